@@ -1,0 +1,89 @@
+// kinloop eval: how far an estimated trajectory is from ground truth.
+
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "apps/commands.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/time.hpp"
+#include "kinloop/eval/evaluate.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr const char* kFooter = R"(
+Both files hold lines "timestamp tx ty tz qx qy qz qw". Figures are those of the TUM RGB-D benchmark's tools: poses
+at most 0.02 s apart belong together, the estimate is moved rigidly onto the truth (no scale).
+  ATE   distance between positions, all over the path           evaluate_ate.py
+  RPE   error of the motion over 1 s and from frame to frame    evaluate_rpe.py --fixed_delta
+
+Example:
+  kinloop eval out/trajectory.txt ../shared/data/redkitchen/groundtruth.txt)";
+
+struct EvalArguments {
+  std::filesystem::path estimate;
+  std::filesystem::path truth;
+  bool json = false;
+};
+
+std::string span_text(const Trajectory& trajectory) {
+  if (trajectory.empty()) return "is empty";
+  return fmt::format("lasts from {} to {}", format_stamp(trajectory.front().stamp_ns),
+                     format_stamp(trajectory.back().stamp_ns));
+}
+
+void print_row(const char* name, const char* unit, const ErrorStatistics& s) {
+  fmt::print("{:<20} {:<4} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} {:>7}\n", name, unit,
+             s.rmse, s.mean, s.median, s.std, s.min, s.max, s.count);
+}
+
+void print_rpe(const char* interval, const std::optional<RpeResult>& rpe) {
+  if (!rpe) return;
+  print_row(fmt::format("RPE {} translation", interval).c_str(), "m", rpe->translation_m);
+  print_row(fmt::format("RPE {} rotation", interval).c_str(), "deg", rpe->rotation_deg);
+}
+
+void print_table(const Evaluation& evaluation) {
+  fmt::print("{:<25} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>7}\n", "", "rmse", "mean", "median", "std",
+             "min", "max", "pairs");
+  print_row("ATE", "m", evaluation.ate.error_m);
+  print_rpe("1 s", evaluation.rpe_second);
+  print_rpe("1 f", evaluation.rpe_frame);
+  fmt::print("\ncoverage   {:.1f} % of the truth's time; {:.1f} % of the estimated poses have a truth\n",
+             100 * evaluation.coverage.time_share, 100 * evaluation.coverage.matched_share);
+}
+
+void run_eval(const EvalArguments& arguments) {
+  const Trajectory estimate = read_tum_trajectory(arguments.estimate);
+  const Trajectory truth = read_tum_trajectory(arguments.truth);
+  const auto evaluation = evaluate(estimate, truth);
+  if (!evaluation) {
+    throw InputError(fmt::format(
+        "{}: fewer than three poses have ground truth within 0.02 s, or all lie on one line: the estimate "
+        "{}, {} {}; "
+        "give the ground truth of the same recording",
+        arguments.estimate.string(), span_text(estimate), arguments.truth.string(), span_text(truth)));
+  }
+  if (arguments.json) {
+    fmt::print("{}\n", to_json(*evaluation).dump(2));
+  } else {
+    print_table(*evaluation);
+  }
+}
+
+}  // namespace
+
+void add_eval_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("eval", "Compare a trajectory with ground truth: ATE, RPE, coverage");
+  command->footer(kFooter);
+  auto arguments = std::make_shared<EvalArguments>();
+  command->add_option("estimate", arguments->estimate, "The estimated trajectory, in TUM format")->required();
+  command->add_option("groundtruth", arguments->truth, "The true trajectory, in TUM format")->required();
+  command->add_flag("--json", arguments->json, "Print the figures as JSON");
+  command->callback([arguments] { run_eval(*arguments); });
+}
+
+}  // namespace kinloop

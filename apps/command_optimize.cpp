@@ -1,0 +1,138 @@
+// kinloop optimize: solves a pose graph in a .g2o file.
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+#include "kinloop/optimize/g2o_file.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr const char* kFooter = R"(
+chi2 is the sum over all edges of e' Omega e, with the error e as in g2o's EDGE_SE3:QUAT and EDGE_SE2; it is
+always given without the robust kernel, so that runs can be compared. 'seconds' is the time of solving alone.
+A file without vertices starts from poses chained along a spanning tree; without a FIX line the first vertex of
+each connected part is held. Edges between successive ids are taken for odometry: no robust kernel touches them.
+
+Examples:
+  kinloop optimize sphere2500.g2o -o solved.g2o
+  kinloop optimize out/graph.g2o -o out/robust.g2o --robust geman-mcclure      some loop edges may be false
+  kinloop optimize graph.g2o -o solved.g2o --solver ceres --json               compare the solvers)";
+
+struct OptimizeArguments {
+  std::filesystem::path input;
+  std::filesystem::path output;
+  std::string solver, method, start, robust, robust_width, iterations;
+  bool overwrite = false;
+  bool json = false;
+};
+
+PoseGraphOptions pose_graph_options(const OptimizeArguments& arguments) {
+  std::vector<std::string> assignments;
+  const auto add = [&](const char* key, const std::string& value) {
+    if (!value.empty()) assignments.push_back(fmt::format("{}={}", key, value));
+  };
+  add("solver", arguments.solver);
+  add("method", arguments.method);
+  add("start", arguments.start);
+  add("robust", arguments.robust);
+  add("robust_width", arguments.robust_width);
+  add("max_iterations", arguments.iterations);
+  return with_assignments(PoseGraphOptions{}, assignments);
+}
+
+void check_output(const OptimizeArguments& arguments) {
+  std::error_code ignored;
+  if (arguments.overwrite || !std::filesystem::equivalent(arguments.input, arguments.output, ignored)) return;
+  throw UsageError(fmt::format("{} is the input; choose another -o, or give --overwrite to replace it",
+                               arguments.output.string()));
+}
+
+/// Says what the user should know about the file before believing the figures.
+void warn_about(const G2oFile& file, size_t parts, const std::filesystem::path& path) {
+  if (!file.repaired_lines.empty()) {
+    log::warn(
+        "{}:{}: the information matrices of {} edges, this one first, are not positive semi-definite; "
+        "the nearest that are stand in",
+        path.string(), file.repaired_lines.front(), file.repaired_lines.size());
+  }
+  if (!file.had_vertices) log::info("{}: no vertices, starting from a spanning tree", path.string());
+  if (parts > 1) log::warn("{}: {} parts that no edge connects; each is solved", path.string(), parts);
+}
+
+template <class Pose>
+void report(const BasicPoseGraph<Pose>& graph, const BasicPoseGraphSolution<Pose>& solution, size_t parts,
+            const G2oFile& file, bool json) {
+  if (json) {
+    const nlohmann::ordered_json figures = {
+        {"chi2_before", solution.chi2_before},
+        {"chi2_after", solution.chi2_after},
+        {"iterations", solution.iterations},
+        {"seconds", solution.seconds},
+        {"converged", solution.converged},
+        {"solver", solution.solver},
+        {"vertices", graph.T_world_vertex.size()},
+        {"edges", graph.edges.size()},
+        {"parts", parts},
+        {"repaired_edges", file.repaired_lines.size()},
+    };
+    fmt::print("{}\n", figures.dump(2));
+    return;
+  }
+  fmt::print("graph       {} vertices, {} edges\n", graph.T_world_vertex.size(), graph.edges.size());
+  fmt::print("solver      {}: {} iterations, {:.3f} s{}\n", solution.solver, solution.iterations,
+             solution.seconds, solution.converged ? "" : ", not converged");
+  fmt::print("chi2        {} -> {}\n", solution.chi2_before, solution.chi2_after);
+}
+
+void optimize(const OptimizeArguments& arguments) {
+  const PoseGraphOptions options = pose_graph_options(arguments);
+  check_output(arguments);
+  G2oFile file = read_g2o(arguments.input);
+  std::visit(
+      [&](auto& graph) {
+        const size_t parts = count_connected_parts(graph);
+        warn_about(file, parts, arguments.input);
+        auto solution = solve_pose_graph(graph, options);
+        graph.T_world_vertex = solution.T_world_vertex;
+        write_g2o(arguments.output, file);
+        report(graph, solution, parts, file, arguments.json);
+      },
+      file.graph);
+}
+
+}  // namespace
+
+void add_optimize_command(CLI::App& app) {
+  auto arguments = std::make_shared<OptimizeArguments>();
+  CLI::App* command = app.add_subcommand("optimize", "Solves the pose graph of a .g2o file");
+  command->footer(kFooter);
+  command->add_option("input", arguments->input, "the graph")->required()->type_name("IN.g2o");
+  command->add_option("-o,--output", arguments->output, "where the solved graph goes")
+      ->required()
+      ->type_name("OUT.g2o");
+  command->add_option("--solver", arguments->solver, "auto (the built-in one), builtin, ceres or g2o");
+  command->add_option("--method", arguments->method, "auto, levenberg, gauss-newton or dogleg");
+  command->add_option("--start", arguments->start,
+                      "auto, given (the poses of the file), tree (chained along a spanning tree) or chordal "
+                      "(rotations, then translations, by linear least squares)");
+  command->add_option("--robust", arguments->robust,
+                      "kernel against false loop edges: none, huber, cauchy, geman-mcclure or dcs");
+  command->add_option("--robust-width", arguments->robust_width,
+                      "standard deviations beyond which an edge loses weight");
+  command->add_option("--iterations", arguments->iterations, "steps at most");
+  command->add_flag("--overwrite", arguments->overwrite, "let -o name the input file");
+  command->add_flag("--json", arguments->json, "print the figures as JSON");
+  command->callback([arguments] { optimize(*arguments); });
+}
+
+}  // namespace kinloop

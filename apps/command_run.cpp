@@ -1,0 +1,150 @@
+// kinloop run: a sequence in, a trajectory, a map and a report out.
+
+#include <cstdio>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "apps/commands.hpp"
+#include "apps/dense_recorder.hpp"
+#include "apps/interrupt.hpp"
+#include "apps/open_source.hpp"
+#include "apps/progress_bar.hpp"
+#include "apps/report_file.hpp"
+#include "apps/run_summary.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/optimize/g2o_file.hpp"
+#include "kinloop/output/run_folder.hpp"
+#include "kinloop/slam/frame_pipeline.hpp"
+
+namespace kinloop {
+namespace {
+
+struct RunArguments {
+  std::string sequence;
+  std::filesystem::path output = "out";
+  std::string camera;
+  std::string solver = "auto";
+  bool no_loop = false;
+  bool list_options = false;
+  bool quiet = false;
+  int threads = 0;
+  std::vector<std::string> assignments;
+};
+
+RunOptions options_of(const RunArguments& arguments) {
+  RunOptions options = with_assignments(RunOptions{}, arguments.assignments);
+  if (arguments.no_loop) options.slam.loop.enabled = false;
+  if (arguments.solver != "auto") options.slam.loop.pose_graph.solver = arguments.solver;
+  if (!pose_graph_solver_available(options.slam.loop.pose_graph.solver)) {
+    throw UsageError(fmt::format("--solver {}: not in this build; see kinloop --version", arguments.solver));
+  }
+  return options;
+}
+
+/// Feeds all frames; false when Ctrl-C ended it early.
+bool process_all(FrameSource& source, Slam& slam, const Progress& progress) {
+  FramePipeline pipeline(source, slam);
+  size_t done = 0;
+  while (const auto frame = pipeline.next()) {
+    slam.process(*frame);
+    report(progress, "mapping", ++done, source.info().frames);
+    if (interrupted()) return false;
+  }
+  return true;
+}
+
+/// Lost at the end, or never found: what the exit code tells scripts.
+bool lost_for_good(const FrameLog& log) {
+  return log.empty() || log.back().status == TrackStatus::kLost;
+}
+
+void warn_of_skipped(const FrameSource& source) {
+  const auto skipped = source.skipped();
+  if (skipped.empty()) return;
+  log::warn("{} frames were skipped; the first: {}: {}", skipped.size(), skipped.front().name,
+            skipped.front().reason);
+}
+
+ExitCode run(const RunArguments& arguments) {
+  const Stopwatch watch;
+  const RunOptions options = options_of(arguments);
+  const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
+  const auto camera = arguments.camera.empty() ? std::nullopt : std::optional(arguments.camera);
+  const RunFolder folder(arguments.output);
+  const auto source = open_source(arguments.sequence, camera, options.sim, threads);
+  const Progress progress = make_progress_bar(arguments.quiet);
+
+  Slam slam(source->camera(), options.slam);
+  DenseRecorder recorder(source->camera(), options.dense);
+  slam.listen(recorder);
+  catch_interrupts();
+  const bool complete = process_all(*source, slam, progress);
+  if (!complete) log::warn("interrupted: finishing with the {} frames there are", slam.log().size());
+  const Trajectory trajectory = slam.finish(progress);
+  const ColoredCloud cloud = recorder.fuse(slam.log(), slam.map(), threads, progress);
+  warn_of_skipped(*source);
+
+  const Trajectory& truth = source->info().ground_truth;
+  const auto evaluation = truth.empty() ? std::nullopt : evaluate(trajectory, truth);
+  const auto summary =
+      run_summary({*source, slam, options, evaluation, cloud.size(), watch.wall_s(), threads, !complete});
+  write_run_files(folder, {trajectory, keyframe_trajectory(slam.map()), truth, cloud, summary});
+  write_g2o(folder.graph(), {make_pose_graph(slam.map(), options.slam.loop), {}, true, {}});
+  write_report(folder);
+  if (!arguments.quiet) {
+    fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
+               folder.path().string());
+  }
+  if (lost_for_good(slam.log())) {
+    log::error("tracking was lost and not regained; see {}", (arguments.output / "report.html").string());
+    return ExitCode::kTrackingLost;
+  }
+  return ExitCode::kDone;
+}
+
+void print_options() {
+  RunOptions options;
+  fmt::print("Options for --set key=value, with their defaults:\n{}", options_help(option_entries(options)));
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, ExitCode& exit_code) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command = app.add_subcommand("run", "Map a sequence: trajectory, coloured map, report");
+  command->add_option("SEQUENCE", arguments->sequence,
+                      "a folder in TUM layout (rgb.txt, depth.txt, ...), or sim:room, the simulated Kinect\n"
+                      "(sim:room:7 is another room)");
+  command->add_option("-o,--output", arguments->output, "folder for the results")->capture_default_str();
+  command->add_option(
+      "--camera", arguments->camera,
+      "camera.yaml to use, or freiburg1, freiburg2, freiburg3, icl; else camera.yaml in the folder, "
+      "else by the folder's name");
+  command->add_flag("--no-loop", arguments->no_loop, "do not close loops");
+  command->add_option("--solver", arguments->solver, "who solves the pose graph: auto, builtin, ceres, g2o")
+      ->check(CLI::IsMember({"auto", "builtin", "ceres", "g2o"}));
+  command->add_option("--set", arguments->assignments, "change an option, key=value; see --options")
+      ->allow_extra_args(false);
+  command->add_flag("--options", arguments->list_options, "list all options of --set and exit");
+  command
+      ->add_option("--threads", arguments->threads,
+                   "threads of parallel work, 0 = all; the results are the same")
+      ->check(CLI::Range(0, 1024));
+  command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
+  command->footer(
+      "Examples:\n"
+      "  kinloop run sim:room -o out\n"
+      "  kinloop run rgbd_dataset_freiburg1_room -o room --set dense.voxel_m=0.005\n"
+      "  kinloop run FOLDER --camera my_kinect.yaml --no-loop");
+  command->callback([arguments, &exit_code] {
+    if (arguments->list_options) return print_options();
+    if (arguments->sequence.empty()) throw UsageError("run: which SEQUENCE? See kinloop run --help");
+    exit_code = run(*arguments);
+  });
+}
+
+}  // namespace kinloop

@@ -1,0 +1,41 @@
+#include "apps/dense_recorder.hpp"
+
+#include <unordered_map>
+
+namespace kinloop {
+namespace {
+
+ImageStoreOptions store_options(const RgbdCamera& camera, const DenseOptions& options) {
+  ImageStoreOptions store;
+  store.depth_scale = camera.depth_scale;
+  store.jpeg_quality = options.jpeg_quality;
+  store.memory_limit_bytes = static_cast<size_t>(options.image_memory_mib) << 20;
+  return store;
+}
+
+}  // namespace
+
+DenseRecorder::DenseRecorder(const RgbdCamera& camera, const DenseOptions& options)
+    : camera_(camera), options_(options), images_(store_options(camera, options)) {}
+
+void DenseRecorder::on_frame(const FrameResult& result, const PreparedFrame& frame) {
+  if (result.status == TrackStatus::kLost) return;
+  const bool in_step =
+      options_.frame_step > 0 && result.frame.value % static_cast<uint32_t>(options_.frame_step) == 0;
+  if (!result.keyframe.valid() && !in_step) return;
+  images_.add(frame.color, frame.depth_m);
+  frame_of_image_.push_back(result.frame);
+}
+
+ColoredCloud DenseRecorder::fuse(const FrameLog& log, const Map& map, int threads,
+                                 const Progress& progress) const {
+  std::unordered_map<FrameId, SE3> pose_of;
+  for (const LoggedFrame& entry : log) {
+    if (entry.status != TrackStatus::kLost) pose_of.emplace(entry.frame, world_pose(entry, map));
+  }
+  std::vector<PosedImage> views;
+  for (size_t i = 0; i < frame_of_image_.size(); ++i) views.push_back({i, pose_of.at(frame_of_image_[i])});
+  return fuse_keyframes(images_, views, camera_.color, options_, threads, progress);
+}
+
+}  // namespace kinloop

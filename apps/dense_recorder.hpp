@@ -1,0 +1,29 @@
+#pragma once
+// Listens to a run and keeps the images of its keyframes, so that the dense map can be made from their final
+// poses.
+
+#include "kinloop/dense/fuse_keyframes.hpp"
+#include "kinloop/slam/frame_log.hpp"
+#include "kinloop/slam/listener.hpp"
+
+namespace kinloop {
+
+class DenseRecorder : public Listener {
+ public:
+  DenseRecorder(const RgbdCamera& camera, const DenseOptions& options);
+
+  void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
+  void on_map(const Map&) override {}
+
+  /// The coloured cloud of all images kept, at the poses of `log` and `map`.
+  [[nodiscard]] ColoredCloud fuse(const FrameLog& log, const Map& map, int threads,
+                                  const Progress& progress) const;
+
+ private:
+  RgbdCamera camera_;
+  DenseOptions options_;
+  KeyframeImages images_;
+  std::vector<FrameId> frame_of_image_;
+};
+
+}  // namespace kinloop

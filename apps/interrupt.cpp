@@ -1,0 +1,27 @@
+#include "apps/interrupt.hpp"
+
+#include <csignal>
+
+namespace kinloop {
+namespace {
+
+// A signal handler can reach nothing but a global; it is the only one of the program.
+volatile std::sig_atomic_t g_interrupted = 0;
+
+void on_signal(int signal) {
+  g_interrupted = 1;
+  std::signal(signal, SIG_DFL);
+}
+
+}  // namespace
+
+void catch_interrupts() {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+}
+
+bool interrupted() {
+  return g_interrupted != 0;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,66 @@
+// The kinloop program: parses the command line, runs one command, turns exceptions into one line and an exit
+// code.
+
+#include <exception>
+#include <new>
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+
+#include "apps/commands.hpp"
+#include "apps/version.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+
+namespace {
+
+using kinloop::ExitCode;
+
+void set_up_log() {
+  // Results go to standard output; what is said about the work goes to standard error.
+  auto logger = spdlog::stderr_color_st("kinloop");
+  logger->set_pattern("%^%l:%$ %v");
+  spdlog::set_default_logger(logger);
+}
+
+ExitCode run(int argc, char** argv) {
+  CLI::App app(
+      "kinloop: a camera trajectory and a coloured 3D map from a Kinect-class camera, on a CPU.\n"
+      "Start with: kinloop run sim:room -o out    (then open out/report.html)");
+  app.set_version_flag("--version", kinloop::version_text());
+  app.require_subcommand(1);
+  ExitCode exit_code = ExitCode::kDone;
+  kinloop::add_run_command(app, exit_code);
+  kinloop::add_eval_command(app);
+  kinloop::add_report_command(app);
+  kinloop::add_vocab_command(app);
+  kinloop::add_optimize_command(app);
+  kinloop::add_simulate_command(app);
+  kinloop::add_bench_command(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kWrongUse;
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  set_up_log();
+  try {
+    return static_cast<int>(run(argc, argv));
+  } catch (const kinloop::UsageError& error) {
+    kinloop::log::error("{}", error.what());
+    return static_cast<int>(ExitCode::kWrongUse);
+  } catch (const kinloop::InputError& error) {
+    kinloop::log::error("{}", error.what());
+    return static_cast<int>(ExitCode::kBadInput);
+  } catch (const std::bad_alloc&) {
+    kinloop::log::error("out of memory; try a larger --set dense.voxel_m or a shorter sequence");
+    return static_cast<int>(ExitCode::kBadInput);
+  } catch (const std::exception& error) {
+    kinloop::log::error("internal error: {} (please report it)", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,128 @@
+#include "apps/run_summary.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "apps/version.hpp"
+#include "kinloop/base/time.hpp"
+
+namespace kinloop {
+namespace {
+
+using nlohmann::json;
+
+struct ProcessUse {
+  double cpu_s = 0;
+  double peak_memory_mib = 0;
+};
+
+ProcessUse process_use() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return {seconds(usage.ru_utime) + seconds(usage.ru_stime), static_cast<double>(usage.ru_maxrss) / 1024.0};
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto index = static_cast<size_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(index), values.end());
+  return values[index];
+}
+
+json loops_json(const Map& map) {
+  json loops = json::array();
+  for (const LoopEdge& edge : map.loop_edges()) {
+    loops.push_back({{"stamp_a", format_stamp(map.keyframe(edge.a).stamp_ns)},
+                     {"stamp_b", format_stamp(map.keyframe(edge.b).stamp_ns)},
+                     {"inliers", edge.inliers}});
+  }
+  return loops;
+}
+
+json options_json(RunOptions options) {
+  json values;
+  for (const OptionEntry& entry : option_entries(options)) {
+    std::visit([&](const auto& value) { values[entry.key] = value; }, entry.value);
+  }
+  return values;
+}
+
+json rooms_json(const RoomTimes& times) {
+  json rooms = json::object();
+  for (const auto& [room, spent] : times.rooms)
+    rooms[room] = {{"wall_s", spent.wall_s}, {"cpu_s", spent.cpu_s}};
+  return rooms;
+}
+
+json sensor_json(const SensorEstimate& sensor) {
+  json parameters = json::object();
+  for (int k = 0; k < kSensorParameterCount; ++k) {
+    if (!sensor.used[static_cast<size_t>(k)]) continue;
+    parameters[sensor_parameter_name(static_cast<SensorParameter>(k))] = {{"value", sensor.value(k)},
+                                                                          {"sigma", sensor.sigma(k)}};
+  }
+  return parameters;
+}
+
+json skipped_json(const FrameSource& source) {
+  json skipped = json::array();
+  for (const auto& [name, reason] : source.skipped()) skipped.push_back({{"name", name}, {"reason", reason}});
+  return skipped;
+}
+
+}  // namespace
+
+json run_summary(const RunOutcome& o) {
+  const FrameLog& log = o.slam.log();
+  const auto tracked =
+      std::count_if(log.begin(), log.end(), [](const auto& f) { return f.status != TrackStatus::kLost; });
+  const auto dense_only = std::count_if(log.begin(), log.end(),
+                                        [](const auto& f) { return f.status == TrackStatus::kDenseOnly; });
+  const ProcessUse use = process_use();
+  json summary;
+  summary["version"] = version_text();
+  summary["input"] = o.source.info().name;
+  summary["frames"] = log.size();
+  summary["tracked"] = tracked;
+  summary["tracked_densely"] = dense_only;
+  summary["skipped"] = skipped_json(o.source);
+  summary["interrupted"] = o.interrupted;
+  summary["keyframes"] = o.slam.map().keyframes().size();
+  summary["landmarks"] = o.slam.map().landmark_count();
+  summary["loops"] = loops_json(o.slam.map());
+  summary["sensor"] = sensor_json(o.slam.sensor());
+  summary["wall_s"] = o.wall_s;
+  summary["cpu_s"] = use.cpu_s;
+  summary["threads"] = o.threads;
+  summary["rooms"] = rooms_json(o.slam.times());
+  summary["frame_ms"] = {{"median", quantile(o.slam.times().frame_ms, 0.5)},
+                         {"p95", quantile(o.slam.times().frame_ms, 0.95)}};
+  summary["peak_memory_mib"] = use.peak_memory_mib;
+  summary["map"] = {{"points", o.map_points}, {"voxel_m", o.options.dense.voxel_m}};
+  if (o.evaluation) summary["evaluation"] = to_json(*o.evaluation);
+  summary["options"] = options_json(o.options);
+  return summary;
+}
+
+std::string summary_text(const json& s) {
+  std::string text = fmt::format(
+      "frames     {} tracked of {} ({} skipped as damaged)\n"
+      "keyframes  {}, landmarks {}, loops {}\n"
+      "map        {} points, voxels of {} m\n"
+      "time       {:.1f} s, {:.1f} ms a frame (median), {:.1f} ms (95 %)\n"
+      "memory     {:.0f} MiB at most\n",
+      s["tracked"].get<long>(), s["frames"].get<long>(), s["skipped"].size(), s["keyframes"].get<long>(),
+      s["landmarks"].get<long>(), s["loops"].size(), s["map"]["points"].get<long>(),
+      s["map"]["voxel_m"].get<double>(), s["wall_s"].get<double>(), s["frame_ms"]["median"].get<double>(),
+      s["frame_ms"]["p95"].get<double>(), s["peak_memory_mib"].get<double>());
+  if (!s.contains("evaluation")) return text;
+  const json& e = s["evaluation"];
+  return text + fmt::format("error      ATE {:.4f} m\n", e["ate"]["rmse_m"].get<double>());
+}
+
+}  // namespace kinloop

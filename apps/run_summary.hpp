@@ -1,0 +1,33 @@
+#pragma once
+// Every figure of a run, as run.json holds it.
+
+#include <optional>
+#include <span>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/run_options.hpp"
+#include "kinloop/eval/evaluate.hpp"
+#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/slam/slam.hpp"
+
+namespace kinloop {
+
+/// What a run ended with.
+struct RunOutcome {
+  const FrameSource& source;
+  const Slam& slam;
+  const RunOptions& options;
+  std::optional<Evaluation> evaluation;  ///< where there is ground truth
+  size_t map_points = 0;
+  double wall_s = 0;
+  int threads = 1;
+  bool interrupted = false;
+};
+
+nlohmann::json run_summary(const RunOutcome& outcome);
+
+/// The lines printed at the end of a run.
+std::string summary_text(const nlohmann::json& summary);
+
+}  // namespace kinloop

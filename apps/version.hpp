@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string>
+
+namespace kinloop {
+
+/// "kinloop 0.1.0" and which optional parts are in.
+std::string version_text();
+
+}  // namespace kinloop

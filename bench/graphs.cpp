@@ -1,0 +1,244 @@
+// bench_graphs: the three pose-graph solvers side by side in one run.
+//
+//   bench_graphs standard [DIR]    every .g2o file in DIR, from the file's start, a noisy start and none
+//   bench_graphs growth [MAX]      generated graphs of 1000 poses and more, up to MAX (100000)
+//   bench_graphs outliers [DIR]    false loop edges: error against the clean solution, by robust kernel
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "kinloop/base/random.hpp"
+#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/optimize/g2o_file.hpp"
+#include "kinloop/optimize/pose_graph_error.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr int kRuns = 3;  // the median is reported
+
+/// One way to solve a graph.
+struct Contestant {
+  const char* solver;
+  const char* method;
+  const char* start;
+};
+
+// g2o's own command line starts from a spanning tree when asked to; both starts compete.
+constexpr Contestant kContestants[] = {
+    {"builtin", "auto", "auto"},     {"ceres", "levenberg", "given"}, {"ceres", "levenberg", "tree"},
+    {"g2o", "levenberg", "given"},   {"g2o", "levenberg", "tree"},    {"g2o", "gauss-newton", "given"},
+    {"g2o", "gauss-newton", "tree"}, {"g2o", "dogleg", "given"},      {"g2o", "dogleg", "tree"},
+};
+
+struct Figures {
+  double chi2 = 0;
+  double wall_s = 0, cpu_s = 0;
+  int iterations = 0;
+};
+
+template <class Pose>
+Figures measure(const BasicPoseGraph<Pose>& graph, const Contestant& contestant) {
+  PoseGraphOptions options;
+  options.solver = contestant.solver;
+  options.method = contestant.method;
+  options.start = contestant.start;
+  Figures figures;
+  std::vector<double> walls, cpus;
+  for (int run = 0; run < kRuns; ++run) {
+    const Stopwatch stopwatch;
+    const auto solution = solve_pose_graph(graph, options);
+    cpus.push_back(stopwatch.cpu_s());
+    walls.push_back(solution.seconds);
+    figures.chi2 = solution.chi2_after;
+    figures.iterations = solution.iterations;
+  }
+  std::sort(walls.begin(), walls.end());
+  std::sort(cpus.begin(), cpus.end());
+  figures.wall_s = walls[kRuns / 2];
+  figures.cpu_s = cpus[kRuns / 2];
+  return figures;
+}
+
+template <class Pose>
+void compare(const std::string& name, const BasicPoseGraph<Pose>& graph) {
+  for (const Contestant& contestant : kContestants) {
+    if (!pose_graph_solver_available(contestant.solver)) continue;
+    const Figures figures = measure(graph, contestant);
+    fmt::print("{:32} {:8} {:13} {:6} chi2 {:<18.10g} {:4} iterations {:8.4f} s, {:8.4f} s of CPU\n", name,
+               contestant.solver, contestant.method, contestant.start, figures.chi2, figures.iterations,
+               figures.wall_s, figures.cpu_s);
+  }
+}
+
+/// The graph with every pose but the first moved by noise of that size.
+template <class Pose>
+BasicPoseGraph<Pose> with_noise(BasicPoseGraph<Pose> graph, double sigma) {
+  Random random(1);
+  for (size_t i = 1; i < graph.T_world_vertex.size(); ++i) {
+    typename BasicPoseGraph<Pose>::Vector d;
+    for (int k = 0; k < d.size(); ++k) d[k] = sigma * random.gaussian();
+    graph.T_world_vertex[i] = retract(graph.T_world_vertex[i], d);
+  }
+  return graph;
+}
+
+template <class Pose>
+BasicPoseGraph<Pose> without_start(BasicPoseGraph<Pose> graph) {
+  std::fill(graph.T_world_vertex.begin(), graph.T_world_vertex.end(), Pose{});
+  return graph;
+}
+
+std::vector<std::filesystem::path> graphs_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".g2o") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+void run_standard(const std::filesystem::path& folder) {
+  constexpr double kNoise = 0.5;  // metres, radians
+  for (const auto& path : graphs_in(folder)) {
+    const std::string name = path.stem().string();
+    std::visit(
+        [&](const auto& graph) {
+          compare(name, graph);
+          compare(name + ", noisy", with_noise(graph, kNoise));
+          compare(name + ", no start", without_start(graph));
+        },
+        read_g2o(path).graph);
+  }
+}
+
+/// A walk on the unit grid in space, with an edge to an earlier pose wherever it comes back to a cell.
+PoseGraph grid_walk(uint32_t count) {
+  constexpr double kSigma = 0.02;  // metres, radians
+  Random random(count);
+  const auto side = static_cast<int64_t>(std::cbrt(count)) + 2;
+  const Matrix6d information = Matrix6d::Identity() / (kSigma * kSigma);
+  std::vector<SE3> truth = {SE3{}};
+  std::vector<uint32_t> last_at(static_cast<size_t>(side * side * side), kWorld);
+  PoseGraph graph;
+  const auto measure = [&](uint32_t a, uint32_t b) {
+    Vector6d noise;
+    for (double& value : noise) value = kSigma * random.gaussian();
+    graph.edges.push_back({a, b, retract(truth[a].inverse() * truth[b], noise), information, b == a + 1});
+  };
+  Eigen::Vector3i cell = Eigen::Vector3i::Zero();
+  while (truth.size() < count) {
+    const int axis = static_cast<int>(random.index(3));
+    const int step = random.index(2) == 0 ? 1 : -1;
+    if (cell[axis] + step < 0 || cell[axis] + step >= side) continue;
+    cell[axis] += step;
+    Vector6d turn = Vector6d::Zero();
+    for (int i = 3; i < 6; ++i) turn[i] = random.uniform(-0.5, 0.5);
+    SE3 T = retract(truth.back(), turn);
+    T.translation = cell.cast<double>();
+    truth.push_back(T);
+    const auto index = static_cast<uint32_t>(truth.size() - 1);
+    measure(index - 1, index);
+    uint32_t& last = last_at[static_cast<size_t>((cell.x() * side + cell.y()) * side + cell.z())];
+    if (last != kWorld && last + 1 < index) measure(last, index);
+    last = index;
+  }
+  graph.T_world_vertex.resize(count);
+  graph.T_world_vertex = spanning_tree_poses(graph);
+  return graph;
+}
+
+double peak_memory_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+void run_growth(uint32_t most) {
+  for (uint32_t count = 1000; count <= most; count *= 10) {
+    const PoseGraph graph = grid_walk(count);
+    const auto solution = solve_pose_graph(graph);
+    fmt::print("{:7} poses {:7} edges: chi2 {:.8g}, {} iterations, {:.3f} s, peak {:.0f} MiB\n", count,
+               graph.edges.size(), solution.chi2_after, solution.iterations, solution.seconds,
+               peak_memory_mib());
+  }
+}
+
+/// The graph with `share` as many false loop edges added as it has loop edges.
+template <class Pose>
+BasicPoseGraph<Pose> with_false_loops(BasicPoseGraph<Pose> graph, double share) {
+  Random random(7);
+  const auto count = static_cast<uint32_t>(graph.T_world_vertex.size());
+  std::vector<size_t> loops;
+  for (size_t i = 0; i < graph.edges.size(); ++i) {
+    if (!graph.edges[i].trusted) loops.push_back(i);
+  }
+  const auto wanted = static_cast<size_t>(share * static_cast<double>(loops.size()));
+  for (size_t i = 0; i < wanted; ++i) {
+    auto edge =
+        graph.edges[loops[random.index(static_cast<uint32_t>(loops.size()))]];  // a true measurement ...
+    do {
+      edge.a = random.index(count);  // ... between the wrong poses
+      edge.b = random.index(count);
+    } while (edge.a == edge.b);
+    graph.edges.push_back(edge);
+  }
+  return graph;
+}
+
+template <class Pose>
+double translation_rmse(const std::vector<Pose>& a, const std::vector<Pose>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += (a[i].translation - b[i].translation).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+template <class Pose>
+void compare_kernels(const std::string& name, const BasicPoseGraph<Pose>& graph) {
+  const auto clean = solve_pose_graph(graph).T_world_vertex;
+  for (const double share : {0.1, 0.3}) {
+    const auto spoilt = with_false_loops(graph, share);
+    for (const char* kernel : {"none", "huber", "cauchy", "geman-mcclure", "dcs"}) {
+      PoseGraphOptions options;
+      options.robust = kernel;
+      const auto solution = solve_pose_graph(spoilt, options);
+      fmt::print(
+          "{:12} {:3.0f} % false loops {:14} {:10.4f} m from the clean solution, {:4} iterations, {:.3f} s\n",
+          name, 100 * share, kernel, translation_rmse(solution.T_world_vertex, clean), solution.iterations,
+          solution.seconds);
+    }
+  }
+}
+
+void run_outliers(const std::filesystem::path& folder) {
+  for (const char* name : {"sphere2500", "intel", "manhattan"}) {
+    const auto path = folder / (std::string(name) + ".g2o");
+    if (!std::filesystem::exists(path)) continue;
+    std::visit([&](const auto& graph) { compare_kernels(name, graph); }, read_g2o(path).graph);
+  }
+}
+
+}  // namespace
+}  // namespace kinloop
+
+int main(int argc, char** argv) {
+  const std::string mode = argc > 1 ? argv[1] : "";
+  const std::string argument = argc > 2 ? argv[2] : "";
+  const std::filesystem::path folder = argument.empty() ? KINLOOP_SHARED_DATA "/pose_graphs" : argument;
+  if (mode == "standard") {
+    kinloop::run_standard(folder);
+  } else if (mode == "growth") {
+    kinloop::run_growth(argument.empty() ? 100000 : static_cast<uint32_t>(std::stoul(argument)));
+  } else if (mode == "outliers") {
+    kinloop::run_outliers(folder);
+  } else {
+    fmt::print(stderr, "usage: bench_graphs standard [DIR] | growth [MAX_POSES] | outliers [DIR]\n");
+    return 2;
+  }
+  return 0;
+}

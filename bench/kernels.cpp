@@ -1,0 +1,91 @@
+// The hot kernels, each on input of the size that a 640x480 frame gives. Run:
+// build/release/bench/bench_kernels
+
+#include <benchmark/benchmark.h>
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/features/extractor.hpp"
+#include "kinloop/features/matcher.hpp"
+#include "kinloop/map/local_view.hpp"
+#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/sensor/simulation/simulated_source.hpp"
+#include "kinloop/tracking/tracker.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Two neighbouring frames of the simulated room.
+struct Frames {
+  PinholeCamera camera;
+  PreparedFrame first, second;
+
+  Frames() {
+    const auto source = make_simulated_source("sim:room", {}, 2);
+    camera = source->camera().color;
+    first = prepare(source->frame(100));
+    second = prepare(source->frame(101));
+  }
+
+  [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const {
+    PreparedFrame prepared;
+    prepared.id = frame.id;
+    prepared.stamp_ns = frame.stamp_ns;
+    prepared.depth_m = frame.depth_m;
+    cv::cvtColor(frame.color, prepared.gray, cv::COLOR_BGR2GRAY);
+    prepared.features =
+        std::make_shared<const Features>(extract_features(prepared.gray, frame.depth_m, camera, {}));
+    return prepared;
+  }
+};
+
+const Frames& frames() {
+  static const Frames kFrames;
+  return kFrames;
+}
+
+void extract_orb(benchmark::State& state) {
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        extract_features(frames().first.gray, frames().first.depth_m, frames().camera, {}));
+  }
+}
+BENCHMARK(extract_orb)->Unit(benchmark::kMillisecond);
+
+void match_all(benchmark::State& state) {
+  const cv::Mat& a = frames().first.features->descriptors;
+  const cv::Mat& b = frames().second.features->descriptors;
+  for (auto _ : state) benchmark::DoNotOptimize(match_brute_force(a, b, true));
+}
+BENCHMARK(match_all)->Unit(benchmark::kMillisecond);
+
+void words_of_image(benchmark::State& state) {
+  const Vocabulary vocabulary = load_default_vocabulary();
+  for (auto _ : state) benchmark::DoNotOptimize(vocabulary.words_of(frames().first.features->descriptors));
+}
+BENCHMARK(words_of_image)->Unit(benchmark::kMillisecond);
+
+void load_dictionary(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(load_default_vocabulary());
+}
+BENCHMARK(load_dictionary)->Unit(benchmark::kMillisecond);
+
+void track_frame(benchmark::State& state) {
+  const Features& features = *frames().first.features;
+  Map map;
+  const KeyframeId keyframe = map.add_keyframe(FrameId{0}, 0, SE3{}, frames().first.features);
+  for (uint32_t i = 0; i < features.size(); ++i) {
+    const auto depth_m = static_cast<double>(features.depths_m[i]);
+    if (depth_m > 0) {
+      map.add_landmark(keyframe, i, frames().camera.unproject(features.pixels[i].cast<double>(), depth_m));
+    }
+  }
+  const LocalView view = make_local_view(map, keyframe, {});
+  const TrackedFrame previous{frames().first, SE3{}, map.keyframe(keyframe).landmark_of};
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(track(frames().second, previous, view, SE3{}, frames().camera, {}, 1));
+  }
+}
+BENCHMARK(track_frame)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace kinloop

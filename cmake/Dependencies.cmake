@@ -1,0 +1,40 @@
+# Every library comes from the distribution's packages. Those under "optional" are found when present, never bundled.
+find_package(Threads REQUIRED)
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
+find_package(Ceres REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(spdlog REQUIRED)
+
+# yaml-cpp names its target differently before and after 0.8.
+if(NOT TARGET yaml-cpp::yaml-cpp)
+  add_library(yaml-cpp::yaml-cpp ALIAS yaml-cpp)
+endif()
+
+# OpenCV's config names plain libraries; one target carries them with its headers as system headers.
+add_library(kinloop_opencv INTERFACE)
+target_include_directories(kinloop_opencv SYSTEM INTERFACE $<BUILD_INTERFACE:${OpenCV_INCLUDE_DIRS}>)
+target_link_libraries(kinloop_opencv INTERFACE opencv_core opencv_imgproc opencv_imgcodecs opencv_features2d
+                                               opencv_calib3d)
+
+# SuiteSparse brings CMake files of its own only from version 6 on.
+find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
+find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
+add_library(kinloop_cholmod INTERFACE)
+target_include_directories(kinloop_cholmod SYSTEM INTERFACE $<BUILD_INTERFACE:${CHOLMOD_INCLUDE_DIR}>)
+target_link_libraries(kinloop_cholmod INTERFACE ${CHOLMOD_LIBRARY})
+
+# Optional parts.
+find_package(g2o QUIET)
+if(KINLOOP_TESTS)
+  find_package(GTest REQUIRED)
+endif()
+if(KINLOOP_BENCH)
+  find_package(benchmark QUIET)
+endif()
+
+foreach(part g2o benchmark)
+  message(STATUS "kinloop optional part ${part}: ${${part}_FOUND}")
+endforeach()

@@ -1,0 +1,16 @@
+# `cmake --install` gives the program, the headers, the libraries and kinloopConfig.cmake.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+get_property(rooms GLOBAL PROPERTY KINLOOP_ROOMS)
+install(TARGETS ${rooms} kinloop_opencv kinloop_cholmod EXPORT kinloopTargets)
+install(TARGETS kinloop)
+install(DIRECTORY kinloop DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
+install(EXPORT kinloopTargets NAMESPACE kinloop:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kinloop)
+configure_package_config_file(cmake/kinloopConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/kinloopConfig.cmake
+                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kinloop)
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/kinloopConfigVersion.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/kinloopConfig.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/kinloopConfigVersion.cmake
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kinloop)

@@ -1,0 +1,34 @@
+#pragma once
+// Typed ids. Everything in kinloop refers to everything else by id, never by pointer; a KeyframeId cannot be
+// passed where a LandmarkId is expected.
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+
+namespace kinloop {
+
+/// An index that remembers what it counts. A default id names nothing (`valid()` is false).
+template <class Tag>
+struct Id {
+  static constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+
+  uint32_t value = kNone;
+
+  auto operator<=>(const Id&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 misreads <=>
+  [[nodiscard]] bool valid() const { return value != kNone; }
+};
+
+using FrameId = Id<struct FrameTag>;
+using KeyframeId = Id<struct KeyframeTag>;
+using LandmarkId = Id<struct LandmarkTag>;
+using WordId = Id<struct WordTag>;
+
+}  // namespace kinloop
+
+template <class Tag>
+struct std::hash<kinloop::Id<Tag>> {
+  size_t operator()(const kinloop::Id<Tag>& id) const noexcept { return std::hash<uint32_t>{}(id.value); }
+};

@@ -1,0 +1,95 @@
+#include "kinloop/base/text_file.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+
+void require_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::exists(folder, error)) {
+    throw InputError(fmt::format("{}: no such folder; check the path", folder.string()));
+  }
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw InputError(fmt::format("{}: not a folder; give the folder that holds the files", folder.string()));
+  }
+}
+
+std::vector<TextLine> read_table(const std::filesystem::path& path) {
+  std::istringstream content(read_file(path));
+  std::vector<TextLine> lines;
+  std::string text;
+  for (size_t number = 1; std::getline(content, text); ++number) {
+    std::istringstream words(text);
+    TextLine line{number, {}};
+    for (std::string word; words >> word;) line.fields.push_back(word);
+    if (!line.fields.empty() && line.fields.front().front() != '#') lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw InputError(fmt::format("{}: not a regular file", path.string()));
+  }
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream content;
+  if (stream && stream.peek() != std::ifstream::traits_type::eof()) content << stream.rdbuf();
+  if (stream.bad() || !stream.is_open()) {
+    throw InputError(fmt::format("{}: cannot be read; check its permissions", path.string()));
+  }
+  return std::move(content).str();
+}
+
+double parse_double(const std::string& text, const std::filesystem::path& path, size_t line) {
+  double value = 0;
+  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    throw_at(path, line, fmt::format("'{}' is not a finite number; correct or delete the line", text));
+  }
+  return value;
+}
+
+void throw_at(const std::filesystem::path& path, size_t line, const std::string& what) {
+  throw InputError(fmt::format("{}:{}: {}", path.string(), line, what));
+}
+
+AtomicFile::AtomicFile(std::filesystem::path path)
+    : path_(std::move(path)), temporary_(path_.string() + ".tmp"), stream_(temporary_, std::ios::binary) {
+  if (!stream_) {
+    throw InputError(
+        fmt::format("{}: cannot be written; check that the folder exists and is writable", path_.string()));
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  if (committed_) return;
+  stream_.close();
+  std::error_code ignored;
+  std::filesystem::remove(temporary_, ignored);
+}
+
+void AtomicFile::commit() {
+  stream_.close();
+  if (stream_.fail()) throw InputError(fmt::format("{}: writing failed; is the disk full?", path_.string()));
+  std::error_code error;
+  std::filesystem::rename(temporary_, path_, error);
+  if (error) throw InputError(fmt::format("{}: cannot be replaced: {}", path_.string(), error.message()));
+  committed_ = true;
+}
+
+void write_file(const std::filesystem::path& path, std::string_view content) {
+  AtomicFile file(path);
+  file.stream().write(content.data(), static_cast<std::streamsize>(content.size()));
+  file.commit();
+}
+
+}  // namespace kinloop

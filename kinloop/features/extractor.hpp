@@ -1,0 +1,26 @@
+#pragma once
+// In: an image and its depth. Out: ORB key points (Rublee et al. 2011) spread evenly over the image,
+// undistorted, with depths and descriptors.
+
+#include <opencv2/core/mat.hpp>
+
+#include "kinloop/features/features.hpp"
+#include "kinloop/features/options.hpp"
+#include "kinloop/geometry/camera.hpp"
+
+namespace kinloop {
+
+/// Key points of a grey image (8UC1). `depth_m` (32FC1, same size) may be empty: then all depths are unknown.
+Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const PinholeCamera& camera,
+                          const FeatureOptions& options);
+
+/// Depth at a raw pixel, averaged over the 3x3 around it; 0 where unknown or where the depth steps by more
+/// than `max_relative_step` (a key point on an edge may belong to either side).
+float depth_around(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, double max_relative_step);
+
+/// How inverse depth changes over the image around a raw pixel, 1/m per px; zero where that is unknown or
+/// steps as above.
+Eigen::Vector2f inverse_depth_gradient(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel,
+                                       double max_relative_step);
+
+}  // namespace kinloop

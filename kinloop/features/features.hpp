@@ -1,0 +1,31 @@
+#pragma once
+// What is kept of an image: its key points, their depths and their descriptors.
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+namespace kinloop {
+
+/// Key points of one image, structure of arrays; all vectors and `descriptors` have one entry (row) per key
+/// point.
+struct Features {
+  double scale_factor = 1.2;  ///< size ratio of one pyramid level to the next
+  int level_count = 8;
+  std::vector<Eigen::Vector2f> pixels;  ///< undistorted
+  std::vector<Eigen::Vector2f>
+      raw_pixels;               ///< where it was detected; its row tells its time under a rolling shutter
+  std::vector<float> depths_m;  ///< z, 0 = unknown
+  /// How inverse depth changes over the image at `raw_pixels`, 1/m per px; zero where unknown. May be empty.
+  std::vector<Eigen::Vector2f> inverse_depth_gradients;
+  std::vector<int> levels;        ///< pyramid level, 0 = full size
+  std::vector<float> angles_rad;  ///< orientation in the image
+  std::vector<float> sigmas_px;   ///< standard deviation of `pixels`: grows with the level
+  cv::Mat descriptors;            ///< N x 32 of 8UC1 (ORB), or N x D of 32FC1 (SIFT, SURF)
+
+  [[nodiscard]] size_t size() const { return pixels.size(); }
+};
+
+}  // namespace kinloop

@@ -1,0 +1,161 @@
+#include "kinloop/features/matcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/features/hamming.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr int kFar = std::numeric_limits<int>::max();
+constexpr int kCellPx = 16;
+
+/// For each row of `a` the nearest row of `b` (first of equals), and for each row of `b` the nearest of `a`.
+struct NearestBothWays {
+  std::vector<uint32_t> b_of_a, a_of_b;
+  std::vector<int> distance_of_a, distance_of_b;
+};
+
+KINLOOP_POPCOUNT_CLONES
+void find_nearest(const uint8_t* a, size_t rows_a, const uint8_t* b, size_t rows_b,
+                  NearestBothWays& nearest) {
+  for (size_t i = 0; i < rows_a; ++i) {
+    for (size_t j = 0; j < rows_b; ++j) {
+      const int distance = hamming_distance(a + i * kOrbBytes, b + j * kOrbBytes);
+      if (distance < nearest.distance_of_a[i]) {
+        nearest.distance_of_a[i] = distance;
+        nearest.b_of_a[i] = static_cast<uint32_t>(j);
+      }
+      if (distance < nearest.distance_of_b[j]) {
+        nearest.distance_of_b[j] = distance;
+        nearest.a_of_b[j] = static_cast<uint32_t>(i);
+      }
+    }
+  }
+}
+
+/// The nearest and the second nearest key point of a search window.
+struct TwoNearest {
+  uint32_t index = 0;
+  int distance = kFar, second_distance = kFar;
+  int level = -1, second_level = -1;
+
+  void offer(uint32_t candidate, int candidate_distance, int candidate_level) {
+    if (candidate_distance < distance) {
+      second_distance = distance;
+      second_level = level;
+      index = candidate;
+      distance = candidate_distance;
+      level = candidate_level;
+    } else if (candidate_distance < second_distance) {
+      second_distance = candidate_distance;
+      second_level = candidate_level;
+    }
+  }
+
+  /// A look-alike on the same level makes the choice ambiguous.
+  [[nodiscard]] bool distinct(double max_ratio) const {
+    return second_distance == kFar || level != second_level || distance <= max_ratio * second_distance;
+  }
+};
+
+bool plausible(const ProjectedPoint& point, const Features& features, uint32_t i, double max_depth_error) {
+  if (features.levels[i] < point.level_low || features.levels[i] > point.level_high) return false;
+  const double depth_m = features.depths_m[i];
+  return depth_m <= 0 || std::abs(depth_m - point.depth_m) <= max_depth_error * point.depth_m;
+}
+
+}  // namespace
+
+std::vector<Match> match_brute_force(const cv::Mat& a, const cv::Mat& b, bool cross_check) {
+  if (a.empty() || b.empty()) return {};
+  require(a.cols == kOrbBytes && b.cols == kOrbBytes && a.isContinuous() && b.isContinuous(),
+          "match_brute_force: expected continuous N x 32 binary descriptors");
+  const auto rows_a = static_cast<size_t>(a.rows), rows_b = static_cast<size_t>(b.rows);
+  NearestBothWays nearest{std::vector<uint32_t>(rows_a), std::vector<uint32_t>(rows_b),
+                          std::vector<int>(rows_a, kFar), std::vector<int>(rows_b, kFar)};
+  find_nearest(a.ptr<uint8_t>(), rows_a, b.ptr<uint8_t>(), rows_b, nearest);
+  std::vector<Match> matches;
+  for (uint32_t i = 0; i < rows_a; ++i) {
+    const uint32_t j = nearest.b_of_a[i];
+    if (!cross_check || nearest.a_of_b[j] == i) matches.push_back({i, j, nearest.distance_of_a[i]});
+  }
+  return matches;
+}
+
+std::vector<Match> screen_matches(std::span<const Match> matches, double factor, int floor) {
+  int smallest = kFar;
+  for (const Match& match : matches) smallest = std::min(smallest, match.distance);
+  std::vector<Match> kept;
+  for (const Match& match : matches) {
+    if (match.distance <= std::max<double>(factor * smallest, floor)) kept.push_back(match);
+  }
+  return kept;
+}
+
+FeatureGrid::FeatureGrid(const Features& features, int width_px, int height_px)
+    : features_(features), columns_(width_px / kCellPx + 1), rows_(height_px / kCellPx + 1) {
+  const auto cell_of = [&](const Eigen::Vector2f& pixel) {
+    return static_cast<size_t>(row_of(pixel.y()) * columns_ + column_of(pixel.x()));
+  };
+  first_of_cell_.assign(static_cast<size_t>(columns_ * rows_) + 1, 0);
+  for (const auto& pixel : features.pixels) ++first_of_cell_[cell_of(pixel) + 1];
+  for (size_t c = 1; c < first_of_cell_.size(); ++c) first_of_cell_[c] += first_of_cell_[c - 1];
+  std::vector<uint32_t> next(first_of_cell_.begin(), first_of_cell_.end() - 1);
+  indices_.resize(features.size());
+  for (uint32_t i = 0; i < features.size(); ++i) indices_[next[cell_of(features.pixels[i])]++] = i;
+}
+
+int FeatureGrid::column_of(double x) const {
+  return std::clamp(static_cast<int>(x / kCellPx), 0, columns_ - 1);
+}
+
+int FeatureGrid::row_of(double y) const {
+  return std::clamp(static_cast<int>(y / kCellPx), 0, rows_ - 1);
+}
+
+void FeatureGrid::near(const Eigen::Vector2d& pixel, double radius_px, std::vector<uint32_t>& found) const {
+  found.clear();
+  const int column_end = column_of(pixel.x() + radius_px), row_end = row_of(pixel.y() + radius_px);
+  for (int row = row_of(pixel.y() - radius_px); row <= row_end; ++row) {
+    for (int column = column_of(pixel.x() - radius_px); column <= column_end; ++column) {
+      const auto cell = static_cast<size_t>(row * columns_ + column);
+      for (uint32_t k = first_of_cell_[cell]; k < first_of_cell_[cell + 1]; ++k) {
+        const Eigen::Vector2d offset = features_.pixels[indices_[k]].cast<double>() - pixel;
+        if (offset.cwiseAbs().maxCoeff() <= radius_px) found.push_back(indices_[k]);
+      }
+    }
+  }
+}
+
+std::vector<Match> match_by_projection(std::span<const ProjectedPoint> points, const Features& features,
+                                       const FeatureGrid& grid, const ProjectionMatchOptions& options) {
+  constexpr uint32_t kNobody = std::numeric_limits<uint32_t>::max();
+  std::vector<Match> owner_of(features.size(), Match{kNobody, 0, kFar});
+  std::vector<uint32_t> nearby;
+  for (uint32_t p = 0; p < points.size(); ++p) {
+    const ProjectedPoint& point = points[p];
+    grid.near(point.pixel, point.radius_px, nearby);
+    TwoNearest nearest;
+    for (const uint32_t i : nearby) {
+      if (!plausible(point, features, i, options.max_depth_error)) continue;
+      nearest.offer(
+          i, hamming_distance(point.descriptor, features.descriptors.ptr<uint8_t>(static_cast<int>(i))),
+          features.levels[i]);
+    }
+    if (nearest.distance > options.max_distance || !nearest.distinct(options.max_ratio)) continue;
+    Match& owner = owner_of[nearest.index];
+    if (nearest.distance < owner.distance) owner = {p, nearest.index, nearest.distance};
+  }
+  std::vector<Match> matches;
+  for (const Match& owner : owner_of) {
+    if (owner.a != kNobody) matches.push_back(owner);
+  }
+  std::sort(matches.begin(), matches.end());
+  return matches;
+}
+
+}  // namespace kinloop

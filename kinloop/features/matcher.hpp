@@ -1,0 +1,72 @@
+#pragma once
+// In: the descriptors of two images, or projected landmarks and an image. Out: pairs that look the same.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "kinloop/features/features.hpp"
+
+namespace kinloop {
+
+/// Key point `a` of the first set looks like key point `b` of the second.
+struct Match {
+  uint32_t a = 0;
+  uint32_t b = 0;
+  int distance = 0;  ///< Hamming, bits
+
+  auto operator<=>(const Match&) const = default;
+};
+
+/// For every row of `a` the nearest row of `b` by brute force; with `cross_check` only where each is the
+/// other's nearest. Ties go to the lower index.
+std::vector<Match> match_brute_force(const cv::Mat& a, const cv::Mat& b, bool cross_check);
+
+/// The founding paper's screen: keeps matches whose distance is at most `factor` times the smallest one. A
+/// perfect match would reject all others, so the limit is at least `floor` bits.
+std::vector<Match> screen_matches(std::span<const Match> matches, double factor = 4.0, int floor = 40);
+
+/// Key points sorted into square cells, to find those near a pixel quickly.
+class FeatureGrid {
+ public:
+  FeatureGrid(const Features& features, int width_px, int height_px);
+
+  /// Indices of key points within `radius_px` (in each axis) of `pixel`, in ascending order of cell, then
+  /// index.
+  void near(const Eigen::Vector2d& pixel, double radius_px, std::vector<uint32_t>& found) const;
+
+ private:
+  [[nodiscard]] int column_of(double x) const;
+  [[nodiscard]] int row_of(double y) const;
+
+  const Features& features_;
+  int columns_;
+  int rows_;
+  std::vector<uint32_t> first_of_cell_;  ///< where each cell begins in `indices_`, one more at the end
+  std::vector<uint32_t> indices_;
+};
+
+/// A point of the map expected in the image.
+struct ProjectedPoint {
+  Eigen::Vector2d pixel;  ///< undistorted
+  double radius_px = 0;   ///< half side of the search window
+  double depth_m = 0;     ///< expected z
+  int level_low = 0;      ///< pyramid levels on which it may appear
+  int level_high = 0;
+  const uint8_t* descriptor = nullptr;  ///< 32 bytes
+};
+
+struct ProjectionMatchOptions {
+  int max_distance = 100;         ///< bits
+  double max_ratio = 0.9;         ///< best distance to second best, when both are on the same level
+  double max_depth_error = 0.15;  ///< |measured z - expected z| / expected z, where z was measured
+};
+
+/// Guided matching: for each projected point (index `a`) the key point `b` in its window that looks most like
+/// it. Each key point is given to at most one point, the most alike.
+std::vector<Match> match_by_projection(std::span<const ProjectedPoint> points, const Features& features,
+                                       const FeatureGrid& grid, const ProjectionMatchOptions& options);
+
+}  // namespace kinloop

@@ -1,0 +1,63 @@
+#include "kinloop/loop/candidates.hpp"
+
+#include <algorithm>
+
+namespace kinloop {
+namespace {
+
+constexpr int kNeighbourShared = 15;  // shared landmarks that make two keyframes neighbours
+
+/// Likeness of the keyframe to the least alike of its neighbours: what "the same place" means here and now.
+double neighbour_score(const PlaceIndex& index, KeyframeId keyframe,
+                       const std::vector<std::pair<KeyframeId, int>>& neighbours) {
+  double lowest = 1.0;
+  for (const auto& [neighbour, shared] : neighbours) {
+    lowest = std::min(lowest, similarity(index.bow_of(keyframe), index.bow_of(neighbour)));
+  }
+  return neighbours.empty() ? 0.0 : lowest;
+}
+
+std::vector<KeyframeId> surroundings(const Map& map, KeyframeId keyframe) {
+  std::vector<KeyframeId> group{keyframe};
+  for (const auto& [neighbour, shared] : map.covisible(keyframe, kNeighbourShared))
+    group.push_back(neighbour);
+  std::sort(group.begin(), group.end());
+  return group;
+}
+
+bool overlap(const std::vector<KeyframeId>& a, const std::vector<KeyframeId>& b) {
+  std::vector<KeyframeId> common;
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
+  return !common.empty();
+}
+
+}  // namespace
+
+LoopCandidates find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
+                                    const CandidateHistory& history, const LoopOptions& options) {
+  const auto neighbours = map.covisible(keyframe, kNeighbourShared);
+  const double min_score = options.min_score_share * neighbour_score(index, keyframe, neighbours);
+  std::vector<bool> excluded(map.keyframes().size(), false);
+  for (const auto& [neighbour, shared] : neighbours) excluded[neighbour.value] = true;
+  const auto allowed = [&](KeyframeId id) {
+    return id.value + static_cast<uint32_t>(options.min_gap_keyframes) <= keyframe.value &&
+           !excluded[id.value];
+  };
+
+  LoopCandidates candidates;
+  const auto max_results = static_cast<size_t>(options.max_candidates);
+  for (const auto& [candidate, score] : index.query(index.bow_of(keyframe), max_results, allowed)) {
+    if (score < min_score) continue;
+    CandidateGroup group{surroundings(map, candidate), 1};
+    for (const CandidateGroup& earlier : history) {
+      if (overlap(group.keyframes, earlier.keyframes)) {
+        group.consistency = std::max(group.consistency, earlier.consistency + 1);
+      }
+    }
+    if (group.consistency >= options.consistent_keyframes) candidates.keyframes.push_back(candidate);
+    candidates.history.push_back(std::move(group));
+  }
+  return candidates;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,76 @@
+#include "kinloop/loop/correct_loop.hpp"
+
+namespace kinloop {
+namespace {
+
+PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, int shared,
+                           const LoopOptions& options) {
+  PoseGraphEdge edge;
+  edge.a = a.value;
+  edge.b = b.value;
+  edge.T_a_b = map.keyframe(a).T_world_camera.inverse() * map.keyframe(b).T_world_camera;
+  edge.information = edge_information(shared, options);
+  edge.trusted = true;
+  return edge;
+}
+
+}  // namespace
+
+Matrix6d edge_information(int shared, const LoopOptions& options) {
+  const double metres = options.landmark_sigma_m;
+  const double half_radians =
+      0.5 * options.landmark_sigma_rad;  // a quaternion's vector part is half the angle
+  Vector6d diagonal;
+  diagonal.head<3>().setConstant(shared / (metres * metres));
+  diagonal.tail<3>().setConstant(shared / (half_radians * half_radians));
+  return diagonal.asDiagonal();
+}
+
+PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
+  PoseGraph graph;
+  for (const Keyframe& keyframe : map.keyframes()) {
+    graph.T_world_vertex.push_back(keyframe.T_world_camera);
+    graph.fixed.push_back(keyframe.id.value == 0);
+  }
+  for (const Keyframe& keyframe : map.keyframes()) {
+    bool tied_to_previous = keyframe.id.value == 0;
+    for (const auto& [older, shared] : map.covisible(keyframe.id, 1)) {
+      if (older > keyframe.id) continue;
+      const bool previous = older.value + 1 == keyframe.id.value;
+      if (shared < options.edge_min_shared && !previous) continue;
+      graph.edges.push_back(edge_between(map, older, keyframe.id, shared, options));
+      tied_to_previous = tied_to_previous || previous;
+    }
+    if (!tied_to_previous) {
+      graph.edges.push_back(edge_between(map, KeyframeId{keyframe.id.value - 1}, keyframe.id, 1, options));
+    }
+  }
+  for (const LoopEdge& loop : map.loop_edges()) {
+    PoseGraphEdge edge;
+    edge.a = loop.a.value;
+    edge.b = loop.b.value;
+    edge.T_a_b = loop.T_a_b;
+    edge.information = loop.information;
+    graph.edges.push_back(edge);
+  }
+  return graph;
+}
+
+LoopProblem loop_problem(const Map& map, std::vector<std::pair<LandmarkId, LandmarkId>> merges,
+                         const LoopOptions& options) {
+  return {make_pose_graph(map, options), std::move(merges), map.keyframes().back().id, map.epoch()};
+}
+
+MapUpdate correct_loop(const LoopProblem& problem, const LoopOptions& options) {
+  const PoseGraphSolution solution = solve_pose_graph(problem.graph, options.pose_graph);
+  MapUpdate update;
+  update.newest_seen = problem.newest_seen;
+  update.epoch = problem.epoch;
+  update.merges = problem.merges;
+  for (uint32_t i = 0; i < solution.T_world_vertex.size(); ++i) {
+    update.T_world_camera.emplace_back(KeyframeId{i}, solution.T_world_vertex[i]);
+  }
+  return update;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,34 @@
+#pragma once
+// In: the map with verified loop edges. Out: the update that spreads the drift over all keyframes.
+
+#include <vector>
+
+#include "kinloop/loop/options.hpp"
+#include "kinloop/map/map.hpp"
+
+namespace kinloop {
+
+/// A pose graph over all keyframes and what is to be merged once it is solved.
+struct LoopProblem {
+  PoseGraph graph;  ///< vertex i is keyframe i
+  std::vector<std::pair<LandmarkId, LandmarkId>> merges;
+  KeyframeId newest_seen;
+  uint32_t epoch = 0;
+};
+
+/// Edges between successive keyframes and between keyframes that share many landmarks, as they stand now, and
+/// the loop edges as they were measured. The first keyframe is held.
+PoseGraph make_pose_graph(const Map& map, const LoopOptions& options);
+
+/// What `shared` landmarks tell of a relative pose, of (translation; quaternion vector part) as in
+/// pose_graph.hpp.
+Matrix6d edge_information(int shared, const LoopOptions& options);
+
+/// Copies the problem; `merges` are landmarks recognised as the same by the newest loop edge.
+LoopProblem loop_problem(const Map& map, std::vector<std::pair<LandmarkId, LandmarkId>> merges,
+                         const LoopOptions& options);
+
+/// Solves the pose graph. Landmarks follow their anchors.
+MapUpdate correct_loop(const LoopProblem& problem, const LoopOptions& options);
+
+}  // namespace kinloop

@@ -1,0 +1,82 @@
+#include "kinloop/map/local_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kinloop {
+namespace {
+
+constexpr double kMinViewCosine = 0.5;  // descriptors hardly survive a change of view of 60 degrees
+
+/// Pyramid level on which a point seen on `seen_level` from `seen_distance_m` appears from `distance_m`.
+int predict_level(int seen_level, double seen_distance_m, double distance_m, const Features& features) {
+  const double level = seen_level + std::log(seen_distance_m / distance_m) / std::log(features.scale_factor);
+  return std::clamp(static_cast<int>(std::lround(level)), 0, features.level_count - 1);
+}
+
+/// Landmarks of `reference` and its covisible keyframes, each once, nearest keyframes first.
+std::vector<LandmarkId> collect_landmarks(const Map& map, KeyframeId reference,
+                                          const LocalViewOptions& options) {
+  std::vector<KeyframeId> keyframes{reference};
+  for (const auto& [neighbour, shared] : map.covisible(reference, options.min_shared)) {
+    if (keyframes.size() > static_cast<size_t>(options.max_keyframes)) break;
+    keyframes.push_back(neighbour);
+  }
+  std::vector<LandmarkId> ids;
+  std::vector<bool> taken;
+  for (const KeyframeId id : keyframes) {
+    for (const LandmarkId landmark : map.keyframe(id).landmark_of) {
+      if (!landmark.valid() || ids.size() >= static_cast<size_t>(options.max_landmarks)) continue;
+      if (landmark.value >= taken.size()) taken.resize(landmark.value + 1, false);
+      if (taken[landmark.value]) continue;
+      taken[landmark.value] = true;
+      ids.push_back(landmark);
+    }
+  }
+  return ids;
+}
+
+}  // namespace
+
+LocalView make_local_view(const Map& map, KeyframeId reference, const LocalViewOptions& options) {
+  LocalView view;
+  view.reference = reference;
+  view.ids = collect_landmarks(map, reference, options);
+  const SE3 T_reference_world = map.keyframe(reference).T_world_camera.inverse();
+  const cv::Mat& like = map.keyframe(reference).features->descriptors;
+  view.descriptors.create(static_cast<int>(view.size()), like.cols, like.type());
+  for (size_t i = 0; i < view.size(); ++i) {
+    const Landmark& landmark = map.landmark(view.ids[i]);
+    // The latest observation is the one most like what comes next.
+    const Observation& seen = landmark.observations.back();
+    const Keyframe& observer = map.keyframe(seen.keyframe);
+    const Eigen::Vector3d p_reference = T_reference_world * map.p_world(landmark.id);
+    const Eigen::Vector3d towards_observer =
+        T_reference_world * observer.T_world_camera.translation - p_reference;
+    view.p_reference.push_back(p_reference);
+    view.viewed_from.push_back(towards_observer.normalized());
+    view.seen_distance_m.push_back(towards_observer.norm());
+    view.seen_level.push_back(observer.features->levels[seen.feature]);
+    observer.features->descriptors.row(static_cast<int>(seen.feature))
+        .copyTo(view.descriptors.row(static_cast<int>(i)));
+  }
+  return view;
+}
+
+std::optional<ProjectedPoint> project_landmark(const LocalView& view, uint32_t index,
+                                               const Features& features, const SE3& T_reference_camera,
+                                               double window_px, const PinholeCamera& camera) {
+  const Eigen::Vector3d from_camera = view.p_reference[index] - T_reference_camera.translation;
+  const Eigen::Vector3d p_camera = T_reference_camera.rotation.conjugate() * from_camera;
+  if (!(p_camera.z() > 0)) return std::nullopt;
+  const Eigen::Vector2d pixel = camera.project(p_camera);
+  if (!camera.contains(pixel)) return std::nullopt;
+  const double distance_m = from_camera.norm();
+  if (-view.viewed_from[index].dot(from_camera) < kMinViewCosine * distance_m) return std::nullopt;
+  const int level = predict_level(view.seen_level[index], view.seen_distance_m[index], distance_m, features);
+  return ProjectedPoint{pixel,        window_px * std::pow(features.scale_factor, level),
+                        p_camera.z(), level - 1,
+                        level + 1,    view.descriptors.ptr<uint8_t>(static_cast<int>(index))};
+}
+
+}  // namespace kinloop

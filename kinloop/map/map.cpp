@@ -1,0 +1,200 @@
+#include "kinloop/map/map.hpp"
+
+#include <algorithm>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+
+KeyframeId Map::add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world_camera,
+                             std::shared_ptr<const Features> features) {
+  require(features != nullptr, "add_keyframe: a keyframe needs features");
+  require(T_world_camera.is_finite(), "add_keyframe: the pose is not finite");
+  const KeyframeId id{static_cast<uint32_t>(keyframes_.size())};
+  std::vector<LandmarkId> landmark_of(features->size());
+  keyframes_.push_back({id, frame, stamp_ns, T_world_camera, std::move(features), std::move(landmark_of)});
+  return id;
+}
+
+LandmarkId Map::add_landmark(KeyframeId anchor, uint32_t feature, const Eigen::Vector3d& p_anchor) {
+  require(p_anchor.allFinite(), "add_landmark: the point is not finite");
+  Keyframe& keyframe = keyframe_ref(anchor);
+  require(feature < keyframe.landmark_of.size(), "add_landmark: no such key point");
+  require(!keyframe.landmark_of[feature].valid(), "add_landmark: the key point already shows a landmark");
+  const LandmarkId id{static_cast<uint32_t>(landmarks_.size())};
+  landmarks_.push_back(Landmark{id, anchor, p_anchor, {{anchor, feature}}});
+  keyframe.landmark_of[feature] = id;
+  ++landmark_count_;
+  return id;
+}
+
+bool Map::observe(LandmarkId id, const Observation& observation) {
+  Landmark& landmark = landmark_ref(id);
+  Keyframe& keyframe = keyframe_ref(observation.keyframe);
+  require(observation.feature < keyframe.landmark_of.size(), "observe: no such key point");
+  if (keyframe.landmark_of[observation.feature].valid()) return false;
+  const auto same_keyframe = [&](const Observation& other) { return other.keyframe == observation.keyframe; };
+  if (std::any_of(landmark.observations.begin(), landmark.observations.end(), same_keyframe)) return false;
+  landmark.observations.push_back(observation);
+  keyframe.landmark_of[observation.feature] = id;
+  return true;
+}
+
+void Map::add_loop_edge(const LoopEdge& edge) {
+  require(contains(edge.a) && contains(edge.b), "add_loop_edge: no such keyframe");
+  require(edge.T_a_b.is_finite(), "add_loop_edge: the motion is not finite");
+  loop_edges_.push_back(edge);
+}
+
+void Map::forget(LandmarkId id, Observation observation) {
+  Landmark& landmark = landmark_ref(id);
+  const auto found = std::find(landmark.observations.begin(), landmark.observations.end(), observation);
+  require(found != landmark.observations.end(), "forget: no such observation");
+  if (landmark.observations.size() == 1) return erase(id);
+  landmark.observations.erase(found);
+  keyframe_ref(observation.keyframe).landmark_of[observation.feature] = LandmarkId{};
+  if (landmark.anchor == observation.keyframe) move_anchor(landmark);
+}
+
+void Map::move_anchor(Landmark& landmark) {
+  const Eigen::Vector3d point = keyframe(landmark.anchor).T_world_camera * landmark.p_anchor;
+  landmark.anchor = landmark.observations.front().keyframe;
+  landmark.p_anchor = keyframe(landmark.anchor).T_world_camera.inverse() * point;
+}
+
+void Map::erase(LandmarkId id) {
+  for (const auto& [observer, feature] : landmark_ref(id).observations) {
+    keyframe_ref(observer).landmark_of[feature] = LandmarkId{};
+  }
+  landmarks_[id.value].reset();
+  --landmark_count_;
+}
+
+void Map::merge(LandmarkId goes, LandmarkId stays) {
+  require(goes != stays, "merge: a landmark cannot be merged with itself");
+  const auto observations = landmark(goes).observations;
+  require(contains(stays), "merge: no such landmark");
+  erase(goes);
+  for (const Observation& observation : observations) observe(stays, observation);
+}
+
+bool Map::apply(const MapUpdate& update) {
+  if (update.epoch != epoch_) return false;
+  const bool has_newest = contains(update.newest_seen);
+  const SE3 T_world_newest_before = has_newest ? keyframe(update.newest_seen).T_world_camera : SE3{};
+  for (const auto& [id, T_world_camera] : update.T_world_camera) {
+    require(T_world_camera.is_finite(), "apply: a corrected pose is not finite");
+    keyframe_ref(id).T_world_camera = T_world_camera;
+  }
+  if (has_newest) {
+    const SE3 correction = keyframe(update.newest_seen).T_world_camera * T_world_newest_before.inverse();
+    for (size_t i = update.newest_seen.value + 1; i < keyframes_.size(); ++i) {
+      keyframes_[i].T_world_camera = correction * keyframes_[i].T_world_camera;
+    }
+  }
+  for (const auto& [id, point] : update.p_world) {
+    if (!contains(id) || !point.allFinite()) continue;
+    Landmark& landmark = landmark_ref(id);
+    landmark.p_anchor = keyframe(landmark.anchor).T_world_camera.inverse() * point;
+  }
+  for (const auto& [id, observation] : update.outliers) {
+    if (contains(id) && keyframe(observation.keyframe).landmark_of[observation.feature] == id)
+      forget(id, observation);
+  }
+  for (const auto& [goes, stays] : update.merges) {
+    if (goes != stays && contains(goes) && contains(stays)) merge(goes, stays);
+  }
+  return true;
+}
+
+bool Map::contains(LandmarkId id) const {
+  return id.value < landmarks_.size() && landmarks_[id.value].has_value();
+}
+
+const Keyframe& Map::keyframe(KeyframeId id) const {
+  require(contains(id), "keyframe: no such keyframe");
+  return keyframes_[id.value];
+}
+
+const Landmark& Map::landmark(LandmarkId id) const {
+  require(contains(id), "landmark: no such landmark");
+  return *landmarks_[id.value];
+}
+
+Keyframe& Map::keyframe_ref(KeyframeId id) {
+  require(contains(id), "no such keyframe");
+  return keyframes_[id.value];
+}
+
+Landmark& Map::landmark_ref(LandmarkId id) {
+  require(contains(id), "no such landmark");
+  return *landmarks_[id.value];
+}
+
+std::vector<LandmarkId> Map::landmark_ids() const {
+  std::vector<LandmarkId> ids;
+  for (const auto& landmark : landmarks_) {
+    if (landmark) ids.push_back(landmark->id);
+  }
+  return ids;
+}
+
+Eigen::Vector3d Map::p_world(LandmarkId id) const {
+  const Landmark& point = landmark(id);
+  return keyframe(point.anchor).T_world_camera * point.p_anchor;
+}
+
+std::vector<std::pair<KeyframeId, int>> Map::covisible(KeyframeId id, int min_shared) const {
+  std::vector<int> shared(keyframes_.size(), 0);
+  for (const LandmarkId seen : keyframe(id).landmark_of) {
+    if (!seen.valid()) continue;
+    for (const auto& observation : landmark(seen).observations) ++shared[observation.keyframe.value];
+  }
+  shared[id.value] = 0;
+  std::vector<std::pair<KeyframeId, int>> neighbours;
+  for (uint32_t i = 0; i < shared.size(); ++i) {
+    if (shared[i] >= std::max(min_shared, 1)) neighbours.emplace_back(KeyframeId{i}, shared[i]);
+  }
+  std::stable_sort(neighbours.begin(), neighbours.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  return neighbours;
+}
+
+void Map::check_invariants() const {
+  size_t alive = 0;
+  for (const auto& landmark : landmarks_) {
+    if (!landmark) continue;
+    ++alive;
+    check_landmark(*landmark);
+  }
+  require(alive == landmark_count_, "invariant: the count of landmarks is off");
+  for (const Keyframe& keyframe : keyframes_) {
+    require(keyframe.landmark_of.size() == keyframe.features->size(),
+            "invariant: one landmark entry per key point");
+    for (uint32_t i = 0; i < keyframe.landmark_of.size(); ++i) {
+      const LandmarkId id = keyframe.landmark_of[i];
+      if (!id.valid()) continue;
+      const auto& seen = landmark(id).observations;
+      require(std::find(seen.begin(), seen.end(), Observation{keyframe.id, i}) != seen.end(),
+              "invariant: a keyframe shows a landmark that does not know of it");
+    }
+  }
+}
+
+void Map::check_landmark(const Landmark& landmark) const {
+  require(!landmark.observations.empty(), "invariant: a landmark without observations");
+  bool anchor_sees_it = false;
+  std::vector<KeyframeId> observers;
+  for (const auto& [observer, feature] : landmark.observations) {
+    require(keyframe(observer).landmark_of[feature] == landmark.id,
+            "invariant: a landmark is observed by a key point that shows another");
+    anchor_sees_it = anchor_sees_it || observer == landmark.anchor;
+    observers.push_back(observer);
+  }
+  std::sort(observers.begin(), observers.end());
+  require(std::adjacent_find(observers.begin(), observers.end()) == observers.end(),
+          "invariant: a keyframe observes a landmark twice");
+  require(anchor_sees_it, "invariant: a landmark is anchored to a keyframe that does not see it");
+}
+
+}  // namespace kinloop

@@ -1,0 +1,84 @@
+#pragma once
+// The one owner of keyframes, landmarks and loop edges. It is touched by one thread and holds no mutex; all
+// change goes through the verbs below, which keep both sides of every observation in step.
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "kinloop/map/keyframe.hpp"
+#include "kinloop/map/map_update.hpp"
+
+namespace kinloop {
+
+class Map {
+ public:
+  // Growing.
+
+  /// Adds a keyframe that observes nothing yet.
+  KeyframeId add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world_camera,
+                          std::shared_ptr<const Features> features);
+
+  /// Adds a landmark first seen as key point `feature` of `anchor`, at `p_anchor` in its camera frame.
+  LandmarkId add_landmark(KeyframeId anchor, uint32_t feature, const Eigen::Vector3d& p_anchor);
+
+  /// Notes that a keyframe sees a landmark. False, and nothing changes, where the key point already shows a
+  /// landmark or the keyframe already sees this one.
+  bool observe(LandmarkId landmark, const Observation& observation);
+
+  void add_loop_edge(const LoopEdge& edge);
+
+  // Shrinking.
+
+  /// Forgets one observation; a landmark that is left with none is erased.
+  void forget(LandmarkId landmark, Observation observation);
+
+  void erase(LandmarkId landmark);
+
+  /// `goes` turns out to be `stays`: its observations are moved where they fit, the rest is forgotten.
+  void merge(LandmarkId goes, LandmarkId stays);
+
+  // Correcting.
+
+  /// Applies an update and says whether it did: one with an older epoch than the map's is stale and dropped.
+  bool apply(const MapUpdate& update);
+
+  /// Raised after a loop correction, so that updates computed before it are dropped.
+  void raise_epoch() { ++epoch_; }
+
+  // Looking.
+
+  [[nodiscard]] uint32_t epoch() const { return epoch_; }
+  [[nodiscard]] bool contains(LandmarkId id) const;
+  [[nodiscard]] bool contains(KeyframeId id) const { return id.value < keyframes_.size(); }
+  [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const;
+  [[nodiscard]] const Landmark& landmark(LandmarkId id) const;
+  [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  [[nodiscard]] const std::vector<LoopEdge>& loop_edges() const { return loop_edges_; }
+  [[nodiscard]] std::vector<LandmarkId> landmark_ids() const;
+  [[nodiscard]] size_t landmark_count() const { return landmark_count_; }
+
+  /// Where a landmark is in the world, m.
+  [[nodiscard]] Eigen::Vector3d p_world(LandmarkId id) const;
+
+  /// Keyframes that share at least `min_shared` landmarks with `id`, most shared first (then lower id), with
+  /// counts.
+  [[nodiscard]] std::vector<std::pair<KeyframeId, int>> covisible(KeyframeId id, int min_shared) const;
+
+  /// Throws std::logic_error when the two sides of any observation disagree, for tests.
+  void check_invariants() const;
+
+ private:
+  Keyframe& keyframe_ref(KeyframeId id);
+  Landmark& landmark_ref(LandmarkId id);
+  void move_anchor(Landmark& landmark);
+  void check_landmark(const Landmark& landmark) const;
+
+  std::vector<Keyframe> keyframes_;                 // index = id
+  std::vector<std::optional<Landmark>> landmarks_;  // index = id; empty where erased
+  std::vector<LoopEdge> loop_edges_;
+  size_t landmark_count_ = 0;
+  uint32_t epoch_ = 0;
+};
+
+}  // namespace kinloop

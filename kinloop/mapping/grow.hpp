@@ -1,0 +1,27 @@
+#pragma once
+// In: a frame that became a keyframe. Out: the map with its observations and new landmarks.
+
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/map/map.hpp"
+#include "kinloop/mapping/options.hpp"
+#include "kinloop/tracking/tracker.hpp"
+
+namespace kinloop {
+
+/// Notes the landmarks that the tracker matched.
+void observe_matches(Map& map, KeyframeId keyframe, const std::vector<LandmarkMatch>& matches);
+
+/// Looks for landmarks of `view` (whose reference is `keyframe`) at key points that show none yet, so that a
+/// place seen before keeps its landmarks. Returns how many were found.
+int attach_landmarks(Map& map, KeyframeId keyframe, const LocalView& view, const PinholeCamera& camera,
+                     const MappingOptions& options);
+
+/// Makes a landmark of every key point with depth that shows none yet. Returns how many.
+int grow_from_depth(Map& map, KeyframeId keyframe, const PinholeCamera& camera,
+                    const MappingOptions& options);
+
+/// Erases landmarks first seen `cull_after_keyframes` ago that too few keyframes have confirmed since.
+/// Returns how many.
+int cull_landmarks(Map& map, const MappingOptions& options);
+
+}  // namespace kinloop

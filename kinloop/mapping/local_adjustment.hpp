@@ -1,0 +1,37 @@
+#pragma once
+// Bundle adjustment as problem -> MapUpdate: the problem is copied out of the map, so that it can be solved
+// on another thread while the map goes on.
+
+#include <vector>
+
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/map/map.hpp"
+#include "kinloop/mapping/options.hpp"
+
+namespace kinloop {
+
+/// A bundle problem and which keyframe, landmark and observation each of its parts is.
+struct AdjustmentProblem {
+  BundleProblem bundle;
+  std::vector<KeyframeId> keyframes;                             ///< per pose
+  std::vector<LandmarkId> landmarks;                             ///< per point
+  std::vector<std::pair<LandmarkId, Observation>> observations;  ///< per observation
+  KeyframeId newest_seen;
+  uint32_t epoch = 0;
+};
+
+/// The newest keyframe, those that share most landmarks with it, and all landmarks they see; other keyframes
+/// that see these hold the window in place.
+AdjustmentProblem local_problem(const Map& map, KeyframeId newest, const PinholeCamera& camera,
+                                const MappingOptions& options);
+
+/// Every keyframe and every landmark seen twice; the first keyframe is held.
+AdjustmentProblem full_problem(const Map& map, const PinholeCamera& camera);
+
+/// What a solution of the problem changes in the map.
+MapUpdate update_of(const AdjustmentProblem& problem, const BundleSolution& solution);
+
+/// Solves the problem and says what is to change in the map.
+MapUpdate adjust(const AdjustmentProblem& problem, const BundleOptions& options);
+
+}  // namespace kinloop

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "kinloop/base/options.hpp"
+#include "kinloop/optimize/bundle.hpp"
+
+namespace kinloop {
+
+struct MappingOptions {
+  double max_depth_m = 6.0;
+  int cull_after_keyframes = 3;
+  int cull_min_observations = 2;
+  double attach_window_px = 4;
+  bool local_adjustment = true;
+  int window_keyframes = 12;
+  int window_min_shared = 15;
+  int window_max_fixed = 20;
+  BundleOptions bundle;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("max_depth_m", self.max_depth_m, "key points farther than this make no landmarks, m",
+          Range{0.5, 100});
+    visit("cull_after_keyframes", self.cull_after_keyframes,
+          "keyframes after which a landmark must have proven itself", Range{1, 100});
+    visit("cull_min_observations", self.cull_min_observations, "observations that prove a landmark",
+          Range{1, 100});
+    visit("attach_window_px", self.attach_window_px,
+          "search window (half side) in which a keyframe looks for older landmarks, px", Range{0.5, 50});
+    visit("local_adjustment", self.local_adjustment,
+          "adjust the newest keyframes and their landmarks together");
+    visit("window_keyframes", self.window_keyframes, "keyframes moved by the local adjustment",
+          Range{2, 200});
+    visit("window_min_shared", self.window_min_shared,
+          "shared landmarks that bring a keyframe into the window", Range{1, 1000});
+    visit("window_max_fixed", self.window_max_fixed, "keyframes around the window that hold it in place",
+          Range{1, 1000});
+    visit("bundle", self.bundle);
+  }
+};
+
+}  // namespace kinloop

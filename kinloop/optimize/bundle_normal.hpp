@@ -1,0 +1,84 @@
+#pragma once
+// The normal equations of bundle adjustment, block by block. Unknowns: free keyframes (blocks of C = 6, or 12
+// with velocity), the sensor, points.
+//
+// Every sum is made by one thread in a fixed order (points by their observations, keyframes by theirs), so
+// the result does not depend on the number of threads.
+
+#include <vector>
+
+#include "kinloop/optimize/block_cholesky.hpp"
+#include "kinloop/optimize/bundle_model.hpp"
+
+namespace kinloop {
+
+/// H x = -g for all unknowns x; H = J' J, g = J' e, each observation weighted by its robust weight.
+template <int C>
+struct BundleNormal {
+  static constexpr int kSensor = kSensorParameterCount;
+  using Block = Eigen::Matrix<double, C, C>;
+  using CameraVector = Eigen::Matrix<double, C, 1>;
+  using CameraSensor = Eigen::Matrix<double, Eigen::Dynamic, kSensor>;
+
+  /// One observation in use.
+  struct Slot {
+    uint32_t observation = 0;  ///< in the problem
+    int camera = -1;           ///< unknown, -1 = held
+    uint32_t point = 0;        ///< unknown
+  };
+  struct Point {
+    uint32_t id = 0;             ///< in the problem
+    size_t first = 0, last = 0;  ///< its slots
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  };
+
+  /// Numbers the unknowns and finds which are coupled.
+  explicit BundleNormal(const BundleTask& task);
+
+  /// Fills in the values at `state`.
+  void linearize(const BundleState& state);
+
+  const BundleTask& task;
+  SensorVector sensor_free;  ///< 1 = free, 0 = held: its derivatives are zero
+  bool has_sensor = false;   ///< whether any is free
+
+  std::vector<int> camera_of_pose;  ///< -1 = held
+  std::vector<uint32_t> pose_of_camera;
+  std::vector<Slot> slots;  ///< by point
+  std::vector<Point> points;
+  std::vector<std::vector<uint32_t>> slots_of_pose;
+
+  // Of each slot: residual and derivatives, times the root of the robust weight.
+  std::vector<Eigen::Vector3d> e;
+  std::vector<Eigen::Matrix<double, 3, C>> J_camera;
+  std::vector<Eigen::Matrix<double, 3, kSensor>> J_sensor;  ///< empty if the sensor is held
+  std::vector<Eigen::Matrix<double, C, 3>> H_camera_point;
+
+  std::vector<Eigen::Matrix<double, kSensor, 3>> H_sensor_point;  ///< of each point; empty as above
+  BlockSymmetric<C> H_camera;  ///< with room for what eliminating the points fills in
+  CameraSensor H_camera_sensor;
+  SensorMatrix H_sensor = SensorMatrix::Zero();
+  Eigen::VectorXd g_camera;
+  SensorVector g_sensor = SensorVector::Zero();
+
+ private:
+  /// What the observations of one pose say of the sensor.
+  struct SensorPart {
+    SensorMatrix H = SensorMatrix::Zero();
+    SensorVector g = SensorVector::Zero();
+  };
+
+  void number_unknowns();
+  void make_pattern();
+  void linearize_point(const BundleState& state, const std::vector<BundleView>& views, Point& point);
+  void linearize_slot(size_t slot, const LinearizedObservation& linear, Point& point);
+  SensorPart sum_pose(size_t pose);
+  void add_edges(const BundleState& state);
+  void add_priors(const BundleState& state);
+};
+
+extern template struct BundleNormal<6>;
+extern template struct BundleNormal<12>;
+
+}  // namespace kinloop

@@ -1,0 +1,36 @@
+#pragma once
+// The words of .g2o files, shared by their reader and their writer.
+
+#include <cstddef>
+
+#include "kinloop/geometry/se2.hpp"
+#include "kinloop/geometry/se3.hpp"
+
+namespace kinloop {
+
+/// How a kind of pose is spelt in the file.
+template <class Pose>
+struct G2oFormat;
+
+template <>
+struct G2oFormat<SE3> {
+  static constexpr const char* kVertex = "VERTEX_SE3:QUAT";
+  static constexpr const char* kEdge = "EDGE_SE3:QUAT";
+  static constexpr const char* kPrior = "EDGE_SE3_PRIOR";
+  static constexpr size_t kNumbers = 7;       // x y z qx qy qz qw
+  static constexpr size_t kPriorIndices = 2;  // vertex, parameter
+};
+
+template <>
+struct G2oFormat<SE2> {
+  static constexpr const char* kVertex = "VERTEX_SE2";
+  static constexpr const char* kEdge = "EDGE_SE2";
+  static constexpr const char* kPrior = "EDGE_PRIOR_SE2";
+  static constexpr size_t kNumbers = 3;  // x y angle
+  static constexpr size_t kPriorIndices = 1;
+};
+
+/// The frame a prior in space is measured in.
+inline constexpr const char* kG2oOffsetTag = "PARAMS_SE3OFFSET";
+
+}  // namespace kinloop

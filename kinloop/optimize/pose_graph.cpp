@@ -1,0 +1,112 @@
+#include "kinloop/optimize/pose_graph.hpp"
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/optimize/chordal_start.hpp"
+#include "kinloop/optimize/pose_graph_error.hpp"
+#include "kinloop/optimize/pose_graph_solvers.hpp"
+#include "kinloop/optimize/pose_graph_structure.hpp"
+
+namespace kinloop {
+namespace {
+
+template <class Pose>
+void check(const BasicPoseGraph<Pose>& graph) {
+  const size_t count = graph.T_world_vertex.size();
+  require(graph.fixed.empty() || graph.fixed.size() == count,
+          "pose graph: one `fixed` flag per vertex, or none");
+  for (const Pose& T : graph.T_world_vertex) require(T.is_finite(), "pose graph: a pose is not finite");
+  for (const auto& edge : graph.edges) {
+    require((edge.a < count || edge.a == kWorld) && edge.b < count,
+            "pose graph: an edge to an unknown vertex");
+    require(edge.a != edge.b, "pose graph: an edge from a vertex to itself");
+    require(edge.T_a_b.is_finite() && edge.information.allFinite(), "pose graph: an edge is not finite");
+  }
+}
+
+/// Throws UsageError for values that `--set` would not take.
+void check(PoseGraphOptions options) {
+  for (const OptionEntry& entry : option_entries(options)) entry.set(to_text(entry.value));
+  if (pose_graph_solver_available(options.solver)) return;
+  throw UsageError("this build has no g2o; choose solver builtin or ceres, or install g2o and build again");
+}
+
+template <class Pose>
+SolvedPoses<Pose> solve_with(const std::string& solver, const BasicPoseGraph<Pose>& graph,
+                             const std::vector<bool>& held, const PoseGraphOptions& options) {
+#ifdef KINLOOP_WITH_G2O
+  if (solver == "g2o") return solve_with_g2o(graph, held, options);
+#endif
+  if (solver == "ceres") return solve_with_ceres(graph, held, options);
+  return solve_with_builtin(graph, held, options);
+}
+
+/// Whether any vertex with an edge may move.
+template <class Pose>
+bool has_work(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held) {
+  for (const auto& edge : graph.edges) {
+    if (!held[edge.b] || (edge.a != kWorld && !held[edge.a])) return true;
+  }
+  return false;
+}
+
+/// The starting poses by a method that the solver itself does not have.
+template <class Pose>
+std::vector<Pose> start_of(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held,
+                           const PoseGraphOptions& options) {
+  if (options.start == "tree") return spanning_tree_poses(graph);
+  if (options.start != "chordal") return graph.T_world_vertex;
+  const PoseGraphLayout layout = layout_system(graph, held);
+  const auto chordal = chordal_poses(graph, layout, plan_elimination(layout.pattern));
+  return chordal ? *chordal : graph.T_world_vertex;
+}
+
+}  // namespace
+
+template <class Pose>
+BasicPoseGraphSolution<Pose> solve_pose_graph(const BasicPoseGraph<Pose>& graph,
+                                              const PoseGraphOptions& options) {
+  check(graph);
+  check(options);
+  BasicPoseGraphSolution<Pose> solution;
+  solution.solver = options.solver == "auto" ? "builtin" : options.solver;
+  solution.chi2_before = chi2(graph);
+  solution.converged = true;
+
+  BasicPoseGraph<Pose> working = graph;
+  const std::vector<bool> held = held_vertices(graph);
+  if (has_work(graph, held)) {
+    const Stopwatch stopwatch;
+    if (solution.solver != "builtin") working.T_world_vertex = start_of(graph, held, options);
+    solution.seconds = stopwatch.wall_s();
+    SolvedPoses<Pose> solved = solve_with(solution.solver, working, held, options);
+    working.T_world_vertex = std::move(solved.T_world_vertex);
+    solution.iterations = solved.iterations;
+    solution.seconds += solved.seconds;
+    solution.converged = solved.converged;
+  }
+  solution.chi2_after = chi2(working);
+  solution.T_world_vertex = std::move(working.T_world_vertex);
+  return solution;
+}
+
+bool pose_graph_solver_available(const std::string& name) {
+#ifdef KINLOOP_WITH_G2O
+  if (name == "g2o") return true;
+#endif
+  return name == "auto" || name == "builtin" || name == "ceres";
+}
+
+template <class Pose>
+double chi2(const BasicPoseGraph<Pose>& graph) {
+  double sum = 0;
+  for (const auto& edge : graph.edges) sum += edge_chi2(graph.T_world_vertex, edge);
+  return sum;
+}
+
+template BasicPoseGraphSolution<SE3> solve_pose_graph(const PoseGraph&, const PoseGraphOptions&);
+template BasicPoseGraphSolution<SE2> solve_pose_graph(const PoseGraph2&, const PoseGraphOptions&);
+template double chi2(const PoseGraph&);
+template double chi2(const PoseGraph2&);
+
+}  // namespace kinloop

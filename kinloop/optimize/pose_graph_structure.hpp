@@ -1,0 +1,18 @@
+#pragma once
+// In: a pose graph. Out: what follows from which vertex is connected to which, alone.
+
+#include <vector>
+
+#include "kinloop/optimize/pose_graph.hpp"
+
+namespace kinloop {
+
+/// The connected part of each vertex, numbered from 0 in the order of their first vertices.
+template <class Pose>
+std::vector<size_t> connected_parts(const BasicPoseGraph<Pose>& graph);
+
+/// Which vertices do not move: those fixed, and the first of every part without a fixed vertex or a prior.
+template <class Pose>
+std::vector<bool> held_vertices(const BasicPoseGraph<Pose>& graph);
+
+}  // namespace kinloop

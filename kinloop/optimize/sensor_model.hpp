@@ -1,0 +1,66 @@
+#pragma once
+// How a Kinect-like camera departs from an ideal one: rows exposed one after the other, depth taken at
+// another time, lens and depth a little off their calibration. All values are corrections: zero is the ideal
+// camera.
+
+#include <array>
+#include <limits>
+
+#include <Eigen/Core>
+
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/se3.hpp"
+
+namespace kinloop {
+
+/// The corrections that adjustment can estimate; indices into a SensorVector. The depth offset is a
+/// polynomial of the second order over the image, in ray coordinates (x / z, y / z).
+enum SensorParameter : int {
+  kFocalX,          ///< added to fx, px
+  kFocalY,          ///< added to fy, px
+  kCenterX,         ///< added to cx, px
+  kCenterY,         ///< added to cy, px
+  kRadial1,         ///< added radial distortion, r^2
+  kRadial2,         ///< added radial distortion, r^4
+  kRollingShutter,  ///< time from the first colour row to the last, s
+  kDepthTime,       ///< time of the depth measurement minus time of its colour image, s
+  kDepthShutter,    ///< time from the first depth row to the last, s
+  kDepthScale,      ///< true inverse depth = (1 + scale) * measured + offset
+  kDepthOffset,     ///< 1/m
+  kDepthOffsetX,
+  kDepthOffsetY,
+  kDepthOffsetXX,
+  kDepthOffsetXY,
+  kDepthOffsetYY,
+  kSensorParameterCount
+};
+
+using SensorVector = Eigen::Matrix<double, kSensorParameterCount, 1>;
+using SensorMatrix = Eigen::Matrix<double, kSensorParameterCount, kSensorParameterCount>;
+
+/// The name of a parameter, as reports print it.
+const char* sensor_parameter_name(SensorParameter parameter);
+
+/// Values of the corrections and how freely each may move.
+struct SensorCalibration {
+  static constexpr double kUnknown = std::numeric_limits<double>::infinity();
+
+  SensorVector value = SensorVector::Zero();
+  /// Standard deviation of the prior around `value`: 0 = held fixed, kUnknown = free without a prior.
+  SensorVector prior_sigma = SensorVector::Zero();
+};
+
+/// Rate of change of a pose, (metres per second in camera axes; radians per second in camera axes).
+using Velocity = Vector6d;
+
+/// The pose `dt_s` after T_world_camera for a camera that keeps its velocity in the world and its turn rate.
+SE3 move(const SE3& T_world_camera, const Velocity& velocity, double dt_s);
+
+/// The constant velocity that brings `before` to `after` in `dt_s`, in the axes of `before`.
+Velocity velocity_between(const SE3& T_world_before, const SE3& T_world_after, double dt_s);
+
+/// `camera` with the corrections of focal length, centre and distortion worked in (a fit over the image; the
+/// remaining difference is below a tenth of a pixel for the small corrections meant here).
+PinholeCamera corrected_camera(const PinholeCamera& camera, const SensorVector& correction);
+
+}  // namespace kinloop

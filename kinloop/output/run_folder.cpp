@@ -1,0 +1,50 @@
+#include "kinloop/output/run_folder.hpp"
+
+#include <fmt/format.h>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/output/ply.hpp"
+
+namespace kinloop {
+
+RunFolder::RunFolder(std::filesystem::path path) : path_(std::move(path)) {
+  std::error_code error;
+  std::filesystem::create_directories(path_, error);
+  if (!std::filesystem::is_directory(path_, error)) {
+    throw InputError(fmt::format("{}: cannot be made a folder; choose another with -o", path_.string()));
+  }
+  const auto probe = path_ / ".kinloop-probe";
+  try {
+    write_file(probe, "kinloop");
+  } catch (const InputError&) {
+    throw InputError(
+        fmt::format("{}: the folder cannot be written to; check its permissions and the space left, or "
+                    "choose another with -o",
+                    path_.string()));
+  }
+  std::filesystem::remove(probe, error);
+}
+
+void write_run_files(const RunFolder& folder, const RunFiles& files) {
+  write_tum_trajectory(folder.trajectory(), files.trajectory);
+  write_tum_trajectory(folder.keyframes(), files.keyframes);
+  if (files.ground_truth.empty()) {
+    std::error_code ignored;
+    std::filesystem::remove(folder.ground_truth(), ignored);
+  } else {
+    write_tum_trajectory(folder.ground_truth(), files.ground_truth);
+  }
+  write_ply(folder.map(), files.map);
+  write_file(folder.figures(), files.figures.dump(2) + "\n");
+}
+
+nlohmann::json read_figures(const std::filesystem::path& path) {
+  auto figures = nlohmann::json::parse(read_file(path), nullptr, false);
+  if (!figures.is_object()) {
+    throw InputError(fmt::format("{}: not a JSON object; run kinloop again to make it", path.string()));
+  }
+  return figures;
+}
+
+}  // namespace kinloop

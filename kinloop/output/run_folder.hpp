@@ -1,0 +1,48 @@
+#pragma once
+// What a run leaves behind: a folder of files under fixed names, each written completely or not at all.
+
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "kinloop/dense/colored_cloud.hpp"
+#include "kinloop/geometry/trajectory.hpp"
+
+namespace kinloop {
+
+/// A folder that exists and can be written to, and the names in it, which scripts rely on.
+class RunFolder {
+ public:
+  /// Makes the folder where it is missing and tries whether files can be written into it, so that a run does
+  /// not find out at its end. Throws InputError naming the folder and the remedy.
+  explicit RunFolder(std::filesystem::path path);
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::filesystem::path trajectory() const { return path_ / "trajectory.txt"; }
+  [[nodiscard]] std::filesystem::path keyframes() const { return path_ / "keyframes.txt"; }
+  [[nodiscard]] std::filesystem::path ground_truth() const { return path_ / "groundtruth.txt"; }
+  [[nodiscard]] std::filesystem::path map() const { return path_ / "map.ply"; }
+  [[nodiscard]] std::filesystem::path graph() const { return path_ / "graph.g2o"; }
+  [[nodiscard]] std::filesystem::path figures() const { return path_ / "run.json"; }
+  [[nodiscard]] std::filesystem::path report() const { return path_ / "report.html"; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A run's results, as values.
+struct RunFiles {
+  Trajectory trajectory;
+  Trajectory keyframes;
+  Trajectory ground_truth;  ///< empty where there is none; no file is written then, and an old one removed
+  ColoredCloud map;
+  nlohmann::json figures;  ///< run.json
+};
+
+/// Writes all of them (graph.g2o and report.html are others' work).
+void write_run_files(const RunFolder& folder, const RunFiles& files);
+
+/// Reads a run.json. Throws InputError naming the file when it is not JSON with an object.
+nlohmann::json read_figures(const std::filesystem::path& path);
+
+}  // namespace kinloop

@@ -1,0 +1,49 @@
+#pragma once
+// In: the descriptors of many images. Out: a dictionary: hierarchical k-means (Nister and Stewenius 2006)
+// under the Hamming distance, seeded by k-means++ in every node.
+
+#include <span>
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "kinloop/base/options.hpp"
+#include "kinloop/base/progress.hpp"
+#include "kinloop/place/vocabulary.hpp"
+
+namespace kinloop {
+
+struct TrainOptions {
+  int branching = 10;
+  int depth = 5;
+  std::string seeding = "kmeans++";
+  int candidates = 0;
+  int iterations = 20;
+  int min_split = 2;
+  int seed = 1;
+  int threads = 1;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("branching", self.branching, "most children of a node", Range{2, 255});
+    visit("depth", self.depth, "levels below the root; at most branching^depth words", Range{1, 10});
+    visit("seeding", self.seeding, "how the first centres of a node are chosen",
+          Choices{{"kmeans++", "random"}});
+    visit("candidates", self.candidates,
+          "points tried for each k-means++ centre, the best is kept; 0 = 2 + ln(branching), 1 = plain "
+          "k-means++",
+          Range{0, 100});
+    visit("iterations", self.iterations, "most Lloyd iterations in a node", Range{0, 1000});
+    visit("min_split", self.min_split, "descriptors a node must have to be split further", Range{2, 1e6});
+    visit("seed", self.seed, "seed of the random numbers", Range{0, 2147483647});
+    visit("threads", self.threads, "threads; the result does not depend on it", Range{1, 1024});
+  }
+};
+
+/// Trains on the descriptors (N x 32 bytes, N may be 0) of each image. The same input and seed give the same
+/// dictionary whatever the number of threads. When `progress` asks to stop, nodes not yet split stay words.
+/// Throws InputError when there are fewer descriptors than words asked for, or fewer than two images.
+Vocabulary train_vocabulary(std::span<const cv::Mat> descriptors_of_images, const TrainOptions& options,
+                            const Progress& progress = {});
+
+}  // namespace kinloop

@@ -1,0 +1,131 @@
+#include "kinloop/place/vocabulary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Nodes are breadth first: the children of a node begin where those of the nodes before it end.
+std::vector<uint32_t> first_children(const std::vector<uint8_t>& child_counts) {
+  std::vector<uint32_t> first(child_counts.size());
+  std::exclusive_scan(child_counts.begin(), child_counts.end(), first.begin(), uint32_t{1});
+  return first;
+}
+
+/// Whether the child counts describe one tree with all nodes in it and at most `depth` levels below the root.
+bool is_tree(const std::vector<uint8_t>& child_counts, int depth) {
+  size_t level_begin = 0, level_end = 1;
+  for (int level = 0; level <= depth; ++level) {
+    if (level_end > child_counts.size()) return false;
+    size_t children = 0;
+    for (size_t node = level_begin; node < level_end; ++node) children += child_counts[node];
+    if (children == 0) return level_end == child_counts.size();
+    level_begin = level_end;
+    level_end += children;
+  }
+  return false;
+}
+
+struct Descent {
+  uint32_t node;   ///< the leaf
+  uint32_t above;  ///< its ancestor at the level asked for
+};
+
+/// Greedy descent of `count` descriptors, 32 bytes each.
+KINLOOP_POPCOUNT_CLONES void descend(const uint8_t* centres, const uint8_t* child_counts,
+                                     const uint32_t* first_child, const cv::Mat& descriptors, int above_level,
+                                     Descent* found) {
+  for (int row = 0; row < descriptors.rows; ++row) {
+    const uint8_t* descriptor = descriptors.ptr(row);
+    uint32_t node = 0, above = 0;
+    for (int level = 1; child_counts[node] > 0; ++level) {
+      const uint32_t first = first_child[node], end = first + child_counts[node];
+      int best = std::numeric_limits<int>::max();
+      for (uint32_t child = first; child < end; ++child) {
+        const int distance = hamming_distance(descriptor, centres + size_t{child} * kOrbBytes);
+        if (distance < best) {
+          best = distance;
+          node = child;
+        }
+      }
+      if (level <= above_level) above = node;
+    }
+    found[row] = {node, above};
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> defect_of(const VocabularyTree& tree) {
+  const auto& counts = tree.child_counts;
+  if (counts.empty() || counts.size() > std::numeric_limits<uint32_t>::max()) return "the number of nodes";
+  if (tree.centres.size() != counts.size()) return "the number of centres";
+  const bool too_wide =
+      std::any_of(counts.begin(), counts.end(), [&](int count) { return count > tree.branching; });
+  if (too_wide || !is_tree(counts, tree.depth)) return "the shape of the tree";
+  const auto words = static_cast<size_t>(std::count(counts.begin(), counts.end(), 0));
+  if (tree.idf.size() != words || tree.uses.size() != words) return "the number of words";
+  const bool bad_weight =
+      std::any_of(tree.idf.begin(), tree.idf.end(), [](float idf) { return !std::isfinite(idf) || idf < 0; });
+  if (bad_weight) return "the weight of a word";
+  return std::nullopt;
+}
+
+Vocabulary::Vocabulary(VocabularyTree tree) : tree_(std::move(tree)) {
+  require(!defect_of(tree_), "a dictionary must be a sound tree");
+  first_child_ = first_children(tree_.child_counts);
+  word_of_node_.resize(tree_.child_counts.size());
+  for (uint32_t node = 0; node < tree_.child_counts.size(); ++node) {
+    if (tree_.child_counts[node] > 0) continue;
+    word_of_node_[node] = {static_cast<uint32_t>(node_of_word_.size())};
+    node_of_word_.push_back(node);
+  }
+}
+
+QuantizedFeatures Vocabulary::words_of(const cv::Mat& descriptors, int levels_up) const {
+  if (descriptors.empty()) return {};
+  require(descriptors.type() == CV_8UC1 && descriptors.cols == kOrbBytes,
+          "a binary dictionary takes descriptors of 32 bytes a row (ORB)");
+  std::vector<Descent> found(static_cast<size_t>(descriptors.rows));
+  descend(tree_.centres.front().data(), tree_.child_counts.data(), first_child_.data(), descriptors,
+          tree_.depth - levels_up, found.data());
+  QuantizedFeatures quantized;
+  quantized.words.reserve(found.size());
+  quantized.nodes.reserve(found.size());
+  for (const auto& [leaf, above] : found) {
+    quantized.words.push_back(word_of_node_[leaf]);
+    quantized.nodes.push_back({above});
+  }
+  return quantized;
+}
+
+BowVector Vocabulary::bow_of(std::span<const WordId> words) const {
+  std::vector<WordId> sorted(words.begin(), words.end());
+  std::sort(sorted.begin(), sorted.end());
+  require(sorted.empty() || sorted.back().value < word_count(), "bow_of: a word of another dictionary");
+  std::vector<std::pair<WordId, double>> weights;  // term frequency times idf
+  double sum = 0;
+  for (auto word = sorted.begin(); word != sorted.end();) {
+    const auto next = std::upper_bound(word, sorted.end(), *word);
+    const double weight = static_cast<double>(next - word) * tree_.idf[word->value];
+    if (weight > 0) weights.emplace_back(*word, weight);
+    sum += weight;
+    word = next;
+  }
+  BowVector bow;
+  bow.reserve(weights.size());
+  for (const auto& [word, weight] : weights) bow.emplace_back(word, static_cast<float>(weight / sum));
+  return bow;
+}
+
+const BinaryDescriptor& Vocabulary::centre_of(WordId word) const {
+  require(word.value < word_count(), "centre_of: a word of another dictionary");
+  return tree_.centres[node_of_word_[word.value]];
+}
+
+}  // namespace kinloop

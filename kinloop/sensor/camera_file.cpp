@@ -1,0 +1,210 @@
+#include "kinloop/sensor/camera_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr size_t kDistortionSize = 5;  // k1 k2 p1 p2 k3
+
+/// yaml-cpp counts lines from 0.
+size_t line_of(const YAML::Mark& mark) {
+  return mark.is_null() ? 1 : static_cast<size_t>(mark.line) + 1;
+}
+
+/// One block "key: value" of the file, with errors that name file, line and key.
+class Block {
+ public:
+  /// `prefix` names the block in messages, e.g. "depth.".
+  Block(const std::filesystem::path& path, std::string prefix, const YAML::Node& node,
+        const std::vector<std::string>& known_keys)
+      : path_(path), prefix_(std::move(prefix)), node_(node) {
+    if (!node_.IsMap()) fail(node_, fmt::format("expected keys {}", fmt::join(known_keys, ", ")));
+    for (const auto& entry : node_) {
+      const YAML::Node& key_node = entry.first;
+      const auto key = key_node.as<std::string>("");
+      if (std::find(known_keys.begin(), known_keys.end(), key) == known_keys.end()) {
+        fail(key_node, fmt::format("unknown key '{}{}'; expected one of {}", prefix_, key,
+                                   fmt::join(known_keys, ", ")));
+      }
+      if (!lines_.emplace(key, line_of(key_node.Mark())).second) {
+        fail(key_node, fmt::format("key '{}{}' is given twice; keep one", prefix_, key));
+      }
+    }
+  }
+
+  [[nodiscard]] bool has(const std::string& key) const { return node_[key].IsDefined(); }
+
+  [[nodiscard]] YAML::Node at(const std::string& key, const std::string& example) const {
+    if (!has(key)) {
+      fail(node_, fmt::format("key '{}{}' is missing; add it, e.g. {}: {}", prefix_, key, key, example));
+    }
+    return node_[key];
+  }
+
+  [[nodiscard]] double number(const std::string& key, const std::string& example) const {
+    return to_number(at(key, example), key, "a number, e.g. " + example);
+  }
+
+  [[nodiscard]] double number_above_zero(const std::string& key, const std::string& example) const {
+    const YAML::Node value = at(key, example);
+    const std::string expected = "a number above 0, e.g. " + example;
+    const double number = to_number(value, key, expected);
+    if (number <= 0) reject(value, key, expected);
+    return number;
+  }
+
+  [[nodiscard]] double seconds_or_zero(const std::string& key, double low) const {
+    if (!has(key)) return 0;
+    const std::string expected = low < 0 ? "a number of seconds" : "a number of seconds, not below 0";
+    const double number = to_number(node_[key], key, expected);
+    if (number < low) reject(node_[key], key, expected);
+    return number;
+  }
+
+  [[nodiscard]] int size_px(const std::string& key, const std::string& example) const {
+    const YAML::Node value = at(key, example);
+    const std::string expected = "a whole number of pixels above 0, e.g. " + example;
+    int size = 0;
+    if (!value.IsScalar() || !YAML::convert<int>::decode(value, size) || size <= 0) {
+      reject(value, key, expected);
+    }
+    return size;
+  }
+
+  template <size_t kCount>
+  [[nodiscard]] std::array<double, kCount> numbers(const std::string& key, const std::string& example) const {
+    const YAML::Node list = at(key, example);
+    const std::string expected = fmt::format("a list of {} numbers, e.g. {}", kCount, example);
+    if (!list.IsSequence() || list.size() != kCount) reject(list, key, expected);
+    std::array<double, kCount> values{};
+    for (size_t i = 0; i < kCount; ++i) values[i] = to_number(list[i], key, expected);
+    return values;
+  }
+
+  [[nodiscard]] Eigen::Vector3d vector3(const std::string& key) const {
+    return Eigen::Vector3d(numbers<3>(key, "[0, 0, 0]").data());
+  }
+
+ private:
+  [[noreturn]] void fail(const YAML::Node& node, const std::string& what) const {
+    throw_at(path_, line_of(node.Mark()), what);
+  }
+  [[noreturn]] void reject(const YAML::Node& value, const std::string& key,
+                           const std::string& expected) const {
+    // The line of the key: yaml-cpp places a value that is missing on the line after it.
+    const std::string text = value.IsScalar() ? fmt::format("'{}'", value.Scalar()) : "the value";
+    throw_at(path_, lines_.at(key), fmt::format("key '{}{}': {} is not {}", prefix_, key, text, expected));
+  }
+  [[nodiscard]] double to_number(const YAML::Node& value, const std::string& key,
+                                 const std::string& expected) const {
+    double number = 0;
+    const bool is_number = value.IsScalar() && YAML::convert<double>::decode(value, number);
+    if (!is_number || !std::isfinite(number)) reject(value, key, expected);
+    return number;
+  }
+
+  std::filesystem::path path_;
+  std::string prefix_;
+  YAML::Node node_;
+  std::map<std::string, size_t> lines_;  ///< of the keys that are there
+};
+
+/// Everything of a pinhole camera but its size.
+PinholeCamera read_lens(const Block& block) {
+  PinholeCamera camera;
+  camera.fx = block.number_above_zero("fx", "525");
+  camera.fy = block.number_above_zero("fy", "525");
+  camera.cx = block.number("cx", "319.5");
+  camera.cy = block.number("cy", "239.5");
+  const auto d = block.numbers<kDistortionSize>("distortion", "[0, 0, 0, 0, 0]");
+  camera.k1 = d[0], camera.k2 = d[1], camera.p1 = d[2], camera.p2 = d[3], camera.k3 = d[4];
+  return camera;
+}
+
+PinholeCamera read_depth_camera(const Block& block, const PinholeCamera& color) {
+  PinholeCamera camera = read_lens(block);
+  camera.width = block.has("width") ? block.size_px("width", "640") : color.width;
+  camera.height = block.has("height") ? block.size_px("height", "480") : color.height;
+  return camera;
+}
+
+SE3 read_motion(const Block& block) {
+  return {exp_so3(block.vector3("rotation_vector")), block.vector3("translation")};
+}
+
+YAML::Node parse_yaml(const std::filesystem::path& path) {
+  try {
+    return YAML::Load(read_file(path));
+  } catch (const YAML::Exception& error) {
+    throw_at(path, line_of(error.mark), fmt::format("not YAML: {}; expected lines 'key: value'", error.msg));
+  }
+}
+
+std::string lens_text(const PinholeCamera& c, const char* separator) {
+  return fmt::format(
+      "width: {1}{0}height: {2}{0}fx: {3}{0}fy: {4}{0}cx: {5}{0}cy: {6}{0}"
+      "distortion: [{7}, {8}, {9}, {10}, {11}]",
+      separator, c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3);
+}
+
+}  // namespace
+
+RgbdCamera read_camera_file(const std::filesystem::path& path) {
+  const Block block(path, "", parse_yaml(path),
+                    {"width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale", "fps",
+                     "rolling_shutter_s", "depth_offset_s", "depth", "T_color_depth"});
+  RgbdCamera camera;
+  camera.color = read_lens(block);
+  camera.color.width = block.size_px("width", "640");
+  camera.color.height = block.size_px("height", "480");
+  camera.depth_scale = block.number_above_zero("depth_scale", "5000");
+  camera.fps = block.number_above_zero("fps", "30");
+  camera.rolling_shutter_s = block.seconds_or_zero("rolling_shutter_s", 0);
+  camera.depth_offset_s = block.seconds_or_zero("depth_offset_s", -std::numeric_limits<double>::infinity());
+  if (block.has("depth")) {
+    const Block depth(path, "depth.", block.at("depth", ""),
+                      {"width", "height", "fx", "fy", "cx", "cy", "distortion"});
+    const Block motion(path, "T_color_depth.",
+                       block.at("T_color_depth", "{translation: [0.025, 0, 0], rotation_vector: [0, 0, 0]}"),
+                       {"translation", "rotation_vector"});
+    camera.depth = read_depth_camera(depth, camera.color);
+    camera.T_color_depth = read_motion(motion);
+  } else if (block.has("T_color_depth")) {
+    throw_at(path, line_of(block.at("T_color_depth", "").Mark()),
+             "key 'T_color_depth' without 'depth'; add the depth camera, or leave both out where depth is "
+             "registered to colour");
+  }
+  return camera;
+}
+
+void write_camera_file(const std::filesystem::path& path, const RgbdCamera& camera) {
+  std::string text = lens_text(camera.color, "\n") + "  # k1 k2 p1 p2 k3\n";
+  text += fmt::format("depth_scale: {}  # units of the depth image per metre\nfps: {}\n", camera.depth_scale,
+                      camera.fps);
+  if (camera.rolling_shutter_s != 0) text += fmt::format("rolling_shutter_s: {}\n", camera.rolling_shutter_s);
+  if (camera.depth_offset_s != 0) text += fmt::format("depth_offset_s: {}\n", camera.depth_offset_s);
+  if (camera.depth) {
+    const Eigen::Vector3d& t = camera.T_color_depth.translation;
+    const Eigen::Vector3d r = log_so3(camera.T_color_depth.rotation);
+    text += fmt::format("depth: {{{}}}\n", lens_text(*camera.depth, ", "));
+    text += fmt::format("T_color_depth: {{translation: [{}, {}, {}], rotation_vector: [{}, {}, {}]}}\n",
+                        t.x(), t.y(), t.z(), r.x(), r.y(), r.z());
+  }
+  write_file(path, text);
+}
+
+}  // namespace kinloop

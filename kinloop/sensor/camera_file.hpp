@@ -1,0 +1,34 @@
+#pragma once
+// In: camera.yaml. Out: RgbdCamera, and back.
+//
+//   width: 640
+//   height: 480
+//   fx: 517.306408
+//   fy: 516.469215
+//   cx: 318.643040
+//   cy: 255.313989
+//   distortion: [0.262383, -0.953104, -0.005358, 0.002628, 1.163314]   # k1 k2 p1 p2 k3
+//   depth_scale: 5000        # units of the depth image per metre
+//   fps: 30
+//   rolling_shutter_s: 0.03  # optional, as all that follows
+//   depth_offset_s: 0.015
+//   depth: {width: 640, height: 480, fx: 585, fy: 585, cx: 320, cy: 240, distortion: [0, 0, 0, 0, 0]}
+//   T_color_depth: {translation: [-0.024, 0.003, -0.005], rotation_vector: [-0.001, 0, 0.001]}
+//
+// `depth` is for depth that is not registered to colour; its width and height default to those of colour.
+
+#include <filesystem>
+
+#include "kinloop/geometry/camera.hpp"
+
+namespace kinloop {
+
+/// Reads camera.yaml. Throws InputError naming file, line, key and remedy for a key that is unknown, missing,
+/// given twice or has a value that no camera has.
+RgbdCamera read_camera_file(const std::filesystem::path& path);
+
+/// Writes camera.yaml, atomically; reading it gives the same camera to the last bit but for the rotation of
+/// T_color_depth, which passes through a rotation vector.
+void write_camera_file(const std::filesystem::path& path, const RgbdCamera& camera);
+
+}  // namespace kinloop

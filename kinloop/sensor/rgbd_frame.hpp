@@ -1,0 +1,19 @@
+#pragma once
+// What a camera gives: colour and depth at one moment.
+
+#include <cstdint>
+
+#include <opencv2/core/mat.hpp>
+
+#include "kinloop/base/ids.hpp"
+
+namespace kinloop {
+
+struct RgbdFrame {
+  FrameId id;            ///< counts the frames of a source from 0
+  int64_t stamp_ns = 0;  ///< of the colour image
+  cv::Mat color;         ///< 8UC3, BGR
+  cv::Mat depth_m;       ///< 32FC1, z in metres at each pixel of `color`, 0 = unknown
+};
+
+}  // namespace kinloop

@@ -1,0 +1,113 @@
+#include "kinloop/sensor/tum_listing.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "kinloop/base/association.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/base/time.hpp"
+
+namespace kinloop {
+namespace {
+
+/// The rows of one text file with their first column as time, and what was left out of it.
+struct StampedRows {
+  std::vector<int64_t> stamps_ns;
+  std::vector<TextLine> lines;
+  std::vector<SkippedFrame> skipped;
+};
+
+int64_t row_stamp(const std::filesystem::path& file, const TextLine& line, const std::string& columns) {
+  const size_t expected = static_cast<size_t>(std::count(columns.begin(), columns.end(), ' ')) + 1;
+  if (line.fields.size() != expected) {
+    throw_at(file, line.number, fmt::format("expected '{}', found {} fields", columns, line.fields.size()));
+  }
+  const auto stamp_ns = parse_stamp_ns(line.fields[0]);
+  if (!stamp_ns) {
+    throw_at(file, line.number,
+             fmt::format("'{}' is not a time stamp in seconds; correct or delete the line", line.fields[0]));
+  }
+  return *stamp_ns;
+}
+
+/// Rows whose time increases. `columns` names what a row holds, separated by blanks.
+StampedRows read_stamped_rows(const std::filesystem::path& file, const std::string& columns) {
+  constexpr size_t kMaxDisorder = 2;  // one row in so many may be out of order
+  StampedRows rows;
+  size_t first_skipped_line = 0;
+  for (TextLine& line : read_table(file)) {
+    const int64_t stamp_ns = row_stamp(file, line, columns);
+    if (rows.stamps_ns.empty() || stamp_ns > rows.stamps_ns.back()) {
+      rows.stamps_ns.push_back(stamp_ns);
+      rows.lines.push_back(std::move(line));
+      continue;
+    }
+    if (rows.skipped.empty()) first_skipped_line = line.number;
+    const char* what = stamp_ns == rows.stamps_ns.back() ? "repeats" : "goes back behind";
+    rows.skipped.push_back(
+        {line.fields[1], fmt::format("{}:{}: time stamp {} {} that of line {}", file.string(), line.number,
+                                     line.fields[0], what, rows.lines.back().number)});
+  }
+  const size_t count = rows.lines.size() + rows.skipped.size();
+  if (count == 0) {
+    throw InputError(fmt::format("{}: lists nothing; expected lines '{}'", file.string(), columns));
+  }
+  if (rows.skipped.size() * kMaxDisorder > count) {
+    throw_at(file, first_skipped_line,
+             fmt::format("time stamps repeat or go back in {} of {} lines; they must increase: sort the file "
+                         "by time, or write the time stamps anew",
+                         rows.skipped.size(), count));
+  }
+  return rows;
+}
+
+TumListing read_associated(const std::filesystem::path& folder) {
+  StampedRows rows =
+      read_stamped_rows(folder / "associations.txt", "timestamp colour_file timestamp depth_file");
+  TumListing listing;
+  listing.skipped = std::move(rows.skipped);
+  for (size_t i = 0; i < rows.lines.size(); ++i) {
+    const auto& fields = rows.lines[i].fields;
+    listing.frames.push_back({rows.stamps_ns[i], folder / fields[1], folder / fields[3]});
+  }
+  return listing;
+}
+
+TumListing associate_lists(const std::filesystem::path& folder) {
+  const StampedRows color = read_stamped_rows(folder / "rgb.txt", "timestamp colour_file");
+  const StampedRows depth = read_stamped_rows(folder / "depth.txt", "timestamp depth_file");
+  TumListing listing;
+  listing.skipped = color.skipped;
+  listing.skipped.insert(listing.skipped.end(), depth.skipped.begin(), depth.skipped.end());
+  for (const auto& [c, d] : associate_stamps(color.stamps_ns, depth.stamps_ns)) {
+    listing.frames.push_back(
+        {color.stamps_ns[c], folder / color.lines[c].fields[1], folder / depth.lines[d].fields[1]});
+  }
+  if (listing.frames.empty()) {
+    throw InputError(
+        fmt::format("{}: no colour image of rgb.txt has a depth image in depth.txt within {} s; check that "
+                    "both use the same clock, or write associations.txt",
+                    folder.string(), to_seconds(kMaxAssociationNs)));
+  }
+  return listing;
+}
+
+}  // namespace
+
+TumListing read_tum_listing(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  require_folder(folder);
+  if (fs::exists(folder / "associations.txt")) return read_associated(folder);
+  for (const char* name : {"rgb.txt", "depth.txt"}) {
+    if (fs::exists(folder / name)) continue;
+    throw InputError(fmt::format(
+        "{}: no {}; a sequence in TUM layout has rgb.txt and depth.txt with lines 'timestamp file'",
+        folder.string(), name));
+  }
+  return associate_lists(folder);
+}
+
+}  // namespace kinloop

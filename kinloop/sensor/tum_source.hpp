@@ -1,0 +1,42 @@
+#pragma once
+// In: a folder in the layout of the TUM RGB-D benchmark (rgb.txt, depth.txt, optional associations.txt,
+// groundtruth.txt and camera.yaml). Out: its frames.
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/tum_listing.hpp"
+
+namespace kinloop {
+
+/// A recorded sequence. Frames that are damaged (missing, cut short, not an image, of another size than the
+/// camera's, depth not of 16 bits), and rows whose time stamp does not increase, are skipped and counted.
+class TumSource : public FrameSource {
+ public:
+  /// With the camera that `choose_camera` finds for the folder.
+  explicit TumSource(const std::filesystem::path& folder);
+
+  /// Throws InputError naming file, line and remedy for a sequence that cannot be used at all: nothing to
+  /// read, images of another size than the camera's, a ground truth that is not one.
+  TumSource(const std::filesystem::path& folder, const RgbdCamera& camera);
+
+  /// Throws InputError when the end is reached and not one frame was intact.
+  std::optional<RgbdFrame> next() override;
+  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return skipped_; }
+
+ private:
+  [[nodiscard]] RgbdFrame read_frame(const FrameFiles& files) const;
+
+  RgbdCamera camera_;
+  SourceInfo info_;
+  std::vector<FrameFiles> frames_;
+  size_t next_file_ = 0;
+  uint32_t next_id_ = 0;
+  std::vector<SkippedFrame> skipped_;
+};
+
+}  // namespace kinloop

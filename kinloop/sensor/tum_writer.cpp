@@ -1,0 +1,76 @@
+#include "kinloop/sensor/tum_writer.hpp"
+
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/base/time.hpp"
+#include "kinloop/sensor/camera_file.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr const char* kLists[] = {"rgb.txt", "depth.txt", "associations.txt", "groundtruth.txt"};
+
+void write_png(const std::filesystem::path& path, const cv::Mat& image) {
+  std::vector<uint8_t> bytes;
+  // The lightest compression: a little larger, several times as fast.
+  cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+/// Depth in file units; 0 where unknown or too far for 16 bits (65535 means unknown to some readers).
+cv::Mat depth_units(const cv::Mat& depth_m, double depth_scale) {
+  cv::Mat units;
+  depth_m.convertTo(units, CV_16UC1, depth_scale);
+  units.setTo(0, units == std::numeric_limits<uint16_t>::max());
+  return units;
+}
+
+}  // namespace
+
+TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
+    : folder_(std::move(folder)),
+      depth_scale_(camera.depth_scale),
+      newest_ns_(std::numeric_limits<int64_t>::min()),
+      color_list_("# timestamp filename\n"),
+      depth_list_(color_list_),
+      pair_list_("# colour timestamp, colour filename, depth timestamp, depth filename\n") {
+  std::error_code error;
+  for (const char* images : {"rgb", "depth"}) {
+    std::filesystem::create_directories(folder_ / images, error);
+    if (error) {
+      throw InputError(fmt::format("{}: cannot make the folder ({}); choose another output folder",
+                                   (folder_ / images).string(), error.message()));
+    }
+  }
+  for (const char* list : kLists) std::filesystem::remove(folder_ / list, error);
+  write_camera_file(folder_ / "camera.yaml", camera);
+}
+
+void TumWriter::append(const RgbdFrame& frame, int64_t depth_stamp_ns) {
+  require(frame.stamp_ns > newest_ns_, "frames are written in the order of time");
+  newest_ns_ = frame.stamp_ns;
+  const std::string color_stamp = format_stamp(frame.stamp_ns), depth_stamp = format_stamp(depth_stamp_ns);
+  const std::string color = fmt::format("rgb/{}.png", color_stamp);
+  const std::string depth = fmt::format("depth/{}.png", depth_stamp);
+  write_png(folder_ / color, frame.color);
+  write_png(folder_ / depth, depth_units(frame.depth_m, depth_scale_));
+  color_list_ += fmt::format("{} {}\n", color_stamp, color);
+  depth_list_ += fmt::format("{} {}\n", depth_stamp, depth);
+  pair_list_ += fmt::format("{} {} {} {}\n", color_stamp, color, depth_stamp, depth);
+}
+
+void TumWriter::finish(const Trajectory& ground_truth) {
+  if (!ground_truth.empty()) write_tum_trajectory(folder_ / "groundtruth.txt", ground_truth);
+  write_file(folder_ / "associations.txt", pair_list_);
+  write_file(folder_ / "depth.txt", depth_list_);
+  write_file(folder_ / "rgb.txt", color_list_);
+}
+
+}  // namespace kinloop

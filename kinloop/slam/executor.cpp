@@ -1,0 +1,84 @@
+#include "kinloop/slam/executor.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <future>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+struct Job {
+  JobKind kind;
+  FrameId due;
+  std::future<MapUpdate> result;
+};
+
+uint32_t lag_of(JobKind kind, const ExecutorOptions& options) {
+  switch (kind) {
+    case JobKind::kLocalAdjustment:
+      return static_cast<uint32_t>(options.local_lag_frames);
+    case JobKind::kLoopCorrection:
+      return static_cast<uint32_t>(options.loop_lag_frames);
+    case JobKind::kFullAdjustment:
+      return static_cast<uint32_t>(options.full_lag_frames);
+  }
+  return 0;
+}
+
+/// The three modes differ in when work starts and when its result is due.
+class ModalExecutor : public Executor {
+ public:
+  explicit ModalExecutor(const ExecutorOptions& options) : options_(options) {}
+
+  void submit(JobKind kind, FrameId now, std::function<MapUpdate()> work) override {
+    require(!busy(kind), "submit: a job of this kind is in flight");
+    const bool at_once = options_.mode == "inline";
+    const FrameId due{now.value + (at_once ? 1 : lag_of(kind, options_))};
+    auto result = std::async(at_once ? std::launch::deferred : std::launch::async, std::move(work));
+    if (at_once) result.wait();
+    jobs_.push_back({kind, due, std::move(result)});
+  }
+
+  [[nodiscard]] bool busy(JobKind kind) const override {
+    return std::any_of(jobs_.begin(), jobs_.end(), [&](const Job& job) { return job.kind == kind; });
+  }
+
+  std::vector<FinishedJob> collect(FrameId now) override {
+    return take([&](const Job& job) {
+      if (options_.mode != "live") return job.due <= now;
+      return job.result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    });
+  }
+
+  std::vector<FinishedJob> drain() override {
+    return take([](const Job&) { return true; });
+  }
+
+ private:
+  std::vector<FinishedJob> take(const std::function<bool(const Job&)>& is_due) {
+    std::vector<FinishedJob> finished;
+    std::vector<Job> remaining;
+    for (Job& job : jobs_) {
+      if (is_due(job)) {
+        finished.push_back({job.kind, job.result.get()});
+      } else {
+        remaining.push_back(std::move(job));
+      }
+    }
+    jobs_ = std::move(remaining);
+    return finished;
+  }
+
+  ExecutorOptions options_;
+  std::vector<Job> jobs_;  // in the order they were handed in
+};
+
+}  // namespace
+
+std::unique_ptr<Executor> make_executor(const ExecutorOptions& options) {
+  return std::make_unique<ModalExecutor>(options);
+}
+
+}  // namespace kinloop

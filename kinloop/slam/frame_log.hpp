@@ -1,0 +1,47 @@
+#pragma once
+// What is kept of every frame: its pose relative to a keyframe and which landmarks it saw, so that its place
+// in the world follows every correction and can be refined at the end.
+
+#include <vector>
+
+#include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/map/map.hpp"
+#include "kinloop/tracking/tracker.hpp"
+
+namespace kinloop {
+
+/// A landmark as one frame saw it.
+struct LoggedObservation {
+  LandmarkId landmark;
+  Eigen::Vector2f pixel;  ///< undistorted
+  float depth_m = 0;      ///< 0 = unknown
+  float sigma_px = 1;
+  float row = 0;  ///< raw image row as a share of the height, -0.5 (first) to 0.5 (last)
+  Eigen::Vector2f inverse_depth_gradient = Eigen::Vector2f::Zero();  ///< 1/m per px
+};
+
+struct LoggedFrame {
+  FrameId frame;
+  int64_t stamp_ns = 0;
+  TrackStatus status = TrackStatus::kLost;
+  KeyframeId reference;
+  SE3 T_reference_camera;
+  KeyframeId keyframe;  ///< valid where the frame became one
+  std::vector<LoggedObservation> observations;
+};
+
+using FrameLog = std::vector<LoggedFrame>;
+
+/// The log entry of a tracked frame.
+LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px);
+
+/// The frame's pose, as the map stands now; the frame must not be lost.
+SE3 world_pose(const LoggedFrame& entry, const Map& map);
+
+/// Poses of all frames that were not lost, as the map stands now.
+Trajectory trajectory_of(const FrameLog& log, const Map& map);
+
+/// Poses of all keyframes.
+Trajectory keyframe_trajectory(const Map& map);
+
+}  // namespace kinloop

@@ -1,0 +1,31 @@
+#include "kinloop/slam/frame_pipeline.hpp"
+
+#include <utility>
+
+namespace kinloop {
+
+FramePipeline::FramePipeline(FrameSource& source, const Slam& slam)
+    : source_(source), slam_(slam), frames_(kFramesAhead), thread_([this] { run_ahead(); }) {}
+
+FramePipeline::~FramePipeline() {
+  frames_.close();
+}
+
+void FramePipeline::run_ahead() {
+  try {
+    while (const auto frame = source_.next()) {
+      if (!frames_.push(slam_.prepare(*frame))) break;
+    }
+  } catch (...) {
+    error_ = std::current_exception();
+  }
+  frames_.close();
+}
+
+std::optional<PreparedFrame> FramePipeline::next() {
+  auto frame = frames_.pop();
+  if (!frame && error_) std::rethrow_exception(std::exchange(error_, nullptr));
+  return frame;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,99 @@
+#pragma once
+// The order of things. In: frames. Out: the pose of each, a map, and at the end the whole trajectory.
+//
+//   TumSource source(folder);
+//   Slam slam(source.camera());
+//   while (auto frame = source.next()) slam.process(*frame);
+//   write_tum_trajectory("trajectory.txt", slam.finish());
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/loop/candidates.hpp"
+#include "kinloop/place/vocabulary.hpp"
+#include "kinloop/sensor/rgbd_frame.hpp"
+#include "kinloop/slam/executor.hpp"
+#include "kinloop/slam/frame_log.hpp"
+#include "kinloop/slam/listener.hpp"
+#include "kinloop/slam/options.hpp"
+#include "kinloop/slam/room_times.hpp"
+#include "kinloop/tracking/motion_model.hpp"
+
+namespace kinloop {
+
+class Slam {
+ public:
+  /// With the default dictionary.
+  explicit Slam(const RgbdCamera& camera, const SlamOptions& options = {});
+  Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary);
+  ~Slam();
+  Slam(const Slam&) = delete;
+  Slam& operator=(const Slam&) = delete;
+
+  /// What can be computed from a frame alone. Touches nothing of this object: it may run ahead on another
+  /// thread.
+  [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const;
+
+  /// Takes the frames in order of time.
+  FrameResult process(const PreparedFrame& frame);
+  FrameResult process(const RgbdFrame& frame) { return process(prepare(frame)); }
+
+  /// Ends the run: waits for work in flight, adjusts the whole map, refines every frame. Gives all tracked
+  /// poses.
+  Trajectory finish(const Progress& progress = {});
+
+  /// The poses known so far, without ending anything.
+  [[nodiscard]] Trajectory trajectory() const { return trajectory_of(log_, map_); }
+
+  [[nodiscard]] const Map& map() const { return map_; }
+  [[nodiscard]] const FrameLog& log() const { return log_; }
+  [[nodiscard]] const RoomTimes& times() const { return times_; }
+
+  /// What `finish` found of the sensor.
+  [[nodiscard]] const SensorEstimate& sensor() const { return sensor_; }
+
+  /// `listener` must outlive this object.
+  void listen(Listener& listener) { listeners_.push_back(&listener); }
+
+ private:
+  void apply_finished_work(const std::vector<FinishedJob>& jobs);
+  TrackResult start(const PreparedFrame& frame);
+  TrackResult locate(const PreparedFrame& frame, bool& relocalized);
+  void remember(const PreparedFrame& frame, const TrackResult& result);
+  [[nodiscard]] bool wants_keyframe(const PreparedFrame& frame, const TrackResult& result) const;
+  KeyframeId insert_keyframe(const PreparedFrame& frame, const TrackResult& result);
+  void look_for_loops(KeyframeId keyframe);
+  void submit_adjustments(KeyframeId newest);
+  void look_from(KeyframeId reference);
+  void tell(const FrameResult& result, const PreparedFrame& frame);
+  [[nodiscard]] uint64_t seed_of(FrameId frame) const;
+
+  RgbdCamera camera_;
+  SlamOptions options_;
+  Vocabulary vocabulary_;
+  std::unique_ptr<Executor> executor_;
+
+  Map map_;
+  PlaceIndex places_;
+  CandidateHistory loop_history_;
+  std::vector<std::pair<LandmarkId, LandmarkId>> pending_merges_;
+  bool loop_pending_ = false;             // a loop edge waits to be worked in
+  bool full_adjustment_pending_ = false;  // a loop was closed since the last full adjustment
+  bool map_changed_ = false;              // since the listeners were told
+
+  LocalView view_;
+  std::optional<TrackedFrame> previous_;  // none before the start and after a loss
+  MotionModel motion_;
+  KeyframeId last_keyframe_;
+  int frames_since_keyframe_ = 0;
+  FrameId now_;
+
+  FrameLog log_;
+  SensorEstimate sensor_;
+  RoomTimes times_;
+  std::vector<Listener*> listeners_;
+};
+
+}  // namespace kinloop

@@ -1,0 +1,34 @@
+#pragma once
+// A camera image made ready for tracking, and what is remembered of it afterwards.
+
+#include <memory>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "kinloop/base/ids.hpp"
+#include "kinloop/features/matcher.hpp"
+#include "kinloop/geometry/se3.hpp"
+
+namespace kinloop {
+
+/// What is computed from one image alone; it may be prepared ahead on another thread.
+struct PreparedFrame {
+  FrameId id;
+  int64_t stamp_ns = 0;
+  cv::Mat color;    ///< 8UC3 BGR
+  cv::Mat gray;     ///< 8UC1
+  cv::Mat depth_m;  ///< 32FC1
+  std::shared_ptr<const Features> features;
+  double prepare_wall_s = 0;  ///< spent on preparing it, for reports
+  double prepare_cpu_s = 0;
+};
+
+/// The previous frame, as the tracker remembers it.
+struct TrackedFrame {
+  PreparedFrame frame;
+  SE3 T_reference_camera;               ///< in the frame of the reference keyframe of the local view
+  std::vector<LandmarkId> landmark_of;  ///< per key point; invalid where it shows no landmark
+};
+
+}  // namespace kinloop

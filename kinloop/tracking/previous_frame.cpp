@@ -1,0 +1,169 @@
+#include "kinloop/tracking/previous_frame.hpp"
+
+#include <cmath>
+#include <unordered_map>
+
+namespace kinloop {
+namespace {
+
+/// Points of the previous frame with known place: its landmarks where it shows some, else its own depth.
+struct PreviousPoints {
+  std::vector<Eigen::Vector3d> p_reference;
+  std::vector<uint32_t> features;  // key points of the previous frame
+  std::vector<bool> mapped;        // by a landmark
+};
+
+PreviousPoints points_of(const TrackedFrame& previous, const LocalView& view, const PinholeCamera& camera) {
+  std::unordered_map<LandmarkId, size_t> index_in_view;
+  for (size_t i = 0; i < view.size(); ++i) index_in_view.emplace(view.ids[i], i);
+  const Features& features = *previous.frame.features;
+  PreviousPoints points;
+  for (uint32_t i = 0; i < features.size(); ++i) {
+    const auto known = index_in_view.find(previous.landmark_of[i]);
+    const bool mapped = known != index_in_view.end();
+    if (!mapped && !(features.depths_m[i] > 0)) continue;
+    points.p_reference.push_back(mapped ? view.p_reference[known->second]
+                                        : previous.T_reference_camera *
+                                              camera.unproject(features.pixels[i].cast<double>(),
+                                                               static_cast<double>(features.depths_m[i])));
+    points.features.push_back(i);
+    points.mapped.push_back(mapped);
+  }
+  return points;
+}
+
+/// One way of tracking: everything a try needs.
+struct Tracking {
+  const PreparedFrame& frame;
+  const FeatureGrid& grid;
+  const TrackedFrame& previous;
+  const PreviousPoints& points;
+  const PinholeCamera& camera;
+  const TrackingOptions& options;
+};
+
+PoseObservation observation_of(const Tracking& t, size_t point, uint32_t feature) {
+  const Features& now = *t.frame.features;
+  const Features& before = *t.previous.frame.features;
+  // A point known from the previous frame alone is as uncertain as its own key point there.
+  const double sigma_before =
+      t.points.mapped[point] ? 0.0 : static_cast<double>(before.sigmas_px[t.points.features[point]]);
+  return {t.points.p_reference[point], now.pixels[feature].cast<double>(),
+          static_cast<double>(now.depths_m[feature]),
+          std::hypot(static_cast<double>(now.sigmas_px[feature]), sigma_before)};
+}
+
+FramePose keep_inliers(const AbsolutePoseSolution& solution, const std::vector<PoseObservation>& observations,
+                       const std::vector<uint32_t>& features) {
+  FramePose pose{solution.T_reference_camera, solution.information, {}, {}, 0, false};
+  for (size_t i = 0; i < observations.size(); ++i) {
+    if (!solution.inliers[i]) continue;
+    pose.support.push_back(observations[i]);
+    pose.features.push_back(features[i]);
+  }
+  return pose;
+}
+
+std::optional<FramePose> solve(const Tracking& t, const std::vector<Match>& matches, const SE3& guess) {
+  if (static_cast<int>(matches.size()) < t.options.min_matches) return std::nullopt;
+  std::vector<PoseObservation> observations;
+  std::vector<uint32_t> features;
+  for (const Match& match : matches) {
+    observations.push_back(observation_of(t, match.a, match.b));
+    features.push_back(match.b);
+  }
+  const auto solution = solve_absolute_pose(t.camera, observations, guess, t.options.pose);
+  if (!solution || solution->inlier_count < t.options.min_inliers) return std::nullopt;
+  return keep_inliers(*solution, observations, features);
+}
+
+std::optional<FramePose> search_windows(const Tracking& t, const SE3& T_reference_camera, double window_px) {
+  const Features& before = *t.previous.frame.features;
+  const SE3 T_camera_reference = T_reference_camera.inverse();
+  std::vector<ProjectedPoint> projected;
+  std::vector<uint32_t> point_of;
+  for (uint32_t i = 0; i < t.points.features.size(); ++i) {
+    const Eigen::Vector3d p_camera = T_camera_reference * t.points.p_reference[i];
+    if (p_camera.z() <= 0) continue;
+    const Eigen::Vector2d pixel = t.camera.project(p_camera);
+    if (!t.camera.contains(pixel)) continue;
+    const uint32_t feature = t.points.features[i];
+    const int level = before.levels[feature];
+    projected.push_back({pixel, window_px * static_cast<double>(before.sigmas_px[feature]), p_camera.z(),
+                         level - 1, level + 1, before.descriptors.ptr<uint8_t>(static_cast<int>(feature))});
+    point_of.push_back(i);
+  }
+  auto matches = match_by_projection(projected, *t.frame.features, t.grid, {});
+  for (Match& match : matches) match.a = point_of[match.a];
+  return solve(t, matches, T_reference_camera);
+}
+
+/// Rigid 3D-3D motion from the matches that have depth on both sides.
+std::optional<SE3> rigid_guess(const Tracking& t, const std::vector<PoseObservation>& observations,
+                               uint64_t seed) {
+  const SE3 T_previous_reference = t.previous.T_reference_camera.inverse();
+  std::vector<PointPair> pairs;
+  for (const PoseObservation& seen : observations) {
+    if (!(seen.depth_m > 0)) continue;
+    pairs.push_back({T_previous_reference * seen.p_reference, t.camera.unproject(seen.pixel, seen.depth_m),
+                     seen.sigma_px, seen.sigma_px});
+  }
+  const auto solution = solve_rigid_ransac(t.camera, pairs, t.options.rigid, seed);
+  if (!solution) return std::nullopt;
+  return t.previous.T_reference_camera * solution->T_a_b;
+}
+
+/// Brute-force Hamming matching with the founding paper's screen, then RANSAC: P3P, and rigid 3D-3D if that
+/// fails.
+std::optional<FramePose> search_everywhere(const Tracking& t, uint64_t seed) {
+  const cv::Mat& all = t.previous.frame.features->descriptors;
+  cv::Mat descriptors;
+  for (const uint32_t feature : t.points.features) descriptors.push_back(all.row(static_cast<int>(feature)));
+  const auto matches = screen_matches(match_brute_force(descriptors, t.frame.features->descriptors, true));
+  if (static_cast<int>(matches.size()) < t.options.min_matches) return std::nullopt;
+  std::vector<PoseObservation> observations;
+  for (const Match& match : matches) observations.push_back(observation_of(t, match.a, match.b));
+  const std::optional<AbsolutePoseSolution> from_pixels =
+      solve_pnp_ransac(t.camera, observations, t.options.pnp, seed);
+  const std::optional<SE3> guess =
+      from_pixels ? from_pixels->T_reference_camera : rigid_guess(t, observations, seed);
+  return guess ? solve(t, matches, *guess) : std::nullopt;
+}
+
+std::optional<FramePose> align_densely(const Tracking& t, const SE3& T_reference_camera) {
+  const IcpCamera camera = make_icp_camera(t.camera, t.options.icp);
+  const auto aligned =
+      align_icp(camera, make_icp_frame(camera, t.previous.frame.depth_m, t.previous.frame.gray),
+                make_icp_frame(camera, t.frame.depth_m, t.frame.gray),
+                t.previous.T_reference_camera.inverse() * T_reference_camera, t.options.icp);
+  if (!aligned || aligned->overlap < t.options.min_icp_overlap) return std::nullopt;
+  FramePose pose;
+  pose.T_reference_camera = t.previous.T_reference_camera * aligned->T_reference_camera;
+  pose.information = aligned->information;
+  pose.dense = true;
+  return pose;
+}
+
+}  // namespace
+
+std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const FeatureGrid& grid,
+                                            const TrackedFrame& previous, const LocalView& view,
+                                            const SE3& T_reference_camera_predicted,
+                                            const PinholeCamera& camera, const TrackingOptions& options,
+                                            uint64_t seed) {
+  const PreviousPoints points = points_of(previous, view, camera);
+  const Tracking t{frame, grid, previous, points, camera, options};
+  const auto with_tries = [](FramePose pose, int tries) {
+    pose.tries = tries;
+    return pose;
+  };
+  if (auto pose = search_windows(t, T_reference_camera_predicted, options.window_px))
+    return with_tries(*pose, 1);
+  if (auto pose = search_windows(t, T_reference_camera_predicted, options.wide_window_px))
+    return with_tries(*pose, 2);
+  if (auto pose = search_everywhere(t, seed)) return with_tries(*pose, 3);
+  if (auto pose = align_densely(t, T_reference_camera_predicted)) return with_tries(*pose, 4);
+  return std::nullopt;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,33 @@
+#pragma once
+// The pose of a frame against the frame before it: guided matching first, brute force when the motion was not
+// what was expected, the depth images themselves when features fail.
+
+#include <optional>
+
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/map/local_view.hpp"
+#include "kinloop/tracking/frame.hpp"
+#include "kinloop/tracking/options.hpp"
+
+namespace kinloop {
+
+/// A pose and the observations that support it.
+struct FramePose {
+  SE3 T_reference_camera;
+  Matrix6d information = Matrix6d::Zero();
+  std::vector<PoseObservation> support;  ///< inliers only
+  std::vector<uint32_t> features;        ///< the key point of each of `support`
+  int tries = 0;
+  bool dense = false;  ///< from the depth images, without support
+};
+
+/// The pose of `frame` by the first of these that gives one: key points of `previous` searched around the
+/// predicted place, in wider windows, by brute force with RANSAC (P3P, then rigid 3D-3D), dense alignment.
+/// Nothing if all fail.
+std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const FeatureGrid& grid,
+                                            const TrackedFrame& previous, const LocalView& view,
+                                            const SE3& T_reference_camera_predicted,
+                                            const PinholeCamera& camera, const TrackingOptions& options,
+                                            uint64_t seed);
+
+}  // namespace kinloop

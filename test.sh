@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Builds kinloop and runs all of its tests. The last line is "N passed, N failed", with ", N skipped" where some
+# could not run (those on real recordings skip where ../shared/data is absent). Exit code 0 when none failed.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+
+jobs="$(nproc)"
+junit="build/release/tests.xml"
+
+fail_before_tests() {
+  echo "$1" >&2
+  echo "0 passed, 1 failed"
+  exit 1
+}
+
+scripts/install_dependencies.sh || fail_before_tests "The packages could not be installed."
+cmake --preset release -DKINLOOP_TESTS=ON -DKINLOOP_BENCH=ON || fail_before_tests "Configuring failed."
+cmake --build --preset release --parallel "$jobs" || fail_before_tests "The build failed."
+
+rm -f "$junit"
+ctest --test-dir build/release --parallel "$jobs" --output-on-failure --no-tests=error \
+  --output-junit "$PWD/$junit" </dev/null || true
+[[ -s "$junit" ]] || fail_before_tests "The tests could not be run."
+
+# The head of the file: <testsuite ... tests="120" failures="1" disabled="0" skipped="2" ...>
+count() {
+  sed -n "s/^[[:space:]]*$1=\"\([0-9]*\)\".*/\1/p" "$junit" | head -n 1
+}
+failed="$(count failures)"
+skipped="$(($(count skipped) + $(count disabled)))"
+passed="$(($(count tests) - failed - skipped))"
+
+summary="$passed passed, $failed failed"
+if [[ $skipped -gt 0 ]]; then summary+=", $skipped skipped"; fi
+echo "$summary"
+[[ $failed -eq 0 ]]

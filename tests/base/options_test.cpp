@@ -1,0 +1,128 @@
+#include "kinloop/base/options.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/expect_error.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::usage_error;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+struct InnerOptions {
+  int count = 1000;
+  double ratio = 0.5;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("count", self.count, "key points kept", Range{50, 20000});
+    visit("ratio", self.ratio, "share of them", Range{0, 1});
+  }
+};
+
+struct OuterOptions {
+  InnerOptions inner;
+  bool loops = true;
+  std::string solver = "auto";
+  std::string title = "room";
+  double offset = -1.5;
+  int at_least = 3;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("inner", self.inner);
+    visit("loops", self.loops, "close loops");
+    visit("solver", self.solver, "who solves", Choices{{"auto", "g2o", "ceres"}});
+    visit("title", self.title, "shown above the report");
+    visit("offset", self.offset, "metres");
+    visit("at_least", self.at_least, "things", Range{1});
+  }
+};
+
+OuterOptions with(std::vector<std::string> assignments) {
+  return with_assignments(OuterOptions{}, assignments);
+}
+
+std::string error(const std::string& assignment) {
+  return usage_error([&] { with({assignment}); });
+}
+
+TEST(Options, EveryFieldIsListedOnceInOrderWithItsValue) {
+  OuterOptions options;
+  std::vector<std::string> lines;
+  for (const auto& entry : option_entries(options)) lines.push_back(entry.key + "=" + to_text(entry.value));
+  EXPECT_THAT(lines, ElementsAre("inner.count=1000", "inner.ratio=0.5", "loops=true", "solver=auto",
+                                 "title=room", "offset=-1.5", "at_least=3"));
+}
+
+TEST(Options, EveryTypeCanBeSet) {
+  const auto options = with({"inner.count=50", "inner.ratio=1e-1", "loops=off", "solver=g2o", "title=a=b c",
+                             "offset=-2", "at_least=1"});
+  EXPECT_EQ(options.inner.count, 50);
+  EXPECT_EQ(options.inner.ratio, 0.1);
+  EXPECT_FALSE(options.loops);
+  EXPECT_EQ(options.solver, "g2o");
+  EXPECT_EQ(options.title, "a=b c");
+  EXPECT_EQ(options.offset, -2);
+  EXPECT_EQ(options.at_least, 1);
+}
+
+TEST(Options, TheLastAssignmentWins) {
+  EXPECT_EQ(with({"at_least=5", "at_least=7"}).at_least, 7);
+}
+
+TEST(Options, WhatIsListedCanBeSetAgain) {
+  auto changed = with({"inner.ratio=0.30000000000000004", "loops=false", "offset=1e-300"});
+  std::vector<std::string> assignments;
+  for (const auto& entry : option_entries(changed))
+    assignments.push_back(entry.key + "=" + to_text(entry.value));
+  const auto again = with_assignments(OuterOptions{}, assignments);
+  EXPECT_EQ(again.inner.ratio, changed.inner.ratio);
+  EXPECT_EQ(again.loops, changed.loops);
+  EXPECT_EQ(again.offset, changed.offset);
+}
+
+TEST(Options, UnknownKeyNamesTheNearest) {
+  EXPECT_THAT(error("inner.cuont=5"), AllOf(HasSubstr("'inner.cuont'"), HasSubstr("'inner.count'")));
+  EXPECT_THAT(error("solvr=g2o"), HasSubstr("'solver'"));
+  EXPECT_THAT(error("=5"), HasSubstr("unknown option ''"));
+  EXPECT_THAT(usage_error([] { apply_assignment({}, "a=1"); }), HasSubstr("'a'"));
+}
+
+TEST(Options, AnAssignmentNeedsAnEqualsSign) {
+  EXPECT_THAT(error("loops"), HasSubstr("expected key=value"));
+}
+
+TEST(Options, RangesIncludeTheirEnds) {
+  EXPECT_EQ(with({"inner.count=20000"}).inner.count, 20000);
+  EXPECT_EQ(with({"inner.ratio=0"}).inner.ratio, 0);
+  EXPECT_THAT(error("inner.count=49"), AllOf(HasSubstr("inner.count"), HasSubstr("from 50 to 20000")));
+  EXPECT_THAT(error("inner.count=20001"), HasSubstr("'20001'"));
+  EXPECT_THAT(error("inner.ratio=1.0001"), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(error("at_least=0"), HasSubstr("at least 1"));
+}
+
+TEST(Options, BadValuesNameKeyAndExpectation) {
+  for (const char* value : {"", "ten", "10.5", "1e3", "99999999999", "10 ", "0x80"}) {
+    EXPECT_THAT(error(std::string("inner.count=") + value),
+                AllOf(HasSubstr("inner.count"), HasSubstr("a whole number")));
+  }
+  for (const char* value : {"", "half", "nan", "inf", "0,5", "1e999"}) {
+    EXPECT_THAT(error(std::string("offset=") + value), AllOf(HasSubstr("offset"), HasSubstr("a number")));
+  }
+  EXPECT_THAT(error("loops=maybe"), HasSubstr("true or false"));
+  EXPECT_THAT(error("solver=magic"), HasSubstr("one of auto, g2o, ceres"));
+}
+
+TEST(Options, HelpHasKeyDefaultMeaningAndExpectation) {
+  OuterOptions options;
+  EXPECT_THAT(options_help(option_entries(options)),
+              AllOf(HasSubstr("inner.count=1000"), HasSubstr("key points kept"),
+                    HasSubstr("from 50 to 20000"), HasSubstr("one of auto, g2o, ceres")));
+}
+
+}  // namespace
+}  // namespace kinloop

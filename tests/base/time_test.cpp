@@ -1,0 +1,84 @@
+#include "kinloop/base/time.hpp"
+
+#include <gtest/gtest.h>
+
+#include "kinloop/base/random.hpp"
+
+namespace kinloop {
+namespace {
+
+TEST(ParseStamp, KeepsEveryNanosecond) {
+  EXPECT_EQ(parse_stamp_ns("1305031910.765238"), 1305031910765238000);
+  EXPECT_EQ(parse_stamp_ns("1305031910.765238001"), 1305031910765238001);
+  EXPECT_EQ(parse_stamp_ns("0.1"), 100000000);
+  EXPECT_EQ(parse_stamp_ns("1000"), 1000000000000);
+  EXPECT_EQ(parse_stamp_ns("5."), 5000000000);
+  EXPECT_EQ(parse_stamp_ns(".5"), 500000000);
+  EXPECT_EQ(parse_stamp_ns("-0.25"), -250000000);
+  EXPECT_EQ(parse_stamp_ns("-3.000000001"), -3000000001);
+  EXPECT_EQ(parse_stamp_ns("0.1234567899"), 123456789);  // what is below a nanosecond is cut off
+  EXPECT_EQ(parse_stamp_ns("9000000000"), 9000000000000000000);
+}
+
+TEST(ParseStamp, TakesExponents) {
+  EXPECT_EQ(parse_stamp_ns("1.5e3"), 1500000000000);
+  EXPECT_EQ(parse_stamp_ns("2E-3"), 2000000);
+  EXPECT_EQ(parse_stamp_ns("-1e0"), -1000000000);
+}
+
+TEST(ParseStamp, RejectsWhatIsNotAFiniteDecimalNumber) {
+  for (const char* text : {"",
+                           ".",
+                           "-",
+                           "-.",
+                           "--1",
+                           "1-2",
+                           "1.-0",
+                           "1.2.3",
+                           "1.123456789-5",
+                           "1.12345678912.5",
+                           "nan",
+                           "-nan",
+                           "inf",
+                           "-inf",
+                           "1e400",
+                           "1e30",
+                           "9000000001",
+                           "99999999999999999999999",
+                           "-9999999999",
+                           "12abc",
+                           "abc",
+                           "1,5",
+                           " 1",
+                           "1 ",
+                           "0x10",
+                           "+-1"}) {
+    EXPECT_FALSE(parse_stamp_ns(text)) << "'" << text << "'";
+  }
+}
+
+TEST(FormatStamp, HasSixDecimalsAndMoreOnlyWhereNeeded) {
+  EXPECT_EQ(format_stamp(1305031910765238000), "1305031910.765238");
+  EXPECT_EQ(format_stamp(0), "0.000000");
+  EXPECT_EQ(format_stamp(1), "0.000000001");
+  EXPECT_EQ(format_stamp(-250000000), "-0.250000");
+}
+
+TEST(FormatStamp, ParsesBackToTheSameStamp) {
+  Random random(1);
+  for (int i = 0; i < 10000; ++i) {
+    const auto magnitude = static_cast<int64_t>(random.next() % 9'000'000'000'000'000'000ULL);
+    const int64_t stamp_ns = i % 2 == 0 ? magnitude : -(magnitude >> (i % 60));
+    ASSERT_EQ(parse_stamp_ns(format_stamp(stamp_ns)), stamp_ns);
+  }
+}
+
+TEST(Seconds, RoundTrip) {
+  EXPECT_EQ(to_ns(0.02), 20000000);
+  EXPECT_EQ(to_ns(-1.5), -1500000000);
+  EXPECT_EQ(to_ns(1e-9 * 0.6), 1);
+  EXPECT_DOUBLE_EQ(to_seconds(33333333), 0.033333333);
+}
+
+}  // namespace
+}  // namespace kinloop

@@ -1,0 +1,137 @@
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "kinloop/loop/close_loop.hpp"
+#include "kinloop/loop/relocalize.hpp"
+#include "kinloop/place/trainer.hpp"
+#include "tests/support/synthetic_map.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::looking;
+
+constexpr int kKeyframes = 32;
+
+/// One turn around the room, a keyframe every 360 / 30 degrees: the last ones see again what the first ones
+/// saw.
+SE3 true_pose(int i) {
+  return looking(2 * std::numbers::pi / 30 * i, {0.1 * std::sin(0.2 * i), 0, 0.1 * std::cos(0.2 * i)});
+}
+
+/// Poses as odometry would give them: each step a little off in the same direction.
+SE3 drifted_pose(int i) {
+  SE3 T_world_camera = true_pose(0);
+  Vector6d error;
+  error << 0.003, 0.001, -0.002, 0.0, 0.001, 0.0;
+  for (int k = 1; k <= i; ++k) {
+    T_world_camera = T_world_camera * (true_pose(k - 1).inverse() * true_pose(k)) * SE3::exp(error);
+  }
+  return T_world_camera;
+}
+
+class Loop : public testing::Test {
+ protected:
+  Loop() : vocabulary_(train_vocabulary(slices(world_.descriptors), train_options())) {
+    for (int i = 0; i < kKeyframes; ++i) {
+      // Odometry does not know that it is back: the last keyframes make landmarks of their own.
+      if (i == kKeyframes - 4) built_.landmark_of_point.clear();
+      const auto view = test::observe(world_, true_pose(i), {}, 10 + static_cast<uint64_t>(i));
+      const KeyframeId id = test::add_view(built_, world_, view, drifted_pose(i));
+      places_.add(id, bow_of(*view.features));
+    }
+  }
+
+  static TrainOptions train_options() {
+    TrainOptions options;
+    options.depth = 3;
+    return options;
+  }
+
+  /// The dictionary weighs words by how many images have them: as many "images" as walls have patches.
+  static std::vector<cv::Mat> slices(const cv::Mat& descriptors) {
+    std::vector<cv::Mat> images;
+    for (int row = 0; row < descriptors.rows; row += 40) images.push_back(descriptors.rowRange(row, row + 40));
+    return images;
+  }
+
+  BowVector bow_of(const Features& features) const {
+    return vocabulary_.bow_of(vocabulary_.words_of(features.descriptors).words);
+  }
+
+  test::SyntheticWorld world_ = test::make_world(4000, 1);
+  Vocabulary vocabulary_;
+  test::SyntheticMap built_;
+  PlaceIndex places_;
+  const KeyframeId last_{kKeyframes - 1};
+};
+
+TEST_F(Loop, CandidatesPointToTheBeginning) {
+  CandidateHistory history;
+  std::vector<KeyframeId> found;
+  for (uint32_t i = 0; i < kKeyframes; ++i) {
+    auto candidates = find_loop_candidates(built_.map, places_, KeyframeId{i}, history, {});
+    history = candidates.history;
+    found = candidates.keyframes;
+    if (i > 20) continue;  // nothing was seen twice yet: whatever looks alike by chance must fail verification
+    EXPECT_FALSE(verify_loop(built_.map, KeyframeId{i}, found, world_.camera, {}, {}, {}, 3).has_value());
+  }
+  ASSERT_FALSE(found.empty());
+  EXPECT_LT(found.front().value, 6U);
+}
+
+TEST_F(Loop, OneKeyframeAloneIsNotConsistent) {
+  EXPECT_TRUE(find_loop_candidates(built_.map, places_, last_, {}, {}).keyframes.empty());
+}
+
+TEST_F(Loop, VerificationGivesTheTrueMotion) {
+  const auto closure = verify_loop(built_.map, last_, {KeyframeId{1}}, world_.camera, {}, {}, {}, 3);
+  ASSERT_TRUE(closure.has_value());
+  const SE3 truth = true_pose(static_cast<int>(closure->edge.a.value)).inverse() * true_pose(kKeyframes - 1);
+  EXPECT_LT(test::distance_m(closure->edge.T_a_b, truth), 0.02);
+  EXPECT_GE(closure->edge.inliers, 30);
+  EXPECT_FALSE(closure->merges.empty());
+}
+
+TEST_F(Loop, AnotherPlaceIsRefused) {
+  EXPECT_FALSE(verify_loop(built_.map, last_, {KeyframeId{15}}, world_.camera, {}, {}, {}, 3).has_value());
+}
+
+TEST_F(Loop, CorrectionSpreadsTheDrift) {
+  const auto closure = verify_loop(built_.map, last_, {KeyframeId{1}}, world_.camera, {}, {}, {}, 3);
+  ASSERT_TRUE(closure.has_value());
+  const double before_m =
+      test::distance_m(built_.map.keyframe(last_).T_world_camera, true_pose(kKeyframes - 1));
+  built_.map.add_loop_edge(closure->edge);
+  ASSERT_TRUE(built_.map.apply(correct_loop(loop_problem(built_.map, closure->merges, {}), {})));
+  const double after_m =
+      test::distance_m(built_.map.keyframe(last_).T_world_camera, true_pose(kKeyframes - 1));
+  EXPECT_GT(before_m, 0.03);
+  EXPECT_LT(after_m, before_m / 3);
+  EXPECT_GT(built_.map.covisible(last_, 15).back().second, 0);
+  built_.map.check_invariants();
+}
+
+TEST_F(Loop, ALostFrameIsFoundAgain) {
+  const SE3 pose = true_pose(10) * looking(0.04, {0.05, 0.02, 0.03});
+  const auto view = test::observe(world_, pose, {}, 99);
+  const auto found = relocalize(test::make_frame(500, view), bow_of(*view.features), built_.map, places_,
+                                world_.camera, {}, {}, {}, 5);
+  ASSERT_TRUE(found.has_value());
+  const SE3 truth = true_pose(static_cast<int>(found->reference.value)).inverse() * pose;
+  // The map around it is itself bent by a few millimetres from keyframe to keyframe.
+  EXPECT_LT(test::distance_m(found->T_reference_camera, truth), 0.05);
+}
+
+TEST_F(Loop, AFrameFromElsewhereIsNotFound) {
+  const auto elsewhere = test::make_world(4000, 77);
+  const auto view = test::observe(elsewhere, true_pose(10), {}, 99);
+  EXPECT_FALSE(relocalize(test::make_frame(500, view), bow_of(*view.features), built_.map, places_,
+                          world_.camera, {}, {}, {}, 5)
+                   .has_value());
+}
+
+}  // namespace
+}  // namespace kinloop

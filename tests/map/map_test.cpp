@@ -1,0 +1,171 @@
+#include "kinloop/map/map.hpp"
+
+#include <gtest/gtest.h>
+
+#include "kinloop/base/random.hpp"
+#include "tests/support/synthetic_world.hpp"
+
+namespace kinloop {
+namespace {
+
+std::shared_ptr<const Features> blank_features(size_t count) {
+  Features features;
+  features.pixels.assign(count, Eigen::Vector2f::Zero());
+  return std::make_shared<const Features>(features);
+}
+
+KeyframeId add_keyframe(Map& map, const SE3& T_world_camera = {}) {
+  const auto number = static_cast<uint32_t>(map.keyframes().size());
+  return map.add_keyframe(FrameId{number}, number * 1000, T_world_camera, blank_features(30));
+}
+
+TEST(Map, ObservationsHaveTwoSides) {
+  Map map;
+  const KeyframeId a = add_keyframe(map), b = add_keyframe(map);
+  const LandmarkId landmark = map.add_landmark(a, 3, {0, 0, 1});
+  EXPECT_TRUE(map.observe(landmark, {b, 7}));
+  EXPECT_EQ(map.keyframe(b).landmark_of[7], landmark);
+  EXPECT_EQ(map.landmark(landmark).observations.size(), 2U);
+  EXPECT_FALSE(map.observe(landmark, {b, 8}));  // b sees it already
+  const LandmarkId other = map.add_landmark(a, 4, {0, 0, 1});
+  EXPECT_FALSE(map.observe(other, {b, 7}));  // the key point is taken
+  map.check_invariants();
+}
+
+TEST(Map, ALandmarkFollowsItsAnchor) {
+  Map map;
+  const KeyframeId a = add_keyframe(map);
+  const LandmarkId landmark = map.add_landmark(a, 0, {0, 0, 2});
+  MapUpdate update;
+  update.T_world_camera = {{a, test::looking(1.0, {1, 2, 3})}};
+  update.newest_seen = a;
+  ASSERT_TRUE(map.apply(update));
+  EXPECT_LT((map.p_world(landmark) - test::looking(1.0, {1, 2, 3}) * Eigen::Vector3d(0, 0, 2)).norm(), 1e-12);
+}
+
+TEST(Map, ForgettingTheAnchorsViewMovesTheAnchorNotThePoint) {
+  Map map;
+  const KeyframeId a = add_keyframe(map, test::looking(0.3, {1, 0, 0}));
+  const KeyframeId b = add_keyframe(map, test::looking(-0.2, {0, 1, 0}));
+  const LandmarkId landmark = map.add_landmark(a, 0, {0.1, 0.2, 2});
+  map.observe(landmark, {b, 5});
+  const Eigen::Vector3d before = map.p_world(landmark);
+  map.forget(landmark, {a, 0});
+  EXPECT_EQ(map.landmark(landmark).anchor, b);
+  EXPECT_LT((map.p_world(landmark) - before).norm(), 1e-12);
+  map.forget(landmark, {b, 5});
+  EXPECT_FALSE(map.contains(landmark));
+  map.check_invariants();
+}
+
+TEST(Map, KeyframesAfterTheNewestSeenFollowRigidly) {
+  Map map;
+  const KeyframeId a = add_keyframe(map);
+  const KeyframeId b = add_keyframe(map, test::looking(0.1, {1, 0, 0}));
+  const KeyframeId c = add_keyframe(map, test::looking(0.2, {2, 0, 0}));
+  const SE3 T_b_c = map.keyframe(b).T_world_camera.inverse() * map.keyframe(c).T_world_camera;
+  MapUpdate update;
+  update.T_world_camera = {{a, SE3{}}, {b, test::looking(0.5, {1, 1, 0})}};
+  update.newest_seen = b;
+  ASSERT_TRUE(map.apply(update));
+  const SE3 T_b_c_after = map.keyframe(b).T_world_camera.inverse() * map.keyframe(c).T_world_camera;
+  EXPECT_LT((T_b_c.inverse() * T_b_c_after).log().norm(), 1e-12);
+}
+
+TEST(Map, AStaleUpdateIsDropped) {
+  Map map;
+  const KeyframeId a = add_keyframe(map);
+  MapUpdate update;
+  update.T_world_camera = {{a, test::looking(0, {9, 9, 9})}};
+  update.newest_seen = a;
+  update.epoch = map.epoch();
+  map.raise_epoch();
+  EXPECT_FALSE(map.apply(update));
+  EXPECT_EQ(map.keyframe(a).T_world_camera.translation, Eigen::Vector3d(0, 0, 0));
+}
+
+TEST(Map, UpdatesPassOverWhatIsGone) {
+  Map map;
+  const KeyframeId a = add_keyframe(map), b = add_keyframe(map);
+  const LandmarkId gone = map.add_landmark(a, 0, {0, 0, 1});
+  const LandmarkId stays = map.add_landmark(a, 1, {0, 0, 1});
+  map.observe(gone, {b, 0});
+  map.erase(gone);
+  MapUpdate update;
+  update.p_world = {{gone, {1, 1, 1}}, {stays, {2, 2, 2}}};
+  update.outliers = {{gone, {b, 0}}};
+  update.merges = {{gone, stays}, {stays, gone}, {stays, stays}};
+  update.newest_seen = b;
+  ASSERT_TRUE(map.apply(update));
+  EXPECT_LT((map.p_world(stays) - Eigen::Vector3d(2, 2, 2)).norm(), 1e-12);
+  map.check_invariants();
+}
+
+TEST(Map, MergingMovesObservations) {
+  Map map;
+  const KeyframeId a = add_keyframe(map), b = add_keyframe(map), c = add_keyframe(map);
+  const LandmarkId older = map.add_landmark(a, 0, {0, 0, 1});
+  const LandmarkId newer = map.add_landmark(b, 0, {0, 0, 1});
+  map.observe(newer, {c, 1});
+  map.observe(older, {c, 2});  // c sees both: only one can stay
+  map.merge(newer, older);
+  EXPECT_FALSE(map.contains(newer));
+  EXPECT_EQ(map.landmark(older).observations.size(), 3U);
+  EXPECT_FALSE(map.keyframe(c).landmark_of[1].valid());
+  map.check_invariants();
+}
+
+TEST(Map, CovisibleCountsSharedLandmarks) {
+  Map map;
+  const KeyframeId a = add_keyframe(map), b = add_keyframe(map), c = add_keyframe(map);
+  for (uint32_t i = 0; i < 10; ++i) {
+    const LandmarkId landmark = map.add_landmark(a, i, {0, 0, 1});
+    if (i < 3) map.observe(landmark, {b, i});
+    if (i < 6) map.observe(landmark, {c, i});
+  }
+  const std::vector<std::pair<KeyframeId, int>> expected{{c, 6}, {b, 3}};
+  EXPECT_EQ(map.covisible(a, 1), expected);
+  EXPECT_EQ(map.covisible(a, 4).size(), 1U);
+}
+
+TEST(Map, StaysSoundUnderRandomChange) {
+  Map map;
+  Random random(5);
+  for (int i = 0; i < 8; ++i) add_keyframe(map);
+  const auto random_keyframe = [&] { return KeyframeId{random.index(8)}; };
+  for (int step = 0; step < 4000; ++step) {
+    const auto ids = map.landmark_ids();
+    const auto random_landmark = [&] { return ids[random.index(static_cast<uint32_t>(ids.size()))]; };
+    const uint32_t verb = random.index(10);
+    const Observation seen{random_keyframe(), random.index(30)};
+    if (ids.size() < 2 || verb < 3) {
+      if (!map.keyframe(seen.keyframe).landmark_of[seen.feature].valid())
+        map.add_landmark(seen.keyframe, seen.feature, {0, 0, 1});
+    } else if (verb < 7) {
+      map.observe(random_landmark(), seen);
+    } else if (verb < 8) {
+      const LandmarkId id = random_landmark();
+      map.forget(id, map.landmark(id).observations.front());
+    } else if (verb < 9) {
+      const LandmarkId goes = random_landmark(), stays = random_landmark();
+      if (goes != stays) map.merge(goes, stays);
+    } else {
+      map.erase(random_landmark());
+    }
+    if (step % 50 == 0) map.check_invariants();
+  }
+  map.check_invariants();
+}
+
+TEST(Map, BrokenPromisesAreLogicErrors) {
+  Map map;
+  EXPECT_THROW((void)map.keyframe(KeyframeId{0}), std::logic_error);
+  EXPECT_THROW((void)map.landmark(LandmarkId{0}), std::logic_error);
+  const KeyframeId a = add_keyframe(map);
+  EXPECT_THROW(map.add_landmark(a, 30, {0, 0, 1}), std::logic_error);
+  EXPECT_THROW(map.add_landmark(a, 0, {0, 0, std::nan("")}), std::logic_error);
+  EXPECT_THROW(map.add_loop_edge({a, KeyframeId{7}, SE3{}, Matrix6d::Identity(), 30}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace kinloop

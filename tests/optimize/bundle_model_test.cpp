@@ -1,0 +1,167 @@
+#include "kinloop/optimize/bundle_model.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/optimize/synthetic_view.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::random_motion;
+using test::random_vector;
+
+/// A residual with everything switched on, so that no derivative is zero.
+struct Sample {
+  BundleProblem problem;
+  BundleOptions options;
+  BundleObservation observation;
+  SE3 T_world_camera;
+  Velocity velocity;
+  Eigen::Vector3d p_world;
+  SensorVector sensor;
+
+  explicit Sample(Random& random) {
+    problem.camera = test::kinect();
+    T_world_camera = random_motion(random, 1, 1);
+    velocity << random_vector(random, 1), random_vector(random, 2);
+    const Eigen::Vector3d p_camera(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(1, 3));
+    p_world = T_world_camera * p_camera;
+    observation.pixel = problem.camera.project(p_camera) + Eigen::Vector2d(3, -2);
+    observation.depth_m = p_camera.z() + 0.02;
+    observation.sigma_px = 1.3;
+    observation.row = random.uniform(-0.5, 0.5);
+    observation.inverse_depth_gradient = {random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3)};
+    sensor << 5, -3, 1, 2, 0.05, -0.03, 0.03, 0.015, 0.02, 0.01, 0.002, 0.001, -0.001, 0.003, 0.002, -0.002;
+  }
+
+  [[nodiscard]] BundleTask task() const { return {problem, options, {}, {}, {}}; }
+  [[nodiscard]] LinearizedObservation linear() const {
+    return linearize_observation(task(), observation, BundleUse::kPixelAndDepth, {T_world_camera, velocity},
+                                 p_world, sensor);
+  }
+  [[nodiscard]] Eigen::Vector3d error() const {
+    return bundle_residual(task(), observation, BundleUse::kPixelAndDepth, {T_world_camera, velocity},
+                           p_world, sensor)
+        .e;
+  }
+};
+
+/// Central difference of the residual as a change is applied to the sample.
+template <class Change>
+Eigen::Vector3d difference(const Sample& sample, double step, const Change& change) {
+  Sample up = sample, down = sample;
+  change(up, step);
+  change(down, -step);
+  return (up.error() - down.error()) / (2 * step);
+}
+
+void expect_near(const Eigen::Vector3d& analytic, const Eigen::Vector3d& numeric, const char* what,
+                 int column) {
+  EXPECT_LT((analytic - numeric).norm(), 1e-5 * (1 + numeric.norm())) << what << " " << column;
+}
+
+TEST(BundleModel, AnalyticDerivativesAreTheNumericOnes) {
+  Random random(1);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Sample sample(random);
+    const BundleJacobian J = sample.linear().jacobian;
+    for (int i = 0; i < 6; ++i) {
+      const auto turn = [&](Sample& s, double h) {
+        s.T_world_camera = s.T_world_camera * SE3::exp(h * Vector6d::Unit(i));
+      };
+      expect_near(J.pose.col(i), difference(sample, 1e-6, turn), "pose", i);
+      const auto faster = [&](Sample& s, double h) { s.velocity(i) += h; };
+      expect_near(J.velocity.col(i), difference(sample, 1e-4, faster), "velocity", i);
+    }
+    for (int i = 0; i < 3; ++i) {
+      const auto shift = [&](Sample& s, double h) { s.p_world(i) += h; };
+      expect_near(J.point.col(i), difference(sample, 1e-6, shift), "point", i);
+    }
+    for (int i = 0; i < kSensorParameterCount; ++i) {
+      const auto correct = [&](Sample& s, double h) { s.sensor(i) += h; };
+      expect_near(J.sensor.col(i), difference(sample, 1e-5, correct), "sensor", i);
+    }
+  }
+}
+
+TEST(BundleModel, ObservationsWithoutDepthHaveNoDepthRow) {
+  Random random(2);
+  const Sample sample(random);
+  const auto linear =
+      linearize_observation(sample.task(), sample.observation, BundleUse::kPixel,
+                            {sample.T_world_camera, sample.velocity}, sample.p_world, sample.sensor);
+  EXPECT_EQ(linear.residual.e.z(), 0);
+  EXPECT_TRUE(linear.jacobian.pose.row(2).isZero(0));
+  EXPECT_TRUE(linear.jacobian.velocity.row(2).isZero(0));
+  EXPECT_TRUE(linear.jacobian.point.row(2).isZero(0));
+  EXPECT_TRUE(linear.jacobian.sensor.row(2).isZero(0));
+}
+
+TEST(BundleModel, EdgeDerivativesAreTheNumericOnes) {
+  Random random(3);
+  for (int trial = 0; trial < 10; ++trial) {
+    const SE3 T_a = random_motion(random, 1, 1), T_b = random_motion(random, 1, 1);
+    const BundleEdge edge{0, 1, T_a.inverse() * T_b * random_motion(random, 0.3, 0.4), Matrix6d::Identity()};
+    const auto linear = linearize_bundle_edge(edge, T_a, T_b);
+    constexpr double kStep = 1e-6;
+    for (int i = 0; i < 6; ++i) {
+      const SE3 up = SE3::exp(kStep * Vector6d::Unit(i)), down = SE3::exp(-kStep * Vector6d::Unit(i));
+      const Vector6d by_a =
+          (linearize_bundle_edge(edge, T_a * up, T_b).e - linearize_bundle_edge(edge, T_a * down, T_b).e) /
+          (2 * kStep);
+      const Vector6d by_b =
+          (linearize_bundle_edge(edge, T_a, T_b * up).e - linearize_bundle_edge(edge, T_a, T_b * down).e) /
+          (2 * kStep);
+      EXPECT_LT((linear.by_a.col(i) - by_a).norm(), 1e-7);
+      EXPECT_LT((linear.by_b.col(i) - by_b).norm(), 1e-7);
+    }
+  }
+}
+
+TEST(SensorModel, VelocityBetweenPosesLeadsFromOneToTheOther) {
+  Random random(4);
+  const SE3 a = random_motion(random, 1, 1), b = random_motion(random, 1, 1);
+  const SE3 arrived = move(a, velocity_between(a, b, 0.3), 0.3);
+  EXPECT_LT((arrived.inverse() * b).log().norm(), 1e-12);
+  EXPECT_THROW(velocity_between(a, b, 0), std::logic_error);
+}
+
+TEST(SensorModel, CorrectedCameraSeesWhatTheCorrectionsSay) {
+  PinholeCamera camera = test::kinect();
+  camera.k1 = 0.26;
+  camera.k2 = -0.95;
+  camera.k3 = 1.16;
+  camera.p1 = -0.005;
+  EXPECT_NEAR(corrected_camera(camera, SensorVector::Zero()).k3, camera.k3, 1e-9);
+  SensorVector correction = SensorVector::Zero();
+  correction(kFocalX) = 4;
+  correction(kFocalY) = 3;
+  correction(kCenterX) = -1.5;
+  correction(kRadial1) = 0.01;
+  const PinholeCamera corrected = corrected_camera(camera, correction);
+  // A ray lands on the same raw pixel by both ways: corrected pinhole then nominal lens, or the corrected
+  // lens.
+  for (double x = -0.5; x <= 0.5; x += 0.1) {
+    for (double y = -0.4; y <= 0.4; y += 0.1) {
+      const double bend = 1 + correction(kRadial1) * (x * x + y * y);
+      const Eigen::Vector2d undistorted((camera.fx + 4) * x * bend + camera.cx - 1.5,
+                                        (camera.fy + 3) * y * bend + camera.cy);
+      const Eigen::Vector2d raw = corrected.distort(corrected.project({x, y, 1}));
+      EXPECT_LT((camera.distort(undistorted) - raw).norm(), 0.1) << x << " " << y;
+    }
+  }
+}
+
+TEST(SensorModel, EveryParameterHasItsName) {
+  std::vector<std::string> names;
+  for (int i = 0; i < kSensorParameterCount; ++i) {
+    names.emplace_back(sensor_parameter_name(static_cast<SensorParameter>(i)));
+  }
+  EXPECT_THAT(names, testing::Each(testing::Ne("")));
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(std::unique(names.begin(), names.end()), names.end());
+}
+
+}  // namespace
+}  // namespace kinloop

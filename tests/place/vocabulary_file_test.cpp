@@ -1,0 +1,157 @@
+#include "kinloop/place/vocabulary_file.hpp"
+
+#include <bit>
+#include <cstring>
+
+#include <gmock/gmock.h>
+
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/place/trainer.hpp"
+#include "tests/place/synthetic.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::input_error;
+using testing::AllOf;
+using testing::HasSubstr;
+
+// The format as docs/place.md describes it, written down a second time.
+constexpr size_t kHeaderBytes = 48;
+constexpr size_t kChecksumOffset = 40;
+
+uint64_t word_at(const std::string& bytes, size_t at) {
+  uint64_t word = 0;
+  for (size_t i = 0; i < 8; ++i) word |= uint64_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
+  return word;
+}
+
+std::string with_right_checksum(std::string bytes) {
+  uint64_t sum = 0xcbf29ce484222325;
+  for (size_t at = 0; at + 8 <= bytes.size(); at += 8) {
+    if (at != kChecksumOffset) sum = std::rotl((sum ^ word_at(bytes, at)) * 0x100000001b3, 29);
+  }
+  for (size_t i = 0; i < 8; ++i) bytes[kChecksumOffset + i] = static_cast<char>(sum >> (8 * i));
+  return bytes;
+}
+
+const Vocabulary& vocabulary() {
+  static const Vocabulary kVocabulary = [] {
+    TrainOptions options;
+    options.branching = 3;
+    options.depth = 3;
+    return train_vocabulary(test::clustered_images(5, 40, 30, 1), options);
+  }();
+  return kVocabulary;
+}
+
+const std::string& bytes() {
+  static const std::string kBytes = serialize_vocabulary(vocabulary());
+  return kBytes;
+}
+
+std::string error_of(const std::string& content) {
+  return input_error([&] { parse_vocabulary(content, "some.kinvoc"); });
+}
+
+TEST(VocabularyFile, SavedAndLoadedIsTheSame) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "a.kinvoc";
+  write_vocabulary(path, vocabulary());
+  const Vocabulary loaded = read_vocabulary(path);
+  const VocabularyTree &a = vocabulary().tree(), &b = loaded.tree();
+  EXPECT_EQ(a.branching, b.branching);
+  EXPECT_EQ(a.depth, b.depth);
+  EXPECT_EQ(a.images, b.images);
+  EXPECT_EQ(a.child_counts, b.child_counts);
+  EXPECT_EQ(a.centres, b.centres);
+  EXPECT_EQ(a.idf, b.idf);
+  EXPECT_EQ(a.uses, b.uses);
+  EXPECT_EQ(serialize_vocabulary(loaded), read_file(path));
+  const cv::Mat descriptors = test::to_mat(test::clustered_descriptors(100, 100, 0.1, 9));
+  EXPECT_EQ(loaded.words_of(descriptors).words, vocabulary().words_of(descriptors).words);
+}
+
+TEST(VocabularyFile, HasTheDocumentedChecksum) {
+  EXPECT_EQ(with_right_checksum(bytes()), bytes());
+}
+
+TEST(VocabularyFile, CutShortAnywhereIsAnError) {
+  for (size_t size = 0; size < bytes().size(); ++size) {
+    ASSERT_THAT(error_of(bytes().substr(0, size)), HasSubstr("some.kinvoc: ")) << "cut to " << size;
+  }
+  EXPECT_THAT(error_of(bytes().substr(0, 1000)),
+              AllOf(HasSubstr("1000 bytes"), HasSubstr("kinloop vocab train")));
+  EXPECT_THAT(error_of(bytes() + "x"), HasSubstr("appended"));
+}
+
+TEST(VocabularyFile, AnyFlippedBitIsAnError) {
+  for (size_t at = 0; at < bytes().size(); ++at) {
+    for (const unsigned bit : {0U, 7U}) {
+      std::string altered = bytes();
+      altered[at] = static_cast<char>(static_cast<unsigned char>(altered[at]) ^ (1U << bit));
+      ASSERT_THAT(error_of(altered), HasSubstr("some.kinvoc: ")) << "byte " << at;
+    }
+  }
+}
+
+TEST(VocabularyFile, TwoFlippedTopBitsDoNotCancel) {
+  std::string altered = bytes();
+  for (const size_t at : {kHeaderBytes + 7, kHeaderBytes + 15})
+    altered[at] = static_cast<char>(altered[at] ^ 0x80);
+  EXPECT_THAT(error_of(altered), HasSubstr("damaged"));
+}
+
+TEST(VocabularyFile, OtherKindsAndVersionsAreNamed) {
+  EXPECT_THAT(error_of("# not a dictionary, but long enough to hold the header of one"),
+              HasSubstr("not a kinloop dictionary"));
+  std::string other = bytes();
+  other[8] = 2;
+  EXPECT_THAT(error_of(with_right_checksum(other)), HasSubstr("format 2, this program reads format 1"));
+  other = bytes();
+  other[12] = 3;
+  EXPECT_THAT(error_of(with_right_checksum(other)), HasSubstr("descriptor kind 3, expected 1 (ORB)"));
+}
+
+TEST(VocabularyFile, NonsenseWithARightChecksumIsAnError) {
+  // Any byte of the tree's shape (the child counts stand at the end), of the weights and of the counts in the
+  // header may be wrong in a file that someone made: an error or a sound tree, never a crash.
+  size_t errors = 0;
+  for (size_t at = 16; at < bytes().size(); at += at < kHeaderBytes ? 1 : 3) {
+    if (at >= kChecksumOffset && at < kHeaderBytes) continue;
+    for (const int value : {0, 1, 4, 255}) {
+      std::string altered = bytes();
+      altered[at] = static_cast<char>(value);
+      try {
+        const Vocabulary sound = parse_vocabulary(with_right_checksum(altered), "some.kinvoc");
+        (void)sound.words_of(cv::Mat(1, kOrbBytes, CV_8UC1, cv::Scalar(0x33)));
+      } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("some.kinvoc: "));
+        ++errors;
+      }
+    }
+  }
+  EXPECT_GT(errors, 50U);
+}
+
+TEST(VocabularyFile, AHeaderThatClaimsAHugeTreeIsAnErrorAtOnce) {
+  std::string huge = bytes().substr(0, kHeaderBytes);
+  for (size_t at = 28; at < 36; ++at) huge[at] = '\xff';
+  EXPECT_THAT(error_of(with_right_checksum(huge)), HasSubstr("cut short"));
+}
+
+TEST(VocabularyFile, FilesThatCannotBeUsedAreNamed) {
+  const test::TempFolder folder;
+  EXPECT_THAT(input_error([&] { read_vocabulary(folder.path() / "none.kinvoc"); }), HasSubstr("none.kinvoc"));
+  EXPECT_THAT(input_error([&] { read_vocabulary(folder.path()); }), HasSubstr(folder.path().string()));
+  EXPECT_THAT(input_error([&] { read_vocabulary(folder.write("empty.kinvoc", "")); }),
+              HasSubstr("empty.kinvoc"));
+  EXPECT_THAT(
+      input_error([&] { write_vocabulary(folder.path() / "no" / "such" / "a.kinvoc", vocabulary()); }),
+      HasSubstr("a.kinvoc"));
+}
+
+}  // namespace
+}  // namespace kinloop

@@ -1,0 +1,40 @@
+#pragma once
+// Expectations on the one line that a user sees when something is wrong.
+
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop::test {
+
+/// What `call` throws as `Error`; fails the test when it throws nothing or something else.
+template <class Error, class Call>
+std::string message_of(const Call& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_THAT(std::string(error.what()), testing::Not(testing::HasSubstr("\n"))) << "more than one line";
+    return error.what();
+  } catch (const std::exception& error) {
+    ADD_FAILURE() << "threw something else: " << error.what();
+    return {};
+  }
+  ADD_FAILURE() << "threw nothing";
+  return {};
+}
+
+/// The message of the InputError that `call` throws.
+template <class Call>
+std::string input_error(const Call& call) {
+  return message_of<InputError>(call);
+}
+
+/// The message of the UsageError that `call` throws.
+template <class Call>
+std::string usage_error(const Call& call) {
+  return message_of<UsageError>(call);
+}
+
+}  // namespace kinloop::test

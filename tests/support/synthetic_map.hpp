@@ -1,0 +1,50 @@
+#pragma once
+// A map built from the synthetic world along given poses, and frames of it: known truth for tracking,
+// mapping, loop.
+
+#include <map>
+
+#include "kinloop/map/map.hpp"
+#include "kinloop/tracking/frame.hpp"
+#include "tests/support/synthetic_world.hpp"
+
+namespace kinloop::test {
+
+/// A map whose landmark k stands for a known point of the world.
+struct SyntheticMap {
+  Map map;
+  std::map<uint32_t, LandmarkId> landmark_of_point;
+};
+
+inline PreparedFrame make_frame(uint32_t id, const SyntheticView& view) {
+  PreparedFrame frame;
+  frame.id = FrameId{id};
+  frame.stamp_ns = id * 33'333'333LL;
+  frame.features = view.features;
+  frame.depth_m = cv::Mat(480, 640, CV_32FC1, cv::Scalar(0.0F));
+  frame.gray = cv::Mat(480, 640, CV_8UC1, cv::Scalar(0));
+  return frame;
+}
+
+/// Adds a keyframe at `T_world_camera` (which may be off the truth the view was taken from) with true
+/// associations.
+inline KeyframeId add_view(SyntheticMap& built, const SyntheticWorld& world, const SyntheticView& view,
+                           const SE3& T_world_camera) {
+  Map& map = built.map;
+  const auto number = static_cast<uint32_t>(map.keyframes().size());
+  const KeyframeId id =
+      map.add_keyframe(FrameId{number}, number * 100'000'000LL, T_world_camera, view.features);
+  for (uint32_t i = 0; i < view.point_of.size(); ++i) {
+    const auto known = built.landmark_of_point.find(view.point_of[i]);
+    const auto depth_m = static_cast<double>(view.features->depths_m[i]);
+    if (known != built.landmark_of_point.end()) {
+      map.observe(known->second, {id, i});
+    } else if (depth_m > 0) {
+      const Eigen::Vector3d point = world.camera.unproject(view.features->pixels[i].cast<double>(), depth_m);
+      built.landmark_of_point[view.point_of[i]] = map.add_landmark(id, i, point);
+    }
+  }
+  return id;
+}
+
+}  // namespace kinloop::test

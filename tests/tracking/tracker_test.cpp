@@ -1,0 +1,162 @@
+#include "kinloop/tracking/tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include "kinloop/tracking/keyframe_policy.hpp"
+#include "kinloop/tracking/motion_model.hpp"
+#include "tests/support/synthetic_map.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::looking;
+
+/// A map of one keyframe at the origin, the previous frame there, and the camera somewhere else.
+class Tracker : public testing::Test {
+ protected:
+  Tracker() {
+    const auto view = test::observe(world_, SE3{}, {}, 2);
+    const KeyframeId keyframe = test::add_view(built_, world_, view, SE3{});
+    view_ = make_local_view(built_.map, keyframe, {});
+    previous_ = TrackedFrame{test::make_frame(0, view), SE3{}, built_.map.keyframe(keyframe).landmark_of};
+  }
+
+  TrackResult track_at(const SE3& T_world_camera, const SE3& predicted,
+                       const test::ObservationNoise& noise = {}) const {
+    const auto view = test::observe(world_, T_world_camera, noise, 3);
+    return track(test::make_frame(1, view), previous_, view_, predicted, world_.camera, {}, 4);
+  }
+
+  test::SyntheticWorld world_ = test::make_world(4000, 1);
+  test::SyntheticMap built_;
+  LocalView view_;
+  TrackedFrame previous_;
+};
+
+TEST_F(Tracker, FollowsASmallMotion) {
+  const SE3 truth = looking(0.05, {0.03, 0.01, -0.02});
+  const TrackResult result = track_at(truth, SE3{});
+  ASSERT_EQ(result.status, TrackStatus::kTracked);
+  EXPECT_GT(result.stats.inliers, 150);
+  EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.003);
+  EXPECT_LT(test::angle_rad(result.T_reference_camera, truth), 0.002);
+}
+
+TEST_F(Tracker, MatchesTheLandmarksThatAreThere) {
+  const SE3 truth = looking(0.05, {0.03, 0.01, -0.02});
+  const auto view = test::observe(world_, truth, {}, 3);
+  const TrackResult result = track(test::make_frame(1, view), previous_, view_, SE3{}, world_.camera, {}, 4);
+  ASSERT_FALSE(result.matches.empty());
+  for (const LandmarkMatch& match : result.matches) {
+    EXPECT_EQ(match.landmark, built_.landmark_of_point.at(view.point_of[match.feature]));
+  }
+}
+
+TEST_F(Tracker, FindsAJumpThatNothingPredicted) {
+  const SE3 truth = looking(0.35, {0.15, 0.05, 0.1});
+  const TrackResult result = track_at(truth, SE3{});
+  ASSERT_EQ(result.status, TrackStatus::kTracked);
+  EXPECT_GT(result.stats.tries, 1);
+  EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.01);
+}
+
+TEST_F(Tracker, UsesTheMapWhenDepthIsMissing) {
+  const SE3 truth = looking(0.04, {0.02, 0, 0});
+  const TrackResult result = track_at(truth, SE3{}, {0.5, 1.425e-3, 12, 1.0});
+  ASSERT_EQ(result.status, TrackStatus::kTracked);
+  EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.005);
+}
+
+TEST_F(Tracker, SaysLostWhereNothingIsKnown) {
+  const TrackResult result = track_at(looking(3.14159, {0, 0, 0}), SE3{});
+  EXPECT_EQ(result.status, TrackStatus::kLost);
+  EXPECT_TRUE(result.matches.empty());
+}
+
+TEST_F(Tracker, SaysLostOnABlackImage) {
+  test::SyntheticView nothing;
+  nothing.features = std::make_shared<const Features>();
+  const TrackResult result =
+      track(test::make_frame(1, nothing), previous_, view_, SE3{}, world_.camera, {}, 4);
+  EXPECT_EQ(result.status, TrackStatus::kLost);
+}
+
+TEST_F(Tracker, GivesTheSameResultTwice) {
+  const SE3 truth = looking(0.35, {0.15, 0.05, 0.1});
+  const TrackResult a = track_at(truth, SE3{}), b = track_at(truth, SE3{});
+  EXPECT_EQ(a.T_reference_camera.matrix(), b.T_reference_camera.matrix());
+  EXPECT_EQ(a.matches.size(), b.matches.size());
+}
+
+TEST_F(Tracker, ItsInformationIsHonest) {
+  // The squared error in units of the claimed information has mean 6 (chi2 with 6 degrees of freedom).
+  double sum = 0;
+  constexpr int kTrials = 40;
+  for (uint64_t trial = 0; trial < kTrials; ++trial) {
+    const SE3 truth = looking(0.01 * static_cast<double>(trial % 5), {0.02, 0, 0.01});
+    const auto view = test::observe(world_, truth, {1.0, 2.85e-3, 12, 0.2}, 100 + trial);
+    // Exact landmarks: what is tested is the frame's own noise.
+    LocalView exact = view_;
+    for (size_t i = 0; i < exact.size(); ++i) {
+      for (const auto& [point, landmark] : built_.landmark_of_point) {
+        if (landmark == exact.ids[i]) exact.p_reference[i] = world_.p_world[point];
+      }
+    }
+    const TrackResult result =
+        track(test::make_frame(1, view), previous_, exact, truth, world_.camera, {}, trial);
+    ASSERT_EQ(result.status, TrackStatus::kTracked);
+    const Vector6d error = (result.T_reference_camera.inverse() * truth).log();
+    sum += error.dot(result.information * error);
+  }
+  EXPECT_GT(sum / kTrials, 3.0);
+  EXPECT_LT(sum / kTrials, 12.0);
+}
+
+TEST(MotionModel, CarriesTheVelocityOn) {
+  MotionModel motion;
+  EXPECT_EQ(motion.predict(1'000'000).translation.norm(), 0);
+  const SE3 step = looking(0.02, {0.01, 0, 0});
+  motion.update(step, 33'000'000);
+  EXPECT_LT((motion.predict(33'000'000).inverse() * step).log().norm(), 1e-12);
+  EXPECT_LT((motion.predict(66'000'000).inverse() * (step * step)).log().norm(), 1e-12);
+  EXPECT_LT(motion.predict(10'000'000'000).translation.norm(), 0.2);  // a long gap is not followed blindly
+  motion.update(step, 0);                                             // a repeated stamp teaches nothing
+  EXPECT_TRUE(motion.predict(33'000'000).is_finite());
+  motion.reset();
+  EXPECT_EQ(motion.predict(33'000'000).translation.norm(), 0);
+}
+
+class KeyframePolicy : public testing::Test {
+ protected:
+  [[nodiscard]] bool asks(const SE3& T_last_keyframe_camera, int inliers, int reference_landmarks) {
+    result_.status = TrackStatus::kTracked;
+    result_.stats.inliers = inliers;
+    return needs_keyframe({result_, frame_, T_last_keyframe_camera, 5, reference_landmarks}, {});
+  }
+
+  PreparedFrame frame_ = test::make_frame(1, test::observe(test::make_world(3000, 1), SE3{}, {}, 2));
+  TrackResult result_;
+};
+
+TEST_F(KeyframePolicy, AStandingCameraNeedsNone) {
+  EXPECT_FALSE(asks(SE3{}, 30, 300));
+}
+
+TEST_F(KeyframePolicy, TurningOrMovingFarNeedsOne) {
+  EXPECT_TRUE(asks(looking(0.5, {0, 0, 0}), 300, 300));
+  EXPECT_TRUE(asks(looking(0, {1, 0, 0}), 300, 300));
+  EXPECT_FALSE(asks(looking(0.02, {0.02, 0, 0}), 300, 300));
+}
+
+TEST_F(KeyframePolicy, AThinningViewNeedsOneOnceTheCameraMoves) {
+  EXPECT_TRUE(asks(looking(0.1, {0.05, 0, 0}), 100, 300));
+  EXPECT_FALSE(asks(looking(0.1, {0.05, 0, 0}), 290, 300));
+}
+
+TEST_F(KeyframePolicy, ALostFrameNeverBecomesOne) {
+  result_.status = TrackStatus::kLost;
+  EXPECT_FALSE(needs_keyframe({result_, frame_, looking(1, {1, 1, 1}), 5, 300}, {}));
+}
+
+}  // namespace
+}  // namespace kinloop
