@@ -1,0 +1,87 @@
+#include "kinloop/slam/executor.hpp"
+
+#include <chrono>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+namespace kinloop {
+namespace {
+
+std::unique_ptr<Executor> executor(const std::string& mode) {
+  ExecutorOptions options;
+  options.mode = mode;
+  options.local_lag_frames = 3;
+  options.loop_lag_frames = 5;
+  return make_executor(options);
+}
+
+MapUpdate numbered(uint32_t number) {
+  MapUpdate update;
+  update.epoch = number;
+  return update;
+}
+
+TEST(Executor, LaggedResultsComeExactlyOnTime) {
+  const auto lagged = executor("lagged");
+  lagged->submit(JobKind::kLocalAdjustment, FrameId{10}, [] { return numbered(1); });
+  EXPECT_TRUE(lagged->busy(JobKind::kLocalAdjustment));
+  EXPECT_FALSE(lagged->busy(JobKind::kLoopCorrection));
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // long done, and still not due
+  EXPECT_TRUE(lagged->collect(FrameId{12}).empty());
+  const auto finished = lagged->collect(FrameId{13});
+  ASSERT_EQ(finished.size(), 1U);
+  EXPECT_EQ(finished[0].update.epoch, 1U);
+  EXPECT_FALSE(lagged->busy(JobKind::kLocalAdjustment));
+}
+
+TEST(Executor, LaggedWaitsForSlowWork) {
+  const auto lagged = executor("lagged");
+  lagged->submit(JobKind::kLocalAdjustment, FrameId{0}, [] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return numbered(7);
+  });
+  ASSERT_EQ(lagged->collect(FrameId{3}).size(), 1U);
+}
+
+TEST(Executor, InlineResultsComeWithTheNextFrame) {
+  const auto at_once = executor("inline");
+  bool done = false;
+  at_once->submit(JobKind::kLoopCorrection, FrameId{4}, [&] {
+    done = true;
+    return numbered(2);
+  });
+  EXPECT_TRUE(done);
+  EXPECT_EQ(at_once->collect(FrameId{5}).size(), 1U);
+}
+
+TEST(Executor, ResultsKeepTheOrderOfSubmission) {
+  const auto lagged = executor("lagged");
+  lagged->submit(JobKind::kLocalAdjustment, FrameId{0}, [] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    return numbered(1);
+  });
+  lagged->submit(JobKind::kLoopCorrection, FrameId{0}, [] { return numbered(2); });
+  const auto finished = lagged->drain();
+  ASSERT_EQ(finished.size(), 2U);
+  EXPECT_EQ(finished[0].update.epoch, 1U);
+  EXPECT_EQ(finished[1].kind, JobKind::kLoopCorrection);
+  EXPECT_TRUE(lagged->drain().empty());
+}
+
+TEST(Executor, OneJobOfAKindAtATime) {
+  const auto lagged = executor("lagged");
+  lagged->submit(JobKind::kLocalAdjustment, FrameId{0}, [] { return MapUpdate{}; });
+  EXPECT_THROW(lagged->submit(JobKind::kLocalAdjustment, FrameId{1}, [] { return MapUpdate{}; }),
+               std::logic_error);
+}
+
+TEST(Executor, AnErrorInAJobReachesTheCollector) {
+  const auto lagged = executor("lagged");
+  lagged->submit(JobKind::kLocalAdjustment, FrameId{0},
+                 []() -> MapUpdate { throw std::runtime_error("no"); });
+  EXPECT_THROW(lagged->collect(FrameId{3}), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace kinloop

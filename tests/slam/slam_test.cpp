@@ -1,0 +1,176 @@
+#include "kinloop/slam/slam.hpp"
+
+#include <gtest/gtest.h>
+
+#include "kinloop/eval/evaluate.hpp"
+#include "kinloop/sensor/simulation/simulated_source.hpp"
+#include "kinloop/sensor/tum_source.hpp"
+#include "kinloop/slam/frame_pipeline.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr int kSimulatedFrames = 40;
+
+/// The first frames of the simulated room, rendered once for all tests of this file.
+struct Recording {
+  RgbdCamera camera;
+  Trajectory truth;
+  std::vector<RgbdFrame> frames;
+};
+
+const Recording& recording() {
+  static const Recording kRecording = [] {
+    SimulationOptions options;
+    options.frames = kSimulatedFrames;
+    options.width = 320;
+    options.height = 240;
+    const auto source = make_simulated_source("sim:room", options, 2);
+    Recording r{source->camera(), source->info().ground_truth, {}};
+    while (auto frame = source->next()) r.frames.push_back(*frame);
+    return r;
+  }();
+  return kRecording;
+}
+
+Trajectory run(const std::vector<RgbdFrame>& frames, const SlamOptions& options) {
+  Slam slam(recording().camera, options);
+  for (const RgbdFrame& frame : frames) slam.process(frame);
+  return slam.finish();
+}
+
+void expect_same(const Trajectory& a, const Trajectory& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].T_world_camera.translation, b[i].T_world_camera.translation);
+    EXPECT_EQ(a[i].T_world_camera.rotation.coeffs(), b[i].T_world_camera.rotation.coeffs());
+  }
+}
+
+/// Hands out the recorded frames, as a source.
+class ReplayedSource : public FrameSource {
+ public:
+  std::optional<RgbdFrame> next() override {
+    if (next_ == recording().frames.size()) return std::nullopt;
+    if (next_ == fail_at) throw std::runtime_error("the disk is gone");
+    return recording().frames[next_++];
+  }
+  [[nodiscard]] const RgbdCamera& camera() const override { return recording().camera; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return {}; }
+
+  size_t fail_at = 1000000;
+
+ private:
+  SourceInfo info_;
+  size_t next_ = 0;
+};
+
+TEST(Slam, TracksTheSimulatedRoom) {
+  const Trajectory estimate = run(recording().frames, {});
+  ASSERT_EQ(estimate.size(), static_cast<size_t>(kSimulatedFrames));
+  const auto ate = absolute_trajectory_error(estimate, recording().truth);
+  ASSERT_TRUE(ate.has_value());
+  EXPECT_LT(ate->error_m.rmse, 0.02);
+}
+
+TEST(Slam, GivesTheSameBitsEveryRun) {
+  expect_same(run(recording().frames, {}), run(recording().frames, {}));
+}
+
+TEST(Slam, ThePipelineChangesNothing) {
+  ReplayedSource source;
+  Slam slam(source.camera());
+  FramePipeline pipeline(source, slam);
+  while (const auto frame = pipeline.next()) slam.process(*frame);
+  expect_same(slam.finish(), run(recording().frames, {}));
+}
+
+TEST(Slam, ThePipelineCarriesErrorsOver) {
+  ReplayedSource source;
+  source.fail_at = 3;
+  Slam slam(source.camera());
+  FramePipeline pipeline(source, slam);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(pipeline.next().has_value());
+  EXPECT_THROW(pipeline.next(), std::runtime_error);
+}
+
+TEST(Slam, APipelineLeftEarlyEnds) {
+  ReplayedSource source;
+  Slam slam(source.camera());
+  FramePipeline pipeline(source, slam);
+  EXPECT_TRUE(pipeline.next().has_value());
+}
+
+TEST(Slam, EveryModeTracksEveryFrame) {
+  for (const char* mode : {"inline", "lagged", "live"}) {
+    SlamOptions options;
+    options.executor.mode = mode;
+    EXPECT_EQ(run(recording().frames, options).size(), static_cast<size_t>(kSimulatedFrames)) << mode;
+  }
+}
+
+TEST(Slam, FindsItselfAgainAfterABlackOut) {
+  auto frames = recording().frames;
+  for (size_t i = 15; i < 22; ++i) {
+    frames[i].color = cv::Mat::zeros(frames[i].color.size(), CV_8UC3);
+    frames[i].depth_m = cv::Mat::zeros(frames[i].depth_m.size(), CV_32FC1);
+  }
+  Slam slam(recording().camera);
+  bool relocalized = false;
+  for (const RgbdFrame& frame : frames) relocalized = slam.process(frame).relocalized || relocalized;
+  EXPECT_TRUE(relocalized);
+  const Trajectory estimate = slam.finish();
+  EXPECT_EQ(estimate.size(), frames.size() - 7);
+  const auto ate = absolute_trajectory_error(estimate, recording().truth);
+  ASSERT_TRUE(ate.has_value());
+  EXPECT_LT(ate->error_m.rmse, 0.02);
+}
+
+TEST(Slam, WaitsForSomethingToSee) {
+  Slam slam(recording().camera);
+  RgbdFrame black = recording().frames[0];
+  black.color = cv::Mat::zeros(black.color.size(), CV_8UC3);
+  EXPECT_EQ(slam.process(black).status, TrackStatus::kLost);
+  EXPECT_EQ(slam.process(recording().frames[1]).status, TrackStatus::kTracked);
+  EXPECT_EQ(slam.finish().size(), 1U);
+}
+
+TEST(Slam, AnEmptyRunEndsInPeace) {
+  Slam slam(recording().camera);
+  EXPECT_TRUE(slam.finish().empty());
+}
+
+TEST(Slam, RefusesImagesOfAnotherSize) {
+  const Slam slam(recording().camera);
+  RgbdFrame frame = recording().frames[0];
+  frame.color = cv::Mat(10, 10, CV_8UC3);
+  EXPECT_THROW((void)slam.prepare(frame), std::logic_error);
+}
+
+TEST(Slam, TheMapStaysSound) {
+  Slam slam(recording().camera);
+  for (const RgbdFrame& frame : recording().frames) {
+    slam.process(frame);
+    slam.map().check_invariants();
+  }
+  slam.finish();
+  slam.map().check_invariants();
+}
+
+TEST(Slam, TracksARealKinect) {
+  const auto folder = test::shared_data("redkitchen");
+  KINLOOP_SKIP_WITHOUT(folder);
+  TumSource source(folder);
+  Slam slam(source.camera());
+  for (int i = 0; i < 150; ++i) slam.process(*source.next());
+  const Trajectory estimate = slam.finish();
+  ASSERT_EQ(estimate.size(), 150U);
+  const auto ate = absolute_trajectory_error(estimate, source.info().ground_truth);
+  ASSERT_TRUE(ate.has_value());
+  EXPECT_LT(ate->error_m.rmse, 0.02);
+}
+
+}  // namespace
+}  // namespace kinloop
