@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include <Eigen/Cholesky>
 #include <opencv2/features2d.hpp>
 
 #include "kinloop/base/errors.hpp"
@@ -20,6 +21,18 @@ cv::Mat describe(const cv::Mat& gray, std::vector<cv::KeyPoint>& corners, const 
   cv::Mat descriptors;
   orb->compute(gray, corners, descriptors);
   return descriptors;
+}
+
+/// Where a corner of a pyramid level lies on the full image. cv::ORB scales coordinates, which puts the
+/// corner of the image at rest; resizing puts the corner of its first pixel at rest, half a pixel further
+/// out, and level sizes are whole numbers.
+Eigen::Vector2f on_full_image(const cv::KeyPoint& corner, const cv::Mat& gray,
+                              const std::vector<cv::Mat>& pyramid, double scale_factor) {
+  const cv::Mat& level = pyramid[static_cast<size_t>(corner.octave)];
+  const auto nominal = static_cast<float>(std::pow(scale_factor, corner.octave));
+  const auto scale_x = static_cast<float>(gray.cols) / static_cast<float>(level.cols);
+  const auto scale_y = static_cast<float>(gray.rows) / static_cast<float>(level.rows);
+  return {(corner.pt.x / nominal + 0.5F) * scale_x - 0.5F, (corner.pt.y / nominal + 0.5F) * scale_y - 0.5F};
 }
 
 }  // namespace
@@ -46,18 +59,35 @@ float depth_around(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, dou
 
 Eigen::Vector2f inverse_depth_gradient(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel,
                                        double max_relative_step) {
-  constexpr int kReach = 3;  // px to either side: over less, the noise of the depth is larger than its slope
+  // The slope over a few pixels is smaller than the steps in which the sensor quantises disparity: a wide
+  // window, sparsely sampled, sees through them.
+  constexpr int kReach = 8, kStep = 2;
+  constexpr int kMinValid = 60;  // of 81
   const int x = cvRound(raw_pixel.x()), y = cvRound(raw_pixel.y());
   if (x < kReach || y < kReach || x + kReach >= depth_m.cols || y + kReach >= depth_m.rows) {
     return Eigen::Vector2f::Zero();
   }
-  const auto slope = [&](float before, float after) {
-    if (!(before > 0) || !(after > 0)) return 0.0F;
-    const bool step = std::abs(after - before) > kReach * static_cast<float>(max_relative_step) * before;
-    return step ? 0.0F : (1 / after - 1 / before) / (2 * kReach);
-  };
-  return {slope(depth_m.at<float>(y, x - kReach), depth_m.at<float>(y, x + kReach)),
-          slope(depth_m.at<float>(y - kReach, x), depth_m.at<float>(y + kReach, x))};
+  // Least squares of inverse depth = a + b dx + c dy.
+  int valid = 0;
+  float low = std::numeric_limits<float>::max(), high = 0;
+  Eigen::Matrix3f H = Eigen::Matrix3f::Zero();
+  Eigen::Vector3f g = Eigen::Vector3f::Zero();
+  for (int dy = -kReach; dy <= kReach; dy += kStep) {
+    const float* row = depth_m.ptr<float>(y + dy) + x;
+    for (int dx = -kReach; dx <= kReach; dx += kStep) {
+      if (!(row[dx] > 0)) continue;
+      ++valid;
+      low = std::min(low, row[dx]);
+      high = std::max(high, row[dx]);
+      const Eigen::Vector3f basis(1.0F, static_cast<float>(dx), static_cast<float>(dy));
+      H += basis * basis.transpose();
+      g += basis / row[dx];
+    }
+  }
+  if (valid < kMinValid || high - low > kReach * static_cast<float>(max_relative_step) * low) {
+    return Eigen::Vector2f::Zero();
+  }
+  return H.ldlt().solve(g).tail<2>();
 }
 
 Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const PinholeCamera& camera,
@@ -65,13 +95,14 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
   require(gray.type() == CV_8UC1, "extract_features: the image must be 8-bit grey");
   require(depth_m.empty() || (depth_m.type() == CV_32FC1 && depth_m.size() == gray.size()),
           "extract_features: depth must be float metres, of the image's size");
-  auto corners = detect_corners(build_pyramid(gray, options), options);
+  const auto pyramid = build_pyramid(gray, options);
+  auto corners = detect_corners(pyramid, options);
   Features features;
   features.scale_factor = options.scale_factor;
   features.level_count = options.levels;
   features.descriptors = describe(gray, corners, options);
   for (const auto& corner : corners) {
-    const Eigen::Vector2f raw(corner.pt.x, corner.pt.y);
+    const Eigen::Vector2f raw = on_full_image(corner, gray, pyramid, options.scale_factor);
     features.raw_pixels.push_back(raw);
     features.pixels.push_back(camera.undistort(raw.cast<double>()).cast<float>());
     features.depths_m.push_back(depth_m.empty() ? 0 : depth_around(depth_m, raw, options.max_depth_step));

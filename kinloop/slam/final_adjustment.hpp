@@ -13,11 +13,11 @@ namespace kinloop {
 struct SelfCalibrationOptions {
   bool enabled = true;
   int passes = 3;
-  double focal_sigma = 0.01;
+  double focal_sigma = 0.003;
   double center_sigma_px = 5;
   double radial_sigma = 0.05;
   double time_sigma_s = 0.03;
-  double depth_offset_sigma_per_m = 0.01;
+  double depth_offset_sigma_per_m = 0.002;
   double max_sigma_share = 0.5;
 
   template <class Self, class Visit>
