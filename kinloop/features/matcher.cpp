@@ -99,14 +99,18 @@ std::vector<Match> screen_matches(std::span<const Match> matches, double factor,
 FeatureGrid::FeatureGrid(const Features& features, int width_px, int height_px)
     : features_(features), columns_(width_px / kCellPx + 1), rows_(height_px / kCellPx + 1) {
   const auto cell_of = [&](const Eigen::Vector2f& pixel) {
-    return static_cast<size_t>(row_of(pixel.y()) * columns_ + column_of(pixel.x()));
+    return cell_index(row_of(pixel.y()), column_of(pixel.x()));
   };
-  first_of_cell_.assign(static_cast<size_t>(columns_ * rows_) + 1, 0);
+  first_of_cell_.assign(cell_index(rows_, 0) + 1, 0);
   for (const auto& pixel : features.pixels) ++first_of_cell_[cell_of(pixel) + 1];
   for (size_t c = 1; c < first_of_cell_.size(); ++c) first_of_cell_[c] += first_of_cell_[c - 1];
   std::vector<uint32_t> next(first_of_cell_.begin(), first_of_cell_.end() - 1);
   indices_.resize(features.size());
   for (uint32_t i = 0; i < features.size(); ++i) indices_[next[cell_of(features.pixels[i])]++] = i;
+}
+
+size_t FeatureGrid::cell_index(int row, int column) const {
+  return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
 }
 
 int FeatureGrid::column_of(double x) const {
@@ -122,7 +126,7 @@ void FeatureGrid::near(const Eigen::Vector2d& pixel, double radius_px, std::vect
   const int column_end = column_of(pixel.x() + radius_px), row_end = row_of(pixel.y() + radius_px);
   for (int row = row_of(pixel.y() - radius_px); row <= row_end; ++row) {
     for (int column = column_of(pixel.x() - radius_px); column <= column_end; ++column) {
-      const auto cell = static_cast<size_t>(row * columns_ + column);
+      const size_t cell = cell_index(row, column);
       for (uint32_t k = first_of_cell_[cell]; k < first_of_cell_[cell + 1]; ++k) {
         const Eigen::Vector2d offset = features_.pixels[indices_[k]].cast<double>() - pixel;
         if (offset.cwiseAbs().maxCoeff() <= radius_px) found.push_back(indices_[k]);

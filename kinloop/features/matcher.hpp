@@ -17,7 +17,7 @@ struct Match {
   uint32_t b = 0;
   int distance = 0;  ///< Hamming, bits
 
-  auto operator<=>(const Match&) const = default;
+  auto operator<=>(const Match&) const = default;  // NOLINT(modernize-use-nullptr): false alarm on <=>
 };
 
 /// For every row of `a` the nearest row of `b` by brute force; with `cross_check` only where each is the
@@ -38,6 +38,7 @@ class FeatureGrid {
   void near(const Eigen::Vector2d& pixel, double radius_px, std::vector<uint32_t>& found) const;
 
  private:
+  [[nodiscard]] size_t cell_index(int row, int column) const;
   [[nodiscard]] int column_of(double x) const;
   [[nodiscard]] int row_of(double y) const;
 

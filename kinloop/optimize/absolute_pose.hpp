@@ -12,6 +12,7 @@
 #include "kinloop/base/options.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
+#include "kinloop/optimize/sensor_model.hpp"
 
 namespace kinloop {
 
@@ -21,6 +22,7 @@ struct PoseObservation {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();        ///< undistorted
   double depth_m = 0;                                     ///< measured z, 0 = unknown
   double sigma_px = 1;                                    ///< standard deviation of `pixel`
+  double row = 0;  ///< its raw image row as a share of the height, -0.5 (first) to 0.5 (last)
 };
 
 /// What is believed of the pose before looking, e.g. by a motion model.
@@ -50,7 +52,8 @@ struct AbsolutePoseOptions {
           "squared depth residual beyond which the depth, not the pixel, is left out (95 %, 1 degree)",
           Range{0.1, 1000});
     visit("inverse_depth_sigma_per_m", self.inverse_depth_sigma_per_m,
-          "standard deviation of the inverse depth at key points, 1/m (four times that of the sensor: they lie on "
+          "standard deviation of the inverse depth at key points, 1/m (four times that of the sensor: they "
+          "lie on "
           "edges)",
           Range{1e-6, 1});
     visit("min_inliers", self.min_inliers, "fewer inliers are no solution", Range{3, 1000});
@@ -69,12 +72,14 @@ struct AbsolutePoseSolution {
 /// The pose near `T_reference_camera_guess` that agrees best with the observations (robust Gauss-Newton).
 /// Nothing where fewer than `min_inliers` agree or they leave some direction of the pose open. Observations
 /// with a number that is not finite are outliers. Pixel and depth are robust each for itself: a key point at
-/// the edge of a surface has a good pixel and may have the depth of the wrong side.
+/// the edge of a surface has a good pixel and may have the depth of the wrong side. Under a rolling shutter
+/// (`motion`) the pose is that of the middle row.
 std::optional<AbsolutePoseSolution> solve_absolute_pose(const PinholeCamera& camera,
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
                                                         const AbsolutePoseOptions& options,
-                                                        const std::optional<PosePrior>& prior = std::nullopt);
+                                                        const std::optional<PosePrior>& prior = std::nullopt,
+                                                        const FrameMotion& motion = {});
 
 /// 1 where an observation's pixel agrees with the pose; depth is not asked.
 std::vector<uint8_t> agreeing_observations(const PinholeCamera& camera,

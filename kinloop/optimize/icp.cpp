@@ -84,9 +84,10 @@ class Aligner {
   void add_depth(size_t i, const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector2d& pixel,
                  const Eigen::Matrix3d& R, Pass& sum) const {
     if (!(pixel.x() > -0.5 && pixel.y() > -0.5)) return;
-    const int x = static_cast<int>(pixel.x() + 0.5), y = static_cast<int>(pixel.y() + 0.5);
+    const Eigen::Vector2d from_corner = pixel.array() + 0.5;  // the first cell begins half a pixel before it
+    const int x = static_cast<int>(from_corner.x()), y = static_cast<int>(from_corner.y());
     if (x >= reference_.width || y >= reference_.height) return;
-    const auto partner = static_cast<size_t>(y * reference_.width + x);
+    const size_t partner = grid_index(reference_.width, x, y);
     const Eigen::Vector3d n = reference_.normals[partner].cast<double>();
     if (n.isZero()) return;
     const Eigen::Vector3d apart = q - reference_.points[partner].cast<double>();
@@ -162,7 +163,7 @@ Matrix6d guess_information(const IcpOptions& options) {
 std::optional<IcpSolution> align_icp(const IcpCamera& camera, const IcpFrame& reference,
                                      const IcpFrame& frame, const SE3& T_reference_camera_guess,
                                      const IcpOptions& options) {
-  constexpr double kStepConverged = 1e-5;  // m and rad
+  constexpr double kStepConverged = 5e-5;  // m and rad, a fraction of the noise
   require(reference.levels.size() == camera.levels.size() && frame.levels.size() == camera.levels.size(),
           "align_icp: frames of another camera");
   if (!T_reference_camera_guess.is_finite()) return std::nullopt;

@@ -57,6 +57,11 @@ struct IcpOptions {
   }
 };
 
+/// Index of a grid point in row-major order.
+inline size_t grid_index(int width, int x, int y) {
+  return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+}
+
 /// What a camera's grids have in common for all its frames. Grids are those of an ideal pinhole camera; each
 /// point of the finest takes a block of pixels of the (distorted) depth image, each point of the others four
 /// of the grid before.

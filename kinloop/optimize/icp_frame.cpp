@@ -114,7 +114,7 @@ std::vector<float> sample_depth(const IcpCamera& camera, const cv::Mat& depth_m)
 /// Inverse depths of the next grid.
 std::vector<float> halve(const std::vector<float>& fine, int fine_width, int width, int height) {
   std::vector<float> coarse;
-  coarse.reserve(static_cast<size_t>(width * height));
+  coarse.reserve(grid_index(width, 0, height));
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const float* top = fine.data() + 2 * y * fine_width + 2 * x;
@@ -130,7 +130,7 @@ std::vector<float> halve(const std::vector<float>& fine, int fine_width, int wid
 /// Normal at a grid point. The inverse depth of a plane n.p = d is n.(x, y, 1) / d: a linear fit of inverse
 /// depth over the grid gives n without touching 3D points.
 Eigen::Vector3f fit_normal(const PinholeCamera& grid, const std::vector<float>& inverse, int cx, int cy) {
-  const float centre = inverse[static_cast<size_t>(cy * grid.width + cx)];
+  const float centre = inverse[grid_index(grid.width, cx, cy)];
   if (!(centre > 0)) return Eigen::Vector3f::Zero();
   float n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sw = 0, sxw = 0, syw = 0;
   for (int dy = -kNormalRadius; dy <= kNormalRadius; ++dy) {
@@ -178,7 +178,7 @@ IcpFrame::Level make_frame_level(const IcpCamera::Level& camera, const std::vect
   }
   for (int y = kNormalRadius; y < level.height - kNormalRadius; ++y) {
     for (int x = kNormalRadius; x < level.width - kNormalRadius; ++x) {
-      level.normals[static_cast<size_t>(y * level.width + x)] = fit_normal(camera.camera, inverse, x, y);
+      level.normals[grid_index(level.width, x, y)] = fit_normal(camera.camera, inverse, x, y);
     }
   }
   if (!gray.empty()) level.gray = grid_gray(camera, gray);

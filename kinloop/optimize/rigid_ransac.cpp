@@ -161,7 +161,7 @@ std::optional<RigidSolution> refine_rigid(const PinholeCamera& camera, std::span
                                           const SE3& T_a_b_guess, const RigidRansacOptions& options) {
   if (!T_a_b_guess.is_finite()) return std::nullopt;
   const auto weighed = weighed_pairs(camera, pairs, options.inverse_depth_sigma_per_m);
-  const auto solution = refine(weighed, pairs.size(), T_a_b_guess, options);
+  auto solution = refine(weighed, pairs.size(), T_a_b_guess, options);
   if (!solution || solution->inlier_count < options.min_inliers) return std::nullopt;
   return solution;
 }

@@ -19,6 +19,14 @@ SE3 move(const SE3& T_world_camera, const Velocity& velocity, double dt_s) {
   return T_world_camera * SE3{exp_so3(velocity.tail<3>() * dt_s), velocity.head<3>() * dt_s};
 }
 
+Eigen::Vector3d seen_after(const Eigen::Vector3d& p_camera, const Velocity& velocity, double dt_s) {
+  return exp_so3(-dt_s * velocity.tail<3>()) * (p_camera - dt_s * velocity.head<3>());
+}
+
+FrameMotion frame_motion(const Velocity& velocity, const SensorVector& sensor) {
+  return {velocity, sensor(kRollingShutter), sensor(kDepthTime), sensor(kDepthShutter)};
+}
+
 Velocity velocity_between(const SE3& T_world_before, const SE3& T_world_after, double dt_s) {
   require(dt_s != 0, "velocity_between: no time between the poses");
   const SE3 T_before_after = T_world_before.inverse() * T_world_after;

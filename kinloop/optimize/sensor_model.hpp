@@ -56,6 +56,20 @@ using Velocity = Vector6d;
 /// The pose `dt_s` after T_world_camera for a camera that keeps its velocity in the world and its turn rate.
 SE3 move(const SE3& T_world_camera, const Velocity& velocity, double dt_s);
 
+/// A point of the camera frame as that camera sees it `dt_s` later: move(T, v, dt)^-1 * T * p.
+Eigen::Vector3d seen_after(const Eigen::Vector3d& p_camera, const Velocity& velocity, double dt_s);
+
+/// How the camera moves while it takes one frame.
+struct FrameMotion {
+  Velocity velocity = Velocity::Zero();
+  double rolling_shutter_s = 0;  ///< time from the first colour row to the last
+  double depth_time_s = 0;       ///< time of the depth's middle row minus that of the colour's
+  double depth_shutter_s = 0;    ///< time from the first depth row to the last
+};
+
+/// The motion under the sensor's times.
+FrameMotion frame_motion(const Velocity& velocity, const SensorVector& sensor);
+
 /// The constant velocity that brings `before` to `after` in `dt_s`, in the axes of `before`.
 Velocity velocity_between(const SE3& T_world_before, const SE3& T_world_after, double dt_s);
 

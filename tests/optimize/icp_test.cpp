@@ -102,7 +102,7 @@ SE3 small_motion() {
 TEST(Icp, FindsTheMotionInACorner) {
   const auto [truth, solution] = align(corner_scene, small_camera(false), small_motion(), 0, {});
   ASSERT_TRUE(solution.has_value());
-  EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1e-3);
+  EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1.5e-3);
   EXPECT_GT(solution->overlap, 0.6);
   EXPECT_LT(solution->rmse_m, 0.004);
 }
@@ -110,7 +110,7 @@ TEST(Icp, FindsTheMotionInACorner) {
 TEST(Icp, LensDistortionIsTakenOut) {
   const auto [truth, solution] = align(corner_scene, small_camera(true), small_motion(), 0, {});
   ASSERT_TRUE(solution.has_value());
-  EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1e-3);
+  EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1.5e-3);
 }
 
 TEST(Icp, ErrorStaysWithinTheStatedInformation) {
