@@ -53,7 +53,8 @@ class Loop : public testing::Test {
   /// The dictionary weighs words by how many images have them: as many "images" as walls have patches.
   static std::vector<cv::Mat> slices(const cv::Mat& descriptors) {
     std::vector<cv::Mat> images;
-    for (int row = 0; row < descriptors.rows; row += 40) images.push_back(descriptors.rowRange(row, row + 40));
+    for (int row = 0; row < descriptors.rows; row += 40)
+      images.push_back(descriptors.rowRange(row, row + 40));
     return images;
   }
 
@@ -75,7 +76,8 @@ TEST_F(Loop, CandidatesPointToTheBeginning) {
     auto candidates = find_loop_candidates(built_.map, places_, KeyframeId{i}, history, {});
     history = candidates.history;
     found = candidates.keyframes;
-    if (i > 20) continue;  // nothing was seen twice yet: whatever looks alike by chance must fail verification
+    if (i > 20)
+      continue;  // nothing was seen twice yet: whatever looks alike by chance must fail verification
     EXPECT_FALSE(verify_loop(built_.map, KeyframeId{i}, found, world_.camera, {}, {}, {}, 3).has_value());
   }
   ASSERT_FALSE(found.empty());

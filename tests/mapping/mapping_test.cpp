@@ -88,7 +88,8 @@ test::SyntheticMap disturbed_map(int keyframes) {
   test::SyntheticMap built;
   Random random(9);
   for (int i = 0; i < keyframes; ++i) {
-    const auto view = test::observe(world(), true_pose(i), {0.1, 3e-4, 12, 0.2}, 50 + static_cast<uint64_t>(i));
+    const auto view =
+        test::observe(world(), true_pose(i), {0.1, 3e-4, 12, 0.2}, 50 + static_cast<uint64_t>(i));
     Vector6d error;
     for (int k = 0; k < 6; ++k) error[k] = i == 0 ? 0 : 0.01 * random.gaussian();
     test::add_view(built, world(), view, true_pose(i) * SE3::exp(error));
