@@ -109,6 +109,8 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
     features.inverse_depth_gradients.push_back(
         features.depths_m.back() > 0 ? inverse_depth_gradient(depth_m, raw, options.max_depth_step)
                                      : Eigen::Vector2f::Zero());
+    features.measured_pixels.push_back(features.pixels.back());
+    features.measured_depths_m.push_back(features.depths_m.back());
     features.levels.push_back(corner.octave);
     features.angles_rad.push_back(corner.angle * std::numbers::pi_v<float> / 180.0F);
     features.sigmas_px.push_back(static_cast<float>(std::pow(options.scale_factor, corner.octave)));

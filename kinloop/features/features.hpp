@@ -14,10 +14,12 @@ namespace kinloop {
 struct Features {
   double scale_factor = 1.2;  ///< size ratio of one pyramid level to the next
   int level_count = 8;
-  std::vector<Eigen::Vector2f> pixels;  ///< undistorted
-  std::vector<Eigen::Vector2f>
-      raw_pixels;               ///< where it was detected; its row tells its time under a rolling shutter
-  std::vector<float> depths_m;  ///< z, 0 = unknown
+  std::vector<Eigen::Vector2f> pixels;  ///< undistorted, as a camera at rest sees them
+  std::vector<float> depths_m;          ///< z, as a camera at rest measures it, 0 = unknown
+  /// Where each was detected; its row tells its time under a rolling shutter.
+  std::vector<Eigen::Vector2f> raw_pixels;
+  std::vector<Eigen::Vector2f> measured_pixels;  ///< undistorted, of the camera as it moved
+  std::vector<float> measured_depths_m;          ///< z, of the camera as it moved, 0 = unknown
   /// How inverse depth changes over the image at `raw_pixels`, 1/m per px; zero where unknown. May be empty.
   std::vector<Eigen::Vector2f> inverse_depth_gradients;
   std::vector<int> levels;        ///< pyramid level, 0 = full size

@@ -107,6 +107,13 @@ bool Map::apply(const MapUpdate& update) {
   return true;
 }
 
+void Map::set_features(KeyframeId id, std::shared_ptr<const Features> features) {
+  Keyframe& keyframe = keyframe_ref(id);
+  require(features != nullptr && features->size() == keyframe.features->size(),
+          "set_features: not the same key points");
+  keyframe.features = std::move(features);
+}
+
 bool Map::contains(LandmarkId id) const {
   return id.value < landmarks_.size() && landmarks_[id.value].has_value();
 }

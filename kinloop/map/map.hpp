@@ -43,6 +43,10 @@ class Map {
   /// Applies an update and says whether it did: one with an older epoch than the map's is stale and dropped.
   bool apply(const MapUpdate& update);
 
+  /// Replaces what is known of a keyframe's key points, e.g. where a camera at rest would have seen them;
+  /// they stay the same key points in the same order.
+  void set_features(KeyframeId id, std::shared_ptr<const Features> features);
+
   /// Raised after a loop correction, so that updates computed before it are dropped.
   void raise_epoch() { ++epoch_; }
 

@@ -37,13 +37,16 @@ std::vector<KeyframeId> observers_outside(const Map& map, const std::vector<Keyf
 }
 
 BundleObservation observation_of(const Features& features, uint32_t feature, uint32_t pose, uint32_t point,
-                                 const PinholeCamera& camera) {
+                                 const PinholeCamera& camera, MeasuredAs measured) {
+  const bool at_rest = measured == MeasuredAs::kAtRest;
   BundleObservation observation;
   observation.pose = pose;
   observation.point = point;
-  observation.pixel = features.pixels[feature].cast<double>();
-  observation.depth_m = static_cast<double>(features.depths_m[feature]);
+  observation.pixel = (at_rest ? features.pixels : features.measured_pixels)[feature].cast<double>();
+  observation.depth_m =
+      static_cast<double>((at_rest ? features.depths_m : features.measured_depths_m)[feature]);
   observation.sigma_px = static_cast<double>(features.sigmas_px[feature]);
+  if (at_rest) return observation;
   observation.row = static_cast<double>(features.raw_pixels[feature].y()) / camera.height - 0.5;
   if (!features.inverse_depth_gradients.empty()) {
     observation.inverse_depth_gradient = features.inverse_depth_gradients[feature].cast<double>();
@@ -62,7 +65,7 @@ void hold_something(AdjustmentProblem& problem) {
 /// Copies poses, points and observations of the given keyframes and landmarks.
 AdjustmentProblem copy_problem(const Map& map, const std::vector<KeyframeId>& keyframes,
                                size_t free_keyframes, const std::vector<LandmarkId>& landmarks,
-                               const PinholeCamera& camera) {
+                               const PinholeCamera& camera, MeasuredAs measured) {
   AdjustmentProblem problem;
   problem.bundle.camera = camera;
   problem.keyframes = keyframes;
@@ -84,7 +87,7 @@ AdjustmentProblem copy_problem(const Map& map, const std::vector<KeyframeId>& ke
       if (pose == pose_of.end()) continue;
       const Features& features = *map.keyframe(seen.keyframe).features;
       problem.bundle.observations.push_back(
-          observation_of(features, seen.feature, pose->second, point, camera));
+          observation_of(features, seen.feature, pose->second, point, camera, measured));
       problem.observations.emplace_back(landmarks[point], seen);
     }
   }
@@ -104,13 +107,14 @@ AdjustmentProblem local_problem(const Map& map, KeyframeId newest, const Pinhole
   const size_t free_keyframes = keyframes.size();
   const auto fixed = observers_outside(map, keyframes, landmarks, options.window_max_fixed);
   keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
-  return copy_problem(map, keyframes, free_keyframes, landmarks, camera);
+  return copy_problem(map, keyframes, free_keyframes, landmarks, camera, MeasuredAs::kAtRest);
 }
 
-AdjustmentProblem full_problem(const Map& map, const PinholeCamera& camera) {
+AdjustmentProblem full_problem(const Map& map, const PinholeCamera& camera, MeasuredAs measured) {
   std::vector<KeyframeId> keyframes;
   for (const Keyframe& keyframe : map.keyframes()) keyframes.push_back(keyframe.id);
-  return copy_problem(map, keyframes, keyframes.size(), confirmed_landmarks(map, keyframes), camera);
+  return copy_problem(map, keyframes, keyframes.size(), confirmed_landmarks(map, keyframes), camera,
+                      measured);
 }
 
 MapUpdate update_of(const AdjustmentProblem& problem, const BundleSolution& solution) {

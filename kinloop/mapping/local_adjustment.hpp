@@ -25,8 +25,15 @@ struct AdjustmentProblem {
 AdjustmentProblem local_problem(const Map& map, KeyframeId newest, const PinholeCamera& camera,
                                 const MappingOptions& options);
 
+/// Which pixels and depths enter a problem.
+enum class MeasuredAs {
+  kAtRest,  ///< as a camera at rest would have measured them
+  kMoving,  ///< as they were measured: velocities and sensor are to be filled in
+};
+
 /// Every keyframe and every landmark seen twice; the first keyframe is held.
-AdjustmentProblem full_problem(const Map& map, const PinholeCamera& camera);
+AdjustmentProblem full_problem(const Map& map, const PinholeCamera& camera,
+                               MeasuredAs measured = MeasuredAs::kAtRest);
 
 /// What a solution of the problem changes in the map.
 MapUpdate update_of(const AdjustmentProblem& problem, const BundleSolution& solution);

@@ -37,26 +37,18 @@ struct InversePose {
   explicit InversePose(const SE3& T) : R_camera_reference(T.R().transpose()), center(T.translation) {}
 };
 
-/// How far a point moves in the camera's axes until its row is exposed, and until its depth is taken. It
-/// depends so little on the pose that it is found once a round.
-struct Shift {
-  Eigen::Vector3d color = Eigen::Vector3d::Zero();
-  double depth_m = 0;
-};
-
-Residual residual_of(const PinholeCamera& camera, const PoseObservation& o, const Shift& shift,
-                     const InversePose& pose, double inverse_depth_sigma) {
-  const Eigen::Vector3d p0 = pose.R_camera_reference * (o.p_reference - pose.center);
-  const Eigen::Vector3d p = p0 + shift.color;
+Residual residual_of(const PinholeCamera& camera, const PoseObservation& o, const InversePose& pose,
+                     double inverse_depth_sigma) {
+  const Eigen::Vector3d p = pose.R_camera_reference * (o.p_reference - pose.center);
   Residual r;
-  if (!(p.z() > kMinDepth_m && p0.z() + shift.depth_m > kMinDepth_m)) return r;
+  if (!(p.z() > kMinDepth_m)) return r;
   r.seen = true;
   r.inverse_z = 1.0 / p.z();
   r.x = p.x() * r.inverse_z;
   r.y = p.y() * r.inverse_z;
   r.u = (camera.fx * r.x + camera.cx - o.pixel.x()) / o.sigma_px;
   r.v = (camera.fy * r.y + camera.cy - o.pixel.y()) / o.sigma_px;
-  if (o.depth_m > 0) r.w = (1.0 / (p0.z() + shift.depth_m) - 1.0 / o.depth_m) / inverse_depth_sigma;
+  if (o.depth_m > 0) r.w = (r.inverse_z - 1.0 / o.depth_m) / inverse_depth_sigma;
   return r;
 }
 
@@ -99,35 +91,15 @@ void add_depth(const Residual& r, double inverse_depth_sigma, const HuberLoss& l
 class Solver {
  public:
   Solver(const PinholeCamera& camera, std::span<const PoseObservation> observations,
-         const AbsolutePoseOptions& options, const std::optional<PosePrior>& prior, const FrameMotion& motion)
-      : camera_(camera),
-        observations_(observations),
-        options_(options),
-        prior_(prior),
-        motion_(motion),
-        shifts_(observations.size()) {
+         const AbsolutePoseOptions& options, const std::optional<PosePrior>& prior)
+      : camera_(camera), observations_(observations), options_(options), prior_(prior) {
     uses_.reserve(observations.size());
     for (const PoseObservation& o : observations) {
-      const bool finite =
-          o.p_reference.allFinite() && o.pixel.allFinite() && o.sigma_px > 0 && std::isfinite(o.row);
+      const bool finite = o.p_reference.allFinite() && o.pixel.allFinite() && o.sigma_px > 0;
       const bool has_depth = o.depth_m > 0 && std::isfinite(o.depth_m);
       uses_.push_back(!finite ? Use::kNothing : has_depth ? Use::kPixelAndDepth : Use::kPixel);
     }
     usable_ = uses_;
-  }
-
-  /// Finds how points move within the frame, for a camera near `T`.
-  void follow_motion(const SE3& T) {
-    if (motion_.velocity.isZero(0)) return;
-    const InversePose pose(T);
-    for (size_t i = 0; i < observations_.size(); ++i) {
-      const PoseObservation& o = observations_[i];
-      const Eigen::Vector3d p0 = pose.R_camera_reference * (o.p_reference - pose.center);
-      const double color_s = motion_.rolling_shutter_s * o.row;
-      const double depth_s = motion_.depth_time_s + motion_.depth_shutter_s * o.row;
-      shifts_[i].color = seen_after(p0, motion_.velocity, color_s) - p0;
-      shifts_[i].depth_m = seen_after(p0, motion_.velocity, depth_s).z() - p0.z();
-    }
   }
 
   /// Moves the pose to the least cost of what is in use now.
@@ -175,8 +147,7 @@ class Solver {
     const InversePose pose(T);
     for (size_t i = 0; i < observations_.size(); ++i) {
       if (uses_[i] == Use::kNothing) continue;
-      const Residual r =
-          residual_of(camera_, observations_[i], shifts_[i], pose, options_.inverse_depth_sigma_per_m);
+      const Residual r = residual_of(camera_, observations_[i], pose, options_.inverse_depth_sigma_per_m);
       s.inliers[i] = 1;
       ++s.inlier_count;
       s.chi2 += r.pixel_squared() + (uses_[i] == Use::kPixelAndDepth ? r.depth_squared() : 0);
@@ -190,8 +161,7 @@ class Solver {
 
   [[nodiscard]] Use use_at(size_t i, const InversePose& pose) const {
     if (usable_[i] == Use::kNothing) return Use::kNothing;
-    const Residual r =
-        residual_of(camera_, observations_[i], shifts_[i], pose, options_.inverse_depth_sigma_per_m);
+    const Residual r = residual_of(camera_, observations_[i], pose, options_.inverse_depth_sigma_per_m);
     if (!r.seen || r.pixel_squared() > options_.inlier_chi2_pixel) return Use::kNothing;
     if (usable_[i] == Use::kPixel || r.depth_squared() > options_.inlier_chi2_depth) return Use::kPixel;
     return Use::kPixelAndDepth;
@@ -204,7 +174,7 @@ class Solver {
     const HuberLoss loss{options_.robust_width};
     for (size_t i = 0; i < observations_.size(); ++i) {
       if (uses_[i] == Use::kNothing) continue;
-      const Residual r = residual_of(camera_, observations_[i], shifts_[i], pose, sigma);
+      const Residual r = residual_of(camera_, observations_[i], pose, sigma);
       if (!r.seen) {
         normal.cost += loss.rho(kUnseenSquared);
         continue;
@@ -232,8 +202,6 @@ class Solver {
   std::span<const PoseObservation> observations_;
   const AbsolutePoseOptions& options_;
   const std::optional<PosePrior>& prior_;
-  const FrameMotion& motion_;
-  std::vector<Shift> shifts_;
   std::vector<Use> uses_;    // now
   std::vector<Use> usable_;  // at best
 };
@@ -254,16 +222,13 @@ std::optional<AbsolutePoseSolution> solve_absolute_pose(const PinholeCamera& cam
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
                                                         const AbsolutePoseOptions& options,
-                                                        const std::optional<PosePrior>& prior,
-                                                        const FrameMotion& motion) {
+                                                        const std::optional<PosePrior>& prior) {
   if (!T_reference_camera_guess.is_finite()) return std::nullopt;
-  Solver solver(camera, observations, options, prior, motion);
+  Solver solver(camera, observations, options, prior);
   SE3 T = T_reference_camera_guess;
   for (int round = 0; round < options.rounds; ++round) {
-    solver.follow_motion(T);
     T = solver.minimize(T);
-    const bool settled = !solver.classify(T);
-    if (settled && (round > 0 || motion.velocity.isZero(0))) break;
+    if (!solver.classify(T)) break;
   }
   AbsolutePoseSolution solution = solver.solution(T);
   if (solution.inlier_count < options.min_inliers || !is_constrained(solution.information)) {
@@ -280,7 +245,7 @@ std::vector<uint8_t> agreeing_observations(const PinholeCamera& camera,
   std::vector<uint8_t> agree;
   agree.reserve(observations.size());
   for (const PoseObservation& o : observations) {
-    const Residual r = residual_of(camera, o, {}, pose, options.inverse_depth_sigma_per_m);
+    const Residual r = residual_of(camera, o, pose, options.inverse_depth_sigma_per_m);
     agree.push_back(r.seen && r.pixel_squared() <= options.inlier_chi2_pixel);  // false for NaN
   }
   return agree;

@@ -12,7 +12,6 @@
 #include "kinloop/base/options.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
-#include "kinloop/optimize/sensor_model.hpp"
 
 namespace kinloop {
 
@@ -22,7 +21,6 @@ struct PoseObservation {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();        ///< undistorted
   double depth_m = 0;                                     ///< measured z, 0 = unknown
   double sigma_px = 1;                                    ///< standard deviation of `pixel`
-  double row = 0;  ///< its raw image row as a share of the height, -0.5 (first) to 0.5 (last)
 };
 
 /// What is believed of the pose before looking, e.g. by a motion model.
@@ -72,14 +70,12 @@ struct AbsolutePoseSolution {
 /// The pose near `T_reference_camera_guess` that agrees best with the observations (robust Gauss-Newton).
 /// Nothing where fewer than `min_inliers` agree or they leave some direction of the pose open. Observations
 /// with a number that is not finite are outliers. Pixel and depth are robust each for itself: a key point at
-/// the edge of a surface has a good pixel and may have the depth of the wrong side. Under a rolling shutter
-/// (`motion`) the pose is that of the middle row.
+/// the edge of a surface has a good pixel and may have the depth of the wrong side.
 std::optional<AbsolutePoseSolution> solve_absolute_pose(const PinholeCamera& camera,
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
                                                         const AbsolutePoseOptions& options,
-                                                        const std::optional<PosePrior>& prior = std::nullopt,
-                                                        const FrameMotion& motion = {});
+                                                        const std::optional<PosePrior>& prior = std::nullopt);
 
 /// 1 where an observation's pixel agrees with the pose; depth is not asked.
 std::vector<uint8_t> agreeing_observations(const PinholeCamera& camera,

@@ -63,14 +63,6 @@ struct Projection {
 };
 static_assert(kFocalX == 0 && kRadial2 == 5, "by_intrinsics fills the first six parameters");
 
-/// The depth correction's polynomial over the image, in the order of kDepthOffset and those behind it.
-Eigen::Matrix<double, 6, 1> depth_basis(const PinholeCamera& camera, const Eigen::Vector2d& pixel) {
-  const double x = (pixel.x() - camera.cx) / camera.fx, y = (pixel.y() - camera.cy) / camera.fy;
-  Eigen::Matrix<double, 6, 1> basis;
-  basis << 1, x, y, x * x, x * y, y * y;
-  return basis;
-}
-
 double color_time(const BundleObservation& o, const SensorVector& s) {
   return s(kRollingShutter) * o.row;
 }
@@ -84,7 +76,7 @@ double depth_error(const BundleTask& task, const BundleObservation& o, const Sen
                    const Eigen::Vector3d& p) {
   const PinholeCamera& camera = task.problem.camera;
   double error = (1 + s(kDepthScale)) / o.depth_m - 1.0 / p.z();
-  error += s.segment<6>(kDepthOffset).dot(depth_basis(camera, o.pixel));
+  error += s.segment<6>(kDepthOffset).dot(depth_offset_basis(camera, o.pixel));
   if (!o.inverse_depth_gradient.isZero(0)) {
     error += o.inverse_depth_gradient.dot(Projection(camera, s, p).pixel - o.pixel);
   }
@@ -138,7 +130,7 @@ void linearize_depth(const BundleTask& task, const BundleObservation& o, const B
   J.sensor(2, kDepthTime) = by_time;
   J.sensor(2, kDepthShutter) = by_time * o.row;
   J.sensor(2, kDepthScale) = inverse_sigma / o.depth_m;
-  J.sensor.block<1, 6>(2, kDepthOffset) = inverse_sigma * depth_basis(camera, o.pixel).transpose();
+  J.sensor.block<1, 6>(2, kDepthOffset) = inverse_sigma * depth_offset_basis(camera, o.pixel).transpose();
 }
 
 }  // namespace

@@ -23,8 +23,38 @@ Eigen::Vector3d seen_after(const Eigen::Vector3d& p_camera, const Velocity& velo
   return exp_so3(-dt_s * velocity.tail<3>()) * (p_camera - dt_s * velocity.head<3>());
 }
 
-FrameMotion frame_motion(const Velocity& velocity, const SensorVector& sensor) {
-  return {velocity, sensor(kRollingShutter), sensor(kDepthTime), sensor(kDepthShutter)};
+Eigen::Vector3d seen_before(const Eigen::Vector3d& p_camera_later, const Velocity& velocity, double dt_s) {
+  return exp_so3(dt_s * velocity.tail<3>()) * p_camera_later + dt_s * velocity.head<3>();
+}
+
+Eigen::Vector2d corrected_pixel(const PinholeCamera& camera, const SensorVector& sensor,
+                                const Eigen::Vector2d& ray) {
+  const double r2 = ray.squaredNorm();
+  const Eigen::Vector2d bent = ray * (1 + r2 * (sensor(kRadial1) + r2 * sensor(kRadial2)));
+  return {(camera.fx + sensor(kFocalX)) * bent.x() + camera.cx + sensor(kCenterX),
+          (camera.fy + sensor(kFocalY)) * bent.y() + camera.cy + sensor(kCenterY)};
+}
+
+Eigen::Vector2d corrected_ray(const PinholeCamera& camera, const SensorVector& sensor,
+                              const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d bent((pixel.x() - camera.cx - sensor(kCenterX)) / (camera.fx + sensor(kFocalX)),
+                             (pixel.y() - camera.cy - sensor(kCenterY)) / (camera.fy + sensor(kFocalY)));
+  constexpr int kRounds = 10;  // corrections are small: each round wins more than a digit
+  Eigen::Vector2d ray = bent;
+  for (int round = 0; round < kRounds && !ray.isZero(0); ++round) {
+    const double r2 = ray.squaredNorm();
+    const Eigen::Vector2d next = bent / (1 + r2 * (sensor(kRadial1) + r2 * sensor(kRadial2)));
+    if (next == ray) break;
+    ray = next;
+  }
+  return ray;
+}
+
+Eigen::Matrix<double, 6, 1> depth_offset_basis(const PinholeCamera& camera, const Eigen::Vector2d& pixel) {
+  const double x = (pixel.x() - camera.cx) / camera.fx, y = (pixel.y() - camera.cy) / camera.fy;
+  Eigen::Matrix<double, 6, 1> basis;
+  basis << 1, x, y, x * x, x * y, y * y;
+  return basis;
 }
 
 Velocity velocity_between(const SE3& T_world_before, const SE3& T_world_after, double dt_s) {
@@ -34,19 +64,6 @@ Velocity velocity_between(const SE3& T_world_before, const SE3& T_world_after, d
   velocity << T_before_after.translation / dt_s, log_so3(T_before_after.rotation) / dt_s;
   return velocity;
 }
-
-namespace {
-
-/// Where the corrected camera sees a ray (x / z, y / z), in undistorted pixels of the nominal camera.
-Eigen::Vector2d corrected_pixel(const PinholeCamera& camera, const SensorVector& s,
-                                const Eigen::Vector2d& ray) {
-  const double r2 = ray.squaredNorm();
-  const Eigen::Vector2d bent = ray * (1 + r2 * (s(kRadial1) + r2 * s(kRadial2)));
-  return {(camera.fx + s(kFocalX)) * bent.x() + camera.cx + s(kCenterX),
-          (camera.fy + s(kFocalY)) * bent.y() + camera.cy + s(kCenterY)};
-}
-
-}  // namespace
 
 PinholeCamera corrected_camera(const PinholeCamera& camera, const SensorVector& correction) {
   PinholeCamera corrected = camera;

@@ -59,16 +59,19 @@ SE3 move(const SE3& T_world_camera, const Velocity& velocity, double dt_s);
 /// A point of the camera frame as that camera sees it `dt_s` later: move(T, v, dt)^-1 * T * p.
 Eigen::Vector3d seen_after(const Eigen::Vector3d& p_camera, const Velocity& velocity, double dt_s);
 
-/// How the camera moves while it takes one frame.
-struct FrameMotion {
-  Velocity velocity = Velocity::Zero();
-  double rolling_shutter_s = 0;  ///< time from the first colour row to the last
-  double depth_time_s = 0;       ///< time of the depth's middle row minus that of the colour's
-  double depth_shutter_s = 0;    ///< time from the first depth row to the last
-};
+/// The inverse of seen_after: where a point seen `dt_s` later was before.
+Eigen::Vector3d seen_before(const Eigen::Vector3d& p_camera_later, const Velocity& velocity, double dt_s);
 
-/// The motion under the sensor's times.
-FrameMotion frame_motion(const Velocity& velocity, const SensorVector& sensor);
+/// Where the corrected camera sees the ray (x / z, y / z), in undistorted pixels of `camera`.
+Eigen::Vector2d corrected_pixel(const PinholeCamera& camera, const SensorVector& sensor,
+                                const Eigen::Vector2d& ray);
+
+/// The inverse of corrected_pixel: the ray that the corrected camera sees at an undistorted pixel.
+Eigen::Vector2d corrected_ray(const PinholeCamera& camera, const SensorVector& sensor,
+                              const Eigen::Vector2d& pixel);
+
+/// The depth offset's polynomial at an undistorted pixel, in the order of kDepthOffset and those behind it.
+Eigen::Matrix<double, 6, 1> depth_offset_basis(const PinholeCamera& camera, const Eigen::Vector2d& pixel);
 
 /// The constant velocity that brings `before` to `after` in `dt_s`, in the axes of `before`.
 Velocity velocity_between(const SE3& T_world_before, const SE3& T_world_after, double dt_s);

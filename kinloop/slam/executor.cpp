@@ -12,7 +12,7 @@ namespace {
 struct Job {
   JobKind kind;
   FrameId due;
-  std::future<MapUpdate> result;
+  std::future<JobResult> result;
 };
 
 uint32_t lag_of(JobKind kind, const ExecutorOptions& options) {
@@ -22,6 +22,7 @@ uint32_t lag_of(JobKind kind, const ExecutorOptions& options) {
     case JobKind::kLoopCorrection:
       return static_cast<uint32_t>(options.loop_lag_frames);
     case JobKind::kFullAdjustment:
+    case JobKind::kSelfCalibration:
       return static_cast<uint32_t>(options.full_lag_frames);
   }
   return 0;
@@ -32,7 +33,7 @@ class ModalExecutor : public Executor {
  public:
   explicit ModalExecutor(const ExecutorOptions& options) : options_(options) {}
 
-  void submit(JobKind kind, FrameId now, std::function<MapUpdate()> work) override {
+  void submit(JobKind kind, FrameId now, std::function<JobResult()> work) override {
     require(!busy(kind), "submit: a job of this kind is in flight");
     const bool at_once = options_.mode == "inline";
     const FrameId due{now.value + (at_once ? 1 : lag_of(kind, options_))};

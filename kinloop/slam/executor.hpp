@@ -1,22 +1,34 @@
 #pragma once
 // The one place that knows threads. Slow work is handed in as a function of a copied problem and comes back
-// as a MapUpdate at a frame that depends on the mode, never (but for `live`) on how fast the machine is.
+// as a JobResult at a frame that depends on the mode, never (but for `live`) on how fast the machine is.
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "kinloop/base/ids.hpp"
-#include "kinloop/map/map_update.hpp"
 #include "kinloop/slam/options.hpp"
+#include "kinloop/slam/self_calibration.hpp"
 
 namespace kinloop {
 
-enum class JobKind { kLocalAdjustment, kLoopCorrection, kFullAdjustment };
+enum class JobKind { kLocalAdjustment, kLoopCorrection, kFullAdjustment, kSelfCalibration };
+
+/// What slow work gives back.
+struct JobResult {
+  JobResult() = default;
+  JobResult(MapUpdate changes) : update(std::move(changes)) {}  // NOLINT(google-explicit-constructor)
+  JobResult(CalibratedAdjustment adjusted)                      // NOLINT(google-explicit-constructor)
+      : update(std::move(adjusted.update)), sensor(std::move(adjusted.sensor)) {}
+
+  MapUpdate update;
+  std::optional<SensorEstimate> sensor;  ///< where the work estimated it
+};
 
 struct FinishedJob {
   JobKind kind = JobKind::kLocalAdjustment;
-  MapUpdate update;
+  JobResult result;
 };
 
 class Executor {
@@ -24,7 +36,7 @@ class Executor {
   virtual ~Executor() = default;
 
   /// Hands in work at frame `now`. At most one job of a kind may be in flight (`busy`).
-  virtual void submit(JobKind kind, FrameId now, std::function<MapUpdate()> work) = 0;
+  virtual void submit(JobKind kind, FrameId now, std::function<JobResult()> work) = 0;
 
   /// Whether a job of this kind was handed in and not collected yet.
   [[nodiscard]] virtual bool busy(JobKind kind) const = 0;

@@ -3,14 +3,14 @@
 namespace kinloop {
 
 LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px) {
-  LoggedFrame entry{frame.id, frame.stamp_ns, result.status, result.reference, result.T_reference_camera, {},
-                    {}};
+  LoggedFrame entry{
+      frame.id, frame.stamp_ns, result.status, result.reference, result.T_reference_camera, {}, false, {}};
   const Features& features = *frame.features;
   for (const auto& [landmark, feature] : result.matches) {
     LoggedObservation seen;
     seen.landmark = landmark;
-    seen.pixel = features.pixels[feature];
-    seen.depth_m = features.depths_m[feature];
+    seen.pixel = features.measured_pixels[feature];
+    seen.depth_m = features.measured_depths_m[feature];
     seen.sigma_px = features.sigmas_px[feature];
     seen.row = features.raw_pixels[feature].y() / static_cast<float>(image_height_px) - 0.5F;
     if (!features.inverse_depth_gradients.empty()) {

@@ -13,7 +13,7 @@ namespace kinloop {
 /// A landmark as one frame saw it.
 struct LoggedObservation {
   LandmarkId landmark;
-  Eigen::Vector2f pixel;  ///< undistorted
+  Eigen::Vector2f pixel;  ///< undistorted, as measured
   float depth_m = 0;      ///< 0 = unknown
   float sigma_px = 1;
   float row = 0;  ///< raw image row as a share of the height, -0.5 (first) to 0.5 (last)
@@ -27,6 +27,7 @@ struct LoggedFrame {
   KeyframeId reference;
   SE3 T_reference_camera;
   KeyframeId keyframe;  ///< valid where the frame became one
+  bool repeat = false;  ///< the camera gave the image before once more
   std::vector<LoggedObservation> observations;
 };
 

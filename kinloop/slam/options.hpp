@@ -4,7 +4,7 @@
 #include "kinloop/loop/options.hpp"
 #include "kinloop/map/local_view.hpp"
 #include "kinloop/mapping/options.hpp"
-#include "kinloop/slam/final_adjustment.hpp"
+#include "kinloop/slam/self_calibration.hpp"
 #include "kinloop/tracking/options.hpp"
 
 namespace kinloop {

@@ -10,7 +10,9 @@
 #include "kinloop/mapping/grow.hpp"
 #include "kinloop/mapping/local_adjustment.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/slam/final_adjustment.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
+#include "kinloop/tracking/still_features.hpp"
 
 namespace kinloop {
 namespace {
@@ -56,7 +58,8 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
     : camera_(camera),
       options_(options),
       vocabulary_(std::move(vocabulary)),
-      executor_(make_executor(options.executor)) {}
+      executor_(make_executor(options.executor)),
+      keyframes_to_calibrate_(static_cast<size_t>(options.self_calibration.first_keyframes)) {}
 
 Slam::~Slam() = default;
 
@@ -80,16 +83,26 @@ PreparedFrame Slam::prepare(const RgbdFrame& frame) const {
   return prepared;
 }
 
-FrameResult Slam::process(const PreparedFrame& frame) {
+FrameResult Slam::process(const PreparedFrame& measured) {
   const Stopwatch watch;
-  times_.add("features", frame.prepare_wall_s, frame.prepare_cpu_s);
-  now_ = frame.id;
+  times_.add("features", measured.prepare_wall_s, measured.prepare_cpu_s);
+  now_ = measured.id;
   apply_finished_work(executor_->collect(now_));
 
+  PreparedFrame frame = at_rest(measured);
   FrameResult told{frame.id, frame.stamp_ns, TrackStatus::kLost, false, {}, {}, {}};
-  const TrackResult result = map_.keyframes().empty() ? start(frame) : locate(frame, told.relocalized);
-  remember(frame, result);
-  if (wants_keyframe(frame, result)) {
+  const bool repeat = repeats_previous(measured);
+  const TrackResult result = map_.keyframes().empty() ? start(frame)
+                             : repeat                 ? previous_result()
+                                                      : locate(frame, told.relocalized);
+  if (!repeat) {
+    learn_motion(frame, result);
+    frame = at_rest(measured);  // now that its own motion is known
+    remember(frame, result);
+  }
+  log_.push_back(log_entry(result, measured, camera_.color.height));
+  log_.back().repeat = repeat;
+  if (!repeat && wants_keyframe(frame, result)) {
     told.keyframe = insert_keyframe(frame, result);
   } else if (result.status != TrackStatus::kLost) {
     const KeyframeId best = best_reference(map_, result.matches, view_.reference);
@@ -107,12 +120,34 @@ FrameResult Slam::process(const PreparedFrame& frame) {
 
 void Slam::apply_finished_work(const std::vector<FinishedJob>& jobs) {
   for (const FinishedJob& job : jobs) {
-    if (!map_.apply(job.update)) continue;
+    if (!map_.apply(job.result.update)) continue;
     map_changed_ = true;
     if (job.kind != JobKind::kLocalAdjustment) map_.raise_epoch();
+    if (job.result.sensor) take_sensor(*job.result.sensor);
     if (job.kind == JobKind::kLoopCorrection) full_adjustment_pending_ = true;
   }
   if (!jobs.empty() && view_.reference.valid()) view_ = make_local_view(map_, view_.reference, options_.view);
+}
+
+/// The frame as an ideal camera at rest would have taken it, going by how the camera moves now.
+PreparedFrame Slam::at_rest(const PreparedFrame& frame) const {
+  PreparedFrame still = frame;
+  if (!sensor_.value.isZero(0)) {
+    still.features = std::make_shared<const Features>(
+        still_features(*frame.features, camera_.color, sensor_.value, motion_.velocity()));
+  }
+  return still;
+}
+
+/// From now on the sensor is taken to be like this; keyframes follow.
+void Slam::take_sensor(const SensorEstimate& sensor) {
+  sensor_ = sensor;
+  const auto velocities = keyframe_velocities(log_, map_);
+  for (uint32_t i = 0; i < velocities.size(); ++i) {
+    const Features& features = *map_.keyframe(KeyframeId{i}).features;
+    map_.set_features(KeyframeId{i}, std::make_shared<const Features>(still_features(
+                                         features, camera_.color, sensor_.value, velocities[i])));
+  }
 }
 
 /// The first keyframe of the map: the world begins at its camera.
@@ -121,6 +156,26 @@ TrackResult Slam::start(const PreparedFrame& frame) {
   if (count_with_depth(*frame.features) < options_.min_start_points) return result;
   result.status = TrackStatus::kTracked;
   result.reference = KeyframeId{0};
+  return result;
+}
+
+/// Drivers fill the gap of a lost image with the one before: the camera has moved on, its picture has not.
+bool Slam::repeats_previous(const PreparedFrame& frame) const {
+  if (!previous_) return false;
+  const cv::Mat& a = previous_->frame.gray;
+  const cv::Mat& b = frame.gray;
+  return !a.empty() && a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;
+}
+
+TrackResult Slam::previous_result() const {
+  TrackResult result;
+  result.status = TrackStatus::kTracked;
+  result.reference = view_.reference;
+  result.T_reference_camera = previous_->T_reference_camera;
+  for (uint32_t i = 0; i < previous_->landmark_of.size(); ++i) {
+    if (previous_->landmark_of[i].valid()) result.matches.push_back({previous_->landmark_of[i], i});
+  }
+  result.stats.inliers = static_cast<int>(result.matches.size());
   return result;
 }
 
@@ -146,20 +201,21 @@ TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
   return *found;
 }
 
-/// Keeps what the next frame needs, and what the trajectory needs.
-void Slam::remember(const PreparedFrame& frame, const TrackResult& result) {
-  log_.push_back(log_entry(result, frame, camera_.color.height));
-  ++frames_since_keyframe_;
-  if (result.status == TrackStatus::kLost) {
-    previous_.reset();
-    motion_.reset();
-    return;
-  }
-  if (previous_) {
+void Slam::learn_motion(const PreparedFrame& frame, const TrackResult& result) {
+  if (previous_ && result.status != TrackStatus::kLost) {
     motion_.update(previous_->T_reference_camera.inverse() * result.T_reference_camera,
                    frame.stamp_ns - previous_->frame.stamp_ns);
   } else {
     motion_.reset();
+  }
+}
+
+/// Keeps what the next frame needs, and what the trajectory needs.
+void Slam::remember(const PreparedFrame& frame, const TrackResult& result) {
+  ++frames_since_keyframe_;
+  if (result.status == TrackStatus::kLost) {
+    previous_.reset();
+    return;
   }
   previous_ = TrackedFrame{frame, result.T_reference_camera, std::vector<LandmarkId>(frame.features->size())};
   for (const LandmarkMatch& match : result.matches) previous_->landmark_of[match.feature] = match.landmark;
@@ -237,6 +293,17 @@ void Slam::submit_adjustments(KeyframeId newest) {
                       [problem = local_problem(map_, newest, camera_.color, options_.mapping),
                        options = options_.mapping.bundle] { return adjust(problem, options); });
   }
+  if (options_.self_calibration.enabled && !bending && map_.keyframes().size() >= keyframes_to_calibrate_ &&
+      !executor_->busy(JobKind::kSelfCalibration)) {
+    executor_->submit(
+        JobKind::kSelfCalibration, now_,
+        [problem = calibration_problem(map_, camera_.color, keyframe_velocities(log_, map_), sensor_.value),
+         expected = expected_time_sigmas(options_.self_calibration),
+         max_sigma_share = options_.self_calibration.max_sigma_share, options = options_.full] {
+          return adjust_with_sensor(problem, expected, max_sigma_share, options);
+        });
+    keyframes_to_calibrate_ *= 2;
+  }
   times_.add("mapping", watch);
 }
 
@@ -260,7 +327,7 @@ Trajectory Slam::finish(const Progress& progress) {
   }
   if (options_.full_adjustment) {
     const Stopwatch watch;
-    sensor_ = adjust_finally(map_, log_, camera_.color, options_.full, options_.tracking.pose,
+    sensor_ = adjust_finally(map_, log_, camera_.color, sensor_, options_.full, options_.tracking.pose,
                              options_.self_calibration, progress);
     map_.raise_epoch();
     times_.add("final adjustment", watch);

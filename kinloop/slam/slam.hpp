@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "kinloop/base/progress.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/loop/candidates.hpp"
 #include "kinloop/place/vocabulary.hpp"
@@ -37,7 +38,7 @@ class Slam {
   [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const;
 
   /// Takes the frames in order of time.
-  FrameResult process(const PreparedFrame& frame);
+  FrameResult process(const PreparedFrame& measured);
   FrameResult process(const RgbdFrame& frame) { return process(prepare(frame)); }
 
   /// Ends the run: waits for work in flight, adjusts the whole map, refines every frame. Gives all tracked
@@ -51,7 +52,7 @@ class Slam {
   [[nodiscard]] const FrameLog& log() const { return log_; }
   [[nodiscard]] const RoomTimes& times() const { return times_; }
 
-  /// What `finish` found of the sensor.
+  /// What was found of the sensor so far.
   [[nodiscard]] const SensorEstimate& sensor() const { return sensor_; }
 
   /// `listener` must outlive this object.
@@ -60,7 +61,12 @@ class Slam {
  private:
   void apply_finished_work(const std::vector<FinishedJob>& jobs);
   TrackResult start(const PreparedFrame& frame);
+  [[nodiscard]] bool repeats_previous(const PreparedFrame& frame) const;
+  [[nodiscard]] TrackResult previous_result() const;
   TrackResult locate(const PreparedFrame& frame, bool& relocalized);
+  [[nodiscard]] PreparedFrame at_rest(const PreparedFrame& frame) const;
+  void take_sensor(const SensorEstimate& sensor);
+  void learn_motion(const PreparedFrame& frame, const TrackResult& result);
   void remember(const PreparedFrame& frame, const TrackResult& result);
   [[nodiscard]] bool wants_keyframe(const PreparedFrame& frame, const TrackResult& result) const;
   KeyframeId insert_keyframe(const PreparedFrame& frame, const TrackResult& result);
@@ -92,6 +98,7 @@ class Slam {
 
   FrameLog log_;
   SensorEstimate sensor_;
+  size_t keyframes_to_calibrate_;  // that the next self-calibration waits for
   RoomTimes times_;
   std::vector<Listener*> listeners_;
 };

@@ -21,6 +21,9 @@ class MotionModel {
   /// surely turned back, so the velocity is carried on for a short time only.
   [[nodiscard]] SE3 predict(int64_t duration_ns) const;
 
+  /// Rate of motion in the camera's axes, m/s and rad/s; zero where it is unknown.
+  [[nodiscard]] Vector6d velocity() const { return velocity_per_s_.value_or(Vector6d::Zero()); }
+
  private:
   std::optional<Vector6d> velocity_per_s_;  // twist, m/s and rad/s
 };

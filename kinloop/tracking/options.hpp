@@ -42,6 +42,7 @@ struct TrackingOptions {
   int min_matches = 20;
   int min_inliers = 15;
   int enough_landmarks = 60;
+  bool refine_with_icp = false;
   double min_icp_overlap = 0.4;
   KeyframeOptions keyframe;
   AbsolutePoseOptions pose;
@@ -62,6 +63,9 @@ struct TrackingOptions {
     visit("min_inliers", self.min_inliers, "inliers below which a pose is not believed", Range{4, 1000});
     visit("enough_landmarks", self.enough_landmarks,
           "tracked landmarks that do without the previous frame's unmapped points", Range{0, 10000});
+    visit("refine_with_icp", self.refine_with_icp,
+          "also lay each depth image onto the one before (point to plane), and hold the pose to it as far as "
+          "the surfaces tell");
     visit("min_icp_overlap", self.min_icp_overlap, "share of depth pixels that must agree in dense alignment",
           Range{0, 1});
     visit("keyframe", self.keyframe);

@@ -130,20 +130,6 @@ std::optional<FramePose> search_everywhere(const Tracking& t, uint64_t seed) {
   return guess ? solve(t, matches, *guess) : std::nullopt;
 }
 
-std::optional<FramePose> align_densely(const Tracking& t, const SE3& T_reference_camera) {
-  const IcpCamera camera = make_icp_camera(t.camera, t.options.icp);
-  const auto aligned =
-      align_icp(camera, make_icp_frame(camera, t.previous.frame.depth_m, t.previous.frame.gray),
-                make_icp_frame(camera, t.frame.depth_m, t.frame.gray),
-                t.previous.T_reference_camera.inverse() * T_reference_camera, t.options.icp);
-  if (!aligned || aligned->overlap < t.options.min_icp_overlap) return std::nullopt;
-  FramePose pose;
-  pose.T_reference_camera = t.previous.T_reference_camera * aligned->T_reference_camera;
-  pose.information = aligned->information;
-  pose.dense = true;
-  return pose;
-}
-
 }  // namespace
 
 std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const FeatureGrid& grid,
@@ -162,8 +148,26 @@ std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const Fe
   if (auto pose = search_windows(t, T_reference_camera_predicted, options.wide_window_px))
     return with_tries(*pose, 2);
   if (auto pose = search_everywhere(t, seed)) return with_tries(*pose, 3);
-  if (auto pose = align_densely(t, T_reference_camera_predicted)) return with_tries(*pose, 4);
+  if (auto pose = align_with_previous(frame, previous, T_reference_camera_predicted, camera, options)) {
+    return with_tries(*pose, 4);
+  }
   return std::nullopt;
+}
+
+std::optional<FramePose> align_with_previous(const PreparedFrame& frame, const TrackedFrame& previous,
+                                             const SE3& T_reference_camera_guess, const PinholeCamera& camera,
+                                             const TrackingOptions& options) {
+  const IcpCamera grids = make_icp_camera(camera, options.icp);
+  const auto aligned =
+      align_icp(grids, make_icp_frame(grids, previous.frame.depth_m, previous.frame.gray),
+                make_icp_frame(grids, frame.depth_m, frame.gray),
+                previous.T_reference_camera.inverse() * T_reference_camera_guess, options.icp);
+  if (!aligned || aligned->overlap < options.min_icp_overlap) return std::nullopt;
+  FramePose pose;
+  pose.T_reference_camera = previous.T_reference_camera * aligned->T_reference_camera;
+  pose.information = aligned->information;
+  pose.dense = true;
+  return pose;
 }
 
 }  // namespace kinloop

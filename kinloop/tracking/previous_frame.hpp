@@ -30,4 +30,11 @@ std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const Fe
                                             const PinholeCamera& camera, const TrackingOptions& options,
                                             uint64_t seed);
 
+/// The pose of `frame` by laying its depth image onto that of `previous`, starting from
+/// `T_reference_camera_guess`: its information is small where the surfaces leave a direction open. Nothing
+/// where too little of them overlaps.
+std::optional<FramePose> align_with_previous(const PreparedFrame& frame, const TrackedFrame& previous,
+                                             const SE3& T_reference_camera_guess, const PinholeCamera& camera,
+                                             const TrackingOptions& options);
+
 }  // namespace kinloop

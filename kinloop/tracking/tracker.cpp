@@ -23,10 +23,11 @@ VisibleLandmarks project_view(const LocalView& view, const Features& features, c
   return visible;
 }
 
-/// Refines on landmarks of the view, and where they are few also on the previous frame's unmapped points.
+/// Refines on landmarks of the view, and where they are few also on the previous frame's unmapped points;
+/// `prior` is what the depth images say.
 TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const LocalView& view,
-                   const FramePose& guess, double window_px, const PinholeCamera& camera,
-                   const TrackingOptions& options) {
+                   const FramePose& guess, const std::optional<PosePrior>& prior, double window_px,
+                   const PinholeCamera& camera, const TrackingOptions& options) {
   const Features& features = *frame.features;
   const auto visible = project_view(view, features, guess.T_reference_camera, window_px, camera);
   const auto matches = match_by_projection(visible.projected, features, grid, {});
@@ -46,7 +47,8 @@ TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const Lo
   TrackResult result;
   result.reference = view.reference;
   result.stats.in_view = static_cast<int>(visible.projected.size());
-  const auto solution = solve_absolute_pose(camera, observations, guess.T_reference_camera, options.pose);
+  const auto solution =
+      solve_absolute_pose(camera, observations, guess.T_reference_camera, options.pose, prior);
   if (!solution || solution->inlier_count < options.min_inliers) return result;
   result.status = TrackStatus::kTracked;
   result.T_reference_camera = solution->T_reference_camera;
@@ -66,7 +68,7 @@ TrackResult track_in_view(const PreparedFrame& frame, const FeatureGrid& grid, c
                           const TrackingOptions& options) {
   FramePose guess;
   guess.T_reference_camera = T_reference_camera_guess;
-  return refine(frame, grid, view, guess, window_px, camera, options);
+  return refine(frame, grid, view, guess, std::nullopt, window_px, camera, options);
 }
 
 TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, const LocalView& view,
@@ -80,7 +82,12 @@ TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, cons
     return track_in_view(frame, grid, view, T_reference_camera_predicted, options.wide_window_px, camera,
                          options);
   }
-  TrackResult result = refine(frame, grid, view, *guess, options.view_window_px, camera, options);
+  std::optional<PosePrior> prior;
+  if (options.refine_with_icp && !guess->dense) {
+    const auto dense = align_with_previous(frame, previous, guess->T_reference_camera, camera, options);
+    if (dense) prior = PosePrior{dense->T_reference_camera, dense->information};
+  }
+  TrackResult result = refine(frame, grid, view, *guess, prior, options.view_window_px, camera, options);
   if (result.status == TrackStatus::kLost) {
     result.T_reference_camera = guess->T_reference_camera;
     result.information = guess->information;

@@ -167,5 +167,19 @@ TEST(Map, BrokenPromisesAreLogicErrors) {
   EXPECT_THROW(map.add_loop_edge({a, KeyframeId{7}, SE3{}, Matrix6d::Identity(), 30}), std::logic_error);
 }
 
+TEST(Map, FeaturesAreReplacedByTheSameKeyPointsOnly) {
+  Map map;
+  const KeyframeId a = add_keyframe(map);
+  const LandmarkId landmark = map.add_landmark(a, 3, {0, 0, 1});
+  Features moved = *map.keyframe(a).features;
+  moved.pixels[3] = {7, 8};
+  map.set_features(a, std::make_shared<const Features>(moved));
+  EXPECT_EQ(map.keyframe(a).features->pixels[3], Eigen::Vector2f(7, 8));
+  EXPECT_EQ(map.keyframe(a).landmark_of[3], landmark);
+  map.check_invariants();
+  EXPECT_THROW(map.set_features(a, blank_features(29)), std::logic_error);
+  EXPECT_THROW(map.set_features(a, nullptr), std::logic_error);
+}
+
 }  // namespace
 }  // namespace kinloop

@@ -150,31 +150,6 @@ TEST(AbsolutePose, PointsBehindTheCameraAreOutliers) {
   EXPECT_EQ(solution->inliers[8], 0);
 }
 
-TEST(AbsolutePose, RollingShutterAndDepthDelayAreFollowed) {
-  Random random(11);
-  FrameMotion motion{Velocity::Zero(), 0.03, 0.015, 0.03};
-  for (int trial = 0; trial < 10; ++trial) {
-    motion.velocity << test::random_vector(random, 0.5), test::random_vector(random, 1.0);
-    const SE3 truth = random_motion(random, 1.0, 1.0);
-    auto view = make_view(truth, 100, {}, random);
-    for (auto& o : view) {
-      o.row = o.pixel.y() / kinect().height - 0.5;
-      const SE3 T_color = move(truth, motion.velocity, motion.rolling_shutter_s * o.row);
-      const SE3 T_depth = move(truth, motion.velocity, motion.depth_time_s + motion.depth_shutter_s * o.row);
-      o.pixel = kinect().project(T_color.inverse() * o.p_reference);
-      if (o.depth_m > 0) o.depth_m = (T_depth.inverse() * o.p_reference).z();
-    }
-    const SE3 guess = truth * random_motion(random, 0.03, 0.02);
-    AbsolutePoseOptions options;
-    options.inlier_chi2_pixel = options.inlier_chi2_depth = 1000;
-    const auto followed = solve_absolute_pose(kinect(), view, guess, options, std::nullopt, motion);
-    const auto ignored = solve_absolute_pose(kinect(), view, guess, options);
-    ASSERT_TRUE(followed && ignored);
-    EXPECT_LT(error_of(followed->T_reference_camera, truth).norm(), 1e-5);
-    EXPECT_GT(error_of(ignored->T_reference_camera, truth).norm(), 1e-3);
-  }
-}
-
 TEST(AbsolutePose, InformationIsTheCurvatureOfTheCost) {
   Random random(10);
   const SE3 truth = random_motion(random, 1.0, 1.0);

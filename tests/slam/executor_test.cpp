@@ -31,7 +31,7 @@ TEST(Executor, LaggedResultsComeExactlyOnTime) {
   EXPECT_TRUE(lagged->collect(FrameId{12}).empty());
   const auto finished = lagged->collect(FrameId{13});
   ASSERT_EQ(finished.size(), 1U);
-  EXPECT_EQ(finished[0].update.epoch, 1U);
+  EXPECT_EQ(finished[0].result.update.epoch, 1U);
   EXPECT_FALSE(lagged->busy(JobKind::kLocalAdjustment));
 }
 
@@ -64,7 +64,7 @@ TEST(Executor, ResultsKeepTheOrderOfSubmission) {
   lagged->submit(JobKind::kLoopCorrection, FrameId{0}, [] { return numbered(2); });
   const auto finished = lagged->drain();
   ASSERT_EQ(finished.size(), 2U);
-  EXPECT_EQ(finished[0].update.epoch, 1U);
+  EXPECT_EQ(finished[0].result.update.epoch, 1U);
   EXPECT_EQ(finished[1].kind, JobKind::kLoopCorrection);
   EXPECT_TRUE(lagged->drain().empty());
 }

@@ -111,6 +111,29 @@ TEST(Slam, EveryModeTracksEveryFrame) {
   }
 }
 
+TEST(Slam, IcpRefinesWithoutLosingAnything) {
+  SlamOptions options;
+  options.tracking.refine_with_icp = true;
+  const Trajectory estimate = run(recording().frames, options);
+  ASSERT_EQ(estimate.size(), static_cast<size_t>(kSimulatedFrames));
+  const auto ate = absolute_trajectory_error(estimate, recording().truth);
+  ASSERT_TRUE(ate.has_value());
+  EXPECT_LT(ate->error_m.rmse, 0.02);
+}
+
+TEST(Slam, ARepeatedImageKeepsItsPose) {
+  auto frames = recording().frames;
+  frames[20].color = frames[19].color.clone();  // what drivers do when an image is lost
+  frames[20].depth_m = frames[19].depth_m.clone();
+  Slam slam(recording().camera);
+  for (const RgbdFrame& frame : frames) slam.process(frame);
+  const Trajectory estimate = slam.finish();
+  ASSERT_EQ(estimate.size(), frames.size());
+  EXPECT_TRUE(slam.log()[20].repeat);
+  EXPECT_LT((estimate[20].T_world_camera.translation - estimate[19].T_world_camera.translation).norm(), 1e-3);
+  EXPECT_EQ(std::count_if(slam.log().begin(), slam.log().end(), [](const auto& f) { return f.repeat; }), 1);
+}
+
 TEST(Slam, FindsItselfAgainAfterABlackOut) {
   auto frames = recording().frames;
   for (size_t i = 15; i < 22; ++i) {

@@ -72,6 +72,8 @@ inline SyntheticView observe(const SyntheticWorld& world, const SE3& T_world_cam
     features.raw_pixels.push_back(pixel.cast<float>());
     features.depths_m.push_back(
         random.uniform() < noise.missing_depth_share ? 0 : static_cast<float>(1 / inverse_depth));
+    features.measured_pixels.push_back(features.pixels.back());
+    features.measured_depths_m.push_back(features.depths_m.back());
     features.levels.push_back(0);
     features.angles_rad.push_back(0);
     features.sigmas_px.push_back(1);

@@ -1,0 +1,116 @@
+#include "kinloop/slam/self_calibration.hpp"
+
+#include <cmath>
+
+#include "kinloop/base/time.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr int64_t kMaxNeighbourNs = 150'000'000;  // farther apart, a hand's velocity has changed
+
+SensorEstimate judge(const BundleSolution& solution, const SensorVector& expected, double max_sigma_share) {
+  SensorEstimate estimate;
+  for (int k = 0; k < kSensorParameterCount; ++k) {
+    if (expected(k) == 0) continue;
+    const double sigma = std::sqrt(std::max(solution.sensor_covariance(k, k), 0.0));
+    const bool narrowed = sigma <= max_sigma_share * expected(k);
+    estimate.sigma(k) = sigma;
+    estimate.used[static_cast<size_t>(k)] = narrowed;
+    estimate.value(k) = narrowed ? solution.sensor(k) : 0;
+  }
+  return estimate;
+}
+
+/// Goes on from a solution.
+void restart(BundleProblem& problem, const BundleSolution& solution) {
+  problem.T_world_camera = solution.T_world_camera;
+  problem.p_world = solution.p_world;
+}
+
+}  // namespace
+
+SensorVector expected_time_sigmas(const SelfCalibrationOptions& options) {
+  SensorVector sigma = SensorVector::Zero();
+  if (options.enabled)
+    sigma(kRollingShutter) = sigma(kDepthShutter) = sigma(kDepthTime) = options.time_sigma_s;
+  return sigma;
+}
+
+SensorVector expected_sigmas(const PinholeCamera& camera, const SelfCalibrationOptions& options) {
+  SensorVector sigma = expected_time_sigmas(options);
+  if (!options.enabled) return sigma;
+  sigma(kFocalX) = options.focal_sigma * camera.fx;
+  sigma(kFocalY) = options.focal_sigma * camera.fy;
+  sigma(kCenterX) = sigma(kCenterY) = options.center_sigma_px;
+  sigma(kRadial1) = sigma(kRadial2) = options.radial_sigma;
+  for (int k = kDepthOffset; k <= kDepthOffsetYY; ++k) sigma(k) = options.depth_offset_sigma_per_m;
+  return sigma;
+}
+
+std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map) {
+  std::vector<Velocity> velocities(log.size(), Velocity::Zero());
+  const auto usable = [&](size_t i, size_t other) {
+    return log[other].status != TrackStatus::kLost &&
+           std::abs(log[i].stamp_ns - log[other].stamp_ns) < kMaxNeighbourNs;
+  };
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (log[i].status == TrackStatus::kLost) continue;
+    // A repeated image says nothing of the motion between the two; the image itself was taken once.
+    size_t own = i, next = i + 1;
+    while (own > 0 && log[own].repeat) --own;
+    while (next < log.size() && log[next].repeat) ++next;
+    size_t previous = own > 0 ? own - 1 : own;
+    while (previous > 0 && log[previous].repeat) --previous;
+    const size_t before = previous < own && usable(own, previous) ? previous : own;
+    const size_t after = next < log.size() && usable(own, next) ? next : own;
+    const int64_t duration_ns = log[after].stamp_ns - log[before].stamp_ns;
+    if (duration_ns <= 0) continue;
+    const SE3 T_world_before = world_pose(log[before], map), T_world_after = world_pose(log[after], map);
+    const Eigen::Matrix3d R_camera_world = world_pose(log[i], map).R().transpose();
+    const double duration_s = to_seconds(duration_ns);
+    velocities[i] << R_camera_world * (T_world_after.translation - T_world_before.translation) / duration_s,
+        log_so3(T_world_before.rotation.conjugate() * T_world_after.rotation) / duration_s;
+  }
+  return velocities;
+}
+
+std::vector<Velocity> keyframe_velocities(const FrameLog& log, const Map& map) {
+  const auto of_frames = frame_velocities(log, map);
+  std::vector<Velocity> velocities(map.keyframes().size(), Velocity::Zero());
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (log[i].keyframe.valid()) velocities[log[i].keyframe.value] = of_frames[i];
+  }
+  return velocities;
+}
+
+AdjustmentProblem calibration_problem(const Map& map, const PinholeCamera& camera,
+                                      std::vector<Velocity> velocities, const SensorVector& value) {
+  AdjustmentProblem problem = full_problem(map, camera, MeasuredAs::kMoving);
+  problem.bundle.velocities = std::move(velocities);
+  problem.bundle.sensor.value = value;
+  return problem;
+}
+
+CalibratedAdjustment adjust_with_sensor(AdjustmentProblem problem, const SensorVector& expected,
+                                        double max_sigma_share, const BundleOptions& options) {
+  BundleProblem& bundle = problem.bundle;
+  bundle.sensor.prior_sigma = expected;
+  const BundleSolution free = solve_bundle(bundle, options);
+  CalibratedAdjustment adjusted{update_of(problem, free), judge(free, expected, max_sigma_share)};
+  bool all_used = true;
+  for (int k = 0; k < kSensorParameterCount; ++k) {
+    if (expected(k) == 0 || adjusted.sensor.used[static_cast<size_t>(k)]) continue;
+    bundle.sensor.prior_sigma(k) = 0;
+    all_used = false;
+  }
+  if (all_used) return adjusted;
+  restart(bundle, free);
+  bundle.sensor.value = adjusted.sensor.value;
+  const BundleSolution held = solve_bundle(bundle, options);
+  adjusted.update = update_of(problem, held);
+  adjusted.sensor.value = held.sensor;
+  return adjusted;
+}
+
+}  // namespace kinloop

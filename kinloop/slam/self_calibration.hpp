@@ -1,0 +1,82 @@
+#pragma once
+// What the sensor does that its calibration does not say: read-out time of the shutter, delay of the depth
+// image, lens, depth. In: map and frames. Out: the corrections that the data narrow down, with the map
+// adjusted to them. While frames come only the times are estimated, because tracking needs them most and they
+// cannot bend the map; at the end everything is.
+
+#include "kinloop/base/options.hpp"
+#include "kinloop/mapping/local_adjustment.hpp"
+#include "kinloop/slam/frame_log.hpp"
+
+namespace kinloop {
+
+struct SelfCalibrationOptions {
+  bool enabled = true;
+  int first_keyframes = 10;
+  int passes = 3;
+  double focal_sigma = 0.003;
+  double center_sigma_px = 5;
+  double radial_sigma = 0.05;
+  double time_sigma_s = 0.03;
+  double depth_offset_sigma_per_m = 0.002;
+  double max_sigma_share = 0.5;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("enabled", self.enabled, "estimate what the sensor does that its calibration does not say");
+    visit("first_keyframes", self.first_keyframes,
+          "keyframes after which read-out time and depth delay are first estimated, and again at every "
+          "doubling",
+          Range{2, 100000});
+    visit("passes", self.passes, "times that sensor, map and frames are estimated in turn at the end",
+          Range{1, 10});
+    visit("focal_sigma", self.focal_sigma, "how far a focal length may be off (1 sigma), relative",
+          Range{0, 1});
+    visit("center_sigma_px", self.center_sigma_px, "how far the principal point may be off, px",
+          Range{0, 1000});
+    visit("radial_sigma", self.radial_sigma, "how far radial distortion may be off", Range{0, 10});
+    visit("time_sigma_s", self.time_sigma_s, "read-out times and depth delay to be expected, s", Range{0, 1});
+    visit("depth_offset_sigma_per_m", self.depth_offset_sigma_per_m,
+          "smooth deformation of the inverse depth to be expected, 1/m", Range{0, 1});
+    visit("max_sigma_share", self.max_sigma_share,
+          "a parameter is used when the data narrow it down to this share of what was expected", Range{0, 1});
+  }
+};
+
+/// What the sensor was found to do; zero for parameters that the data do not constrain.
+struct SensorEstimate {
+  SensorVector value = SensorVector::Zero();
+  SensorVector sigma =
+      SensorVector::Zero();  ///< standard deviation; of the held ones what it would have been
+  std::vector<bool> used = std::vector<bool>(kSensorParameterCount, false);
+};
+
+/// How far each parameter may be off; 0 = held. The scale of depth is that of the world and cannot be found.
+SensorVector expected_sigmas(const PinholeCamera& camera, const SelfCalibrationOptions& options);
+
+/// The same for the read-out times and the depth delay alone.
+SensorVector expected_time_sigmas(const SelfCalibrationOptions& options);
+
+/// Velocity of every frame from its neighbours in time; zero where it is lost or has none close by.
+std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map);
+
+/// The same of the frames that became keyframes, by id.
+std::vector<Velocity> keyframe_velocities(const FrameLog& log, const Map& map);
+
+/// The whole map with everything as it was measured, by keyframes that move with `velocities`; the sensor
+/// starts at `value`.
+AdjustmentProblem calibration_problem(const Map& map, const PinholeCamera& camera,
+                                      std::vector<Velocity> velocities, const SensorVector& value);
+
+/// A map adjusted together with its sensor.
+struct CalibratedAdjustment {
+  MapUpdate update;
+  SensorEstimate sensor;
+};
+
+/// Solves the problem with the sensor free within `expected`, then again without the parameters that the data
+/// told too little about.
+CalibratedAdjustment adjust_with_sensor(AdjustmentProblem problem, const SensorVector& expected,
+                                        double max_sigma_share, const BundleOptions& options);
+
+}  // namespace kinloop
