@@ -14,6 +14,8 @@
 namespace kinloop {
 namespace {
 
+const Eigen::Vector2f kUnknownSlope = Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
+
 /// Steered BRIEF at given corners. OpenCV drops corners near the border, so `corners` comes back with those
 /// left.
 cv::Mat describe(const cv::Mat& gray, std::vector<cv::KeyPoint>& corners, const FeatureOptions& options) {
@@ -57,37 +59,40 @@ float depth_around(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, dou
   return sum / static_cast<float>(valid);
 }
 
-Eigen::Vector2f inverse_depth_gradient(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel,
-                                       double max_relative_step) {
+std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
+                                                      const Eigen::Vector2f& raw_pixel) {
   // The slope over a few pixels is smaller than the steps in which the sensor quantises disparity: a wide
   // window, sparsely sampled, sees through them.
   constexpr int kReach = 8, kStep = 2;
-  constexpr int kMinValid = 60;  // of 81
+  constexpr int kMinValid = 60;           // of 81
+  constexpr double kMaxRms_per_m = 4e-3;  // of a plane; three times the sensor's noise
   const int x = cvRound(raw_pixel.x()), y = cvRound(raw_pixel.y());
   if (x < kReach || y < kReach || x + kReach >= depth_m.cols || y + kReach >= depth_m.rows) {
-    return Eigen::Vector2f::Zero();
+    return std::nullopt;
   }
   // Least squares of inverse depth = a + b dx + c dy.
   int valid = 0;
-  float low = std::numeric_limits<float>::max(), high = 0;
-  Eigen::Matrix3f H = Eigen::Matrix3f::Zero();
-  Eigen::Vector3f g = Eigen::Vector3f::Zero();
+  double squares = 0;
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d g = Eigen::Vector3d::Zero();
   for (int dy = -kReach; dy <= kReach; dy += kStep) {
     const float* row = depth_m.ptr<float>(y + dy) + x;
     for (int dx = -kReach; dx <= kReach; dx += kStep) {
       if (!(row[dx] > 0)) continue;
+      const double inverse_depth = 1.0 / static_cast<double>(row[dx]);
+      const Eigen::Vector3d basis(1, dx, dy);
       ++valid;
-      low = std::min(low, row[dx]);
-      high = std::max(high, row[dx]);
-      const Eigen::Vector3f basis(1.0F, static_cast<float>(dx), static_cast<float>(dy));
+      squares += inverse_depth * inverse_depth;
       H += basis * basis.transpose();
-      g += basis / row[dx];
+      g += basis * inverse_depth;
     }
   }
-  if (valid < kMinValid || high - low > kReach * static_cast<float>(max_relative_step) * low) {
-    return Eigen::Vector2f::Zero();
-  }
-  return H.ldlt().solve(g).tail<2>();
+  if (valid < kMinValid) return std::nullopt;
+  const Eigen::Vector3d plane = H.ldlt().solve(g);
+  const double rms = std::sqrt(std::max(squares - plane.dot(g), 0.0) / valid);
+  // A slope across an edge would be that of no surface, and far too steep.
+  if (!(rms < kMaxRms_per_m)) return std::nullopt;
+  return plane.tail<2>().cast<float>();
 }
 
 Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const PinholeCamera& camera,
@@ -106,9 +111,8 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
     features.raw_pixels.push_back(raw);
     features.pixels.push_back(camera.undistort(raw.cast<double>()).cast<float>());
     features.depths_m.push_back(depth_m.empty() ? 0 : depth_around(depth_m, raw, options.max_depth_step));
-    features.inverse_depth_gradients.push_back(
-        features.depths_m.back() > 0 ? inverse_depth_gradient(depth_m, raw, options.max_depth_step)
-                                     : Eigen::Vector2f::Zero());
+    const auto slope = depth_m.empty() ? std::nullopt : inverse_depth_gradient(depth_m, raw);
+    features.inverse_depth_gradients.push_back(slope.value_or(kUnknownSlope));
     features.measured_pixels.push_back(features.pixels.back());
     features.measured_depths_m.push_back(features.depths_m.back());
     features.levels.push_back(corner.octave);

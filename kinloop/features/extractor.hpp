@@ -2,6 +2,8 @@
 // In: an image and its depth. Out: ORB key points (Rublee et al. 2011) spread evenly over the image,
 // undistorted, with depths and descriptors.
 
+#include <optional>
+
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/features/features.hpp"
@@ -18,9 +20,9 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
 /// than `max_relative_step` (a key point on an edge may belong to either side).
 float depth_around(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, double max_relative_step);
 
-/// How inverse depth changes over the image around a raw pixel, 1/m per px; zero where that is unknown or
-/// steps as above.
-Eigen::Vector2f inverse_depth_gradient(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel,
-                                       double max_relative_step);
+/// How inverse depth changes over the image around a raw pixel, 1/m per px; nothing where depth is missing
+/// there or the surface is no plane.
+std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
+                                                      const Eigen::Vector2f& raw_pixel);
 
 }  // namespace kinloop

@@ -20,7 +20,7 @@ struct Features {
   std::vector<Eigen::Vector2f> raw_pixels;
   std::vector<Eigen::Vector2f> measured_pixels;  ///< undistorted, of the camera as it moved
   std::vector<float> measured_depths_m;          ///< z, of the camera as it moved, 0 = unknown
-  /// How inverse depth changes over the image at `raw_pixels`, 1/m per px; zero where unknown. May be empty.
+  /// How inverse depth changes over the image at `raw_pixels`, 1/m per px; NaN where unknown. May be empty.
   std::vector<Eigen::Vector2f> inverse_depth_gradients;
   std::vector<int> levels;        ///< pyramid level, 0 = full size
   std::vector<float> angles_rad;  ///< orientation in the image

@@ -1,6 +1,7 @@
 #include "kinloop/optimize/absolute_pose.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -152,7 +153,11 @@ class Solver {
       ++s.inlier_count;
       s.chi2 += r.pixel_squared() + (uses_[i] == Use::kPixelAndDepth ? r.depth_squared() : 0);
     }
-    s.information = linearize(T).H.selfadjointView<Eigen::Lower>();
+    // What inliers tell is what they measure, not the weights they were found with; a robust estimate uses
+    // the share of it that its efficiency says.
+    const Matrix6d H =
+        linearize(T, std::numeric_limits<double>::infinity()).H.selfadjointView<Eigen::Lower>();
+    s.information = huber_efficiency(options_.robust_width) * H;
     return s;
   }
 
@@ -167,11 +172,13 @@ class Solver {
     return Use::kPixelAndDepth;
   }
 
-  [[nodiscard]] Normal linearize(const SE3& T) const {
+  [[nodiscard]] Normal linearize(const SE3& T) const { return linearize(T, options_.robust_width); }
+
+  [[nodiscard]] Normal linearize(const SE3& T, double robust_width) const {
     Normal normal;
     const InversePose pose(T);
     const double sigma = options_.inverse_depth_sigma_per_m;
-    const HuberLoss loss{options_.robust_width};
+    const HuberLoss loss{robust_width};
     for (size_t i = 0; i < observations_.size(); ++i) {
       if (uses_[i] == Use::kNothing) continue;
       const Residual r = residual_of(camera_, observations_[i], pose, sigma);

@@ -32,7 +32,7 @@ struct PosePrior {
 struct AbsolutePoseOptions {
   int rounds = 4;
   int max_iterations = 8;
-  double robust_width = 2.0;
+  double robust_width = 0.5;
   double inlier_chi2_pixel = 5.991;
   double inlier_chi2_depth = 3.841;
   double inverse_depth_sigma_per_m = 6e-3;

@@ -27,8 +27,7 @@ void check(const BundleProblem& problem) {
 /// What an observation could be used for, were it an inlier.
 BundleUse best_use(const BundleProblem& problem, const BundleObservation& o) {
   const bool finite = o.pixel.allFinite() && o.sigma_px > 0 && std::isfinite(o.row) &&
-                      o.inverse_depth_gradient.allFinite() && problem.p_world[o.point].allFinite() &&
-                      problem.T_world_camera[o.pose].is_finite();
+                      problem.p_world[o.point].allFinite() && problem.T_world_camera[o.pose].is_finite();
   if (!finite) return BundleUse::kNothing;
   return o.depth_m > 0 && std::isfinite(o.depth_m) ? BundleUse::kPixelAndDepth : BundleUse::kPixel;
 }

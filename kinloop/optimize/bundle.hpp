@@ -30,7 +30,8 @@ struct BundleObservation {
   double sigma_px = 1;                              ///< standard deviation of `pixel`
   double row = 0;  ///< its raw image row as a share of the height, -0.5 (first) to 0.5 (last)
   /// How the inverse depth changes over the image around `pixel`, 1/m per px: depth is measured a little
-  /// later than colour, when another spot of the surface lies under that pixel. Zero where unknown.
+  /// later than colour, when another spot of the surface lies under that pixel. NaN where unknown:
+  /// depth is then taken to be of the time of its row.
   Eigen::Vector2d inverse_depth_gradient = Eigen::Vector2d::Zero();
 };
 
@@ -59,7 +60,7 @@ struct BundleOptions {
   int rounds = 2;
   int max_iterations = 10;
   double tolerance = 1e-5;
-  double robust_width = 2.0;
+  double robust_width = 0.5;
   double inlier_chi2_pixel = 5.991;
   double inlier_chi2_depth = 3.841;
   double inverse_depth_sigma_per_m = 6e-3;

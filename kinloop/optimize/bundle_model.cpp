@@ -67,8 +67,15 @@ double color_time(const BundleObservation& o, const SensorVector& s) {
   return s(kRollingShutter) * o.row;
 }
 
+bool knows_slope(const BundleObservation& o) {
+  return o.inverse_depth_gradient.allFinite();
+}
+
+/// When depth was measured. How a surface of unknown slope moves under a pixel is unknown, too: to take it
+/// for flat would draw the delay towards zero, as most surfaces that cameras see from above rise away from
+/// them.
 double depth_time(const BundleObservation& o, const SensorVector& s) {
-  return s(kDepthTime) + s(kDepthShutter) * o.row;
+  return knows_slope(o) ? s(kDepthTime) + s(kDepthShutter) * o.row : color_time(o, s);
 }
 
 /// How measured inverse depth differs from that of `p`, the point at the time of the depth image.
@@ -77,7 +84,7 @@ double depth_error(const BundleTask& task, const BundleObservation& o, const Sen
   const PinholeCamera& camera = task.problem.camera;
   double error = (1 + s(kDepthScale)) / o.depth_m - 1.0 / p.z();
   error += s.segment<6>(kDepthOffset).dot(depth_offset_basis(camera, o.pixel));
-  if (!o.inverse_depth_gradient.isZero(0)) {
+  if (knows_slope(o)) {
     error += o.inverse_depth_gradient.dot(Projection(camera, s, p).pixel - o.pixel);
   }
   return error / task.options.inverse_depth_sigma_per_m;
@@ -120,15 +127,19 @@ void linearize_depth(const BundleTask& task, const BundleObservation& o, const B
   const MovedPoint moved(view, p0, depth_time(o, s));
   BundleJacobian& J = linear.jacobian;
   Eigen::Vector3d a(0, 0, 1.0 / (moved.p.z() * moved.p.z()));
-  if (!o.inverse_depth_gradient.isZero(0)) {
+  if (knows_slope(o)) {
     const Projection projection(camera, s, moved.p);
     a += projection.by_point().transpose() * o.inverse_depth_gradient;
     J.sensor.block<1, 6>(2, 0) =
         inverse_sigma * o.inverse_depth_gradient.transpose() * projection.by_intrinsics();
   }
   const double by_time = fill_row(2, inverse_sigma * a, moved, view, p0, J);
-  J.sensor(2, kDepthTime) = by_time;
-  J.sensor(2, kDepthShutter) = by_time * o.row;
+  if (knows_slope(o)) {
+    J.sensor(2, kDepthTime) = by_time;
+    J.sensor(2, kDepthShutter) = by_time * o.row;
+  } else {
+    J.sensor(2, kRollingShutter) = by_time * o.row;
+  }
   J.sensor(2, kDepthScale) = inverse_sigma / o.depth_m;
   J.sensor.block<1, 6>(2, kDepthOffset) = inverse_sigma * depth_offset_basis(camera, o.pixel).transpose();
 }

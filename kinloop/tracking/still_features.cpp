@@ -29,6 +29,7 @@ Measured measured(const Features& features, size_t i, int image_height_px) {
 Eigen::Vector3d still_point(const Measured& m, const PinholeCamera& camera, const SensorVector& sensor,
                             const Velocity& velocity) {
   const double color_time_s = sensor(kRollingShutter) * m.row;
+  const bool knows_slope = m.inverse_depth_gradient.allFinite();
   const double depth_time_s = sensor(kDepthTime) + sensor(kDepthShutter) * m.row;
   const Eigen::Vector3d ray = corrected_ray(camera, sensor, m.pixel).homogeneous();
   const double inverse_depth = (1 + sensor(kDepthScale)) / m.depth_m +
@@ -36,6 +37,7 @@ Eigen::Vector3d still_point(const Measured& m, const PinholeCamera& camera, cons
   constexpr int kRounds = 3;  // the two times differ by a fraction of a frame: it converges at once
   double z = 1 / inverse_depth;
   Eigen::Vector3d p = seen_before(z * ray, velocity, color_time_s);
+  if (!knows_slope) return p;
   for (int round = 0; round < kRounds; ++round) {
     const Eigen::Vector3d p_at_depth = seen_after(p, velocity, depth_time_s);
     if (!(p_at_depth.z() > 0)) break;

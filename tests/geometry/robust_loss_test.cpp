@@ -47,6 +47,14 @@ TEST(HuberLoss, IsQuadraticInsideAndLinearOutside) {
   EXPECT_NEAR(loss.rho(36.0) - loss.rho(25.0), 2 * 2.0 * (6 - 5), 1e-12);
 }
 
+TEST(HuberLoss, EfficiencyIsThatOfTheMedianAtOneEndAndOfTheMeanAtTheOther) {
+  EXPECT_NEAR(huber_efficiency(0), 2 / std::numbers::pi, 1e-12);
+  EXPECT_NEAR(huber_efficiency(1e-3), 2 / std::numbers::pi, 1e-3);
+  EXPECT_NEAR(huber_efficiency(1.345), 0.95, 1e-3);  // the textbook's choice
+  EXPECT_NEAR(huber_efficiency(8), 1, 1e-9);
+  EXPECT_EQ(huber_efficiency(std::numeric_limits<double>::infinity()), 1);
+}
+
 TEST(DepthNoise, GrowsWithTheSquareOfTheDistance) {
   const DepthNoise noise;
   EXPECT_DOUBLE_EQ(noise.sigma_m(1), 1.425e-3);
