@@ -41,6 +41,7 @@ struct TrackingOptions {
   double view_window_px = 5;
   int min_matches = 20;
   int min_inliers = 15;
+  int certain_inliers = 60;
   int enough_landmarks = 60;
   bool refine_with_icp = false;
   double min_icp_overlap = 0.4;
@@ -61,6 +62,9 @@ struct TrackingOptions {
     visit("min_matches", self.min_matches, "matches without which a way of tracking is given up",
           Range{4, 1000});
     visit("min_inliers", self.min_inliers, "inliers below which a pose is not believed", Range{4, 1000});
+    visit("certain_inliers", self.certain_inliers,
+          "inliers of the pose against the previous frame below which wider searches are tried as well",
+          Range{4, 10000});
     visit("enough_landmarks", self.enough_landmarks,
           "tracked landmarks that do without the previous frame's unmapped points", Range{0, 10000});
     visit("refine_with_icp", self.refine_with_icp,

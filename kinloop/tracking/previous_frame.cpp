@@ -139,19 +139,20 @@ std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const Fe
                                             uint64_t seed) {
   const PreviousPoints points = points_of(previous, view, camera);
   const Tracking t{frame, grid, previous, points, camera, options};
-  const auto with_tries = [](FramePose pose, int tries) {
-    pose.tries = tries;
-    return pose;
+  std::optional<FramePose> best;
+  int tries = 0;
+  // A handful of chance matches can agree on a wrong pose: a try with little support is not the last.
+  const auto settled_by = [&](std::optional<FramePose> pose) {
+    ++tries;
+    if (pose && (!best || pose->support.size() > best->support.size())) best = std::move(pose);
+    if (best) best->tries = tries;
+    return best && static_cast<int>(best->support.size()) >= options.certain_inliers;
   };
-  if (auto pose = search_windows(t, T_reference_camera_predicted, options.window_px))
-    return with_tries(*pose, 1);
-  if (auto pose = search_windows(t, T_reference_camera_predicted, options.wide_window_px))
-    return with_tries(*pose, 2);
-  if (auto pose = search_everywhere(t, seed)) return with_tries(*pose, 3);
-  if (auto pose = align_with_previous(frame, previous, T_reference_camera_predicted, camera, options)) {
-    return with_tries(*pose, 4);
-  }
-  return std::nullopt;
+  if (settled_by(search_windows(t, T_reference_camera_predicted, options.window_px))) return best;
+  if (settled_by(search_windows(t, T_reference_camera_predicted, options.wide_window_px))) return best;
+  if (settled_by(search_everywhere(t, seed)) || best) return best;
+  settled_by(align_with_previous(frame, previous, T_reference_camera_predicted, camera, options));
+  return best;
 }
 
 std::optional<FramePose> align_with_previous(const PreparedFrame& frame, const TrackedFrame& previous,

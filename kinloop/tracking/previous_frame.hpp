@@ -21,9 +21,10 @@ struct FramePose {
   bool dense = false;  ///< from the depth images, without support
 };
 
-/// The pose of `frame` by the first of these that gives one: key points of `previous` searched around the
-/// predicted place, in wider windows, by brute force with RANSAC (P3P, then rigid 3D-3D), dense alignment.
-/// Nothing if all fail.
+/// The pose of `frame` by the first of these that gives a certain one: key points of `previous` searched
+/// around the predicted place, in wider windows, by brute force with RANSAC (P3P, then rigid 3D-3D). Where
+/// none is certain, the one with most support; where there is none at all, by dense alignment. Nothing if all
+/// fail.
 std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const FeatureGrid& grid,
                                             const TrackedFrame& previous, const LocalView& view,
                                             const SE3& T_reference_camera_predicted,
