@@ -3,6 +3,23 @@
 #include <Eigen/Cholesky>
 
 namespace kinloop {
+namespace {
+
+/// The blocks of these rows and columns.
+template <int B>
+Eigen::MatrixXd gather(const Eigen::MatrixXd& matrix, const std::vector<uint32_t>& rows) {
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd result(B * count, B * count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    for (Eigen::Index i = 0; i < count; ++i) {
+      result.block<B, B>(B * i, B * j) =
+          matrix.block<B, B>(B * rows[static_cast<size_t>(i)], B * rows[static_cast<size_t>(j)]);
+    }
+  }
+  return result;
+}
+
+}  // namespace
 
 template <int B>
 Eigen::VectorXd multiply(const BlockPattern& pattern, const BlockMatrix<B>& matrix,
@@ -142,11 +159,41 @@ Eigen::MatrixXd SparseCholesky<B>::solve(const Eigen::MatrixXd& right) const {
   return solution;
 }
 
+/// The inverse Z obeys Z_21 = -Z_22 G and Z_11 = (L_11 L_11')^-1 - G' Z_21 with G = L_21 L_11^-1, where 1 are
+/// a supernode's own columns and 2 its rows below, all of which its parent has at hand.
+template <int B>
+std::vector<typename BlockMatrix<B>::Block> SparseCholesky<B>::inverse_diagonal() const {
+  std::vector<typename BlockMatrix<B>::Block> diagonal(column_of_.size());
+  std::vector<Eigen::MatrixXd> Z_22(plan_->supernodes.size());
+  for (size_t supernode = plan_->supernodes.size(); supernode-- > 0;) {
+    const Supernode& node = plan_->supernodes[supernode];
+    const auto front = panel(supernode);
+    const Eigen::Index own = front.cols(), below = front.rows() - own;
+    Eigen::MatrixXd inverse_factor = Eigen::MatrixXd::Identity(own, own);
+    front.topRows(own).template triangularView<Eigen::Lower>().solveInPlace(inverse_factor);
+    const Eigen::MatrixXd G = front.bottomRows(below) * inverse_factor;
+    Eigen::MatrixXd Z(front.rows(), front.rows());
+    Z.bottomRightCorner(below, below) = Z_22[supernode];
+    Z.bottomLeftCorner(below, own).noalias() = -Z_22[supernode] * G;
+    Z.topRightCorner(own, below) = Z.bottomLeftCorner(below, own).transpose();
+    Z.topLeftCorner(own, own).noalias() = inverse_factor.transpose() * inverse_factor;
+    Z.topLeftCorner(own, own).noalias() -= G.transpose() * Z.bottomLeftCorner(below, own);
+    for (uint32_t k = 0; k < node.columns(); ++k) {
+      diagonal[column_of_[node.begin + k]] = Z.block<B, B>(B * k, B * k);
+    }
+    Z_22[supernode].resize(0, 0);
+    for (const uint32_t child : node.children) Z_22[child] = gather<B>(Z, plan_->supernodes[child].to_parent);
+  }
+  return diagonal;
+}
+
 template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<2>&, const Eigen::VectorXd&);
 template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<3>&, const Eigen::VectorXd&);
 template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<6>&, const Eigen::VectorXd&);
+template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<12>&, const Eigen::VectorXd&);
 template class SparseCholesky<2>;
 template class SparseCholesky<3>;
 template class SparseCholesky<6>;
+template class SparseCholesky<12>;
 
 }  // namespace kinloop

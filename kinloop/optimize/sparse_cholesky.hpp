@@ -1,9 +1,10 @@
 #pragma once
 // In: a symmetric positive definite matrix of B x B blocks, and the plan for its pattern. Out: the solutions
-// of its linear systems.
+// of its linear systems, and the diagonal of its inverse.
 //
-// A multifrontal factorisation (Duff and Reid 1983) on dense blocks by Eigen: it runs one thread, adds in a
-// fixed order and calls no BLAS, so its result is the same bytes wherever it runs.
+// Pose graphs (B = 3 and 6; 2 and 3 for their chordal start) and the camera systems of bundle adjustment (B =
+// 6 and 12) share it. A multifrontal factorisation (Duff and Reid 1983) on dense blocks by Eigen: it runs one
+// thread, adds in a fixed order and calls no BLAS, so its result is the same bytes wherever it runs.
 
 #include <vector>
 
@@ -46,6 +47,9 @@ class SparseCholesky {
 
   /// The x with matrix * x = right, for each column of `right`.
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
+
+  /// The diagonal blocks of the inverse, without the rest of it (Takahashi et al. 1973).
+  [[nodiscard]] std::vector<typename BlockMatrix<B>::Block> inverse_diagonal() const;
 
  private:
   using Panel = Eigen::Map<Eigen::MatrixXd>;
