@@ -2,7 +2,9 @@
 //
 //   bench_graphs standard [DIR]    every .g2o file in DIR, from the file's start, a noisy start and none
 //   bench_graphs growth [MAX]      generated graphs of 1000 poses and more, up to MAX (100000)
-//   bench_graphs outliers [DIR]    false loop edges: error against the clean solution, by robust kernel
+//   bench_graphs growing [DIR]     solved again at every tenth loop edge: from scratch, and from the last
+//   solution bench_graphs outliers [DIR]    false loop edges: error against the clean solution, by robust
+//   kernel
 
 #include <algorithm>
 #include <ctime>
@@ -20,8 +22,8 @@
 namespace kinloop {
 namespace {
 
-constexpr int kRuns = 5;      // the median is reported ...
-constexpr double kLongS = 3;  // ... but one run is enough where it takes longer than this
+constexpr int kRuns = 3;      // the median is reported ...
+constexpr double kLongS = 1;  // ... but one run is enough where it takes longer than this
 
 /// CPU time of all threads so far: CHOLMOD and BLAS under g2o may start some.
 double process_cpu_s() {
@@ -109,17 +111,20 @@ std::vector<std::filesystem::path> graphs_in(const std::filesystem::path& folder
   return files;
 }
 
-void run_standard(const std::filesystem::path& folder) {
+/// The graph as a benchmark starts from it: "file", "noisy" or "none".
+template <class Pose>
+BasicPoseGraph<Pose> started(const BasicPoseGraph<Pose>& graph, const std::string& start) {
   constexpr double kNoise = 0.5;  // metres, radians
-  for (const auto& path : graphs_in(folder)) {
-    const std::string name = path.stem().string();
-    std::visit(
-        [&](const auto& graph) {
-          compare(name, graph);
-          compare(name + ", noisy", with_noise(graph, kNoise));
-          compare(name + ", no start", without_start(graph));
-        },
-        read_g2o(path).graph);
+  if (start == "noisy") return with_noise(graph, kNoise);
+  return start == "none" ? without_start(graph) : graph;
+}
+
+void run_standard(const std::filesystem::path& folder) {
+  for (const char* start : {"file", "none", "noisy"}) {
+    for (const auto& path : graphs_in(folder)) {
+      const std::string name = fmt::format("{}, {}", path.stem().string(), start);
+      std::visit([&](const auto& graph) { compare(name, started(graph, start)); }, read_g2o(path).graph);
+    }
   }
 }
 
@@ -168,10 +173,68 @@ double peak_memory_mib() {
 void run_growth(uint32_t most) {
   for (uint32_t count = 1000; count <= most; count *= 10) {
     const PoseGraph graph = grid_walk(count);
-    const auto solution = solve_pose_graph(graph);
-    fmt::print("{:7} poses {:7} edges: chi2 {:.8g}, {} iterations, {:.3f} s, peak {:.0f} MiB\n", count,
-               graph.edges.size(), solution.chi2_after, solution.iterations, solution.seconds,
-               peak_memory_mib());
+    for (const char* start : {"file", "noisy", "none"}) {
+      const double start_s = process_cpu_s();
+      const auto solution = solve_pose_graph(started(graph, start));
+      fmt::print(
+          "{:7} poses {:7} edges, {:5}: chi2 {:.8g}, {} iterations, {:.3f} s of CPU, peak {:.0f} MiB\n",
+          count, graph.edges.size(), start, solution.chi2_after, solution.iterations,
+          process_cpu_s() - start_s, peak_memory_mib());
+    }
+  }
+}
+
+/// The graphs up to every `every`-th loop edge, each with the vertices seen until then.
+template <class Pose>
+std::vector<BasicPoseGraph<Pose>> stages(const BasicPoseGraph<Pose>& graph, size_t every) {
+  auto edges = graph.edges;
+  std::stable_sort(edges.begin(), edges.end(),
+                   [](const auto& l, const auto& r) { return std::max(l.a, l.b) < std::max(r.a, r.b); });
+  std::vector<BasicPoseGraph<Pose>> all;
+  BasicPoseGraph<Pose> part;
+  size_t loops = 0;
+  for (const auto& edge : edges) {
+    part.edges.push_back(edge);
+    if (edge.trusted || ++loops % every != 0) continue;
+    const auto count = static_cast<std::ptrdiff_t>(std::max(edge.a, edge.b)) + 1;
+    part.T_world_vertex.assign(graph.T_world_vertex.begin(), graph.T_world_vertex.begin() + count);
+    all.push_back(part);
+  }
+  return all;
+}
+
+template <class Pose>
+void compare_growing(const std::string& name, const BasicPoseGraph<Pose>& graph) {
+  constexpr size_t kSolutions = 50;
+  size_t loops = 0;
+  for (const auto& edge : graph.edges) loops += edge.trusted ? 0 : 1;
+  const auto all = stages(graph, std::max<size_t>(1, loops / kSolutions));
+  double batch_s = 0, warm_s = 0, worst = 0;
+  int batch_iterations = 0, warm_iterations = 0;
+  BasicPoseGraphSolution<Pose> last;
+  for (const auto& part : all) {
+    double start_s = process_cpu_s();
+    const auto batch = solve_pose_graph(part);
+    batch_s += process_cpu_s() - start_s;
+    batch_iterations += batch.iterations;
+    start_s = process_cpu_s();
+    PoseGraphOptions options;
+    options.start = "given";
+    last = solve_grown_pose_graph(part, last, options);
+    warm_s += process_cpu_s() - start_s;
+    warm_iterations += last.iterations;
+    worst = std::max(worst, last.chi2_after / batch.chi2_after - 1);
+  }
+  fmt::print(
+      "{:16} {} solutions: from scratch {} iterations {:.3f} s of CPU, from the last {} iterations {:.3f} s, "
+      "chi2 at most {:.1e} above\n",
+      name, all.size(), batch_iterations, batch_s, warm_iterations, warm_s, worst);
+}
+
+void run_growing(const std::filesystem::path& folder) {
+  for (const auto& path : graphs_in(folder)) {
+    std::visit([&](const auto& graph) { compare_growing(path.stem().string(), graph); },
+               read_g2o(path).graph);
   }
 }
 
@@ -240,10 +303,13 @@ int main(int argc, char** argv) {
     kinloop::run_standard(folder);
   } else if (mode == "growth") {
     kinloop::run_growth(argument.empty() ? 100000 : static_cast<uint32_t>(std::stoul(argument)));
+  } else if (mode == "growing") {
+    kinloop::run_growing(folder);
   } else if (mode == "outliers") {
     kinloop::run_outliers(folder);
   } else {
-    fmt::print(stderr, "usage: bench_graphs standard [DIR] | growth [MAX_POSES] | outliers [DIR]\n");
+    fmt::print(stderr,
+               "usage: bench_graphs standard [DIR] | growth [MAX_POSES] | growing [DIR] | outliers [DIR]\n");
     return 2;
   }
   return 0;

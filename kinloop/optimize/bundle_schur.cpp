@@ -110,7 +110,7 @@ std::optional<BundleStep> BundleSchur<C>::solve(double damping) {
   BundleStep step;
   step.cameras = cholesky_.solve(system.a);
   if (normal_.has_sensor) {
-    const CameraSensor A_inverse_B = cholesky_.solve(system.B);
+    const CameraSensor A_inverse_B = cholesky_.template solve<Eigen::MatrixXd>(system.B);
     const Eigen::LLT<SensorMatrix> llt(system.S - system.B.transpose() * A_inverse_B);
     if (llt.info() != Eigen::Success) return std::nullopt;
     step.sensor = llt.solve(system.b - system.B.transpose() * step.cameras);
@@ -162,7 +162,7 @@ BundleCovariance BundleSchur<C>::covariance() {
   covariance.poses.assign(normal_.camera_of_pose.size(), Matrix6d::Zero());
   const Reduced system = reduce(0);
   if (!cholesky_.factorize(system.A)) return covariance;
-  const CameraSensor A_inverse_B = cholesky_.solve(system.B);
+  const CameraSensor A_inverse_B = cholesky_.template solve<Eigen::MatrixXd>(system.B);
   if (normal_.has_sensor) {
     const auto& free = normal_.sensor_free;
     const SensorMatrix all = sensor_inverse(system.S - system.B.transpose() * A_inverse_B);

@@ -47,14 +47,14 @@ SparseCholesky<B>::SparseCholesky(const EliminationPlan& plan)
     panel_begin_.push_back(size);
     size += B * B * node.columns() * (node.columns() + node.rows.size());
   }
-  values_.resize(size);
+  values_ = std::make_unique_for_overwrite<double[]>(size);  // zeroed only as it is filled
 }
 
 template <int B>
 Eigen::Map<Eigen::MatrixXd> SparseCholesky<B>::panel(size_t supernode) {
   const Supernode& node = plan_->supernodes[supernode];
   const auto columns = static_cast<Eigen::Index>(node.columns());
-  return {values_.data() + panel_begin_[supernode],
+  return {values_.get() + panel_begin_[supernode],
           B * (columns + static_cast<Eigen::Index>(node.rows.size())), B * columns};
 }
 
@@ -62,7 +62,7 @@ template <int B>
 Eigen::Map<const Eigen::MatrixXd> SparseCholesky<B>::panel(size_t supernode) const {
   const Supernode& node = plan_->supernodes[supernode];
   const auto columns = static_cast<Eigen::Index>(node.columns());
-  return {values_.data() + panel_begin_[supernode],
+  return {values_.get() + panel_begin_[supernode],
           B * (columns + static_cast<Eigen::Index>(node.rows.size())), B * columns};
 }
 
@@ -123,13 +123,14 @@ bool SparseCholesky<B>::factorize(const BlockMatrix<B>& matrix) {
 }
 
 template <int B>
-Eigen::MatrixXd SparseCholesky<B>::solve(const Eigen::MatrixXd& right) const {
-  const Eigen::Index width = right.cols();
-  Eigen::MatrixXd x(right.rows(), width);  // in the order of elimination
+template <class Right>
+Right SparseCholesky<B>::solve(const Right& right) const {
+  Right x(right.rows(), right.cols());  // in the order of elimination
   for (size_t k = 0; k < column_of_.size(); ++k) {
-    x.middleRows<B>(B * static_cast<Eigen::Index>(k)) = right.middleRows<B>(B * column_of_[k]);
+    x.template middleRows<B>(B * static_cast<Eigen::Index>(k)) =
+        right.template middleRows<B>(B * column_of_[k]);
   }
-  Eigen::MatrixXd gathered;
+  Right gathered;
   const size_t count = plan_->supernodes.size();
   for (size_t supernode = 0; supernode < count; ++supernode) {  // L y = right
     const Supernode& node = plan_->supernodes[supernode];
@@ -138,23 +139,26 @@ Eigen::MatrixXd SparseCholesky<B>::solve(const Eigen::MatrixXd& right) const {
     front.topRows(front.cols()).template triangularView<Eigen::Lower>().solveInPlace(own);
     gathered.noalias() = front.bottomRows(front.rows() - front.cols()) * own;
     for (size_t i = 0; i < node.rows.size(); ++i) {
-      x.middleRows<B>(B * node.rows[i]) -= gathered.middleRows<B>(B * static_cast<Eigen::Index>(i));
+      x.template middleRows<B>(B * node.rows[i]) -=
+          gathered.template middleRows<B>(B * static_cast<Eigen::Index>(i));
     }
   }
   for (size_t supernode = count; supernode-- > 0;) {  // L' x = y
     const Supernode& node = plan_->supernodes[supernode];
     const auto front = panel(supernode);
     auto own = x.middleRows(B * node.begin, front.cols());
-    gathered.resize(front.rows() - front.cols(), width);
+    gathered.resize(front.rows() - front.cols(), right.cols());
     for (size_t i = 0; i < node.rows.size(); ++i) {
-      gathered.middleRows<B>(B * static_cast<Eigen::Index>(i)) = x.middleRows<B>(B * node.rows[i]);
+      gathered.template middleRows<B>(B * static_cast<Eigen::Index>(i)) =
+          x.template middleRows<B>(B * node.rows[i]);
     }
     own.noalias() -= front.bottomRows(front.rows() - front.cols()).transpose() * gathered;
     front.topRows(front.cols()).template triangularView<Eigen::Lower>().transpose().solveInPlace(own);
   }
-  Eigen::MatrixXd solution(right.rows(), width);
+  Right solution(right.rows(), right.cols());
   for (size_t k = 0; k < column_of_.size(); ++k) {
-    solution.middleRows<B>(B * column_of_[k]) = x.middleRows<B>(B * static_cast<Eigen::Index>(k));
+    solution.template middleRows<B>(B * column_of_[k]) =
+        x.template middleRows<B>(B * static_cast<Eigen::Index>(k));
   }
   return solution;
 }
@@ -187,13 +191,16 @@ std::vector<typename BlockMatrix<B>::Block> SparseCholesky<B>::inverse_diagonal(
   return diagonal;
 }
 
-template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<2>&, const Eigen::VectorXd&);
-template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<3>&, const Eigen::VectorXd&);
-template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<6>&, const Eigen::VectorXd&);
-template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<12>&, const Eigen::VectorXd&);
-template class SparseCholesky<2>;
-template class SparseCholesky<3>;
-template class SparseCholesky<6>;
-template class SparseCholesky<12>;
+#define KINLOOP_INSTANTIATE(B)                                                                           \
+  template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<B>&, const Eigen::VectorXd&); \
+  template class SparseCholesky<B>;                                                                      \
+  template Eigen::VectorXd SparseCholesky<B>::solve(const Eigen::VectorXd&) const;                       \
+  template Eigen::MatrixXd SparseCholesky<B>::solve(const Eigen::MatrixXd&) const;
+
+KINLOOP_INSTANTIATE(2)
+KINLOOP_INSTANTIATE(3)
+KINLOOP_INSTANTIATE(6)
+KINLOOP_INSTANTIATE(12)
+#undef KINLOOP_INSTANTIATE
 
 }  // namespace kinloop
