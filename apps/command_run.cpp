@@ -58,8 +58,8 @@ bool process_all(FrameSource& source, Slam& slam, const Progress& progress) {
 }
 
 /// Lost at the end, or never found: what the exit code tells scripts.
-bool lost_for_good(const FrameLog& log) {
-  return log.empty() || log.back().status == TrackStatus::kLost;
+bool lost_for_good(const FrameLog& log, const Map& map) {
+  return log.empty() || !tracked_in(main_component(log, map), log.back(), map);
 }
 
 void warn_of_skipped(const FrameSource& source) {
@@ -92,15 +92,18 @@ ExitCode run(const RunArguments& arguments) {
   const auto evaluation = truth.empty() ? std::nullopt : evaluate(trajectory, truth);
   const auto summary =
       run_summary({*source, slam, options, evaluation, cloud.size(), watch.wall_s(), threads, !complete});
-  write_run_files(folder, {trajectory, keyframe_trajectory(slam.map()), truth, cloud, summary});
+  write_run_files(folder,
+                  {trajectory, keyframe_trajectory(slam.map(), main_component(slam.log(), slam.map())), truth,
+                   cloud, summary});
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), options.slam.loop), {}, true, {}});
   write_report(folder);
   if (!arguments.quiet) {
     fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
                folder.path().string());
   }
-  if (lost_for_good(slam.log())) {
-    log::error("tracking was lost and not regained; see {}", (arguments.output / "report.html").string());
+  if (lost_for_good(slam.log(), slam.map())) {
+    log::error("tracking was lost and its place not recognised again; see {}",
+               (arguments.output / "report.html").string());
     return ExitCode::kTrackingLost;
   }
   return ExitCode::kDone;

@@ -29,12 +29,16 @@ void DenseRecorder::on_frame(const FrameResult& result, const PreparedFrame& fra
 
 ColoredCloud DenseRecorder::fuse(const FrameLog& log, const Map& map, int threads,
                                  const Progress& progress) const {
+  const uint32_t component = main_component(log, map);
   std::unordered_map<FrameId, SE3> pose_of;
   for (const LoggedFrame& entry : log) {
-    if (entry.status != TrackStatus::kLost) pose_of.emplace(entry.frame, world_pose(entry, map));
+    if (tracked_in(component, entry, map)) pose_of.emplace(entry.frame, world_pose(entry, map));
   }
   std::vector<PosedImage> views;
-  for (size_t i = 0; i < frame_of_image_.size(); ++i) views.push_back({i, pose_of.at(frame_of_image_[i])});
+  for (size_t i = 0; i < frame_of_image_.size(); ++i) {
+    const auto pose = pose_of.find(frame_of_image_[i]);
+    if (pose != pose_of.end()) views.push_back({i, pose->second});
+  }
   return fuse_keyframes(images_, views, camera_.color, options_, threads, progress);
 }
 

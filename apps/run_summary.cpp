@@ -79,7 +79,10 @@ json skipped_json(const FrameSource& source) {
 
 json run_summary(const RunOutcome& o) {
   const FrameLog& log = o.slam.log();
-  const auto tracked =
+  const uint32_t component = main_component(log, o.slam.map());
+  const auto tracked = std::count_if(log.begin(), log.end(),
+                                     [&](const auto& f) { return tracked_in(component, f, o.slam.map()); });
+  const auto not_lost =
       std::count_if(log.begin(), log.end(), [](const auto& f) { return f.status != TrackStatus::kLost; });
   const auto dense_only = std::count_if(log.begin(), log.end(),
                                         [](const auto& f) { return f.status == TrackStatus::kDenseOnly; });
@@ -90,6 +93,7 @@ json run_summary(const RunOutcome& o) {
   summary["frames"] = log.size();
   summary["tracked"] = tracked;
   summary["tracked_densely"] = dense_only;
+  summary["tracked_apart"] = not_lost - tracked;  // in components that no recognised place has joined
   summary["skipped"] = skipped_json(o.source);
   summary["interrupted"] = o.interrupted;
   summary["keyframes"] = o.slam.map().keyframes().size();
@@ -111,15 +115,16 @@ json run_summary(const RunOutcome& o) {
 
 std::string summary_text(const json& s) {
   std::string text = fmt::format(
-      "frames     {} tracked of {} ({} skipped as damaged)\n"
+      "frames     {} tracked of {} ({} in pieces apart, {} skipped as damaged)\n"
       "keyframes  {}, landmarks {}, loops {}\n"
       "map        {} points, voxels of {} m\n"
       "time       {:.1f} s, {:.1f} ms a frame (median), {:.1f} ms (95 %)\n"
       "memory     {:.0f} MiB at most\n",
-      s["tracked"].get<long>(), s["frames"].get<long>(), s["skipped"].size(), s["keyframes"].get<long>(),
-      s["landmarks"].get<long>(), s["loops"].size(), s["map"]["points"].get<long>(),
-      s["map"]["voxel_m"].get<double>(), s["wall_s"].get<double>(), s["frame_ms"]["median"].get<double>(),
-      s["frame_ms"]["p95"].get<double>(), s["peak_memory_mib"].get<double>());
+      s["tracked"].get<long>(), s["frames"].get<long>(), s["tracked_apart"].get<long>(), s["skipped"].size(),
+      s["keyframes"].get<long>(), s["landmarks"].get<long>(), s["loops"].size(),
+      s["map"]["points"].get<long>(), s["map"]["voxel_m"].get<double>(), s["wall_s"].get<double>(),
+      s["frame_ms"]["median"].get<double>(), s["frame_ms"]["p95"].get<double>(),
+      s["peak_memory_mib"].get<double>());
   if (!s.contains("evaluation")) return text;
   const json& e = s["evaluation"];
   return text + fmt::format("error      ATE {:.4f} m\n", e["ate"]["rmse_m"].get<double>());

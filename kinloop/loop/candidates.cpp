@@ -39,9 +39,11 @@ LoopCandidates find_loop_candidates(const Map& map, const PlaceIndex& index, Key
   const double min_score = options.min_score_share * neighbour_score(index, keyframe, neighbours);
   std::vector<bool> excluded(map.keyframes().size(), false);
   for (const auto& [neighbour, shared] : neighbours) excluded[neighbour.value] = true;
+  const uint32_t component = map.keyframe(keyframe).component;
   const auto allowed = [&](KeyframeId id) {
-    return id.value + static_cast<uint32_t>(options.min_gap_keyframes) <= keyframe.value &&
-           !excluded[id.value];
+    const bool far_back = id.value + static_cast<uint32_t>(options.min_gap_keyframes) <= keyframe.value;
+    const bool elsewhere = id < keyframe && map.keyframe(id).component != component;
+    return (far_back || elsewhere) && !excluded[id.value];
   };
 
   LoopCandidates candidates;

@@ -23,9 +23,9 @@ struct LoopCandidates {
   CandidateHistory history;           ///< for the next keyframe
 };
 
-/// Keyframes at least `min_gap_keyframes` older than `keyframe` and not covisible with it, as alike as its
-/// own neighbours are (relative score), to whose surroundings `consistent_keyframes` keyframes in a row have
-/// pointed (Galvez-Lopez and Tardos 2012; Mur-Artal and Tardos 2014).
+/// Keyframes at least `min_gap_keyframes` older than `keyframe` or of another component, and not covisible
+/// with it, as alike as its own neighbours are (relative score), to whose surroundings `consistent_keyframes`
+/// keyframes in a row have pointed (Galvez-Lopez and Tardos 2012; Mur-Artal and Tardos 2014).
 LoopCandidates find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
                                     const CandidateHistory& history, const LoopOptions& options);
 

@@ -1,5 +1,8 @@
 #include "kinloop/loop/correct_loop.hpp"
 
+#include <optional>
+#include <set>
+
 namespace kinloop {
 namespace {
 
@@ -12,6 +15,14 @@ PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, int share
   edge.information = edge_information(shared, options);
   edge.trusted = true;
   return edge;
+}
+
+/// The keyframe after which the camera came to this one.
+std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe) {
+  if (keyframe.begins_component) return std::nullopt;
+  uint32_t id = keyframe.id.value - 1;  // the oldest of a component begins it
+  while (map.keyframe(KeyframeId{id}).component != keyframe.component) --id;
+  return KeyframeId{id};
 }
 
 }  // namespace
@@ -28,22 +39,21 @@ Matrix6d edge_information(int shared, const LoopOptions& options) {
 
 PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
   PoseGraph graph;
+  std::set<uint32_t> held;
   for (const Keyframe& keyframe : map.keyframes()) {
     graph.T_world_vertex.push_back(keyframe.T_world_camera);
-    graph.fixed.push_back(keyframe.id.value == 0);
+    graph.fixed.push_back(held.insert(keyframe.component).second);
   }
   for (const Keyframe& keyframe : map.keyframes()) {
-    bool tied_to_previous = keyframe.id.value == 0;
+    const auto previous = predecessor(map, keyframe);
+    bool tied_to_previous = !previous;
     for (const auto& [older, shared] : map.covisible(keyframe.id, 1)) {
       if (older > keyframe.id) continue;
-      const bool previous = older.value + 1 == keyframe.id.value;
-      if (shared < options.edge_min_shared && !previous) continue;
+      if (shared < options.edge_min_shared && older != previous) continue;
       graph.edges.push_back(edge_between(map, older, keyframe.id, shared, options));
-      tied_to_previous = tied_to_previous || previous;
+      tied_to_previous = tied_to_previous || older == previous;
     }
-    if (!tied_to_previous) {
-      graph.edges.push_back(edge_between(map, KeyframeId{keyframe.id.value - 1}, keyframe.id, 1, options));
-    }
+    if (!tied_to_previous) graph.edges.push_back(edge_between(map, *previous, keyframe.id, 1, options));
   }
   for (const LoopEdge& loop : map.loop_edges()) {
     PoseGraphEdge edge;

@@ -17,7 +17,7 @@ struct LoopProblem {
 };
 
 /// Edges between successive keyframes and between keyframes that share many landmarks, as they stand now, and
-/// the loop edges as they were measured. The first keyframe is held.
+/// the loop edges as they were measured. The first keyframe of each component is held.
 PoseGraph make_pose_graph(const Map& map, const LoopOptions& options);
 
 /// What `shared` landmarks tell of a relative pose, of (translation; quaternion vector part) as in

@@ -38,8 +38,11 @@ struct LoopOptions {
     visit("min_matches", self.min_matches, "descriptor matches without which a candidate is dropped",
           Range{4, 1000});
     visit("min_inliers", self.min_inliers, "landmarks that must agree with the loop", Range{10, 1000});
-    visit("min_found_share", self.min_found_share,
-          "share of the landmarks in sight that must be found and agree", Range{0, 1});
+    visit(
+        "min_found_share", self.min_found_share,
+        "share that must be found and agree of the landmarks in sight, or of the key points where these are "
+        "fewer",
+        Range{0, 1});
     visit("window_px", self.window_px, "search window of the guided matching (half side), px", Range{1, 100});
     visit("edge_min_shared", self.edge_min_shared,
           "shared landmarks that tie two keyframes in the pose graph", Range{1, 10000});

@@ -1,5 +1,7 @@
 #include "kinloop/loop/recognize.hpp"
 
+#include <algorithm>
+
 namespace kinloop {
 namespace {
 
@@ -13,9 +15,11 @@ std::vector<Match> match_descriptors(const Features& features, const LocalView& 
   return kept;
 }
 
-bool certain(const TrackResult& result, const LoopOptions& options) {
+/// Of many landmarks in sight no more can be found than the frame has key points.
+bool certain(const TrackResult& result, const Features& features, const LoopOptions& options) {
+  const int findable = std::min(result.stats.in_view, static_cast<int>(features.size()));
   return result.status == TrackStatus::kTracked && result.stats.inliers >= options.min_inliers &&
-         result.stats.inliers >= options.min_found_share * result.stats.in_view;
+         result.stats.inliers >= options.min_found_share * findable;
 }
 
 }  // namespace
@@ -42,7 +46,7 @@ std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const Loc
   // Once more from the better pose: the windows now fall where they belong.
   result =
       track_in_view(frame, grid, view, result.T_reference_camera, tracking.view_window_px, camera, tracking);
-  if (!certain(result, options)) return std::nullopt;
+  if (!certain(result, features, options)) return std::nullopt;
   return result;
 }
 

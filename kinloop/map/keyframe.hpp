@@ -15,6 +15,8 @@ struct Keyframe {
   KeyframeId id;
   FrameId frame;
   int64_t stamp_ns = 0;
+  uint32_t component = 0;         ///< poses of different components cannot be compared
+  bool begins_component = false;  ///< nothing is known of how the camera came here
   SE3 T_world_camera;
   std::shared_ptr<const Features> features;
   std::vector<LandmarkId> landmark_of;

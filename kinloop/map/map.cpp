@@ -7,12 +7,16 @@
 namespace kinloop {
 
 KeyframeId Map::add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world_camera,
-                             std::shared_ptr<const Features> features) {
+                             std::shared_ptr<const Features> features, uint32_t component) {
   require(features != nullptr, "add_keyframe: a keyframe needs features");
   require(T_world_camera.is_finite(), "add_keyframe: the pose is not finite");
+  require(component <= component_count_, "add_keyframe: no such component");
   const KeyframeId id{static_cast<uint32_t>(keyframes_.size())};
+  const bool begins = component == component_count_;
+  if (begins) ++component_count_;
   std::vector<LandmarkId> landmark_of(features->size());
-  keyframes_.push_back({id, frame, stamp_ns, T_world_camera, std::move(features), std::move(landmark_of)});
+  keyframes_.push_back(
+      {id, frame, stamp_ns, component, begins, T_world_camera, std::move(features), std::move(landmark_of)});
   return id;
 }
 
@@ -44,6 +48,23 @@ void Map::add_loop_edge(const LoopEdge& edge) {
   require(contains(edge.a) && contains(edge.b), "add_loop_edge: no such keyframe");
   require(edge.T_a_b.is_finite(), "add_loop_edge: the motion is not finite");
   loop_edges_.push_back(edge);
+  if (keyframe(edge.a).component != keyframe(edge.b).component) join_components(edge);
+}
+
+void Map::join_components(const LoopEdge& edge) {
+  const Keyframe& a = keyframe(edge.a);
+  const Keyframe& b = keyframe(edge.b);
+  const SE3 T_a_to_b = b.T_world_camera * (a.T_world_camera * edge.T_a_b).inverse();  // of the component of a
+  const bool a_stays = a.component < b.component;
+  const uint32_t stays = std::min(a.component, b.component);
+  const uint32_t goes = std::max(a.component, b.component);
+  const SE3 correction = a_stays ? T_a_to_b.inverse() : T_a_to_b;
+  for (Keyframe& moved : keyframes_) {
+    if (moved.component != goes) continue;
+    moved.component = stays;
+    moved.T_world_camera = correction * moved.T_world_camera;
+  }
+  raise_epoch();  // work in flight still believes in two components
 }
 
 void Map::forget(LandmarkId id, Observation observation) {
@@ -80,18 +101,13 @@ void Map::merge(LandmarkId goes, LandmarkId stays) {
 
 bool Map::apply(const MapUpdate& update) {
   if (update.epoch != epoch_) return false;
-  const bool has_newest = contains(update.newest_seen);
-  const SE3 T_world_newest_before = has_newest ? keyframe(update.newest_seen).T_world_camera : SE3{};
+  std::vector<SE3> T_world_camera_before;
+  for (const Keyframe& keyframe : keyframes_) T_world_camera_before.push_back(keyframe.T_world_camera);
   for (const auto& [id, T_world_camera] : update.T_world_camera) {
     require(T_world_camera.is_finite(), "apply: a corrected pose is not finite");
     keyframe_ref(id).T_world_camera = T_world_camera;
   }
-  if (has_newest) {
-    const SE3 correction = keyframe(update.newest_seen).T_world_camera * T_world_newest_before.inverse();
-    for (size_t i = update.newest_seen.value + 1; i < keyframes_.size(); ++i) {
-      keyframes_[i].T_world_camera = correction * keyframes_[i].T_world_camera;
-    }
-  }
+  if (contains(update.newest_seen)) carry_along(update.newest_seen.value + 1, T_world_camera_before);
   for (const auto& [id, point] : update.p_world) {
     if (!contains(id) || !point.allFinite()) continue;
     Landmark& landmark = landmark_ref(id);
@@ -105,6 +121,18 @@ bool Map::apply(const MapUpdate& update) {
     if (goes != stays && contains(goes) && contains(stays)) merge(goes, stays);
   }
   return true;
+}
+
+/// Keyframes from `first` on follow the last one before them of their component.
+void Map::carry_along(size_t first, const std::vector<SE3>& T_world_camera_before) {
+  for (size_t i = first; i < keyframes_.size(); ++i) {
+    size_t leader = first;
+    while (leader > 0 && keyframes_[leader - 1].component != keyframes_[i].component) --leader;
+    if (leader == 0) continue;  // its component is younger than the problem
+    const SE3 correction =
+        keyframes_[leader - 1].T_world_camera * T_world_camera_before[leader - 1].inverse();
+    keyframes_[i].T_world_camera = correction * keyframes_[i].T_world_camera;
+  }
 }
 
 void Map::set_features(KeyframeId id, std::shared_ptr<const Features> features) {

@@ -1,6 +1,9 @@
 #pragma once
 // The one owner of keyframes, landmarks and loop edges. It is touched by one thread and holds no mutex; all
 // change goes through the verbs below, which keep both sides of every observation in step.
+//
+// Where tracking was lost and began anew, the map falls into components whose places relative to each other
+// are not known, until a loop edge joins them.
 
 #include <optional>
 #include <utility>
@@ -15,9 +18,9 @@ class Map {
  public:
   // Growing.
 
-  /// Adds a keyframe that observes nothing yet.
+  /// Adds a keyframe that observes nothing yet to a component; `component_count()` begins a new one.
   KeyframeId add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world_camera,
-                          std::shared_ptr<const Features> features);
+                          std::shared_ptr<const Features> features, uint32_t component = 0);
 
   /// Adds a landmark first seen as key point `feature` of `anchor`, at `p_anchor` in its camera frame.
   LandmarkId add_landmark(KeyframeId anchor, uint32_t feature, const Eigen::Vector3d& p_anchor);
@@ -26,6 +29,8 @@ class Map {
   /// landmark or the keyframe already sees this one.
   bool observe(LandmarkId landmark, const Observation& observation);
 
+  /// Adds a loop edge between two keyframes. Where it ties two components together they become one, the
+  /// older, and the keyframes of the younger move with their landmarks to where the edge says.
   void add_loop_edge(const LoopEdge& edge);
 
   // Shrinking.
@@ -53,6 +58,10 @@ class Map {
   // Looking.
 
   [[nodiscard]] uint32_t epoch() const { return epoch_; }
+
+  /// How many components were ever begun.
+  [[nodiscard]] uint32_t component_count() const { return component_count_; }
+
   [[nodiscard]] bool contains(LandmarkId id) const;
   [[nodiscard]] bool contains(KeyframeId id) const { return id.value < keyframes_.size(); }
   [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const;
@@ -76,12 +85,15 @@ class Map {
   Keyframe& keyframe_ref(KeyframeId id);
   Landmark& landmark_ref(LandmarkId id);
   void move_anchor(Landmark& landmark);
+  void join_components(const LoopEdge& edge);
+  void carry_along(size_t first, const std::vector<SE3>& T_world_camera_before);
   void check_landmark(const Landmark& landmark) const;
 
   std::vector<Keyframe> keyframes_;                 // index = id
   std::vector<std::optional<Landmark>> landmarks_;  // index = id; empty where erased
   std::vector<LoopEdge> loop_edges_;
   size_t landmark_count_ = 0;
+  uint32_t component_count_ = 0;
   uint32_t epoch_ = 0;
 };
 

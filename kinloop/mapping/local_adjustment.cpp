@@ -54,12 +54,16 @@ BundleObservation observation_of(const Features& features, uint32_t feature, uin
   return observation;
 }
 
-/// Where no pose is held the oldest is, so that the whole cannot float away.
-void hold_something(AdjustmentProblem& problem) {
+/// Where no pose of a component is held its oldest is, so that nothing can float away.
+void hold_something(AdjustmentProblem& problem, const Map& map) {
   auto& fixed = problem.bundle.fixed;
-  if (std::find(fixed.begin(), fixed.end(), 1) != fixed.end()) return;
-  const auto oldest = std::min_element(problem.keyframes.begin(), problem.keyframes.end());
-  fixed[static_cast<size_t>(oldest - problem.keyframes.begin())] = 1;
+  std::map<uint32_t, size_t> anchor_of;  // component -> index of its held or oldest pose
+  for (size_t i = 0; i < problem.keyframes.size(); ++i) {
+    const auto [anchor, first] = anchor_of.try_emplace(map.keyframe(problem.keyframes[i]).component, i);
+    if (first || fixed[anchor->second] != 0) continue;
+    if (fixed[i] != 0 || problem.keyframes[i] < problem.keyframes[anchor->second]) anchor->second = i;
+  }
+  for (const auto& [component, anchor] : anchor_of) fixed[anchor] = 1;
 }
 
 /// Copies poses, points and observations of the given keyframes and landmarks.
@@ -79,7 +83,7 @@ AdjustmentProblem copy_problem(const Map& map, const std::vector<KeyframeId>& ke
     problem.bundle.T_world_camera.push_back(keyframe.T_world_camera);
     problem.bundle.fixed.push_back(i >= free_keyframes || keyframe.id.value == 0 ? 1 : 0);
   }
-  hold_something(problem);
+  hold_something(problem, map);
   for (uint32_t point = 0; point < landmarks.size(); ++point) {
     problem.bundle.p_world.push_back(map.p_world(landmarks[point]));
     for (const Observation& seen : map.landmark(landmarks[point]).observations) {

@@ -31,7 +31,7 @@ enum class MeasuredAs {
   kMoving,  ///< as they were measured: velocities and sensor are to be filled in
 };
 
-/// Every keyframe and every landmark seen twice; the first keyframe is held.
+/// Every keyframe and every landmark seen twice; the first keyframe of each component is held.
 AdjustmentProblem full_problem(const Map& map, const PinholeCamera& camera,
                                MeasuredAs measured = MeasuredAs::kAtRest);
 

@@ -1,5 +1,7 @@
 #include "kinloop/slam/final_adjustment.hpp"
 
+#include <algorithm>
+
 #include "kinloop/optimize/moving_pose.hpp"
 
 namespace kinloop {
@@ -18,7 +20,10 @@ BundleObservation bundle_observation(const LoggedObservation& seen) {
 SE3 refined_pose(const LoggedFrame& entry, const MovingPose& guess, const Map& map,
                  const PinholeCamera& camera, const SensorVector& sensor,
                  const AbsolutePoseOptions& options) {
-  constexpr int kMinInliers = 20;  // a frame whose landmarks are mostly gone keeps what tracking found
+  // A frame whose landmarks are mostly gone, or were moved apart when the map bent, keeps what tracking
+  // found.
+  constexpr size_t kMinInliers = 20;
+  const size_t majority = entry.observations.size() / 2 + 1;
   std::vector<MovingObservation> observations;
   for (const LoggedObservation& seen : entry.observations) {
     if (map.contains(seen.landmark)) {
@@ -26,7 +31,7 @@ SE3 refined_pose(const LoggedFrame& entry, const MovingPose& guess, const Map& m
     }
   }
   AbsolutePoseOptions strict = options;
-  strict.min_inliers = kMinInliers;
+  strict.min_inliers = static_cast<int>(std::max(kMinInliers, majority));
   const auto found = solve_moving_pose(camera, sensor, observations, guess, {}, strict);
   return found ? found->T_world_camera : guess.T_world_camera;
 }

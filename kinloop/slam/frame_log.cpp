@@ -1,5 +1,7 @@
 #include "kinloop/slam/frame_log.hpp"
 
+#include <algorithm>
+
 namespace kinloop {
 
 LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px) {
@@ -25,18 +27,32 @@ SE3 world_pose(const LoggedFrame& entry, const Map& map) {
   return map.keyframe(entry.reference).T_world_camera * entry.T_reference_camera;
 }
 
+uint32_t main_component(const FrameLog& log, const Map& map) {
+  std::vector<int> frames(map.component_count() + 1, 0);
+  for (const LoggedFrame& entry : log) {
+    if (entry.status != TrackStatus::kLost) ++frames[map.keyframe(entry.reference).component];
+  }
+  return static_cast<uint32_t>(std::max_element(frames.begin(), frames.end()) - frames.begin());
+}
+
+bool tracked_in(uint32_t component, const LoggedFrame& entry, const Map& map) {
+  return entry.status != TrackStatus::kLost && map.keyframe(entry.reference).component == component;
+}
+
 Trajectory trajectory_of(const FrameLog& log, const Map& map) {
+  const uint32_t component = main_component(log, map);
   Trajectory trajectory;
   for (const LoggedFrame& entry : log) {
-    if (entry.status == TrackStatus::kLost) continue;
+    if (!tracked_in(component, entry, map)) continue;
     trajectory.push_back({entry.stamp_ns, world_pose(entry, map)});
   }
   return trajectory;
 }
 
-Trajectory keyframe_trajectory(const Map& map) {
+Trajectory keyframe_trajectory(const Map& map, uint32_t component) {
   Trajectory trajectory;
   for (const Keyframe& keyframe : map.keyframes()) {
+    if (keyframe.component != component) continue;
     trajectory.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
   }
   return trajectory;

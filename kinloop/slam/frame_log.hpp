@@ -39,10 +39,16 @@ LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int
 /// The frame's pose, as the map stands now; the frame must not be lost.
 SE3 world_pose(const LoggedFrame& entry, const Map& map);
 
-/// Poses of all frames that were not lost, as the map stands now.
+/// The component of the map in which most frames were tracked; the oldest of equals.
+uint32_t main_component(const FrameLog& log, const Map& map);
+
+/// Whether the frame was tracked in that component.
+bool tracked_in(uint32_t component, const LoggedFrame& entry, const Map& map);
+
+/// Poses of all frames that were tracked in the main component, as the map stands now.
 Trajectory trajectory_of(const FrameLog& log, const Map& map);
 
-/// Poses of all keyframes.
-Trajectory keyframe_trajectory(const Map& map);
+/// Poses of all keyframes of one component.
+Trajectory keyframe_trajectory(const Map& map, uint32_t component);
 
 }  // namespace kinloop

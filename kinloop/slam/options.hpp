@@ -35,6 +35,7 @@ struct ExecutorOptions {
 struct SlamOptions {
   int seed = 1;
   int min_start_points = 60;
+  int lost_frames_before_component = 5;
   bool full_adjustment = true;
   FeatureOptions features;
   TrackingOptions tracking;
@@ -50,6 +51,10 @@ struct SlamOptions {
     visit("seed", self.seed, "of all random numbers", Range{0, 1e9});
     visit("min_start_points", self.min_start_points,
           "key points with depth that the first keyframe must have", Range{10, 10000});
+    visit("lost_frames_before_component", self.lost_frames_before_component,
+          "frames in a row that must be lost before a new component of the map is begun, to be joined when a "
+          "place is recognised; 0 = never",
+          Range{0, 100000});
     visit("full_adjustment", self.full_adjustment, "adjust the whole map after loops and at the end");
     visit("features", self.features);
     visit("tracking", self.tracking);

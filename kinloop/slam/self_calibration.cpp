@@ -51,7 +51,7 @@ SensorVector expected_sigmas(const PinholeCamera& camera, const SelfCalibrationO
 std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map) {
   std::vector<Velocity> velocities(log.size(), Velocity::Zero());
   const auto usable = [&](size_t i, size_t other) {
-    return log[other].status != TrackStatus::kLost &&
+    return tracked_in(map.keyframe(log[i].reference).component, log[other], map) &&
            std::abs(log[i].stamp_ns - log[other].stamp_ns) < kMaxNeighbourNs;
   };
   for (size_t i = 0; i < log.size(); ++i) {

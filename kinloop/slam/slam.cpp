@@ -5,10 +5,8 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/random.hpp"
 #include "kinloop/features/extractor.hpp"
-#include "kinloop/loop/close_loop.hpp"
 #include "kinloop/loop/relocalize.hpp"
 #include "kinloop/mapping/grow.hpp"
-#include "kinloop/mapping/local_adjustment.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/slam/final_adjustment.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
@@ -55,11 +53,7 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
     : Slam(camera, options, load_default_vocabulary()) {}
 
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary)
-    : camera_(camera),
-      options_(options),
-      vocabulary_(std::move(vocabulary)),
-      executor_(make_executor(options.executor)),
-      keyframes_to_calibrate_(static_cast<size_t>(options.self_calibration.first_keyframes)) {}
+    : camera_(camera), options_(options), vocabulary_(std::move(vocabulary)), work_(camera.color, options) {}
 
 Slam::~Slam() = default;
 
@@ -86,17 +80,14 @@ PreparedFrame Slam::prepare(const RgbdFrame& frame) const {
 FrameResult Slam::process(const PreparedFrame& measured) {
   const Stopwatch watch;
   times_.add("features", measured.prepare_wall_s, measured.prepare_cpu_s);
-  now_ = measured.id;
-  apply_finished_work(executor_->collect(now_));
+  take_in(work_.apply_due(map_, measured.id));
 
-  PreparedFrame frame = at_rest(measured);
-  FrameResult told{frame.id, frame.stamp_ns, TrackStatus::kLost, false, {}, {}, {}};
+  FrameResult told{measured.id, measured.stamp_ns, TrackStatus::kLost, false, {}, {}, {}};
   const bool repeat = repeats_previous(measured);
-  const TrackResult result = map_.keyframes().empty() ? start(frame)
-                             : repeat                 ? previous_result()
-                                                      : locate(frame, told.relocalized);
+  const TrackResult result = repeat ? previous_result() : locate(at_rest(measured), told.relocalized);
+  PreparedFrame frame = measured;
   if (!repeat) {
-    learn_motion(frame, result);
+    learn_motion(measured, result);
     frame = at_rest(measured);  // now that its own motion is known
     remember(frame, result);
   }
@@ -118,15 +109,11 @@ FrameResult Slam::process(const PreparedFrame& measured) {
   return told;
 }
 
-void Slam::apply_finished_work(const std::vector<FinishedJob>& jobs) {
-  for (const FinishedJob& job : jobs) {
-    if (!map_.apply(job.result.update)) continue;
-    map_changed_ = true;
-    if (job.kind != JobKind::kLocalAdjustment) map_.raise_epoch();
-    if (job.result.sensor) take_sensor(*job.result.sensor);
-    if (job.kind == JobKind::kLoopCorrection) full_adjustment_pending_ = true;
-  }
-  if (!jobs.empty() && view_.reference.valid()) view_ = make_local_view(map_, view_.reference, options_.view);
+void Slam::take_in(const AppliedWork& work) {
+  if (work.sensor) take_sensor(*work.sensor);
+  if (!work.map_changed) return;
+  map_changed_ = true;
+  if (view_.reference.valid()) view_ = make_local_view(map_, view_.reference, options_.view);
 }
 
 /// The frame as an ideal camera at rest would have taken it, going by how the camera moves now.
@@ -150,12 +137,14 @@ void Slam::take_sensor(const SensorEstimate& sensor) {
   }
 }
 
-/// The first keyframe of the map: the world begins at its camera.
+/// The first keyframe of the map, or of a new component of it.
 TrackResult Slam::start(const PreparedFrame& frame) {
   TrackResult result;
   if (count_with_depth(*frame.features) < options_.min_start_points) return result;
   result.status = TrackStatus::kTracked;
-  result.reference = KeyframeId{0};
+  result.reference = next_keyframe();
+  previous_.reset();
+  view_ = {};
   return result;
 }
 
@@ -180,6 +169,7 @@ TrackResult Slam::previous_result() const {
 }
 
 TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
+  if (map_.keyframes().empty()) return start(frame);
   const Stopwatch watch;
   TrackResult result;
   if (previous_) {
@@ -188,21 +178,36 @@ TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
                    options_.tracking, seed_of(frame.id));
   }
   times_.add("tracking", watch);
-  if (result.status != TrackStatus::kLost) return result;
+  // Depth images alone tell the motion from one frame to the next, not across a gap.
+  if (after_loss() && result.status == TrackStatus::kDenseOnly) result = {};
+  const bool as_predicted = result.stats.tries == 1;
+  if (result.status == TrackStatus::kTracked && as_predicted) return result;
 
+  // Where the camera is not where it was going, it may have been carried elsewhere: what the map says counts
+  // more than a handful of chance matches.
   const Stopwatch relocalization_watch;
   const auto found = relocalize(frame, bow_of(vocabulary_, *frame.features), map_, places_, camera_.color,
                                 options_.view, options_.loop, options_.tracking, seed_of(frame.id));
   times_.add("relocalisation", relocalization_watch);
-  if (!found) return result;
+  if (!found || found->stats.inliers <= result.stats.inliers) {
+    return result.status == TrackStatus::kLost && lost_for_long() ? start(frame) : result;
+  }
   relocalized = true;
   previous_.reset();
   view_ = make_local_view(map_, found->reference, options_.view);
   return *found;
 }
 
+/// Whether the frames before this one were lost for so long that the camera may be where it has never been.
+bool Slam::lost_for_long() const {
+  const auto patience = static_cast<size_t>(options_.lost_frames_before_component);
+  const auto lost = [](const LoggedFrame& entry) { return entry.status == TrackStatus::kLost; };
+  return patience > 0 && log_.size() >= patience &&
+         std::all_of(log_.end() - static_cast<long>(patience), log_.end(), lost);
+}
+
 void Slam::learn_motion(const PreparedFrame& frame, const TrackResult& result) {
-  if (previous_ && result.status != TrackStatus::kLost) {
+  if (previous_ && !after_loss() && result.status != TrackStatus::kLost) {
     motion_.update(previous_->T_reference_camera.inverse() * result.T_reference_camera,
                    frame.stamp_ns - previous_->frame.stamp_ns);
   } else {
@@ -210,20 +215,17 @@ void Slam::learn_motion(const PreparedFrame& frame, const TrackResult& result) {
   }
 }
 
-/// Keeps what the next frame needs, and what the trajectory needs.
+/// Keeps what the next frame needs; after a loss that is the last frame whose place is known.
 void Slam::remember(const PreparedFrame& frame, const TrackResult& result) {
   ++frames_since_keyframe_;
-  if (result.status == TrackStatus::kLost) {
-    previous_.reset();
-    return;
-  }
+  if (result.status == TrackStatus::kLost) return;
   previous_ = TrackedFrame{frame, result.T_reference_camera, std::vector<LandmarkId>(frame.features->size())};
   for (const LandmarkMatch& match : result.matches) previous_->landmark_of[match.feature] = match.landmark;
 }
 
 bool Slam::wants_keyframe(const PreparedFrame& frame, const TrackResult& result) const {
-  if (map_.keyframes().empty()) return result.status != TrackStatus::kLost;
   if (result.status == TrackStatus::kLost) return false;
+  if (result.reference == next_keyframe()) return true;
   const SE3 T_last_keyframe_camera = map_.keyframe(last_keyframe_).T_world_camera.inverse() *
                                      map_.keyframe(result.reference).T_world_camera *
                                      result.T_reference_camera;
@@ -232,12 +234,21 @@ bool Slam::wants_keyframe(const PreparedFrame& frame, const TrackResult& result)
   return needs_keyframe(question, options_.tracking.keyframe);
 }
 
+/// The world begins at the first camera; a new component is put, for want of better, where the camera was
+/// last.
+KeyframeId Slam::add_keyframe(const PreparedFrame& frame, const TrackResult& result) {
+  if (result.reference != next_keyframe()) {
+    const Keyframe& reference = map_.keyframe(result.reference);
+    return map_.add_keyframe(frame.id, frame.stamp_ns, reference.T_world_camera * result.T_reference_camera,
+                             frame.features, reference.component);
+  }
+  const SE3 T_world_last = map_.keyframes().empty() ? SE3{} : map_.keyframe(last_keyframe_).T_world_camera;
+  return map_.add_keyframe(frame.id, frame.stamp_ns, T_world_last, frame.features, map_.component_count());
+}
+
 KeyframeId Slam::insert_keyframe(const PreparedFrame& frame, const TrackResult& result) {
   const Stopwatch watch;
-  const SE3 T_world_camera = map_.keyframes().empty()
-                                 ? SE3{}
-                                 : map_.keyframe(result.reference).T_world_camera * result.T_reference_camera;
-  const KeyframeId id = map_.add_keyframe(frame.id, frame.stamp_ns, T_world_camera, frame.features);
+  const KeyframeId id = add_keyframe(frame, result);
   observe_matches(map_, id, result.matches);
   attach_landmarks(map_, id, make_local_view(map_, id, options_.view), camera_.color, options_.mapping);
   grow_from_depth(map_, id, camera_.color, options_.mapping);
@@ -251,7 +262,9 @@ KeyframeId Slam::insert_keyframe(const PreparedFrame& frame, const TrackResult& 
   map_changed_ = true;
   look_from(id);
   look_for_loops(id);
-  submit_adjustments(id);
+  const Stopwatch copying;
+  work_.submit(map_, log_, sensor_, id, frame.id);
+  times_.add("mapping", copying);
   return id;
 }
 
@@ -264,47 +277,9 @@ void Slam::look_for_loops(KeyframeId id) {
                                    options_.loop, options_.tracking, seed_of(map_.keyframe(id).frame));
   if (closure) {
     map_.add_loop_edge(closure->edge);
-    pending_merges_.insert(pending_merges_.end(), closure->merges.begin(), closure->merges.end());
-    loop_pending_ = true;
+    work_.note_loop(*closure);
   }
   times_.add("loop", watch);
-}
-
-/// Copies the problems that are due and hands them in; one of a kind at a time.
-void Slam::submit_adjustments(KeyframeId newest) {
-  const Stopwatch watch;
-  const bool bending = executor_->busy(JobKind::kLoopCorrection) || executor_->busy(JobKind::kFullAdjustment);
-  if (loop_pending_ && !bending) {
-    auto problem = loop_problem(map_, std::move(pending_merges_), options_.loop);
-    executor_->submit(
-        JobKind::kLoopCorrection, now_,
-        [problem = std::move(problem), options = options_.loop] { return correct_loop(problem, options); });
-    pending_merges_.clear();
-    loop_pending_ = false;
-  } else if (full_adjustment_pending_ && options_.full_adjustment && !bending) {
-    executor_->submit(JobKind::kFullAdjustment, now_,
-                      [problem = full_problem(map_, camera_.color), options = options_.full] {
-                        return adjust(problem, options);
-                      });
-    full_adjustment_pending_ = false;
-  }
-  if (options_.mapping.local_adjustment && newest.value > 0 && !executor_->busy(JobKind::kLocalAdjustment)) {
-    executor_->submit(JobKind::kLocalAdjustment, now_,
-                      [problem = local_problem(map_, newest, camera_.color, options_.mapping),
-                       options = options_.mapping.bundle] { return adjust(problem, options); });
-  }
-  if (options_.self_calibration.enabled && !bending && map_.keyframes().size() >= keyframes_to_calibrate_ &&
-      !executor_->busy(JobKind::kSelfCalibration)) {
-    executor_->submit(
-        JobKind::kSelfCalibration, now_,
-        [problem = calibration_problem(map_, camera_.color, keyframe_velocities(log_, map_), sensor_.value),
-         expected = expected_time_sigmas(options_.self_calibration),
-         max_sigma_share = options_.self_calibration.max_sigma_share, options = options_.full] {
-          return adjust_with_sensor(problem, expected, max_sigma_share, options);
-        });
-    keyframes_to_calibrate_ *= 2;
-  }
-  times_.add("mapping", watch);
 }
 
 /// Makes `reference` the keyframe of the local view and carries the previous frame's pose over to it.
@@ -318,13 +293,7 @@ void Slam::look_from(KeyframeId reference) {
 }
 
 Trajectory Slam::finish(const Progress& progress) {
-  apply_finished_work(executor_->drain());
-  if (loop_pending_) {
-    map_.apply(correct_loop(loop_problem(map_, std::move(pending_merges_), options_.loop), options_.loop));
-    map_.raise_epoch();
-    pending_merges_.clear();
-    loop_pending_ = false;
-  }
+  take_in(work_.apply_rest(map_));
   if (options_.full_adjustment) {
     const Stopwatch watch;
     sensor_ = adjust_finally(map_, log_, camera_.color, sensor_, options_.full, options_.tracking.pose,

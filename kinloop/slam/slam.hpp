@@ -15,9 +15,9 @@
 #include "kinloop/loop/candidates.hpp"
 #include "kinloop/place/vocabulary.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
-#include "kinloop/slam/executor.hpp"
 #include "kinloop/slam/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
+#include "kinloop/slam/map_work.hpp"
 #include "kinloop/slam/options.hpp"
 #include "kinloop/slam/room_times.hpp"
 #include "kinloop/tracking/motion_model.hpp"
@@ -59,46 +59,45 @@ class Slam {
   void listen(Listener& listener) { listeners_.push_back(&listener); }
 
  private:
-  void apply_finished_work(const std::vector<FinishedJob>& jobs);
+  void take_in(const AppliedWork& work);
   TrackResult start(const PreparedFrame& frame);
   [[nodiscard]] bool repeats_previous(const PreparedFrame& frame) const;
   [[nodiscard]] TrackResult previous_result() const;
   TrackResult locate(const PreparedFrame& frame, bool& relocalized);
   [[nodiscard]] PreparedFrame at_rest(const PreparedFrame& frame) const;
   void take_sensor(const SensorEstimate& sensor);
+  [[nodiscard]] bool after_loss() const { return !log_.empty() && log_.back().status == TrackStatus::kLost; }
+  [[nodiscard]] bool lost_for_long() const;
   void learn_motion(const PreparedFrame& frame, const TrackResult& result);
   void remember(const PreparedFrame& frame, const TrackResult& result);
   [[nodiscard]] bool wants_keyframe(const PreparedFrame& frame, const TrackResult& result) const;
+  KeyframeId add_keyframe(const PreparedFrame& frame, const TrackResult& result);
   KeyframeId insert_keyframe(const PreparedFrame& frame, const TrackResult& result);
   void look_for_loops(KeyframeId keyframe);
-  void submit_adjustments(KeyframeId newest);
   void look_from(KeyframeId reference);
   void tell(const FrameResult& result, const PreparedFrame& frame);
+  [[nodiscard]] KeyframeId next_keyframe() const {
+    return KeyframeId{static_cast<uint32_t>(map_.keyframes().size())};
+  }
   [[nodiscard]] uint64_t seed_of(FrameId frame) const;
 
   RgbdCamera camera_;
   SlamOptions options_;
   Vocabulary vocabulary_;
-  std::unique_ptr<Executor> executor_;
-
   Map map_;
   PlaceIndex places_;
   CandidateHistory loop_history_;
-  std::vector<std::pair<LandmarkId, LandmarkId>> pending_merges_;
-  bool loop_pending_ = false;             // a loop edge waits to be worked in
-  bool full_adjustment_pending_ = false;  // a loop was closed since the last full adjustment
-  bool map_changed_ = false;              // since the listeners were told
+  MapWork work_;
+  bool map_changed_ = false;  // since the listeners were told
 
   LocalView view_;
-  std::optional<TrackedFrame> previous_;  // none before the start and after a loss
+  std::optional<TrackedFrame> previous_;  // the last that was located; none before the start
   MotionModel motion_;
   KeyframeId last_keyframe_;
   int frames_since_keyframe_ = 0;
-  FrameId now_;
 
   FrameLog log_;
   SensorEstimate sensor_;
-  size_t keyframes_to_calibrate_;  // that the next self-calibration waits for
   RoomTimes times_;
   std::vector<Listener*> listeners_;
 };

@@ -43,6 +43,7 @@ struct TrackingOptions {
   int min_inliers = 15;
   int certain_inliers = 60;
   int enough_landmarks = 60;
+  double min_found_share = 0.1;
   bool refine_with_icp = false;
   double min_icp_overlap = 0.4;
   KeyframeOptions keyframe;
@@ -67,6 +68,10 @@ struct TrackingOptions {
           Range{4, 10000});
     visit("enough_landmarks", self.enough_landmarks,
           "tracked landmarks that do without the previous frame's unmapped points", Range{0, 10000});
+    visit("min_found_share", self.min_found_share,
+          "share of the landmarks in sight (or of the key points, where these are fewer) without which a "
+          "pose found by brute force or from the map alone is not believed",
+          Range{0, 1});
     visit("refine_with_icp", self.refine_with_icp,
           "also lay each depth image onto the one before (point to plane), and hold the pose to it as far as "
           "the surfaces tell");

@@ -55,7 +55,9 @@ PoseObservation observation_of(const Tracking& t, size_t point, uint32_t feature
 
 FramePose keep_inliers(const AbsolutePoseSolution& solution, const std::vector<PoseObservation>& observations,
                        const std::vector<uint32_t>& features) {
-  FramePose pose{solution.T_reference_camera, solution.information, {}, {}, 0, false};
+  FramePose pose;
+  pose.T_reference_camera = solution.T_reference_camera;
+  pose.information = solution.information;
   for (size_t i = 0; i < observations.size(); ++i) {
     if (!solution.inliers[i]) continue;
     pose.support.push_back(observations[i]);
@@ -127,7 +129,9 @@ std::optional<FramePose> search_everywhere(const Tracking& t, uint64_t seed) {
       solve_pnp_ransac(t.camera, observations, t.options.pnp, seed);
   const std::optional<SE3> guess =
       from_pixels ? from_pixels->T_reference_camera : rigid_guess(t, observations, seed);
-  return guess ? solve(t, matches, *guess) : std::nullopt;
+  auto pose = guess ? solve(t, matches, *guess) : std::nullopt;
+  if (pose) pose->by_force = true;
+  return pose;
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ struct FramePose {
   std::vector<PoseObservation> support;  ///< inliers only
   std::vector<uint32_t> features;        ///< the key point of each of `support`
   int tries = 0;
-  bool dense = false;  ///< from the depth images, without support
+  bool by_force = false;  ///< from matches without regard to where they were expected
+  bool dense = false;     ///< from the depth images, without support
 };
 
 /// The pose of `frame` by the first of these that gives a certain one: key points of `previous` searched

@@ -1,5 +1,7 @@
 #include "kinloop/tracking/tracker.hpp"
 
+#include <algorithm>
+
 #include "kinloop/tracking/previous_frame.hpp"
 
 namespace kinloop {
@@ -61,6 +63,12 @@ TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const Lo
   return result;
 }
 
+/// Chance matches can agree on a wrong pose; but then few of the landmarks that should be in sight are found.
+bool map_agrees(const TrackResult& result, const Features& features, double min_found_share) {
+  const int findable = std::min(result.stats.in_view, static_cast<int>(features.size()));
+  return result.stats.inliers >= min_found_share * findable;
+}
+
 }  // namespace
 
 TrackResult track_in_view(const PreparedFrame& frame, const FeatureGrid& grid, const LocalView& view,
@@ -79,8 +87,9 @@ TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, cons
       pose_from_previous(frame, grid, previous, view, T_reference_camera_predicted, camera, options, seed);
   if (!guess) {
     // The previous frame may have been blurred beyond use; the map still knows what should be in sight.
-    return track_in_view(frame, grid, view, T_reference_camera_predicted, options.wide_window_px, camera,
-                         options);
+    const TrackResult result = track_in_view(frame, grid, view, T_reference_camera_predicted,
+                                             options.wide_window_px, camera, options);
+    return map_agrees(result, *frame.features, options.min_found_share) ? result : TrackResult{};
   }
   std::optional<PosePrior> prior;
   if (options.refine_with_icp && !guess->dense) {
@@ -88,6 +97,7 @@ TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, cons
     if (dense) prior = PosePrior{dense->T_reference_camera, dense->information};
   }
   TrackResult result = refine(frame, grid, view, *guess, prior, options.view_window_px, camera, options);
+  if (guess->by_force && !map_agrees(result, *frame.features, options.min_found_share)) return {};
   if (result.status == TrackStatus::kLost) {
     result.T_reference_camera = guess->T_reference_camera;
     result.information = guess->information;

@@ -72,6 +72,59 @@ TEST(Map, KeyframesAfterTheNewestSeenFollowRigidly) {
   EXPECT_LT((T_b_c.inverse() * T_b_c_after).log().norm(), 1e-12);
 }
 
+TEST(Map, ALoopEdgeJoinsComponents) {
+  Map map;
+  const KeyframeId a = add_keyframe(map, test::looking(0.3, {1, 2, 0}));
+  const KeyframeId b = map.add_keyframe(FrameId{1}, 1000, SE3{}, blank_features(30), map.component_count());
+  const KeyframeId c =
+      map.add_keyframe(FrameId{2}, 2000, test::looking(0.1, {0, 0, 1}), blank_features(30), 1);
+  const LandmarkId landmark = map.add_landmark(c, 0, {0.1, 0.2, 2});
+  const SE3 T_b_c = map.keyframe(b).T_world_camera.inverse() * map.keyframe(c).T_world_camera;
+  EXPECT_EQ(map.component_count(), 2U);
+  EXPECT_TRUE(map.keyframe(b).begins_component);
+  EXPECT_FALSE(map.keyframe(c).begins_component);
+
+  MapUpdate of_two_components;
+  of_two_components.epoch = map.epoch();
+  const SE3 T_a_c = test::looking(-0.2, {0.3, 0, 0.1});
+  map.add_loop_edge({a, c, T_a_c, Matrix6d::Identity(), 50});
+  EXPECT_EQ(map.keyframe(b).component, 0U);
+  EXPECT_EQ(map.keyframe(c).component, 0U);
+  const SE3& T_world_a = map.keyframe(a).T_world_camera;
+  const SE3& T_world_c = map.keyframe(c).T_world_camera;
+  EXPECT_LT((T_world_a.inverse() * test::looking(0.3, {1, 2, 0})).log().norm(), 1e-12);  // the older stays
+  EXPECT_LT(((T_world_a * T_a_c).inverse() * T_world_c).log().norm(), 1e-12);
+  EXPECT_LT(((map.keyframe(b).T_world_camera * T_b_c).inverse() * T_world_c).log().norm(), 1e-12);
+  EXPECT_LT((map.p_world(landmark) - T_world_c * Eigen::Vector3d(0.1, 0.2, 2)).norm(), 1e-12);
+  EXPECT_FALSE(map.apply(of_two_components));
+  map.check_invariants();
+}
+
+TEST(Map, ALoopEdgeMayNameTheYoungerComponentFirst) {
+  Map map;
+  const KeyframeId a = add_keyframe(map, test::looking(0.3, {1, 2, 0}));
+  const KeyframeId b = map.add_keyframe(FrameId{1}, 1000, SE3{}, blank_features(30), 1);
+  const SE3 T_b_a = test::looking(-0.2, {0.3, 0, 0.1});
+  map.add_loop_edge({b, a, T_b_a, Matrix6d::Identity(), 50});
+  EXPECT_LT((map.keyframe(a).T_world_camera.inverse() * test::looking(0.3, {1, 2, 0})).log().norm(), 1e-12);
+  const SE3 T_b_a_after = map.keyframe(b).T_world_camera.inverse() * map.keyframe(a).T_world_camera;
+  EXPECT_LT((T_b_a.inverse() * T_b_a_after).log().norm(), 1e-12);
+}
+
+TEST(Map, KeyframesFollowTheNewestOfTheirOwnComponent) {
+  Map map;
+  const KeyframeId a = add_keyframe(map);
+  const KeyframeId b = map.add_keyframe(FrameId{1}, 1000, SE3{}, blank_features(30), 1);
+  MapUpdate update;
+  update.T_world_camera = {{a, test::looking(0, {1, 0, 0})}, {b, test::looking(0, {0, 5, 0})}};
+  update.newest_seen = b;
+  const KeyframeId c = add_keyframe(map, test::looking(0, {0, 0, 1}));  // of the component of a
+  const KeyframeId d = map.add_keyframe(FrameId{3}, 3000, SE3{}, blank_features(30), 2);
+  ASSERT_TRUE(map.apply(update));
+  EXPECT_LT((map.keyframe(c).T_world_camera.translation - Eigen::Vector3d(1, 0, 1)).norm(), 1e-12);
+  EXPECT_LT(map.keyframe(d).T_world_camera.translation.norm(), 1e-12);
+}
+
 TEST(Map, AStaleUpdateIsDropped) {
   Map map;
   const KeyframeId a = add_keyframe(map);

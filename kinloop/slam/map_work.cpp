@@ -1,0 +1,107 @@
+#include "kinloop/slam/map_work.hpp"
+
+#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/mapping/local_adjustment.hpp"
+
+namespace kinloop {
+
+MapWork::MapWork(const PinholeCamera& camera, const SlamOptions& options)
+    : camera_(camera),
+      options_(options),
+      executor_(make_executor(options.executor)),
+      keyframes_to_calibrate_(static_cast<size_t>(options.self_calibration.first_keyframes)) {}
+
+void MapWork::note_loop(const LoopClosure& closure) {
+  merges_.insert(merges_.end(), closure.merges.begin(), closure.merges.end());
+  loop_pending_ = true;
+}
+
+void MapWork::submit(const Map& map, const FrameLog& log, const SensorEstimate& sensor, KeyframeId newest,
+                     FrameId now) {
+  submit_bending(map, now);
+  submit_local(map, newest, now);
+  submit_calibration(map, log, sensor, now);
+}
+
+AppliedWork MapWork::apply(Map& map, const std::vector<FinishedJob>& jobs) {
+  AppliedWork applied;
+  for (const FinishedJob& job : jobs) {
+    if (!map.apply(job.result.update)) {
+      if (job.kind == JobKind::kLoopCorrection) return_loops(job.result.update);
+      continue;
+    }
+    applied.map_changed = true;
+    if (job.kind != JobKind::kLocalAdjustment) map.raise_epoch();
+    if (job.kind == JobKind::kLoopCorrection) full_adjustment_pending_ = true;
+    if (job.result.sensor) applied.sensor = job.result.sensor;
+  }
+  return applied;
+}
+
+AppliedWork MapWork::apply_rest(Map& map) {
+  AppliedWork applied = apply(map, executor_->drain());
+  if (loop_pending_) {
+    map.apply(correct_loop(take_loop_problem(map), options_.loop));
+    map.raise_epoch();
+    applied.map_changed = true;
+  }
+  return applied;
+}
+
+/// Whether work that moves the whole map is in flight.
+bool MapWork::bending() const {
+  return executor_->busy(JobKind::kLoopCorrection) || executor_->busy(JobKind::kFullAdjustment);
+}
+
+/// The map was changed under a correction: its loops are corrected with the next.
+void MapWork::return_loops(const MapUpdate& stale) {
+  merges_.insert(merges_.end(), stale.merges.begin(), stale.merges.end());
+  loop_pending_ = true;
+}
+
+LoopProblem MapWork::take_loop_problem(const Map& map) {
+  loop_pending_ = false;
+  return loop_problem(map, std::exchange(merges_, {}), options_.loop);
+}
+
+void MapWork::submit_bending(const Map& map, FrameId now) {
+  if (bending()) return;
+  if (loop_pending_) {
+    executor_->submit(JobKind::kLoopCorrection, now,
+                      [problem = take_loop_problem(map), options = options_.loop] {
+                        return correct_loop(problem, options);
+                      });
+  } else if (full_adjustment_pending_ && options_.full_adjustment) {
+    executor_->submit(
+        JobKind::kFullAdjustment, now,
+        [problem = full_problem(map, camera_), options = options_.full] { return adjust(problem, options); });
+    full_adjustment_pending_ = false;
+  }
+}
+
+void MapWork::submit_local(const Map& map, KeyframeId newest, FrameId now) {
+  if (!options_.mapping.local_adjustment || map.keyframe(newest).begins_component ||
+      executor_->busy(JobKind::kLocalAdjustment)) {
+    return;
+  }
+  executor_->submit(JobKind::kLocalAdjustment, now,
+                    [problem = local_problem(map, newest, camera_, options_.mapping),
+                     options = options_.mapping.bundle] { return adjust(problem, options); });
+}
+
+void MapWork::submit_calibration(const Map& map, const FrameLog& log, const SensorEstimate& sensor,
+                                 FrameId now) {
+  const SelfCalibrationOptions& calibration = options_.self_calibration;
+  if (!calibration.enabled || bending() || map.keyframes().size() < keyframes_to_calibrate_ ||
+      executor_->busy(JobKind::kSelfCalibration)) {
+    return;
+  }
+  executor_->submit(
+      JobKind::kSelfCalibration, now,
+      [problem = calibration_problem(map, camera_, keyframe_velocities(log, map), sensor.value),
+       expected = expected_time_sigmas(calibration), max_sigma_share = calibration.max_sigma_share,
+       options = options_.full] { return adjust_with_sensor(problem, expected, max_sigma_share, options); });
+  keyframes_to_calibrate_ *= 2;
+}
+
+}  // namespace kinloop
