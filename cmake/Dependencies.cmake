@@ -26,6 +26,23 @@ add_library(kinloop_cholmod INTERFACE)
 target_include_directories(kinloop_cholmod SYSTEM INTERFACE $<BUILD_INTERFACE:${CHOLMOD_INCLUDE_DIR}>)
 target_link_libraries(kinloop_cholmod INTERFACE ${CHOLMOD_LIBRARY})
 
+# Highway has CMake files of its own only in newer packages.
+find_path(HWY_INCLUDE_DIR hwy/highway.h REQUIRED)
+find_library(HWY_LIBRARY hwy REQUIRED)
+add_library(kinloop_hwy INTERFACE)
+target_include_directories(kinloop_hwy SYSTEM INTERFACE $<BUILD_INTERFACE:${HWY_INCLUDE_DIR}>)
+target_compile_definitions(kinloop_hwy INTERFACE HWY_SHARED_DEFINE)
+target_link_libraries(kinloop_hwy INTERFACE ${HWY_LIBRARY})
+# Vectors whose size the compiler does not know cannot be kept in arrays, as kernels do: NEON instead of SVE.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  set(sve_targets "HWY_SVE|HWY_SVE2")
+  file(STRINGS ${HWY_INCLUDE_DIR}/hwy/detect_targets.h fixed_sve REGEX "define HWY_SVE2_128")
+  if(fixed_sve)
+    string(APPEND sve_targets "|HWY_SVE_256|HWY_SVE2_128")
+  endif()
+  target_compile_definitions(kinloop_hwy INTERFACE "HWY_DISABLED_TARGETS=(${sve_targets})")
+endif()
+
 # Optional parts.
 find_package(g2o QUIET)
 if(KINLOOP_TESTS)

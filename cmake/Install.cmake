@@ -3,7 +3,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 get_property(rooms GLOBAL PROPERTY KINLOOP_ROOMS)
-install(TARGETS ${rooms} kinloop_opencv kinloop_cholmod EXPORT kinloopTargets)
+install(TARGETS ${rooms} kinloop_opencv kinloop_cholmod kinloop_hwy EXPORT kinloopTargets)
 install(TARGETS kinloop)
 install(DIRECTORY kinloop DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT kinloopTargets NAMESPACE kinloop:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kinloop)
