@@ -42,8 +42,7 @@ void blur_along(const uint8_t* row, int width, const float* weights, float* blur
     const auto load = [&](int offset) HWY_ATTR { return hn::PromoteTo(ints, hn::LoadU(bytes, at + offset)); };
     const auto both = [&](int offset)
                           HWY_ATTR { return hn::ConvertTo(d, hn::Add(load(-offset), load(offset))); };
-    hn::StoreU(weigh(weights, hn::ConvertTo(d, load(0)), both(1), both(2), both(3)), d,
-               blurred + (at - row));
+    hn::StoreU(weigh(weights, hn::ConvertTo(d, load(0)), both(1), both(2), both(3)), d, blurred + (at - row));
   }
 }
 
@@ -60,8 +59,7 @@ void blur_across(const float* const* rows, int width, const float* weights, uint
     const auto load = [&](size_t row) HWY_ATTR { return hn::LoadU(d, rows[row] + x); };
     const auto both = [&](size_t offset) HWY_ATTR { return hn::Add(load(3 - offset), load(3 + offset)); };
     const auto sum = weigh(weights, load(3), both(1), both(2), both(3));
-    const auto rounded =
-        hn::Sub(hn::BitCast(ints, hn::Add(sum, shift)), hn::BitCast(ints, shift));
+    const auto rounded = hn::Sub(hn::BitCast(ints, hn::Add(sum, shift)), hn::BitCast(ints, shift));
     hn::StoreU(hn::DemoteTo(bytes, rounded), bytes, blurred + x);
   }
 }

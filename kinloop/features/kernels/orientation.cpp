@@ -33,8 +33,7 @@ void sum_columns(const uint8_t* corner, ptrdiff_t stride, const uint8_t* rows_in
     for (ptrdiff_t y = 1; y <= 15; ++y) {
       const auto below = load(y), above = load(-y);
       sum = hn::Add(sum, hn::Add(below, above));
-      moment =
-          hn::Add(moment, hn::Mul(hn::Sub(below, above), hn::Set(words, static_cast<int16_t>(y))));
+      moment = hn::Add(moment, hn::Mul(hn::Sub(below, above), hn::Set(words, static_cast<int16_t>(y))));
     }
     hn::StoreU(sum, words, sums + column);
     hn::StoreU(moment, words, moments + column);

@@ -5,8 +5,8 @@
 
 namespace kinloop {
 
-constexpr int kDiscRadius = 15;     ///< of the disc whose centroid gives the direction, px
-constexpr int kDiscReach = 16;      ///< how far from the corner pixels are read
+constexpr int kDiscRadius = 15;  ///< of the disc whose centroid gives the direction, px
+constexpr int kDiscReach = 16;   ///< how far from the corner pixels are read
 
 /// First moments of the intensities of a disc around a pixel that is at least kDiscReach from the edge.
 struct DiscMoments {
