@@ -1,7 +1,9 @@
 #include "kinloop/features/corner_detector.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <span>
 
@@ -31,45 +33,44 @@ std::vector<int> quota_per_level(const FeatureOptions& options) {
   return quota;
 }
 
-/// By strength; ties in reading order.
-bool stronger(const RawCorner& a, const RawCorner& b) {
-  if (a.contrast != b.contrast) return a.contrast > b.contrast;
-  return a.y != b.y ? a.y < b.y : a.x < b.x;
+/// The corners from the highest contrast down; equal ones stay in reading order.
+std::vector<RawCorner> by_contrast(std::span<const RawCorner> corners) {
+  constexpr size_t kContrasts = 256;
+  std::array<size_t, kContrasts + 1> next{};  // counting sort: where the next one of each contrast goes
+  const auto bin = [](const RawCorner& corner) {
+    return kContrasts - 1 - static_cast<size_t>(corner.contrast);
+  };
+  for (const RawCorner& corner : corners) ++next[bin(corner) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<RawCorner> sorted(corners.size());
+  for (const RawCorner& corner : corners) sorted[next[bin(corner)]++] = corner;
+  return sorted;
 }
 
-/// Sorts the corners of a level into cells, each in order of strength. Where a cell has corners above the
-/// usual threshold, the weaker ones are left out.
-std::vector<std::vector<RawCorner>> sort_into_cells(std::span<const RawCorner> corners, const cv::Size& size,
-                                                    const FeatureOptions& options) {
-  const int width = size.width - 2 * kBorder, height = size.height - 2 * kBorder;
-  const int columns = std::max(1, width / options.cell_px), rows = std::max(1, height / options.cell_px);
-  std::vector<std::vector<RawCorner>> cells(static_cast<size_t>(columns * rows));
-  for (const RawCorner& corner : corners) {
-    const int column = (corner.x - kBorder) * columns / width, row = (corner.y - kBorder) * rows / height;
-    cells[static_cast<size_t>(row * columns + column)].push_back(corner);
+/// The corners of a level that are kept, at most `quota`. The strongest alone would crowd where the contrast
+/// is high, the same number from every cell would take many that the next image does not show again: the n-th
+/// corner of a cell counts with its contrast / sqrt(n).
+std::vector<RawCorner> pick_evenly(std::span<const RawCorner> corners, const cv::Size& size, size_t quota,
+                                   int cell_px) {
+  const int columns = size.width / cell_px + 1, rows = size.height / cell_px + 1;
+  std::vector<int> taken(static_cast<size_t>(columns * rows));
+  std::vector<RawCorner> sorted = by_contrast(corners);
+  if (sorted.size() <= quota) return sorted;
+  std::vector<float> priorities;
+  for (const RawCorner& corner : sorted) {
+    const int rank = ++taken[static_cast<size_t>(corner.y / cell_px * columns + corner.x / cell_px)];
+    priorities.push_back(static_cast<float>(corner.contrast) / std::sqrt(static_cast<float>(rank)));
   }
-  for (auto& cell : cells) {
-    std::sort(cell.begin(), cell.end(), stronger);
-    const auto weak = std::find_if(cell.begin(), cell.end(), [&](const RawCorner& corner) {
-      return corner.contrast <= options.fast_threshold;
-    });
-    if (weak != cell.begin()) cell.erase(weak, cell.end());
-  }
-  return cells;
-}
-
-/// Takes the strongest corner of every cell, then the second strongest, and so on until `quota` is reached.
-std::vector<RawCorner> pick_evenly(const std::vector<std::vector<RawCorner>>& cells, size_t quota) {
+  std::vector<float> highest = priorities;
+  std::nth_element(highest.begin(), highest.begin() + static_cast<long>(quota), highest.end(),
+                   std::greater<>());
+  const float limit = highest[quota];  // the first that is too many
   std::vector<RawCorner> picked;
-  for (size_t rank = 0; picked.size() < quota; ++rank) {
-    std::vector<RawCorner> round;
-    for (const auto& cell : cells) {
-      if (rank < cell.size()) round.push_back(cell[rank]);
-    }
-    if (round.empty()) break;
-    std::sort(round.begin(), round.end(), stronger);
-    round.resize(std::min(quota - picked.size(), round.size()));
-    picked.insert(picked.end(), round.begin(), round.end());
+  for (size_t i = 0; i < sorted.size(); ++i) {
+    if (priorities[i] > limit) picked.push_back(sorted[i]);
+  }
+  for (size_t i = 0; i < sorted.size() && picked.size() < quota; ++i) {
+    if (priorities[i] == limit) picked.push_back(sorted[i]);
   }
   return picked;
 }
@@ -95,10 +96,10 @@ std::vector<Corner> detect_corners(const std::vector<cv::Mat>& pyramid, const Fe
   std::vector<Corner> all;
   for (size_t level = 0; level < pyramid.size(); ++level) {
     const cv::Mat& image = pyramid[level];
-    const auto corners = find_corners(image, options.min_fast_threshold, kBorder);
-    const auto cells = sort_into_cells(corners, image.size(), options);
-    for (const RawCorner& corner : pick_evenly(cells, static_cast<size_t>(quota[level]))) {
-      all.push_back({static_cast<int>(level), corner.x, corner.y, static_cast<float>(corner.contrast),
+    const auto corners = find_corners(image, options.fast_threshold, kBorder);
+    const auto level_quota = static_cast<size_t>(quota[level]);
+    for (const RawCorner& corner : pick_evenly(corners, image.size(), level_quota, options.cell_px)) {
+      all.push_back({static_cast<int>(level), corner.x, corner.y, corner.dx, corner.dy,
                      orientation_deg(image, corner.x, corner.y)});
     }
   }

@@ -15,7 +15,8 @@ struct Corner {
   int level = 0;
   int x = 0;  ///< whole pixels of the level
   int y = 0;
-  float strength = 0;   ///< comparable between corners of an image
+  float dx = 0;  ///< from there to where it lies more exactly, pixels of the level
+  float dy = 0;
   float angle_deg = 0;  ///< [0, 360), clockwise as y points down
 };
 
@@ -23,8 +24,8 @@ struct Corner {
 /// cv::ORB makes it. It ends early where a level would be too small for corners.
 std::vector<cv::Mat> build_pyramid(const cv::Mat& gray, const FeatureOptions& options);
 
-/// Oriented corners of the pyramid; at most about `options.count`, each level with its share by side length,
-/// evenly over the image.
+/// Oriented corners of the pyramid; at most about `options.count`, each level with its share by side length.
+/// The strongest come first, but each further corner of a cell of the image counts for less.
 std::vector<Corner> detect_corners(const std::vector<cv::Mat>& pyramid, const FeatureOptions& options);
 
 }  // namespace kinloop

@@ -39,8 +39,8 @@ Eigen::Vector2f on_full_image(const Corner& corner, const std::vector<cv::Mat>& 
   const cv::Mat& level = pyramid[static_cast<size_t>(corner.level)];
   const auto scale_x = static_cast<float>(full.cols) / static_cast<float>(level.cols);
   const auto scale_y = static_cast<float>(full.rows) / static_cast<float>(level.rows);
-  return {(static_cast<float>(corner.x) + 0.5F) * scale_x - 0.5F,
-          (static_cast<float>(corner.y) + 0.5F) * scale_y - 0.5F};
+  return {(static_cast<float>(corner.x) + corner.dx + 0.5F) * scale_x - 0.5F,
+          (static_cast<float>(corner.y) + corner.dy + 0.5F) * scale_y - 0.5F};
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstring>
+#include <span>
 
 #include "kinloop/base/errors.hpp"
 
@@ -48,9 +48,18 @@ void score_row(const uint8_t* centre, const ptrdiff_t* circle, int width, int th
   const auto limit = hn::Set(d, static_cast<uint8_t>(threshold));
   for (int begin = 0; begin < width; begin += static_cast<int>(hn::Lanes(d))) {
     const int x = std::min(begin, last);
-    ByteVector pixels[16];
-    for (size_t i = 0; i < 16; ++i) pixels[i] = hn::LoadU(d, centre + x + circle[i]);
+    const auto load = [&](size_t i) HWY_ATTR { return hn::LoadU(d, centre + x + circle[i]); };
     const auto here = hn::LoadU(d, centre + x);
+    // An arc of 9 has at least one of any two opposite pixels, so the better of them bounds its contrast.
+    const auto bright_bound = hn::Min(hn::Max(load(0), load(8)), hn::Max(load(4), load(12)));
+    const auto dark_bound = hn::Max(hn::Min(load(0), load(8)), hn::Min(load(4), load(12)));
+    const auto bound = hn::Max(hn::SaturatedSub(bright_bound, here), hn::SaturatedSub(here, dark_bound));
+    if (hn::AllTrue(d, hn::Eq(hn::SaturatedSub(bound, limit), hn::Zero(d)))) {
+      hn::StoreU(hn::Zero(d), d, scores + x);
+      continue;
+    }
+    ByteVector pixels[16];
+    for (size_t i = 0; i < 16; ++i) pixels[i] = load(i);
     const auto brighter = hn::SaturatedSub(best_arc(pixels, lower, higher), here);
     const auto darker = hn::SaturatedSub(here, best_arc(pixels, higher, lower));
     hn::StoreU(hn::SaturatedSub(hn::Max(brighter, darker), limit), d, scores + x);
@@ -111,20 +120,35 @@ std::array<ptrdiff_t, 16> circle_steps(ptrdiff_t stride) {
   return steps;
 }
 
-/// Appends the places of a row that are not zero.
-void append_corners(const std::vector<uint8_t>& maxima, int width, int x0, int y, int threshold,
+/// Where the parabola through three neighbouring scores has its peak, relative to the middle one.
+float peak_offset(int before, int middle, int after) {
+  const int bend = 2 * middle - before - after;
+  return bend > 0 ? 0.5F * static_cast<float>(after - before) / static_cast<float>(bend) : 0;
+}
+
+/// Scores of three rows, one more to either side being there; zero where there is no corner.
+struct ScoreRows {
+  const uint8_t* above;
+  const uint8_t* here;
+  const uint8_t* below;
+};
+
+/// Appends the places of a row that are not zero in `maxima`; x and y begin at `x0` and `y`.
+void append_corners(const ScoreRows& scores, std::span<const uint8_t> maxima, int x0, int y, int threshold,
                     std::vector<RawCorner>& corners) {
+  const auto width = static_cast<int>(maxima.size());
   for (int x = 0; x < width; ++x) {
-    if (x + 8 <= width) {
-      uint64_t eight;
-      std::memcpy(&eight, &maxima[static_cast<size_t>(x)], sizeof eight);
-      if (eight == 0) {
-        x += 7;
-        continue;
-      }
+    uint64_t eight = 1;
+    if (x + 8 <= width) std::memcpy(&eight, maxima.data() + x, sizeof eight);
+    if (eight == 0) {  // most are
+      x += 7;
+      continue;
     }
     const int score = maxima[static_cast<size_t>(x)];
-    if (score > 0) corners.push_back({x0 + x, y, score + threshold});
+    if (score == 0) continue;
+    corners.push_back({x0 + x, y, score + threshold,
+                       peak_offset(scores.here[x - 1], score, scores.here[x + 1]),
+                       peak_offset(scores.above[x], score, scores.below[x])});
   }
 }
 
@@ -149,11 +173,10 @@ std::vector<RawCorner> find_corners(const cv::Mat& image, int threshold, int bor
       std::fill(ahead.begin(), ahead.end(), uint8_t{0});
     }
     if (row == 0) continue;
-    const auto& above = scores[static_cast<size_t>((row + 2) % 3)];
-    const auto& here = scores[static_cast<size_t>(row % 3)];
-    HWY_DYNAMIC_DISPATCH(maxima_of_row)
-    (above.data() + 1, here.data() + 1, ahead.data() + 1, width, maxima.data());
-    append_corners(maxima, width, border, border + row - 1, threshold, corners);
+    const ScoreRows rows{scores[static_cast<size_t>((row + 2) % 3)].data() + 1,
+                         scores[static_cast<size_t>(row % 3)].data() + 1, ahead.data() + 1};
+    HWY_DYNAMIC_DISPATCH(maxima_of_row)(rows.above, rows.here, rows.below, width, maxima.data());
+    append_corners(rows, maxima, border, border + row - 1, threshold, corners);
   }
   return corners;
 }

@@ -10,11 +10,13 @@ namespace kinloop {
 
 constexpr int kMinCornerWidth = 32;  ///< images narrower than this inside their border have no corners
 
-/// A corner at whole pixels of its image.
+/// A corner of an image.
 struct RawCorner {
-  int x = 0;
+  int x = 0;  ///< where the contrast is greatest, whole pixels
   int y = 0;
   int contrast = 0;  ///< the least difference along the best arc of 9 pixels, grey levels
+  float dx = 0;      ///< from there to the peak of the parabola through the neighbours' contrasts, px
+  float dy = 0;
 };
 
 /// The corners with a contrast above `threshold` that are at least `border` (3 or more) from the edge and
