@@ -85,7 +85,7 @@ std::vector<cv::Mat> build_pyramid(const cv::Mat& gray, const FeatureOptions& op
     const cv::Size size(cvRound(gray.cols * scale), cvRound(gray.rows * scale));
     if (std::min(size.width, size.height) < kMinSide) break;
     cv::Mat smaller;
-    cv::resize(pyramid.back(), smaller, size, 0, 0, cv::INTER_LINEAR_EXACT);
+    cv::resize(pyramid.back(), smaller, size, 0, 0, cv::INTER_LINEAR);
     pyramid.push_back(smaller);
   }
   return pyramid;

@@ -20,8 +20,8 @@ struct Corner {
   float angle_deg = 0;  ///< [0, 360), clockwise as y points down
 };
 
-/// The pyramid of a grey image, level 0 first, each level `scale_factor` smaller than the one before, as
-/// cv::ORB makes it. It ends early where a level would be too small for corners.
+/// The pyramid of a grey image, level 0 first, each level `scale_factor` smaller than the one before. It ends
+/// early where a level would be too small for corners.
 std::vector<cv::Mat> build_pyramid(const cv::Mat& gray, const FeatureOptions& options);
 
 /// Oriented corners of the pyramid; at most about `options.count`, each level with its share by side length.

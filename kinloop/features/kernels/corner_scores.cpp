@@ -48,18 +48,9 @@ void score_row(const uint8_t* centre, const ptrdiff_t* circle, int width, int th
   const auto limit = hn::Set(d, static_cast<uint8_t>(threshold));
   for (int begin = 0; begin < width; begin += static_cast<int>(hn::Lanes(d))) {
     const int x = std::min(begin, last);
-    const auto load = [&](size_t i) HWY_ATTR { return hn::LoadU(d, centre + x + circle[i]); };
     const auto here = hn::LoadU(d, centre + x);
-    // An arc of 9 has at least one of any two opposite pixels, so the better of them bounds its contrast.
-    const auto bright_bound = hn::Min(hn::Max(load(0), load(8)), hn::Max(load(4), load(12)));
-    const auto dark_bound = hn::Max(hn::Min(load(0), load(8)), hn::Min(load(4), load(12)));
-    const auto bound = hn::Max(hn::SaturatedSub(bright_bound, here), hn::SaturatedSub(here, dark_bound));
-    if (hn::AllTrue(d, hn::Eq(hn::SaturatedSub(bound, limit), hn::Zero(d)))) {
-      hn::StoreU(hn::Zero(d), d, scores + x);
-      continue;
-    }
     ByteVector pixels[16];
-    for (size_t i = 0; i < 16; ++i) pixels[i] = load(i);
+    for (size_t i = 0; i < 16; ++i) pixels[i] = hn::LoadU(d, centre + x + circle[i]);
     const auto brighter = hn::SaturatedSub(best_arc(pixels, lower, higher), here);
     const auto darker = hn::SaturatedSub(here, best_arc(pixels, higher, lower));
     hn::StoreU(hn::SaturatedSub(hn::Max(brighter, darker), limit), d, scores + x);
