@@ -13,12 +13,14 @@
 // after it
 #include <hwy/highway.h>
 
+#include "kinloop/features/kernels/capped-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::CappedTag<float, 16>;
+using Floats = Capped<float, 16>;
 using Ints = hn::Rebind<int32_t, Floats>;
 using Bytes = hn::Rebind<uint8_t, Floats>;
 

@@ -10,6 +10,8 @@
 // after it
 #include <hwy/highway.h>
 
+#include "kinloop/features/kernels/capped-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
 namespace {
@@ -18,7 +20,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 void to_rows(const uint8_t* query, const uint8_t* rows, const uint32_t* indices, size_t count,
              uint16_t* distances) {
-  const hn::CappedTag<uint64_t, 4> d;
+  const Capped<uint64_t, 4> d;
   constexpr size_t kWords = kOrbBytes / sizeof(uint64_t);
   const auto load = [d](const uint8_t* bytes, size_t word)
                         HWY_ATTR { return hn::LoadU(d, reinterpret_cast<const uint64_t*>(bytes) + word); };
@@ -32,7 +34,7 @@ void to_rows(const uint8_t* query, const uint8_t* rows, const uint32_t* indices,
   }
 }
 
-using Bytes = hn::CappedTag<uint8_t, 64>;
+using Bytes = Capped<uint8_t, 64>;
 using ByteVector = hn::Vec<Bytes>;
 
 /// Adds three bits in each place: `sum` gets the low digit of the result; the high one is returned.
@@ -47,7 +49,7 @@ HWY_INLINE ByteVector add_bits(ByteVector& sum, ByteVector b, ByteVector c) {
 /// adders (Harley and Seal, in Warren 2012, section 5-1).
 void to_turned(const uint8_t* query, const uint8_t* turned, size_t stride, uint16_t* distances) {
   const Bytes d;
-  const hn::CappedTag<uint16_t, 32> words;
+  const Capped<uint16_t, 32> words;
   const hn::Rebind<uint8_t, decltype(words)> half;
   const auto twice = [](auto v) HWY_ATTR { return hn::Add(v, v); };
   for (size_t begin = 0; begin < stride; begin += hn::Lanes(d)) {
@@ -80,7 +82,7 @@ void to_turned(const uint8_t* query, const uint8_t* turned, size_t stride, uint1
 
 /// nearest_key in the header.
 uint32_t lower_keys(const uint16_t* distances, size_t count, uint32_t index, uint32_t* keys) {
-  const hn::CappedTag<uint32_t, 16> d;
+  const Capped<uint32_t, 16> d;
   const hn::Rebind<uint16_t, decltype(d)> words;
   auto columns = hn::Iota(d, 0);
   auto smallest = hn::Set(d, kNoKey);

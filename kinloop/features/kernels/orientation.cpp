@@ -10,6 +10,8 @@
 // after it
 #include <hwy/highway.h>
 
+#include "kinloop/features/kernels/capped-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
 namespace {
@@ -20,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// of y times intensity. `rows_inside` holds, for each |y|, 32 bytes that are all ones inside the disc.
 void sum_columns(const uint8_t* corner, ptrdiff_t stride, const uint8_t* rows_inside, int16_t* sums,
                  int16_t* moments) {
-  const hn::CappedTag<int16_t, 16> words;
+  const Capped<int16_t, 16> words;
   const hn::Rebind<uint8_t, decltype(words)> bytes;
   for (size_t column = 0; column < 32; column += hn::Lanes(words)) {
     const uint8_t* from = corner + column - 15;

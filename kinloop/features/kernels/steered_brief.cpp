@@ -12,6 +12,8 @@
 // after it
 #include <hwy/highway.h>
 
+#include "kinloop/features/kernels/capped-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
 namespace {
@@ -20,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// Steps in memory from the corner to the points (x, y) turned by an angle, rounded to whole pixels.
 void turn_points(const float* x, const float* y, float cosine, float sine, int stride, int32_t* steps) {
-  const hn::CappedTag<float, 16> d;
+  const Capped<float, 16> d;
   const hn::Rebind<int32_t, decltype(d)> ints;
   const auto c = hn::Set(d, cosine), s = hn::Set(d, sine);
   // Adding 1.5 * 2^23 leaves the nearest integer in the low bits of the float, on every instruction set.
