@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "apps/commands.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/eval/graph_report.hpp"
 #include "kinloop/optimize/g2o_file.hpp"
 
 namespace kinloop {
@@ -24,13 +27,14 @@ A file without vertices starts from poses chained along a spanning tree; without
 each connected part is held. Edges between successive ids are taken for odometry: no robust kernel touches them.
 
 Examples:
-  kinloop optimize sphere2500.g2o -o solved.g2o
+  kinloop optimize sphere2500.g2o -o solved.g2o --report solved.html          with a picture of before and after
   kinloop optimize out/graph.g2o -o out/robust.g2o --robust geman-mcclure      some loop edges may be false
   kinloop optimize graph.g2o -o solved.g2o --solver ceres --json               compare the solvers)";
 
 struct OptimizeArguments {
   std::filesystem::path input;
   std::filesystem::path output;
+  std::filesystem::path report;
   std::string solver, method, start, robust, robust_width, iterations;
   bool overwrite = false;
   bool json = false;
@@ -50,11 +54,27 @@ PoseGraphOptions pose_graph_options(const OptimizeArguments& arguments) {
   return with_assignments(PoseGraphOptions{}, assignments);
 }
 
-void check_output(const OptimizeArguments& arguments) {
+/// Throws before any work is done where a result could not be written in the end.
+void check_outputs(const OptimizeArguments& arguments) {
   std::error_code ignored;
-  if (arguments.overwrite || !std::filesystem::equivalent(arguments.input, arguments.output, ignored)) return;
-  throw UsageError(fmt::format("{} is the input; choose another -o, or give --overwrite to replace it",
-                               arguments.output.string()));
+  const auto is_input = [&](const std::filesystem::path& path) {
+    return std::filesystem::equivalent(arguments.input, path, ignored);
+  };
+  if (!arguments.overwrite && is_input(arguments.output)) {
+    throw UsageError(fmt::format("{} is the input; choose another -o, or give --overwrite to replace it",
+                                 arguments.output.string()));
+  }
+  if (is_input(arguments.report)) {
+    throw UsageError(fmt::format("{} is the input; choose another --report", arguments.report.string()));
+  }
+  if (arguments.report == arguments.output) throw UsageError("-o and --report name the same file");
+  for (const auto& path : {arguments.output, arguments.report}) {
+    if (path.empty()) continue;
+    if (std::filesystem::is_directory(path, ignored)) {
+      throw InputError(path.string() + " is a folder; name a file in it");
+    }
+    const AtomicFile probe(path);  // without a commit it leaves nothing behind
+  }
 }
 
 /// Says what the user should know about the file before believing the figures.
@@ -70,8 +90,38 @@ void warn_about(const G2oFile& file, size_t parts, const std::filesystem::path& 
 }
 
 template <class Pose>
-void report(const BasicPoseGraph<Pose>& graph, const BasicPoseGraphSolution<Pose>& solution, size_t parts,
-            const G2oFile& file, bool json) {
+std::vector<Eigen::Vector3d> positions(const std::vector<Pose>& T_world_vertex) {
+  std::vector<Eigen::Vector3d> points;
+  for (const Pose& T : T_world_vertex) {
+    points.emplace_back(Eigen::Vector3d::Zero());
+    points.back().head(T.translation.size()) = T.translation;
+  }
+  return points;
+}
+
+/// The page with the graph before and after.
+template <class Pose>
+std::string page(const std::string& title, const std::vector<Pose>& before, const BasicPoseGraph<Pose>& graph,
+                 const BasicPoseGraphSolution<Pose>& solution) {
+  GraphReport report;
+  report.title = title;
+  report.subtitle = fmt::format("{} vertices, {} edges", graph.T_world_vertex.size(), graph.edges.size());
+  report.tiles = {{fmt::format("{:.6g}", solution.chi2_before), "chi2 before"},
+                  {fmt::format("{:.6g}", solution.chi2_after), "chi2 after"},
+                  {std::to_string(solution.iterations), "iterations by " + solution.solver},
+                  {fmt::format("{:.3f} s", solution.seconds), "solving"}};
+  report.before = positions(before);
+  report.after = positions(solution.T_world_vertex);
+  for (const auto& edge : graph.edges) {
+    if (edge.a == kWorld) continue;
+    (edge.trusted ? report.steps : report.loops).emplace_back(edge.a, edge.b);
+  }
+  return render_graph_report(report);
+}
+
+template <class Pose>
+void print(const BasicPoseGraph<Pose>& graph, const BasicPoseGraphSolution<Pose>& solution, size_t parts,
+           const G2oFile& file, bool json) {
   if (json) {
     const nlohmann::ordered_json figures = {
         {"chi2_before", solution.chi2_before},
@@ -96,16 +146,19 @@ void report(const BasicPoseGraph<Pose>& graph, const BasicPoseGraphSolution<Pose
 
 void optimize(const OptimizeArguments& arguments) {
   const PoseGraphOptions options = pose_graph_options(arguments);
-  check_output(arguments);
+  check_outputs(arguments);
   G2oFile file = read_g2o(arguments.input);
   std::visit(
       [&](auto& graph) {
         const size_t parts = count_connected_parts(graph);
         warn_about(file, parts, arguments.input);
         auto solution = solve_pose_graph(graph, options);
-        graph.T_world_vertex = solution.T_world_vertex;
+        const auto before = std::exchange(graph.T_world_vertex, solution.T_world_vertex);
         write_g2o(arguments.output, file);
-        report(graph, solution, parts, file, arguments.json);
+        if (!arguments.report.empty()) {
+          write_file(arguments.report, page(arguments.input.string(), before, graph, solution));
+        }
+        print(graph, solution, parts, file, arguments.json);
       },
       file.graph);
 }
@@ -120,6 +173,8 @@ void add_optimize_command(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "where the solved graph goes")
       ->required()
       ->type_name("OUT.g2o");
+  command->add_option("--report", arguments->report, "a page with the graph before and after")
+      ->type_name("OUT.html");
   command->add_option("--solver", arguments->solver, "auto (the built-in one), builtin, ceres or g2o");
   command->add_option("--method", arguments->method, "auto, levenberg, gauss-newton or dogleg");
   command->add_option("--start", arguments->start,

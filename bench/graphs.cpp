@@ -2,9 +2,13 @@
 //
 //   bench_graphs standard [DIR]    every .g2o file in DIR, from the file's start, a noisy start and none
 //   bench_graphs growth [MAX]      generated graphs of 1000 poses and more, up to MAX (100000)
-//   bench_graphs outliers [DIR]    false loop edges: error against the clean solution, by robust kernel
+//   bench_graphs growing [DIR]     solved again at every tenth loop edge: from scratch, and from the last
+//   solution bench_graphs outliers [DIR]    false loop edges: error against the clean solution, by robust
+//   kernel
 
 #include <algorithm>
+#include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -12,15 +16,19 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/stopwatch.hpp"
+#include "bench/graph_worlds.hpp"
 #include "kinloop/optimize/g2o_file.hpp"
-#include "kinloop/optimize/pose_graph_error.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr int kRuns = 3;  // the median is reported
+constexpr int kRuns = 3;      // the median is reported ...
+constexpr double kLongS = 1;  // ... but one run is enough where it takes longer than this
+
+/// CPU time of all threads so far: CHOLMOD and BLAS under g2o may start some.
+double process_cpu_s() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
 
 /// One way to solve a graph.
 struct Contestant {
@@ -50,18 +58,18 @@ Figures measure(const BasicPoseGraph<Pose>& graph, const Contestant& contestant)
   options.start = contestant.start;
   Figures figures;
   std::vector<double> walls, cpus;
-  for (int run = 0; run < kRuns; ++run) {
-    const Stopwatch stopwatch;
+  while (walls.size() < kRuns && (cpus.empty() || cpus.back() < kLongS)) {
+    const double start_s = process_cpu_s();
     const auto solution = solve_pose_graph(graph, options);
-    cpus.push_back(stopwatch.cpu_s());
+    cpus.push_back(process_cpu_s() - start_s);
     walls.push_back(solution.seconds);
     figures.chi2 = solution.chi2_after;
     figures.iterations = solution.iterations;
   }
   std::sort(walls.begin(), walls.end());
   std::sort(cpus.begin(), cpus.end());
-  figures.wall_s = walls[kRuns / 2];
-  figures.cpu_s = cpus[kRuns / 2];
+  figures.wall_s = walls[walls.size() / 2];
+  figures.cpu_s = cpus[cpus.size() / 2];
   return figures;
 }
 
@@ -76,24 +84,6 @@ void compare(const std::string& name, const BasicPoseGraph<Pose>& graph) {
   }
 }
 
-/// The graph with every pose but the first moved by noise of that size.
-template <class Pose>
-BasicPoseGraph<Pose> with_noise(BasicPoseGraph<Pose> graph, double sigma) {
-  Random random(1);
-  for (size_t i = 1; i < graph.T_world_vertex.size(); ++i) {
-    typename BasicPoseGraph<Pose>::Vector d;
-    for (int k = 0; k < d.size(); ++k) d[k] = sigma * random.gaussian();
-    graph.T_world_vertex[i] = retract(graph.T_world_vertex[i], d);
-  }
-  return graph;
-}
-
-template <class Pose>
-BasicPoseGraph<Pose> without_start(BasicPoseGraph<Pose> graph) {
-  std::fill(graph.T_world_vertex.begin(), graph.T_world_vertex.end(), Pose{});
-  return graph;
-}
-
 std::vector<std::filesystem::path> graphs_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -103,54 +93,21 @@ std::vector<std::filesystem::path> graphs_in(const std::filesystem::path& folder
   return files;
 }
 
-void run_standard(const std::filesystem::path& folder) {
+/// The graph as a benchmark starts from it: "file", "noisy" or "none".
+template <class Pose>
+BasicPoseGraph<Pose> started(const BasicPoseGraph<Pose>& graph, const std::string& start) {
   constexpr double kNoise = 0.5;  // metres, radians
-  for (const auto& path : graphs_in(folder)) {
-    const std::string name = path.stem().string();
-    std::visit(
-        [&](const auto& graph) {
-          compare(name, graph);
-          compare(name + ", noisy", with_noise(graph, kNoise));
-          compare(name + ", no start", without_start(graph));
-        },
-        read_g2o(path).graph);
-  }
+  if (start == "noisy") return with_noise(graph, kNoise);
+  return start == "none" ? without_start(graph) : graph;
 }
 
-/// A walk on the unit grid in space, with an edge to an earlier pose wherever it comes back to a cell.
-PoseGraph grid_walk(uint32_t count) {
-  constexpr double kSigma = 0.02;  // metres, radians
-  Random random(count);
-  const auto side = static_cast<int64_t>(std::cbrt(count)) + 2;
-  const Matrix6d information = Matrix6d::Identity() / (kSigma * kSigma);
-  std::vector<SE3> truth = {SE3{}};
-  std::vector<uint32_t> last_at(static_cast<size_t>(side * side * side), kWorld);
-  PoseGraph graph;
-  const auto measure = [&](uint32_t a, uint32_t b) {
-    Vector6d noise;
-    for (double& value : noise) value = kSigma * random.gaussian();
-    graph.edges.push_back({a, b, retract(truth[a].inverse() * truth[b], noise), information, b == a + 1});
-  };
-  Eigen::Vector3i cell = Eigen::Vector3i::Zero();
-  while (truth.size() < count) {
-    const int axis = static_cast<int>(random.index(3));
-    const int step = random.index(2) == 0 ? 1 : -1;
-    if (cell[axis] + step < 0 || cell[axis] + step >= side) continue;
-    cell[axis] += step;
-    Vector6d turn = Vector6d::Zero();
-    for (int i = 3; i < 6; ++i) turn[i] = random.uniform(-0.5, 0.5);
-    SE3 T = retract(truth.back(), turn);
-    T.translation = cell.cast<double>();
-    truth.push_back(T);
-    const auto index = static_cast<uint32_t>(truth.size() - 1);
-    measure(index - 1, index);
-    uint32_t& last = last_at[static_cast<size_t>((cell.x() * side + cell.y()) * side + cell.z())];
-    if (last != kWorld && last + 1 < index) measure(last, index);
-    last = index;
+void run_standard(const std::filesystem::path& folder) {
+  for (const char* start : {"file", "none", "noisy"}) {
+    for (const auto& path : graphs_in(folder)) {
+      const std::string name = fmt::format("{}, {}", path.stem().string(), start);
+      std::visit([&](const auto& graph) { compare(name, started(graph, start)); }, read_g2o(path).graph);
+    }
   }
-  graph.T_world_vertex.resize(count);
-  graph.T_world_vertex = spanning_tree_poses(graph);
-  return graph;
 }
 
 double peak_memory_mib() {
@@ -162,33 +119,69 @@ double peak_memory_mib() {
 void run_growth(uint32_t most) {
   for (uint32_t count = 1000; count <= most; count *= 10) {
     const PoseGraph graph = grid_walk(count);
-    const auto solution = solve_pose_graph(graph);
-    fmt::print("{:7} poses {:7} edges: chi2 {:.8g}, {} iterations, {:.3f} s, peak {:.0f} MiB\n", count,
-               graph.edges.size(), solution.chi2_after, solution.iterations, solution.seconds,
-               peak_memory_mib());
+    for (const char* start : {"file", "noisy", "none"}) {
+      const double start_s = process_cpu_s();
+      const auto solution = solve_pose_graph(started(graph, start));
+      fmt::print(
+          "{:7} poses {:7} edges, {:5}: chi2 {:.8g}, {} iterations, {:.3f} s of CPU, peak {:.0f} MiB\n",
+          count, graph.edges.size(), start, solution.chi2_after, solution.iterations,
+          process_cpu_s() - start_s, peak_memory_mib());
+    }
   }
 }
 
-/// The graph with `share` as many false loop edges added as it has loop edges.
+/// The graphs up to every `every`-th loop edge, each with the vertices seen until then.
 template <class Pose>
-BasicPoseGraph<Pose> with_false_loops(BasicPoseGraph<Pose> graph, double share) {
-  Random random(7);
-  const auto count = static_cast<uint32_t>(graph.T_world_vertex.size());
-  std::vector<size_t> loops;
-  for (size_t i = 0; i < graph.edges.size(); ++i) {
-    if (!graph.edges[i].trusted) loops.push_back(i);
+std::vector<BasicPoseGraph<Pose>> stages(const BasicPoseGraph<Pose>& graph, size_t every) {
+  auto edges = graph.edges;
+  std::stable_sort(edges.begin(), edges.end(),
+                   [](const auto& l, const auto& r) { return std::max(l.a, l.b) < std::max(r.a, r.b); });
+  std::vector<BasicPoseGraph<Pose>> all;
+  BasicPoseGraph<Pose> part;
+  size_t loops = 0;
+  for (const auto& edge : edges) {
+    part.edges.push_back(edge);
+    if (edge.trusted || ++loops % every != 0) continue;
+    const auto count = static_cast<std::ptrdiff_t>(std::max(edge.a, edge.b)) + 1;
+    part.T_world_vertex.assign(graph.T_world_vertex.begin(), graph.T_world_vertex.begin() + count);
+    all.push_back(part);
   }
-  const auto wanted = static_cast<size_t>(share * static_cast<double>(loops.size()));
-  for (size_t i = 0; i < wanted; ++i) {
-    auto edge =
-        graph.edges[loops[random.index(static_cast<uint32_t>(loops.size()))]];  // a true measurement ...
-    do {
-      edge.a = random.index(count);  // ... between the wrong poses
-      edge.b = random.index(count);
-    } while (edge.a == edge.b);
-    graph.edges.push_back(edge);
+  return all;
+}
+
+template <class Pose>
+void compare_growing(const std::string& name, const BasicPoseGraph<Pose>& graph) {
+  constexpr size_t kSolutions = 50;
+  size_t loops = 0;
+  for (const auto& edge : graph.edges) loops += edge.trusted ? 0 : 1;
+  const auto all = stages(graph, std::max<size_t>(1, loops / kSolutions));
+  double batch_s = 0, warm_s = 0, worst = 0;
+  int batch_iterations = 0, warm_iterations = 0;
+  BasicPoseGraphSolution<Pose> last;
+  for (const auto& part : all) {
+    double start_s = process_cpu_s();
+    const auto batch = solve_pose_graph(part);
+    batch_s += process_cpu_s() - start_s;
+    batch_iterations += batch.iterations;
+    start_s = process_cpu_s();
+    PoseGraphOptions options;
+    options.start = "given";
+    last = solve_grown_pose_graph(part, last, options);
+    warm_s += process_cpu_s() - start_s;
+    warm_iterations += last.iterations;
+    worst = std::max(worst, last.chi2_after / batch.chi2_after - 1);
   }
-  return graph;
+  fmt::print(
+      "{:16} {} solutions: from scratch {} iterations {:.3f} s of CPU, from the last {} iterations {:.3f} s, "
+      "chi2 at most {:.1e} above\n",
+      name, all.size(), batch_iterations, batch_s, warm_iterations, warm_s, worst);
+}
+
+void run_growing(const std::filesystem::path& folder) {
+  for (const auto& path : graphs_in(folder)) {
+    std::visit([&](const auto& graph) { compare_growing(path.stem().string(), graph); },
+               read_g2o(path).graph);
+  }
 }
 
 template <class Pose>
@@ -234,10 +227,13 @@ int main(int argc, char** argv) {
     kinloop::run_standard(folder);
   } else if (mode == "growth") {
     kinloop::run_growth(argument.empty() ? 100000 : static_cast<uint32_t>(std::stoul(argument)));
+  } else if (mode == "growing") {
+    kinloop::run_growing(folder);
   } else if (mode == "outliers") {
     kinloop::run_outliers(folder);
   } else {
-    fmt::print(stderr, "usage: bench_graphs standard [DIR] | growth [MAX_POSES] | outliers [DIR]\n");
+    fmt::print(stderr,
+               "usage: bench_graphs standard [DIR] | growth [MAX_POSES] | growing [DIR] | outliers [DIR]\n");
     return 2;
   }
   return 0;

@@ -15,6 +15,7 @@ BundleNormal<C>::BundleNormal(const BundleTask& bundle_task)
       has_sensor(sensor_free.any()) {
   number_unknowns();
   make_pattern();
+  H_camera = BlockMatrix<C>(pattern);
   e.resize(slots.size());
   J_camera.resize(slots.size());
   H_camera_point.resize(slots.size());
@@ -65,6 +66,7 @@ void BundleNormal<C>::number_unknowns() {
 template <int C>
 void BundleNormal<C>::make_pattern() {
   const auto cameras = static_cast<uint32_t>(pose_of_camera.size());
+  pattern.size = cameras;
   std::vector<std::vector<uint32_t>> coupled(cameras);
   for (const BundleEdge& edge : task.problem.edges) {
     const int a = camera_of_pose[edge.a], b = camera_of_pose[edge.b];
@@ -73,7 +75,6 @@ void BundleNormal<C>::make_pattern() {
   }
   for (uint32_t column = 0; column < cameras; ++column) {
     std::vector<uint8_t> in_column(cameras, 0);
-    in_column[column] = 1;
     for (const uint32_t row : coupled[column]) in_column[row] = 1;
     for (const uint32_t slot : slots_of_pose[pose_of_camera[column]]) {
       const Point& point = points[slots[slot].point];
@@ -81,12 +82,24 @@ void BundleNormal<C>::make_pattern() {
         if (slots[other].camera >= 0) in_column[static_cast<size_t>(slots[other].camera)] = 1;
       }
     }
-    std::vector<uint32_t> rows;
-    for (uint32_t row = column; row < cameras; ++row) {
-      if (in_column[row] != 0) rows.push_back(row);
+    column_begin.push_back(pattern.off_diagonal.size());
+    for (uint32_t row = column + 1; row < cameras; ++row) {
+      if (in_column[row] != 0) pattern.off_diagonal.emplace_back(row, column);
     }
-    H_camera.add_column(rows);
   }
+  column_begin.push_back(pattern.off_diagonal.size());
+}
+
+/// The block of two coupled cameras, row >= column.
+template <int C>
+typename BundleNormal<C>::Block& BundleNormal<C>::H_between(uint32_t row, uint32_t column) {
+  if (row == column) return H_camera.diagonal[row];
+  const auto column_of = pattern.off_diagonal.begin() + static_cast<std::ptrdiff_t>(column_begin[column]);
+  const auto found = std::lower_bound(column_of, pattern.off_diagonal.end(), std::pair(row, column),
+                                      [](const auto& a, const auto& b) {
+                                        return std::pair(a.second, a.first) < std::pair(b.second, b.first);
+                                      });
+  return H_camera.off_diagonal[static_cast<size_t>(found - pattern.off_diagonal.begin())];
 }
 
 template <int C>
@@ -96,7 +109,7 @@ void BundleNormal<C>::linearize(const BundleState& state) {
   parallel_for(points.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) linearize_point(state, views, points[i]);
   });
-  std::fill(H_camera.blocks.begin(), H_camera.blocks.end(), Block::Zero());
+  H_camera.set_zero();
   std::vector<SensorPart> parts(slots_of_pose.size());
   parallel_for(parts.size(), threads, [&](size_t begin, size_t end) {
     for (size_t pose = begin; pose < end; ++pose) parts[pose] = sum_pose(pose);
@@ -168,7 +181,7 @@ typename BundleNormal<C>::SensorPart BundleNormal<C>::sum_pose(size_t pose) {
   }
   const int camera = camera_of_pose[pose];
   if (camera < 0) return part;
-  H_camera.blocks[H_camera.begin[static_cast<size_t>(camera)]] = H;
+  H_camera.diagonal[static_cast<size_t>(camera)] = H;
   g_camera.template segment<C>(C * camera) = g;
   H_camera_sensor.template middleRows<C>(C * camera) = by_sensor;
   return part;
@@ -178,8 +191,8 @@ template <int C>
 void BundleNormal<C>::add_edges(const BundleState& state) {
   const auto add = [&](int row, int column, const Matrix6d& product) {
     if (row < column || column < 0) return;  // the upper triangle, or held
-    const size_t block = H_camera.find(static_cast<uint32_t>(row), static_cast<uint32_t>(column));
-    H_camera.blocks[block].template topLeftCorner<6, 6>() += product;
+    Block& block = H_between(static_cast<uint32_t>(row), static_cast<uint32_t>(column));
+    block.template topLeftCorner<6, 6>() += product;
   };
   for (const BundleEdge& edge : task.problem.edges) {
     const auto linear =
@@ -202,7 +215,7 @@ void BundleNormal<C>::add_priors(const BundleState& state) {
     const Vector6d information = velocity_information(task.options);
     for (size_t camera = 0; camera < pose_of_camera.size(); ++camera) {
       const uint32_t pose = pose_of_camera[camera];
-      H_camera.blocks[H_camera.begin[camera]].template bottomRightCorner<6, 6>().diagonal() += information;
+      H_camera.diagonal[camera].template bottomRightCorner<6, 6>().diagonal() += information;
       g_camera.template segment<6>(static_cast<Eigen::Index>(C * camera + 6)) +=
           information.cwiseProduct(state.velocities[pose] - task.velocities[pose]);
     }

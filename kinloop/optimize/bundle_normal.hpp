@@ -7,8 +7,8 @@
 
 #include <vector>
 
-#include "kinloop/optimize/block_cholesky.hpp"
 #include "kinloop/optimize/bundle_model.hpp"
+#include "kinloop/optimize/sparse_cholesky.hpp"
 
 namespace kinloop {
 
@@ -56,7 +56,9 @@ struct BundleNormal {
   std::vector<Eigen::Matrix<double, C, 3>> H_camera_point;
 
   std::vector<Eigen::Matrix<double, kSensor, 3>> H_sensor_point;  ///< of each point; empty as above
-  BlockSymmetric<C> H_camera;  ///< with room for what eliminating the points fills in
+  BlockPattern pattern;              ///< of H_camera, with room for what eliminating the points fills in
+  std::vector<size_t> column_begin;  ///< of each camera in pattern.off_diagonal, which goes column by column
+  BlockMatrix<C> H_camera{pattern};
   CameraSensor H_camera_sensor;
   SensorMatrix H_sensor = SensorMatrix::Zero();
   Eigen::VectorXd g_camera;
@@ -71,6 +73,7 @@ struct BundleNormal {
 
   void number_unknowns();
   void make_pattern();
+  Block& H_between(uint32_t row, uint32_t column);
   void linearize_point(const BundleState& state, const std::vector<BundleView>& views, Point& point);
   void linearize_slot(size_t slot, const LinearizedObservation& linear, Point& point);
   SensorPart sum_pose(size_t pose);

@@ -31,7 +31,8 @@ SensorMatrix sensor_inverse(SensorMatrix information) {
 template <int C>
 BundleSchur<C>::BundleSchur(const BundleTask& task)
     : normal_(task),
-      cholesky_(normal_.H_camera),
+      plan_(plan_elimination(normal_.pattern)),
+      cholesky_(plan_),
       H_point_inverse_(normal_.points.size()),
       Y_(normal_.slots.size()) {}
 
@@ -55,9 +56,11 @@ void BundleSchur<C>::invert_points(double damping) {
 /// Takes the points out of one column of the camera system and of its right-hand sides.
 template <int C>
 void BundleSchur<C>::reduce_column(size_t camera, Reduced& system) const {
-  BlockSymmetric<C>& A = system.A;
-  std::vector<size_t> block_of(A.columns(), 0);
-  for (size_t i = A.begin[camera]; i < A.begin[camera + 1]; ++i) block_of[A.rows[i]] = i;
+  std::vector<typename Normal::Block*> block_of(system.A.diagonal.size(), nullptr);  // by row
+  block_of[camera] = &system.A.diagonal[camera];
+  for (size_t i = normal_.column_begin[camera]; i < normal_.column_begin[camera + 1]; ++i) {
+    block_of[normal_.pattern.off_diagonal[i].first] = &system.A.off_diagonal[i];
+  }
   const auto row = static_cast<Eigen::Index>(C * camera);
   auto a = system.a.template segment<C>(row);
   auto B = system.B.template middleRows<C>(row);
@@ -68,8 +71,7 @@ void BundleSchur<C>::reduce_column(size_t camera, Reduced& system) const {
     for (size_t other = point.first; other < point.last; ++other) {
       const int other_camera = normal_.slots[other].camera;
       if (other_camera < static_cast<int>(camera)) continue;
-      A.blocks[block_of[static_cast<size_t>(other_camera)]].noalias() -=
-          normal_.H_camera_point[other].lazyProduct(Y);
+      block_of[static_cast<size_t>(other_camera)]->noalias() -= normal_.H_camera_point[other].lazyProduct(Y);
     }
     a.noalias() += Y_[i] * point.g;
     if (normal_.has_sensor) B.noalias() -= Y_[i].lazyProduct(normal_.H_sensor_point[index].transpose());
@@ -91,8 +93,8 @@ typename BundleSchur<C>::Reduced BundleSchur<C>::reduce(double damping) {
   invert_points(damping);
   Reduced system{normal_.H_camera, normal_.H_camera_sensor, normal_.H_sensor, -normal_.g_camera,
                  -normal_.g_sensor};
-  const size_t cameras = system.A.columns();
-  for (size_t c = 0; c < cameras; ++c) damp(system.A.blocks[system.A.begin[c]].diagonal(), damping);
+  const size_t cameras = system.A.diagonal.size();
+  for (auto& block : system.A.diagonal) damp(block.diagonal(), damping);
   damp(system.S.diagonal(), damping);
   parallel_for(cameras, normal_.task.options.threads, [&](size_t begin, size_t end) {
     for (size_t c = begin; c < end; ++c) reduce_column(c, system);
@@ -108,7 +110,7 @@ std::optional<BundleStep> BundleSchur<C>::solve(double damping) {
   BundleStep step;
   step.cameras = cholesky_.solve(system.a);
   if (normal_.has_sensor) {
-    const CameraSensor A_inverse_B = cholesky_.solve(system.B);
+    const CameraSensor A_inverse_B = cholesky_.template solve<Eigen::MatrixXd>(system.B);
     const Eigen::LLT<SensorMatrix> llt(system.S - system.B.transpose() * A_inverse_B);
     if (llt.info() != Eigen::Success) return std::nullopt;
     step.sensor = llt.solve(system.b - system.B.transpose() * step.cameras);
@@ -160,7 +162,7 @@ BundleCovariance BundleSchur<C>::covariance() {
   covariance.poses.assign(normal_.camera_of_pose.size(), Matrix6d::Zero());
   const Reduced system = reduce(0);
   if (!cholesky_.factorize(system.A)) return covariance;
-  const CameraSensor A_inverse_B = cholesky_.solve(system.B);
+  const CameraSensor A_inverse_B = cholesky_.template solve<Eigen::MatrixXd>(system.B);
   if (normal_.has_sensor) {
     const auto& free = normal_.sensor_free;
     const SensorMatrix all = sensor_inverse(system.S - system.B.transpose() * A_inverse_B);

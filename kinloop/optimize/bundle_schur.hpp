@@ -38,7 +38,7 @@ class BundleSchur {
 
   /// The equations of cameras c and sensor s once the points are eliminated: [A B; B' S] (c; s) = (a; b).
   struct Reduced {
-    BlockSymmetric<C> A;
+    BlockMatrix<C> A;
     CameraSensor B;
     SensorMatrix S;
     Eigen::VectorXd a;
@@ -52,7 +52,8 @@ class BundleSchur {
   [[nodiscard]] std::vector<Eigen::Vector3d> point_steps(const BundleStep& step) const;
 
   Normal normal_;
-  BlockCholesky<C> cholesky_;
+  EliminationPlan plan_;
+  SparseCholesky<C> cholesky_;
   std::vector<Eigen::Matrix3d> H_point_inverse_;  // damped
   std::vector<Eigen::Matrix<double, C, 3>> Y_;    // of each slot: H_camera_point H_point^-1
 };

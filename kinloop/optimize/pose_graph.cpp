@@ -33,12 +33,13 @@ void check(PoseGraphOptions options) {
 
 template <class Pose>
 SolvedPoses<Pose> solve_with(const std::string& solver, const BasicPoseGraph<Pose>& graph,
-                             const std::vector<bool>& held, const PoseGraphOptions& options) {
+                             const std::vector<bool>& held, const PoseGraphOptions& options,
+                             const PoseGraphElimination& earlier) {
 #ifdef KINLOOP_WITH_G2O
   if (solver == "g2o") return solve_with_g2o(graph, held, options);
 #endif
   if (solver == "ceres") return solve_with_ceres(graph, held, options);
-  return solve_with_builtin(graph, held, options);
+  return solve_with_builtin(graph, held, options, earlier);
 }
 
 /// Whether any vertex with an edge may move.
@@ -61,11 +62,9 @@ std::vector<Pose> start_of(const BasicPoseGraph<Pose>& graph, const std::vector<
   return chordal ? *chordal : graph.T_world_vertex;
 }
 
-}  // namespace
-
 template <class Pose>
-BasicPoseGraphSolution<Pose> solve_pose_graph(const BasicPoseGraph<Pose>& graph,
-                                              const PoseGraphOptions& options) {
+BasicPoseGraphSolution<Pose> solve_after(const PoseGraphElimination& earlier,
+                                         const BasicPoseGraph<Pose>& graph, const PoseGraphOptions& options) {
   check(graph);
   check(options);
   BasicPoseGraphSolution<Pose> solution;
@@ -79,14 +78,43 @@ BasicPoseGraphSolution<Pose> solve_pose_graph(const BasicPoseGraph<Pose>& graph,
     const Stopwatch stopwatch;
     if (solution.solver != "builtin") working.T_world_vertex = start_of(graph, held, options);
     solution.seconds = stopwatch.wall_s();
-    SolvedPoses<Pose> solved = solve_with(solution.solver, working, held, options);
+    SolvedPoses<Pose> solved = solve_with(solution.solver, working, held, options, earlier);
     working.T_world_vertex = std::move(solved.T_world_vertex);
     solution.iterations = solved.iterations;
     solution.seconds += solved.seconds;
     solution.converged = solved.converged;
+    solution.elimination = std::move(solved.elimination);
   }
   solution.chi2_after = chi2(working);
   solution.T_world_vertex = std::move(working.T_world_vertex);
+  return solution;
+}
+
+}  // namespace
+
+template <class Pose>
+BasicPoseGraphSolution<Pose> solve_pose_graph(const BasicPoseGraph<Pose>& graph,
+                                              const PoseGraphOptions& options) {
+  return solve_after({}, graph, options);
+}
+
+template <class Pose>
+BasicPoseGraphSolution<Pose> solve_grown_pose_graph(const BasicPoseGraph<Pose>& graph,
+                                                    const BasicPoseGraphSolution<Pose>& earlier,
+                                                    const PoseGraphOptions& options) {
+  const size_t count = earlier.T_world_vertex.size();
+  require(count <= graph.T_world_vertex.size(), "pose graph: a grown graph has all its earlier vertices");
+  check(graph);
+  BasicPoseGraph<Pose> warm = graph;
+  const std::vector<bool> held = held_vertices(graph);
+  std::vector<uint32_t> known;
+  for (uint32_t vertex = 0; vertex < held.size(); ++vertex) {
+    if (vertex < count || held[vertex]) known.push_back(vertex);
+    if (vertex < count && !held[vertex]) warm.T_world_vertex[vertex] = earlier.T_world_vertex[vertex];
+  }
+  warm.T_world_vertex = chained_poses(graph, std::move(warm.T_world_vertex), known);
+  auto solution = solve_after(earlier.elimination, warm, options);
+  solution.chi2_before = chi2(graph);
   return solution;
 }
 
@@ -106,6 +134,10 @@ double chi2(const BasicPoseGraph<Pose>& graph) {
 
 template BasicPoseGraphSolution<SE3> solve_pose_graph(const PoseGraph&, const PoseGraphOptions&);
 template BasicPoseGraphSolution<SE2> solve_pose_graph(const PoseGraph2&, const PoseGraphOptions&);
+template PoseGraphSolution solve_grown_pose_graph(const PoseGraph&, const PoseGraphSolution&,
+                                                  const PoseGraphOptions&);
+template PoseGraphSolution2 solve_grown_pose_graph(const PoseGraph2&, const PoseGraphSolution2&,
+                                                   const PoseGraphOptions&);
 template double chi2(const PoseGraph&);
 template double chi2(const PoseGraph2&);
 

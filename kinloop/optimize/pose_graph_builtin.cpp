@@ -14,6 +14,41 @@ namespace kinloop {
 namespace {
 
 constexpr double kNonConvexityStep = 1.4;  // as Yang et al. 2020
+// An order of elimination that was kept while the graph grew is given up when it costs this much more.
+constexpr double kMaxGrowthOfProducts = 1.5;
+
+/// The earlier order with the new vertices last, or a new one where that has become too dear.
+EliminationPlan plan_after(const PoseGraphElimination& earlier, const PoseGraphLayout& layout) {
+  if (earlier.vertices.empty()) return plan_elimination(layout.pattern);
+  std::vector<uint32_t> order;
+  std::vector<bool> placed(layout.pattern.size, false);
+  for (const uint32_t vertex : earlier.vertices) {
+    const uint32_t block = layout.block_of_vertex[vertex];
+    if (block == kNoBlock) continue;
+    order.push_back(block);
+    placed[block] = true;
+  }
+  for (uint32_t block = 0; block < placed.size(); ++block) {
+    if (!placed[block]) order.push_back(block);
+  }
+  EliminationPlan kept = plan_elimination(layout.pattern, order);
+  if (kept.factor_products <= kMaxGrowthOfProducts * earlier.planned_products) return kept;
+  return plan_elimination(layout.pattern);
+}
+
+/// What the next solution needs to know of this one's plan.
+PoseGraphElimination elimination_of(const EliminationPlan& plan, const PoseGraphLayout& layout,
+                                    const PoseGraphElimination& earlier) {
+  PoseGraphElimination elimination;
+  elimination.vertices.resize(layout.pattern.size);
+  for (uint32_t vertex = 0; vertex < layout.block_of_vertex.size(); ++vertex) {
+    const uint32_t block = layout.block_of_vertex[vertex];
+    if (block != kNoBlock) elimination.vertices[plan.position[block]] = vertex;
+  }
+  const bool was_kept = !earlier.vertices.empty() && !plan.is_fresh;
+  elimination.planned_products = was_kept ? earlier.planned_products : plan.factor_products;
+  return elimination;
+}
 
 /// Where to start; "auto": the graph's own poses, or the chordal ones where they cost less.
 template <class Pose>
@@ -63,21 +98,22 @@ Descent<Pose> descend_or_narrow(const DescentProblem<Pose>& problem, const PoseG
 
 template <class Pose>
 SolvedPoses<Pose> solve_with_builtin(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held,
-                                     const PoseGraphOptions& options) {
+                                     const PoseGraphOptions& options, const PoseGraphElimination& earlier) {
   const Stopwatch stopwatch;
   const PoseGraphKernel kernel = pose_graph_kernel(options.robust, options.robust_width);
   const PoseGraphLayout layout = layout_system(graph, held);
-  const EliminationPlan plan = plan_elimination(layout.pattern);
+  const EliminationPlan plan = plan_after(earlier, layout);
   const DescentProblem<Pose> problem{graph, layout, options.method, options.max_iterations};
   NewtonSystems<Pose::kDof> newton(layout.pattern, plan);
   Descent<Pose> at{start_poses(graph, layout, plan, kernel, options.start), 0, 0, false};
   at = descend_or_narrow(problem, kernel, at, newton);
-  return {std::move(at.T_world_vertex), at.iterations, stopwatch.wall_s(), at.converged};
+  return {std::move(at.T_world_vertex), at.iterations, stopwatch.wall_s(), at.converged,
+          elimination_of(plan, layout, earlier)};
 }
 
 template SolvedPoses<SE3> solve_with_builtin(const PoseGraph&, const std::vector<bool>&,
-                                             const PoseGraphOptions&);
+                                             const PoseGraphOptions&, const PoseGraphElimination&);
 template SolvedPoses<SE2> solve_with_builtin(const PoseGraph2&, const std::vector<bool>&,
-                                             const PoseGraphOptions&);
+                                             const PoseGraphOptions&, const PoseGraphElimination&);
 
 }  // namespace kinloop

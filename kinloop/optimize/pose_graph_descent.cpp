@@ -111,7 +111,11 @@ class Walk {
       if (trial.gain_ratio < kPoorGainRatio) radius_ = kRadiusCut * length;
       if (trial.gain_ratio > kGoodGainRatio) radius_ = std::max(radius_, kRadiusGrowth * length);
       if (trial.gain_ratio > kMinGainRatio) {
+        const double fall = at_.cost - trial.to.cost;
         at_ = std::move(trial.to);
+        // Newton's steps fall by a constant factor or better each: the next is not worth working out.
+        at_.converged = length >= newton_length && fall * fall <= negligible_fall() * last_fall_;
+        last_fall_ = fall;
         return true;
       }
       if (i == 0 && length >= newton_length && watchdog_step(trial.to)) return true;
@@ -159,6 +163,7 @@ class Walk {
   NewtonSystems<Pose::kDof>& newton_;
   PoseGraphSystem<Pose> system_;
   double radius_ = std::numeric_limits<double>::infinity();
+  double last_fall_ = 0;  ///< of the cost in the last step
   double damping_ = kFirstDamping;
 };
 

@@ -65,32 +65,40 @@ std::vector<bool> held_vertices(const BasicPoseGraph<Pose>& graph) {
 }
 
 template <class Pose>
-std::vector<Pose> spanning_tree_poses(const BasicPoseGraph<Pose>& graph) {
-  std::vector<Pose> T_world_vertex = graph.T_world_vertex;
-  std::vector<bool> known = held_vertices(graph);
-  std::vector<size_t> queue;
-  for (size_t vertex = 0; vertex < known.size(); ++vertex) {
-    if (known[vertex]) queue.push_back(vertex);
-  }
-  for (const auto& edge : graph.edges) {
-    if (edge.a != kWorld || known[edge.b]) continue;
-    T_world_vertex[edge.b] = edge.T_a_b;
-    known[edge.b] = true;
-    queue.push_back(edge.b);
-  }
+std::vector<Pose> chained_poses(const BasicPoseGraph<Pose>& graph, std::vector<Pose> T_world_vertex,
+                                const std::vector<uint32_t>& known) {
+  std::vector<uint32_t> queue(known.rbegin(), known.rend());
+  std::vector<bool> is_known(T_world_vertex.size(), false);
+  for (const uint32_t vertex : known) is_known[vertex] = true;
   const auto edges_at = edges_at_vertices(graph);
   for (size_t next = 0; next < queue.size(); ++next) {
-    const size_t from = queue[next];
+    const uint32_t from = queue[next];
     for (const size_t index : edges_at[from]) {
       const auto& edge = graph.edges[index];
-      const size_t to = edge.a == from ? edge.b : edge.a;
-      if (known[to]) continue;
+      const uint32_t to = edge.a == from ? edge.b : edge.a;
+      if (is_known[to]) continue;
       T_world_vertex[to] = T_world_vertex[from] * (edge.a == from ? edge.T_a_b : edge.T_a_b.inverse());
-      known[to] = true;
+      is_known[to] = true;
       queue.push_back(to);
     }
   }
   return T_world_vertex;
+}
+
+template <class Pose>
+std::vector<Pose> spanning_tree_poses(const BasicPoseGraph<Pose>& graph) {
+  std::vector<Pose> T_world_vertex = graph.T_world_vertex;
+  std::vector<bool> is_known = held_vertices(graph);
+  for (const auto& edge : graph.edges) {
+    if (edge.a != kWorld || is_known[edge.b]) continue;
+    T_world_vertex[edge.b] = edge.T_a_b;
+    is_known[edge.b] = true;
+  }
+  std::vector<uint32_t> known;
+  for (uint32_t vertex = 0; vertex < is_known.size(); ++vertex) {
+    if (is_known[vertex]) known.push_back(vertex);
+  }
+  return chained_poses(graph, std::move(T_world_vertex), known);
 }
 
 template <class Pose>
@@ -105,6 +113,8 @@ template std::vector<bool> held_vertices(const PoseGraph&);
 template std::vector<bool> held_vertices(const PoseGraph2&);
 template size_t count_connected_parts(const PoseGraph&);
 template size_t count_connected_parts(const PoseGraph2&);
+template std::vector<SE3> chained_poses(const PoseGraph&, std::vector<SE3>, const std::vector<uint32_t>&);
+template std::vector<SE2> chained_poses(const PoseGraph2&, std::vector<SE2>, const std::vector<uint32_t>&);
 template std::vector<SE3> spanning_tree_poses(const PoseGraph&);
 template std::vector<SE2> spanning_tree_poses(const PoseGraph2&);
 

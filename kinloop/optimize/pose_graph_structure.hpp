@@ -15,4 +15,10 @@ std::vector<size_t> connected_parts(const BasicPoseGraph<Pose>& graph);
 template <class Pose>
 std::vector<bool> held_vertices(const BasicPoseGraph<Pose>& graph);
 
+/// The poses with those of the unknown vertices chained along edges, breadth first, from the `known`
+/// vertices; the last of these come first, since a path goes on where it ended.
+template <class Pose>
+std::vector<Pose> chained_poses(const BasicPoseGraph<Pose>& graph, std::vector<Pose> T_world_vertex,
+                                const std::vector<uint32_t>& known);
+
 }  // namespace kinloop

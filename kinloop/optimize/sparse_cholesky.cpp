@@ -3,6 +3,23 @@
 #include <Eigen/Cholesky>
 
 namespace kinloop {
+namespace {
+
+/// The blocks of these rows and columns.
+template <int B>
+Eigen::MatrixXd gather(const Eigen::MatrixXd& matrix, const std::vector<uint32_t>& rows) {
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd result(B * count, B * count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    for (Eigen::Index i = 0; i < count; ++i) {
+      result.block<B, B>(B * i, B * j) =
+          matrix.block<B, B>(B * rows[static_cast<size_t>(i)], B * rows[static_cast<size_t>(j)]);
+    }
+  }
+  return result;
+}
+
+}  // namespace
 
 template <int B>
 Eigen::VectorXd multiply(const BlockPattern& pattern, const BlockMatrix<B>& matrix,
@@ -30,14 +47,14 @@ SparseCholesky<B>::SparseCholesky(const EliminationPlan& plan)
     panel_begin_.push_back(size);
     size += B * B * node.columns() * (node.columns() + node.rows.size());
   }
-  values_.resize(size);
+  values_ = std::make_unique_for_overwrite<double[]>(size);  // zeroed only as it is filled
 }
 
 template <int B>
 Eigen::Map<Eigen::MatrixXd> SparseCholesky<B>::panel(size_t supernode) {
   const Supernode& node = plan_->supernodes[supernode];
   const auto columns = static_cast<Eigen::Index>(node.columns());
-  return {values_.data() + panel_begin_[supernode],
+  return {values_.get() + panel_begin_[supernode],
           B * (columns + static_cast<Eigen::Index>(node.rows.size())), B * columns};
 }
 
@@ -45,7 +62,7 @@ template <int B>
 Eigen::Map<const Eigen::MatrixXd> SparseCholesky<B>::panel(size_t supernode) const {
   const Supernode& node = plan_->supernodes[supernode];
   const auto columns = static_cast<Eigen::Index>(node.columns());
-  return {values_.data() + panel_begin_[supernode],
+  return {values_.get() + panel_begin_[supernode],
           B * (columns + static_cast<Eigen::Index>(node.rows.size())), B * columns};
 }
 
@@ -106,13 +123,14 @@ bool SparseCholesky<B>::factorize(const BlockMatrix<B>& matrix) {
 }
 
 template <int B>
-Eigen::MatrixXd SparseCholesky<B>::solve(const Eigen::MatrixXd& right) const {
-  const Eigen::Index width = right.cols();
-  Eigen::MatrixXd x(right.rows(), width);  // in the order of elimination
+template <class Right>
+Right SparseCholesky<B>::solve(const Right& right) const {
+  Right x(right.rows(), right.cols());  // in the order of elimination
   for (size_t k = 0; k < column_of_.size(); ++k) {
-    x.middleRows<B>(B * static_cast<Eigen::Index>(k)) = right.middleRows<B>(B * column_of_[k]);
+    x.template middleRows<B>(B * static_cast<Eigen::Index>(k)) =
+        right.template middleRows<B>(B * column_of_[k]);
   }
-  Eigen::MatrixXd gathered;
+  Right gathered;
   const size_t count = plan_->supernodes.size();
   for (size_t supernode = 0; supernode < count; ++supernode) {  // L y = right
     const Supernode& node = plan_->supernodes[supernode];
@@ -121,32 +139,68 @@ Eigen::MatrixXd SparseCholesky<B>::solve(const Eigen::MatrixXd& right) const {
     front.topRows(front.cols()).template triangularView<Eigen::Lower>().solveInPlace(own);
     gathered.noalias() = front.bottomRows(front.rows() - front.cols()) * own;
     for (size_t i = 0; i < node.rows.size(); ++i) {
-      x.middleRows<B>(B * node.rows[i]) -= gathered.middleRows<B>(B * static_cast<Eigen::Index>(i));
+      x.template middleRows<B>(B * node.rows[i]) -=
+          gathered.template middleRows<B>(B * static_cast<Eigen::Index>(i));
     }
   }
   for (size_t supernode = count; supernode-- > 0;) {  // L' x = y
     const Supernode& node = plan_->supernodes[supernode];
     const auto front = panel(supernode);
     auto own = x.middleRows(B * node.begin, front.cols());
-    gathered.resize(front.rows() - front.cols(), width);
+    gathered.resize(front.rows() - front.cols(), right.cols());
     for (size_t i = 0; i < node.rows.size(); ++i) {
-      gathered.middleRows<B>(B * static_cast<Eigen::Index>(i)) = x.middleRows<B>(B * node.rows[i]);
+      gathered.template middleRows<B>(B * static_cast<Eigen::Index>(i)) =
+          x.template middleRows<B>(B * node.rows[i]);
     }
     own.noalias() -= front.bottomRows(front.rows() - front.cols()).transpose() * gathered;
     front.topRows(front.cols()).template triangularView<Eigen::Lower>().transpose().solveInPlace(own);
   }
-  Eigen::MatrixXd solution(right.rows(), width);
+  Right solution(right.rows(), right.cols());
   for (size_t k = 0; k < column_of_.size(); ++k) {
-    solution.middleRows<B>(B * column_of_[k]) = x.middleRows<B>(B * static_cast<Eigen::Index>(k));
+    solution.template middleRows<B>(B * column_of_[k]) =
+        x.template middleRows<B>(B * static_cast<Eigen::Index>(k));
   }
   return solution;
 }
 
-template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<2>&, const Eigen::VectorXd&);
-template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<3>&, const Eigen::VectorXd&);
-template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<6>&, const Eigen::VectorXd&);
-template class SparseCholesky<2>;
-template class SparseCholesky<3>;
-template class SparseCholesky<6>;
+/// The inverse Z obeys Z_21 = -Z_22 G and Z_11 = (L_11 L_11')^-1 - G' Z_21 with G = L_21 L_11^-1, where 1 are
+/// a supernode's own columns and 2 its rows below, all of which its parent has at hand.
+template <int B>
+std::vector<typename BlockMatrix<B>::Block> SparseCholesky<B>::inverse_diagonal() const {
+  std::vector<typename BlockMatrix<B>::Block> diagonal(column_of_.size());
+  std::vector<Eigen::MatrixXd> Z_22(plan_->supernodes.size());
+  for (size_t supernode = plan_->supernodes.size(); supernode-- > 0;) {
+    const Supernode& node = plan_->supernodes[supernode];
+    const auto front = panel(supernode);
+    const Eigen::Index own = front.cols(), below = front.rows() - own;
+    Eigen::MatrixXd inverse_factor = Eigen::MatrixXd::Identity(own, own);
+    front.topRows(own).template triangularView<Eigen::Lower>().solveInPlace(inverse_factor);
+    const Eigen::MatrixXd G = front.bottomRows(below) * inverse_factor;
+    Eigen::MatrixXd Z(front.rows(), front.rows());
+    Z.bottomRightCorner(below, below) = Z_22[supernode];
+    Z.bottomLeftCorner(below, own).noalias() = -Z_22[supernode] * G;
+    Z.topRightCorner(own, below) = Z.bottomLeftCorner(below, own).transpose();
+    Z.topLeftCorner(own, own).noalias() = inverse_factor.transpose() * inverse_factor;
+    Z.topLeftCorner(own, own).noalias() -= G.transpose() * Z.bottomLeftCorner(below, own);
+    for (uint32_t k = 0; k < node.columns(); ++k) {
+      diagonal[column_of_[node.begin + k]] = Z.block<B, B>(B * k, B * k);
+    }
+    Z_22[supernode].resize(0, 0);
+    for (const uint32_t child : node.children) Z_22[child] = gather<B>(Z, plan_->supernodes[child].to_parent);
+  }
+  return diagonal;
+}
+
+#define KINLOOP_INSTANTIATE(B)                                                                           \
+  template Eigen::VectorXd multiply(const BlockPattern&, const BlockMatrix<B>&, const Eigen::VectorXd&); \
+  template class SparseCholesky<B>;                                                                      \
+  template Eigen::VectorXd SparseCholesky<B>::solve(const Eigen::VectorXd&) const;                       \
+  template Eigen::MatrixXd SparseCholesky<B>::solve(const Eigen::MatrixXd&) const;
+
+KINLOOP_INSTANTIATE(2)
+KINLOOP_INSTANTIATE(3)
+KINLOOP_INSTANTIATE(6)
+KINLOOP_INSTANTIATE(12)
+#undef KINLOOP_INSTANTIATE
 
 }  // namespace kinloop

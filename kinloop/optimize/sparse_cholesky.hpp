@@ -1,10 +1,12 @@
 #pragma once
 // In: a symmetric positive definite matrix of B x B blocks, and the plan for its pattern. Out: the solutions
-// of its linear systems.
+// of its linear systems, and the diagonal of its inverse.
 //
-// A multifrontal factorisation (Duff and Reid 1983) on dense blocks by Eigen: it runs one thread, adds in a
-// fixed order and calls no BLAS, so its result is the same bytes wherever it runs.
+// Pose graphs (B = 3 and 6; 2 and 3 for their chordal start) and the camera systems of bundle adjustment (B =
+// 6 and 12) share it. A multifrontal factorisation (Duff and Reid 1983) on dense blocks by Eigen: it runs one
+// thread, adds in a fixed order and calls no BLAS, so its result is the same bytes wherever it runs.
 
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -44,8 +46,12 @@ class SparseCholesky {
   /// Factorises `matrix`; false when it is not positive definite, and then `solve` may not be called.
   [[nodiscard]] bool factorize(const BlockMatrix<B>& matrix);
 
-  /// The x with matrix * x = right, for each column of `right`.
-  [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
+  /// The x with matrix * x = right, for each column of `right`: a VectorXd or a MatrixXd.
+  template <class Right>
+  [[nodiscard]] Right solve(const Right& right) const;
+
+  /// The diagonal blocks of the inverse, without the rest of it (Takahashi et al. 1973).
+  [[nodiscard]] std::vector<typename BlockMatrix<B>::Block> inverse_diagonal() const;
 
  private:
   using Panel = Eigen::Map<Eigen::MatrixXd>;
@@ -57,7 +63,7 @@ class SparseCholesky {
   const EliminationPlan* plan_;
   std::vector<uint32_t> column_of_;       // block column of the matrix at each position
   std::vector<size_t> panel_begin_;       // in values_
-  std::vector<double> values_;            // the factor: a dense panel for each supernode
+  std::unique_ptr<double[]> values_;      // the factor: a dense panel for each supernode
   std::vector<Eigen::MatrixXd> updates_;  // what each supernode subtracts from its ancestors
 };
 

@@ -212,11 +212,17 @@ void count_costs(EliminationPlan& plan) {
 }  // namespace
 
 EliminationPlan plan_elimination(const BlockPattern& pattern) {
+  if (pattern.size == 0) return {};
+  EliminationPlan plan = plan_elimination(pattern, best_ordering(pattern).order);
+  plan.is_fresh = true;
+  return plan;
+}
+
+EliminationPlan plan_elimination(const BlockPattern& pattern, const std::vector<uint32_t>& order) {
+  require(order.size() == pattern.size, "sparse elimination: an order names every block column once");
   EliminationPlan plan;
-  if (pattern.size == 0) return plan;
-  const Ordering ordering = best_ordering(pattern);
   plan.position.resize(pattern.size);
-  for (uint32_t k = 0; k < pattern.size; ++k) plan.position[ordering.order[k]] = k;
+  for (uint32_t k = 0; k < pattern.size; ++k) plan.position[order[k]] = k;
   plan.supernodes = group_columns(fill_in(permuted_columns(pattern, plan.position)));
   link(pattern, plan);
   count_costs(plan);

@@ -39,6 +39,7 @@ struct Supernode {
 struct EliminationPlan {
   std::vector<uint32_t> position;  ///< of each block column in the order of elimination
   std::vector<Supernode> supernodes;
+  bool is_fresh = false;       ///< the order was chosen for this very pattern
   double factor_products = 0;  ///< products of two blocks that a factorisation takes
   double factor_blocks = 0;    ///< blocks of the factor; a solution takes two products with a vector for each
 };
@@ -46,5 +47,8 @@ struct EliminationPlan {
 /// Plans with few fill-ins: approximate minimum degree (Amestoy et al. 1996), or nested dissection (Karypis
 /// and Kumar 1998) where that costs less; supernodes are merged where few zeros are then stored.
 EliminationPlan plan_elimination(const BlockPattern& pattern);
+
+/// Plans with this order: order[k] is the k-th block column to be eliminated.
+EliminationPlan plan_elimination(const BlockPattern& pattern, const std::vector<uint32_t>& order);
 
 }  // namespace kinloop

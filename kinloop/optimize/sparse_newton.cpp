@@ -6,7 +6,7 @@ namespace kinloop {
 namespace {
 
 // The energy of the error left by conjugate gradients, relative to that of the solution.
-constexpr double kEnergyTolerance = 1e-4;
+constexpr double kEnergyTolerance = 1e-3;
 // A block product within a factorisation takes B times the arithmetic of one in a solution, but not the wait
 // for memory.
 constexpr double kProductsPerSolvedBlock = 4;

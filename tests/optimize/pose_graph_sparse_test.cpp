@@ -67,7 +67,7 @@ Eigen::MatrixXd random_right(Eigen::Index rows, Eigen::Index columns, Random& ra
 template <class Size>
 class SparseBlocks : public testing::Test {};
 using Sizes = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>,
-                             std::integral_constant<int, 6>>;
+                             std::integral_constant<int, 6>, std::integral_constant<int, 12>>;
 TYPED_TEST_SUITE(SparseBlocks, Sizes);
 
 TYPED_TEST(SparseBlocks, SolveAndMultiplyAsDenseDoes) {
@@ -98,6 +98,25 @@ TYPED_TEST(SparseBlocks, OnePlanServesManyMatrices) {
     ASSERT_TRUE(cholesky.factorize(matrix));
     const Eigen::MatrixXd right = random_right(kB * 30, 1, random);
     EXPECT_LT((dense(pattern, matrix) * cholesky.solve(right) - right).norm(), 1e-9 * right.norm());
+  }
+}
+
+TYPED_TEST(SparseBlocks, InverseDiagonalIsThatOfTheInverse) {
+  constexpr int kB = TypeParam::value;
+  Random random(8);
+  for (const uint32_t chords : {0U, 10U, 40U, 400U}) {
+    const BlockPattern pattern = random_pattern(25, chords, random);
+    const auto matrix = random_matrix<kB>(pattern, random);
+    const EliminationPlan plan = plan_elimination(pattern);
+    SparseCholesky<kB> cholesky(plan);
+    ASSERT_TRUE(cholesky.factorize(matrix));
+    const Eigen::MatrixXd inverse = dense(pattern, matrix).inverse();
+    const auto diagonal = cholesky.inverse_diagonal();
+    ASSERT_EQ(diagonal.size(), pattern.size);
+    for (uint32_t i = 0; i < pattern.size; ++i) {
+      const auto expected = inverse.block<kB, kB>(kB * i, kB * i);
+      EXPECT_LT((diagonal[i] - expected).norm(), 1e-10 * expected.norm()) << chords << " chords, block " << i;
+    }
   }
 }
 

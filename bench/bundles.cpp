@@ -1,0 +1,63 @@
+// bench_bundles: bundle adjustment by the built-in Schur solver and by Ceres, side by side in one run, on
+// simulated windows from local to full adjustment.
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/optimize/bundle.hpp"
+#include "tests/optimize/bundle_world.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr int kRuns = 3;  // the median is reported
+
+struct Size {
+  int poses, points;
+};
+
+BundleProblem window(Size size) {
+  test::BundleWorldSettings settings{.poses = size.poses,
+                                     .points = size.points,
+                                     .sigma_px = 0.8,
+                                     .sigma_inverse_depth = 2e-3,
+                                     .outlier_share = 0.03};
+  test::BundleWorld world = make_bundle_world(settings);
+  constexpr double kShiftM = 0.02, kTurnRad = 0.01;
+  disturb(world, kShiftM, kTurnRad);
+  return world.problem;
+}
+
+void compare(const BundleProblem& problem, bool free_velocities) {
+  for (const char* solver : {"builtin", "ceres"}) {
+    BundleOptions options;
+    options.solver = solver;
+    options.free_velocities = free_velocities;
+    std::vector<double> cpus_s;
+    BundleSolution solution;
+    for (int run = 0; run < kRuns; ++run) {
+      const Stopwatch stopwatch;
+      solution = solve_bundle(problem, options);
+      cpus_s.push_back(stopwatch.cpu_s());
+    }
+    std::sort(cpus_s.begin(), cpus_s.end());
+    fmt::print(
+        "{:4} keyframes {:6} observations {:10} {:8} cost {:<12.8g} {:3} iterations {:9.4f} s of CPU\n",
+        problem.T_world_camera.size(), problem.observations.size(), free_velocities ? "velocities" : "poses",
+        solver, solution.chi2_after, solution.iterations, cpus_s[kRuns / 2]);
+  }
+}
+
+}  // namespace
+}  // namespace kinloop
+
+int main() {
+  for (const kinloop::Size size : {kinloop::Size{10, 500}, {20, 1500}, {60, 3000}}) {
+    const kinloop::BundleProblem problem = kinloop::window(size);
+    for (const bool free_velocities : {false, true}) kinloop::compare(problem, free_velocities);
+  }
+  return 0;
+}

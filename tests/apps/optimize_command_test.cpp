@@ -1,0 +1,147 @@
+// kinloop optimize as its user meets it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include "kinloop/base/text_file.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace kinloop {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kStep = " 1 0 0 10 0 0 10 0 10\n";
+constexpr int kWrongUse = 2, kBadInput = 3;
+
+std::string vertex(int id, double x) {
+  return "VERTEX_SE2 " + std::to_string(id) + " " + std::to_string(x) + " 0 0\n";
+}
+
+std::string edge(int a, int b) {
+  return "EDGE_SE2 " + std::to_string(a) + " " + std::to_string(b) + kStep;
+}
+
+class OptimizeCommand : public testing::Test {
+ protected:
+  struct Run {
+    int exit_code;
+    std::string out, err;
+  };
+
+  [[nodiscard]] std::string at(const std::string& name) const { return (folder_.path() / name).string(); }
+
+  /// `arguments` after "kinloop optimize".
+  [[nodiscard]] Run run(const std::string& arguments) const {
+    const std::string command = std::string("'" KINLOOP_PROGRAM "' optimize ") + arguments + " >'" +
+                                at("stdout") + "' 2>'" + at("stderr") + "'";
+    const int status = std::system(command.c_str());
+    return {WEXITSTATUS(status), read_file(at("stdout")), read_file(at("stderr"))};
+  }
+
+  /// Names of the files in the folder, but those of the streams.
+  [[nodiscard]] std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+      const std::string name = entry.path().filename().string();
+      if (name != "stdout" && name != "stderr") names.push_back(name);
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  const test::TempFolder folder_;
+};
+
+TEST_F(OptimizeCommand, WritesGraphFiguresAndPicture) {
+  const auto input =
+      folder_.write("in.g2o", vertex(0, 0) + vertex(1, 5) + vertex(2, 1) + edge(0, 1) + edge(1, 2));
+  const Run solved = run(input.string() + " -o " + at("out.g2o") + " --report " + at("out.html") + " --json");
+  ASSERT_EQ(solved.exit_code, 0) << solved.err;
+  const auto figures = nlohmann::json::parse(solved.out);
+  EXPECT_NEAR(figures.at("chi2_before").get<double>(), 10 * (4 * 4 + 5 * 5), 1e-9);
+  EXPECT_NEAR(figures.at("chi2_after").get<double>(), 0, 1e-9);
+  EXPECT_GT(figures.at("iterations").get<int>(), 0);
+  EXPECT_GE(figures.at("seconds").get<double>(), 0);
+  EXPECT_THAT(read_file(at("out.g2o")), HasSubstr("VERTEX_SE2 2 "));
+  EXPECT_THAT(read_file(at("out.html")), HasSubstr("<svg"));
+}
+
+TEST_F(OptimizeCommand, ChainsPosesWhereTheFileHasNone) {
+  const auto input = folder_.write("in.g2o", edge(0, 1) + edge(1, 2));
+  const Run solved = run(input.string() + " -o " + at("out.g2o"));
+  EXPECT_EQ(solved.exit_code, 0);
+  EXPECT_THAT(solved.err, HasSubstr("spanning tree"));
+  EXPECT_THAT(read_file(at("out.g2o")), HasSubstr("VERTEX_SE2 2 2 0 0\n"));
+}
+
+TEST_F(OptimizeCommand, SaysThatAGraphFallsApartAndSolvesEachPart) {
+  const auto input = folder_.write(
+      "in.g2o", vertex(0, 0) + vertex(1, 3) + vertex(5, 10) + vertex(6, 20) + edge(0, 1) + edge(5, 6));
+  const Run solved = run(input.string() + " -o " + at("out.g2o") + " --json");
+  EXPECT_EQ(solved.exit_code, 0);
+  EXPECT_THAT(solved.err, HasSubstr("2 parts"));
+  EXPECT_EQ(nlohmann::json::parse(solved.out).at("parts"), 2);
+  EXPECT_THAT(read_file(at("out.g2o")), HasSubstr("VERTEX_SE2 1 1 0 0\n"));
+  EXPECT_THAT(read_file(at("out.g2o")), HasSubstr("VERTEX_SE2 6 11 0 0\n"));
+}
+
+TEST_F(OptimizeCommand, CountsInformationThatIsNotPositive) {
+  const auto input =
+      folder_.write("in.g2o", vertex(0, 0) + vertex(1, 3) + "EDGE_SE2 0 1 1 0 0 1 2 0 1 0 5\n" + edge(0, 1));
+  const Run solved = run(input.string() + " -o " + at("out.g2o") + " --json");
+  EXPECT_EQ(solved.exit_code, 0);
+  EXPECT_THAT(solved.err, HasSubstr("in.g2o:3"));
+  EXPECT_EQ(nlohmann::json::parse(solved.out).at("repaired_edges"), 1);
+}
+
+TEST_F(OptimizeCommand, NamesFileAndLineOfBadInputAndWritesNothing) {
+  const struct {
+    const char* what;
+    std::string text;
+    const char* place;
+  } cases[] = {
+      {"missing vertex", vertex(0, 0) + edge(0, 1), "in.g2o:2:"},
+      {"duplicate id", vertex(0, 0) + vertex(0, 1) + edge(0, 1), "in.g2o:2:"},
+      {"not a number", vertex(0, 0) + "VERTEX_SE2 1 nan 0 0\n" + edge(0, 1), "in.g2o:2:"},
+      {"cut short", vertex(0, 0) + vertex(1, 1) + "EDGE_SE2 0 1 1 0", "in.g2o:3:"},
+      {"empty", "", "in.g2o"},
+  };
+  for (const auto& bad : cases) {
+    const auto input = folder_.write("in.g2o", bad.text);
+    const Run failed = run(input.string() + " -o " + at("out.g2o") + " --report " + at("out.html"));
+    EXPECT_EQ(failed.exit_code, kBadInput) << bad.what;
+    EXPECT_THAT(failed.err, HasSubstr(bad.place)) << bad.what;
+    EXPECT_THAT(files(), testing::ElementsAre("in.g2o")) << bad.what;
+    EXPECT_EQ(read_file(input), bad.text);
+  }
+}
+
+TEST_F(OptimizeCommand, DoesNotWriteOverItsInputUnlessTold) {
+  const std::string text = vertex(0, 0) + vertex(1, 5) + edge(0, 1);
+  const auto input = folder_.write("in.g2o", text).string();
+  const Run refused = run(input + " -o " + input);
+  EXPECT_EQ(refused.exit_code, kWrongUse);
+  EXPECT_THAT(refused.err, HasSubstr("--overwrite"));
+  EXPECT_EQ(run(input + " -o " + at("out.g2o") + " --overwrite --report " + input).exit_code, kWrongUse);
+  EXPECT_EQ(read_file(input), text);
+  EXPECT_EQ(run(input + " -o " + input + " --overwrite").exit_code, 0);
+  EXPECT_NE(read_file(input), text);
+}
+
+TEST_F(OptimizeCommand, NoticesBeforeSolvingThatItCannotWrite) {
+  const auto input = folder_.write("in.g2o", "this line would be an error, were it read\n").string();
+  for (const std::string& output : {at("no/such/folder/out.g2o"), folder_.path().string()}) {
+    const Run failed = run(input + " -o " + output);
+    EXPECT_EQ(failed.exit_code, kBadInput);
+    EXPECT_THAT(failed.err, HasSubstr(output));
+    EXPECT_THAT(failed.err, testing::Not(HasSubstr("in.g2o:1")));
+  }
+  EXPECT_EQ(run(input + " -o " + at("one") + " --report " + at("one")).exit_code, kWrongUse);
+  EXPECT_THAT(files(), testing::ElementsAre("in.g2o"));
+}
+
+}  // namespace
+}  // namespace kinloop
