@@ -49,7 +49,7 @@ std::vector<RawCorner> by_contrast(std::span<const RawCorner> corners) {
 
 /// The corners of a level that are kept, at most `quota`. The strongest alone would crowd where the contrast
 /// is high, the same number from every cell would take many that the next image does not show again: the n-th
-/// corner of a cell counts with its contrast / sqrt(n).
+/// corner of a cell counts with its contrast / n.
 std::vector<RawCorner> pick_evenly(std::span<const RawCorner> corners, const cv::Size& size, size_t quota,
                                    int cell_px) {
   const int columns = size.width / cell_px + 1, rows = size.height / cell_px + 1;
@@ -59,7 +59,7 @@ std::vector<RawCorner> pick_evenly(std::span<const RawCorner> corners, const cv:
   std::vector<float> priorities;
   for (const RawCorner& corner : sorted) {
     const int rank = ++taken[static_cast<size_t>(corner.y / cell_px * columns + corner.x / cell_px)];
-    priorities.push_back(static_cast<float>(corner.contrast) / std::sqrt(static_cast<float>(rank)));
+    priorities.push_back(static_cast<float>(corner.contrast) / static_cast<float>(rank));
   }
   std::vector<float> highest = priorities;
   std::nth_element(highest.begin(), highest.begin() + static_cast<long>(quota), highest.end(),

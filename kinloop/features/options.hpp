@@ -11,7 +11,7 @@ struct FeatureOptions {
   double scale_factor = 1.2;
   int levels = 8;
   int fast_threshold = 7;
-  int cell_px = 64;
+  int cell_px = 32;
   double max_depth_step = 0.04;
 
   template <class Self, class Visit>
