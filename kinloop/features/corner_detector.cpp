@@ -53,12 +53,16 @@ std::vector<RawCorner> by_contrast(std::span<const RawCorner> corners) {
 std::vector<RawCorner> pick_evenly(std::span<const RawCorner> corners, const cv::Size& size, size_t quota,
                                    int cell_px) {
   const int columns = size.width / cell_px + 1, rows = size.height / cell_px + 1;
-  std::vector<int> taken(static_cast<size_t>(columns * rows));
+  std::vector<int> taken(static_cast<size_t>(columns) * static_cast<size_t>(rows));
+  const auto cell_of = [&](const RawCorner& corner) {
+    return static_cast<size_t>(corner.y / cell_px) * static_cast<size_t>(columns) +
+           static_cast<size_t>(corner.x / cell_px);
+  };
   std::vector<RawCorner> sorted = by_contrast(corners);
   if (sorted.size() <= quota) return sorted;
   std::vector<float> priorities;
   for (const RawCorner& corner : sorted) {
-    const int rank = ++taken[static_cast<size_t>(corner.y / cell_px * columns + corner.x / cell_px)];
+    const int rank = ++taken[cell_of(corner)];
     priorities.push_back(static_cast<float>(corner.contrast) / static_cast<float>(rank));
   }
   std::vector<float> highest = priorities;
