@@ -16,5 +16,6 @@ void add_vocab_command(CLI::App& app);
 void add_optimize_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
+void add_features_command(CLI::App& app);
 
 }  // namespace kinloop

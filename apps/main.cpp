@@ -36,6 +36,7 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_optimize_command(app);
   kinloop::add_simulate_command(app);
   kinloop::add_bench_command(app);
+  kinloop::add_features_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

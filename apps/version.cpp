@@ -2,13 +2,15 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/compare/detectors.hpp"
 #include "kinloop/optimize/pose_graph.hpp"
 
 namespace kinloop {
 
 std::string version_text() {
   const char* g2o = pose_graph_solver_available("g2o") ? "yes" : "no (not found when built)";
-  return fmt::format("kinloop {}\ng2o solver: {}", KINLOOP_VERSION, g2o);
+  const char* surf = surf_available() ? "yes" : "no (dlib not found when built)";
+  return fmt::format("kinloop {}\ng2o solver: {}\nSURF: {}", KINLOOP_VERSION, g2o, surf);
 }
 
 }  // namespace kinloop

@@ -2,6 +2,7 @@
 // build/release/bench/bench_kernels
 
 #include <benchmark/benchmark.h>
+#include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/features/extractor.hpp"
@@ -44,12 +45,32 @@ const Frames& frames() {
 }
 
 void extract_orb(benchmark::State& state) {
+  const Frames& input = frames();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        extract_features(frames().first.gray, frames().first.depth_m, frames().camera, {}));
+    benchmark::DoNotOptimize(extract_features(input.first.gray, input.first.depth_m, input.camera, {}));
   }
 }
 BENCHMARK(extract_orb)->Unit(benchmark::kMillisecond);
+
+void extract_orb_without_depth(benchmark::State& state) {
+  const Frames& input = frames();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(extract_features(input.first.gray, cv::Mat(), input.camera, {}));
+  }
+}
+BENCHMARK(extract_orb_without_depth)->Unit(benchmark::kMillisecond);
+
+void extract_orb_opencv(benchmark::State& state) {
+  cv::setNumThreads(1);
+  const auto orb = cv::ORB::create(1000, 1.2F, 8);
+  for (auto _ : state) {
+    std::vector<cv::KeyPoint> points;
+    cv::Mat descriptors;
+    orb->detectAndCompute(frames().first.gray, cv::noArray(), points, descriptors);
+    benchmark::DoNotOptimize(descriptors);
+  }
+}
+BENCHMARK(extract_orb_opencv)->Unit(benchmark::kMillisecond);
 
 void match_all(benchmark::State& state) {
   const cv::Mat& a = frames().first.features->descriptors;

@@ -5,9 +5,9 @@ set -euo pipefail
 
 packages=(
   build-essential cmake ninja-build ccache git pkg-config
-  libopencv-dev libeigen3-dev libceres-dev libsuitesparse-dev
+  libopencv-dev libeigen3-dev libceres-dev libsuitesparse-dev libhwy-dev
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
-  libgtest-dev libgmock-dev libbenchmark-dev
+  libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev
 )
 if [[ "${1:-}" == "--checks" ]]; then
   packages+=(clang-format clang-tidy)

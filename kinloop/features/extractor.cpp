@@ -4,37 +4,43 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include <Eigen/Cholesky>
-#include <opencv2/features2d.hpp>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/features/corner_detector.hpp"
+#include "kinloop/features/hamming.hpp"
+#include "kinloop/features/kernels/gaussian_blur.hpp"
+#include "kinloop/features/kernels/steered_brief.hpp"
 
 namespace kinloop {
 namespace {
 
 const Eigen::Vector2f kUnknownSlope = Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
 
-/// Steered BRIEF at given corners. OpenCV drops corners near the border, so `corners` comes back with those
-/// left.
-cv::Mat describe(const cv::Mat& gray, std::vector<cv::KeyPoint>& corners, const FeatureOptions& options) {
-  const auto orb = cv::ORB::create(options.count, static_cast<float>(options.scale_factor), options.levels);
-  cv::Mat descriptors;
-  orb->compute(gray, corners, descriptors);
+/// One row of descriptors per corner.
+cv::Mat describe(const std::vector<cv::Mat>& pyramid, std::span<const Corner> corners) {
+  std::vector<cv::Mat> blurred;
+  for (const cv::Mat& level : pyramid) blurred.push_back(gaussian_blur(level));
+  cv::Mat descriptors(static_cast<int>(corners.size()), kOrbBytes, CV_8UC1);
+  for (int i = 0; i < descriptors.rows; ++i) {
+    const Corner& corner = corners[static_cast<size_t>(i)];
+    describe_corner(blurred[static_cast<size_t>(corner.level)], corner.x, corner.y, corner.angle_deg,
+                    descriptors.ptr<uint8_t>(i));
+  }
   return descriptors;
 }
 
-/// Where a corner of a pyramid level lies on the full image. cv::ORB scales coordinates, which puts the
-/// corner of the image at rest; resizing puts the corner of its first pixel at rest, half a pixel further
-/// out, and level sizes are whole numbers.
-Eigen::Vector2f on_full_image(const cv::KeyPoint& corner, const cv::Mat& gray,
-                              const std::vector<cv::Mat>& pyramid, double scale_factor) {
-  const cv::Mat& level = pyramid[static_cast<size_t>(corner.octave)];
-  const auto nominal = static_cast<float>(std::pow(scale_factor, corner.octave));
-  const auto scale_x = static_cast<float>(gray.cols) / static_cast<float>(level.cols);
-  const auto scale_y = static_cast<float>(gray.rows) / static_cast<float>(level.rows);
-  return {(corner.pt.x / nominal + 0.5F) * scale_x - 0.5F, (corner.pt.y / nominal + 0.5F) * scale_y - 0.5F};
+/// Where a corner of a pyramid level lies on the full image. Resizing leaves the outer corner of the first
+/// pixel at rest, which is half a pixel from its centre, and level sizes are whole numbers.
+Eigen::Vector2f on_full_image(const Corner& corner, const std::vector<cv::Mat>& pyramid) {
+  const cv::Mat& full = pyramid.front();
+  const cv::Mat& level = pyramid[static_cast<size_t>(corner.level)];
+  const auto scale_x = static_cast<float>(full.cols) / static_cast<float>(level.cols);
+  const auto scale_y = static_cast<float>(full.rows) / static_cast<float>(level.rows);
+  return {(static_cast<float>(corner.x) + corner.dx + 0.5F) * scale_x - 0.5F,
+          (static_cast<float>(corner.y) + corner.dy + 0.5F) * scale_y - 0.5F};
 }
 
 }  // namespace
@@ -101,13 +107,13 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
   require(depth_m.empty() || (depth_m.type() == CV_32FC1 && depth_m.size() == gray.size()),
           "extract_features: depth must be float metres, of the image's size");
   const auto pyramid = build_pyramid(gray, options);
-  auto corners = detect_corners(pyramid, options);
+  const auto corners = detect_corners(pyramid, options);
   Features features;
   features.scale_factor = options.scale_factor;
   features.level_count = options.levels;
-  features.descriptors = describe(gray, corners, options);
+  features.descriptors = describe(pyramid, corners);
   for (const auto& corner : corners) {
-    const Eigen::Vector2f raw = on_full_image(corner, gray, pyramid, options.scale_factor);
+    const Eigen::Vector2f raw = on_full_image(corner, pyramid);
     features.raw_pixels.push_back(raw);
     features.pixels.push_back(camera.undistort(raw.cast<double>()).cast<float>());
     features.depths_m.push_back(depth_m.empty() ? 0 : depth_around(depth_m, raw, options.max_depth_step));
@@ -115,9 +121,9 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
     features.inverse_depth_gradients.push_back(slope.value_or(kUnknownSlope));
     features.measured_pixels.push_back(features.pixels.back());
     features.measured_depths_m.push_back(features.depths_m.back());
-    features.levels.push_back(corner.octave);
-    features.angles_rad.push_back(corner.angle * std::numbers::pi_v<float> / 180.0F);
-    features.sigmas_px.push_back(static_cast<float>(std::pow(options.scale_factor, corner.octave)));
+    features.levels.push_back(corner.level);
+    features.angles_rad.push_back(corner.angle_deg * std::numbers::pi_v<float> / 180.0F);
+    features.sigmas_px.push_back(static_cast<float>(std::pow(options.scale_factor, corner.level)));
   }
   return features;
 }

@@ -6,6 +6,7 @@
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/features/hamming.hpp"
+#include "kinloop/features/kernels/hamming_rows.hpp"
 
 namespace kinloop {
 namespace {
@@ -13,28 +14,20 @@ namespace {
 constexpr int kFar = std::numeric_limits<int>::max();
 constexpr int kCellPx = 16;
 
-/// For each row of `a` the nearest row of `b` (first of equals), and for each row of `b` the nearest of `a`.
+/// For each row of `a` the key of the nearest row of `b`, and for each row of `b` that of the nearest of `a`.
 struct NearestBothWays {
-  std::vector<uint32_t> b_of_a, a_of_b;
-  std::vector<int> distance_of_a, distance_of_b;
+  std::vector<uint32_t> of_a, of_b;
 };
 
-KINLOOP_POPCOUNT_CLONES
-void find_nearest(const uint8_t* a, size_t rows_a, const uint8_t* b, size_t rows_b,
-                  NearestBothWays& nearest) {
-  for (size_t i = 0; i < rows_a; ++i) {
-    for (size_t j = 0; j < rows_b; ++j) {
-      const int distance = hamming_distance(a + i * kOrbBytes, b + j * kOrbBytes);
-      if (distance < nearest.distance_of_a[i]) {
-        nearest.distance_of_a[i] = distance;
-        nearest.b_of_a[i] = static_cast<uint32_t>(j);
-      }
-      if (distance < nearest.distance_of_b[j]) {
-        nearest.distance_of_b[j] = distance;
-        nearest.a_of_b[j] = static_cast<uint32_t>(i);
-      }
-    }
+NearestBothWays find_nearest(const cv::Mat& a, const cv::Mat& b) {
+  const TurnedDescriptors turned(b.ptr<uint8_t>(), static_cast<size_t>(b.rows));
+  std::vector<uint16_t> distances(turned.padded_count());
+  NearestBothWays nearest{{}, std::vector<uint32_t>(turned.padded_count(), kNoKey)};
+  for (int i = 0; i < a.rows; ++i) {
+    turned.distances_from(a.ptr<uint8_t>(i), distances);
+    nearest.of_a.push_back(nearest_key(distances, static_cast<uint32_t>(i), nearest.of_b.data()));
   }
+  return nearest;
 }
 
 /// The nearest and the second nearest key point of a search window.
@@ -74,14 +67,13 @@ std::vector<Match> match_brute_force(const cv::Mat& a, const cv::Mat& b, bool cr
   if (a.empty() || b.empty()) return {};
   require(a.cols == kOrbBytes && b.cols == kOrbBytes && a.isContinuous() && b.isContinuous(),
           "match_brute_force: expected continuous N x 32 binary descriptors");
-  const auto rows_a = static_cast<size_t>(a.rows), rows_b = static_cast<size_t>(b.rows);
-  NearestBothWays nearest{std::vector<uint32_t>(rows_a), std::vector<uint32_t>(rows_b),
-                          std::vector<int>(rows_a, kFar), std::vector<int>(rows_b, kFar)};
-  find_nearest(a.ptr<uint8_t>(), rows_a, b.ptr<uint8_t>(), rows_b, nearest);
+  require(std::max(a.rows, b.rows) < 1 << kIndexBits, "match_brute_force: too many descriptors");
+  const NearestBothWays nearest = find_nearest(a, b);
   std::vector<Match> matches;
-  for (uint32_t i = 0; i < rows_a; ++i) {
-    const uint32_t j = nearest.b_of_a[i];
-    if (!cross_check || nearest.a_of_b[j] == i) matches.push_back({i, j, nearest.distance_of_a[i]});
+  for (uint32_t i = 0; i < nearest.of_a.size(); ++i) {
+    const uint32_t j = index_of_key(nearest.of_a[i]);
+    if (cross_check && index_of_key(nearest.of_b[j]) != i) continue;
+    matches.push_back({i, j, distance_of_key(nearest.of_a[i])});
   }
   return matches;
 }
@@ -137,18 +129,24 @@ void FeatureGrid::near(const Eigen::Vector2d& pixel, double radius_px, std::vect
 
 std::vector<Match> match_by_projection(std::span<const ProjectedPoint> points, const Features& features,
                                        const FeatureGrid& grid, const ProjectionMatchOptions& options) {
+  require(
+      features.size() == 0 || (features.descriptors.type() == CV_8UC1 &&
+                               features.descriptors.cols == kOrbBytes && features.descriptors.isContinuous()),
+      "match_by_projection: expected continuous N x 32 binary descriptors");
   constexpr uint32_t kNobody = std::numeric_limits<uint32_t>::max();
   std::vector<Match> owner_of(features.size(), Match{kNobody, 0, kFar});
   std::vector<uint32_t> nearby;
+  std::vector<uint16_t> distances;
   for (uint32_t p = 0; p < points.size(); ++p) {
     const ProjectedPoint& point = points[p];
     grid.near(point.pixel, point.radius_px, nearby);
+    std::erase_if(nearby,
+                  [&](uint32_t i) { return !plausible(point, features, i, options.max_depth_error); });
+    distances.resize(nearby.size());
+    hamming_to_rows(point.descriptor, features.descriptors.ptr<uint8_t>(), nearby, distances.data());
     TwoNearest nearest;
-    for (const uint32_t i : nearby) {
-      if (!plausible(point, features, i, options.max_depth_error)) continue;
-      nearest.offer(
-          i, hamming_distance(point.descriptor, features.descriptors.ptr<uint8_t>(static_cast<int>(i))),
-          features.levels[i]);
+    for (size_t k = 0; k < nearby.size(); ++k) {
+      nearest.offer(nearby[k], distances[k], features.levels[nearby[k]]);
     }
     if (nearest.distance > options.max_distance || !nearest.distinct(options.max_ratio)) continue;
     Match& owner = owner_of[nearest.index];

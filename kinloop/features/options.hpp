@@ -10,8 +10,7 @@ struct FeatureOptions {
   int count = 1000;
   double scale_factor = 1.2;
   int levels = 8;
-  int fast_threshold = 20;
-  int min_fast_threshold = 7;
+  int fast_threshold = 7;
   int cell_px = 32;
   double max_depth_step = 0.04;
 
@@ -20,10 +19,9 @@ struct FeatureOptions {
     visit("count", self.count, "key points kept per image", Range{50, 20000});
     visit("scale_factor", self.scale_factor, "size ratio of one pyramid level to the next", Range{1.05, 2});
     visit("levels", self.levels, "pyramid levels", Range{1, 16});
-    visit("fast_threshold", self.fast_threshold, "FAST corner threshold, grey levels", Range{1, 100});
-    visit("min_fast_threshold", self.min_fast_threshold,
-          "threshold in cells where the first finds nothing, grey levels", Range{1, 100});
-    visit("cell_px", self.cell_px, "side of the cells over which corners are spread, px", Range{8, 256});
+    visit("fast_threshold", self.fast_threshold, "least contrast of a corner, grey levels", Range{1, 100});
+    visit("cell_px", self.cell_px, "side of the cells over which corners are spread, px of each level",
+          Range{8, 256});
     visit("max_depth_step", self.max_depth_step,
           "relative depth change around a key point beyond which its depth is not used", Range{0, 1});
   }

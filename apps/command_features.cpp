@@ -1,0 +1,71 @@
+// kinloop features: SIFT, SURF and ORB side by side (Table 1 and Fig. 3 and 4 of the founding paper).
+
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
+
+#include "apps/commands.hpp"
+#include "apps/feature_comparison.hpp"
+#include "kinloop/base/options.hpp"
+#include "kinloop/compare/detectors.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr const char* kFooter = R"(
+Medians over the images and pairs. An image is compared with itself turned by 15 degrees, 0.85 times as large and
+tilted; a sequence with itself some frames later.
+  ms             to detect and describe, CPU time of one thread
+  matches        pairs that are each other's nearest descriptor
+  screened       of these, with at most four times the smallest distance (ORB: or 40 bits)
+  inliers        of these, under one camera motion (P3P and RANSAC; an image: one homography), 3 px
+  repeatability  key points found again within 3 px of where the ground truth puts them, of those in view
+  precision      screened matches within 3 px of where the ground truth puts them, and their median error
+
+Examples:
+  kinloop features ../shared/data/redkitchen --gap 20
+  kinloop features photo.jpg -o pictures --set count=500)";
+
+void run_features(ComparisonArguments arguments, const std::vector<std::string>& assignments, bool json) {
+  arguments.features = with_assignments(FeatureOptions{}, assignments);
+  cv::setNumThreads(1);  // all on one core: figures of methods, not of thread pools
+  if (!arguments.pictures.empty()) std::filesystem::create_directories(arguments.pictures);
+  const auto figures = compare_detectors(arguments);
+  if (json) {
+    fmt::print("{}\n", comparison_json(figures).dump(2));
+    return;
+  }
+  fmt::print("{}", comparison_table(figures));
+  if (!surf_available()) fmt::print("SURF is not in this build (dlib was not found when it was built)\n");
+}
+
+}  // namespace
+
+void add_features_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("features", "Compare SIFT, SURF and ORB: count, time, matches, inliers");
+  command->footer(kFooter);
+  auto arguments = std::make_shared<ComparisonArguments>();
+  auto assignments = std::make_shared<std::vector<std::string>>();
+  auto json = std::make_shared<bool>(false);
+  command->add_option("input", arguments->input, "An image, a folder in TUM layout, or sim:room")->required();
+  command->add_option("--camera", arguments->camera, "camera.yaml or preset, as for kinloop run");
+  command->add_option("-o,--output", arguments->pictures,
+                      "Folder for pictures of all and of the screened matches of the middle pair");
+  command->add_option("--pairs", arguments->pairs, "Pairs of frames, evenly over the sequence")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--gap", arguments->gap, "Frames from the first to the second of a pair")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--detectors", arguments->wanted, "Only these: sift surf orb-opencv orb")
+      ->delimiter(',');
+  command->add_option("--set", *assignments, "change an option of the key points, e.g. count=500")
+      ->allow_extra_args(false);
+  command->add_flag("--json", *json, "Print the figures as JSON");
+  command->callback([arguments, assignments, json] { run_features(*arguments, *assignments, *json); });
+}
+
+}  // namespace kinloop

@@ -1,0 +1,16 @@
+#pragma once
+// In: two images and the matches between them. Out: a picture, as Fig. 3 and 4 of the founding paper.
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "kinloop/compare/measure_pair.hpp"
+
+namespace kinloop {
+
+/// Both grey images side by side, each match a line of a colour of its own (8UC3, BGR).
+cv::Mat draw_matches(const cv::Mat& gray_a, const Features& a, const cv::Mat& gray_b, const Features& b,
+                     const std::vector<LookAlike>& matches);
+
+}  // namespace kinloop

@@ -1,0 +1,146 @@
+#include "kinloop/compare/measure_pair.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/features2d.hpp>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/features/extractor.hpp"
+#include "kinloop/features/matcher.hpp"
+#include "kinloop/optimize/pnp_ransac.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr double kScreenFactor = 4;
+constexpr double kMaxDepthStep = 0.04;  // relative, around a key point
+constexpr double kHiddenShare = 0.05;   // a surface nearer by this share hides what is behind it
+constexpr uint64_t kSeed = 1;
+
+Eigen::Vector2d pixel_of(const Features& features, uint32_t index) {
+  return features.pixels[index].cast<double>();
+}
+
+/// Distance from `pixel` to the nearest key point.
+double distance_to_nearest(const Features& features, const Eigen::Vector2d& pixel) {
+  double nearest = std::numeric_limits<double>::max();
+  for (const auto& other : features.pixels) {
+    nearest = std::min(nearest, (other.cast<double>() - pixel).squaredNorm());
+  }
+  return std::sqrt(nearest);
+}
+
+}  // namespace
+
+std::vector<LookAlike> match_descriptors(const Features& a, const Features& b) {
+  std::vector<LookAlike> matches;
+  if (a.size() == 0 || b.size() == 0) return matches;
+  require(a.descriptors.type() == b.descriptors.type(), "match_descriptors: different kinds of descriptors");
+  if (a.descriptors.type() == CV_8UC1) {
+    for (const Match& match : match_brute_force(a.descriptors, b.descriptors, true)) {
+      matches.push_back({match.a, match.b, static_cast<double>(match.distance)});
+    }
+    return matches;
+  }
+  std::vector<cv::DMatch> found;
+  cv::BFMatcher(cv::NORM_L2, true).match(a.descriptors, b.descriptors, found);
+  for (const auto& match : found) {
+    matches.push_back({static_cast<uint32_t>(match.queryIdx), static_cast<uint32_t>(match.trainIdx),
+                       static_cast<double>(match.distance)});
+  }
+  return matches;
+}
+
+std::vector<LookAlike> screen_look_alikes(const std::vector<LookAlike>& matches, bool binary) {
+  double smallest = std::numeric_limits<double>::max();
+  for (const LookAlike& match : matches) smallest = std::min(smallest, match.distance);
+  const double limit = std::max(kScreenFactor * smallest, binary ? double{kScreenFloorBits} : 0.0);
+  std::vector<LookAlike> kept;
+  std::copy_if(matches.begin(), matches.end(), std::back_inserter(kept),
+               [&](const LookAlike& match) { return match.distance <= limit; });
+  return kept;
+}
+
+TrueSights sights_by_motion(const Features& a, const cv::Mat& depth_a_m, const cv::Mat& depth_b_m,
+                            const PinholeCamera& camera, const SE3& T_b_a) {
+  TrueSights sights(a.size());
+  for (uint32_t i = 0; i < a.size(); ++i) {
+    const double depth_m = depth_around(depth_a_m, a.raw_pixels[i], kMaxDepthStep);
+    if (depth_m <= 0) continue;
+    const Eigen::Vector3d p_b = T_b_a * camera.unproject(pixel_of(a, i), depth_m);
+    if (p_b.z() <= 0) continue;
+    const Eigen::Vector2d pixel = camera.project(p_b);
+    const Eigen::Vector2d raw = camera.distort(pixel);
+    if (!camera.contains(raw, 1)) continue;
+    const double seen_m = depth_around(depth_b_m, raw.cast<float>(), kMaxDepthStep);
+    if (seen_m > 0 && std::abs(seen_m - p_b.z()) < kHiddenShare * p_b.z()) sights[i] = pixel;
+  }
+  return sights;
+}
+
+TrueSights sights_by_homography(const Features& a, const cv::Size& size, const Eigen::Matrix3d& H_b_a) {
+  TrueSights sights(a.size());
+  for (uint32_t i = 0; i < a.size(); ++i) {
+    const Eigen::Vector2d pixel = (H_b_a * pixel_of(a, i).homogeneous()).hnormalized();
+    const bool inside =
+        pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= size.width - 1 && pixel.y() <= size.height - 1;
+    if (inside) sights[i] = pixel;
+  }
+  return sights;
+}
+
+size_t count_motion_inliers(const Features& a, const cv::Mat& depth_a_m, const Features& b,
+                            const std::vector<LookAlike>& matches, const PinholeCamera& camera) {
+  std::vector<PoseObservation> observations;
+  for (const LookAlike& match : matches) {
+    const double depth_m = depth_around(depth_a_m, a.raw_pixels[match.a], kMaxDepthStep);
+    if (depth_m <= 0) continue;
+    PoseObservation observation;
+    observation.p_reference = camera.unproject(pixel_of(a, match.a), depth_m);
+    observation.pixel = pixel_of(b, match.b);
+    // The same for all levels and detectors, so that all are judged alike.
+    observation.sigma_px = kRepeatRadiusPx / std::sqrt(AbsolutePoseOptions().inlier_chi2_pixel);
+    observations.push_back(observation);
+  }
+  const auto solution = solve_pnp_ransac(camera, observations, {}, kSeed);
+  return solution ? static_cast<size_t>(solution->inlier_count) : 0;
+}
+
+size_t count_homography_inliers(const Features& a, const Features& b, const std::vector<LookAlike>& matches) {
+  constexpr size_t kFewest = 4;
+  if (matches.size() < kFewest) return 0;
+  std::vector<cv::Point2f> from, to;
+  for (const LookAlike& match : matches) {
+    from.emplace_back(a.pixels[match.a].x(), a.pixels[match.a].y());
+    to.emplace_back(b.pixels[match.b].x(), b.pixels[match.b].y());
+  }
+  cv::Mat inliers;
+  cv::findHomography(from, to, cv::RANSAC, kRepeatRadiusPx, inliers);
+  return inliers.empty() ? 0 : static_cast<size_t>(cv::countNonZero(inliers));
+}
+
+PairFigures measure_pair(const Features& b, const std::vector<LookAlike>& matches,
+                         const std::vector<LookAlike>& screened, const TrueSights& sights) {
+  PairFigures figures;
+  figures.matches = matches.size();
+  figures.screened = screened.size();
+  for (const auto& sight : sights) {
+    if (!sight) continue;
+    ++figures.visible;
+    figures.repeated += distance_to_nearest(b, *sight) <= kRepeatRadiusPx ? 1 : 0;
+  }
+  for (const LookAlike& match : screened) {
+    if (sights.empty() || !sights[match.a]) continue;
+    ++figures.checked;
+    const double error_px = (pixel_of(b, match.b) - *sights[match.a]).norm();
+    if (error_px > kRepeatRadiusPx) continue;
+    ++figures.right;
+    figures.errors_px.push_back(error_px);
+  }
+  return figures;
+}
+
+}  // namespace kinloop

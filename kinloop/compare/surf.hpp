@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace kinloop {
+
+/// Key points (level 0 pixels, size and angle as OpenCV has them) with a 64-vector each, N x 64 of 32FC1.
+struct SurfPoints {
+  std::vector<cv::KeyPoint> key_points;
+  cv::Mat descriptors;
+};
+
+/// dlib's SURF: the `count` strongest points of an 8-bit grey image.
+SurfPoints detect_surf(const cv::Mat& gray, int count);
+
+}  // namespace kinloop

@@ -1,0 +1,141 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/calib3d.hpp>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/compare/detectors.hpp"
+#include "kinloop/compare/match_picture.hpp"
+#include "kinloop/compare/measure_pair.hpp"
+#include "tests/features/cluttered_image.hpp"
+
+namespace kinloop {
+namespace {
+
+PinholeCamera camera_640() {
+  PinholeCamera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 525;
+  camera.cx = 320;
+  camera.cy = 240;
+  return camera;
+}
+
+/// A wall of clutter 2 m away, and the same seen from 0.2 m to the right: everything moves by 52.5 px.
+struct TwoViews {
+  cv::Mat gray_a, gray_b, depth_m;
+  SE3 T_b_a;
+
+  TwoViews() : depth_m(480, 640, CV_32FC1, cv::Scalar(2.0F)) {
+    gray_a = test::cluttered_image(41);
+    const cv::Matx33d shift(1, 0, -52.5, 0, 1, 0, 0, 0, 1);
+    cv::warpPerspective(gray_a, gray_b, shift, gray_a.size());
+    T_b_a.translation.x() = -0.2;
+  }
+};
+
+TEST(Detectors, EachFindsWhatItIsAskedFor) {
+  const cv::Mat gray = test::cluttered_image(40);
+  FeatureOptions options;
+  options.count = 300;
+  std::vector<std::string> ids;
+  for (const Detector& detector : make_detectors(options, camera_640())) {
+    const Features f = detector.detect(gray);
+    ids.push_back(detector.id);
+    EXPECT_GT(f.size(), 200U) << detector.name;
+    EXPECT_LT(f.size(), 330U) << detector.name;
+    EXPECT_EQ(f.descriptors.rows, static_cast<int>(f.size())) << detector.name;
+    EXPECT_EQ(f.raw_pixels.size(), f.size()) << detector.name;
+  }
+  EXPECT_THAT(ids, testing::IsSupersetOf({"sift", "orb-opencv", "orb"}));
+  EXPECT_EQ(std::find(ids.begin(), ids.end(), "surf") != ids.end(), surf_available());
+}
+
+TEST(MeasurePair, EveryDetectorKnowsAWallAgain) {
+  const TwoViews views;
+  for (const Detector& detector : make_detectors({}, camera_640())) {
+    const Features a = detector.detect(views.gray_a), b = detector.detect(views.gray_b);
+    const auto matches = match_descriptors(a, b);
+    const auto screened = screen_look_alikes(matches, a.descriptors.type() == CV_8UC1);
+    const auto sights = sights_by_motion(a, views.depth_m, views.depth_m, camera_640(), views.T_b_a);
+    const PairFigures figures = measure_pair(b, matches, screened, sights);
+    EXPECT_EQ(figures.matches, matches.size());
+    EXPECT_GT(figures.visible, 500U) << detector.name;
+    EXPECT_GT(figures.repeated, figures.visible / 2) << detector.name;
+    EXPECT_GT(figures.right, figures.checked * 8 / 10) << detector.name;
+    const size_t inliers = count_motion_inliers(a, views.depth_m, b, screened, camera_640());
+    EXPECT_GT(inliers, screened.size() * 7 / 10) << detector.name;
+    EXPECT_LE(inliers, screened.size()) << detector.name;
+  }
+}
+
+/// Four key points at known places; only their places matter.
+Features at(const std::vector<Eigen::Vector2f>& pixels) {
+  Features features;
+  features.pixels = features.raw_pixels = pixels;
+  return features;
+}
+
+TEST(MeasurePair, CountsWhatTheTruthSays) {
+  const Features b = at({{100, 100}, {200, 202}, {300, 310}});
+  const TrueSights sights{Eigen::Vector2d(100, 100), Eigen::Vector2d(200, 200), Eigen::Vector2d(300, 300),
+                          std::nullopt};
+  // Right, 2 px off, 10 px off, and one of which nothing is known.
+  const std::vector<LookAlike> matches{{0, 0, 5}, {1, 1, 6}, {2, 2, 7}, {3, 0, 8}};
+  const PairFigures figures = measure_pair(b, matches, matches, sights);
+  EXPECT_EQ(figures.visible, 3U);
+  EXPECT_EQ(figures.repeated, 2U);
+  EXPECT_EQ(figures.checked, 3U);
+  EXPECT_EQ(figures.right, 2U);
+  EXPECT_THAT(figures.errors_px, testing::ElementsAre(0, 2));
+}
+
+TEST(Sights, HiddenAndUnknownPointsHaveNone) {
+  const Features a = at({{320, 240}, {100, 240}, {5, 240}});
+  cv::Mat depth_a(480, 640, CV_32FC1, cv::Scalar(2.0F)), depth_b = depth_a.clone();
+  SE3 T_b_a;
+  T_b_a.translation.x() = -0.2;
+  EXPECT_NEAR((*sights_by_motion(a, depth_a, depth_b, camera_640(), T_b_a)[0]).x(), 267.5, 1e-9);
+  EXPECT_FALSE(sights_by_motion(a, depth_a, depth_b, camera_640(), T_b_a)[2]);  // out of view
+  depth_b.setTo(1.0F);
+  EXPECT_FALSE(sights_by_motion(a, depth_a, depth_b, camera_640(), T_b_a)[0]);  // behind something
+  depth_a.setTo(0.0F);
+  EXPECT_FALSE(sights_by_motion(a, depth_a, depth_b, camera_640(), T_b_a)[0]);  // of unknown depth
+}
+
+TEST(Screen, IsFourTimesTheSmallest) {
+  const std::vector<LookAlike> matches{{0, 0, 5}, {1, 1, 20}, {2, 2, 21}, {3, 3, 41}};
+  EXPECT_EQ(screen_look_alikes(matches, false).size(), 2U);
+  EXPECT_EQ(screen_look_alikes(matches, true).size(), 3U);  // never less than 40 bits
+  EXPECT_TRUE(screen_look_alikes({}, true).empty());
+}
+
+TEST(HomographyInliers, AgreeWithTheTruth) {
+  const TwoViews views;
+  const auto orb = make_detectors({}, camera_640()).back();
+  const Features a = orb.detect(views.gray_a), b = orb.detect(views.gray_b);
+  const auto matches = screen_look_alikes(match_descriptors(a, b), true);
+  EXPECT_GT(count_homography_inliers(a, b, matches), matches.size() * 7 / 10);
+  EXPECT_EQ(count_homography_inliers(a, b, {}), 0U);
+}
+
+TEST(MatchPicture, ShowsBothImagesAndALine) {
+  const cv::Mat gray(40, 60, CV_8UC1, cv::Scalar(128));
+  const Features a = at({{10, 20}}), b = at({{50, 20}});
+  const cv::Mat picture = draw_matches(gray, a, gray, b, {{0, 0, 1}});
+  EXPECT_EQ(picture.size(), cv::Size(120, 40));
+  EXPECT_NE(picture.at<cv::Vec3b>(20, 60), cv::Vec3b(128, 128, 128));
+  EXPECT_EQ(picture.at<cv::Vec3b>(5, 60), cv::Vec3b(128, 128, 128));
+  EXPECT_THROW(draw_matches(gray, a, cv::Mat(10, 10, CV_8UC1), b, {}), std::logic_error);
+}
+
+TEST(MatchDescriptors, RefusesDifferentKindsAndTakesEmptyOnes) {
+  Features bits = at({{1, 1}}), floats = at({{1, 1}});
+  bits.descriptors = cv::Mat::zeros(1, 32, CV_8UC1);
+  floats.descriptors = cv::Mat::zeros(1, 64, CV_32FC1);
+  EXPECT_THROW(match_descriptors(bits, floats), std::logic_error);
+  EXPECT_TRUE(match_descriptors(bits, Features()).empty());
+}
+
+}  // namespace
+}  // namespace kinloop

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/base/random.hpp"
+
+namespace kinloop::test {
+
+/// Random rectangles of all sizes; the right half is dim, as rooms have dim corners.
+inline cv::Mat cluttered_image(uint64_t seed) {
+  cv::Mat image(480, 640, CV_8UC1, cv::Scalar(100));
+  Random random(seed);
+  for (int i = 0; i < 900; ++i) {
+    const cv::Point corner(static_cast<int>(random.index(640)), static_cast<int>(random.index(480)));
+    const cv::Size size(4 + static_cast<int>(random.index(40)), 4 + static_cast<int>(random.index(40)));
+    cv::rectangle(image, cv::Rect(corner, size), cv::Scalar(random.uniform(0, 255)), cv::FILLED);
+  }
+  cv::GaussianBlur(image, image, {}, 0.8);
+  cv::Mat right = image.colRange(320, 640);
+  right.convertTo(right, CV_8U, 0.25, 20);
+  return image;
+}
+
+}  // namespace kinloop::test

@@ -1,0 +1,39 @@
+#pragma once
+// Runs a test body once for every instruction set that this machine has, plain C++ among them.
+
+#include <functional>
+#include <string>
+
+#include <hwy/targets.h>
+
+namespace kinloop::test {
+
+/// Takes up what SetSupportedTargetsForTest said, in the way of each Highway.
+template <class ChosenTarget>
+void update(ChosenTarget& chosen) {
+  if constexpr (requires { chosen.Update(hwy::SupportedTargets()); }) {
+    chosen.Update(hwy::SupportedTargets());
+  } else {
+    chosen.Update();  // before 1.0
+  }
+}
+
+/// Makes Highway believe that the CPU has one instruction set only (0 = all that it has).
+inline void pretend_only(decltype(hwy::SupportedTargets()) target) {
+  hwy::SetSupportedTargetsForTest(target);
+  update(hwy::GetChosenTarget());
+}
+
+/// Calls `body` with the name of each instruction set while that one is in use; the CPU's own comes back.
+inline void for_each_simd_target(const std::function<void(const std::string&)>& body) {
+  const auto all = hwy::SupportedTargets();
+  for (auto left = all; left != 0; left &= left - 1) {
+    const auto target = left & -left;
+    if ((target & HWY_TARGETS) == 0) continue;
+    pretend_only(target);
+    body(hwy::TargetName(target));
+  }
+  pretend_only(0);
+}
+
+}  // namespace kinloop::test
