@@ -7,6 +7,7 @@
 
 #include "apps/version.hpp"
 #include "kinloop/base/time.hpp"
+#include "kinloop/eval/consistency.hpp"
 
 namespace kinloop {
 namespace {
@@ -69,6 +70,40 @@ json sensor_json(const SensorEstimate& sensor) {
   return parameters;
 }
 
+/// The keyframes of the trajectory, with their covariances.
+std::vector<UncertainPose> uncertain_poses(const Slam& slam) {
+  const uint32_t component = main_component(slam.log(), slam.map());
+  const auto& covariance = slam.keyframe_covariance();
+  std::vector<UncertainPose> poses;
+  for (const Keyframe& keyframe : slam.map().keyframes()) {
+    if (keyframe.component != component || keyframe.id.value >= covariance.size()) continue;
+    poses.push_back({keyframe.stamp_ns, keyframe.T_world_camera, covariance[keyframe.id.value]});
+  }
+  return poses;
+}
+
+/// Covariances of (translation; rotation) in the camera's axes, m and rad, row by row from the diagonal on.
+json covariances_json(const std::vector<UncertainPose>& poses) {
+  json all = json::array();
+  for (const UncertainPose& pose : poses) {
+    json upper = json::array();
+    for (int row = 0; row < 6; ++row) {
+      for (int column = row; column < 6; ++column) upper.push_back(pose.covariance(row, column));
+    }
+    all.push_back({{"stamp", format_stamp(pose.stamp_ns)}, {"covariance", upper}});
+  }
+  return all;
+}
+
+json consistency_json(const std::vector<UncertainPose>& poses, const Trajectory& truth) {
+  const auto found = consistency_of(poses, truth);
+  if (!found) return nullptr;
+  return {{"poses", found->poses},
+          {"nees_translation", found->nees_translation},
+          {"nees_rotation", found->nees_rotation},
+          {"expected", 3}};
+}
+
 json skipped_json(const FrameSource& source) {
   json skipped = json::array();
   for (const auto& [name, reason] : source.skipped()) skipped.push_back({{"name", name}, {"reason", reason}});
@@ -108,7 +143,12 @@ json run_summary(const RunOutcome& o) {
                          {"p95", quantile(o.slam.times().frame_ms, 0.95)}};
   summary["peak_memory_mib"] = use.peak_memory_mib;
   summary["map"] = {{"points", o.map_points}, {"voxel_m", o.options.dense.voxel_m}};
-  if (o.evaluation) summary["evaluation"] = to_json(*o.evaluation);
+  const auto poses = uncertain_poses(o.slam);
+  summary["keyframe_covariances"] = covariances_json(poses);
+  if (o.evaluation) {
+    summary["evaluation"] = to_json(*o.evaluation);
+    summary["evaluation"]["consistency"] = consistency_json(poses, o.source.info().ground_truth);
+  }
   summary["options"] = options_json(o.options);
   return summary;
 }

@@ -59,23 +59,24 @@ FrameLog refine_frames(const FrameLog& log, const Map& map, const PinholeCamera&
   return refined;
 }
 
-SensorEstimate adjust_finally(Map& map, FrameLog& log, const PinholeCamera& camera,
-                              const SensorEstimate& known, const BundleOptions& bundle,
-                              const AbsolutePoseOptions& pose, const SelfCalibrationOptions& options,
-                              const Progress& progress) {
-  SensorEstimate estimate = known;
-  if (map.keyframes().size() < 2) return estimate;
+FinalAdjustment adjust_finally(Map& map, FrameLog& log, const PinholeCamera& camera,
+                               const SensorEstimate& known, BundleOptions bundle,
+                               const AbsolutePoseOptions& pose, const SelfCalibrationOptions& options,
+                               const Progress& progress) {
+  FinalAdjustment result{known, std::vector<Matrix6d>(map.keyframes().size(), Matrix6d::Zero())};
+  if (map.keyframes().size() < 2) return result;
+  bundle.pose_covariances = true;
   const SensorVector expected = expected_sigmas(camera, options);
   const int passes = options.enabled ? options.passes : 1;
   for (int pass = 1; pass <= passes; ++pass) {
-    auto problem = calibration_problem(map, camera, keyframe_velocities(log, map), estimate.value);
-    const auto adjusted = adjust_with_sensor(std::move(problem), expected, options.max_sigma_share, bundle);
+    auto problem = calibration_problem(map, camera, keyframe_velocities(log, map), result.sensor.value);
+    auto adjusted = adjust_with_sensor(std::move(problem), expected, options.max_sigma_share, bundle);
     map.apply(adjusted.update);
-    estimate = adjusted.sensor;
-    log = refine_frames(log, map, camera, estimate.value, pose);
+    result = {std::move(adjusted.sensor), std::move(adjusted.pose_covariance)};
+    log = refine_frames(log, map, camera, result.sensor.value, pose);
     if (!report(progress, "adjusting", static_cast<size_t>(pass), static_cast<size_t>(passes))) break;
   }
-  return estimate;
+  return result;
 }
 
 }  // namespace kinloop

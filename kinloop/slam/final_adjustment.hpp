@@ -8,11 +8,18 @@
 
 namespace kinloop {
 
-/// Adjusts `map` and refines `log`, starting from what is known of the sensor. Gives what was found of it.
-SensorEstimate adjust_finally(Map& map, FrameLog& log, const PinholeCamera& camera,
-                              const SensorEstimate& known, const BundleOptions& bundle,
-                              const AbsolutePoseOptions& pose, const SelfCalibrationOptions& options,
-                              const Progress& progress = {});
+struct FinalAdjustment {
+  SensorEstimate sensor;
+  /// Per keyframe: of x = (translation; rotation), where its true pose is T_world_camera * exp(x), relative
+  /// to the first keyframe of its component (zero).
+  std::vector<Matrix6d> keyframe_covariance;
+};
+
+/// Adjusts `map` and refines `log`, starting from what is known of the sensor.
+FinalAdjustment adjust_finally(Map& map, FrameLog& log, const PinholeCamera& camera,
+                               const SensorEstimate& known, BundleOptions bundle,
+                               const AbsolutePoseOptions& pose, const SelfCalibrationOptions& options,
+                               const Progress& progress = {});
 
 /// Refines every tracked frame on the landmarks it saw, as the map stands now, for a sensor with the given
 /// corrections.

@@ -97,7 +97,8 @@ CalibratedAdjustment adjust_with_sensor(AdjustmentProblem problem, const SensorV
   BundleProblem& bundle = problem.bundle;
   bundle.sensor.prior_sigma = expected;
   const BundleSolution free = solve_bundle(bundle, options);
-  CalibratedAdjustment adjusted{update_of(problem, free), judge(free, expected, max_sigma_share)};
+  CalibratedAdjustment adjusted{update_of(problem, free), judge(free, expected, max_sigma_share),
+                                free.pose_covariance};
   bool all_used = true;
   for (int k = 0; k < kSensorParameterCount; ++k) {
     if (expected(k) == 0 || adjusted.sensor.used[static_cast<size_t>(k)]) continue;
@@ -110,6 +111,7 @@ CalibratedAdjustment adjust_with_sensor(AdjustmentProblem problem, const SensorV
   const BundleSolution held = solve_bundle(bundle, options);
   adjusted.update = update_of(problem, held);
   adjusted.sensor.value = held.sensor;
+  adjusted.pose_covariance = held.pose_covariance;
   return adjusted;
 }
 

@@ -72,6 +72,7 @@ AdjustmentProblem calibration_problem(const Map& map, const PinholeCamera& camer
 struct CalibratedAdjustment {
   MapUpdate update;
   SensorEstimate sensor;
+  std::vector<Matrix6d> pose_covariance;  ///< per pose of the problem, where the options ask for it
 };
 
 /// Solves the problem with the sensor free within `expected`, then again without the parameters that the data

@@ -296,8 +296,10 @@ Trajectory Slam::finish(const Progress& progress) {
   take_in(work_.apply_rest(map_));
   if (options_.full_adjustment) {
     const Stopwatch watch;
-    sensor_ = adjust_finally(map_, log_, camera_.color, sensor_, options_.full, options_.tracking.pose,
-                             options_.self_calibration, progress);
+    auto adjusted = adjust_finally(map_, log_, camera_.color, sensor_, options_.full, options_.tracking.pose,
+                                   options_.self_calibration, progress);
+    sensor_ = std::move(adjusted.sensor);
+    keyframe_covariance_ = std::move(adjusted.keyframe_covariance);
     map_.raise_epoch();
     times_.add("final adjustment", watch);
   }

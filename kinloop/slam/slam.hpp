@@ -55,6 +55,9 @@ class Slam {
   /// What was found of the sensor so far.
   [[nodiscard]] const SensorEstimate& sensor() const { return sensor_; }
 
+  /// Per keyframe, how certain the final adjustment is of its pose (see FinalAdjustment); empty before it.
+  [[nodiscard]] const std::vector<Matrix6d>& keyframe_covariance() const { return keyframe_covariance_; }
+
   /// `listener` must outlive this object.
   void listen(Listener& listener) { listeners_.push_back(&listener); }
 
@@ -98,6 +101,7 @@ class Slam {
 
   FrameLog log_;
   SensorEstimate sensor_;
+  std::vector<Matrix6d> keyframe_covariance_;
   RoomTimes times_;
   std::vector<Listener*> listeners_;
 };
