@@ -19,7 +19,7 @@ struct SelfCalibrationOptions {
   double radial_sigma = 0.05;
   double time_sigma_s = 0.03;
   double depth_offset_sigma_per_m = 0.002;
-  double max_sigma_share = 0.5;
+  double max_sigma_share = 0.4;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -9,9 +9,9 @@
 namespace kinloop {
 
 struct KeyframeOptions {
-  double min_tracked_share = 0.75;
+  double min_tracked_share = 0.85;
   double max_angle_rad = 0.20;
-  double max_shift = 0.12;
+  double max_shift = 0.08;
   int min_landmarks = 100;
   int min_unmapped = 100;
   int max_gap_frames = 45;
