@@ -35,8 +35,10 @@ struct RunArguments {
   std::vector<std::string> assignments;
 };
 
-RunOptions options_of(const RunArguments& arguments) {
-  RunOptions options = with_assignments(RunOptions{}, arguments.assignments);
+RunOptions options_of(const RunArguments& arguments, int threads) {
+  RunOptions options;
+  options.slam.full.threads = threads;
+  options = with_assignments(options, arguments.assignments);
   if (arguments.no_loop) options.slam.loop.enabled = false;
   if (arguments.solver != "auto") options.slam.loop.pose_graph.solver = arguments.solver;
   if (!pose_graph_solver_available(options.slam.loop.pose_graph.solver)) {
@@ -71,8 +73,8 @@ void warn_of_skipped(const FrameSource& source) {
 
 ExitCode run(const RunArguments& arguments) {
   const Stopwatch watch;
-  const RunOptions options = options_of(arguments);
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
+  const RunOptions options = options_of(arguments, threads);
   const auto camera = arguments.camera.empty() ? std::nullopt : std::optional(arguments.camera);
   const RunFolder folder(arguments.output);
   const auto source = open_source(arguments.sequence, camera, options.sim, threads);

@@ -1,5 +1,6 @@
 #include "kinloop/slam/final_adjustment.hpp"
 
+#include "kinloop/base/parallel_for.hpp"
 #include "kinloop/optimize/moving_pose.hpp"
 
 namespace kinloop {
@@ -33,25 +34,32 @@ SE3 refined_pose(const LoggedFrame& entry, const MovingPose& guess, const Map& m
 
 }  // namespace
 
-FrameLog refine_frames(const FrameLog& log, const Map& map, const PinholeCamera& camera,
-                       const SensorVector& sensor, const AbsolutePoseOptions& options) {
+FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera, const SensorVector& sensor,
+                       const AbsolutePoseOptions& options, int threads) {
   const auto velocities = frame_velocities(log, map);
-  FrameLog refined = log;
+  std::vector<SE3> T_reference_camera(log.size());
+  parallel_for(log.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const LoggedFrame& entry = log[i];
+      T_reference_camera[i] = entry.T_reference_camera;
+      if (entry.keyframe.valid() || entry.repeat || entry.status != TrackStatus::kTracked) continue;
+      const SE3 T_world_camera =
+          refined_pose(entry, {world_pose(entry, map), velocities[i]}, map, camera, sensor, options);
+      T_reference_camera[i] = map.keyframe(entry.reference).T_world_camera.inverse() * T_world_camera;
+    }
+  });
   for (size_t i = 0; i < log.size(); ++i) {
-    LoggedFrame& entry = refined[i];
+    LoggedFrame& entry = log[i];
+    entry.T_reference_camera = T_reference_camera[i];
     if (entry.keyframe.valid()) {
       entry.reference = entry.keyframe;
       entry.T_reference_camera = SE3{};
     } else if (entry.repeat) {
-      entry.reference = refined[i - 1].reference;
-      entry.T_reference_camera = refined[i - 1].T_reference_camera;
-    } else if (entry.status == TrackStatus::kTracked) {
-      const SE3 T_world_camera =
-          refined_pose(entry, {world_pose(entry, map), velocities[i]}, map, camera, sensor, options);
-      entry.T_reference_camera = map.keyframe(entry.reference).T_world_camera.inverse() * T_world_camera;
+      entry.reference = log[i - 1].reference;
+      entry.T_reference_camera = log[i - 1].T_reference_camera;
     }
   }
-  return refined;
+  return log;
 }
 
 SensorEstimate adjust_finally(Map& map, FrameLog& log, const PinholeCamera& camera,
@@ -67,7 +75,7 @@ SensorEstimate adjust_finally(Map& map, FrameLog& log, const PinholeCamera& came
     const auto adjusted = adjust_with_sensor(std::move(problem), expected, options.max_sigma_share, bundle);
     map.apply(adjusted.update);
     estimate = adjusted.sensor;
-    log = refine_frames(log, map, camera, estimate.value, pose);
+    log = refine_frames(std::move(log), map, camera, estimate.value, pose, bundle.threads);
     if (!report(progress, "adjusting", static_cast<size_t>(pass), static_cast<size_t>(passes))) break;
   }
   return estimate;

@@ -15,8 +15,8 @@ SensorEstimate adjust_finally(Map& map, FrameLog& log, const PinholeCamera& came
                               const Progress& progress = {});
 
 /// Refines every tracked frame on the landmarks it saw, as the map stands now, for a sensor with the given
-/// corrections.
-FrameLog refine_frames(const FrameLog& log, const Map& map, const PinholeCamera& camera,
-                       const SensorVector& sensor, const AbsolutePoseOptions& options);
+/// corrections. The result does not depend on `threads`.
+FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera, const SensorVector& sensor,
+                       const AbsolutePoseOptions& options, int threads);
 
 }  // namespace kinloop
