@@ -76,24 +76,30 @@ std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
   if (x < kReach || y < kReach || x + kReach >= depth_m.cols || y + kReach >= depth_m.rows) {
     return std::nullopt;
   }
-  // Least squares of inverse depth = a + b dx + c dy.
-  int valid = 0;
-  double squares = 0;
-  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  // Least squares of inverse depth = a + b dx + c dy. The sums of the known pixels' places are whole numbers.
+  int valid = 0, x1 = 0, y1 = 0, xx = 0, xy = 0, yy = 0;
+  double squares = 0, g0 = 0, gx = 0, gy = 0;
   for (int dy = -kReach; dy <= kReach; dy += kStep) {
     const float* row = depth_m.ptr<float>(y + dy) + x;
     for (int dx = -kReach; dx <= kReach; dx += kStep) {
       if (!(row[dx] > 0)) continue;
       const double inverse_depth = 1.0 / static_cast<double>(row[dx]);
-      const Eigen::Vector3d basis(1, dx, dy);
       ++valid;
+      x1 += dx;
+      y1 += dy;
+      xx += dx * dx;
+      xy += dx * dy;
+      yy += dy * dy;
       squares += inverse_depth * inverse_depth;
-      H += basis * basis.transpose();
-      g += basis * inverse_depth;
+      g0 += inverse_depth;
+      gx += dx * inverse_depth;
+      gy += dy * inverse_depth;
     }
   }
   if (valid < kMinValid) return std::nullopt;
+  Eigen::Matrix3d H;
+  H << valid, x1, y1, x1, xx, xy, y1, xy, yy;
+  const Eigen::Vector3d g(g0, gx, gy);
   const Eigen::Vector3d plane = H.ldlt().solve(g);
   const double rms = std::sqrt(std::max(squares - plane.dot(g), 0.0) / valid);
   // A slope across an edge would be that of no surface, and far too steep.
