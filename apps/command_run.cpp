@@ -8,6 +8,7 @@
 #include "apps/commands.hpp"
 #include "apps/dense_recorder.hpp"
 #include "apps/interrupt.hpp"
+#include "apps/memory.hpp"
 #include "apps/open_source.hpp"
 #include "apps/progress_bar.hpp"
 #include "apps/report_file.hpp"
@@ -18,6 +19,7 @@
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/g2o_file.hpp"
 #include "kinloop/output/run_folder.hpp"
+#include "kinloop/sensor/paced_source.hpp"
 #include "kinloop/slam/frame_pipeline.hpp"
 
 namespace kinloop {
@@ -32,12 +34,14 @@ struct RunArguments {
   bool list_options = false;
   bool quiet = false;
   int threads = 0;
+  double pace_hz = 0;
   std::vector<std::string> assignments;
 };
 
 RunOptions options_of(const RunArguments& arguments, int threads) {
   RunOptions options;
   options.slam.full.threads = threads;
+  if (arguments.pace_hz > 0) options.slam.executor.mode = "live";
   options = with_assignments(options, arguments.assignments);
   if (arguments.no_loop) options.slam.loop.enabled = false;
   if (arguments.solver != "auto") options.slam.loop.pose_graph.solver = arguments.solver;
@@ -77,7 +81,13 @@ ExitCode run(const RunArguments& arguments) {
   const RunOptions options = options_of(arguments, threads);
   const auto camera = arguments.camera.empty() ? std::nullopt : std::optional(arguments.camera);
   const RunFolder folder(arguments.output);
-  const auto source = open_source(arguments.sequence, camera, options.sim, threads);
+  auto source = open_source(arguments.sequence, camera, options.sim, threads);
+  const PacedSource* paced = nullptr;
+  if (arguments.pace_hz > 0) {
+    auto pacing = std::make_unique<PacedSource>(std::move(source), arguments.pace_hz);
+    paced = pacing.get();
+    source = std::move(pacing);
+  }
   const Progress progress = make_progress_bar(arguments.quiet);
 
   Slam slam(source->camera(), options.slam);
@@ -87,13 +97,15 @@ ExitCode run(const RunArguments& arguments) {
   const bool complete = process_all(*source, slam, progress);
   if (!complete) log::warn("interrupted: finishing with the {} frames there are", slam.log().size());
   const Trajectory trajectory = slam.finish(progress);
+  return_freed_memory();
   const ColoredCloud cloud = recorder.fuse(slam.log(), slam.map(), threads, progress);
+  return_freed_memory();
   warn_of_skipped(*source);
 
   const Trajectory& truth = source->info().ground_truth;
   const auto evaluation = truth.empty() ? std::nullopt : evaluate(trajectory, truth);
-  const auto summary =
-      run_summary({*source, slam, options, evaluation, cloud.size(), watch.wall_s(), threads, !complete});
+  const auto summary = run_summary({*source, slam, options, evaluation, cloud.size(), watch.wall_s(), threads,
+                                    !complete, paced != nullptr ? paced->dropped() : 0});
   write_run_files(folder, {trajectory, keyframe_trajectory(slam.map()), truth, cloud, summary});
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), options.slam.loop), {}, true, {}});
   write_report(folder);
@@ -136,6 +148,12 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
       ->add_option("--threads", arguments->threads,
                    "threads of parallel work, 0 = all; the results are the same")
       ->check(CLI::Range(0, 1024));
+  command
+      ->add_option(
+          "--pace", arguments->pace_hz,
+          "replay at this many frames a second, as a live camera: frames not taken in time are lost,\n"
+          "and slow work is applied when it is ready (executor.mode=live)")
+      ->check(CLI::Range(0.1, 1000.0));
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
   command->footer(
       "Examples:\n"

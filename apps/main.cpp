@@ -4,12 +4,10 @@
 #include <exception>
 #include <new>
 
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 #include <spdlog/sinks/stdout_color_sinks.h>
 
 #include "apps/commands.hpp"
+#include "apps/memory.hpp"
 #include "apps/version.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
@@ -23,16 +21,6 @@ void set_up_log() {
   auto logger = spdlog::stderr_color_st("kinloop");
   logger->set_pattern("%^%l:%$ %v");
   spdlog::set_default_logger(logger);
-}
-
-/// Images come and go by the thousand. By default glibc gives their memory back to the system each time and
-/// gets it again page by page, which cost a third of the time of decoding.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-  constexpr int kMebibyte = 1 << 20;
-  mallopt(M_MMAP_THRESHOLD, 32 * kMebibyte);
-  mallopt(M_TRIM_THRESHOLD, 64 * kMebibyte);
-#endif
 }
 
 ExitCode run(int argc, char** argv) {
@@ -61,7 +49,7 @@ ExitCode run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  keep_freed_memory();
+  kinloop::keep_freed_memory();
   set_up_log();
   try {
     return static_cast<int>(run(argc, argv));
