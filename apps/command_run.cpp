@@ -19,6 +19,8 @@
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/g2o_file.hpp"
 #include "kinloop/output/run_folder.hpp"
+#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/place/vocabulary_file.hpp"
 #include "kinloop/sensor/paced_source.hpp"
 #include "kinloop/slam/frame_pipeline.hpp"
 
@@ -30,6 +32,7 @@ struct RunArguments {
   std::filesystem::path output = "out";
   std::string camera;
   std::string solver = "auto";
+  std::string vocabulary;
   bool no_loop = false;
   bool list_options = false;
   bool quiet = false;
@@ -49,6 +52,18 @@ RunOptions options_of(const RunArguments& arguments, int threads) {
     throw UsageError(fmt::format("--solver {}: not in this build; see kinloop --version", arguments.solver));
   }
   return options;
+}
+
+/// The dictionary that goes with the features. It cannot be told from a file what kind it was trained on.
+Vocabulary vocabulary_of(const RunArguments& arguments, const FeatureOptions& features) {
+  if (!arguments.vocabulary.empty()) return read_vocabulary(arguments.vocabulary);
+  if (features.kind != "orb") {
+    throw UsageError(fmt::format(
+        "features.kind={0}: the dictionary built in is of ORB; train one with `kinloop vocab train IMAGES... "
+        "--feature {0} -o FILE` and give it with --vocabulary FILE",
+        features.kind));
+  }
+  return load_default_vocabulary();
 }
 
 /// Feeds all frames; false when Ctrl-C ended it early.
@@ -90,7 +105,7 @@ ExitCode run(const RunArguments& arguments) {
   }
   const Progress progress = make_progress_bar(arguments.quiet);
 
-  Slam slam(source->camera(), options.slam);
+  Slam slam(source->camera(), options.slam, vocabulary_of(arguments, options.slam.features));
   DenseRecorder recorder(source->camera(), options.dense);
   slam.listen(recorder);
   catch_interrupts();
@@ -138,6 +153,8 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
       "--camera", arguments->camera,
       "camera.yaml to use, or freiburg1, freiburg2, freiburg3, icl; else camera.yaml in the folder, "
       "else by the folder's name");
+  command->add_option("--vocabulary", arguments->vocabulary,
+                      "dictionary of visual words, from kinloop vocab train; else the one built in");
   command->add_flag("--no-loop", arguments->no_loop, "do not close loops");
   command->add_option("--solver", arguments->solver, "who solves the pose graph: auto, builtin, ceres, g2o")
       ->check(CLI::IsMember({"auto", "builtin", "ceres", "g2o"}));
