@@ -10,6 +10,7 @@
 #include "apps/feature_comparison.hpp"
 #include "kinloop/base/options.hpp"
 #include "kinloop/compare/detectors.hpp"
+#include "kinloop/features/surf.hpp"
 
 namespace kinloop {
 namespace {

@@ -8,6 +8,7 @@
 #include "apps/commands.hpp"
 #include "apps/dense_recorder.hpp"
 #include "apps/interrupt.hpp"
+#include "apps/memory.hpp"
 #include "apps/open_source.hpp"
 #include "apps/progress_bar.hpp"
 #include "apps/report_file.hpp"
@@ -18,6 +19,9 @@
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/g2o_file.hpp"
 #include "kinloop/output/run_folder.hpp"
+#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/sensor/paced_source.hpp"
 #include "kinloop/slam/frame_pipeline.hpp"
 
 namespace kinloop {
@@ -28,21 +32,38 @@ struct RunArguments {
   std::filesystem::path output = "out";
   std::string camera;
   std::string solver = "auto";
+  std::string vocabulary;
   bool no_loop = false;
   bool list_options = false;
   bool quiet = false;
   int threads = 0;
+  double pace_hz = 0;
   std::vector<std::string> assignments;
 };
 
-RunOptions options_of(const RunArguments& arguments) {
-  RunOptions options = with_assignments(RunOptions{}, arguments.assignments);
+RunOptions options_of(const RunArguments& arguments, int threads) {
+  RunOptions options;
+  options.slam.full.threads = threads;
+  if (arguments.pace_hz > 0) options.slam.executor.mode = "live";
+  options = with_assignments(options, arguments.assignments);
   if (arguments.no_loop) options.slam.loop.enabled = false;
   if (arguments.solver != "auto") options.slam.loop.pose_graph.solver = arguments.solver;
   if (!pose_graph_solver_available(options.slam.loop.pose_graph.solver)) {
     throw UsageError(fmt::format("--solver {}: not in this build; see kinloop --version", arguments.solver));
   }
   return options;
+}
+
+/// The dictionary that goes with the features. It cannot be told from a file what kind it was trained on.
+Vocabulary vocabulary_of(const RunArguments& arguments, const FeatureOptions& features) {
+  if (!arguments.vocabulary.empty()) return read_vocabulary(arguments.vocabulary);
+  if (features.kind != "orb") {
+    throw UsageError(fmt::format(
+        "features.kind={0}: the dictionary built in is of ORB; train one with `kinloop vocab train IMAGES... "
+        "--feature {0} -o FILE` and give it with --vocabulary FILE",
+        features.kind));
+  }
+  return load_default_vocabulary();
 }
 
 /// Feeds all frames; false when Ctrl-C ended it early.
@@ -71,27 +92,35 @@ void warn_of_skipped(const FrameSource& source) {
 
 ExitCode run(const RunArguments& arguments) {
   const Stopwatch watch;
-  const RunOptions options = options_of(arguments);
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
+  const RunOptions options = options_of(arguments, threads);
   const auto camera = arguments.camera.empty() ? std::nullopt : std::optional(arguments.camera);
   const RunFolder folder(arguments.output);
-  const auto source = open_source(arguments.sequence, camera, options.sim, threads);
+  auto source = open_source(arguments.sequence, camera, options.sim, threads);
+  const PacedSource* paced = nullptr;
+  if (arguments.pace_hz > 0) {
+    auto pacing = std::make_unique<PacedSource>(std::move(source), arguments.pace_hz);
+    paced = pacing.get();
+    source = std::move(pacing);
+  }
   const Progress progress = make_progress_bar(arguments.quiet);
 
-  Slam slam(source->camera(), options.slam);
+  Slam slam(source->camera(), options.slam, vocabulary_of(arguments, options.slam.features));
   DenseRecorder recorder(source->camera(), options.dense);
   slam.listen(recorder);
   catch_interrupts();
   const bool complete = process_all(*source, slam, progress);
   if (!complete) log::warn("interrupted: finishing with the {} frames there are", slam.log().size());
   const Trajectory trajectory = slam.finish(progress);
+  return_freed_memory();
   const ColoredCloud cloud = recorder.fuse(slam.log(), slam.map(), threads, progress);
+  return_freed_memory();
   warn_of_skipped(*source);
 
   const Trajectory& truth = source->info().ground_truth;
   const auto evaluation = truth.empty() ? std::nullopt : evaluate(trajectory, truth);
-  const auto summary =
-      run_summary({*source, slam, options, evaluation, cloud.size(), watch.wall_s(), threads, !complete});
+  const auto summary = run_summary({*source, slam, options, evaluation, cloud.size(), watch.wall_s(), threads,
+                                    !complete, paced != nullptr ? paced->dropped() : 0});
   write_run_files(folder,
                   {trajectory, keyframe_trajectory(slam.map(), main_component(slam.log(), slam.map())), truth,
                    cloud, summary});
@@ -127,6 +156,8 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
       "--camera", arguments->camera,
       "camera.yaml to use, or freiburg1, freiburg2, freiburg3, icl; else camera.yaml in the folder, "
       "else by the folder's name");
+  command->add_option("--vocabulary", arguments->vocabulary,
+                      "dictionary of visual words, from kinloop vocab train; else the one built in");
   command->add_flag("--no-loop", arguments->no_loop, "do not close loops");
   command->add_option("--solver", arguments->solver, "who solves the pose graph: auto, builtin, ceres, g2o")
       ->check(CLI::IsMember({"auto", "builtin", "ceres", "g2o"}));
@@ -137,6 +168,12 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
       ->add_option("--threads", arguments->threads,
                    "threads of parallel work, 0 = all; the results are the same")
       ->check(CLI::Range(0, 1024));
+  command
+      ->add_option(
+          "--pace", arguments->pace_hz,
+          "replay at this many frames a second, as a live camera: frames not taken in time are lost,\n"
+          "and slow work is applied when it is ready (executor.mode=live)")
+      ->check(CLI::Range(0.1, 1000.0));
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
   command->footer(
       "Examples:\n"

@@ -31,7 +31,6 @@ struct TrainArguments {
   std::vector<std::filesystem::path> images;
   std::vector<std::filesystem::path> held_out;
   std::filesystem::path output;
-  std::string feature = "orb";
   FeatureOptions features;
   TrainOptions training;
 };
@@ -56,7 +55,7 @@ Progress terminal_progress() {
 void print_stats(const Vocabulary& vocabulary) {
   const VocabularyTree& tree = vocabulary.tree();
   const VocabularyStats stats = vocabulary_stats(vocabulary);
-  fmt::print("descriptors    binary, 256 bits (ORB)\n");
+  fmt::print("descriptors    binary, 256 bits\n");
   fmt::print("words          {}\n", vocabulary.word_count());
   fmt::print("tree           at most {} children, {} levels\n", tree.branching, tree.depth);
   for (size_t level = 1; level < stats.levels.size(); ++level) {
@@ -83,9 +82,6 @@ ImageDescriptors describe(const std::vector<std::filesystem::path>& inputs, cons
 }
 
 void train(const TrainArguments& arguments) {
-  if (arguments.feature != "orb") {
-    throw UsageError(fmt::format("--feature {}: dictionaries of ORB alone so far", arguments.feature));
-  }
   const Progress progress = terminal_progress();
   const Stopwatch describing;
   const auto described = describe(arguments.images, arguments, progress);
@@ -137,9 +133,7 @@ void add_train_command(CLI::App& vocab) {
   command->add_option("images", arguments->images, "image files, folders of images, sequences in TUM layout")
       ->required();
   command->add_option("-o,--output", arguments->output, "the dictionary file to write")->required();
-  command->add_option("--feature", arguments->feature, "kind of descriptor (orb)")
-      ->check(CLI::IsMember({"orb", "sift", "surf"}));
-  add_fields(*command, arguments->features, {{"count", "--count"}});
+  add_fields(*command, arguments->features, {{"kind", "--feature"}, {"count", "--count"}});
   add_fields(*command, arguments->training,
              {{"branching", "-k,--branching"},
               {"depth", "-L,--depth"},

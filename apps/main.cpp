@@ -7,6 +7,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 
 #include "apps/commands.hpp"
+#include "apps/memory.hpp"
 #include "apps/version.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
@@ -48,6 +49,7 @@ ExitCode run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  kinloop::keep_freed_memory();
   set_up_log();
   try {
     return static_cast<int>(run(argc, argv));

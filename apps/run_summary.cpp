@@ -55,8 +55,12 @@ json options_json(RunOptions options) {
 
 json rooms_json(const RoomTimes& times) {
   json rooms = json::object();
-  for (const auto& [room, spent] : times.rooms)
-    rooms[room] = {{"wall_s", spent.wall_s}, {"cpu_s", spent.cpu_s}};
+  for (const auto& [room, spent] : times.rooms) {
+    rooms[room] = {{"wall_s", spent.wall_s},
+                   {"cpu_s", spent.cpu_s},
+                   {"median_ms", quantile(spent.piece_ms, 0.5)},
+                   {"p95_ms", quantile(spent.piece_ms, 0.95)}};
+  }
   return rooms;
 }
 
@@ -130,6 +134,7 @@ json run_summary(const RunOutcome& o) {
   summary["tracked_densely"] = dense_only;
   summary["tracked_apart"] = not_lost - tracked;  // in components that no recognised place has joined
   summary["skipped"] = skipped_json(o.source);
+  summary["dropped"] = o.dropped;
   summary["interrupted"] = o.interrupted;
   summary["keyframes"] = o.slam.map().keyframes().size();
   summary["landmarks"] = o.slam.map().landmark_count();
@@ -155,13 +160,13 @@ json run_summary(const RunOutcome& o) {
 
 std::string summary_text(const json& s) {
   std::string text = fmt::format(
-      "frames     {} tracked of {} ({} in pieces apart, {} skipped as damaged)\n"
+      "frames     {} tracked of {} ({} in pieces apart, {} skipped as damaged, {} dropped as late)\n"
       "keyframes  {}, landmarks {}, loops {}\n"
       "map        {} points, voxels of {} m\n"
       "time       {:.1f} s, {:.1f} ms a frame (median), {:.1f} ms (95 %)\n"
       "memory     {:.0f} MiB at most\n",
       s["tracked"].get<long>(), s["frames"].get<long>(), s["tracked_apart"].get<long>(), s["skipped"].size(),
-      s["keyframes"].get<long>(), s["landmarks"].get<long>(), s["loops"].size(),
+      s["dropped"].get<long>(), s["keyframes"].get<long>(), s["landmarks"].get<long>(), s["loops"].size(),
       s["map"]["points"].get<long>(), s["map"]["voxel_m"].get<double>(), s["wall_s"].get<double>(),
       s["frame_ms"]["median"].get<double>(), s["frame_ms"]["p95"].get<double>(),
       s["peak_memory_mib"].get<double>());

@@ -23,6 +23,7 @@ struct RunOutcome {
   double wall_s = 0;
   int threads = 1;
   bool interrupted = false;
+  size_t dropped = 0;  ///< frames lost for want of time, live
 };
 
 nlohmann::json run_summary(const RunOutcome& outcome);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/compare/detectors.hpp"
+#include "kinloop/features/surf.hpp"
 #include "kinloop/optimize/pose_graph.hpp"
 
 namespace kinloop {

@@ -26,6 +26,16 @@ add_library(kinloop_cholmod INTERFACE)
 target_include_directories(kinloop_cholmod SYSTEM INTERFACE $<BUILD_INTERFACE:${CHOLMOD_INCLUDE_DIR}>)
 target_link_libraries(kinloop_cholmod INTERFACE ${CHOLMOD_LIBRARY})
 
+# Images: libjpeg-turbo's own interface, and libdeflate; neither has CMake files in all packages.
+find_path(TURBOJPEG_INCLUDE_DIR turbojpeg.h REQUIRED)
+find_library(TURBOJPEG_LIBRARY turbojpeg REQUIRED)
+find_path(LIBDEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)
+find_library(LIBDEFLATE_LIBRARY deflate REQUIRED)
+add_library(kinloop_codecs INTERFACE)
+target_include_directories(kinloop_codecs SYSTEM INTERFACE $<BUILD_INTERFACE:${TURBOJPEG_INCLUDE_DIR}>
+                                                           $<BUILD_INTERFACE:${LIBDEFLATE_INCLUDE_DIR}>)
+target_link_libraries(kinloop_codecs INTERFACE ${TURBOJPEG_LIBRARY} ${LIBDEFLATE_LIBRARY})
+
 # Highway has CMake files of its own only in newer packages.
 find_path(HWY_INCLUDE_DIR hwy/highway.h REQUIRED)
 find_library(HWY_LIBRARY hwy REQUIRED)
@@ -54,6 +64,10 @@ if(DLIB_INCLUDE_DIR AND DLIB_LIBRARY)
   add_library(kinloop_dlib INTERFACE)
   target_include_directories(kinloop_dlib SYSTEM INTERFACE $<BUILD_INTERFACE:${DLIB_INCLUDE_DIR}>)
   target_link_libraries(kinloop_dlib INTERFACE ${DLIB_LIBRARY})
+  find_library(BLAS_LIBRARY blas)  # which the package's dlib is built with
+  if(BLAS_LIBRARY)
+    target_link_libraries(kinloop_dlib INTERFACE ${BLAS_LIBRARY})
+  endif()
 endif()
 if(KINLOOP_TESTS)
   find_package(GTest REQUIRED)

@@ -3,7 +3,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 get_property(rooms GLOBAL PROPERTY KINLOOP_ROOMS)
-install(TARGETS ${rooms} kinloop_opencv kinloop_cholmod kinloop_hwy EXPORT kinloopTargets)
+install(TARGETS ${rooms} kinloop_opencv kinloop_cholmod kinloop_codecs kinloop_hwy EXPORT kinloopTargets)
 if(TARGET kinloop_dlib)
   install(TARGETS kinloop_dlib EXPORT kinloopTargets)
 endif()

@@ -6,6 +6,7 @@ set -euo pipefail
 packages=(
   build-essential cmake ninja-build ccache git pkg-config
   libopencv-dev libeigen3-dev libceres-dev libsuitesparse-dev libhwy-dev
+  libturbojpeg0-dev libdeflate-dev
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev
 )

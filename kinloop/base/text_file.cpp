@@ -40,12 +40,13 @@ std::string read_file(const std::filesystem::path& path) {
     throw InputError(fmt::format("{}: not a regular file", path.string()));
   }
   std::ifstream stream(path, std::ios::binary);
-  std::ostringstream content;
-  if (stream && stream.peek() != std::ifstream::traits_type::eof()) content << stream.rdbuf();
-  if (stream.bad() || !stream.is_open()) {
+  std::string content(std::filesystem::file_size(path, error), '\0');
+  stream.read(content.data(), static_cast<std::streamsize>(content.size()));
+  if (stream.bad() || !stream.is_open() || error) {
     throw InputError(fmt::format("{}: cannot be read; check its permissions", path.string()));
   }
-  return std::move(content).str();
+  content.resize(static_cast<size_t>(stream.gcount()));
+  return content;
 }
 
 double parse_double(const std::string& text, const std::filesystem::path& path, size_t line) {

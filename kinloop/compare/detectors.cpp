@@ -4,17 +4,11 @@
 
 #include <opencv2/features2d.hpp>
 
-#include "kinloop/compare/surf.hpp"
 #include "kinloop/features/extractor.hpp"
+#include "kinloop/features/surf.hpp"
 
 namespace kinloop {
 namespace {
-
-#ifdef KINLOOP_WITH_DLIB
-constexpr bool kWithSurf = true;
-#else
-constexpr bool kWithSurf = false;
-#endif
 
 /// OpenCV's and dlib's key points as ours. One level: their scales are no levels of a pyramid of ours.
 Features to_features(const std::vector<cv::KeyPoint>& key_points, const cv::Mat& descriptors,
@@ -46,14 +40,10 @@ Detector opencv_detector(const std::string& name, const std::string& id, const c
 
 }  // namespace
 
-bool surf_available() {
-  return kWithSurf;
-}
-
 std::vector<Detector> make_detectors(const FeatureOptions& options, const PinholeCamera& camera) {
   std::vector<Detector> detectors;
   detectors.push_back(opencv_detector("SIFT (OpenCV)", "sift", cv::SIFT::create(options.count), camera));
-  if constexpr (kWithSurf) {
+  if (surf_available()) {
     detectors.push_back({"SURF (dlib)", "surf", [options, camera](const cv::Mat& gray) {
                            const SurfPoints points = detect_surf(gray, options.count);
                            return to_features(points.key_points, points.descriptors, camera);
@@ -61,7 +51,9 @@ std::vector<Detector> make_detectors(const FeatureOptions& options, const Pinhol
   }
   const auto orb = cv::ORB::create(options.count, static_cast<float>(options.scale_factor), options.levels);
   detectors.push_back(opencv_detector("ORB (OpenCV)", "orb-opencv", orb, camera));
-  detectors.push_back({"ORB (ours)", "orb", [options, camera](const cv::Mat& gray) {
+  FeatureOptions ours = options;
+  ours.kind = "orb";
+  detectors.push_back({"ORB (ours)", "orb", [options = ours, camera](const cv::Mat& gray) {
                          return extract_features(gray, cv::Mat(), camera, options);
                        }});
   return detectors;

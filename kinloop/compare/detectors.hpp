@@ -22,7 +22,4 @@ struct Detector {
 /// 2006; where dlib was found), cv::ORB (Rublee et al. 2011) and `extract_features`.
 std::vector<Detector> make_detectors(const FeatureOptions& options, const PinholeCamera& camera);
 
-/// Whether this build has SURF.
-bool surf_available();
-
 }  // namespace kinloop

@@ -11,6 +11,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/features/corner_detector.hpp"
 #include "kinloop/features/hamming.hpp"
+#include "kinloop/features/image_points.hpp"
 #include "kinloop/features/kernels/gaussian_blur.hpp"
 #include "kinloop/features/kernels/steered_brief.hpp"
 
@@ -41,6 +42,19 @@ Eigen::Vector2f on_full_image(const Corner& corner, const std::vector<cv::Mat>& 
   const auto scale_y = static_cast<float>(full.rows) / static_cast<float>(level.rows);
   return {(static_cast<float>(corner.x) + corner.dx + 0.5F) * scale_x - 0.5F,
           (static_cast<float>(corner.y) + corner.dy + 0.5F) * scale_y - 0.5F};
+}
+
+/// Our own ORB.
+ImagePoints detect_orb_points(const cv::Mat& gray, const FeatureOptions& options) {
+  const auto pyramid = build_pyramid(gray, options);
+  const auto corners = detect_corners(pyramid, options);
+  ImagePoints image;
+  image.level_count = options.levels;
+  image.descriptors = describe(pyramid, corners);
+  for (const Corner& corner : corners) {
+    image.points.push_back({on_full_image(corner, pyramid), corner.level, corner.angle_deg});
+  }
+  return image;
 }
 
 }  // namespace
@@ -76,24 +90,30 @@ std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
   if (x < kReach || y < kReach || x + kReach >= depth_m.cols || y + kReach >= depth_m.rows) {
     return std::nullopt;
   }
-  // Least squares of inverse depth = a + b dx + c dy.
-  int valid = 0;
-  double squares = 0;
-  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  // Least squares of inverse depth = a + b dx + c dy. The sums of the known pixels' places are whole numbers.
+  int valid = 0, x1 = 0, y1 = 0, xx = 0, xy = 0, yy = 0;
+  double squares = 0, g0 = 0, gx = 0, gy = 0;
   for (int dy = -kReach; dy <= kReach; dy += kStep) {
     const float* row = depth_m.ptr<float>(y + dy) + x;
     for (int dx = -kReach; dx <= kReach; dx += kStep) {
       if (!(row[dx] > 0)) continue;
       const double inverse_depth = 1.0 / static_cast<double>(row[dx]);
-      const Eigen::Vector3d basis(1, dx, dy);
       ++valid;
+      x1 += dx;
+      y1 += dy;
+      xx += dx * dx;
+      xy += dx * dy;
+      yy += dy * dy;
       squares += inverse_depth * inverse_depth;
-      H += basis * basis.transpose();
-      g += basis * inverse_depth;
+      g0 += inverse_depth;
+      gx += dx * inverse_depth;
+      gy += dy * inverse_depth;
     }
   }
   if (valid < kMinValid) return std::nullopt;
+  Eigen::Matrix3d H;
+  H << valid, x1, y1, x1, xx, xy, y1, xy, yy;
+  const Eigen::Vector3d g(g0, gx, gy);
   const Eigen::Vector3d plane = H.ldlt().solve(g);
   const double rms = std::sqrt(std::max(squares - plane.dot(g), 0.0) / valid);
   // A slope across an edge would be that of no surface, and far too steep.
@@ -106,14 +126,14 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
   require(gray.type() == CV_8UC1, "extract_features: the image must be 8-bit grey");
   require(depth_m.empty() || (depth_m.type() == CV_32FC1 && depth_m.size() == gray.size()),
           "extract_features: depth must be float metres, of the image's size");
-  const auto pyramid = build_pyramid(gray, options);
-  const auto corners = detect_corners(pyramid, options);
+  const ImagePoints image =
+      options.kind == "orb" ? detect_orb_points(gray, options) : detect_float_points(gray, options);
   Features features;
   features.scale_factor = options.scale_factor;
-  features.level_count = options.levels;
-  features.descriptors = describe(pyramid, corners);
-  for (const auto& corner : corners) {
-    const Eigen::Vector2f raw = on_full_image(corner, pyramid);
+  features.level_count = image.level_count;
+  features.descriptors = image.descriptors;
+  for (const ImagePoint& point : image.points) {
+    const Eigen::Vector2f& raw = point.raw_pixel;
     features.raw_pixels.push_back(raw);
     features.pixels.push_back(camera.undistort(raw.cast<double>()).cast<float>());
     features.depths_m.push_back(depth_m.empty() ? 0 : depth_around(depth_m, raw, options.max_depth_step));
@@ -121,9 +141,9 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
     features.inverse_depth_gradients.push_back(slope.value_or(kUnknownSlope));
     features.measured_pixels.push_back(features.pixels.back());
     features.measured_depths_m.push_back(features.depths_m.back());
-    features.levels.push_back(corner.level);
-    features.angles_rad.push_back(corner.angle_deg * std::numbers::pi_v<float> / 180.0F);
-    features.sigmas_px.push_back(static_cast<float>(std::pow(options.scale_factor, corner.level)));
+    features.levels.push_back(point.level);
+    features.angles_rad.push_back(point.angle_deg * std::numbers::pi_v<float> / 180.0F);
+    features.sigmas_px.push_back(static_cast<float>(std::pow(options.scale_factor, point.level)));
   }
   return features;
 }

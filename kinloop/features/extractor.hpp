@@ -1,6 +1,6 @@
 #pragma once
-// In: an image and its depth. Out: ORB key points (Rublee et al. 2011) spread evenly over the image,
-// undistorted, with depths and descriptors.
+// In: an image and its depth. Out: key points, by default ORB's (Rublee et al. 2011) spread evenly over the
+// image, undistorted, with depths and descriptors.
 
 #include <optional>
 

@@ -7,6 +7,7 @@
 namespace kinloop {
 
 struct FeatureOptions {
+  std::string kind = "orb";
   int count = 1000;
   double scale_factor = 1.2;
   int levels = 8;
@@ -16,6 +17,8 @@ struct FeatureOptions {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
+    visit("kind", self.kind, "kind of key points; the dictionary must be of the same",
+          Choices{{"orb", "sift", "surf"}});
     visit("count", self.count, "key points kept per image", Range{50, 20000});
     visit("scale_factor", self.scale_factor, "size ratio of one pyramid level to the next", Range{1.05, 2});
     visit("levels", self.levels, "pyramid levels", Range{1, 16});

@@ -14,7 +14,7 @@ struct MappingOptions {
   int window_keyframes = 12;
   int window_min_shared = 15;
   int window_max_fixed = 20;
-  BundleOptions bundle;
+  BundleOptions bundle = {.tolerance = 1e-3};  // the next keyframe goes on from there
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -11,22 +11,47 @@ namespace {
 
 constexpr double kMinDepth_m = 1e-3;  // nearer (or behind) is not seen
 
+/// The turn of a camera within a frame, exp([phi]_x) by Rodrigues' formula: v + phi x (a v + b phi x v). The
+/// angle is small, and a few terms of the series of a and b are exact: cheaper than sine and cosine.
+class SmallRotation {
+ public:
+  explicit SmallRotation(const Eigen::Vector3d& phi) : phi_(phi) {
+    constexpr double kMaxSquared = 0.01;  // the first term left out is below 3e-18
+    const double t = phi.squaredNorm();
+    if (t <= kMaxSquared) {
+      a_ = 1 - t / 6 * (1 - t / 20 * (1 - t / 42 * (1 - t / 72)));
+      b_ = 0.5 * (1 - t / 12 * (1 - t / 30 * (1 - t / 56 * (1 - t / 90))));
+    } else {
+      const double angle = std::sqrt(t);
+      a_ = std::sin(angle) / angle;
+      b_ = (1 - std::cos(angle)) / t;
+    }
+  }
+
+  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& v) const {
+    return v + phi_.cross(a_ * v + b_ * phi_.cross(v));
+  }
+  [[nodiscard]] Eigen::Vector3d inverse_times(const Eigen::Vector3d& v) const {
+    return v - phi_.cross(a_ * v - b_ * phi_.cross(v));
+  }
+
+ private:
+  Eigen::Vector3d phi_;
+  double a_ = 1;
+  double b_ = 0.5;
+};
+
 /// A point in the axes of the camera, `dt_s` after the stamp of its frame: p = E (p0 - nu t), E = exp(-omega
 /// t).
 struct MovedPoint {
+  SmallRotation E;
   Eigen::Vector3d p;
-  Eigen::Matrix3d E;
   double dt_s = 0;
 
-  MovedPoint(const BundleView& view, const Eigen::Vector3d& p0, double dt) : dt_s(dt) {
-    if (dt == 0 || view.velocity.isZero(0)) {
-      p = p0;
-      E.setIdentity();
-      return;
-    }
-    E = exp_so3(-dt * view.velocity.tail<3>()).toRotationMatrix();
-    p = E * (p0 - dt * view.velocity.head<3>());
-  }
+  MovedPoint(const BundleView& view, const Eigen::Vector3d& p0, double dt)
+      : E(-dt * view.velocity.tail<3>()), p(E * (p0 - dt * view.velocity.head<3>())), dt_s(dt) {}
+
+  [[nodiscard]] bool is_seen() const { return p.z() > kMinDepth_m; }
 };
 
 /// Where the corrected camera sees a point, with the terms that the derivatives share.
@@ -78,70 +103,68 @@ double depth_time(const BundleObservation& o, const SensorVector& s) {
   return knows_slope(o) ? s(kDepthTime) + s(kDepthShutter) * o.row : color_time(o, s);
 }
 
-/// How measured inverse depth differs from that of `p`, the point at the time of the depth image.
+Eigen::Vector2d pixel_error(const BundleObservation& o, const Projection& at_color) {
+  return (at_color.pixel - o.pixel) / o.sigma_px;
+}
+
+/// How measured inverse depth differs from that of the point at the time of the depth image.
 double depth_error(const BundleTask& task, const BundleObservation& o, const SensorVector& s,
-                   const Eigen::Vector3d& p) {
-  const PinholeCamera& camera = task.problem.camera;
-  double error = (1 + s(kDepthScale)) / o.depth_m - 1.0 / p.z();
-  error += s.segment<6>(kDepthOffset).dot(depth_offset_basis(camera, o.pixel));
-  if (knows_slope(o)) {
-    error += o.inverse_depth_gradient.dot(Projection(camera, s, p).pixel - o.pixel);
-  }
+                   const Projection& at_depth) {
+  double error = (1 + s(kDepthScale)) / o.depth_m - at_depth.inverse_z;
+  error += s.segment<6>(kDepthOffset).dot(depth_offset_basis(task.problem.camera, o.pixel));
+  if (knows_slope(o)) error += o.inverse_depth_gradient.dot(at_depth.pixel - o.pixel);
   return error / task.options.inverse_depth_sigma_per_m;
 }
 
 /// Fills one row of the Jacobian from `a`, the derivative of a residual by the moved point, and returns the
 /// residual's derivative by time.
 double fill_row(int row, const Eigen::Vector3d& a, const MovedPoint& moved, const BundleView& view,
-                const Eigen::Vector3d& p0, BundleJacobian& J) {
-  const Eigen::Vector3d b = moved.E.transpose() * a;
+                const Eigen::Vector3d& p0, const BundleDerivatives& wanted, BundleJacobian& J) {
+  const Eigen::Vector3d b = moved.E.inverse_times(a);
   J.pose.row(row) << -b.transpose(), b.cross(p0).transpose();
   J.point.row(row) = b.transpose() * view.R_camera_world;
-  // d exp(phi) = [J_l(phi) d phi]_x exp(phi) with phi = -omega t; within a frame the angle is small and the
-  // series of J_l short.
   const Eigen::Vector3d omega = view.velocity.tail<3>();
-  const Eigen::Vector3d phi = -moved.dt_s * omega;
-  const Eigen::Vector3d turn = a.cross(moved.p), first = turn.cross(phi), second = first.cross(phi);
-  J.velocity.row(row) << -moved.dt_s * b.transpose(),
-      moved.dt_s * (turn + first / 2 + second / 6 + second.cross(phi) / 24).transpose();
+  if (wanted.velocity) {
+    // d exp(phi) = [J_l(phi) d phi]_x exp(phi) with phi = -omega t; within a frame the angle is small and the
+    // series of J_l short.
+    const Eigen::Vector3d phi = -moved.dt_s * omega;
+    const Eigen::Vector3d turn = a.cross(moved.p), first = turn.cross(phi), second = first.cross(phi);
+    J.velocity.row(row) << -moved.dt_s * b.transpose(),
+        moved.dt_s * (turn + first / 2 + second / 6 + second.cross(phi) / 24).transpose();
+  }
   return -a.dot(omega.cross(moved.p)) - b.dot(view.velocity.head<3>());
 }
 
-void linearize_pixel(const BundleTask& task, const BundleObservation& o, const BundleView& view,
-                     const Eigen::Vector3d& p0, const SensorVector& s, LinearizedObservation& linear) {
-  const MovedPoint moved(view, p0, color_time(o, s));
-  const Projection projection(task.problem.camera, s, moved.p);
+void linearize_pixel(const BundleObservation& o, const MovedPoint& moved, const Projection& projection,
+                     const BundleView& view, const Eigen::Vector3d& p0, const BundleDerivatives& wanted,
+                     BundleJacobian& J) {
   const Eigen::Matrix<double, 2, 3> by_point = projection.by_point() / o.sigma_px;
-  BundleJacobian& J = linear.jacobian;
-  J.sensor.topLeftCorner<2, 6>() = projection.by_intrinsics() / o.sigma_px;
   for (int row = 0; row < 2; ++row) {
-    const double by_time = fill_row(row, by_point.row(row).transpose(), moved, view, p0, J);
-    J.sensor(row, kRollingShutter) = by_time * o.row;
+    const double by_time = fill_row(row, by_point.row(row).transpose(), moved, view, p0, wanted, J);
+    if (wanted.sensor) J.sensor(row, kRollingShutter) = by_time * o.row;
   }
+  if (wanted.sensor) J.sensor.topLeftCorner<2, 6>() = projection.by_intrinsics() / o.sigma_px;
 }
 
-void linearize_depth(const BundleTask& task, const BundleObservation& o, const BundleView& view,
-                     const Eigen::Vector3d& p0, const SensorVector& s, LinearizedObservation& linear) {
+void linearize_depth(const BundleTask& task, const BundleObservation& o, const MovedPoint& moved,
+                     const Projection& projection, const BundleView& view, const Eigen::Vector3d& p0,
+                     const BundleDerivatives& wanted, BundleJacobian& J) {
   const double inverse_sigma = 1.0 / task.options.inverse_depth_sigma_per_m;
-  const PinholeCamera& camera = task.problem.camera;
-  const MovedPoint moved(view, p0, depth_time(o, s));
-  BundleJacobian& J = linear.jacobian;
-  Eigen::Vector3d a(0, 0, 1.0 / (moved.p.z() * moved.p.z()));
+  Eigen::Vector3d a(0, 0, projection.inverse_z * projection.inverse_z);
+  if (knows_slope(o)) a += projection.by_point().transpose() * o.inverse_depth_gradient;
+  const double by_time = fill_row(2, inverse_sigma * a, moved, view, p0, wanted, J);
+  if (!wanted.sensor) return;
   if (knows_slope(o)) {
-    const Projection projection(camera, s, moved.p);
-    a += projection.by_point().transpose() * o.inverse_depth_gradient;
     J.sensor.block<1, 6>(2, 0) =
         inverse_sigma * o.inverse_depth_gradient.transpose() * projection.by_intrinsics();
-  }
-  const double by_time = fill_row(2, inverse_sigma * a, moved, view, p0, J);
-  if (knows_slope(o)) {
     J.sensor(2, kDepthTime) = by_time;
     J.sensor(2, kDepthShutter) = by_time * o.row;
   } else {
     J.sensor(2, kRollingShutter) = by_time * o.row;
   }
   J.sensor(2, kDepthScale) = inverse_sigma / o.depth_m;
-  J.sensor.block<1, 6>(2, kDepthOffset) = inverse_sigma * depth_offset_basis(camera, o.pixel).transpose();
+  J.sensor.block<1, 6>(2, kDepthOffset) =
+      inverse_sigma * depth_offset_basis(task.problem.camera, o.pixel).transpose();
 }
 
 }  // namespace
@@ -158,37 +181,46 @@ std::vector<BundleView> views_of(const BundleState& state) {
 BundleResidual bundle_residual(const BundleTask& task, const BundleObservation& o, BundleUse use,
                                const BundleView& view, const Eigen::Vector3d& p_world,
                                const SensorVector& sensor) {
+  const PinholeCamera& camera = task.problem.camera;
   BundleResidual residual;
   const Eigen::Vector3d p0 = view.R_camera_world * (p_world - view.center);
   const MovedPoint at_color(view, p0, color_time(o, sensor));
-  if (!(at_color.p.z() > kMinDepth_m)) return residual;
-  const Projection projection(task.problem.camera, sensor, at_color.p);
-  residual.e.head<2>() = (projection.pixel - o.pixel) / o.sigma_px;
+  if (!at_color.is_seen()) return residual;
+  residual.e.head<2>() = pixel_error(o, Projection(camera, sensor, at_color.p));
   residual.seen = true;
   if (use != BundleUse::kPixelAndDepth) return residual;
   const MovedPoint at_depth(view, p0, depth_time(o, sensor));
-  residual.seen = at_depth.p.z() > kMinDepth_m;
-  if (residual.seen) residual.e.z() = depth_error(task, o, sensor, at_depth.p);
+  residual.seen = at_depth.is_seen();
+  if (residual.seen) residual.e.z() = depth_error(task, o, sensor, Projection(camera, sensor, at_depth.p));
   return residual;
 }
 
 LinearizedObservation linearize_observation(const BundleTask& task, const BundleObservation& o, BundleUse use,
                                             const BundleView& view, const Eigen::Vector3d& p_world,
-                                            const SensorVector& sensor) {
+                                            const SensorVector& sensor, const BundleDerivatives& wanted) {
+  const PinholeCamera& camera = task.problem.camera;
   LinearizedObservation linear;
-  linear.residual = bundle_residual(task, o, use, view, p_world, sensor);
-  if (!linear.residual.seen) return linear;
   BundleJacobian& J = linear.jacobian;
-  J.sensor.setZero();
   const Eigen::Vector3d p0 = view.R_camera_world * (p_world - view.center);
-  linearize_pixel(task, o, view, p0, sensor, linear);
-  if (use == BundleUse::kPixelAndDepth) {
-    linearize_depth(task, o, view, p0, sensor, linear);
-  } else {
+  const MovedPoint at_color(view, p0, color_time(o, sensor));
+  if (!at_color.is_seen()) return linear;
+  if (wanted.sensor) J.sensor.setZero();
+  const Projection color(camera, sensor, at_color.p);
+  linear.residual.e.head<2>() = pixel_error(o, color);
+  linearize_pixel(o, at_color, color, view, p0, wanted, J);
+  linear.residual.seen = true;
+  if (use != BundleUse::kPixelAndDepth) {
     J.pose.row(2).setZero();
     J.velocity.row(2).setZero();
     J.point.row(2).setZero();
+    return linear;
   }
+  const MovedPoint at_depth(view, p0, depth_time(o, sensor));
+  linear.residual.seen = at_depth.is_seen();
+  if (!linear.residual.seen) return linear;
+  const Projection depth(camera, sensor, at_depth.p);
+  linear.residual.e.z() = depth_error(task, o, sensor, depth);
+  linearize_depth(task, o, at_depth, depth, view, p0, wanted, J);
   return linear;
 }
 

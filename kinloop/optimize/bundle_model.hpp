@@ -67,14 +67,21 @@ BundleResidual bundle_residual(const BundleTask& task, const BundleObservation& 
                                const BundleView& view, const Eigen::Vector3d& p_world,
                                const SensorVector& sensor);
 
-/// A residual with its derivatives, which are set where it is seen.
+/// Derivatives that not every solver needs.
+struct BundleDerivatives {
+  bool velocity = true;
+  bool sensor = true;
+};
+
+/// A residual with its derivatives: where it is seen, those that are wanted are set.
 struct LinearizedObservation {
   BundleResidual residual;
   BundleJacobian jacobian;
 };
 LinearizedObservation linearize_observation(const BundleTask& task, const BundleObservation& observation,
                                             BundleUse use, const BundleView& view,
-                                            const Eigen::Vector3d& p_world, const SensorVector& sensor);
+                                            const Eigen::Vector3d& p_world, const SensorVector& sensor,
+                                            const BundleDerivatives& wanted = {});
 
 /// Error of a measured motion, (translation; rotation vector) of T_a_b^-1 * (T_world_a^-1 * T_world_b), and
 /// its derivatives by x of either pose T * exp(x).

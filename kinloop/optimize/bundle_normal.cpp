@@ -134,7 +134,7 @@ void BundleNormal<C>::linearize_point(const BundleState& state, const std::vecto
     const uint32_t index = slots[i].observation;
     const BundleObservation& o = task.problem.observations[index];
     const auto linear = linearize_observation(task, o, task.uses[index], views[o.pose],
-                                              state.p_world[point.id], state.sensor);
+                                              state.p_world[point.id], state.sensor, {C > 6, has_sensor});
     linearize_slot(i, linear, point);
   }
 }
@@ -161,7 +161,7 @@ void BundleNormal<C>::linearize_slot(size_t i, const LinearizedObservation& line
   point.g.noalias() += J_point.transpose() * e[i];
   if (!has_sensor) return;
   J_sensor[i] = root.asDiagonal() * linear.jacobian.sensor * sensor_free.asDiagonal();
-  H_sensor_point[slots[i].point].noalias() += J_sensor[i].transpose() * J_point;
+  H_sensor_point[slots[i].point].noalias() += J_sensor[i].transpose().lazyProduct(J_point);
 }
 
 /// Sums what the observations of one pose say of the pose, and returns what they say of the sensor.

@@ -82,7 +82,7 @@ template <int C>
 void BundleSchur<C>::reduce_sensor(Reduced& system) const {
   for (size_t i = 0; i < normal_.H_sensor_point.size(); ++i) {
     const auto& H = normal_.H_sensor_point[i];
-    const Eigen::Matrix<double, Normal::kSensor, 3> Y = H * H_point_inverse_[i];
+    const Eigen::Matrix<double, Normal::kSensor, 3> Y = H.lazyProduct(H_point_inverse_[i]);
     system.S.noalias() -= Y.lazyProduct(H.transpose());
     system.b.noalias() += Y * normal_.points[i].g;
   }

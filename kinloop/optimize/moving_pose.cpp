@@ -1,5 +1,7 @@
 #include "kinloop/optimize/moving_pose.hpp"
 
+#include <algorithm>
+
 #include <Eigen/Cholesky>
 
 #include "kinloop/geometry/robust_loss.hpp"
@@ -11,7 +13,9 @@ namespace {
 using Vector12d = Eigen::Matrix<double, 12, 1>;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-constexpr double kStepConverged = 1e-9;
+constexpr double kStepConverged = 1e-7;  // m, rad and their rates
+constexpr double kCostConverged =
+    1e-6;  // relative: of hundreds of observations, far below one standard deviation
 
 /// Normal equations by (pose; velocity) at one state.
 struct Normal {
@@ -35,19 +39,29 @@ class Solver {
     }
   }
 
-  /// Tells inliers from outliers and counts them.
-  int classify(const MovingPose& pose) {
+  /// Tells inliers from outliers; true when anything changed.
+  bool classify(const MovingPose& pose) {
     const BundleView view(pose.T_world_camera, pose.velocity);
-    int inliers = 0;
+    bool changed = false;
     for (size_t i = 0; i < observations_.size(); ++i) {
       const bool has_depth = observations_[i].seen.depth_m > 0;
-      const BundleResidual r = residual(i, view, has_depth ? BundleUse::kPixelAndDepth : BundleUse::kPixel);
+      const BundleUse best = has_depth ? BundleUse::kPixelAndDepth : BundleUse::kPixel;
+      const BundleResidual r =
+          bundle_residual(task_, observations_[i].seen, best, view, observations_[i].p_world, sensor_);
       const bool agrees = r.seen && r.pixel_squared() <= options_.inlier_chi2_pixel;
       const bool depth_agrees = has_depth && r.depth_squared() <= options_.inlier_chi2_depth;
-      uses_[i] = !agrees ? BundleUse::kNothing : depth_agrees ? BundleUse::kPixelAndDepth : BundleUse::kPixel;
-      inliers += agrees ? 1 : 0;
+      const BundleUse use = !agrees        ? BundleUse::kNothing
+                            : depth_agrees ? BundleUse::kPixelAndDepth
+                                           : BundleUse::kPixel;
+      changed = changed || use != uses_[i];
+      uses_[i] = use;
     }
-    return inliers;
+    return changed;
+  }
+
+  [[nodiscard]] int inliers() const {
+    return static_cast<int>(observations_.size()) -
+           static_cast<int>(std::count(uses_.begin(), uses_.end(), BundleUse::kNothing));
   }
 
   /// Moves pose and velocity to the least cost of what is in use now (Levenberg-Marquardt).
@@ -66,28 +80,24 @@ class Solver {
         damping *= 100;
         continue;
       }
+      const bool done = normal.cost - next.cost < kCostConverged * normal.cost;
       pose = candidate;
       normal = next;
       damping /= 10;
+      if (done) break;
     }
     return pose;
   }
 
  private:
-  [[nodiscard]] BundleTask task() const { return {problem_, bundle_, {}, {}, {}}; }
-
-  [[nodiscard]] BundleResidual residual(size_t i, const BundleView& view, BundleUse use) const {
-    return bundle_residual(task(), observations_[i].seen, use, view, observations_[i].p_world, sensor_);
-  }
-
   [[nodiscard]] Normal linearize(const MovingPose& pose) const {
     Normal normal;
     const BundleView view(pose.T_world_camera, pose.velocity);
     const HuberLoss loss{options_.robust_width};
     for (size_t i = 0; i < observations_.size(); ++i) {
       if (uses_[i] == BundleUse::kNothing) continue;
-      const auto linear = linearize_observation(task(), observations_[i].seen, uses_[i], view,
-                                                observations_[i].p_world, sensor_);
+      const auto linear = linearize_observation(task_, observations_[i].seen, uses_[i], view,
+                                                observations_[i].p_world, sensor_, {true, false});
       const BundleResidual& r = linear.residual;
       if (!r.seen) {
         normal.cost += loss.rho(kUnseenSquared);
@@ -97,8 +107,9 @@ class Solver {
       Eigen::Matrix<double, 3, 12> J;
       J << linear.jacobian.pose, linear.jacobian.velocity;
       const Eigen::Vector3d weights(of_pixel, of_pixel, of_depth);
-      normal.H += J.transpose() * weights.asDiagonal() * J;
-      normal.g += J.transpose() * weights.cwiseProduct(r.e);
+      const Eigen::Matrix<double, 3, 12> weighted = weights.asDiagonal() * J;
+      normal.H.noalias() += weighted.transpose().lazyProduct(J);
+      normal.g.noalias() += weighted.transpose().lazyProduct(r.e);
       normal.cost += loss.rho(r.pixel_squared()) + loss.rho(r.depth_squared());
     }
     const Vector6d information = velocity_information(bundle_);
@@ -111,6 +122,7 @@ class Solver {
 
   BundleProblem problem_;  // the camera alone
   BundleOptions bundle_;
+  BundleTask task_{problem_, bundle_, {}, {}, {}};
   const SensorVector& sensor_;
   std::span<const MovingObservation> observations_;
   const MovingPose& guess_;
@@ -126,11 +138,11 @@ std::optional<MovingPose> solve_moving_pose(const PinholeCamera& camera, const S
                                             const AbsolutePoseOptions& options) {
   Solver solver(camera, sensor, observations, guess, sigma, options);
   MovingPose pose = guess;
-  int inliers = 0;
   for (int round = 0; round < options.rounds; ++round) {
     pose = solver.minimize(pose);
-    inliers = solver.classify(pose);
-    if (inliers < options.min_inliers) return std::nullopt;
+    const bool changed = solver.classify(pose);
+    if (solver.inliers() < options.min_inliers) return std::nullopt;
+    if (!changed) break;
   }
   return pose;
 }

@@ -10,6 +10,7 @@
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
+#include "kinloop/sensor/fast_decoders.hpp"
 
 namespace kinloop {
 namespace {
@@ -66,6 +67,14 @@ std::string_view jpeg_damage(std::string_view bytes) {
   }
 }
 
+/// By the fast decoders; by OpenCV what these leave: other kinds of image, and damaged ones.
+cv::Mat decode_any(const std::string& bytes) {
+  cv::Mat image = bytes.starts_with(kPngSignature) ? decode_depth_png(bytes) : decode_jpeg(bytes);
+  if (!image.empty()) return image;
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  return cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+}
+
 cv::Mat decode(const std::filesystem::path& path) {
   const auto fail = [&](std::string_view why) {
     throw InputError(fmt::format("{}: {}", path.string(), why));
@@ -75,8 +84,7 @@ cv::Mat decode(const std::filesystem::path& path) {
   if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) fail("the file is too large");
   cv::Mat image;
   try {
-    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-    image = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+    image = decode_any(bytes);
   } catch (const cv::Exception& error) {
     fail(fmt::format("cannot be decoded: {}", error.err));
   }

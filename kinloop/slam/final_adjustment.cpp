@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kinloop/base/parallel_for.hpp"
 #include "kinloop/optimize/moving_pose.hpp"
 
 namespace kinloop {
@@ -36,27 +37,52 @@ SE3 refined_pose(const LoggedFrame& entry, const MovingPose& guess, const Map& m
   return found ? found->T_world_camera : guess.T_world_camera;
 }
 
+/// Whether the velocity of a keyframe is made of this frame's pose.
+bool near_keyframe(const FrameLog& log, size_t index) {
+  constexpr size_t kReach = 3;  // the neighbour may be behind a repeated image
+  const size_t begin = index - std::min(index, kReach), end = std::min(index + kReach + 1, log.size());
+  return std::any_of(log.begin() + static_cast<long>(begin), log.begin() + static_cast<long>(end),
+                     [](const LoggedFrame& entry) { return entry.keyframe.valid(); });
+}
+
+/// `estimate`, with the sigmas known from `before` of parameters that were held this time.
+SensorEstimate with_sigmas_of(SensorEstimate estimate, const SensorEstimate& before,
+                              const SensorVector& expected) {
+  for (int k = 0; k < kSensorParameterCount; ++k) {
+    if (expected(k) == 0) estimate.sigma(k) = before.sigma(k);
+  }
+  return estimate;
+}
+
 }  // namespace
 
-FrameLog refine_frames(const FrameLog& log, const Map& map, const PinholeCamera& camera,
-                       const SensorVector& sensor, const AbsolutePoseOptions& options) {
+FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera, const SensorVector& sensor,
+                       const AbsolutePoseOptions& options, Refined which, int threads) {
   const auto velocities = frame_velocities(log, map);
-  FrameLog refined = log;
+  std::vector<SE3> T_reference_camera(log.size());
+  parallel_for(log.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const LoggedFrame& entry = log[i];
+      T_reference_camera[i] = entry.T_reference_camera;
+      if (entry.keyframe.valid() || entry.repeat || entry.status != TrackStatus::kTracked) continue;
+      if (which == Refined::kNearKeyframes && !near_keyframe(log, i)) continue;
+      const SE3 T_world_camera =
+          refined_pose(entry, {world_pose(entry, map), velocities[i]}, map, camera, sensor, options);
+      T_reference_camera[i] = map.keyframe(entry.reference).T_world_camera.inverse() * T_world_camera;
+    }
+  });
   for (size_t i = 0; i < log.size(); ++i) {
-    LoggedFrame& entry = refined[i];
+    LoggedFrame& entry = log[i];
+    entry.T_reference_camera = T_reference_camera[i];
     if (entry.keyframe.valid()) {
       entry.reference = entry.keyframe;
       entry.T_reference_camera = SE3{};
     } else if (entry.repeat) {
-      entry.reference = refined[i - 1].reference;
-      entry.T_reference_camera = refined[i - 1].T_reference_camera;
-    } else if (entry.status == TrackStatus::kTracked) {
-      const SE3 T_world_camera =
-          refined_pose(entry, {world_pose(entry, map), velocities[i]}, map, camera, sensor, options);
-      entry.T_reference_camera = map.keyframe(entry.reference).T_world_camera.inverse() * T_world_camera;
+      entry.reference = log[i - 1].reference;
+      entry.T_reference_camera = log[i - 1].T_reference_camera;
     }
   }
-  return refined;
+  return log;
 }
 
 FinalAdjustment adjust_finally(Map& map, FrameLog& log, const PinholeCamera& camera,
@@ -66,15 +92,24 @@ FinalAdjustment adjust_finally(Map& map, FrameLog& log, const PinholeCamera& cam
   FinalAdjustment result{known, std::vector<Matrix6d>(map.keyframes().size(), Matrix6d::Zero())};
   if (map.keyframes().size() < 2) return result;
   bundle.pose_covariances = true;
-  const SensorVector expected = expected_sigmas(camera, options);
+  SensorVector expected = expected_sigmas(camera, options);
   const int passes = options.enabled ? options.passes : 1;
   for (int pass = 1; pass <= passes; ++pass) {
     auto problem = calibration_problem(map, camera, keyframe_velocities(log, map), result.sensor.value);
     auto adjusted = adjust_with_sensor(std::move(problem), expected, options.max_sigma_share, bundle);
     map.apply(adjusted.update);
-    result = {std::move(adjusted.sensor), std::move(adjusted.pose_covariance)};
-    log = refine_frames(log, map, camera, result.sensor.value, pose);
-    if (!report(progress, "adjusting", static_cast<size_t>(pass), static_cast<size_t>(passes))) break;
+    result = {with_sigmas_of(adjusted.sensor, result.sensor, expected), std::move(adjusted.pose_covariance)};
+    // What the data did not narrow down at first they will not later: it stays held.
+    for (int k = 0; k < kSensorParameterCount; ++k) {
+      if (!result.sensor.used[static_cast<size_t>(k)]) expected(k) = 0;
+    }
+    const bool last =
+        !report(progress, "adjusting", static_cast<size_t>(pass), static_cast<size_t>(passes)) ||
+        pass == passes;
+    // The next pass needs velocities of keyframes alone.
+    log = refine_frames(std::move(log), map, camera, result.sensor.value, pose,
+                        last ? Refined::kAll : Refined::kNearKeyframes, bundle.threads);
+    if (last) break;
   }
   return result;
 }

@@ -21,9 +21,15 @@ FinalAdjustment adjust_finally(Map& map, FrameLog& log, const PinholeCamera& cam
                                const AbsolutePoseOptions& pose, const SelfCalibrationOptions& options,
                                const Progress& progress = {});
 
-/// Refines every tracked frame on the landmarks it saw, as the map stands now, for a sensor with the given
-/// corrections.
-FrameLog refine_frames(const FrameLog& log, const Map& map, const PinholeCamera& camera,
-                       const SensorVector& sensor, const AbsolutePoseOptions& options);
+/// Which of the tracked frames are refined.
+enum class Refined {
+  kAll,
+  kNearKeyframes,  ///< those that the velocities of keyframes are made of
+};
+
+/// Refines tracked frames on the landmarks they saw, as the map stands now, for a sensor with the given
+/// corrections. The result does not depend on `threads`.
+FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera, const SensorVector& sensor,
+                       const AbsolutePoseOptions& options, Refined which, int threads);
 
 }  // namespace kinloop

@@ -8,6 +8,7 @@ LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int
   LoggedFrame entry{
       frame.id, frame.stamp_ns, result.status, result.reference, result.T_reference_camera, {}, false, {}};
   const Features& features = *frame.features;
+  entry.observations.reserve(result.matches.size());
   for (const auto& [landmark, feature] : result.matches) {
     LoggedObservation seen;
     seen.landmark = landmark;

@@ -14,6 +14,7 @@ struct RoomTimes {
   struct Spent {
     double wall_s = 0;
     double cpu_s = 0;
+    std::vector<double> piece_ms;  ///< wall time of each piece of work, a frame or a keyframe
   };
   std::map<std::string, Spent> rooms;
   std::vector<double> frame_ms;  ///< of `Slam::process`, per frame
@@ -21,8 +22,10 @@ struct RoomTimes {
   void add(const std::string& room, const Stopwatch& watch) { add(room, watch.wall_s(), watch.cpu_s()); }
 
   void add(const std::string& room, double wall_s, double cpu_s) {
-    rooms[room].wall_s += wall_s;
-    rooms[room].cpu_s += cpu_s;
+    Spent& spent = rooms[room];
+    spent.wall_s += wall_s;
+    spent.cpu_s += cpu_s;
+    spent.piece_ms.push_back(1e3 * wall_s);
   }
 };
 

@@ -1,10 +1,17 @@
 #include "kinloop/features/extractor.hpp"
 
+#include <cmath>
+#include <numbers>
+
 #include <gtest/gtest.h>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/features/corner_detector.hpp"
+#include "kinloop/features/hamming.hpp"
+#include "kinloop/features/image_points.hpp"
+#include "kinloop/features/matcher.hpp"
+#include "kinloop/features/surf.hpp"
 #include "tests/features/cluttered_image.hpp"
 
 namespace kinloop {
@@ -198,6 +205,78 @@ TEST(DepthAround, AveragesAndRefusesSteps) {
   EXPECT_EQ(depth_around(depth, {0, 5}, 0.04), 0.0F);
   depth.setTo(0.0F);
   EXPECT_EQ(depth_around(depth, {5, 5}, 0.04), 0.0F);
+}
+
+/// Every kind the build has.
+std::vector<std::string> float_kinds() {
+  std::vector<std::string> kinds = {"sift"};
+  if (surf_available()) kinds.emplace_back("surf");
+  return kinds;
+}
+
+TEST(FloatFeatures, AreFoundAgainOnATurnedAndLargerImage) {
+  const cv::Mat image = cluttered_image(4);
+  const cv::Mat turn = cv::getRotationMatrix2D({320, 240}, 20, 1.3);
+  cv::Mat turned;
+  cv::warpAffine(image, turned, turn, image.size());
+  for (const std::string& kind : float_kinds()) {
+    FeatureOptions options;
+    options.kind = kind;
+    const Features a = extract_features(image, cv::Mat(), ideal_camera(), options);
+    const Features b = extract_features(turned, cv::Mat(), ideal_camera(), options);
+    ASSERT_EQ(a.descriptors.type(), CV_8UC1);
+    ASSERT_EQ(a.descriptors.cols, 32);
+    EXPECT_LT(*std::max_element(a.levels.begin(), a.levels.end()), a.level_count);
+    int right = 0, level_shift = 0;
+    const auto matches = screen_matches(match_brute_force(a.descriptors, b.descriptors, true));
+    for (const Match& match : matches) {
+      const Eigen::Vector2f& p = a.pixels[match.a];
+      const cv::Mat q = turn * (cv::Mat_<double>(3, 1) << p.x(), p.y(), 1);
+      const Eigen::Vector2d expected(q.at<double>(0), q.at<double>(1));
+      if ((b.pixels[match.b].cast<double>() - expected).norm() > 3) continue;
+      ++right;
+      level_shift += b.levels[match.b] - a.levels[match.a];
+    }
+    EXPECT_GT(right, 100) << kind;
+    EXPECT_GT(right, static_cast<int>(matches.size()) * 8 / 10) << kind;
+    EXPECT_NEAR(static_cast<double>(level_shift) / right, std::log(1.3) / std::log(1.2), 0.5) << kind;
+  }
+}
+
+TEST(FloatFeatures, DifferentBitsTellTheAngleBetweenDescriptors) {
+  constexpr int kPairs = 300, kDimensions = 128;
+  Random random(7);
+  cv::Mat rows(2 * kPairs, kDimensions, CV_32FC1);
+  std::vector<double> angles;
+  for (int i = 0; i < kPairs; ++i) {
+    Eigen::VectorXd a(kDimensions), b(kDimensions);
+    const double mix = random.uniform(0, 2);
+    for (int d = 0; d < kDimensions; ++d) {
+      a(d) = random.gaussian();
+      b(d) = a(d) + mix * random.gaussian();
+    }
+    a.array() -= a.mean();
+    b.array() -= b.mean();
+    angles.push_back(std::acos(a.dot(b) / (a.norm() * b.norm())));
+    for (int d = 0; d < kDimensions; ++d) {
+      rows.at<float>(2 * i, d) = static_cast<float>(a(d)) + 40;  // what all have in common does not matter
+      rows.at<float>(2 * i + 1, d) = static_cast<float>(b(d)) + 25;
+    }
+  }
+  const cv::Mat bits = binary_descriptors(rows, 1);
+  for (int i = 0; i < kPairs; ++i) {
+    const double share = hamming_distance(bits.ptr<uint8_t>(2 * i), bits.ptr<uint8_t>(2 * i + 1)) / 256.0;
+    EXPECT_NEAR(share, angles[static_cast<size_t>(i)] / std::numbers::pi, 0.14);  // 4.5 sigma of 256 coins
+  }
+}
+
+TEST(FloatFeatures, AnImageWithoutCornersHasNone) {
+  for (const std::string& kind : float_kinds()) {
+    FeatureOptions options;
+    options.kind = kind;
+    const cv::Mat blank(240, 320, CV_8UC1, cv::Scalar(90));
+    EXPECT_EQ(extract_features(blank, cv::Mat(), ideal_camera(), options).size(), 0U);
+  }
 }
 
 }  // namespace

@@ -1,8 +1,12 @@
 #include "kinloop/slam/slam.hpp"
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "kinloop/eval/evaluate.hpp"
+#include "kinloop/features/extractor.hpp"
+#include "kinloop/features/surf.hpp"
+#include "kinloop/place/trainer.hpp"
 #include "kinloop/sensor/simulation/simulated_source.hpp"
 #include "kinloop/sensor/tum_source.hpp"
 #include "kinloop/slam/frame_pipeline.hpp"
@@ -73,6 +77,34 @@ TEST(Slam, TracksTheSimulatedRoom) {
   const auto ate = absolute_trajectory_error(estimate, recording().truth);
   ASSERT_TRUE(ate.has_value());
   EXPECT_LT(ate->error_m.rmse, 0.02);
+}
+
+/// A dictionary of the words that the recording itself shows.
+Vocabulary small_vocabulary(const FeatureOptions& features) {
+  std::vector<cv::Mat> descriptors;
+  for (size_t i = 0; i < recording().frames.size(); i += 10) {
+    cv::Mat gray;
+    cv::cvtColor(recording().frames[i].color, gray, cv::COLOR_BGR2GRAY);
+    descriptors.push_back(extract_features(gray, cv::Mat(), recording().camera.color, features).descriptors);
+  }
+  TrainOptions training;
+  training.depth = 2;
+  return train_vocabulary(descriptors, training);
+}
+
+TEST(Slam, TracksWithEveryKindOfFeature) {
+  for (const std::string kind : {"sift", "surf"}) {
+    if (kind == "surf" && !surf_available()) continue;
+    SlamOptions options;
+    options.features.kind = kind;
+    Slam slam(recording().camera, options, small_vocabulary(options.features));
+    for (const RgbdFrame& frame : recording().frames) slam.process(frame);
+    const Trajectory estimate = slam.finish();
+    ASSERT_EQ(estimate.size(), static_cast<size_t>(kSimulatedFrames)) << kind;
+    const auto ate = absolute_trajectory_error(estimate, recording().truth);
+    ASSERT_TRUE(ate.has_value());
+    EXPECT_LT(ate->error_m.rmse, 0.02) << kind;
+  }
 }
 
 TEST(Slam, GivesTheSameBitsEveryRun) {

@@ -12,7 +12,11 @@ struct SurfPoints {
   cv::Mat descriptors;
 };
 
-/// dlib's SURF: the `count` strongest points of an 8-bit grey image.
+/// Whether this build has SURF.
+bool surf_available();
+
+/// dlib's SURF: the `count` strongest points of an 8-bit grey image. Throws UsageError in a build without
+/// dlib.
 SurfPoints detect_surf(const cv::Mat& gray, int count);
 
 }  // namespace kinloop

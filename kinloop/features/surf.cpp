@@ -1,14 +1,23 @@
-#ifdef KINLOOP_WITH_DLIB
-#include "kinloop/compare/surf.hpp"
+#include "kinloop/features/surf.hpp"
 
 #include <cmath>
 #include <cstring>
 #include <numbers>
 
+#ifdef KINLOOP_WITH_DLIB
 #include <dlib/array2d.h>
 #include <dlib/image_keypoint.h>
+#endif
+
+#include "kinloop/base/errors.hpp"
 
 namespace kinloop {
+
+#ifdef KINLOOP_WITH_DLIB
+
+bool surf_available() {
+  return true;
+}
 
 SurfPoints detect_surf(const cv::Mat& gray, int count) {
   constexpr int kDimensions = 64;
@@ -34,5 +43,16 @@ SurfPoints detect_surf(const cv::Mat& gray, int count) {
   return result;
 }
 
-}  // namespace kinloop
+#else
+
+bool surf_available() {
+  return false;
+}
+
+SurfPoints detect_surf(const cv::Mat&, int) {
+  throw UsageError("SURF is not in this build: dlib was not found when it was built");
+}
+
 #endif
+
+}  // namespace kinloop

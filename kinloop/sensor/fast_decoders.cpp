@@ -1,0 +1,155 @@
+#include "kinloop/sensor/fast_decoders.hpp"
+
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <libdeflate.h>
+#include <turbojpeg.h>
+
+namespace kinloop {
+namespace {
+
+using namespace std::string_view_literals;
+
+/// A big-endian number of four bytes.
+uint32_t number_at(std::string_view bytes, size_t position) {
+  uint32_t value = 0;
+  for (size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<uint8_t>(bytes[position + i]);
+  return value;
+}
+
+/// What a PNG file says: its size, and its filtered rows, still deflated.
+struct PngContent {
+  int width = 0, height = 0;
+  std::string deflated;
+};
+
+/// The content of a PNG file of 16-bit grey without interlacing (PNG specification, sections 5.3 and 11.2.2).
+std::optional<PngContent> depth_png_content(std::string_view bytes) {
+  constexpr size_t kSignature = 8, kFrame = 12;       // a chunk has length, type and checksum beside its data
+  constexpr auto kSixteenBitGrey = "\x10\0\0\0\0"sv;  // depth, colour type, compression, filter, interlace
+  constexpr uint32_t kHeaderBytes = 13, kMaxSide = 1U << 15;
+  PngContent content;
+  for (size_t at = kSignature; at + kFrame <= bytes.size();) {
+    const uint32_t length = number_at(bytes, at);
+    if (length > bytes.size() - at - kFrame) return std::nullopt;
+    const auto type = bytes.substr(at + 4, 4), data = bytes.substr(at + 8, length);
+    if (libdeflate_crc32(0, type.data(), 4 + length) != number_at(bytes, at + 8 + length))
+      return std::nullopt;
+    if (type == "IHDR") {
+      if (length != kHeaderBytes || data.substr(8) != kSixteenBitGrey) return std::nullopt;
+      if (number_at(data, 0) > kMaxSide || number_at(data, 4) > kMaxSide) return std::nullopt;
+      content.width = static_cast<int>(number_at(data, 0));
+      content.height = static_cast<int>(number_at(data, 4));
+    } else if (type == "IDAT") {
+      content.deflated += data;
+    } else if (type == "IEND") {
+      return content;
+    }
+    at += kFrame + length;
+  }
+  return std::nullopt;
+}
+
+constexpr size_t kPixelBytes = 2;
+
+/// Undoes one of the four filters on one row, byte by byte; `predict` gives the filter's prediction from the
+/// byte a pixel to the left, the one above, and the one a pixel to the left of that.
+template <class Predict>
+void unfilter(uint8_t* row, const uint8_t* above, size_t size, const Predict& predict) {
+  for (size_t i = 0; i < kPixelBytes; ++i) row[i] = static_cast<uint8_t>(row[i] + predict(0, above[i], 0));
+  for (size_t i = kPixelBytes; i < size; ++i) {
+    row[i] = static_cast<uint8_t>(row[i] + predict(row[i - kPixelBytes], above[i], above[i - kPixelBytes]));
+  }
+}
+
+/// Whichever of left, above and above left is nearest to left + above - above left.
+int paeth(int left, int above, int corner) {
+  const int to_left = std::abs(above - corner), to_above = std::abs(left - corner);
+  const int to_corner = std::abs(left + above - 2 * corner);
+  const int nearer = to_above <= to_corner ? above : corner;
+  return to_left <= to_above && to_left <= to_corner ? left : nearer;
+}
+
+/// Undoes the filter of number `filter` (PNG specification, section 9.2); false where there is no such.
+bool unfilter(int filter, uint8_t* row, const uint8_t* above, size_t size) {
+  switch (filter) {
+    case 0:
+      return true;
+    case 1:
+      unfilter(row, above, size, [](int left, int, int) { return left; });
+      return true;
+    case 2:
+      unfilter(row, above, size, [](int, int up, int) { return up; });
+      return true;
+    case 3:
+      unfilter(row, above, size, [](int left, int up, int) { return (left + up) / 2; });
+      return true;
+    case 4:
+      unfilter(row, above, size, paeth);
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::optional<std::vector<uint8_t>> inflate(const std::string& deflated, size_t size) {
+  const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> decompressor(
+      libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
+  if (!decompressor) return std::nullopt;
+  std::vector<uint8_t> bytes(size);
+  size_t written = 0;
+  const auto result = libdeflate_zlib_decompress(decompressor.get(), deflated.data(), deflated.size(),
+                                                 bytes.data(), size, &written);
+  if (result != LIBDEFLATE_SUCCESS || written != size) return std::nullopt;
+  return bytes;
+}
+
+}  // namespace
+
+cv::Mat decode_jpeg(std::string_view bytes) {
+  const std::unique_ptr<void, decltype(&tjDestroy)> decoder(tjInitDecompress(), tjDestroy);
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  int width = 0, height = 0, subsampling = 0, color_space = 0;
+  if (!decoder || tjDecompressHeader3(decoder.get(), data, bytes.size(), &width, &height, &subsampling,
+                                      &color_space) != 0) {
+    return {};
+  }
+  constexpr int64_t kMostPixels = int64_t{1} << 28;  // more is a damaged header
+  if (int64_t{width} * height > kMostPixels) return {};
+  cv::Mat image(height, width, CV_8UC3);
+  const int failed = tjDecompress2(decoder.get(), data, bytes.size(), image.data, width,
+                                   static_cast<int>(image.step), height, TJPF_BGR, 0);
+  return failed != 0 ? cv::Mat() : image;
+}
+
+cv::Mat decode_depth_png(std::string_view bytes) {
+  const auto content = depth_png_content(bytes);
+  if (!content || content->width == 0 || content->height == 0) return {};
+  constexpr size_t kMostInflation = 1032;  // of any deflated stream: more is a damaged header
+  const size_t row_bytes = kPixelBytes * static_cast<size_t>(content->width);
+  const size_t size = (1 + row_bytes) * static_cast<size_t>(content->height);
+  if (size > kMostInflation * content->deflated.size()) return {};
+  auto rows = inflate(content->deflated, size);
+  if (!rows) return {};
+  cv::Mat image(content->height, content->width, CV_16UC1);
+  const std::vector<uint8_t> nothing(row_bytes, 0);
+  const uint8_t* above = nothing.data();
+  for (int y = 0; y < image.rows; ++y) {
+    uint8_t* row = rows->data() + static_cast<size_t>(y) * (1 + row_bytes) + 1;  // behind its filter's number
+    if (!unfilter(row[-1], row, above, row_bytes)) return {};
+    above = row;
+    auto* pixels = image.ptr<uint16_t>(y);
+    for (int x = 0; x < image.cols; ++x) {
+      pixels[x] = static_cast<uint16_t>(row[kPixelBytes * static_cast<size_t>(x)] << 8 |
+                                        row[kPixelBytes * static_cast<size_t>(x) + 1]);
+    }
+  }
+  return image;
+}
+
+}  // namespace kinloop
