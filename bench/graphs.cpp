@@ -168,6 +168,7 @@ std::vector<BasicPoseGraph<Pose>> stages(const BasicPoseGraph<Pose>& graph, size
 template <class Pose>
 void compare_growing(const std::string& name, const BasicPoseGraph<Pose>& graph) {
   constexpr size_t kSolutions = 50;
+  constexpr double kNothing = 1e-9;  // chi2 before the first loop: rounding alone
   size_t loops = 0;
   for (const auto& edge : graph.edges) loops += edge.trusted ? 0 : 1;
   const auto all = stages(graph, std::max<size_t>(1, loops / kSolutions));
@@ -185,7 +186,7 @@ void compare_growing(const std::string& name, const BasicPoseGraph<Pose>& graph)
     last = solve_grown_pose_graph(part, last, options);
     warm_s += process_cpu_s() - start_s;
     warm_iterations += last.iterations;
-    worst = std::max(worst, last.chi2_after / batch.chi2_after - 1);
+    worst = std::max(worst, (last.chi2_after - batch.chi2_after) / std::max(batch.chi2_after, kNothing));
   }
   fmt::print(
       "{:16} {} solutions: from scratch {} iterations {:.3f} s of CPU, from the last {} iterations {:.3f} s, "
