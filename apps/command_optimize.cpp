@@ -106,8 +106,8 @@ std::string page(const std::string& title, const std::vector<Pose>& before, cons
   GraphReport report;
   report.title = title;
   report.subtitle = fmt::format("{} vertices, {} edges", graph.T_world_vertex.size(), graph.edges.size());
-  report.tiles = {{fmt::format("{:.6g}", solution.chi2_before), "chi2 before"},
-                  {fmt::format("{:.6g}", solution.chi2_after), "chi2 after"},
+  report.tiles = {{fmt::format("{:.4g}", solution.chi2_before), "chi2 before"},
+                  {fmt::format("{:.4g}", solution.chi2_after), "chi2 after"},
                   {std::to_string(solution.iterations), "iterations by " + solution.solver},
                   {fmt::format("{:.3f} s", solution.seconds), "solving"}};
   report.before = positions(before);

@@ -134,7 +134,7 @@ BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& o
   if (wants_covariance) {
     BundleCovariance covariance = bundle_covariance(task, state);
     solution.sensor_covariance = covariance.sensor;
-    if (options.pose_covariances) solution.pose_covariance = std::move(covariance.poses);
+    solution.pose_covariance = std::move(covariance.poses);
   }
   solution.point_used = used_points(task);
   solution.T_world_camera = std::move(state.T_world_camera);

@@ -1,8 +1,7 @@
 #pragma once
 // In: keyframe poses, points, and where the keyframes see the points. Out: the poses, points and, where
 // asked, corrections of the sensor under which the observations agree best. See Triggs et al. 2000, "Bundle
-// adjustment
-// - a modern synthesis".
+// adjustment - a modern synthesis".
 //
 // A camera row is exposed at its own time, so the pose that sees a pixel is move(T_world_camera, velocity, t)
 // with t = row * rolling shutter, and the pose that measured its depth is the same with the time of the depth
@@ -105,7 +104,9 @@ struct BundleSolution {
   std::vector<uint8_t> outliers;    ///< 1 = the pixel disagrees (or a number of it is not finite)
   SensorVector sensor = SensorVector::Zero();
   SensorMatrix sensor_covariance = SensorMatrix::Zero();  ///< zero rows for parameters held fixed
-  /// Of T * exp(x), x = (translation; rotation), relative to the fixed poses; empty unless asked for.
+  /// Of each pose T * exp(x), x = (translation; rotation) in its own axes, with everything else that is free
+  /// (poses, points, velocities, sensor) unknown and the fixed poses exact: zero for these, an infinite
+  /// diagonal for what nothing observes. Empty unless `pose_covariances` asks for it.
   std::vector<Matrix6d> pose_covariance;
   double chi2_before = 0;  ///< robust cost of what counts in the end (no outliers), at the start
   double chi2_after = 0;   ///< and at the end

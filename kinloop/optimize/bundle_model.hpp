@@ -117,7 +117,7 @@ BundleRound minimize_with_ceres(const BundleTask& task, const BundleState& state
 /// How well the parameters are known at a minimum.
 struct BundleCovariance {
   SensorMatrix sensor = SensorMatrix::Zero();
-  std::vector<Matrix6d> poses;
+  std::vector<Matrix6d> poses;  ///< empty unless asked for
 };
 BundleCovariance bundle_covariance(const BundleTask& task, const BundleState& state);
 

@@ -1,5 +1,7 @@
 #include "kinloop/optimize/bundle_schur.hpp"
 
+#include <limits>
+
 #include <Eigen/LU>
 
 #include "kinloop/base/parallel_for.hpp"
@@ -7,7 +9,9 @@
 namespace kinloop {
 namespace {
 
-constexpr double kMinDiagonal = 1e-9;  // so that unknowns nothing depends on stay where they are
+constexpr double kMinDiagonal = 1e-9;   // so that unknowns nothing depends on stay where they are
+constexpr double kLeastDamping = 1e-9;  // makes a singular system solvable and hardly changes any other
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Marquardt's damping: in proportion to each unknown's own stiffness.
 template <class Diagonal>
@@ -157,18 +161,38 @@ BundleState BundleSchur<C>::apply(const BundleState& state, const BundleStep& st
 
 template <int C>
 BundleCovariance BundleSchur<C>::covariance() {
+  for (const double damping : {0.0, kLeastDamping}) {
+    const Reduced system = reduce(damping);
+    if (cholesky_.factorize(system.A)) return covariance_of(system);
+  }
+  return nothing_known();
+}
+
+template <int C>
+BundleCovariance BundleSchur<C>::nothing_known() const {
   const BundleTask& task = normal_.task;
   BundleCovariance covariance;
-  covariance.poses.assign(normal_.camera_of_pose.size(), Matrix6d::Zero());
-  const Reduced system = reduce(0);
-  if (!cholesky_.factorize(system.A)) return covariance;
+  covariance.sensor.diagonal() =
+      (normal_.sensor_free.array() > 0).select(SensorVector::Constant(kInfinity), 0);
+  if (!task.options.pose_covariances) return covariance;
+  for (const uint8_t fixed : task.fixed) {
+    covariance.poses.emplace_back(Vector6d::Constant(fixed != 0 ? 0 : kInfinity).asDiagonal());
+  }
+  return covariance;
+}
+
+/// The inverse of [A B; B' S] by its blocks, with A factorised: the sensor's is that of its Schur complement,
+/// the cameras' A^-1 plus what not knowing the sensor adds.
+template <int C>
+BundleCovariance BundleSchur<C>::covariance_of(const Reduced& system) const {
+  BundleCovariance covariance = nothing_known();
   const CameraSensor A_inverse_B = cholesky_.template solve<Eigen::MatrixXd>(system.B);
   if (normal_.has_sensor) {
     const auto& free = normal_.sensor_free;
     const SensorMatrix all = sensor_inverse(system.S - system.B.transpose() * A_inverse_B);
     covariance.sensor = free.asDiagonal() * all * free.asDiagonal();
   }
-  if (!task.options.pose_covariances) return covariance;
+  if (!normal_.task.options.pose_covariances) return covariance;
   const auto diagonal = cholesky_.inverse_diagonal();
   for (size_t camera = 0; camera < diagonal.size(); ++camera) {
     const auto by_sensor = A_inverse_B.template middleRows<6>(static_cast<Eigen::Index>(C * camera));

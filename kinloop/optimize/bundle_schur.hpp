@@ -47,6 +47,8 @@ class BundleSchur {
 
   void invert_points(double damping);
   [[nodiscard]] Reduced reduce(double damping);
+  [[nodiscard]] BundleCovariance nothing_known() const;
+  [[nodiscard]] BundleCovariance covariance_of(const Reduced& system) const;
   void reduce_column(size_t camera, Reduced& system) const;
   void reduce_sensor(Reduced& system) const;
   [[nodiscard]] std::vector<Eigen::Vector3d> point_steps(const BundleStep& step) const;

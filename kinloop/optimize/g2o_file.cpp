@@ -12,6 +12,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/optimize/g2o_format.hpp"
+#include "kinloop/optimize/pose_graph_error.hpp"
 
 namespace kinloop {
 namespace {
@@ -231,6 +232,10 @@ G2oFile finish(const Reading& reading, const Draft<Pose>& draft) {
     if (read.edge.a != kWorld) graph.edges.back().a = find(read.id_a, read.line);
   }
   if (!file.had_vertices) graph.T_world_vertex = spanning_tree_poses(graph);
+  for (size_t i = 0; i < graph.edges.size(); ++i) {
+    if (std::isfinite(edge_chi2(graph.T_world_vertex, graph.edges[i]))) continue;
+    throw_at(reading.path, draft.edges[i].line, "the numbers of this edge are too large to reckon with");
+  }
   file.graph = std::move(graph);
   return file;
 }
@@ -243,7 +248,9 @@ G2oFile read_g2o(const std::filesystem::path& path) {
   size_t number = 0;
   for (size_t begin = 0; begin < content.size();) {
     const size_t end = std::min(content.find('\n', begin), content.size());
-    const Line line{path, ++number, split(std::string_view(content).substr(begin, end - begin))};
+    const std::string_view text = std::string_view(content).substr(begin, end - begin);
+    if (text.find('\0') != text.npos) throw_at(path, number + 1, "this is no text; is it a .g2o file?");
+    const Line line{path, ++number, split(text)};
     if (!line.fields.empty() && line.fields[0][0] != '#') read_line(reading, line);
     begin = end + 1;
   }

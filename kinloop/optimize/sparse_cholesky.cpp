@@ -1,5 +1,7 @@
 #include "kinloop/optimize/sparse_cholesky.hpp"
 
+#include <utility>
+
 #include <Eigen/Cholesky>
 
 namespace kinloop {
@@ -52,10 +54,8 @@ SparseCholesky<B>::SparseCholesky(const EliminationPlan& plan)
 
 template <int B>
 Eigen::Map<Eigen::MatrixXd> SparseCholesky<B>::panel(size_t supernode) {
-  const Supernode& node = plan_->supernodes[supernode];
-  const auto columns = static_cast<Eigen::Index>(node.columns());
-  return {values_.get() + panel_begin_[supernode],
-          B * (columns + static_cast<Eigen::Index>(node.rows.size())), B * columns};
+  const auto read_only = std::as_const(*this).panel(supernode);
+  return {values_.get() + panel_begin_[supernode], read_only.rows(), read_only.cols()};
 }
 
 template <int B>

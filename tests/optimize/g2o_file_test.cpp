@@ -164,6 +164,9 @@ TEST(G2oFile, NamesFileAndLineOfWhatIsWrong) {
        std::string("VERTEX_SE3:QUAT 4 0 0 0 0 0 0 1\nEDGE_SE3_PRIOR 4 0 0 0 0 0 0 0 1") + kIdentity6,
        ":2:", "PARAMS_SE3OFFSET 0"},
       {"offset", "PARAMS_SE3OFFSET 0 1 0 0 0 0 0 1\n", ":1:", "identity"},
+      {"overflow", plane(0) + plane(1) + edge + "EDGE_SE2 0 1 1e200 0 0" + kIdentity3, ":4:", "too large"},
+      {"overflow from the start", plane(0) + "VERTEX_SE2 1 1e300 0 0\n" + edge, ":3:", "too large"},
+      {"binary", plane(0) + std::string("VERTEX_SE2 \0 0", 14), ":2:", "no text"},
   };
   for (const auto& bad : cases) {
     EXPECT_THAT(error_of(bad.text), AllOf(HasSubstr("graph.g2o"), HasSubstr(bad.line), HasSubstr(bad.word)))

@@ -1,0 +1,209 @@
+// Covariances of adjusted poses and of the sensor against the inverse of the whole dense system, put together
+// here from the residuals' derivatives alone.
+
+#include <limits>
+
+#include <Eigen/Cholesky>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "kinloop/geometry/robust_loss.hpp"
+#include "kinloop/optimize/bundle_model.hpp"
+#include "tests/optimize/bundle_world.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::BundleWorld;
+using test::BundleWorldSettings;
+using test::make_bundle_world;
+
+/// H = J' J of poses (6 each), velocities (6 each), points (3 each) and the sensor, with one row a residual.
+class DenseSystem {
+ public:
+  DenseSystem(const BundleProblem& problem, const BundleOptions& options, const BundleSolution& solution)
+      : poses_(static_cast<Eigen::Index>(problem.T_world_camera.size())),
+        points_(static_cast<Eigen::Index>(problem.p_world.size())),
+        H_(Eigen::MatrixXd::Zero(sensor() + kSensorParameterCount, sensor() + kSensorParameterCount)) {
+    const BundleTask task{problem, options, problem.fixed, problem.velocities, {}};
+    const BundleState state{solution.T_world_camera, solution.velocities, solution.p_world, solution.sensor};
+    for (const BundleObservation& o : problem.observations) add(task, state, o);
+    for (const BundleEdge& edge : problem.edges) add(edge, state);
+    for (Eigen::Index i = 0; i < poses_; ++i) {
+      const bool fixed = problem.fixed[static_cast<size_t>(i)] != 0;
+      H_.diagonal().segment<6>(velocity(i)) += velocity_information(options);
+      if (fixed) hold(pose(i), 6);
+      if (fixed || !options.free_velocities) hold(velocity(i), 6);
+    }
+    for (int k = 0; k < kSensorParameterCount; ++k) {
+      H_(sensor() + k, sensor() + k) += sensor_information(problem.sensor, k);
+      if (problem.sensor.prior_sigma(k) == 0) hold(sensor() + k, 1);
+    }
+  }
+
+  /// Its inverse, scaled before for the sake of its mixed units; zero for what is held.
+  [[nodiscard]] Eigen::MatrixXd covariance() const {
+    const Eigen::VectorXd free = (H_.diagonal().array() < kHeld).cast<double>();
+    const Eigen::VectorXd scale = H_.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * H_ * scale.asDiagonal();
+    const Eigen::MatrixXd inverse = scaled.ldlt().solve(Eigen::MatrixXd::Identity(H_.rows(), H_.cols()));
+    const Eigen::VectorXd back = scale.cwiseProduct(free);
+    return back.asDiagonal() * inverse * back.asDiagonal();
+  }
+
+  [[nodiscard]] static Eigen::Index pose(Eigen::Index i) { return 6 * i; }
+  [[nodiscard]] Eigen::Index sensor() const { return 12 * poses_ + 3 * points_; }
+
+ private:
+  static constexpr double kHeld = 1e30;
+
+  [[nodiscard]] Eigen::Index velocity(Eigen::Index i) const { return 6 * (poses_ + i); }
+  [[nodiscard]] Eigen::Index point(Eigen::Index j) const { return 12 * poses_ + 3 * j; }
+
+  void hold(Eigen::Index first, Eigen::Index count) {
+    H_.middleRows(first, count).setZero();
+    H_.middleCols(first, count).setZero();
+    H_.diagonal().segment(first, count).setConstant(kHeld);
+  }
+
+  void add(const BundleTask& task, const BundleState& state, const BundleObservation& o) {
+    const BundleUse use = o.depth_m > 0 ? BundleUse::kPixelAndDepth : BundleUse::kPixel;
+    const auto linear =
+        linearize_observation(task, o, use, {state.T_world_camera[o.pose], state.velocities[o.pose]},
+                              state.p_world[o.point], state.sensor);
+    const HuberLoss loss{task.options.robust_width};
+    const double pixel_weight = loss.weight(linear.residual.pixel_squared());
+    const Eigen::Vector3d weight(pixel_weight, pixel_weight, loss.weight(linear.residual.depth_squared()));
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, H_.cols());
+    J.middleCols<6>(pose(o.pose)) = linear.jacobian.pose;
+    J.middleCols<6>(velocity(o.pose)) = linear.jacobian.velocity;
+    J.middleCols<3>(point(o.point)) = linear.jacobian.point;
+    J.rightCols<kSensorParameterCount>() = linear.jacobian.sensor;
+    H_ += J.transpose() * weight.asDiagonal() * J;
+  }
+
+  void add(const BundleEdge& edge, const BundleState& state) {
+    const auto linear =
+        linearize_bundle_edge(edge, state.T_world_camera[edge.a], state.T_world_camera[edge.b]);
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, H_.cols());
+    J.middleCols<6>(pose(edge.a)) = linear.by_a;
+    J.middleCols<6>(pose(edge.b)) = linear.by_b;
+    H_ += J.transpose() * edge.information * J;
+  }
+
+  Eigen::Index poses_, points_;
+  Eigen::MatrixXd H_;
+};
+
+/// A small world in which everything is seen well enough to be used, with sensor and velocities free.
+BundleWorld free_world() {
+  BundleWorldSettings settings{
+      .poses = 7, .points = 60, .sigma_px = 0.7, .sigma_inverse_depth = 2e-3, .depth_share = 1};
+  settings.sensor(kRollingShutter) = 0.02;
+  settings.sensor(kDepthTime) = 0.01;
+  BundleWorld world = make_bundle_world(settings);
+  for (const int k : {kRollingShutter, kDepthTime}) {
+    world.problem.sensor.prior_sigma(k) = SensorCalibration::kUnknown;
+  }
+  world.problem.sensor.prior_sigma(kFocalX) = 3;
+  world.problem.sensor.prior_sigma(kDepthOffset) = 0.002;
+  const SE3 T_2_5 = world.truth[2].inverse() * world.truth[5];
+  world.problem.edges.push_back({2, 5, T_2_5, 1e4 * Matrix6d::Identity()});
+  // Points that no keyframe sees would be empty columns of the dense system.
+  std::vector<uint32_t> index(world.points.size(), 0);
+  std::vector<Eigen::Vector3d> seen;
+  for (auto& o : world.problem.observations) {
+    if (index[o.point] == 0) {
+      seen.push_back(world.points[o.point]);
+      index[o.point] = static_cast<uint32_t>(seen.size());
+    }
+    o.point = index[o.point] - 1;
+  }
+  world.problem.p_world = world.points = seen;
+  return world;
+}
+
+BundleOptions with_covariances() {
+  BundleOptions options;
+  options.max_iterations = 30;
+  options.inverse_depth_sigma_per_m = 2e-3;
+  options.inlier_chi2_pixel = options.inlier_chi2_depth = 1e12;  // all are used
+  options.pose_covariances = true;
+  return options;
+}
+
+/// Relative to the standard deviations of rows and columns.
+double difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  const Eigen::VectorXd scale = b.diagonal().cwiseSqrt().cwiseInverse();
+  return (scale.asDiagonal() * (a - b) * scale.asDiagonal()).cwiseAbs().maxCoeff();
+}
+
+TEST(BundleCovariance, IsThatOfTheWholeDenseSystem) {
+  const BundleWorld world = free_world();
+  for (const std::string solver : {"builtin", "ceres"}) {
+    for (const bool free_velocities : {false, true}) {
+      BundleOptions options = with_covariances();
+      options.solver = solver;
+      options.free_velocities = free_velocities;
+      const BundleSolution solution = solve_bundle(world.problem, options);
+      ASSERT_THAT(solution.point_used, testing::Each(1));
+      const DenseSystem system(world.problem, options, solution);
+      const Eigen::MatrixXd covariance = system.covariance();
+      EXPECT_EQ(solution.pose_covariance[0], Matrix6d::Zero()) << "held";
+      for (size_t i = 1; i < world.truth.size(); ++i) {
+        const Eigen::Index first = DenseSystem::pose(static_cast<Eigen::Index>(i));
+        EXPECT_LT(difference(solution.pose_covariance[i], covariance.block<6, 6>(first, first)), 1e-6) << i;
+      }
+      for (const int a : {kRollingShutter, kDepthTime, kFocalX, kDepthOffset}) {
+        for (const int b : {kRollingShutter, kDepthTime, kFocalX, kDepthOffset}) {
+          const Eigen::Index s = system.sensor();
+          const double scale = std::sqrt(covariance(s + a, s + a) * covariance(s + b, s + b));
+          EXPECT_NEAR(solution.sensor_covariance(a, b) / scale, covariance(s + a, s + b) / scale, 1e-6);
+        }
+      }
+    }
+  }
+}
+
+TEST(BundleCovariance, WhatIsFreeAsWellMakesPosesLessCertain) {
+  BundleWorld world = free_world();
+  BundleOptions options = with_covariances();
+  world.problem.sensor.value(kRollingShutter) = 0.02;  // the truth: nearly the same minimum each time
+  world.problem.sensor.value(kDepthTime) = 0.01;
+  options.robust_width = 1e9;  // weights are one wherever the minimum is
+  options.free_velocities = true;
+  const Matrix6d all_free = solve_bundle(world.problem, options).pose_covariance[6];
+  options.free_velocities = false;
+  const Matrix6d velocities_held = solve_bundle(world.problem, options).pose_covariance[6];
+  world.problem.sensor.prior_sigma.setZero();
+  const Matrix6d all_held = solve_bundle(world.problem, options).pose_covariance[6];
+  EXPECT_GT(velocities_held.trace(), 1.01 * all_held.trace());
+  EXPECT_GT(all_free.trace(), 1.01 * velocities_held.trace());
+}
+
+TEST(BundleCovariance, WhatNothingObservesIsNotSaidToBeKnown) {
+  BundleWorld world = free_world();
+  auto& observations = world.problem.observations;
+  std::erase_if(observations, [](const BundleObservation& o) { return o.pose == 3; });
+  size_t kept = 0;  // pose 4 sees one point only: singular, but for rounding
+  std::erase_if(observations, [&](const BundleObservation& o) { return o.pose == 4 && kept++ > 0; });
+  const BundleSolution solution = solve_bundle(world.problem, with_covariances());
+  const Eigen::MatrixXd unseen = solution.pose_covariance[3];
+  EXPECT_THAT(unseen.diagonal(), testing::Each(std::numeric_limits<double>::infinity()));
+  EXPECT_GT(solution.pose_covariance[4].diagonal().maxCoeff(), 1.0) << "radians or metres, squared";
+  for (const size_t i : {1, 2, 5, 6}) {
+    EXPECT_GT(solution.pose_covariance[i].diagonal().minCoeff(), 0) << i;
+    EXPECT_LT(solution.pose_covariance[i].diagonal().maxCoeff(), 0.01) << i;
+  }
+}
+
+TEST(BundleCovariance, IsNotComputedUnlessAskedFor) {
+  BundleOptions options = with_covariances();
+  options.pose_covariances = false;
+  const BundleSolution solution = solve_bundle(free_world().problem, options);
+  EXPECT_TRUE(solution.pose_covariance.empty());
+  EXPECT_GT(solution.sensor_covariance(kDepthTime, kDepthTime), 0) << "always, where free";
+}
+
+}  // namespace
+}  // namespace kinloop
