@@ -21,6 +21,7 @@
 #include "kinloop/output/run_folder.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/paced_source.hpp"
 #include "kinloop/slam/frame_pipeline.hpp"
 
@@ -124,6 +125,7 @@ ExitCode run(const RunArguments& arguments) {
   write_run_files(folder,
                   {trajectory, keyframe_trajectory(slam.map(), main_component(slam.log(), slam.map())), truth,
                    cloud, summary});
+  write_camera_file(folder.camera(), calibrated_camera(source->camera(), slam.sensor()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), options.slam.loop), {}, true, {}});
   write_report(folder);
   if (!arguments.quiet) {

@@ -283,7 +283,7 @@ double bundle_cost(const BundleTask& task, const BundleState& state) {
   for (size_t i = 0; i < state.velocities.size() && task.options.free_velocities; ++i) {
     cost += (state.velocities[i] - task.velocities[i]).cwiseAbs2().dot(velocity);
   }
-  const SensorVector moved = state.sensor - task.problem.sensor.value;
+  const SensorVector moved = state.sensor - task.problem.sensor.prior_mean;
   for (const int i : free_sensor_parameters(task.problem.sensor)) {
     cost += moved(i) * moved(i) * sensor_information(task.problem.sensor, i);
   }

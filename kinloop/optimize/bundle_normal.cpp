@@ -223,7 +223,7 @@ void BundleNormal<C>::add_priors(const BundleState& state) {
   for (const int i : free_sensor_parameters(task.problem.sensor)) {
     const double information = sensor_information(task.problem.sensor, i);
     H_sensor(i, i) += information;
-    g_sensor(i) += information * (state.sensor(i) - task.problem.sensor.value(i));
+    g_sensor(i) += information * (state.sensor(i) - task.problem.sensor.prior_mean(i));
   }
 }
 

@@ -45,8 +45,9 @@ const char* sensor_parameter_name(SensorParameter parameter);
 struct SensorCalibration {
   static constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
-  SensorVector value = SensorVector::Zero();
-  /// Standard deviation of the prior around `value`: 0 = held fixed, kUnknown = free without a prior.
+  SensorVector value = SensorVector::Zero();       ///< where adjustment starts, or what is held
+  SensorVector prior_mean = SensorVector::Zero();  ///< what was known beforehand
+  /// Standard deviation around `prior_mean`: 0 = held at `value`, kUnknown = free without a prior.
   SensorVector prior_sigma = SensorVector::Zero();
 };
 

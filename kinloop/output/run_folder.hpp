@@ -22,6 +22,7 @@ class RunFolder {
   [[nodiscard]] std::filesystem::path keyframes() const { return path_ / "keyframes.txt"; }
   [[nodiscard]] std::filesystem::path ground_truth() const { return path_ / "groundtruth.txt"; }
   [[nodiscard]] std::filesystem::path map() const { return path_ / "map.ply"; }
+  [[nodiscard]] std::filesystem::path camera() const { return path_ / "camera.yaml"; }
   [[nodiscard]] std::filesystem::path graph() const { return path_ / "graph.g2o"; }
   [[nodiscard]] std::filesystem::path figures() const { return path_ / "run.json"; }
   [[nodiscard]] std::filesystem::path report() const { return path_ / "report.html"; }
@@ -39,7 +40,7 @@ struct RunFiles {
   nlohmann::json figures;  ///< run.json
 };
 
-/// Writes all of them (graph.g2o and report.html are others' work).
+/// Writes all of them (camera.yaml, graph.g2o and report.html are others' work).
 void write_run_files(const RunFolder& folder, const RunFiles& files);
 
 /// Reads a run.json. Throws InputError naming the file when it is not JSON with an object.

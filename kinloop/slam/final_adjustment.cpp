@@ -85,14 +85,13 @@ FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera
   return log;
 }
 
-FinalAdjustment adjust_finally(Map& map, FrameLog& log, const PinholeCamera& camera,
-                               const SensorEstimate& known, BundleOptions bundle,
-                               const AbsolutePoseOptions& pose, const SelfCalibrationOptions& options,
-                               const Progress& progress) {
+FinalAdjustment adjust_finally(Map& map, FrameLog& log, const RgbdCamera& camera, const SensorEstimate& known,
+                               BundleOptions bundle, const AbsolutePoseOptions& pose,
+                               const SelfCalibrationOptions& options, const Progress& progress) {
   FinalAdjustment result{known, std::vector<Matrix6d>(map.keyframes().size(), Matrix6d::Zero())};
   if (map.keyframes().size() < 2) return result;
   bundle.pose_covariances = true;
-  SensorVector expected = expected_sigmas(camera, options);
+  SensorVector expected = expected_sigmas(camera.color, options);
   const int passes = options.enabled ? options.passes : 1;
   for (int pass = 1; pass <= passes; ++pass) {
     auto problem = calibration_problem(map, camera, keyframe_velocities(log, map), result.sensor.value);
@@ -107,7 +106,7 @@ FinalAdjustment adjust_finally(Map& map, FrameLog& log, const PinholeCamera& cam
         !report(progress, "adjusting", static_cast<size_t>(pass), static_cast<size_t>(passes)) ||
         pass == passes;
     // The next pass needs velocities of keyframes alone.
-    log = refine_frames(std::move(log), map, camera, result.sensor.value, pose,
+    log = refine_frames(std::move(log), map, camera.color, result.sensor.value, pose,
                         last ? Refined::kAll : Refined::kNearKeyframes, bundle.threads);
     if (last) break;
   }

@@ -16,10 +16,9 @@ struct FinalAdjustment {
 };
 
 /// Adjusts `map` and refines `log`, starting from what is known of the sensor.
-FinalAdjustment adjust_finally(Map& map, FrameLog& log, const PinholeCamera& camera,
-                               const SensorEstimate& known, BundleOptions bundle,
-                               const AbsolutePoseOptions& pose, const SelfCalibrationOptions& options,
-                               const Progress& progress = {});
+FinalAdjustment adjust_finally(Map& map, FrameLog& log, const RgbdCamera& camera, const SensorEstimate& known,
+                               BundleOptions bundle, const AbsolutePoseOptions& pose,
+                               const SelfCalibrationOptions& options, const Progress& progress = {});
 
 /// Which of the tracked frames are refined.
 enum class Refined {

@@ -5,7 +5,7 @@
 
 namespace kinloop {
 
-MapWork::MapWork(const PinholeCamera& camera, const SlamOptions& options)
+MapWork::MapWork(const RgbdCamera& camera, const SlamOptions& options)
     : camera_(camera),
       options_(options),
       executor_(make_executor(options.executor)),
@@ -72,9 +72,10 @@ void MapWork::submit_bending(const Map& map, FrameId now) {
                         return correct_loop(problem, options);
                       });
   } else if (full_adjustment_pending_ && options_.full_adjustment) {
-    executor_->submit(
-        JobKind::kFullAdjustment, now,
-        [problem = full_problem(map, camera_), options = options_.full] { return adjust(problem, options); });
+    executor_->submit(JobKind::kFullAdjustment, now,
+                      [problem = full_problem(map, camera_.color), options = options_.full] {
+                        return adjust(problem, options);
+                      });
     full_adjustment_pending_ = false;
   }
 }
@@ -85,7 +86,7 @@ void MapWork::submit_local(const Map& map, KeyframeId newest, FrameId now) {
     return;
   }
   executor_->submit(JobKind::kLocalAdjustment, now,
-                    [problem = local_problem(map, newest, camera_, options_.mapping),
+                    [problem = local_problem(map, newest, camera_.color, options_.mapping),
                      options = options_.mapping.bundle] { return adjust(problem, options); });
 }
 

@@ -21,7 +21,7 @@ struct AppliedWork {
 
 class MapWork {
  public:
-  MapWork(const PinholeCamera& camera, const SlamOptions& options);
+  MapWork(const RgbdCamera& camera, const SlamOptions& options);
 
   /// The loop's edge is in the map now: a correction is due.
   void note_loop(const LoopClosure& closure);
@@ -45,7 +45,7 @@ class MapWork {
   void submit_local(const Map& map, KeyframeId newest, FrameId now);
   void submit_calibration(const Map& map, const FrameLog& log, const SensorEstimate& sensor, FrameId now);
 
-  PinholeCamera camera_;
+  RgbdCamera camera_;
   SlamOptions options_;
   std::unique_ptr<Executor> executor_;
   std::vector<std::pair<LandmarkId, LandmarkId>> merges_;  // of the loops that wait

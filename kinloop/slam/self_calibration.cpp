@@ -1,5 +1,6 @@
 #include "kinloop/slam/self_calibration.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "kinloop/base/time.hpp"
@@ -9,15 +10,17 @@ namespace {
 
 constexpr int64_t kMaxNeighbourNs = 150'000'000;  // farther apart, a hand's velocity has changed
 
-SensorEstimate judge(const BundleSolution& solution, const SensorVector& expected, double max_sigma_share) {
+SensorEstimate judge(const BundleSolution& solution, const SensorVector& known, const SensorVector& expected,
+                     double max_sigma_share) {
   SensorEstimate estimate;
+  estimate.value = solution.sensor;
   for (int k = 0; k < kSensorParameterCount; ++k) {
     if (expected(k) == 0) continue;
     const double sigma = std::sqrt(std::max(solution.sensor_covariance(k, k), 0.0));
     const bool narrowed = sigma <= max_sigma_share * expected(k);
     estimate.sigma(k) = sigma;
     estimate.used[static_cast<size_t>(k)] = narrowed;
-    estimate.value(k) = narrowed ? solution.sensor(k) : 0;
+    if (!narrowed) estimate.value(k) = known(k);
   }
   return estimate;
 }
@@ -29,6 +32,23 @@ void restart(BundleProblem& problem, const BundleSolution& solution) {
 }
 
 }  // namespace
+
+SensorVector known_sensor(const RgbdCamera& camera) {
+  SensorVector known = SensorVector::Zero();
+  known(kRollingShutter) = known(kDepthShutter) = camera.rolling_shutter_s;
+  known(kDepthTime) = camera.depth_offset_s;
+  return known;
+}
+
+RgbdCamera calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor) {
+  RgbdCamera calibrated = camera;
+  const bool lens_found =
+      std::any_of(sensor.used.begin(), sensor.used.begin() + kRollingShutter, [](bool used) { return used; });
+  if (lens_found) calibrated.color = corrected_camera(camera.color, sensor.value);
+  calibrated.rolling_shutter_s = sensor.value(kRollingShutter);
+  calibrated.depth_offset_s = sensor.value(kDepthTime);
+  return calibrated;
+}
 
 SensorVector expected_time_sigmas(const SelfCalibrationOptions& options) {
   SensorVector sigma = SensorVector::Zero();
@@ -84,11 +104,12 @@ std::vector<Velocity> keyframe_velocities(const FrameLog& log, const Map& map) {
   return velocities;
 }
 
-AdjustmentProblem calibration_problem(const Map& map, const PinholeCamera& camera,
+AdjustmentProblem calibration_problem(const Map& map, const RgbdCamera& camera,
                                       std::vector<Velocity> velocities, const SensorVector& value) {
-  AdjustmentProblem problem = full_problem(map, camera, MeasuredAs::kMoving);
+  AdjustmentProblem problem = full_problem(map, camera.color, MeasuredAs::kMoving);
   problem.bundle.velocities = std::move(velocities);
   problem.bundle.sensor.value = value;
+  problem.bundle.sensor.prior_mean = known_sensor(camera);
   return problem;
 }
 
@@ -97,7 +118,8 @@ CalibratedAdjustment adjust_with_sensor(AdjustmentProblem problem, const SensorV
   BundleProblem& bundle = problem.bundle;
   bundle.sensor.prior_sigma = expected;
   const BundleSolution free = solve_bundle(bundle, options);
-  CalibratedAdjustment adjusted{update_of(problem, free), judge(free, expected, max_sigma_share),
+  CalibratedAdjustment adjusted{update_of(problem, free),
+                                judge(free, bundle.sensor.prior_mean, expected, max_sigma_share),
                                 free.pose_covariance};
   bool all_used = true;
   for (int k = 0; k < kSensorParameterCount; ++k) {

@@ -43,7 +43,7 @@ struct SelfCalibrationOptions {
   }
 };
 
-/// What the sensor was found to do; zero for parameters that the data do not constrain.
+/// What the sensor was found to do; as known beforehand for parameters that the data do not constrain.
 struct SensorEstimate {
   SensorVector value = SensorVector::Zero();
   SensorVector sigma =
@@ -51,7 +51,16 @@ struct SensorEstimate {
   std::vector<bool> used = std::vector<bool>(kSensorParameterCount, false);
 };
 
-/// How far each parameter may be off; 0 = held. The scale of depth is that of the world and cannot be found.
+/// What camera.yaml says of the sensor's times. The depth image is taken to be read out as the colour image
+/// is.
+SensorVector known_sensor(const RgbdCamera& camera);
+
+/// `camera` with what was found of it worked in: lens and times. A deformation of depth is left out, since
+/// camera.yaml has no place for it.
+RgbdCamera calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
+
+/// How far each parameter may be off what is known; 0 = held. The scale of depth is that of the world and
+/// cannot be found.
 SensorVector expected_sigmas(const PinholeCamera& camera, const SelfCalibrationOptions& options);
 
 /// The same for the read-out times and the depth delay alone.
@@ -65,7 +74,7 @@ std::vector<Velocity> keyframe_velocities(const FrameLog& log, const Map& map);
 
 /// The whole map with everything as it was measured, by keyframes that move with `velocities`; the sensor
 /// starts at `value`.
-AdjustmentProblem calibration_problem(const Map& map, const PinholeCamera& camera,
+AdjustmentProblem calibration_problem(const Map& map, const RgbdCamera& camera,
                                       std::vector<Velocity> velocities, const SensorVector& value);
 
 /// A map adjusted together with its sensor.

@@ -53,7 +53,9 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
     : Slam(camera, options, load_default_vocabulary()) {}
 
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary)
-    : camera_(camera), options_(options), vocabulary_(std::move(vocabulary)), work_(camera.color, options) {}
+    : camera_(camera), options_(options), vocabulary_(std::move(vocabulary)), work_(camera, options) {
+  sensor_.value = known_sensor(camera);
+}
 
 Slam::~Slam() = default;
 
@@ -296,7 +298,7 @@ Trajectory Slam::finish(const Progress& progress) {
   take_in(work_.apply_rest(map_));
   if (options_.full_adjustment) {
     const Stopwatch watch;
-    auto adjusted = adjust_finally(map_, log_, camera_.color, sensor_, options_.full, options_.tracking.pose,
+    auto adjusted = adjust_finally(map_, log_, camera_, sensor_, options_.full, options_.tracking.pose,
                                    options_.self_calibration, progress);
     sensor_ = std::move(adjusted.sensor);
     keyframe_covariance_ = std::move(adjusted.keyframe_covariance);
