@@ -10,6 +10,9 @@ struct MappingOptions {
   int cull_after_keyframes = 3;
   int cull_min_observations = 2;
   double attach_window_px = 4;
+  int parallax_keyframes = 4;
+  double min_parallax_rad = 0.03;
+  int parallax_max_distance = 50;
   bool local_adjustment = true;
   int window_keyframes = 12;
   int window_min_shared = 15;
@@ -26,6 +29,13 @@ struct MappingOptions {
           Range{1, 100});
     visit("attach_window_px", self.attach_window_px,
           "search window (half side) in which a keyframe looks for older landmarks, px", Range{0.5, 50});
+    visit("parallax_keyframes", self.parallax_keyframes,
+          "covisible keyframes with which key points without depth are triangulated; 0 = none",
+          Range{0, 100});
+    visit("min_parallax_rad", self.min_parallax_rad,
+          "angle between the two rays of a triangulated point at least, rad", Range{0.001, 1});
+    visit("parallax_max_distance", self.parallax_max_distance,
+          "Hamming distance of key points that are triangulated at most, bits", Range{1, 256});
     visit("local_adjustment", self.local_adjustment,
           "adjust the newest keyframes and their landmarks together");
     visit("window_keyframes", self.window_keyframes, "keyframes moved by the local adjustment",

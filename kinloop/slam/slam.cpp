@@ -7,6 +7,7 @@
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/loop/relocalize.hpp"
 #include "kinloop/mapping/grow.hpp"
+#include "kinloop/mapping/triangulate.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/slam/final_adjustment.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
@@ -254,6 +255,7 @@ KeyframeId Slam::insert_keyframe(const PreparedFrame& frame, const TrackResult& 
   observe_matches(map_, id, result.matches);
   attach_landmarks(map_, id, make_local_view(map_, id, options_.view), camera_.color, options_.mapping);
   grow_from_depth(map_, id, camera_.color, options_.mapping);
+  grow_from_parallax(map_, id, camera_.color, options_.mapping);
   cull_landmarks(map_, options_.mapping);
   places_.add(id, bow_of(vocabulary_, *frame.features));
   times_.add("mapping", watch);

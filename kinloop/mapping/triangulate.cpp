@@ -1,0 +1,97 @@
+#include "kinloop/mapping/triangulate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "kinloop/features/matcher.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Key points that show no landmark and have no depth to make one of.
+struct Unplaced {
+  std::vector<uint32_t> features;
+  cv::Mat descriptors;  // one row each
+};
+
+Unplaced unplaced_of(const Keyframe& keyframe, double max_depth_m) {
+  const Features& features = *keyframe.features;
+  Unplaced unplaced;
+  for (uint32_t i = 0; i < features.size(); ++i) {
+    const auto depth_m = static_cast<double>(features.depths_m[i]);
+    if (keyframe.landmark_of[i].valid() || (depth_m > 0 && depth_m <= max_depth_m)) continue;
+    unplaced.features.push_back(i);
+    unplaced.descriptors.push_back(features.descriptors.row(static_cast<int>(i)));
+  }
+  return unplaced;
+}
+
+Sight sight_of(const Features& features, uint32_t feature, const PinholeCamera& camera) {
+  const Eigen::Vector2d pixel = features.pixels[feature].cast<double>();
+  return {camera.unproject(pixel, 1.0).normalized(),
+          static_cast<double>(features.sigmas_px[feature]) / camera.fx};
+}
+
+/// Whether two key points can be the same thing, seen from as far as the point is from each camera.
+bool same_size(const Features& a, uint32_t i, double distance_a_m, const Features& b, uint32_t j,
+               double distance_b_m) {
+  const double expected_levels = std::log(distance_a_m / distance_b_m) / std::log(a.scale_factor);
+  return std::abs(b.levels[j] - a.levels[i] - expected_levels) <= 1.5;
+}
+
+int grow_between(Map& map, KeyframeId id, KeyframeId neighbour_id, const PinholeCamera& camera,
+                 const MappingOptions& options) {
+  const auto a = unplaced_of(map.keyframe(id), options.max_depth_m);
+  const auto b = unplaced_of(map.keyframe(neighbour_id), options.max_depth_m);
+  if (a.features.empty() || b.features.empty()) return 0;
+  const auto features_a = map.keyframe(id).features, features_b = map.keyframe(neighbour_id).features;
+  const SE3 T_a_b = map.keyframe(id).T_world_camera.inverse() * map.keyframe(neighbour_id).T_world_camera;
+  int grown = 0;
+  for (const Match& match : match_brute_force(a.descriptors, b.descriptors, true)) {
+    if (match.distance > options.parallax_max_distance) continue;
+    const uint32_t i = a.features[match.a], j = b.features[match.b];
+    const auto point = triangulate(sight_of(*features_a, i, camera), sight_of(*features_b, j, camera), T_a_b,
+                                   options.min_parallax_rad);
+    if (!point) continue;
+    if (!same_size(*features_a, i, point->norm(), *features_b, j, (*point - T_a_b.translation).norm()))
+      continue;
+    map.observe(map.add_landmark(id, i, *point), {neighbour_id, j});
+    ++grown;
+  }
+  return grown;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> triangulate(const Sight& a, const Sight& b, const SE3& T_a_b,
+                                           double min_parallax_rad) {
+  const Eigen::Vector3d& baseline = T_a_b.translation;
+  const Eigen::Vector3d ray_b = T_a_b.rotation * b.ray;
+  const Eigen::Vector3d normal = a.ray.cross(ray_b);
+  const double sine = normal.norm();
+  if (!(sine > std::sin(min_parallax_rad)) || a.ray.dot(ray_b) < 0) return std::nullopt;
+  // Where along each ray the other comes nearest.
+  const double along_a = baseline.cross(ray_b).dot(normal) / (sine * sine);
+  const double along_b = baseline.cross(a.ray).dot(normal) / (sine * sine);
+  if (!(along_a > 0) || !(along_b > 0)) return std::nullopt;
+  // The gap is an angle at each camera; the point divides it as the two could be off.
+  const double gap_m = std::abs(baseline.dot(normal)) / sine;
+  const double off_a_m = along_a * a.sigma_rad, off_b_m = along_b * b.sigma_rad;
+  constexpr double kMaxChi2 = 3.841;  // 95 % with one degree of freedom
+  const double variance = off_a_m * off_a_m + off_b_m * off_b_m;
+  if (gap_m * gap_m > kMaxChi2 * variance) return std::nullopt;
+  const Eigen::Vector3d on_a = along_a * a.ray, on_b = baseline + along_b * ray_b;
+  return Eigen::Vector3d(on_a + (on_b - on_a) * (off_a_m * off_a_m / variance));
+}
+
+int grow_from_parallax(Map& map, KeyframeId id, const PinholeCamera& camera, const MappingOptions& options) {
+  const auto neighbours = map.covisible(id, options.window_min_shared);
+  const size_t count = std::min(neighbours.size(), static_cast<size_t>(options.parallax_keyframes));
+  int grown = 0;
+  for (size_t i = 0; i < count; ++i) grown += grow_between(map, id, neighbours[i].first, camera, options);
+  return grown;
+}
+
+}  // namespace kinloop
