@@ -13,7 +13,6 @@ namespace {
 
 using test::error_of;
 using test::kNan;
-using test::random_motion;
 
 PinholeCamera small_camera(bool distorted) {
   PinholeCamera camera;
