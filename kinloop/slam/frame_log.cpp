@@ -6,7 +6,9 @@ namespace kinloop {
 
 LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px) {
   LoggedFrame entry{
-      frame.id, frame.stamp_ns, result.status, result.reference, result.T_reference_camera, {}, false, {}};
+      frame.id, frame.stamp_ns, result.status, result.reference, result.T_reference_camera, {}, false, {},
+      {}};
+  if (result.status == TrackStatus::kLost) entry.features = frame.features;
   const Features& features = *frame.features;
   entry.observations.reserve(result.matches.size());
   for (const auto& [landmark, feature] : result.matches) {
@@ -22,6 +24,20 @@ LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int
     entry.observations.push_back(seen);
   }
   return entry;
+}
+
+FrameLog find_lost_frames(FrameLog log, int image_height_px,
+                          const std::function<std::optional<TrackResult>(const PreparedFrame&)>& look_up) {
+  for (LoggedFrame& entry : log) {
+    if (entry.status != TrackStatus::kLost) continue;
+    PreparedFrame frame;
+    frame.id = entry.frame;
+    frame.stamp_ns = entry.stamp_ns;
+    frame.features = entry.features;
+    const auto found = look_up(frame);
+    if (found) entry = log_entry(*found, frame, image_height_px);
+  }
+  return log;
 }
 
 SE3 world_pose(const LoggedFrame& entry, const Map& map) {

@@ -2,6 +2,8 @@
 // What is kept of every frame: its pose relative to a keyframe and which landmarks it saw, so that its place
 // in the world follows every correction and can be refined at the end.
 
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "kinloop/geometry/trajectory.hpp"
@@ -29,12 +31,18 @@ struct LoggedFrame {
   KeyframeId keyframe;  ///< valid where the frame became one
   bool repeat = false;  ///< the camera gave the image before once more
   std::vector<LoggedObservation> observations;
+  std::shared_ptr<const Features> features;  ///< of a lost frame alone: the finished map may know its place
 };
 
 using FrameLog = std::vector<LoggedFrame>;
 
-/// The log entry of a tracked frame.
+/// The log entry of a frame.
 LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px);
+
+/// The log with those lost frames located that `look_up` knows: at the end the map knows more than when they
+/// came.
+FrameLog find_lost_frames(FrameLog log, int image_height_px,
+                          const std::function<std::optional<TrackResult>(const PreparedFrame&)>& look_up);
 
 /// The frame's pose, as the map stands now; the frame must not be lost.
 SE3 world_pose(const LoggedFrame& entry, const Map& map);

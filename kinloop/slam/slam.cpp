@@ -25,29 +25,6 @@ int count_with_depth(const Features& features) {
                                         [](float depth_m) { return depth_m > 0; }));
 }
 
-/// Landmarks of a keyframe that at least one other keyframe confirms.
-int confirmed_landmarks(const Map& map, KeyframeId id) {
-  int count = 0;
-  for (const LandmarkId landmark : map.keyframe(id).landmark_of) {
-    count += landmark.valid() && map.landmark(landmark).observations.size() >= 2 ? 1 : 0;
-  }
-  return count;
-}
-
-/// The keyframe that shares most of the matched landmarks; the lower id of equals, `fallback` where none
-/// does.
-KeyframeId best_reference(const Map& map, const std::vector<LandmarkMatch>& matches, KeyframeId fallback) {
-  std::vector<int> shared(map.keyframes().size(), 0);
-  for (const LandmarkMatch& match : matches) {
-    if (!map.contains(match.landmark)) continue;
-    for (const auto& observation : map.landmark(match.landmark).observations)
-      ++shared[observation.keyframe.value];
-  }
-  const auto most = std::max_element(shared.begin(), shared.end());
-  if (most == shared.end() || *most == 0) return fallback;
-  return KeyframeId{static_cast<uint32_t>(most - shared.begin())};
-}
-
 }  // namespace
 
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
@@ -189,8 +166,7 @@ TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
   // Where the camera is not where it was going, it may have been carried elsewhere: what the map says counts
   // more than a handful of chance matches.
   const Stopwatch relocalization_watch;
-  const auto found = relocalize(frame, bow_of(vocabulary_, *frame.features), map_, places_, camera_.color,
-                                options_.view, options_.loop, options_.tracking, seed_of(frame.id));
+  const auto found = look_up(frame);
   times_.add("relocalisation", relocalization_watch);
   if (!found || found->stats.inliers <= result.stats.inliers) {
     return result.status == TrackStatus::kLost && lost_for_long() ? start(frame) : result;
@@ -199,6 +175,12 @@ TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
   previous_.reset();
   view_ = make_local_view(map_, found->reference, options_.view);
   return *found;
+}
+
+/// Asks the place index.
+std::optional<TrackResult> Slam::look_up(const PreparedFrame& frame) const {
+  return relocalize(frame, bow_of(vocabulary_, *frame.features), map_, places_, camera_.color, options_.view,
+                    options_.loop, options_.tracking, seed_of(frame.id));
 }
 
 /// Whether the frames before this one were lost for so long that the camera may be where it has never been.
@@ -298,14 +280,18 @@ void Slam::look_from(KeyframeId reference) {
 
 Trajectory Slam::finish(const Progress& progress) {
   take_in(work_.apply_rest(map_));
+  const Stopwatch watch;
+  log_ = find_lost_frames(std::move(log_), camera_.color.height,
+                          [this](const PreparedFrame& frame) { return look_up(frame); });
+  times_.add("relocalisation", watch);
   if (options_.full_adjustment) {
-    const Stopwatch watch;
+    const Stopwatch adjusting;
     auto adjusted = adjust_finally(map_, log_, camera_, sensor_, options_.full, options_.tracking.pose,
                                    options_.self_calibration, progress);
     sensor_ = std::move(adjusted.sensor);
     keyframe_covariance_ = std::move(adjusted.keyframe_covariance);
     map_.raise_epoch();
-    times_.add("final adjustment", watch);
+    times_.add("final adjustment", adjusting);
   }
   for (Listener* listener : listeners_) listener->on_map(map_);
   return trajectory();

@@ -67,6 +67,7 @@ class Slam {
   [[nodiscard]] bool repeats_previous(const PreparedFrame& frame) const;
   [[nodiscard]] TrackResult previous_result() const;
   TrackResult locate(const PreparedFrame& frame, bool& relocalized);
+  [[nodiscard]] std::optional<TrackResult> look_up(const PreparedFrame& frame) const;
   [[nodiscard]] PreparedFrame at_rest(const PreparedFrame& frame) const;
   void take_sensor(const SensorEstimate& sensor);
   [[nodiscard]] bool after_loss() const { return !log_.empty() && log_.back().status == TrackStatus::kLost; }

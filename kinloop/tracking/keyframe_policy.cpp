@@ -43,4 +43,24 @@ bool needs_keyframe(const KeyframeQuestion& q, const KeyframeOptions& options) {
   return view_thins_out || blind_soon || q.frames_since_keyframe >= options.max_gap_frames;
 }
 
+int confirmed_landmarks(const Map& map, KeyframeId id) {
+  int count = 0;
+  for (const LandmarkId landmark : map.keyframe(id).landmark_of) {
+    count += landmark.valid() && map.landmark(landmark).observations.size() >= 2 ? 1 : 0;
+  }
+  return count;
+}
+
+KeyframeId best_reference(const Map& map, const std::vector<LandmarkMatch>& matches, KeyframeId fallback) {
+  std::vector<int> shared(map.keyframes().size(), 0);
+  for (const LandmarkMatch& match : matches) {
+    if (!map.contains(match.landmark)) continue;
+    for (const auto& observation : map.landmark(match.landmark).observations)
+      ++shared[observation.keyframe.value];
+  }
+  const auto most = std::max_element(shared.begin(), shared.end());
+  if (most == shared.end() || *most == 0) return fallback;
+  return KeyframeId{static_cast<uint32_t>(most - shared.begin())};
+}
+
 }  // namespace kinloop

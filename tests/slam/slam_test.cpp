@@ -219,7 +219,7 @@ TEST(Slam, BeginsAnewWhereItIsLostAndJoinsThePieces) {
   const Trajectory estimate = slam.finish();
   EXPECT_EQ(slam.map().component_count(), 2U);
   for (const Keyframe& keyframe : slam.map().keyframes()) EXPECT_EQ(keyframe.component, 0U);
-  EXPECT_EQ(estimate.size(), frames.size() - 5);  // lost before it begins anew
+  EXPECT_GE(estimate.size(), frames.size() - 2);  // most of those lost in between are found at the end
   const auto ate = absolute_trajectory_error(estimate, recording().truth);
   ASSERT_TRUE(ate.has_value());
   EXPECT_LT(ate->error_m.rmse, 0.03);
@@ -228,7 +228,7 @@ TEST(Slam, BeginsAnewWhereItIsLostAndJoinsThePieces) {
 TEST(Slam, APieceNeverJoinedStaysOutOfTheTrajectory) {
   Slam slam(recording().camera);
   const auto frames = sides_then_whole();
-  for (size_t i = 0; i < 20; ++i) slam.process(frames[i]);
+  for (size_t i = 0; i < 15; ++i) slam.process(frames[i]);
   EXPECT_EQ(slam.finish().size(), 8U);
   EXPECT_EQ(slam.map().component_count(), 2U);
   EXPECT_EQ(main_component(slam.log(), slam.map()), 0U);
