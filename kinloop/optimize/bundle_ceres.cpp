@@ -244,7 +244,8 @@ void add_residuals(const BundleTask& task, Blocks& blocks, ceres::LossFunction* 
   for (const int i : free_sensor_parameters(task.problem.sensor)) {
     sensor(i) = sensor_information(task.problem.sensor, i);
   }
-  problem.AddResidualBlock(new PriorCost(task.problem.sensor.prior_mean, sensor), nullptr, blocks.sensor.data());
+  problem.AddResidualBlock(new PriorCost(task.problem.sensor.prior_mean, sensor), nullptr,
+                           blocks.sensor.data());
 }
 
 ceres::Solver::Options solver_options(const BundleTask& task, const Blocks& blocks, ceres::Problem& problem) {

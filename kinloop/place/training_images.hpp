@@ -23,7 +23,8 @@ struct ImageDescriptors {
   std::vector<std::filesystem::path> unreadable;  ///< skipped
 };
 
-/// Descriptors of each image, of the kind that `options` says; unreadable ones are skipped and named. Stops early when `progress` says so.
+/// Descriptors of each image, of the kind that `options` says; unreadable ones are skipped and named. Stops
+/// early when `progress` says so.
 ImageDescriptors describe_images(std::span<const std::filesystem::path> images, const FeatureOptions& options,
                                  int threads, const Progress& progress = {});
 
