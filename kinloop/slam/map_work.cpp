@@ -71,12 +71,17 @@ void MapWork::submit_bending(const Map& map, FrameId now) {
                       [problem = take_loop_problem(map), options = options_.loop] {
                         return correct_loop(problem, options);
                       });
-  } else if (full_adjustment_pending_ && options_.full_adjustment) {
+  } else if (full_adjustment_pending_ && options_.full_adjustment &&
+             map.keyframes().size() >= keyframes_to_adjust_) {
     executor_->submit(JobKind::kFullAdjustment, now,
                       [problem = full_problem(map, camera_.color), options = options_.full] {
                         return adjust(problem, options);
                       });
     full_adjustment_pending_ = false;
+    // Waiting for the map to grow by a share of itself keeps the cost per keyframe the same, however large it
+    // gets.
+    constexpr double kGrowth = 1.25;
+    keyframes_to_adjust_ = static_cast<size_t>(kGrowth * static_cast<double>(map.keyframes().size()));
   }
 }
 

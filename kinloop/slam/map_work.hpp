@@ -51,6 +51,7 @@ class MapWork {
   std::vector<std::pair<LandmarkId, LandmarkId>> merges_;  // of the loops that wait
   bool loop_pending_ = false;                              // a loop edge waits to be worked in
   bool full_adjustment_pending_ = false;                   // a loop was corrected since the last one
+  size_t keyframes_to_adjust_ = 0;                         // that the next full adjustment waits for
   size_t keyframes_to_calibrate_;                          // that the next self-calibration waits for
 };
 
