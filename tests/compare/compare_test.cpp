@@ -4,9 +4,9 @@
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/compare/detectors.hpp"
-#include "kinloop/features/surf.hpp"
 #include "kinloop/compare/match_picture.hpp"
 #include "kinloop/compare/measure_pair.hpp"
+#include "kinloop/features/surf.hpp"
 #include "tests/features/cluttered_image.hpp"
 
 namespace kinloop {
