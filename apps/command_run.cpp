@@ -80,8 +80,8 @@ bool process_all(FrameSource& source, Slam& slam, const Progress& progress) {
 }
 
 /// Lost at the end, or never found: what the exit code tells scripts.
-bool lost_for_good(const FrameLog& log, const Map& map) {
-  return log.empty() || !tracked_in(main_component(log, map), log.back(), map);
+bool lost_for_good(const FrameLog& log, const Map& map, uint32_t component) {
+  return log.empty() || !tracked_in(component, log.back(), map);
 }
 
 void warn_of_skipped(const FrameSource& source) {
@@ -122,9 +122,8 @@ ExitCode run(const RunArguments& arguments) {
   const auto evaluation = truth.empty() ? std::nullopt : evaluate(trajectory, truth);
   const auto summary = run_summary({*source, slam, options, evaluation, cloud.size(), watch.wall_s(), threads,
                                     !complete, paced != nullptr ? paced->dropped() : 0});
-  write_run_files(folder,
-                  {trajectory, keyframe_trajectory(slam.map(), main_component(slam.log(), slam.map())), truth,
-                   cloud, summary});
+  const uint32_t component = main_component(slam.log(), slam.map());
+  write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), component), truth, cloud, summary});
   write_camera_file(folder.camera(), calibrated_camera(source->camera(), slam.sensor()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), options.slam.loop), {}, true, {}});
   write_report(folder);
@@ -132,7 +131,7 @@ ExitCode run(const RunArguments& arguments) {
     fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
                folder.path().string());
   }
-  if (lost_for_good(slam.log(), slam.map())) {
+  if (lost_for_good(slam.log(), slam.map(), component)) {
     log::error("tracking was lost and its place not recognised again; see {}",
                (arguments.output / "report.html").string());
     return ExitCode::kTrackingLost;

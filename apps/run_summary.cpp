@@ -74,9 +74,8 @@ json sensor_json(const SensorEstimate& sensor) {
   return parameters;
 }
 
-/// The keyframes of the trajectory, with their covariances.
-std::vector<UncertainPose> uncertain_poses(const Slam& slam) {
-  const uint32_t component = main_component(slam.log(), slam.map());
+/// The keyframes of a component, with their covariances.
+std::vector<UncertainPose> uncertain_poses(const Slam& slam, uint32_t component) {
   const auto& covariance = slam.keyframe_covariance();
   std::vector<UncertainPose> poses;
   for (const Keyframe& keyframe : slam.map().keyframes()) {
@@ -148,7 +147,7 @@ json run_summary(const RunOutcome& o) {
                          {"p95", quantile(o.slam.times().frame_ms, 0.95)}};
   summary["peak_memory_mib"] = use.peak_memory_mib;
   summary["map"] = {{"points", o.map_points}, {"voxel_m", o.options.dense.voxel_m}};
-  const auto poses = uncertain_poses(o.slam);
+  const auto poses = uncertain_poses(o.slam, component);
   summary["keyframe_covariances"] = covariances_json(poses);
   if (o.evaluation) {
     summary["evaluation"] = to_json(*o.evaluation);

@@ -1,7 +1,5 @@
 #include "kinloop/loop/recognize.hpp"
 
-#include <algorithm>
-
 namespace kinloop {
 namespace {
 
@@ -15,11 +13,9 @@ std::vector<Match> match_descriptors(const Features& features, const LocalView& 
   return kept;
 }
 
-/// Of many landmarks in sight no more can be found than the frame has key points.
 bool certain(const TrackResult& result, const Features& features, const LoopOptions& options) {
-  const int findable = std::min(result.stats.in_view, static_cast<int>(features.size()));
   return result.status == TrackStatus::kTracked && result.stats.inliers >= options.min_inliers &&
-         result.stats.inliers >= options.min_found_share * findable;
+         map_agrees(result, features, options.min_found_share);
 }
 
 }  // namespace

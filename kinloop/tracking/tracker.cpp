@@ -63,13 +63,12 @@ TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const Lo
   return result;
 }
 
-/// Chance matches can agree on a wrong pose; but then few of the landmarks that should be in sight are found.
+}  // namespace
+
 bool map_agrees(const TrackResult& result, const Features& features, double min_found_share) {
   const int findable = std::min(result.stats.in_view, static_cast<int>(features.size()));
   return result.stats.inliers >= min_found_share * findable;
 }
-
-}  // namespace
 
 TrackResult track_in_view(const PreparedFrame& frame, const FeatureGrid& grid, const LocalView& view,
                           const SE3& T_reference_camera_guess, double window_px, const PinholeCamera& camera,

@@ -46,6 +46,10 @@ TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, cons
                   const SE3& T_reference_camera_predicted, const PinholeCamera& camera,
                   const TrackingOptions& options, uint64_t seed);
 
+/// Whether that share of the landmarks in sight was found; of many no more can be than the frame has key
+/// points. Chance matches can agree on a wrong pose, but then few of the landmarks are where they should be.
+bool map_agrees(const TrackResult& result, const Features& features, double min_found_share);
+
 /// Finds the landmarks of `view` in `frame` near where `T_reference_camera_guess` puts them, and refines the
 /// pose on them. `window_px` is the half side of the search windows. Used by `track` and to verify a
 /// recognised place.

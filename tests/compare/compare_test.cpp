@@ -12,15 +12,7 @@
 namespace kinloop {
 namespace {
 
-PinholeCamera camera_640() {
-  PinholeCamera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 525;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
+using test::ideal_camera;
 
 /// A wall of clutter 2 m away, and the same seen from 0.2 m to the right: everything moves by 52.5 px.
 struct TwoViews {
@@ -40,7 +32,7 @@ TEST(Detectors, EachFindsWhatItIsAskedFor) {
   FeatureOptions options;
   options.count = 300;
   std::vector<std::string> ids;
-  for (const Detector& detector : make_detectors(options, camera_640())) {
+  for (const Detector& detector : make_detectors(options, ideal_camera())) {
     const Features f = detector.detect(gray);
     ids.push_back(detector.id);
     EXPECT_GT(f.size(), 200U) << detector.name;
@@ -54,17 +46,17 @@ TEST(Detectors, EachFindsWhatItIsAskedFor) {
 
 TEST(MeasurePair, EveryDetectorKnowsAWallAgain) {
   const TwoViews views;
-  for (const Detector& detector : make_detectors({}, camera_640())) {
+  for (const Detector& detector : make_detectors({}, ideal_camera())) {
     const Features a = detector.detect(views.gray_a), b = detector.detect(views.gray_b);
     const auto matches = match_descriptors(a, b);
     const auto screened = screen_look_alikes(matches, a.descriptors.type() == CV_8UC1);
-    const auto sights = sights_by_motion(a, views.depth_m, views.depth_m, camera_640(), views.T_b_a);
+    const auto sights = sights_by_motion(a, views.depth_m, views.depth_m, ideal_camera(), views.T_b_a);
     const PairFigures figures = measure_pair(b, matches, screened, sights);
     EXPECT_EQ(figures.matches, matches.size());
     EXPECT_GT(figures.visible, 500U) << detector.name;
     EXPECT_GT(figures.repeated, figures.visible / 2) << detector.name;
     EXPECT_GT(figures.right, figures.checked * 8 / 10) << detector.name;
-    const size_t inliers = count_motion_inliers(a, views.depth_m, b, screened, camera_640());
+    const size_t inliers = count_motion_inliers(a, views.depth_m, b, screened, ideal_camera());
     EXPECT_GT(inliers, screened.size() * 7 / 10) << detector.name;
     EXPECT_LE(inliers, screened.size()) << detector.name;
   }
@@ -96,12 +88,12 @@ TEST(Sights, HiddenAndUnknownPointsHaveNone) {
   cv::Mat depth_a(480, 640, CV_32FC1, cv::Scalar(2.0F)), depth_b = depth_a.clone();
   SE3 T_b_a;
   T_b_a.translation.x() = -0.2;
-  EXPECT_NEAR((*sights_by_motion(a, depth_a, depth_b, camera_640(), T_b_a)[0]).x(), 267.5, 1e-9);
-  EXPECT_FALSE(sights_by_motion(a, depth_a, depth_b, camera_640(), T_b_a)[2]);  // out of view
+  EXPECT_NEAR((*sights_by_motion(a, depth_a, depth_b, ideal_camera(), T_b_a)[0]).x(), 267.5, 1e-9);
+  EXPECT_FALSE(sights_by_motion(a, depth_a, depth_b, ideal_camera(), T_b_a)[2]);  // out of view
   depth_b.setTo(1.0F);
-  EXPECT_FALSE(sights_by_motion(a, depth_a, depth_b, camera_640(), T_b_a)[0]);  // behind something
+  EXPECT_FALSE(sights_by_motion(a, depth_a, depth_b, ideal_camera(), T_b_a)[0]);  // behind something
   depth_a.setTo(0.0F);
-  EXPECT_FALSE(sights_by_motion(a, depth_a, depth_b, camera_640(), T_b_a)[0]);  // of unknown depth
+  EXPECT_FALSE(sights_by_motion(a, depth_a, depth_b, ideal_camera(), T_b_a)[0]);  // of unknown depth
 }
 
 TEST(Screen, IsFourTimesTheSmallest) {
@@ -113,7 +105,7 @@ TEST(Screen, IsFourTimesTheSmallest) {
 
 TEST(HomographyInliers, AgreeWithTheTruth) {
   const TwoViews views;
-  const auto orb = make_detectors({}, camera_640()).back();
+  const auto orb = make_detectors({}, ideal_camera()).back();
   const Features a = orb.detect(views.gray_a), b = orb.detect(views.gray_b);
   const auto matches = screen_look_alikes(match_descriptors(a, b), true);
   EXPECT_GT(count_homography_inliers(a, b, matches), matches.size() * 7 / 10);

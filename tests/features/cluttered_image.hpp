@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/random.hpp"
+#include "kinloop/geometry/camera.hpp"
 
 namespace kinloop::test {
 
@@ -19,6 +20,17 @@ inline cv::Mat cluttered_image(uint64_t seed) {
   cv::Mat right = image.colRange(320, 640);
   right.convertTo(right, CV_8U, 0.25, 20);
   return image;
+}
+
+/// A camera without distortion whose images are of that size.
+inline PinholeCamera ideal_camera() {
+  PinholeCamera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 525;
+  camera.cx = 320;
+  camera.cy = 240;
+  return camera;
 }
 
 }  // namespace kinloop::test

@@ -18,16 +18,7 @@ namespace kinloop {
 namespace {
 
 using test::cluttered_image;
-
-PinholeCamera ideal_camera() {
-  PinholeCamera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 525;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
+using test::ideal_camera;
 
 TEST(Extractor, GivesOneEntryPerKeyPoint) {
   const Features f = extract_features(cluttered_image(1), cv::Mat(), ideal_camera(), {});
