@@ -6,6 +6,12 @@
 
 namespace kinloop {
 
+/// Seconds that work took.
+struct Spent {
+  double wall_s = 0;
+  double cpu_s = 0;
+};
+
 /// Wall and own-thread CPU seconds spent since it was made.
 class Stopwatch {
  public:
@@ -13,6 +19,7 @@ class Stopwatch {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start_).count();
   }
   [[nodiscard]] double cpu_s() const { return thread_cpu_s() - cpu_start_s_; }
+  [[nodiscard]] Spent spent() const { return {wall_s(), cpu_s()}; }
 
  private:
   static double thread_cpu_s() {

@@ -12,13 +12,15 @@ namespace {
 struct Job {
   JobKind kind;
   FrameId due;
-  std::future<JobResult> result;
+  std::future<FinishedJob> result;
 };
 
 uint32_t lag_of(JobKind kind, const ExecutorOptions& options) {
   switch (kind) {
     case JobKind::kLocalAdjustment:
       return static_cast<uint32_t>(options.local_lag_frames);
+    case JobKind::kLoopVerification:
+      return static_cast<uint32_t>(options.verify_lag_frames);
     case JobKind::kLoopCorrection:
       return static_cast<uint32_t>(options.loop_lag_frames);
     case JobKind::kFullAdjustment:
@@ -37,7 +39,12 @@ class ModalExecutor : public Executor {
     require(!busy(kind), "submit: a job of this kind is in flight");
     const bool at_once = options_.mode == "inline";
     const FrameId due{now.value + (at_once ? 1 : lag_of(kind, options_))};
-    auto result = std::async(at_once ? std::launch::deferred : std::launch::async, std::move(work));
+    auto result =
+        std::async(at_once ? std::launch::deferred : std::launch::async, [kind, work = std::move(work)] {
+          const Stopwatch watch;
+          JobResult done = work();
+          return FinishedJob{kind, std::move(done), watch.spent()};
+        });
     if (at_once) result.wait();
     jobs_.push_back({kind, due, std::move(result)});
   }
@@ -63,7 +70,7 @@ class ModalExecutor : public Executor {
     std::vector<Job> remaining;
     for (Job& job : jobs_) {
       if (is_due(job)) {
-        finished.push_back({job.kind, job.result.get()});
+        finished.push_back(job.result.get());
       } else {
         remaining.push_back(std::move(job));
       }
@@ -77,6 +84,22 @@ class ModalExecutor : public Executor {
 };
 
 }  // namespace
+
+const char* name_of(JobKind kind) {
+  switch (kind) {
+    case JobKind::kLocalAdjustment:
+      return "local adjustment";
+    case JobKind::kLoopVerification:
+      return "loop verification";
+    case JobKind::kLoopCorrection:
+      return "loop correction";
+    case JobKind::kFullAdjustment:
+      return "full adjustment";
+    case JobKind::kSelfCalibration:
+      return "self-calibration";
+  }
+  return "";
+}
 
 std::unique_ptr<Executor> make_executor(const ExecutorOptions& options) {
   return std::make_unique<ModalExecutor>(options);

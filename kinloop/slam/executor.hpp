@@ -8,12 +8,23 @@
 #include <vector>
 
 #include "kinloop/base/ids.hpp"
+#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/loop/close_loop.hpp"
 #include "kinloop/slam/options.hpp"
 #include "kinloop/slam/self_calibration.hpp"
 
 namespace kinloop {
 
-enum class JobKind { kLocalAdjustment, kLoopCorrection, kFullAdjustment, kSelfCalibration };
+enum class JobKind {
+  kLocalAdjustment,
+  kLoopVerification,
+  kLoopCorrection,
+  kFullAdjustment,
+  kSelfCalibration
+};
+
+/// As reports call it.
+const char* name_of(JobKind kind);
 
 /// What slow work gives back.
 struct JobResult {
@@ -22,13 +33,18 @@ struct JobResult {
   JobResult(CalibratedAdjustment adjusted)                      // NOLINT(google-explicit-constructor)
       : update(std::move(adjusted.update)), sensor(std::move(adjusted.sensor)) {}
 
+  JobResult(std::vector<LoopAnswer> verified)  // NOLINT(google-explicit-constructor)
+      : loops(std::move(verified)) {}
+
   MapUpdate update;
   std::optional<SensorEstimate> sensor;  ///< where the work estimated it
+  std::vector<LoopAnswer> loops;         ///< where the work verified them
 };
 
 struct FinishedJob {
   JobKind kind = JobKind::kLocalAdjustment;
   JobResult result;
+  Spent spent;  ///< on it, for reports
 };
 
 class Executor {

@@ -4,6 +4,19 @@
 #include "kinloop/mapping/local_adjustment.hpp"
 
 namespace kinloop {
+namespace {
+
+std::vector<LoopAnswer> answers_to(const std::vector<LoopQuestion>& questions, const PinholeCamera& camera,
+                                   const SlamOptions& options) {
+  std::vector<LoopAnswer> answers;
+  for (const LoopQuestion& question : questions) {
+    auto answer = verify_loop(question, camera, options.loop, options.tracking);
+    if (answer) answers.push_back(std::move(*answer));
+  }
+  return answers;
+}
+
+}  // namespace
 
 MapWork::MapWork(const RgbdCamera& camera, const SlamOptions& options)
     : camera_(camera),
@@ -11,13 +24,9 @@ MapWork::MapWork(const RgbdCamera& camera, const SlamOptions& options)
       executor_(make_executor(options.executor)),
       keyframes_to_calibrate_(static_cast<size_t>(options.self_calibration.first_keyframes)) {}
 
-void MapWork::note_loop(const LoopClosure& closure) {
-  merges_.insert(merges_.end(), closure.merges.begin(), closure.merges.end());
-  loop_pending_ = true;
-}
-
 void MapWork::submit(const Map& map, const FrameLog& log, const SensorEstimate& sensor, KeyframeId newest,
                      FrameId now) {
+  submit_verification(now);
   submit_bending(map, now);
   submit_local(map, newest, now);
   submit_calibration(map, log, sensor, now);
@@ -26,6 +35,12 @@ void MapWork::submit(const Map& map, const FrameLog& log, const SensorEstimate& 
 AppliedWork MapWork::apply(Map& map, const std::vector<FinishedJob>& jobs) {
   AppliedWork applied;
   for (const FinishedJob& job : jobs) {
+    applied.spent.emplace_back(job.kind, job.spent);
+    if (job.kind == JobKind::kLoopVerification) {
+      take_loops(map, job.result.loops);
+      applied.map_changed |= !job.result.loops.empty();
+      continue;
+    }
     if (!map.apply(job.result.update)) {
       if (job.kind == JobKind::kLoopCorrection) return_loops(job.result.update);
       continue;
@@ -38,14 +53,31 @@ AppliedWork MapWork::apply(Map& map, const std::vector<FinishedJob>& jobs) {
   return applied;
 }
 
+AppliedWork MapWork::apply_due(Map& map, FrameId now) {
+  AppliedWork applied = apply(map, executor_->collect(now));
+  submit_verification(now);
+  submit_bending(map, now);
+  return applied;
+}
+
 AppliedWork MapWork::apply_rest(Map& map) {
   AppliedWork applied = apply(map, executor_->drain());
+  take_loops(map, answers_to(std::exchange(questions_, {}), camera_.color, options_));
   if (loop_pending_) {
     map.apply(correct_loop(take_loop_problem(map), options_.loop));
     map.raise_epoch();
     applied.map_changed = true;
   }
   return applied;
+}
+
+void MapWork::take_loops(Map& map, const std::vector<LoopAnswer>& answers) {
+  for (const LoopAnswer& answer : answers) {
+    const LoopClosure closure = closure_of(map, answer, options_.loop);
+    map.add_loop_edge(closure.edge);
+    merges_.insert(merges_.end(), closure.merges.begin(), closure.merges.end());
+    loop_pending_ = true;
+  }
 }
 
 /// Whether work that moves the whole map is in flight.
@@ -62,6 +94,14 @@ void MapWork::return_loops(const MapUpdate& stale) {
 LoopProblem MapWork::take_loop_problem(const Map& map) {
   loop_pending_ = false;
   return loop_problem(map, std::exchange(merges_, {}), options_.loop);
+}
+
+void MapWork::submit_verification(FrameId now) {
+  if (questions_.empty() || executor_->busy(JobKind::kLoopVerification)) return;
+  executor_->submit(JobKind::kLoopVerification, now,
+                    [questions = std::exchange(questions_, {}), camera = camera_.color, options = options_] {
+                      return answers_to(questions, camera, options);
+                    });
 }
 
 void MapWork::submit_bending(const Map& map, FrameId now) {

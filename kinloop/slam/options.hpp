@@ -13,6 +13,7 @@ namespace kinloop {
 struct ExecutorOptions {
   std::string mode = "lagged";
   int local_lag_frames = 5;
+  int verify_lag_frames = 3;
   int loop_lag_frames = 8;
   int full_lag_frames = 30;
 
@@ -24,6 +25,8 @@ struct ExecutorOptions {
           "result every run); live: applied when ready",
           Choices{{"inline", "lagged", "live"}});
     visit("local_lag_frames", self.local_lag_frames, "frames until a local adjustment is applied",
+          Range{1, 1000});
+    visit("verify_lag_frames", self.verify_lag_frames, "frames until a loop counts as verified",
           Range{1, 1000});
     visit("loop_lag_frames", self.loop_lag_frames, "frames until a loop correction is applied",
           Range{1, 1000});

@@ -11,21 +11,17 @@ namespace kinloop {
 
 /// Wall and CPU seconds per room, and the milliseconds of each frame.
 struct RoomTimes {
-  struct Spent {
-    double wall_s = 0;
-    double cpu_s = 0;
+  struct Room : Spent {
     std::vector<double> piece_ms;  ///< wall time of each piece of work, a frame or a keyframe
   };
-  std::map<std::string, Spent> rooms;
+  std::map<std::string, Room> rooms;
   std::vector<double> frame_ms;  ///< of `Slam::process`, per frame
 
-  void add(const std::string& room, const Stopwatch& watch) { add(room, watch.wall_s(), watch.cpu_s()); }
-
-  void add(const std::string& room, double wall_s, double cpu_s) {
-    Spent& spent = rooms[room];
-    spent.wall_s += wall_s;
-    spent.cpu_s += cpu_s;
-    spent.piece_ms.push_back(1e3 * wall_s);
+  void add(const std::string& room, const Spent& spent) {
+    Room& sum = rooms[room];
+    sum.wall_s += spent.wall_s;
+    sum.cpu_s += spent.cpu_s;
+    sum.piece_ms.push_back(1e3 * spent.wall_s);
   }
 };
 

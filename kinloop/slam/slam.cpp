@@ -52,14 +52,13 @@ PreparedFrame Slam::prepare(const RgbdFrame& frame) const {
   cv::cvtColor(frame.color, prepared.gray, cv::COLOR_BGR2GRAY);
   prepared.features = std::make_shared<const Features>(
       extract_features(prepared.gray, prepared.depth_m, camera_.color, options_.features));
-  prepared.prepare_wall_s = watch.wall_s();
-  prepared.prepare_cpu_s = watch.cpu_s();
+  prepared.preparing = watch.spent();
   return prepared;
 }
 
 FrameResult Slam::process(const PreparedFrame& measured) {
   const Stopwatch watch;
-  times_.add("features", measured.prepare_wall_s, measured.prepare_cpu_s);
+  times_.add("features", measured.preparing);
   take_in(work_.apply_due(map_, measured.id));
 
   FrameResult told{measured.id, measured.stamp_ns, TrackStatus::kLost, false, {}, {}, {}};
@@ -84,12 +83,13 @@ FrameResult Slam::process(const PreparedFrame& measured) {
   if (result.status != TrackStatus::kLost) {
     told.T_world_camera = map_.keyframe(result.reference).T_world_camera * result.T_reference_camera;
   }
-  times_.frame_ms.push_back(1e3 * (watch.wall_s() + frame.prepare_wall_s));
+  times_.frame_ms.push_back(1e3 * (watch.wall_s() + frame.preparing.wall_s));
   tell(told, frame);
   return told;
 }
 
 void Slam::take_in(const AppliedWork& work) {
+  for (const auto& [kind, spent] : work.spent) times_.add(name_of(kind), spent);
   if (work.sensor) take_sensor(*work.sensor);
   if (!work.map_changed) return;
   map_changed_ = true;
@@ -157,7 +157,7 @@ TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
     result = track(frame, *previous_, view_, previous_->T_reference_camera * T_previous_camera, camera_.color,
                    options_.tracking, seed_of(frame.id));
   }
-  times_.add("tracking", watch);
+  times_.add("tracking", watch.spent());
   // Depth images alone tell the motion from one frame to the next, not across a gap.
   if (after_loss() && result.status == TrackStatus::kDenseOnly) result = {};
   const bool as_predicted = result.stats.tries == 1;
@@ -167,7 +167,7 @@ TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
   // more than a handful of chance matches.
   const Stopwatch relocalization_watch;
   const auto found = look_up(frame);
-  times_.add("relocalisation", relocalization_watch);
+  times_.add("relocalisation", relocalization_watch.spent());
   if (!found || found->stats.inliers <= result.stats.inliers) {
     return result.status == TrackStatus::kLost && lost_for_long() ? start(frame) : result;
   }
@@ -240,7 +240,7 @@ KeyframeId Slam::insert_keyframe(const PreparedFrame& frame, const TrackResult& 
   grow_from_parallax(map_, id, camera_.color, options_.mapping);
   cull_landmarks(map_, options_.mapping);
   places_.add(id, bow_of(vocabulary_, *frame.features));
-  times_.add("mapping", watch);
+  times_.add("mapping", watch.spent());
 
   log_.back().keyframe = id;
   last_keyframe_ = id;
@@ -250,7 +250,7 @@ KeyframeId Slam::insert_keyframe(const PreparedFrame& frame, const TrackResult& 
   look_for_loops(id);
   const Stopwatch copying;
   work_.submit(map_, log_, sensor_, id, frame.id);
-  times_.add("mapping", copying);
+  times_.add("mapping", copying.spent());
   return id;
 }
 
@@ -259,13 +259,9 @@ void Slam::look_for_loops(KeyframeId id) {
   const Stopwatch watch;
   auto candidates = find_loop_candidates(map_, places_, id, loop_history_, options_.loop);
   loop_history_ = std::move(candidates.history);
-  const auto closure = verify_loop(map_, id, candidates.keyframes, camera_.color, options_.view,
-                                   options_.loop, options_.tracking, seed_of(map_.keyframe(id).frame));
-  if (closure) {
-    map_.add_loop_edge(closure->edge);
-    work_.note_loop(*closure);
-  }
-  times_.add("loop", watch);
+  work_.note_possible_loop(
+      loop_question(map_, id, candidates.keyframes, options_.view, seed_of(map_.keyframe(id).frame)));
+  times_.add("loop", watch.spent());
 }
 
 /// Makes `reference` the keyframe of the local view and carries the previous frame's pose over to it.
@@ -283,7 +279,7 @@ Trajectory Slam::finish(const Progress& progress) {
   const Stopwatch watch;
   log_ = find_lost_frames(std::move(log_), camera_.color.height,
                           [this](const PreparedFrame& frame) { return look_up(frame); });
-  times_.add("relocalisation", watch);
+  times_.add("relocalisation", watch.spent());
   if (options_.full_adjustment) {
     const Stopwatch adjusting;
     auto adjusted = adjust_finally(map_, log_, camera_, sensor_, options_.full, options_.tracking.pose,
@@ -291,7 +287,7 @@ Trajectory Slam::finish(const Progress& progress) {
     sensor_ = std::move(adjusted.sensor);
     keyframe_covariance_ = std::move(adjusted.keyframe_covariance);
     map_.raise_epoch();
-    times_.add("final adjustment", adjusting);
+    times_.add("final adjustment", adjusting.spent());
   }
   for (Listener* listener : listeners_) listener->on_map(map_);
   return trajectory();

@@ -7,6 +7,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/base/ids.hpp"
+#include "kinloop/base/stopwatch.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/geometry/se3.hpp"
 
@@ -20,8 +21,7 @@ struct PreparedFrame {
   cv::Mat gray;     ///< 8UC1
   cv::Mat depth_m;  ///< 32FC1
   std::shared_ptr<const Features> features;
-  double prepare_wall_s = 0;  ///< spent on preparing it, for reports
-  double prepare_cpu_s = 0;
+  Spent preparing;  ///< for reports
 };
 
 /// The previous frame, as the tracker remembers it.

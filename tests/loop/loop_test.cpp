@@ -62,6 +62,10 @@ class Loop : public testing::Test {
     return vocabulary_.bow_of(vocabulary_.words_of(features.descriptors).words);
   }
 
+  std::optional<LoopAnswer> verify(KeyframeId keyframe, const std::vector<KeyframeId>& candidates) const {
+    return verify_loop(loop_question(built_.map, keyframe, candidates, {}, 3), world_.camera, {}, {});
+  }
+
   test::SyntheticWorld world_ = test::make_world(4000, 1);
   Vocabulary vocabulary_;
   test::SyntheticMap built_;
@@ -78,7 +82,7 @@ TEST_F(Loop, CandidatesPointToTheBeginning) {
     found = candidates.keyframes;
     if (i > 20)
       continue;  // nothing was seen twice yet: whatever looks alike by chance must fail verification
-    EXPECT_FALSE(verify_loop(built_.map, KeyframeId{i}, found, world_.camera, {}, {}, {}, 3).has_value());
+    EXPECT_FALSE(verify(KeyframeId{i}, found).has_value());
   }
   ASSERT_FALSE(found.empty());
   EXPECT_LT(found.front().value, 6U);
@@ -89,25 +93,27 @@ TEST_F(Loop, OneKeyframeAloneIsNotConsistent) {
 }
 
 TEST_F(Loop, VerificationGivesTheTrueMotion) {
-  const auto closure = verify_loop(built_.map, last_, {KeyframeId{1}}, world_.camera, {}, {}, {}, 3);
-  ASSERT_TRUE(closure.has_value());
-  const SE3 truth = true_pose(static_cast<int>(closure->edge.a.value)).inverse() * true_pose(kKeyframes - 1);
-  EXPECT_LT(test::distance_m(closure->edge.T_a_b, truth), 0.02);
-  EXPECT_GE(closure->edge.inliers, 30);
-  EXPECT_FALSE(closure->merges.empty());
+  const auto answer = verify(last_, {KeyframeId{1}});
+  ASSERT_TRUE(answer.has_value());
+  const LoopClosure closure = closure_of(built_.map, *answer, {});
+  const SE3 truth = true_pose(static_cast<int>(closure.edge.a.value)).inverse() * true_pose(kKeyframes - 1);
+  EXPECT_LT(test::distance_m(closure.edge.T_a_b, truth), 0.02);
+  EXPECT_GE(closure.edge.inliers, 30);
+  EXPECT_FALSE(closure.merges.empty());
 }
 
 TEST_F(Loop, AnotherPlaceIsRefused) {
-  EXPECT_FALSE(verify_loop(built_.map, last_, {KeyframeId{15}}, world_.camera, {}, {}, {}, 3).has_value());
+  EXPECT_FALSE(verify(last_, {KeyframeId{15}}).has_value());
 }
 
 TEST_F(Loop, CorrectionSpreadsTheDrift) {
-  const auto closure = verify_loop(built_.map, last_, {KeyframeId{1}}, world_.camera, {}, {}, {}, 3);
-  ASSERT_TRUE(closure.has_value());
+  const auto answer = verify(last_, {KeyframeId{1}});
+  ASSERT_TRUE(answer.has_value());
+  const LoopClosure closure = closure_of(built_.map, *answer, {});
   const double before_m =
       test::distance_m(built_.map.keyframe(last_).T_world_camera, true_pose(kKeyframes - 1));
-  built_.map.add_loop_edge(closure->edge);
-  ASSERT_TRUE(built_.map.apply(correct_loop(loop_problem(built_.map, closure->merges, {}), {})));
+  built_.map.add_loop_edge(closure.edge);
+  ASSERT_TRUE(built_.map.apply(correct_loop(loop_problem(built_.map, closure.merges, {}), {})));
   const double after_m =
       test::distance_m(built_.map.keyframe(last_).T_world_camera, true_pose(kKeyframes - 1));
   EXPECT_GT(before_m, 0.03);
