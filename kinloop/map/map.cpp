@@ -97,6 +97,7 @@ void Map::merge(LandmarkId goes, LandmarkId stays) {
   require(contains(stays), "merge: no such landmark");
   erase(goes);
   for (const Observation& observation : observations) observe(stays, observation);
+  merged_into_[goes] = stays;
 }
 
 bool Map::apply(const MapUpdate& update) {
@@ -144,6 +145,13 @@ void Map::set_features(KeyframeId id, std::shared_ptr<const Features> features) 
 
 bool Map::contains(LandmarkId id) const {
   return id.value < landmarks_.size() && landmarks_[id.value].has_value();
+}
+
+LandmarkId Map::surviving(LandmarkId id) const {
+  for (auto next = merged_into_.find(id); next != merged_into_.end(); next = merged_into_.find(id)) {
+    id = next->second;
+  }
+  return id;
 }
 
 const Keyframe& Map::keyframe(KeyframeId id) const {

@@ -5,6 +5,7 @@
 // Where tracking was lost and began anew, the map falls into components whose places relative to each other
 // are not known, until a loop edge joins them.
 
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -64,6 +65,8 @@ class Map {
 
   [[nodiscard]] bool contains(LandmarkId id) const;
   [[nodiscard]] bool contains(KeyframeId id) const { return id.value < keyframes_.size(); }
+  /// The landmark that `id` was merged into, or `id` itself. It may have been erased since.
+  [[nodiscard]] LandmarkId surviving(LandmarkId id) const;
   [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const;
   [[nodiscard]] const Landmark& landmark(LandmarkId id) const;
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
@@ -91,6 +94,7 @@ class Map {
 
   std::vector<Keyframe> keyframes_;                 // index = id
   std::vector<std::optional<Landmark>> landmarks_;  // index = id; empty where erased
+  std::map<LandmarkId, LandmarkId> merged_into_;
   std::vector<LoopEdge> loop_edges_;
   size_t landmark_count_ = 0;
   uint32_t component_count_ = 0;

@@ -13,6 +13,7 @@ struct MappingOptions {
   int parallax_keyframes = 4;
   double min_parallax_rad = 0.03;
   int parallax_max_distance = 50;
+  bool complete_tracks = true;
   bool local_adjustment = true;
   int window_keyframes = 12;
   int window_min_shared = 15;
@@ -36,6 +37,8 @@ struct MappingOptions {
           "angle between the two rays of a triangulated point at least, rad", Range{0.001, 1});
     visit("parallax_max_distance", self.parallax_max_distance,
           "Hamming distance of key points that are triangulated at most, bits", Range{1, 256});
+    visit("complete_tracks", self.complete_tracks,
+          "look for all landmarks once more in all keyframes around them when the map is finished");
     visit("local_adjustment", self.local_adjustment,
           "adjust the newest keyframes and their landmarks together");
     visit("window_keyframes", self.window_keyframes, "keyframes moved by the local adjustment",

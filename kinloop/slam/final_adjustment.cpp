@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/mapping/complete_tracks.hpp"
 #include "kinloop/optimize/moving_pose.hpp"
 
 namespace kinloop {
@@ -27,9 +28,8 @@ SE3 refined_pose(const LoggedFrame& entry, const MovingPose& guess, const Map& m
   const size_t majority = entry.observations.size() / 2 + 1;
   std::vector<MovingObservation> observations;
   for (const LoggedObservation& seen : entry.observations) {
-    if (map.contains(seen.landmark)) {
-      observations.push_back({map.p_world(seen.landmark), bundle_observation(seen)});
-    }
+    const LandmarkId landmark = map.surviving(seen.landmark);
+    if (map.contains(landmark)) observations.push_back({map.p_world(landmark), bundle_observation(seen)});
   }
   AbsolutePoseOptions strict = options;
   strict.min_inliers = static_cast<int>(std::max(kMinInliers, majority));
@@ -86,16 +86,18 @@ FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera
 }
 
 FinalAdjustment adjust_finally(Map& map, FrameLog& log, const RgbdCamera& camera, const SensorEstimate& known,
-                               BundleOptions bundle, const AbsolutePoseOptions& pose,
-                               const SelfCalibrationOptions& options, const Progress& progress) {
+                               const SlamOptions& options, const Progress& progress) {
   FinalAdjustment result{known, std::vector<Matrix6d>(map.keyframes().size(), Matrix6d::Zero())};
   if (map.keyframes().size() < 2) return result;
-  bundle.pose_covariances = true;
-  SensorVector expected = expected_sigmas(camera.color, options);
-  const int passes = options.enabled ? options.passes : 1;
+  const SelfCalibrationOptions& calibration = options.self_calibration;
+  constexpr int kWithoutSensor = 2;  // before and after tracks are completed
+  const int passes = calibration.enabled ? calibration.passes : kWithoutSensor;
+  BundleOptions bundle = options.full;
+  SensorVector expected = expected_sigmas(camera.color, calibration);
   for (int pass = 1; pass <= passes; ++pass) {
+    bundle.pose_covariances = pass == passes;
     auto problem = calibration_problem(map, camera, keyframe_velocities(log, map), result.sensor.value);
-    auto adjusted = adjust_with_sensor(std::move(problem), expected, options.max_sigma_share, bundle);
+    auto adjusted = adjust_with_sensor(std::move(problem), expected, calibration.max_sigma_share, bundle);
     map.apply(adjusted.update);
     result = {with_sigmas_of(adjusted.sensor, result.sensor, expected), std::move(adjusted.pose_covariance)};
     // What the data did not narrow down at first they will not later: it stays held.
@@ -106,9 +108,12 @@ FinalAdjustment adjust_finally(Map& map, FrameLog& log, const RgbdCamera& camera
         !report(progress, "adjusting", static_cast<size_t>(pass), static_cast<size_t>(passes)) ||
         pass == passes;
     // The next pass needs velocities of keyframes alone.
-    log = refine_frames(std::move(log), map, camera.color, result.sensor.value, pose,
+    log = refine_frames(std::move(log), map, camera.color, result.sensor.value, options.tracking.pose,
                         last ? Refined::kAll : Refined::kNearKeyframes, bundle.threads);
     if (last) break;
+    if (pass == 1 && options.mapping.complete_tracks) {
+      complete_tracks(map, camera.color, options.view, options.mapping);
+    }
   }
   return result;
 }

@@ -1,9 +1,10 @@
 #pragma once
 // What happens once all frames are there: the whole map is adjusted to convergence together with the sensor,
-// and every frame is refined on the final map.
+// its landmarks are looked for once more in all keyframes, and every frame is refined on the final map.
 
 #include "kinloop/base/progress.hpp"
 #include "kinloop/slam/frame_log.hpp"
+#include "kinloop/slam/options.hpp"
 #include "kinloop/slam/self_calibration.hpp"
 
 namespace kinloop {
@@ -11,14 +12,13 @@ namespace kinloop {
 struct FinalAdjustment {
   SensorEstimate sensor;
   /// Per keyframe: of x = (translation; rotation), where its true pose is T_world_camera * exp(x), relative
-  /// to the first keyframe of its component (zero).
+  /// to the first keyframe of its component (zero). Empty where `progress` ended it early.
   std::vector<Matrix6d> keyframe_covariance;
 };
 
 /// Adjusts `map` and refines `log`, starting from what is known of the sensor.
 FinalAdjustment adjust_finally(Map& map, FrameLog& log, const RgbdCamera& camera, const SensorEstimate& known,
-                               BundleOptions bundle, const AbsolutePoseOptions& pose,
-                               const SelfCalibrationOptions& options, const Progress& progress = {});
+                               const SlamOptions& options, const Progress& progress = {});
 
 /// Which of the tracked frames are refined.
 enum class Refined {

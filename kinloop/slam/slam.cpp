@@ -282,8 +282,7 @@ Trajectory Slam::finish(const Progress& progress) {
   times_.add("relocalisation", watch.spent());
   if (options_.full_adjustment) {
     const Stopwatch adjusting;
-    auto adjusted = adjust_finally(map_, log_, camera_, sensor_, options_.full, options_.tracking.pose,
-                                   options_.self_calibration, progress);
+    auto adjusted = adjust_finally(map_, log_, camera_, sensor_, options_, progress);
     sensor_ = std::move(adjusted.sensor);
     keyframe_covariance_ = std::move(adjusted.keyframe_covariance);
     map_.raise_epoch();

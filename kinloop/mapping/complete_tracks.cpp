@@ -1,0 +1,61 @@
+#include "kinloop/mapping/complete_tracks.hpp"
+
+#include <algorithm>
+
+namespace kinloop {
+namespace {
+
+bool sees(const Landmark& landmark, KeyframeId keyframe) {
+  return std::any_of(landmark.observations.begin(), landmark.observations.end(),
+                     [&](const Observation& seen) { return seen.keyframe == keyframe; });
+}
+
+/// Whether some keyframe sees both, and so sees them to be two.
+bool told_apart(const Landmark& a, const Landmark& b) {
+  return std::any_of(a.observations.begin(), a.observations.end(),
+                     [&](const Observation& seen) { return sees(b, seen.keyframe); });
+}
+
+/// Landmarks of the view that the keyframe does not see yet, at the key points where they must be.
+std::vector<LandmarkMatch> find_unseen(const Map& map, KeyframeId id, const LocalView& view,
+                                       const PinholeCamera& camera, const MappingOptions& options) {
+  const Features& features = *map.keyframe(id).features;
+  std::vector<ProjectedPoint> projected;
+  std::vector<LandmarkId> landmarks;
+  for (uint32_t i = 0; i < view.size(); ++i) {
+    if (sees(map.landmark(view.ids[i]), id)) continue;
+    const auto expected = project_landmark(view, i, features, SE3{}, options.attach_window_px, camera);
+    if (!expected) continue;
+    projected.push_back(*expected);
+    landmarks.push_back(view.ids[i]);
+  }
+  const FeatureGrid grid(features, camera.width, camera.height);
+  std::vector<LandmarkMatch> found;
+  for (const Match& match : match_by_projection(projected, features, grid, {})) {
+    found.push_back({landmarks[match.a], match.b});
+  }
+  return found;
+}
+
+}  // namespace
+
+void complete_tracks(Map& map, const PinholeCamera& camera, const LocalViewOptions& view,
+                     const MappingOptions& options) {
+  for (uint32_t i = 0; i < map.keyframes().size(); ++i) {
+    const KeyframeId id{i};
+    for (const auto& [landmark, feature] :
+         find_unseen(map, id, make_local_view(map, id, view), camera, options)) {
+      if (!map.contains(landmark)) continue;  // merged a moment ago
+      const LandmarkId there = map.keyframe(id).landmark_of[feature];
+      if (!there.valid()) {
+        map.observe(landmark, {id, feature});
+      } else if (there != landmark && !told_apart(map.landmark(landmark), map.landmark(there))) {
+        const bool more =
+            map.landmark(landmark).observations.size() > map.landmark(there).observations.size();
+        map.merge(more ? there : landmark, more ? landmark : there);
+      }
+    }
+  }
+}
+
+}  // namespace kinloop

@@ -1,0 +1,142 @@
+#include "kinloop/mapping/complete_tracks.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/synthetic_map.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::looking;
+
+constexpr int kFirstVisit = 4;
+constexpr int kSecondVisit = 2;
+
+SE3 true_pose(int i) {
+  return looking(0.08 * i, {0.06 * i, 0.01 * (i % 3), -0.03 * i});
+}
+
+/// Two visits of the same place that do not know of each other but for `shared` landmarks, as right after a
+/// loop was closed.
+class CompleteTracks : public ::testing::Test {
+ protected:
+  CompleteTracks() {
+    for (int i = 0; i < kFirstVisit; ++i) visit(first_, true_pose(i), 10 + static_cast<uint64_t>(i));
+    test::SyntheticMap second;
+    second.map = std::move(first_.map);
+    constexpr size_t kShared = 40;
+    for (const auto& [point, landmark] : first_.landmark_of_point) {
+      if (second.landmark_of_point.size() < kShared) second.landmark_of_point[point] = landmark;
+    }
+    for (int i = 0; i < kSecondVisit; ++i)
+      visit(second, true_pose(i) * looking(0.02, {0.02, 0, 0}), 20 + static_cast<uint64_t>(i));
+    map_ = std::move(second.map);
+  }
+
+  void visit(test::SyntheticMap& built, const SE3& pose, uint64_t seed) {
+    const auto view = test::observe(world_, pose, {0.1, 1e-4, 5, 0.1}, seed);
+    test::add_view(built, world_, view, pose);
+    points_of_.push_back(view.point_of);
+  }
+
+  /// Points of the world that more than one landmark stands for.
+  [[nodiscard]] size_t doubles() const {
+    std::map<uint32_t, std::set<LandmarkId>> landmarks_of;
+    for (const Keyframe& keyframe : map_.keyframes()) {
+      const auto& points = points_of_[keyframe.id.value];
+      for (size_t i = 0; i < points.size(); ++i) {
+        if (keyframe.landmark_of[i].valid()) landmarks_of[points[i]].insert(keyframe.landmark_of[i]);
+      }
+    }
+    return static_cast<size_t>(std::count_if(landmarks_of.begin(), landmarks_of.end(),
+                                             [](const auto& entry) { return entry.second.size() > 1; }));
+  }
+
+  /// Share of the observations whose landmark stands for a point other than the one they show.
+  [[nodiscard]] double wrong_share() const {
+    std::map<LandmarkId, uint32_t> point_of;
+    size_t wrong = 0, all = 0;
+    for (const Keyframe& keyframe : map_.keyframes()) {
+      const auto& points = points_of_[keyframe.id.value];
+      for (size_t i = 0; i < points.size(); ++i) {
+        if (!keyframe.landmark_of[i].valid()) continue;
+        ++all;
+        wrong += point_of.try_emplace(keyframe.landmark_of[i], points[i]).first->second != points[i] ? 1 : 0;
+      }
+    }
+    return static_cast<double>(wrong) / static_cast<double>(all);
+  }
+
+  test::SyntheticWorld world_ = test::make_world(2500, 1);
+  test::SyntheticMap first_;
+  Map map_;
+  std::vector<std::vector<uint32_t>> points_of_;  // by keyframe, key point
+};
+
+TEST_F(CompleteTracks, TwoVisitsBecomeOne) {
+  const size_t doubles_before = doubles();
+  const size_t landmarks_before = map_.landmark_count();
+  ASSERT_GT(doubles_before, 100U);
+  ASSERT_EQ(wrong_share(), 0);
+  complete_tracks(map_, world_.camera, {}, {});
+  map_.check_invariants();
+  EXPECT_LT(doubles(), doubles_before / 10);
+  EXPECT_LT(map_.landmark_count(), landmarks_before);
+  EXPECT_LT(wrong_share(), 0.01);
+}
+
+TEST_F(CompleteTracks, WhatWasMergedIsStillKnownByItsOldName) {
+  const auto before = map_.landmark_ids();
+  complete_tracks(map_, world_.camera, {}, {});
+  size_t renamed = 0;
+  for (const LandmarkId id : before) {
+    EXPECT_TRUE(map_.contains(map_.surviving(id)));
+    renamed += map_.surviving(id) != id ? 1 : 0;
+  }
+  EXPECT_EQ(before.size() - renamed, map_.landmark_count());
+}
+
+TEST_F(CompleteTracks, OnceIsEnough) {
+  complete_tracks(map_, world_.camera, {}, {});
+  const size_t landmarks = map_.landmark_count();
+  complete_tracks(map_, world_.camera, {}, {});
+  EXPECT_GE(map_.landmark_count() + landmarks / 50, landmarks);
+}
+
+TEST_F(CompleteTracks, LandmarksThatOneKeyframeTellsApartStayTwo) {
+  // Two key points of one keyframe, so close together and so alike that either landmark fits both.
+  Features twins = *test::observe(world_, SE3{}, {}, 3).features;
+  const auto a = static_cast<uint32_t>(std::distance(
+      twins.depths_m.begin(),
+      std::find_if(twins.depths_m.begin(), twins.depths_m.end(), [](float d) { return d > 0; })));
+  const uint32_t b = a + 1;
+  twins.pixels[b] = twins.pixels[a] + Eigen::Vector2f(1, 0);
+  twins.depths_m[b] = twins.depths_m[a];
+  twins.levels[b] = twins.levels[a];
+  twins.descriptors.row(static_cast<int>(a)).copyTo(twins.descriptors.row(static_cast<int>(b)));
+  const auto features = std::make_shared<const Features>(twins);
+  Map map;
+  for (uint32_t i = 0; i < 2; ++i) map.add_keyframe(FrameId{i}, i, SE3{}, features);
+  const auto point = [&](uint32_t i) {
+    return world_.camera.unproject(twins.pixels[i].cast<double>(), static_cast<double>(twins.depths_m[i]));
+  };
+  const LandmarkId first = map.add_landmark(KeyframeId{0}, a, point(a));
+  const LandmarkId second = map.add_landmark(KeyframeId{0}, b, point(b));
+  map.observe(first, {KeyframeId{1}, a});
+  complete_tracks(map, world_.camera, {}, {});
+  EXPECT_TRUE(map.contains(first));
+  EXPECT_TRUE(map.contains(second));
+  map.check_invariants();
+}
+
+TEST(CompleteTracksOfNothing, IsNothing) {
+  Map map;
+  complete_tracks(map, {}, {}, {});
+  EXPECT_TRUE(map.keyframes().empty());
+}
+
+}  // namespace
+}  // namespace kinloop
