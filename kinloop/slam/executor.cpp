@@ -5,6 +5,7 @@
 #include <future>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/give_way.hpp"
 
 namespace kinloop {
 namespace {
@@ -39,12 +40,15 @@ class ModalExecutor : public Executor {
     require(!busy(kind), "submit: a job of this kind is in flight");
     const bool at_once = options_.mode == "inline";
     const FrameId due{now.value + (at_once ? 1 : lag_of(kind, options_))};
-    auto result =
-        std::async(at_once ? std::launch::deferred : std::launch::async, [kind, work = std::move(work)] {
-          const Stopwatch watch;
-          JobResult done = work();
-          return FinishedJob{kind, std::move(done), watch.spent()};
-        });
+    // A camera does not wait: whatever tracking leaves of the processor is enough for the rest.
+    const bool aside = options_.mode == "live";
+    auto result = std::async(at_once ? std::launch::deferred : std::launch::async,
+                             [kind, aside, work = std::move(work)] {
+                               if (aside) give_way();
+                               const Stopwatch watch;
+                               JobResult done = work();
+                               return FinishedJob{kind, std::move(done), watch.spent()};
+                             });
     if (at_once) result.wait();
     jobs_.push_back({kind, due, std::move(result)});
   }

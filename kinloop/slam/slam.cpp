@@ -211,11 +211,8 @@ void Slam::remember(const PreparedFrame& frame, const TrackResult& result) {
 bool Slam::wants_keyframe(const PreparedFrame& frame, const TrackResult& result) const {
   if (result.status == TrackStatus::kLost) return false;
   if (result.reference == next_keyframe()) return true;
-  const SE3 T_last_keyframe_camera = map_.keyframe(last_keyframe_).T_world_camera.inverse() *
-                                     map_.keyframe(result.reference).T_world_camera *
-                                     result.T_reference_camera;
-  const KeyframeQuestion question{result, frame, T_last_keyframe_camera, frames_since_keyframe_,
-                                  confirmed_landmarks(map_, view_.reference)};
+  const KeyframeQuestion question{result, frame, motions_from_keyframes(map_, result, last_keyframe_),
+                                  frames_since_keyframe_, confirmed_landmarks(map_, view_.reference)};
   return needs_keyframe(question, options_.tracking.keyframe);
 }
 

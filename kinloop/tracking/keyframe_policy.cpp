@@ -1,6 +1,7 @@
 #include "kinloop/tracking/keyframe_policy.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace kinloop {
 namespace {
@@ -24,23 +25,52 @@ int unmapped_with_depth(const TrackResult& result, const Features& features) {
   return count;
 }
 
+/// How far the camera moved as a share of the motion that asks for a keyframe.
+double moved_share(const SE3& T_keyframe_camera, double depth_m, const KeyframeOptions& options) {
+  return std::max(T_keyframe_camera.angle_rad() / options.max_angle_rad,
+                  T_keyframe_camera.translation.norm() / (depth_m * options.max_shift));
+}
+
+/// How many of the matched landmarks each keyframe shows.
+std::vector<int> shared_counts(const Map& map, const std::vector<LandmarkMatch>& matches) {
+  std::vector<int> shared(map.keyframes().size(), 0);
+  for (const LandmarkMatch& match : matches) {
+    if (!map.contains(match.landmark)) continue;
+    for (const auto& observation : map.landmark(match.landmark).observations)
+      ++shared[observation.keyframe.value];
+  }
+  return shared;
+}
+
 }  // namespace
 
 bool needs_keyframe(const KeyframeQuestion& q, const KeyframeOptions& options) {
   if (q.result.status != TrackStatus::kTracked) return false;
-  const double shift = q.T_last_keyframe_camera.translation.norm() / median_depth_m(*q.frame.features);
-  const double angle_rad = q.T_last_keyframe_camera.angle_rad();
-  if (angle_rad > options.max_angle_rad || shift > options.max_shift) return true;
+  const double depth_m = median_depth_m(*q.frame.features);
+  double moved = std::numeric_limits<double>::infinity();  // from the nearest
+  for (const SE3& T : q.T_keyframe_camera) moved = std::min(moved, moved_share(T, depth_m, options));
+  if (moved > 1) return true;
+  // A camera that stands still sees nothing new, however long it stands.
+  constexpr double kHardlyMoved = 0.5;
+  if (moved < kHardlyMoved) return false;
 
   const int tracked = q.result.stats.inliers;
   const bool view_thins_out = tracked < options.min_tracked_share * q.reference_landmarks;
   const bool blind_soon = tracked < options.min_landmarks &&
                           unmapped_with_depth(q.result, *q.frame.features) > options.min_unmapped;
-  // A camera that stands still sees nothing new, however long it stands.
-  const double moved = std::max(angle_rad / options.max_angle_rad, shift / options.max_shift);
-  constexpr double kHardlyMoved = 0.25;
-  if (moved < kHardlyMoved) return false;
   return view_thins_out || blind_soon || q.frames_since_keyframe >= options.max_gap_frames;
+}
+
+std::vector<SE3> motions_from_keyframes(const Map& map, const TrackResult& result, KeyframeId last) {
+  constexpr double kFairShare = 0.3;
+  const SE3 T_world_camera = map.keyframe(result.reference).T_world_camera * result.T_reference_camera;
+  std::vector<SE3> motions{map.keyframe(last).T_world_camera.inverse() * T_world_camera};
+  const std::vector<int> shared = shared_counts(map, result.matches);
+  for (const Keyframe& keyframe : map.keyframes()) {
+    if (shared[keyframe.id.value] < kFairShare * static_cast<double>(result.matches.size())) continue;
+    motions.push_back(keyframe.T_world_camera.inverse() * T_world_camera);
+  }
+  return motions;
 }
 
 int confirmed_landmarks(const Map& map, KeyframeId id) {
@@ -52,12 +82,7 @@ int confirmed_landmarks(const Map& map, KeyframeId id) {
 }
 
 KeyframeId best_reference(const Map& map, const std::vector<LandmarkMatch>& matches, KeyframeId fallback) {
-  std::vector<int> shared(map.keyframes().size(), 0);
-  for (const LandmarkMatch& match : matches) {
-    if (!map.contains(match.landmark)) continue;
-    for (const auto& observation : map.landmark(match.landmark).observations)
-      ++shared[observation.keyframe.value];
-  }
+  const std::vector<int> shared = shared_counts(map, matches);
   const auto most = std::max_element(shared.begin(), shared.end());
   if (most == shared.end() || *most == 0) return fallback;
   return KeyframeId{static_cast<uint32_t>(most - shared.begin())};

@@ -1,4 +1,6 @@
 #pragma once
+// Which frames become keyframes: those that show what no keyframe shows yet. A camera that comes back to a
+// mapped place makes none, so that the map is bounded by what there is to see.
 
 #include "kinloop/tracking/tracker.hpp"
 
@@ -8,13 +10,16 @@ namespace kinloop {
 struct KeyframeQuestion {
   const TrackResult& result;
   const PreparedFrame& frame;
-  SE3 T_last_keyframe_camera;  ///< motion since the last keyframe
+  std::vector<SE3> T_keyframe_camera;  ///< motion from the keyframes that show the same place
   int frames_since_keyframe = 0;
   int reference_landmarks = 0;  ///< landmarks that the reference keyframe shows and others confirm
 };
 
 /// Whether the frame shows enough that is new, or too little that is known, to become a keyframe.
 bool needs_keyframe(const KeyframeQuestion& question, const KeyframeOptions& options);
+
+/// Motion to the camera from the last keyframe, and from those that show a fair share of its landmarks.
+std::vector<SE3> motions_from_keyframes(const Map& map, const TrackResult& result, KeyframeId last);
 
 /// Landmarks of a keyframe that at least one other keyframe confirms.
 int confirmed_landmarks(const Map& map, KeyframeId id);

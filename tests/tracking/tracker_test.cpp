@@ -131,7 +131,7 @@ class KeyframePolicy : public testing::Test {
   [[nodiscard]] bool asks(const SE3& T_last_keyframe_camera, int inliers, int reference_landmarks) {
     result_.status = TrackStatus::kTracked;
     result_.stats.inliers = inliers;
-    return needs_keyframe({result_, frame_, T_last_keyframe_camera, 5, reference_landmarks}, {});
+    return needs_keyframe({result_, frame_, {T_last_keyframe_camera}, 5, reference_landmarks}, {});
   }
 
   PreparedFrame frame_ = test::make_frame(1, test::observe(test::make_world(3000, 1), SE3{}, {}, 2));
@@ -153,9 +153,39 @@ TEST_F(KeyframePolicy, AThinningViewNeedsOneOnceTheCameraMoves) {
   EXPECT_FALSE(asks(looking(0.1, {0.05, 0, 0}), 290, 300));
 }
 
+TEST_F(KeyframePolicy, OneThatIsNearIsEnough) {
+  result_.status = TrackStatus::kTracked;
+  result_.stats.inliers = 100;  // of 300: the view thins out
+  const SE3 far_off = looking(0.5, {1, 0, 0}), on_the_way = looking(0.15, {0, 0, 0}),
+            near_by = looking(0.01, {0.01, 0, 0});
+  EXPECT_TRUE(needs_keyframe({result_, frame_, {far_off, on_the_way}, 5, 300}, {}));
+  EXPECT_FALSE(needs_keyframe({result_, frame_, {far_off, near_by}, 5, 300}, {}));
+}
+
+TEST(MotionsFromKeyframes, AreThoseOfTheLastAndOfThoseThatShowTheSame) {
+  const auto world = test::make_world(3000, 1);
+  const std::vector<SE3> poses{SE3{}, looking(0.1, {0.1, 0, 0}), looking(3.1, {0, 0, 0}),
+                               looking(3.1, {0, 0.1, 0})};
+  test::SyntheticMap built;
+  for (const SE3& pose : poses) test::add_view(built, world, test::observe(world, pose, {}, 2), pose);
+  TrackResult result;
+  result.status = TrackStatus::kTracked;
+  result.reference = KeyframeId{0};
+  result.T_reference_camera = looking(0.05, {0.05, 0, 0});
+  const auto& landmark_of = built.map.keyframe(KeyframeId{0}).landmark_of;
+  for (uint32_t i = 0; i < landmark_of.size(); ++i) {
+    if (landmark_of[i].valid()) result.matches.push_back({landmark_of[i], i});
+  }
+  const auto motions = motions_from_keyframes(built.map, result, KeyframeId{3});
+  ASSERT_EQ(motions.size(), 3U);  // from 3, the last, and from 0 and 1, but not from 2
+  EXPECT_LT(test::distance_m(motions[0], poses[3].inverse() * result.T_reference_camera), 1e-12);
+  EXPECT_LT(test::distance_m(motions[1], result.T_reference_camera), 1e-12);
+  EXPECT_LT(test::distance_m(motions[2], poses[1].inverse() * result.T_reference_camera), 1e-12);
+}
+
 TEST_F(KeyframePolicy, ALostFrameNeverBecomesOne) {
   result_.status = TrackStatus::kLost;
-  EXPECT_FALSE(needs_keyframe({result_, frame_, looking(1, {1, 1, 1}), 5, 300}, {}));
+  EXPECT_FALSE(needs_keyframe({result_, frame_, {looking(1, {1, 1, 1})}, 5, 300}, {}));
 }
 
 }  // namespace
