@@ -103,7 +103,8 @@ void track_frame(benchmark::State& state) {
   const LocalView view = make_local_view(map, keyframe, {});
   const TrackedFrame previous{frames().first, SE3{}, map.keyframe(keyframe).landmark_of};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(track(frames().second, previous, view, SE3{}, frames().camera, {}, 1));
+    benchmark::DoNotOptimize(
+        track(frames().second, previous, view, {SE3{}, 0.01, 0.02}, frames().camera, {}, 1));
   }
 }
 BENCHMARK(track_frame)->Unit(benchmark::kMillisecond);

@@ -153,9 +153,9 @@ TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
   const Stopwatch watch;
   TrackResult result;
   if (previous_) {
-    const SE3 T_previous_camera = motion_.predict(frame.stamp_ns - previous_->frame.stamp_ns);
-    result = track(frame, *previous_, view_, previous_->T_reference_camera * T_previous_camera, camera_.color,
-                   options_.tracking, seed_of(frame.id));
+    PredictedPose predicted = motion_.predict(frame.stamp_ns - previous_->frame.stamp_ns);
+    predicted.T = previous_->T_reference_camera * predicted.T;
+    result = track(frame, *previous_, view_, predicted, camera_.color, options_.tracking, seed_of(frame.id));
   }
   times_.add("tracking", watch.spent());
   // Depth images alone tell the motion from one frame to the next, not across a gap.

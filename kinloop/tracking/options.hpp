@@ -36,7 +36,8 @@ struct KeyframeOptions {
 };
 
 struct TrackingOptions {
-  double window_px = 15;
+  double window_px = 6;
+  double window_sigmas = 3;
   double wide_window_px = 60;
   double view_window_px = 5;
   int min_matches = 20;
@@ -54,10 +55,13 @@ struct TrackingOptions {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("window_px", self.window_px, "search window around a predicted key point (half side), px",
+    visit("window_px", self.window_px,
+          "search window around a key point (half side) if its place were predicted exactly, px",
           Range{2, 200});
-    visit("wide_window_px", self.wide_window_px, "search window of the second try (half side), px",
-          Range{2, 400});
+    visit("window_sigmas", self.window_sigmas,
+          "widens the window by so many standard deviations of the predicted place", Range{0, 10});
+    visit("wide_window_px", self.wide_window_px,
+          "search window of the second try (half side), and the widest of the first, px", Range{2, 400});
     visit("view_window_px", self.view_window_px, "search window for the local map (half side), px",
           Range{1, 100});
     visit("min_matches", self.min_matches, "matches without which a way of tracking is given up",

@@ -1,6 +1,8 @@
 #include "kinloop/tracking/previous_frame.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <unordered_map>
 
 namespace kinloop {
@@ -79,7 +81,20 @@ std::optional<FramePose> solve(const Tracking& t, const std::vector<Match>& matc
   return keep_inliers(*solution, observations, features);
 }
 
-std::optional<FramePose> search_windows(const Tracking& t, const SE3& T_reference_camera, double window_px) {
+/// Half side of the window in which to search for a point that is seen `depth_m` away on level 0.
+using Window = std::function<double(double depth_m)>;
+
+/// As far as the prediction may be off.
+Window predicted_window(const PredictedPose& predicted, const PinholeCamera& camera,
+                        const TrackingOptions& options) {
+  return [=, fx = camera.fx](double depth_m) {
+    const double sigma_px = fx * std::hypot(predicted.sigma_rad, predicted.sigma_m / depth_m);
+    return std::min(options.window_px + options.window_sigmas * sigma_px, options.wide_window_px);
+  };
+}
+
+std::optional<FramePose> search_windows(const Tracking& t, const SE3& T_reference_camera,
+                                        const Window& window_px) {
   const Features& before = *t.previous.frame.features;
   const SE3 T_camera_reference = T_reference_camera.inverse();
   std::vector<ProjectedPoint> projected;
@@ -91,8 +106,9 @@ std::optional<FramePose> search_windows(const Tracking& t, const SE3& T_referenc
     if (!t.camera.contains(pixel)) continue;
     const uint32_t feature = t.points.features[i];
     const int level = before.levels[feature];
-    projected.push_back({pixel, window_px * static_cast<double>(before.sigmas_px[feature]), p_camera.z(),
-                         level - 1, level + 1, before.descriptors.ptr<uint8_t>(static_cast<int>(feature))});
+    projected.push_back({pixel, window_px(p_camera.z()) * static_cast<double>(before.sigmas_px[feature]),
+                         p_camera.z(), level - 1, level + 1,
+                         before.descriptors.ptr<uint8_t>(static_cast<int>(feature))});
     point_of.push_back(i);
   }
   auto matches = match_by_projection(projected, *t.frame.features, t.grid, {});
@@ -138,9 +154,8 @@ std::optional<FramePose> search_everywhere(const Tracking& t, uint64_t seed) {
 
 std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const FeatureGrid& grid,
                                             const TrackedFrame& previous, const LocalView& view,
-                                            const SE3& T_reference_camera_predicted,
-                                            const PinholeCamera& camera, const TrackingOptions& options,
-                                            uint64_t seed) {
+                                            const PredictedPose& predicted, const PinholeCamera& camera,
+                                            const TrackingOptions& options, uint64_t seed) {
   const PreviousPoints points = points_of(previous, view, camera);
   const Tracking t{frame, grid, previous, points, camera, options};
   std::optional<FramePose> best;
@@ -152,10 +167,11 @@ std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const Fe
     if (best) best->tries = tries;
     return best && static_cast<int>(best->support.size()) >= options.certain_inliers;
   };
-  if (settled_by(search_windows(t, T_reference_camera_predicted, options.window_px))) return best;
-  if (settled_by(search_windows(t, T_reference_camera_predicted, options.wide_window_px))) return best;
+  if (settled_by(search_windows(t, predicted.T, predicted_window(predicted, camera, options)))) return best;
+  const auto wide = [&](double) { return options.wide_window_px; };
+  if (settled_by(search_windows(t, predicted.T, wide))) return best;
   if (settled_by(search_everywhere(t, seed)) || best) return best;
-  settled_by(align_with_previous(frame, previous, T_reference_camera_predicted, camera, options));
+  settled_by(align_with_previous(frame, previous, predicted.T, camera, options));
   return best;
 }
 

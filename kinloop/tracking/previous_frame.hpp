@@ -7,6 +7,7 @@
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/local_view.hpp"
 #include "kinloop/tracking/frame.hpp"
+#include "kinloop/tracking/motion_model.hpp"
 #include "kinloop/tracking/options.hpp"
 
 namespace kinloop {
@@ -23,14 +24,13 @@ struct FramePose {
 };
 
 /// The pose of `frame` by the first of these that gives a certain one: key points of `previous` searched
-/// around the predicted place, in wider windows, by brute force with RANSAC (P3P, then rigid 3D-3D). Where
-/// none is certain, the one with most support; where there is none at all, by dense alignment. Nothing if all
-/// fail.
+/// around the predicted place as far as the prediction may be off, in wider windows, by brute force with
+/// RANSAC (P3P, then rigid 3D-3D). Where none is certain, the one with most support; where there is none at
+/// all, by dense alignment. Nothing if all fail.
 std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const FeatureGrid& grid,
                                             const TrackedFrame& previous, const LocalView& view,
-                                            const SE3& T_reference_camera_predicted,
-                                            const PinholeCamera& camera, const TrackingOptions& options,
-                                            uint64_t seed);
+                                            const PredictedPose& predicted, const PinholeCamera& camera,
+                                            const TrackingOptions& options, uint64_t seed);
 
 /// The pose of `frame` by laying its depth image onto that of `previous`, starting from
 /// `T_reference_camera_guess`: its information is small where the surfaces leave a direction open. Nothing

@@ -79,15 +79,14 @@ TrackResult track_in_view(const PreparedFrame& frame, const FeatureGrid& grid, c
 }
 
 TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, const LocalView& view,
-                  const SE3& T_reference_camera_predicted, const PinholeCamera& camera,
-                  const TrackingOptions& options, uint64_t seed) {
+                  const PredictedPose& predicted, const PinholeCamera& camera, const TrackingOptions& options,
+                  uint64_t seed) {
   const FeatureGrid grid(*frame.features, camera.width, camera.height);
-  const auto guess =
-      pose_from_previous(frame, grid, previous, view, T_reference_camera_predicted, camera, options, seed);
+  const auto guess = pose_from_previous(frame, grid, previous, view, predicted, camera, options, seed);
   if (!guess) {
     // The previous frame may have been blurred beyond use; the map still knows what should be in sight.
-    const TrackResult result = track_in_view(frame, grid, view, T_reference_camera_predicted,
-                                             options.wide_window_px, camera, options);
+    const TrackResult result =
+        track_in_view(frame, grid, view, predicted.T, options.wide_window_px, camera, options);
     return map_agrees(result, *frame.features, options.min_found_share) ? result : TrackResult{};
   }
   std::optional<PosePrior> prior;

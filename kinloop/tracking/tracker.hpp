@@ -8,6 +8,7 @@
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/local_view.hpp"
 #include "kinloop/tracking/frame.hpp"
+#include "kinloop/tracking/motion_model.hpp"
 #include "kinloop/tracking/options.hpp"
 
 namespace kinloop {
@@ -40,11 +41,11 @@ struct TrackResult {
   TrackStats stats;
 };
 
-/// Tracks `frame` against `previous` and `view`, starting from `T_reference_camera_predicted`. `seed` drives
-/// RANSAC.
+/// Tracks `frame` against `previous` and `view`, starting from the predicted T_reference_camera. `seed`
+/// drives RANSAC.
 TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, const LocalView& view,
-                  const SE3& T_reference_camera_predicted, const PinholeCamera& camera,
-                  const TrackingOptions& options, uint64_t seed);
+                  const PredictedPose& predicted, const PinholeCamera& camera, const TrackingOptions& options,
+                  uint64_t seed);
 
 /// Whether that share of the landmarks in sight was found; of many no more can be than the frame has key
 /// points. Chance matches can agree on a wrong pose, but then few of the landmarks are where they should be.

@@ -12,6 +12,11 @@ namespace {
 using test::looking;
 
 /// A map of one keyframe at the origin, the previous frame there, and the camera somewhere else.
+/// A prediction that may be off by a centimetre and a degree.
+PredictedPose unsure(const SE3& T_reference_camera) {
+  return {T_reference_camera, 0.01, 0.02};
+}
+
 class Tracker : public testing::Test {
  protected:
   Tracker() {
@@ -24,7 +29,7 @@ class Tracker : public testing::Test {
   TrackResult track_at(const SE3& T_world_camera, const SE3& predicted,
                        const test::ObservationNoise& noise = {}) const {
     const auto view = test::observe(world_, T_world_camera, noise, 3);
-    return track(test::make_frame(1, view), previous_, view_, predicted, world_.camera, {}, 4);
+    return track(test::make_frame(1, view), previous_, view_, unsure(predicted), world_.camera, {}, 4);
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
@@ -45,7 +50,8 @@ TEST_F(Tracker, FollowsASmallMotion) {
 TEST_F(Tracker, MatchesTheLandmarksThatAreThere) {
   const SE3 truth = looking(0.05, {0.03, 0.01, -0.02});
   const auto view = test::observe(world_, truth, {}, 3);
-  const TrackResult result = track(test::make_frame(1, view), previous_, view_, SE3{}, world_.camera, {}, 4);
+  const TrackResult result =
+      track(test::make_frame(1, view), previous_, view_, unsure(SE3{}), world_.camera, {}, 4);
   ASSERT_FALSE(result.matches.empty());
   for (const LandmarkMatch& match : result.matches) {
     EXPECT_EQ(match.landmark, built_.landmark_of_point.at(view.point_of[match.feature]));
@@ -77,7 +83,7 @@ TEST_F(Tracker, SaysLostOnABlackImage) {
   test::SyntheticView nothing;
   nothing.features = std::make_shared<const Features>();
   const TrackResult result =
-      track(test::make_frame(1, nothing), previous_, view_, SE3{}, world_.camera, {}, 4);
+      track(test::make_frame(1, nothing), previous_, view_, unsure(SE3{}), world_.camera, {}, 4);
   EXPECT_EQ(result.status, TrackStatus::kLost);
 }
 
@@ -103,7 +109,7 @@ TEST_F(Tracker, ItsInformationIsHonest) {
       }
     }
     const TrackResult result =
-        track(test::make_frame(1, view), previous_, exact, truth, world_.camera, {}, trial);
+        track(test::make_frame(1, view), previous_, exact, unsure(truth), world_.camera, {}, trial);
     ASSERT_EQ(result.status, TrackStatus::kTracked);
     const Vector6d error = (result.T_reference_camera.inverse() * truth).log();
     sum += error.dot(result.information * error);
@@ -114,16 +120,53 @@ TEST_F(Tracker, ItsInformationIsHonest) {
 
 TEST(MotionModel, CarriesTheVelocityOn) {
   MotionModel motion;
-  EXPECT_EQ(motion.predict(1'000'000).translation.norm(), 0);
+  EXPECT_EQ(motion.predict(1'000'000).T.translation.norm(), 0);
   const SE3 step = looking(0.02, {0.01, 0, 0});
   motion.update(step, 33'000'000);
-  EXPECT_LT((motion.predict(33'000'000).inverse() * step).log().norm(), 1e-12);
-  EXPECT_LT((motion.predict(66'000'000).inverse() * (step * step)).log().norm(), 1e-12);
-  EXPECT_LT(motion.predict(10'000'000'000).translation.norm(), 0.2);  // a long gap is not followed blindly
-  motion.update(step, 0);                                             // a repeated stamp teaches nothing
-  EXPECT_TRUE(motion.predict(33'000'000).is_finite());
+  EXPECT_LT((motion.predict(33'000'000).T.inverse() * step).log().norm(), 1e-12);
+  EXPECT_LT((motion.predict(66'000'000).T.inverse() * (step * step)).log().norm(), 1e-12);
+  EXPECT_LT(motion.predict(10'000'000'000).T.translation.norm(), 0.2);  // a long gap is not followed blindly
+  motion.update(step, 0);                                               // a repeated stamp teaches nothing
+  EXPECT_TRUE(motion.predict(33'000'000).T.is_finite());
   motion.reset();
-  EXPECT_EQ(motion.predict(33'000'000).translation.norm(), 0);
+  EXPECT_EQ(motion.predict(33'000'000).T.translation.norm(), 0);
+}
+
+TEST(MotionModel, ItsUncertaintyGrowsWithTime) {
+  MotionModel motion;
+  motion.update(looking(0.02, {0.01, 0, 0}), 33'000'000);
+  const PredictedPose soon = motion.predict(33'000'000), late = motion.predict(330'000'000);
+  EXPECT_GT(soon.sigma_m, 0);
+  EXPECT_GT(soon.sigma_rad, 0);
+  EXPECT_GT(late.sigma_m, 10 * soon.sigma_m);
+  EXPECT_GT(late.sigma_rad, 10 * soon.sigma_rad);
+  motion.reset();
+  EXPECT_GT(motion.predict(33'000'000).sigma_m, soon.sigma_m);  // nothing known is less than something
+}
+
+TEST(MotionModel, ItsUncertaintyIsThatOfTheMotion) {
+  // Velocities that walk at random, as the model assumes them to: its claims must hold on average.
+  Random random(5);
+  MotionModel motion;
+  constexpr int64_t kStep_ns = 40'000'000;
+  constexpr double kStep_s = 0.04;
+  Vector6d velocity = Vector6d::Zero();
+  double shift = 0, turn = 0;
+  int count = 0;
+  for (int i = 0; i < 4000; ++i) {
+    for (int k = 0; k < 6; ++k) velocity[k] = 0.98 * velocity[k] + (k < 3 ? 0.05 : 0.2) * random.gaussian();
+    const SE3 step = SE3::exp(velocity * kStep_s);
+    if (i > 100) {
+      const PredictedPose predicted = motion.predict(kStep_ns);
+      const Vector6d error = (predicted.T.inverse() * step).log();
+      shift += error.head<3>().squaredNorm() / (3 * predicted.sigma_m * predicted.sigma_m);
+      turn += error.tail<3>().squaredNorm() / (3 * predicted.sigma_rad * predicted.sigma_rad);
+      ++count;
+    }
+    motion.update(step, kStep_ns);
+  }
+  EXPECT_NEAR(shift / count, 1, 0.2);
+  EXPECT_NEAR(turn / count, 1, 0.2);
 }
 
 class KeyframePolicy : public testing::Test {
