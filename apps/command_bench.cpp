@@ -16,7 +16,11 @@ namespace {
 /// Reads and decodes every frame and does nothing else.
 void bench_decode(const std::string& sequence, const std::optional<std::string>& camera) {
   const Stopwatch watch;
-  const auto source = open_source(sequence, camera, {}, hardware_threads());
+  SourceRequest request;
+  request.sequence = sequence;
+  request.camera = camera;
+  request.threads = hardware_threads();
+  const auto source = open_source(request);
   size_t frames = 0;
   while (source->next()) ++frames;
   rusage usage{};

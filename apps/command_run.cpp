@@ -32,6 +32,7 @@ struct RunArguments {
   std::string sequence;
   std::filesystem::path output = "out";
   std::string camera;
+  std::string topics;
   std::string solver = "auto";
   std::string vocabulary;
   bool no_loop = false;
@@ -45,7 +46,7 @@ struct RunArguments {
 RunOptions options_of(const RunArguments& arguments, int threads) {
   RunOptions options;
   options.slam.full.threads = threads;
-  if (arguments.pace_hz > 0) options.slam.executor.mode = "live";
+  if (arguments.pace_hz > 0 || is_live(arguments.sequence)) options.slam.executor.mode = "live";
   options = with_assignments(options, arguments.assignments);
   if (arguments.no_loop) options.slam.loop.enabled = false;
   if (arguments.solver != "auto") options.slam.loop.pose_graph.solver = arguments.solver;
@@ -65,6 +66,17 @@ Vocabulary vocabulary_of(const RunArguments& arguments, const FeatureOptions& fe
         features.kind));
   }
   return load_default_vocabulary();
+}
+
+SourceRequest request_of(const RunArguments& arguments, const RunOptions& options, int threads) {
+  SourceRequest request;
+  request.sequence = arguments.sequence;
+  if (!arguments.camera.empty()) request.camera = arguments.camera;
+  if (!arguments.topics.empty()) request.topics = arguments.topics;
+  request.simulation = options.sim;
+  request.kinect = options.kinect;
+  request.threads = threads;
+  return request;
 }
 
 /// Feeds all frames; false when Ctrl-C ended it early.
@@ -95,9 +107,8 @@ ExitCode run(const RunArguments& arguments) {
   const Stopwatch watch;
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
   const RunOptions options = options_of(arguments, threads);
-  const auto camera = arguments.camera.empty() ? std::nullopt : std::optional(arguments.camera);
   const RunFolder folder(arguments.output);
-  auto source = open_source(arguments.sequence, camera, options.sim, threads);
+  auto source = open_source(request_of(arguments, options, threads));
   const PacedSource* paced = nullptr;
   if (arguments.pace_hz > 0) {
     auto pacing = std::make_unique<PacedSource>(std::move(source), arguments.pace_hz);
@@ -149,14 +160,17 @@ void print_options() {
 void add_run_command(CLI::App& app, ExitCode& exit_code) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "Map a sequence: trajectory, coloured map, report");
-  command->add_option("SEQUENCE", arguments->sequence,
-                      "a folder in TUM layout (rgb.txt, depth.txt, ...), or sim:room, the simulated Kinect\n"
-                      "(sim:room:7 is another room)");
+  command->add_option(
+      "SEQUENCE", arguments->sequence,
+      "a folder in TUM layout (rgb.txt, depth.txt, ...), a ROS .bag file, kinect1 or kinect2\n"
+      "(live), or sim:room, the simulated Kinect (sim:room:7 is another room)");
   command->add_option("-o,--output", arguments->output, "folder for the results")->capture_default_str();
   command->add_option(
       "--camera", arguments->camera,
       "camera.yaml to use, or freiburg1, freiburg2, freiburg3, icl; else camera.yaml in the folder, "
       "else by the folder's name");
+  command->add_option("--topics", arguments->topics,
+                      "of a bag: COLOR,DEPTH[,CAMERA_INFO], where they are not those of a known driver");
   command->add_option("--vocabulary", arguments->vocabulary,
                       "dictionary of visual words, from kinloop vocab train; else the one built in");
   command->add_flag("--no-loop", arguments->no_loop, "do not close loops");

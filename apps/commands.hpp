@@ -17,5 +17,8 @@ void add_optimize_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
 void add_features_command(CLI::App& app);
+void add_calibrate_command(CLI::App& app);
+void add_record_command(CLI::App& app);
+void add_fetch_command(CLI::App& app);
 
 }  // namespace kinloop

@@ -73,7 +73,10 @@ View view_of(const RgbdFrame& frame, const Trajectory& truth) {
 
 Pairs pairs_of_sequence(const ComparisonArguments& arguments) {
   const auto camera = arguments.camera.empty() ? std::nullopt : std::optional(arguments.camera);
-  const auto source = open_source(arguments.input, camera, {}, 1);
+  SourceRequest request;
+  request.sequence = arguments.input;
+  request.camera = camera;
+  const auto source = open_source(request);
   const size_t frames = source->info().frames;
   if (frames <= arguments.gap) {
     throw UsageError(

@@ -1,25 +1,33 @@
 #include "apps/open_source.hpp"
 
-#include <fmt/format.h>
-
 #include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/bag_source.hpp"
 #include "kinloop/sensor/camera_choice.hpp"
+#include "kinloop/sensor/kinect1_source.hpp"
+#include "kinloop/sensor/kinect2_source.hpp"
 #include "kinloop/sensor/tum_source.hpp"
 
 namespace kinloop {
 
-std::unique_ptr<FrameSource> open_source(const std::string& sequence,
-                                         const std::optional<std::string>& camera,
-                                         const SimulationOptions& simulation, int threads) {
+bool is_live(const std::string& sequence) {
+  return sequence == "kinect1" || sequence == "kinect2";
+}
+
+std::unique_ptr<FrameSource> open_source(const SourceRequest& request) {
+  const std::string& sequence = request.sequence;
   if (sequence.starts_with("sim:")) {
-    if (camera)
+    if (request.camera)
       throw UsageError("--camera does not go with a simulated sequence: the simulation brings its own");
-    return make_simulated_source(sequence, simulation, threads);
+    return make_simulated_source(sequence, request.simulation, request.threads);
   }
-  if (sequence == "kinect1" || sequence == "kinect2" || sequence.ends_with(".bag")) {
-    throw UsageError(fmt::format("'{}': this build reads folders in TUM layout and sim:room only", sequence));
-  }
-  return std::make_unique<TumSource>(sequence, choose_camera(sequence, camera));
+  const auto given_camera = [&]() -> std::optional<RgbdCamera> {
+    if (!request.camera) return std::nullopt;
+    return choose_camera({}, request.camera);
+  };
+  if (sequence == "kinect1") return open_kinect1(request.kinect, given_camera());
+  if (sequence == "kinect2") return open_kinect2(request.kinect, given_camera());
+  if (sequence.ends_with(".bag")) return open_bag(sequence, given_camera(), request.topics);
+  return std::make_unique<TumSource>(sequence, choose_camera(sequence, request.camera));
 }
 
 }  // namespace kinloop

@@ -5,14 +5,25 @@
 #include <string>
 
 #include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/kinect_options.hpp"
 #include "kinloop/sensor/simulation/simulated_source.hpp"
 
 namespace kinloop {
 
-/// Opens what the user named: a folder in TUM layout or sim:room. Throws UsageError or InputError with the
-/// remedy.
-std::unique_ptr<FrameSource> open_source(const std::string& sequence,
-                                         const std::optional<std::string>& camera,
-                                         const SimulationOptions& simulation, int threads);
+/// What the user named, and how.
+struct SourceRequest {
+  std::string sequence;               ///< a folder in TUM layout, sim:room, kinect1, kinect2 or a .bag file
+  std::optional<std::string> camera;  ///< camera.yaml or a preset
+  std::optional<std::string> topics;  ///< of a bag, "COLOR,DEPTH[,CAMERA_INFO]"
+  SimulationOptions simulation;
+  KinectOptions kinect;
+  int threads = 1;
+};
+
+/// Whether frames come at their own pace.
+bool is_live(const std::string& sequence);
+
+/// Opens it. Throws UsageError or InputError with the remedy.
+std::unique_ptr<FrameSource> open_source(const SourceRequest& request);
 
 }  // namespace kinloop

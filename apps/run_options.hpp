@@ -2,23 +2,26 @@
 // Everything that `kinloop run --set key=value` can change.
 
 #include "kinloop/dense/options.hpp"
+#include "kinloop/sensor/kinect_options.hpp"
 #include "kinloop/sensor/simulation/simulated_source.hpp"
 #include "kinloop/slam/options.hpp"
 
 namespace kinloop {
 
 /// The options of the system stand at the top ("features.count"), those of the dense map and of the
-/// simulation under names of their own ("dense.voxel_m", "sim.frames").
+/// simulation and of live cameras under names of their own ("dense.voxel_m", "sim.frames").
 struct RunOptions {
   SlamOptions slam;
   DenseOptions dense;
   SimulationOptions sim;
+  KinectOptions kinect;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     SlamOptions::fields(self.slam, visit);
     visit("dense", self.dense);
     visit("sim", self.sim);
+    visit("kinect", self.kinect);
   }
 };
 

@@ -69,6 +69,71 @@ if(DLIB_INCLUDE_DIR AND DLIB_LIBRARY)
     target_link_libraries(kinloop_dlib INTERFACE ${BLAS_LIBRARY})
   endif()
 endif()
+
+# kinloop_optional(PART HEADER LIBRARY...)
+#
+# Sets PART_FOUND, and makes the target kinloop_PART where the header and all libraries are there. For packages
+# that bring no CMake files, or such as need their whole build system.
+function(kinloop_optional part header)
+  find_path(${part}_INCLUDE_DIR ${header})
+  set(found ${${part}_INCLUDE_DIR})
+  set(libraries)
+  foreach(library ${ARGN})
+    find_library(${part}_${library}_LIBRARY ${library})
+    list(APPEND libraries ${${part}_${library}_LIBRARY})
+    if(NOT ${part}_${library}_LIBRARY)
+      set(found 0)
+    endif()
+  endforeach()
+  set(${part}_FOUND 0 PARENT_SCOPE)
+  if(found)
+    set(${part}_FOUND 1 PARENT_SCOPE)
+    add_library(kinloop_${part} INTERFACE)
+    target_include_directories(kinloop_${part} SYSTEM INTERFACE $<BUILD_INTERFACE:${${part}_INCLUDE_DIR}>)
+    target_link_libraries(kinloop_${part} INTERFACE ${libraries})
+    set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_${part})
+  endif()
+endfunction()
+kinloop_optional(rosbag rosbag/bag.h rosbag_storage roscpp_serialization rostime cpp_common console_bridge
+                 boost_filesystem)
+# Debian pairs ROS 1's bags with ROS 2's plugins, whose headers lie in folders of their own.
+if(rosbag_FOUND)
+  foreach(folder pluginlib class_loader ament_index_cpp rcpputils rcutils)
+    if(EXISTS ${rosbag_INCLUDE_DIR}/${folder}/${folder})
+      target_include_directories(kinloop_rosbag SYSTEM INTERFACE $<BUILD_INTERFACE:${rosbag_INCLUDE_DIR}/${folder}>)
+    endif()
+  endforeach()
+endif()
+
+# The node.
+find_package(PkgConfig QUIET)
+set(ros_FOUND 0)
+if(rosbag_FOUND AND PkgConfig_FOUND)
+  pkg_check_modules(roscpp QUIET IMPORTED_TARGET roscpp nav_msgs tf2_msgs geometry_msgs)
+  if(roscpp_FOUND)
+    set(ros_FOUND 1)
+  endif()
+endif()
+
+kinloop_optional(freenect libfreenect.h freenect)  # Kinect 1
+
+# Kinect 2: libfreenect2's own file sets variables instead of a target.
+find_package(freenect2 QUIET)
+if(freenect2_FOUND)
+  add_library(kinloop_freenect2 INTERFACE)
+  target_include_directories(kinloop_freenect2 SYSTEM INTERFACE $<BUILD_INTERFACE:${freenect2_INCLUDE_DIRS}>)
+  target_link_libraries(kinloop_freenect2 INTERFACE ${freenect2_LIBRARIES})
+  set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_freenect2)
+endif()
+
+# Downloads: curl fetches, archive unpacks.
+find_package(CURL QUIET)
+find_package(LibArchive QUIET)
+set(download_FOUND 0)
+if(CURL_FOUND AND LibArchive_FOUND)
+  set(download_FOUND 1)
+endif()
+
 if(KINLOOP_TESTS)
   find_package(GTest REQUIRED)
 endif()
@@ -76,6 +141,6 @@ if(KINLOOP_BENCH)
   find_package(benchmark QUIET)
 endif()
 
-foreach(part g2o dlib benchmark)
+foreach(part g2o dlib rosbag ros freenect freenect2 download benchmark)
   message(STATUS "kinloop optional part ${part}: ${${part}_FOUND}")
 endforeach()

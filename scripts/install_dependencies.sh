@@ -10,6 +10,14 @@ packages=(
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev
 )
+# Parts that are found when present: Kinect 1, downloads, ROS bags and topics. (libfreenect2, for the Kinect 2, is in
+# neither distribution: docs/cameras.md.) Those that a distribution does not have are left out.
+optional=(
+  libfreenect-dev libcurl4-openssl-dev libarchive-dev
+  librosbag-storage-dev libsensor-msgs-dev
+  libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev
+  python3-roslaunch python3-rosbag
+)
 if [[ "${1:-}" == "--checks" ]]; then
   packages+=(clang-format clang-tidy)
 elif [[ $# -gt 0 ]]; then
@@ -29,6 +37,9 @@ is_installed() {
 missing=()
 for package in "${packages[@]}"; do
   is_installed "$package" || missing+=("$package")
+done
+for package in "${optional[@]}"; do
+  if ! is_installed "$package" && apt-cache show "$package" >/dev/null 2>&1; then missing+=("$package"); fi
 done
 if [[ ${#missing[@]} -eq 0 ]]; then
   echo "All packages are installed."

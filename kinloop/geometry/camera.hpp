@@ -51,6 +51,7 @@ struct PinholeCamera {
 struct RgbdCamera {
   PinholeCamera color;
   double depth_scale = 5000;     ///< units of the depth image per metre
+  double depth_shift_m = 0;      ///< to be added to depth as measured
   double fps = 30;               ///< frames per second
   double rolling_shutter_s = 0;  ///< read-out time from the first colour row to the last
   double depth_offset_s = 0;     ///< time of the depth measurement minus time of its colour image

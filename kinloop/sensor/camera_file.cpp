@@ -67,9 +67,10 @@ class Block {
     return number;
   }
 
-  [[nodiscard]] double seconds_or_zero(const std::string& key, double low) const {
+  [[nodiscard]] double number_or_zero(const std::string& key, const std::string& unit,
+                                      double low = -std::numeric_limits<double>::infinity()) const {
     if (!has(key)) return 0;
-    const std::string expected = low < 0 ? "a number of seconds" : "a number of seconds, not below 0";
+    const std::string expected = fmt::format("a number of {}{}", unit, low < 0 ? "" : ", not below 0");
     const double number = to_number(node_[key], key, expected);
     if (number < low) reject(node_[key], key, expected);
     return number;
@@ -166,15 +167,16 @@ std::string lens_text(const PinholeCamera& c, const char* separator) {
 RgbdCamera read_camera_file(const std::filesystem::path& path) {
   const Block block(path, "", parse_yaml(path),
                     {"width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale", "fps",
-                     "rolling_shutter_s", "depth_offset_s", "depth", "T_color_depth"});
+                     "rolling_shutter_s", "depth_offset_s", "depth_shift_m", "depth", "T_color_depth"});
   RgbdCamera camera;
   camera.color = read_lens(block);
   camera.color.width = block.size_px("width", "640");
   camera.color.height = block.size_px("height", "480");
   camera.depth_scale = block.number_above_zero("depth_scale", "5000");
   camera.fps = block.number_above_zero("fps", "30");
-  camera.rolling_shutter_s = block.seconds_or_zero("rolling_shutter_s", 0);
-  camera.depth_offset_s = block.seconds_or_zero("depth_offset_s", -std::numeric_limits<double>::infinity());
+  camera.rolling_shutter_s = block.number_or_zero("rolling_shutter_s", "seconds", 0);
+  camera.depth_offset_s = block.number_or_zero("depth_offset_s", "seconds");
+  camera.depth_shift_m = block.number_or_zero("depth_shift_m", "metres");
   if (block.has("depth")) {
     const Block depth(path, "depth.", block.at("depth", ""),
                       {"width", "height", "fx", "fy", "cx", "cy", "distortion"});
@@ -197,6 +199,7 @@ void write_camera_file(const std::filesystem::path& path, const RgbdCamera& came
                       camera.fps);
   if (camera.rolling_shutter_s != 0) text += fmt::format("rolling_shutter_s: {}\n", camera.rolling_shutter_s);
   if (camera.depth_offset_s != 0) text += fmt::format("depth_offset_s: {}\n", camera.depth_offset_s);
+  if (camera.depth_shift_m != 0) text += fmt::format("depth_shift_m: {}\n", camera.depth_shift_m);
   if (camera.depth) {
     const Eigen::Vector3d& t = camera.T_color_depth.translation;
     const Eigen::Vector3d r = log_so3(camera.T_color_depth.rotation);

@@ -1,6 +1,7 @@
 #include "kinloop/sensor/tum_source.hpp"
 
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/sensor/camera_choice.hpp"
@@ -46,12 +47,7 @@ TumSource::TumSource(const std::filesystem::path& folder, const RgbdCamera& came
   info_.frames = frames_.size() + skipped_.size();
   const auto ground_truth = folder / "groundtruth.txt";
   if (std::filesystem::exists(ground_truth)) info_.ground_truth = read_tum_trajectory(ground_truth);
-  if (camera_.depth) {
-    throw InputError(fmt::format(
-        "{}: depth is not registered to colour (its camera has a 'depth' block), which is not supported yet; "
-        "register the depth images and leave 'depth' out of camera.yaml",
-        folder.string()));
-  }
+  if (camera_.depth) registration_.emplace(camera_);
   require_camera_fits(frames_, camera_.color);
 }
 
@@ -79,7 +75,10 @@ RgbdFrame TumSource::read_frame(const FrameFiles& files) const {
   frame.color = read_color_image(files.color);
   require_size(frame.color, files.color, camera_.color);
   frame.depth_m = read_depth_image(files.depth, camera_.depth_scale);
-  require_size(frame.depth_m, files.depth, camera_.color);
+  require_size(frame.depth_m, files.depth, camera_.depth ? *camera_.depth : camera_.color);
+  if (camera_.depth_shift_m != 0)
+    cv::add(frame.depth_m, camera_.depth_shift_m, frame.depth_m, frame.depth_m > 0);
+  if (registration_) frame.depth_m = (*registration_)(frame.depth_m);
   return frame;
 }
 

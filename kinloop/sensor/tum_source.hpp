@@ -7,12 +7,14 @@
 #include <vector>
 
 #include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/registration.hpp"
 #include "kinloop/sensor/tum_listing.hpp"
 
 namespace kinloop {
 
 /// A recorded sequence. Frames that are damaged (missing, cut short, not an image, of another size than the
 /// camera's, depth not of 16 bits), and rows whose time stamp does not increase, are skipped and counted.
+/// Depth of a depth camera of its own (a `depth` block in camera.yaml) is registered to colour.
 class TumSource : public FrameSource {
  public:
   /// With the camera that `choose_camera` finds for the folder.
@@ -32,6 +34,7 @@ class TumSource : public FrameSource {
   [[nodiscard]] RgbdFrame read_frame(const FrameFiles& files) const;
 
   RgbdCamera camera_;
+  std::optional<DepthRegistration> registration_;  ///< where depth is not registered to colour
   SourceInfo info_;
   std::vector<FrameFiles> frames_;
   size_t next_file_ = 0;

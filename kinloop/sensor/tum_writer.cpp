@@ -32,6 +32,14 @@ cv::Mat depth_units(const cv::Mat& depth_m, double depth_scale) {
   return units;
 }
 
+std::string color_name(int64_t stamp_ns) {
+  return fmt::format("rgb/{}.png", format_stamp(stamp_ns));
+}
+
+std::string depth_name(int64_t stamp_ns) {
+  return fmt::format("depth/{}.png", format_stamp(stamp_ns));
+}
+
 }  // namespace
 
 TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
@@ -55,15 +63,23 @@ TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
 
 void TumWriter::append(const RgbdFrame& frame, int64_t depth_stamp_ns) {
   require(frame.stamp_ns > newest_ns_, "frames are written in the order of time");
-  newest_ns_ = frame.stamp_ns;
-  const std::string color_stamp = format_stamp(frame.stamp_ns), depth_stamp = format_stamp(depth_stamp_ns);
-  const std::string color = fmt::format("rgb/{}.png", color_stamp);
-  const std::string depth = fmt::format("depth/{}.png", depth_stamp);
-  write_png(folder_ / color, frame.color);
-  write_png(folder_ / depth, depth_units(frame.depth_m, depth_scale_));
-  color_list_ += fmt::format("{} {}\n", color_stamp, color);
-  depth_list_ += fmt::format("{} {}\n", depth_stamp, depth);
-  pair_list_ += fmt::format("{} {} {} {}\n", color_stamp, color, depth_stamp, depth);
+  write_images(frame, depth_stamp_ns);
+  list(frame.stamp_ns, depth_stamp_ns);
+}
+
+void TumWriter::write_images(const RgbdFrame& frame, int64_t depth_stamp_ns) const {
+  write_png(folder_ / color_name(frame.stamp_ns), frame.color);
+  write_png(folder_ / depth_name(depth_stamp_ns), depth_units(frame.depth_m, depth_scale_));
+}
+
+void TumWriter::list(int64_t stamp_ns, int64_t depth_stamp_ns) {
+  require(stamp_ns > newest_ns_, "frames are written in the order of time");
+  newest_ns_ = stamp_ns;
+  const std::string color = fmt::format("{} {}", format_stamp(stamp_ns), color_name(stamp_ns));
+  const std::string depth = fmt::format("{} {}", format_stamp(depth_stamp_ns), depth_name(depth_stamp_ns));
+  color_list_ += color + "\n";
+  depth_list_ += depth + "\n";
+  pair_list_ += fmt::format("{} {}\n", color, depth);
 }
 
 void TumWriter::finish(const Trajectory& ground_truth) {

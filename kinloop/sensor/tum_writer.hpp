@@ -25,6 +25,11 @@ class TumWriter {
   void append(const RgbdFrame& frame, int64_t depth_stamp_ns);
   void append(const RgbdFrame& frame) { append(frame, frame.stamp_ns); }
 
+  /// The two halves of `append`: the images alone, which several threads may do at once, and the lists'
+  /// lines.
+  void write_images(const RgbdFrame& frame, int64_t depth_stamp_ns) const;
+  void list(int64_t stamp_ns, int64_t depth_stamp_ns);
+
   /// Writes the lists, and groundtruth.txt where there is a ground truth.
   void finish(const Trajectory& ground_truth = {});
 

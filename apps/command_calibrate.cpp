@@ -1,0 +1,274 @@
+// kinloop calibrate: cameras from pictures of a chessboard (Zhang's method).
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "apps/calibration_report.hpp"
+#include "apps/commands.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/calibration/find_board.hpp"
+#include "kinloop/calibration/homography.hpp"
+#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/image_file.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr const char* kFooter = R"(
+DIR holds images (PNG, JPEG; 16-bit infrared too). --board counts inner corners, where four squares meet; --square is
+the side of a square in metres. For extrinsics and depth, DIR holds shots taken at one moment, named alike but for
+their ending: 0001_color.png (or _colour, _rgb), 0001_ir.png, 0001_depth.png.
+
+Beside camera.yaml each command writes what it found: camera.json (all figures) and camera.html (the report).
+
+Examples:
+  kinloop calibrate intrinsics stills --board 5x7 --square 0.03 -o camera.yaml
+  kinloop calibrate extrinsics pairs --color stills_color --infrared stills_ir --board 5x7 --square 0.03 -o camera.yaml
+  kinloop calibrate depth pairs --camera camera.yaml --board 5x7 --square 0.03 -o camera.yaml)";
+
+struct CalibrateArguments {
+  std::filesystem::path folder;
+  std::string board = "5x7";
+  double square_m = 0;
+  std::filesystem::path output = "camera.yaml";
+  std::string color, infrared;   ///< a folder of stills or a camera.yaml
+  std::filesystem::path camera;  ///< of `depth`
+  double depth_scale = 0;        ///< units per metre
+  double fps = 30;
+  std::vector<std::string> assignments;
+  int threads = hardware_threads();
+
+  [[nodiscard]] Board chosen_board() const { return parse_board(board, square_m); }
+  [[nodiscard]] CalibrationOptions options() const {
+    const auto chosen = with_assignments(CalibrationOptions{}, assignments);
+    if (chosen.distortion_terms == 1 || chosen.distortion_terms == 3) {
+      throw UsageError("distortion_terms: k1 and k2 go together, and p1 and p2; 0, 2, 4 or 5");
+    }
+    return chosen;
+  }
+  [[nodiscard]] std::filesystem::path beside(const char* extension) const {
+    auto path = output;
+    return path.replace_extension(extension);
+  }
+};
+
+/// Endings of the images of one shot; the first that a folder has is taken.
+const std::vector<std::string> kColorEndings = {"_color", "_colour", "_rgb"};
+const std::vector<std::string> kInfraredEndings = {"_ir"};
+
+void warn_of(const BoardSearch& search, const char* what) {
+  for (const auto& name : search.without) log::warn("{}: no board found{}", name, what);
+}
+
+BoardSearch search_in(const std::vector<std::filesystem::path>& stills, const CalibrateArguments& arguments) {
+  BoardSearch search = find_boards(stills, arguments.chosen_board(), arguments.threads);
+  warn_of(search, "");
+  fmt::print("{} of {} images show the board\n", search.views.size(), stills.size());
+  return search;
+}
+
+void write_results(const CalibrateArguments& arguments, const RgbdCamera& camera,
+                   const nlohmann::json& figures, const std::string& sections) {
+  write_camera_file(arguments.output, camera);
+  write_file(arguments.beside(".json"), figures.dump(2) + "\n");
+  const std::string subtitle = fmt::format("{}, board {}, squares of {} mm", arguments.folder.string(),
+                                           arguments.board, 1000 * arguments.square_m);
+  write_file(arguments.beside(".html"), calibration_page("Calibration", subtitle, sections));
+  fmt::print("written: {}, {}, {}\n", arguments.output.string(), arguments.beside(".json").string(),
+             arguments.beside(".html").string());
+}
+
+void warn_of(const LensCalibration& calibration) {
+  for (const auto& warning : calibration.warnings) log::warn("{}", warning);
+}
+
+void calibrate_intrinsics(const CalibrateArguments& arguments) {
+  const CalibrationOptions options = arguments.options();
+  const BoardSearch search = search_in(list_stills(arguments.folder), arguments);
+  const LensCalibration calibration = calibrate_lens(search.views, options);
+  fmt::print("{}", to_text(calibration));
+  warn_of(calibration);
+  RgbdCamera camera;
+  camera.color = calibration.camera;
+  camera.depth_scale = arguments.depth_scale;
+  camera.fps = arguments.fps;
+  write_results(arguments, camera, to_json(calibration), lens_section("Camera", calibration));
+}
+
+/// The stem without the ending that `endings` holds; nothing where it has none of them.
+std::optional<std::string> shot_of(const std::filesystem::path& still,
+                                   const std::vector<std::string>& endings) {
+  const std::string stem = still.stem().string();
+  for (const std::string& ending : endings) {
+    if (stem.ends_with(ending)) return stem.substr(0, stem.size() - ending.size());
+  }
+  return std::nullopt;
+}
+
+std::vector<std::filesystem::path> stills_of(const std::filesystem::path& folder,
+                                             const std::vector<std::string>& endings) {
+  std::vector<std::filesystem::path> stills;
+  for (const auto& still : list_stills(folder)) {
+    if (shot_of(still, endings)) stills.push_back(still);
+  }
+  if (stills.empty()) {
+    throw InputError(fmt::format("{}: no image named like 0001{}.png", folder.string(), endings.front()));
+  }
+  return stills;
+}
+
+/// Shots in which both cameras see the board.
+std::vector<PairedView> pairs_in(const CalibrateArguments& arguments) {
+  const BoardSearch color = search_in(stills_of(arguments.folder, kColorEndings), arguments);
+  const BoardSearch infrared = search_in(stills_of(arguments.folder, kInfraredEndings), arguments);
+  std::vector<PairedView> pairs;
+  for (const BoardView& c : color.views) {
+    for (const BoardView& i : infrared.views) {
+      if (shot_of(c.name, kColorEndings) == shot_of(i.name, kInfraredEndings)) pairs.push_back({c, i});
+    }
+  }
+  return pairs;
+}
+
+/// A camera that is known (from a file, by `pick`), or stills to estimate it from along with the pairs.
+LensSource lens_source(const std::string& argument, const CalibrateArguments& arguments,
+                       const std::function<std::optional<PinholeCamera>(const RgbdCamera&)>& pick) {
+  LensSource source;
+  if (argument.empty()) return source;
+  if (std::filesystem::is_directory(argument)) {
+    source.stills = search_in(list_stills(argument), arguments).views;
+    return source;
+  }
+  source.known = pick(read_camera_file(argument));
+  return source;
+}
+
+void calibrate_extrinsics(const CalibrateArguments& arguments) {
+  const CalibrationOptions options = arguments.options();
+  const auto pairs = pairs_in(arguments);
+  const LensSource color =
+      lens_source(arguments.color, arguments, [](const RgbdCamera& c) { return std::optional(c.color); });
+  const LensSource infrared = lens_source(arguments.infrared, arguments, [](const RgbdCamera& c) {
+    return c.depth ? c.depth : std::optional(c.color);
+  });
+  const RigCalibration rig = calibrate_rig(pairs, color, infrared, arguments.chosen_board(), options);
+  fmt::print("{}", to_text(rig));
+  for (const auto& alone : {rig.color_alone, rig.infrared_alone}) {
+    if (alone) warn_of(*alone);
+  }
+  RgbdCamera camera;
+  camera.color = rig.color;
+  camera.depth = rig.infrared;
+  camera.T_color_depth = rig.T_color_infrared;
+  camera.depth_scale = arguments.depth_scale;
+  camera.fps = arguments.fps;
+  write_results(arguments, camera, to_json(rig), rig_section(rig));
+}
+
+/// What the camera's own calibration says about the relative deviation of the depth camera's focal length;
+/// nothing where its figures are not there.
+std::optional<double> focal_deviation(std::filesystem::path camera_file) {
+  camera_file.replace_extension(".json");
+  if (!std::filesystem::exists(camera_file)) return std::nullopt;
+  const auto figures = nlohmann::json::parse(read_file(camera_file), nullptr, false);
+  const nlohmann::json::json_pointer fx("/infrared/fx");
+  if (figures.is_discarded() || !figures.contains(fx)) return std::nullopt;
+  const double value = figures[fx].value("value", 0.0);
+  return value > 0 ? std::optional(figures[fx].value("deviation", 0.0) / value) : std::nullopt;
+}
+
+/// The boards of all shots with depth, posed by both cameras held as they are.
+std::vector<BoardInDepth> boards_in_depth(const CalibrateArguments& arguments, const RgbdCamera& camera) {
+  LensSource color, infrared;
+  color.known = camera.color;
+  infrared.known = camera.depth;
+  const RigCalibration rig = calibrate_rig(pairs_in(arguments), color, infrared, arguments.chosen_board(),
+                                           arguments.options(), camera.T_color_depth);
+  std::vector<BoardInDepth> boards;
+  for (const FittedPair& pair : rig.pairs) {
+    const auto file = arguments.folder / (*shot_of(pair.name, kColorEndings) + "_depth.png");
+    boards.push_back({pair.name, pair.T_infrared_board, read_depth_image(file, arguments.depth_scale)});
+    const cv::Mat& depth_m = boards.back().depth_m;
+    if (depth_m.cols != camera.depth->width || depth_m.rows != camera.depth->height) {
+      throw InputError(fmt::format("{}: {} x {} pixels where the depth camera has {} x {}", file.string(),
+                                   depth_m.cols, depth_m.rows, camera.depth->width, camera.depth->height));
+    }
+  }
+  return boards;
+}
+
+void calibrate_depth(const CalibrateArguments& arguments) {
+  RgbdCamera camera = read_camera_file(arguments.camera);
+  if (!camera.depth) {
+    throw InputError(fmt::format("{}: has no 'depth' camera; make it with kinloop calibrate extrinsics",
+                                 arguments.camera.string()));
+  }
+  const auto focal = focal_deviation(arguments.camera);
+  const DepthShift shift = estimate_depth_shift(boards_in_depth(arguments, camera), *camera.depth,
+                                                arguments.chosen_board(), focal.value_or(0));
+  fmt::print("{}", to_text(shift));
+  if (!focal)
+    log::warn("no figures beside {}: the deviation leaves out that of the focal length",
+              arguments.camera.string());
+  if (std::abs(shift.shift_m) < 2 * shift.deviation_m) {
+    log::warn("the shots do not tell the depth shift from 0: take more, near and far");
+  }
+  camera.depth_shift_m = shift.shift_m;
+  camera.depth_scale = arguments.depth_scale;
+  auto figures = std::filesystem::exists(arguments.beside(".json"))
+                     ? nlohmann::json::parse(read_file(arguments.beside(".json")), nullptr, false)
+                     : nlohmann::json::object();
+  if (!figures.is_object()) figures = nlohmann::json::object();
+  figures["depth_shift"] = to_json(shift);
+  write_results(arguments, camera, figures, depth_section(shift));
+}
+
+void add_common(CLI::App& command, const std::shared_ptr<CalibrateArguments>& a) {
+  command.add_option("DIR", a->folder, "folder of images")->required();
+  command.add_option("--board", a->board, "inner corners, columns x rows")->capture_default_str();
+  command.add_option("--square", a->square_m, "side of a square, m")->required();
+  command.add_option("-o,--output", a->output, "the camera file to write")->capture_default_str();
+  command.add_option("--depth-scale", a->depth_scale, "units of the depth images per metre")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command.add_option("--fps", a->fps, "frames per second of the camera")->capture_default_str();
+  command.add_option("--threads", a->threads, "threads that look for corners")->check(CLI::Range(1, 1024));
+  command.add_option("--set", a->assignments, "change an option, key=value")->allow_extra_args(false);
+  CalibrationOptions defaults;
+  command.footer("Options for --set:\n" + options_help(option_entries(defaults)));
+}
+
+}  // namespace
+
+void add_calibrate_command(CLI::App& app) {
+  constexpr double kTumUnits = 5000, kMillimetres = 1000;
+  CLI::App* command =
+      app.add_subcommand("calibrate", "Cameras from pictures of a chessboard (Zhang's method)");
+  command->require_subcommand(1);
+  command->footer(kFooter);
+  const auto add = [&](const char* name, const char* help, double depth_scale, auto work) {
+    auto arguments = std::make_shared<CalibrateArguments>();
+    arguments->depth_scale = depth_scale;
+    CLI::App* sub = command->add_subcommand(name, help);
+    add_common(*sub, arguments);
+    sub->callback([arguments, work] { work(*arguments); });
+    return std::pair(sub, arguments);
+  };
+  add("intrinsics", "One camera: focal lengths, centre, distortion", kTumUnits, calibrate_intrinsics);
+  const auto [extrinsics, e] = add("extrinsics", "Colour and infrared camera, and the motion between them",
+                                   kMillimetres, calibrate_extrinsics);
+  extrinsics->add_option("--color", e->color,
+                         "more stills of the colour camera, or its camera.yaml to be kept");
+  extrinsics->add_option("--infrared", e->infrared, "the same for the infrared camera");
+  const auto [depth, d] = add("depth", "What to add to measured depth", kMillimetres, calibrate_depth);
+  depth->add_option("--camera", d->camera, "camera.yaml of kinloop calibrate extrinsics")->required();
+}
+
+}  // namespace kinloop

@@ -1,0 +1,91 @@
+// kinloop fetch: a sequence of a public data set, downloaded and unpacked.
+
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "apps/commands.hpp"
+#include "apps/download.hpp"
+#include "apps/progress_bar.hpp"
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr const char* kServer = "https://cvg.cit.tum.de/rgbd/dataset";
+constexpr const char* kLicence =
+    "TUM RGB-D benchmark, Creative Commons Attribution 4.0 (CC BY 4.0); cite Sturm et al., A Benchmark for "
+    "the "
+    "Evaluation of RGB-D SLAM Systems, IROS 2012";
+
+struct FetchArguments {
+  std::string name;
+  std::filesystem::path output = ".";
+  std::string server = kServer;
+  bool quiet = false;
+};
+
+/// A sequence of the TUM benchmark: "tum/fr1_room" is freiburg1/rgbd_dataset_freiburg1_room.
+struct TumSequence {
+  std::string camera;  ///< freiburg1, 2 or 3
+  std::string folder;
+};
+
+TumSequence parse_name(const std::string& name) {
+  constexpr std::string_view kPrefix = "tum/fr";
+  const bool right =
+      name.starts_with(kPrefix) && name.size() > kPrefix.size() + 2 && name[kPrefix.size()] >= '1' &&
+      name[kPrefix.size()] <= '3' && name[kPrefix.size() + 1] == '_' &&
+      name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", kPrefix.size()) == std::string::npos;
+  if (!right) {
+    throw UsageError(
+        fmt::format("fetch: '{}' is not a sequence; expected e.g. tum/fr1_room, tum/fr2_desk, "
+                    "tum/fr3_long_office_household (their names: {})",
+                    name, kServer));
+  }
+  const std::string camera = fmt::format("freiburg{}", name[kPrefix.size()]);
+  return {camera, fmt::format("rgbd_dataset_{}{}", camera, name.substr(kPrefix.size() + 1))};
+}
+
+void fetch(const FetchArguments& arguments) {
+  const TumSequence sequence = parse_name(arguments.name);
+  const auto folder = arguments.output / sequence.folder;
+  if (std::filesystem::exists(folder / "rgb.txt")) {
+    fmt::print("{} is there already\n", folder.string());
+    return;
+  }
+  std::error_code error;
+  std::filesystem::create_directories(arguments.output, error);
+  if (error)
+    throw InputError(
+        fmt::format("{}: cannot make the folder ({})", arguments.output.string(), error.message()));
+  const auto archive = arguments.output / (sequence.folder + ".tgz");
+  if (!std::filesystem::exists(archive)) {
+    download(fmt::format("{}/{}/{}.tgz", arguments.server, sequence.camera, sequence.folder), archive,
+             make_progress_bar(arguments.quiet));
+  }
+  unpack(archive, arguments.output);
+  if (!std::filesystem::exists(folder / "rgb.txt")) {
+    throw InputError(
+        fmt::format("{}: holds no {}/rgb.txt: not a sequence", archive.string(), sequence.folder));
+  }
+  std::filesystem::remove(archive, error);
+  fmt::print("{}\nlicence: {}\n", folder.string(), kLicence);
+}
+
+}  // namespace
+
+void add_fetch_command(CLI::App& app) {
+  auto arguments = std::make_shared<FetchArguments>();
+  CLI::App* command = app.add_subcommand("fetch", "Download a sequence of the TUM RGB-D benchmark");
+  command->add_option("NAME", arguments->name, "e.g. tum/fr1_room")->required();
+  command->add_option("-o,--output", arguments->output, "folder to put it into")->capture_default_str();
+  command->add_option("--server", arguments->server, "another place with the same files")
+      ->capture_default_str();
+  command->add_flag("-q,--quiet", arguments->quiet, "no progress bar");
+  command->footer("A download that was interrupted goes on where it stopped.");
+  command->callback([arguments] { fetch(*arguments); });
+}
+
+}  // namespace kinloop

@@ -1,0 +1,201 @@
+#include "kinloop/calibration/find_board.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/sensor/image_file.hpp"
+
+namespace kinloop {
+namespace {
+
+/// The value that `share` of the pixels do not exceed.
+double percentile(const cv::Mat& image, double share) {
+  std::vector<uint16_t> values(image.begin<uint16_t>(), image.end<uint16_t>());
+  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return values[static_cast<size_t>(rank)];
+}
+
+cv::Mat single_channel(const cv::Mat& image) {
+  cv::Mat single = image;
+  if (image.channels() == 3) cv::cvtColor(image, single, cv::COLOR_BGR2GRAY);
+  if (image.channels() == 4) cv::cvtColor(image, single, cv::COLOR_BGRA2GRAY);
+  return single;
+}
+
+cv::Mat visible_infrared(const cv::Mat& infrared) {
+  constexpr double kDarkShare = 0.01, kBrightShare = 0.99;
+  const double dark = percentile(infrared, kDarkShare);
+  const double bright = std::max(percentile(infrared, kBrightShare), dark + 1);
+  cv::Mat share, gray;
+  infrared.convertTo(share, CV_32FC1, 1 / (bright - dark), -dark / (bright - dark));
+  cv::sqrt(cv::max(share, 0), share);
+  share.convertTo(gray, CV_8UC1, 255);
+  return gray;
+}
+
+/// Small images are enlarged before corners are sought: the detector wants squares of some ten pixels.
+int enlargement(const cv::Mat& gray) {
+  constexpr int kSmallWidth = 800;
+  return gray.cols < kSmallWidth ? 2 : 1;
+}
+
+/// The shortest way between neighbouring corners, px: how far a corner's surroundings reach.
+double shortest_side_px(const std::vector<cv::Point2f>& corners, const Board& board) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (int row = 0; row < board.rows; ++row) {
+    for (int column = 0; column < board.columns; ++column) {
+      const auto i = static_cast<size_t>(row * board.columns + column);
+      if (column > 0) shortest = std::min(shortest, cv::norm(corners[i] - corners[i - 1]));
+      if (row > 0)
+        shortest = std::min(shortest, cv::norm(corners[i] - corners[i - static_cast<size_t>(board.columns)]));
+    }
+  }
+  return shortest;
+}
+
+/// Corners to a fraction of a pixel: where all grey gradients around are at right angles to the way there
+/// (Foerstner and Guelch 1987).
+void refine(std::vector<cv::Point2f>& corners, const cv::Mat& gray, const Board& board) {
+  constexpr double kReach = 0.4, kLeast = 2, kMost = 11;  // of a side; px
+  constexpr int kIterations = 100;
+  constexpr double kConverged = 1e-3;  // px
+  const int half = static_cast<int>(std::clamp(kReach * shortest_side_px(corners, board), kLeast, kMost));
+  cv::cornerSubPix(gray, corners, {half, half}, {-1, -1},
+                   {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, kIterations, kConverged});
+}
+
+/// Contrast stretched in each part of the image by itself: shows a board through a reflection.
+cv::Mat locally_stretched(const cv::Mat& gray) {
+  constexpr double kMostStretch = 4;
+  constexpr int kParts = 8;  // a side
+  cv::Mat stretched;
+  cv::createCLAHE(kMostStretch, {kParts, kParts})->apply(gray, stretched);
+  return stretched;
+}
+
+/// Found in `gray`, where everything can be seen; made exact in `light`, whose values are in proportion to
+/// the light: any other curve moves an edge that is a pixel wide.
+std::vector<cv::Point2f> corners_in(const cv::Mat& gray, const cv::Mat& light, const Board& board) {
+  const cv::Size size(board.columns, board.rows);
+  std::vector<cv::Point2f> corners;
+  const bool found = cv::findChessboardCorners(gray, size, corners) ||
+                     cv::findChessboardCorners(locally_stretched(gray), size, corners);
+  if (!found) return {};
+  refine(corners, light, board);
+  return corners;
+}
+
+bool is_image(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+}
+
+void require_one_size(const std::vector<BoardView>& views) {
+  for (const BoardView& view : views) {
+    const BoardView& first = views.front();
+    if (view.width == first.width && view.height == first.height) continue;
+    throw InputError(
+        fmt::format("{}: {} x {} pixels, but {} has {} x {}; all stills must be of one camera in "
+                    "one mode",
+                    view.name, view.width, view.height, first.name, first.width, first.height));
+  }
+}
+
+}  // namespace
+
+cv::Mat visible_gray(const cv::Mat& image) {
+  const cv::Mat single = single_channel(image);
+  return single.depth() == CV_16U ? visible_infrared(single) : single;
+}
+
+std::optional<BoardView> find_board(const cv::Mat& image, const Board& board) {
+  cv::Mat gray = visible_gray(image), light;
+  (image.depth() == CV_16U ? single_channel(image) : gray).convertTo(light, CV_32FC1);
+  const int times = enlargement(gray);
+  if (times > 1) {
+    cv::resize(gray, gray, {}, times, times, cv::INTER_CUBIC);
+    cv::resize(light, light, {}, times, times, cv::INTER_CUBIC);
+  }
+  const auto corners = corners_in(gray, light, board);
+  if (corners.empty()) return std::nullopt;
+  BoardView view;
+  view.width = image.cols;
+  view.height = image.rows;
+  view.board_m = board.corners_m();
+  // Pixel centres are whole numbers: the enlarged image begins half a pixel further out than the small one.
+  const double shift = 0.5 - 0.5 / times;
+  for (const auto& c : corners) {
+    view.pixels.emplace_back(static_cast<double>(c.x) / times - shift,
+                             static_cast<double>(c.y) / times - shift);
+  }
+  return view;
+}
+
+std::vector<std::filesystem::path> list_stills(const std::filesystem::path& folder,
+                                               const std::string& ending) {
+  require_folder(folder);
+  std::vector<std::filesystem::path> stills;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (is_image(entry.path()) && entry.path().filename().string().ends_with(ending))
+      stills.push_back(entry.path());
+  }
+  std::sort(stills.begin(), stills.end());
+  if (stills.empty()) {
+    throw InputError(fmt::format("{}: no PNG or JPEG images{}", folder.string(),
+                                 ending.empty() ? "" : fmt::format(" whose names end with {}", ending)));
+  }
+  return stills;
+}
+
+cv::Mat read_still(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  cv::Mat image;
+  if (const auto damage = image_damage(bytes); !damage.empty()) {
+    throw InputError(fmt::format("{}: {}", path.string(), damage));
+  }
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  image = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+  if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U)) {
+    throw InputError(fmt::format("{}: cannot be decoded as an image of 8 or 16 bits", path.string()));
+  }
+  return image;
+}
+
+BoardSearch find_boards(const std::vector<std::filesystem::path>& stills, const Board& board, int threads) {
+  std::vector<std::optional<BoardView>> found(stills.size());
+  parallel_for(stills.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) found[i] = find_board(read_still(stills[i]), board);
+  });
+  BoardSearch search;
+  for (size_t i = 0; i < stills.size(); ++i) {
+    const std::string name = stills[i].filename().string();
+    if (!found[i]) {
+      search.without.push_back(name);
+      continue;
+    }
+    found[i]->name = name;
+    search.views.push_back(std::move(*found[i]));
+  }
+  if (search.views.empty()) {
+    throw InputError(
+        fmt::format("{}: a board of {} x {} inner corners in none of {} images; count the corners where four "
+                    "squares meet, "
+                    "and show the whole board with a white rim",
+                    stills.front().parent_path().string(), board.columns, board.rows, stills.size()));
+  }
+  require_one_size(search.views);
+  return search;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+
+#include "kinloop/base/options.hpp"
+
+namespace kinloop {
+
+/// How a live Kinect is opened.
+struct KinectOptions {
+  std::string serial;
+  std::string pipeline = "auto";
+  int width = 960;
+  double min_depth_m = 0.5;
+  double max_depth_m = 8;
+  double reconnect_s = 10;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("serial", self.serial, "which Kinect 2, where there are several; else the first");
+    visit("pipeline", self.pipeline, "what decodes a Kinect 2's depth",
+          Choices{{"auto", "cpu", "opengl", "opencl", "cuda"}});
+    visit("width", self.width,
+          "width of a Kinect 2's frames, px: 1920, 960 or 512 (512 x 424, as the depth camera sees)",
+          Range{512, 1920});
+    visit("min_depth_m", self.min_depth_m, "nearer depth is unknown, m", Range{0, 10});
+    visit("max_depth_m", self.max_depth_m, "farther depth is unknown, m", Range{0.1, 20});
+    visit("reconnect_s", self.reconnect_s, "how long to wait for a camera that was unplugged, s",
+          Range{0, 3600});
+  }
+};
+
+}  // namespace kinloop

@@ -1,0 +1,126 @@
+#include "kinloop/sensor/registration.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Neighbours whose depths differ by more than this share belong to different things. A wall seen at 80
+/// degrees changes by 1 % from pixel to pixel, an edge in a room by much more.
+constexpr float kJumpShare = 0.03F;
+
+/// Twice the area of the triangle, with sign.
+float edge(float ax, float ay, float bx, float by, float px, float py) {
+  return (bx - ax) * (py - ay) - (by - ay) * (px - ax);
+}
+
+}  // namespace
+
+DepthRegistration::DepthRegistration(const RgbdCamera& camera)
+    : color_(camera.color),
+      R_color_depth_(camera.T_color_depth.R().cast<float>()),
+      t_color_depth_(camera.T_color_depth.translation.cast<float>()) {
+  require(camera.depth.has_value(), "DepthRegistration: a camera whose depth is not registered");
+  depth_ = *camera.depth;
+  rays_.reserve(static_cast<size_t>(depth_.width) * static_cast<size_t>(depth_.height));
+  for (int y = 0; y < depth_.height; ++y) {
+    for (int x = 0; x < depth_.width; ++x) {
+      const Eigen::Vector3d ray = depth_.unproject(depth_.undistort(Eigen::Vector2d(x, y)), 1);
+      rays_.emplace_back(ray.head<2>().cast<float>());
+    }
+  }
+}
+
+DepthRegistration::Vertex DepthRegistration::vertex(const Eigen::Vector2f& ray, float depth_m) const {
+  constexpr double kMargin = 0.25;  // of the image: farther out, a lens's polynomial means nothing
+  constexpr float kLeastDepthM = 1e-3F;
+  if (!(depth_m > 0)) return {};
+  const Eigen::Vector3f p = depth_m * (R_color_depth_ * ray.homogeneous()) + t_color_depth_;
+  if (p.z() < kLeastDepthM) return {};
+  const Eigen::Vector2d undistorted = color_.project(p.cast<double>());
+  const double margin_x = kMargin * color_.width, margin_y = kMargin * color_.height;
+  const bool near_image = undistorted.x() > -margin_x && undistorted.x() < color_.width + margin_x &&
+                          undistorted.y() > -margin_y && undistorted.y() < color_.height + margin_y;
+  if (!near_image) return {};
+  const Eigen::Vector2f pixel = color_.distort(undistorted).cast<float>();
+  return {pixel.x(), pixel.y(), 1 / p.z(), depth_m};
+}
+
+void DepthRegistration::draw(cv::Mat& image, const Vertex& a, const Vertex& b, const Vertex& c) {
+  const float area = edge(a.x, a.y, b.x, b.y, c.x, c.y);
+  if (area == 0) return;
+  const int left = std::max(0, static_cast<int>(std::ceil(std::min({a.x, b.x, c.x}))));
+  const int right = std::min(image.cols - 1, static_cast<int>(std::floor(std::max({a.x, b.x, c.x}))));
+  const int top = std::max(0, static_cast<int>(std::ceil(std::min({a.y, b.y, c.y}))));
+  const int bottom = std::min(image.rows - 1, static_cast<int>(std::floor(std::max({a.y, b.y, c.y}))));
+  for (int y = top; y <= bottom; ++y) {
+    auto* row = image.ptr<float>(y);
+    for (int x = left; x <= right; ++x) {
+      const auto px = static_cast<float>(x), py = static_cast<float>(y);
+      const float share_a = edge(b.x, b.y, c.x, c.y, px, py) / area;
+      const float share_b = edge(c.x, c.y, a.x, a.y, px, py) / area;
+      const float share_c = 1 - share_a - share_b;
+      if (share_a < 0 || share_b < 0 || share_c < 0) continue;
+      // A plane's inverse depth is linear in the image.
+      const float depth_m =
+          1 / (share_a * a.inverse_depth + share_b * b.inverse_depth + share_c * c.inverse_depth);
+      if (row[x] == 0 || depth_m < row[x]) row[x] = depth_m;
+    }
+  }
+}
+
+cv::Mat DepthRegistration::operator()(const cv::Mat& depth_m) const {
+  require(depth_m.type() == CV_32FC1 && depth_m.cols == depth_.width && depth_m.rows == depth_.height,
+          "DepthRegistration: depth of the depth camera's size");
+  const auto width = static_cast<size_t>(depth_.width);
+  const auto vertices_of = [&](int y) {
+    std::vector<Vertex> row(width);
+    const auto* depths = depth_m.ptr<float>(y);
+    for (size_t x = 0; x < width; ++x) row[x] = vertex(rays_[static_cast<size_t>(y) * width + x], depths[x]);
+    return row;
+  };
+  const auto joined = [](const std::array<const Vertex*, 3>& corners) {
+    const auto [least, most] = std::minmax({corners[0]->depth_m, corners[1]->depth_m, corners[2]->depth_m});
+    return least > 0 && most - least <= kJumpShare * least;
+  };
+  cv::Mat registered(color_.height, color_.width, CV_32FC1, cv::Scalar(0));
+  std::vector<Vertex> above = vertices_of(0);
+  for (int y = 1; y < depth_.height; ++y) {
+    std::vector<Vertex> below = vertices_of(y);
+    for (size_t x = 1; x < width; ++x) {
+      const Vertex &a = above[x - 1], &b = above[x], &c = below[x - 1], &d = below[x];
+      if (joined({&a, &b, &c})) draw(registered, a, b, c);
+      if (joined({&b, &c, &d})) draw(registered, b, c, d);
+    }
+    above = std::move(below);
+  }
+  return registered;
+}
+
+RgbdCamera registered(RgbdCamera camera) {
+  constexpr double kTumUnits = 5000;
+  camera.depth.reset();
+  camera.T_color_depth = {};
+  camera.depth_shift_m = 0;
+  camera.depth_scale = kTumUnits;
+  return camera;
+}
+
+PinholeCamera resized(const PinholeCamera& camera, int width) {
+  const double scale = static_cast<double>(width) / camera.width;
+  PinholeCamera small = camera;
+  small.width = width;
+  small.height = static_cast<int>(std::lround(camera.height * scale));
+  small.fx *= scale;
+  small.fy *= scale;
+  // Pixel centres are whole numbers: an image begins half a pixel before its first centre.
+  small.cx = (camera.cx + 0.5) * scale - 0.5;
+  small.cy = (camera.cy + 0.5) * scale - 0.5;
+  return small;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,96 @@
+// kinloop_node: maps what an RGB-D camera publishes in ROS 1. Parameters (private):
+//   ~topics        COLOR,DEPTH[,CAMERA_INFO]; else the first known camera that publishes (iai_kinect2,
+//   openni, ...) ~camera        camera.yaml or a preset; else what camera_info says ~output        folder for
+//   trajectory.txt at the end; none where empty ~world_frame, ~camera_frame   names of the TF frames
+//   ~keep_all      true: no frame is lost, however late, and the result is the same every time; for bags
+//   ~idle_s        end after so long without a frame; 0: at Ctrl-C
+//   ~set           options as of `kinloop run --set`, separated by blanks
+
+#include <filesystem>
+#include <sstream>
+
+#include <ros/ros.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+#include "kinloop/base/options.hpp"
+#include "kinloop/sensor/camera_choice.hpp"
+#include "kinloop/slam/slam.hpp"
+#include "ros/node_output.hpp"
+#include "ros/node_source.hpp"
+
+namespace kinloop::ros1 {
+namespace {
+
+std::string text_parameter(const ros::NodeHandle& node, const char* name, const char* otherwise = "") {
+  return node.param<std::string>(name, otherwise);
+}
+
+ListenOptions listen_options(const ros::NodeHandle& node) {
+  ListenOptions options;
+  const std::string topics = text_parameter(node, "topics"), camera = text_parameter(node, "camera");
+  if (!topics.empty()) options.topics = parse_topics(topics);
+  if (!camera.empty()) options.camera = choose_camera({}, camera);
+  options.keep_all = node.param("keep_all", false);
+  options.idle_s = node.param("idle_s", 0.0);
+  return options;
+}
+
+SlamOptions slam_options(const ros::NodeHandle& node, bool keep_all) {
+  SlamOptions options;
+  if (!keep_all) options.executor.mode = "live";
+  std::istringstream words(text_parameter(node, "set"));
+  const std::vector<std::string> assignments{std::istream_iterator<std::string>(words), {}};
+  return with_assignments(options, assignments);
+}
+
+void run(ros::NodeHandle node) {
+  const ListenOptions listen = listen_options(node);
+  const SlamOptions options = slam_options(node, listen.keep_all);
+  TopicSource source(node, listen);
+  Slam slam(source.camera(), options);
+  NodeOutput output(node, source.camera().color, text_parameter(node, "world_frame", "map"),
+                    text_parameter(node, "camera_frame", "kinloop_camera"));
+  size_t frames = 0, tracked = 0;
+  while (const auto frame = source.next()) {
+    const FrameResult result = slam.process(*frame);
+    ++frames;
+    if (result.status == TrackStatus::kLost) continue;
+    ++tracked;
+    output.publish_pose(result);
+    if (!result.keyframe.valid()) continue;
+    output.publish_path(slam.trajectory());
+    output.publish_cloud(result, *frame);
+  }
+  const Trajectory trajectory = slam.finish();
+  output.publish_path(trajectory);
+  const auto skipped = source.skipped();
+  log::info("{} of {} frames tracked, {} images lost{}", tracked, frames, skipped.size(),
+            skipped.empty() ? "" : "; the first: " + skipped.front().reason);
+  const std::filesystem::path folder = text_parameter(node, "output");
+  if (folder.empty()) return;
+  std::filesystem::create_directories(folder);
+  write_tum_trajectory(folder / "trajectory.txt", trajectory);
+  log::info("written: {}", (folder / "trajectory.txt").string());
+}
+
+}  // namespace
+}  // namespace kinloop::ros1
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "kinloop");
+  auto logger = spdlog::stderr_color_st("kinloop");
+  logger->set_pattern("%^%l:%$ %v");
+  spdlog::set_default_logger(logger);
+  try {
+    ros::NodeHandle node("~");
+    ros::AsyncSpinner spinner(1);
+    spinner.start();
+    kinloop::ros1::run(node);
+  } catch (const std::exception& error) {
+    kinloop::log::error("{}", error.what());
+    return 3;
+  }
+  return 0;
+}

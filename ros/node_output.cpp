@@ -1,0 +1,125 @@
+#include "ros/node_output.hpp"
+
+#include <cstring>
+
+#include <geometry_msgs/PoseStamped.h>
+#include <nav_msgs/Path.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "kinloop/sensor/ros_messages.hpp"
+
+namespace kinloop::ros1 {
+namespace {
+
+using PoseStamped = geometry_msgs::PoseStamped_<Allocator<void>>;
+using TransformStamped = geometry_msgs::TransformStamped_<Allocator<void>>;
+using TFMessage = tf2_msgs::TFMessage_<Allocator<void>>;
+using Path = nav_msgs::Path_<Allocator<void>>;
+using PointCloud2 = sensor_msgs::PointCloud2_<Allocator<void>>;
+using PointField = sensor_msgs::PointField_<Allocator<void>>;
+using Header = std_msgs::Header_<Allocator<void>>;
+
+Header header_of(int64_t stamp_ns, const std::string& frame) {
+  Header header;
+  header.stamp.fromNSec(static_cast<uint64_t>(stamp_ns));
+  header.frame_id = frame.c_str();
+  return header;
+}
+
+PoseStamped pose_of(int64_t stamp_ns, const SE3& T, const std::string& frame) {
+  PoseStamped pose;
+  pose.header = header_of(stamp_ns, frame);
+  pose.pose.position.x = T.translation.x();
+  pose.pose.position.y = T.translation.y();
+  pose.pose.position.z = T.translation.z();
+  pose.pose.orientation.x = T.rotation.x();
+  pose.pose.orientation.y = T.rotation.y();
+  pose.pose.orientation.z = T.rotation.z();
+  pose.pose.orientation.w = T.rotation.w();
+  return pose;
+}
+
+/// Point and colour as PointCloud2 holds them.
+struct CloudPoint {
+  float x, y, z;
+  uint8_t b, g, r, unused;
+};
+
+PointCloud2 empty_cloud(const Header& header) {
+  PointCloud2 cloud;
+  cloud.header = header;
+  cloud.height = 1;
+  cloud.is_dense = 1U;
+  cloud.point_step = sizeof(CloudPoint);
+  const char* names[] = {"x", "y", "z", "rgb"};
+  for (uint32_t i = 0; i < 4; ++i) {
+    PointField field;
+    field.name = names[i];
+    field.offset = 4 * i;
+    field.datatype = PointField::FLOAT32;
+    field.count = 1;
+    cloud.fields.push_back(field);
+  }
+  return cloud;
+}
+
+}  // namespace
+
+NodeOutput::NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, std::string world,
+                       std::string camera_frame)
+    : camera_(camera), world_(std::move(world)), camera_frame_(std::move(camera_frame)) {
+  constexpr uint32_t kQueue = 10;
+  tf_ = node.advertise<TFMessage>("/tf", kQueue);
+  pose_ = node.advertise<PoseStamped>("pose", kQueue);
+  path_ = node.advertise<Path>("path", 1, true);
+  cloud_ = node.advertise<PointCloud2>("cloud", kQueue);
+}
+
+void NodeOutput::publish_pose(const FrameResult& result) {
+  const PoseStamped pose = pose_of(result.stamp_ns, result.T_world_camera, world_);
+  pose_.publish(pose);
+  TransformStamped transform;
+  transform.header = pose.header;
+  transform.child_frame_id = camera_frame_.c_str();
+  transform.transform.translation.x = pose.pose.position.x;
+  transform.transform.translation.y = pose.pose.position.y;
+  transform.transform.translation.z = pose.pose.position.z;
+  transform.transform.rotation = pose.pose.orientation;
+  TFMessage message;
+  message.transforms.push_back(transform);
+  tf_.publish(message);
+}
+
+void NodeOutput::publish_path(const Trajectory& trajectory) {
+  if (trajectory.empty()) return;
+  Path path;
+  path.header = header_of(trajectory.back().stamp_ns, world_);
+  for (const auto& pose : trajectory)
+    path.poses.push_back(pose_of(pose.stamp_ns, pose.T_world_camera, world_));
+  path_.publish(path);
+}
+
+void NodeOutput::publish_cloud(const FrameResult& result, const RgbdFrame& frame) {
+  constexpr int kStep = 4;  // px: some 20,000 points of a 640 x 480 image
+  if (cloud_.getNumSubscribers() == 0) return;
+  PointCloud2 cloud = empty_cloud(header_of(result.stamp_ns, world_));
+  for (int y = 0; y < frame.depth_m.rows; y += kStep) {
+    for (int x = 0; x < frame.depth_m.cols; x += kStep) {
+      const auto depth_m = static_cast<double>(frame.depth_m.at<float>(y, x));
+      if (!(depth_m > 0)) continue;
+      const Eigen::Vector3d p_camera = camera_.unproject(camera_.undistort(Eigen::Vector2d(x, y)), depth_m);
+      const Eigen::Vector3f p = (result.T_world_camera * p_camera).cast<float>();
+      const auto& bgr = frame.color.at<cv::Vec3b>(y, x);
+      const CloudPoint point{p.x(), p.y(), p.z(), bgr[0], bgr[1], bgr[2], 0};
+      const size_t end = cloud.data.size();
+      cloud.data.resize(end + sizeof point);
+      std::memcpy(cloud.data.data() + end, &point, sizeof point);
+    }
+  }
+  cloud.width = static_cast<uint32_t>(cloud.data.size() / sizeof(CloudPoint));
+  cloud.row_step = cloud.width * cloud.point_step;
+  cloud_.publish(cloud);
+}
+
+}  // namespace kinloop::ros1

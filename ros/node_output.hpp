@@ -1,0 +1,31 @@
+#pragma once
+// In: what becomes of each frame. Out: TF, pose, path and cloud on topics.
+
+#include <string>
+
+#include <ros/node_handle.h>
+
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/sensor/rgbd_frame.hpp"
+#include "kinloop/slam/listener.hpp"
+
+namespace kinloop::ros1 {
+
+/// Publishes, in the frame `world`: the camera's pose as TF and on ~pose; the path so far on ~path and a
+/// coloured cloud of what the camera sees on ~cloud, both with each keyframe.
+class NodeOutput {
+ public:
+  NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, std::string world, std::string camera_frame);
+
+  void publish_pose(const FrameResult& result);
+  void publish_path(const Trajectory& trajectory);
+  void publish_cloud(const FrameResult& result, const RgbdFrame& frame);
+
+ private:
+  PinholeCamera camera_;
+  std::string world_, camera_frame_;
+  ros::Publisher tf_, pose_, path_, cloud_;
+};
+
+}  // namespace kinloop::ros1

@@ -1,0 +1,50 @@
+#pragma once
+// In: topics of an RGB-D camera. Out: its frames.
+
+#include <optional>
+#include <string>
+
+#include <ros/node_handle.h>
+
+#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/live_frames.hpp"
+#include "kinloop/sensor/ros_messages.hpp"
+#include "kinloop/sensor/ros_topics.hpp"
+
+namespace kinloop::ros1 {
+
+/// How the node listens.
+struct ListenOptions {
+  std::optional<RosTopics> topics;   ///< else the first known camera that publishes
+  std::optional<RgbdCamera> camera;  ///< else that of camera_info
+  bool keep_all = false;             ///< no frame is lost, however late: for bags that are played
+  double idle_s = 0;                 ///< end after so long without a frame; 0 = only by Ctrl-C
+};
+
+/// Pairs colour and depth by time stamps, equal or near. Callbacks must be served by another thread.
+class TopicSource : public FrameSource {
+ public:
+  /// Waits for the topics and the camera. Throws InputError when ROS is shut down meanwhile.
+  TopicSource(ros::NodeHandle node, const ListenOptions& options);
+
+  std::optional<RgbdFrame> next() override;
+  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] std::vector<SkippedFrame> skipped() const override;
+
+ private:
+  void take_color(const boost::shared_ptr<const Image>& message);
+  void take_depth(const boost::shared_ptr<const Image>& message);
+  void skip(const std::string& topic, const std::string& reason);
+
+  ListenOptions options_;
+  RosTopics topics_;
+  RgbdCamera camera_;
+  SourceInfo info_;
+  LiveFrames frames_;
+  mutable std::mutex skipped_mutex_;
+  std::vector<SkippedFrame> skipped_;
+  ros::Subscriber color_, depth_;
+};
+
+}  // namespace kinloop::ros1

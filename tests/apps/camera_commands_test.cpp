@@ -1,0 +1,190 @@
+// kinloop fetch, record, calibrate and live cameras as their user meets them.
+
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "kinloop/base/text_file.hpp"
+#include "tests/apps/http_server.hpp"
+#include "tests/support/shared_data.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace kinloop {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr int kDone = 0, kWrongUse = 2, kBadInput = 3;
+
+class CameraCommands : public testing::Test {
+ protected:
+  struct Run {
+    int exit_code;
+    std::string out, err;
+  };
+
+  [[nodiscard]] std::string at(const std::string& name) const { return (folder_.path() / name).string(); }
+
+  /// `arguments` after "kinloop", with `before` (e.g. variables) before it.
+  [[nodiscard]] Run run(const std::string& arguments, const std::string& before = "") const {
+    const std::string command =
+        before + " '" KINLOOP_PROGRAM "' " + arguments + " >'" + at("stdout") + "' 2>'" + at("stderr") + "'";
+    const int status = std::system(command.c_str());
+    return {WEXITSTATUS(status), read_file(at("stdout")), read_file(at("stderr"))};
+  }
+  /// Whether the build has what a line of --version names.
+  [[nodiscard]] bool has(const std::string& part) const {
+    return run("--version").out.find(part + ": yes") != std::string::npos;
+  }
+
+  const test::TempFolder folder_;
+};
+
+class Fetch : public CameraCommands {
+ protected:
+  void SetUp() override {
+    if (!has("Downloads")) GTEST_SKIP() << "this build cannot download";
+    folder_.write("made/rgbd_dataset_freiburg1_room/rgb.txt", "# colour\n");
+    // Something that does not become small.
+    std::string noise(300'000, '\0');
+    uint32_t state = 1;
+    for (char& c : noise) c = static_cast<char>((state = state * 1664525 + 1013904223) >> 24);
+    folder_.write("made/rgbd_dataset_freiburg1_room/rgb/1.png", noise);
+    ASSERT_EQ(
+        std::system(("tar -C '" + at("made") + "' -czf '" + at("room.tgz") + "' rgbd_dataset_freiburg1_room")
+                        .c_str()),
+        0);
+    archive_ = read_file(at("room.tgz"));
+  }
+  [[nodiscard]] Run fetch(const test::HttpServer& server) const {
+    return run("fetch tum/fr1_room -q -o '" + at("data") + "' --server " + server.address());
+  }
+  [[nodiscard]] std::string at_data(const std::string& name) const {
+    return at("data/rgbd_dataset_freiburg1_room/" + name);
+  }
+
+  static constexpr const char* kPath = "/freiburg1/rgbd_dataset_freiburg1_room.tgz";
+  std::string archive_;
+};
+
+TEST_F(Fetch, DownloadsAndUnpacksAndNamesTheLicence) {
+  const test::HttpServer server(kPath, archive_);
+  const Run result = fetch(server);
+  EXPECT_EQ(result.exit_code, kDone) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("CC BY 4.0"));
+  EXPECT_EQ(read_file(at_data("rgb/1.png")), read_file(at("made/rgbd_dataset_freiburg1_room/rgb/1.png")));
+  EXPECT_FALSE(std::filesystem::exists(at("data/rgbd_dataset_freiburg1_room.tgz")));
+  EXPECT_THAT(fetch(server).out, HasSubstr("there already"));
+}
+
+TEST_F(Fetch, GoesOnWhereItWasInterrupted) {
+  test::HttpServer server(kPath, archive_);
+  server.hang_up_after = 100'000;
+  const Run first = fetch(server);
+  EXPECT_EQ(first.exit_code, kBadInput);
+  EXPECT_THAT(first.err, HasSubstr("run the same command again"));
+  EXPECT_EQ(std::filesystem::file_size(at("data/rgbd_dataset_freiburg1_room.tgz.part")), 100'000U);
+  server.hang_up_after = std::string::npos;
+  EXPECT_EQ(fetch(server).exit_code, kDone);
+  EXPECT_EQ(server.last_range_begin, 100'000U);
+  EXPECT_EQ(read_file(at_data("rgb/1.png")), read_file(at("made/rgbd_dataset_freiburg1_room/rgb/1.png")));
+}
+
+TEST_F(Fetch, SaysWhatIsWrong) {
+  const test::HttpServer other("/elsewhere", "x"), damaged(kPath, archive_.substr(0, archive_.size() / 2));
+  EXPECT_EQ(fetch(other).exit_code, kBadInput);
+  EXPECT_THAT(fetch(other).err, HasSubstr(other.address()));
+  const Run cut = fetch(damaged);
+  EXPECT_EQ(cut.exit_code, kBadInput);
+  EXPECT_THAT(cut.err, AllOf(HasSubstr("cannot be unpacked"), HasSubstr("fetch it again")));
+  const Run name = run("fetch tum/room");
+  EXPECT_EQ(name.exit_code, kWrongUse);
+  EXPECT_THAT(name.err, HasSubstr("tum/fr1_room"));
+  EXPECT_EQ(run("fetch tum/fr1_../x").exit_code, kWrongUse);
+}
+
+TEST_F(CameraCommands, RecordGivesTheSameSequenceBack) {
+  ASSERT_EQ(run("simulate room --frames 6 --size 160x120 --quiet -o '" + at("a") + "'").exit_code, kDone);
+  const Run recorded = run("record '" + at("a") + "' -o '" + at("b") + "'");
+  ASSERT_EQ(recorded.exit_code, kDone) << recorded.err;
+  EXPECT_THAT(recorded.out, HasSubstr("6 frames"));
+  ASSERT_EQ(run("record '" + at("b") + "' -o '" + at("c") + "' --threads 1").exit_code, kDone);
+  EXPECT_EQ(read_file(at("b/rgb.txt")), read_file(at("a/rgb.txt")));
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(at("b"))) {
+    if (!entry.is_regular_file()) continue;
+    const auto name = std::filesystem::relative(entry.path(), at("b"));
+    EXPECT_EQ(read_file(entry.path()), read_file(std::filesystem::path(at("c")) / name)) << name;
+  }
+}
+
+TEST_F(CameraCommands, CamerasThatAreNotThereAreSaidToBeAbsent) {
+  for (const char* camera : {"kinect1", "kinect2"}) {
+    const bool known = has(std::string(camera) == "kinect1" ? "Kinect 1" : "Kinect 2");
+    const Run result = run(std::string("run ") + camera + " -o '" + at("out") + "'");
+    EXPECT_EQ(result.exit_code, known ? kBadInput : kWrongUse) << result.err;
+    EXPECT_THAT(result.err, AllOf(HasSubstr(camera), HasSubstr(known ? "no Kinect" : "this build")));
+  }
+}
+
+/// libfreenect's own stand-in for a Kinect 1 plays this recording again and again.
+TEST_F(CameraCommands, Kinect1PlaysARecording) {
+  const char* const fake = "/usr/lib/x86_64-linux-gnu/fakenect/libfreenect.so";
+  if (!has("Kinect 1") || !std::filesystem::exists(fake)) GTEST_SKIP() << "no libfreenect with fakenect";
+  std::string index;
+  constexpr size_t kPixels = 640 * 480;
+  for (int i = 0; i < 12; ++i) {
+    const auto name = [&](char kind, const char* extension) {
+      return fmt::format("{}-{:.6f}-{}.{}", kind, 100 + i / 30.0, 1'000'000 + 2'000'000 * i, extension);
+    };
+    std::string color(3 * kPixels, static_cast<char>(20 * i)), depth;
+    for (size_t pixel = 0; pixel < kPixels; ++pixel)
+      depth += {static_cast<char>(0xbc), 0x02};  // disparity 700
+    folder_.write("fake/" + name('r', "ppm"), "P6 640 480 255 \n" + color);
+    folder_.write("fake/" + name('d', "pgm"), "P5 640 480 65535 \n" + depth);
+    index += name('r', "ppm") + "\n" + name('d', "pgm") + "\n";
+  }
+  folder_.write("fake/INDEX.txt", index);
+  const Run result = run("record kinect1 --frames 5 -o '" + at("out") + "'",
+                         "LD_PRELOAD=" + std::string(fake) + " FAKENECT_PATH='" + at("fake") + "'");
+  EXPECT_EQ(result.exit_code, kDone) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("5 frames"));
+  EXPECT_THAT(result.err, HasSubstr("no --camera"));
+  EXPECT_TRUE(std::filesystem::exists(at("out/rgb.txt")));
+}
+
+TEST_F(CameraCommands, CalibrateWritesACameraFiguresAndAReport) {
+  const auto stills = test::shared_data("kinect2_checkerboard/sync");
+  KINLOOP_SKIP_WITHOUT(stills);
+  const std::string board = "' --board 5x7 --square 0.03 -o '" + at("camera.yaml") + "'";
+  const Run extrinsics = run("calibrate extrinsics '" + stills.string() + board);
+  ASSERT_EQ(extrinsics.exit_code, kDone) << extrinsics.err;
+  EXPECT_THAT(extrinsics.out,
+              AllOf(HasSubstr("10 of 10"), HasSubstr("baseline"), HasSubstr("left out: 0013_ir.png")));
+  EXPECT_THAT(extrinsics.err, HasSubstr("do not tell the focal length"));
+  EXPECT_THAT(read_file(at("camera.yaml")), AllOf(HasSubstr("depth: {"), HasSubstr("T_color_depth")));
+  EXPECT_THAT(read_file(at("camera.html")), AllOf(HasSubstr("<svg"), HasSubstr("Coverage of the image")));
+  const Run depth = run("calibrate depth '" + stills.string() + "' --camera '" + at("camera.yaml") + board);
+  ASSERT_EQ(depth.exit_code, kDone) << depth.err;
+  EXPECT_THAT(depth.out, HasSubstr("depth shift"));
+  EXPECT_THAT(read_file(at("camera.yaml")), HasSubstr("depth_shift_m:"));
+  EXPECT_THAT(read_file(at("camera.json")), AllOf(HasSubstr("\"deviation\""), HasSubstr("\"depth_shift\"")));
+}
+
+TEST_F(CameraCommands, CalibrateSaysWhatIsWrong) {
+  EXPECT_EQ(run("calibrate intrinsics '" + at("absent") + "' --square 0.03").exit_code, kBadInput);
+  std::filesystem::create_directory(at("empty"));
+  EXPECT_THAT(run("calibrate intrinsics '" + at("empty") + "' --square 0.03").err,
+              HasSubstr("no PNG or JPEG"));
+  const Run board = run("calibrate intrinsics '" + at("empty") + "' --square 0.03 --board 5");
+  EXPECT_EQ(board.exit_code, kBadInput) << "the folder is looked at first";
+  EXPECT_EQ(
+      run("calibrate intrinsics '" + at("empty") + "' --square 0.03 --set distortion_terms=3").exit_code,
+      kWrongUse);
+  EXPECT_EQ(run("calibrate").exit_code, kWrongUse);
+}
+
+}  // namespace
+}  // namespace kinloop

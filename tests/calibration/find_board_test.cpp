@@ -1,0 +1,151 @@
+#include "kinloop/calibration/find_board.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "tests/calibration/synthetic_boards.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/shared_data.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::infrared_camera;
+using test::input_error;
+using test::small_board;
+using test::usage_error;
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// A picture of the board: each pixel averages `kSamples`^2 looks through it, 1 white, 0 black.
+cv::Mat picture(const PinholeCamera& camera, const SE3& T_camera_board, const Board& board) {
+  constexpr int kSamples = 4;
+  const SE3 T_board_camera = T_camera_board.inverse();
+  cv::Mat image(camera.height, camera.width, CV_32FC1);
+  const auto look = [&](double x, double y) {
+    const Eigen::Vector3d ray = T_board_camera.rotation * camera.unproject(camera.undistort({x, y}), 1);
+    const Eigen::Vector3d p = T_board_camera.translation - T_board_camera.translation.z() / ray.z() * ray;
+    const int column = static_cast<int>(std::floor(p.x() / board.square_m)),
+              row = static_cast<int>(std::floor(p.y() / board.square_m));
+    const bool on_board = column >= -1 && column < board.columns && row >= -1 && row < board.rows;
+    return on_board && (column + row) % 2 == 0 ? 0.0F : 1.0F;
+  };
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      float sum = 0;
+      for (int i = 0; i < kSamples * kSamples; ++i) {
+        sum += look(x + (i % kSamples + 0.5) / kSamples - 0.5, y + (i / kSamples + 0.5) / kSamples - 0.5);
+      }
+      image.at<float>(y, x) = sum / (kSamples * kSamples);
+    }
+  }
+  return image;
+}
+
+SE3 some_pose() {
+  return test::board_at({0.02, -0.01, 0.5}, {0.3, -0.3, 0.2}, small_board());
+}
+
+/// Largest distance of a corner found from the nearest true one (a board may be read turned).
+double largest_error_px(const BoardView& found, const BoardView& truth) {
+  double largest = 0;
+  for (const auto& pixel : found.pixels) {
+    double nearest = 1e9;
+    for (const auto& other : truth.pixels) nearest = std::min(nearest, (pixel - other).norm());
+    largest = std::max(largest, nearest);
+  }
+  return largest;
+}
+
+TEST(FindBoard, FindsCornersToATenthOfAPixel) {
+  const cv::Mat drawn = picture(infrared_camera(), some_pose(), small_board());
+  cv::Mat gray;
+  drawn.convertTo(gray, CV_8UC1, 180, 40);
+  const auto view = find_board(gray, small_board());
+  ASSERT_TRUE(view);
+  EXPECT_EQ(view->width, 512);
+  EXPECT_EQ(view->pixels.size(), 35U);
+  EXPECT_LT(largest_error_px(*view, test::view_of(infrared_camera(), some_pose(), small_board(), "")), 0.12);
+}
+
+TEST(FindBoard, SeesInfraredWhateverItsLevel) {
+  const cv::Mat drawn = picture(infrared_camera(), some_pose(), small_board());
+  for (const double level : {300.0, 5000.0, 60000.0}) {
+    cv::Mat infrared;
+    drawn.convertTo(infrared, CV_16UC1, 0.7 * level, 0.1 * level);
+    const auto view = find_board(infrared, small_board());
+    ASSERT_TRUE(view) << level;
+    EXPECT_LT(largest_error_px(*view, test::view_of(infrared_camera(), some_pose(), small_board(), "")),
+              0.12);
+  }
+}
+
+TEST(FindBoard, IsNothingWithoutAWholeBoard) {
+  EXPECT_FALSE(find_board(cv::Mat(424, 512, CV_8UC1, cv::Scalar(90)), small_board()));
+  const cv::Mat drawn =
+      picture(infrared_camera(), test::board_at({0.3, 0, 0.5}, {0, 0, 0}, small_board()), small_board());
+  cv::Mat gray;
+  drawn.convertTo(gray, CV_8UC1, 180, 40);
+  EXPECT_FALSE(find_board(gray, small_board()));
+}
+
+TEST(FindBoards, NamesImagesWithoutABoardAndRefusesMixedSizes) {
+  const test::TempFolder folder;
+  cv::Mat gray;
+  picture(infrared_camera(), some_pose(), small_board()).convertTo(gray, CV_8UC1, 180, 40);
+  cv::imwrite((folder.path() / "1.png").string(), gray);
+  cv::imwrite((folder.path() / "2.png").string(), cv::Mat(424, 512, CV_8UC1, cv::Scalar(90)));
+  const BoardSearch search = find_boards(list_stills(folder.path()), small_board(), 2);
+  ASSERT_EQ(search.views.size(), 1U);
+  EXPECT_EQ(search.views[0].name, "1.png");
+  EXPECT_THAT(search.without, testing::ElementsAre("2.png"));
+  cv::Mat larger;
+  cv::resize(gray, larger, {640, 530});
+  cv::imwrite((folder.path() / "3.png").string(), larger);
+  EXPECT_THAT(input_error([&] { find_boards(list_stills(folder.path()), small_board(), 1); }),
+              AllOf(HasSubstr("3.png"), HasSubstr("640 x 530"), HasSubstr("1.png")));
+}
+
+TEST(FindBoards, SaysWhatIsWrongWithTheFolder) {
+  const test::TempFolder folder;
+  EXPECT_THAT(input_error([&] { list_stills(folder.path()); }), HasSubstr("no PNG or JPEG"));
+  EXPECT_THAT(input_error([&] { list_stills(folder.path() / "absent"); }), HasSubstr("absent"));
+  folder.write("broken.png", "no image");
+  EXPECT_THAT(input_error([&] { find_boards(list_stills(folder.path()), small_board(), 1); }),
+              HasSubstr("broken.png"));
+  cv::imwrite((folder.path() / "broken.png").string(), cv::Mat(50, 50, CV_8UC1, cv::Scalar(9)));
+  EXPECT_THAT(input_error([&] { find_boards(list_stills(folder.path()), small_board(), 1); }),
+              HasSubstr("in none of 1 images"));
+}
+
+TEST(ParseBoard, TakesInnerCorners) {
+  const Board board = parse_board("5x7", 0.03);
+  EXPECT_EQ(board.columns, 5);
+  EXPECT_EQ(board.rows, 7);
+  EXPECT_TRUE(board.looks_same_turned());
+  EXPECT_FALSE(parse_board("5x8", 0.03).looks_same_turned());
+  for (const char* wrong : {"", "5", "5x", "x7", "5x2", "5x7x9", "5 x 7", "-5x7"}) {
+    EXPECT_THAT(usage_error([&] { parse_board(wrong, 0.03); }), HasSubstr("inner corners")) << wrong;
+  }
+  EXPECT_THAT(usage_error([] { parse_board("5x7", 0); }), HasSubstr("--square"));
+}
+
+/// The stills of a real Kinect 2 beside the other tool's result (reference_color.yaml).
+TEST(RealKinect2, ColorIsTheReferencesWithinItsDeviations) {
+  const auto folder = test::shared_data("kinect2_checkerboard/sync");
+  KINLOOP_SKIP_WITHOUT(folder);
+  const BoardSearch infrared = find_boards(list_stills(folder, "_ir.png"), small_board(), 2);
+  EXPECT_EQ(infrared.views.size(), 10U) << "boards behind a reflection are found, too";
+  const BoardSearch color = find_boards(list_stills(folder, "_colour.jpg"), small_board(), 2);
+  EXPECT_EQ(color.views.size(), 10U);
+  const LensCalibration c = calibrate_lens(color.views);
+  EXPECT_LT(c.rms_px, 0.15);
+  EXPECT_NEAR(c.camera.fx, 1067.46, 3 * c.deviations()(0));
+  EXPECT_NEAR(c.camera.fy, 1069.91, 3 * c.deviations()(1));
+}
+
+}  // namespace
+}  // namespace kinloop

@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# The same simulated frames three ways: from files, from a bag, and played to the node with roscore. The trajectories
+# must be the same to the last digit.
+# Usage: bag_and_node_test.sh KINLOOP MAKE_BAG KINLOOP_NODE        exit code 77: roscore or rosbag is not here
+set -euo pipefail
+kinloop="$1" make_bag="$2" node="$3"
+command -v roscore >/dev/null && command -v rosbag >/dev/null || exit 77
+
+folder="$(mktemp -d)"
+pids=()
+clean_up() {
+  for pid in "${pids[@]}"; do kill -INT "$pid" 2>/dev/null || true; done
+  wait
+  rm -rf "$folder"
+}
+trap clean_up EXIT
+
+# Time stamps of the simulation begin at 0, which ROS takes for "no time": let them begin at second 10.
+"$kinloop" simulate room --frames 45 --size 320x240 --quiet -o "$folder/frames"
+for list in rgb.txt depth.txt associations.txt; do
+  sed -i -E 's/(^| )([0-9]+\.[0-9]+)( )/\11\2\3/g' "$folder/frames/$list"
+done
+"$make_bag" "$folder/frames" "$folder/frames.bag"
+
+"$kinloop" run "$folder/frames" -q -o "$folder/files"
+"$kinloop" run "$folder/frames.bag" -q -o "$folder/bag"
+cmp "$folder/files/trajectory.txt" "$folder/bag/trajectory.txt"
+echo "the bag read directly: the same"
+
+port=$((20000 + RANDOM % 20000))
+export ROS_MASTER_URI="http://127.0.0.1:$port" ROS_IP=127.0.0.1 ROS_HOME="$folder/ros"
+roscore -p "$port" >"$folder/roscore.log" 2>&1 &
+pids+=($!)
+for _ in $(seq 100); do rosparam list >/dev/null 2>&1 && break || sleep 0.3; done
+"$node" _topics:="/kinect2/qhd/image_color_rect,/kinect2/qhd/image_depth_rect" _keep_all:=true _idle_s:=8 \
+  _output:="$folder/node" >"$folder/node.log" 2>&1 &
+node_pid=$!
+pids+=("$node_pid")
+# The node asks for the camera first; the bag is played once more when it listens to the images.
+for _ in $(seq 100); do grep -q "waiting for /kinect2" "$folder/node.log" && break || sleep 0.1; done
+rosbag play -q "$folder/frames.bag" --topics /kinect2/qhd/camera_info >/dev/null
+for _ in $(seq 100); do grep -q "listening to" "$folder/node.log" && break || sleep 0.1; done
+rosbag play -q -d 2 -r 0.5 "$folder/frames.bag" >/dev/null
+wait "$node_pid" || { cat "$folder/node.log"; exit 1; }
+cat "$folder/node.log"
+cmp "$folder/files/trajectory.txt" "$folder/node/trajectory.txt"
+echo "played to the node: the same"

@@ -1,0 +1,192 @@
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "kinloop/sensor/kinect2_source.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temp_folder.hpp"
+
+#ifdef KINLOOP_WITH_FREENECT2
+
+#include <libfreenect2/logger.h>
+#include <libfreenect2/packet_pipeline.h>
+#include <libfreenect2/registration.h>
+#include <opencv2/core.hpp>
+
+#include "kinloop/sensor/kinect2_stream.hpp"
+
+namespace kinloop {
+namespace {
+
+using libfreenect2::Frame;
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+libfreenect2::Freenect2Device::IrCameraParams infrared_params() {
+  libfreenect2::Freenect2Device::IrCameraParams p{};
+  p.fx = p.fy = 365;
+  p.cx = 257, p.cy = 207;
+  return p;
+}
+
+/// libfreenect2's polynomial for two pinhole cameras `baseline_mm` apart, looking the same way.
+libfreenect2::Freenect2Device::ColorCameraParams color_params(float baseline_mm) {
+  constexpr float kDepthQ = 0.01F, kColorQ = 0.002199F;  // its fixed-point factors
+  libfreenect2::Freenect2Device::ColorCameraParams p{};
+  p.fx = p.fy = 1081;
+  p.cx = 959.5F, p.cy = 539.5F;
+  p.shift_d = 863, p.shift_m = baseline_mm;
+  p.mx_x1y0 = p.fx * kColorQ / (infrared_params().fx * kDepthQ);
+  p.mx_x0y0 = p.fx * kColorQ * p.shift_m / p.shift_d;
+  p.my_x0y1 = p.fy * kColorQ / (infrared_params().fy * kDepthQ);
+  return p;
+}
+
+TEST(Kinect2, TheFactorysPolynomialBecomesARigidMotion) {
+  const RgbdCamera camera = factory_camera(color_params(52), infrared_params());
+  // Out of the mirror the colour camera is to the other side of the depth camera.
+  EXPECT_LT((camera.T_color_depth.translation - Eigen::Vector3d(-0.052, 0, 0)).norm(), 5e-4);
+  EXPECT_LT(camera.T_color_depth.angle_rad(), 5e-4);
+  EXPECT_EQ(camera.color.width, 1920);
+  EXPECT_NEAR(camera.color.cx, 959.5, 1e-3);
+  EXPECT_NEAR(camera.depth->cx, 511 - 257, 1e-3);
+}
+
+/// A smooth scene with a step, as the depth camera sees it, mm.
+cv::Mat scene_mm() {
+  cv::Mat depth(424, 512, CV_32FC1);
+  for (int y = 0; y < depth.rows; ++y) {
+    for (int x = 0; x < depth.cols; ++x) {
+      depth.at<float>(y, x) =
+          x > 180 && x < 330 && y > 120 && y < 300 ? 1200.0F : 2000.0F + 1.5F * static_cast<float>(y);
+    }
+  }
+  return depth;
+}
+
+TEST(Kinect2, OurRegistrationAgreesWithTheirs) {
+  cv::Mat mirrored = scene_mm(), color(1080, 1920, CV_8UC4, cv::Scalar(0));
+  Frame depth(512, 424, 4, mirrored.data), rgb(1920, 1080, 4, color.data);
+  Frame undistorted(512, 424, 4), registered(512, 424, 4), big(1920, 1082, 4);
+  const libfreenect2::Registration theirs(infrared_params(), color_params(52));
+  theirs.apply(&rgb, &depth, &undistorted, &registered, true, &big);
+  // Its big image has a row above and one below colour's.
+  cv::Mat their_depth = cv::Mat(1082, 1920, CV_32FC1, big.data).rowRange(1, 1081) / 1000;
+  cv::flip(their_depth, their_depth, 1);
+
+  cv::Mat straight;
+  cv::flip(mirrored / 1000, straight, 1);
+  const cv::Mat ours = DepthRegistration(factory_camera(color_params(52), infrared_params()))(straight);
+  int both = 0, agree = 0;
+  for (int y = 0; y < ours.rows; ++y) {
+    for (int x = 0; x < ours.cols; ++x) {
+      const float a = ours.at<float>(y, x), b = their_depth.at<float>(y, x);
+      if (!(a > 0) || !(b > 0) || std::isinf(b)) continue;
+      ++both;
+      agree += std::abs(a - b) < 0.01F ? 1 : 0;
+    }
+  }
+  EXPECT_GT(both, 0.6 * 1920 * 1080);
+  EXPECT_GT(agree, 0.98 * both);
+}
+
+TEST(Kinect2Listener, TurnsMirroredFramesRoundAndCountsFaultyOnes) {
+  LiveFrames frames;
+  Kinect2Listener listener(frames, 960);
+  Frame color(1920, 1080, 4), depth(512, 424, 4);
+  color.format = Frame::BGRX;
+  cv::Mat color_pixels(1080, 1920, CV_8UC4, color.data), depth_pixels(424, 512, CV_32FC1, depth.data);
+  color_pixels.setTo(cv::Scalar(0, 0, 0, 0));
+  color_pixels.colRange(0, 960).setTo(cv::Scalar(10, 20, 30, 0));
+  depth_pixels.setTo(1500);
+  depth_pixels.col(0).setTo(std::numeric_limits<float>::quiet_NaN());
+  depth_pixels.col(1).setTo(-1);
+  color.timestamp = depth.timestamp = 0xffffff00U;
+  color.status = depth.status = 0;
+  EXPECT_FALSE(listener.onNewFrame(Frame::Color, &color)) << "the frame stays libfreenect2's";
+  listener.onNewFrame(Frame::Depth, &depth);
+  const auto frame = frames.wait(milliseconds(10));
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->color.size(), cv::Size(960, 540));
+  EXPECT_EQ(frame->color.at<cv::Vec3b>(100, 900), cv::Vec3b(10, 20, 30));
+  EXPECT_EQ(frame->color.at<cv::Vec3b>(100, 50), cv::Vec3b(0, 0, 0));
+  EXPECT_FLOAT_EQ(frame->depth_m.at<float>(7, 0), 1.5F);
+  EXPECT_EQ(frame->depth_m.at<float>(7, 511), 0);
+  EXPECT_EQ(frame->depth_m.at<float>(7, 510), 0);
+
+  color.timestamp = depth.timestamp = 10;  // 266 ticks of 0.125 ms later, past the counter's end
+  listener.onNewFrame(Frame::Depth, &depth);
+  listener.onNewFrame(Frame::Color, &color);
+  const auto later = frames.wait(milliseconds(10));
+  ASSERT_TRUE(later);
+  EXPECT_EQ(later->stamp_ns - frame->stamp_ns, 266 * 125'000);
+  depth.status = 1;
+  listener.onNewFrame(Frame::Depth, &depth);
+  EXPECT_EQ(listener.faulty(), 1U);
+}
+
+/// libfreenect2's replay takes the time stamp from the beginning of the path, so that the packets must lie in
+/// the working folder.
+class Kinect2Replay : public testing::Test {
+ protected:
+  Kinect2Replay() : before_(std::filesystem::current_path()) {
+    std::filesystem::current_path(folder_.path());
+  }
+  ~Kinect2Replay() override { std::filesystem::current_path(before_); }
+
+  /// Raw depth packets: ten images of 11 bits a pixel.
+  std::vector<std::string> packets(int count) const {
+    std::vector<std::string> names;
+    constexpr size_t kBytes = 10 * 512 * 424 * 11 / 8;
+    std::string bytes(kBytes, '\0');
+    for (size_t i = 0; i < kBytes; ++i) bytes[i] = static_cast<char>(i * 2654435761U >> 24);
+    for (int i = 1; i <= count; ++i) {
+      names.push_back(std::to_string(1000 + 266 * i) + "_packet_" + std::to_string(i) + ".depth");
+      folder_.write(names.back(), bytes);
+    }
+    return names;
+  }
+
+  test::TempFolder folder_;
+  std::filesystem::path before_;
+};
+
+TEST_F(Kinect2Replay, DrivesTheSource) {
+  libfreenect2::setGlobalLogger(nullptr);
+  const auto names = packets(3);
+  int opened = 0;
+  const auto open = [&]() -> Kinect2Handle {
+    if (++opened > 1) throw InputError("unplugged");
+    const auto context = std::make_shared<libfreenect2::Freenect2Replay>();
+    auto* device = context->openDevice(names, new libfreenect2::CpuPacketPipeline);
+    device->setIrCameraParams(infrared_params());
+    device->setColorCameraParams(color_params(52));
+    return {context, device};
+  };
+  KinectOptions options;
+  options.reconnect_s = 0.1;
+  Kinect2Source source(open, options, {});
+  EXPECT_EQ(source.camera().color.width, 960);
+  EXPECT_TRUE(source.info().live);
+  // The replay has no colour: no frame is complete, and the end of the packets is as if it were unplugged.
+  EXPECT_FALSE(source.next());
+  EXPECT_GT(opened, 1) << "tried to reconnect";
+}
+
+TEST(Kinect2, SaysThatThereIsNone) {
+  EXPECT_THAT(test::input_error([] { open_kinect2({}, {}); }), HasSubstr("no Kinect 2 found"));
+}
+
+}  // namespace
+}  // namespace kinloop
+
+#else
+
+TEST(Kinect2, SaysThatThisBuildKnowsNone) {
+  EXPECT_FALSE(kinloop::kinect2_available());
+  EXPECT_THAT(kinloop::test::usage_error([] { kinloop::open_kinect2({}, {}); }),
+              testing::HasSubstr("libfreenect2"));
+}
+
+#endif
