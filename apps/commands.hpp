@@ -17,5 +17,6 @@ void add_optimize_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
 void add_features_command(CLI::App& app);
+void add_view_command(CLI::App& app);
 
 }  // namespace kinloop

@@ -4,21 +4,24 @@
 #include "kinloop/dense/options.hpp"
 #include "kinloop/sensor/simulation/simulated_source.hpp"
 #include "kinloop/slam/options.hpp"
+#include "viewer/options.hpp"
 
 namespace kinloop {
 
-/// The options of the system stand at the top ("features.count"), those of the dense map and of the
-/// simulation under names of their own ("dense.voxel_m", "sim.frames").
+/// The options of the system stand at the top ("features.count"), those of the dense map, the
+/// simulation and the viewer under names of their own ("dense.voxel_m", "sim.frames").
 struct RunOptions {
   SlamOptions slam;
   DenseOptions dense;
   SimulationOptions sim;
+  ViewerOptions viewer;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     SlamOptions::fields(self.slam, visit);
     visit("dense", self.dense);
     visit("sim", self.sim);
+    visit("viewer", self.viewer);
   }
 };
 

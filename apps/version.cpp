@@ -11,7 +11,9 @@ namespace kinloop {
 std::string version_text() {
   const char* g2o = pose_graph_solver_available("g2o") ? "yes" : "no (not found when built)";
   const char* surf = surf_available() ? "yes" : "no (dlib not found when built)";
-  return fmt::format("kinloop {}\ng2o solver: {}\nSURF: {}", KINLOOP_VERSION, g2o, surf);
+  const char* pages = KINLOOP_PAGES_FOUND ? "yes" : "no (npm not found, or without network, when built)";
+  return fmt::format("kinloop {}\ng2o solver: {}\nSURF: {}\nviewer and report pages: {}", KINLOOP_VERSION,
+                     g2o, surf, pages);
 }
 
 }  // namespace kinloop
