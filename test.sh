@@ -13,7 +13,7 @@ fail_before_tests() {
   exit 1
 }
 
-scripts/install_dependencies.sh || fail_before_tests "The packages could not be installed."
+scripts/install_dependencies.sh --tests || fail_before_tests "The packages could not be installed."
 cmake --preset release -DKINLOOP_TESTS=ON -DKINLOOP_BENCH=ON || fail_before_tests "Configuring failed."
 cmake --build --preset release --parallel "$jobs" || fail_before_tests "The build failed."
 

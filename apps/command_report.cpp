@@ -1,26 +1,53 @@
-// kinloop report: makes the report of a run anew from the files in its folder.
+// kinloop report: makes the report of a run anew from the files in its folder, or puts several runs side by
+// side.
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "apps/commands.hpp"
 #include "apps/report_file.hpp"
+#include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 
 namespace kinloop {
+namespace {
 
-void add_report_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("report", "Make report.html anew from the files of a run");
-  auto path = std::make_shared<std::filesystem::path>();
-  command->add_option("DIR", *path, "The folder that kinloop run -o DIR wrote")->required();
-  command->callback([path] {
-    require_folder(*path);
-    const RunFolder folder(*path);
+struct ReportArguments {
+  std::vector<std::filesystem::path> runs;
+  std::filesystem::path page;
+};
+
+void report(const ReportArguments& arguments) {
+  const auto& runs = arguments.runs;
+  if (runs.size() == 1 && arguments.page.empty()) {
+    require_folder(runs.front());
+    const RunFolder folder(runs.front());
     write_report(folder);
     fmt::print("{}\n", folder.report().string());
-  });
+    return;
+  }
+  const std::filesystem::path page = arguments.page.empty() ? "comparison.html" : arguments.page;
+  write_comparison(runs, page);
+  fmt::print("{}\n", page.string());
+}
+
+}  // namespace
+
+void add_report_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("report", "Make report.html anew, or put several runs side by side");
+  auto arguments = std::make_shared<ReportArguments>();
+  command
+      ->add_option(
+          "RUN", arguments->runs,
+          "the folder that kinloop run -o DIR wrote; of several, each a folder or a trajectory in TUM format")
+      ->required();
+  command->add_option("-o,--output", arguments->page,
+                      "the page; else DIR/report.html, of several comparison.html");
+  command->footer("Example: kinloop report out out_no_loop orbslam2.txt -o comparison.html");
+  command->callback([arguments] { report(*arguments); });
 }
 
 }  // namespace kinloop

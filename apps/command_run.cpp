@@ -7,12 +7,15 @@
 
 #include "apps/commands.hpp"
 #include "apps/dense_recorder.hpp"
+#include "apps/frame_recorder.hpp"
 #include "apps/interrupt.hpp"
+#include "apps/loop_pictures.hpp"
 #include "apps/memory.hpp"
 #include "apps/open_source.hpp"
 #include "apps/progress_bar.hpp"
 #include "apps/report_file.hpp"
 #include "apps/run_summary.hpp"
+#include "apps/show_run.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/parallel_for.hpp"
@@ -39,6 +42,7 @@ struct RunArguments {
   bool list_options = false;
   bool quiet = false;
   int threads = 0;
+  std::string viewer;  // [ADDRESS:]PORT; empty: none
   double pace_hz = 0;
   std::vector<std::string> assignments;
 };
@@ -79,11 +83,13 @@ SourceRequest request_of(const RunArguments& arguments, const RunOptions& option
   return request;
 }
 
-/// Feeds all frames; false when Ctrl-C ended it early.
-bool process_all(FrameSource& source, Slam& slam, const Progress& progress) {
+/// Feeds all frames, each when `leave` was given; false when Ctrl-C ended it early.
+bool process_all(FrameSource& source, Slam& slam, const Progress& progress,
+                 const std::function<void()>& leave) {
   FramePipeline pipeline(source, slam);
   size_t done = 0;
   while (const auto frame = pipeline.next()) {
+    if (leave) leave();
     slam.process(*frame);
     report(progress, "mapping", ++done, source.info().frames);
     if (interrupted()) return false;
@@ -119,11 +125,17 @@ ExitCode run(const RunArguments& arguments) {
 
   Slam slam(source->camera(), options.slam, vocabulary_of(arguments, options.slam.features));
   DenseRecorder recorder(source->camera(), options.dense);
+  FrameRecorder frames;
   slam.listen(recorder);
+  slam.listen(frames);
   catch_interrupts();
-  const bool complete = process_all(*source, slam, progress);
+  const auto save_now = [&] { save_map(folder, slam, recorder, threads); };
+  const auto shown = show_run(arguments.viewer, *source, options.viewer, slam, save_now);
+  const bool complete = process_all(*source, slam, progress, shown ? shown->leave : nullptr);
   if (!complete) log::warn("interrupted: finishing with the {} frames there are", slam.log().size());
+  if (shown) shown->viewer.tell("final adjustment");
   const Trajectory trajectory = slam.finish(progress);
+  if (shown) shown->viewer.finish(slam.log(), slam.map());
   return_freed_memory();
   const ColoredCloud cloud = recorder.fuse(slam.log(), slam.map(), threads, progress);
   return_freed_memory();
@@ -137,11 +149,14 @@ ExitCode run(const RunArguments& arguments) {
   write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), component), truth, cloud, summary});
   write_camera_file(folder.camera(), calibrated_camera(source->camera(), slam.sensor()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), options.slam.loop), {}, true, {}});
+  write_frame_table(folder.frames(), frames.table(slam.times()));
+  write_loop_pictures(folder, slam.map(), recorder);
   write_report(folder);
   if (!arguments.quiet) {
     fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
                folder.path().string());
   }
+  if (shown) stay_open(shown->viewer);
   if (lost_for_good(slam.log(), slam.map(), component)) {
     log::error("tracking was lost and its place not recognised again; see {}",
                (arguments.output / "report.html").string());
@@ -189,6 +204,7 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
           "replay at this many frames a second, as a live camera: frames not taken in time are lost,\n"
           "and slow work is applied when it is ready (executor.mode=live)")
       ->check(CLI::Range(0.1, 1000.0));
+  add_viewer_option(*command, arguments->viewer);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
   command->footer(
       "Examples:\n"

@@ -20,5 +20,6 @@ void add_features_command(CLI::App& app);
 void add_calibrate_command(CLI::App& app);
 void add_record_command(CLI::App& app);
 void add_fetch_command(CLI::App& app);
+void add_view_command(CLI::App& app);
 
 }  // namespace kinloop

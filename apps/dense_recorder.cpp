@@ -1,5 +1,6 @@
 #include "apps/dense_recorder.hpp"
 
+#include <algorithm>
 #include <unordered_map>
 
 namespace kinloop {
@@ -40,6 +41,12 @@ ColoredCloud DenseRecorder::fuse(const FrameLog& log, const Map& map, int thread
     if (pose != pose_of.end()) views.push_back({i, pose->second});
   }
   return fuse_keyframes(images_, views, camera_.color, options_, threads, progress);
+}
+
+std::optional<RgbdImages> DenseRecorder::images_of(FrameId frame) const {
+  const auto kept = std::find(frame_of_image_.begin(), frame_of_image_.end(), frame);
+  if (kept == frame_of_image_.end()) return std::nullopt;
+  return images_.load(static_cast<size_t>(kept - frame_of_image_.begin()));
 }
 
 }  // namespace kinloop

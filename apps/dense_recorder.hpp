@@ -2,6 +2,8 @@
 // Listens to a run and keeps the images of its keyframes, so that the dense map can be made from their final
 // poses.
 
+#include <optional>
+
 #include "kinloop/dense/fuse_keyframes.hpp"
 #include "kinloop/slam/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
@@ -18,6 +20,9 @@ class DenseRecorder : public Listener {
   /// The coloured cloud of all images kept, at the poses of `log` and `map`.
   [[nodiscard]] ColoredCloud fuse(const FrameLog& log, const Map& map, int threads,
                                   const Progress& progress) const;
+
+  /// The images of a frame, where they were kept: those of every keyframe are.
+  [[nodiscard]] std::optional<RgbdImages> images_of(FrameId frame) const;
 
  private:
   RgbdCamera camera_;

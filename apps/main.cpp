@@ -32,6 +32,7 @@ ExitCode run(int argc, char** argv) {
   ExitCode exit_code = ExitCode::kDone;
   kinloop::add_run_command(app, exit_code);
   kinloop::add_eval_command(app);
+  kinloop::add_view_command(app);
   kinloop::add_report_command(app);
   kinloop::add_vocab_command(app);
   kinloop::add_optimize_command(app);

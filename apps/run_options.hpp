@@ -5,16 +5,18 @@
 #include "kinloop/sensor/kinect_options.hpp"
 #include "kinloop/sensor/simulation/simulated_source.hpp"
 #include "kinloop/slam/options.hpp"
+#include "viewer/options.hpp"
 
 namespace kinloop {
 
-/// The options of the system stand at the top ("features.count"), those of the dense map and of the
-/// simulation and of live cameras under names of their own ("dense.voxel_m", "sim.frames").
+/// The options of the system stand at the top ("features.count"), those of the dense map, the simulation,
+/// live cameras and the viewer under names of their own ("dense.voxel_m", "sim.frames").
 struct RunOptions {
   SlamOptions slam;
   DenseOptions dense;
   SimulationOptions sim;
   KinectOptions kinect;
+  ViewerOptions viewer;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -22,6 +24,7 @@ struct RunOptions {
     visit("dense", self.dense);
     visit("sim", self.sim);
     visit("kinect", self.kinect);
+    visit("viewer", self.viewer);
   }
 };
 

@@ -15,14 +15,15 @@ namespace kinloop {
 std::string version_text() {
   const char* g2o = pose_graph_solver_available("g2o") ? "yes" : "no (not found when built)";
   const char* surf = surf_available() ? "yes" : "no (dlib not found when built)";
+  const char* pages = KINLOOP_PAGES_FOUND ? "yes" : "no (npm not found, or without network, when built)";
   const auto part = [](bool in, const char* what) {
     return in ? std::string("yes") : fmt::format("no ({} not found when built)", what);
   };
   return fmt::format(
-      "kinloop {}\ng2o solver: {}\nSURF: {}\nKinect 1: {}\nKinect 2: {}\nROS bags: {}\nDownloads: {}",
+      "kinloop {}\ng2o solver: {}\nSURF: {}\nKinect 1: {}\nKinect 2: {}\nROS bags: {}\nDownloads: {}\nviewer and report pages: {}",
       KINLOOP_VERSION, g2o, surf, part(kinect1_available(), "libfreenect"),
       part(kinect2_available(), "libfreenect2"), part(bags_available(), "librosbag-storage"),
-      part(download_available(), "curl or libarchive"));
+      part(download_available(), "curl or libarchive"), pages);
 }
 
 }  // namespace kinloop

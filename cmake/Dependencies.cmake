@@ -53,6 +53,12 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
   target_compile_definitions(kinloop_hwy INTERFACE "HWY_DISABLED_TARGETS=(${sve_targets})")
 endif()
 
+# The viewer's server: Boost.Beast, headers alone.
+find_package(Boost 1.74 REQUIRED)
+add_library(kinloop_boost INTERFACE)
+target_include_directories(kinloop_boost SYSTEM INTERFACE ${Boost_INCLUDE_DIRS})
+target_compile_definitions(kinloop_boost INTERFACE BOOST_ERROR_CODE_HEADER_ONLY BOOST_ASIO_NO_DEPRECATED)
+
 # Optional parts.
 find_package(g2o QUIET)
 # dlib's own CMake file asks for all that dlib can draw and solve with; its SURF needs the library alone.

@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Installs what kinloop is built from: packages of Debian 12 or Ubuntu 22.04 and newer, only those that are missing.
-# Usage: scripts/install_dependencies.sh [--checks]     --checks: also the tools of the format and tidy checks
+# Usage: scripts/install_dependencies.sh [--tests | --checks]
+#   --tests    also a browser for the tests of the pages
+#   --checks   and the tools of the format and tidy checks
 set -euo pipefail
 
 packages=(
@@ -8,7 +10,7 @@ packages=(
   libopencv-dev libeigen3-dev libceres-dev libsuitesparse-dev libhwy-dev
   libturbojpeg0-dev libdeflate-dev
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
-  libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev
+  libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev libboost-dev
 )
 # Parts that are found when present: Kinect 1, downloads, ROS bags and topics. (libfreenect2, for the Kinect 2, is in
 # neither distribution: docs/cameras.md.) Those that a distribution does not have are left out.
@@ -18,12 +20,20 @@ optional=(
   libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev
   python3-roslaunch python3-rosbag
 )
-if [[ "${1:-}" == "--checks" ]]; then
-  packages+=(clang-format clang-tidy)
-elif [[ $# -gt 0 ]]; then
-  echo "usage: $0 [--checks]" >&2
-  exit 2
-fi
+# The viewer and report pages; npm may also have come with a Node.js from elsewhere.
+command -v npm >/dev/null || packages+=(nodejs npm)
+case "${1:-}" in
+  "") ;;
+  --tests | --checks)
+    # Ubuntu has Chromium as a snap alone: the tests that need it skip there, unless it is installed by hand.
+    if apt-cache show chromium >/dev/null 2>&1; then packages+=(chromium); fi
+    if [[ "$1" == "--checks" ]]; then packages+=(clang-format clang-tidy); fi
+    ;;
+  *)
+    echo "usage: $0 [--tests | --checks]" >&2
+    exit 2
+    ;;
+esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "This script knows Debian and Ubuntu (apt). Elsewhere, install the counterparts of: ${packages[*]}" >&2

@@ -1,166 +1,175 @@
 #include "kinloop/eval/report.hpp"
 
-#include <algorithm>
+#include <cmath>
 
-#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 
+#include "kinloop/base/embedded_file.hpp"
+#include "kinloop/base/errors.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/eval/evaluate.hpp"
-#include "kinloop/eval/report_page.hpp"
-#include "kinloop/eval/report_plots.hpp"
 #include "kinloop/eval/report_text.hpp"
+#include "kinloop/geometry/up_direction.hpp"
+
+KINLOOP_EMBED_FILE(embedded_report_page, KINLOOP_PAGE)
 
 namespace kinloop {
 namespace {
 
 using nlohmann::json;
 
-/// The value at a path like "/map/points"; null where there is none.
-json value_at(const json& figures, const char* pointer) {
-  const json::json_pointer at(pointer);
-  return figures.contains(at) ? figures.at(at) : json();
+/// Enough digits for a plot, and no more in the file.
+double rounded(double value) {
+  constexpr double kSteps = 1e4;
+  return std::round(kSteps * value) / kSteps;
 }
 
-double number_at(const json& figures, const char* pointer) {
-  const json value = value_at(figures, pointer);
-  return value.is_number() ? value.get<double>() : 0;
-}
-
-std::string text_at(const json& figures, const char* pointer) {
-  const json value = value_at(figures, pointer);
-  return value.is_string() ? value.get<std::string>() : "";
-}
-
-std::string tile(const std::string& figure, const std::string& meaning) {
-  return fmt::format("<div class=\"tile\"><b>{}</b><small>{}</small></div>\n", figure, meaning);
-}
-
-std::string tiles(const json& f) {
-  std::string html;
-  const double frames = number_at(f, "/frames");
-  if (frames > 0) {
-    html += tile(fmt::format("{:.1f} %", 100 * number_at(f, "/tracked") / frames),
-                 fmt::format("tracked: {} of {} frames", with_thousands(number_at(f, "/tracked")),
-                             with_thousands(frames)));
+/// Rows: along the path's longest level extent, across it, up.
+Eigen::Matrix3d plot_axes(const Trajectory& path) {
+  const Eigen::Vector3d up = up_direction(path);
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& pose : path) mean += pose.T_world_camera.translation / static_cast<double>(path.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const auto& pose : path) {
+    Eigen::Vector3d d = pose.T_world_camera.translation - mean;
+    d -= up * up.dot(d);
+    spread += d * d.transpose();
   }
-  if (value_at(f, "/evaluation").is_object()) {
-    html += tile(fmt::format("{:.1f} mm", 1e3 * number_at(f, "/evaluation/ate/rmse_m")), "ATE, rmse");
-    html += tile(fmt::format("{:.1f} mm/s", 1e3 * number_at(f, "/evaluation/rpe_1s/translation/rmse_m")),
-                 "RPE over 1 s, rmse");
-    html += tile(fmt::format("{:.2f} &deg;/s", number_at(f, "/evaluation/rpe_1s/rotation/rmse_deg")),
-                 "RPE over 1 s, rmse");
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  Eigen::Vector3d along = solver.eigenvectors().col(2);
+  along -= up * up.dot(along);
+  // A path without level extent has no direction of its own.
+  if (along.norm() < 0.5) along = up.unitOrthogonal();
+  along.normalize();
+  Eigen::Matrix3d axes;
+  axes << along.transpose(), up.cross(along).transpose(), up.transpose();
+  return axes;
+}
+
+/// Columns t (seconds since `start_ns`), x, y, z of positions in the axes of the plots.
+json path_json(const Trajectory& path, const SE3& T_plot_world, int64_t start_ns) {
+  json columns = {{"t", json::array()}, {"x", json::array()}, {"y", json::array()}, {"z", json::array()}};
+  for (const StampedPose& pose : path) {
+    const Eigen::Vector3d p = T_plot_world * pose.T_world_camera.translation;
+    columns["t"].push_back(rounded(to_seconds(pose.stamp_ns - start_ns)));
+    columns["x"].push_back(rounded(p.x()));
+    columns["y"].push_back(rounded(p.y()));
+    columns["z"].push_back(rounded(p.z()));
   }
-  const auto count = [&](const char* pointer, const char* meaning) {
-    if (value_at(f, pointer).is_number()) html += tile(with_thousands(number_at(f, pointer)), meaning);
+  return columns;
+}
+
+json errors_json(const AteResult& ate, int64_t start_ns) {
+  constexpr double kMmPerM = 1000;
+  json columns = {{"t", json::array()}, {"mm", json::array()}};
+  for (const PoseError& pose : ate.poses) {
+    columns["t"].push_back(rounded(to_seconds(pose.stamp_ns - start_ns)));
+    columns["mm"].push_back(rounded(kMmPerM * pose.error_m));
+  }
+  return columns;
+}
+
+json frames_json(const FrameTable& frames, int64_t start_ns) {
+  json columns = {{"t", json::array()},
+                  {"status", json::array()},
+                  {"features", json::array()},
+                  {"tracked", json::array()},
+                  {"ms", json::array()}};
+  for (const FrameRow& row : frames) {
+    columns["t"].push_back(rounded(to_seconds(row.stamp_ns - start_ns)));
+    columns["status"].push_back(row.status);
+    columns["features"].push_back(row.features);
+    columns["tracked"].push_back(row.tracked);
+    columns["ms"].push_back(rounded(row.ms));
+  }
+  return columns;
+}
+
+/// Pairs of indices into the keyframes.
+json loops_json(const RunReport& run) {
+  const auto index_of = [&](const json& loop, const char* key) {
+    if (!loop.contains(key) || !loop[key].is_string()) return run.keyframes.size();
+    const auto stamp_ns = parse_stamp_ns(loop[key].get<std::string>());
+    size_t index = 0;
+    while (index < run.keyframes.size() && run.keyframes[index].stamp_ns != stamp_ns) ++index;
+    return index;
   };
-  count("/keyframes", "keyframes");
-  if (f.contains("loops")) html += tile(std::to_string(f["loops"].size()), "loops closed");
-  count("/landmarks", "landmarks");
-  if (number_at(f, "/map/points") > 0) {
-    html += tile(with_thousands(number_at(f, "/map/points")),
-                 fmt::format("map points, voxels of {:g} mm", 1e3 * number_at(f, "/map/voxel_m")));
+  json pairs = json::array();
+  if (!run.figures.contains("loops") || !run.figures["loops"].is_array()) return pairs;
+  for (const json& loop : run.figures["loops"]) {
+    const size_t a = index_of(loop, "stamp_a"), b = index_of(loop, "stamp_b");
+    if (a < run.keyframes.size() && b < run.keyframes.size()) pairs.push_back({a, b});
   }
-  if (number_at(f, "/wall_s") > 0) {
-    html += tile(fmt::format("{:.1f} s", number_at(f, "/wall_s")),
-                 fmt::format("wall time, {:.1f} frames per second", frames / number_at(f, "/wall_s")));
-  }
-  if (number_at(f, "/frame_ms/median") > 0) {
-    html += tile(fmt::format("{:.1f} ms", number_at(f, "/frame_ms/median")),
-                 fmt::format("per frame, median; 95 %: {:.1f} ms", number_at(f, "/frame_ms/p95")));
-  }
-  if (number_at(f, "/peak_memory_mib") > 0) {
-    html += tile(fmt::format("{:.0f} MiB", number_at(f, "/peak_memory_mib")), "memory at most");
-  }
-  return "<div class=\"tiles\">\n" + html + "</div>";
+  return pairs;
 }
 
-std::string picture(const std::string& png, const char* caption) {
-  if (png.empty()) return "";
-  return fmt::format(
-      "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
-      caption, base64(png));
+json pictures_json(const std::vector<ReportPicture>& pictures) {
+  json list = json::array();
+  for (const auto& [caption, jpeg] : pictures) list.push_back({{"caption", caption}, {"jpeg", base64(jpeg)}});
+  return list;
 }
 
-std::string loops_table(const json& figures) {
-  const json loops = value_at(figures, "/loops");
-  if (!loops.is_array() || loops.empty()) return "";
-  std::string rows = "<tr><th>keyframe at</th><th>met again at</th><th class=\"number\">matches</th></tr>\n";
-  for (const json& loop : loops) {
-    rows += fmt::format("<tr><td>{} s</td><td>{} s</td><td class=\"number\">{}</td></tr>\n",
-                        escape_html(text_at(loop, "/stamp_a")), escape_html(text_at(loop, "/stamp_b")),
-                        with_thousands(number_at(loop, "/inliers")));
-  }
-  return fmt::format("<h2>Loops</h2>\n<div class=\"table\"><table>{}</table></div>", rows);
+int64_t start_of(const RunReport& run) {
+  if (!run.frames.empty()) return run.frames.front().stamp_ns;
+  return run.estimate.empty() ? 0 : run.estimate.front().stamp_ns;
 }
 
-std::string times_table(const json& figures) {
-  const json rooms = value_at(figures, "/rooms");
-  const double frames = std::max(1.0, number_at(figures, "/frames"));
-  if (!rooms.is_object() || rooms.empty()) return "";
-  double most_s = 1e-9;
-  for (const json& room : rooms) most_s = std::max(most_s, number_at(room, "/wall_s"));
-  std::string rows =
-      "<tr><th>room</th><th class=\"number\">ms a frame</th><th class=\"number\">s in all</th>"
-      "<th class=\"number\">CPU s</th><th></th></tr>\n";
-  for (const auto& [name, room] : rooms.items()) {
-    const double wall_s = number_at(room, "/wall_s");
-    rows += fmt::format(
-        "<tr><td>{}</td><td class=\"number\">{:.2f}</td><td class=\"number\">{:.2f}</td>"
-        "<td class=\"number\">{:.2f}</td><td class=\"share\"><i style=\"width:{:.1f}%\"></i></td></tr>\n",
-        escape_html(name), 1e3 * wall_s / frames, wall_s, number_at(room, "/cpu_s"), 100 * wall_s / most_s);
+/// `T_plot_world` for a run without ground truth, and `T_plot_truth` for the others: so all lie on each
+/// other.
+json run_json(const RunReport& run, const SE3& T_plot_world, const SE3& T_plot_truth) {
+  const auto evaluation = evaluate(run.estimate, run.truth);
+  const int64_t start_ns = start_of(run);
+  const SE3 T_plot_estimate = evaluation ? T_plot_truth * evaluation->ate.T_truth_estimate : T_plot_world;
+  json data = {{"name", run.name},
+               {"figures", run.figures.is_object() ? run.figures : json::object()},
+               {"path", path_json(run.estimate, T_plot_estimate, start_ns)},
+               {"keyframes", path_json(run.keyframes, T_plot_estimate, start_ns)},
+               {"loops", loops_json(run)},
+               {"frames", frames_json(run.frames, start_ns)},
+               {"mapPictures", pictures_json(run.map_pictures)},
+               {"loopPictures", pictures_json(run.loop_pictures)},
+               {"cloud", base64(run.cloud)}};
+  data["figures"].erase("keyframe_covariances");  // long, and not shown
+  const Eigen::Vector3d up = up_direction(run.estimate);
+  data["up"] = {up.x(), up.y(), up.z()};
+  if (evaluation) {
+    data["truth"] = path_json(run.truth, T_plot_truth, start_ns);
+    data["errors"] = errors_json(evaluation->ate, start_ns);
+    data["evaluation"] = to_json(*evaluation);
   }
-  return fmt::format("<h2>Where the time went</h2>\n<div class=\"table\"><table>{}</table></div>", rows);
-}
-
-std::string options_table(const json& figures) {
-  const json options = value_at(figures, "/options");
-  if (!options.is_object() || options.empty()) return "";
-  std::string rows;
-  for (const auto& [key, value] : options.items()) {
-    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", escape_html(key), escape_html(text));
-  }
-  return fmt::format(
-      "<h2>Options</h2>\n<details><summary>all {} as used</summary>\n<div "
-      "class=\"table\"><table>{}</table></div>"
-      "</details>",
-      options.size(), rows);
-}
-
-std::string subtitle(const RunReport& report) {
-  if (report.estimate.empty()) return "no frame was tracked";
-  const double lasted_s = to_seconds(report.estimate.back().stamp_ns - report.estimate.front().stamp_ns);
-  double path_m = 0;
-  for (size_t i = 1; i < report.estimate.size(); ++i) {
-    path_m +=
-        (report.estimate[i].T_world_camera.translation - report.estimate[i - 1].T_world_camera.translation)
-            .norm();
-  }
-  return fmt::format("{:.1f} s, a path of {:.2f} m", lasted_s, path_m);
+  return data;
 }
 
 }  // namespace
 
-std::string render_report(const RunReport& report) {
-  const json& f = report.figures;
-  const auto ate = absolute_trajectory_error(report.estimate, report.truth);
-  const std::string input = text_at(f, "/input");
-  const std::string pictures =
-      picture(report.map_picture_png, "The map at a slant; what is higher than the camera is cut off") +
-      picture(report.map_top_png, "The map from above");
-  const std::string version = text_at(f, "/version");
-  return fill_in(
-      kReportPage,
-      {{"title", escape_html(input.empty() ? "A run" : input)},
-       {"subtitle", subtitle(report)},
-       {"tiles", tiles(f)},
-       {"map", pictures.empty() ? "" : "<h2>Map</h2>\n<div class=\"pair\">" + pictures + "</div>"},
-       {"path", path_section(report, ate)},
-       {"errors", ate ? error_section(*ate) : ""},
-       {"loops", loops_table(f)},
-       {"times", times_table(f)},
-       {"options", options_table(f)},
-       {"versions", version.empty() ? "" : "<h2>Version</h2>\n<pre>" + escape_html(version) + "</pre>"}});
+json report_data(std::span<const RunReport> runs) {
+  json data = {{"runs", json::array()}};
+  if (runs.empty()) return data;
+  // Drawn in the first estimate's world: its up is known from how the camera was held.
+  const RunReport& first = runs.front();
+  const SE3 T_plot_world{Eigen::Quaterniond(plot_axes(first.estimate)), Eigen::Vector3d::Zero()};
+  const auto ate = absolute_trajectory_error(first.estimate, first.truth);
+  const SE3 T_plot_truth = ate ? T_plot_world * ate->T_truth_estimate.inverse() : T_plot_world;
+  for (size_t i = 0; i < runs.size(); ++i) {
+    data["runs"].push_back(run_json(runs[i], T_plot_world, T_plot_truth));
+    if (i > 0) {
+      data["runs"].back()["cloud"] = "";
+      data["runs"].back()["mapPictures"] = data["runs"].back()["loopPictures"] = json::array();
+    }
+  }
+  return data;
+}
+
+std::string render_report(std::span<const RunReport> runs) {
+  constexpr std::string_view kSlot = "{\"runs\":[]}";
+  std::string text = report_data(runs).dump(-1, ' ', true, json::error_handler_t::replace);
+  // "</script>" in a name would end the element that holds the data.
+  for (size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at))
+    text.replace(at, 1, "\\u003c");
+  std::string page(embedded_report_page());
+  const size_t slot = page.find(kSlot);
+  require(slot != std::string::npos, "render_report: the page has a place for its data");
+  return page.replace(slot, kSlot.size(), text);
 }
 
 }  // namespace kinloop

@@ -154,28 +154,4 @@ std::string svg_plot(const PlotFrame& frame, std::span<const PlotSeries> series)
   return svg_of(frame.title, content + legend(series));
 }
 
-std::string svg_histogram(const PlotFrame& frame, std::span<const double> values) {
-  constexpr size_t kBars = 30;
-  const double most = values.empty() ? 1 : std::max(1e-9, *std::max_element(values.begin(), values.end()));
-  const double width = round_step(most, kBars);
-  std::vector<double> counts(static_cast<size_t>(most / width) + 1);
-  for (const double value : values) ++counts[static_cast<size_t>(value / width)];
-  PlotSeries corners;
-  for (size_t i = 0; i < counts.size(); ++i) {
-    corners.points.emplace_back(static_cast<double>(i + 1) * width, counts[i]);
-  }
-  corners.points.emplace_back(0, 0);
-
-  const Window window = window_of(frame, {&corners, 1});
-  std::string content = grid(frame, window);
-  constexpr double kGap = 1.5;
-  for (size_t i = 0; i < counts.size(); ++i) {
-    const double left = window.x(static_cast<double>(i) * width),
-                 right = window.x(static_cast<double>(i + 1) * width);
-    content += fmt::format(R"(<rect class="bar" x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}"/>)",
-                           left, window.y(counts[i]), right - left - kGap, window.y(0) - window.y(counts[i]));
-  }
-  return svg_of(frame.title, content);
-}
-
 }  // namespace kinloop

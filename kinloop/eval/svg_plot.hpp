@@ -1,6 +1,6 @@
 #pragma once
-// In: series of numbers. Out: plots as SVG elements for a page whose style sheet colours the classes "truth",
-// "estimate", "keyframe", "loop", "error", "level", "bar", "grid" and "axis".
+// In: series of numbers. Out: plots as SVG elements for a page whose style sheet colours the classes
+// "estimate", "loop", "grid" and "axis".
 
 #include <span>
 #include <string>
@@ -29,8 +29,5 @@ struct PlotFrame {
 
 /// Series over one pair of axes.
 std::string svg_plot(const PlotFrame& frame, std::span<const PlotSeries> series);
-
-/// How often the values fall into each of some thirty equal intervals from 0 up.
-std::string svg_histogram(const PlotFrame& frame, std::span<const double> values);
 
 }  // namespace kinloop

@@ -21,6 +21,8 @@ class RunFolder {
   [[nodiscard]] std::filesystem::path trajectory() const { return path_ / "trajectory.txt"; }
   [[nodiscard]] std::filesystem::path keyframes() const { return path_ / "keyframes.txt"; }
   [[nodiscard]] std::filesystem::path ground_truth() const { return path_ / "groundtruth.txt"; }
+  [[nodiscard]] std::filesystem::path frames() const { return path_ / "frames.txt"; }
+  [[nodiscard]] std::filesystem::path loop_pictures() const { return path_ / "loops"; }
   [[nodiscard]] std::filesystem::path map() const { return path_ / "map.ply"; }
   [[nodiscard]] std::filesystem::path camera() const { return path_ / "camera.yaml"; }
   [[nodiscard]] std::filesystem::path graph() const { return path_ / "graph.g2o"; }
@@ -40,7 +42,7 @@ struct RunFiles {
   nlohmann::json figures;  ///< run.json
 };
 
-/// Writes all of them (camera.yaml, graph.g2o and report.html are others' work).
+/// Writes all of them (camera.yaml, graph.g2o, frames.txt, loops and report.html are others' work).
 void write_run_files(const RunFolder& folder, const RunFiles& files);
 
 /// Reads a run.json. Throws InputError naming the file when it is not JSON with an object.

@@ -16,6 +16,9 @@ struct FrameResult {
   bool relocalized = false;  ///< found again by its words after a loss
   SE3 T_world_camera;        ///< as known now; meaningless when lost
   KeyframeId keyframe;       ///< valid where the frame became one
+  KeyframeId reference;      ///< the keyframe that the pose was found relative to, and that it moves with
+  SE3 T_reference_camera;
+  std::vector<LandmarkMatch> matches;  ///< the landmarks seen
   TrackStats stats;
 };
 

@@ -61,7 +61,7 @@ FrameResult Slam::process(const PreparedFrame& measured) {
   times_.add("features", measured.preparing);
   take_in(work_.apply_due(map_, measured.id));
 
-  FrameResult told{measured.id, measured.stamp_ns, TrackStatus::kLost, false, {}, {}, {}};
+  FrameResult told{measured.id, measured.stamp_ns, TrackStatus::kLost, false, {}, {}, {}, {}, {}, {}};
   const bool repeat = repeats_previous(measured);
   const TrackResult result = repeat ? previous_result() : locate(at_rest(measured), told.relocalized);
   PreparedFrame frame = measured;
@@ -80,6 +80,9 @@ FrameResult Slam::process(const PreparedFrame& measured) {
   }
   told.status = result.status;
   told.stats = result.stats;
+  told.reference = result.reference;
+  told.T_reference_camera = result.T_reference_camera;
+  told.matches = result.matches;
   if (result.status != TrackStatus::kLost) {
     told.T_world_camera = map_.keyframe(result.reference).T_world_camera * result.T_reference_camera;
   }

@@ -1,9 +1,13 @@
 #include "kinloop/eval/report.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/eval/report_text.hpp"
 #include "kinloop/eval/svg_plot.hpp"
@@ -26,86 +30,150 @@ Trajectory circle(double radius_m) {
 }
 
 RunReport full_report() {
-  RunReport report;
-  report.estimate = circle(1.01);
-  report.truth = circle(1);
-  report.keyframes = {report.estimate[0], report.estimate[100], report.estimate[210]};
-  report.map_picture_png = "\x89PNG";
-  report.figures = {{"input", "my <room> & more"},
-                    {"version", "kinloop 0.1.0"},
-                    {"frames", 1352},
-                    {"tracked", 1350},
-                    {"keyframes", 3},
-                    {"map", {{"points", 1049432}, {"voxel_m", 0.01}}},
-                    {"rooms", {{"tracking", {{"wall_s", 13.52}, {"cpu_s", 13}}}}},
-                    {"loops",
-                     {{{"stamp_a", format_stamp(0)},
-                       {"stamp_b", format_stamp(report.estimate[210].stamp_ns)},
-                       {"inliers", 57}}}},
-                    {"options", {{"features.count", 1000}, {"executor.mode", "lagged"}}},
-                    {"evaluation", {{"ate", {{"rmse_m", 0.0123}}}}}};
-  return report;
+  RunReport run;
+  run.name = "my <room> & more";
+  run.estimate = circle(1.01);
+  run.truth = circle(1);
+  run.keyframes = {run.estimate[0], run.estimate[100], run.estimate[210]};
+  run.frames = {{0, "tracked", 1000, 640, 12.5}, {kNsPerSecond / 2, "lost", 900, 0, 30}};
+  run.loop_pictures = {{"met again", "\x89JPG"}};
+  run.figures = {{"frames", 300},
+                 {"loops",
+                  {{{"stamp_a", format_stamp(0)},
+                    {"stamp_b", format_stamp(run.estimate[210].stamp_ns)},
+                    {"inliers", 57}},
+                   {{"stamp_a", "1.5"}, {"stamp_b", "no stamp"}}}},
+                 {"keyframe_covariances", {1, 2, 3}}};
+  return run;
 }
 
-TEST(Report, ShowsTheFigures) {
-  const auto page = render_report(full_report());
-  EXPECT_THAT(page, HasSubstr("99.9 %"));
-  EXPECT_THAT(page, HasSubstr("1&#8239;049&#8239;432"));
-  EXPECT_THAT(page, HasSubstr("12.3 mm"));
-  EXPECT_THAT(page, HasSubstr("<td>features.count</td><td>1000</td>"));
-  EXPECT_THAT(page, HasSubstr("<td>executor.mode</td><td>lagged</td>"));
-  EXPECT_THAT(page, HasSubstr("<td>tracking</td><td class=\"number\">10.00</td>"));
-  EXPECT_THAT(page, HasSubstr("<td class=\"number\">57</td>"));
-  EXPECT_THAT(page, HasSubstr("class=\"loop\""));
-  EXPECT_THAT(page, HasSubstr("data:image/png;base64,iVBORw=="));
+nlohmann::json data_of(const RunReport& run) {
+  return report_data({&run, 1})["runs"][0];
 }
 
-TEST(Report, NeedsNothingElse) {
-  const auto page = render_report(full_report());
-  EXPECT_THAT(page, Not(HasSubstr("http")));
-  EXPECT_THAT(page, Not(HasSubstr("<script")));
-  EXPECT_THAT(page, Not(HasSubstr("@import")));
-  EXPECT_THAT(page, Not(HasSubstr("{{")));
-  EXPECT_THAT(page, Not(HasSubstr("nan")));
+TEST(Report, HoldsPathsErrorsAndFigures) {
+  const auto data = data_of(full_report());
+  EXPECT_EQ(data["path"]["x"].size(), 300U);
+  EXPECT_EQ(data["truth"]["z"].size(), 300U);
+  EXPECT_EQ(data["errors"]["mm"].size(), 300U);
+  EXPECT_NEAR(data["errors"]["mm"][5].get<double>(), 10, 2);  // a hundredth of a metre
+  EXPECT_NEAR(data["evaluation"]["ate"]["rmse_m"].get<double>(), 0.01, 2e-3);
+  EXPECT_EQ(data["frames"]["tracked"][0], 640);
+  EXPECT_EQ(data["frames"]["t"][1], 0.5);
+  EXPECT_EQ(data["figures"]["frames"], 300);
+  EXPECT_FALSE(data["figures"].contains("keyframe_covariances"));
 }
 
-TEST(Report, TakesNoTextForMarkup) {
-  const auto page = render_report(full_report());
-  EXPECT_THAT(page, Not(HasSubstr("<room>")));
-  EXPECT_THAT(page, HasSubstr("my &lt;room&gt; &amp; more"));
+TEST(Report, DrawsTheEstimateWhereTheTruthIs) {
+  const auto data = data_of(full_report());
+  for (size_t i = 0; i < 300; ++i) {
+    for (const char* axis : {"x", "y", "z"}) {
+      EXPECT_NEAR(data["path"][axis][i].get<double>(), data["truth"][axis][i].get<double>(), 0.03);
+    }
+  }
+}
+
+TEST(Report, FromAboveTheHeightIsLeftOut) {
+  const auto data = data_of(full_report());
+  const auto extent = [&](const char* axis) {
+    const auto values = data["path"][axis].get<std::vector<double>>();
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    return *high - *low;
+  };
+  EXPECT_NEAR(extent("x"), 2.02, 0.05);
+  EXPECT_NEAR(extent("y"), 2.02, 0.05);
+  EXPECT_NEAR(extent("z"), 0.2, 0.05);
+}
+
+TEST(Report, LoopsArePairsOfKeyframesAndUnknownOnesAreLeftOut) {
+  EXPECT_EQ(data_of(full_report())["loops"], nlohmann::json::parse("[[0, 2]]"));
 }
 
 TEST(Report, LeavesOutWhatIsNotKnown) {
-  auto report = full_report();
-  report.truth.clear();
-  report.figures.erase("evaluation");
-  const auto page = render_report(report);
-  EXPECT_THAT(page, Not(HasSubstr("<h2>Error</h2>")));
-  EXPECT_THAT(page, Not(HasSubstr("ATE")));
-  EXPECT_THAT(page, Not(HasSubstr(">truth<")));
-  EXPECT_THAT(page, HasSubstr("From above"));
+  RunReport run = full_report();
+  run.truth.clear();
+  const auto data = data_of(run);
+  EXPECT_FALSE(data.contains("errors"));
+  EXPECT_FALSE(data.contains("truth"));
+  EXPECT_FALSE(data.contains("evaluation"));
+}
+
+TEST(Report, OfSeveralRunsAllLieOnTheSameTruth) {
+  RunReport other = full_report();
+  const SE3 T_other{exp_so3({0.3, 1, -0.2}), {5, 6, 7}};  // began elsewhere
+  for (auto& pose : other.estimate) pose.T_world_camera = T_other * pose.T_world_camera;
+  const std::vector<RunReport> runs = {full_report(), other};
+  const auto data = report_data(runs)["runs"];
+  for (size_t i = 0; i < 300; i += 50) {
+    EXPECT_NEAR(data[0]["path"]["x"][i].get<double>(), data[1]["path"]["x"][i].get<double>(), 1e-3);
+    EXPECT_NEAR(data[0]["path"]["z"][i].get<double>(), data[1]["path"]["z"][i].get<double>(), 1e-3);
+  }
+  EXPECT_EQ(data[0]["loopPictures"].size(), 1U);
+  EXPECT_EQ(data[1]["loopPictures"].size(), 0U);
+}
+
+TEST(Report, IsOnePageThatHoldsItsDataAndTakesNoTextForMarkup) {
+  RunReport run = full_report();
+  run.name = "</script><b>bold</b>";
+  const std::string page = render_report({&run, 1});
+  EXPECT_THAT(page, HasSubstr("</html>"));
+  EXPECT_THAT(page, HasSubstr("\\u003c/script>\\u003cb>bold"));
+  EXPECT_THAT(page, Not(HasSubstr("<b>bold")));
+  for (const char* reference : {"<link", "src=\"http", "@import", "url(http"}) {
+    EXPECT_THAT(page, Not(HasSubstr(reference)));
+  }
 }
 
 TEST(Report, OfNothingIsStillAPage) {
-  const auto page = render_report({});
-  EXPECT_THAT(page, HasSubstr("no frame was tracked"));
-  EXPECT_THAT(page, HasSubstr("</html>"));
+  EXPECT_THAT(render_report({}), HasSubstr("</html>"));
+  const RunReport empty;
+  EXPECT_THAT(render_report({&empty, 1}), HasSubstr("</html>"));
 }
 
 TEST(Report, ToleratesFiguresOfTheWrongKind) {
-  RunReport report;
-  report.figures = {
+  RunReport run;
+  run.figures = {
       {"frames", "many"}, {"loops", 7}, {"rooms", {{"a", 1}}}, {"options", nullptr}, {"map", {1, 2}}};
-  EXPECT_THAT(render_report(report), HasSubstr("</html>"));
+  EXPECT_EQ(data_of(run)["loops"].size(), 0U);
+  run.figures = {{"loops", {1, {{"stamp_a", 3}}}}};
+  EXPECT_EQ(data_of(run)["loops"].size(), 0U);
+  run.figures = "no object";
+  EXPECT_TRUE(data_of(run)["figures"].is_object());
 }
 
-TEST(Report, OfACameraThatStoodStillHasPlots) {
-  RunReport report;
-  report.estimate.assign(5, {0, {Eigen::Quaterniond::Identity(), {1, 2, 3}}});
-  const auto page = render_report(report);
-  EXPECT_THAT(page, HasSubstr("From above"));
-  EXPECT_THAT(page, Not(HasSubstr("nan")));
-  EXPECT_THAT(page, Not(HasSubstr("inf")));
+TEST(Report, OfACameraThatStoodStillHasNumbers) {
+  RunReport run;
+  run.estimate.assign(5, {0, {Eigen::Quaterniond::Identity(), {1, 2, 3}}});
+  for (const auto& x : data_of(run)["path"]["x"]) EXPECT_TRUE(x.is_number());
+}
+
+class FrameTableFile : public testing::Test {
+ protected:
+  std::filesystem::path path_ = std::filesystem::path(testing::TempDir()) / "frames.txt";
+};
+
+TEST_F(FrameTableFile, ComesBackAsItWasWritten) {
+  const FrameTable table = {{1311868164363, "tracked", 1000, 640, 12.5},
+                            {1311868164399, "lost", 0, 0, 0.125}};
+  write_frame_table(path_, table);
+  const FrameTable back = read_frame_table(path_);
+  ASSERT_EQ(back.size(), 2U);
+  EXPECT_EQ(back[0].stamp_ns, table[0].stamp_ns);
+  EXPECT_EQ(back[0].tracked, 640);
+  EXPECT_EQ(back[1].status, "lost");
+  EXPECT_EQ(back[1].ms, 0.125);
+}
+
+TEST_F(FrameTableFile, SaysWhereItIsDamaged) {
+  for (const char* row : {"1.0 tracked 5", "x tracked 5 5 5", "1.0 tracked 5 y 5", "1.0 tracked 5 5 5 5"}) {
+    write_file(path_, std::string("# head\n1.0 tracked 5 5 5\n") + row + "\n");
+    try {
+      read_frame_table(path_);
+      FAIL() << row;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("frames.txt:3")) << row;
+    }
+  }
 }
 
 TEST(SvgPlot, OnEqualAxesACircleIsRound) {
@@ -119,16 +187,6 @@ TEST(SvgPlot, OnEqualAxesACircleIsRound) {
             8);
   EXPECT_NEAR(v[2] - v[6], v[1] - v[5], 0.21);  // as wide as high, up to rounding
   EXPECT_GT(v[1], v[5]);                        // y goes up
-}
-
-TEST(SvgHistogram, HasABarOfTheRightHeightForEveryValue) {
-  const std::vector<double> values = {1, 1, 1, 9.9};
-  const auto svg = svg_histogram({"h", "mm", "n", false, true}, values);
-  size_t bars = 0;
-  for (size_t at = svg.find("<rect"); at != std::string::npos; at = svg.find("<rect", at + 1)) ++bars;
-  EXPECT_EQ(bars, 20U);  // of half a millimetre
-  EXPECT_THAT(svg_histogram({"h", "mm", "n", false, true}, {}), Not(HasSubstr("nan")));
-  EXPECT_THAT(svg_histogram({"h", "mm", "n", false, true}, std::vector<double>{0, 0}), Not(HasSubstr("nan")));
 }
 
 TEST(ReportText, Base64IsThatOfTheRfc) {

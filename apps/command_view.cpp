@@ -1,0 +1,55 @@
+// kinloop view: shows what a run left behind in a browser.
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "apps/commands.hpp"
+#include "apps/interrupt.hpp"
+#include "kinloop/base/log.hpp"
+#include "viewer/saved_run.hpp"
+#include "viewer/server/service.hpp"
+
+namespace kinloop {
+namespace {
+
+struct ViewArguments {
+  std::filesystem::path path;
+  std::string listen;
+};
+
+void view(const ViewArguments& arguments) {
+  constexpr std::chrono::milliseconds kBetweenLooks{100};
+  const ListenAddress listen = parse_listen_address(arguments.listen);
+  const SavedRun run = read_saved_run(arguments.path);
+  bool shown = false;
+  const ViewerService service(
+      listen,
+      [&](Scene& scene, size_t) {
+        if (!std::exchange(shown, true)) show_saved_run(scene, run);
+      },
+      [](Command) {});
+  catch_interrupts();
+  log::info("watch at {}; Ctrl-C ends", service.url());
+  while (!interrupted()) std::this_thread::sleep_for(kBetweenLooks);
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& app) {
+  auto arguments = std::make_shared<ViewArguments>();
+  CLI::App* command = app.add_subcommand("view", "Show a run's folder, or a map file, in a browser");
+  command->add_option("DIR|MAP", arguments->path, "the folder that kinloop run -o DIR wrote, or a map.ply")
+      ->required();
+  command
+      ->add_option("--port", arguments->listen,
+                   "PORT, 0 = any that is free, or ADDRESS:PORT for other machines")
+      ->default_str("8080");
+  command->callback([arguments] { view(*arguments); });
+}
+
+}  // namespace kinloop

@@ -1,0 +1,41 @@
+#pragma once
+// What `kinloop run --viewer` adds to a run.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "apps/dense_recorder.hpp"
+#include "kinloop/output/run_folder.hpp"
+#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/slam/slam.hpp"
+#include "viewer/live_viewer.hpp"
+
+namespace kinloop {
+
+/// A run that is shown.
+struct ShownRun {
+  ShownRun(const ListenAddress& listen, RunBasics basics) : viewer(listen, std::move(basics)) {}
+
+  LiveViewer viewer;
+  std::function<void()> leave;  ///< to be called before every frame: waits while paused, saves when asked to
+};
+
+/// --viewer[=[ADDRESS:]PORT]; `listen` stays empty without.
+void add_viewer_option(CLI::App& command, std::string& listen);
+
+/// Begins to show the run, if `listen` asks for it, and says where. Slam must not outlive the result.
+std::unique_ptr<ShownRun> show_run(const std::string& listen, const FrameSource& source,
+                                   const ViewerOptions& options, Slam& slam,
+                                   const std::function<void()>& save_now);
+
+/// Writes trajectory and map as they are now.
+void save_map(const RunFolder& folder, const Slam& slam, const DenseRecorder& recorder, int threads);
+
+/// After the run: where somebody sits at the terminal, goes on serving until Ctrl-C; otherwise only until
+/// those who watch have the last state.
+void stay_open(LiveViewer& viewer);
+
+}  // namespace kinloop

@@ -1,0 +1,28 @@
+#pragma once
+// Files that become part of the program: nothing to find at run time, and no array of a million numbers for
+// the compiler to read, since the assembler copies the file into the library's read-only data.
+
+#include <cstddef>
+#include <string_view>
+
+/// Defines `std::string_view NAME()`, the bytes of the file `PATH` (a string literal). For a .cpp, outside of
+/// all functions; CMake must be told that the object depends on the file.
+// NOLINTBEGIN(bugprone-macro-parentheses): names and string literals to be pasted
+#define KINLOOP_EMBED_FILE(NAME, PATH)                                                             \
+  __asm__(                                                                                         \
+      ".pushsection .rodata\n"                                                                     \
+      ".balign 8\n"                                                                                \
+      ".global kinloop_embedded_" #NAME "_begin\nkinloop_embedded_" #NAME                          \
+      "_begin:\n"                                                                                  \
+      ".incbin \"" PATH                                                                            \
+      "\"\n"                                                                                       \
+      ".global kinloop_embedded_" #NAME "_end\nkinloop_embedded_" #NAME                            \
+      "_end:\n"                                                                                    \
+      ".popsection\n");                                                                            \
+  extern "C" const char kinloop_embedded_##NAME##_begin[];                                         \
+  extern "C" const char kinloop_embedded_##NAME##_end[];                                           \
+  static std::string_view NAME() {                                                                 \
+    return {kinloop_embedded_##NAME##_begin,                                                       \
+            static_cast<size_t>(kinloop_embedded_##NAME##_end - kinloop_embedded_##NAME##_begin)}; \
+  }
+// NOLINTEND(bugprone-macro-parentheses)

@@ -1,0 +1,70 @@
+// A run of the simulated Kinect, watched from its first frame to the loop that it closes.
+
+import assert from 'node:assert/strict';
+import { existsSync } from 'node:fs';
+import { join } from 'node:path';
+
+import { onStage, paintedPixels, seen, until } from './stage.mjs';
+
+const FAST = ['--set', 'sim.fps=10', '--set', 'sim.width=320', '--set', 'sim.height=240'];
+const frame = ({ facts }) => Number(facts.match(/frame\s+(\d+)/)?.[1]);
+
+await onStage(async ({ open, kinloop, folder, shoot }) => {
+  const out = join(folder, 'out');
+  const run = kinloop('run', 'sim:room', '-o', out, '--viewer=0', ...FAST);
+  const url = await run.url();
+  const page = await open(url);
+  const other = await open(url);
+
+  // The page loads, pauses, and steps one frame at a time.
+  await until(async () => (await seen(page)).keyframes > 1, 'keyframes come');
+  await page.click('#pause');
+  await until(async () => (await seen(page)).badge.includes('paused'), 'the run pauses');
+  await page.waitForTimeout(500);
+  const still = frame(await seen(page));
+  await page.waitForTimeout(500);
+  assert.equal(frame(await seen(page)), still, 'while it is paused no frame is taken');
+  await page.click('#step');
+  await until(async () => frame(await seen(page)) === still + 1, 'a step is one frame');
+  assert.ok((await seen(other)).badge.includes('paused'), 'the other browser sees the same');
+
+  // The map is saved as it is, while the run is paused.
+  await page.click('#save');
+  await until(() => existsSync(join(out, 'map.ply')), 'the map is saved on demand');
+
+  // It goes on: the cloud grows, the camera moves, the images come.
+  const before = await seen(page);
+  await page.keyboard.press(' ');
+  await until(async () => (await seen(page)).points > 2 * before.points, 'the cloud grows');
+  const later = await seen(page);
+  assert.notDeepEqual(later.camera, before.camera, 'the camera moves');
+  assert.ok(later.path > before.path, 'the path grows');
+  assert.ok(later.truth > 100, 'there is ground truth');
+  assert.ok((await paintedPixels(page, '#scene')) > 5000, 'the scene is drawn');
+  assert.ok((await paintedPixels(page, '#colorImage')) > 5000, 'the colour image is shown');
+  assert.ok((await paintedPixels(page, '#depthImage')) > 5000, 'the depth image is shown');
+
+  // The eye follows the camera, and the colours change.
+  await page.check('[name=camera][value=follow]');
+  const eye = (await seen(page)).eye;
+  await until(async () => Math.hypot(...(await seen(page)).eye.map((x, i) => x - eye[i])) > 0.1, 'the eye follows');
+  for (const color of ['height', 'depth', 'time', 'camera']) await page.selectOption('#color', color);
+  await shoot(page, 'live-follow');
+  await page.check('[name=camera][value=orbit]');
+  await page.click('#home');
+
+  // A browser that comes late, or back, gets all there is.
+  await other.reload();
+  await until(async () => (await seen(other)).points >= later.points, 'a late browser gets the whole map');
+
+  // The loop is closed, and one sees it.
+  await until(async () => (await seen(page)).loops > 0, 'a loop is closed');
+  assert.equal((await seen(page)).flash, 'on', 'the page tells of the loop');
+  await shoot(page, 'live-loop');
+
+  assert.equal(await run.ended, 0, run.text);
+  const end = await seen(page);
+  assert.ok(end.path > 150, `the path is whole: ${end.path}`);
+  await until(async () => (await seen(page)).badge === 'not connected', 'the page tells that the run is over');
+  assert.ok((await seen(page)).points > 0, 'what was seen stays to be looked at');
+});

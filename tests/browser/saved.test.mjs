@@ -1,0 +1,62 @@
+// kinloop view and the report of a run, of a simulated room.
+
+import assert from 'node:assert/strict';
+import { readFileSync, statSync } from 'node:fs';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+
+import { onStage, paintedPixels, seen, until } from './stage.mjs';
+
+const FAST = ['--set', 'sim.fps=10', '--set', 'sim.width=320', '--set', 'sim.height=240'];
+const MOST_BYTES = 5e6;
+
+await onStage(async ({ open, kinloop, folder, shoot }) => {
+  const [out, plain] = [join(folder, 'out'), join(folder, 'no_loop')];
+  assert.equal(await kinloop('run', 'sim:room', '-q', '-o', out, ...FAST).ended, 0);
+  await kinloop('run', 'sim:room', '-q', '--no-loop', '-o', plain, ...FAST).ended;
+
+  // The report: from disk, without network, in the light, in the dark and on a phone.
+  const report = join(out, 'report.html');
+  assert.ok(statSync(report).size < MOST_BYTES, `${statSync(report).size} bytes`);
+  for (const [name, options] of Object.entries({
+    light: { colorScheme: 'light' },
+    dark: { colorScheme: 'dark' },
+    phone: { viewport: { width: 390, height: 844 } },
+  })) {
+    const page = await open(pathToFileURL(report).href, options);
+    await until(() => paintedPixels(page, 'canvas.cloud').then((painted) => painted > 1000), 'the cloud is drawn');
+    const headings = await page.locator('h2').allTextContents();
+    assert.deepEqual(headings, ['Map', 'Map to turn', 'Path', 'Error', 'Loops', 'Tracking', 'Where the time went', 'Made with']);
+    const width = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert.ok(width <= 0, `${name}: nothing sticks out at the side, ${width} px`);
+    assert.equal(await page.locator('svg path[d*="NaN"]').count(), 0);
+    assert.ok((await page.locator('figure img').count()) >= 3, 'map from two sides, and loops');
+    await shoot(page, `report-${name}`, { fullPage: true });
+    await page.close();
+  }
+
+  // Two runs and somebody else's trajectory, side by side.
+  const comparison = join(folder, 'comparison.html');
+  assert.equal(await kinloop('report', out, plain, join(plain, 'trajectory.txt'), '-o', comparison).ended, 0);
+  assert.ok(readFileSync(comparison).length < MOST_BYTES);
+  const side = await open(pathToFileURL(comparison).href);
+  assert.equal(await side.locator('.table').first().locator('tr').first().locator('th').count(), 4, 'a column per run');
+  await shoot(side, 'comparison', { fullPage: true });
+
+  // kinloop view DIR, and a map alone.
+  for (const what of [out, join(out, 'map.ply')]) {
+    const page = await open(await kinloop('view', what, '--port', '0').url());
+    await until(async () => (await seen(page)).points > 10_000, 'the saved cloud is there');
+    await until(() => paintedPixels(page, '#scene').then((painted) => painted > 20_000), 'and drawn');
+    if (what === out) {
+      assert.ok((await seen(page)).path > 150);
+      assert.ok((await seen(page)).loops > 0);
+      assert.ok((await seen(page)).truth > 150);
+    }
+    assert.equal(await page.locator('#run').isVisible(), false, 'nothing runs that could be paused');
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click('#screenshot')]);
+    assert.equal(download.suggestedFilename(), 'kinloop.png');
+    await page.waitForTimeout(500);
+    await shoot(page, what === out ? 'view-folder' : 'view-map');
+  }
+});

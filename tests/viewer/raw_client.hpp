@@ -1,0 +1,60 @@
+#pragma once
+// A client that says exactly what a test wants, also what no browser would.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace kinloop::test {
+
+/// A message of the viewer: see viewer/scene/wire.hpp.
+struct ReceivedPart {
+  uint32_t kind = 0;
+  uint32_t index = 0;
+  double version = 0;
+  std::string body;
+};
+
+class RawClient {
+ public:
+  /// Connects to the port of 127.0.0.1.
+  explicit RawClient(int port);
+  ~RawClient();
+  RawClient(RawClient&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+
+  /// False when the other side has gone.
+  bool send(const std::string& bytes);
+
+  /// All that comes until the other side closes, or nothing has come for some seconds.
+  std::string read_all();
+
+  /// Sends a request for `target` and gives the whole answer. `headers` are further lines, each ended by
+  /// CRLF.
+  std::string get(const std::string& target, const std::string& headers = "",
+                  const std::string& host = "localhost");
+
+  /// Asks for the WebSocket; true when it was granted.
+  bool open_feed(const std::string& target = "/feed", const std::string& headers = "");
+
+  /// The next message; nothing when the other side closed.
+  std::optional<ReceivedPart> next_part();
+
+  /// Whether the other side closes within some seconds; messages are passed over.
+  bool is_closed();
+
+ private:
+  bool read_exactly(size_t bytes, std::string& into);
+
+  int socket_ = -1;
+};
+
+/// A frame as a browser sends it: final, text, masked.
+std::string text_frame(const std::string& text);
+
+/// The port in "http://host:port/...".
+int port_of(const std::string& url);
+
+}  // namespace kinloop::test

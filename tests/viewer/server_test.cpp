@@ -1,0 +1,267 @@
+// The server as friends and foes meet it.
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include "kinloop/base/errors.hpp"
+#include "tests/viewer/raw_client.hpp"
+#include "viewer/server/service.hpp"
+
+namespace kinloop::test {
+namespace {
+
+using testing::AllOf;
+using testing::AnyOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+/// Serves a scene that the test changes from outside.
+class Served {
+ public:
+  explicit Served(const std::string& listen = "0")
+      : service_(
+            parse_listen_address(listen), [this](Scene& scene, size_t) { update(scene); },
+            [this](Command command) {
+              const std::lock_guard lock(mutex_);
+              commands_.push_back(command);
+            }) {}
+
+  void put(PartKind kind, uint32_t index, Bytes body) {
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back({kind, index, 0, std::make_shared<const Bytes>(std::move(body))});
+  }
+  std::vector<Command> commands() {
+    const std::lock_guard lock(mutex_);
+    return commands_;
+  }
+  [[nodiscard]] std::string run() {
+    const std::lock_guard lock(mutex_);
+    return run_;
+  }
+  [[nodiscard]] int port() const { return port_of(service_.url()); }
+  [[nodiscard]] const std::string& url() const { return service_.url(); }
+  [[nodiscard]] size_t browsers() const { return service_.browsers(); }
+
+ private:
+  void update(Scene& scene) {
+    const std::lock_guard lock(mutex_);
+    run_ = scene.run();
+    for (const ScenePart& part : std::exchange(waiting_, {})) scene.put(part.kind, part.index, *part.body);
+  }
+
+  std::mutex mutex_;
+  std::string run_;
+  std::vector<ScenePart> waiting_;
+  std::vector<Command> commands_;
+  ViewerService service_;
+};
+
+/// Waits until it is so, some seconds at most.
+template <class Question>
+bool becomes(const Question& question) {
+  for (int i = 0; i < 1000 && !question(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return question();
+}
+
+TEST(ViewerServer, ServesOnePageThatNothingCanBeLoadedInto) {
+  const Served served;
+  const std::string answer = RawClient(served.port()).get("/");
+  EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("</html>")));
+  EXPECT_THAT(answer, HasSubstr("default-src 'none'"));
+  EXPECT_THAT(answer, HasSubstr("frame-ancestors 'none'"));
+  EXPECT_THAT(answer, HasSubstr("Referrer-Policy: no-referrer"));
+}
+
+TEST(ViewerServer, HasNoFilesToReach) {
+  const Served served;
+  for (const char* target : {"/../../../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "//etc/passwd",
+                             "/etc/passwd", "/feed/../../etc/passwd", "/..\\..\\etc\\passwd", "/index.html",
+                             "/feed", "file:///etc/passwd", "http://localhost/etc/passwd", "*"}) {
+    const std::string answer = RawClient(served.port()).get(target);
+    EXPECT_THAT(answer, AnyOf(StartsWith("HTTP/1.1 404"), "")) << target;
+    EXPECT_THAT(answer, Not(HasSubstr("root:"))) << target;
+  }
+}
+
+TEST(ViewerServer, TakesNothingButShortGetRequests) {
+  const Served served;
+  const auto answer_to = [&](const std::string& bytes) {
+    RawClient client(served.port());
+    client.send(bytes);
+    return client.read_all();
+  };
+  EXPECT_THAT(answer_to("DELETE / HTTP/1.1\r\nHost: localhost\r\n\r\n"), StartsWith("HTTP/1.1 405"));
+  EXPECT_THAT(answer_to("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(100'000, 'x') + "\r\n\r\n"),
+              AnyOf(StartsWith("HTTP/1.1 431"), ""));
+  EXPECT_THAT(answer_to("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999\r\n\r\nxxx"),
+              Not(StartsWith("HTTP/1.1 200")));
+  EXPECT_EQ(answer_to(std::string(1000, '\0') + "\r\n\r\n"), "");
+  EXPECT_EQ(answer_to("\x16\x03\x01\x02\r\n\r\n"), "");  // TLS
+  EXPECT_THAT(RawClient(served.port()).get("/"), StartsWith("HTTP/1.1 200"));
+}
+
+TEST(ViewerServer, ShutsOutPagesOfOthersAndNamesMadeToPointHere) {
+  const Served served;
+  EXPECT_THAT(RawClient(served.port()).get("/", "", "evil.example"), StartsWith("HTTP/1.1 403"));
+  EXPECT_FALSE(RawClient(served.port()).open_feed("/feed", "Origin: http://evil.example\r\n"));
+  EXPECT_FALSE(RawClient(served.port()).open_feed("/feed", "Origin: null\r\n"));
+  EXPECT_TRUE(RawClient(served.port()).open_feed("/feed", "Origin: http://localhost\r\n"));
+}
+
+TEST(ViewerServer, OnOtherAddressesTheTokenOfTheUrlIsNeeded) {
+  const Served served("0.0.0.0:0");
+  const std::string token = served.url().substr(served.url().find("token=") + 6);
+  EXPECT_EQ(token.size(), 32U);
+  EXPECT_THAT(RawClient(served.port()).get("/"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(RawClient(served.port()).get("/?token=" + std::string(32, '0')), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(RawClient(served.port()).get("/?token=" + token, "", "robot"), StartsWith("HTTP/1.1 200"));
+  EXPECT_FALSE(RawClient(served.port()).open_feed("/feed?token=" + token.substr(1)));
+  EXPECT_TRUE(RawClient(served.port()).open_feed("/feed?token=" + token));
+}
+
+TEST(ViewerServer, SendsEveryPartAndAfterABreakOnlyTheRest) {
+  Served served;
+  for (uint8_t i = 0; i < 3; ++i) served.put(PartKind::kCloud, i, {i});
+  double seen = 0;
+  {
+    RawClient client(served.port());
+    ASSERT_TRUE(client.open_feed());
+    for (int i = 0; i < 3; ++i) {
+      const auto part = client.next_part();
+      ASSERT_TRUE(part);
+      EXPECT_EQ(part->body, std::string(1, static_cast<char>(i)));
+      seen = part->version;
+    }
+  }
+  served.put(PartKind::kCloud, 1, {9});
+  const std::string since = std::to_string(static_cast<uint64_t>(seen));
+  RawClient back(served.port()), stranger(served.port());
+  ASSERT_TRUE(back.open_feed("/feed?run=" + served.run() + "&since=" + since));
+  const auto rest = back.next_part();
+  ASSERT_TRUE(rest);
+  EXPECT_EQ(rest->index, 1U);
+  EXPECT_EQ(rest->body, "\x09");
+  ASSERT_TRUE(stranger.open_feed("/feed?run=another&since=" + since));  // of a run before this one
+  EXPECT_EQ(stranger.next_part()->index, 0U);
+}
+
+TEST(ViewerServer, ObeysCommands) {
+  Served served;
+  RawClient client(served.port());
+  ASSERT_TRUE(client.open_feed());
+  for (const char* name : {"pause", "step", "resume", "save"}) {
+    client.send(text_frame(std::string("{\"command\":\"") + name + "\"}"));
+  }
+  EXPECT_TRUE(becomes([&] { return served.commands().size() == 4; }));
+  EXPECT_THAT(served.commands(),
+              ElementsAre(Command::kPause, Command::kStep, Command::kResume, Command::kSave));
+}
+
+TEST(ViewerServer, DropsBrowsersThatSendAnythingElse) {
+  Served served;
+  const std::string masked_2_gib = std::string("\x82\xff\0\0\0\0\x80\0\0\0", 10) + std::string(4, '\0');
+  const std::string bad[] = {text_frame("{\"command\":\"shutdown\"}"),
+                             text_frame("{\"command\":7}"),
+                             text_frame("[]"),
+                             text_frame("\xff\xfe"),
+                             text_frame(""),
+                             masked_2_gib,
+                             "\x81\x05hello",                     // not masked
+                             std::string("\x8f\x80\0\0\0\0", 6),  // no such opcode
+                             std::string("\xc1\x80\0\0\0\0", 6),  // an extension that nobody asked for
+                             std::string("\x89\xfe\x01\x00\0\0\0\0", 8),  // a ping that is too long
+                             std::string("\x80\x80\0\0\0\0", 6),          // goes on with nothing
+                             std::string(5000, 'x')};
+  for (const std::string& bytes : bad) {
+    RawClient client(served.port());
+    ASSERT_TRUE(client.open_feed());
+    client.send(bytes);
+    EXPECT_TRUE(client.is_closed()) << bytes.substr(0, 30);
+  }
+  EXPECT_TRUE(served.commands().empty());
+  EXPECT_TRUE(becomes([&] { return served.browsers() == 0; }));
+  EXPECT_TRUE(RawClient(served.port()).open_feed());
+}
+
+double resident_mib() {
+  constexpr double kPagesPerMib = 256;
+  std::ifstream statm("/proc/self/statm");
+  double all = 0, resident = 0;
+  statm >> all >> resident;
+  return resident / kPagesPerMib;
+}
+
+TEST(ViewerServer, ABrowserThatStopsReadingCostsNothingAndHoldsUpNobody) {
+  Served served;
+  std::vector<RawClient> stalled;
+  for (int i = 0; i < 3; ++i) {
+    stalled.emplace_back(served.port());
+    ASSERT_TRUE(stalled.back().open_feed());
+  }
+  RawClient reader(served.port());
+  ASSERT_TRUE(reader.open_feed());
+  constexpr size_t kMib = size_t{1} << 20;
+  constexpr uint8_t kRounds = 60, kParts = 16;
+  const double before_mib = resident_mib();
+  for (uint8_t round = 1; round <= kRounds; ++round) {
+    for (uint8_t i = 0; i < kParts; ++i) served.put(PartKind::kCloud, i, Bytes(kMib, round));
+    served.put(PartKind::kStatus, 0, {round});
+    while (true) {  // the reader gets this round while the others sleep
+      const auto part = reader.next_part();
+      ASSERT_TRUE(part);
+      if (part->kind == static_cast<uint32_t>(PartKind::kStatus) && part->body[0] == static_cast<char>(round))
+        break;
+    }
+  }
+  // Nearly a GiB went by; what is held is one scene and, per stalled browser, one part (and the sanitizers'
+  // own).
+  EXPECT_LT(resident_mib() - before_mib, 400);
+}
+
+TEST(ViewerServer, AThousandIdleConnectionsTakeFewDescriptorsAndHarmNobody) {
+  rlimit files{};
+  getrlimit(RLIMIT_NOFILE, &files);
+  files.rlim_cur = files.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &files);
+  constexpr size_t kIdle = 1000;
+  if (files.rlim_cur < 2 * kIdle) GTEST_SKIP() << "fewer than 2000 file descriptors may be open";
+
+  Served served;
+  RawClient friendly(served.port());
+  ASSERT_TRUE(friendly.open_feed());
+  std::vector<RawClient> idle;
+  for (size_t i = 0; i < kIdle; ++i) idle.emplace_back(served.port());
+  const auto descriptors = [] {
+    const std::filesystem::directory_iterator open("/proc/self/fd");
+    return static_cast<size_t>(std::distance(begin(open), end(open)));
+  };
+  // Ours for the idle ones, and the server's for as many as it takes.
+  EXPECT_TRUE(becomes([&] { return descriptors() < kIdle + 150; })) << descriptors();
+  served.put(PartKind::kStatus, 0, {7});
+  const auto part = friendly.next_part();
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->body, "\x07");
+  idle.clear();
+  EXPECT_TRUE(becomes([&] { return RawClient(served.port()).get("/").starts_with("HTTP/1.1 200"); }));
+}
+
+TEST(ViewerServer, SaysThatThePortIsTaken) {
+  const Served served;
+  try {
+    const Served second(std::to_string(served.port()));
+    FAIL() << "two servers at one port";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--viewer=PORT"));
+  }
+}
+
+}  // namespace
+}  // namespace kinloop::test

@@ -1,0 +1,35 @@
+// What the run was made with: options, sensor, versions.
+
+import { element, section, table } from './page.js';
+
+export function detailsSection(runs) {
+  const parts = runs.flatMap((run) => [options(run, runs), sensor(run)]).filter(Boolean);
+  const version = runs[0].figures.version;
+  if (version) parts.push(element('pre', {}, version));
+  return parts.length > 0 ? section('Made with', ...parts) : undefined;
+}
+
+/** All options of the first run; of the others those that differ. */
+function options({ name, figures }, runs) {
+  const first = runs[0].figures.options ?? {};
+  const all = Object.entries(figures.options ?? {});
+  const shown = figures === runs[0].figures ? all : all.filter(([key, value]) => first[key] !== value);
+  if (all.length === 0) return undefined;
+  const what = shown === all ? `all ${all.length} options as used` : `${shown.length} options that differ from the first run`;
+  const rows = shown.map(([key, value]) => [key, String(value)]);
+  return element('details', {}, element('summary', {}, `${name}: ${what}`), table(['option', 'value'], rows));
+}
+
+function sensor({ name, figures }) {
+  const rows = Object.entries({ ...camera(figures.camera), ...figures.sensor }).map(([key, { value, sigma }]) => [
+    key,
+    value.toPrecision(6),
+    sigma === undefined ? '' : `\u00b1 ${sigma.toPrecision(2)}`,
+  ]);
+  if (rows.length === 0) return undefined;
+  return element('details', {}, element('summary', {}, `${name}: the camera, and what was found of it`), table(['', '', '1 sigma'], rows, [1, 2]));
+}
+
+function camera(camera = {}) {
+  return Object.fromEntries(Object.entries(camera).map(([key, value]) => [key, { value }]));
+}

@@ -1,0 +1,40 @@
+// The report of one run, or of several side by side. Its data stand in the page, put there by kinloop
+// (kinloop/eval/report.cpp); every section is a function of the runs that gives its element, or nothing where there
+// is nothing to show.
+//
+//   summary.js  figures and comparison     tracking.js  features, inliers, time per frame     pictures.js  map, loops
+//   paths.js    from above and the side    rooms.js     where the time went                   details.js   options ...
+//   errors.js   over time, histogram       cloud.js     the map to turn
+//
+//   plot.js     how all plots look         page.js      how all sections look
+
+import './report.css';
+import { cloudSection } from './cloud.js';
+import { detailsSection } from './details.js';
+import { errorSection } from './errors.js';
+import { element } from './page.js';
+import { pathSection } from './paths.js';
+import { loopSection, mapSection } from './pictures.js';
+import { roomSection } from './rooms.js';
+import { headSection, summarySection } from './summary.js';
+import { trackingSection } from './tracking.js';
+
+const SECTIONS = [
+  headSection,
+  summarySection,
+  mapSection,
+  cloudSection,
+  pathSection,
+  errorSection,
+  loopSection,
+  trackingSection,
+  roomSection,
+  detailsSection,
+];
+
+const { runs } = JSON.parse(document.getElementById('data').textContent);
+runs.forEach((run, index) => (run.color = `var(--run${index % 6})`));
+document.title = `${runs.map((run) => run.name).join(', ')} - kinloop`;
+const main = document.querySelector('main');
+if (runs.length === 0) main.append(element('p', {}, 'no run'));
+else main.append(...SECTIONS.map((section) => section(runs)).filter(Boolean));

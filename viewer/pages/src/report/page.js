@@ -1,0 +1,39 @@
+// The pieces that every section is put together from.
+
+/** An element with attributes and children; text is never taken for markup. */
+export function element(name, attributes = {}, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children.filter((child) => child !== undefined));
+  return made;
+}
+
+export function section(title, ...children) {
+  return element('section', {}, element('h2', {}, title), ...children);
+}
+
+/** Figures next to each other where there is room. */
+export function row(...figures) {
+  return element('div', { class: 'row' }, ...figures);
+}
+
+export function figure(content, caption) {
+  return element('figure', {}, content, element('figcaption', {}, caption));
+}
+
+/** A table; `numbers` says which columns are numbers. */
+export function table(head, rows, numbers = []) {
+  const line = (cells, name) =>
+    element('tr', {}, ...cells.map((cell, i) => element(name, numbers.includes(i) ? { class: 'number' } : {}, cell)));
+  return element('div', { class: 'table' }, element('table', {}, line(head, 'th'), ...rows.map((cells) => line(cells, 'td'))));
+}
+
+/** The names of several runs in their colours. */
+export function legend(runs, ...others) {
+  const entries = [...others, ...runs.map(({ name, color }) => [name, color])];
+  return element(
+    'p',
+    { class: 'legend' },
+    ...entries.map(([name, color]) => element('span', {}, element('i', { style: `background:${color}` }), name)),
+  );
+}

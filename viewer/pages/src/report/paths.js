@@ -1,0 +1,43 @@
+// The path from above and from the side, over the true one (Fig. 7b and 7c of the founding paper).
+
+import { dot, line, link } from '@observablehq/plot';
+
+import { figure, legend, row, section } from './page.js';
+import { draw, evenRanges, rows } from './plot.js';
+
+const GAP_S = 0.5; // frames further apart are not joined
+
+export function pathSection(runs) {
+  if (runs.every((run) => run.path.t.length === 0)) return undefined;
+  const truth = runs.find((run) => run.truth)?.truth;
+  const others = [...(truth ? [['ground truth', 'var(--truth)']] : []), ['loops', 'var(--loop)']];
+  const view = (name, up) => figure(pathPlot(name, runs, truth, up), name);
+  return section('Path', legend(runs, ...others), row(view('From above', 'y'), view('From the side', 'z')));
+}
+
+function pathPlot(name, runs, truth, up) {
+  const all = [...runs.map((run) => run.path), ...(truth ? [truth] : [])];
+  const ranges = evenRanges(all.flatMap(({ x }) => x), all.flatMap((path) => path[up]));
+  const marks = truth ? [line(pieces(truth), { x: 'x', y: up, z: 'piece', stroke: 'var(--truth)', strokeWidth: 3 })] : [];
+  for (const run of runs) {
+    marks.push(line(pieces(run.path), { x: 'x', y: up, z: 'piece', stroke: run.color, strokeWidth: 1.5 }));
+    if (runs.length === 1) marks.push(dot(rows(run.keyframes), { x: 'x', y: up, r: 1.6, fill: run.color }));
+    const end = (side, axis) => (pair) => run.keyframes[axis][pair[side]];
+    marks.push(link(run.loops, { x1: end(0, 'x'), y1: end(0, up), x2: end(1, 'x'), y2: end(1, up), stroke: 'var(--loop)', strokeWidth: 1.5 }));
+  }
+  return draw(name, marks, {
+    aspectRatio: 1,
+    height: undefined,
+    x: { domain: ranges.x, label: 'm', clamp: true },
+    y: { domain: ranges.y, label: 'm', clamp: true },
+  });
+}
+
+/** The rows of a path, with the piece of it that each belongs to: a loss parts them. */
+function pieces(path) {
+  let piece = 0;
+  return rows(path).map((place, i, all) => {
+    if (i > 0 && place.t - all[i - 1].t > GAP_S) ++piece;
+    return { ...place, piece };
+  });
+}

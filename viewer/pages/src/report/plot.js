@@ -1,0 +1,35 @@
+// How all plots look. Observable Plot draws them as SVG, which prints and scales; colours come from the style sheet.
+
+import { plot } from '@observablehq/plot';
+
+const WIDTH = 560;
+const STYLE = { fontSize: '12px', background: 'transparent', color: 'var(--soft)', overflow: 'visible' };
+
+/** A plot with `marks`; `title` is for those who cannot see it. */
+export function draw(title, marks, options = {}) {
+  return plot({ width: WIDTH, height: 260, marginLeft: 48, grid: true, style: STYLE, ariaLabel: title, marks, ...options });
+}
+
+/** Ranges of x and y for a plot on which a metre is as long both ways and that is neither too high nor too flat. */
+export function evenRanges(xs, ys) {
+  const [lowest, highest] = [0.3, 0.8]; // height of the plot by its width
+  const spread = (values) => (values.length ? [Math.min(...values), Math.max(...values)] : [0, 1]);
+  const widened = ([low, high], size) => [(low + high - size) / 2, (low + high + size) / 2];
+  const [x, y] = [spread(xs), spread(ys)];
+  const margin = 1.08;
+  const width = margin * Math.max(x[1] - x[0], (y[1] - y[0]) / highest, 0.1);
+  const height = Math.max(margin * (y[1] - y[0]), lowest * width);
+  return { x: widened(x, width), y: widened(y, height) };
+}
+
+/** Rows from columns: { t: [0, 1], mm: [5, 6] } -> [{ t: 0, mm: 5 }, { t: 1, mm: 6 }]. */
+export function rows(columns) {
+  const names = Object.keys(columns);
+  return columns[names[0]].map((_, i) => Object.fromEntries(names.map((name) => [name, columns[name][i]])));
+}
+
+/** The value below which that share of the values lies. */
+export function quantile(values, share) {
+  const sorted = Float64Array.from(values).sort();
+  return sorted[Math.floor(share * (sorted.length - 1))];
+}

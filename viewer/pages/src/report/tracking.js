@@ -1,0 +1,41 @@
+// Frame by frame: what was seen, and how long it took.
+
+import { line, ruleX, ruleY } from '@observablehq/plot';
+
+import { figure, legend, row, section } from './page.js';
+import { draw, quantile, rows } from './plot.js';
+
+export function trackingSection(all) {
+  const runs = all.filter((run) => run.frames.t.length > 0);
+  if (runs.length === 0) return undefined;
+  const lost = runs.flatMap((run) => rows(run.frames)).filter(({ status }) => status === 'lost').length;
+  const seen = runs.length === 1 ? 'Features found (grey), and those that show landmarks' : 'Features that show landmarks of the map';
+  return section(
+    'Tracking',
+    all.length > 1 ? legend(runs) : undefined,
+    row(
+      figure(features(runs), `${seen}${lost ? `; red: lost, ${lost} frames` : ''}`),
+      figure(times(runs), 'Time a frame; dashed: median'),
+    ),
+  );
+}
+
+function features(runs) {
+  const marks = [];
+  for (const run of runs) {
+    const frames = rows(run.frames);
+    marks.push(ruleX(frames.filter(({ status }) => status === 'lost'), { x: 't', stroke: 'var(--bad)', strokeOpacity: 0.6 }));
+    if (runs.length === 1) marks.push(line(frames, { x: 't', y: 'features', stroke: 'var(--truth)', strokeWidth: 1 }));
+    marks.push(line(frames, { x: 't', y: 'tracked', stroke: run.color, strokeWidth: 1.2 }));
+  }
+  return draw('Features over time', [...marks, ruleY([0])], { x: { label: 's' }, y: { label: 'features' } });
+}
+
+function times(runs) {
+  const most = Math.max(...runs.map((run) => 1.5 * quantile(run.frames.ms, 0.99)));
+  const marks = runs.flatMap((run) => [
+    line(rows(run.frames), { x: 't', y: ({ ms }) => Math.min(ms, most), stroke: run.color, strokeWidth: 1 }),
+    ruleY([quantile(run.frames.ms, 0.5)], { stroke: run.color, strokeDasharray: '5 4' }),
+  ]);
+  return draw('Time a frame', marks, { x: { label: 's' }, y: { label: 'ms', domain: [0, most] } });
+}

@@ -1,0 +1,61 @@
+// How points are drawn: their size and their colour, in one shader that the live viewer and the report share.
+
+import { ShaderMaterial, Vector2, Vector3 } from 'three';
+
+/** Ways to colour; their places in this list are the shader's `mode`. */
+export const COLOR_MODES = ['camera', 'height', 'depth', 'time'];
+
+const vertexShader = `
+  attribute vec4 tint;
+  uniform float pointSizeCm, pixelsPerRadian, unitM, timeShare, cutAtM;
+  uniform vec3 origin;
+  uniform vec2 heightsM;
+  uniform int mode;
+  varying vec3 vColor;
+
+  // A fit to the colour map Turbo (Mikhailov 2019), from blue for 0 to red for 1.
+  vec3 turbo(float x) {
+    vec4 v4 = vec4(1.0, x, x * x, x * x * x);
+    vec2 v2 = v4.zw * v4.z;
+    return vec3(
+      dot(v4, vec4(0.13572138, 4.61539260, -42.66032258, 132.13108234)) + dot(v2, vec2(-152.94239396, 59.28637943)),
+      dot(v4, vec4(0.09140261, 2.19418839, 4.84296658, -14.18503333)) + dot(v2, vec2(4.27729857, 2.82956604)),
+      dot(v4, vec4(0.10667330, 12.64194608, -60.58204836, 110.36276771)) + dot(v2, vec2(-89.90310912, 27.34824973)));
+  }
+
+  void main() {
+    const float farthestM = 4.5;  // that a Kinect sees
+    vec4 world = modelMatrix * vec4(position, 1.0);
+    vec4 eye = viewMatrix * world;
+    gl_Position = world.y > cutAtM ? vec4(2.0, 2.0, 2.0, 1.0) : projectionMatrix * eye;  // 2: out of sight
+    gl_PointSize = clamp(0.01 * pointSizeCm * pixelsPerRadian / -eye.z, 1.0, 32.0);
+    float height = (world.y - heightsM.x) / max(heightsM.y - heightsM.x, 0.01);
+    float nearness = 1.0 - (origin.z + position.z * unitM) / farthestM;
+    float share = mode == 1 ? height : mode == 2 ? nearness : timeShare;
+    vColor = mode == 0 ? tint.rgb : turbo(clamp(share, 0.0, 1.0));
+  }`;
+
+const fragmentShader = `
+  varying vec3 vColor;
+  void main() {
+    vec2 fromCentre = gl_PointCoord - 0.5;
+    if (dot(fromCentre, fromCentre) > 0.25) discard;
+    gl_FragColor = vec4(vColor, 1.0);
+  }`;
+
+/** The uniforms that all pieces of a cloud have in common. */
+export function sharedUniforms() {
+  return {
+    pointSizeCm: { value: 1.6 },
+    pixelsPerRadian: { value: 500 },
+    mode: { value: 0 },
+    heightsM: { value: new Vector2(0, 3) },
+    cutAtM: { value: Infinity },
+  };
+}
+
+/** The material of one piece. */
+export function cloudMaterial(shared, { unitM, origin }) {
+  const own = { unitM: { value: unitM }, origin: { value: new Vector3(...origin) }, timeShare: { value: 0 } };
+  return new ShaderMaterial({ uniforms: { ...shared, ...own }, vertexShader, fragmentShader });
+}

@@ -1,0 +1,39 @@
+// A piece of the cloud as three.js draws it.
+
+import { BufferAttribute, BufferGeometry, Box3, Matrix4, Points, Sphere, Vector3 } from 'three';
+
+import { cloudMaterial } from './cloudMaterial.js';
+
+/** Points of { count, unitM, origin, points (4 i16 each), colors (4 u8 each) }; `place(object, pose)` puts them. */
+export function cloudPiece(piece, shared) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(piece.points, 4));
+  geometry.setAttribute('tint', new BufferAttribute(piece.colors, 4, true));
+  geometry.boundingBox = boxOf(piece.points);
+  geometry.boundingSphere = geometry.boundingBox.getBoundingSphere(new Sphere());
+  const object = new Points(geometry, cloudMaterial(shared, piece));
+  object.matrixAutoUpdate = false;
+  object.userData.toAnchor = new Matrix4()
+    .makeTranslation(...piece.origin)
+    .multiply(new Matrix4().makeScale(piece.unitM, piece.unitM, piece.unitM));
+  object.userData.count = piece.count;
+  return object;
+}
+
+/** Puts a piece to where its anchor is. */
+export function placePiece(object, anchor) {
+  object.matrix.multiplyMatrices(anchor, object.userData.toAnchor);
+  object.matrixWorldNeedsUpdate = true;
+}
+
+/** Draws that share of the points: they are in random order, so it is a thinner cloud of the same place. */
+export function thinPiece(object, share) {
+  object.geometry.setDrawRange(0, Math.ceil(object.userData.count * share));
+}
+
+function boxOf(points) {
+  const box = new Box3();
+  const p = new Vector3();
+  for (let i = 0; i < points.length; i += 4) box.expandByPoint(p.fromArray(points, i));
+  return box;
+}

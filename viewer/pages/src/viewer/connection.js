@@ -1,0 +1,53 @@
+// The line to kinloop. It remembers how far it has got, so that after a break only the rest is sent.
+
+import { decode } from './messages.js';
+
+const SHORTEST_WAIT_MS = 500;
+const LONGEST_WAIT_MS = 8000;
+
+export class Connection {
+  /** Calls onMessage({ kind, index, body }) for every message, onChange(connected) when the line comes or goes. */
+  constructor({ onMessage, onChange }) {
+    this.onMessage = onMessage;
+    this.onChange = onChange;
+    this.run = '';
+    this.version = 0;
+    this.bytes = 0;
+    this.waitMs = SHORTEST_WAIT_MS;
+    this.open();
+  }
+
+  open() {
+    const query = new URLSearchParams(location.search);
+    query.set('run', this.run);
+    query.set('since', this.version);
+    this.socket = new WebSocket(`ws://${location.host}/feed?${query}`);
+    this.socket.binaryType = 'arraybuffer';
+    this.socket.onopen = () => {
+      this.waitMs = SHORTEST_WAIT_MS;
+      this.onChange(true);
+    };
+    this.socket.onmessage = ({ data }) => this.take(data);
+    this.socket.onclose = () => this.openLater();
+  }
+
+  take(data) {
+    this.bytes += data.byteLength;
+    const message = decode(data);
+    if (!message) return;
+    if (message.kind === 'hello') this.run = message.body.run;
+    this.version = message.version;
+    this.onMessage(message);
+  }
+
+  openLater() {
+    this.onChange(false);
+    setTimeout(() => this.open(), this.waitMs);
+    this.waitMs = Math.min(2 * this.waitMs, LONGEST_WAIT_MS);
+  }
+
+  /** Asks something of the run: 'pause', 'resume', 'step', 'save'. */
+  send(command) {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ command }));
+  }
+}

@@ -1,0 +1,47 @@
+// The camera's images: colour with its features on it, and depth.
+
+const TRACKED = '#35e07c';
+const UNTRACKED = '#ff5d5d';
+const FULL_SCALE = 65535; // of a place in the image
+
+export class Images {
+  constructor(section) {
+    this.section = section;
+    this.color = section.querySelector('#colorImage');
+    this.depth = section.querySelector('#depthImage');
+    this.features = new Uint16Array(0);
+  }
+
+  async take({ kind, body }) {
+    if (kind === 'features') {
+      this.features = body;
+      if (this.bitmap) this.drawColor();
+    } else if (kind === 'colorImage') {
+      this.bitmap = await createImageBitmap(body);
+    } else if (kind === 'depthImage') {
+      draw(this.depth, await createImageBitmap(body));
+    } else {
+      return;
+    }
+    this.section.hidden = false;
+  }
+
+  /** The features come after their image, so they draw both. */
+  drawColor() {
+    const paint = draw(this.color, this.bitmap);
+    const { width, height } = this.color;
+    for (let i = 0; i < this.features.length; i += 4) {
+      const [x, y, tracked] = this.features.subarray(i, i + 3);
+      paint.fillStyle = tracked ? TRACKED : UNTRACKED;
+      paint.fillRect((x / FULL_SCALE) * width - 1, (y / FULL_SCALE) * height - 1, tracked ? 3 : 2, tracked ? 3 : 2);
+    }
+  }
+}
+
+function draw(canvas, bitmap) {
+  canvas.width = bitmap.width;
+  canvas.height = bitmap.height;
+  const paint = canvas.getContext('2d');
+  paint.drawImage(bitmap, 0, 0);
+  return paint;
+}

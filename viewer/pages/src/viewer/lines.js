@@ -1,0 +1,31 @@
+// Everything that is drawn with lines: frusta, paths, edges. Each is one buffer that grows by doubling and is filled
+// anew when something moves.
+
+import { BufferAttribute, BufferGeometry, Line, LineBasicMaterial, LineSegments } from 'three';
+
+/** Lines through points that change; `segments`: each two points are a line of their own. */
+export class Lines {
+  constructor({ color, segments = false, opacity = 1 }) {
+    const material = new LineBasicMaterial({ color, transparent: opacity < 1, opacity });
+    const Kind = segments ? LineSegments : Line;
+    this.object = new Kind(new BufferGeometry(), material);
+    this.object.frustumCulled = false;
+    this.reserve(64);
+    this.fill(() => {});
+  }
+
+  reserve(points) {
+    this.attribute = new BufferAttribute(new Float32Array(3 * points), 3);
+    this.object.geometry.setAttribute('position', this.attribute);
+  }
+
+  /** `draw(add)` calls add(point) for every point. */
+  fill(draw) {
+    const points = [];
+    draw((point) => points.push(point.x, point.y, point.z));
+    if (points.length > this.attribute.array.length) this.reserve(2 * (points.length / 3));
+    this.attribute.array.set(points);
+    this.attribute.needsUpdate = true;
+    this.object.geometry.setDrawRange(0, points.length / 3);
+  }
+}

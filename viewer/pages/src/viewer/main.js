@@ -1,0 +1,46 @@
+// The live viewer: one connection feeds one world, which one view draws; the panel is for the hands.
+//
+//   messages.js    what travels          world.js   the map as three.js objects     panel.js    figures, buttons, keys
+//   connection.js  the line to kinloop   poses.js   keyframes, which glide          images.js   the camera's images
+//                                        lines.js   frusta, paths, edges            view.js     eye, renderer, detail
+
+import './viewer.css';
+import { Connection } from './connection.js';
+import { Images } from './images.js';
+import { Panel } from './panel.js';
+import { View } from './view.js';
+import { World } from './world.js';
+
+const world = new World();
+const view = new View(document.getElementById('scene'), world);
+const images = new Images(document.getElementById('images'));
+const connection = new Connection({ onMessage: take, onChange: (connected) => panel.showConnected(connected) });
+const panel = new Panel({ world, view, connection });
+let run;
+let loops = 0;
+
+function take(message) {
+  if (message.kind === 'hello') greet(message.body);
+  if (message.kind === 'status') panel.show(message.body);
+  if (message.kind === 'loops') celebrate(message.body.length / 2);
+  world.take(message);
+  images.take(message);
+}
+
+function greet(hello) {
+  if (run !== hello.run) {
+    world.clear(); // another run than the one before the line broke
+    view.touched = false;
+    loops = 0;
+  }
+  run = hello.run;
+  panel.greet(hello);
+}
+
+function celebrate(count) {
+  if (count > loops && world.pieces.size > 0) panel.flash(count === 1 ? 'loop closed' : `loop ${count} closed`);
+  loops = count;
+}
+
+// For tests and measurements: what is there to see.
+window.kinloop = { world, view, connection };

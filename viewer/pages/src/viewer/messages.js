@@ -1,0 +1,53 @@
+// The messages of viewer/scene/wire.hpp, read where they lie: no number is copied that need not be.
+
+import { readCloud } from '../shared/readCloud.js';
+
+const HEAD_BYTES = 16;
+export const NO_KEYFRAME = 0xffffffff;
+export const PART_LENGTH = 64;
+
+const readers = [
+  ['hello', json],
+  ['status', json],
+  ['camera', floats],
+  ['keyframes', floats],
+  ['path', path],
+  ['covisibility', words],
+  ['loops', words],
+  ['cloud', (buffer) => readCloud(buffer, HEAD_BYTES)],
+  ['colorImage', jpeg],
+  ['depthImage', jpeg],
+  ['features', (buffer) => new Uint16Array(buffer, HEAD_BYTES)],
+  ['truth', floats],
+  ['truthPose', floats],
+];
+
+/** A message as { kind, index, version, body }; nothing where this page does not know its kind. */
+export function decode(buffer) {
+  const head = new DataView(buffer, 0, HEAD_BYTES);
+  const reader = readers[head.getUint32(0, true)];
+  if (!reader) return undefined;
+  const [kind, read] = reader;
+  return { kind, index: head.getUint32(4, true), version: head.getFloat64(8, true), body: read(buffer) };
+}
+
+function json(buffer) {
+  return JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, HEAD_BYTES)));
+}
+
+function floats(buffer) {
+  return new Float32Array(buffer, HEAD_BYTES);
+}
+
+function words(buffer) {
+  return new Uint32Array(buffer, HEAD_BYTES);
+}
+
+/** Entry i: reference references[4 * i], place at places[4 * i + 1 ... 4 * i + 3]. */
+function path(buffer) {
+  return { references: words(buffer), places: floats(buffer) };
+}
+
+function jpeg(buffer) {
+  return new Blob([new Uint8Array(buffer, HEAD_BYTES)], { type: 'image/jpeg' });
+}

@@ -1,0 +1,164 @@
+// The map as three.js objects, brought up to date message by message.
+
+import { Group, Matrix4, Quaternion, Vector3 } from 'three';
+
+import { sharedUniforms } from '../shared/cloudMaterial.js';
+import { cloudPiece, placePiece, thinPiece } from '../shared/cloudPiece.js';
+import { Lines } from './lines.js';
+import { NO_KEYFRAME } from './messages.js';
+import { matrixOf, poseFrom, Poses } from './poses.js';
+
+const COLORS = { path: 0x4aa8ff, keyframes: 0x7fd0a0, camera: 0xff3d8b, covisibility: 0x6f7f9f, loops: 0xff8a3d, truth: 0xb9bcc4 };
+const KEYFRAME_SIZE_M = 0.06;
+const CAMERA_SIZE_M = 0.16;
+const OWN_WORLD = new Matrix4();
+
+export class World {
+  constructor() {
+    this.uniforms = sharedUniforms();
+    this.group = new Group(); // turned so that up is up
+    this.layers = {};
+    for (const name of ['cloud', 'path', 'keyframes', 'covisibility', 'loops', 'truth']) {
+      this.layers[name] = new Group();
+      this.group.add(this.layers[name]);
+    }
+    this.layers.covisibility.visible = false;
+    this.lines = {
+      path: new Lines({ color: COLORS.path }),
+      keyframes: new Lines({ color: COLORS.keyframes, segments: true, opacity: 0.7 }),
+      camera: new Lines({ color: COLORS.camera, segments: true }),
+      covisibility: new Lines({ color: COLORS.covisibility, segments: true, opacity: 0.5 }),
+      loops: new Lines({ color: COLORS.loops, segments: true }),
+      truth: new Lines({ color: COLORS.truth }),
+    };
+    for (const [name, lines] of Object.entries(this.lines)) this.layers[name === 'camera' ? 'path' : name].add(lines.object);
+    this.clear();
+  }
+
+  /** Forgets a run. */
+  clear() {
+    this.poses = new Poses();
+    this.pieces = new Map(); // index -> { object, anchor }
+    this.parts = { path: [], covisibility: [] };
+    this.loops = new Uint32Array(0);
+    this.truth = new Float32Array(0);
+    this.truthPose = OWN_WORLD;
+    this.cameraPose = undefined;
+    this.frustum = [0.6, 0.45];
+    this.layers.cloud.clear();
+    this.moved = true;
+  }
+
+  /** Takes in one message. */
+  take({ kind, index, body }) {
+    const take = {
+      hello: () => (this.frustum = body.frustum),
+      status: () => this.setUp(new Vector3(...body.up)),
+      camera: () => (this.cameraPose = matrixOf(poseFrom(body))),
+      keyframes: () => this.poses.take(index, body),
+      path: () => (this.parts.path[index] = body),
+      covisibility: () => (this.parts.covisibility[index] = body),
+      loops: () => (this.loops = body),
+      cloud: () => this.takePiece(index, body),
+      truth: () => (this.truth = body),
+      truthPose: () => (this.truthPose = matrixOf(poseFrom(body))),
+    }[kind];
+    if (!take) return;
+    take();
+    this.moved = true;
+  }
+
+  takePiece(index, piece) {
+    const before = this.pieces.get(index);
+    if (before) this.layers.cloud.remove(before.object);
+    const object = cloudPiece(piece, this.uniforms);
+    this.pieces.set(index, { object, anchor: piece.anchor });
+    this.layers.cloud.add(object);
+  }
+
+  /** Turns the world so that `up` is three.js's y; small corrections would only make it sway. */
+  setUp(up) {
+    const NOTICEABLE = 0.03; // rad
+    const turn = new Quaternion().setFromUnitVectors(up, new Vector3(0, 1, 0));
+    if (turn.angleTo(this.group.quaternion) > NOTICEABLE) this.group.quaternion.copy(turn);
+  }
+
+  /** Brings what is drawn to where it belongs; true where anything has changed. */
+  advance(seconds) {
+    const glided = this.poses.advance(seconds);
+    if (!glided && !this.moved) return false;
+    this.moved = false;
+    this.placePieces();
+    this.drawFrusta();
+    this.drawPath();
+    this.drawEdges();
+    this.drawTruth();
+    this.group.updateMatrixWorld(true);
+    return true;
+  }
+
+  placePieces() {
+    for (const { object, anchor } of this.pieces.values()) {
+      const pose = anchor === NO_KEYFRAME ? OWN_WORLD : this.poses.at(anchor);
+      object.visible = pose !== undefined;
+      if (pose) placePiece(object, pose);
+      object.material.uniforms.timeShare.value = anchor / Math.max(1, this.poses.count - 1);
+    }
+  }
+
+  drawFrusta() {
+    this.lines.keyframes.fill((add) => {
+      for (const pose of this.poses.matrices) addFrustum(add, pose, this.frustum, KEYFRAME_SIZE_M);
+    });
+    this.lines.camera.fill((add) => {
+      if (this.cameraPose) addFrustum(add, this.cameraPose, this.frustum, CAMERA_SIZE_M);
+    });
+  }
+
+  drawPath() {
+    const point = new Vector3();
+    this.lines.path.fill((add) => {
+      for (const { references, places } of this.parts.path.filter(Boolean)) {
+        for (let i = 0; i < references.length; i += 4) {
+          const pose = references[i] === NO_KEYFRAME ? OWN_WORLD : this.poses.at(references[i]);
+          if (pose && !Number.isNaN(places[i + 1])) add(point.fromArray(places, i + 1).applyMatrix4(pose));
+        }
+      }
+    });
+  }
+
+  drawEdges() {
+    const addPairs = (add, pairs) => {
+      for (let i = 0; i < pairs.length; i += 2) {
+        const [a, b] = [this.poses.at(pairs[i]), this.poses.at(pairs[i + 1])];
+        if (a && b) [a, b].forEach((pose) => add(new Vector3().setFromMatrixPosition(pose)));
+      }
+    };
+    this.lines.loops.fill((add) => addPairs(add, this.loops));
+    this.lines.covisibility.fill((add) => this.parts.covisibility.forEach((pairs) => addPairs(add, pairs)));
+  }
+
+  drawTruth() {
+    const point = new Vector3();
+    this.lines.truth.fill((add) => {
+      for (let i = 0; i < this.truth.length; i += 3) add(point.fromArray(this.truth, i).applyMatrix4(this.truthPose));
+    });
+  }
+
+  get pointCount() {
+    return [...this.pieces.values()].reduce((sum, { object }) => sum + object.userData.count, 0);
+  }
+
+  /** Draws that share of all points. */
+  thin(share) {
+    for (const { object } of this.pieces.values()) thinPiece(object, share);
+  }
+}
+
+/** The eight edges of a pyramid that looks along z; `frustum`: half its width and height at z = 1. */
+function addFrustum(add, pose, [x, y], size) {
+  const [apex, ...corners] = [[0, 0, 0], [-x, -y, 1], [x, -y, 1], [x, y, 1], [-x, y, 1]].map((corner) =>
+    new Vector3(...corner).multiplyScalar(size).applyMatrix4(pose),
+  );
+  corners.forEach((corner, i) => [apex, corner, corner, corners[(i + 1) % corners.length]].forEach(add));
+}

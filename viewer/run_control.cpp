@@ -1,0 +1,47 @@
+#include "viewer/run_control.hpp"
+
+#include <chrono>
+#include <utility>
+
+namespace kinloop {
+
+void RunControl::pause() {
+  const std::lock_guard lock(mutex_);
+  paused_ = true;
+  steps_ = 0;
+}
+
+void RunControl::resume() {
+  const std::lock_guard lock(mutex_);
+  paused_ = false;
+  changed_.notify_all();
+}
+
+void RunControl::step() {
+  const std::lock_guard lock(mutex_);
+  paused_ = true;
+  ++steps_;
+  changed_.notify_all();
+}
+
+void RunControl::ask_to_save() {
+  const std::lock_guard lock(mutex_);
+  save_ = true;
+  changed_.notify_all();
+}
+
+bool RunControl::paused() const {
+  const std::lock_guard lock(mutex_);
+  return paused_;
+}
+
+RunControl::Turn RunControl::next_turn(const std::function<bool()>& stop) {
+  constexpr std::chrono::milliseconds kBetweenQuestions{100};
+  std::unique_lock lock(mutex_);
+  while (paused_ && steps_ == 0 && !save_ && !stop()) changed_.wait_for(lock, kBetweenQuestions);
+  if (std::exchange(save_, false)) return Turn::kSave;
+  if (steps_ > 0) --steps_;
+  return Turn::kFrame;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,34 @@
+#pragma once
+// What those who watch may ask of a run: to pause, to go on, to go one frame on, to save the map. The run
+// asks what to do before every frame.
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+
+namespace kinloop {
+
+class RunControl {
+ public:
+  void pause();
+  void resume();
+  void step();  ///< one frame, then pause
+  void ask_to_save();
+
+  [[nodiscard]] bool paused() const;
+
+  enum class Turn { kFrame, kSave };
+
+  /// What the run shall do next: take a frame, or save the map and ask again. Waits while it is paused, until
+  /// `stop` (asked now and then) says that it shall end.
+  Turn next_turn(const std::function<bool()>& stop);
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  bool paused_ = false;
+  int steps_ = 0;
+  bool save_ = false;
+};
+
+}  // namespace kinloop

@@ -1,0 +1,60 @@
+#include "viewer/scene/growing_cloud.hpp"
+
+#include <numeric>
+#include <utility>
+
+#include "kinloop/base/random.hpp"
+#include "kinloop/dense/voxel_grid.hpp"
+
+namespace kinloop {
+namespace {
+
+DenseOptions sampling(const ViewerOptions& options) {
+  DenseOptions dense;
+  dense.voxel_m = options.voxel_m;
+  dense.stride_px = options.stride_px;
+  dense.max_m = options.max_m;
+  return dense;
+}
+
+}  // namespace
+
+GrowingCloud::GrowingCloud(const PinholeCamera& camera, const ViewerOptions& options)
+    : rays_(ray_table(camera)), options_(sampling(options)) {}
+
+CloudPiece GrowingCloud::take_in(KeyframeId anchor, const cv::Mat& color, const cv::Mat& depth_m,
+                                 const SE3& T_world_camera) {
+  VoxelGrid fresh;
+  for (const VoxelSample& sample : voxel_samples(color, depth_m, T_world_camera, rays_, options_)) {
+    if (!seen_.contains(sample.key)) fresh.add(sample, 0);
+  }
+  CloudPiece piece{anchor, {}};
+  const SE3 T_camera_world = T_world_camera.inverse();
+  for (const Voxel& voxel : fresh.voxels()) {
+    seen_.insert(voxel.key);
+    const Eigen::Vector3d p_world = mean_point(voxel, options_.voxel_m).cast<double>();
+    piece.cloud.points.emplace_back((T_camera_world * p_world).cast<float>());
+    piece.cloud.colors.push_back(mean_color(voxel));
+  }
+  piece.cloud = shuffled(piece.cloud);
+  return piece;
+}
+
+ColoredCloud shuffled(const ColoredCloud& cloud) {
+  std::vector<uint32_t> order(cloud.size());
+  std::iota(order.begin(), order.end(), 0U);
+  Random random(cloud.size());
+  for (uint32_t left = static_cast<uint32_t>(order.size()); left > 1; --left) {
+    std::swap(order[left - 1], order[random.index(left)]);  // Fisher and Yates
+  }
+  ColoredCloud mixed;
+  mixed.points.reserve(cloud.size());
+  mixed.colors.reserve(cloud.size());
+  for (const uint32_t i : order) {
+    mixed.points.push_back(cloud.points[i]);
+    mixed.colors.push_back(cloud.colors[i]);
+  }
+  return mixed;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,205 @@
+#include "viewer/scene/run_scene.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/eval/evaluate.hpp"
+#include "kinloop/geometry/up_direction.hpp"
+
+namespace kinloop {
+namespace {
+
+using std::chrono::duration;
+
+Bytes jpeg(const cv::Mat& image, int quality) {
+  Bytes bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  return bytes;
+}
+
+cv::Mat resized(const cv::Mat& image, int width_px, int interpolation) {
+  cv::Mat small;
+  const double scale = std::min(1.0, static_cast<double>(width_px) / image.cols);
+  cv::resize(image, small, {}, scale, scale, interpolation);
+  return small;
+}
+
+/// Near is warm, far is cold, unknown is black.
+cv::Mat depth_picture(const cv::Mat& depth_m, double max_m) {
+  constexpr double kGrays = 255;
+  cv::Mat grays, colors;
+  depth_m.convertTo(grays, CV_8U, -kGrays / max_m, kGrays);
+  cv::applyColorMap(grays, colors, cv::COLORMAP_TURBO);
+  colors.setTo(cv::Scalar::all(0), depth_m <= 0);
+  return colors;
+}
+
+std::vector<ShownFeature> shown_features(const ImageNews& image) {
+  const Eigen::Vector2f size(static_cast<float>(image.color.cols), static_cast<float>(image.color.rows));
+  std::vector<ShownFeature> shown;
+  for (const Eigen::Vector2f& pixel : image.features->raw_pixels)
+    shown.push_back({pixel.cwiseQuotient(size)});
+  for (const LandmarkMatch& match : image.matches) shown[match.feature].tracked = true;
+  return shown;
+}
+
+const char* status_name(const FrameNews& frame) {
+  if (frame.relocalized) return "relocalised";
+  switch (frame.status) {
+    case TrackStatus::kTracked:
+      return "tracking";
+    case TrackStatus::kDenseOnly:
+      return "by depth alone";
+    case TrackStatus::kLost:
+      return "lost";
+  }
+  return "";
+}
+
+}  // namespace
+
+RunScene::RunScene(Scene& scene, RunBasics basics)
+    : scene_(scene), basics_(std::move(basics)), cloud_(basics_.camera.color, basics_.options) {
+  const PinholeCamera& camera = basics_.camera.color;
+  scene_.put(PartKind::kHello, 0,
+             encode_json({{"run", scene_.run()},
+                          {"input", basics_.input},
+                          {"live", true},
+                          {"frustum", {(camera.width / camera.fx) / 2, (camera.height / camera.fy) / 2}}}));
+  std::vector<Eigen::Vector3f> truth;
+  for (const auto& pose : basics_.truth) truth.emplace_back(pose.T_world_camera.translation.cast<float>());
+  if (!truth.empty()) scene_.put(PartKind::kTruth, 0, encode_points(truth));
+}
+
+void RunScene::take_in(const RunNews& news, const RunState& state, bool watched) {
+  if (news.map) take_map(*news.map);
+  take_frames(news);
+  for (const ImageNews& image : news.keyframes) take_keyframe(image);
+  if (!news.covisible.empty()) {
+    const size_t first = covisible_.size();
+    covisible_.insert(covisible_.end(), news.covisible.begin(), news.covisible.end());
+    put_parts(scene_, PartKind::kCovisibility, first, covisible_.size(), [this](size_t begin, size_t end) {
+      return encode_pairs(std::span(covisible_).subspan(begin, end - begin));
+    });
+  }
+  if (!basics_.truth.empty() && (news.from_start || Clock::now() >= next_comparison_)) compare_with_truth();
+  if (news.latest && watched && Clock::now() >= next_image_) show_images(*news.latest);
+  show_camera();
+  show_status(state);
+}
+
+void RunScene::take_map(const MapNews& map) {
+  map_ = map;
+  put_parts(scene_, PartKind::kKeyframes, 0, map_.T_world_keyframe.size(), [this](size_t begin, size_t end) {
+    return encode_poses(std::span(map_.T_world_keyframe).subspan(begin, end - begin));
+  });
+  scene_.put(PartKind::kLoops, 0, encode_pairs(map_.loops));
+}
+
+void RunScene::take_frames(const RunNews& news) {
+  if (news.frames.empty()) return;
+  if (news.from_start) frames_.clear();
+  const size_t first = frames_.size();
+  frames_.insert(frames_.end(), news.frames.begin(), news.frames.end());
+  relocalizations_ += static_cast<size_t>(std::count_if(news.frames.begin(), news.frames.end(),
+                                                        [](const auto& frame) { return frame.relocalized; }));
+  show_path(first);
+}
+
+void RunScene::show_path(size_t first) {
+  put_parts(scene_, PartKind::kPath, first, frames_.size(), [this](size_t begin, size_t end) {
+    std::vector<PathPoint> points;
+    for (size_t i = begin; i < end; ++i) {
+      const FrameNews& frame = frames_[i];
+      const bool lost = frame.status == TrackStatus::kLost;
+      const Eigen::Vector3f nowhere = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+      points.push_back(
+          {frame.reference, lost ? nowhere : frame.T_reference_camera.translation.cast<float>()});
+    }
+    return encode_path(points);
+  });
+}
+
+void RunScene::take_keyframe(const ImageNews& image) {
+  if (image.keyframe.value >= map_.T_world_keyframe.size()) return;
+  const CloudPiece piece =
+      cloud_.take_in(image.keyframe, image.color, image.depth_m, map_.T_world_keyframe[image.keyframe.value]);
+  if (piece.cloud.size() > 0) scene_.put(PartKind::kCloud, image.keyframe.value, encode_cloud(piece));
+}
+
+void RunScene::show_images(const ImageNews& image) {
+  const ViewerOptions& options = basics_.options;
+  next_image_ =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(duration<double>(1 / options.images_hz));
+  const cv::Mat color = resized(image.color, options.image_width_px, cv::INTER_AREA);
+  const cv::Mat depth = resized(image.depth_m, options.image_width_px, cv::INTER_NEAREST);
+  scene_.put(PartKind::kColorImage, 0, jpeg(color, options.jpeg_quality));
+  scene_.put(PartKind::kDepthImage, 0, jpeg(depth_picture(depth, options.max_m), options.jpeg_quality));
+  scene_.put(PartKind::kFeatures, 0, encode_features(shown_features(image)));
+}
+
+/// Where the last frame was, by the map as it is now.
+void RunScene::show_camera() {
+  if (frames_.empty()) return;
+  const FrameNews& frame = frames_.back();
+  if (frame.status == TrackStatus::kLost || frame.reference.value >= map_.T_world_keyframe.size()) return;
+  const SE3 pose = map_.T_world_keyframe[frame.reference.value] * frame.T_reference_camera;
+  scene_.put(PartKind::kCamera, 0, encode_poses({&pose, 1}));
+}
+
+Trajectory RunScene::path() const {
+  Trajectory path;
+  for (const FrameNews& frame : frames_) {
+    if (frame.status == TrackStatus::kLost || frame.reference.value >= map_.T_world_keyframe.size()) continue;
+    path.push_back({frame.stamp_ns, map_.T_world_keyframe[frame.reference.value] * frame.T_reference_camera});
+  }
+  return path;
+}
+
+void RunScene::compare_with_truth() {
+  next_comparison_ = Clock::now() + std::chrono::seconds(1);
+  const auto ate = absolute_trajectory_error(path(), basics_.truth);
+  if (!ate) return;
+  ate_m_ = ate->error_m.rmse;
+  const SE3 T_world_truth = ate->T_truth_estimate.inverse();
+  scene_.put(PartKind::kTruthPose, 0, encode_poses({&T_world_truth, 1}));
+}
+
+/// Over the last second, or as long as is known.
+double RunScene::frames_per_second() {
+  const auto now = Clock::now();
+  counts_.emplace_back(now, frames_.size());
+  while (counts_.size() > 2 && now - counts_.front().first > std::chrono::seconds(1)) counts_.pop_front();
+  const double passed_s = duration<double>(now - counts_.front().first).count();
+  return passed_s > 0 ? static_cast<double>(frames_.size() - counts_.front().second) / passed_s : 0;
+}
+
+void RunScene::show_status(const RunState& state) {
+  constexpr double kTenths = 10;
+  nlohmann::json status = {{"stage", state.stage},
+                           {"message", state.message},
+                           {"paused", state.paused},
+                           {"frame", frames_.size()},
+                           {"frames", basics_.frames},
+                           {"keyframes", map_.T_world_keyframe.size()},
+                           {"landmarks", map_.landmarks},
+                           {"loops", map_.loops.size()},
+                           {"points", cloud_.size()},
+                           {"relocalisations", relocalizations_},
+                           {"framesPerSecond", std::round(kTenths * frames_per_second()) / kTenths}};
+  if (!frames_.empty()) {
+    status["tracking"] = status_name(frames_.back());
+    status["inliers"] = frames_.back().inliers;
+  }
+  if (ate_m_ > 0) status["ateM"] = ate_m_;
+  Trajectory keyframes;
+  for (const SE3& pose : map_.T_world_keyframe) keyframes.push_back({0, pose});
+  const Eigen::Vector3d up = keyframes.empty() ? Eigen::Vector3d(0, -1, 0) : up_direction(keyframes);
+  status["up"] = {up.x(), up.y(), up.z()};
+  scene_.put(PartKind::kStatus, 0, encode_json(status));
+}
+
+}  // namespace kinloop

@@ -1,0 +1,108 @@
+#include "viewer/server/access.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <random>
+
+#include <boost/asio/ip/address.hpp>
+#include <fmt/format.h>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+/// In a time that does not tell how much of it was right.
+bool same_secret(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  unsigned difference = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    difference |= static_cast<unsigned>(static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]));
+  }
+  return difference == 0;
+}
+
+/// "localhost:8080" -> "localhost", "[::1]:8080" -> "[::1]".
+std::string_view without_port(std::string_view host) {
+  const size_t colon = host.rfind(':');
+  const size_t bracket = host.rfind(']');
+  const bool has_port =
+      colon != std::string_view::npos && (bracket == std::string_view::npos || bracket < colon);
+  return has_port ? host.substr(0, colon) : host;
+}
+
+bool names_this_machine(std::string_view host) {
+  constexpr std::array<std::string_view, 3> kNames = {"localhost", "127.0.0.1", "[::1]"};
+  return std::find(kNames.begin(), kNames.end(), without_port(host)) != kNames.end();
+}
+
+bool is_own_page(std::string_view origin, std::string_view host) {
+  constexpr std::string_view kScheme = "http://";
+  return origin.starts_with(kScheme) && origin.substr(kScheme.size()) == host;
+}
+
+boost::asio::ip::address parse_ip(const std::string& text) {
+  boost::system::error_code error;
+  auto address = boost::asio::ip::make_address(text, error);
+  if (error) throw UsageError(fmt::format("'{}' is not an IP address, such as 127.0.0.1 or 0.0.0.0", text));
+  return address;
+}
+
+}  // namespace
+
+bool may_enter(const Caller& caller, const AccessRules& rules) {
+  if (rules.this_machine_only && !names_this_machine(caller.host)) return false;
+  if (caller.origin && !is_own_page(*caller.origin, caller.host)) return false;
+  return rules.token.empty() || same_secret(caller.token, rules.token);
+}
+
+std::string_view Target::value(std::string_view name) const {
+  const auto found = query.find(name);
+  return found == query.end() ? std::string_view() : found->second;
+}
+
+Target parse_target(std::string_view target) {
+  const size_t mark = target.find('?');
+  Target parsed{target.substr(0, mark), {}};
+  std::string_view rest = mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
+  while (!rest.empty()) {
+    const std::string_view pair = rest.substr(0, rest.find('&'));
+    rest.remove_prefix(std::min(rest.size(), pair.size() + 1));
+    const size_t equals = pair.find('=');
+    if (equals != std::string_view::npos) parsed.query[pair.substr(0, equals)] = pair.substr(equals + 1);
+  }
+  return parsed;
+}
+
+std::string random_token() {
+  constexpr int kWords = 4;
+  std::random_device device;
+  std::string token;
+  for (int i = 0; i < kWords; ++i) token += fmt::format("{:08x}", device());
+  return token;
+}
+
+ListenAddress parse_listen_address(const std::string& text) {
+  ListenAddress listen;
+  if (text.empty()) return listen;
+  const size_t colon = text.rfind(':');
+  const std::string port = colon == std::string::npos ? text : text.substr(colon + 1);
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), listen.port);
+  if (error != std::errc() || end != port.data() + port.size()) {
+    throw UsageError(
+        fmt::format("--viewer={}: expected PORT or ADDRESS:PORT, a port from 0 (any) to 65535", text));
+  }
+  if (colon != std::string::npos) listen.address = text.substr(0, colon);
+  if (listen.address.starts_with('[') && listen.address.ends_with(']')) {
+    listen.address = listen.address.substr(1, listen.address.size() - 2);
+  }
+  parse_ip(listen.address);
+  return listen;
+}
+
+bool is_this_machine(const ListenAddress& listen) {
+  return parse_ip(listen.address).is_loopback();
+}
+
+}  // namespace kinloop

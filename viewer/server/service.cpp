@@ -1,0 +1,93 @@
+#include "viewer/server/service.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "kinloop/base/log.hpp"
+#include "viewer/server/server.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr std::chrono::milliseconds kBetweenUpdates{50};
+
+/// On Linux a thread has a priority of its own: showing must not slow what is shown.
+void give_way_to_others() {
+  constexpr int kNice = 10;
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+}
+
+}  // namespace
+
+class ViewerService::Impl {
+ public:
+  Impl(const ListenAddress& listen, std::function<void(Scene&, size_t)> update,
+       std::function<void(Command)> on_command)
+      : scene_(random_token()),
+        update_(std::move(update)),
+        timer_(context_),
+        server_(context_, listen, scene_, std::move(on_command)),
+        url_(server_.url()),
+        thread_([this] { run(); }) {}
+
+  ~Impl() {
+    context_.stop();
+    thread_.join();
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  [[nodiscard]] const std::string& url() const { return url_; }
+  [[nodiscard]] size_t browsers() const { return browsers_; }
+
+ private:
+  /// A viewer that fails is a pity, not a reason to lose the run.
+  void run() {
+    give_way_to_others();
+    try {
+      tick();
+      context_.run();
+    } catch (const std::exception& error) {
+      log::error("the viewer has stopped: {}; the run goes on", error.what());
+    }
+  }
+
+  void tick() {
+    browsers_ = server_.browsers();
+    update_(scene_, browsers_);
+    server_.send_changes();
+    timer_.expires_after(kBetweenUpdates);
+    timer_.async_wait([this](boost::system::error_code error) {
+      if (!error) tick();
+    });
+  }
+
+  Scene scene_;
+  std::function<void(Scene&, size_t)> update_;
+  boost::asio::io_context context_{1};
+  boost::asio::steady_timer timer_;
+  ViewerServer server_;
+  std::string url_;
+  std::atomic<size_t> browsers_ = 0;
+  std::thread thread_;  // the last: it uses all the others
+};
+
+ViewerService::ViewerService(const ListenAddress& listen, std::function<void(Scene&, size_t)> update,
+                             std::function<void(Command)> on_command)
+    : impl_(std::make_unique<Impl>(listen, std::move(update), std::move(on_command))) {}
+
+ViewerService::~ViewerService() = default;
+
+const std::string& ViewerService::url() const {
+  return impl_->url();
+}
+
+size_t ViewerService::browsers() const {
+  return impl_->browsers();
+}
+
+}  // namespace kinloop

@@ -1,0 +1,84 @@
+#include "viewer/server/visit.hpp"
+
+#include <chrono>
+
+#include "viewer/server/viewer_page.hpp"
+
+namespace kinloop {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+
+constexpr std::chrono::seconds kTimeout{10};  // for the whole request, and for its answer
+constexpr uint32_t kLongestHeaderBytes = 8192;
+
+// The page is one file: nothing may be loaded into it, and no other page may hold it in a frame. The referrer
+// could carry the token to others.
+constexpr const char* kContentPolicy =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; "
+    "img-src blob: data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+
+std::string_view view_of(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+Caller caller_of(const Request& request, const Target& target) {
+  Caller caller{view_of(request[http::field::host]), std::nullopt, target.value("token")};
+  const auto origin = request.find(http::field::origin);
+  if (origin != request.end()) caller.origin = view_of(origin->value());
+  return caller;
+}
+
+}  // namespace
+
+Visit::Visit(boost::asio::ip::tcp::socket socket, Seat seat, const AccessRules& rules, Admit admit)
+    : stream_(std::move(socket)), seat_(std::move(seat)), rules_(rules), admit_(std::move(admit)) {
+  parser_.header_limit(kLongestHeaderBytes);
+  parser_.body_limit(0);
+}
+
+void Visit::start() {
+  stream_.expires_after(kTimeout);
+  http::async_read(stream_, buffer_, parser_, [self = shared_from_this()](beast::error_code error, size_t) {
+    if (!error) return self->handle();
+    if (error == http::error::header_limit || error == http::error::body_limit) {
+      self->answer(http::status::request_header_fields_too_large, "text/plain", "too long\n");
+    }
+  });
+}
+
+void Visit::handle() {
+  const Request& request = parser_.get();
+  const Target target = parse_target(view_of(request.target()));
+  if (!may_enter(caller_of(request, target), rules_)) {
+    return answer(http::status::forbidden, "text/plain", "use the address that kinloop printed\n");
+  }
+  if (request.method() != http::verb::get) return answer(http::status::method_not_allowed, "text/plain", "");
+  if (target.path == "/") return answer(http::status::ok, "text/html; charset=utf-8", viewer_page());
+  if (target.path == "/feed" && beast::websocket::is_upgrade(request)) {
+    return admit_(std::move(stream_), std::move(seat_), request, target);
+  }
+  answer(http::status::not_found, "text/plain", "there is only one page here, /\n");
+}
+
+void Visit::answer(http::status status, std::string_view type, std::string_view body) {
+  using Response = http::response<http::span_body<const char>>;
+  auto response = std::make_shared<Response>();
+  response->result(status);
+  response->set(http::field::content_type, beast::string_view(type.data(), type.size()));
+  response->set(http::field::cache_control, "no-store");
+  response->set("Content-Security-Policy", kContentPolicy);
+  response->set("X-Content-Type-Options", "nosniff");
+  response->set("Referrer-Policy", "no-referrer");
+  response->body() = beast::span<const char>(body.data(), body.size());
+  response->keep_alive(false);
+  response->prepare_payload();
+  stream_.expires_after(kTimeout);
+  http::async_write(stream_, *response, [self = shared_from_this(), response](beast::error_code, size_t) {
+    beast::error_code ignored;
+    self->stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);
+  });
+}
+
+}  // namespace kinloop
