@@ -7,6 +7,7 @@ find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(spdlog REQUIRED)
+find_package(SQLite3 REQUIRED)
 
 # yaml-cpp names its target differently before and after 0.8.
 if(NOT TARGET yaml-cpp::yaml-cpp)

@@ -8,6 +8,7 @@ packages=(
   libopencv-dev libeigen3-dev libceres-dev libsuitesparse-dev libhwy-dev
   libturbojpeg0-dev libdeflate-dev
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
+  libsqlite3-dev
   libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev
 )
 if [[ "${1:-}" == "--checks" ]]; then
