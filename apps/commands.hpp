@@ -17,5 +17,8 @@ void add_optimize_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
 void add_features_command(CLI::App& app);
+void add_map_command(CLI::App& app);
+void add_export_command(CLI::App& app);
+void add_mesh_command(CLI::App& app);
 
 }  // namespace kinloop

@@ -38,6 +38,9 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_simulate_command(app);
   kinloop::add_bench_command(app);
   kinloop::add_features_command(app);
+  kinloop::add_map_command(app);
+  kinloop::add_export_command(app);
+  kinloop::add_mesh_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

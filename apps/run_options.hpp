@@ -7,17 +7,21 @@
 
 namespace kinloop {
 
-/// The options of the system stand at the top ("features.count"), those of the dense map and of the
-/// simulation under names of their own ("dense.voxel_m", "sim.frames").
+/// The options of the system stand at the top ("features.count"), those of the dense map, the
+/// mesh, the occupancy map and the simulation under names of their own ("dense.voxel_m", "sim.frames").
 struct RunOptions {
   SlamOptions slam;
   DenseOptions dense;
+  MeshOptions mesh;
+  OccupancyOptions occupancy;
   SimulationOptions sim;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     SlamOptions::fields(self.slam, visit);
     visit("dense", self.dense);
+    visit("mesh", self.mesh);
+    visit("occupancy", self.occupancy);
     visit("sim", self.sim);
   }
 };

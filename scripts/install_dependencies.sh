@@ -10,6 +10,7 @@ packages=(
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   libsqlite3-dev
   libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev
+  libopenvdb-dev liboctomap-dev
 )
 if [[ "${1:-}" == "--checks" ]]; then
   packages+=(clang-format clang-tidy)

@@ -36,8 +36,9 @@ class Slam {
   Slam& operator=(const Slam&) = delete;
 
   /// Takes in a map that was saved, before the first frame: this run goes on with it. A second one becomes
-  /// components of their own, joined where a place is recognised.
-  void add_map(SavedMap saved);
+  /// components of their own, joined where a place is recognised. Gives what was
+  /// added to the ids of its frames.
+  uint32_t add_map(SavedMap saved);
 
   /// All of the map that a file holds, but what only the caller knows: program, options, images. `input` is
   /// what the frames of this run came from.

@@ -7,28 +7,31 @@
 
 namespace kinloop {
 
-void Slam::add_map(SavedMap saved) {
+uint32_t Slam::add_map(SavedMap saved) {
   require(session_log().empty(), "add_map: after the first frame");
   const bool first = map_.keyframes().empty();
   const KeyframeId begin = next_keyframe();
-  FrameLog log = logged_frames(saved, begin.value, first_frame_);
+  const uint32_t shift = first_frame_;
+  const FrameLog log = logged_frames(saved, begin.value, shift);
   for (const SavedSession& session : saved.sessions) {
-    sessions_.push_back({session.input, FrameId{session.first_frame.value + first_frame_}});
+    sessions_.push_back({session.input, FrameId{session.first_frame.value + shift}});
   }
   log_.insert(log_.end(), log.begin(), log.end());
   session_begin_ = log_.size();
   first_frame_ = log_.empty() ? 0 : log_.back().frame.value + 1;
   if (first) sensor_ = sensor_estimate(saved.sensor, known_sensor(camera_));
   map_.append(std::move(saved.map));
-  if (map_.keyframes().empty()) return;
+  if (map_.keyframes().empty()) return shift;
   last_keyframe_ = map_.keyframes().back().id;
   for (KeyframeId id = begin; id < next_keyframe(); ++id.value) {
     places_.add(id, bow_of(*map_.keyframe(id).features));
-    if (first) continue;
+  }
+  for (KeyframeId id = begin; !first && id < next_keyframe(); ++id.value) {
     look_for_loops(id);
     take_in(work_.apply_rest(map_));
   }
   loop_history_.clear();
+  return shift;
 }
 
 SavedMap Slam::saved_map(const std::string& input) const {
