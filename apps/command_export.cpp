@@ -20,7 +20,7 @@ namespace kinloop {
 namespace {
 
 struct ExportArguments {
-  std::filesystem::path map;
+  std::filesystem::path map, poses;
   std::filesystem::path cloud, octomap, grid, trajectory, keyframes, graph;
   size_t session = 0;
   std::vector<std::string> assignments;
@@ -51,7 +51,7 @@ Eigen::Vector3d up_in(const OpenMap& open) {
 
 void write_occupancy(const ExportArguments& arguments, const OpenMap& open, const Progress& progress) {
   const KeyframeImages& images = open.recorder.images();
-  const auto views = open.recorder.views(open.log, open.map);
+  const auto views = open.views();
   const PinholeCamera& camera = open.saved.camera.color;
   const OccupancyOptions& options = open.options.occupancy;
   const Floor floor = find_floor(images, views, camera, up_in(open), options);
@@ -68,7 +68,7 @@ void run_export(const ExportArguments& arguments) {
   require_extension("--cloud", arguments.cloud, ".ply", ".pcd");
   require_extension("--octomap", arguments.octomap, ".bt", ".ot");
   require_extension("--grid", arguments.grid, ".pgm", ".pgm");
-  const OpenMap open = open_map(arguments.map, arguments.assignments);
+  const OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const Progress progress = make_progress_bar(arguments.quiet);
   const auto session = open.session_log(arguments.session);
   if (!arguments.trajectory.empty()) {
@@ -82,7 +82,8 @@ void run_export(const ExportArguments& arguments) {
     write_g2o(arguments.graph, {make_pose_graph(open.map, open.options.slam.loop), {}, true, {}});
   }
   if (!arguments.cloud.empty()) {
-    write_cloud(arguments.cloud, open.recorder.fuse(open.log, open.map, arguments.threads, progress));
+    write_cloud(arguments.cloud, fuse_keyframes(open.recorder.images(), open.views(), open.saved.camera.color,
+                                                open.options.dense, arguments.threads, progress));
   }
   if (!arguments.octomap.empty() || !arguments.grid.empty()) write_occupancy(arguments, open, progress);
 }
@@ -101,6 +102,8 @@ void add_export_command(CLI::App& app) {
   command->add_option("--trajectory", arguments->trajectory, "pose of every frame of a session (TUM format)");
   command->add_option("--keyframes", arguments->keyframes, "pose of every keyframe (TUM format)");
   command->add_option("--graph", arguments->graph, "pose graph, FILE.g2o");
+  command->add_option("--poses", arguments->poses,
+                      "take the images' poses from this file (TUM format) instead of the map");
   command->add_option("--session", arguments->session,
                       "which run's trajectory, counted from 1; 0 = the last");
   command

@@ -4,7 +4,6 @@
 
 #include "apps/commands.hpp"
 #include "apps/map_store.hpp"
-#include "apps/memory.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
@@ -15,7 +14,7 @@ namespace kinloop {
 namespace {
 
 struct MeshArguments {
-  std::filesystem::path map;
+  std::filesystem::path map, poses;
   std::filesystem::path output = "mesh.ply";
   std::string voxel_m;
   std::vector<std::string> assignments;
@@ -30,10 +29,9 @@ void make_mesh(MeshArguments arguments) {
   }
   if (!arguments.voxel_m.empty()) arguments.assignments.push_back("mesh.voxel_m=" + arguments.voxel_m);
   const Stopwatch watch;
-  const OpenMap open = open_map(arguments.map, arguments.assignments);
-  const auto mesh =
-      mesh_keyframes(open.recorder.images(), open.recorder.views(open.log, open.map), open.saved.camera.color,
-                     open.options.mesh, arguments.threads, make_progress_bar(arguments.quiet));
+  const OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
+  const auto mesh = mesh_keyframes(open.recorder.images(), open.views(), open.saved.camera.color,
+                                   open.options.mesh, arguments.threads, make_progress_bar(arguments.quiet));
   write_mesh(arguments.output, mesh);
   if (!arguments.quiet) {
     fmt::print("{} vertices, {} triangles, voxels of {} m, in {:.1f} s\n", mesh.points.size(),

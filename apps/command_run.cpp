@@ -114,6 +114,41 @@ void warn_of_skipped(const FrameSource& source) {
             skipped.front().reason);
 }
 
+/// The camera as the run takes it: with a map to go on with, depth is kept in the units of its images.
+RgbdCamera camera_of(const FrameSource& source, const std::optional<StartMap>& start,
+                     const RunArguments& arguments) {
+  RgbdCamera camera = source.camera();
+  if (!start) return camera;
+  require_same_camera(start->saved, arguments.load_map, camera);
+  camera.depth_scale = start->saved.camera.depth_scale;
+  return camera;
+}
+
+/// Who saves the map; nobody where it must stay as it is.
+std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolder& folder,
+                                   const MapSaver::What& what) {
+  if (arguments.localize) return nullptr;
+  const auto path = arguments.save_map.empty() ? folder.map_file() : arguments.save_map;
+  return std::make_unique<MapSaver>(path, what, arguments.autosave_s);
+}
+
+nlohmann::json map_file_json(const MapSaver& saver) {
+  return {{"path", saver.path().string()},
+          {"bytes", std::filesystem::file_size(saver.path())},
+          {"save_s", saver.seconds()}};
+}
+
+void write_results(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
+                   const ColoredCloud& cloud, const nlohmann::json& summary) {
+  const Slam& slam = outcome.slam;
+  const uint32_t component = main_component(slam.session_log(), slam.map());
+  write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), component),
+                           outcome.source.info().ground_truth, cloud, summary});
+  write_camera_file(folder.camera(), calibrated_camera(outcome.source.camera(), slam.sensor()));
+  write_g2o(folder.graph(), {make_pose_graph(slam.map(), outcome.options.slam.loop), {}, true, {}});
+  write_report(folder);
+}
+
 ExitCode run(const RunArguments& arguments) {
   const Stopwatch watch;
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
@@ -130,46 +165,40 @@ ExitCode run(const RunArguments& arguments) {
   }
   const Progress progress = make_progress_bar(arguments.quiet);
 
-  RgbdCamera camera_used = source->camera();
-  if (start) {
-    require_same_camera(start->saved, arguments.load_map, camera_used);
-    camera_used.depth_scale = start->saved.camera.depth_scale;  // of the images in the file
-  }
+  const RgbdCamera camera_used = camera_of(*source, start, arguments);
   Slam slam(camera_used, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
   DenseRecorder recorder(camera_used, options.dense);
   slam.listen(recorder);
   if (start) take_start_map(*start, arguments.load_map, slam, recorder);
-  MapSaver saver(arguments.save_map.empty() ? folder.map_file() : arguments.save_map,
-                 {slam, recorder, options, arguments.sequence}, arguments.autosave_s);
+  const auto saver = saver_of(arguments, folder, {slam, recorder, options, arguments.sequence});
   catch_interrupts();
-  const bool complete = process_all(*source, slam, arguments.localize ? nullptr : &saver, progress);
+  const bool complete = process_all(*source, slam, saver.get(), progress);
   if (!complete) log::warn("interrupted: finishing with the {} frames there are", slam.session_log().size());
   const Trajectory trajectory = slam.finish(progress);
-  if (!arguments.localize) saver.save();
+  if (saver) saver->save();
   return_freed_memory();
   const ColoredCloud cloud = recorder.fuse(slam.log(), slam.map(), threads, progress);
   return_freed_memory();
   warn_of_skipped(*source);
 
   const Trajectory& truth = source->info().ground_truth;
-  const auto evaluation = truth.empty() ? std::nullopt : evaluate(trajectory, truth);
-  auto summary = run_summary({*source, slam, options, evaluation, cloud.size(), watch.wall_s(), threads,
-                              !complete, paced != nullptr ? paced->dropped() : 0});
-  if (!arguments.localize) {
-    summary["map_file"] = {{"path", saver.path().string()},
-                           {"bytes", std::filesystem::file_size(saver.path())},
-                           {"save_s", saver.seconds()}};
-  }
-  const uint32_t component = main_component(slam.session_log(), slam.map());
-  write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), component), truth, cloud, summary});
-  write_camera_file(folder.camera(), calibrated_camera(source->camera(), slam.sensor()));
-  write_g2o(folder.graph(), {make_pose_graph(slam.map(), options.slam.loop), {}, true, {}});
-  write_report(folder);
+  const RunOutcome outcome{*source,
+                           slam,
+                           options,
+                           truth.empty() ? std::nullopt : evaluate(trajectory, truth),
+                           cloud.size(),
+                           watch.wall_s(),
+                           threads,
+                           !complete,
+                           paced != nullptr ? paced->dropped() : 0};
+  auto summary = run_summary(outcome);
+  if (saver) summary["map_file"] = map_file_json(*saver);
+  write_results(folder, outcome, trajectory, cloud, summary);
   if (!arguments.quiet) {
     fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
                folder.path().string());
   }
-  if (lost_for_good(slam.session_log(), slam.map(), component)) {
+  if (lost_for_good(slam.session_log(), slam.map(), main_component(slam.session_log(), slam.map()))) {
     log::error("tracking was lost and its place not recognised again; see {}",
                (arguments.output / "report.html").string());
     return ExitCode::kTrackingLost;

@@ -21,6 +21,8 @@ class DenseRecorder : public Listener {
 
   [[nodiscard]] size_t image_count() const { return frame_of_image_.size(); }
 
+  [[nodiscard]] FrameId frame_of_image(size_t index) const { return frame_of_image_.at(index); }
+
   /// What a map file keeps of image `index`.
   [[nodiscard]] SavedImages saved_images(size_t index) const {
     return {frame_of_image_.at(index), images_.encoded(index)};

@@ -1,10 +1,12 @@
 #include "apps/map_store.hpp"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
 #include "apps/version.hpp"
+#include "kinloop/base/association.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/output/run_folder.hpp"
@@ -77,16 +79,32 @@ void require_same_camera(const SavedMap& saved, const std::filesystem::path& pat
       path.string(), lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy));
 }
 
-OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<std::string>& assignments) {
+OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<std::string>& assignments,
+                 const std::filesystem::path& poses) {
   const auto path = map_file_of(file_or_folder);
   const MapReader reader(path);
   SavedMap saved = read_map_or_warn(reader, path);
   const RunOptions options = with_assignments(with_options_of(saved, {}), assignments);
-  OpenMap open{{}, options, {}, logged_frames(saved, 0, 0), DenseRecorder(saved.camera, options.dense)};
+  OpenMap open{{}, options, {}, logged_frames(saved, 0, 0), DenseRecorder(saved.camera, options.dense), {}};
   open.map.append(std::move(saved.map));
   open.saved = std::move(saved);
   restore_images(reader, path, 0, open.recorder);
+  if (!poses.empty()) open.poses = read_tum_trajectory(poses);
   return open;
+}
+
+std::vector<PosedImage> OpenMap::views() const {
+  if (poses.empty()) return recorder.views(log, map);
+  std::unordered_map<FrameId, int64_t> stamp_of;
+  for (const LoggedFrame& entry : log) stamp_of.emplace(entry.frame, entry.stamp_ns);
+  std::vector<PosedImage> views;
+  for (size_t i = 0; i < recorder.image_count(); ++i) {
+    const auto stamp = stamp_of.find(recorder.frame_of_image(i));
+    if (stamp == stamp_of.end()) continue;
+    const auto T_world_camera = pose_at(poses, stamp->second, kMaxAssociationNs * 2);
+    if (T_world_camera) views.push_back({i, *T_world_camera});
+  }
+  return views;
 }
 
 std::span<const LoggedFrame> OpenMap::session_log(size_t number) const {

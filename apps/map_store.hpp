@@ -65,13 +65,18 @@ struct OpenMap {
   Map map;
   FrameLog log;
   DenseRecorder recorder;
+  Trajectory poses;  ///< to be taken instead of the map's; empty: the map's
+
+  /// The images whose place is known.
+  [[nodiscard]] std::vector<PosedImage> views() const;
 
   /// The frames of session `number`, counted from 1; 0: of the last.
   [[nodiscard]] std::span<const LoggedFrame> session_log(size_t number) const;
 };
 
 /// Opens a map file, or that of a run's folder, with its images; `assignments` change the options it was made
-/// with.
-OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<std::string>& assignments);
+/// with, `poses` names a file of poses to be taken instead of the map's, where it is not empty.
+OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<std::string>& assignments,
+                 const std::filesystem::path& poses = {});
 
 }  // namespace kinloop
