@@ -3,12 +3,17 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
+#include "apps/cloud_quality.hpp"
 #include "apps/commands.hpp"
 #include "apps/open_source.hpp"
+#include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/stopwatch.hpp"
+#include "kinloop/eval/evaluate.hpp"
+#include "kinloop/output/ply.hpp"
 
 namespace kinloop {
 namespace {
@@ -29,11 +34,53 @@ void bench_decode(const std::string& sequence, const std::optional<std::string>&
              watch.cpu_s(), static_cast<double>(usage.ru_maxrss) / 1024.0);
 }
 
+struct CloudArguments {
+  std::filesystem::path cloud, trajectory;
+  std::string scene = "sim:room";
+  std::vector<std::string> assignments;
+};
+
+void bench_cloud(const CloudArguments& arguments) {
+  SimulationOptions options = with_assignments(SimulationOptions(), arguments.assignments);
+  options.noise = KinectNoise::none();
+  const auto source = make_simulated_source(arguments.scene, options, hardware_threads());
+  SE3 T_truth_map;
+  if (!arguments.trajectory.empty()) {
+    const auto ate =
+        absolute_trajectory_error(read_tum_trajectory(arguments.trajectory), source->info().ground_truth);
+    if (!ate) throw InputError(fmt::format("{}: does not go with the scene", arguments.trajectory.string()));
+    T_truth_map = ate->T_truth_estimate;
+  }
+  const CloudQuality quality = cloud_quality(read_ply(arguments.cloud), *source, T_truth_map);
+  fmt::print("{}\n", nlohmann::json({{"points", quality.points},
+                                     {"accuracy_median_m", quality.accuracy_median_m},
+                                     {"accuracy_p95_m", quality.accuracy_p95_m},
+                                     {"completeness", quality.completeness}})
+                         .dump());
+}
+
+void add_cloud(CLI::App& bench) {
+  auto arguments = std::make_shared<CloudArguments>();
+  CLI::App* command = bench.add_subcommand(
+      "cloud",
+      "A cloud of a simulated room against its exact surfaces: distance from cloud to surface, and\n"
+      "the share of visible surface that has a point within 1 cm");
+  command->add_option("CLOUD", arguments->cloud, "map.ply of kinloop run or kinloop export")->required();
+  command->add_option("--scene", arguments->scene, "the room that was mapped")->capture_default_str();
+  command->add_option(
+      "--trajectory", arguments->trajectory,
+      "estimated poses, to lay the cloud into the room by; without: it is in the room's world");
+  command->add_option("--set", arguments->assignments, "options of the simulation, key=value")
+      ->allow_extra_args(false);
+  command->callback([arguments] { bench_cloud(*arguments); });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& app) {
   CLI::App* bench = app.add_subcommand("bench", "Floors that a run can be compared with");
   bench->require_subcommand(1);
+  add_cloud(*bench);
   CLI::App* decode =
       bench->add_subcommand("decode", "Read and decode every frame on one thread, and nothing else");
   auto sequence = std::make_shared<std::string>();

@@ -10,6 +10,7 @@
 #include "apps/frame_recorder.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/loop_pictures.hpp"
+#include "apps/map_store.hpp"
 #include "apps/memory.hpp"
 #include "apps/open_source.hpp"
 #include "apps/progress_bar.hpp"
@@ -22,8 +23,6 @@
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/g2o_file.hpp"
 #include "kinloop/output/run_folder.hpp"
-#include "kinloop/place/default_vocabulary.hpp"
-#include "kinloop/place/vocabulary_file.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/paced_source.hpp"
 #include "kinloop/slam/frame_pipeline.hpp"
@@ -44,32 +43,47 @@ struct RunArguments {
   int threads = 0;
   std::string viewer;  // [ADDRESS:]PORT; empty: none
   double pace_hz = 0;
+  std::filesystem::path save_map;
+  std::filesystem::path load_map;
+  bool localize = false;
+  double autosave_s = 30;
   std::vector<std::string> assignments;
 };
 
-RunOptions options_of(const RunArguments& arguments, int threads) {
+/// A map file to go on with.
+struct StartMap {
+  MapReader reader;
+  SavedMap saved;
+};
+
+std::optional<StartMap> open_start_map(const RunArguments& arguments) {
+  if (arguments.localize && arguments.load_map.empty())
+    throw UsageError("--localize: in which map? Give it with --load-map FILE");
+  if (arguments.localize && !arguments.save_map.empty())
+    throw UsageError("--localize leaves the map as it is: there is nothing to save with --save-map");
+  if (arguments.load_map.empty()) return std::nullopt;
+  MapReader reader(arguments.load_map);
+  SavedMap saved = read_map_or_warn(reader, arguments.load_map);
+  return StartMap{std::move(reader), std::move(saved)};
+}
+
+RunOptions options_of(const RunArguments& arguments, const std::optional<StartMap>& start, int threads) {
   RunOptions options;
+  // What a map was made of is looked for in the frames, too.
+  if (start) options = with_options_of(start->saved, options, "features.");
+  const std::string features = options.slam.features.kind;
   options.slam.full.threads = threads;
+  options.slam.localize_only = arguments.localize;
   if (arguments.pace_hz > 0 || is_live(arguments.sequence)) options.slam.executor.mode = "live";
   options = with_assignments(options, arguments.assignments);
+  if (start && options.slam.features.kind != features)
+    throw UsageError(fmt::format("features.kind: the map was made with {}", features));
   if (arguments.no_loop) options.slam.loop.enabled = false;
   if (arguments.solver != "auto") options.slam.loop.pose_graph.solver = arguments.solver;
   if (!pose_graph_solver_available(options.slam.loop.pose_graph.solver)) {
     throw UsageError(fmt::format("--solver {}: not in this build; see kinloop --version", arguments.solver));
   }
   return options;
-}
-
-/// The dictionary that goes with the features. It cannot be told from a file what kind it was trained on.
-Vocabulary vocabulary_of(const RunArguments& arguments, const FeatureOptions& features) {
-  if (!arguments.vocabulary.empty()) return read_vocabulary(arguments.vocabulary);
-  if (features.kind != "orb") {
-    throw UsageError(fmt::format(
-        "features.kind={0}: the dictionary built in is of ORB; train one with `kinloop vocab train IMAGES... "
-        "--feature {0} -o FILE` and give it with --vocabulary FILE",
-        features.kind));
-  }
-  return load_default_vocabulary();
 }
 
 SourceRequest request_of(const RunArguments& arguments, const RunOptions& options, int threads) {
@@ -84,7 +98,7 @@ SourceRequest request_of(const RunArguments& arguments, const RunOptions& option
 }
 
 /// Feeds all frames, each when `leave` was given; false when Ctrl-C ended it early.
-bool process_all(FrameSource& source, Slam& slam, const Progress& progress,
+bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progress& progress,
                  const std::function<void()>& leave) {
   FramePipeline pipeline(source, slam);
   size_t done = 0;
@@ -92,13 +106,22 @@ bool process_all(FrameSource& source, Slam& slam, const Progress& progress,
     if (leave) leave();
     slam.process(*frame);
     report(progress, "mapping", ++done, source.info().frames);
-    if (interrupted()) return false;
+    if (saver != nullptr) saver->save_if_due();
+    if (!interrupted()) continue;
+    if (saver != nullptr) saver->save();  // a second Ctrl-C ends the program before the map is finished
+    return false;
   }
   return true;
 }
 
+/// Puts the map that the run goes on with in its place.
+void take_start_map(StartMap& start, const std::filesystem::path& path, Slam& slam, DenseRecorder& recorder) {
+  const uint32_t shift = slam.add_map(std::move(start.saved));
+  restore_images(start.reader, path, shift, recorder);
+}
+
 /// Lost at the end, or never found: what the exit code tells scripts.
-bool lost_for_good(const FrameLog& log, const Map& map, uint32_t component) {
+bool lost_for_good(std::span<const LoggedFrame> log, const Map& map, uint32_t component) {
   return log.empty() || !tracked_in(component, log.back(), map);
 }
 
@@ -109,10 +132,46 @@ void warn_of_skipped(const FrameSource& source) {
             skipped.front().reason);
 }
 
+/// The camera as the run takes it: with a map to go on with, depth is kept in the units of its images.
+RgbdCamera camera_of(const FrameSource& source, const std::optional<StartMap>& start,
+                     const RunArguments& arguments) {
+  RgbdCamera camera = source.camera();
+  if (!start) return camera;
+  require_same_camera(start->saved, arguments.load_map, camera);
+  camera.depth_scale = start->saved.camera.depth_scale;
+  return camera;
+}
+
+/// Who saves the map; nobody where it must stay as it is.
+std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolder& folder,
+                                   const MapSaver::What& what) {
+  if (arguments.localize) return nullptr;
+  const auto path = arguments.save_map.empty() ? folder.map_file() : arguments.save_map;
+  return std::make_unique<MapSaver>(path, what, arguments.autosave_s);
+}
+
+nlohmann::json map_file_json(const MapSaver& saver) {
+  return {{"path", saver.path().string()},
+          {"bytes", std::filesystem::file_size(saver.path())},
+          {"save_s", saver.seconds()}};
+}
+
+void write_results(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
+                   const ColoredCloud& cloud, const nlohmann::json& summary) {
+  const Slam& slam = outcome.slam;
+  const uint32_t component = main_component(slam.session_log(), slam.map());
+  write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), component),
+                           outcome.source.info().ground_truth, cloud, summary});
+  write_camera_file(folder.camera(), calibrated_camera(outcome.source.camera(), slam.sensor()));
+  write_g2o(folder.graph(), {make_pose_graph(slam.map(), outcome.options.slam.loop), {}, true, {}});
+  write_report(folder);
+}
+
 ExitCode run(const RunArguments& arguments) {
   const Stopwatch watch;
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
-  const RunOptions options = options_of(arguments, threads);
+  auto start = open_start_map(arguments);
+  const RunOptions options = options_of(arguments, start, threads);
   const RunFolder folder(arguments.output);
   auto source = open_source(request_of(arguments, options, threads));
   const PacedSource* paced = nullptr;
@@ -123,41 +182,49 @@ ExitCode run(const RunArguments& arguments) {
   }
   const Progress progress = make_progress_bar(arguments.quiet);
 
-  Slam slam(source->camera(), options.slam, vocabulary_of(arguments, options.slam.features));
-  DenseRecorder recorder(source->camera(), options.dense);
+  const RgbdCamera camera = camera_of(*source, start, arguments);
+  Slam slam(camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
+  DenseRecorder recorder(camera, options.dense);
   FrameRecorder frames;
   slam.listen(recorder);
   slam.listen(frames);
+  if (start) take_start_map(*start, arguments.load_map, slam, recorder);
+  const auto saver = saver_of(arguments, folder, {slam, recorder, options, arguments.sequence});
   catch_interrupts();
   const auto save_now = [&] { save_map(folder, slam, recorder, threads); };
   const auto shown = show_run(arguments.viewer, *source, options.viewer, slam, save_now);
-  const bool complete = process_all(*source, slam, progress, shown ? shown->leave : nullptr);
-  if (!complete) log::warn("interrupted: finishing with the {} frames there are", slam.log().size());
+  const bool complete = process_all(*source, slam, saver.get(), progress, shown ? shown->leave : nullptr);
+  if (!complete) log::warn("interrupted: finishing with the {} frames there are", slam.session_log().size());
   if (shown) shown->viewer.tell("final adjustment");
   const Trajectory trajectory = slam.finish(progress);
   if (shown) shown->viewer.finish(slam.log(), slam.map());
+  if (saver) saver->save();
   return_freed_memory();
   const ColoredCloud cloud = recorder.fuse(slam.log(), slam.map(), threads, progress);
   return_freed_memory();
   warn_of_skipped(*source);
 
   const Trajectory& truth = source->info().ground_truth;
-  const auto evaluation = truth.empty() ? std::nullopt : evaluate(trajectory, truth);
-  const auto summary = run_summary({*source, slam, options, evaluation, cloud.size(), watch.wall_s(), threads,
-                                    !complete, paced != nullptr ? paced->dropped() : 0});
-  const uint32_t component = main_component(slam.log(), slam.map());
-  write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), component), truth, cloud, summary});
-  write_camera_file(folder.camera(), calibrated_camera(source->camera(), slam.sensor()));
-  write_g2o(folder.graph(), {make_pose_graph(slam.map(), options.slam.loop), {}, true, {}});
+  const RunOutcome outcome{*source,
+                           slam,
+                           options,
+                           truth.empty() ? std::nullopt : evaluate(trajectory, truth),
+                           cloud.size(),
+                           watch.wall_s(),
+                           threads,
+                           !complete,
+                           paced != nullptr ? paced->dropped() : 0};
+  auto summary = run_summary(outcome);
+  if (saver) summary["map_file"] = map_file_json(*saver);
   write_frame_table(folder.frames(), frames.table(slam.times()));
   write_loop_pictures(folder, slam.map(), recorder);
-  write_report(folder);
+  write_results(folder, outcome, trajectory, cloud, summary);
   if (!arguments.quiet) {
     fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
                folder.path().string());
   }
   if (shown) stay_open(shown->viewer);
-  if (lost_for_good(slam.log(), slam.map(), component)) {
+  if (lost_for_good(slam.session_log(), slam.map(), main_component(slam.session_log(), slam.map()))) {
     log::error("tracking was lost and its place not recognised again; see {}",
                (arguments.output / "report.html").string());
     return ExitCode::kTrackingLost;
@@ -188,6 +255,16 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
                       "of a bag: COLOR,DEPTH[,CAMERA_INFO], where they are not those of a known driver");
   command->add_option("--vocabulary", arguments->vocabulary,
                       "dictionary of visual words, from kinloop vocab train; else the one built in");
+  command->add_option("--save-map", arguments->save_map,
+                      "where to save the map, to go on with it later; else map.kinmap in the output folder");
+  command->add_option("--load-map", arguments->load_map, "a map of an earlier run to go on with");
+  command->add_flag("--localize", arguments->localize,
+                    "only say where the frames are in the map of --load-map; the map stays as it is");
+  command
+      ->add_option("--autosave", arguments->autosave_s,
+                   "seconds after which the map is saved again while the run goes on; 0 = at the end only")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   command->add_flag("--no-loop", arguments->no_loop, "do not close loops");
   command->add_option("--solver", arguments->solver, "who solves the pose graph: auto, builtin, ceres, g2o")
       ->check(CLI::IsMember({"auto", "builtin", "ceres", "g2o"}));

@@ -28,8 +28,14 @@ void DenseRecorder::on_frame(const FrameResult& result, const PreparedFrame& fra
   frame_of_image_.push_back(result.frame);
 }
 
-ColoredCloud DenseRecorder::fuse(const FrameLog& log, const Map& map, int threads,
-                                 const Progress& progress) const {
+void DenseRecorder::restore(const SavedImages& saved) {
+  // Images of another size would not go with the camera.
+  if (saved.images.rows != camera_.color.height || saved.images.cols != camera_.color.width) return;
+  images_.add(saved.images);
+  frame_of_image_.push_back(saved.frame);
+}
+
+std::vector<PosedImage> DenseRecorder::views(const FrameLog& log, const Map& map) const {
   const uint32_t component = main_component(log, map);
   std::unordered_map<FrameId, SE3> pose_of;
   for (const LoggedFrame& entry : log) {
@@ -40,7 +46,12 @@ ColoredCloud DenseRecorder::fuse(const FrameLog& log, const Map& map, int thread
     const auto pose = pose_of.find(frame_of_image_[i]);
     if (pose != pose_of.end()) views.push_back({i, pose->second});
   }
-  return fuse_keyframes(images_, views, camera_.color, options_, threads, progress);
+  return views;
+}
+
+ColoredCloud DenseRecorder::fuse(const FrameLog& log, const Map& map, int threads,
+                                 const Progress& progress) const {
+  return fuse_keyframes(images_, views(log, map), camera_.color, options_, threads, progress);
 }
 
 std::optional<RgbdImages> DenseRecorder::images_of(FrameId frame) const {

@@ -42,6 +42,9 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_calibrate_command(app);
   kinloop::add_record_command(app);
   kinloop::add_fetch_command(app);
+  kinloop::add_map_command(app);
+  kinloop::add_export_command(app);
+  kinloop::add_mesh_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

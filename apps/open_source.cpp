@@ -1,6 +1,8 @@
 #include "apps/open_source.hpp"
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/place/vocabulary_file.hpp"
 #include "kinloop/sensor/bag_source.hpp"
 #include "kinloop/sensor/camera_choice.hpp"
 #include "kinloop/sensor/kinect1_source.hpp"
@@ -28,6 +30,18 @@ std::unique_ptr<FrameSource> open_source(const SourceRequest& request) {
   if (sequence == "kinect2") return open_kinect2(request.kinect, given_camera());
   if (sequence.ends_with(".bag")) return open_bag(sequence, given_camera(), request.topics);
   return std::make_unique<TumSource>(sequence, choose_camera(sequence, request.camera));
+}
+
+Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features) {
+  // It cannot be told from a file what kind of features it was trained on.
+  if (!file.empty()) return read_vocabulary(file);
+  if (features.kind != "orb") {
+    throw UsageError(fmt::format(
+        "features.kind={0}: the dictionary built in is of ORB; train one with `kinloop vocab train IMAGES... "
+        "--feature {0} -o FILE` and give it with --vocabulary FILE",
+        features.kind));
+  }
+  return load_default_vocabulary();
 }
 
 }  // namespace kinloop

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "kinloop/features/options.hpp"
+#include "kinloop/place/vocabulary.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 #include "kinloop/sensor/kinect_options.hpp"
 #include "kinloop/sensor/simulation/simulated_source.hpp"
@@ -25,5 +27,9 @@ bool is_live(const std::string& sequence);
 
 /// Opens it. Throws UsageError or InputError with the remedy.
 std::unique_ptr<FrameSource> open_source(const SourceRequest& request);
+
+/// The dictionary in `file`, or where that is empty the one built in. Throws UsageError where that does not
+/// go with the features.
+Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features);
 
 }  // namespace kinloop

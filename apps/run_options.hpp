@@ -9,11 +9,14 @@
 
 namespace kinloop {
 
-/// The options of the system stand at the top ("features.count"), those of the dense map, the simulation,
-/// live cameras and the viewer under names of their own ("dense.voxel_m", "sim.frames").
+/// The options of the system stand at the top ("features.count"), those of the dense map, the mesh, the
+/// occupancy map, the simulation, live cameras and the viewer under names of their own ("dense.voxel_m",
+/// "sim.frames").
 struct RunOptions {
   SlamOptions slam;
   DenseOptions dense;
+  MeshOptions mesh;
+  OccupancyOptions occupancy;
   SimulationOptions sim;
   KinectOptions kinect;
   ViewerOptions viewer;
@@ -22,6 +25,8 @@ struct RunOptions {
   static void fields(Self& self, Visit&& visit) {
     SlamOptions::fields(self.slam, visit);
     visit("dense", self.dense);
+    visit("mesh", self.mesh);
+    visit("occupancy", self.occupancy);
     visit("sim", self.sim);
     visit("kinect", self.kinect);
     visit("viewer", self.viewer);

@@ -116,7 +116,7 @@ json skipped_json(const FrameSource& source) {
 }  // namespace
 
 json run_summary(const RunOutcome& o) {
-  const FrameLog& log = o.slam.log();
+  const auto log = o.slam.session_log();
   const uint32_t component = main_component(log, o.slam.map());
   const auto tracked = std::count_if(log.begin(), log.end(),
                                      [&](const auto& f) { return tracked_in(component, f, o.slam.map()); });

@@ -1,9 +1,14 @@
 #include "apps/version.hpp"
 
+#include <utility>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "apps/download.hpp"
 #include "kinloop/compare/detectors.hpp"
+#include "kinloop/dense/occupancy.hpp"
+#include "kinloop/dense/tsdf_volume.hpp"
 #include "kinloop/features/surf.hpp"
 #include "kinloop/optimize/pose_graph.hpp"
 #include "kinloop/sensor/bag_source.hpp"
@@ -12,18 +17,27 @@
 
 namespace kinloop {
 
+std::string program_name() {
+  return "kinloop " KINLOOP_VERSION;
+}
+
 std::string version_text() {
-  const char* g2o = pose_graph_solver_available("g2o") ? "yes" : "no (not found when built)";
-  const char* surf = surf_available() ? "yes" : "no (dlib not found when built)";
-  const char* pages = KINLOOP_PAGES_FOUND ? "yes" : "no (npm not found, or without network, when built)";
   const auto part = [](bool in, const char* what) {
     return in ? std::string("yes") : fmt::format("no ({} not found when built)", what);
   };
-  return fmt::format(
-      "kinloop {}\ng2o solver: {}\nSURF: {}\nKinect 1: {}\nKinect 2: {}\nROS bags: {}\nDownloads: {}\nviewer and report pages: {}",
-      KINLOOP_VERSION, g2o, surf, part(kinect1_available(), "libfreenect"),
-      part(kinect2_available(), "libfreenect2"), part(bags_available(), "librosbag-storage"),
-      part(download_available(), "curl or libarchive"), pages);
+  const std::vector<std::pair<const char*, std::string>> parts{
+      {"g2o solver", part(pose_graph_solver_available("g2o"), "g2o")},
+      {"SURF", part(surf_available(), "dlib")},
+      {"Kinect 1", part(kinect1_available(), "libfreenect")},
+      {"Kinect 2", part(kinect2_available(), "libfreenect2")},
+      {"ROS bags", part(bags_available(), "librosbag-storage")},
+      {"downloads", part(download_available(), "curl or libarchive")},
+      {"meshes", part(tsdf_available(), "OpenVDB")},
+      {"occupancy maps", part(occupancy_available(), "OctoMap")},
+      {"viewer and report pages", part(KINLOOP_PAGES_FOUND, "npm, or network for it,")}};
+  std::string text = program_name();
+  for (const auto& [name, state] : parts) text += fmt::format("\n{}: {}", name, state);
+  return text;
 }
 
 }  // namespace kinloop

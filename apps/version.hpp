@@ -4,6 +4,9 @@
 
 namespace kinloop {
 
+/// "kinloop" and its version.
+std::string program_name();
+
 /// "kinloop 0.1.0" and which optional parts are in.
 std::string version_text();
 

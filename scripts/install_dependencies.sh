@@ -8,13 +8,15 @@ set -euo pipefail
 packages=(
   build-essential cmake ninja-build ccache git pkg-config
   libopencv-dev libeigen3-dev libceres-dev libsuitesparse-dev libhwy-dev
-  libturbojpeg0-dev libdeflate-dev
+  libturbojpeg0-dev libdeflate-dev libsqlite3-dev
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
-  libgtest-dev libgmock-dev libbenchmark-dev libdlib-dev libboost-dev
+  libgtest-dev libgmock-dev libbenchmark-dev libboost-dev
 )
-# Parts that are found when present: Kinect 1, downloads, ROS bags and topics. (libfreenect2, for the Kinect 2, is in
-# neither distribution: docs/cameras.md.) Those that a distribution does not have are left out.
+# Parts that are found when present: SURF, meshes, occupancy maps, Kinect 1, downloads, ROS bags and topics.
+# (libfreenect2, for the Kinect 2, is in neither distribution: docs/cameras.md.) What a distribution does not have is
+# left out.
 optional=(
+  libdlib-dev libopenvdb-dev liboctomap-dev
   libfreenect-dev libcurl4-openssl-dev libarchive-dev
   librosbag-storage-dev libsensor-msgs-dev
   libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev
@@ -24,10 +26,10 @@ optional=(
 command -v npm >/dev/null || packages+=(nodejs npm)
 case "${1:-}" in
   "") ;;
-  --tests | --checks)
-    # Ubuntu has Chromium as a snap alone: the tests that need it skip there, unless it is installed by hand.
-    if apt-cache show chromium >/dev/null 2>&1; then packages+=(chromium); fi
-    if [[ "$1" == "--checks" ]]; then packages+=(clang-format clang-tidy); fi
+  --tests) optional+=(chromium) ;;  # Ubuntu has it as a snap alone: the tests that need it skip there
+  --checks)
+    optional+=(chromium)
+    packages+=(clang-format clang-tidy)
     ;;
   *)
     echo "usage: $0 [--tests | --checks]" >&2
@@ -44,28 +46,34 @@ is_installed() {
   [[ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" == "installed" ]]
 }
 
+as_root() {
+  if [[ $EUID -eq 0 ]]; then
+    "$@"
+  elif command -v sudo >/dev/null; then
+    sudo "$@"
+  else
+    echo "Not root and no sudo. As root, run: $*" >&2
+    exit 3
+  fi
+}
+
 missing=()
 for package in "${packages[@]}"; do
   is_installed "$package" || missing+=("$package")
 done
+wanted=()
 for package in "${optional[@]}"; do
-  if ! is_installed "$package" && apt-cache show "$package" >/dev/null 2>&1; then missing+=("$package"); fi
+  is_installed "$package" || wanted+=("$package")
+done
+# A new machine may know no package at all; one that knows cmake has had its lists before.
+if [[ ${#missing[@]} -gt 0 ]] || ! apt-cache show cmake >/dev/null 2>&1; then as_root apt-get update -q; fi
+for package in "${wanted[@]}"; do
+  if apt-cache policy "$package" 2>/dev/null | grep -q 'Candidate: [0-9]'; then missing+=("$package"); fi
 done
 if [[ ${#missing[@]} -eq 0 ]]; then
   echo "All packages are installed."
   exit 0
 fi
 
-as_root=()
-if [[ $EUID -ne 0 ]]; then
-  if ! command -v sudo >/dev/null; then
-    echo "Not root and no sudo. As root, run: apt-get install ${missing[*]}" >&2
-    exit 3
-  fi
-  as_root=(sudo)
-fi
-
 echo "Installing: ${missing[*]}"
-"${as_root[@]}" apt-get update -q
-"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" \
-  </dev/null
+as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" </dev/null

@@ -65,15 +65,16 @@ std::FILE* open_nameless_file() {
 size_t KeyframeImages::add(const cv::Mat& color, const cv::Mat& depth_m) {
   require(color.type() == CV_8UC3 && depth_m.type() == CV_32FC1 && color.size() == depth_m.size(),
           "KeyframeImages: colour 8UC3 and depth 32FC1 of the same size");
-  Entry entry;
-  entry.rows = color.rows;
-  entry.cols = color.cols;
-  cv::imencode(".jpg", color, entry.bytes, {cv::IMWRITE_JPEG_QUALITY, options_.jpeg_quality});
-  entry.color_bytes = entry.bytes.size();
-  const auto depth = pack_depth(to_units(depth_m, options_.depth_scale));
-  entry.depth_bytes = depth.size();
-  entry.bytes.insert(entry.bytes.end(), depth.begin(), depth.end());
-  entry.bytes.shrink_to_fit();
+  EncodedImages images{color.rows, color.cols, {}, pack_depth(to_units(depth_m, options_.depth_scale))};
+  cv::imencode(".jpg", color, images.color, {cv::IMWRITE_JPEG_QUALITY, options_.jpeg_quality});
+  return add(images);
+}
+
+size_t KeyframeImages::add(const EncodedImages& images) {
+  Entry entry{images.rows, images.cols, images.color.size(), images.depth.size(), 0, {}};
+  entry.bytes.reserve(entry.color_bytes + entry.depth_bytes);
+  entry.bytes.insert(entry.bytes.end(), images.color.begin(), images.color.end());
+  entry.bytes.insert(entry.bytes.end(), images.depth.begin(), images.depth.end());
 
   if (bytes_in_memory_ + entry.bytes.size() > options_.memory_limit_bytes) {
     entry.file_offset = bytes_on_disk_;
@@ -86,16 +87,20 @@ size_t KeyframeImages::add(const cv::Mat& color, const cv::Mat& depth_m) {
 }
 
 RgbdImages KeyframeImages::load(size_t index) const {
+  const EncodedImages images = encoded(index);
+  const auto depth =
+      unpack_depth(images.depth, static_cast<size_t>(images.rows) * static_cast<size_t>(images.cols));
+  return {cv::imdecode(images.color, cv::IMREAD_COLOR),
+          to_metres(depth, images.rows, images.cols, options_.depth_scale)};
+}
+
+EncodedImages KeyframeImages::encoded(size_t index) const {
   require(index < entries_.size(), "KeyframeImages: no such image");
   const Entry& entry = entries_[index];
   const std::vector<uint8_t> from_file = entry.bytes.empty() ? bytes_of(entry) : std::vector<uint8_t>();
-  const std::span bytes = entry.bytes.empty() ? std::span(from_file) : std::span(entry.bytes);
-  const std::vector<uint8_t> color(bytes.begin(),
-                                   bytes.begin() + static_cast<std::ptrdiff_t>(entry.color_bytes));
-  const auto depth = unpack_depth(bytes.subspan(entry.color_bytes),
-                                  static_cast<size_t>(entry.rows) * static_cast<size_t>(entry.cols));
-  return {cv::imdecode(color, cv::IMREAD_COLOR),
-          to_metres(depth, entry.rows, entry.cols, options_.depth_scale)};
+  const std::vector<uint8_t>& bytes = entry.bytes.empty() ? from_file : entry.bytes;
+  const auto middle = bytes.begin() + static_cast<std::ptrdiff_t>(entry.color_bytes);
+  return {entry.rows, entry.cols, {bytes.begin(), middle}, {middle, bytes.end()}};
 }
 
 void KeyframeImages::spill(const std::vector<uint8_t>& bytes) {

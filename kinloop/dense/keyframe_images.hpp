@@ -24,6 +24,15 @@ struct RgbdImages {
   cv::Mat depth_m;  ///< 32FC1, 0 = unknown
 };
 
+/// The same made small: colour as JPEG, depth as `pack_depth` gives it.
+struct EncodedImages {
+  int rows = 0, cols = 0;
+  std::vector<uint8_t> color;
+  std::vector<uint8_t> depth;
+
+  bool operator==(const EncodedImages&) const = default;
+};
+
 class KeyframeImages {
  public:
   KeyframeImages() = default;
@@ -33,8 +42,16 @@ class KeyframeImages {
   /// they cannot hold becomes unknown. Throws InputError when the temporary file cannot be written.
   size_t add(const cv::Mat& color, const cv::Mat& depth_m);
 
+  /// Keeps images that another store gave; their depth must be in the units of this one.
+  size_t add(const EncodedImages& images);
+
   /// The images at `index`; may be called from several threads at once while nothing is added.
   [[nodiscard]] RgbdImages load(size_t index) const;
+
+  /// The same as they are kept.
+  [[nodiscard]] EncodedImages encoded(size_t index) const;
+
+  [[nodiscard]] const ImageStoreOptions& options() const { return options_; }
 
   [[nodiscard]] size_t size() const { return entries_.size(); }
   [[nodiscard]] size_t bytes_in_memory() const { return bytes_in_memory_; }

@@ -37,4 +37,55 @@ struct DenseOptions {
   }
 };
 
+/// How posed depth images become a mesh.
+struct MeshOptions {
+  double voxel_m = 0.01;
+  double truncation_voxels = 4;
+  double min_m = 0.4;
+  double max_m = 4.0;
+  double max_slope_deg = 78;
+  double min_weight = 0.02;
+  int min_piece = 200;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("voxel_m", self.voxel_m, "edge of a voxel, metres", Range{0.001, 0.5});
+    visit("truncation_voxels", self.truncation_voxels,
+          "how far before and behind a surface its distance is kept, voxels", Range{1, 20});
+    visit("min_m", self.min_m, "nearest depth used, metres", Range{0.05, 10});
+    visit("max_m", self.max_m, "farthest depth used, metres", Range{0.1, 13});
+    visit("max_slope_deg", self.max_slope_deg,
+          "leaves out surfaces that turn away from the ray by more, degrees", Range{10, 89.9});
+    visit("min_weight", self.min_weight,
+          "a voxel counts as seen from this weight on; one image at 1 m weighs 1, at z m 1 / z^4",
+          Range{0, 1e6});
+    visit("min_piece", self.min_piece, "loose pieces of fewer triangles are left out", Range{0, 1e9});
+  }
+};
+
+/// How posed depth images become a map of free and occupied space.
+struct OccupancyOptions {
+  double voxel_m = 0.05;
+  int stride_px = 4;
+  double min_m = 0.4;
+  double max_m = 4.0;
+  double max_slope_deg = 78;
+  double grid_low_m = 0.1;
+  double grid_high_m = 1.5;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("voxel_m", self.voxel_m, "edge of a voxel, metres", Range{0.005, 1});
+    visit("stride_px", self.stride_px, "takes every n-th pixel of every n-th row", Range{1, 64});
+    visit("min_m", self.min_m, "nearest depth used, metres", Range{0.05, 10});
+    visit("max_m", self.max_m, "farthest depth used, metres", Range{0.1, 13});
+    visit("max_slope_deg", self.max_slope_deg,
+          "leaves out surfaces that turn away from the ray by more, degrees", Range{10, 89.9});
+    visit("grid_low_m", self.grid_low_m, "what is lower above the floor is no obstacle of the grid, metres",
+          Range{-10, 10});
+    visit("grid_high_m", self.grid_high_m,
+          "what is higher above the floor is no obstacle of the grid, metres", Range{-10, 100});
+  }
+};
+
 }  // namespace kinloop

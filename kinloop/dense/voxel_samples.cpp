@@ -1,41 +1,13 @@
 #include "kinloop/dense/voxel_samples.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "kinloop/base/errors.hpp"
+#include "kinloop/dense/usable_depth.hpp"
 
 namespace kinloop {
 namespace {
 
 constexpr int kStepBits = 8;
 static_assert(kVoxelSteps == 1 << kStepBits);
-
-/// Depth is compared with that of pixels this far away: one pixel further would miss thin things, one nearer
-/// would take the steps of the disparity at 4 m for edges.
-constexpr int kNeighborPx = 2;
-
-/// Marks the pixels of a row whose depth is in range and close to that of the four pixels around; unknown
-/// neighbours say nothing.
-void mark_usable(const cv::Mat& depth_m, int row, double focal_px, const DenseOptions& options,
-                 std::vector<uint8_t>& usable) {
-  const float* here = depth_m.ptr<float>(row);
-  const float* above = depth_m.ptr<float>(row - kNeighborPx);
-  const float* below = depth_m.ptr<float>(row + kNeighborPx);
-  const auto min_m = static_cast<float>(options.min_m), max_m = static_cast<float>(options.max_m);
-  // A surface turned by an angle a from facing the ray changes depth by tan(a) z / f from pixel to pixel.
-  const auto max_change =
-      static_cast<float>(std::tan(options.max_slope_deg * std::numbers::pi / 180) * kNeighborPx / focal_px);
-  for (int col = kNeighborPx; col < depth_m.cols - kNeighborPx; ++col) {
-    const float z = here[col];
-    const float limit_m = max_change * z;
-    const auto joined = [=](float other) { return !(other > 0) | (std::abs(other - z) <= limit_m); };
-    usable[static_cast<size_t>(col)] =
-        static_cast<uint8_t>((z >= min_m) & (z <= max_m) & joined(here[col - kNeighborPx]) &
-                             joined(here[col + kNeighborPx]) & joined(above[col]) & joined(below[col]));
-  }
-}
 
 /// Sums pixels up by voxel in a small table that fits the processor's cache. A voxel that finds its place
 /// taken turns the other out, and that one may come back as a sample of its own.
@@ -99,14 +71,15 @@ std::vector<VoxelSample> voxel_samples(const cv::Mat& color, const cv::Mat& dept
       (T_world_camera.translation * steps_per_m).array() + static_cast<double>(kVoxelOrigin * kVoxelSteps);
   constexpr double kEnd = 2.0 * static_cast<double>(kVoxelOrigin * kVoxelSteps);
 
+  const DepthLimits limits{options.min_m, options.max_m, options.max_slope_deg};
   SampleCollector samples;
   std::vector<uint8_t> usable(static_cast<size_t>(depth_m.cols));
-  for (int row = kNeighborPx; row < depth_m.rows - kNeighborPx; row += options.stride_px) {
-    mark_usable(depth_m, row, rays.focal_px, options, usable);
+  for (int row = kDepthMarginPx; row < depth_m.rows - kDepthMarginPx; row += options.stride_px) {
+    mark_usable(depth_m, row, rays.focal_px, limits, usable.data());
     const float* depths = depth_m.ptr<float>(row);
     const auto* colors = color.ptr<cv::Vec3b>(row);
     const Eigen::Vector2f* row_rays = &rays.rays[static_cast<size_t>(row) * static_cast<size_t>(rays.width)];
-    for (int col = kNeighborPx; col < depth_m.cols - kNeighborPx; col += options.stride_px) {
+    for (int col = kDepthMarginPx; col < depth_m.cols - kDepthMarginPx; col += options.stride_px) {
       if (usable[static_cast<size_t>(col)] == 0) continue;
       const double z = depths[col];
       const Eigen::Vector3d p = A * Eigen::Vector3d(row_rays[col].x() * z, row_rays[col].y() * z, z) + b;

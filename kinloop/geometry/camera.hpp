@@ -19,6 +19,8 @@ struct PinholeCamera {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // px
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
 
+  bool operator==(const PinholeCamera&) const = default;
+
   [[nodiscard]] bool has_distortion() const { return k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0 || k3 != 0; }
 
   /// Undistorted pixel of a point with z > 0.

@@ -6,6 +6,51 @@
 
 namespace kinloop {
 
+void Map::append(MapParts parts) {
+  const auto first_keyframe = static_cast<uint32_t>(keyframes_.size());
+  const auto first_landmark = static_cast<uint32_t>(landmarks_.size());
+  const auto shifted = [=](KeyframeId id) { return KeyframeId{id.value + first_keyframe}; };
+  for (Keyframe& keyframe : parts.keyframes) {
+    require(keyframe.features != nullptr && keyframe.T_world_camera.is_finite(), "append: a broken keyframe");
+    keyframe.id = KeyframeId{static_cast<uint32_t>(keyframes_.size())};
+    keyframe.component += component_count_;
+    keyframe.landmark_of.assign(keyframe.features->size(), LandmarkId{});
+    keyframes_.push_back(std::move(keyframe));
+  }
+  for (auto& landmark : parts.landmarks) {
+    landmarks_.push_back(std::nullopt);
+    if (!landmark) continue;
+    landmark->id = LandmarkId{static_cast<uint32_t>(landmarks_.size() - 1)};
+    landmark->anchor = shifted(landmark->anchor);
+    for (Observation& seen : landmark->observations) {
+      seen.keyframe = shifted(seen.keyframe);
+      keyframe_ref(seen.keyframe).landmark_of.at(seen.feature) = landmark->id;
+    }
+    landmarks_.back() = std::move(landmark);
+    ++landmark_count_;
+  }
+  for (LoopEdge& edge : parts.loop_edges) {
+    edge.a = shifted(edge.a), edge.b = shifted(edge.b);
+    loop_edges_.push_back(edge);
+  }
+  component_count_ += parts.component_count;
+  check_appended(first_keyframe, first_landmark);
+  raise_epoch();  // work in flight knows nothing of it
+}
+
+/// Parts that contradict each other are refused.
+void Map::check_appended(size_t first_keyframe, size_t first_landmark) const {
+  for (size_t i = first_landmark; i < landmarks_.size(); ++i) {
+    if (landmarks_[i]) check_landmark(*landmarks_[i]);
+  }
+  for (size_t i = first_keyframe; i < keyframes_.size(); ++i) {
+    require(keyframes_[i].component < component_count_, "append: no such component");
+  }
+  for (const LoopEdge& edge : loop_edges_) {
+    require(contains(edge.a) && contains(edge.b), "append: a loop edge to nowhere");
+  }
+}
+
 KeyframeId Map::add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world_camera,
                              std::shared_ptr<const Features> features, uint32_t component) {
   require(features != nullptr, "add_keyframe: a keyframe needs features");

@@ -15,9 +15,22 @@
 
 namespace kinloop {
 
+/// All that a map consists of, e.g. as a file gave it. The index of keyframes and landmarks is their id;
+/// `Keyframe::landmark_of` follows from the observations and is not looked at.
+struct MapParts {
+  std::vector<Keyframe> keyframes;
+  std::vector<std::optional<Landmark>> landmarks;  ///< empty where erased
+  std::vector<LoopEdge> loop_edges;
+  uint32_t component_count = 0;
+};
+
 class Map {
  public:
   // Growing.
+
+  /// Adds all of another map behind what is there, as components of their own: its ids, and the numbers of
+  /// its components, shift by how many there were.
+  void append(MapParts parts);
 
   /// Adds a keyframe that observes nothing yet to a component; `component_count()` begins a new one.
   KeyframeId add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world_camera,
@@ -71,6 +84,9 @@ class Map {
   [[nodiscard]] const Landmark& landmark(LandmarkId id) const;
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::vector<LoopEdge>& loop_edges() const { return loop_edges_; }
+  /// A copy of everything; `append` to an empty map gives the map back.
+  [[nodiscard]] MapParts parts() const { return {keyframes_, landmarks_, loop_edges_, component_count_}; }
+
   [[nodiscard]] std::vector<LandmarkId> landmark_ids() const;
   [[nodiscard]] size_t landmark_count() const { return landmark_count_; }
 
@@ -90,6 +106,7 @@ class Map {
   void move_anchor(Landmark& landmark);
   void join_components(const LoopEdge& edge);
   void carry_along(size_t first, const std::vector<SE3>& T_world_camera_before);
+  void check_appended(size_t first_keyframe, size_t first_landmark) const;
   void check_landmark(const Landmark& landmark) const;
 
   std::vector<Keyframe> keyframes_;                 // index = id

@@ -10,6 +10,9 @@
 
 namespace kinloop {
 
+/// The name of the map file in a run's folder.
+constexpr const char* kMapFileName = "map.kinmap";
+
 /// A folder that exists and can be written to, and the names in it, which scripts rely on.
 class RunFolder {
  public:
@@ -24,6 +27,7 @@ class RunFolder {
   [[nodiscard]] std::filesystem::path frames() const { return path_ / "frames.txt"; }
   [[nodiscard]] std::filesystem::path loop_pictures() const { return path_ / "loops"; }
   [[nodiscard]] std::filesystem::path map() const { return path_ / "map.ply"; }
+  [[nodiscard]] std::filesystem::path map_file() const { return path_ / kMapFileName; }
   [[nodiscard]] std::filesystem::path camera() const { return path_ / "camera.yaml"; }
   [[nodiscard]] std::filesystem::path graph() const { return path_ / "graph.g2o"; }
   [[nodiscard]] std::filesystem::path figures() const { return path_ / "run.json"; }

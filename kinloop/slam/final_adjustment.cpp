@@ -64,7 +64,8 @@ FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera
     for (size_t i = begin; i < end; ++i) {
       const LoggedFrame& entry = log[i];
       T_reference_camera[i] = entry.T_reference_camera;
-      if (entry.keyframe.valid() || entry.repeat || entry.status != TrackStatus::kTracked) continue;
+      if (entry.keyframe.valid() || entry.repeat || entry.observations.empty()) continue;
+      if (entry.status != TrackStatus::kTracked) continue;
       if (which == Refined::kNearKeyframes && !near_keyframe(log, i)) continue;
       const SE3 T_world_camera =
           refined_pose(entry, {world_pose(entry, map), velocities[i]}, map, camera, sensor, options);

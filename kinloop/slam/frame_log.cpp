@@ -29,7 +29,7 @@ LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int
 FrameLog find_lost_frames(FrameLog log, int image_height_px,
                           const std::function<std::optional<TrackResult>(const PreparedFrame&)>& look_up) {
   for (LoggedFrame& entry : log) {
-    if (entry.status != TrackStatus::kLost) continue;
+    if (entry.status != TrackStatus::kLost || !entry.features) continue;
     PreparedFrame frame;
     frame.id = entry.frame;
     frame.stamp_ns = entry.stamp_ns;
@@ -44,7 +44,7 @@ SE3 world_pose(const LoggedFrame& entry, const Map& map) {
   return map.keyframe(entry.reference).T_world_camera * entry.T_reference_camera;
 }
 
-uint32_t main_component(const FrameLog& log, const Map& map) {
+uint32_t main_component(std::span<const LoggedFrame> log, const Map& map) {
   std::vector<int> frames(map.component_count() + 1, 0);
   for (const LoggedFrame& entry : log) {
     if (entry.status != TrackStatus::kLost) ++frames[map.keyframe(entry.reference).component];
@@ -56,7 +56,7 @@ bool tracked_in(uint32_t component, const LoggedFrame& entry, const Map& map) {
   return entry.status != TrackStatus::kLost && map.keyframe(entry.reference).component == component;
 }
 
-Trajectory trajectory_of(const FrameLog& log, const Map& map) {
+Trajectory trajectory_of(std::span<const LoggedFrame> log, const Map& map) {
   const uint32_t component = main_component(log, map);
   Trajectory trajectory;
   for (const LoggedFrame& entry : log) {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kinloop/geometry/trajectory.hpp"
@@ -48,13 +49,13 @@ FrameLog find_lost_frames(FrameLog log, int image_height_px,
 SE3 world_pose(const LoggedFrame& entry, const Map& map);
 
 /// The component of the map in which most frames were tracked; the oldest of equals.
-uint32_t main_component(const FrameLog& log, const Map& map);
+uint32_t main_component(std::span<const LoggedFrame> log, const Map& map);
 
 /// Whether the frame was tracked in that component.
 bool tracked_in(uint32_t component, const LoggedFrame& entry, const Map& map);
 
 /// Poses of all frames that were tracked in the main component, as the map stands now.
-Trajectory trajectory_of(const FrameLog& log, const Map& map);
+Trajectory trajectory_of(std::span<const LoggedFrame> log, const Map& map);
 
 /// Poses of all keyframes of one component.
 Trajectory keyframe_trajectory(const Map& map, uint32_t component);

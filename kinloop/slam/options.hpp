@@ -40,6 +40,7 @@ struct SlamOptions {
   int min_start_points = 60;
   int lost_frames_before_component = 5;
   bool full_adjustment = true;
+  bool localize_only = false;
   FeatureOptions features;
   TrackingOptions tracking;
   LocalViewOptions view;
@@ -59,6 +60,8 @@ struct SlamOptions {
           "place is recognised; 0 = never",
           Range{0, 100000});
     visit("full_adjustment", self.full_adjustment, "adjust the whole map after loops and at the end");
+    visit("localize_only", self.localize_only,
+          "only tell where the frames are in a map that was loaded, and leave the map as it is");
     visit("features", self.features);
     visit("tracking", self.tracking);
     visit("view", self.view);

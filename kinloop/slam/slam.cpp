@@ -16,10 +16,6 @@
 namespace kinloop {
 namespace {
 
-BowVector bow_of(const Vocabulary& vocabulary, const Features& features) {
-  return vocabulary.bow_of(vocabulary.words_of(features.descriptors).words);
-}
-
 int count_with_depth(const Features& features) {
   return static_cast<int>(std::count_if(features.depths_m.begin(), features.depths_m.end(),
                                         [](float depth_m) { return depth_m > 0; }));
@@ -37,6 +33,10 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
 
 Slam::~Slam() = default;
 
+BowVector Slam::bow_of(const Features& features) const {
+  return vocabulary_.bow_of(vocabulary_.words_of(features.descriptors).words);
+}
+
 PreparedFrame Slam::prepare(const RgbdFrame& frame) const {
   const cv::Size size(camera_.color.width, camera_.color.height);
   require(frame.color.type() == CV_8UC3 && frame.color.size() == size,
@@ -45,7 +45,7 @@ PreparedFrame Slam::prepare(const RgbdFrame& frame) const {
           "prepare: depth must be float metres of the camera's size");
   const Stopwatch watch;
   PreparedFrame prepared;
-  prepared.id = frame.id;
+  prepared.id = FrameId{first_frame_ + frame.id.value};
   prepared.stamp_ns = frame.stamp_ns;
   prepared.color = frame.color;
   prepared.depth_m = frame.depth_m;
@@ -63,7 +63,8 @@ FrameResult Slam::process(const PreparedFrame& measured) {
 
   FrameResult told{measured.id, measured.stamp_ns, TrackStatus::kLost, false, {}, {}, {}, {}, {}, {}};
   const bool repeat = repeats_previous(measured);
-  const TrackResult result = repeat ? previous_result() : locate(at_rest(measured), told.relocalized);
+  TrackResult result = repeat ? previous_result() : locate(at_rest(measured), told.relocalized);
+  if (options_.localize_only && !on_map(result, measured)) result.matches.clear();
   PreparedFrame frame = measured;
   if (!repeat) {
     learn_motion(measured, result);
@@ -72,7 +73,7 @@ FrameResult Slam::process(const PreparedFrame& measured) {
   }
   log_.push_back(log_entry(result, measured, camera_.color.height));
   log_.back().repeat = repeat;
-  if (!repeat && wants_keyframe(frame, result)) {
+  if (!repeat && !options_.localize_only && wants_keyframe(frame, result)) {
     told.keyframe = insert_keyframe(frame, result);
   } else if (result.status != TrackStatus::kLost) {
     const KeyframeId best = best_reference(map_, result.matches, view_.reference);
@@ -152,7 +153,7 @@ TrackResult Slam::previous_result() const {
 }
 
 TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
-  if (map_.keyframes().empty()) return start(frame);
+  if (map_.keyframes().empty()) return options_.localize_only ? TrackResult{} : start(frame);
   const Stopwatch watch;
   TrackResult result;
   if (previous_) {
@@ -163,7 +164,7 @@ TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
   times_.add("tracking", watch.spent());
   // Depth images alone tell the motion from one frame to the next, not across a gap.
   if (after_loss() && result.status == TrackStatus::kDenseOnly) result = {};
-  const bool as_predicted = result.stats.tries == 1;
+  const bool as_predicted = result.stats.tries == 1 && (!options_.localize_only || on_map(result, frame));
   if (result.status == TrackStatus::kTracked && as_predicted) return result;
 
   // Where the camera is not where it was going, it may have been carried elsewhere: what the map says counts
@@ -172,7 +173,8 @@ TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
   const auto found = look_up(frame);
   times_.add("relocalisation", relocalization_watch.spent());
   if (!found || found->stats.inliers <= result.stats.inliers) {
-    return result.status == TrackStatus::kLost && lost_for_long() ? start(frame) : result;
+    const bool give_up = result.status == TrackStatus::kLost && lost_for_long() && !options_.localize_only;
+    return give_up ? start(frame) : result;
   }
   relocalized = true;
   previous_.reset();
@@ -182,7 +184,7 @@ TrackResult Slam::locate(const PreparedFrame& frame, bool& relocalized) {
 
 /// Asks the place index.
 std::optional<TrackResult> Slam::look_up(const PreparedFrame& frame) const {
-  return relocalize(frame, bow_of(vocabulary_, *frame.features), map_, places_, camera_.color, options_.view,
+  return relocalize(frame, bow_of(*frame.features), map_, places_, camera_.color, options_.view,
                     options_.loop, options_.tracking, seed_of(frame.id));
 }
 
@@ -239,7 +241,7 @@ KeyframeId Slam::insert_keyframe(const PreparedFrame& frame, const TrackResult& 
   grow_from_depth(map_, id, camera_.color, options_.mapping);
   grow_from_parallax(map_, id, camera_.color, options_.mapping);
   cull_landmarks(map_, options_.mapping);
-  places_.add(id, bow_of(vocabulary_, *frame.features));
+  places_.add(id, bow_of(*frame.features));
   times_.add("mapping", watch.spent());
 
   log_.back().keyframe = id;
@@ -280,7 +282,9 @@ Trajectory Slam::finish(const Progress& progress) {
   log_ = find_lost_frames(std::move(log_), camera_.color.height,
                           [this](const PreparedFrame& frame) { return look_up(frame); });
   times_.add("relocalisation", watch.spent());
-  if (options_.full_adjustment) {
+  if (options_.localize_only) {
+    finish_localizing();
+  } else if (options_.full_adjustment) {
     const Stopwatch adjusting;
     auto adjusted = adjust_finally(map_, log_, camera_, sensor_, options_, progress);
     sensor_ = std::move(adjusted.sensor);

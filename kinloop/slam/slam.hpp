@@ -8,11 +8,13 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kinloop/base/progress.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/loop/candidates.hpp"
+#include "kinloop/output/map_file.hpp"
 #include "kinloop/place/vocabulary.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
 #include "kinloop/slam/frame_log.hpp"
@@ -33,6 +35,15 @@ class Slam {
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
+  /// Takes in a map that was saved, before the first frame: this run goes on with it. A second one becomes
+  /// components of their own, joined where a place is recognised. Gives what was
+  /// added to the ids of its frames.
+  uint32_t add_map(SavedMap saved);
+
+  /// All of the map that a file holds, but what only the caller knows: program, options, images. `input` is
+  /// what the frames of this run came from.
+  [[nodiscard]] SavedMap saved_map(const std::string& input) const;
+
   /// What can be computed from a frame alone. Touches nothing of this object: it may run ahead on another
   /// thread.
   [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const;
@@ -45,11 +56,16 @@ class Slam {
   /// poses.
   Trajectory finish(const Progress& progress = {});
 
-  /// The poses known so far, without ending anything.
-  [[nodiscard]] Trajectory trajectory() const { return trajectory_of(log_, map_); }
+  /// The poses of this run known so far, without ending anything.
+  [[nodiscard]] Trajectory trajectory() const { return trajectory_of(session_log(), map_); }
 
   [[nodiscard]] const Map& map() const { return map_; }
   [[nodiscard]] const FrameLog& log() const { return log_; }
+
+  /// The frames of this run; in `log()` those of loaded maps stand before them.
+  [[nodiscard]] std::span<const LoggedFrame> session_log() const {
+    return std::span(log_).subspan(session_begin_);
+  }
   [[nodiscard]] const RoomTimes& times() const { return times_; }
 
   /// What was found of the sensor so far.
@@ -67,6 +83,9 @@ class Slam {
   [[nodiscard]] bool repeats_previous(const PreparedFrame& frame) const;
   [[nodiscard]] TrackResult previous_result() const;
   TrackResult locate(const PreparedFrame& frame, bool& relocalized);
+  [[nodiscard]] BowVector bow_of(const Features& features) const;
+  void finish_localizing();
+  [[nodiscard]] bool on_map(const TrackResult& result, const PreparedFrame& frame) const;
   [[nodiscard]] std::optional<TrackResult> look_up(const PreparedFrame& frame) const;
   [[nodiscard]] PreparedFrame at_rest(const PreparedFrame& frame) const;
   void take_sensor(const SensorEstimate& sensor);
@@ -101,6 +120,9 @@ class Slam {
   int frames_since_keyframe_ = 0;
 
   FrameLog log_;
+  size_t session_begin_ = 0;            // of this run in the log
+  std::vector<SavedSession> sessions_;  // of the maps that were loaded
+  uint32_t first_frame_ = 0;            // added to the ids of this run's frames
   SensorEstimate sensor_;
   std::vector<Matrix6d> keyframe_covariance_;
   RoomTimes times_;

@@ -1,0 +1,118 @@
+// kinloop export: a map file in the forms that other programs read.
+
+#include <fmt/format.h>
+
+#include "apps/commands.hpp"
+#include "apps/map_store.hpp"
+#include "apps/progress_bar.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/dense/occupancy.hpp"
+#include "kinloop/geometry/up_direction.hpp"
+#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/optimize/g2o_file.hpp"
+#include "kinloop/output/grid_file.hpp"
+#include "kinloop/output/pcd.hpp"
+#include "kinloop/output/ply.hpp"
+
+namespace kinloop {
+namespace {
+
+struct ExportArguments {
+  std::filesystem::path map, poses;
+  std::filesystem::path cloud, octomap, grid, trajectory, keyframes, graph;
+  size_t session = 0;
+  std::vector<std::string> assignments;
+  int threads = hardware_threads();
+  bool quiet = false;
+
+  [[nodiscard]] bool nothing() const {
+    return cloud.empty() && octomap.empty() && grid.empty() && trajectory.empty() && keyframes.empty() &&
+           graph.empty();
+  }
+};
+
+void write_cloud(const std::filesystem::path& path, const ColoredCloud& cloud) {
+  if (path.extension() == ".pcd") return write_pcd(path, cloud);
+  write_ply(path, cloud);
+}
+
+void require_extension(const char* option, const std::filesystem::path& path, const char* a, const char* b) {
+  if (path.empty() || path.extension() == a || path.extension() == b) return;
+  throw UsageError(fmt::format("{} {}: give a name that ends in {}{}{}", option, path.string(), a,
+                               std::string_view(a) == b ? "" : " or ", std::string_view(a) == b ? "" : b));
+}
+
+/// The way up in the world of a map.
+Eigen::Vector3d up_in(const OpenMap& open) {
+  return up_direction(keyframe_trajectory(open.map, main_component(open.log, open.map)));
+}
+
+void write_occupancy(const ExportArguments& arguments, const OpenMap& open, const Progress& progress) {
+  const KeyframeImages& images = open.recorder.images();
+  const auto views = open.views();
+  const PinholeCamera& camera = open.saved.camera.color;
+  const OccupancyOptions& options = open.options.occupancy;
+  const Floor floor = find_floor(images, views, camera, up_in(open), options);
+  const OccupancyMap occupancy(images, views, camera, floor, options, progress);
+  if (!arguments.octomap.empty()) {
+    const bool full = arguments.octomap.extension() == ".ot";
+    write_file(arguments.octomap, full ? occupancy.full_tree() : occupancy.binary_tree());
+  }
+  if (!arguments.grid.empty()) write_grid(arguments.grid, occupancy.grid());
+}
+
+void run_export(const ExportArguments& arguments) {
+  if (arguments.nothing()) throw UsageError("export: what? See kinloop export --help");
+  require_extension("--cloud", arguments.cloud, ".ply", ".pcd");
+  require_extension("--octomap", arguments.octomap, ".bt", ".ot");
+  require_extension("--grid", arguments.grid, ".pgm", ".pgm");
+  const OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
+  const Progress progress = make_progress_bar(arguments.quiet);
+  const auto session = open.session_log(arguments.session);
+  if (!arguments.trajectory.empty()) {
+    write_tum_trajectory(arguments.trajectory, trajectory_of(session, open.map));
+  }
+  if (!arguments.keyframes.empty()) {
+    write_tum_trajectory(arguments.keyframes,
+                         keyframe_trajectory(open.map, main_component(session, open.map)));
+  }
+  if (!arguments.graph.empty()) {
+    write_g2o(arguments.graph, {make_pose_graph(open.map, open.options.slam.loop), {}, true, {}});
+  }
+  if (!arguments.cloud.empty()) {
+    write_cloud(arguments.cloud, fuse_keyframes(open.recorder.images(), open.views(), open.saved.camera.color,
+                                                open.options.dense, arguments.threads, progress));
+  }
+  if (!arguments.octomap.empty() || !arguments.grid.empty()) write_occupancy(arguments, open, progress);
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& app) {
+  auto arguments = std::make_shared<ExportArguments>();
+  CLI::App* command = app.add_subcommand("export", "Writes a map in the forms that other programs read");
+  command->add_option("MAP", arguments->map, "a map file, or the folder of a run")->required();
+  command->add_option("--cloud", arguments->cloud, "coloured cloud, FILE.ply or FILE.pcd");
+  command->add_option("--octomap", arguments->octomap,
+                      "free and occupied space, z up: FILE.bt, or FILE.ot with probabilities");
+  command->add_option("--grid", arguments->grid,
+                      "the floor for ROS map_server: FILE.pgm, and FILE.yaml beside it");
+  command->add_option("--trajectory", arguments->trajectory, "pose of every frame of a session (TUM format)");
+  command->add_option("--keyframes", arguments->keyframes, "pose of every keyframe (TUM format)");
+  command->add_option("--graph", arguments->graph, "pose graph, FILE.g2o");
+  command->add_option("--poses", arguments->poses,
+                      "take the images' poses from this file (TUM format) instead of the map");
+  command->add_option("--session", arguments->session,
+                      "which run's trajectory, counted from 1; 0 = the last");
+  command
+      ->add_option("--set", arguments->assignments, "change an option, key=value; see kinloop run --options")
+      ->allow_extra_args(false);
+  command->add_option("--threads", arguments->threads, "threads of parallel work")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
+  command->callback([arguments] { run_export(*arguments); });
+}
+
+}  // namespace kinloop

@@ -1,0 +1,162 @@
+// kinloop map: what a map file holds, and two of them made one.
+
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands.hpp"
+#include "apps/map_store.hpp"
+#include "apps/open_source.hpp"
+#include "apps/progress_bar.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+#include "kinloop/base/parallel_for.hpp"
+
+namespace kinloop {
+namespace {
+
+using nlohmann::json;
+
+size_t components_of(const std::vector<Keyframe>& keyframes) {
+  std::set<uint32_t> components;
+  for (const Keyframe& keyframe : keyframes) components.insert(keyframe.component);
+  return components.size();
+}
+
+json sessions_json(const SavedMap& saved) {
+  json sessions = json::array();
+  for (size_t i = 0; i < saved.sessions.size(); ++i) {
+    const FrameId begin = saved.sessions[i].first_frame;
+    const FrameId end = i + 1 < saved.sessions.size() ? saved.sessions[i + 1].first_frame : FrameId{};
+    const auto in_session = [&](const SavedFrame& f) { return f.frame >= begin && f.frame < end; };
+    sessions.push_back({{"input", saved.sessions[i].input},
+                        {"frames", std::count_if(saved.frames.begin(), saved.frames.end(), in_session)}});
+  }
+  return sessions;
+}
+
+json map_info(const std::filesystem::path& path) {
+  const MapReader reader(path);
+  auto [saved, damage] = reader.read();
+  size_t images = 0, image_bytes = 0;
+  damage.images = reader.read_images([&](const SavedImages& image) {
+    ++images;
+    image_bytes += image.images.color.size() + image.images.depth.size();
+  });
+  const auto landmarks = std::count_if(saved.map.landmarks.begin(), saved.map.landmarks.end(),
+                                       [](const auto& landmark) { return landmark.has_value(); });
+  const PinholeCamera& lens = saved.camera.color;
+  return {{"file", path.string()},
+          {"bytes", std::filesystem::file_size(path)},
+          {"program", saved.program},
+          {"sessions", sessions_json(saved)},
+          {"frames", saved.frames.size()},
+          {"keyframes", saved.map.keyframes.size()},
+          {"components", components_of(saved.map.keyframes)},
+          {"landmarks", landmarks},
+          {"loops", saved.map.loop_edges.size()},
+          {"images", images},
+          {"image_bytes", image_bytes},
+          {"camera", {{"width", lens.width}, {"height", lens.height}, {"fx", lens.fx}, {"fy", lens.fy}}},
+          {"lost", describe(damage)}};
+}
+
+std::string text_of(const json& info) {
+  constexpr double kMebi = 1 << 20;
+  std::string text = fmt::format("file       {}, {:.1f} MiB, by {}\n", info["file"].get<std::string>(),
+                                 info["bytes"].get<double>() / kMebi, info["program"].get<std::string>());
+  for (const json& session : info["sessions"]) {
+    text += fmt::format("session    {}, {} frames\n", session["input"].get<std::string>(),
+                        session["frames"].get<long>());
+  }
+  const std::string lost = info["lost"];
+  return text + fmt::format(
+                    "keyframes  {} in {} component(s), landmarks {}, loops {}\n"
+                    "images     {}, {:.1f} MiB\n"
+                    "camera     {}x{}, fx {}, fy {}\n"
+                    "damage     {}\n",
+                    info["keyframes"].get<long>(), info["components"].get<long>(),
+                    info["landmarks"].get<long>(), info["loops"].get<long>(), info["images"].get<long>(),
+                    info["image_bytes"].get<double>() / kMebi, info["camera"]["width"].get<int>(),
+                    info["camera"]["height"].get<int>(), info["camera"]["fx"].get<double>(),
+                    info["camera"]["fy"].get<double>(), lost.empty() ? "none" : "lost: " + lost);
+}
+
+struct MergeArguments {
+  std::filesystem::path a, b, output;
+  std::string vocabulary;
+  std::vector<std::string> assignments;
+  bool quiet = false;
+};
+
+void merge(const MergeArguments& arguments) {
+  const auto path_a = map_file_of(arguments.a), path_b = map_file_of(arguments.b);
+  const MapReader reader_a(path_a), reader_b(path_b);
+  SavedMap a = read_map_or_warn(reader_a, path_a), b = read_map_or_warn(reader_b, path_b);
+  require_same_camera(a, path_a, b.camera);
+  if (a.camera.depth_scale != b.camera.depth_scale)
+    throw InputError(fmt::format("{}: depth in {} units per metre, but {} in {}", path_b.string(),
+                                 b.camera.depth_scale, a.camera.depth_scale, path_a.string()));
+  RunOptions options = with_options_of(a, {});
+  options.slam.full.threads = hardware_threads();
+  options.slam.localize_only = false;
+  options = with_assignments(options, arguments.assignments);
+
+  Slam slam(a.camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
+  DenseRecorder recorder(a.camera, options.dense);
+  restore_images(reader_a, path_a, slam.add_map(std::move(a)), recorder);
+  const size_t before = slam.map().loop_edges().size() + b.map.loop_edges.size();
+  restore_images(reader_b, path_b, slam.add_map(std::move(b)), recorder);
+  const size_t found = slam.map().loop_edges().size() - before;
+  slam.finish(make_progress_bar(arguments.quiet));
+  MapSaver(arguments.output, {slam, recorder, options, {}}, 0).save();
+  if (found == 0) {
+    log::warn("no place of one map was recognised in the other: {} holds both, side by side",
+              arguments.output.string());
+  }
+  if (!arguments.quiet) {
+    fmt::print("{} keyframes in {} component(s), {} loops between the two, in {}\n",
+               slam.map().keyframes().size(), components_of(slam.map().keyframes()), found,
+               arguments.output.string());
+  }
+}
+
+void add_info(CLI::App& map) {
+  CLI::App* command = map.add_subcommand("info", "What a map file holds, and whether it is whole");
+  auto path = std::make_shared<std::filesystem::path>();
+  auto as_json = std::make_shared<bool>(false);
+  command->add_option("FILE", *path, "a map file, or the folder of a run")->required();
+  command->add_flag("--json", *as_json, "as JSON");
+  command->callback([path, as_json] {
+    const json info = map_info(map_file_of(*path));
+    fmt::print("{}", *as_json ? info.dump(2) + "\n" : text_of(info));
+  });
+}
+
+void add_merge(CLI::App& map) {
+  auto arguments = std::make_shared<MergeArguments>();
+  CLI::App* command = map.add_subcommand(
+      "merge", "Two maps of one camera made one: joined where a place is recognised, and adjusted");
+  command->add_option("A", arguments->a, "a map file, or the folder of a run; its world stays")->required();
+  command->add_option("B", arguments->b, "another")->required();
+  command->add_option("-o,--output", arguments->output, "the map file to write")->required();
+  command->add_option("--vocabulary", arguments->vocabulary,
+                      "dictionary of visual words; else the one built in");
+  command
+      ->add_option("--set", arguments->assignments, "change an option, key=value; see kinloop run --options")
+      ->allow_extra_args(false);
+  command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
+  command->callback([arguments] { merge(*arguments); });
+}
+
+}  // namespace
+
+void add_map_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("map", "Looks into map files and merges them");
+  command->require_subcommand(1);
+  add_info(*command);
+  add_merge(*command);
+}
+
+}  // namespace kinloop

@@ -1,0 +1,60 @@
+// kinloop mesh: the surfaces of a map as coloured triangles.
+
+#include <fmt/format.h>
+
+#include "apps/commands.hpp"
+#include "apps/map_store.hpp"
+#include "apps/progress_bar.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/dense/mesh_keyframes.hpp"
+#include "kinloop/output/mesh_file.hpp"
+
+namespace kinloop {
+namespace {
+
+struct MeshArguments {
+  std::filesystem::path map, poses;
+  std::filesystem::path output = "mesh.ply";
+  std::string voxel_m;
+  std::vector<std::string> assignments;
+  int threads = hardware_threads();
+  bool quiet = false;
+};
+
+void make_mesh(MeshArguments arguments) {
+  if (!is_mesh_file(arguments.output)) {
+    throw UsageError(
+        fmt::format("-o {}: give a name that ends in .ply, .obj or .glb", arguments.output.string()));
+  }
+  if (!arguments.voxel_m.empty()) arguments.assignments.push_back("mesh.voxel_m=" + arguments.voxel_m);
+  const Stopwatch watch;
+  const OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
+  const auto mesh = mesh_keyframes(open.recorder.images(), open.views(), open.saved.camera.color,
+                                   open.options.mesh, arguments.threads, make_progress_bar(arguments.quiet));
+  write_mesh(arguments.output, mesh);
+  if (!arguments.quiet) {
+    fmt::print("{} vertices, {} triangles, voxels of {} m, in {:.1f} s\n", mesh.points.size(),
+               mesh.triangles.size(), open.options.mesh.voxel_m, watch.wall_s());
+  }
+}
+
+}  // namespace
+
+void add_mesh_command(CLI::App& app) {
+  auto arguments = std::make_shared<MeshArguments>();
+  CLI::App* command = app.add_subcommand("mesh", "Makes a coloured mesh of a map");
+  command->add_option("MAP", arguments->map, "a map file, or the folder of a run")->required();
+  command->add_option("-o,--output", arguments->output, "FILE.ply, FILE.obj or FILE.glb (glTF)")
+      ->capture_default_str();
+  command->add_option("--voxel", arguments->voxel_m, "edge of a voxel, metres (mesh.voxel_m)");
+  command
+      ->add_option("--set", arguments->assignments, "change an option, key=value; see kinloop run --options")
+      ->allow_extra_args(false);
+  command->add_option("--threads", arguments->threads, "threads of parallel work")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
+  command->callback([arguments] { make_mesh(*arguments); });
+}
+
+}  // namespace kinloop

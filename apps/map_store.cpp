@@ -1,0 +1,126 @@
+#include "apps/map_store.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "apps/version.hpp"
+#include "kinloop/base/association.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+#include "kinloop/output/run_folder.hpp"
+#include "kinloop/slam/saved_session.hpp"
+
+namespace kinloop {
+
+void MapSaver::save() {
+  const Stopwatch watch;
+  SavedMap saved = what_.slam.saved_map(what_.input);
+  saved.program = program_name();
+  RunOptions options = what_.options;
+  for (const OptionEntry& entry : option_entries(options)) {
+    saved.options.emplace_back(entry.key, to_text(entry.value));
+  }
+  write_map(path_, saved, what_.recorder.image_count(),
+            [&](size_t index) { return what_.recorder.saved_images(index); });
+  took_s_ = watch.wall_s();
+  since_ = {};
+}
+
+void MapSaver::save_if_due() {
+  constexpr double kMostShare = 0.05;  // of the time, that saving may take
+  if (interval_s_ > 0 && since_.wall_s() >= std::max(interval_s_, took_s_ / kMostShare)) save();
+}
+
+std::filesystem::path map_file_of(const std::filesystem::path& file_or_folder) {
+  if (!std::filesystem::is_directory(file_or_folder)) return file_or_folder;
+  const auto path = file_or_folder / kMapFileName;
+  if (!std::filesystem::exists(path)) {
+    throw InputError(fmt::format("{}: has no {}; give a map file, or the folder of a run",
+                                 file_or_folder.string(), kMapFileName));
+  }
+  return path;
+}
+
+SavedMap read_map_or_warn(const MapReader& reader, const std::filesystem::path& path) {
+  auto [saved, damage] = reader.read();
+  if (damage.any()) log::warn("{}: is damaged; lost: {}", path.string(), describe(damage));
+  return std::move(saved);
+}
+
+void restore_images(const MapReader& reader, const std::filesystem::path& path, uint32_t shift,
+                    DenseRecorder& recorder) {
+  MapDamage damage;
+  damage.images = reader.read_images([&](SavedImages images) {
+    images.frame.value += shift;
+    recorder.restore(images);
+  });
+  if (damage.any()) log::warn("{}: is damaged; lost: {}", path.string(), describe(damage));
+}
+
+RunOptions with_options_of(const SavedMap& saved, const RunOptions& options, const std::string& prefix) {
+  RunOptions known = options;
+  const auto entries = option_entries(known);
+  for (const auto& [key, value] : saved.options) {
+    const auto is_key = [&key = key](const OptionEntry& entry) { return entry.key == key; };
+    // Another version of the program may have had other options.
+    if (!key.starts_with(prefix) || std::none_of(entries.begin(), entries.end(), is_key)) continue;
+    apply_assignment(entries, key + "=" + value);
+  }
+  return known;
+}
+
+void require_same_camera(const SavedMap& saved, const std::filesystem::path& path, const RgbdCamera& camera) {
+  if (saved.camera.color == camera.color) return;
+  const PinholeCamera& lens = saved.camera.color;
+  throw InputError(fmt::format(
+      "{}: was made with another camera ({}x{}, fx {}, fy {}, cx {}, cy {}); give that one with --camera",
+      path.string(), lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy));
+}
+
+OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<std::string>& assignments,
+                 const std::filesystem::path& poses) {
+  const auto path = map_file_of(file_or_folder);
+  const MapReader reader(path);
+  SavedMap saved = read_map_or_warn(reader, path);
+  const RunOptions options = with_assignments(with_options_of(saved, {}), assignments);
+  OpenMap open{{}, options, {}, logged_frames(saved, 0, 0), DenseRecorder(saved.camera, options.dense), {}};
+  open.map.append(std::move(saved.map));
+  open.saved = std::move(saved);
+  restore_images(reader, path, 0, open.recorder);
+  if (!poses.empty()) open.poses = read_tum_trajectory(poses);
+  return open;
+}
+
+std::vector<PosedImage> OpenMap::views() const {
+  if (poses.empty()) return recorder.views(log, map);
+  std::unordered_map<FrameId, int64_t> stamp_of;
+  for (const LoggedFrame& entry : log) stamp_of.emplace(entry.frame, entry.stamp_ns);
+  std::vector<PosedImage> views;
+  for (size_t i = 0; i < recorder.image_count(); ++i) {
+    const auto stamp = stamp_of.find(recorder.frame_of_image(i));
+    if (stamp == stamp_of.end()) continue;
+    const auto T_world_camera = pose_at(poses, stamp->second, kMaxAssociationNs * 2);
+    if (T_world_camera) views.push_back({i, *T_world_camera});
+  }
+  return views;
+}
+
+std::span<const LoggedFrame> OpenMap::session_log(size_t number) const {
+  const auto& sessions = saved.sessions;
+  if (sessions.empty() && number == 0) return log;
+  if (number > sessions.size()) {
+    throw UsageError(fmt::format("--session {}: the map has {}", number, sessions.size()));
+  }
+  const size_t index = number == 0 ? sessions.size() - 1 : number - 1;
+  const auto at = [&](FrameId first) {
+    return std::find_if(log.begin(), log.end(),
+                        [=](const LoggedFrame& entry) { return entry.frame >= first; });
+  };
+  const auto begin = at(sessions[index].first_frame);
+  const auto end = index + 1 < sessions.size() ? at(sessions[index + 1].first_frame) : log.end();
+  return {begin, end};
+}
+
+}  // namespace kinloop

@@ -1,0 +1,82 @@
+#pragma once
+// The map files of runs: saved while a run goes on, opened again.
+
+#include <filesystem>
+
+#include "apps/dense_recorder.hpp"
+#include "apps/run_options.hpp"
+#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/slam/slam.hpp"
+
+namespace kinloop {
+
+/// Saves the map of a run, now and then while it goes on.
+class MapSaver {
+ public:
+  struct What {
+    const Slam& slam;
+    const DenseRecorder& recorder;
+    const RunOptions& options;
+    std::string input;
+  };
+
+  /// All of `what` must outlive this object. `interval_s` 0: never while the run goes on.
+  MapSaver(std::filesystem::path path, const What& what, double interval_s)
+      : path_(std::move(path)), what_(what), interval_s_(interval_s) {}
+
+  void save();
+
+  /// Saves when the interval has passed, and so seldom that it takes a small share of the time.
+  void save_if_due();
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+  /// Of the latest save.
+  [[nodiscard]] double seconds() const { return took_s_; }
+
+ private:
+  std::filesystem::path path_;
+  What what_;
+  double interval_s_;
+  double took_s_ = 0;
+  Stopwatch since_;
+};
+
+/// The map file that a user means by a file, or by the folder of a run.
+std::filesystem::path map_file_of(const std::filesystem::path& file_or_folder);
+
+/// Reads the map, and warns of what is lost of it.
+SavedMap read_map_or_warn(const MapReader& reader, const std::filesystem::path& path);
+
+/// Reads the images, and warns of what is lost of them; `shift` is added to the ids of their frames.
+void restore_images(const MapReader& reader, const std::filesystem::path& path, uint32_t shift,
+                    DenseRecorder& recorder);
+
+/// `options` as a map was made with; only those whose key begins with `prefix`.
+RunOptions with_options_of(const SavedMap& saved, const RunOptions& options, const std::string& prefix = {});
+
+/// Throws InputError unless frames of `camera` go with the map in `path`.
+void require_same_camera(const SavedMap& saved, const std::filesystem::path& path, const RgbdCamera& camera);
+
+/// A map file, opened to be looked at.
+struct OpenMap {
+  SavedMap saved;  ///< but its map, frames
+  RunOptions options;
+  Map map;
+  FrameLog log;
+  DenseRecorder recorder;
+  Trajectory poses;  ///< to be taken instead of the map's; empty: the map's
+
+  /// The images whose place is known.
+  [[nodiscard]] std::vector<PosedImage> views() const;
+
+  /// The frames of session `number`, counted from 1; 0: of the last.
+  [[nodiscard]] std::span<const LoggedFrame> session_log(size_t number) const;
+};
+
+/// Opens a map file, or that of a run's folder, with its images; `assignments` change the options it was made
+/// with, `poses` names a file of poses to be taken instead of the map's, where it is not empty.
+OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<std::string>& assignments,
+                 const std::filesystem::path& poses = {});
+
+}  // namespace kinloop

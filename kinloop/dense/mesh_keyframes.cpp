@@ -1,0 +1,61 @@
+#include "kinloop/dense/mesh_keyframes.hpp"
+
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/dense/point_colors.hpp"
+#include "kinloop/dense/usable_depth.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Where each pixel of an ideal camera lies in the raw image, for cv::remap.
+cv::Mat undistortion_of(const PinholeCamera& camera) {
+  cv::Mat raw_pixels(camera.height, camera.width, CV_32FC2);
+  for (int row = 0; row < camera.height; ++row) {
+    for (int col = 0; col < camera.width; ++col) {
+      const Eigen::Vector2d raw = camera.distort(Eigen::Vector2d(col, row));
+      raw_pixels.at<cv::Vec2f>(row, col) = {static_cast<float>(raw.x()), static_cast<float>(raw.y())};
+    }
+  }
+  return raw_pixels;
+}
+
+/// Depth between two surfaces is the depth of neither: the nearest pixel is taken, not a mean.
+cv::Mat undistorted(const cv::Mat& image, const cv::Mat& raw_pixels) {
+  cv::Mat result;
+  cv::remap(image, result, raw_pixels, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT);
+  return result;
+}
+
+}  // namespace
+
+ColoredMesh mesh_keyframes(const KeyframeImages& images, std::span<const PosedImage> views,
+                           const PinholeCamera& camera, const MeshOptions& options, int threads,
+                           const Progress& progress) {
+  TsdfVolume volume(camera, options);
+  const cv::Mat raw_pixels = undistortion_of(camera);
+  const DepthLimits limits{options.min_m, options.max_m, options.max_slope_deg};
+  const auto batch_size = static_cast<size_t>(std::max(threads, 1));
+  std::vector<TsdfView> batch(batch_size);
+  for (size_t first = 0; first < views.size(); first += batch_size) {
+    if (!report(progress, "meshing", first, views.size())) break;
+    const size_t count = std::min(batch_size, views.size() - first);
+    parallel_for(count, threads, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        const cv::Mat depth_m = images.load(views[first + i].image).depth_m;
+        batch[i] = {undistorted(depth_m, raw_pixels),
+                    undistorted(usable_pixels(depth_m, camera.fx, limits), raw_pixels),
+                    views[first + i].T_world_camera};
+      }
+    });
+    for (size_t i = 0; i < count; ++i) volume.integrate(batch[i], threads);
+  }
+  ColoredMesh mesh = without_small_pieces(volume.surface(), static_cast<size_t>(options.min_piece));
+  mesh.colors = color_points(mesh.points, vertex_normals(mesh), images, views, camera, threads, progress);
+  return mesh;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,35 @@
+#include "kinloop/dense/usable_depth.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace kinloop {
+
+void mark_usable(const cv::Mat& depth_m, int row, double focal_px, const DepthLimits& limits,
+                 uint8_t* usable) {
+  const float* here = depth_m.ptr<float>(row);
+  const float* above = depth_m.ptr<float>(row - kDepthMarginPx);
+  const float* below = depth_m.ptr<float>(row + kDepthMarginPx);
+  const auto min_m = static_cast<float>(limits.min_m), max_m = static_cast<float>(limits.max_m);
+  // A surface turned by an angle a from facing the ray changes depth by tan(a) z / f from pixel to pixel.
+  const auto max_change =
+      static_cast<float>(std::tan(limits.max_slope_deg * std::numbers::pi / 180) * kDepthMarginPx / focal_px);
+  for (int col = kDepthMarginPx; col < depth_m.cols - kDepthMarginPx; ++col) {
+    const float z = here[col];
+    const float limit_m = max_change * z;
+    const auto joined = [=](float other) { return !(other > 0) | (std::abs(other - z) <= limit_m); };
+    usable[col] =
+        static_cast<uint8_t>((z >= min_m) & (z <= max_m) & joined(here[col - kDepthMarginPx]) &
+                             joined(here[col + kDepthMarginPx]) & joined(above[col]) & joined(below[col]));
+  }
+}
+
+cv::Mat usable_pixels(const cv::Mat& depth_m, double focal_px, const DepthLimits& limits) {
+  cv::Mat usable = cv::Mat::zeros(depth_m.size(), CV_8UC1);
+  for (int row = kDepthMarginPx; row < depth_m.rows - kDepthMarginPx; ++row) {
+    mark_usable(depth_m, row, focal_px, limits, usable.ptr<uint8_t>(row));
+  }
+  return usable;
+}
+
+}  // namespace kinloop

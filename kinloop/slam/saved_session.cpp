@@ -1,0 +1,57 @@
+#include "kinloop/slam/saved_session.hpp"
+
+namespace kinloop {
+
+std::vector<SavedFrame> saved_frames(const FrameLog& log) {
+  std::vector<SavedFrame> saved;
+  saved.reserve(log.size());
+  for (const LoggedFrame& entry : log) {
+    saved.push_back({entry.frame, entry.stamp_ns, static_cast<int>(entry.status), entry.reference,
+                     entry.T_reference_camera, entry.keyframe, entry.repeat});
+  }
+  return saved;
+}
+
+FrameLog logged_frames(const SavedMap& saved, uint32_t first_keyframe, uint32_t first_frame) {
+  const auto shifted = [&](KeyframeId id) {
+    return id.value < saved.map.keyframes.size() ? KeyframeId{id.value + first_keyframe} : KeyframeId{};
+  };
+  FrameLog log;
+  log.reserve(saved.frames.size());
+  for (const SavedFrame& frame : saved.frames) {
+    LoggedFrame entry;
+    entry.frame = FrameId{frame.frame.value + first_frame};
+    entry.stamp_ns = frame.stamp_ns;
+    entry.reference = shifted(frame.reference);
+    entry.T_reference_camera = frame.T_reference_camera;
+    entry.keyframe = shifted(frame.keyframe);
+    entry.repeat = frame.repeat && !log.empty();
+    const bool known = frame.status >= 0 && frame.status < static_cast<int>(TrackStatus::kLost);
+    if (known && entry.reference.valid()) entry.status = static_cast<TrackStatus>(frame.status);
+    log.push_back(std::move(entry));
+  }
+  return log;
+}
+
+std::vector<SavedParameter> saved_sensor(const SensorEstimate& sensor) {
+  std::vector<SavedParameter> saved;
+  for (int k = 0; k < kSensorParameterCount; ++k) {
+    saved.push_back({sensor.value(k), sensor.sigma(k), sensor.used[static_cast<size_t>(k)]});
+  }
+  return saved;
+}
+
+SensorEstimate sensor_estimate(const std::vector<SavedParameter>& saved, const SensorVector& known) {
+  SensorEstimate sensor;
+  sensor.value = known;
+  if (saved.size() != kSensorParameterCount) return sensor;
+  for (int k = 0; k < kSensorParameterCount; ++k) {
+    const auto& [value, sigma, used] = saved[static_cast<size_t>(k)];
+    sensor.value(k) = value;
+    sensor.sigma(k) = sigma;
+    sensor.used[static_cast<size_t>(k)] = used;
+  }
+  return sensor;
+}
+
+}  // namespace kinloop

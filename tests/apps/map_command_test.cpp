@@ -1,0 +1,125 @@
+// Map files as their user meets them: run, map, export.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include "kinloop/base/text_file.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace kinloop {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kWrongUse = 2, kBadInput = 3;
+constexpr const char* kSmall = " --set sim.frames=20 --set sim.width=160 --set sim.height=120 -q ";
+
+/// One short run for all tests, and what came of it.
+class MapCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { folder_ = std::make_unique<test::TempFolder>(); }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  [[nodiscard]] static std::string at(const std::string& name) { return (folder_->path() / name).string(); }
+
+  static int run(const std::string& arguments) {
+    const std::string command =
+        "'" KINLOOP_PROGRAM "' " + arguments + " >'" + at("stdout") + "' 2>'" + at("stderr") + "'";
+    const int status = std::system(command.c_str());
+    out_ = read_file(at("stdout")), err_ = read_file(at("stderr"));
+    return WEXITSTATUS(status);
+  }
+
+  /// The folder of the run.
+  static std::string ran() {
+    if (!std::filesystem::exists(at("run"))) {
+      EXPECT_EQ(run("run sim:room" + std::string(kSmall) + "-o " + at("run")), 0) << err_;
+    }
+    return at("run");
+  }
+
+  static std::unique_ptr<test::TempFolder> folder_;
+  static std::string out_, err_;
+};
+
+std::unique_ptr<test::TempFolder> MapCommand::folder_;
+std::string MapCommand::out_, MapCommand::err_;
+
+TEST_F(MapCommand, ARunLeavesAMapThatGivesItsFilesAgainByteForByte) {
+  const std::string folder = ran();
+  ASSERT_EQ(run("export " + folder + " -q --trajectory " + at("t.txt") + " --keyframes " + at("k.txt") +
+                " --graph " + at("g.g2o") + " --cloud " + at("c.ply")),
+            0)
+      << err_;
+  EXPECT_TRUE(read_file(at("t.txt")) == read_file(folder + "/trajectory.txt"));
+  EXPECT_TRUE(read_file(at("k.txt")) == read_file(folder + "/keyframes.txt"));
+  EXPECT_TRUE(read_file(at("g.g2o")) == read_file(folder + "/graph.g2o"));
+  EXPECT_TRUE(read_file(at("c.ply")) == read_file(folder + "/map.ply"));
+}
+
+TEST_F(MapCommand, InfoSaysWhatAMapHolds) {
+  const std::string folder = ran();
+  ASSERT_EQ(run("map info --json " + folder), 0) << err_;
+  const auto info = nlohmann::json::parse(out_);
+  const auto figures = nlohmann::json::parse(read_file(folder + "/run.json"));
+  EXPECT_EQ(info["keyframes"], figures["keyframes"]);
+  EXPECT_EQ(info["landmarks"], figures["landmarks"]);
+  EXPECT_EQ(info["frames"], 20);
+  EXPECT_EQ(info["images"], info["keyframes"]);
+  EXPECT_EQ(info["sessions"][0]["input"], "sim:room");
+  EXPECT_EQ(info["lost"], "");
+  ASSERT_EQ(run("map info " + folder + "/map.kinmap"), 0);
+  EXPECT_THAT(out_, HasSubstr("damage     none"));
+}
+
+TEST_F(MapCommand, GoesOnWithAMapAndLocalisesInIt) {
+  const std::string map = ran() + "/map.kinmap";
+  const std::string before = read_file(map);
+  ASSERT_EQ(run("run sim:room" + std::string(kSmall) + "-o " + at("there") + " --localize --load-map " + map),
+            0)
+      << err_;
+  EXPECT_FALSE(std::filesystem::exists(at("there") + "/map.kinmap"));
+  const auto figures = nlohmann::json::parse(read_file(at("there") + "/run.json"));
+  EXPECT_EQ(figures["frames"], 20);
+  EXPECT_GE(figures["tracked"], 18);
+  ASSERT_EQ(run("run sim:room" + std::string(kSmall) + "-o " + at("on") + " --save-map " + at("on.kinmap") +
+                " --load-map " + map),
+            0)
+      << err_;
+  EXPECT_TRUE(read_file(map) == before);
+  ASSERT_EQ(run("map info --json " + at("on.kinmap")), 0);
+  const auto info = nlohmann::json::parse(out_);
+  EXPECT_EQ(info["sessions"].size(), 2U);
+  EXPECT_EQ(info["frames"], 40);
+  EXPECT_EQ(info["components"], 1);
+}
+
+TEST_F(MapCommand, MergesMaps) {
+  const std::string folder = ran();
+  ASSERT_EQ(run("map merge -q " + folder + " " + folder + " -o " + at("both.kinmap")), 0) << err_;
+  ASSERT_EQ(run("map info --json " + at("both.kinmap")), 0);
+  const auto info = nlohmann::json::parse(out_);
+  EXPECT_EQ(info["components"], 1);
+  EXPECT_EQ(info["frames"], 40);
+  EXPECT_EQ(info["images"], info["keyframes"]);
+}
+
+TEST_F(MapCommand, SaysWhatIsWrong) {
+  EXPECT_EQ(run("run sim:room --localize -o " + at("x")), kWrongUse);
+  EXPECT_THAT(err_, HasSubstr("--load-map"));
+  EXPECT_EQ(run("map info " + at("absent.kinmap")), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("absent.kinmap: no such file"));
+  EXPECT_EQ(run("run sim:room -o " + at("x") + " --load-map " + at("stderr")), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("not a kinloop map"));
+  EXPECT_EQ(run("export " + ran()), kWrongUse);
+  EXPECT_EQ(run("export " + ran() + " --cloud x.jpg"), kWrongUse);
+  EXPECT_EQ(run("run sim:room --set sim.width=320 --set sim.height=240 --set sim.frames=3 -o " + at("x") +
+                " --load-map " + ran() + "/map.kinmap"),
+            kBadInput);
+  EXPECT_THAT(err_, HasSubstr("another camera"));
+}
+
+}  // namespace
+}  // namespace kinloop
