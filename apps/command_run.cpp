@@ -15,6 +15,7 @@
 #include "apps/open_source.hpp"
 #include "apps/progress_bar.hpp"
 #include "apps/report_file.hpp"
+#include "apps/run_narrator.hpp"
 #include "apps/run_summary.hpp"
 #include "apps/show_run.hpp"
 #include "kinloop/base/errors.hpp"
@@ -40,6 +41,7 @@ struct RunArguments {
   bool no_loop = false;
   bool list_options = false;
   bool quiet = false;
+  bool verbose = false;
   int threads = 0;
   std::string viewer;  // [ADDRESS:]PORT; empty: none
   double pace_hz = 0;
@@ -104,8 +106,9 @@ bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progres
   size_t done = 0;
   while (const auto frame = pipeline.next()) {
     if (leave) leave();
-    slam.process(*frame);
-    report(progress, "mapping", ++done, source.info().frames);
+    const FrameResult result = slam.process(*frame);
+    ++done;
+    if (progress) progress({"mapping", done, source.info().frames, run_note(result, slam.map())});
     if (saver != nullptr) saver->save_if_due();
     if (!interrupted()) continue;
     if (saver != nullptr) saver->save();  // a second Ctrl-C ends the program before the map is finished
@@ -180,7 +183,7 @@ ExitCode run(const RunArguments& arguments) {
     paced = pacing.get();
     source = std::move(pacing);
   }
-  const Progress progress = make_progress_bar(arguments.quiet);
+  const Progress progress = make_progress_bar(arguments.quiet || arguments.verbose);
 
   const RgbdCamera camera = camera_of(*source, start, arguments);
   Slam slam(camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
@@ -188,16 +191,21 @@ ExitCode run(const RunArguments& arguments) {
   FrameRecorder frames;
   slam.listen(recorder);
   slam.listen(frames);
+  RunNarrator narrator;
+  if (arguments.verbose) slam.listen(narrator);
   if (start) take_start_map(*start, arguments.load_map, slam, recorder);
   const auto saver = saver_of(arguments, folder, {slam, recorder, options, arguments.sequence});
   catch_interrupts();
-  const auto save_now = [&] { save_map(folder, slam, recorder, threads); };
+  const auto save_now = [&] {
+    save_map(folder, slam, recorder, threads);
+    if (saver) saver->save();
+  };
   const auto shown = show_run(arguments.viewer, *source, options.viewer, slam, save_now);
   const bool complete = process_all(*source, slam, saver.get(), progress, shown ? shown->leave : nullptr);
   if (!complete) log::warn("interrupted: finishing with the {} frames there are", slam.session_log().size());
   if (shown) shown->viewer.tell("final adjustment");
   const Trajectory trajectory = slam.finish(progress);
-  if (shown) shown->viewer.finish(slam.log(), slam.map());
+  if (shown) shown->viewer.finish(slam.session_log(), slam.map());
   if (saver) saver->save();
   return_freed_memory();
   const ColoredCloud cloud = recorder.fuse(slam.log(), slam.map(), threads, progress);
@@ -217,7 +225,7 @@ ExitCode run(const RunArguments& arguments) {
   auto summary = run_summary(outcome);
   if (saver) summary["map_file"] = map_file_json(*saver);
   write_frame_table(folder.frames(), frames.table(slam.times()));
-  write_loop_pictures(folder, slam.map(), recorder);
+  write_loop_pictures(folder, slam.map(), camera.color, recorder);
   write_results(folder, outcome, trajectory, cloud, summary);
   if (!arguments.quiet) {
     fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
@@ -283,6 +291,8 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
       ->check(CLI::Range(0.1, 1000.0));
   add_viewer_option(*command, arguments->viewer);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
+  command->add_flag("-v,--verbose", arguments->verbose, "print what happens, a line each")
+      ->excludes("--quiet");
   command->footer(
       "Examples:\n"
       "  kinloop run sim:room -o out\n"

@@ -102,7 +102,7 @@ std::vector<ReportPicture> read_loop_pictures(const fs::path& folder) {
     const std::string name = file.stem().string();
     const size_t between = name.find('_');
     if (file.extension() != ".jpg" || between == std::string::npos) continue;
-    pictures.push_back({fmt::format("seen at {} s, met again at {} s; landmarks in both",
+    pictures.push_back({fmt::format("seen at {} s, met again at {} s; matches that agree",
                                     name.substr(0, between), name.substr(between + 1)),
                         read_file(file)});
   }
