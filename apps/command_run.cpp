@@ -112,6 +112,7 @@ bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progres
     if (saver != nullptr) saver->save_if_due();
     if (!interrupted()) continue;
     if (saver != nullptr) saver->save();  // a second Ctrl-C ends the program before the map is finished
+    log::warn("interrupted: finishing with the {} frames there are", slam.session_log().size());
     return false;
   }
   return true;
@@ -124,8 +125,9 @@ void take_start_map(StartMap& start, const std::filesystem::path& path, Slam& sl
 }
 
 /// Lost at the end, or never found: what the exit code tells scripts.
-bool lost_for_good(std::span<const LoggedFrame> log, const Map& map, uint32_t component) {
-  return log.empty() || !tracked_in(component, log.back(), map);
+bool lost_for_good(const Slam& slam) {
+  const auto log = slam.session_log();
+  return log.empty() || !tracked_in(main_component(log, slam.map()), log.back(), slam.map());
 }
 
 void warn_of_skipped(const FrameSource& source) {
@@ -160,13 +162,16 @@ nlohmann::json map_file_json(const MapSaver& saver) {
 }
 
 void write_results(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
-                   const ColoredCloud& cloud, const nlohmann::json& summary) {
+                   const ColoredCloud& cloud, const DenseRecorder& images, const FrameTable& frames,
+                   const nlohmann::json& summary) {
   const Slam& slam = outcome.slam;
   const uint32_t component = main_component(slam.session_log(), slam.map());
   write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), component),
                            outcome.source.info().ground_truth, cloud, summary});
   write_camera_file(folder.camera(), calibrated_camera(outcome.source.camera(), slam.sensor()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), outcome.options.slam.loop), {}, true, {}});
+  write_frame_table(folder.frames(), frames);
+  write_loop_pictures(folder, slam.map(), outcome.source.camera().color, images);
   write_report(folder);
 }
 
@@ -202,7 +207,6 @@ ExitCode run(const RunArguments& arguments) {
   };
   const auto shown = show_run(arguments.viewer, *source, options.viewer, slam, save_now);
   const bool complete = process_all(*source, slam, saver.get(), progress, shown ? shown->leave : nullptr);
-  if (!complete) log::warn("interrupted: finishing with the {} frames there are", slam.session_log().size());
   if (shown) shown->viewer.tell("final adjustment");
   const Trajectory trajectory = slam.finish(progress);
   if (shown) shown->viewer.finish(slam.session_log(), slam.map());
@@ -212,32 +216,21 @@ ExitCode run(const RunArguments& arguments) {
   return_freed_memory();
   warn_of_skipped(*source);
 
-  const Trajectory& truth = source->info().ground_truth;
-  const RunOutcome outcome{*source,
-                           slam,
-                           options,
-                           truth.empty() ? std::nullopt : evaluate(trajectory, truth),
-                           cloud.size(),
-                           watch.wall_s(),
-                           threads,
-                           !complete,
-                           paced != nullptr ? paced->dropped() : 0};
+  const auto evaluation = evaluate(trajectory, source->info().ground_truth);
+  const size_t dropped = paced != nullptr ? paced->dropped() : 0;
+  const RunOutcome outcome{*source,        slam,    options,   evaluation, cloud.size(),
+                           watch.wall_s(), threads, !complete, dropped};
   auto summary = run_summary(outcome);
   if (saver) summary["map_file"] = map_file_json(*saver);
-  write_frame_table(folder.frames(), frames.table(slam.times()));
-  write_loop_pictures(folder, slam.map(), camera.color, recorder);
-  write_results(folder, outcome, trajectory, cloud, summary);
+  write_results(folder, outcome, trajectory, cloud, recorder, frames.table(slam.times()), summary);
   if (!arguments.quiet) {
     fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
                folder.path().string());
   }
   if (shown) stay_open(shown->viewer);
-  if (lost_for_good(slam.session_log(), slam.map(), main_component(slam.session_log(), slam.map()))) {
-    log::error("tracking was lost and its place not recognised again; see {}",
-               (arguments.output / "report.html").string());
-    return ExitCode::kTrackingLost;
-  }
-  return ExitCode::kDone;
+  if (!lost_for_good(slam)) return ExitCode::kDone;
+  log::error("tracking was lost and its place not recognised again; see {}", folder.report().string());
+  return ExitCode::kTrackingLost;
 }
 
 void print_options() {
