@@ -15,6 +15,7 @@
 #include "apps/open_source.hpp"
 #include "apps/progress_bar.hpp"
 #include "apps/report_file.hpp"
+#include "apps/run_narrator.hpp"
 #include "apps/run_summary.hpp"
 #include "apps/show_run.hpp"
 #include "kinloop/base/errors.hpp"
@@ -40,6 +41,7 @@ struct RunArguments {
   bool no_loop = false;
   bool list_options = false;
   bool quiet = false;
+  bool verbose = false;
   int threads = 0;
   std::string viewer;  // [ADDRESS:]PORT; empty: none
   double pace_hz = 0;
@@ -104,11 +106,13 @@ bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progres
   size_t done = 0;
   while (const auto frame = pipeline.next()) {
     if (leave) leave();
-    slam.process(*frame);
-    report(progress, "mapping", ++done, source.info().frames);
+    const FrameResult result = slam.process(*frame);
+    ++done;
+    if (progress) progress({"mapping", done, source.info().frames, run_note(result, slam.map())});
     if (saver != nullptr) saver->save_if_due();
     if (!interrupted()) continue;
     if (saver != nullptr) saver->save();  // a second Ctrl-C ends the program before the map is finished
+    log::warn("interrupted: finishing with the {} frames there are", slam.session_log().size());
     return false;
   }
   return true;
@@ -121,8 +125,9 @@ void take_start_map(StartMap& start, const std::filesystem::path& path, Slam& sl
 }
 
 /// Lost at the end, or never found: what the exit code tells scripts.
-bool lost_for_good(std::span<const LoggedFrame> log, const Map& map, uint32_t component) {
-  return log.empty() || !tracked_in(component, log.back(), map);
+bool lost_for_good(const Slam& slam) {
+  const auto log = slam.session_log();
+  return log.empty() || !tracked_in(main_component(log, slam.map()), log.back(), slam.map());
 }
 
 void warn_of_skipped(const FrameSource& source) {
@@ -157,13 +162,16 @@ nlohmann::json map_file_json(const MapSaver& saver) {
 }
 
 void write_results(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
-                   const ColoredCloud& cloud, const nlohmann::json& summary) {
+                   const ColoredCloud& cloud, const DenseRecorder& images, const FrameTable& frames,
+                   const nlohmann::json& summary) {
   const Slam& slam = outcome.slam;
   const uint32_t component = main_component(slam.session_log(), slam.map());
   write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), component),
                            outcome.source.info().ground_truth, cloud, summary});
   write_camera_file(folder.camera(), calibrated_camera(outcome.source.camera(), slam.sensor()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), outcome.options.slam.loop), {}, true, {}});
+  write_frame_table(folder.frames(), frames);
+  write_loop_pictures(folder, slam.map(), outcome.source.camera().color, images);
   write_report(folder);
 }
 
@@ -180,7 +188,7 @@ ExitCode run(const RunArguments& arguments) {
     paced = pacing.get();
     source = std::move(pacing);
   }
-  const Progress progress = make_progress_bar(arguments.quiet);
+  const Progress progress = make_progress_bar(arguments.quiet || arguments.verbose);
 
   const RgbdCamera camera = camera_of(*source, start, arguments);
   Slam slam(camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
@@ -188,48 +196,41 @@ ExitCode run(const RunArguments& arguments) {
   FrameRecorder frames;
   slam.listen(recorder);
   slam.listen(frames);
+  RunNarrator narrator;
+  if (arguments.verbose) slam.listen(narrator);
   if (start) take_start_map(*start, arguments.load_map, slam, recorder);
   const auto saver = saver_of(arguments, folder, {slam, recorder, options, arguments.sequence});
   catch_interrupts();
-  const auto save_now = [&] { save_map(folder, slam, recorder, threads); };
+  const auto save_now = [&] {
+    save_map(folder, slam, recorder, threads);
+    if (saver) saver->save();
+  };
   const auto shown = show_run(arguments.viewer, *source, options.viewer, slam, save_now);
   const bool complete = process_all(*source, slam, saver.get(), progress, shown ? shown->leave : nullptr);
-  if (!complete) log::warn("interrupted: finishing with the {} frames there are", slam.session_log().size());
   if (shown) shown->viewer.tell("final adjustment");
   const Trajectory trajectory = slam.finish(progress);
-  if (shown) shown->viewer.finish(slam.log(), slam.map());
+  if (shown) shown->viewer.finish(slam.session_log(), slam.map());
   if (saver) saver->save();
   return_freed_memory();
   const ColoredCloud cloud = recorder.fuse(slam.log(), slam.map(), threads, progress);
   return_freed_memory();
   warn_of_skipped(*source);
 
-  const Trajectory& truth = source->info().ground_truth;
-  const RunOutcome outcome{*source,
-                           slam,
-                           options,
-                           truth.empty() ? std::nullopt : evaluate(trajectory, truth),
-                           cloud.size(),
-                           watch.wall_s(),
-                           threads,
-                           !complete,
-                           paced != nullptr ? paced->dropped() : 0};
+  const auto evaluation = evaluate(trajectory, source->info().ground_truth);
+  const size_t dropped = paced != nullptr ? paced->dropped() : 0;
+  const RunOutcome outcome{*source,        slam,    options,   evaluation, cloud.size(),
+                           watch.wall_s(), threads, !complete, dropped};
   auto summary = run_summary(outcome);
   if (saver) summary["map_file"] = map_file_json(*saver);
-  write_frame_table(folder.frames(), frames.table(slam.times()));
-  write_loop_pictures(folder, slam.map(), recorder);
-  write_results(folder, outcome, trajectory, cloud, summary);
+  write_results(folder, outcome, trajectory, cloud, recorder, frames.table(slam.times()), summary);
   if (!arguments.quiet) {
     fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
                folder.path().string());
   }
   if (shown) stay_open(shown->viewer);
-  if (lost_for_good(slam.session_log(), slam.map(), main_component(slam.session_log(), slam.map()))) {
-    log::error("tracking was lost and its place not recognised again; see {}",
-               (arguments.output / "report.html").string());
-    return ExitCode::kTrackingLost;
-  }
-  return ExitCode::kDone;
+  if (!lost_for_good(slam)) return ExitCode::kDone;
+  log::error("tracking was lost and its place not recognised again; see {}", folder.report().string());
+  return ExitCode::kTrackingLost;
 }
 
 void print_options() {
@@ -283,6 +284,8 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
       ->check(CLI::Range(0.1, 1000.0));
   add_viewer_option(*command, arguments->viewer);
   command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
+  command->add_flag("-v,--verbose", arguments->verbose, "print what happens, a line each")
+      ->excludes("--quiet");
   command->footer(
       "Examples:\n"
       "  kinloop run sim:room -o out\n"

@@ -1,7 +1,6 @@
 #include "apps/loop_pictures.hpp"
 
 #include <algorithm>
-#include <unordered_map>
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -18,28 +17,34 @@ constexpr size_t kMostPictures = 12;
 constexpr int kWidthPx = 960;
 constexpr int kJpegQuality = 80;
 
-/// Key points of the two keyframes that show the same landmark.
-std::vector<LookAlike> shared_landmarks(const Keyframe& a, const Keyframe& b) {
-  std::unordered_map<LandmarkId, uint32_t> feature_of;
-  for (uint32_t i = 0; i < a.landmark_of.size(); ++i) {
-    if (a.landmark_of[i].valid()) feature_of.emplace(a.landmark_of[i], i);
+/// Key points of `a` and `b` that look alike and, by the loop, are the same places.
+std::vector<LookAlike> agreeing_matches(const LoopEdge& loop, const Features& a, const Features& b,
+                                        const PinholeCamera& camera) {
+  constexpr double kMaxErrorPx = 8;
+  std::vector<LookAlike> agreeing;
+  for (const LookAlike& match :
+       screen_look_alikes(match_descriptors(a, b), b.descriptors.type() == CV_8UC1)) {
+    if (!(b.depths_m[match.b] > 0)) continue;
+    const Eigen::Vector3d p_a = loop.T_a_b * camera.unproject(b.pixels[match.b].cast<double>(),
+                                                              static_cast<double>(b.depths_m[match.b]));
+    if (p_a.z() <= 0) continue;
+    const double error_px = (camera.project(p_a) - a.pixels[match.a].cast<double>()).norm();
+    if (error_px < kMaxErrorPx) agreeing.push_back(match);
   }
-  std::vector<LookAlike> shared;
-  for (uint32_t i = 0; i < b.landmark_of.size(); ++i) {
-    const auto found = b.landmark_of[i].valid() ? feature_of.find(b.landmark_of[i]) : feature_of.end();
-    if (found != feature_of.end()) shared.push_back({found->second, i, 0});
-  }
-  return shared;
+  return agreeing;
 }
 
 /// Empty where the images were not kept.
-cv::Mat picture_of(const Keyframe& a, const Keyframe& b, const DenseRecorder& recorder) {
+cv::Mat picture_of(const LoopEdge& loop, const Map& map, const PinholeCamera& camera,
+                   const DenseRecorder& recorder) {
+  const Keyframe &a = map.keyframe(loop.a), &b = map.keyframe(loop.b);
   const auto images_a = recorder.images_of(a.frame), images_b = recorder.images_of(b.frame);
   if (!images_a || !images_b) return {};
   cv::Mat gray_a, gray_b, small;
   cv::cvtColor(images_a->color, gray_a, cv::COLOR_BGR2GRAY);
   cv::cvtColor(images_b->color, gray_b, cv::COLOR_BGR2GRAY);
-  const cv::Mat full = draw_matches(gray_a, *a.features, gray_b, *b.features, shared_landmarks(a, b));
+  const cv::Mat full = draw_matches(gray_a, *a.features, gray_b, *b.features,
+                                    agreeing_matches(loop, *a.features, *b.features, camera));
   const double scale = std::min(1.0, static_cast<double>(kWidthPx) / full.cols);
   cv::resize(full, small, {}, scale, scale, cv::INTER_AREA);
   return small;
@@ -47,7 +52,8 @@ cv::Mat picture_of(const Keyframe& a, const Keyframe& b, const DenseRecorder& re
 
 }  // namespace
 
-void write_loop_pictures(const RunFolder& folder, const Map& map, const DenseRecorder& recorder) {
+void write_loop_pictures(const RunFolder& folder, const Map& map, const PinholeCamera& camera,
+                         const DenseRecorder& recorder) {
   std::error_code ignored;
   std::filesystem::remove_all(folder.loop_pictures(), ignored);
   const auto& loops = map.loop_edges();
@@ -56,13 +62,13 @@ void write_loop_pictures(const RunFolder& folder, const Map& map, const DenseRec
   std::filesystem::create_directory(folder.loop_pictures(), ignored);
   for (size_t i = 0; i < count; ++i) {
     const LoopEdge& loop = loops[i * loops.size() / count];
-    const Keyframe &a = map.keyframe(loop.a), &b = map.keyframe(loop.b);
-    const cv::Mat picture = picture_of(a, b, recorder);
+    const cv::Mat picture = picture_of(loop, map, camera, recorder);
     if (picture.empty()) continue;
     std::vector<uint8_t> jpeg;
     cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
     // The name tells the report what it shows.
-    const auto name = fmt::format("{}_{}.jpg", format_stamp(a.stamp_ns), format_stamp(b.stamp_ns));
+    const auto name = fmt::format("{}_{}.jpg", format_stamp(map.keyframe(loop.a).stamp_ns),
+                                  format_stamp(map.keyframe(loop.b).stamp_ns));
     write_file(folder.loop_pictures() / name, {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
   }
 }

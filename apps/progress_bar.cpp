@@ -96,10 +96,12 @@ std::string progress_line(const ProgressReport& now, double elapsed_s, size_t wi
   }
   const std::string total_text = std::to_string(now.total);
   const std::string counts = fmt::format("  {:>{}}/{}", now.done, total_text.size(), total_text);
+  if (!now.note.empty()) time += "   " + now.note;
   const std::string head = fmt::format("{:<10} ", now.stage);
 
   constexpr size_t kLongestBar = 30, kShortestBar = 5, kBrackets = 2, kTimeColumns = 20;
-  const size_t others = head.size() + counts.size() + rate.size() + kTimeColumns + kBrackets;
+  const size_t columns_after = kTimeColumns + (now.note.empty() ? 0 : now.note.size() + 3);
+  const size_t others = head.size() + counts.size() + rate.size() + columns_after + kBrackets;
   const size_t cells = width > others ? std::min(kLongestBar, width - others) : 0;
   if (cells < kShortestBar) return (head + counts + rate + time).substr(0, width);
   const auto full = static_cast<size_t>(share * static_cast<double>(cells));

@@ -102,7 +102,7 @@ std::vector<ReportPicture> read_loop_pictures(const fs::path& folder) {
     const std::string name = file.stem().string();
     const size_t between = name.find('_');
     if (file.extension() != ".jpg" || between == std::string::npos) continue;
-    pictures.push_back({fmt::format("seen at {} s, met again at {} s; landmarks in both",
+    pictures.push_back({fmt::format("seen at {} s, met again at {} s; matches that agree",
                                     name.substr(0, between), name.substr(between + 1)),
                         read_file(file)});
   }
@@ -138,8 +138,9 @@ void write_comparison(const std::vector<fs::path>& paths, const fs::path& page) 
   std::vector<RunReport> runs;
   for (const fs::path& path : paths) {
     if (fs::is_directory(path)) {
-      runs.push_back(read_run(RunFolder(path)));
-      if (runs.size() == 1) add_pictures(runs.front(), RunFolder(path));
+      const auto folder = RunFolder::of_earlier_run(path);
+      runs.push_back(read_run(folder));
+      if (runs.size() == 1) add_pictures(runs.front(), folder);
     } else {
       runs.emplace_back().estimate = read_tum_trajectory(path);
     }

@@ -18,7 +18,7 @@ constexpr std::chrono::milliseconds kBetweenLooks{100};
 /// Long enough for a browser on the same machine to get what is left.
 constexpr std::chrono::seconds kFarewell{1};
 
-void take_leave(LiveViewer& viewer, const std::function<void()>& save_now) {
+void ask_for_leave(LiveViewer& viewer, const std::function<void()>& save_now) {
   while (viewer.control().next_turn(interrupted) == RunControl::Turn::kSave) {
     viewer.tell("mapping", "saving the map");
     save_now();
@@ -44,7 +44,7 @@ std::unique_ptr<ShownRun> show_run(const std::string& listen, const FrameSource&
       parse_listen_address(listen),
       RunBasics{info.name, info.frames, source.camera(), info.ground_truth, options});
   slam.listen(shown->viewer.listener());
-  shown->leave = [&viewer = shown->viewer, save_now] { take_leave(viewer, save_now); };
+  shown->leave = [&viewer = shown->viewer, save_now] { ask_for_leave(viewer, save_now); };
   log::info("watch at {}", shown->viewer.url());
   return shown;
 }

@@ -30,7 +30,7 @@ class LiveViewer {
   void tell(const std::string& stage, const std::string& message = "");
 
   /// The path as it is known at the end.
-  void finish(const FrameLog& log, const Map& map) { feed_.on_finish(log, map); }
+  void finish(std::span<const LoggedFrame> log, const Map& map) { feed_.on_finish(log, map); }
 
   /// Browsers that watch now.
   [[nodiscard]] size_t browsers() const { return service_.browsers(); }

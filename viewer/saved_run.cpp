@@ -95,7 +95,7 @@ SavedRun read_saved_run(const fs::path& path) {
     run.cloud = read_ply(path);
     return run;
   }
-  const RunFolder folder(path);
+  const auto folder = RunFolder::of_earlier_run(path);
   run.path = read_tum_trajectory(folder.trajectory());
   run.keyframes = read_if_there(folder.keyframes());
   run.truth = read_if_there(folder.ground_truth());

@@ -26,6 +26,12 @@ RunFolder::RunFolder(std::filesystem::path path) : path_(std::move(path)) {
   std::filesystem::remove(probe, error);
 }
 
+RunFolder RunFolder::of_earlier_run(std::filesystem::path path) {
+  RunFolder folder;
+  folder.path_ = std::move(path);
+  return folder;
+}
+
 void write_run_files(const RunFolder& folder, const RunFiles& files) {
   write_tum_trajectory(folder.trajectory(), files.trajectory);
   write_tum_trajectory(folder.keyframes(), files.keyframes);

@@ -20,6 +20,9 @@ class RunFolder {
   /// not find out at its end. Throws InputError naming the folder and the remedy.
   explicit RunFolder(std::filesystem::path path);
 
+  /// The folder of an earlier run, that is only read: it may be on a disk that cannot be written to.
+  static RunFolder of_earlier_run(std::filesystem::path path);
+
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::filesystem::path trajectory() const { return path_ / "trajectory.txt"; }
   [[nodiscard]] std::filesystem::path keyframes() const { return path_ / "keyframes.txt"; }
@@ -34,6 +37,8 @@ class RunFolder {
   [[nodiscard]] std::filesystem::path report() const { return path_ / "report.html"; }
 
  private:
+  RunFolder() = default;
+
   std::filesystem::path path_;
 };
 

@@ -28,6 +28,15 @@ await onStage(async ({ open, kinloop, folder, shoot }) => {
   await until(async () => frame(await seen(page)) === still + 1, 'a step is one frame');
   assert.ok((await seen(other)).badge.includes('paused'), 'the other browser sees the same');
 
+  // The line breaks: the page comes back, keeps what it has and gets only the rest.
+  const whole = await seen(page);
+  await page.evaluate(() => window.kinloop.connection.socket.close());
+  await until(() => page.evaluate(() => window.kinloop.connection.socket.readyState === WebSocket.OPEN), 'it comes back');
+  await page.waitForTimeout(500);
+  const rest = await seen(page);
+  assert.equal(rest.points, whole.points);
+  assert.ok(rest.bytes - whole.bytes < whole.bytes / 4, `${rest.bytes - whole.bytes} bytes after ${whole.bytes}`);
+
   // The map is saved as it is, while the run is paused.
   await page.click('#save');
   await until(() => existsSync(join(out, 'map.ply')), 'the map is saved on demand');

@@ -25,6 +25,13 @@ RunFiles some_files() {
   return files;
 }
 
+TEST(RunFolder, OfAnEarlierRunIsNotTouched) {
+  const test::TempFolder temp;
+  const auto folder = RunFolder::of_earlier_run(temp.path() / "none");
+  EXPECT_EQ(folder.trajectory(), temp.path() / "none" / "trajectory.txt");
+  EXPECT_FALSE(std::filesystem::exists(folder.path()));
+}
+
 TEST(RunFolder, HoldsEverythingUnderItsName) {
   const test::TempFolder temp;
   const RunFolder folder(temp.path() / "deep" / "out");

@@ -42,7 +42,7 @@ void RunFeed::on_map(const Map& map) {
   news_.covisible.insert(news_.covisible.end(), covisible.begin(), covisible.end());
 }
 
-void RunFeed::on_finish(const FrameLog& log, const Map& map) {
+void RunFeed::on_finish(std::span<const LoggedFrame> log, const Map& map) {
   std::vector<FrameNews> frames;
   for (const LoggedFrame& entry : log) {
     frames.push_back({entry.stamp_ns, entry.status, false, entry.reference, entry.T_reference_camera,

@@ -5,6 +5,7 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kinloop/slam/frame_log.hpp"
@@ -60,7 +61,7 @@ class RunFeed : public Listener {
   void on_map(const Map& map) override;
 
   /// The path as it is known at the end.
-  void on_finish(const FrameLog& log, const Map& map);
+  void on_finish(std::span<const LoggedFrame> log, const Map& map);
 
   /// The news, which are none after that.
   RunNews take();

@@ -29,7 +29,7 @@ enum class PartKind : uint32_t {
   kCamera = 2,        ///< one pose: where the camera is now
   kKeyframes = 3,     ///< poses of kPartLength keyframes, part i from keyframe i * kPartLength on
   kPath = 4,          ///< kPartLength frames: u32 reference keyframe, 3 f32 place in its camera frame
-  kCovisibility = 5,  ///< pairs of u32: keyframes that share landmarks, the newer one of them in part i
+  kCovisibility = 5,  ///< kPartLength pairs of u32: keyframes that share landmarks
   kLoops = 6,         ///< pairs of u32: keyframes that a loop edge joins
   kCloud = 7,         ///< a piece of the cloud, see `encode_cloud`
   kColorImage = 8,    ///< a JPEG file

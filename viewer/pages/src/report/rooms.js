@@ -8,7 +8,7 @@ import { draw } from './plot.js';
 export function roomSection(all) {
   const runs = all.filter((run) => Object.keys(run.figures.rooms ?? {}).length > 0);
   if (runs.length === 0) return undefined;
-  const bars = figure(roomPlot(runs), 'CPU seconds in all');
+  const bars = figure(roomPlot(runs), 'CPU seconds in all; the medians are of pieces of work, frames or keyframes');
   if (runs.length > 1) return section('Where the time went', legend(runs), row(bars));
   const { rooms, frames } = runs[0].figures;
   const lines = Object.entries(rooms).map(([name, room]) => [
@@ -19,7 +19,7 @@ export function roomSection(all) {
     room.wall_s.toFixed(2),
     room.cpu_s.toFixed(2),
   ]);
-  const head = ['room', 'ms a frame', 'median of a piece of work, ms', '95 %, ms', 'wall s in all', 'CPU s'];
+  const head = ['room', 'ms a frame', 'median, ms', '95 %, ms', 'wall s', 'CPU s'];
   return section('Where the time went', row(bars, table(head, lines, [1, 2, 3, 4, 5])));
 }
 

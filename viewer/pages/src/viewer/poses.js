@@ -7,6 +7,7 @@ import { PART_LENGTH } from './messages.js';
 const FLOATS = 7; // translation, quaternion
 const GLIDE_S = 0.25; // time constant
 const STILL_M = 1e-4;
+const STILL_RAD = 1e-3;
 
 export class Poses {
   constructor() {
@@ -45,7 +46,7 @@ export class Poses {
     this.matrices.forEach((matrix, keyframe) => {
       const target = this.targets[keyframe];
       matrix.decompose(shown.place, shown.turn, size);
-      const far = shown.place.distanceTo(target.place) + shown.turn.angleTo(target.turn) > STILL_M;
+      const far = shown.place.distanceTo(target.place) > STILL_M || shown.turn.angleTo(target.turn) > STILL_RAD;
       shown.place.lerp(target.place, far ? share : 1);
       shown.turn.slerp(target.turn, far ? share : 1);
       matrix.copy(matrixOf(shown));
@@ -57,7 +58,7 @@ export class Poses {
 
 /** Seven floats of a message. */
 export function poseFrom(floats, at = 0) {
-  return { place: new Vector3().fromArray(floats, at), turn: new Quaternion().fromArray(floats, at + 3) };
+  return { place: new Vector3().fromArray(floats, at), turn: new Quaternion().fromArray(floats, at + 3).normalize() };
 }
 
 export function matrixOf({ place, turn }) {

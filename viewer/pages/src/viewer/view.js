@@ -74,7 +74,7 @@ export class View {
   adapt(passedMs) {
     const smoothing = 0.9;
     this.framesPerSecond = smoothing * this.framesPerSecond + (1 - smoothing) * (1000 / Math.max(1, passedMs));
-    const wanted = this.share * Math.min(1.15, Math.max(0.6, SMOOTH_MS / Math.max(1, passedMs)));
+    const wanted = this.share * Math.min(1.15, Math.max(0.25, SMOOTH_MS / Math.max(1, passedMs)));
     this.share = Math.min(1, Math.max(FEWEST, wanted));
   }
 

@@ -1,0 +1,283 @@
+// From what Slam tells to what a browser gets.
+
+#include "viewer/scene/run_scene.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/output/ply.hpp"
+#include "viewer/run_control.hpp"
+#include "viewer/saved_run.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+
+RgbdCamera small_camera() {
+  RgbdCamera camera;
+  camera.color = {kWidth, kHeight, 140, 140, 79.5, 59.5};
+  return camera;
+}
+
+/// A wall at 2 m, red on the left and blue on the right, with one key point in the middle.
+PreparedFrame wall_frame(uint32_t id) {
+  PreparedFrame frame;
+  frame.id = FrameId{id};
+  frame.stamp_ns = int64_t{id} * 33'000'000;
+  frame.color = cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar(0, 0, 200));
+  frame.color.colRange(kWidth / 2, kWidth) = cv::Scalar(200, 0, 0);
+  frame.depth_m = cv::Mat(kHeight, kWidth, CV_32FC1, 2.0F);
+  auto features = std::make_shared<Features>();
+  features->raw_pixels = features->pixels = {{80, 60}};
+  features->depths_m = {2};
+  frame.features = features;
+  return frame;
+}
+
+/// A run of frames of which every second becomes a keyframe, 5 cm further along x each.
+class FakeRun {
+ public:
+  explicit FakeRun(RunFeed& feed) : feed_(feed) {}
+
+  void frame(TrackStatus status = TrackStatus::kTracked) {
+    const PreparedFrame frame = wall_frame(next_++);
+    FrameResult result{frame.id, frame.stamp_ns, status, false, {}, {}, {}, {}, {}, {}};
+    if (status != TrackStatus::kLost) {
+      if (next_ % 2 == 1) {
+        const SE3 pose{Eigen::Quaterniond::Identity(),
+                       {0.05 * static_cast<double>(map_.keyframes().size()), 0, 0}};
+        result.keyframe = map_.add_keyframe(frame.id, frame.stamp_ns, pose, frame.features);
+      }
+      result.reference = map_.keyframes().back().id;
+      result.T_reference_camera.translation.y() = 0.5;
+    }
+    feed_.on_frame(result, frame);
+    feed_.on_map(map_);
+  }
+
+  Map& map() { return map_; }
+
+ private:
+  RunFeed& feed_;
+  Map map_;
+  uint32_t next_ = 0;
+};
+
+class RunSceneTest : public testing::Test {
+ protected:
+  void update(bool watched = true) { shown_.take_in(feed_.take(), {}, watched); }
+
+  std::optional<ScenePart> part(PartKind kind, uint32_t index = 0) {
+    uint64_t seen = 0;
+    while (const auto next = scene_.next_after(seen)) {
+      if (next->kind == kind && next->index == index) return next;
+      seen = next->version;
+    }
+    return std::nullopt;
+  }
+  float number(PartKind kind, uint32_t index, size_t at) {
+    float value = 0;
+    const auto found = part(kind, index);
+    require(found && found->body->size() >= 4 * at + 4, "a part with such a number");
+    std::memcpy(&value, found->body->data() + 4 * at, sizeof value);
+    return value;
+  }
+  nlohmann::json status() {
+    const auto found = part(PartKind::kStatus);
+    return nlohmann::json::parse(found->body->begin(), found->body->end());
+  }
+
+  ViewerOptions options_{.voxel_m = 0.05};  // wider than the pixels of so small a camera
+  RunFeed feed_{options_};
+  FakeRun run_{feed_};
+  Scene scene_{"run"};
+  RunScene shown_{scene_, {"sequence", 10, small_camera(), {}, options_}};
+};
+
+TEST_F(RunSceneTest, ShowsKeyframesPathCameraImagesAndStatus) {
+  for (int i = 0; i < 4; ++i) run_.frame();
+  update();
+  EXPECT_EQ(part(PartKind::kKeyframes)->body->size(), 2U * 28);
+  EXPECT_FLOAT_EQ(number(PartKind::kKeyframes, 0, 7), 0.05F);  // where the second keyframe is
+  EXPECT_EQ(part(PartKind::kPath)->body->size(), 4U * 16);
+  EXPECT_FLOAT_EQ(number(PartKind::kPath, 0, 2), 0.5F);  // in the keyframe's axes
+  EXPECT_FLOAT_EQ(number(PartKind::kCamera, 0, 0), 0.05F);
+  EXPECT_FLOAT_EQ(number(PartKind::kCamera, 0, 1), 0.5F);
+  const auto jpeg = part(PartKind::kColorImage);
+  EXPECT_EQ(cv::imdecode(*jpeg->body, cv::IMREAD_COLOR).cols, kWidth);  // small images are not enlarged
+  EXPECT_EQ(part(PartKind::kFeatures)->body->size(), 8U);
+  EXPECT_EQ(status()["frame"], 4);
+  EXPECT_EQ(status()["keyframes"], 2);
+  EXPECT_EQ(status()["tracking"], "tracking");
+  EXPECT_GT(status()["points"], 100);
+}
+
+TEST_F(RunSceneTest, WithoutNewsNothingChanges) {
+  run_.frame();
+  update();
+  update();  // frames per second may have changed
+  const auto last = [this] {
+    uint64_t seen = 0;
+    while (const auto next = scene_.next_after(seen)) seen = next->version;
+    return seen;
+  };
+  const uint64_t before = last();
+  update();
+  EXPECT_EQ(last(), before);
+}
+
+TEST_F(RunSceneTest, WhenTheMapBendsOnlyPosesAreSent) {
+  for (int i = 0; i < 200; ++i) run_.frame();
+  update();
+  const auto cloud = part(PartKind::kCloud, 0), path = part(PartKind::kPath, 0),
+             later = part(PartKind::kKeyframes, 1);
+  MapUpdate bend;
+  bend.T_world_camera = {{KeyframeId{3}, SE3{Eigen::Quaterniond::Identity(), {1, 2, 3}}}};
+  bend.newest_seen = KeyframeId{99};
+  ASSERT_TRUE(run_.map().apply(bend));
+  feed_.on_map(run_.map());
+  update();
+  EXPECT_FLOAT_EQ(number(PartKind::kKeyframes, 0, 3 * 7 + 2), 3);
+  EXPECT_EQ(part(PartKind::kCloud, 0)->version, cloud->version);
+  EXPECT_EQ(part(PartKind::kPath, 0)->version, path->version);
+  EXPECT_EQ(part(PartKind::kKeyframes, 1)->version, later->version);  // 36 keyframes that stayed
+}
+
+TEST_F(RunSceneTest, LostFramesLeaveAGap) {
+  run_.frame();
+  run_.frame(TrackStatus::kLost);
+  update();
+  EXPECT_TRUE(std::isnan(number(PartKind::kPath, 0, 5)));
+  EXPECT_EQ(status()["tracking"], "lost");
+}
+
+TEST_F(RunSceneTest, NobodyWatchesNoImagesAreMade) {
+  run_.frame();
+  update(false);
+  EXPECT_FALSE(part(PartKind::kColorImage));
+  EXPECT_TRUE(part(PartKind::kCloud, 0));  // kept for those who come later
+}
+
+TEST_F(RunSceneTest, TheSameWallIsSentOnce) {
+  run_.frame();
+  update();
+  const size_t points = status()["points"];
+  for (int i = 0; i < 2; ++i) run_.frame();
+  update();
+  EXPECT_LT(status()["points"].get<size_t>(), points + points / 5);  // the new 5 cm at its side alone
+}
+
+TEST_F(RunSceneTest, TheLastPathTakesThePlaceOfTheFirst) {
+  for (int i = 0; i < 5; ++i) run_.frame();
+  update();
+  FrameLog log(3);
+  for (auto& entry : log) {
+    entry.status = TrackStatus::kTracked;
+    entry.reference = KeyframeId{0};
+    entry.T_reference_camera.translation.x() = 9;
+  }
+  feed_.on_finish(log, run_.map());
+  update();
+  EXPECT_EQ(part(PartKind::kPath)->body->size(), 3U * 16);
+  EXPECT_FLOAT_EQ(number(PartKind::kPath, 0, 1), 9);
+}
+
+TEST_F(RunSceneTest, WhenNobodyTakesTheNewsTheyStaySmall) {
+  for (int i = 0; i < 500; ++i) run_.frame();
+  const RunNews news = feed_.take();
+  EXPECT_EQ(news.keyframes.size(), RunFeed::kMostKeyframesWaiting);
+  EXPECT_EQ(news.keyframes.back().keyframe, KeyframeId{249});
+  EXPECT_EQ(news.frames.size(), 500U);
+  EXPECT_TRUE(feed_.take().frames.empty());
+}
+
+TEST(Shuffled, IsTheSameCloudInAnotherOrderTheSameEveryTime) {
+  ColoredCloud cloud;
+  for (int i = 0; i < 1000; ++i) {
+    cloud.points.emplace_back(static_cast<float>(i), 0, 0);
+    cloud.colors.push_back({static_cast<uint8_t>(i % 256), 0, 0});
+  }
+  const ColoredCloud mixed = shuffled(cloud);
+  float first_half = 0;
+  std::vector<bool> there(1000);
+  for (size_t i = 0; i < 1000; ++i) {
+    const auto which = static_cast<size_t>(mixed.points[i].x());
+    there[which] = true;
+    EXPECT_EQ(mixed.colors[i][0], which % 256);  // colours go with their points
+    if (i < 500) first_half += mixed.points[i].x() / 500;
+  }
+  EXPECT_EQ(std::count(there.begin(), there.end(), true), 1000);
+  EXPECT_NEAR(first_half, 500, 50);  // any part of it is spread over the whole
+  EXPECT_EQ(shuffled(cloud).points, mixed.points);
+}
+
+TEST(RunControl, GivesLeaveUnlessItIsPaused) {
+  RunControl control;
+  const auto never = [] { return false; };
+  EXPECT_EQ(control.next_turn(never), RunControl::Turn::kFrame);
+  control.ask_to_save();
+  EXPECT_EQ(control.next_turn(never), RunControl::Turn::kSave);
+  EXPECT_EQ(control.next_turn(never), RunControl::Turn::kFrame);
+  control.pause();
+  EXPECT_EQ(control.next_turn([] { return true; }), RunControl::Turn::kFrame);  // the run shall end
+}
+
+TEST(RunControl, AStepIsOneFrameAndSavingIsNoStep) {
+  RunControl control;
+  control.pause();
+  std::atomic<int> frames = 0, saves = 0;
+  std::atomic<bool> stop = false;
+  std::thread run([&] {
+    while (!stop) {
+      const auto turn = control.next_turn([&] { return stop.load(); });
+      if (!stop) ++(turn == RunControl::Turn::kSave ? saves : frames);
+    }
+  });
+  const auto becomes = [](const std::atomic<int>& count, int value) {
+    for (int i = 0; i < 500 && count != value; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return count == value;
+  };
+  control.step();
+  EXPECT_TRUE(becomes(frames, 1));
+  control.ask_to_save();
+  EXPECT_TRUE(becomes(saves, 1));
+  control.step();
+  control.step();
+  EXPECT_TRUE(becomes(frames, 3));
+  EXPECT_TRUE(control.paused());
+  stop = true;
+  run.join();
+  EXPECT_EQ(frames, 3);
+}
+
+TEST(SavedRun, OfAMapAloneIsItsCloud) {
+  const auto path = std::filesystem::path(testing::TempDir()) / "view_map.ply";
+  write_ply(path, {{{1, 2, 3}, {4, 5, 6}}, {{1, 2, 3}, {4, 5, 6}}});
+  const SavedRun run = read_saved_run(path);
+  EXPECT_EQ(run.cloud.size(), 2U);
+  Scene scene("x");
+  show_saved_run(scene, run);
+  EXPECT_EQ(scene.next_after(0)->kind, PartKind::kHello);
+}
+
+TEST(SavedRun, SaysWhatIsMissingOrDamaged) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "view_empty";
+  std::filesystem::create_directories(folder);
+  EXPECT_THROW(read_saved_run(folder), InputError);
+  EXPECT_THROW(read_saved_run(folder / "none.ply"), InputError);
+  write_file(folder / "bad.ply", "ply\nnonsense\n");
+  EXPECT_THROW(read_saved_run(folder / "bad.ply"), InputError);
+}
+
+}  // namespace
+}  // namespace kinloop
