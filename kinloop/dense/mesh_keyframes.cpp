@@ -1,6 +1,7 @@
 #include "kinloop/dense/mesh_keyframes.hpp"
 
 #include <algorithm>
+#include <functional>
 
 #include <opencv2/imgproc.hpp>
 
@@ -30,18 +31,15 @@ cv::Mat undistorted(const cv::Mat& image, const cv::Mat& raw_pixels) {
   return result;
 }
 
-}  // namespace
-
-ColoredMesh mesh_keyframes(const KeyframeImages& images, std::span<const PosedImage> views,
-                           const PinholeCamera& camera, const MeshOptions& options, int threads,
-                           const Progress& progress) {
-  TsdfVolume volume(camera, options);
+/// Calls `use` with every view in order; they are decoded ahead by `threads` threads.
+void for_each_view(const KeyframeImages& images, std::span<const PosedImage> views,
+                   const PinholeCamera& camera, const MeshOptions& options, int threads,
+                   const std::function<bool(size_t index, const TsdfView& view)>& use) {
   const cv::Mat raw_pixels = undistortion_of(camera);
   const DepthLimits limits{options.min_m, options.max_m, options.max_slope_deg};
   const auto batch_size = static_cast<size_t>(std::max(threads, 1));
   std::vector<TsdfView> batch(batch_size);
   for (size_t first = 0; first < views.size(); first += batch_size) {
-    if (!report(progress, "meshing", first, views.size())) break;
     const size_t count = std::min(batch_size, views.size() - first);
     parallel_for(count, threads, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
@@ -51,8 +49,27 @@ ColoredMesh mesh_keyframes(const KeyframeImages& images, std::span<const PosedIm
                     views[first + i].T_world_camera};
       }
     });
-    for (size_t i = 0; i < count; ++i) volume.integrate(batch[i], threads);
+    for (size_t i = 0; i < count; ++i) {
+      if (!use(first + i, batch[i])) return;
+    }
   }
+}
+
+}  // namespace
+
+ColoredMesh mesh_keyframes(const KeyframeImages& images, std::span<const PosedImage> views,
+                           const PinholeCamera& camera, const MeshOptions& options, int threads,
+                           const Progress& progress) {
+  TsdfVolume volume(camera, options);
+  // Twice over the images: what was seen for a moment is carved away by views before it, too.
+  for_each_view(images, views, camera, options, threads, [&](size_t, const TsdfView& view) {
+    volume.make_room(view);
+    return true;
+  });
+  for_each_view(images, views, camera, options, threads, [&](size_t index, const TsdfView& view) {
+    volume.integrate(view, threads);
+    return report(progress, "meshing", index + 1, views.size());
+  });
   ColoredMesh mesh = without_small_pieces(volume.surface(), static_cast<size_t>(options.min_piece));
   mesh.colors = color_points(mesh.points, vertex_normals(mesh), images, views, camera, threads, progress);
   return mesh;

@@ -109,7 +109,8 @@ class BlockUpdate {
     // A pixel at the edge of something says where there is nothing, not where there is something; and it may
     // be of a flying pixel's making.
     if (ahead_m < truncation_m && view_.usable.at<uint8_t>(row, col) == 0) return;
-    const double sigma_ratio = DepthNoise().sigma_m(1.0) / DepthNoise().sigma_m(depth_m);
+    // By the noise of depth here: that there is nothing far in front of a wall is as sure as the wall is far.
+    const double sigma_ratio = DepthNoise().sigma_m(1.0) / DepthNoise().sigma_m(p_camera.z());
     const auto w = static_cast<float>(sigma_ratio * sigma_ratio);
     float* values = distance.buffer().data();
     float* weights = weight.buffer().data();
@@ -226,7 +227,7 @@ TsdfVolume::TsdfVolume(const PinholeCamera& camera, const MeshOptions& options)
 
 TsdfVolume::~TsdfVolume() = default;
 
-void TsdfVolume::integrate(const TsdfView& view, int threads) {
+void TsdfVolume::make_room(const TsdfView& view) {
   // Blocks are touched along the rays of every few pixels: closer than a block's edge, as far as depth goes.
   constexpr int kStridePx = 4;
   const double reach_m = options_.truncation_voxels * options_.voxel_m;
@@ -247,7 +248,9 @@ void TsdfVolume::integrate(const TsdfView& view, int threads) {
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   for (const Coord& origin : touched) volume_->touch(origin);
+}
 
+void TsdfVolume::integrate(const TsdfView& view, int threads) {
   const BlockUpdate update(view, camera_, options_);
   parallel_for(volume_->blocks.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) update(*volume_->blocks[i].distance, *volume_->blocks[i].weight);
@@ -280,6 +283,7 @@ TsdfVolume::TsdfVolume(const PinholeCamera& camera, const MeshOptions& options)
 }
 
 TsdfVolume::~TsdfVolume() = default;
+void TsdfVolume::make_room(const TsdfView&) {}
 void TsdfVolume::integrate(const TsdfView&, int) {}
 ColoredMesh TsdfVolume::surface() const {
   return {};

@@ -31,7 +31,11 @@ class TsdfVolume {
   TsdfVolume(const TsdfVolume&) = delete;
   TsdfVolume& operator=(const TsdfVolume&) = delete;
 
-  /// Adds what the view saw: surfaces, and that there is nothing in front of them. The result does not depend
+  /// Makes room for the surfaces that the view saw.
+  void make_room(const TsdfView& view);
+
+  /// Adds what the view saw, where there is room: surfaces, and that there is nothing in front of them. With
+  /// room made for all views before, their order does not matter but for rounding. The result does not depend
   /// on `threads`.
   void integrate(const TsdfView& view, int threads);
 
