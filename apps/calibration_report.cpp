@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/eval/report_page.hpp"
+#include "kinloop/eval/figure_page.hpp"
 #include "kinloop/eval/report_text.hpp"
 #include "kinloop/eval/svg_plot.hpp"
 
@@ -269,8 +269,8 @@ std::string depth_section(const DepthShift& shift) {
 
 std::string calibration_page(const std::string& title, const std::string& subtitle,
                              const std::string& sections) {
-  return fill_in(kReportPage,
-                 {{"title", escape_html(title)}, {"subtitle", escape_html(subtitle)}, {"map", sections}});
+  return fill_in(kFigurePage,
+                 {{"title", escape_html(title)}, {"subtitle", escape_html(subtitle)}, {"body", sections}});
 }
 
 }  // namespace kinloop

@@ -1,5 +1,7 @@
 #include "apps/open_source.hpp"
 
+#include <fmt/format.h>
+
 #include "kinloop/base/errors.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary_file.hpp"

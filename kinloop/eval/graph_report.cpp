@@ -5,7 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
-#include "kinloop/eval/graph_page.hpp"
+#include "kinloop/eval/figure_page.hpp"
 #include "kinloop/eval/report_text.hpp"
 #include "kinloop/eval/svg_plot.hpp"
 
@@ -63,10 +63,10 @@ std::string render_graph_report(const GraphReport& report) {
   const Axes axes = picture_axes(report.after);
   const std::string pictures = figure("The graph before", report, axes, report.before) +
                                figure("The graph after", report, axes, report.after);
-  return fill_in(kGraphPage, {{"title", escape_html(report.title)},
-                              {"subtitle", escape_html(report.subtitle)},
-                              {"tiles", "<div class=\"tiles\">\n" + tiles + "</div>"},
-                              {"path", "<h2>Graph</h2>\n<div class=\"pair\">" + pictures + "</div>"}});
+  return fill_in(kFigurePage, {{"title", escape_html(report.title)},
+                               {"subtitle", escape_html(report.subtitle)},
+                               {"body", "<div class=\"tiles\">\n" + tiles + "</div>\n<h2>Graph</h2>\n" +
+                                            "<div class=\"pair\">" + pictures + "</div>"}});
 }
 
 }  // namespace kinloop

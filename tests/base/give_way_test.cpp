@@ -2,10 +2,9 @@
 
 #include <thread>
 
+#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
-
-#include <gtest/gtest.h>
 
 namespace kinloop {
 namespace {
