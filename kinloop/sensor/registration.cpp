@@ -13,6 +13,10 @@ namespace {
 /// degrees changes by 1 % from pixel to pixel, an edge in a room by much more.
 constexpr float kJumpShare = 0.03F;
 
+/// Shares of a triangle's corners below this are outside; a little below 0, so that rounding leaves no gap
+/// between neighbours.
+constexpr float kOutside = -1e-3F;
+
 /// Twice the area of the triangle, with sign.
 float edge(float ax, float ay, float bx, float by, float px, float py) {
   return (bx - ax) * (py - ay) - (by - ay) * (px - ax);
@@ -64,7 +68,7 @@ void DepthRegistration::draw(cv::Mat& image, const Vertex& a, const Vertex& b, c
       const float share_a = edge(b.x, b.y, c.x, c.y, px, py) / area;
       const float share_b = edge(c.x, c.y, a.x, a.y, px, py) / area;
       const float share_c = 1 - share_a - share_b;
-      if (share_a < 0 || share_b < 0 || share_c < 0) continue;
+      if (share_a < kOutside || share_b < kOutside || share_c < kOutside) continue;
       // A plane's inverse depth is linear in the image.
       const float depth_m =
           1 / (share_a * a.inverse_depth + share_b * b.inverse_depth + share_c * c.inverse_depth);

@@ -23,7 +23,7 @@ done
 "$make_bag" "$folder/frames" "$folder/frames.bag"
 
 "$kinloop" run "$folder/frames" -q -o "$folder/files"
-"$kinloop" run "$folder/frames.bag" -q -o "$folder/bag"
+"$kinloop" run "$folder/frames.bag" --camera "$folder/frames/camera.yaml" -q -o "$folder/bag"
 cmp "$folder/files/trajectory.txt" "$folder/bag/trajectory.txt"
 echo "the bag read directly: the same"
 
@@ -33,12 +33,9 @@ roscore -p "$port" >"$folder/roscore.log" 2>&1 &
 pids+=($!)
 for _ in $(seq 100); do rosparam list >/dev/null 2>&1 && break || sleep 0.3; done
 "$node" _topics:="/kinect2/qhd/image_color_rect,/kinect2/qhd/image_depth_rect" _keep_all:=true _idle_s:=8 \
-  _output:="$folder/node" >"$folder/node.log" 2>&1 &
+  _camera:="$folder/frames/camera.yaml" _output:="$folder/node" >"$folder/node.log" 2>&1 &
 node_pid=$!
 pids+=("$node_pid")
-# The node asks for the camera first; the bag is played once more when it listens to the images.
-for _ in $(seq 100); do grep -q "waiting for /kinect2" "$folder/node.log" && break || sleep 0.1; done
-rosbag play -q "$folder/frames.bag" --topics /kinect2/qhd/camera_info >/dev/null
 for _ in $(seq 100); do grep -q "listening to" "$folder/node.log" && break || sleep 0.1; done
 rosbag play -q -d 2 -r 0.5 "$folder/frames.bag" >/dev/null
 wait "$node_pid" || { cat "$folder/node.log"; exit 1; }

@@ -246,13 +246,6 @@ TEST(TumSourceErrors, AssociationsWithDepthFirstAreExplained) {
   EXPECT_THAT(input_error([&] { source.next(); }), HasSubstr("colour comes first"));
 }
 
-TEST(TumSourceErrors, DepthThatIsNotRegisteredIsNotTakenAsIfItWere) {
-  const SequenceFolder sequence(2);
-  RgbdCamera camera = choose_camera(sequence.path());
-  camera.depth = camera.color;
-  EXPECT_THAT(input_error([&] { TumSource source(sequence.path(), camera); }), HasSubstr("not registered"));
-}
-
 TEST(TumSourceErrors, NoCameraSaysWhatToDo) {
   const SequenceFolder sequence(2);
   std::filesystem::remove(sequence.path() / "camera.yaml");
