@@ -189,7 +189,6 @@ ExitCode run(const RunArguments& arguments) {
     source = std::move(pacing);
   }
   const Progress progress = make_progress_bar(arguments.quiet || arguments.verbose);
-
   const RgbdCamera camera = camera_of(*source, start, arguments);
   Slam slam(camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
   DenseRecorder recorder(camera, options.dense);

@@ -4,8 +4,8 @@
 //   node bench/viewer_page.mjs MAP.ply [--kinloop PROGRAM] [--gpu]
 //   node bench/viewer_page.mjs --make 2000000 MAP.ply       writes a room of that many points first
 
-import { spawn } from 'node:child_process';
-import { createWriteStream } from 'node:fs';
+import { execSync, spawn } from 'node:child_process';
+import { createWriteStream, readFileSync } from 'node:fs';
 import { once } from 'node:events';
 import { fileURLToPath } from 'node:url';
 
@@ -35,6 +35,14 @@ async function writeRoom(path, count) {
   await once(file, 'finish');
 }
 
+/** CPU seconds of Chromium's process that draws: what other programs on the machine disturb least. */
+function drawingCpuS() {
+  const TICKS_PER_SECOND = 100;
+  const pid = execSync('pgrep -n -f [t]ype=gpu-process').toString().trim();
+  const [user, system] = readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1].split(' ').slice(11, 13).map(Number);
+  return (user + system) / TICKS_PER_SECOND;
+}
+
 /** Drags for some seconds; frames a second and the share of the points that was drawn. */
 async function drag(page, thinned) {
   const SECONDS = 8;
@@ -50,17 +58,21 @@ async function drag(page, thinned) {
   }, thinned);
   await page.mouse.move(400, 400);
   await page.mouse.down();
+  const before = { cpuS: drawingCpuS(), frames: await page.evaluate(() => window.drawn.length) };
   const end = Date.now() + 1000 * SECONDS;
   for (let i = 0; Date.now() < end; ++i) {
     await page.mouse.move(400 + 200 * Math.sin(i / 40), 400);
     await page.waitForTimeout(8);
   }
   await page.mouse.up();
-  return page.evaluate(() => {
+  const cpuS = drawingCpuS() - before.cpuS;
+  const frames = (await page.evaluate(() => window.drawn.length)) - before.frames;
+  const pace = await page.evaluate(() => {
     const later = window.drawn.slice(Math.floor(window.drawn.length / 2)); // once it has found its pace
     const seconds = (later.at(-1).ms - later[0].ms) / 1000;
     return { framesPerSecond: (later.length - 1) / seconds, share: later.reduce((sum, { share }) => sum + share, 0) / later.length };
   });
+  return { ...pace, cpuMs: (1000 * cpuS) / frames };
 }
 
 if (make) await writeRoom(map, make);
@@ -82,8 +94,8 @@ for (let before = -1; points !== before || points === 0; ) {
 const bytes = await page.evaluate(() => window.kinloop.connection.bytes);
 console.log(`${points} points, ${(bytes / 1e6).toFixed(1)} MB, all there after at most ${((Date.now() - start) / 1000).toFixed(1)} s`);
 for (const thinned of [true, false]) {
-  const { framesPerSecond, share } = await drag(page, thinned);
-  console.log(`${thinned ? 'as it comes' : 'all points '}  ${framesPerSecond.toFixed(1)} frames a second, ${Math.round(100 * share)} % of the points`);
+  const { framesPerSecond, share, cpuMs } = await drag(page, thinned);
+  console.log(`${thinned ? 'as it comes' : 'all points '}  ${framesPerSecond.toFixed(1)} frames a second, ${Math.round(100 * share)} % of the points, ${cpuMs.toFixed(0)} ms of CPU a frame`);
 }
 await browser.close();
 kinloop.kill();

@@ -34,7 +34,7 @@ function show(canvas, piece, up) {
   const controls = new OrbitControls(eye, canvas);
   box.getCenter(controls.target);
   const distance = (0.5 * box.getSize(new Vector3()).length()) / Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360);
-  eye.position.copy(controls.target).addScaledVector(new Vector3(0.3, 0.75, 0.6).normalize(), 0.6 * distance);
+  eye.position.copy(controls.target).addScaledVector(new Vector3(0.3, 0.75, 0.6).normalize(), 0.7 * distance);
   controls.update();
 
   const scene = new Scene().add(points);
