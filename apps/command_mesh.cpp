@@ -47,6 +47,8 @@ void add_mesh_command(CLI::App& app) {
   command->add_option("MAP", arguments->map, "a map file, or the folder of a run")->required();
   command->add_option("-o,--output", arguments->output, "FILE.ply, FILE.obj or FILE.glb (glTF)")
       ->capture_default_str();
+  command->add_option("--poses", arguments->poses,
+                      "take the images' poses from this file (TUM format) instead of the map");
   command->add_option("--voxel", arguments->voxel_m, "edge of a voxel, metres (mesh.voxel_m)");
   command
       ->add_option("--set", arguments->assignments, "change an option, key=value; see kinloop run --options")
