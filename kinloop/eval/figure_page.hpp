@@ -1,6 +1,6 @@
 #pragma once
-// A page of figures and tables without a program in it: of a pose graph, of a calibration. (The report of a run
-// is a page of its own, in viewer/.)
+// A page of figures and tables without a program in it: of a pose graph, of a calibration. (The report of a
+// run is a page of its own, in viewer/.)
 
 namespace kinloop {
 
