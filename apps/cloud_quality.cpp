@@ -18,7 +18,7 @@ Eigen::Vector3i cell_of(const Eigen::Vector3d& p) {
 }
 
 uint64_t key_of(const Eigen::Vector3i& cell) {
-  constexpr int kOffset = 1 << 20;
+  constexpr int64_t kOffset = 1 << 20;
   const auto part = [&](int axis) { return static_cast<uint64_t>(cell(axis) + kOffset); };
   return part(0) | part(1) << 21 | part(2) << 42;
 }

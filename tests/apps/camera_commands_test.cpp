@@ -46,7 +46,7 @@ class CameraCommands : public testing::Test {
 class Fetch : public CameraCommands {
  protected:
   void SetUp() override {
-    if (!has("Downloads")) GTEST_SKIP() << "this build cannot download";
+    if (!has("downloads")) GTEST_SKIP() << "this build cannot download";
     folder_.write("made/rgbd_dataset_freiburg1_room/rgb.txt", "# colour\n");
     // Something that does not become small.
     std::string noise(300'000, '\0');
