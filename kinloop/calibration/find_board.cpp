@@ -53,7 +53,8 @@ double shortest_side_px(const std::vector<cv::Point2f>& corners, const Board& bo
   double shortest = std::numeric_limits<double>::infinity();
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
-      const auto i = static_cast<size_t>(row * board.columns + column);
+      const auto i =
+          static_cast<size_t>(row) * static_cast<size_t>(board.columns) + static_cast<size_t>(column);
       if (column > 0) shortest = std::min(shortest, cv::norm(corners[i] - corners[i - 1]));
       if (row > 0)
         shortest = std::min(shortest, cv::norm(corners[i] - corners[i - static_cast<size_t>(board.columns)]));

@@ -30,7 +30,8 @@ std::vector<Eigen::Vector3d> points_of(const cv::Mat& depth_m, const RayTable& r
     for (int col = 0; col < depth_m.cols; col += options.stride_px) {
       if (usable.at<uint8_t>(row, col) == 0) continue;
       const double z = depth_m.at<float>(row, col);
-      const Eigen::Vector2f& ray = rays.rays[static_cast<size_t>(row * rays.width + col)];
+      const Eigen::Vector2f& ray =
+          rays.rays[static_cast<size_t>(row) * static_cast<size_t>(rays.width) + static_cast<size_t>(col)];
       points.emplace_back(ray.x() * z, ray.y() * z, z);
     }
   }
@@ -128,7 +129,8 @@ OccupancyGrid OccupancyMap::grid() const {
     const int col = first(leaf.getX(), low_x), row = first(leaf.getY(), low_y);
     for (int y = std::max(row, 0); y < std::min(row + side, grid.height); ++y) {
       for (int x = std::max(col, 0); x < std::min(col + side, grid.width); ++x) {
-        auto& cell = grid.cells[static_cast<size_t>(y * grid.width + x)];
+        auto& cell =
+            grid.cells[static_cast<size_t>(y) * static_cast<size_t>(grid.width) + static_cast<size_t>(x)];
         cell = std::max(cell, state);  // one obstacle in the column is enough
       }
     }

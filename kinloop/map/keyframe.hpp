@@ -27,7 +27,7 @@ struct Observation {
   KeyframeId keyframe;
   uint32_t feature = 0;
 
-  auto operator<=>(const Observation&) const = default;
+  auto operator<=>(const Observation&) const = default;  // NOLINT(modernize-use-nullptr): as in ids.hpp
 };
 
 /// A point of the map, fixed to the keyframe that first saw it: it follows when that keyframe is corrected.

@@ -27,7 +27,8 @@ void write_grid(const std::filesystem::path& path, const OccupancyGrid& grid) {
       fmt::format("P5\n# kinloop, {} m a cell\n{} {}\n255\n", grid.cell_m, grid.width, grid.height);
   for (int row = grid.height - 1; row >= 0; --row) {  // the picture's first row has the largest y
     for (int col = 0; col < grid.width; ++col) {
-      picture += grey_of(grid.cells[static_cast<size_t>(row * grid.width + col)]);
+      picture += grey_of(
+          grid.cells[static_cast<size_t>(row) * static_cast<size_t>(grid.width) + static_cast<size_t>(col)]);
     }
   }
   write_file(path, picture);

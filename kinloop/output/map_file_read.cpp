@@ -15,7 +15,7 @@
 namespace kinloop {
 namespace {
 
-using namespace map_tables;
+namespace tables = map_tables;
 
 uint32_t take_id(RowReader& row) {
   return static_cast<uint32_t>(row.take<int64_t>());
@@ -30,7 +30,7 @@ SE3 take_pose(RowReader& row) {
 
 std::map<std::string, double> read_camera(const DatabaseReader& file) {
   std::map<std::string, double> camera;
-  file.read(kCamera, [&](int64_t, const Row& cells) {
+  file.read(tables::kCamera, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     const auto name = row.take<std::string>();
     camera[name] = row.take<double>();
@@ -65,7 +65,7 @@ RgbdCamera camera_from(const std::map<std::string, double>& values) {
 
 std::map<std::string, Cell> read_about(const DatabaseReader& file) {
   std::map<std::string, Cell> about;
-  file.read(kAbout, [&](int64_t, const Row& row) {
+  file.read(tables::kAbout, [&](int64_t, const Row& row) {
     if (row.size() == 2 && std::holds_alternative<std::string>(row[0]))
       about[std::get<std::string>(row[0])] = row[1];
     return true;
@@ -75,19 +75,19 @@ std::map<std::string, Cell> read_about(const DatabaseReader& file) {
 
 /// Options, sessions and sensor; whether all of them are whole.
 bool read_settings(const DatabaseReader& file, SavedMap& map) {
-  const auto sessions = file.read(kSession, [&](int64_t, const Row& cells) {
+  const auto sessions = file.read(tables::kSession, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     auto input = row.take<std::string>();
     map.sessions.push_back({std::move(input), FrameId{take_id(row)}});
     return row.exhausted();
   });
-  const auto options = file.read(kOption, [&](int64_t, const Row& cells) {
+  const auto options = file.read(tables::kOption, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     auto key = row.take<std::string>();
     map.options.emplace_back(std::move(key), row.take<std::string>());
     return row.exhausted();
   });
-  const auto sensor = file.read(kSensor, [&](int64_t, const Row& cells) {
+  const auto sensor = file.read(tables::kSensor, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     const auto value = row.take<double>(), sigma = row.take<double>();
     map.sensor.push_back({value, sigma, row.take<int64_t>() != 0});
@@ -98,7 +98,7 @@ bool read_settings(const DatabaseReader& file, SavedMap& map) {
 
 std::map<uint32_t, Keyframe> read_keyframes(const DatabaseReader& file) {
   std::map<uint32_t, Keyframe> keyframes;
-  file.read(kKeyframe, [&](int64_t id, const Row& cells) {
+  file.read(tables::kKeyframe, [&](int64_t id, const Row& cells) {
     RowReader row(cells);
     Keyframe keyframe;
     keyframe.frame = FrameId{take_id(row)};
@@ -124,10 +124,11 @@ KeyframeId new_id(const Renumbered& ids, KeyframeId old) {
 }
 
 /// Without gaps; where the keyframe that began a component is lost, the next one begins it.
-Renumbered take_keyframes(std::map<uint32_t, Keyframe> raw, MapParts& map) {
+Renumbered take_keyframes(const std::map<uint32_t, Keyframe>& raw, MapParts& map) {
   Renumbered ids;
   std::set<uint32_t> begun;
-  for (auto& [id, keyframe] : raw) {
+  for (const auto& [id, as_read] : raw) {
+    Keyframe keyframe = as_read;
     ids[id] = static_cast<uint32_t>(map.keyframes.size());
     keyframe.id = KeyframeId{ids[id]};
     if (begun.insert(keyframe.component).second) keyframe.begins_component = true;
@@ -161,7 +162,7 @@ std::optional<Landmark> sound(Landmark landmark, const Renumbered& ids, const Ma
 size_t read_landmarks(const DatabaseReader& file, const Renumbered& ids, MapParts& map) {
   Claims claims;
   size_t count = 0;
-  file.read(kLandmark, [&](int64_t id, const Row& cells) {
+  file.read(tables::kLandmark, [&](int64_t id, const Row& cells) {
     RowReader row(cells);
     Landmark landmark;
     landmark.id = LandmarkId{static_cast<uint32_t>(id)};
@@ -182,7 +183,7 @@ size_t read_landmarks(const DatabaseReader& file, const Renumbered& ids, MapPart
 }
 
 void read_loop_edges(const DatabaseReader& file, const Renumbered& ids, MapParts& map) {
-  file.read(kLoopEdge, [&](int64_t, const Row& cells) {
+  file.read(tables::kLoopEdge, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     LoopEdge edge;
     edge.a = new_id(ids, KeyframeId{take_id(row)});
@@ -201,7 +202,7 @@ void read_loop_edges(const DatabaseReader& file, const Renumbered& ids, MapParts
 
 std::vector<SavedFrame> read_frames(const DatabaseReader& file, const Renumbered& ids) {
   std::vector<SavedFrame> frames;
-  file.read(kFrame, [&](int64_t, const Row& cells) {
+  file.read(tables::kFrame, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     SavedFrame frame;
     frame.frame = FrameId{take_id(row)};
@@ -242,7 +243,7 @@ std::string describe(const MapDamage& damage) {
   return fmt::format("{}", fmt::join(lost, ", "));
 }
 
-MapReader::MapReader(std::filesystem::path path) : path_(path), database_(std::move(path), kKind) {}
+MapReader::MapReader(std::filesystem::path path) : path_(path), database_(std::move(path), tables::kKind) {}
 
 std::pair<SavedMap, MapDamage> MapReader::read() const {
   SavedMap saved;
@@ -255,7 +256,7 @@ std::pair<SavedMap, MapDamage> MapReader::read() const {
     throw InputError(fmt::format("{}: damaged: its camera is lost; make the map anew", path_.string()));
   }
   const Renumbered ids = take_keyframes(read_keyframes(database_), saved.map);
-  if (ids.empty() && missing(about, kKeyframe, 0) > 0) {
+  if (ids.empty() && missing(about, tables::kKeyframe, 0) > 0) {
     throw InputError(
         fmt::format("{}: damaged: none of its keyframes is left; make the map anew", path_.string()));
   }
@@ -269,16 +270,16 @@ std::pair<SavedMap, MapDamage> MapReader::read() const {
     if (const auto* n = std::get_if<int64_t>(&components->second))
       saved.map.component_count = std::max(saved.map.component_count, static_cast<uint32_t>(*n));
   }
-  damage.keyframes = missing(about, kKeyframe, ids.size());
-  damage.landmarks = missing(about, kLandmark, landmarks);
-  damage.loop_edges = missing(about, kLoopEdge, saved.map.loop_edges.size());
-  damage.frames = missing(about, kFrame, saved.frames.size());
+  damage.keyframes = missing(about, tables::kKeyframe, ids.size());
+  damage.landmarks = missing(about, tables::kLandmark, landmarks);
+  damage.loop_edges = missing(about, tables::kLoopEdge, saved.map.loop_edges.size());
+  damage.frames = missing(about, tables::kFrame, saved.frames.size());
   return {std::move(saved), damage};
 }
 
 size_t MapReader::read_images(const std::function<void(SavedImages)>& take) const {
   size_t count = 0;
-  database_.read(kImage, [&](int64_t, const Row& cells) {
+  database_.read(tables::kImage, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     SavedImages saved;
     saved.frame = FrameId{take_id(row)};
@@ -292,7 +293,7 @@ size_t MapReader::read_images(const std::function<void(SavedImages)>& take) cons
     ++count;
     return true;
   });
-  return missing(read_about(database_), kImage, count);
+  return missing(read_about(database_), tables::kImage, count);
 }
 
 }  // namespace kinloop

@@ -8,7 +8,7 @@
 namespace kinloop {
 namespace {
 
-using namespace map_tables;
+namespace tables = map_tables;
 
 const std::vector<std::string> kPoseColumns = {"x", "y", "z", "qx", "qy", "qz", "qw"};
 
@@ -31,35 +31,38 @@ void write_about(DatabaseWriter& file, const SavedMap& map, size_t image_count) 
   const std::vector<std::pair<std::string, Cell>> about = {
       {"program", map.program},
       {"components", int64_t{map.map.component_count}},
-      {kKeyframe, count(map.map.keyframes.size())},
-      {kLoopEdge, count(map.map.loop_edges.size())},
-      {kLandmark, int64_t{landmarks}},
-      {kFrame, count(map.frames.size())},
-      {kImage, count(image_count)},
+      {tables::kKeyframe, count(map.map.keyframes.size())},
+      {tables::kLoopEdge, count(map.map.loop_edges.size())},
+      {tables::kLandmark, int64_t{landmarks}},
+      {tables::kFrame, count(map.frames.size())},
+      {tables::kImage, count(image_count)},
   };
-  file.create(kAbout, {"key", "value"});
+  file.create(tables::kAbout, {"key", "value"});
   int64_t id = 0;
-  for (const auto& [key, value] : about) file.insert(kAbout, id++, {key, value});
+  for (const auto& [key, value] : about) file.insert(tables::kAbout, id++, {key, value});
 }
 
 void write_settings(DatabaseWriter& file, const SavedMap& map) {
   int64_t id = 0;
-  file.create(kSession, {"input", "first_frame"});
+  file.create(tables::kSession, {"input", "first_frame"});
   for (const SavedSession& session : map.sessions) {
-    file.insert(kSession, id++, {session.input, int64_t{session.first_frame.value}});
+    file.insert(tables::kSession, id++, {session.input, int64_t{session.first_frame.value}});
   }
   id = 0;
-  file.create(kOption, {"key", "value"});
-  for (const auto& [key, value] : map.options) file.insert(kOption, id++, {key, value});
+  file.create(tables::kOption, {"key", "value"});
+  for (const auto& [key, value] : map.options) file.insert(tables::kOption, id++, {key, value});
   id = 0;
-  file.create(kSensor, {"value", "sigma", "used"});
-  for (const SavedParameter& p : map.sensor) file.insert(kSensor, id++, {p.value, p.sigma, int64_t{p.used}});
+  file.create(tables::kSensor, {"value", "sigma", "used"});
+  for (const SavedParameter& p : map.sensor)
+    file.insert(tables::kSensor, id++, {p.value, p.sigma, int64_t{p.used}});
 }
 
 void write_camera(DatabaseWriter& file, const RgbdCamera& camera) {
-  file.create(kCamera, {"name", "value"});
+  file.create(tables::kCamera, {"name", "value"});
   int64_t id = 0;
-  const auto add = [&](const std::string& name, double value) { file.insert(kCamera, id++, {name, value}); };
+  const auto add = [&](const std::string& name, double value) {
+    file.insert(tables::kCamera, id++, {name, value});
+  };
   const auto add_lens = [&](const std::string& prefix, const PinholeCamera& c) {
     add(prefix + "width", c.width), add(prefix + "height", c.height);
     add(prefix + "fx", c.fx), add(prefix + "fy", c.fy), add(prefix + "cx", c.cx), add(prefix + "cy", c.cy);
@@ -77,19 +80,20 @@ void write_camera(DatabaseWriter& file, const RgbdCamera& camera) {
 }
 
 void write_keyframes(DatabaseWriter& file, const MapParts& map) {
-  file.create(kKeyframe, with_pose({"frame", "stamp_ns", "component", "begins_component"}, {"features"}));
+  file.create(tables::kKeyframe,
+              with_pose({"frame", "stamp_ns", "component", "begins_component"}, {"features"}));
   for (size_t i = 0; i < map.keyframes.size(); ++i) {
     const Keyframe& keyframe = map.keyframes[i];
     Row row = {int64_t{keyframe.frame.value}, keyframe.stamp_ns, int64_t{keyframe.component},
                int64_t{keyframe.begins_component}};
     add_pose(row, keyframe.T_world_camera);
     row.emplace_back(Blob{bytes_of(*keyframe.features)});
-    file.insert(kKeyframe, static_cast<int64_t>(i), row);
+    file.insert(tables::kKeyframe, static_cast<int64_t>(i), row);
   }
 }
 
 void write_loop_edges(DatabaseWriter& file, const MapParts& map) {
-  file.create(kLoopEdge, with_pose({"a", "b"}, {"information", "inliers"}));
+  file.create(tables::kLoopEdge, with_pose({"a", "b"}, {"information", "inliers"}));
   int64_t id = 0;
   for (const LoopEdge& edge : map.loop_edges) {
     Row row = {int64_t{edge.a.value}, int64_t{edge.b.value}};
@@ -98,32 +102,32 @@ void write_loop_edges(DatabaseWriter& file, const MapParts& map) {
     put_values(information.bytes, edge.information.data(), static_cast<size_t>(edge.information.size()));
     row.emplace_back(std::move(information));
     row.emplace_back(int64_t{edge.inliers});
-    file.insert(kLoopEdge, id++, row);
+    file.insert(tables::kLoopEdge, id++, row);
   }
 }
 
 void write_landmarks(DatabaseWriter& file, const MapParts& map) {
-  file.create(kLandmark, {"anchor", "x", "y", "z", "observations"});
+  file.create(tables::kLandmark, {"anchor", "x", "y", "z", "observations"});
   for (size_t i = 0; i < map.landmarks.size(); ++i) {
     if (!map.landmarks[i]) continue;
     const Landmark& landmark = *map.landmarks[i];
     Blob observations;
     put_list(observations.bytes, landmark.observations);
-    file.insert(kLandmark, static_cast<int64_t>(i),
+    file.insert(tables::kLandmark, static_cast<int64_t>(i),
                 {int64_t{landmark.anchor.value}, landmark.p_anchor.x(), landmark.p_anchor.y(),
                  landmark.p_anchor.z(), std::move(observations)});
   }
 }
 
 void write_frames(DatabaseWriter& file, const std::vector<SavedFrame>& frames) {
-  file.create(kFrame, with_pose({"frame", "stamp_ns", "status", "reference", "keyframe", "repeat"}));
+  file.create(tables::kFrame, with_pose({"frame", "stamp_ns", "status", "reference", "keyframe", "repeat"}));
   int64_t id = 0;
   for (const SavedFrame& frame : frames) {
     Row row = {int64_t{frame.frame.value},    frame.stamp_ns,
                int64_t{frame.status},         int64_t{frame.reference.value},
                int64_t{frame.keyframe.value}, int64_t{frame.repeat}};
     add_pose(row, frame.T_reference_camera);
-    file.insert(kFrame, id++, row);
+    file.insert(tables::kFrame, id++, row);
   }
 }
 
@@ -132,10 +136,10 @@ Blob blob_of(const std::vector<uint8_t>& bytes) {
 }
 
 void write_images(DatabaseWriter& file, size_t count, const ImageGiver& images) {
-  file.create(kImage, {"frame", "rows", "cols", "color", "depth"});
+  file.create(tables::kImage, {"frame", "rows", "cols", "color", "depth"});
   for (size_t i = 0; i < count; ++i) {
     const auto [frame, image] = images(i);
-    file.insert(kImage, static_cast<int64_t>(i),
+    file.insert(tables::kImage, static_cast<int64_t>(i),
                 {int64_t{frame.value}, int64_t{image.rows}, int64_t{image.cols}, blob_of(image.color),
                  blob_of(image.depth)});
   }
@@ -145,7 +149,7 @@ void write_images(DatabaseWriter& file, size_t count, const ImageGiver& images) 
 
 void write_map(const std::filesystem::path& path, const SavedMap& map, size_t image_count,
                const ImageGiver& images) {
-  DatabaseWriter file(path, kKind);
+  DatabaseWriter file(path, tables::kKind);
   // What costs most to lose comes first: damage mostly takes the end of a file.
   write_about(file, map, image_count);
   write_settings(file, map);
