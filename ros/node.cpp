@@ -45,7 +45,7 @@ SlamOptions slam_options(const ros::NodeHandle& node, bool keep_all) {
   return with_assignments(options, assignments);
 }
 
-void run(ros::NodeHandle node) {
+void run(const ros::NodeHandle& node) {
   const ListenOptions listen = listen_options(node);
   const SlamOptions options = slam_options(node, listen.keep_all);
   TopicSource source(node, listen);

