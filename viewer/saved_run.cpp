@@ -76,7 +76,7 @@ void show_paths(Scene& scene, const SavedRun& run) {
 }
 
 std::optional<AteResult> show_truth(Scene& scene, const SavedRun& run) {
-  const auto ate = absolute_trajectory_error(run.path, run.truth);
+  auto ate = absolute_trajectory_error(run.path, run.truth);
   if (!ate) return ate;
   std::vector<Eigen::Vector3f> truth;
   for (const StampedPose& pose : run.truth) truth.emplace_back(pose.T_world_camera.translation.cast<float>());
