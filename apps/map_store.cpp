@@ -35,7 +35,7 @@ void MapSaver::save_if_due() {
 
 std::filesystem::path map_file_of(const std::filesystem::path& file_or_folder) {
   if (!std::filesystem::is_directory(file_or_folder)) return file_or_folder;
-  const auto path = file_or_folder / kMapFileName;
+  auto path = file_or_folder / kMapFileName;
   if (!std::filesystem::exists(path)) {
     throw InputError(fmt::format("{}: has no {}; give a map file, or the folder of a run",
                                  file_or_folder.string(), kMapFileName));
@@ -66,7 +66,7 @@ RunOptions with_options_of(const SavedMap& saved, const RunOptions& options, con
     const auto is_key = [&key = key](const OptionEntry& entry) { return entry.key == key; };
     // Another version of the program may have had other options.
     if (!key.starts_with(prefix) || std::none_of(entries.begin(), entries.end(), is_key)) continue;
-    apply_assignment(entries, key + "=" + value);
+    apply_assignment(entries, fmt::format("{}={}", key, value));
   }
   return known;
 }
