@@ -109,7 +109,7 @@ Coverage coverage_of(const std::vector<FittedView>& fits) {
           std::clamp(static_cast<int>(pixel.x() / size.x() * Coverage::kColumns), 0, Coverage::kColumns - 1);
       const int row =
           std::clamp(static_cast<int>(pixel.y() / size.y() * Coverage::kRows), 0, Coverage::kRows - 1);
-      seen[static_cast<size_t>(row * Coverage::kColumns + column)] = true;
+      seen[static_cast<size_t>(row) * Coverage::kColumns + static_cast<size_t>(column)] = true;
       coverage.radius_share = std::max(coverage.radius_share, (pixel - middle).norm() / middle.norm());
     }
   }

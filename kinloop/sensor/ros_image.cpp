@@ -68,14 +68,14 @@ cv::Mat depth_from(const RosImage& image) {
   if (e == "16UC1" || e == "mono16") return metres_from_millimetres(pixels_of(image, CV_16UC1));
   if (e == "32FC1") {
     cv::Mat depth_m = pixels_of(image, CV_32FC1).clone();
-    depth_m.setTo(0, depth_m != depth_m);  // not a number
+    cv::patchNaNs(depth_m, 0);
     return depth_m;
   }
   reject(e, "16UC1, 32FC1");
 }
 
 cv::Mat color_from_compressed(std::span<const uint8_t> data) {
-  const cv::Mat image = decoded(data);
+  cv::Mat image = decoded(data);
   if (image.type() == CV_8UC3) return image;
   if (image.type() == CV_8UC1) return converted(image, cv::COLOR_GRAY2BGR);
   if (image.type() == CV_8UC4) return converted(image, cv::COLOR_BGRA2BGR);
