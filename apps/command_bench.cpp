@@ -8,6 +8,7 @@
 
 #include "apps/cloud_quality.hpp"
 #include "apps/commands.hpp"
+#include "apps/common_options.hpp"
 #include "apps/open_source.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
@@ -70,8 +71,7 @@ void add_cloud(CLI::App& bench) {
   command->add_option(
       "--trajectory", arguments->trajectory,
       "estimated poses, to lay the cloud into the room by; without: it is in the room's world");
-  command->add_option("--set", arguments->assignments, "options of the simulation, key=value")
-      ->allow_extra_args(false);
+  add_set_option(*command, arguments->assignments, "options of the simulation, key=value");
   command->callback([arguments] { bench_cloud(*arguments); });
 }
 

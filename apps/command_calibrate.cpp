@@ -9,6 +9,7 @@
 
 #include "apps/calibration_report.hpp"
 #include "apps/commands.hpp"
+#include "apps/common_options.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/parallel_for.hpp"
@@ -239,8 +240,8 @@ void add_common(CLI::App& command, const std::shared_ptr<CalibrateArguments>& a)
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command.add_option("--fps", a->fps, "frames per second of the camera")->capture_default_str();
-  command.add_option("--threads", a->threads, "threads that look for corners")->check(CLI::Range(1, 1024));
-  command.add_option("--set", a->assignments, "change an option, key=value")->allow_extra_args(false);
+  add_threads_option(command, a->threads, "threads that look for corners");
+  add_set_option(command, a->assignments, "change an option, key=value");
   CalibrationOptions defaults;
   command.footer("Options for --set:\n" + options_help(option_entries(defaults)));
 }

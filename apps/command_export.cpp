@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/commands.hpp"
+#include "apps/common_options.hpp"
 #include "apps/map_store.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
@@ -93,7 +94,7 @@ void run_export(const ExportArguments& arguments) {
 void add_export_command(CLI::App& app) {
   auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = app.add_subcommand("export", "Writes a map in the forms that other programs read");
-  command->add_option("MAP", arguments->map, "a map file, or the folder of a run")->required();
+  add_map_argument(*command, arguments->map);
   command->add_option("--cloud", arguments->cloud, "coloured cloud, FILE.ply or FILE.pcd");
   command->add_option("--octomap", arguments->octomap,
                       "free and occupied space, z up: FILE.bt, or FILE.ot with probabilities");
@@ -102,16 +103,12 @@ void add_export_command(CLI::App& app) {
   command->add_option("--trajectory", arguments->trajectory, "pose of every frame of a session (TUM format)");
   command->add_option("--keyframes", arguments->keyframes, "pose of every keyframe (TUM format)");
   command->add_option("--graph", arguments->graph, "pose graph, FILE.g2o");
-  command->add_option("--poses", arguments->poses,
-                      "take the images' poses from this file (TUM format) instead of the map");
+  add_poses_option(*command, arguments->poses);
   command->add_option("--session", arguments->session,
                       "which run's trajectory, counted from 1; 0 = the last");
-  command
-      ->add_option("--set", arguments->assignments, "change an option, key=value; see kinloop run --options")
-      ->allow_extra_args(false);
-  command->add_option("--threads", arguments->threads, "threads of parallel work")
-      ->check(CLI::Range(1, 1024));
-  command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
+  add_set_option(*command, arguments->assignments);
+  add_threads_option(*command, arguments->threads);
+  add_quiet_option(*command, arguments->quiet);
   command->callback([arguments] { run_export(*arguments); });
 }
 

@@ -7,6 +7,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "apps/commands.hpp"
+#include "apps/common_options.hpp"
 #include "apps/feature_comparison.hpp"
 #include "kinloop/base/options.hpp"
 #include "kinloop/compare/detectors.hpp"
@@ -63,8 +64,7 @@ void add_features_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--detectors", arguments->wanted, "Only these: sift surf orb-opencv orb")
       ->delimiter(',');
-  command->add_option("--set", *assignments, "change an option of the key points, e.g. count=500")
-      ->allow_extra_args(false);
+  add_set_option(*command, *assignments, "change an option of the key points, e.g. count=500");
   command->add_flag("--json", *json, "Print the figures as JSON");
   command->callback([arguments, assignments, json] { run_features(*arguments, *assignments, *json); });
 }

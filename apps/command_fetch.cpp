@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/commands.hpp"
+#include "apps/common_options.hpp"
 #include "apps/download.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
@@ -83,7 +84,7 @@ void add_fetch_command(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "folder to put it into")->capture_default_str();
   command->add_option("--server", arguments->server, "another place with the same files")
       ->capture_default_str();
-  command->add_flag("-q,--quiet", arguments->quiet, "no progress bar");
+  add_quiet_option(*command, arguments->quiet);
   command->footer("A download that was interrupted goes on where it stopped.");
   command->callback([arguments] { fetch(*arguments); });
 }

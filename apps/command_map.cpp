@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.hpp"
+#include "apps/common_options.hpp"
 #include "apps/map_store.hpp"
 #include "apps/open_source.hpp"
 #include "apps/progress_bar.hpp"
@@ -143,10 +144,8 @@ void add_merge(CLI::App& map) {
   command->add_option("-o,--output", arguments->output, "the map file to write")->required();
   command->add_option("--vocabulary", arguments->vocabulary,
                       "dictionary of visual words; else the one built in");
-  command
-      ->add_option("--set", arguments->assignments, "change an option, key=value; see kinloop run --options")
-      ->allow_extra_args(false);
-  command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
+  add_set_option(*command, arguments->assignments);
+  add_quiet_option(*command, arguments->quiet);
   command->callback([arguments] { merge(*arguments); });
 }
 

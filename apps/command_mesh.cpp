@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/commands.hpp"
+#include "apps/common_options.hpp"
 #include "apps/map_store.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
@@ -44,18 +45,14 @@ void make_mesh(MeshArguments arguments) {
 void add_mesh_command(CLI::App& app) {
   auto arguments = std::make_shared<MeshArguments>();
   CLI::App* command = app.add_subcommand("mesh", "Makes a coloured mesh of a map");
-  command->add_option("MAP", arguments->map, "a map file, or the folder of a run")->required();
+  add_map_argument(*command, arguments->map);
   command->add_option("-o,--output", arguments->output, "FILE.ply, FILE.obj or FILE.glb (glTF)")
       ->capture_default_str();
-  command->add_option("--poses", arguments->poses,
-                      "take the images' poses from this file (TUM format) instead of the map");
+  add_poses_option(*command, arguments->poses);
   command->add_option("--voxel", arguments->voxel_m, "edge of a voxel, metres (mesh.voxel_m)");
-  command
-      ->add_option("--set", arguments->assignments, "change an option, key=value; see kinloop run --options")
-      ->allow_extra_args(false);
-  command->add_option("--threads", arguments->threads, "threads of parallel work")
-      ->check(CLI::Range(1, 1024));
-  command->add_flag("-q,--quiet", arguments->quiet, "print nothing but warnings and errors");
+  add_set_option(*command, arguments->assignments);
+  add_threads_option(*command, arguments->threads);
+  add_quiet_option(*command, arguments->quiet);
   command->callback([arguments] { make_mesh(*arguments); });
 }
 

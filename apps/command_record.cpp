@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/commands.hpp"
+#include "apps/common_options.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/open_source.hpp"
 #include "apps/recorder.hpp"
@@ -74,10 +75,8 @@ void add_record_command(CLI::App& app) {
   command->add_option("--topics", arguments->topics, "of a bag: COLOR,DEPTH[,CAMERA_INFO]");
   command->add_option("--frames", arguments->frames, "stop after this many frames");
   command->add_option("--seconds", arguments->seconds, "stop after this time")->check(CLI::PositiveNumber);
-  command->add_option("--threads", arguments->threads, "threads that compress images")
-      ->check(CLI::Range(1, 1024));
-  command->add_option("--set", arguments->assignments, "change an option of the camera, key=value")
-      ->allow_extra_args(false);
+  add_threads_option(*command, arguments->threads, "threads that compress images");
+  add_set_option(*command, arguments->assignments, "change an option of the camera, key=value");
   KinectOptions defaults;
   command->footer(
       "Ctrl-C ends the recording. Depth is registered to colour, in 1/5000 m.\nOptions for --set:\n" +

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "apps/commands.hpp"
+#include "apps/common_options.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/options.hpp"
@@ -87,10 +88,9 @@ void add_simulate_command(CLI::App& app) {
   command->add_option("--frames", arguments->frames, "stop after this many frames");
   command->add_option("--fps", arguments->fps, "frames per second; without it the stamps of --path, or 30");
   command->add_option("--size", arguments->size, "image size, WIDTHxHEIGHT (640x480)");
-  command->add_option("--set", arguments->settings, "any option below as key=value, over what the flags say")
-      ->allow_extra_args(false);
-  command->add_option("--threads", arguments->threads, "threads that render")->check(CLI::Range(1, 1024));
-  command->add_flag("--quiet", arguments->quiet, "no progress bar");
+  add_set_option(*command, arguments->settings, "any option below as key=value, over what the flags say");
+  add_threads_option(*command, arguments->threads, "threads that render");
+  add_quiet_option(*command, arguments->quiet);
   SimulationOptions defaults;
   command->footer("Options for --set:\n" + options_help(option_entries(defaults)));
   command->callback([arguments] { simulate(*arguments, chosen_options(*arguments)); });

@@ -1,0 +1,26 @@
+#include "apps/common_options.hpp"
+
+namespace kinloop {
+
+void add_map_argument(CLI::App& command, std::filesystem::path& map) {
+  command.add_option("MAP", map, "a map file, or the folder of a run")->required();
+}
+
+void add_poses_option(CLI::App& command, std::filesystem::path& poses) {
+  command.add_option("--poses", poses,
+                     "take the images' poses from this file (TUM format) instead of the map");
+}
+
+void add_set_option(CLI::App& command, std::vector<std::string>& assignments, const std::string& what) {
+  command.add_option("--set", assignments, what)->allow_extra_args(false);
+}
+
+void add_threads_option(CLI::App& command, int& threads, const std::string& what) {
+  command.add_option("--threads", threads, what)->check(CLI::Range(1, 1024));
+}
+
+void add_quiet_option(CLI::App& command, bool& quiet) {
+  command.add_flag("-q,--quiet", quiet, "print nothing but warnings and errors");
+}
+
+}  // namespace kinloop

@@ -1,0 +1,29 @@
+#pragma once
+// Options that several commands share, worded and bounded once.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace kinloop {
+
+/// MAP: a map file, or the folder of a run that left one.
+void add_map_argument(CLI::App& command, std::filesystem::path& map);
+
+/// --poses FILE: poses to be taken instead of those of a map.
+void add_poses_option(CLI::App& command, std::filesystem::path& poses);
+
+/// --set KEY=VALUE, as often as one likes; `what` says of which options.
+void add_set_option(CLI::App& command, std::vector<std::string>& assignments,
+                    const std::string& what = "change an option, key=value; see kinloop run --options");
+
+/// --threads N.
+void add_threads_option(CLI::App& command, int& threads,
+                        const std::string& what = "threads of parallel work");
+
+/// -q, --quiet.
+void add_quiet_option(CLI::App& command, bool& quiet);
+
+}  // namespace kinloop

@@ -1,0 +1,36 @@
+#pragma once
+// What `kinloop run` is told on the command line.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace kinloop {
+
+struct RunArguments {
+  std::string sequence;
+  std::filesystem::path output = "out";
+  std::string camera;
+  std::string topics;
+  std::string solver = "auto";
+  std::string vocabulary;
+  bool no_loop = false;
+  bool list_options = false;
+  bool quiet = false;
+  bool verbose = false;
+  int threads = 0;
+  std::string viewer;  // [ADDRESS:]PORT; empty: none
+  double pace_hz = 0;
+  std::filesystem::path save_map;
+  std::filesystem::path load_map;
+  bool localize = false;
+  double autosave_s = 30;
+  std::vector<std::string> assignments;
+};
+
+/// The options of `kinloop run`, with what --help teaches about them.
+void add_run_arguments(CLI::App& command, RunArguments& arguments);
+
+}  // namespace kinloop
