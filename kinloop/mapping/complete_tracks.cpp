@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "kinloop/mapping/grow.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -16,27 +18,6 @@ bool told_apart(const Landmark& a, const Landmark& b) {
                      [&](const Observation& seen) { return sees(b, seen.keyframe); });
 }
 
-/// Landmarks of the view that the keyframe does not see yet, at the key points where they must be.
-std::vector<LandmarkMatch> find_unseen(const Map& map, KeyframeId id, const LocalView& view,
-                                       const PinholeCamera& camera, const MappingOptions& options) {
-  const Features& features = *map.keyframe(id).features;
-  std::vector<ProjectedPoint> projected;
-  std::vector<LandmarkId> landmarks;
-  for (uint32_t i = 0; i < view.size(); ++i) {
-    if (sees(map.landmark(view.ids[i]), id)) continue;
-    const auto expected = project_landmark(view, i, features, SE3{}, options.attach_window_px, camera);
-    if (!expected) continue;
-    projected.push_back(*expected);
-    landmarks.push_back(view.ids[i]);
-  }
-  const FeatureGrid grid(features, camera.width, camera.height);
-  std::vector<LandmarkMatch> found;
-  for (const Match& match : match_by_projection(projected, features, grid, {})) {
-    found.push_back({landmarks[match.a], match.b});
-  }
-  return found;
-}
-
 }  // namespace
 
 void complete_tracks(Map& map, const PinholeCamera& camera, const LocalViewOptions& view,
@@ -44,7 +25,7 @@ void complete_tracks(Map& map, const PinholeCamera& camera, const LocalViewOptio
   for (uint32_t i = 0; i < map.keyframes().size(); ++i) {
     const KeyframeId id{i};
     for (const auto& [landmark, feature] :
-         find_unseen(map, id, make_local_view(map, id, view), camera, options)) {
+         find_unseen_landmarks(map, id, make_local_view(map, id, view), camera, options)) {
       if (!map.contains(landmark)) continue;  // merged a moment ago
       const LandmarkId there = map.keyframe(id).landmark_of[feature];
       if (!there.valid()) {

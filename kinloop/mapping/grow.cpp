@@ -10,8 +10,8 @@ void observe_matches(Map& map, KeyframeId keyframe, const std::vector<LandmarkMa
   }
 }
 
-int attach_landmarks(Map& map, KeyframeId id, const LocalView& view, const PinholeCamera& camera,
-                     const MappingOptions& options) {
+std::vector<LandmarkMatch> find_unseen_landmarks(const Map& map, KeyframeId id, const LocalView& view,
+                                                 const PinholeCamera& camera, const MappingOptions& options) {
   const Keyframe& keyframe = map.keyframe(id);
   const Features& features = *keyframe.features;
   std::vector<ProjectedPoint> projected;
@@ -30,9 +30,18 @@ int attach_landmarks(Map& map, KeyframeId id, const LocalView& view, const Pinho
     landmarks.push_back(view.ids[i]);
   }
   const FeatureGrid grid(features, camera.width, camera.height);
-  int attached = 0;
+  std::vector<LandmarkMatch> found;
   for (const Match& match : match_by_projection(projected, features, grid, {})) {
-    attached += map.observe(landmarks[match.a], {id, match.b}) ? 1 : 0;
+    found.push_back({landmarks[match.a], match.b});
+  }
+  return found;
+}
+
+int attach_landmarks(Map& map, KeyframeId id, const LocalView& view, const PinholeCamera& camera,
+                     const MappingOptions& options) {
+  int attached = 0;
+  for (const auto& [landmark, feature] : find_unseen_landmarks(map, id, view, camera, options)) {
+    attached += map.observe(landmark, {id, feature}) ? 1 : 0;
   }
   return attached;
 }

@@ -11,6 +11,11 @@ namespace kinloop {
 /// Notes the landmarks that the tracker matched.
 void observe_matches(Map& map, KeyframeId keyframe, const std::vector<LandmarkMatch>& matches);
 
+/// Landmarks of `view` (whose reference is `keyframe`) that the keyframe does not see yet, at the key points
+/// where they must appear.
+std::vector<LandmarkMatch> find_unseen_landmarks(const Map& map, KeyframeId keyframe, const LocalView& view,
+                                                 const PinholeCamera& camera, const MappingOptions& options);
+
 /// Looks for landmarks of `view` (whose reference is `keyframe`) at key points that show none yet, so that a
 /// place seen before keeps its landmarks. Returns how many were found.
 int attach_landmarks(Map& map, KeyframeId keyframe, const LocalView& view, const PinholeCamera& camera,
