@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/quantile.hpp"
 #include "kinloop/dense/voxel_samples.hpp"
 
 namespace kinloop {
@@ -58,13 +59,6 @@ std::vector<Eigen::Vector3d> visible_surface(const SimulatedSource& room) {
     }
   }
   return points;
-}
-
-double quantile(std::vector<double>& values, double share) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<long>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 }  // namespace

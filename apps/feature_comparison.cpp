@@ -11,6 +11,7 @@
 
 #include "apps/open_source.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/quantile.hpp"
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/compare/detectors.hpp"
@@ -144,13 +145,6 @@ DetectorFigures measure(const Detector& detector, const Pairs& pairs, const std:
                   draw_matches(pair.a.gray, a, pair.b.gray, b, screened));
   }
   return figures;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double share(double part, double whole) {

@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 
 #include "apps/version.hpp"
+#include "kinloop/base/quantile.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/eval/consistency.hpp"
 
@@ -26,13 +27,6 @@ ProcessUse process_use() {
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };
   return {seconds(usage.ru_utime) + seconds(usage.ru_stime), static_cast<double>(usage.ru_maxrss) / 1024.0};
-}
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto index = static_cast<size_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(index), values.end());
-  return values[index];
 }
 
 json loops_json(const Map& map) {

@@ -1,23 +1,17 @@
 #include "kinloop/calibration/depth_shift.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/quantile.hpp"
 
 namespace kinloop {
 namespace {
 
 /// Standard deviations in a median absolute deviation of normal errors.
 constexpr double kPerMad = 1.4826;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double robust_deviation(const std::vector<double>& values, double center) {
   std::vector<double> distances;

@@ -10,19 +10,12 @@
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/quantile.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
 namespace {
-
-/// The value that `share` of the pixels do not exceed.
-double percentile(const cv::Mat& image, double share) {
-  std::vector<uint16_t> values(image.begin<uint16_t>(), image.end<uint16_t>());
-  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<size_t>(rank)];
-}
 
 cv::Mat single_channel(const cv::Mat& image) {
   cv::Mat single = image;
@@ -33,8 +26,9 @@ cv::Mat single_channel(const cv::Mat& image) {
 
 cv::Mat visible_infrared(const cv::Mat& infrared) {
   constexpr double kDarkShare = 0.01, kBrightShare = 0.99;
-  const double dark = percentile(infrared, kDarkShare);
-  const double bright = std::max(percentile(infrared, kBrightShare), dark + 1);
+  const std::vector<uint16_t> values(infrared.begin<uint16_t>(), infrared.end<uint16_t>());
+  const double dark = quantile(values, kDarkShare);
+  const double bright = std::max<double>(quantile(values, kBrightShare), dark + 1);
   cv::Mat share, gray;
   infrared.convertTo(share, CV_32FC1, 1 / (bright - dark), -dark / (bright - dark));
   cv::sqrt(cv::max(share, 0), share);

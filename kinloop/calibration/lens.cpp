@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/quantile.hpp"
 #include "kinloop/calibration/homography.hpp"
 
 namespace kinloop {
@@ -76,13 +77,9 @@ std::optional<size_t> outlier(const std::vector<FittedView>& fits, double factor
   std::vector<double> rms;
   for (const auto& fit : fits) rms.push_back(fit.rms_px);
   const auto worst = std::max_element(rms.begin(), rms.end());
-  const auto index = static_cast<size_t>(worst - rms.begin());
-  const double worst_px = *worst;
-  const auto middle = rms.begin() + static_cast<std::ptrdiff_t>(rms.size() / 2);
-  std::nth_element(rms.begin(), middle, rms.end());
   constexpr double kExactPx = 1e-6;  // below, all views are without error
-  if (worst_px <= factor * *middle || worst_px < kExactPx) return std::nullopt;
-  return index;
+  if (*worst <= factor * median(rms) || *worst < kExactPx) return std::nullopt;
+  return static_cast<size_t>(worst - rms.begin());
 }
 
 /// How many boards there are no two of which are tilted alike, found greedily.

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/quantile.hpp"
 
 namespace kinloop {
 namespace {
@@ -83,12 +84,7 @@ ViewPoints to_view(const ColoredCloud& cloud, const std::vector<size_t>& kept, c
 std::pair<double, double> usual_range(const ViewPoints& points, int axis) {
   std::vector<float> values;
   for (const auto& p : points) values.push_back(p[axis]);
-  const auto at = [&](double share) {
-    const auto n = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + n, values.end());
-    return static_cast<double>(values[static_cast<size_t>(n)]);
-  };
-  return {at(kOutlierShare), at(1 - kOutlierShare)};
+  return {quantile(values, kOutlierShare), quantile(values, 1 - kOutlierShare)};
 }
 
 struct Canvas {

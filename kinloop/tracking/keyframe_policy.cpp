@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "kinloop/base/quantile.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -11,10 +13,7 @@ double median_depth_m(const Features& features) {
   for (const float depth : features.depths_m) {
     if (depth > 0) depths.push_back(depth);
   }
-  if (depths.empty()) return 1.0;
-  const auto middle = depths.begin() + static_cast<long>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return depths.empty() ? 1.0 : median(std::move(depths));
 }
 
 int unmapped_with_depth(const TrackResult& result, const Features& features) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/quantile.hpp"
 #include "kinloop/base/random.hpp"
 #include "kinloop/sensor/simulation/camera_path.hpp"
 #include "kinloop/sensor/simulation/room_layout.hpp"
@@ -18,12 +19,6 @@ constexpr double kMinSide_m = 3.6, kMinHeight_m = 2.8;
 constexpr double kCameraHeight_m = 1.45;
 constexpr double kMaxPath_m = 25;
 constexpr double kMinCameraHeight_m = 0.45, kHeadRoom_m = 0.45;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Where the room stands: z along `up`, walls along the world's other axes as far as they are level.
 SE3 place_room(const Trajectory& path, Eigen::Vector3d& size_m) {
