@@ -10,7 +10,11 @@
 
 #include "apps/commands.hpp"
 #include "apps/interrupt.hpp"
+#include "apps/map_store.hpp"
+#include "apps/progress_bar.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/output/run_folder.hpp"
 #include "viewer/saved_run.hpp"
 #include "viewer/server/service.hpp"
 
@@ -22,10 +26,28 @@ struct ViewArguments {
   std::string listen;
 };
 
+/// A map file as it is shown: the last run's path, the keyframes of all runs, and the cloud made anew.
+SavedRun shown_map(const std::filesystem::path& file) {
+  const OpenMap open = open_map(file, {});
+  SavedRun run;
+  run.name = file.string();
+  run.path = trajectory_of(open.session_log(0), open.map);
+  for (const Keyframe& keyframe : open.map.keyframes()) {
+    run.keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
+  }
+  for (const LoopEdge& loop : open.map.loop_edges()) run.loops.emplace_back(loop.a, loop.b);
+  run.figures["landmarks"] = open.map.landmark_count();
+  run.cloud = fuse_keyframes(open.recorder.images(), open.views(), open.saved.camera.color,
+                             open.options.dense, hardware_threads(), make_progress_bar(false));
+  return run;
+}
+
 void view(const ViewArguments& arguments) {
   constexpr std::chrono::milliseconds kBetweenLooks{100};
   const ListenAddress listen = parse_listen_address(arguments.listen);
-  const SavedRun run = read_saved_run(arguments.path);
+  const SavedRun run = arguments.path.extension() == std::filesystem::path(kMapFileName).extension()
+                           ? shown_map(arguments.path)
+                           : read_saved_run(arguments.path);
   bool shown = false;
   const ViewerService service(
       listen,
@@ -43,7 +65,9 @@ void view(const ViewArguments& arguments) {
 void add_view_command(CLI::App& app) {
   auto arguments = std::make_shared<ViewArguments>();
   CLI::App* command = app.add_subcommand("view", "Show a run's folder, or a map file, in a browser");
-  command->add_option("DIR|MAP", arguments->path, "the folder that kinloop run -o DIR wrote, or a map.ply")
+  command
+      ->add_option("DIR|MAP", arguments->path,
+                   "the folder that kinloop run -o DIR wrote, a map file (.kinmap), or a cloud (.ply)")
       ->required();
   command
       ->add_option("--port", arguments->listen,

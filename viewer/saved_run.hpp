@@ -1,5 +1,5 @@
 #pragma once
-// Shows what a run left behind: its folder, or any map file alone.
+// Shows what a run left behind: its folder, or any cloud alone.
 
 #include <filesystem>
 
