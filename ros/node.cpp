@@ -1,10 +1,11 @@
-// kinloop_node: maps what an RGB-D camera publishes in ROS 1. Parameters (private):
-//   ~topics        COLOR,DEPTH[,CAMERA_INFO]; else the first known camera that publishes (iai_kinect2,
-//   openni, ...) ~camera        camera.yaml or a preset; else what camera_info says ~output        folder for
-//   trajectory.txt at the end; none where empty ~world_frame, ~camera_frame   names of the TF frames
-//   ~keep_all      true: no frame is lost, however late, and the result is the same every time; for bags
-//   ~idle_s        end after so long without a frame; 0: at Ctrl-C
-//   ~set           options as of `kinloop run --set`, separated by blanks
+// kinloop_node: maps what an RGB-D camera publishes in ROS 1. Private parameters:
+//   ~topics         COLOR,DEPTH[,CAMERA_INFO]; else those of the first known camera that publishes
+//   ~camera         camera.yaml or a preset; else what camera_info says
+//   ~output         folder for trajectory.txt at the end; none where empty
+//   ~world_frame, ~camera_frame   names of the TF frames
+//   ~keep_all       true: no frame is lost, however late, and the result is always the same; for bags
+//   ~idle_s         end after so long without a frame; 0: at Ctrl-C
+//   ~set            options as of `kinloop run --set`, separated by blanks
 
 #include <filesystem>
 #include <sstream>

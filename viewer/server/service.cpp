@@ -4,9 +4,7 @@
 #include <chrono>
 #include <thread>
 
-#include <sys/resource.h>
-#include <unistd.h>
-
+#include "kinloop/base/give_way.hpp"
 #include "kinloop/base/log.hpp"
 #include "viewer/server/server.hpp"
 
@@ -14,12 +12,6 @@ namespace kinloop {
 namespace {
 
 constexpr std::chrono::milliseconds kBetweenUpdates{50};
-
-/// On Linux a thread has a priority of its own: showing must not slow what is shown.
-void give_way_to_others() {
-  constexpr int kNice = 10;
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
-}
 
 }  // namespace
 
@@ -47,7 +39,7 @@ class ViewerService::Impl {
  private:
   /// A viewer that fails is a pity, not a reason to lose the run.
   void run() {
-    give_way_to_others();
+    give_way();  // showing must not slow what is shown
     try {
       tick();
       context_.run();
