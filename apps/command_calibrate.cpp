@@ -14,6 +14,7 @@
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/text_file.hpp"
+#include "kinloop/calibration/charuco.hpp"
 #include "kinloop/calibration/find_board.hpp"
 #include "kinloop/calibration/homography.hpp"
 #include "kinloop/sensor/camera_file.hpp"
@@ -24,7 +25,8 @@ namespace {
 
 constexpr const char* kFooter = R"(
 DIR holds images (PNG, JPEG; 16-bit infrared too). --board counts inner corners, where four squares meet; --square is
-the side of a square in metres. For extrinsics and depth, DIR holds shots taken at one moment, named alike but for
+the side of a square in metres. A ChArUco board is given by its squares, its dictionary and --marker, the side of a
+marker; a part of it in view is enough. For extrinsics and depth, DIR holds shots taken at one moment, named alike but for
 their ending: 0001_color.png (or _colour, _rgb), 0001_ir.png, 0001_depth.png.
 
 Beside camera.yaml each command writes what it found: camera.json (all figures) and camera.html (the report).
@@ -32,12 +34,13 @@ Beside camera.yaml each command writes what it found: camera.json (all figures) 
 Examples:
   kinloop calibrate intrinsics stills --board 5x7 --square 0.03 -o camera.yaml
   kinloop calibrate extrinsics pairs --color stills_color --infrared stills_ir --board 5x7 --square 0.03 -o camera.yaml
+  kinloop calibrate intrinsics stills --board charuco:7x5:DICT_4X4_50 --square 0.04 --marker 0.028
   kinloop calibrate depth pairs --camera camera.yaml --board 5x7 --square 0.03 -o camera.yaml)";
 
 struct CalibrateArguments {
   std::filesystem::path folder;
   std::string board = "5x7";
-  double square_m = 0;
+  double square_m = 0, marker_m = 0;
   std::filesystem::path output = "camera.yaml";
   std::string color, infrared;   ///< a folder of stills or a camera.yaml
   std::filesystem::path camera;  ///< of `depth`
@@ -46,7 +49,11 @@ struct CalibrateArguments {
   std::vector<std::string> assignments;
   int threads = hardware_threads();
 
-  [[nodiscard]] Board chosen_board() const { return parse_board(board, square_m); }
+  [[nodiscard]] Board chosen_board() const {
+    const Board chosen = parse_board(board, square_m, marker_m);
+    if (chosen.has_markers()) require_charuco(chosen);
+    return chosen;
+  }
   [[nodiscard]] CalibrationOptions options() const {
     const auto chosen = with_assignments(CalibrationOptions{}, assignments);
     if (chosen.distortion_terms == 1 || chosen.distortion_terms == 3) {
@@ -233,8 +240,10 @@ void calibrate_depth(const CalibrateArguments& arguments) {
 
 void add_common(CLI::App& command, const std::shared_ptr<CalibrateArguments>& a) {
   command.add_option("DIR", a->folder, "folder of images")->required();
-  command.add_option("--board", a->board, "inner corners, columns x rows")->capture_default_str();
+  command.add_option("--board", a->board, "inner corners, columns x rows; or charuco:SQUARES:DICTIONARY")
+      ->capture_default_str();
   command.add_option("--square", a->square_m, "side of a square, m")->required();
+  command.add_option("--marker", a->marker_m, "side of a marker of a ChArUco board, m");
   command.add_option("-o,--output", a->output, "the camera file to write")->capture_default_str();
   command.add_option("--depth-scale", a->depth_scale, "units of the depth images per metre")
       ->capture_default_str()
