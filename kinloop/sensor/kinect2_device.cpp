@@ -12,7 +12,7 @@
 namespace kinloop {
 namespace {
 
-libfreenect2::PacketPipeline* make_pipeline(const std::string& name) {
+libfreenect2::PacketPipeline* pipeline_named(const std::string& name) {
 #ifdef LIBFREENECT2_WITH_OPENGL_SUPPORT
   if (name == "opengl") return new libfreenect2::OpenGLPacketPipeline;
 #endif
@@ -28,7 +28,7 @@ libfreenect2::PacketPipeline* make_pipeline(const std::string& name) {
 
 }  // namespace
 
-Kinect2Handle open_kinect2_device(const KinectOptions& options) {
+Kinect2Handle open_kinect2_device(const KinectOptions& options, const MakePipeline& make_pipeline) {
   // libfreenect2 writes to the terminal of its own accord; what matters is said here.
   libfreenect2::setGlobalLogger(libfreenect2::createConsoleLogger(libfreenect2::Logger::Error));
   const auto context = std::make_shared<libfreenect2::Freenect2>();
@@ -45,8 +45,14 @@ Kinect2Handle open_kinect2_device(const KinectOptions& options) {
     throw InputError(
         fmt::format("kinect2: no Kinect 2 with the serial number {}; there are: {}", serial, known));
   }
-  auto* device = options.pipeline == "auto" ? context->openDevice(serial)
-                                            : context->openDevice(serial, make_pipeline(options.pipeline));
+  libfreenect2::Freenect2Device* device = nullptr;
+  if (make_pipeline) {
+    device = context->openDevice(serial, make_pipeline());
+  } else if (options.pipeline == "auto") {
+    device = context->openDevice(serial);
+  } else {
+    device = context->openDevice(serial, pipeline_named(options.pipeline));
+  }
   if (device == nullptr) {
     throw InputError(fmt::format("kinect2: {} cannot be opened; another program may be using it", serial));
   }

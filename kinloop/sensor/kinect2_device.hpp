@@ -2,6 +2,7 @@
 // In: which Kinect 2. Out: libfreenect2's device. Needs its headers: for the Kinect 2's own files and their
 // tests only.
 
+#include <functional>
 #include <memory>
 
 #include <libfreenect2/libfreenect2.hpp>
@@ -20,8 +21,12 @@ struct Kinect2Handle {
   libfreenect2::Freenect2Device* device = nullptr;
 };
 
-/// Opens the device that the options name. Throws InputError where there is none.
-Kinect2Handle open_kinect2_device(const KinectOptions& options);
+/// Makes what decodes packets; the device that it is made for deletes it.
+using MakePipeline = std::function<libfreenect2::PacketPipeline*()>;
+
+/// Opens the device that the options name, with the pipeline that they name or a given one. Throws InputError
+/// where there is none.
+Kinect2Handle open_kinect2_device(const KinectOptions& options, const MakePipeline& make_pipeline = {});
 
 /// Starts its streams into `listener`. Throws InputError where it does not start.
 void start_kinect2(const Kinect2Handle& handle, libfreenect2::FrameListener& listener,

@@ -50,10 +50,10 @@ cv::Mat map_between(const PinholeCamera& to, const PinholeCamera& from) {
 }  // namespace
 
 Kinect2Source::Kinect2Source(std::function<Kinect2Handle()> open, const KinectOptions& options,
-                             const std::optional<RgbdCamera>& calibration)
+                             const std::optional<RgbdCamera>& calibration, Kinect2Frames frames)
     : open_(std::move(open)),
       options_(options),
-      listener_(frames_, received_width(options)),
+      listener_(frames_, received_width(options), frames == Kinect2Frames::kSeparate),
       handle_(open_()) {
   info_.name = "kinect2";
   info_.live = true;
@@ -71,9 +71,13 @@ Kinect2Source::Kinect2Source(std::function<Kinect2Handle()> open, const KinectOp
     to_view_ = map_between(view, rig.color);
     rig.color = view;
   }
-  shift_m_ = rig.depth_shift_m;
-  registration_.emplace(rig);
-  camera_.color = rig.color;
+  if (frames == Kinect2Frames::kSeparate) {
+    camera_ = rig;
+  } else {
+    shift_m_ = rig.depth_shift_m;
+    registration_.emplace(rig);
+    camera_.color = rig.color;
+  }
   start_kinect2(handle_, listener_, options_);
 }
 
@@ -92,7 +96,7 @@ std::optional<RgbdFrame> Kinect2Source::next() {
                                            [this] { close_kinect2(handle_); }, [this] { open_again(); }});
   if (!frame) return frame;
   if (shift_m_ != 0) cv::add(frame->depth_m, shift_m_, frame->depth_m, frame->depth_m > 0);
-  frame->depth_m = (*registration_)(frame->depth_m);
+  if (registration_) frame->depth_m = (*registration_)(frame->depth_m);
   if (!to_view_.empty()) cv::remap(frame->color, frame->color, to_view_, cv::noArray(), cv::INTER_LINEAR);
   return frame;
 }
@@ -108,9 +112,10 @@ bool kinect2_available() {
 }
 
 std::unique_ptr<FrameSource> open_kinect2(const KinectOptions& options,
-                                          const std::optional<RgbdCamera>& calibration) {
+                                          const std::optional<RgbdCamera>& calibration,
+                                          Kinect2Frames frames) {
   return std::make_unique<Kinect2Source>([options] { return open_kinect2_device(options); }, options,
-                                         calibration);
+                                         calibration, frames);
 }
 
 }  // namespace kinloop
@@ -123,7 +128,8 @@ bool kinect2_available() {
   return false;
 }
 
-std::unique_ptr<FrameSource> open_kinect2(const KinectOptions&, const std::optional<RgbdCamera>&) {
+std::unique_ptr<FrameSource> open_kinect2(const KinectOptions&, const std::optional<RgbdCamera>&,
+                                          Kinect2Frames) {
   throw UsageError(
       "kinect2: this build knows no Kinect 2; install libfreenect2 and build again (docs/cameras.md)");
 }

@@ -17,7 +17,8 @@ class Kinect2Source : public FrameSource {
  public:
   /// `open` is called to begin and after the camera was unplugged; it throws InputError when there is none.
   Kinect2Source(std::function<Kinect2Handle()> open, const KinectOptions& options,
-                const std::optional<RgbdCamera>& calibration);
+                const std::optional<RgbdCamera>& calibration,
+                Kinect2Frames frames = Kinect2Frames::kRegistered);
   ~Kinect2Source() override;
   Kinect2Source(const Kinect2Source&) = delete;
   Kinect2Source& operator=(const Kinect2Source&) = delete;
@@ -33,9 +34,9 @@ class Kinect2Source : public FrameSource {
   std::function<Kinect2Handle()> open_;
   KinectOptions options_;
   SourceInfo info_;
-  RgbdCamera camera_;   ///< of the frames: depth is registered
-  double shift_m_ = 0;  ///< of the measured depth
-  std::optional<DepthRegistration> registration_;
+  RgbdCamera camera_;                              ///< of the frames
+  double shift_m_ = 0;                             ///< of the measured depth
+  std::optional<DepthRegistration> registration_;  ///< not where depth is kept separate
   cv::Mat to_view_;  ///< where each pixel of the frames lies in the received colour image; empty: itself
   LiveFrames frames_;
   Kinect2Listener listener_;

@@ -15,7 +15,10 @@
 #include <libfreenect2/registration.h>
 #include <opencv2/core.hpp>
 
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/kinect2_factory.hpp"
+#include "kinloop/sensor/kinect2_packets.hpp"
 #include "kinloop/sensor/kinect2_stream.hpp"
 #include "tests/sensor/fake_kinect2.hpp"
 
@@ -111,6 +114,39 @@ TEST(Kinect2Listener, TurnsMirroredFramesRoundAndCountsFaultyOnes) {
   EXPECT_EQ(listener.faulty(), 1U);
 }
 
+TEST(Kinect2Source, GivesBothCamerasApartForCalibration) {
+  const auto fake = std::make_shared<test::FakeKinect2>([](libfreenect2::FrameListener& to) {
+    Frame color(1920, 1080, 4), infrared(512, 424, 4), depth(512, 424, 4);
+    cv::Mat(1080, 1920, CV_8UC4, color.data).setTo(cv::Scalar::all(9));
+    cv::Mat(424, 512, CV_32FC1, depth.data).setTo(1500);
+    cv::Mat brightness(424, 512, CV_32FC1, infrared.data);
+    brightness.setTo(700);
+    brightness.col(0).setTo(65535);
+    color.format = Frame::BGRX;
+    color.timestamp = infrared.timestamp = depth.timestamp = 77;
+    color.status = infrared.status = depth.status = 0;
+    to.onNewFrame(Frame::Ir, &infrared);
+    to.onNewFrame(Frame::Depth, &depth);
+    to.onNewFrame(Frame::Color, &color);
+  });
+  KinectOptions options;
+  options.width = 1920;
+  Kinect2Source source(
+      [&] {
+        return Kinect2Handle{fake, fake.get()};
+      },
+      options, {}, Kinect2Frames::kSeparate);
+  const auto frame = source.next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->color.size(), cv::Size(1920, 1080));
+  ASSERT_EQ(frame->infrared.type(), CV_16UC1);
+  EXPECT_EQ(frame->infrared.at<uint16_t>(5, 5), 700);
+  EXPECT_EQ(frame->infrared.at<uint16_t>(5, 511), 65535) << "out of the mirror, as depth is";
+  EXPECT_EQ(frame->depth_m.size(), cv::Size(512, 424)) << "not registered";
+  ASSERT_TRUE(source.camera().depth);
+  EXPECT_EQ(source.camera().depth->width, 512);
+}
+
 /// libfreenect2's replay takes the time stamp from the beginning of the path, so that the packets must lie in
 /// the working folder.
 class Kinect2Replay : public testing::Test {
@@ -170,6 +206,52 @@ TEST_F(Kinect2Replay, DrivesTheSourceThroughUnpluggingAndPluggingIn) {
   EXPECT_GT(second->stamp_ns, first->stamp_ns);
   EXPECT_FALSE(source.next()) << "it does not come back a second time";
   EXPECT_THAT(source.skipped(), testing::IsEmpty());
+}
+
+TEST_F(Kinect2Replay, PlaysWhatWasRecordedRaw) {
+  libfreenect2::setGlobalLogger(nullptr);
+  const std::string bytes = read_file(packet(1));
+  std::string jpeg = "\xff\xd8 as the camera compressed it";
+  const auto give = [&](libfreenect2::FrameListener& to, Frame::Type type, std::string& data, uint32_t ticks,
+                        uint32_t number) {
+    Frame frame(1, 1, data.size(), reinterpret_cast<unsigned char*>(data.data()));
+    frame.format = Frame::Raw;
+    frame.timestamp = ticks;
+    frame.sequence = number;
+    EXPECT_FALSE(to.onNewFrame(type, &frame));
+  };
+  const auto fake = std::make_shared<test::FakeKinect2>([&](libfreenect2::FrameListener& to) {
+    std::string depth = bytes;
+    give(to, Frame::Ir, depth, 1000, 7);  // the dump pipeline gives each depth packet twice
+    give(to, Frame::Depth, depth, 1000, 7);
+    give(to, Frame::Color, jpeg, 1003, 40);
+    give(to, Frame::Depth, depth, 1533, 9);
+  });
+  const RawRecording recording =
+      record_packets({fake, fake.get()}, {}, "raw", [](const RawRecording& r) { return r.depth == 2; });
+  EXPECT_EQ(recording.depth, 2U);
+  EXPECT_EQ(recording.color, 1U);
+  EXPECT_EQ(recording.lost, 1U);
+  EXPECT_EQ(read_file("raw/1003_packet_40.jpg"), jpeg);
+  EXPECT_EQ(read_file("raw/1533_packet_9.depth"), bytes);
+  EXPECT_THAT(read_file("raw/parameters.yaml"), HasSubstr("infrared: {fx: 365"));
+  EXPECT_TRUE(read_camera_file("raw/camera.yaml").depth);
+
+  std::filesystem::current_path("raw");
+  LiveFrames frames;
+  Kinect2Listener listener(frames, 960);
+  EXPECT_TRUE(test::replay_packet("1000_packet_7.depth", listener)) << "decoded by libfreenect2's replay";
+}
+
+TEST_F(Kinect2Replay, RawRecordingSaysWhatCannotBeWritten) {
+  folder_.write("occupied", "a file");
+  const auto fake = std::make_shared<test::FakeKinect2>([](libfreenect2::FrameListener&) {});
+  EXPECT_THAT(test::input_error([&] {
+                record_packets({fake, fake.get()}, {}, "occupied", [](const auto&) { return true; });
+              }),
+              HasSubstr("occupied"));
+  EXPECT_THAT(test::input_error([] { record_kinect2_raw({}, "raw", [](const auto&) { return true; }); }),
+              HasSubstr("no Kinect 2 found"));
 }
 
 TEST(Kinect2, SaysThatThereIsNone) {
