@@ -1,21 +1,18 @@
 // kinloop calibrate: cameras from pictures of a chessboard (Zhang's method).
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "apps/calibration_report.hpp"
+#include "apps/calibration_views.hpp"
 #include "apps/commands.hpp"
 #include "apps/common_options.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
-#include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/calibration/find_board.hpp"
-#include "kinloop/calibration/homography.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
@@ -24,74 +21,44 @@ namespace {
 
 constexpr const char* kFooter = R"(
 DIR holds images (PNG, JPEG; 16-bit infrared too). --board counts inner corners, where four squares meet; --square is
-the side of a square in metres. For extrinsics and depth, DIR holds shots taken at one moment, named alike but for
+the side of a square in metres. A ChArUco board is given by its squares, its dictionary and --marker, the side of a
+marker; a part of it in view is enough. For extrinsics and depth, DIR holds shots taken at one moment, named alike but for
 their ending: 0001_color.png (or _colour, _rgb), 0001_ir.png, 0001_depth.png.
 
-Beside camera.yaml each command writes what it found: camera.json (all figures) and camera.html (the report).
+Beside camera.yaml each command writes what it found: camera.json (all figures) and camera.html, for depth
+camera_depth.html (the report).
 
 Examples:
   kinloop calibrate intrinsics stills --board 5x7 --square 0.03 -o camera.yaml
   kinloop calibrate extrinsics pairs --color stills_color --infrared stills_ir --board 5x7 --square 0.03 -o camera.yaml
+  kinloop calibrate intrinsics stills --board charuco:7x5:DICT_4X4_50 --square 0.04 --marker 0.028
+  kinloop calibrate intrinsics new_folder --live kinect1 --viewer --board 5x7 --square 0.03
   kinloop calibrate depth pairs --camera camera.yaml --board 5x7 --square 0.03 -o camera.yaml)";
 
-struct CalibrateArguments {
-  std::filesystem::path folder;
-  std::string board = "5x7";
-  double square_m = 0;
-  std::filesystem::path output = "camera.yaml";
-  std::string color, infrared;   ///< a folder of stills or a camera.yaml
-  std::filesystem::path camera;  ///< of `depth`
-  double depth_scale = 0;        ///< units per metre
-  double fps = 30;
-  std::vector<std::string> assignments;
-  int threads = hardware_threads();
-
-  [[nodiscard]] Board chosen_board() const { return parse_board(board, square_m); }
-  [[nodiscard]] CalibrationOptions options() const {
-    const auto chosen = with_assignments(CalibrationOptions{}, assignments);
-    if (chosen.distortion_terms == 1 || chosen.distortion_terms == 3) {
-      throw UsageError("distortion_terms: k1 and k2 go together, and p1 and p2; 0, 2, 4 or 5");
-    }
-    return chosen;
-  }
-  [[nodiscard]] std::filesystem::path beside(const char* extension) const {
-    auto path = output;
-    return path.replace_extension(extension);
-  }
-};
-
-/// Endings of the images of one shot; the first that a folder has is taken.
-const std::vector<std::string> kColorEndings = {"_color", "_colour", "_rgb"};
-const std::vector<std::string> kInfraredEndings = {"_ir"};
-
-void warn_of(const BoardSearch& search, const char* what) {
-  for (const auto& name : search.without) log::warn("{}: no board found{}", name, what);
-}
-
-BoardSearch search_in(const std::vector<std::filesystem::path>& stills, const CalibrateArguments& arguments) {
-  BoardSearch search = find_boards(stills, arguments.chosen_board(), arguments.threads);
-  warn_of(search, "");
-  fmt::print("{} of {} images show the board\n", search.views.size(), stills.size());
-  return search;
-}
-
 void write_results(const CalibrateArguments& arguments, const RgbdCamera& camera,
-                   const nlohmann::json& figures, const std::string& sections) {
+                   const nlohmann::json& figures, const std::string& sections, const char* page = ".html") {
   write_camera_file(arguments.output, camera);
   write_file(arguments.beside(".json"), figures.dump(2) + "\n");
   const std::string subtitle = fmt::format("{}, board {}, squares of {} mm", arguments.folder.string(),
                                            arguments.board, 1000 * arguments.square_m);
-  write_file(arguments.beside(".html"), calibration_page("Calibration", subtitle, sections));
+  write_file(arguments.beside(page), calibration_page("Calibration", subtitle, sections));
   fmt::print("written: {}, {}, {}\n", arguments.output.string(), arguments.beside(".json").string(),
-             arguments.beside(".html").string());
+             arguments.beside(page).string());
 }
 
 void warn_of(const LensCalibration& calibration) {
   for (const auto& warning : calibration.warnings) log::warn("{}", warning);
 }
 
+/// With --live: the stills are taken now.
+void take_stills(const CalibrateArguments& arguments, StillKind kind) {
+  if (arguments.live.source.empty()) return;
+  take_live_stills(arguments.live, arguments.folder, arguments.chosen_board(), kind);
+}
+
 void calibrate_intrinsics(const CalibrateArguments& arguments) {
   const CalibrationOptions options = arguments.options();
+  take_stills(arguments, StillKind::kColor);
   const BoardSearch search = search_in(list_stills(arguments.folder), arguments);
   const LensCalibration calibration = calibrate_lens(search.views, options);
   fmt::print("{}", to_text(calibration));
@@ -103,56 +70,9 @@ void calibrate_intrinsics(const CalibrateArguments& arguments) {
   write_results(arguments, camera, to_json(calibration), lens_section("Camera", calibration));
 }
 
-/// The stem without the ending that `endings` holds; nothing where it has none of them.
-std::optional<std::string> shot_of(const std::filesystem::path& still,
-                                   const std::vector<std::string>& endings) {
-  const std::string stem = still.stem().string();
-  for (const std::string& ending : endings) {
-    if (stem.ends_with(ending)) return stem.substr(0, stem.size() - ending.size());
-  }
-  return std::nullopt;
-}
-
-std::vector<std::filesystem::path> stills_of(const std::filesystem::path& folder,
-                                             const std::vector<std::string>& endings) {
-  std::vector<std::filesystem::path> stills;
-  for (const auto& still : list_stills(folder)) {
-    if (shot_of(still, endings)) stills.push_back(still);
-  }
-  if (stills.empty()) {
-    throw InputError(fmt::format("{}: no image named like 0001{}.png", folder.string(), endings.front()));
-  }
-  return stills;
-}
-
-/// Shots in which both cameras see the board.
-std::vector<PairedView> pairs_in(const CalibrateArguments& arguments) {
-  const BoardSearch color = search_in(stills_of(arguments.folder, kColorEndings), arguments);
-  const BoardSearch infrared = search_in(stills_of(arguments.folder, kInfraredEndings), arguments);
-  std::vector<PairedView> pairs;
-  for (const BoardView& c : color.views) {
-    for (const BoardView& i : infrared.views) {
-      if (shot_of(c.name, kColorEndings) == shot_of(i.name, kInfraredEndings)) pairs.push_back({c, i});
-    }
-  }
-  return pairs;
-}
-
-/// A camera that is known (from a file, by `pick`), or stills to estimate it from along with the pairs.
-LensSource lens_source(const std::string& argument, const CalibrateArguments& arguments,
-                       const std::function<std::optional<PinholeCamera>(const RgbdCamera&)>& pick) {
-  LensSource source;
-  if (argument.empty()) return source;
-  if (std::filesystem::is_directory(argument)) {
-    source.stills = search_in(list_stills(argument), arguments).views;
-    return source;
-  }
-  source.known = pick(read_camera_file(argument));
-  return source;
-}
-
 void calibrate_extrinsics(const CalibrateArguments& arguments) {
   const CalibrationOptions options = arguments.options();
+  take_stills(arguments, StillKind::kPairs);
   const auto pairs = pairs_in(arguments);
   const LensSource color =
       lens_source(arguments.color, arguments, [](const RgbdCamera& c) { return std::optional(c.color); });
@@ -194,7 +114,7 @@ std::vector<BoardInDepth> boards_in_depth(const CalibrateArguments& arguments, c
                                            arguments.options(), camera.T_color_depth);
   std::vector<BoardInDepth> boards;
   for (const FittedPair& pair : rig.pairs) {
-    const auto file = arguments.folder / (*shot_of(pair.name, kColorEndings) + "_depth.png");
+    const auto file = depth_file_of(pair.name, arguments);
     boards.push_back({pair.name, pair.T_infrared_board, read_depth_image(file, arguments.depth_scale)});
     const cv::Mat& depth_m = boards.back().depth_m;
     if (depth_m.cols != camera.depth->width || depth_m.rows != camera.depth->height) {
@@ -228,13 +148,15 @@ void calibrate_depth(const CalibrateArguments& arguments) {
                      : nlohmann::json::object();
   if (!figures.is_object()) figures = nlohmann::json::object();
   figures["depth_shift"] = to_json(shift);
-  write_results(arguments, camera, figures, depth_section(shift));
+  write_results(arguments, camera, figures, depth_section(shift), "_depth.html");
 }
 
 void add_common(CLI::App& command, const std::shared_ptr<CalibrateArguments>& a) {
   command.add_option("DIR", a->folder, "folder of images")->required();
-  command.add_option("--board", a->board, "inner corners, columns x rows")->capture_default_str();
+  command.add_option("--board", a->board, "inner corners, columns x rows; or charuco:SQUARES:DICTIONARY")
+      ->capture_default_str();
   command.add_option("--square", a->square_m, "side of a square, m")->required();
+  command.add_option("--marker", a->marker_m, "side of a marker of a ChArUco board, m");
   command.add_option("-o,--output", a->output, "the camera file to write")->capture_default_str();
   command.add_option("--depth-scale", a->depth_scale, "units of the depth images per metre")
       ->capture_default_str()
@@ -262,9 +184,12 @@ void add_calibrate_command(CLI::App& app) {
     sub->callback([arguments, work] { work(*arguments); });
     return std::pair(sub, arguments);
   };
-  add("intrinsics", "One camera: focal lengths, centre, distortion", kTumUnits, calibrate_intrinsics);
+  const auto [intrinsics, i] =
+      add("intrinsics", "One camera: focal lengths, centre, distortion", kTumUnits, calibrate_intrinsics);
+  add_live_options(*intrinsics, i->live);
   const auto [extrinsics, e] = add("extrinsics", "Colour and infrared camera, and the motion between them",
                                    kMillimetres, calibrate_extrinsics);
+  add_live_options(*extrinsics, e->live);
   extrinsics->add_option("--color", e->color,
                          "more stills of the colour camera, or its camera.yaml to be kept");
   extrinsics->add_option("--infrared", e->infrared, "the same for the infrared camera");

@@ -19,6 +19,7 @@ struct SourceRequest {
   std::optional<std::string> topics;  ///< of a bag, "COLOR,DEPTH[,CAMERA_INFO]"
   SimulationOptions simulation;
   KinectOptions kinect;
+  Kinect2Frames kinect2_frames = Kinect2Frames::kRegistered;
   int threads = 1;
 };
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/download.hpp"
+#include "kinloop/calibration/charuco.hpp"
 #include "kinloop/compare/detectors.hpp"
 #include "kinloop/dense/occupancy.hpp"
 #include "kinloop/dense/tsdf_volume.hpp"
@@ -28,6 +29,7 @@ std::string version_text() {
   const std::vector<std::pair<const char*, std::string>> parts{
       {"g2o solver", part(pose_graph_solver_available("g2o"), "g2o")},
       {"SURF", part(surf_available(), "dlib")},
+      {"ChArUco boards", part(charuco_available(), "OpenCV's aruco")},
       {"Kinect 1", part(kinect1_available(), "libfreenect")},
       {"Kinect 2", part(kinect2_available(), "libfreenect2")},
       {"ROS bags", part(bags_available(), "librosbag-storage")},

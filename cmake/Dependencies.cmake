@@ -124,6 +124,13 @@ endif()
 
 kinloop_optional(freenect libfreenect.h freenect)  # Kinect 1
 
+# ChArUco boards: OpenCV's aruco as it was before 4.7, part of its contributed modules.
+set(aruco_FOUND 0)
+if(OpenCV_VERSION VERSION_LESS 4.7)
+  find_path(aruco_INCLUDE_DIR opencv2/aruco/charuco.hpp PATHS ${OpenCV_INCLUDE_DIRS})
+  kinloop_optional(aruco opencv2/aruco/charuco.hpp opencv_aruco)
+endif()
+
 # Kinect 2: libfreenect2's own file sets variables instead of a target.
 find_package(freenect2 QUIET)
 if(freenect2_FOUND)
@@ -164,6 +171,6 @@ if(KINLOOP_BENCH)
   find_package(benchmark QUIET)
 endif()
 
-foreach(part g2o dlib rosbag ros freenect freenect2 download openvdb octomap benchmark)
+foreach(part g2o dlib rosbag ros freenect freenect2 aruco download openvdb octomap benchmark)
   message(STATUS "kinloop optional part ${part}: ${${part}_FOUND}")
 endforeach()

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
@@ -12,6 +13,7 @@
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/quantile.hpp"
 #include "kinloop/base/text_file.hpp"
+#include "kinloop/calibration/charuco.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
@@ -43,28 +45,35 @@ int enlargement(const cv::Mat& gray) {
 }
 
 /// The shortest way between neighbouring corners, px: how far a corner's surroundings reach.
-double shortest_side_px(const std::vector<cv::Point2f>& corners, const Board& board) {
+double shortest_side_px(const CornersInImage& corners, const Board& board) {
   double shortest = std::numeric_limits<double>::infinity();
-  for (int row = 0; row < board.rows; ++row) {
-    for (int column = 0; column < board.columns; ++column) {
-      const auto i =
-          static_cast<size_t>(row) * static_cast<size_t>(board.columns) + static_cast<size_t>(column);
-      if (column > 0) shortest = std::min(shortest, cv::norm(corners[i] - corners[i - 1]));
-      if (row > 0)
-        shortest = std::min(shortest, cv::norm(corners[i] - corners[i - static_cast<size_t>(board.columns)]));
+  for (size_t i = 0; i < corners.places.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      const int a = corners.places[i], b = corners.places[j];
+      const int steps =
+          std::abs(a / board.columns - b / board.columns) + std::abs(a % board.columns - b % board.columns);
+      if (steps == 1) shortest = std::min(shortest, cv::norm(corners.pixels[i] - corners.pixels[j]));
     }
   }
   return shortest;
 }
 
+/// How much of a side around a corner shows nothing but its four squares: markers stand in the white ones.
+double free_share(const Board& board) {
+  constexpr double kReach = 0.4, kInsideRim = 0.9;
+  if (!board.has_markers()) return kReach;
+  return std::min(kReach, kInsideRim * (1 - board.marker_m / board.square_m) / 2);
+}
+
 /// Corners to a fraction of a pixel: where all grey gradients around are at right angles to the way there
 /// (Foerstner and Guelch 1987).
-void refine(std::vector<cv::Point2f>& corners, const cv::Mat& gray, const Board& board) {
-  constexpr double kReach = 0.4, kLeast = 2, kMost = 11;  // of a side; px
+void refine(CornersInImage& corners, const cv::Mat& gray, const Board& board) {
+  constexpr double kLeast = 2, kMost = 11;  // px
   constexpr int kIterations = 100;
   constexpr double kConverged = 1e-3;  // px
-  const int half = static_cast<int>(std::clamp(kReach * shortest_side_px(corners, board), kLeast, kMost));
-  cv::cornerSubPix(gray, corners, {half, half}, {-1, -1},
+  const int half =
+      static_cast<int>(std::clamp(free_share(board) * shortest_side_px(corners, board), kLeast, kMost));
+  cv::cornerSubPix(gray, corners.pixels, {half, half}, {-1, -1},
                    {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, kIterations, kConverged});
 }
 
@@ -77,15 +86,22 @@ cv::Mat locally_stretched(const cv::Mat& gray) {
   return stretched;
 }
 
+/// Every corner of a chessboard to about a pixel, or none.
+CornersInImage find_chessboard(const cv::Mat& gray, const Board& board) {
+  CornersInImage corners;
+  if (!cv::findChessboardCorners(gray, {board.columns, board.rows}, corners.pixels)) return {};
+  corners.places.resize(corners.pixels.size());
+  std::iota(corners.places.begin(), corners.places.end(), 0);
+  return corners;
+}
+
 /// Found in `gray`, where everything can be seen; made exact in `light`, whose values are in proportion to
 /// the light: any other curve moves an edge that is a pixel wide.
-std::vector<cv::Point2f> corners_in(const cv::Mat& gray, const cv::Mat& light, const Board& board) {
-  const cv::Size size(board.columns, board.rows);
-  std::vector<cv::Point2f> corners;
-  const bool found = cv::findChessboardCorners(gray, size, corners) ||
-                     cv::findChessboardCorners(locally_stretched(gray), size, corners);
-  if (!found) return {};
-  refine(corners, light, board);
+CornersInImage corners_in(const cv::Mat& gray, const cv::Mat& light, const Board& board) {
+  const auto find = board.has_markers() ? find_charuco : find_chessboard;
+  CornersInImage corners = find(gray, board);
+  if (corners.places.empty()) corners = find(locally_stretched(gray), board);
+  if (!corners.places.empty()) refine(corners, light, board);
   return corners;
 }
 
@@ -123,16 +139,17 @@ std::optional<BoardView> find_board(const cv::Mat& image, const Board& board) {
     cv::resize(light, light, {}, times, times, cv::INTER_CUBIC);
   }
   const auto corners = corners_in(gray, light, board);
-  if (corners.empty()) return std::nullopt;
+  if (corners.places.empty()) return std::nullopt;
   BoardView view;
   view.width = image.cols;
   view.height = image.rows;
-  view.board_m = board.corners_m();
+  const auto corners_m = board.corners_m();
   // Pixel centres are whole numbers: the enlarged image begins half a pixel further out than the small one.
   const double shift = 0.5 - 0.5 / times;
-  for (const auto& c : corners) {
-    view.pixels.emplace_back(static_cast<double>(c.x) / times - shift,
-                             static_cast<double>(c.y) / times - shift);
+  for (size_t i = 0; i < corners.places.size(); ++i) {
+    view.board_m.push_back(corners_m[static_cast<size_t>(corners.places[i])]);
+    const cv::Point2d pixel = corners.pixels[i];
+    view.pixels.emplace_back(pixel.x / times - shift, pixel.y / times - shift);
   }
   return view;
 }
@@ -183,11 +200,10 @@ BoardSearch find_boards(const std::vector<std::filesystem::path>& stills, const 
     search.views.push_back(std::move(*found[i]));
   }
   if (search.views.empty()) {
-    throw InputError(
-        fmt::format("{}: a board of {} x {} inner corners in none of {} images; count the corners where four "
-                    "squares meet, "
-                    "and show the whole board with a white rim",
-                    stills.front().parent_path().string(), board.columns, board.rows, stills.size()));
+    throw InputError(fmt::format(
+        "{}: {} in none of {} images; count the corners where four squares meet (the squares of a "
+        "ChArUco board), and show the whole board with a white rim",
+        stills.front().parent_path().string(), to_text(board), stills.size()));
   }
   require_one_size(search.views);
   return search;

@@ -16,7 +16,8 @@ namespace kinloop {
 /// falls with the square of the distance and saturates nearby, by the square root between its percentiles.
 cv::Mat visible_gray(const cv::Mat& image);
 
-/// The board in an 8- or 16-bit image; nothing where it is not wholly in view.
+/// The board in an 8- or 16-bit image; nothing where it is not wholly in view. Of a ChArUco board a part is
+/// enough.
 std::optional<BoardView> find_board(const cv::Mat& image, const Board& board);
 
 /// What a folder of stills shows.

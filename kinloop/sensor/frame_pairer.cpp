@@ -5,21 +5,21 @@
 namespace kinloop {
 
 void FramePairer::add_color(int64_t stamp_ns, cv::Mat image) {
-  add(colors_, newest_color_ns_, stamp_ns, std::move(image));
+  add(colors_, newest_color_ns_, {stamp_ns, std::move(image)});
 }
 
-void FramePairer::add_depth(int64_t stamp_ns, cv::Mat depth_m) {
-  add(depths_, newest_depth_ns_, stamp_ns, std::move(depth_m));
+void FramePairer::add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared) {
+  add(depths_, newest_depth_ns_, {stamp_ns, std::move(depth_m), std::move(infrared)});
 }
 
-void FramePairer::add(Queue& queue, std::optional<int64_t>& newest_ns, int64_t stamp_ns, cv::Mat image) {
+void FramePairer::add(Queue& queue, std::optional<int64_t>& newest_ns, Stamped image) {
   constexpr size_t kMostWaiting = 30;  // a second: the other stream has ended, or never began
-  if (newest_ns && stamp_ns <= *newest_ns) {
+  if (newest_ns && image.stamp_ns <= *newest_ns) {
     ++late_;
     return;
   }
-  newest_ns = stamp_ns;
-  queue.push_back({stamp_ns, std::move(image)});
+  newest_ns = image.stamp_ns;
+  queue.push_back(std::move(image));
   if (queue.size() > kMostWaiting) drop_front(queue);
 }
 
@@ -50,7 +50,7 @@ std::optional<RgbdFrame> FramePairer::next() {
       continue;
     }
     RgbdFrame frame{FrameId{next_id_++}, stamp_ns, std::move(colors_.front().image),
-                    std::move(depths_.front().image)};
+                    std::move(depths_.front().image), std::move(depths_.front().infrared)};
     colors_.pop_front();
     depths_.pop_front();
     return frame;

@@ -22,7 +22,7 @@ class FramePairer {
       : max_difference_ns_(max_difference_ns) {}
 
   void add_color(int64_t stamp_ns, cv::Mat image);
-  void add_depth(int64_t stamp_ns, cv::Mat depth_m);
+  void add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared = {});
 
   /// No more images will come: what is left is paired as well as it can be.
   void finish() { finished_ = true; }
@@ -39,10 +39,11 @@ class FramePairer {
   struct Stamped {
     int64_t stamp_ns = 0;
     cv::Mat image;
+    cv::Mat infrared = {};  ///< of depth, where there is one
   };
   using Queue = std::deque<Stamped>;
 
-  void add(Queue& queue, std::optional<int64_t>& newest_ns, int64_t stamp_ns, cv::Mat image);
+  void add(Queue& queue, std::optional<int64_t>& newest_ns, Stamped image);
   void drop_front(Queue& queue);
 
   int64_t max_difference_ns_;

@@ -11,6 +11,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/fast_decoders.hpp"
+#include "kinloop/sensor/fast_encoder.hpp"
 
 namespace kinloop {
 namespace {
@@ -134,6 +135,17 @@ cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale) 
   cv::Mat depth_m;
   image.convertTo(depth_m, CV_32FC1, 1.0 / depth_scale);
   return depth_m;
+}
+
+void write_png(const std::filesystem::path& path, const cv::Mat& image) {
+  write_file(path, encode_png(image));
+}
+
+void write_depth_png(const std::filesystem::path& path, const cv::Mat& depth_m, double depth_scale) {
+  cv::Mat units;
+  depth_m.convertTo(units, CV_16UC1, depth_scale);
+  units.setTo(0, units == std::numeric_limits<uint16_t>::max());
+  write_png(path, units);
 }
 
 }  // namespace kinloop

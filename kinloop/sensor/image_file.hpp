@@ -20,4 +20,11 @@ cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale);
 /// What is wrong with the bytes of a PNG or JPEG file as a whole ("cut short"); empty when nothing is.
 std::string_view image_damage(std::string_view bytes);
 
+/// Writes an 8UC1, 8UC3 or 16UC1 image, complete under its name.
+void write_png(const std::filesystem::path& path, const cv::Mat& image);
+
+/// Writes depth in `depth_scale` units per metre; 0 where unknown or too far for 16 bits (65535 means unknown
+/// to some readers).
+void write_depth_png(const std::filesystem::path& path, const cv::Mat& depth_m, double depth_scale);
+
 }  // namespace kinloop

@@ -13,13 +13,15 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/log.hpp"
-#include "kinloop/sensor/live_frames.hpp"
+#include "kinloop/sensor/device_clock.hpp"
+#include "kinloop/sensor/reconnection.hpp"
 
 namespace kinloop {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 constexpr double kMillimetresPerMetre = 1000;
+constexpr double kNsPerTick = 1e9 / 60e6;  ///< the device counts at 60 MHz
 constexpr std::chrono::milliseconds kPatience(2000);
 
 /// Published for the Kinect 1 by several groups; a camera of one's own is some per cent off.
@@ -102,32 +104,19 @@ class Device {
   void take_color(void* data, uint32_t ticks) {
     cv::Mat color;
     cv::cvtColor(cv::Mat(kHeight, kWidth, CV_8UC3, data), color, cv::COLOR_RGB2BGR);
-    frames_.add_color(stamp_ns(ticks), color);
+    frames_.add_color(clock_.stamp_ns(ticks), color);
   }
 
   void take_depth(void* data, uint32_t ticks) {
     cv::Mat depth_m;
     cv::Mat(kHeight, kWidth, CV_16UC1, data).convertTo(depth_m, CV_32FC1, 1 / kMillimetresPerMetre);
-    frames_.add_depth(stamp_ns(ticks), depth_m);
-  }
-
-  /// The device counts at 60 MHz; the counter wraps around after 71 s.
-  int64_t stamp_ns(uint32_t ticks) {
-    constexpr double kNsPerTick = 1e9 / 60e6;
-    if (!last_ticks_) {
-      time_ns_ = std::chrono::system_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
-    } else {
-      time_ns_ += std::llround(kNsPerTick * static_cast<int32_t>(ticks - *last_ticks_));
-    }
-    last_ticks_ = ticks;
-    return time_ns_;
+    frames_.add_depth(clock_.stamp_ns(ticks), depth_m);
   }
 
   LiveFrames& frames_;
   freenect_context* context_ = nullptr;
   freenect_device* device_ = nullptr;
-  std::optional<uint32_t> last_ticks_;
-  int64_t time_ns_ = 0;
+  DeviceClock clock_{kNsPerTick};
   std::jthread thread_;
 };
 
@@ -149,14 +138,10 @@ class Kinect1Source : public FrameSource {
   }
 
   std::optional<RgbdFrame> next() override {
-    std::optional<RgbdFrame> frame = frames_.wait(kPatience);
-    while (!frame) {
-      if (!reconnect()) {
-        log::error("kinect1: the camera is gone; finishing with the frames there are");
-        return std::nullopt;
-      }
-      frame = frames_.wait(kPatience);
-    }
+    auto frame =
+        next_or_reconnect(frames_, {info_.name, kPatience, options_.reconnect_s, [this] { device_.reset(); },
+                                    [this] { device_ = std::make_unique<Device>(frames_); }});
+    if (!frame) return frame;
     if (camera_.depth_shift_m != 0)
       cv::add(frame->depth_m, camera_.depth_shift_m, frame->depth_m, frame->depth_m > 0);
     return frame;
@@ -166,22 +151,6 @@ class Kinect1Source : public FrameSource {
   [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return skipped_of(frames_.counts()); }
 
  private:
-  bool reconnect() {
-    log::warn("kinect1: no frames for {} s: unplugged? Waiting up to {} s for it", kPatience.count() / 1000,
-              options_.reconnect_s);
-    device_.reset();
-    const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(options_.reconnect_s);
-    while (std::chrono::steady_clock::now() < until) {
-      try {
-        device_ = std::make_unique<Device>(frames_);
-        return true;
-      } catch (const InputError&) {
-        std::this_thread::sleep_for(kPatience / 2);
-      }
-    }
-    return false;
-  }
-
   KinectOptions options_;
   RgbdCamera camera_;
   SourceInfo info_;

@@ -16,9 +16,10 @@ bool kinect2_available();
 
 /// Opens it and starts its streams. Its camera is `calibration` (with its depth camera) where given, else
 /// what the factory wrote into the device. Colour is given as the world is, not mirrored, and depth
-/// registered to it. Throws InputError where there is none or it cannot be opened, and UsageError in a build
-/// without libfreenect2.
+/// registered to it, or kept separate. Throws InputError where there is none or it cannot be opened, and
+/// UsageError in a build without libfreenect2.
 std::unique_ptr<FrameSource> open_kinect2(const KinectOptions& options,
-                                          const std::optional<RgbdCamera>& calibration);
+                                          const std::optional<RgbdCamera>& calibration,
+                                          Kinect2Frames frames = Kinect2Frames::kRegistered);
 
 }  // namespace kinloop

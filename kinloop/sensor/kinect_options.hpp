@@ -6,6 +6,12 @@
 
 namespace kinloop {
 
+/// What a Kinect 2's frames hold.
+enum class Kinect2Frames {
+  kRegistered,  ///< depth at each pixel of colour
+  kSeparate     ///< for calibration: depth as its camera sees it, and the infrared image
+};
+
 /// How a live Kinect is opened.
 struct KinectOptions {
   std::string serial;

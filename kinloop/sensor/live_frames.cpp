@@ -8,9 +8,9 @@ void LiveFrames::add_color(int64_t stamp_ns, cv::Mat image) {
   take_ready();
 }
 
-void LiveFrames::add_depth(int64_t stamp_ns, cv::Mat depth_m) {
+void LiveFrames::add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared) {
   const std::lock_guard lock(mutex_);
-  pairer_.add_depth(stamp_ns, std::move(depth_m));
+  pairer_.add_depth(stamp_ns, std::move(depth_m), std::move(infrared));
   take_ready();
 }
 

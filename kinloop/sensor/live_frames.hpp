@@ -27,7 +27,7 @@ class LiveFrames {
   explicit LiveFrames(size_t capacity = kBuffered) : capacity_(capacity) {}
 
   void add_color(int64_t stamp_ns, cv::Mat image);
-  void add_depth(int64_t stamp_ns, cv::Mat depth_m);
+  void add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared = {});
 
   /// The oldest frame there is; waits for one, nothing when `patience` has passed.
   std::optional<RgbdFrame> wait(std::chrono::milliseconds patience);

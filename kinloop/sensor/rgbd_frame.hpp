@@ -10,10 +10,11 @@
 namespace kinloop {
 
 struct RgbdFrame {
-  FrameId id;            ///< counts the frames of a source from 0
-  int64_t stamp_ns = 0;  ///< of the colour image
-  cv::Mat color;         ///< 8UC3, BGR
-  cv::Mat depth_m;       ///< 32FC1, z in metres at each pixel of `color`, 0 = unknown
+  FrameId id;             ///< counts the frames of a source from 0
+  int64_t stamp_ns = 0;   ///< of the colour image
+  cv::Mat color;          ///< 8UC3, BGR
+  cv::Mat depth_m;        ///< 32FC1, z in metres at each pixel of `color`, 0 = unknown
+  cv::Mat infrared = {};  ///< 16UC1, as the depth camera sees it; empty unless it was asked for
 };
 
 }  // namespace kinloop

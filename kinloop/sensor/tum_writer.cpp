@@ -1,36 +1,19 @@
 #include "kinloop/sensor/tum_writer.hpp"
 
 #include <limits>
-#include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
 namespace {
 
 constexpr const char* kLists[] = {"rgb.txt", "depth.txt", "associations.txt", "groundtruth.txt"};
-
-void write_png(const std::filesystem::path& path, const cv::Mat& image) {
-  std::vector<uint8_t> bytes;
-  // The lightest compression: a little larger, several times as fast.
-  cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
-  write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-}
-
-/// Depth in file units; 0 where unknown or too far for 16 bits (65535 means unknown to some readers).
-cv::Mat depth_units(const cv::Mat& depth_m, double depth_scale) {
-  cv::Mat units;
-  depth_m.convertTo(units, CV_16UC1, depth_scale);
-  units.setTo(0, units == std::numeric_limits<uint16_t>::max());
-  return units;
-}
 
 std::string color_name(int64_t stamp_ns) {
   return fmt::format("rgb/{}.png", format_stamp(stamp_ns));
@@ -69,7 +52,7 @@ void TumWriter::append(const RgbdFrame& frame, int64_t depth_stamp_ns) {
 
 void TumWriter::write_images(const RgbdFrame& frame, int64_t depth_stamp_ns) const {
   write_png(folder_ / color_name(frame.stamp_ns), frame.color);
-  write_png(folder_ / depth_name(depth_stamp_ns), depth_units(frame.depth_m, depth_scale_));
+  write_depth_png(folder_ / depth_name(depth_stamp_ns), frame.depth_m, depth_scale_);
 }
 
 void TumWriter::list(int64_t stamp_ns, int64_t depth_stamp_ns) {

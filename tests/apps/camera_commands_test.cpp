@@ -4,10 +4,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 #include <sys/wait.h>
 
 #include "kinloop/base/text_file.hpp"
+#include "kinloop/sensor/tum_writer.hpp"
 #include "tests/apps/http_server.hpp"
+#include "tests/calibration/pictures.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -160,8 +163,51 @@ TEST_F(CameraCommands, CalibrateWritesACameraFiguresAndAReport) {
   const Run depth = run("calibrate depth '" + stills.string() + "' --camera '" + at("camera.yaml") + board);
   ASSERT_EQ(depth.exit_code, kDone) << depth.err;
   EXPECT_THAT(depth.out, HasSubstr("depth shift"));
+  EXPECT_THAT(read_file(at("camera_depth.html")), HasSubstr("<svg"));
+  EXPECT_THAT(read_file(at("camera.html")), HasSubstr("Coverage of the image")) << "the other report stays";
   EXPECT_THAT(read_file(at("camera.yaml")), HasSubstr("depth_shift_m:"));
   EXPECT_THAT(read_file(at("camera.json")), AllOf(HasSubstr("\"deviation\""), HasSubstr("\"depth_shift\"")));
+}
+
+/// A sequence of a board, held still at each of its poses.
+void write_boards(const std::filesystem::path& folder) {
+  RgbdCamera camera;
+  camera.color = test::infrared_camera();
+  TumWriter writer(folder, camera);
+  Random random(3);
+  int64_t stamp_ns = 0;
+  for (int pose = 0; pose < 5; ++pose) {
+    const cv::Mat gray = test::in_8_bits(
+        test::picture(camera.color, test::random_pose(random, test::small_board()), test::small_board()));
+    RgbdFrame frame;
+    cv::cvtColor(gray, frame.color, cv::COLOR_GRAY2BGR);
+    frame.depth_m = cv::Mat(gray.size(), CV_32FC1, cv::Scalar(0.5));
+    for (int i = 0; i < 2; ++i) {
+      frame.stamp_ns = stamp_ns += 33'000'000;
+      writer.append(frame);
+    }
+  }
+  writer.finish();
+}
+
+TEST_F(CameraCommands, CalibrateTakesStillsFromALiveCamera) {
+  write_boards(at("live"));
+  const std::string rest =
+      " --live '" + at("live") + "' --board 5x7 --square 0.03 -o '" + at("camera.yaml") + "'";
+  const Run run_live = run("calibrate intrinsics '" + at("stills") + "' --viewer=0" + rest);
+  ASSERT_EQ(run_live.exit_code, kDone) << run_live.err;
+  EXPECT_THAT(run_live.out, AllOf(HasSubstr("hold the board still"), HasSubstr("edge away"),
+                                  HasSubstr("5 stills in"), HasSubstr("5 of 5 images")));
+  EXPECT_THAT(run_live.err, HasSubstr("watch at http"));
+  EXPECT_TRUE(std::filesystem::exists(at("stills/0005.png")));
+  EXPECT_TRUE(std::filesystem::exists(at("camera.yaml")));
+
+  const Run again = run("calibrate intrinsics '" + at("stills") + "'" + rest);
+  EXPECT_EQ(again.exit_code, kBadInput);
+  EXPECT_THAT(again.err, HasSubstr("not empty"));
+  const Run pairs = run("calibrate extrinsics '" + at("pairs") + "'" + rest);
+  EXPECT_EQ(pairs.exit_code, kBadInput);
+  EXPECT_THAT(pairs.err, HasSubstr("no infrared"));
 }
 
 TEST_F(CameraCommands, CalibrateSaysWhatIsWrong) {

@@ -5,7 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "tests/calibration/synthetic_boards.hpp"
+#include "tests/calibration/pictures.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -15,49 +15,15 @@ namespace {
 
 using test::infrared_camera;
 using test::input_error;
+using test::largest_error_px;
+using test::picture;
 using test::small_board;
 using test::usage_error;
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// A picture of the board: each pixel averages `kSamples`^2 looks through it, 1 white, 0 black.
-cv::Mat picture(const PinholeCamera& camera, const SE3& T_camera_board, const Board& board) {
-  constexpr int kSamples = 4;
-  const SE3 T_board_camera = T_camera_board.inverse();
-  cv::Mat image(camera.height, camera.width, CV_32FC1);
-  const auto look = [&](double x, double y) {
-    const Eigen::Vector3d ray = T_board_camera.rotation * camera.unproject(camera.undistort({x, y}), 1);
-    const Eigen::Vector3d p = T_board_camera.translation - T_board_camera.translation.z() / ray.z() * ray;
-    const int column = static_cast<int>(std::floor(p.x() / board.square_m)),
-              row = static_cast<int>(std::floor(p.y() / board.square_m));
-    const bool on_board = column >= -1 && column < board.columns && row >= -1 && row < board.rows;
-    return on_board && (column + row) % 2 == 0 ? 0.0F : 1.0F;
-  };
-  for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.cols; ++x) {
-      float sum = 0;
-      for (int i = 0; i < kSamples * kSamples; ++i) {
-        sum += look(x + (i % kSamples + 0.5) / kSamples - 0.5, y + (i / kSamples + 0.5) / kSamples - 0.5);
-      }
-      image.at<float>(y, x) = sum / (kSamples * kSamples);
-    }
-  }
-  return image;
-}
-
 SE3 some_pose() {
   return test::board_at({0.02, -0.01, 0.5}, {0.3, -0.3, 0.2}, small_board());
-}
-
-/// Largest distance of a corner found from the nearest true one (a board may be read turned).
-double largest_error_px(const BoardView& found, const BoardView& truth) {
-  double largest = 0;
-  for (const auto& pixel : found.pixels) {
-    double nearest = 1e9;
-    for (const auto& other : truth.pixels) nearest = std::min(nearest, (pixel - other).norm());
-    largest = std::max(largest, nearest);
-  }
-  return largest;
 }
 
 TEST(FindBoard, FindsCornersToATenthOfAPixel) {
@@ -118,7 +84,7 @@ TEST(FindBoards, SaysWhatIsWrongWithTheFolder) {
               HasSubstr("broken.png"));
   cv::imwrite((folder.path() / "broken.png").string(), cv::Mat(50, 50, CV_8UC1, cv::Scalar(9)));
   EXPECT_THAT(input_error([&] { find_boards(list_stills(folder.path()), small_board(), 1); }),
-              HasSubstr("in none of 1 images"));
+              HasSubstr("5 x 7 inner corners in none of 1 images"));
 }
 
 TEST(ParseBoard, TakesInnerCorners) {

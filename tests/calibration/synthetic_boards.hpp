@@ -15,7 +15,7 @@
 namespace kinloop::test {
 
 inline Board small_board() {
-  return {5, 7, 0.03};
+  return parse_board("5x7", 0.03);
 }
 
 inline PinholeCamera color_camera() {

@@ -1,0 +1,30 @@
+#pragma once
+// In: folders of stills. Out: what they show of the board, with what was found said on the terminal.
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/calibrate_arguments.hpp"
+#include "kinloop/calibration/find_board.hpp"
+#include "kinloop/calibration/rig.hpp"
+#include "kinloop/geometry/camera.hpp"
+
+namespace kinloop {
+
+/// The boards in these stills.
+BoardSearch search_in(const std::vector<std::filesystem::path>& stills, const CalibrateArguments& arguments);
+
+/// Shots of the folder in which both cameras see the board.
+std::vector<PairedView> pairs_in(const CalibrateArguments& arguments);
+
+/// Where the depth image of a pair lies.
+std::filesystem::path depth_file_of(const std::string& pair_name, const CalibrateArguments& arguments);
+
+/// A camera that is known (from a file, by `pick`), or stills to estimate it from along with the pairs.
+LensSource lens_source(const std::string& argument, const CalibrateArguments& arguments,
+                       const std::function<std::optional<PinholeCamera>(const RgbdCamera&)>& pick);
+
+}  // namespace kinloop
