@@ -20,8 +20,9 @@ constexpr size_t kSmallBlock = 1 << 16;  ///< never worth a file
 /// A mapped file that nobody else can see and that goes with the mapping.
 void* map_new_file(const std::filesystem::path& folder, size_t bytes) {
   const auto fail = [&](const char* what) {
-    throw InputError(fmt::format("{}: {} for {} MB of descriptors: {}; name another folder with --scratch",
-                                 folder.string(), what, bytes >> 20, std::generic_category().message(errno)));
+    throw InputError(fmt::format(
+        "{}: {} for {:.1f} MB of descriptors: {}; name another folder with --scratch", folder.string(), what,
+        static_cast<double>(bytes) * 1e-6, std::generic_category().message(errno)));
   };
   std::string name = (folder / "kinloop-XXXXXX").string();
   const int file = mkstemp(name.data());

@@ -16,7 +16,8 @@ constexpr double kTolerance_px = 3;
 ImageWords random_image(Random& random, uint32_t points, uint32_t words) {
   ImageWords image;
   for (uint32_t i = 0; i < points; ++i) {
-    const auto pixel = Eigen::Vector2d(random.uniform(0, 640), random.uniform(0, 480)).cast<float>();
+    const Eigen::Vector2f pixel =
+        Eigen::Vector2d(random.uniform(0, 640), random.uniform(0, 480)).cast<float>();
     image.push_back(
         {{random.index(words)}, random.next(), pixel, static_cast<float>(random.uniform(0, 6)), 1});
   }

@@ -81,10 +81,10 @@ TEST(PlaceIndex, FindsWhatWasPutIn) {
 }
 
 TEST(PlaceIndex, StopWordsDoNotHideWhatIsAlike) {
-  // Ten words that all have, and a few that tell. With room for 300 postings the common ones must be left
+  // Ten words that all have, and a few that tell. With room for 150 postings the common ones must be left
   // out.
   Random random(3);
-  PlaceIndex all, some(300);
+  PlaceIndex all, some(150);
   std::map<KeyframeId, BowVector> bows;
   for (uint32_t id = 0; id < 200; ++id) {
     BowVector bow;

@@ -73,7 +73,7 @@ TEST(ManyRanks, RefillEmptyClustersAsOne) {
 }
 
 TEST(ManyRanks, AllFailWhereThereIsTooLittle) {
-  const auto images = clustered_images(4, 10, 10, 2);
+  const auto images = clustered_images(3, 10, 10, 2);
   test::as_ranks(2, [&](const Ranks& ranks) {
     EXPECT_THROW(train_vocabulary(to_training_set(share(images, ranks)), options_of("random"), {}, ranks),
                  InputError);
