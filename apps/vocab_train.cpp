@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "apps/common_options.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
@@ -28,6 +29,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+size_t half_of_memory_mb() {
+  const auto pages = static_cast<size_t>(sysconf(_SC_PHYS_PAGES));
+  return pages * static_cast<size_t>(sysconf(_SC_PAGESIZE)) / 2 >> 20;
+}
+
 /// What to describe, and how.
 struct InputArguments {
   std::vector<fs::path> inputs;
@@ -42,8 +48,7 @@ struct TrainArguments {
   InputArguments input;
   std::vector<fs::path> held_out;
   TrainOptions training;
-  size_t memory_mb =
-      static_cast<size_t>(sysconf(_SC_PHYS_PAGES)) / 2 * static_cast<size_t>(sysconf(_SC_PAGESIZE)) >> 20;
+  size_t memory_mb = half_of_memory_mb();
   fs::path scratch = fs::temp_directory_path();
 };
 
@@ -147,9 +152,8 @@ void add_input_options(CLI::App& command, InputArguments& arguments) {
   add_fields(command, arguments.features, {{"kind", "--feature"}, {"count", "--count"}});
   command.add_flag("--euclidean", arguments.euclidean,
                    "SIFT and SURF as they are, by Euclidean distance, instead of the 256 bits that runs use");
-  command.add_option("--threads", arguments.threads, "threads; the result does not depend on it")
-      ->check(CLI::Range(1, 1024));
-  command.add_flag("--quiet", arguments.quiet, "no progress bar");
+  add_threads_option(command, arguments.threads, "threads; the result does not depend on it");
+  add_quiet_option(command, arguments.quiet);
 }
 
 }  // namespace

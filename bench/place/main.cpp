@@ -194,17 +194,19 @@ void compare(int branching, int depth, bool flat, const World& world) {
 
 void run_detector(const World& world) {
   const auto training = read_training_images(kPhotographs);
-  fmt::print("| seeding | seed | confirmed | of those findable | false |\n|---|---|---|---|---|\n");
+  fmt::print(
+      "| seeding | seed | confirmed | of those findable | pose off | another room "
+      "|\n|---|---|---|---|---|---|\n");
   for (const Way& way : ways_of(32, 3, false)) {
     for (int seed = 1; seed <= kSeeds; ++seed) {
       TrainOptions options = way.options;
       options.seed = seed;
       options.threads = hardware_threads();
       const auto detection = detect(world.places, train_vocabulary(training, options), world.camera);
-      fmt::print("| {} | {} | {} | {} of {} = {:.3f} | {} |\n", way.name, seed, detection.confirmed,
+      fmt::print("| {} | {} | {} | {} of {} = {:.3f} | {} | {} |\n", way.name, seed, detection.confirmed,
                  detection.same, findable(world.places),
                  static_cast<double>(detection.same) / static_cast<double>(findable(world.places)),
-                 detection.wrong);
+                 detection.off, detection.other_room);
       std::fflush(stdout);
     }
   }

@@ -69,10 +69,9 @@ LocalView view_of(const Features& features, const PinholeCamera& camera) {
   return view;
 }
 
-/// Whether the pose that was found is that of the truth.
+/// Whether the pose that was found in the same room is that of the truth.
 bool is_right(const Place& query, const Place& found, const SE3& T_found_query) {
   constexpr double kMost_m = 0.2, kMost_rad = 0.17;
-  if (query.room != found.room) return false;
   const SE3 error = (found.T_room_camera->inverse() * *query.T_room_camera).inverse() * T_found_query;
   return error.translation.norm() <= kMost_m && Eigen::AngleAxisd(error.rotation).angle() <= kMost_rad;
 }
@@ -176,7 +175,11 @@ Detection detect(std::span<const Place> places, const Vocabulary& vocabulary, co
           recognize_place(frame, view_of(found.features, camera), camera, options, tracking, query);
       if (!result) continue;
       ++detection.confirmed;
-      if (!is_right(place, found, result->T_reference_camera)) ++detection.wrong;
+      if (place.room != found.room) {
+        ++detection.other_room;
+      } else if (!is_right(place, found, result->T_reference_camera)) {
+        ++detection.off;
+      }
       const bool has_same = std::any_of(places.begin(), places.end(), [&](const Place& other) {
         return may_be_found(place, other) && relation(place, other) == Relation::kSame;
       });

@@ -31,9 +31,10 @@ Recognition by_flann(std::span<const Place> places);
 
 /// What became of the candidates of the dictionary that geometry confirms.
 struct Detection {
-  size_t confirmed = 0;  ///< images with a confirmed loop
-  size_t same = 0;       ///< ... of those for which there is a kSame to be found
-  size_t wrong = 0;      ///< ... whose pose is off by more than 0.2 m or 10 degrees, or in another room
+  size_t confirmed = 0;   ///< images with a confirmed loop
+  size_t same = 0;        ///< ... of those for which there is a kSame to be found
+  size_t off = 0;         ///< ... whose pose is off by more than 0.2 m or 10 degrees
+  size_t other_room = 0;  ///< ... in another room
 };
 
 /// The whole detector on single images: the best five candidates, verified as loop closing does.

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "bench/place/places.hpp"
+#include "kinloop/base/quantile.hpp"
 #include "kinloop/base/random.hpp"
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
@@ -14,12 +15,6 @@
 
 namespace kinloop {
 namespace {
-
-double median_ms(std::vector<double> seconds) {
-  std::nth_element(seconds.begin(), seconds.begin() + static_cast<ptrdiff_t>(seconds.size() / 2),
-                   seconds.end());
-  return 1000 * seconds[seconds.size() / 2];
-}
 
 /// Times `work`, which gets the number of the run.
 template <class Work>
@@ -30,7 +25,7 @@ double median_ms_of(int runs, const Work& work) {
     work(run);
     seconds.push_back(watch.cpu_s());
   }
-  return median_ms(seconds);
+  return 1000 * median(seconds);
 }
 
 /// The words of an image that does not exist: drawn from those of real ones.
