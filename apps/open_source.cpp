@@ -35,8 +35,15 @@ std::unique_ptr<FrameSource> open_source(const SourceRequest& request) {
 }
 
 Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features) {
-  // It cannot be told from a file what kind of features it was trained on.
-  if (!file.empty()) return read_vocabulary(file);
+  if (!file.empty()) {
+    Vocabulary vocabulary = read_vocabulary(file);
+    if (vocabulary.tree().kind == descriptor_kind(features, Metric::kHamming)) return vocabulary;
+    throw UsageError(
+        fmt::format("{}: a dictionary of {}, but the run has features.kind={}, which takes one of 256 bits; "
+                    "train it with "
+                    "`kinloop vocab train IMAGES... --feature {} -o FILE`",
+                    file, vocabulary.descriptors().name, features.kind, features.kind));
+  }
   if (features.kind != "orb") {
     throw UsageError(fmt::format(
         "features.kind={0}: the dictionary built in is of ORB; train one with `kinloop vocab train IMAGES... "

@@ -12,6 +12,7 @@
 #include "kinloop/dense/tsdf_volume.hpp"
 #include "kinloop/features/surf.hpp"
 #include "kinloop/optimize/pose_graph.hpp"
+#include "kinloop/place/mpi_ranks.hpp"
 #include "kinloop/sensor/bag_source.hpp"
 #include "kinloop/sensor/kinect1_source.hpp"
 #include "kinloop/sensor/kinect2_source.hpp"
@@ -34,6 +35,7 @@ std::string version_text() {
       {"Kinect 2", part(kinect2_available(), "libfreenect2")},
       {"ROS bags", part(bags_available(), "librosbag-storage")},
       {"downloads", part(download_available(), "curl or libarchive")},
+      {"training on many machines", part(mpi_available(), "MPI")},
       {"meshes", part(tsdf_available(), "OpenVDB")},
       {"occupancy maps", part(occupancy_available(), "OctoMap")},
       {"viewer and report pages", part(KINLOOP_PAGES_FOUND, "npm, or network for it,")}};

@@ -140,6 +140,18 @@ if(freenect2_FOUND)
   set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_freenect2)
 endif()
 
+# Many machines that train one dictionary. The C interface alone, which all of MPI's makers have.
+find_package(MPI QUIET COMPONENTS CXX)
+set(mpi_FOUND 0)
+if(MPI_CXX_FOUND)
+  set(mpi_FOUND 1)
+  add_library(kinloop_mpi INTERFACE)
+  target_include_directories(kinloop_mpi SYSTEM INTERFACE "$<BUILD_INTERFACE:${MPI_CXX_INCLUDE_DIRS}>")
+  target_compile_definitions(kinloop_mpi INTERFACE OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
+  target_link_libraries(kinloop_mpi INTERFACE ${MPI_CXX_LIBRARIES})
+  set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_mpi)
+endif()
+
 # Downloads: curl fetches, archive unpacks.
 find_package(CURL QUIET)
 find_package(LibArchive QUIET)
@@ -171,6 +183,6 @@ if(KINLOOP_BENCH)
   find_package(benchmark QUIET)
 endif()
 
-foreach(part g2o dlib rosbag ros freenect freenect2 aruco download openvdb octomap benchmark)
+foreach(part g2o dlib rosbag ros freenect freenect2 aruco mpi download openvdb octomap benchmark)
   message(STATUS "kinloop optional part ${part}: ${${part}_FOUND}")
 endforeach()

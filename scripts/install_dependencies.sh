@@ -12,12 +12,13 @@ packages=(
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev libbenchmark-dev libboost-dev
 )
-# Parts that are found when present: SURF, meshes, occupancy maps, ChArUco boards, Kinect 1, downloads, ROS bags and
-# topics. (libfreenect2, for the Kinect 2, is in neither distribution: docs/cameras.md.) What a distribution does not
-# have is left out.
+# Parts that are found when present: SURF, meshes, occupancy maps, ChArUco boards, Kinect 1, downloads, training on many
+# machines, ROS bags and topics. (libfreenect2, for the Kinect 2, is in neither distribution: docs/cameras.md.) What a
+# distribution does not have is left out.
 optional=(
   libdlib-dev libopenvdb-dev liboctomap-dev libopencv-contrib-dev
   libfreenect-dev libcurl4-openssl-dev libarchive-dev
+  libopenmpi-dev openmpi-bin
   librosbag-storage-dev libsensor-msgs-dev
   libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev
   python3-roslaunch python3-rosbag

@@ -5,6 +5,20 @@
 #include "kinloop/base/errors.hpp"
 
 namespace kinloop {
+namespace {
+
+std::vector<PlaceCandidate> best_of(std::vector<PlaceCandidate> candidates, size_t max_results) {
+  const auto better = [](const PlaceCandidate& a, const PlaceCandidate& b) {
+    return a.score != b.score ? a.score > b.score : a.keyframe < b.keyframe;
+  };
+  const auto kept =
+      candidates.begin() + static_cast<std::ptrdiff_t>(std::min(max_results, candidates.size()));
+  std::partial_sort(candidates.begin(), kept, candidates.end(), better);
+  candidates.erase(kept, candidates.end());
+  return candidates;
+}
+
+}  // namespace
 
 void PlaceIndex::add(KeyframeId keyframe, BowVector bow) {
   require(keyframe.valid() && !contains(keyframe), "PlaceIndex::add: the keyframe is in the index already");
@@ -37,10 +51,37 @@ void PlaceIndex::remove(KeyframeId keyframe) {
 
 std::vector<PlaceCandidate> PlaceIndex::query(const BowVector& bow, size_t max_results,
                                               const std::function<bool(KeyframeId)>& accept) const {
+  const BowVector telling = without_stop_words(bow);
+  if (telling.size() == bow.size()) return best_by(bow, max_results, accept);
+  constexpr size_t kLookedAt = 10;  // candidates for each result: the order is not yet that of the scores
+  auto candidates = best_by(telling, kLookedAt * std::min(max_results, size()), accept);
+  for (auto& [keyframe, score] : candidates) score = similarity(bow, bow_of(keyframe));
+  return best_of(std::move(candidates), max_results);
+}
+
+BowVector PlaceIndex::without_stop_words(const BowVector& bow) const {
+  const auto length_of = [&](WordId word) {
+    return word.value < postings_.size() ? postings_[word.value].size() : 0;
+  };
+  size_t postings = 0;
+  for (const auto& [word, weight] : bow) postings += length_of(word);
+  if (postings <= max_postings_) return bow;
+  BowVector words = bow;
+  std::stable_sort(words.begin(), words.end(),
+                   [&](const auto& a, const auto& b) { return length_of(a.first) < length_of(b.first); });
+  while (!words.empty() && postings > max_postings_) {
+    postings -= length_of(words.back().first);
+    words.pop_back();
+  }
+  return words;
+}
+
+std::vector<PlaceCandidate> PlaceIndex::best_by(const BowVector& words, size_t max_results,
+                                                const std::function<bool(KeyframeId)>& accept) const {
   // The same terms in the same order of words as in `similarity`: the same scores to the last bit.
   std::vector<double> scores(entries_.size(), 0);
-  for (const auto& [word, weight] : bow) {
-    if (word.value >= postings_.size()) break;
+  for (const auto& [word, weight] : words) {
+    if (word.value >= postings_.size()) continue;
     for (const Posting& posting : postings_[word.value])
       scores[posting.slot] += std::min(weight, posting.weight);
   }
@@ -49,14 +90,7 @@ std::vector<PlaceCandidate> PlaceIndex::query(const BowVector& bow, size_t max_r
     if (scores[slot] == 0 || (accept && !accept(entries_[slot].keyframe))) continue;
     candidates.push_back({entries_[slot].keyframe, std::min(scores[slot], 1.0)});
   }
-  const auto better = [](const PlaceCandidate& a, const PlaceCandidate& b) {
-    return a.score != b.score ? a.score > b.score : a.keyframe < b.keyframe;
-  };
-  const auto kept =
-      candidates.begin() + static_cast<std::ptrdiff_t>(std::min(max_results, candidates.size()));
-  std::partial_sort(candidates.begin(), kept, candidates.end(), better);
-  candidates.erase(kept, candidates.end());
-  return candidates;
+  return best_of(std::move(candidates), max_results);
 }
 
 const BowVector& PlaceIndex::bow_of(KeyframeId keyframe) const {

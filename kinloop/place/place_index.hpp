@@ -21,8 +21,17 @@ struct PlaceCandidate {
 
 /// Inverted index: for each word the keyframes that have it (Sivic and Zisserman 2003). A query touches only
 /// keyframes with a common word and gives the very scores `similarity` gives.
+///
+/// Where the words of a query have more than `max_postings` entries together, the words that most keyframes
+/// have are stop words for it: those with the shortest lists find the candidates, a few times as many as
+/// asked for, and only of these is the score computed. So the time of a query does not grow for ever.
 class PlaceIndex {
  public:
+  /// Far more than the keyframes of one run have: up to there a query looks at everything.
+  static constexpr size_t kMaxPostings = 400'000;
+
+  explicit PlaceIndex(size_t max_postings = kMaxPostings) : max_postings_(max_postings) {}
+
   /// `keyframe` must not be in the index.
   void add(KeyframeId keyframe, BowVector bow);
 
@@ -52,7 +61,11 @@ class PlaceIndex {
   };
 
   [[nodiscard]] uint32_t slot_of(KeyframeId keyframe) const;
+  [[nodiscard]] BowVector without_stop_words(const BowVector& bow) const;
+  [[nodiscard]] std::vector<PlaceCandidate> best_by(const BowVector& words, size_t max_results,
+                                                    const std::function<bool(KeyframeId)>& accept) const;
 
+  size_t max_postings_;
   std::vector<Entry> entries_;  ///< by slot; slots are numbered without gaps, so that scores fit an array
   std::vector<uint32_t> free_slots_;
   std::unordered_map<KeyframeId, uint32_t> slot_of_;

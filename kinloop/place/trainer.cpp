@@ -2,177 +2,250 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <numeric>
 
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/random.hpp"
-#include "kinloop/place/kmajority.hpp"
+#include "kinloop/place/clustering.hpp"
+#include "kinloop/place/level.hpp"
+#include "kinloop/place/message.hpp"
 
 namespace kinloop {
 namespace {
 
-/// Descriptors sorted by node, and within a node by image.
-struct TrainingPoints {
-  std::vector<BinaryDescriptor> descriptors;
-  std::vector<uint32_t> images;
-};
-
-/// The points of one node, of those of a level that are next to be split.
-struct NodePoints {
-  size_t begin = 0;
-  size_t end = 0;
-  [[nodiscard]] size_t size() const { return end - begin; }
-};
-
-/// A node with more points is clustered by all threads together, smaller ones side by side.
+/// A node with more points is clustered by all threads and processes together, smaller ones side by side.
 constexpr size_t kLargeNode = 20'000;
 
-TrainingPoints gather(std::span<const cv::Mat> descriptors_of_images) {
-  TrainingPoints points;
-  for (uint32_t image = 0; image < descriptors_of_images.size(); ++image) {
-    const auto rows = to_binary_descriptors(descriptors_of_images[image]);
-    points.descriptors.insert(points.descriptors.end(), rows.begin(), rows.end());
-    points.images.insert(points.images.end(), rows.size(), image);
-  }
-  return points;
+Seeding seeding_of(const std::string& name) {
+  if (name == "random") return Seeding::kRandom;
+  return name == "kmeans||" ? Seeding::kKmeansParallel : Seeding::kKmeansPlusPlus;
 }
 
-uint32_t images_with_descriptors(std::span<const cv::Mat> descriptors_of_images) {
-  return static_cast<uint32_t>(
-      std::count_if(descriptors_of_images.begin(), descriptors_of_images.end(),
-                    [](const cv::Mat& descriptors) { return descriptors.rows > 0; }));
-}
-
-void require_enough(size_t descriptors, uint32_t images, const TrainOptions& options) {
-  const double words = std::pow(options.branching, options.depth);
-  if (static_cast<double>(descriptors) < words) {
+void require_enough(uint64_t descriptors, uint64_t images, const TrainOptions& options) {
+  // What one level more than all but the last can split: less, and the tree would not reach its depth.
+  const double nodes = std::pow(options.branching, options.depth - 1);
+  const double least = std::max<double>(options.branching, options.min_split * nodes);
+  if (static_cast<double>(descriptors) < least) {
     throw InputError(fmt::format(
-        "{} descriptors are too few for {}^{} = {:.0f} words; give more images, or a smaller -k or -L",
-        descriptors, options.branching, options.depth, words));
+        "{} descriptors are too few for a dictionary of up to {}^{} words, which takes {:.0f}; give "
+        "more images, or a smaller -k or -L",
+        descriptors, options.branching, options.depth, least));
   }
   if (images < 2) {
     throw InputError("one image cannot tell rare words from common ones; give more images");
   }
 }
 
+/// What became of a node: its children, or a word.
+template <class Space>
+struct Split {
+  std::vector<typename Space::Point> centres;  ///< of its children; none for a word
+  std::vector<size_t> sizes;                   ///< points of each child here
+  uint64_t uses = 0;                           ///< of a word: its descriptors ...
+  uint64_t images = 0;                         ///< ... and the images they are of
+
+  [[nodiscard]] bool is_word() const { return centres.empty(); }
+};
+
 /// Grows the tree level by level.
+template <class Space>
 class Grower {
  public:
-  Grower(TrainingPoints points, uint32_t images, const TrainOptions& options, const Progress& progress)
-      : points_(std::move(points)), options_(options), progress_(progress) {
+  Grower(TrainingSet set, uint32_t images, const TrainOptions& options, const Progress& progress,
+         const Ranks& ranks)
+      : set_(std::move(set)), options_(options), progress_(progress), ranks_(ranks) {
+    tree_.kind = set_.kind;
     tree_.branching = options.branching;
     tree_.depth = options.depth;
     tree_.images = images;
-    tree_.centres.emplace_back();  // the root
+    tree_.centres.resize(sizeof(Point));  // the root
   }
 
   VocabularyTree grow() {
-    std::vector<NodePoints> level = {{0, points_.descriptors.size()}};
+    std::vector<LevelNode> level = {{0, set_.size(), ranks_.sum_of(set_.size())}};
+    total_ = level[0].size() * static_cast<size_t>(options_.depth);
     for (int depth = 0; !level.empty(); ++depth) {
-      const auto clusters =
-          depth < options_.depth ? cluster_level(level) : std::vector<Clusters>(level.size());
-      std::vector<NodePoints> next;
-      for (size_t i = 0; i < level.size(); ++i) {
-        if (clusters[i].centres.size() > 1) {
-          append_children(level[i], clusters[i], next);
-        } else {
-          append_word(level[i]);
-        }
-      }
-      level = std::move(next);
+      hand_out(set_, level, kLargeNode, ranks_);
+      const auto splits = told_to_all(level, split_level(level, depth < options_.depth));
+      level = append(level, splits);
     }
     return std::move(tree_);
   }
 
  private:
-  /// Clusters the points of each node that is to be split; no centres for the others.
-  std::vector<Clusters> cluster_level(const std::vector<NodePoints>& level) {
-    std::vector<Clusters> clusters(level.size());
-    for (size_t i = 0; i < level.size();) {
-      size_t end = i + 1, points = level[i].size();
-      while (end < level.size() && points + level[end].size() <= kLargeNode) points += level[end++].size();
-      const bool alone = end == i + 1;
-      parallel_for(end - i, options_.threads, [&](size_t first, size_t last) {
-        for (size_t j = i + first; j < i + last; ++j) {
-          clusters[j] = cluster_node(level[j], j, alone ? options_.threads : 1);
+  using Point = typename Space::Point;
+  using Splits = std::vector<Split<Space>>;
+
+  /// Splits the shared nodes together with the other processes, then those that are this one's own.
+  Splits split_level(const std::vector<LevelNode>& level, bool deep_enough) {
+    Splits splits(level.size());
+    std::vector<size_t> own;
+    for (size_t i = 0; i < level.size(); ++i) {
+      if (level[i].owner == ranks_.rank()) own.push_back(i);
+      if (!level[i].shared()) continue;
+      stopped_ = ranks_.sum_of(stopped_ ? 1 : 0) > 0;
+      splits[i] = split_node(level[i], i, deep_enough, options_.threads, ranks_);
+      if (deep_enough) advance(level[i].size());
+    }
+    for (size_t begin = 0; begin < own.size();) {
+      size_t end = begin, points = 0;
+      while (end < own.size() && (end == begin || points + level[own[end]].size() <= kLargeNode)) {
+        points += level[own[end++]].size();
+      }
+      parallel_for(end - begin, options_.threads, [&](size_t first, size_t last) {
+        for (size_t j = begin + first; j < begin + last; ++j) {
+          splits[own[j]] = split_node(level[own[j]], own[j], deep_enough, 1, Ranks());
         }
       });
-      done_ += points;
-      stopped_ = stopped_ || !report(progress_, "training", done_, total());
-      i = end;
+      if (deep_enough) advance(points);
+      begin = end;
     }
-    return clusters;
+    return splits;
   }
 
-  [[nodiscard]] Clusters cluster_node(const NodePoints& node, size_t index_in_level, int threads) const {
-    if (stopped_ || node.size() < static_cast<size_t>(options_.min_split)) return {};
-    ClusterOptions options;
-    options.clusters = options_.branching;
-    options.seeding = options_.seeding == "random" ? Seeding::kRandom : Seeding::kKmeansPlusPlus;
-    options.iterations = options_.iterations;
-    options.candidates = options_.candidates;
-    // Nodes before this level, and those before this one in it: the node's own number, whatever the threads.
-    const uint64_t number = tree_.child_counts.size() + index_in_level;
-    options.seed = hash(static_cast<uint64_t>(options_.seed), number);
-    options.threads = threads;
-    return cluster_binary(std::span(points_.descriptors).subspan(node.begin, node.size()), options);
+  void advance(size_t points) {
+    done_ += points;
+    stopped_ = !report(progress_, "training", done_, total_) || stopped_;
   }
 
-  /// Sorts the node's points by cluster, keeping the order of images.
-  void append_children(const NodePoints& node, const Clusters& clusters, std::vector<NodePoints>& next) {
-    std::vector<size_t> slot(clusters.centres.size() + 1, 0);
-    for (const uint32_t cluster : clusters.cluster_of) ++slot[cluster + 1];
-    for (size_t j = 1; j < slot.size(); ++j) slot[j] += slot[j - 1];
-    for (size_t j = 0; j + 1 < slot.size(); ++j)
-      next.push_back({node.begin + slot[j], node.begin + slot[j + 1]});
+  Split<Space> split_node(const LevelNode& node, size_t index_in_level, bool deep_enough, int threads,
+                          const Ranks& ranks) {
+    if (deep_enough && !stopped_ && node.total >= static_cast<uint64_t>(options_.min_split)) {
+      ClusterOptions options;
+      options.clusters = options_.branching;
+      options.seeding = seeding_of(options_.seeding);
+      options.iterations = options_.iterations;
+      options.candidates = options_.candidates;
+      // Nodes before this level, and those before this one in it: the node's own number, whoever splits it.
+      options.seed = hash(static_cast<uint64_t>(options_.seed), tree_.child_counts.size() + index_in_level);
+      options.threads = threads;
+      if (node.size() > kLargeNode) options.memory = set_.memory();
+      auto clusters = cluster<Space>(points_of(node), options, ranks);
+      if (clusters.centres.size() > 1) {
+        auto sizes = sort_points(node, clusters);
+        return {std::move(clusters.centres), std::move(sizes)};
+      }
+    }
+    Split<Space> word;
+    word.uses = node.total;
+    word.images = ranks.sum_of(images_of(node));
+    return word;
+  }
 
-    TrainingPoints sorted{std::vector<BinaryDescriptor>(node.size()), std::vector<uint32_t>(node.size())};
+  [[nodiscard]] std::span<const Point> points_of(const LevelNode& node) const {
+    return as_points<Space>(set_.rows).subspan(node.begin, node.size());
+  }
+
+  [[nodiscard]] uint64_t images_of(const LevelNode& node) const {
+    uint64_t images = 0;
+    for (size_t i = node.begin; i < node.end; ++i) {
+      if (i == node.begin || set_.image_of[i] != set_.image_of[i - 1]) ++images;
+    }
+    return images;
+  }
+
+  /// Sorts the node's points by cluster, keeping the order of images; gives the size of each cluster.
+  std::vector<size_t> sort_points(const LevelNode& node, const Clusters<Space>& clusters) {
+    std::vector<size_t> sizes(clusters.centres.size(), 0);
+    for (const uint32_t cluster : clusters.cluster_of) ++sizes[cluster];
+    std::vector<size_t> slot(sizes.size());
+    std::exclusive_scan(sizes.begin(), sizes.end(), slot.begin(), size_t{0});
+
+    auto* memory = clusters.cluster_of.get_allocator().resource();
+    std::pmr::vector<Point> points(node.size(), memory);
+    std::pmr::vector<uint32_t> image_of(node.size(), memory);
+    const auto unsorted = points_of(node);
     for (size_t i = 0; i < node.size(); ++i) {
       const size_t to = slot[clusters.cluster_of[i]]++;
-      sorted.descriptors[to] = points_.descriptors[node.begin + i];
-      sorted.images[to] = points_.images[node.begin + i];
+      points[to] = unsorted[i];
+      image_of[to] = set_.image_of[node.begin + i];
     }
-    const auto begin = static_cast<std::ptrdiff_t>(node.begin);
-    std::copy(sorted.descriptors.begin(), sorted.descriptors.end(), points_.descriptors.begin() + begin);
-    std::copy(sorted.images.begin(), sorted.images.end(), points_.images.begin() + begin);
-
-    tree_.child_counts.push_back(static_cast<uint8_t>(clusters.centres.size()));
-    tree_.centres.insert(tree_.centres.end(), clusters.centres.begin(), clusters.centres.end());
+    std::memcpy(set_.rows.data() + node.begin * sizeof(Point), points.data(), points.size() * sizeof(Point));
+    std::copy(image_of.begin(), image_of.end(), set_.image_of.begin() + static_cast<ptrdiff_t>(node.begin));
+    return sizes;
   }
 
-  void append_word(const NodePoints& node) {
-    uint32_t images = 0;
-    for (size_t i = node.begin; i < node.end; ++i) {
-      if (i == node.begin || points_.images[i] != points_.images[i - 1]) ++images;
+  /// Every process gets to know what became of all nodes; of those it does not own it has no points.
+  [[nodiscard]] Splits told_to_all(const std::vector<LevelNode>& level, Splits splits) const {
+    if (ranks_.size() == 1) return splits;
+    Message own;
+    for (size_t i = 0; i < level.size(); ++i) {
+      if (level[i].owner != ranks_.rank()) continue;
+      put(own, uint64_t{splits[i].centres.size()});
+      put(own, std::span<const Point>(splits[i].centres));
+      put(own, splits[i].uses);
+      put(own, splits[i].images);
     }
-    tree_.child_counts.push_back(0);
-    tree_.idf.push_back(static_cast<float>(std::log(static_cast<double>(tree_.images) / images)));
-    tree_.uses.push_back(static_cast<uint32_t>(node.size()));
+    const auto messages = ranks_.gather(own);
+    std::vector<MessageReader> readers(messages.begin(), messages.end());
+    for (size_t i = 0; i < level.size(); ++i) {
+      if (level[i].shared()) continue;
+      MessageReader& reader = readers[static_cast<size_t>(level[i].owner)];
+      splits[i].centres = reader.take<Point>(reader.take<uint64_t>());
+      splits[i].sizes.resize(splits[i].centres.size(), 0);
+      splits[i].uses = reader.take<uint64_t>();
+      splits[i].images = reader.take<uint64_t>();
+    }
+    return splits;
   }
 
-  [[nodiscard]] size_t total() const {
-    return points_.descriptors.size() * static_cast<size_t>(options_.depth);
+  /// Adds the nodes of the level to the tree; gives the next level.
+  std::vector<LevelNode> append(const std::vector<LevelNode>& level, const Splits& splits) {
+    std::vector<LevelNode> next;
+    for (size_t i = 0; i < level.size(); ++i) {
+      const Split<Space>& split = splits[i];
+      tree_.child_counts.push_back(static_cast<uint32_t>(split.centres.size()));
+      if (split.is_word()) {
+        const double rarity = static_cast<double>(tree_.images) / static_cast<double>(split.images);
+        tree_.idf.push_back(static_cast<float>(std::log(rarity)));
+        tree_.uses.push_back(static_cast<uint32_t>(split.uses));
+      }
+      for (const Point& centre : split.centres) {
+        tree_.centres.insert(tree_.centres.end(), centre.begin(), centre.end());
+      }
+      std::vector<uint64_t> totals(split.sizes.begin(), split.sizes.end());
+      if (level[i].shared()) ranks_.sum(totals);
+      size_t begin = level[i].begin;
+      for (size_t j = 0; j < split.sizes.size(); ++j) {
+        next.push_back({begin, begin + split.sizes[j], totals[j], level[i].owner});
+        begin = next.back().end;
+      }
+    }
+    return next;
   }
 
-  TrainingPoints points_;
+  TrainingSet set_;
   const TrainOptions& options_;
   const Progress& progress_;
+  const Ranks& ranks_;
   VocabularyTree tree_;
   size_t done_ = 0;
+  size_t total_ = 0;
   bool stopped_ = false;
 };
 
 }  // namespace
 
+Vocabulary train_vocabulary(TrainingSet set, const TrainOptions& options, const Progress& progress,
+                            const Ranks& ranks) {
+  const auto images_of_ranks = ranks.all(set.images);
+  const auto mine = images_of_ranks.begin() + ranks.rank();
+  const auto first_image = std::accumulate(images_of_ranks.begin(), mine, uint64_t{0});
+  for (uint32_t& image : set.image_of) image += static_cast<uint32_t>(first_image);
+  const auto images = std::accumulate(mine, images_of_ranks.end(), first_image);
+  require_enough(ranks.sum_of(set.size()), images, options);
+  return visit_space(set.kind, [&]<class Space>(Space) {
+    return Vocabulary(
+        Grower<Space>(std::move(set), static_cast<uint32_t>(images), options, progress, ranks).grow());
+  });
+}
+
 Vocabulary train_vocabulary(std::span<const cv::Mat> descriptors_of_images, const TrainOptions& options,
                             const Progress& progress) {
-  auto points = gather(descriptors_of_images);
-  const uint32_t images = images_with_descriptors(descriptors_of_images);
-  require_enough(points.descriptors.size(), images, options);
-  return Vocabulary(Grower(std::move(points), images, options, progress).grow());
+  return train_vocabulary(to_training_set(descriptors_of_images), options, progress);
 }
 
 }  // namespace kinloop

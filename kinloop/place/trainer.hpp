@@ -1,6 +1,6 @@
 #pragma once
-// In: the descriptors of many images. Out: a dictionary: hierarchical k-means (Nister and Stewenius 2006)
-// under the Hamming distance, seeded by k-means++ in every node.
+// In: the descriptors of many images. Out: a dictionary: hierarchical k-means (Nister and Stewenius 2006), or
+// with one level a flat one.
 
 #include <span>
 #include <string>
@@ -9,6 +9,8 @@
 
 #include "kinloop/base/options.hpp"
 #include "kinloop/base/progress.hpp"
+#include "kinloop/place/ranks.hpp"
+#include "kinloop/place/training_set.hpp"
 #include "kinloop/place/vocabulary.hpp"
 
 namespace kinloop {
@@ -25,10 +27,11 @@ struct TrainOptions {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("branching", self.branching, "most children of a node", Range{2, 255});
-    visit("depth", self.depth, "levels below the root; at most branching^depth words", Range{1, 10});
+    visit("branching", self.branching, "most children of a node", Range{2, 1e6});
+    visit("depth", self.depth, "levels below the root; at most branching^depth words; 1 = a flat dictionary",
+          Range{1, 10});
     visit("seeding", self.seeding, "how the first centres of a node are chosen",
-          Choices{{"kmeans++", "random"}});
+          Choices{{"kmeans++", "kmeans||", "random"}});
     visit("candidates", self.candidates,
           "points tried for each k-means++ centre, the best is kept; 0 = 2 + ln(branching), 1 = plain "
           "k-means++",
@@ -40,9 +43,14 @@ struct TrainOptions {
   }
 };
 
-/// Trains on the descriptors (N x 32 bytes, N may be 0) of each image. The same input and seed give the same
-/// dictionary whatever the number of threads. When `progress` asks to stop, nodes not yet split stay words.
-/// Throws InputError when there are fewer descriptors than words asked for, or fewer than two images.
+/// Trains on the descriptors that the processes of `ranks` have. The same input and seed give the same
+/// dictionary whatever the number of threads and of processes; each process gets it. When `progress` asks to
+/// stop, nodes not yet split stay words. Throws InputError, on each process, when there are too few
+/// descriptors for the last level to have something to split, or fewer than two images.
+Vocabulary train_vocabulary(TrainingSet set, const TrainOptions& options, const Progress& progress = {},
+                            const Ranks& ranks = Ranks());
+
+/// Trains on the ORB descriptors of each image.
 Vocabulary train_vocabulary(std::span<const cv::Mat> descriptors_of_images, const TrainOptions& options,
                             const Progress& progress = {});
 

@@ -6,12 +6,15 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <opencv2/features2d.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/features/extractor.hpp"
+#include "kinloop/features/surf.hpp"
+#include "kinloop/place/descriptor_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -45,8 +48,51 @@ std::vector<fs::path> images_below(const fs::path& folder) {
   return images;
 }
 
-/// Nothing when the file is not an image.
-std::optional<cv::Mat> describe_image(const fs::path& path, const FeatureOptions& options) {
+/// Components of SIFT are whole numbers up to 255; those of SURF, of length 1 in all, are mostly below 0.5.
+cv::Mat float_descriptors_as_bytes(const cv::Mat& gray, const Description& description) {
+  cv::Mat descriptors, bytes;
+  if (description.kind == DescriptorKind::kSift) {
+    std::vector<cv::KeyPoint> key_points;
+    cv::SIFT::create(description.features.count)
+        ->detectAndCompute(gray, cv::noArray(), key_points, descriptors);
+    descriptors.convertTo(bytes, CV_8U);
+  } else {
+    constexpr double kSteps = 255, kMiddle = 128;
+    detect_surf(gray, description.features.count).descriptors.convertTo(bytes, CV_8U, kSteps, kMiddle);
+  }
+  return bytes;
+}
+
+/// The share of `count` things that is this process's: [first, second).
+std::pair<size_t, size_t> share_of(size_t count, const Ranks& ranks) {
+  const auto rank = static_cast<size_t>(ranks.rank()), size = static_cast<size_t>(ranks.size());
+  return {count * rank / size, count * (rank + 1) / size};
+}
+
+void require_kind(const DescriptorFile& file, const fs::path& path, DescriptorKind kind) {
+  if (file.kind() == kind) return;
+  throw InputError(fmt::format("{}: descriptors of {}, expected {}; see --feature and --euclidean",
+                               path.string(), traits_of(file.kind()).name, traits_of(kind).name));
+}
+
+}  // namespace
+
+TrainingInput list_training_input(std::span<const fs::path> inputs) {
+  TrainingInput listed;
+  for (const auto& input : inputs) {
+    if (!fs::exists(input)) throw InputError(fmt::format("{}: no such file or folder", input.string()));
+    if (!fs::is_directory(input)) {
+      (input.extension() == ".kindesc" ? listed.descriptor_files : listed.images).push_back(input);
+      continue;
+    }
+    const auto inside = fs::exists(input / "rgb.txt") ? images_of_sequence(input) : images_below(input);
+    if (inside.empty()) throw InputError(fmt::format("{}: no image in this folder", input.string()));
+    listed.images.insert(listed.images.end(), inside.begin(), inside.end());
+  }
+  return listed;
+}
+
+std::optional<cv::Mat> describe_image(const fs::path& path, const Description& description) {
   cv::Mat gray;
   try {
     gray = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
@@ -54,52 +100,54 @@ std::optional<cv::Mat> describe_image(const fs::path& path, const FeatureOptions
     return std::nullopt;
   }
   if (gray.empty()) return std::nullopt;
+  if (traits_of(description.kind).metric == Metric::kEuclidean) {
+    return float_descriptors_as_bytes(gray, description);
+  }
   PinholeCamera camera;  // pixels alone matter here: any camera without distortion will do
   camera.width = gray.cols;
   camera.height = gray.rows;
   camera.fx = camera.fy = gray.cols;
   camera.cx = 0.5 * gray.cols;
   camera.cy = 0.5 * gray.rows;
-  return extract_features(gray, cv::Mat(), camera, options).descriptors;
+  return extract_features(gray, cv::Mat(), camera, description.features).descriptors;
 }
 
-}  // namespace
-
-std::vector<fs::path> list_images(std::span<const fs::path> inputs) {
-  std::vector<fs::path> images;
-  for (const auto& input : inputs) {
-    if (!fs::exists(input)) throw InputError(fmt::format("{}: no such file or folder", input.string()));
-    if (!fs::is_directory(input)) {
-      images.push_back(input);
-      continue;
-    }
-    const auto inside = fs::exists(input / "rgb.txt") ? images_of_sequence(input) : images_below(input);
-    if (inside.empty()) throw InputError(fmt::format("{}: no image in this folder", input.string()));
-    images.insert(images.end(), inside.begin(), inside.end());
-  }
-  return images;
-}
-
-ImageDescriptors describe_images(std::span<const fs::path> images, const FeatureOptions& options, int threads,
-                                 const Progress& progress) {
+void describe_images(std::span<const fs::path> images, const Description& description,
+                     const Progress& progress,
+                     const std::function<void(const fs::path&, const std::optional<cv::Mat>&)>& visit) {
   constexpr size_t kBatch = 16;  // images between two reports
-  ImageDescriptors result;
   for (size_t begin = 0; begin < images.size(); begin += kBatch) {
-    if (!report(progress, "describing images", begin, images.size())) break;
+    if (!report(progress, "describing", begin, images.size())) return;
     const auto batch = images.subspan(begin, std::min(kBatch, images.size() - begin));
     std::vector<std::optional<cv::Mat>> described(batch.size());
-    parallel_for(batch.size(), threads, [&](size_t first, size_t last) {
-      for (size_t i = first; i < last; ++i) described[i] = describe_image(batch[i], options);
+    parallel_for(batch.size(), description.threads, [&](size_t first, size_t last) {
+      for (size_t i = first; i < last; ++i) described[i] = describe_image(batch[i], description);
     });
-    for (size_t i = 0; i < batch.size(); ++i) {
-      if (described[i]) {
-        result.of_images.push_back(std::move(*described[i]));
-      } else {
-        result.unreadable.push_back(batch[i]);
-      }
-    }
+    for (size_t i = 0; i < batch.size(); ++i) visit(batch[i], described[i]);
   }
-  return result;
+  report(progress, "describing", images.size(), images.size());
+}
+
+DescribedInput read_training_set(const TrainingInput& input, const Description& description,
+                                 const Progress& progress, const Ranks& ranks,
+                                 std::pmr::memory_resource* memory) {
+  DescribedInput described{TrainingSet(description.kind, memory), {}};
+  const auto [begin, end] = share_of(input.images.size(), ranks);
+  describe_images(std::span(input.images).subspan(begin, end - begin), description, progress,
+                  [&](const fs::path& path, const std::optional<cv::Mat>& descriptors) {
+                    if (descriptors) {
+                      described.set.append(*descriptors);
+                    } else {
+                      described.unreadable.push_back(path);
+                    }
+                  });
+  for (const fs::path& path : input.descriptor_files) {
+    const DescriptorFile file(path);
+    require_kind(file, path, description.kind);
+    const auto [first, last] = share_of(file.images(), ranks);
+    for (size_t image = first; image < last; ++image) described.set.append(file.of_image(image));
+  }
+  return described;
 }
 
 }  // namespace kinloop

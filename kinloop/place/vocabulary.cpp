@@ -6,19 +6,20 @@
 #include <numeric>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/place/descriptor_space.hpp"
 
 namespace kinloop {
 namespace {
 
 /// Nodes are breadth first: the children of a node begin where those of the nodes before it end.
-std::vector<uint32_t> first_children(const std::vector<uint8_t>& child_counts) {
+std::vector<uint32_t> first_children(std::span<const uint32_t> child_counts) {
   std::vector<uint32_t> first(child_counts.size());
   std::exclusive_scan(child_counts.begin(), child_counts.end(), first.begin(), uint32_t{1});
   return first;
 }
 
 /// Whether the child counts describe one tree with all nodes in it and at most `depth` levels below the root.
-bool is_tree(const std::vector<uint8_t>& child_counts, int depth) {
+bool is_tree(std::span<const uint32_t> child_counts, int depth) {
   size_t level_begin = 0, level_end = 1;
   for (int level = 0; level <= depth; ++level) {
     if (level_end > child_counts.size()) return false;
@@ -36,37 +37,54 @@ struct Descent {
   uint32_t above;  ///< its ancestor at the level asked for
 };
 
-/// Greedy descent of `count` descriptors, 32 bytes each.
-KINLOOP_POPCOUNT_CLONES void descend(const uint8_t* centres, const uint8_t* child_counts,
-                                     const uint32_t* first_child, const cv::Mat& descriptors, int above_level,
-                                     Descent* found) {
+/// What greedy descent looks at.
+struct Descending {
+  const uint32_t* child_counts;
+  const uint32_t* first_child;
+  int above_level;
+};
+
+template <class Space>
+[[gnu::always_inline]] inline void descend(const Descending& tree,
+                                           std::span<const typename Space::Point> centres,
+                                           const cv::Mat& descriptors, Descent* found) {
   for (int row = 0; row < descriptors.rows; ++row) {
-    const uint8_t* descriptor = descriptors.ptr(row);
+    const auto& descriptor = *reinterpret_cast<const typename Space::Point*>(descriptors.ptr(row));
     uint32_t node = 0, above = 0;
-    for (int level = 1; child_counts[node] > 0; ++level) {
-      const uint32_t first = first_child[node], end = first + child_counts[node];
-      int best = std::numeric_limits<int>::max();
+    for (int level = 1; tree.child_counts[node] > 0; ++level) {
+      const uint32_t first = tree.first_child[node], end = first + tree.child_counts[node];
+      uint32_t best = std::numeric_limits<uint32_t>::max();
       for (uint32_t child = first; child < end; ++child) {
-        const int distance = hamming_distance(descriptor, centres + size_t{child} * kOrbBytes);
+        const uint32_t distance = Space::distance(descriptor, centres[child]);
         if (distance < best) {
           best = distance;
           node = child;
         }
       }
-      if (level <= above_level) above = node;
+      if (level <= tree.above_level) above = node;
     }
     found[row] = {node, above};
   }
 }
 
+KINLOOP_POPCOUNT_CLONES void descend_bits(const Descending& tree, std::span<const BinaryDescriptor> centres,
+                                          const cv::Mat& descriptors, Descent* found) {
+  descend<HammingSpace>(tree, centres, descriptors, found);
+}
+
 }  // namespace
 
-std::optional<std::string> defect_of(const VocabularyTree& tree) {
+VocabularyView view_of(const VocabularyTree& tree) {
+  return {static_cast<const VocabularyShape&>(tree), tree.child_counts, tree.centres, tree.idf, tree.uses};
+}
+
+std::optional<std::string> defect_of(const VocabularyView& tree) {
   const auto& counts = tree.child_counts;
   if (counts.empty() || counts.size() > std::numeric_limits<uint32_t>::max()) return "the number of nodes";
-  if (tree.centres.size() != counts.size()) return "the number of centres";
-  const bool too_wide =
-      std::any_of(counts.begin(), counts.end(), [&](int count) { return count > tree.branching; });
+  if (tree.centres.size() != counts.size() * traits_of(tree.kind).bytes) return "the number of centres";
+  const bool too_wide = std::any_of(counts.begin(), counts.end(), [&](uint32_t count) {
+    return count > static_cast<uint32_t>(tree.branching);
+  });
   if (too_wide || !is_tree(counts, tree.depth)) return "the shape of the tree";
   const auto words = static_cast<size_t>(std::count(counts.begin(), counts.end(), 0));
   if (tree.idf.size() != words || tree.uses.size() != words) return "the number of words";
@@ -76,7 +94,15 @@ std::optional<std::string> defect_of(const VocabularyTree& tree) {
   return std::nullopt;
 }
 
-Vocabulary::Vocabulary(VocabularyTree tree) : tree_(std::move(tree)) {
+Vocabulary::Vocabulary(VocabularyTree tree)
+    : Vocabulary([&] {
+        auto owned = std::make_shared<const VocabularyTree>(std::move(tree));
+        const VocabularyView view = view_of(*owned);
+        return Vocabulary(view, std::move(owned));
+      }()) {}
+
+Vocabulary::Vocabulary(const VocabularyView& view, std::shared_ptr<const void> owner)
+    : owner_(std::move(owner)), tree_(view) {
   require(!defect_of(tree_), "a dictionary must be a sound tree");
   first_child_ = first_children(tree_.child_counts);
   word_of_node_.resize(tree_.child_counts.size());
@@ -89,11 +115,19 @@ Vocabulary::Vocabulary(VocabularyTree tree) : tree_(std::move(tree)) {
 
 QuantizedFeatures Vocabulary::words_of(const cv::Mat& descriptors, int levels_up) const {
   if (descriptors.empty()) return {};
-  require(descriptors.type() == CV_8UC1 && descriptors.cols == kOrbBytes,
-          "a binary dictionary takes descriptors of 32 bytes a row (ORB)");
+  require(
+      descriptors.type() == CV_8UC1 && static_cast<size_t>(descriptors.cols) == traits_of(tree_.kind).bytes,
+      "the descriptors are of another kind than the dictionary's");
   std::vector<Descent> found(static_cast<size_t>(descriptors.rows));
-  descend(tree_.centres.front().data(), tree_.child_counts.data(), first_child_.data(), descriptors,
-          tree_.depth - levels_up, found.data());
+  const Descending tree{tree_.child_counts.data(), first_child_.data(), tree_.depth - levels_up};
+  visit_space(tree_.kind, [&]<class Space>(Space) {
+    const auto centres = as_points<Space>(tree_.centres);
+    if constexpr (std::is_same_v<Space, HammingSpace>) {
+      descend_bits(tree, centres, descriptors, found.data());
+    } else {
+      descend<Space>(tree, centres, descriptors, found.data());
+    }
+  });
   QuantizedFeatures quantized;
   quantized.words.reserve(found.size());
   quantized.nodes.reserve(found.size());
@@ -123,9 +157,10 @@ BowVector Vocabulary::bow_of(std::span<const WordId> words) const {
   return bow;
 }
 
-const BinaryDescriptor& Vocabulary::centre_of(WordId word) const {
+std::span<const uint8_t> Vocabulary::centre_of(WordId word) const {
   require(word.value < word_count(), "centre_of: a word of another dictionary");
-  return tree_.centres[node_of_word_[word.value]];
+  const size_t bytes = descriptors().bytes;
+  return tree_.centres.subspan(node_of_word_[word.value] * bytes, bytes);
 }
 
 }  // namespace kinloop

@@ -1,150 +1,171 @@
 #include "kinloop/place/vocabulary_file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
-#include <concepts>
+#include <cstddef>
 #include <cstring>
+#include <numeric>
 
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/mapped_file.hpp"
 #include "kinloop/base/text_file.hpp"
 
 namespace kinloop {
 namespace {
 
+static_assert(std::endian::native == std::endian::little,
+              "dictionaries are looked at as they lie in the file");
+
 constexpr std::string_view kMagic("KINVOC\r\n", 8);  // the line end shows a transfer in text mode
-constexpr uint32_t kVersion = 1;
-constexpr uint32_t kBinary256 = 1;  ///< descriptors of 256 bits under the Hamming distance
-constexpr size_t kHeaderBytes = 48;
-constexpr size_t kChecksumOffset = 40;
+constexpr uint32_t kVersion = 2;
 constexpr const char* kRemedy = "train it again with 'kinloop vocab train', or copy it anew";
 
-/// Little-endian integers, whatever the machine.
-template <std::unsigned_integral T>
-T get(const char* bytes) {
-  T value = 0;
-  for (size_t i = 0; i < sizeof(T); ++i) {
-    value = static_cast<T>(value | T{static_cast<unsigned char>(bytes[i])} << (8 * i));
-  }
-  return value;
-}
-
-template <std::unsigned_integral T>
-void put(std::string& bytes, T value) {
-  for (size_t i = 0; i < sizeof(T); ++i) bytes.push_back(static_cast<char>((value >> (8 * i)) & 0xff));
-}
-
-/// FNV-1a (Fowler, Noll, Vo) over 64-bit words instead of bytes, for speed; the rotation lets the top bits of
-/// a word, too, reach all later ones. Each step is a bijection: an altered word always alters the sum.
-uint64_t checksum(std::string_view bytes, uint64_t sum) {
-  constexpr uint64_t kPrime = 0x100000001b3;
-  constexpr int kRotation = 29;
-  for (size_t i = 0; i + 8 <= bytes.size(); i += 8) {
-    sum = std::rotl((sum ^ get<uint64_t>(bytes.data() + i)) * kPrime, kRotation);
-  }
-  return sum;
-}
-
-/// Of everything but the sum itself.
-uint64_t file_checksum(std::string_view bytes) {
-  constexpr uint64_t kOffsetBasis = 0xcbf29ce484222325;
-  return checksum(bytes.substr(kHeaderBytes), checksum(bytes.substr(0, kChecksumOffset), kOffsetBasis));
-}
-
 struct Header {
+  std::array<char, 8> magic{};
   uint32_t version = kVersion;
-  uint32_t kind = kBinary256;
+  uint32_t kind = 0;
   uint32_t branching = 0;
   uint32_t depth = 0;
   uint32_t images = 0;
   uint32_t nodes = 0;
   uint32_t words = 0;
-  uint32_t reserved = 0;
+  uint32_t descriptor_bytes = 0;
+  uint64_t checksum = 0;  ///< of everything else
 
-  /// Whole file: header, centres, idf, uses, child counts, zeros up to a multiple of 8.
+  /// Whole file: header, centres, child counts, idf, uses, zeros up to a multiple of 8.
   [[nodiscard]] uint64_t file_bytes() const {
-    const uint64_t bytes = kHeaderBytes + uint64_t{nodes} * (kOrbBytes + 1) + uint64_t{words} * 8;
+    const uint64_t bytes =
+        sizeof(Header) + uint64_t{nodes} * (uint64_t{descriptor_bytes} + 4) + uint64_t{words} * 8;
     return (bytes + 7) / 8 * 8;
   }
 };
+static_assert(sizeof(Header) == 48);
 
-Header get_header(std::string_view bytes) {
-  const auto field = [&](size_t i) { return get<uint32_t>(bytes.data() + kMagic.size() + 4 * i); };
-  return {field(0), field(1), field(2), field(3), field(4), field(5), field(6), field(7)};
+/// FNV-1a (Fowler, Noll, Vo) over 64-bit words instead of bytes, for speed; the rotation lets the top bits of
+/// a word, too, reach all later ones. Each step is a bijection: an altered word always alters the sum.
+uint64_t with_word(uint64_t sum, uint64_t word) {
+  constexpr uint64_t kPrime = 0x100000001b3;
+  constexpr int kRotation = 29;
+  return std::rotl((sum ^ word) * kPrime, kRotation);
+}
+
+/// Word i goes into sum i mod 4: four steps at a time.
+using Sums = std::array<uint64_t, 4>;
+
+void add_words(Sums& sums, std::string_view bytes) {
+  const size_t words = bytes.size() / 8;
+  const auto word = [&](size_t i) {
+    uint64_t value = 0;
+    std::memcpy(&value, bytes.data() + 8 * i, sizeof value);
+    return value;
+  };
+  Sums now = sums;
+  size_t i = 0;
+  for (; i + now.size() <= words; i += now.size()) {
+    for (size_t j = 0; j < now.size(); ++j) now[j] = with_word(now[j], word(i + j));
+  }
+  for (; i < words; ++i) now[i % now.size()] = with_word(now[i % now.size()], word(i));
+  sums = now;
+}
+
+/// Of everything but the sum itself, which ends the header.
+uint64_t file_checksum(std::string_view bytes) {
+  constexpr uint64_t kOffsetBasis = 0xcbf29ce484222325;
+  Sums sums;
+  sums.fill(kOffsetBasis);
+  add_words(sums, bytes.substr(0, sizeof(Header) - sizeof(Header::checksum)));
+  add_words(sums, bytes.substr(sizeof(Header)));
+  return std::accumulate(sums.begin(), sums.end(), kOffsetBasis, with_word);
+}
+
+[[noreturn]] void fail(const std::string& name, const std::string& what) {
+  throw InputError(fmt::format("{}: {}; {}", name, what, kRemedy));
 }
 
 /// The header, once all that can be told without reading on is as it should be.
 Header checked_header(std::string_view bytes, const std::string& name) {
-  const auto fail = [&](const std::string& what) { throw InputError(fmt::format("{}: {}", name, what)); };
-  if (bytes.substr(0, kMagic.size()) != kMagic)
-    fail("not a kinloop dictionary; make one with 'kinloop vocab train'");
-  if (bytes.size() < kHeaderBytes) fail(fmt::format("cut short within its header; {}", kRemedy));
-  const Header header = get_header(bytes);
+  if (bytes.substr(0, kMagic.size()) != kMagic) fail(name, "not a kinloop dictionary");
+  if (bytes.size() < sizeof(Header)) fail(name, "cut short within its header");
+  Header header;
+  std::memcpy(&header, bytes.data(), sizeof header);
   if (header.version != kVersion) {
-    fail(fmt::format("dictionary format {}, this program reads format {}; {}", header.version, kVersion,
-                     kRemedy));
+    fail(name, fmt::format("dictionary format {}, this program reads format {}", header.version, kVersion));
   }
-  if (header.kind != kBinary256) {
-    fail(fmt::format("a dictionary of descriptor kind {}, expected {} (ORB); {}", header.kind, kBinary256,
-                     kRemedy));
+  const auto kind = descriptor_kind(header.kind);
+  if (!kind) fail(name, fmt::format("a dictionary of descriptor kind {}, which is not known", header.kind));
+  if (header.descriptor_bytes != traits_of(*kind).bytes) {
+    fail(name, fmt::format("descriptors of {} bytes, expected {}", header.descriptor_bytes,
+                           traits_of(*kind).bytes));
   }
   if (bytes.size() != header.file_bytes()) {
-    fail(fmt::format("{} bytes, expected {}: cut short or appended to; {}", bytes.size(), header.file_bytes(),
-                     kRemedy));
+    fail(name,
+         fmt::format("{} bytes, expected {}: cut short or appended to", bytes.size(), header.file_bytes()));
   }
-  if (get<uint64_t>(bytes.data() + kChecksumOffset) != file_checksum(bytes)) {
-    fail(fmt::format("damaged: its checksum does not fit its content; {}", kRemedy));
+  if (header.checksum != file_checksum(bytes)) {
+    fail(name, "damaged: its checksum does not fit its content");
   }
   return header;
+}
+
+template <class T>
+void append(std::string& bytes, std::span<const T> values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+}
+
+/// Takes `count` values off the front of `bytes`.
+template <class T>
+std::span<const T> take(std::string_view& bytes, size_t count) {
+  const std::span values(reinterpret_cast<const T*>(bytes.data()), count);
+  bytes.remove_prefix(values.size_bytes());
+  return values;
 }
 
 }  // namespace
 
 std::string serialize_vocabulary(const Vocabulary& vocabulary) {
-  const VocabularyTree& tree = vocabulary.tree();
+  const VocabularyView& tree = vocabulary.tree();
   Header header;
+  std::copy(kMagic.begin(), kMagic.end(), header.magic.begin());
+  header.kind = static_cast<uint32_t>(tree.kind);
   header.branching = static_cast<uint32_t>(tree.branching);
   header.depth = static_cast<uint32_t>(tree.depth);
   header.images = tree.images;
   header.nodes = static_cast<uint32_t>(tree.child_counts.size());
   header.words = static_cast<uint32_t>(tree.idf.size());
-  std::string bytes(kMagic);
+  header.descriptor_bytes = static_cast<uint32_t>(vocabulary.descriptors().bytes);
+  std::string bytes;
   bytes.reserve(header.file_bytes());
-  for (const uint32_t field : {header.version, header.kind, header.branching, header.depth, header.images,
-                               header.nodes, header.words, header.reserved}) {
-    put(bytes, field);
-  }
-  put(bytes, uint64_t{0});  // the checksum, known at the end
-  for (const auto& centre : tree.centres) bytes.append(centre.begin(), centre.end());
-  for (const float idf : tree.idf) put(bytes, std::bit_cast<uint32_t>(idf));
-  for (const uint32_t uses : tree.uses) put(bytes, uses);
-  bytes.append(tree.child_counts.begin(), tree.child_counts.end());
+  append(bytes, std::span<const Header>(&header, 1));
+  append(bytes, tree.centres);
+  append(bytes, tree.child_counts);
+  append(bytes, tree.idf);
+  append(bytes, tree.uses);
   bytes.resize(header.file_bytes(), '\0');
-  std::string sum;
-  put(sum, file_checksum(bytes));
-  return bytes.replace(kChecksumOffset, sum.size(), sum);
+  const uint64_t sum = file_checksum(bytes);
+  std::memcpy(bytes.data() + offsetof(Header, checksum), &sum, sizeof sum);
+  return bytes;
 }
 
-Vocabulary parse_vocabulary(std::string_view bytes, const std::string& name) {
+Vocabulary parse_vocabulary(std::string_view bytes, const std::string& name,
+                            std::shared_ptr<const void> owner) {
   const Header header = checked_header(bytes, name);
-  VocabularyTree tree;
+  require(reinterpret_cast<uintptr_t>(bytes.data()) % alignof(uint32_t) == 0,
+          "parse_vocabulary: the bytes must be aligned");
+  VocabularyView tree;
+  tree.kind = *descriptor_kind(header.kind);
   tree.branching = static_cast<int>(header.branching);
   tree.depth = static_cast<int>(header.depth);
   tree.images = header.images;
-  const char* at = bytes.data() + kHeaderBytes;
-  tree.centres.resize(header.nodes);
-  if (header.nodes > 0) std::memcpy(tree.centres.data(), at, size_t{header.nodes} * kOrbBytes);
-  at += size_t{header.nodes} * kOrbBytes;
-  tree.idf.reserve(header.words);
-  for (size_t i = 0; i < header.words; ++i, at += 4)
-    tree.idf.push_back(std::bit_cast<float>(get<uint32_t>(at)));
-  tree.uses.reserve(header.words);
-  for (size_t i = 0; i < header.words; ++i, at += 4) tree.uses.push_back(get<uint32_t>(at));
-  tree.child_counts.assign(at, at + header.nodes);
-  if (const auto defect = defect_of(tree)) {
-    throw InputError(fmt::format("{}: {} makes no sense; {}", name, *defect, kRemedy));
-  }
-  return Vocabulary(std::move(tree));
+  bytes.remove_prefix(sizeof(Header));
+  tree.centres = take<uint8_t>(bytes, size_t{header.nodes} * header.descriptor_bytes);
+  tree.child_counts = take<uint32_t>(bytes, header.nodes);
+  tree.idf = take<float>(bytes, header.words);
+  tree.uses = take<uint32_t>(bytes, header.words);
+  if (const auto defect = defect_of(tree)) fail(name, *defect + " makes no sense");
+  return {tree, std::move(owner)};
 }
 
 void write_vocabulary(const std::filesystem::path& path, const Vocabulary& vocabulary) {
@@ -152,7 +173,8 @@ void write_vocabulary(const std::filesystem::path& path, const Vocabulary& vocab
 }
 
 Vocabulary read_vocabulary(const std::filesystem::path& path) {
-  return parse_vocabulary(read_file(path), path.string());
+  const auto file = std::make_shared<const MappedFile>(path);
+  return parse_vocabulary(file->bytes(), path.string(), file);
 }
 
 }  // namespace kinloop

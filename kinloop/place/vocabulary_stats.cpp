@@ -4,10 +4,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "kinloop/place/descriptor_space.hpp"
+
 namespace kinloop {
 namespace {
 
-std::vector<LevelStats> levels_of(const VocabularyTree& tree) {
+std::vector<LevelStats> levels_of(const VocabularyView& tree) {
   std::vector<LevelStats> levels;
   size_t begin = 0, end = 1;
   while (begin < end) {
@@ -24,7 +26,7 @@ std::vector<LevelStats> levels_of(const VocabularyTree& tree) {
   return levels;
 }
 
-double entropy_bits(const std::vector<uint32_t>& uses, uint64_t sum) {
+double entropy_bits(std::span<const uint32_t> uses, uint64_t sum) {
   double entropy = 0;
   for (const uint32_t count : uses) {
     const double p = static_cast<double>(count) / static_cast<double>(sum);
@@ -36,7 +38,7 @@ double entropy_bits(const std::vector<uint32_t>& uses, uint64_t sum) {
 }  // namespace
 
 VocabularyStats vocabulary_stats(const Vocabulary& vocabulary) {
-  const VocabularyTree& tree = vocabulary.tree();
+  const VocabularyView& tree = vocabulary.tree();
   VocabularyStats stats;
   stats.levels = levels_of(tree);
   stats.descriptors = std::accumulate(tree.uses.begin(), tree.uses.end(), uint64_t{0});
@@ -44,7 +46,7 @@ VocabularyStats vocabulary_stats(const Vocabulary& vocabulary) {
   stats.balance =
       tree.uses.size() < 2 ? 1 : stats.entropy_bits / std::log2(static_cast<double>(tree.uses.size()));
   stats.most_uses = *std::max_element(tree.uses.begin(), tree.uses.end());
-  auto idf = tree.idf;
+  std::vector<float> idf(tree.idf.begin(), tree.idf.end());
   std::sort(idf.begin(), idf.end());
   stats.idf_min = idf.front();
   stats.idf_median = idf[idf.size() / 2];
@@ -53,17 +55,18 @@ VocabularyStats vocabulary_stats(const Vocabulary& vocabulary) {
 }
 
 double quantization_error(const Vocabulary& vocabulary, std::span<const cv::Mat> descriptors_of_images) {
-  uint64_t distance = 0, count = 0;
+  uint64_t sum = 0, count = 0;
   for (const cv::Mat& descriptors : descriptors_of_images) {
     const auto words = vocabulary.words_of(descriptors).words;
-    for (size_t i = 0; i < words.size(); ++i) {
-      const auto centre = vocabulary.centre_of(words[i]);
-      distance +=
-          static_cast<uint64_t>(hamming_distance(descriptors.ptr(static_cast<int>(i)), centre.data()));
-    }
+    visit_space(vocabulary.tree().kind, [&]<class Space>(Space) {
+      for (size_t i = 0; i < words.size(); ++i) {
+        const std::span row(descriptors.ptr(static_cast<int>(i)), vocabulary.descriptors().bytes);
+        sum += Space::distance(as_points<Space>(row)[0], as_points<Space>(vocabulary.centre_of(words[i]))[0]);
+      }
+    });
     count += words.size();
   }
-  return count == 0 ? 0 : static_cast<double>(distance) / static_cast<double>(count);
+  return count == 0 ? 0 : static_cast<double>(sum) / static_cast<double>(count);
 }
 
 }  // namespace kinloop

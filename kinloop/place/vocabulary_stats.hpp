@@ -28,7 +28,8 @@ struct VocabularyStats {
 
 VocabularyStats vocabulary_stats(const Vocabulary& vocabulary);
 
-/// Mean Hamming distance (bits) of descriptors to the centres of their words; 0 without descriptors.
+/// Mean distance (bits, or squared steps) of descriptors to the centres of their words; 0 without
+/// descriptors.
 double quantization_error(const Vocabulary& vocabulary, std::span<const cv::Mat> descriptors_of_images);
 
 }  // namespace kinloop

@@ -55,11 +55,14 @@ std::vector<Place> places_of(const fs::path& sequence, size_t step) {
     places.push_back({stamp_ns, *pose, {}});
   }
   const Vocabulary vocabulary = load_default_vocabulary();
-  const auto described = describe_images(images, FeatureOptions{}, hardware_threads());
-  EXPECT_TRUE(described.unreadable.empty());
-  for (size_t i = 0; i < places.size(); ++i) {
-    places[i].bow = vocabulary.bow_of(vocabulary.words_of(described.of_images.at(i)).words);
-  }
+  auto place = places.begin();
+  Description description;
+  description.threads = hardware_threads();
+  describe_images(images, description, {},
+                  [&](const fs::path& path, const std::optional<cv::Mat>& descriptors) {
+                    ASSERT_TRUE(descriptors) << path;
+                    (place++)->bow = vocabulary.bow_of(vocabulary.words_of(*descriptors).words);
+                  });
   return places;
 }
 

@@ -80,6 +80,25 @@ TEST(PlaceIndex, FindsWhatWasPutIn) {
   }
 }
 
+TEST(PlaceIndex, StopWordsDoNotHideWhatIsAlike) {
+  // Ten words that all have, and a few that tell. With room for 150 postings the common ones must be left
+  // out.
+  Random random(3);
+  PlaceIndex all, some(150);
+  std::map<KeyframeId, BowVector> bows;
+  for (uint32_t id = 0; id < 200; ++id) {
+    BowVector bow;
+    for (uint32_t word = 0; word < 10; ++word) bow.emplace_back(WordId{word}, 0.05F);
+    for (uint32_t word = 0; word < 10; ++word) bow.emplace_back(WordId{10 + 10 * id + word}, 0.05F);
+    all.add({id}, bow);
+    some.add({id}, bow);
+    bows.emplace(KeyframeId{id}, bow);
+  }
+  for (const auto& [id, bow] : bows) EXPECT_EQ(some.query(bow, 1), all.query(bow, 1)) << id.value;
+  EXPECT_EQ(all.query(bows.at({7}), kAll).size(), 200U);
+  EXPECT_EQ(some.query(bows.at({7}), kAll).size(), 1U);  // the others have stop words in common alone
+}
+
 TEST(PlaceIndex, EqualScoresComeInTheOrderOfIds) {
   PlaceIndex index;
   const BowVector bow = {{WordId{3}, 1.0F}};

@@ -59,7 +59,7 @@ TEST(Trainer, UsesAndIdfAreThoseOfTheTrainingImages) {
     }
   }
   EXPECT_EQ(vocabulary.tree().images, images.size());
-  EXPECT_EQ(vocabulary.tree().uses, uses);
+  EXPECT_THAT(vocabulary.tree().uses, testing::ElementsAreArray(uses));
   for (size_t word = 0; word < uses.size(); ++word) {
     ASSERT_FALSE(images_with[word].empty());
     EXPECT_FLOAT_EQ(vocabulary.tree().idf[word],
@@ -120,8 +120,11 @@ TEST(Trainer, StopsWithWhatThereIs) {
 
 TEST(Trainer, TooLittleInputIsAnErrorThatSaysWhatToDo) {
   const auto images = clustered_images(2, 100, 50, 8);
-  EXPECT_THAT(test::input_error([&] { train_vocabulary(images, tree_of(10, 5)); }),
-              HasSubstr("200 descriptors are too few for 10^5 = 100000 words"));
+  EXPECT_THAT(
+      test::input_error([&] { train_vocabulary(images, tree_of(10, 5)); }),
+      HasSubstr("200 descriptors are too few for a dictionary of up to 10^5 words, which takes 20000"));
+  EXPECT_THAT(test::input_error([&] { train_vocabulary(images, tree_of(201, 1)); }),
+              HasSubstr("up to 201^1 words, which takes 201"));
   EXPECT_THAT(test::input_error([&] { train_vocabulary({}, tree_of(10, 5)); }), HasSubstr("0 descriptors"));
   EXPECT_THAT(test::input_error([&] { train_vocabulary(std::vector{images[0]}, tree_of(2, 2)); }),
               HasSubstr("give more images"));

@@ -30,7 +30,27 @@ std::string png_of_squares(int width, int height, uint64_t seed) {
   return {bytes.begin(), bytes.end()};
 }
 
-TEST(ListImages, FilesFoldersAndSequences) {
+struct Described {
+  std::vector<cv::Mat> of_images;
+  std::vector<fs::path> unreadable;
+};
+
+Described describe(const std::vector<fs::path>& paths, int threads, const Progress& progress = {}) {
+  Described described;
+  Description description;
+  description.threads = threads;
+  describe_images(paths, description, progress,
+                  [&](const fs::path& path, const std::optional<cv::Mat>& descriptors) {
+                    if (descriptors) {
+                      described.of_images.push_back(*descriptors);
+                    } else {
+                      described.unreadable.push_back(path);
+                    }
+                  });
+  return described;
+}
+
+TEST(ListTrainingInput, FilesFoldersAndSequences) {
   const test::TempFolder folder;
   for (const char* name :
        {"photos/b.PNG", "photos/a.jpg", "photos/more/c.jpeg", "photos/notes.txt", "single.png"}) {
@@ -40,15 +60,16 @@ TEST(ListImages, FilesFoldersAndSequences) {
   folder.write("sequence/depth/1.png", "");
   const auto& root = folder.path();
   EXPECT_THAT(
-      list_images(std::vector<fs::path>{root / "single.png", root / "photos", root / "sequence"}),
+      list_training_input(std::vector<fs::path>{root / "single.png", root / "photos", root / "sequence"})
+          .images,
       ElementsAre(root / "single.png", root / "photos/a.jpg", root / "photos/b.PNG",
                   root / "photos/more/c.jpeg", root / "sequence/rgb/2.png", root / "sequence/rgb/1.png"));
 }
 
-TEST(ListImages, WhatIsNotThereIsNamed) {
+TEST(ListTrainingInput, WhatIsNotThereIsNamed) {
   const test::TempFolder folder;
   const auto error_of = [](const fs::path& path) {
-    return test::input_error([&] { list_images(std::vector{path}); });
+    return test::input_error([&] { list_training_input(std::vector{path}); });
   };
   EXPECT_THAT(error_of(folder.path() / "nowhere"), HasSubstr("nowhere"));
   folder.write("empty/notes.txt", "");
@@ -68,7 +89,7 @@ TEST(DescribeImages, UnreadableOnesAreSkippedAndNamed) {
       folder.path() / "missing.png",
       folder.write("other.png", png_of_squares(320, 240, 2)),
   };
-  const auto described = describe_images(paths, FeatureOptions{}, 2);
+  const auto described = describe(paths, 2);
   ASSERT_EQ(described.of_images.size(), 2U);
   for (const auto& descriptors : described.of_images) {
     EXPECT_EQ(descriptors.type(), CV_8UC1);
@@ -85,7 +106,7 @@ TEST(DescribeImages, ImagesTooSmallForFeaturesHaveNone) {
     paths.push_back(folder.write(std::to_string(size) + ".png", png_of_squares(size, size, 3)));
   }
   paths.push_back(folder.write("wide.png", png_of_squares(400, 3, 3)));
-  const auto described = describe_images(paths, FeatureOptions{}, 1);
+  const auto described = describe(paths, 1);
   ASSERT_EQ(described.of_images.size(), paths.size());
   EXPECT_TRUE(described.unreadable.empty());
   for (const auto& descriptors : described.of_images) EXPECT_EQ(descriptors.rows, 0);
@@ -97,8 +118,8 @@ TEST(DescribeImages, DoesNotDependOnTheNumberOfThreads) {
   for (uint64_t i = 0; i < 20; ++i) {
     paths.push_back(folder.write(std::to_string(i) + ".png", png_of_squares(200, 160, i)));
   }
-  const auto one = describe_images(paths, FeatureOptions{}, 1).of_images;
-  const auto three = describe_images(paths, FeatureOptions{}, 3).of_images;
+  const auto one = describe(paths, 1).of_images;
+  const auto three = describe(paths, 3).of_images;
   ASSERT_EQ(one.size(), three.size());
   for (size_t i = 0; i < one.size(); ++i) EXPECT_EQ(cv::norm(one[i], three[i], cv::NORM_HAMMING), 0) << i;
 }
@@ -106,8 +127,7 @@ TEST(DescribeImages, DoesNotDependOnTheNumberOfThreads) {
 TEST(DescribeImages, StopsWhenAsked) {
   const test::TempFolder folder;
   const std::vector<fs::path> paths(40, folder.write("a.png", png_of_squares(64, 64, 1)));
-  const auto described =
-      describe_images(paths, FeatureOptions{}, 1, [](const ProgressReport& now) { return now.done == 0; });
+  const auto described = describe(paths, 1, [](const ProgressReport& now) { return now.done == 0; });
   EXPECT_GT(described.of_images.size(), 0U);
   EXPECT_LT(described.of_images.size(), paths.size());
 }

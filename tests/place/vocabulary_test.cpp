@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "kinloop/place/descriptor_space.hpp"
 #include "kinloop/place/trainer.hpp"
 #include "kinloop/place/vocabulary_stats.hpp"
 #include "tests/place/synthetic.hpp"
@@ -27,30 +28,33 @@ const Vocabulary& vocabulary() {
   return kVocabulary;
 }
 
+BinaryDescriptor centre(const VocabularyView& tree, uint32_t node) {
+  return as_points<HammingSpace>(tree.centres)[node];
+}
+
 /// The nodes from the root to the leaf, found as the definition says: at each node the nearest child by
 /// looking at all of them.
-std::vector<uint32_t> exhaustive_path(const VocabularyTree& tree, const BinaryDescriptor& descriptor) {
+std::vector<uint32_t> exhaustive_path(const VocabularyView& tree, const BinaryDescriptor& descriptor) {
   std::vector<uint32_t> path = {0};
   while (tree.child_counts[path.back()] > 0) {
     uint32_t first = 1;
     for (uint32_t node = 0; node < path.back(); ++node) first += tree.child_counts[node];
     uint32_t best = first;
     for (uint32_t child = first; child < first + tree.child_counts[path.back()]; ++child) {
-      if (test::distance(descriptor, tree.centres[child]) < test::distance(descriptor, tree.centres[best])) {
-        best = child;
-      }
+      const auto to = [&](uint32_t node) { return test::distance(descriptor, centre(tree, node)); };
+      if (to(child) < to(best)) best = child;
     }
     path.push_back(best);
   }
   return path;
 }
 
-uint32_t word_of_leaf(const VocabularyTree& tree, uint32_t leaf) {
+uint32_t word_of_leaf(const VocabularyView& tree, uint32_t leaf) {
   return static_cast<uint32_t>(std::count(tree.child_counts.begin(), tree.child_counts.begin() + leaf, 0));
 }
 
 TEST(Vocabulary, DescentIsTheGreedySearch) {
-  const VocabularyTree& tree = vocabulary().tree();
+  const VocabularyView& tree = vocabulary().tree();
   const auto points = clustered_descriptors(300, 300, 0.2, 2);
   for (const int levels_up : {0, 1, 2, 3, 9}) {
     const auto quantized = vocabulary().words_of(to_mat(points), levels_up);
@@ -59,7 +63,8 @@ TEST(Vocabulary, DescentIsTheGreedySearch) {
     for (size_t i = 0; i < points.size(); ++i) {
       const auto path = exhaustive_path(tree, points[i]);
       EXPECT_EQ(quantized.words[i].value, word_of_leaf(tree, path.back()));
-      EXPECT_EQ(vocabulary().centre_of(quantized.words[i]), tree.centres[path.back()]);
+      EXPECT_THAT(vocabulary().centre_of(quantized.words[i]),
+                  testing::ElementsAreArray(centre(tree, path.back())));
       const auto level = static_cast<size_t>(std::max(0, tree.depth - levels_up));
       EXPECT_EQ(quantized.nodes[i].value, path[std::min(level, path.size() - 1)]);
     }
@@ -97,7 +102,7 @@ TEST(BowVector, WeighsByFrequencyAndRarity) {
   tree.depth = 1;
   tree.images = 10;
   tree.child_counts = {4, 0, 0, 0, 0};
-  tree.centres.resize(5);
+  tree.centres.resize(5 * kOrbBytes);
   tree.idf = {1.0F, 3.0F, 0.0F, 2.0F};
   tree.uses = {1, 1, 1, 1};
   const std::vector<WordId> words = {{1}, {0}, {2}, {0}, {2}, {1}, {0}};
@@ -153,13 +158,16 @@ TEST(Similarity, ObeysItsLaws) {
 }
 
 TEST(VocabularyTree, EveryDefectIsFound) {
-  const VocabularyTree sound = vocabulary().tree();
-  ASSERT_EQ(defect_of(sound), std::nullopt);
+  const VocabularyView& view = vocabulary().tree();
+  const auto copy = [](auto values) { return std::vector(values.begin(), values.end()); };
+  const VocabularyTree sound{static_cast<const VocabularyShape&>(view), copy(view.child_counts),
+                             copy(view.centres), copy(view.idf), copy(view.uses)};
+  ASSERT_EQ(defect_of(view_of(sound)), std::nullopt);
   const auto defect_after = [&](auto&& damage) {
     VocabularyTree tree = sound;
     damage(tree);
     EXPECT_THROW(Vocabulary{tree}, std::logic_error);
-    return defect_of(tree);
+    return defect_of(view_of(tree));
   };
   EXPECT_TRUE(defect_after([](auto& tree) { tree = {}; }));
   EXPECT_TRUE(defect_after([](auto& tree) { tree.centres.pop_back(); }));
@@ -180,7 +188,7 @@ TEST(VocabularyStats, OfAKnownTree) {
   tree.depth = 2;
   tree.images = 8;
   tree.child_counts = {2, 0, 2, 0, 0};
-  tree.centres.resize(5);
+  tree.centres.resize(5 * kOrbBytes);
   tree.idf = {0.5F, 1.0F, 2.0F};
   tree.uses = {2, 1, 1};
   const VocabularyStats stats = vocabulary_stats(Vocabulary(tree));

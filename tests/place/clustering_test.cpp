@@ -1,10 +1,11 @@
-#include "kinloop/place/kmajority.hpp"
+#include "kinloop/place/clustering.hpp"
 
 #include <algorithm>
 #include <set>
 
 #include <gmock/gmock.h>
 
+#include "kinloop/place/seeding.hpp"
 #include "tests/place/synthetic.hpp"
 
 namespace kinloop {
@@ -13,6 +14,24 @@ namespace {
 using test::clustered_descriptors;
 using test::distance;
 using test::random_descriptor;
+
+BinaryDescriptor majority_centre(const std::vector<BinaryDescriptor>& points,
+                                 const BinaryDescriptor& current) {
+  std::vector<uint64_t> counts(HammingSpace::kCounts, 0);
+  for (const auto& point : points) HammingSpace::add(point, counts.data());
+  return HammingSpace::mean(counts.data(), points.size(), current);
+}
+
+std::vector<BinaryDescriptor> seed_points(const std::vector<BinaryDescriptor>& points,
+                                          const ClusterOptions& options) {
+  const Ranks alone;
+  return seed_centres(SharedPoints<HammingSpace>(points, options, alone), options);
+}
+
+Clusters<HammingSpace> cluster_binary(const std::vector<BinaryDescriptor>& points,
+                                      const ClusterOptions& options) {
+  return cluster<HammingSpace>(points, options);
+}
 
 uint64_t distance_sum(const std::vector<BinaryDescriptor>& points, const BinaryDescriptor& centre) {
   uint64_t sum = 0;
@@ -45,7 +64,7 @@ class SeedCentres : public testing::TestWithParam<Seeding> {};
 
 TEST_P(SeedCentres, AreDistinctPointsOfTheInput) {
   const auto points = clustered_descriptors(300, 20, 0.1, 11);
-  const auto centres = seed_centres(points, {.clusters = 20, .seeding = GetParam(), .seed = 5});
+  const auto centres = seed_points(points, {.clusters = 20, .seeding = GetParam(), .seed = 5});
   ASSERT_EQ(centres.size(), 20U);
   EXPECT_EQ(std::set(centres.begin(), centres.end()).size(), centres.size());
   for (const auto& centre : centres) EXPECT_THAT(points, testing::Contains(centre));
@@ -54,13 +73,15 @@ TEST_P(SeedCentres, AreDistinctPointsOfTheInput) {
 TEST_P(SeedCentres, DependOnTheSeedAndNothingElse) {
   const auto points = clustered_descriptors(5000, 20, 0.1, 12);
   const auto seeds = [&](uint64_t seed, int threads) {
-    return seed_centres(points, {.clusters = 8, .seeding = GetParam(), .seed = seed, .threads = threads});
+    return seed_points(points, {.clusters = 8, .seeding = GetParam(), .seed = seed, .threads = threads});
   };
   EXPECT_EQ(seeds(1, 1), seeds(1, 3));
   EXPECT_NE(seeds(1, 1), seeds(2, 1));
 }
 
-INSTANTIATE_TEST_SUITE_P(Seedings, SeedCentres, testing::Values(Seeding::kRandom, Seeding::kKmeansPlusPlus));
+INSTANTIATE_TEST_SUITE_P(Seedings, SeedCentres,
+                         testing::Values(Seeding::kRandom, Seeding::kKmeansPlusPlus,
+                                         Seeding::kKmeansParallel));
 
 TEST(SeedCentres, KmeansPlusPlusDrawsProportionallyToTheHammingDistance) {
   // The first centre is one of three points, the second another one of them. From a, b (10 bits away) and c
@@ -71,7 +92,7 @@ TEST(SeedCentres, KmeansPlusPlusDrawsProportionallyToTheHammingDistance) {
   const std::vector points = {a, b, c};
   double drawn_b = 0, drawn_c = 0;
   for (uint64_t seed = 0; seed < 6000; ++seed) {
-    const auto centres = seed_centres(points, {.clusters = 2, .seed = seed, .candidates = 1});
+    const auto centres = seed_points(points, {.clusters = 2, .seed = seed, .candidates = 1});
     ASSERT_EQ(centres.size(), 2U);
     if (centres[0] != a) continue;
     (centres[1] == b ? drawn_b : drawn_c) += 1;
@@ -94,20 +115,22 @@ uint64_t median_distance_sum(const std::vector<BinaryDescriptor>& points, Seedin
   return sums[4];
 }
 
-TEST(ClusterBinary, KmeansPlusPlusFindsClustersThatRandomSeedsMiss) {
+TEST(Clustering, KmeansPlusPlusFindsClustersThatRandomSeedsMiss) {
   const auto points = clustered_descriptors(2000, 40, 0.05, 21);
   for (const int iterations : {0, 20}) {
     const auto random = median_distance_sum(points, Seeding::kRandom, 0, iterations);
     const auto plain = median_distance_sum(points, Seeding::kKmeansPlusPlus, 1, iterations);
     const auto greedy = median_distance_sum(points, Seeding::kKmeansPlusPlus, 0, iterations);
+    const auto parallel = median_distance_sum(points, Seeding::kKmeansParallel, 0, iterations);
+    EXPECT_LT(parallel, random) << iterations << " iterations";
     EXPECT_LT(plain, random) << iterations << " iterations";
     EXPECT_LE(greedy, plain) << iterations << " iterations";
   }
 }
 
-TEST(ClusterBinary, EveryPointIsWithItsNearestCentre) {
+TEST(Clustering, EveryPointIsWithItsNearestCentre) {
   const auto points = clustered_descriptors(1500, 30, 0.2, 31);
-  const Clusters clusters = cluster_binary(points, {.clusters = 12, .iterations = 3});
+  const auto clusters = cluster_binary(points, {.clusters = 12, .iterations = 3});
   uint64_t sum = 0;
   for (size_t i = 0; i < points.size(); ++i) {
     const auto nearest =
@@ -119,25 +142,25 @@ TEST(ClusterBinary, EveryPointIsWithItsNearestCentre) {
   EXPECT_EQ(clusters.distance_sum, sum);
 }
 
-TEST(ClusterBinary, MoreIterationsNeverRaiseTheSumOfDistances) {
+TEST(Clustering, MoreIterationsNeverRaiseTheSumOfDistances) {
   const auto points = clustered_descriptors(1500, 60, 0.2, 32);
   uint64_t previous = std::numeric_limits<uint64_t>::max();
   for (const int iterations : {0, 1, 2, 3, 5, 10, 100}) {
-    const Clusters clusters =
+    const auto clusters =
         cluster_binary(points, {.clusters = 15, .seeding = Seeding::kRandom, .iterations = iterations});
     EXPECT_LE(clusters.distance_sum, previous);
     previous = clusters.distance_sum;
   }
 }
 
-TEST(ClusterBinary, NoClusterIsEmptyAmongManyDuplicates) {
+TEST(Clustering, NoClusterIsEmptyAmongManyDuplicates) {
   // 1000 copies of one point and 5 others: random seeds fall on the copies, and only refilling empty clusters
   // can find the others.
   Random random(4);
   std::vector<BinaryDescriptor> points(1000, random_descriptor(random));
   for (int i = 0; i < 5; ++i) points.push_back(random_descriptor(random));
-  for (const auto seeding : {Seeding::kRandom, Seeding::kKmeansPlusPlus}) {
-    const Clusters clusters = cluster_binary(points, {.clusters = 6, .seeding = seeding, .iterations = 20});
+  for (const auto seeding : {Seeding::kRandom, Seeding::kKmeansPlusPlus, Seeding::kKmeansParallel}) {
+    const auto clusters = cluster_binary(points, {.clusters = 6, .seeding = seeding, .iterations = 20});
     EXPECT_EQ(clusters.centres.size(), 6U);
     EXPECT_EQ(clusters.distance_sum, 0U);
     EXPECT_EQ(std::set(clusters.cluster_of.begin(), clusters.cluster_of.end()).size(),
@@ -145,10 +168,10 @@ TEST(ClusterBinary, NoClusterIsEmptyAmongManyDuplicates) {
   }
 }
 
-TEST(ClusterBinary, FewerDifferentPointsThanClustersGiveThatMany) {
+TEST(Clustering, FewerDifferentPointsThanClustersGiveThatMany) {
   Random random(5);
   const BinaryDescriptor a = random_descriptor(random), b = random_descriptor(random);
-  for (const auto seeding : {Seeding::kRandom, Seeding::kKmeansPlusPlus}) {
+  for (const auto seeding : {Seeding::kRandom, Seeding::kKmeansPlusPlus, Seeding::kKmeansParallel}) {
     EXPECT_THAT(cluster_binary(std::vector{a, b, a, a}, {.clusters = 10, .seeding = seeding}).centres,
                 testing::UnorderedElementsAre(a, b));
     EXPECT_THAT(cluster_binary(std::vector{a}, {.clusters = 10, .seeding = seeding}).centres,
@@ -156,11 +179,11 @@ TEST(ClusterBinary, FewerDifferentPointsThanClustersGiveThatMany) {
   }
 }
 
-TEST(ClusterBinary, DoesNotDependOnTheNumberOfThreads) {
+TEST(Clustering, DoesNotDependOnTheNumberOfThreads) {
   const auto points = clustered_descriptors(4001, 50, 0.2, 41);
-  const Clusters one = cluster_binary(points, {.clusters = 10, .threads = 1});
+  const auto one = cluster_binary(points, {.clusters = 10, .threads = 1});
   for (const int threads : {2, 3, 7}) {
-    const Clusters many = cluster_binary(points, {.clusters = 10, .threads = threads});
+    const auto many = cluster_binary(points, {.clusters = 10, .threads = threads});
     EXPECT_EQ(many.centres, one.centres);
     EXPECT_EQ(many.cluster_of, one.cluster_of);
   }

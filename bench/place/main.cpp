@@ -1,0 +1,237 @@
+// bench_place: what the dictionary is worth. All from the shared data beside the project (or
+// KINLOOP_SHARED_DATA).
+//
+//   bench_place compare K L FLAT STEP SEQUENCE...    seedings side by side over five seeds, against no
+//   dictionary bench_place detect STEP SEQUENCE...              the detector with verification, over five
+//   dictionaries bench_place scale [IMAGES]                       times: opening, words, queries up to IMAGES
+//   (200000) images
+//
+// K, L: branching and depth of the trees; FLAT: 1 = also a flat dictionary of K^L words; STEP: every STEP-th
+// frame. Sequences are rooms that share nothing. Besides tables, compare writes the curves to
+// place_curves.svg.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "bench/place/recognizers.hpp"
+#include "bench/place/scale.hpp"
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/eval/svg_plot.hpp"
+#include "kinloop/place/trainer.hpp"
+#include "kinloop/place/vocabulary_stats.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr int kSeeds = 5;
+const std::filesystem::path kPhotographs = std::filesystem::path(KINLOOP_SHARED_DATA) / "vocabulary_images";
+
+/// Sequences and photographs as one set.
+struct World {
+  std::vector<Place> places;
+  PinholeCamera camera;
+};
+
+World read_world(const std::vector<std::string>& sequences, size_t step) {
+  World world;
+  for (const auto& sequence : sequences) {
+    const auto room = read_places(sequence, world.places.size(), step, world.camera);
+    world.places.insert(world.places.end(), room.begin(), room.end());
+  }
+  const size_t images = world.places.size();
+  const auto photographs = read_distractors(kPhotographs, images);
+  world.places.insert(world.places.end(), photographs.begin(), photographs.end());
+  fmt::print("{} images, of {} the place may be found, and {} photographs of other places\n\n", images,
+             findable(world.places), photographs.size());
+  return world;
+}
+
+/// "mean (lowest - highest)" of one figure over seeds.
+std::string spread(std::vector<double> values, int digits) {
+  std::sort(values.begin(), values.end());
+  double sum = 0;
+  for (const double value : values) sum += value;
+  const double mean = sum / static_cast<double>(values.size());
+  if (values.size() == 1) return fmt::format("{:.{}f}", mean, digits);
+  return fmt::format("{:.{}f} ({:.{}f} - {:.{}f})", mean, digits, values.front(), digits, values.back(),
+                     digits);
+}
+
+/// Figures of one way over seeds.
+struct Row {
+  std::string name;
+  std::vector<double> error_bits, training_s, words_ms, query_ms, recall, strict, arranged;
+};
+
+constexpr const char* kHead =
+    "| dictionary | error, bits | training, s CPU | words, ms | query, ms | recall at 100 % | ... strict | "
+    "... "
+    "by arrangement |\n|---|---|---|---|---|---|---|---|\n";
+
+void print(const Row& row) {
+  const auto cell = [](const std::vector<double>& values, int digits) {
+    return values.empty() ? std::string("-") : spread(values, digits);
+  };
+  fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} |\n", row.name, cell(row.error_bits, 2),
+             cell(row.training_s, 1), cell(row.words_ms, 2), cell(row.query_ms, 2), cell(row.recall, 3),
+             cell(row.strict, 3), cell(row.arranged, 3));
+  std::fflush(stdout);
+}
+
+PlotSeries series_of(const std::string& name, const std::string& style, const Curve& curve) {
+  PlotSeries series{style, name, SeriesKind::kLine, {}};
+  for (size_t i = 0; i < curve.recall.size(); ++i)
+    series.points.emplace_back(curve.recall[i], curve.precision[i]);
+  return series;
+}
+
+void add_recognition(Row& row, std::span<const Place> places, const Recognition& recognition) {
+  const Curve curve = curve_of(places, recognition.answers);
+  row.query_ms.push_back(recognition.query_ms);
+  row.recall.push_back(curve.recall_without_error);
+  row.strict.push_back(curve.strict_recall);
+}
+
+std::vector<cv::Mat> descriptors_of(std::span<const Place> places) {
+  std::vector<cv::Mat> descriptors;
+  for (const Place& place : places) {
+    if (place.T_room_camera) descriptors.push_back(place.features.descriptors);
+  }
+  return descriptors;
+}
+
+struct Way {
+  std::string name;
+  TrainOptions options;
+};
+
+std::vector<Way> ways_of(int branching, int depth, bool flat) {
+  TrainOptions tree;
+  tree.branching = branching;
+  tree.depth = depth;
+  const auto seeded = [&](const std::string& seeding, int candidates) {
+    TrainOptions options = tree;
+    options.seeding = seeding;
+    options.candidates = candidates;
+    return options;
+  };
+  std::vector<Way> ways = {{"random", seeded("random", 0)},
+                           {"k-means++, plain", seeded("kmeans++", 1)},
+                           {"k-means++, greedy", seeded("kmeans++", 0)},
+                           {"k-means\\|\\|", seeded("kmeans||", 0)}};
+  if (flat) {
+    TrainOptions options = seeded("kmeans||", 1);
+    options.branching = static_cast<int>(std::lround(std::pow(branching, depth)));
+    options.depth = 1;
+    ways.push_back({"flat, k-means\\|\\|", options});
+  }
+  return ways;
+}
+
+Row measure(const Way& way, const World& world, std::span<const cv::Mat> training, Curve& last) {
+  Row row{way.name, {}, {}, {}, {}, {}, {}, {}};
+  const auto descriptors = descriptors_of(world.places);
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    TrainOptions options = way.options;
+    options.seed = seed;
+    const Stopwatch watch;
+    const Vocabulary vocabulary = train_vocabulary(training, options);
+    row.training_s.push_back(watch.cpu_s());
+    row.error_bits.push_back(quantization_error(vocabulary, descriptors));
+    const Stopwatch words;
+    for (const auto& image : descriptors) (void)vocabulary.words_of(image);
+    row.words_ms.push_back(1000 * words.cpu_s() / static_cast<double>(descriptors.size()));
+    const Recognition recognition = by_words(world.places, vocabulary);
+    add_recognition(row, world.places, recognition);
+    last = curve_of(world.places, recognition.answers);
+    const auto arranged = by_arrangement(world.places, vocabulary);
+    row.arranged.push_back(curve_of(world.places, arranged.answers).recall_without_error);
+  }
+  return row;
+}
+
+void write_curves(const std::vector<PlotSeries>& series) {
+  const PlotFrame frame{"Precision and recall of place recognition", "recall", "precision", false, false};
+  std::string svg = svg_plot(frame, series);
+  const std::string style =
+      " xmlns=\"http://www.w3.org/2000/svg\"><style>text{font:12px sans-serif;fill:#444}"
+      "polyline,path{fill:none;stroke-width:2}.grid{stroke:#ddd;stroke-width:1}.axis{stroke:#444}"
+      ".random{stroke:#999;fill:#999}.greedy{stroke:#1f6fb4;fill:#1f6fb4}.brute{stroke:#d1495b;fill:#d1495b}"
+      ".flann{stroke:#edae49;fill:#edae49}polyline,path{fill:none}</style>";
+  svg.insert(svg.find('>'), style);
+  svg.erase(svg.find("</style>") + 8, 1);
+  write_file("place_curves.svg", svg);
+}
+
+void compare(int branching, int depth, bool flat, const World& world) {
+  const auto training = read_training_images(kPhotographs);
+  fmt::print("{}", kHead);
+  std::vector<PlotSeries> curves;
+  for (const Way& way : ways_of(branching, depth, flat)) {
+    Curve last;
+    print(measure(way, world, training, last));
+    if (way.name == "random") curves.push_back(series_of(way.name, "random", last));
+    if (way.name == "k-means++, greedy") curves.push_back(series_of(way.name, "greedy", last));
+  }
+  const auto add = [&](const std::string& name, const std::string& style, const Recognition& recognition) {
+    Row row{name, {}, {}, {}, {}, {}, {}, {}};
+    add_recognition(row, world.places, recognition);
+    print(row);
+    curves.push_back(series_of(name, style, curve_of(world.places, recognition.answers)));
+  };
+  add("none: FLANN LSH", "flann", by_flann(world.places));
+  add("none: brute force", "brute", by_brute_force(world.places));
+  write_curves(curves);
+}
+
+void run_detector(const World& world) {
+  const auto training = read_training_images(kPhotographs);
+  fmt::print(
+      "| seeding | seed | confirmed | of those findable | pose off | another room "
+      "|\n|---|---|---|---|---|---|\n");
+  for (const Way& way : ways_of(32, 3, false)) {
+    for (int seed = 1; seed <= kSeeds; ++seed) {
+      TrainOptions options = way.options;
+      options.seed = seed;
+      options.threads = hardware_threads();
+      const auto detection = detect(world.places, train_vocabulary(training, options), world.camera);
+      fmt::print("| {} | {} | {} | {} of {} = {:.3f} | {} | {} |\n", way.name, seed, detection.confirmed,
+                 detection.same, findable(world.places),
+                 static_cast<double>(detection.same) / static_cast<double>(findable(world.places)),
+                 detection.off, detection.other_room);
+      std::fflush(stdout);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kinloop
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  const std::string mode = arguments.empty() ? "" : arguments[0];
+  if (mode == "compare" && arguments.size() >= 6) {
+    const auto world =
+        kinloop::read_world({arguments.begin() + 5, arguments.end()}, std::stoul(arguments[4]));
+    kinloop::compare(std::stoi(arguments[1]), std::stoi(arguments[2]), arguments[3] == "1", world);
+  } else if (mode == "detect" && arguments.size() >= 3) {
+    kinloop::run_detector(
+        kinloop::read_world({arguments.begin() + 2, arguments.end()}, std::stoul(arguments[1])));
+  } else if (mode == "scale") {
+    kinloop::measure_scale(kinloop::kPhotographs, arguments.size() > 1 ? std::stoul(arguments[1]) : 200'000);
+  } else {
+    fmt::print(
+        stderr,
+        "usage: bench_place compare K L FLAT STEP SEQUENCE... | detect STEP SEQUENCE... | scale [IMAGES]\n");
+    return 2;
+  }
+  return 0;
+}

@@ -1,0 +1,43 @@
+#pragma once
+// Ways to find, for each image, the image that shows the same place: by words, by words and their
+// arrangement, by the nearest descriptors.
+
+#include <functional>
+#include <string>
+
+#include "bench/place/places.hpp"
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/place/vocabulary.hpp"
+
+namespace kinloop {
+
+/// The answers of one way, and the time of a query once the words are known, ms.
+struct Recognition {
+  std::vector<Answer> answers;
+  double query_ms = 0;
+};
+
+/// By the L1 score of bags of words.
+Recognition by_words(std::span<const Place> places, const Vocabulary& vocabulary);
+
+/// By how many matches of words agree on the arrangement (PlaceSearch).
+Recognition by_arrangement(std::span<const Place> places, const Vocabulary& vocabulary);
+
+/// By the number of descriptors whose nearest of all is in the image: all looked at, two threads.
+Recognition by_brute_force(std::span<const Place> places);
+
+/// The same with FLANN's locality-sensitive hashing.
+Recognition by_flann(std::span<const Place> places);
+
+/// What became of the candidates of the dictionary that geometry confirms.
+struct Detection {
+  size_t confirmed = 0;   ///< images with a confirmed loop
+  size_t same = 0;        ///< ... of those for which there is a kSame to be found
+  size_t off = 0;         ///< ... whose pose is off by more than 0.2 m or 10 degrees
+  size_t other_room = 0;  ///< ... in another room
+};
+
+/// The whole detector on single images: the best five candidates, verified as loop closing does.
+Detection detect(std::span<const Place> places, const Vocabulary& vocabulary, const PinholeCamera& camera);
+
+}  // namespace kinloop

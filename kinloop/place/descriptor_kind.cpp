@@ -1,0 +1,42 @@
+#include "kinloop/place/descriptor_kind.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr std::array<DescriptorTraits, 5> kKinds{{
+    {DescriptorKind::kOrb, Metric::kHamming, 32, "orb", "ORB, 256 bits", "bits"},
+    {DescriptorKind::kSiftBits, Metric::kHamming, 32, "sift", "SIFT, 256 bits by random planes", "bits"},
+    {DescriptorKind::kSurfBits, Metric::kHamming, 32, "surf", "SURF, 256 bits by random planes", "bits"},
+    {DescriptorKind::kSift, Metric::kEuclidean, 128, "sift", "SIFT, 128 bytes", "squared steps"},
+    {DescriptorKind::kSurf, Metric::kEuclidean, 64, "surf", "SURF, 64 bytes", "squared steps"},
+}};
+
+}  // namespace
+
+const DescriptorTraits& traits_of(DescriptorKind kind) {
+  const auto found =
+      std::find_if(kKinds.begin(), kKinds.end(), [&](const auto& k) { return k.kind == kind; });
+  require(found != kKinds.end(), "traits_of: no such kind of descriptor");
+  return *found;
+}
+
+std::optional<DescriptorKind> descriptor_kind(uint32_t number) {
+  for (const auto& traits : kKinds) {
+    if (static_cast<uint32_t>(traits.kind) == number) return traits.kind;
+  }
+  return std::nullopt;
+}
+
+std::optional<DescriptorKind> descriptor_kind(const FeatureOptions& options, Metric metric) {
+  for (const auto& traits : kKinds) {
+    if (traits.feature == options.kind && traits.metric == metric) return traits.kind;
+  }
+  return std::nullopt;
+}
+
+}  // namespace kinloop

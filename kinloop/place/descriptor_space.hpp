@@ -1,0 +1,96 @@
+#pragma once
+// In: descriptors as plain values. Out: their distance and their mean, in whole numbers: sums do not depend
+// on the order in which threads and machines add.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/place/binary_descriptor.hpp"
+#include "kinloop/place/descriptor_kind.hpp"
+
+namespace kinloop {
+
+/// 256 bits; the distance is the number of different ones, which is also the squared Euclidean distance.
+struct HammingSpace {
+  using Point = BinaryDescriptor;
+  static constexpr uint32_t kFarthest = kOrbBytes * 8;
+  static constexpr size_t kCounts = kOrbBytes * 8;  ///< that `add` keeps: how many points have each bit set
+
+  static uint32_t distance(const Point& a, const Point& b) {
+    return static_cast<uint32_t>(hamming_distance(a.data(), b.data()));
+  }
+  static void add(const Point& point, uint64_t* counts) {
+    for (size_t byte = 0; byte < point.size(); ++byte) {
+      for (size_t bit = 0; bit < 8; ++bit) counts[8 * byte + bit] += (uint32_t{point[byte]} >> bit) & 1U;
+    }
+  }
+  /// The bitwise majority, which minimises the sum of distances; ties keep the bit of `current`.
+  static Point mean(const uint64_t* counts, uint64_t points, const Point& current) {
+    Point centre{};
+    for (size_t bit = 0; bit < kCounts; ++bit) {
+      const uint64_t twice = 2 * counts[bit];
+      const bool one = twice == points ? ((current[bit / 8] >> (bit % 8)) & 1) != 0 : twice > points;
+      if (one) centre[bit / 8] = static_cast<uint8_t>(centre[bit / 8] | (1U << (bit % 8)));
+    }
+    return centre;
+  }
+};
+
+/// N components of one byte; the distance is the squared Euclidean one.
+template <size_t N>
+struct EuclideanSpace {
+  using Point = std::array<uint8_t, N>;
+  static constexpr uint32_t kFarthest = N * 255 * 255;
+  static constexpr size_t kCounts = N;  ///< that `add` keeps: the sum of each component
+
+  static uint32_t distance(const Point& a, const Point& b) {
+    int sum = 0;
+    for (size_t i = 0; i < N; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return static_cast<uint32_t>(sum);
+  }
+  static void add(const Point& point, uint64_t* counts) {
+    for (size_t i = 0; i < N; ++i) counts[i] += point[i];
+  }
+  /// The mean to the nearest step, which of all points of the grid minimises the sum of squared distances.
+  static Point mean(const uint64_t* counts, uint64_t points, const Point& /*current*/) {
+    Point centre{};
+    for (size_t i = 0; i < N; ++i) centre[i] = static_cast<uint8_t>((2 * counts[i] + points) / (2 * points));
+    return centre;
+  }
+};
+
+using SiftSpace = EuclideanSpace<128>;
+using SurfSpace = EuclideanSpace<64>;
+
+/// Calls `work` with the space of the kind: `visit_space(kind, []<class Space>(Space) {...})`.
+template <class Work>
+auto visit_space(DescriptorKind kind, Work&& work) {
+  switch (kind) {
+    case DescriptorKind::kSift:
+      return work(SiftSpace{});
+    case DescriptorKind::kSurf:
+      return work(SurfSpace{});
+    default:
+      return work(HammingSpace{});
+  }
+}
+
+/// Rows of bytes as points; a whole number of them.
+template <class Space>
+std::span<const typename Space::Point> as_points(std::span<const uint8_t> rows) {
+  using Point = typename Space::Point;
+  static_assert(sizeof(Point) == std::tuple_size_v<Point> && alignof(Point) == 1);
+  require(rows.size() % sizeof(Point) == 0, "as_points: not a whole number of descriptors");
+  return {reinterpret_cast<const Point*>(rows.data()), rows.size() / sizeof(Point)};
+}
+
+/// Writes to `nearest[i]` and `distance[i]` the centre nearest to point i, ties to the first, and how far it
+/// is.
+template <class Space>
+void assign_to_nearest(std::span<const typename Space::Point> points,
+                       std::span<const typename Space::Point> centres, uint32_t* nearest, uint32_t* distance);
+
+}  // namespace kinloop
