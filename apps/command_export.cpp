@@ -69,7 +69,7 @@ void run_export(const ExportArguments& arguments) {
   require_extension("--cloud", arguments.cloud, ".ply", ".pcd");
   require_extension("--octomap", arguments.octomap, ".bt", ".ot");
   require_extension("--grid", arguments.grid, ".pgm", ".pgm");
-  const OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
+  OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const Progress progress = make_progress_bar(arguments.quiet);
   const auto session = open.session_log(arguments.session);
   if (!arguments.trajectory.empty()) {
@@ -83,8 +83,8 @@ void run_export(const ExportArguments& arguments) {
     write_g2o(arguments.graph, {make_pose_graph(open.map, open.options.slam.loop), {}, true, {}});
   }
   if (!arguments.cloud.empty()) {
-    write_cloud(arguments.cloud, fuse_keyframes(open.recorder.images(), open.views(), open.saved.camera.color,
-                                                open.options.dense, arguments.threads, progress));
+    write_cloud(arguments.cloud,
+                open.recorder.fuse_views(open.views(), open.dense_camera(), arguments.threads, progress));
   }
   if (!arguments.octomap.empty() || !arguments.grid.empty()) write_occupancy(arguments, open, progress);
 }

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "apps/commands.hpp"
-#include "apps/dense_recorder.hpp"
 #include "apps/frame_recorder.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/loop_pictures.hpp"
@@ -27,6 +26,7 @@
 #include "kinloop/output/run_folder.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/paced_source.hpp"
+#include "kinloop/slam/dense_recorder.hpp"
 #include "kinloop/slam/frame_pipeline.hpp"
 
 namespace kinloop {
@@ -171,7 +171,7 @@ ExitCode run(const RunArguments& arguments) {
   const Progress progress = make_progress_bar(arguments.quiet || arguments.verbose);
   const RgbdCamera camera = camera_of(*source, start, arguments);
   Slam slam(camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
-  DenseRecorder recorder(camera, options.dense);
+  DenseRecorder recorder(camera, options.dense, options.slam.executor);
   FrameRecorder frames;
   slam.listen(recorder);
   slam.listen(frames);
@@ -191,7 +191,7 @@ ExitCode run(const RunArguments& arguments) {
   if (shown) shown->viewer.finish(slam.session_log(), slam.map());
   if (saver) saver->save();
   return_freed_memory();
-  const ColoredCloud cloud = recorder.fuse(slam.log(), slam.map(), threads, progress);
+  const ColoredCloud cloud = recorder.fuse(slam.log(), slam.map(), slam.sensor(), threads, progress);
   return_freed_memory();
   warn_of_skipped(*source);
 
@@ -200,6 +200,7 @@ ExitCode run(const RunArguments& arguments) {
   const RunOutcome outcome{*source,        slam,    options,   evaluation, cloud.size(),
                            watch.wall_s(), threads, !complete, dropped};
   auto summary = run_summary(outcome);
+  summary["rooms"].update(rooms_json(recorder.times()));
   if (saver) summary["map_file"] = map_file_json(*saver);
   write_results(folder, outcome, trajectory, cloud, recorder, frames.table(slam.times()), summary);
   if (!arguments.quiet) {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "apps/dense_recorder.hpp"
 #include "kinloop/output/run_folder.hpp"
+#include "kinloop/slam/dense_recorder.hpp"
 
 namespace kinloop {
 

@@ -9,6 +9,7 @@
 #include "kinloop/base/association.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/time.hpp"
 #include "kinloop/output/run_folder.hpp"
 #include "kinloop/slam/saved_session.hpp"
 
@@ -16,6 +17,7 @@ namespace kinloop {
 
 void MapSaver::save() {
   const Stopwatch watch;
+  what_.recorder.finish_work();
   SavedMap saved = what_.slam.saved_map(what_.input);
   saved.program = program_name();
   RunOptions options = what_.options;
@@ -93,6 +95,19 @@ OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<
   return open;
 }
 
+namespace {
+
+/// How the camera moved at a moment; at rest where the poses do not say.
+Velocity velocity_at(const Trajectory& poses, int64_t stamp_ns) {
+  constexpr int64_t kStepNs = kNsPerSecond / 60;
+  const auto before = pose_at(poses, stamp_ns - kStepNs, kMaxAssociationNs * 2);
+  const auto after = pose_at(poses, stamp_ns + kStepNs, kMaxAssociationNs * 2);
+  if (!before || !after) return Velocity::Zero();
+  return velocity_between(*before, *after, to_seconds(2 * kStepNs));
+}
+
+}  // namespace
+
 std::vector<PosedImage> OpenMap::views() const {
   if (poses.empty()) return recorder.views(log, map);
   std::unordered_map<FrameId, int64_t> stamp_of;
@@ -102,9 +117,18 @@ std::vector<PosedImage> OpenMap::views() const {
     const auto stamp = stamp_of.find(recorder.frame_of_image(i));
     if (stamp == stamp_of.end()) continue;
     const auto T_world_camera = pose_at(poses, stamp->second, kMaxAssociationNs * 2);
-    if (T_world_camera) views.push_back({i, *T_world_camera});
+    if (T_world_camera) views.push_back({i, *T_world_camera, velocity_at(poses, stamp->second)});
   }
   return views;
+}
+
+DenseCamera OpenMap::dense_camera() const {
+  const SensorEstimate sensor = sensor_estimate(saved.sensor, known_sensor(saved.camera));
+  return poses.empty() ? kinloop::dense_camera(saved.camera, sensor) : timed_camera(saved.camera, sensor);
+}
+
+ColoredCloud OpenMap::cloud(int threads, const Progress& progress) {
+  return recorder.fuse_views(views(), dense_camera(), threads, progress);
 }
 
 std::span<const LoggedFrame> OpenMap::session_log(size_t number) const {

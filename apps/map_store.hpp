@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
-#include "apps/dense_recorder.hpp"
 #include "apps/run_options.hpp"
 #include "kinloop/base/stopwatch.hpp"
+#include "kinloop/slam/dense_recorder.hpp"
 #include "kinloop/slam/slam.hpp"
 
 namespace kinloop {
@@ -15,7 +15,7 @@ class MapSaver {
  public:
   struct What {
     const Slam& slam;
-    const DenseRecorder& recorder;
+    DenseRecorder& recorder;
     const RunOptions& options;
     std::string input;
   };
@@ -69,6 +69,12 @@ struct OpenMap {
 
   /// The images whose place is known.
   [[nodiscard]] std::vector<PosedImage> views() const;
+
+  /// The camera as it goes with the poses.
+  [[nodiscard]] DenseCamera dense_camera() const;
+
+  /// The coloured cloud.
+  ColoredCloud cloud(int threads, const Progress& progress);
 
   /// The frames of session `number`, counted from 1; 0: of the last.
   [[nodiscard]] std::span<const LoggedFrame> session_log(size_t number) const;

@@ -47,17 +47,6 @@ json options_json(RunOptions options) {
   return values;
 }
 
-json rooms_json(const RoomTimes& times) {
-  json rooms = json::object();
-  for (const auto& [room, spent] : times.rooms) {
-    rooms[room] = {{"wall_s", spent.wall_s},
-                   {"cpu_s", spent.cpu_s},
-                   {"median_ms", quantile(spent.piece_ms, 0.5)},
-                   {"p95_ms", quantile(spent.piece_ms, 0.95)}};
-  }
-  return rooms;
-}
-
 json sensor_json(const SensorEstimate& sensor) {
   json parameters = json::object();
   for (int k = 0; k < kSensorParameterCount; ++k) {
@@ -108,6 +97,17 @@ json skipped_json(const FrameSource& source) {
 }
 
 }  // namespace
+
+json rooms_json(const RoomTimes& times) {
+  json rooms = json::object();
+  for (const auto& [room, spent] : times.rooms) {
+    rooms[room] = {{"wall_s", spent.wall_s},
+                   {"cpu_s", spent.cpu_s},
+                   {"median_ms", quantile(spent.piece_ms, 0.5)},
+                   {"p95_ms", quantile(spent.piece_ms, 0.95)}};
+  }
+  return rooms;
+}
 
 json run_summary(const RunOutcome& o) {
   const auto log = o.slam.session_log();

@@ -26,6 +26,9 @@ struct RunOutcome {
   size_t dropped = 0;  ///< frames lost for want of time, live
 };
 
+/// What each room spent.
+nlohmann::json rooms_json(const RoomTimes& times);
+
 nlohmann::json run_summary(const RunOutcome& outcome);
 
 /// The lines printed at the end of a run.

@@ -7,9 +7,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "apps/dense_recorder.hpp"
 #include "kinloop/output/run_folder.hpp"
 #include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/slam/dense_recorder.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "viewer/live_viewer.hpp"
 
@@ -32,7 +32,7 @@ std::unique_ptr<ShownRun> show_run(const std::string& listen, const FrameSource&
                                    const std::function<void()>& save_now);
 
 /// Writes trajectory and map as they are now.
-void save_map(const RunFolder& folder, const Slam& slam, const DenseRecorder& recorder, int threads);
+void save_map(const RunFolder& folder, const Slam& slam, DenseRecorder& recorder, int threads);
 
 /// After the run: where somebody sits at the terminal, goes on serving until Ctrl-C; otherwise only until
 /// those who watch have the last state.

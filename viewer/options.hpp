@@ -7,7 +7,6 @@ namespace kinloop {
 /// What of a run is shown, and how finely.
 struct ViewerOptions {
   double voxel_m = 0.015;
-  int stride_px = 2;
   double max_m = 4.0;
   double images_hz = 10;
   int image_width_px = 320;
@@ -19,8 +18,6 @@ struct ViewerOptions {
   static void fields(Self& self, Visit&& visit) {
     visit("voxel_m", self.voxel_m, "the live cloud has one point per voxel of this edge, metres",
           Range{0.002, 0.5});
-    visit("stride_px", self.stride_px, "takes every n-th pixel of every n-th row of a keyframe",
-          Range{1, 16});
     visit("max_m", self.max_m, "farthest depth shown, metres", Range{0.1, 13});
     visit("images_hz", self.images_hz, "camera images a second, while a browser watches", Range{0.1, 60});
     visit("image_width_px", self.image_width_px, "width of the camera images", Range{32, 1920});

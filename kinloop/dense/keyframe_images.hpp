@@ -4,11 +4,11 @@
 // and beyond a limit in a temporary file instead of memory.
 
 #include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
+
+#include "kinloop/dense/byte_store.hpp"
 
 namespace kinloop {
 
@@ -33,50 +33,41 @@ struct EncodedImages {
   bool operator==(const EncodedImages&) const = default;
 };
 
+/// Depth is rounded to the units of `options.depth_scale`; what they cannot hold becomes unknown.
+EncodedImages encode_images(const RgbdImages& images, const ImageStoreOptions& options);
+RgbdImages decode_images(const EncodedImages& images, const ImageStoreOptions& options);
+
 class KeyframeImages {
  public:
-  KeyframeImages() = default;
-  explicit KeyframeImages(const ImageStoreOptions& options) : options_(options) {}
+  explicit KeyframeImages(const ImageStoreOptions& options = {})
+      : options_(options), bytes_(options.memory_limit_bytes) {}
 
-  /// Keeps a copy and returns its index, counted from 0. Depth is rounded to the units of `depth_scale`; what
-  /// they cannot hold becomes unknown. Throws InputError when the temporary file cannot be written.
-  size_t add(const cv::Mat& color, const cv::Mat& depth_m);
-
-  /// Keeps images that another store gave; their depth must be in the units of this one.
+  /// Keeps images and returns their index, counted from 0. Their depth must be in the units of this store.
+  /// Throws InputError when the temporary file cannot be written.
   size_t add(const EncodedImages& images);
+  size_t add(const RgbdImages& images) { return add(encode_images(images, options_)); }
 
   /// The images at `index`; may be called from several threads at once while nothing is added.
-  [[nodiscard]] RgbdImages load(size_t index) const;
+  [[nodiscard]] RgbdImages load(size_t index) const { return decode_images(encoded(index), options_); }
 
   /// The same as they are kept.
   [[nodiscard]] EncodedImages encoded(size_t index) const;
 
   [[nodiscard]] const ImageStoreOptions& options() const { return options_; }
 
-  [[nodiscard]] size_t size() const { return entries_.size(); }
-  [[nodiscard]] size_t bytes_in_memory() const { return bytes_in_memory_; }
-  [[nodiscard]] size_t bytes_on_disk() const { return bytes_on_disk_; }
+  [[nodiscard]] size_t size() const { return sizes_.size(); }
+  [[nodiscard]] size_t bytes_in_memory() const { return bytes_.bytes_in_memory(); }
+  [[nodiscard]] size_t bytes_on_disk() const { return bytes_.bytes_on_disk(); }
 
  private:
-  struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  struct Entry {
+  struct Size {
     int rows = 0, cols = 0;
-    size_t color_bytes = 0, depth_bytes = 0;
-    size_t file_offset = 0;      // where `bytes` is empty
-    std::vector<uint8_t> bytes;  // colour, then depth
+    size_t color_bytes = 0;
   };
-
-  void spill(const std::vector<uint8_t>& bytes);
-  [[nodiscard]] std::vector<uint8_t> bytes_of(const Entry& entry) const;
 
   ImageStoreOptions options_;
-  std::vector<Entry> entries_;
-  std::unique_ptr<std::FILE, CloseFile>
-      file_;  // has no name: it is gone when the program is, however it ends
-  size_t bytes_in_memory_ = 0;
-  size_t bytes_on_disk_ = 0;
+  std::vector<Size> sizes_;
+  ByteStore bytes_;  // of each colour, then depth
 };
 
 }  // namespace kinloop

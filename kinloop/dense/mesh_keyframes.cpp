@@ -31,11 +31,26 @@ cv::Mat undistorted(const cv::Mat& image, const cv::Mat& raw_pixels) {
   return result;
 }
 
+/// Takes the deformation away from an undistorted depth image.
+cv::Mat straightened(cv::Mat depth_m, const DenseCamera& camera) {
+  if (camera.depth_offset_per_m.isZero(0)) return depth_m;
+  for (int row = 0; row < depth_m.rows; ++row) {
+    for (int col = 0; col < depth_m.cols; ++col) {
+      auto& z = depth_m.at<float>(row, col);
+      if (!(z > 0)) continue;
+      const Eigen::Vector3d ray = camera.color.unproject(Eigen::Vector2d(col, row), 1);
+      const double inverse_depth = camera.true_inverse_depth(1 / static_cast<double>(z), ray.x(), ray.y());
+      z = inverse_depth > 0 ? static_cast<float>(1 / inverse_depth) : 0.0F;
+    }
+  }
+  return depth_m;
+}
+
 /// Calls `use` with every view in order; they are decoded ahead by `threads` threads.
-void for_each_view(const KeyframeImages& images, std::span<const PosedImage> views,
-                   const PinholeCamera& camera, const MeshOptions& options, int threads,
+void for_each_view(const KeyframeImages& images, std::span<const PosedImage> views, const DenseCamera& camera,
+                   const MeshOptions& options, int threads,
                    const std::function<bool(size_t index, const TsdfView& view)>& use) {
-  const cv::Mat raw_pixels = undistortion_of(camera);
+  const cv::Mat raw_pixels = undistortion_of(camera.color);
   const DepthLimits limits{options.min_m, options.max_m, options.max_slope_deg};
   const auto batch_size = static_cast<size_t>(std::max(threads, 1));
   std::vector<TsdfView> batch(batch_size);
@@ -44,9 +59,9 @@ void for_each_view(const KeyframeImages& images, std::span<const PosedImage> vie
     parallel_for(count, threads, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         const cv::Mat depth_m = images.load(views[first + i].image).depth_m;
-        batch[i] = {undistorted(depth_m, raw_pixels),
-                    undistorted(usable_pixels(depth_m, camera.fx, limits), raw_pixels),
-                    views[first + i].T_world_camera};
+        batch[i] = {straightened(undistorted(depth_m, raw_pixels), camera),
+                    undistorted(usable_pixels(depth_m, camera.color.fx, limits), raw_pixels),
+                    views[first + i].T_world_camera, views[first + i].velocity};
       }
     });
     for (size_t i = 0; i < count; ++i) {
@@ -58,7 +73,7 @@ void for_each_view(const KeyframeImages& images, std::span<const PosedImage> vie
 }  // namespace
 
 ColoredMesh mesh_keyframes(const KeyframeImages& images, std::span<const PosedImage> views,
-                           const PinholeCamera& camera, const MeshOptions& options, int threads,
+                           const DenseCamera& camera, const MeshOptions& options, int threads,
                            const Progress& progress) {
   TsdfVolume volume(camera, options);
   // Twice over the images: what was seen for a moment is carved away by views before it, too.
@@ -71,7 +86,8 @@ ColoredMesh mesh_keyframes(const KeyframeImages& images, std::span<const PosedIm
     return report(progress, "meshing", index + 1, views.size());
   });
   ColoredMesh mesh = without_small_pieces(volume.surface(), static_cast<size_t>(options.min_piece));
-  mesh.colors = color_points(mesh.points, vertex_normals(mesh), images, views, camera, threads, progress);
+  mesh.colors =
+      color_points(mesh.points, vertex_normals(mesh), images, views, camera.color, threads, progress);
   return mesh;
 }
 

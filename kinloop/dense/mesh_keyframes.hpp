@@ -1,7 +1,11 @@
 #pragma once
 // In: stored images, where each was taken, the camera. Out: one coloured mesh in the world.
 
-#include "kinloop/dense/fuse_keyframes.hpp"
+#include <span>
+
+#include "kinloop/base/progress.hpp"
+#include "kinloop/dense/keyframe_images.hpp"
+#include "kinloop/dense/posed_image.hpp"
 #include "kinloop/dense/tsdf_volume.hpp"
 
 namespace kinloop {
@@ -9,7 +13,7 @@ namespace kinloop {
 /// The surfaces that the views saw, what passed through and was gone left out. The result does not depend on
 /// `threads`. Throws UsageError where this build cannot make meshes.
 ColoredMesh mesh_keyframes(const KeyframeImages& images, std::span<const PosedImage> views,
-                           const PinholeCamera& camera, const MeshOptions& options, int threads,
+                           const DenseCamera& camera, const MeshOptions& options, int threads,
                            const Progress& progress = {});
 
 }  // namespace kinloop

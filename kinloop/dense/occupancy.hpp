@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "kinloop/base/progress.hpp"
-#include "kinloop/dense/fuse_keyframes.hpp"
+#include "kinloop/dense/keyframe_images.hpp"
+#include "kinloop/dense/options.hpp"
+#include "kinloop/dense/posed_image.hpp"
 
 namespace kinloop {
 

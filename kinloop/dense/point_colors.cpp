@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <opencv2/imgproc.hpp>
-
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/dense/sharpness.hpp"
 
 namespace kinloop {
 namespace {
@@ -21,14 +20,6 @@ struct Photo {
   SE3 T_camera_world;
   float sharpness = 0;
 };
-
-/// Mean square of the Laplacian: motion blur takes it away.
-float sharpness_of(const cv::Mat& color) {
-  cv::Mat gray, laplacian;
-  cv::cvtColor(color, gray, cv::COLOR_BGR2GRAY);
-  cv::Laplacian(gray, laplacian, CV_32F);
-  return static_cast<float>(cv::mean(laplacian.mul(laplacian))[0]);
-}
 
 /// Sum of colours (blue, green, red) and of their weights.
 using ColorSum = Eigen::Vector4f;
@@ -94,8 +85,7 @@ std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
       for (size_t i = begin; i < end; ++i) {
         const PosedImage& view = views[first + i];
         batch[i] = {images.load(view.image), view.T_world_camera.inverse(), 0};
-        // In thousands of squared grey values: its fourth power stays far from the limits of a float.
-        batch[i].sharpness = sharpness_of(batch[i].images.color) / 1000;
+        batch[i].sharpness = sharpness_of(batch[i].images.color);
       }
     });
     parallel_for(points.size(), threads, [&](size_t begin, size_t end) {

@@ -6,7 +6,8 @@
 
 #include "kinloop/base/progress.hpp"
 #include "kinloop/dense/colored_cloud.hpp"
-#include "kinloop/dense/fuse_keyframes.hpp"
+#include "kinloop/dense/keyframe_images.hpp"
+#include "kinloop/dense/posed_image.hpp"
 
 namespace kinloop {
 

@@ -67,7 +67,7 @@ namespace {
 /// Updates the voxels of one block by projecting them into a view.
 class BlockUpdate {
  public:
-  BlockUpdate(const TsdfView& view, const PinholeCamera& camera, const MeshOptions& options)
+  BlockUpdate(const TsdfView& view, const DenseCamera& camera, const MeshOptions& options)
       : view_(view), camera_(camera), options_(options), T_camera_world_(view.T_world_camera.inverse()) {
     const Eigen::Matrix3d R = T_camera_world_.R() * options.voxel_m;
     for (int axis = 0; axis < 3; ++axis) step_[static_cast<size_t>(axis)] = R.col(axis);
@@ -92,15 +92,18 @@ class BlockUpdate {
     const double radius_m = std::sqrt(3.0) / 2 * kLeafVoxels * options_.voxel_m;
     const Eigen::Vector3d center = in_camera(origin) + kLeafVoxels / 2.0 * (step_[0] + step_[1] + step_[2]);
     if (center.z() < options_.min_m || center.z() > options_.max_m + radius_m) return false;
-    const double margin_px = radius_m * camera_.fx / center.z();
-    return camera_.contains(camera_.project(center), -margin_px);
+    const double margin_px = radius_m * camera_.color.fx / center.z();
+    return camera_.color.contains(camera_.color.project(center), -margin_px);
   }
 
-  void update(Leaf& distance, Leaf& weight, unsigned i, const Eigen::Vector3d& p_camera) const {
-    if (p_camera.z() < options_.min_m / 2) return;
-    const Eigen::Vector2d pixel = camera_.project(p_camera);
+  void update(Leaf& distance, Leaf& weight, unsigned i, const Eigen::Vector3d& p_stamp) const {
+    const double nearest_m = options_.min_m / 2;
+    if (p_stamp.z() < nearest_m) return;
+    const Eigen::Vector3d p_camera = camera_.when_measured(p_stamp, view_.velocity);
+    if (p_camera.z() < nearest_m) return;
+    const Eigen::Vector2d pixel = camera_.color.project(p_camera);
     const int col = static_cast<int>(std::lround(pixel.x())), row = static_cast<int>(std::lround(pixel.y()));
-    if (col < 0 || row < 0 || col >= camera_.width || row >= camera_.height) return;
+    if (col < 0 || row < 0 || col >= camera_.color.width || row >= camera_.color.height) return;
     const double depth_m = view_.depth_m.at<float>(row, col);
     if (!(depth_m > 0)) return;
     const double truncation_m = options_.truncation_voxels * options_.voxel_m;
@@ -120,7 +123,7 @@ class BlockUpdate {
   }
 
   const TsdfView& view_;
-  const PinholeCamera& camera_;
+  const DenseCamera& camera_;
   const MeshOptions& options_;
   SE3 T_camera_world_;
   std::array<Eigen::Vector3d, 3> step_;  // of one voxel, in the camera's frame
@@ -220,7 +223,7 @@ bool tsdf_available() {
   return true;
 }
 
-TsdfVolume::TsdfVolume(const PinholeCamera& camera, const MeshOptions& options)
+TsdfVolume::TsdfVolume(const DenseCamera& camera, const MeshOptions& options)
     : camera_(camera),
       options_(options),
       volume_(std::make_unique<Volume>(static_cast<float>(options.truncation_voxels * options.voxel_m))) {}
@@ -233,13 +236,14 @@ void TsdfVolume::make_room(const TsdfView& view) {
   const double reach_m = options_.truncation_voxels * options_.voxel_m;
   const double step_m = kLeafVoxels * options_.voxel_m / 2;
   std::vector<Coord> touched;
-  for (int row = 0; row < camera_.height; row += kStridePx) {
-    for (int col = 0; col < camera_.width; col += kStridePx) {
+  for (int row = 0; row < camera_.color.height; row += kStridePx) {
+    for (int col = 0; col < camera_.color.width; col += kStridePx) {
       if (view.usable.at<uint8_t>(row, col) == 0) continue;
       const double depth_m = view.depth_m.at<float>(row, col);
       for (double z = depth_m - reach_m; z <= depth_m + reach_m; z += step_m) {
-        const Eigen::Vector3d p =
-            view.T_world_camera * camera_.unproject(Eigen::Vector2d(col, row), z) / options_.voxel_m;
+        const Eigen::Vector3d p_camera =
+            camera_.at_stamp(camera_.color.unproject(Eigen::Vector2d(col, row), z), row, view.velocity);
+        const Eigen::Vector3d p = view.T_world_camera * p_camera / options_.voxel_m;
         const auto origin = [](double x) { return static_cast<int>(std::floor(x)) & ~(kLeafVoxels - 1); };
         touched.emplace_back(origin(p.x()), origin(p.y()), origin(p.z()));
       }
@@ -277,7 +281,7 @@ bool tsdf_available() {
   return false;
 }
 
-TsdfVolume::TsdfVolume(const PinholeCamera& camera, const MeshOptions& options)
+TsdfVolume::TsdfVolume(const DenseCamera& camera, const MeshOptions& options)
     : camera_(camera), options_(options) {
   throw UsageError("meshes: this build has no OpenVDB; install libopenvdb-dev and build kinloop again");
 }

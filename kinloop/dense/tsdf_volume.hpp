@@ -9,7 +9,7 @@
 
 #include "kinloop/dense/colored_mesh.hpp"
 #include "kinloop/dense/options.hpp"
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/dense/posed_image.hpp"
 
 namespace kinloop {
 
@@ -21,12 +21,13 @@ struct TsdfView {
   cv::Mat depth_m;  ///< 32FC1, of an ideal camera; 0 = unknown
   cv::Mat usable;   ///< 8UC1: not at a depth edge, in range: may say where a surface is
   SE3 T_world_camera;
+  Vector6d velocity = Vector6d::Zero();  ///< see PosedImage
 };
 
 class TsdfVolume {
  public:
   /// Throws UsageError where this build has no OpenVDB.
-  TsdfVolume(const PinholeCamera& camera, const MeshOptions& options);
+  TsdfVolume(const DenseCamera& camera, const MeshOptions& options);
   ~TsdfVolume();
   TsdfVolume(const TsdfVolume&) = delete;
   TsdfVolume& operator=(const TsdfVolume&) = delete;
@@ -47,7 +48,7 @@ class TsdfVolume {
  private:
   struct Volume;
 
-  PinholeCamera camera_;
+  DenseCamera camera_;
   MeshOptions options_;
   std::unique_ptr<Volume> volume_;
 };

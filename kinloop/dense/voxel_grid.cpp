@@ -1,31 +1,29 @@
 #include "kinloop/dense/voxel_grid.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace kinloop {
 namespace {
 
 constexpr size_t kFirstTable = 1024;
-
-/// Sums of bytes over more pixels than this might not fit 32 bits.
-constexpr uint32_t kMostPixels = 1U << 23;
-
-/// The middle bits: the lowest are scattered least, the highest chose the grid.
-size_t first_slot(VoxelKey key) {
-  constexpr int kLowBits = 28;
-  return scatter(key) >> kLowBits;
-}
-
-/// Forgets half the weight of what was seen so far, which keeps the means.
-void halve(Voxel& voxel) {
-  voxel.pixels /= 2;
-  for (auto& sum : voxel.steps) sum /= 2;
-  for (auto& sum : voxel.colors) sum /= 2;
-}
+constexpr float kColorSteps = 256;
 
 /// Makes room for one more; a quarter more at a time, since memory counts for more here than copying.
 void reserve_one(std::vector<Voxel>& voxels) {
   if (voxels.size() == voxels.capacity()) voxels.reserve(kFirstTable + voxels.size() + voxels.size() / 4);
+}
+
+void mix_color(Voxel& voxel, const VoxelSample& sample) {
+  // A colour seen with no weight at all is better than none.
+  const float weight = std::max(sample.color_weight * sample.pixels, std::numeric_limits<float>::min());
+  voxel.color_weight += weight;
+  const float share = weight / voxel.color_weight;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto before = static_cast<float>(voxel.color[i]);
+    const float after = before + share * (kColorSteps * static_cast<float>(sample.color[i]) - before);
+    voxel.color[i] = static_cast<uint16_t>(after + 0.5F);
+  }
 }
 
 }  // namespace
@@ -37,56 +35,59 @@ void VoxelGrid::add(const VoxelSample& sample, uint32_t view) {
     if (voxel.views < std::numeric_limits<uint16_t>::max()) ++voxel.views;
     voxel.last_view = view_bits;
   }
+  const float weight = sample.pixels / sample.variance_m2;
+  voxel.weight += weight;
   voxel.pixels += sample.pixels;
-  for (size_t i = 0; i < 3; ++i) {
-    voxel.steps[i] += sample.steps[i];
-    voxel.colors[i] += sample.colors[i];
-  }
-  if (voxel.pixels >= kMostPixels) halve(voxel);
+  voxel.offset_sum += weight * sample.offset;
+  voxel.normal_sum += weight * sample.normal;
+  mix_color(voxel, sample);
+}
+
+const Voxel* VoxelGrid::find(VoxelKey key) const {
+  if (table_.empty()) return nullptr;
+  const uint32_t entry = table_[slot_of(key)];
+  return entry == 0 ? nullptr : &voxels_[entry - 1];
+}
+
+void VoxelGrid::drop_from(VoxelKey key) {
+  std::erase_if(voxels_, [=](const Voxel& voxel) { return voxel.key >= key; });
+  rebuild_table(table_.size());
 }
 
 Voxel& VoxelGrid::find_or_insert(VoxelKey key) {
   // At most two thirds full, so that probing stays short.
-  if (3 * (voxels_.size() + 1) > 2 * table_.size()) grow_table();
-  const size_t mask = table_.size() - 1;
-  size_t slot = first_slot(key) & mask;
-  while (table_[slot] != 0) {
-    Voxel& voxel = voxels_[table_[slot] - 1];
-    if (voxel.key == key) return voxel;
-    slot = (slot + 1) & mask;
-  }
+  if (3 * (voxels_.size() + 1) > 2 * table_.size()) rebuild_table(std::max(kFirstTable, 2 * table_.size()));
+  const size_t slot = slot_of(key);
+  if (table_[slot] != 0) return voxels_[table_[slot] - 1];
   reserve_one(voxels_);
-  voxels_.push_back({.key = key});
+  voxels_.emplace_back().key = key;
   table_[slot] = static_cast<uint32_t>(voxels_.size());
   return voxels_.back();
 }
 
-void VoxelGrid::grow_table() {
-  table_.assign(std::max(kFirstTable, 2 * table_.size()), 0);
+/// Where the voxel is, or would be put.
+size_t VoxelGrid::slot_of(VoxelKey key) const {
+  constexpr int kLowBits = 28;  // the lowest bits are scattered least, the highest chose the grid
   const size_t mask = table_.size() - 1;
-  for (size_t i = 0; i < voxels_.size(); ++i) {
-    size_t slot = first_slot(voxels_[i].key) & mask;
-    while (table_[slot] != 0) slot = (slot + 1) & mask;
-    table_[slot] = static_cast<uint32_t>(i + 1);
-  }
+  size_t slot = (scatter(key) >> kLowBits) & mask;
+  while (table_[slot] != 0 && voxels_[table_[slot] - 1].key != key) slot = (slot + 1) & mask;
+  return slot;
+}
+
+void VoxelGrid::rebuild_table(size_t size) {
+  table_.assign(size, 0);
+  for (size_t i = 0; i < voxels_.size(); ++i) table_[slot_of(voxels_[i].key)] = static_cast<uint32_t>(i + 1);
 }
 
 Eigen::Vector3f mean_point(const Voxel& voxel, double voxel_m) {
-  constexpr VoxelKey kAxisMask = (VoxelKey{1} << kVoxelAxisBits) - 1;
-  Eigen::Vector3f point;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto corner = static_cast<int64_t>(voxel.key >> (axis * kVoxelAxisBits) & kAxisMask) - kVoxelOrigin;
-    // Positions were cut off to whole steps: half a step is what they lost on average.
-    const double steps = static_cast<double>(voxel.steps[static_cast<size_t>(axis)]) / voxel.pixels + 0.5;
-    point[axis] = static_cast<float>((static_cast<double>(corner) + steps / kVoxelSteps) * voxel_m);
-  }
-  return point;
+  const Eigen::Vector3d offset = (voxel.offset_sum / voxel.weight).cast<double>();
+  return ((voxel_of(voxel.key).cast<double>() + offset) * voxel_m).cast<float>();
 }
 
 Rgb mean_color(const Voxel& voxel) {
   Rgb color{};
   for (size_t i = 0; i < 3; ++i) {
-    color[i] = static_cast<uint8_t>((voxel.colors[i] + voxel.pixels / 2) / voxel.pixels);
+    color[i] = static_cast<uint8_t>(std::min((voxel.color[i] + 128U) / 256U, 255U));
   }
   return color;
 }

@@ -1,50 +1,47 @@
 #include "kinloop/dense/voxel_samples.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "kinloop/base/errors.hpp"
-#include "kinloop/dense/usable_depth.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr int kStepBits = 8;
-static_assert(kVoxelSteps == 1 << kStepBits);
+/// The ray between four pixels.
+Eigen::Vector2f ray_at(const RayTable& rays, const PatchPoint& point) {
+  constexpr float kStep = 1.0F / kPixelSteps;
+  const int col = std::min(point.col / kPixelSteps, rays.width - 2);
+  const int row = std::min(point.row / kPixelSteps, rays.height - 2);
+  const float right = static_cast<float>(point.col) * kStep - static_cast<float>(col);
+  const float down = static_cast<float>(point.row) * kStep - static_cast<float>(row);
+  const auto* above =
+      &rays.rays[static_cast<size_t>(row) * static_cast<size_t>(rays.width) + static_cast<size_t>(col)];
+  const auto* below = above + rays.width;
+  return (1 - down) * ((1 - right) * above[0] + right * above[1]) +
+         down * ((1 - right) * below[0] + right * below[1]);
+}
 
-/// Sums pixels up by voxel in a small table that fits the processor's cache. A voxel that finds its place
-/// taken turns the other out, and that one may come back as a sample of its own.
-class SampleCollector {
- public:
-  SampleCollector() : slots_(size_t{1} << kSlotBits) {}
+/// Normal, towards the camera, of the plane whose inverse depth changes by `slope` (relative to itself) along
+/// the ray: n p = d with p = z (x, y, 1) makes 1 / z = n (x, y, 1) / d.
+Eigen::Vector3f normal_of(const Eigen::Vector2f& ray, const Eigen::Vector2f& slope) {
+  return -Eigen::Vector3f(slope.x(), slope.y(), 1 - slope.dot(ray)).normalized();
+}
 
-  void add(VoxelKey key, const std::array<uint32_t, 3>& steps, const cv::Vec3b& bgr) {
-    constexpr int kKeyBits = 64;
-    VoxelSample& slot = slots_[scatter(key) >> (kKeyBits - kSlotBits)];
-    if (slot.key != key) {
-      if (slot.pixels > 0) samples_.push_back(slot);
-      slot = {};
-      slot.key = key;
-    }
-    ++slot.pixels;
-    for (size_t i = 0; i < 3; ++i) {
-      slot.steps[i] += steps[i] % kVoxelSteps;
-      slot.colors[i] += bgr[static_cast<int>(2 - i)];
-    }
-  }
-
-  std::vector<VoxelSample> take() {
-    for (const VoxelSample& slot : slots_) {
-      if (slot.pixels > 0) samples_.push_back(slot);
-    }
-    return std::move(samples_);
-  }
-
- private:
-  static constexpr int kSlotBits = 13;
-
-  std::vector<VoxelSample> slots_;
-  std::vector<VoxelSample> samples_;
-};
+float fourth_power(float x) {
+  return x * x * x * x;
+}
 
 }  // namespace
+
+Eigen::Vector3i voxel_of(VoxelKey key) {
+  constexpr VoxelKey kAxisMask = (VoxelKey{1} << kVoxelAxisBits) - 1;
+  const auto part = [&](int axis) {
+    return static_cast<int>(static_cast<int64_t>(key >> (axis * kVoxelAxisBits) & kAxisMask) - kVoxelOrigin);
+  };
+  return {part(0), part(1), part(2)};
+}
 
 RayTable ray_table(const PinholeCamera& camera) {
   RayTable table{.width = camera.width, .height = camera.height, .focal_px = camera.fx, .rays = {}};
@@ -58,40 +55,45 @@ RayTable ray_table(const PinholeCamera& camera) {
   return table;
 }
 
-std::vector<VoxelSample> voxel_samples(const cv::Mat& color, const cv::Mat& depth_m,
-                                       const SE3& T_world_camera, const RayTable& rays,
-                                       const DenseOptions& options) {
-  require(color.type() == CV_8UC3 && depth_m.type() == CV_32FC1 && color.size() == depth_m.size() &&
-              color.cols == rays.width && color.rows == rays.height,
-          "voxel_samples: images of the camera's size");
-  // From camera to steps of voxels, counted from a corner so far away that all counts are positive.
-  const double steps_per_m = kVoxelSteps / options.voxel_m;
-  const Eigen::Matrix3d A = T_world_camera.R() * steps_per_m;
-  const Eigen::Vector3d b =
-      (T_world_camera.translation * steps_per_m).array() + static_cast<double>(kVoxelOrigin * kVoxelSteps);
-  constexpr double kEnd = 2.0 * static_cast<double>(kVoxelOrigin * kVoxelSteps);
+std::vector<VoxelSample> voxel_samples(const DepthPatch& patch, const PosedImage& view,
+                                       const DenseCamera& camera, const RayTable& rays, double voxel_m) {
+  require(rays.width == camera.color.width && rays.height == camera.color.height && rays.width > 1 &&
+              rays.height > 1,
+          "voxel_samples: rays of the camera");
+  const Eigen::Matrix3d R = view.T_world_camera.R();
+  const Eigen::Matrix3f R_float = R.cast<float>();
+  constexpr auto kEnd = static_cast<double>(kVoxelOrigin - 1);
 
-  const DepthLimits limits{options.min_m, options.max_m, options.max_slope_deg};
-  SampleCollector samples;
-  std::vector<uint8_t> usable(static_cast<size_t>(depth_m.cols));
-  for (int row = kDepthMarginPx; row < depth_m.rows - kDepthMarginPx; row += options.stride_px) {
-    mark_usable(depth_m, row, rays.focal_px, limits, usable.data());
-    const float* depths = depth_m.ptr<float>(row);
-    const auto* colors = color.ptr<cv::Vec3b>(row);
-    const Eigen::Vector2f* row_rays = &rays.rays[static_cast<size_t>(row) * static_cast<size_t>(rays.width)];
-    for (int col = kDepthMarginPx; col < depth_m.cols - kDepthMarginPx; col += options.stride_px) {
-      if (usable[static_cast<size_t>(col)] == 0) continue;
-      const double z = depths[col];
-      const Eigen::Vector3d p = A * Eigen::Vector3d(row_rays[col].x() * z, row_rays[col].y() * z, z) + b;
-      if (!((p.array() >= 0).all() && (p.array() < kEnd).all())) continue;
-      const std::array<uint32_t, 3> steps{static_cast<uint32_t>(p.x()), static_cast<uint32_t>(p.y()),
-                                          static_cast<uint32_t>(p.z())};
-      const auto voxel = [&](size_t axis) { return static_cast<VoxelKey>(steps[axis] >> kStepBits); };
-      samples.add(voxel(2) << (2 * kVoxelAxisBits) | voxel(1) << kVoxelAxisBits | voxel(0), steps,
-                  colors[col]);
-    }
+  std::vector<VoxelSample> samples;
+  samples.reserve(patch.points.size());
+  for (const PatchPoint& point : patch.points) {
+    const Eigen::Vector2f ray = ray_at(rays, point);
+    const auto x = static_cast<double>(ray.x()), y = static_cast<double>(ray.y());
+    const double inverse_depth = camera.true_inverse_depth(static_cast<double>(point.inverse_depth), x, y);
+    if (!(inverse_depth > 0)) continue;
+    const double z = 1 / inverse_depth;
+    const double row = static_cast<double>(point.row) / kPixelSteps;
+    const Eigen::Vector3d p = camera.at_stamp({x * z, y * z, z}, row, view.velocity);
+    const Eigen::Vector3d p_voxels = (R * p + view.T_world_camera.translation) / voxel_m;
+    if (!(p_voxels.cwiseAbs().maxCoeff() < kEnd)) continue;
+    const Eigen::Vector3d corner = p_voxels.array().floor();
+    const Eigen::Vector3f normal =
+        normal_of(ray, Eigen::Vector2f(point.slope_x, point.slope_y) / kSlopeSteps);
+    const float frontal = -normal.dot(ray.homogeneous().normalized());
+    const double sigma_m = DepthNoise().sigma_m(z);
+    VoxelSample& sample = samples.emplace_back();
+    sample.key = voxel_key(static_cast<int64_t>(corner.x()), static_cast<int64_t>(corner.y()),
+                           static_cast<int64_t>(corner.z()));
+    sample.offset = (p_voxels - corner).cast<float>();
+    sample.normal = R_float * normal;
+    sample.pixels = point.pixels;
+    sample.variance_m2 = static_cast<float>(sigma_m * sigma_m);
+    // Pixels per square metre of surface, and the fourth power: the best few images make the colour.
+    sample.color_weight =
+        fourth_power(patch.sharpness * frontal * static_cast<float>(inverse_depth * inverse_depth));
+    sample.color = point.color;
   }
-  return samples.take();
+  return samples;
 }
 
 }  // namespace kinloop

@@ -1,16 +1,14 @@
 #pragma once
-// In: one posed depth image with colours. Out: what it says about the voxels that it sees, in integers, so
-// that sums of it are exact.
+// In: one patch and where it was taken. Out: what it says about the voxels that it sees.
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
-#include <opencv2/core/mat.hpp>
 
-#include "kinloop/dense/options.hpp"
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/dense/depth_patch.hpp"
+#include "kinloop/dense/posed_image.hpp"
 
 namespace kinloop {
 
@@ -19,22 +17,31 @@ using VoxelKey = uint64_t;
 constexpr int kVoxelAxisBits = 21;
 constexpr int64_t kVoxelOrigin = int64_t{1} << (kVoxelAxisBits - 1);
 
-/// Steps into which a voxel's edge is divided for the mean position.
-constexpr int kVoxelSteps = 256;
+/// The key of the voxel at whole voxel coordinates, each from -kVoxelOrigin to kVoxelOrigin - 1.
+constexpr VoxelKey voxel_key(int64_t x, int64_t y, int64_t z) {
+  const auto part = [](int64_t v) { return static_cast<VoxelKey>(v + kVoxelOrigin); };
+  return part(z) << (2 * kVoxelAxisBits) | part(y) << kVoxelAxisBits | part(x);
+}
 
-/// Pixels that fall into one voxel.
-struct VoxelSample {
-  VoxelKey key = 0;
-  uint32_t pixels = 0;
-  std::array<uint32_t, 3> steps{};   ///< sums of positions within the voxel
-  std::array<uint32_t, 3> colors{};  ///< sums of red, green, blue
-};
+/// The voxel coordinates of a key.
+Eigen::Vector3i voxel_of(VoxelKey key);
 
 /// Scatters keys evenly over 64 bits; the highest bits are scattered best.
 constexpr uint64_t scatter(VoxelKey key) {
   constexpr uint64_t kGolden = 0x9e3779b97f4a7c15ULL;  // 2^64 / golden ratio (Knuth, TAOCP 6.4)
   return (key ^ key >> 29) * kGolden;
 }
+
+/// A point of a patch in the world.
+struct VoxelSample {
+  VoxelKey key = 0;
+  Eigen::Vector3f offset;  ///< of the point from the voxel's corner, voxels
+  Eigen::Vector3f normal;  ///< towards the camera
+  float pixels = 0;        ///< of the patch's point
+  float variance_m2 = 0;   ///< of one pixel along the ray
+  float color_weight = 0;  ///< how well the colour shows: sharp, near, from the front
+  Rgb color{};
+};
 
 /// For every pixel of the raw (distorted) image the direction in which it looks, as (x / z, y / z).
 struct RayTable {
@@ -45,11 +52,9 @@ struct RayTable {
 
 RayTable ray_table(const PinholeCamera& camera);
 
-/// The samples of an image; a voxel may have several. Pixels at depth edges, on surfaces seen at a grazing
-/// angle and outside the range are left out. `color` is 8UC3 BGR, `depth_m` 32FC1, both of the size of
-/// `rays`.
-std::vector<VoxelSample> voxel_samples(const cv::Mat& color, const cv::Mat& depth_m,
-                                       const SE3& T_world_camera, const RayTable& rays,
-                                       const DenseOptions& options);
+/// The points of `patch`, taken by `camera` as `view` says, where the camera would have seen them at the
+/// stamp. `rays` are those of `camera.color`.
+std::vector<VoxelSample> voxel_samples(const DepthPatch& patch, const PosedImage& view,
+                                       const DenseCamera& camera, const RayTable& rays, double voxel_m);
 
 }  // namespace kinloop

@@ -27,6 +27,8 @@ uint32_t lag_of(JobKind kind, const ExecutorOptions& options) {
     case JobKind::kFullAdjustment:
     case JobKind::kSelfCalibration:
       return static_cast<uint32_t>(options.full_lag_frames);
+    case JobKind::kDenseKeyframes:
+      return static_cast<uint32_t>(options.dense_lag_frames);
   }
   return 0;
 }
@@ -101,6 +103,8 @@ const char* name_of(JobKind kind) {
       return "full adjustment";
     case JobKind::kSelfCalibration:
       return "self-calibration";
+    case JobKind::kDenseKeyframes:
+      return "dense keyframes";
   }
   return "";
 }

@@ -10,6 +10,7 @@
 #include "kinloop/base/ids.hpp"
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/loop/close_loop.hpp"
+#include "kinloop/slam/dense_keyframe.hpp"
 #include "kinloop/slam/options.hpp"
 #include "kinloop/slam/self_calibration.hpp"
 
@@ -20,7 +21,8 @@ enum class JobKind {
   kLoopVerification,
   kLoopCorrection,
   kFullAdjustment,
-  kSelfCalibration
+  kSelfCalibration,
+  kDenseKeyframes
 };
 
 /// As reports call it.
@@ -36,9 +38,13 @@ struct JobResult {
   JobResult(std::vector<LoopAnswer> verified)  // NOLINT(google-explicit-constructor)
       : loops(std::move(verified)) {}
 
+  JobResult(std::vector<DenseKeyframe> keyframes)  // NOLINT(google-explicit-constructor)
+      : dense(std::move(keyframes)) {}
+
   MapUpdate update;
   std::optional<SensorEstimate> sensor;  ///< where the work estimated it
   std::vector<LoopAnswer> loops;         ///< where the work verified them
+  std::vector<DenseKeyframe> dense;      ///< where the work made them
 };
 
 struct FinishedJob {

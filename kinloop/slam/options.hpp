@@ -16,6 +16,7 @@ struct ExecutorOptions {
   int verify_lag_frames = 3;
   int loop_lag_frames = 8;
   int full_lag_frames = 30;
+  int dense_lag_frames = 5;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -31,6 +32,8 @@ struct ExecutorOptions {
     visit("loop_lag_frames", self.loop_lag_frames, "frames until a loop correction is applied",
           Range{1, 1000});
     visit("full_lag_frames", self.full_lag_frames, "frames until a full adjustment is applied",
+          Range{1, 1000});
+    visit("dense_lag_frames", self.dense_lag_frames, "frames until the surface of a keyframe is there",
           Range{1, 1000});
   }
 };

@@ -39,7 +39,7 @@ TEST(KeyframeImages, DepthComesBackBitByBitAndColourNearly) {
   KeyframeImages store({.depth_scale = kScale});
   for (uint64_t i = 0; i < 3; ++i) {
     const auto images = some_images(i);
-    EXPECT_EQ(store.add(images.color, images.depth_m), i);
+    EXPECT_EQ(store.add(images), i);
   }
   for (uint64_t i = 0; i < 3; ++i) {
     const auto original = some_images(i), kept = store.load(i);
@@ -56,7 +56,7 @@ TEST(KeyframeImages, BeyondTheLimitTheyGoToDiskAndComeBackTheSame) {
   KeyframeImages on_disk({.depth_scale = kScale, .memory_limit_bytes = 0});
   for (uint64_t i = 0; i < 5; ++i) {
     const auto images = some_images(i);
-    for (auto* store : {&in_memory, &half, &on_disk}) store->add(images.color, images.depth_m);
+    for (auto* store : {&in_memory, &half, &on_disk}) store->add(images);
   }
   EXPECT_EQ(on_disk.bytes_in_memory(), 0U);
   EXPECT_EQ(on_disk.bytes_on_disk(), in_memory.bytes_in_memory());
@@ -79,7 +79,7 @@ TEST(KeyframeImages, DepthThatUnitsCannotHoldIsUnknown) {
   depths[3] = 20;
   depths[4] = 1.00009F;
   KeyframeImages store({.depth_scale = kScale});
-  store.add(images.color, images.depth_m);
+  store.add(images);
   const cv::Mat kept = store.load(0).depth_m;
   for (int i = 0; i < 4; ++i) EXPECT_EQ(kept.ptr<float>()[i], 0) << i;
   EXPECT_EQ(kept.ptr<float>()[4], 1.0F);
@@ -91,7 +91,7 @@ TEST(KeyframeImages, WithoutAPlaceForTheFileTheUserIsTold) {
   const char* before = std::getenv("TMPDIR");
   const std::string saved = before == nullptr ? "" : before;
   setenv("TMPDIR", "/proc/no-such-folder", 1);
-  const auto message = test::input_error([&] { store.add(images.color, images.depth_m); });
+  const auto message = test::input_error([&] { store.add(images); });
   before == nullptr ? unsetenv("TMPDIR") : setenv("TMPDIR", saved.c_str(), 1);
   EXPECT_THAT(message, HasSubstr("set TMPDIR to another folder"));
 }

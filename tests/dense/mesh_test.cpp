@@ -53,7 +53,7 @@ Scene scene_of(const std::vector<bool>& with_ball, double noise_share = 0) {
     const double x = 0.4 * (static_cast<double>(i) / static_cast<double>(with_ball.size() - 1) - 0.5);
     const SE3 pose{exp_so3({0, -0.3 * x, 0}), {x, 0, 0}};
     const RgbdImages seen = look(pose, with_ball[i], noise_share, random);
-    scene.views.push_back({scene.images.add(seen.color, seen.depth_m), pose});
+    scene.views.push_back({scene.images.add(seen), pose});
   }
   return scene;
 }
@@ -80,7 +80,7 @@ TEST(Mesh, LiesOnTheSurfaces) {
   SKIP_WITHOUT_OPENVDB();
   for (const double noise_share : {0.0, 1.0}) {
     const Scene scene = scene_of(std::vector<bool>(9, true), noise_share);
-    const auto mesh = mesh_keyframes(scene.images, scene.views, small_camera(), some_options(), 2);
+    const auto mesh = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
     ASSERT_GT(mesh.triangles.size(), 3000U);
     std::vector<double> off_m;
     for (const auto& point : mesh.points) off_m.push_back(off_surface_m(point));
@@ -93,7 +93,7 @@ TEST(Mesh, LiesOnTheSurfaces) {
 TEST(Mesh, TrianglesFaceTheFreeSide) {
   SKIP_WITHOUT_OPENVDB();
   const Scene scene = scene_of(std::vector<bool>(5, true));
-  const auto mesh = mesh_keyframes(scene.images, scene.views, small_camera(), some_options(), 2);
+  const auto mesh = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
   const auto normals = vertex_normals(mesh);
   size_t towards = 0;
   for (size_t i = 0; i < normals.size(); ++i) towards += normals[i].dot(mesh.points[i]) < 0 ? 1 : 0;
@@ -103,7 +103,7 @@ TEST(Mesh, TrianglesFaceTheFreeSide) {
 TEST(Mesh, TakesItsColoursFromTheImages) {
   SKIP_WITHOUT_OPENVDB();
   const Scene scene = scene_of(std::vector<bool>(5, true));
-  const auto mesh = mesh_keyframes(scene.images, scene.views, small_camera(), some_options(), 2);
+  const auto mesh = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
   size_t right = 0, judged = 0;
   for (size_t i = 0; i < mesh.points.size(); ++i) {
     if (off_surface_m(mesh.points[i]) > 0.005) continue;
@@ -119,7 +119,7 @@ TEST(Mesh, WhatWasThereForAMomentIsGone) {
     std::vector<bool> with_ball(9, false);
     with_ball[moment] = true;
     const Scene scene = scene_of(with_ball);
-    const auto mesh = mesh_keyframes(scene.images, scene.views, small_camera(), some_options(), 2);
+    const auto mesh = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
     ASSERT_GT(mesh.points.size(), 1000U);
     EXPECT_EQ(std::count_if(mesh.points.begin(), mesh.points.end(), on_ball), 0) << moment;
   }
@@ -128,8 +128,8 @@ TEST(Mesh, WhatWasThereForAMomentIsGone) {
 TEST(Mesh, DoesNotDependOnThreads) {
   SKIP_WITHOUT_OPENVDB();
   const Scene scene = scene_of(std::vector<bool>(5, true), 1);
-  const auto one = mesh_keyframes(scene.images, scene.views, small_camera(), some_options(), 1);
-  const auto four = mesh_keyframes(scene.images, scene.views, small_camera(), some_options(), 4);
+  const auto one = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 1);
+  const auto four = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 4);
   EXPECT_EQ(one.points, four.points);
   EXPECT_EQ(one.colors, four.colors);
   EXPECT_EQ(one.triangles, four.triangles);
@@ -160,8 +160,8 @@ TEST(PointColors, TheSharpestImageMakesTheColour) {
       if (row / 8 % 2 == col / 8 % 2) sharp.at<cv::Vec3b>(row, col) = {220, 220, 220};
     }
   }
-  const std::vector<PosedImage> views = {{images.add(blurred, depth_m), {}},
-                                         {images.add(sharp, depth_m), {}}};
+  const std::vector<PosedImage> views = {{images.add({blurred, depth_m}), {}},
+                                         {images.add({sharp, depth_m}), {}}};
   const Eigen::Vector3f unseen(0, 0, -1);
   const Eigen::Vector3f point =
       small_camera().unproject({76, 60}, 1.0).cast<float>();  // within a light square
@@ -205,7 +205,7 @@ Scene floor_scene() {
     }
   }
   const cv::Mat color(camera.height, camera.width, CV_8UC3, cv::Scalar(90, 90, 90));
-  for (int i = 0; i < 3; ++i) scene.views.push_back({scene.images.add(color, depth_m), pose});
+  for (int i = 0; i < 3; ++i) scene.views.push_back({scene.images.add({color, depth_m}), pose});
   return scene;
 }
 

@@ -12,7 +12,6 @@ namespace {
 DenseOptions sampling(const ViewerOptions& options) {
   DenseOptions dense;
   dense.voxel_m = options.voxel_m;
-  dense.stride_px = options.stride_px;
   dense.max_m = options.max_m;
   return dense;
 }
@@ -20,12 +19,14 @@ DenseOptions sampling(const ViewerOptions& options) {
 }  // namespace
 
 GrowingCloud::GrowingCloud(const PinholeCamera& camera, const ViewerOptions& options)
-    : rays_(ray_table(camera)), options_(sampling(options)) {}
+    : camera_{.color = camera}, rays_(ray_table(camera)), options_(sampling(options)) {}
 
 CloudPiece GrowingCloud::take_in(KeyframeId anchor, const cv::Mat& color, const cv::Mat& depth_m,
                                  const SE3& T_world_camera) {
   VoxelGrid fresh;
-  for (const VoxelSample& sample : voxel_samples(color, depth_m, T_world_camera, rays_, options_)) {
+  const DepthPatch patch = make_patch({color, depth_m}, camera_.color.fx, options_);
+  for (const VoxelSample& sample :
+       voxel_samples(patch, {.T_world_camera = T_world_camera}, camera_, rays_, options_.voxel_m)) {
     if (!seen_.contains(sample.key)) fresh.add(sample, 0);
   }
   CloudPiece piece{anchor, {}};

@@ -21,6 +21,7 @@ class GrowingCloud {
   [[nodiscard]] size_t size() const { return seen_.size(); }
 
  private:
+  DenseCamera camera_;
   RayTable rays_;
   DenseOptions options_;
   std::unordered_set<VoxelKey> seen_;

@@ -1,0 +1,77 @@
+#include "kinloop/dense/byte_store.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+/// TMPDIR, else /tmp; the system's answer throws where TMPDIR is no folder.
+std::filesystem::path temporary_folder() {
+  std::error_code error;
+  const auto folder = std::filesystem::temp_directory_path(error);
+  return error ? std::filesystem::path("TMPDIR") : folder;
+}
+
+[[noreturn]] void throw_no_room() {
+  throw InputError(fmt::format(
+      "{}: cannot hold the images of the map; free some space there, set TMPDIR to another folder, or "
+      "raise --set dense.image_memory_mib and dense.patch_memory_mib",
+      temporary_folder().string()));
+}
+
+/// A file in the temporary folder (TMPDIR) that no longer has a name; null when there can be none.
+std::FILE* open_nameless_file() {
+  std::string name = (temporary_folder() / "kinloop_XXXXXX").string();
+  const int descriptor = mkostemp(name.data(), O_CLOEXEC);
+  if (descriptor < 0) return nullptr;
+  unlink(name.c_str());
+  return fdopen(descriptor, "w+b");
+}
+
+}  // namespace
+
+size_t ByteStore::add(std::vector<uint8_t> bytes) {
+  Entry entry;
+  if (bytes_in_memory_ + bytes.size() > memory_limit_bytes_) {
+    entry.file_offset = bytes_on_disk_;
+    entry.file_bytes = bytes.size();
+    spill(bytes);
+  } else {
+    bytes_in_memory_ += bytes.size();
+    entry.bytes = std::move(bytes);
+  }
+  entries_.push_back(std::move(entry));
+  return entries_.size() - 1;
+}
+
+std::vector<uint8_t> ByteStore::load(size_t index) const {
+  require(index < entries_.size(), "ByteStore: no such piece");
+  const Entry& entry = entries_[index];
+  if (!entry.bytes.empty()) return entry.bytes;
+  std::vector<uint8_t> bytes(entry.file_bytes);
+  // pread leaves the position of the file alone, so that threads do not disturb each other.
+  for (size_t done = 0; done < bytes.size();) {
+    const ssize_t got = pread(fileno(file_.get()), bytes.data() + done, bytes.size() - done,
+                              static_cast<off_t>(entry.file_offset + done));
+    if (got <= 0) throw_no_room();
+    done += static_cast<size_t>(got);
+  }
+  return bytes;
+}
+
+void ByteStore::spill(const std::vector<uint8_t>& bytes) {
+  if (!file_) file_.reset(open_nameless_file());
+  if (!file_) throw_no_room();
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) == bytes.size();
+  if (!written || std::fflush(file_.get()) != 0) throw_no_room();
+  bytes_on_disk_ += bytes.size();
+}
+
+}  // namespace kinloop

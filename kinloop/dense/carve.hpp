@@ -1,0 +1,22 @@
+#pragma once
+// In: points of surfaces, and views. Out: how many of the views saw through each point: a passer-by that is
+// gone, flying pixels at the edge of things.
+
+#include <span>
+
+#include "kinloop/dense/surface_points.hpp"
+
+namespace kinloop {
+
+/// What a view saw through.
+struct FreeSpace {
+  SE3 T_camera_world;
+  Vector6d velocity = Vector6d::Zero();
+  std::vector<uint16_t> nearest;  ///< see DepthPatch
+};
+
+/// Counts for every point the views that saw through it. The points of a block must stand together.
+void count_seen_through(std::span<SurfacePoint> points, std::span<const FreeSpace> views,
+                        const DenseCamera& camera, double voxel_m, int threads);
+
+}  // namespace kinloop

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+namespace kinloop {
+
+/// How sharp a colour image is: the mean square of its Laplacian, in thousands of squared grey values; motion
+/// blur takes it away.
+float sharpness_of(const cv::Mat& color);
+
+}  // namespace kinloop
