@@ -1,6 +1,6 @@
-#include "kinloop/sensor/kinect2_device.hpp"
-
 #ifdef KINLOOP_WITH_FREENECT2
+
+#include "kinloop/sensor/kinect2_device.hpp"
 
 #include <fmt/format.h>
 #include <libfreenect2/config.h>

@@ -1,6 +1,6 @@
-#include "kinloop/sensor/kinect2_factory.hpp"
-
 #ifdef KINLOOP_WITH_FREENECT2
+
+#include "kinloop/sensor/kinect2_factory.hpp"
 
 #include <libfreenect2/registration.h>
 #include <opencv2/calib3d.hpp>

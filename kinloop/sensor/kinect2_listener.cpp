@@ -1,6 +1,6 @@
-#include "kinloop/sensor/kinect2_listener.hpp"
-
 #ifdef KINLOOP_WITH_FREENECT2
+
+#include "kinloop/sensor/kinect2_listener.hpp"
 
 #include <cmath>
 #include <utility>
