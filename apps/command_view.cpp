@@ -28,7 +28,7 @@ struct ViewArguments {
 
 /// A map file as it is shown: the last run's path, the keyframes of all runs, and the cloud made anew.
 SavedRun shown_map(const std::filesystem::path& file) {
-  const OpenMap open = open_map(file, {});
+  OpenMap open = open_map(file, {});
   SavedRun run;
   run.name = file.string();
   run.path = trajectory_of(open.session_log(0), open.map);
@@ -37,8 +37,7 @@ SavedRun shown_map(const std::filesystem::path& file) {
   }
   for (const LoopEdge& loop : open.map.loop_edges()) run.loops.emplace_back(loop.a, loop.b);
   run.figures["landmarks"] = open.map.landmark_count();
-  run.cloud = fuse_keyframes(open.recorder.images(), open.views(), open.saved.camera.color,
-                             open.options.dense, hardware_threads(), make_progress_bar(false));
+  run.cloud = open.cloud(hardware_threads(), make_progress_bar(false));
   return run;
 }
 
