@@ -83,8 +83,7 @@ void run_export(const ExportArguments& arguments) {
     write_g2o(arguments.graph, {make_pose_graph(open.map, open.options.slam.loop), {}, true, {}});
   }
   if (!arguments.cloud.empty()) {
-    write_cloud(arguments.cloud,
-                open.recorder.fuse_views(open.views(), open.dense_camera(), arguments.threads, progress));
+    write_cloud(arguments.cloud, open.cloud(arguments.threads, progress));
   }
   if (!arguments.octomap.empty() || !arguments.grid.empty()) write_occupancy(arguments, open, progress);
 }

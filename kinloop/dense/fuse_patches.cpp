@@ -93,7 +93,9 @@ class Fusion {
 
   /// Puts the farther half off to a later slab while there are too many voxels.
   void make_fit(VoxelGrids& grids, Slab& slab) const {
-    const size_t most = (static_cast<size_t>(options_.fusion_memory_mib) << 20) / sizeof(Voxel);
+    // Beside the voxel itself: its place in the table, room to grow, the point that is made of it.
+    constexpr size_t kBytesPerVoxel = 4 * sizeof(Voxel);
+    const size_t most = (static_cast<size_t>(options_.fusion_memory_mib) << 20) / kBytesPerVoxel;
     while (voxel_count(grids) > most) {
       std::vector<int> slices = slices_of(grids);
       const auto middle = slices.begin() + static_cast<std::ptrdiff_t>(slices.size() / 2);

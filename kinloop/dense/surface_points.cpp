@@ -105,7 +105,10 @@ std::vector<SurfacePoint> surface_points(const VoxelGrids& grids, const Slab& sl
     }
   });
   std::vector<SurfacePoint> points;
-  for (const auto& part : parts) points.insert(points.end(), part.begin(), part.end());
+  for (auto& part : parts) {
+    points.insert(points.end(), part.begin(), part.end());
+    part = {};
+  }
   std::sort(points.begin(), points.end(), stands_before);
   const auto same_voxel = [](const SurfacePoint& a, const SurfacePoint& b) { return a.key == b.key; };
   points.erase(std::unique(points.begin(), points.end(), same_voxel), points.end());

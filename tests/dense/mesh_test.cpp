@@ -90,6 +90,28 @@ TEST(Mesh, LiesOnTheSurfaces) {
   }
 }
 
+TEST(Mesh, DepthThatCameLateIsPutBackInTime) {
+  SKIP_WITHOUT_OPENVDB();
+  DenseCamera late{.color = small_camera()};
+  late.depth_delay_s = 0.04;
+  Vector6d ahead = Vector6d::Zero();
+  ahead(2) = 1;  // m/s: when depth was taken, everything was 4 cm nearer
+  const auto median_off_m = [&](const DenseCamera& camera) {
+    Scene scene = scene_of(std::vector<bool>(5, true));
+    for (auto& view : scene.views) {
+      view.T_world_camera = view.T_world_camera * SE3{Eigen::Quaterniond::Identity(), {0, 0, -0.04}};
+      view.velocity = ahead;
+    }
+    std::vector<double> off_m;
+    for (const auto& point : mesh_keyframes(scene.images, scene.views, camera, some_options(), 2).points)
+      off_m.push_back(off_surface_m(point));
+    std::nth_element(off_m.begin(), off_m.begin() + static_cast<long>(off_m.size() / 2), off_m.end());
+    return off_m.at(off_m.size() / 2);
+  };
+  EXPECT_LT(median_off_m(late), 0.003);
+  EXPECT_GT(median_off_m({.color = small_camera()}), 0.02);
+}
+
 TEST(Mesh, TrianglesFaceTheFreeSide) {
   SKIP_WITHOUT_OPENVDB();
   const Scene scene = scene_of(std::vector<bool>(5, true));
