@@ -5,11 +5,11 @@
 
 namespace kinloop {
 
-void give_way() {
+void give_way(GiveWay share) {
   // On Linux the "process" of a thread's number is that thread alone. Where the system refuses, nothing but
   // speed is lost.
-  constexpr int kNice = 15;
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+  const int nice = share == GiveWay::kMost ? 10 : 15;
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), nice);
 }
 
 }  // namespace kinloop

@@ -46,7 +46,7 @@ class ModalExecutor : public Executor {
     const bool aside = options_.mode == "live";
     auto result = std::async(at_once ? std::launch::deferred : std::launch::async,
                              [kind, aside, work = std::move(work)] {
-                               if (aside) give_way();
+                               if (aside) give_way(GiveWay::kNearlyAll);
                                const Stopwatch watch;
                                JobResult done = work();
                                return FinishedJob{kind, std::move(done), watch.spent()};

@@ -13,15 +13,21 @@ int own_nice() {
   return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
 }
 
-TEST(GiveWay, LowersTheCallingThreadAlone) {
-  const int before = own_nice();
-  int of_worker = before;
+/// What a thread that gives way has.
+int nice_of_worker(GiveWay share) {
+  int nice = 0;
   std::thread worker([&] {
-    give_way();
-    of_worker = own_nice();
+    give_way(share);
+    nice = own_nice();
   });
   worker.join();
-  EXPECT_GT(of_worker, before);
+  return nice;
+}
+
+TEST(GiveWay, LowersTheCallingThreadAlone) {
+  const int before = own_nice();
+  EXPECT_GT(nice_of_worker(GiveWay::kMost), before);
+  EXPECT_GT(nice_of_worker(GiveWay::kNearlyAll), nice_of_worker(GiveWay::kMost));
   EXPECT_EQ(own_nice(), before);
 }
 

@@ -136,10 +136,13 @@ TEST_F(RunSceneTest, WithoutNewsNothingChanges) {
 }
 
 TEST_F(RunSceneTest, WhenTheMapBendsOnlyPosesAreSent) {
-  for (int i = 0; i < 200; ++i) run_.frame();
-  update();
+  for (int i = 0; i < 200; ++i) {
+    run_.frame();
+    update();
+  }
   const auto cloud = part(PartKind::kCloud, 0), path = part(PartKind::kPath, 0),
              later = part(PartKind::kKeyframes, 1);
+  ASSERT_TRUE(cloud && path && later);
   MapUpdate bend;
   bend.T_world_camera = {{KeyframeId{3}, SE3{Eigen::Quaterniond::Identity(), {1, 2, 3}}}};
   bend.newest_seen = KeyframeId{99};

@@ -39,7 +39,7 @@ class ViewerService::Impl {
  private:
   /// A viewer that fails is a pity, not a reason to lose the run.
   void run() {
-    give_way();  // showing must not slow what is shown
+    give_way(GiveWay::kMost);  // showing must not slow what is shown
     try {
       tick();
       context_.run();
