@@ -7,7 +7,7 @@
 namespace kinloop {
 
 Board CalibrateArguments::chosen_board() const {
-  const Board chosen = parse_board(board, square_m, marker_m);
+  Board chosen = parse_board(board, square_m, marker_m);
   if (chosen.has_markers()) require_charuco(chosen);
   return chosen;
 }

@@ -17,6 +17,10 @@ constexpr float kJumpShare = 0.03F;
 /// between neighbours.
 constexpr float kOutside = -1e-3F;
 
+/// Neighbours lie about as far apart in the colour image as its focal length is longer. Where they lie so
+/// many times farther, the lens's polynomial has folded over: no surface is made of that.
+constexpr double kMostStretch = 8;
+
 /// Twice the area of the triangle, with sign.
 float edge(float ax, float ay, float bx, float by, float px, float py) {
   return (bx - ax) * (py - ay) - (by - ay) * (px - ax);
@@ -30,6 +34,7 @@ DepthRegistration::DepthRegistration(const RgbdCamera& camera)
       t_color_depth_(camera.T_color_depth.translation.cast<float>()) {
   require(camera.depth.has_value(), "DepthRegistration: a camera whose depth is not registered");
   depth_ = *camera.depth;
+  longest_side_px_ = static_cast<float>(kMostStretch * std::max(1.0, color_.fx / depth_.fx));
   rays_.reserve(static_cast<size_t>(depth_.width) * static_cast<size_t>(depth_.height));
   for (int y = 0; y < depth_.height; ++y) {
     for (int x = 0; x < depth_.width; ++x) {
@@ -54,13 +59,15 @@ DepthRegistration::Vertex DepthRegistration::vertex(const Eigen::Vector2f& ray, 
   return {pixel.x(), pixel.y(), 1 / p.z(), depth_m};
 }
 
-void DepthRegistration::draw(cv::Mat& image, const Vertex& a, const Vertex& b, const Vertex& c) {
+void DepthRegistration::draw(cv::Mat& image, const Vertex& a, const Vertex& b, const Vertex& c) const {
   const float area = edge(a.x, a.y, b.x, b.y, c.x, c.y);
-  if (area == 0) return;
-  const int left = std::max(0, static_cast<int>(std::ceil(std::min({a.x, b.x, c.x}))));
-  const int right = std::min(image.cols - 1, static_cast<int>(std::floor(std::max({a.x, b.x, c.x}))));
-  const int top = std::max(0, static_cast<int>(std::ceil(std::min({a.y, b.y, c.y}))));
-  const int bottom = std::min(image.rows - 1, static_cast<int>(std::floor(std::max({a.y, b.y, c.y}))));
+  const auto [least_x, most_x] = std::minmax({a.x, b.x, c.x});
+  const auto [least_y, most_y] = std::minmax({a.y, b.y, c.y});
+  if (area == 0 || std::max(most_x - least_x, most_y - least_y) > longest_side_px_) return;
+  const int left = std::max(0, static_cast<int>(std::ceil(least_x)));
+  const int right = std::min(image.cols - 1, static_cast<int>(std::floor(most_x)));
+  const int top = std::max(0, static_cast<int>(std::ceil(least_y)));
+  const int bottom = std::min(image.rows - 1, static_cast<int>(std::floor(most_y)));
   for (int y = top; y <= bottom; ++y) {
     auto* row = image.ptr<float>(y);
     for (int x = left; x <= right; ++x) {

@@ -30,11 +30,12 @@ class DepthRegistration {
   };
 
   [[nodiscard]] Vertex vertex(const Eigen::Vector2f& ray, float depth_m) const;
-  static void draw(cv::Mat& image, const Vertex& a, const Vertex& b, const Vertex& c);
+  void draw(cv::Mat& image, const Vertex& a, const Vertex& b, const Vertex& c) const;
 
   PinholeCamera color_, depth_;
   Eigen::Matrix3f R_color_depth_;
   Eigen::Vector3f t_color_depth_;
+  float longest_side_px_;              ///< of a triangle in the colour image
   std::vector<Eigen::Vector2f> rays_;  ///< of each depth pixel, x/z and y/z
 };
 

@@ -133,6 +133,16 @@ TEST(Registration, UnknownStaysUnknown) {
   EXPECT_EQ(cv::countNonZero(registered), 0);
 }
 
+TEST(Registration, MakesNoSheetsOfALensWhosePolynomialFoldsOver) {
+  RgbdCamera camera = kinect2_like();
+  const cv::Mat depth_m(camera.depth->height, camera.depth->width, CV_32FC1, cv::Scalar(1.5));
+  const int seen = cv::countNonZero(DepthRegistration(camera)(depth_m));
+  camera.depth->k3 = -4;  // as ten stills may give it
+  const int still_seen = cv::countNonZero(DepthRegistration(camera)(depth_m));
+  EXPECT_LT(still_seen, seen);
+  EXPECT_GT(still_seen, seen / 3) << "the middle is as it was";
+}
+
 TEST(Registration, AResizedCameraSeesTheSame) {
   const PinholeCamera camera = kinect2_like(1920).color, half = resized(camera, 960);
   EXPECT_EQ(half.height, 540);
