@@ -164,8 +164,7 @@ void write_curves(const std::vector<PlotSeries>& series) {
   const std::string style =
       " xmlns=\"http://www.w3.org/2000/svg\"><style>text{font:12px sans-serif;fill:#444}"
       "polyline,path{fill:none;stroke-width:2}.grid{stroke:#ddd;stroke-width:1}.axis{stroke:#444}"
-      ".random{stroke:#999;fill:#999}.greedy{stroke:#1f6fb4;fill:#1f6fb4}.brute{stroke:#d1495b;fill:#d1495b}"
-      ".flann{stroke:#edae49;fill:#edae49}polyline,path{fill:none}</style>";
+      ".random{stroke:#999;fill:#999}.greedy{stroke:#1f6fb4;fill:#1f6fb4}polyline,path{fill:none}</style>";
   svg.insert(svg.find('>'), style);
   svg.erase(svg.find("</style>") + 8, 1);
   write_file("place_curves.svg", svg);
@@ -181,15 +180,19 @@ void compare(int branching, int depth, bool flat, const World& world) {
     if (way.name == "random") curves.push_back(series_of(way.name, "random", last));
     if (way.name == "k-means++, greedy") curves.push_back(series_of(way.name, "greedy", last));
   }
-  const auto add = [&](const std::string& name, const std::string& style, const Recognition& recognition) {
+  write_curves(curves);
+}
+
+/// Without a dictionary.
+void search(const World& world) {
+  fmt::print("{}", kHead);
+  const auto add = [&](const std::string& name, const Recognition& recognition) {
     Row row{name, {}, {}, {}, {}, {}, {}, {}};
     add_recognition(row, world.places, recognition);
     print(row);
-    curves.push_back(series_of(name, style, curve_of(world.places, recognition.answers)));
   };
-  add("none: FLANN LSH", "flann", by_flann(world.places));
-  add("none: brute force", "brute", by_brute_force(world.places));
-  write_curves(curves);
+  add("none: brute force", by_brute_force(world.places));
+  add("none: FLANN LSH", by_flann(world.places));
 }
 
 void run_detector(const World& world) {
@@ -222,15 +225,17 @@ int main(int argc, char** argv) {
     const auto world =
         kinloop::read_world({arguments.begin() + 5, arguments.end()}, std::stoul(arguments[4]));
     kinloop::compare(std::stoi(arguments[1]), std::stoi(arguments[2]), arguments[3] == "1", world);
+  } else if (mode == "search" && arguments.size() >= 3) {
+    kinloop::search(kinloop::read_world({arguments.begin() + 2, arguments.end()}, std::stoul(arguments[1])));
   } else if (mode == "detect" && arguments.size() >= 3) {
     kinloop::run_detector(
         kinloop::read_world({arguments.begin() + 2, arguments.end()}, std::stoul(arguments[1])));
   } else if (mode == "scale") {
     kinloop::measure_scale(kinloop::kPhotographs, arguments.size() > 1 ? std::stoul(arguments[1]) : 200'000);
   } else {
-    fmt::print(
-        stderr,
-        "usage: bench_place compare K L FLAT STEP SEQUENCE... | detect STEP SEQUENCE... | scale [IMAGES]\n");
+    fmt::print(stderr,
+               "usage: bench_place compare K L FLAT STEP SEQUENCE... | search STEP SEQUENCE... | detect STEP "
+               "SEQUENCE... | scale [IMAGES]\n");
     return 2;
   }
   return 0;

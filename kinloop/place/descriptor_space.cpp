@@ -6,8 +6,10 @@ namespace kinloop {
 namespace {
 
 template <class Space>
-[[gnu::always_inline]] inline void assign(std::span<const typename Space::Point> points,
-                                          std::span<const typename Space::Point> centres, uint32_t* nearest,
+using Points = std::span<const typename Space::Point>;
+
+template <class Space>
+[[gnu::always_inline]] inline void assign(Points<Space> points, Points<Space> centres, uint32_t* nearest,
                                           uint32_t* distance) {
   for (size_t i = 0; i < points.size(); ++i) {
     uint32_t best = std::numeric_limits<uint32_t>::max();
@@ -22,27 +24,25 @@ template <class Space>
   }
 }
 
-}  // namespace
-
-template <>
-KINLOOP_POPCOUNT_CLONES void assign_to_nearest<HammingSpace>(std::span<const BinaryDescriptor> points,
-                                                             std::span<const BinaryDescriptor> centres,
-                                                             uint32_t* nearest, uint32_t* distance) {
+KINLOOP_POPCOUNT_CLONES void assign_bits(Points<HammingSpace> points, Points<HammingSpace> centres,
+                                         uint32_t* nearest, uint32_t* distance) {
   assign<HammingSpace>(points, centres, nearest, distance);
 }
 
-template <>
-void assign_to_nearest<SiftSpace>(std::span<const SiftSpace::Point> points,
-                                  std::span<const SiftSpace::Point> centres, uint32_t* nearest,
-                                  uint32_t* distance) {
-  assign<SiftSpace>(points, centres, nearest, distance);
+}  // namespace
+
+template <class Space>
+void assign_to_nearest(Points<Space> points, Points<Space> centres, uint32_t* nearest, uint32_t* distance) {
+  if constexpr (std::is_same_v<Space, HammingSpace>) {
+    assign_bits(points, centres, nearest, distance);
+  } else {
+    assign<Space>(points, centres, nearest, distance);
+  }
 }
 
-template <>
-void assign_to_nearest<SurfSpace>(std::span<const SurfSpace::Point> points,
-                                  std::span<const SurfSpace::Point> centres, uint32_t* nearest,
-                                  uint32_t* distance) {
-  assign<SurfSpace>(points, centres, nearest, distance);
-}
+template void assign_to_nearest<HammingSpace>(Points<HammingSpace>, Points<HammingSpace>, uint32_t*,
+                                              uint32_t*);
+template void assign_to_nearest<SiftSpace>(Points<SiftSpace>, Points<SiftSpace>, uint32_t*, uint32_t*);
+template void assign_to_nearest<SurfSpace>(Points<SurfSpace>, Points<SurfSpace>, uint32_t*, uint32_t*);
 
 }  // namespace kinloop

@@ -99,7 +99,9 @@ class MpiRanks : public Ranks {
       });
       std::exclusive_scan(counts.begin(), counts.end(), begins.begin(), 0);
     }
-    [[nodiscard]] size_t total() const { return static_cast<size_t>(begins.back() + counts.back()); }
+    [[nodiscard]] size_t total() const {
+      return static_cast<size_t>(begins.back()) + static_cast<size_t>(counts.back());
+    }
 
     std::vector<int> counts, begins;
   };
