@@ -1,6 +1,7 @@
 #include "kinloop/dense/voxel_grid.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace kinloop {
@@ -22,7 +23,7 @@ void mix_color(Voxel& voxel, const VoxelSample& sample) {
   for (size_t i = 0; i < 3; ++i) {
     const auto before = static_cast<float>(voxel.color[i]);
     const float after = before + share * (kColorSteps * static_cast<float>(sample.color[i]) - before);
-    voxel.color[i] = static_cast<uint16_t>(after + 0.5F);
+    voxel.color[i] = static_cast<uint16_t>(std::lround(after));
   }
 }
 
