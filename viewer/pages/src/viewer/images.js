@@ -18,6 +18,7 @@ export class Images {
       if (this.bitmap) this.drawColor();
     } else if (kind === 'colorImage') {
       this.bitmap = await createImageBitmap(body);
+      this.drawColor();
     } else if (kind === 'depthImage') {
       draw(this.depth, await createImageBitmap(body));
     } else {
@@ -26,7 +27,7 @@ export class Images {
     this.section.hidden = false;
   }
 
-  /** The features come after their image, so they draw both. */
+  /** An image and its features come one after the other, features that are the same not at all: each draws both. */
   drawColor() {
     const paint = draw(this.color, this.bitmap);
     const { width, height } = this.color;
