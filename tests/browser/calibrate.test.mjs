@@ -1,0 +1,18 @@
+// Stills for a calibration, watched: the camera's image and what to do next.
+
+import assert from 'node:assert/strict';
+import { join } from 'node:path';
+
+import { onStage, paintedPixels, until } from './stage.mjs';
+
+await onStage(async ({ open, kinloop, folder, shoot }) => {
+  const board = ['--board', '5x7', '--square', '0.03'];
+  const live = kinloop('calibrate', 'intrinsics', join(folder, 'stills'), '--live', 'sim:room', '--viewer=0', ...board);
+  const page = await open(await live.url());
+  await until(async () => (await page.textContent('#message')).includes('show the board (0 of 20)'), 'a hint');
+  await until(async () => (await paintedPixels(page, '#colorImage')) > 5000, 'the camera is seen');
+  await shoot(page, 'calibrate');
+  live.process.kill('SIGINT');
+  await live.ended;
+  assert.ok(live.text.includes('0 stills in'), live.text);
+});
