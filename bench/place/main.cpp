@@ -1,14 +1,16 @@
-// bench_place: what the dictionary is worth. All from the shared data beside the project (or
-// KINLOOP_SHARED_DATA).
+// bench_place: what the dictionary is worth. Photographs come from the shared data beside the project.
 //
-//   bench_place compare K L FLAT STEP SEQUENCE...    seedings side by side over five seeds, against no
-//   dictionary bench_place detect STEP SEQUENCE...              the detector with verification, over five
-//   dictionaries bench_place scale [IMAGES]                       times: opening, words, queries up to IMAGES
-//   (200000) images
+//   bench_place compare K L FLAT STEP SEQUENCE...
+//       ways of seeding side by side over five seeds; writes the curves to place_curves.svg
+//   bench_place search STEP SEQUENCE...
+//       the same places without a dictionary: brute force, and FLANN's LSH
+//   bench_place detect STEP SEQUENCE...
+//       the detector with verification, over five dictionaries of each kind
+//   bench_place scale [IMAGES]
+//       times: opening, words, queries up to IMAGES (200000) images
 //
 // K, L: branching and depth of the trees; FLAT: 1 = also a flat dictionary of K^L words; STEP: every STEP-th
-// frame. Sequences are rooms that share nothing. Besides tables, compare writes the curves to
-// place_curves.svg.
+// frame. Sequences are rooms that share nothing.
 
 #include <algorithm>
 #include <cmath>

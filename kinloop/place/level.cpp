@@ -1,5 +1,7 @@
 #include "kinloop/place/level.hpp"
 
+#include <algorithm>
+
 #include "kinloop/place/message.hpp"
 
 namespace kinloop {
@@ -29,7 +31,7 @@ std::vector<bool> choose_owners(std::vector<LevelNode>& level, uint64_t small, i
   }
   for (size_t i = 0; i < level.size(); ++i) {
     if (!fresh[i]) continue;
-    level[i].owner = static_cast<int>(before * static_cast<uint64_t>(ranks) / points);
+    level[i].owner = static_cast<int>(before * static_cast<uint64_t>(ranks) / std::max<uint64_t>(points, 1));
     before += level[i].total;
   }
   return fresh;
