@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/quantile.hpp"
 #include "kinloop/dense/carve.hpp"
 #include "kinloop/dense/surface_points.hpp"
 
@@ -97,12 +98,9 @@ class Fusion {
     constexpr size_t kBytesPerVoxel = 4 * sizeof(Voxel);
     const size_t most = (static_cast<size_t>(options_.fusion_memory_mib) << 20) / kBytesPerVoxel;
     while (voxel_count(grids) > most) {
-      std::vector<int> slices = slices_of(grids);
-      const auto middle = slices.begin() + static_cast<std::ptrdiff_t>(slices.size() / 2);
-      std::nth_element(slices.begin(), middle, slices.end());
       // Whole blocks, so that the order of points does not depend on where a slab ends.
       constexpr int kBlock = 1 << kBlockBits;
-      const int end = std::max(*middle, slab.begin + kBlock) & ~(kBlock - 1);
+      const int end = std::max(median(slices_of(grids)), slab.begin + kBlock) & ~(kBlock - 1);
       if (end <= slab.begin || end >= slab.end) return;
       slab.end = end;
       for (VoxelGrid& grid : grids) grid.drop_from(voxel_key(kFirstSlice, kFirstSlice, end + kHaloSlices));
