@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/nameless_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -26,13 +26,10 @@ std::filesystem::path temporary_folder() {
       temporary_folder().string()));
 }
 
-/// A file in the temporary folder (TMPDIR) that no longer has a name; null when there can be none.
-std::FILE* open_nameless_file() {
-  std::string name = (temporary_folder() / "kinloop_XXXXXX").string();
-  const int descriptor = mkostemp(name.data(), O_CLOEXEC);
-  if (descriptor < 0) return nullptr;
-  unlink(name.c_str());
-  return fdopen(descriptor, "w+b");
+/// A file without a name in the temporary folder; null when there can be none.
+std::FILE* open_spill_file() {
+  const int descriptor = open_nameless_file(temporary_folder());
+  return descriptor < 0 ? nullptr : fdopen(descriptor, "w+b");
 }
 
 }  // namespace
@@ -67,7 +64,7 @@ std::vector<uint8_t> ByteStore::load(size_t index) const {
 }
 
 void ByteStore::spill(const std::vector<uint8_t>& bytes) {
-  if (!file_) file_.reset(open_nameless_file());
+  if (!file_) file_.reset(open_spill_file());
   if (!file_) throw_no_room();
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) == bytes.size();
   if (!written || std::fflush(file_.get()) != 0) throw_no_room();

@@ -1,7 +1,6 @@
 #include "kinloop/place/scratch_memory.hpp"
 
 #include <cerrno>
-#include <cstdlib>
 #include <numeric>
 #include <system_error>
 
@@ -11,6 +10,7 @@
 #include <unistd.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/nameless_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -24,10 +24,8 @@ void* map_new_file(const std::filesystem::path& folder, size_t bytes) {
         "{}: {} for {:.1f} MB of descriptors: {}; name another folder with --scratch", folder.string(), what,
         static_cast<double>(bytes) * 1e-6, std::generic_category().message(errno)));
   };
-  std::string name = (folder / "kinloop-XXXXXX").string();
-  const int file = mkstemp(name.data());
+  const int file = open_nameless_file(folder);
   if (file < 0) fail("no file can be made");
-  unlink(name.c_str());
   // Space is taken now: a full disk is an error here and not a crash later.
   errno = posix_fallocate(file, 0, static_cast<off_t>(bytes));
   const bool full = errno != 0;
