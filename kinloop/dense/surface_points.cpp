@@ -18,9 +18,7 @@ constexpr float kSureShare = 0.5F;
 
 /// The key of the voxel that a point lies in.
 VoxelKey key_at(const Eigen::Vector3d& p_voxels) {
-  const Eigen::Vector3d corner = p_voxels.array().floor();
-  return voxel_key(static_cast<int64_t>(corner.x()), static_cast<int64_t>(corner.y()),
-                   static_cast<int64_t>(corner.z()));
+  return voxel_key(Eigen::Vector3d(p_voxels.array().floor()));
 }
 
 /// The voxels along a surface's normal that noise may have spread it over.

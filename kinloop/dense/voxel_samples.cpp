@@ -82,8 +82,7 @@ std::vector<VoxelSample> voxel_samples(const DepthPatch& patch, const PosedImage
     const float frontal = -normal.dot(ray.homogeneous().normalized());
     const double sigma_m = DepthNoise().sigma_m(z);
     VoxelSample& sample = samples.emplace_back();
-    sample.key = voxel_key(static_cast<int64_t>(corner.x()), static_cast<int64_t>(corner.y()),
-                           static_cast<int64_t>(corner.z()));
+    sample.key = voxel_key(corner);
     sample.offset = (p_voxels - corner).cast<float>();
     sample.normal = R_float * normal;
     sample.pixels = point.pixels;

@@ -23,6 +23,12 @@ constexpr VoxelKey voxel_key(int64_t x, int64_t y, int64_t z) {
   return part(z) << (2 * kVoxelAxisBits) | part(y) << kVoxelAxisBits | part(x);
 }
 
+/// The same of the corner of a voxel, whose coordinates are whole.
+inline VoxelKey voxel_key(const Eigen::Vector3d& corner) {
+  return voxel_key(static_cast<int64_t>(corner.x()), static_cast<int64_t>(corner.y()),
+                   static_cast<int64_t>(corner.z()));
+}
+
 /// The voxel coordinates of a key.
 Eigen::Vector3i voxel_of(VoxelKey key);
 
