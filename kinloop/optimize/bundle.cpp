@@ -5,6 +5,7 @@
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/optimize/bundle_model.hpp"
+#include "kinloop/optimize/camera_observations.hpp"
 
 namespace kinloop {
 namespace {
@@ -69,33 +70,53 @@ std::vector<uint8_t> used_points(const BundleTask& task) {
   return used;
 }
 
-/// How an observation agrees with a state.
-BundleUse agreeing_use(const BundleTask& task, const BundleState& state, const BundleView& view,
-                       const BundleObservation& o) {
-  const BundleUse best = best_use(task.problem, o);
-  if (best == BundleUse::kNothing) return best;
-  const auto r = bundle_residual(task, o, best, view, state.p_world[o.point], state.sensor);
-  if (!r.seen || r.pixel_squared() > task.options.inlier_chi2_pixel) return BundleUse::kNothing;
-  return r.depth_squared() > task.options.inlier_chi2_depth ? BundleUse::kPixel : best;
+/// How an observation that could be used agrees with its residuals.
+BundleUse agreeing_use(const BundleOptions& options, const BundleBlock& block, const BlockResiduals& r,
+                       size_t lane) {
+  const bool agrees = r.seen[lane] > 0 && r.pixel_squared(lane) <= options.inlier_chi2_pixel;
+  if (!agrees) return BundleUse::kNothing;
+  const bool has_depth = block.measured.inverse_depth_per_m[lane] > 0;
+  return has_depth && r.depth_squared(lane) <= options.inlier_chi2_depth ? BundleUse::kPixelAndDepth
+                                                                         : BundleUse::kPixel;
 }
 
 /// Decides anew what is used of the observations of adjusted points; those of others keep their mark.
 std::vector<uint8_t> classify(BundleTask& task, const BundleState& state, std::vector<uint8_t> outliers) {
   const auto views = views_of(state);
   const auto adjusted = used_points(task);
-  for (size_t i = 0; i < task.uses.size(); ++i) {
-    const BundleObservation& o = task.problem.observations[i];
-    if (adjusted[o.point] == 0) continue;
-    task.uses[i] = agreeing_use(task, state, views[o.pose], o);
-    outliers[i] = task.uses[i] == BundleUse::kNothing;
+  const MeasurementModel model = measurement_model(task, state.sensor);
+  for (size_t pose = 0; pose < views.size(); ++pose) {
+    for (const BundleBlock& block : task.blocks_of_pose[pose]) {
+      const BlockResiduals r = block_residuals(block_at(task, block, state), views[pose], model);
+      for (size_t lane = 0; lane < block.count; ++lane) {
+        const uint32_t i = block.observations[lane];
+        if (adjusted[task.problem.observations[i].point] == 0) continue;
+        task.uses[i] = agreeing_use(task.options, block, r, lane);
+        outliers[i] = task.uses[i] == BundleUse::kNothing;
+      }
+    }
   }
   drop_open_points(task, state);
   return outliers;
 }
 
+/// The observations in use of each pose, in the order of the problem.
+std::vector<std::vector<BundleBlock>> make_blocks(const BundleTask& task) {
+  std::vector<std::vector<BundleBlock>> blocks_of_pose(task.problem.T_world_camera.size());
+  for (uint32_t i = 0; i < task.uses.size(); ++i) {
+    if (task.uses[i] == BundleUse::kNothing) continue;
+    auto& blocks = blocks_of_pose[task.problem.observations[i].pose];
+    if (blocks.empty() || blocks.back().count == ObservationBlock::kSize) blocks.emplace_back();
+    BundleBlock& block = blocks.back();
+    set_measurement(block.measured, block.count, task.problem.observations[i]);
+    block.observations[block.count++] = i;
+  }
+  return blocks_of_pose;
+}
+
 BundleTask make_task(const BundleProblem& problem, const BundleOptions& options) {
   const size_t poses = problem.T_world_camera.size();
-  BundleTask task{problem, options, problem.fixed, problem.velocities, {}};
+  BundleTask task{problem, options, problem.fixed, problem.velocities, {}, {}};
   task.fixed.resize(poses, 0);
   for (size_t i = 0; i < poses; ++i) {
     if (!problem.T_world_camera[i].is_finite()) task.fixed[i] = 1;
@@ -104,6 +125,7 @@ BundleTask make_task(const BundleProblem& problem, const BundleOptions& options)
   if (!held && poses > 0) task.fixed[0] = 1;
   task.velocities.resize(poses, Velocity::Zero());
   for (const BundleObservation& o : problem.observations) task.uses.push_back(best_use(problem, o));
+  task.blocks_of_pose = make_blocks(task);
   return task;
 }
 

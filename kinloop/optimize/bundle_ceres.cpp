@@ -84,16 +84,15 @@ class ObservationCost : public ceres::CostFunction {
     const BundleView view(unpack(x[0]), Velocity(x[1]));
     const auto linear = linearize_observation(task_, o, task_.uses[observation_], view, Eigen::Vector3d(x[2]),
                                               SensorVector(x[3]));
-    if (!linear.residual.seen) return false;  // Ceres takes a shorter step
-    Eigen::Map<Eigen::VectorXd>(residuals, rows_) = linear.residual.e.segment(first_row_, rows_);
+    if (!linear.seen) return false;  // Ceres takes a shorter step
+    Eigen::Map<Eigen::VectorXd>(residuals, rows_) = linear.e.segment(first_row_, rows_);
     if (jacobians == nullptr) return true;
-    const BundleJacobian& J = linear.jacobian;
-    Eigen::Matrix<double, 3, kPoseSize> pose;
-    pose << J.pose, Eigen::Vector3d::Zero();
-    write(jacobians[0], pose);
-    write(jacobians[1], J.velocity);
-    write(jacobians[2], J.point);
-    write(jacobians[3], J.sensor);
+    Eigen::Matrix<double, 3, kPoseSize> by_pose;
+    by_pose << linear.by_pose, Eigen::Vector3d::Zero();
+    write(jacobians[0], by_pose);
+    write(jacobians[1], linear.by_velocity);
+    write(jacobians[2], linear.by_point);
+    write(jacobians[3], linear.by_sensor);
     return true;
   }
 

@@ -1,11 +1,13 @@
 #pragma once
 // The residuals of bundle adjustment with their derivatives: what both solvers share.
 
+#include <array>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "kinloop/optimize/bundle.hpp"
+#include "kinloop/optimize/kernels/observation_block.hpp"
 
 namespace kinloop {
 
@@ -20,6 +22,13 @@ struct BundleState {
 /// What of an observation is used.
 enum class BundleUse : uint8_t { kNothing, kPixel, kPixelAndDepth };
 
+/// Observations of one pose that are evaluated together, as they were measured.
+struct BundleBlock {
+  ObservationBlock measured;
+  std::array<uint32_t, ObservationBlock::kSize> observations{};  ///< in the problem
+  size_t count = 0;
+};
+
 /// A problem cleared of what cannot be used, for the solvers.
 struct BundleTask {
   const BundleProblem& problem;
@@ -27,61 +36,32 @@ struct BundleTask {
   std::vector<uint8_t> fixed;        ///< of each pose, at least one
   std::vector<Velocity> velocities;  ///< of each pose, as given
   std::vector<BundleUse> uses;       ///< of each observation; a point with any use is constrained
+  std::vector<std::vector<BundleBlock>> blocks_of_pose = {};  ///< all observations that could be used
 };
 
-/// Normalised residual (du, dv, inverse depth) of one observation.
-struct BundleResidual {
-  Eigen::Vector3d e = Eigen::Vector3d::Zero();  ///< e.z() = 0 where depth is not used
-  bool seen = false;                            ///< false where the point is behind the camera
-
-  [[nodiscard]] double pixel_squared() const { return e.head<2>().squaredNorm(); }
-  [[nodiscard]] double depth_squared() const { return e.z() * e.z(); }
-};
-
-/// Its derivatives, by x of the pose T * exp(x), by velocity, point and sensor corrections.
-struct BundleJacobian {
-  Eigen::Matrix<double, 3, 6> pose;
-  Eigen::Matrix<double, 3, 6> velocity;
-  Eigen::Matrix3d point;
-  Eigen::Matrix<double, 3, kSensorParameterCount> sensor;
-};
-
-/// The squared residual that stands for a point behind the camera.
-constexpr double kUnseenSquared = 1e6;
-
-/// The pose of a keyframe in the form that the many observations of it need.
-struct BundleView {
-  Eigen::Matrix3d R_camera_world;
-  Eigen::Vector3d center;
-  Velocity velocity;
-
-  BundleView(const SE3& T_world_camera, const Velocity& v)
-      : R_camera_world(T_world_camera.R().transpose()), center(T_world_camera.translation), velocity(v) {}
-};
+/// The camera, the sensor and the weights of a task.
+MeasurementModel measurement_model(const BundleTask& task, const SensorVector& sensor);
 
 /// The views of all poses.
 std::vector<BundleView> views_of(const BundleState& state);
 
-/// Residual of an observation.
-BundleResidual bundle_residual(const BundleTask& task, const BundleObservation& observation, BundleUse use,
-                               const BundleView& view, const Eigen::Vector3d& p_world,
-                               const SensorVector& sensor);
+/// A block as measured, with the points of a state and what of it is in use.
+ObservationBlock block_at(const BundleTask& task, const BundleBlock& block, const BundleState& state);
 
-/// Derivatives that not every solver needs.
-struct BundleDerivatives {
-  bool velocity = true;
-  bool sensor = true;
-};
-
-/// A residual with its derivatives: where it is seen, those that are wanted are set.
+/// Normalised residuals (du, dv, inverse depth) of one observation and their derivatives by x of the pose
+/// T * exp(x), by velocity, point and sensor corrections; zero where the point is behind the camera, and
+/// those of depth where it is not used.
 struct LinearizedObservation {
-  BundleResidual residual;
-  BundleJacobian jacobian;
+  bool seen = false;  ///< false where the point is behind the camera
+  Eigen::Vector3d e;
+  Eigen::Matrix<double, 3, 6> by_pose;
+  Eigen::Matrix<double, 3, 6> by_velocity;
+  Eigen::Matrix3d by_point;
+  Eigen::Matrix<double, 3, kSensorParameterCount> by_sensor;
 };
 LinearizedObservation linearize_observation(const BundleTask& task, const BundleObservation& observation,
                                             BundleUse use, const BundleView& view,
-                                            const Eigen::Vector3d& p_world, const SensorVector& sensor,
-                                            const BundleDerivatives& wanted = {});
+                                            const Eigen::Vector3d& p_world, const SensorVector& sensor);
 
 /// Error of a measured motion, (translation; rotation vector) of T_a_b^-1 * (T_world_a^-1 * T_world_b), and
 /// its derivatives by x of either pose T * exp(x).

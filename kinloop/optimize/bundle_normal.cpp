@@ -1,30 +1,36 @@
 #include "kinloop/optimize/bundle_normal.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "kinloop/base/parallel_for.hpp"
-#include "kinloop/geometry/robust_loss.hpp"
+#include "kinloop/optimize/kernels/gram.hpp"
 
 namespace kinloop {
+namespace {
+
+using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// The three rows of one observation.
+template <int kColumns>
+using Rows = Eigen::Map<const Eigen::Matrix<double, 3, kColumns, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
+
+}  // namespace
 
 template <int C>
 BundleNormal<C>::BundleNormal(const BundleTask& bundle_task)
     : task(bundle_task),
       sensor_free((bundle_task.problem.sensor.prior_sigma.array() > 0).template cast<double>()),
-      has_sensor(sensor_free.any()) {
+      has_sensor(sensor_free.any()),
+      layout(C > 6, has_sensor) {
   number_unknowns();
+  make_rows();
   make_pattern();
   H_camera = BlockMatrix<C>(pattern);
-  e.resize(slots.size());
-  J_camera.resize(slots.size());
   H_camera_point.resize(slots.size());
-  const auto rows = static_cast<Eigen::Index>(C * pose_of_camera.size());
-  g_camera = Eigen::VectorXd::Zero(rows);
-  H_camera_sensor = CameraSensor::Zero(rows, kSensor);
-  if (!has_sensor) return;
-  J_sensor.resize(slots.size());
-  H_sensor_point.resize(points.size());
+  const auto size = static_cast<Eigen::Index>(C * pose_of_camera.size());
+  g_camera = Eigen::VectorXd::Zero(size);
+  H_camera_sensor = CameraSensor::Zero(size, kSensor);
+  if (has_sensor) H_sensor_point.resize(points.size());
 }
 
 /// Sorts the observations in use by point and counts what they and the edges leave free.
@@ -60,6 +66,26 @@ void BundleNormal<C>::number_unknowns() {
     point.last = slots.size();
     points.push_back(point);
   }
+}
+
+/// Gives every observation, in use or not, a place for its rows.
+template <int C>
+void BundleNormal<C>::make_rows() {
+  std::vector<size_t> place_of(task.uses.size());
+  size_t blocks = 0;
+  for (const auto& blocks_of_pose : task.blocks_of_pose) {
+    first_block.push_back(blocks);
+    for (const BundleBlock& block : blocks_of_pose) {
+      for (size_t lane = 0; lane < block.count; ++lane) {
+        place_of[block.observations[lane]] = blocks * ObservationBlock::kSize + lane;
+      }
+      ++blocks;
+    }
+  }
+  for (Slot& slot : slots) slot.place = place_of[slot.observation];
+  const size_t row_count = blocks * ObservationBlock::kSize * kRowsPerObservation;
+  rows.resize(row_count * layout.width);
+  J_point.resize(row_count * 3);
 }
 
 /// Two cameras are coupled where they share a point or an edge.
@@ -106,13 +132,13 @@ template <int C>
 void BundleNormal<C>::linearize(const BundleState& state) {
   const auto views = views_of(state);
   const int threads = task.options.threads;
-  parallel_for(points.size(), threads, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) linearize_point(state, views, points[i]);
-  });
   H_camera.set_zero();
-  std::vector<SensorPart> parts(slots_of_pose.size());
+  std::vector<SensorPart> parts(views.size());
   parallel_for(parts.size(), threads, [&](size_t begin, size_t end) {
-    for (size_t pose = begin; pose < end; ++pose) parts[pose] = sum_pose(pose);
+    for (size_t pose = begin; pose < end; ++pose) parts[pose] = linearize_pose(pose, state, views[pose]);
+  });
+  parallel_for(points.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) sum_point(points[i]);
   });
   H_sensor = SensorVector(SensorVector::Ones() - sensor_free).asDiagonal();  // the held do not move
   g_sensor.setZero();
@@ -124,67 +150,57 @@ void BundleNormal<C>::linearize(const BundleState& state) {
   add_priors(state);
 }
 
+/// Fills in the rows of a pose, sums what they say of the pose, and returns what they say of the sensor.
 template <int C>
-void BundleNormal<C>::linearize_point(const BundleState& state, const std::vector<BundleView>& views,
-                                      Point& point) {
+typename BundleNormal<C>::SensorPart BundleNormal<C>::linearize_pose(size_t pose, const BundleState& state,
+                                                                     const BundleView& view) {
+  constexpr size_t kRows = ObservationBlock::kSize * kRowsPerObservation;
+  const MeasurementModel model = measurement_model(task, state.sensor);
+  const auto width = static_cast<Eigen::Index>(layout.width);
+  RowMajorMatrix gram = RowMajorMatrix::Zero(width, width);
+  size_t row = first_block[pose] * kRows;
+  for (const BundleBlock& block : task.blocks_of_pose[pose]) {
+    double* const begin = &rows[row * layout.width];
+    linearize_block(block_at(task, block, state), view, model, layout, begin, &J_point[row * 3]);
+    add_gram(begin, kRows, layout.width, gram.data());
+    row += kRows;
+  }
+  const auto residual = static_cast<Eigen::Index>(layout.residual);
+  const int camera = camera_of_pose[pose];
+  if (camera >= 0) {
+    H_camera.diagonal[static_cast<size_t>(camera)] =
+        gram.template topLeftCorner<C, C>().template selfadjointView<Eigen::Upper>();
+    g_camera.template segment<C>(C * camera) = gram.col(residual).template head<C>();
+  }
+  SensorPart part;
+  if (!has_sensor) return part;
+  if (camera >= 0) {
+    H_camera_sensor.template middleRows<C>(C * camera) =
+        gram.template block<C, kSensor>(0, C) * sensor_free.asDiagonal();
+  }
+  part.H = gram.template block<kSensor, kSensor>(C, C).template selfadjointView<Eigen::Upper>();
+  part.H = (sensor_free.asDiagonal() * part.H * sensor_free.asDiagonal()).eval();
+  part.g = sensor_free.cwiseProduct(gram.col(residual).template segment<kSensor>(C));
+  return part;
+}
+
+/// Sums what the observations of a point say of it, and of it together with cameras and sensor.
+template <int C>
+void BundleNormal<C>::sum_point(Point& point) {
   point.H.setZero();
   point.g.setZero();
-  if (has_sensor) H_sensor_point[slots[point.first].point].setZero();
+  SensorPoint by_sensor = SensorPoint::Zero();
+  const Eigen::OuterStride<> stride(static_cast<Eigen::Index>(layout.width));
   for (size_t i = point.first; i < point.last; ++i) {
-    const uint32_t index = slots[i].observation;
-    const BundleObservation& o = task.problem.observations[index];
-    const auto linear = linearize_observation(task, o, task.uses[index], views[o.pose],
-                                              state.p_world[point.id], state.sensor, {C > 6, has_sensor});
-    linearize_slot(i, linear, point);
+    const size_t row = slots[i].place * kRowsPerObservation;
+    const Rows<Eigen::Dynamic> all(&rows[row * layout.width], 3, stride.outer(), stride);
+    const Rows<3> J(&J_point[row * 3], 3, 3, Eigen::OuterStride<>(3));
+    H_camera_point[i].noalias() = all.template leftCols<C>().transpose().lazyProduct(J);
+    point.H.noalias() += J.transpose().lazyProduct(J);
+    point.g.noalias() += J.transpose() * all.col(static_cast<Eigen::Index>(layout.residual));
+    if (has_sensor) by_sensor.noalias() += all.template middleCols<kSensor>(C).transpose().lazyProduct(J);
   }
-}
-
-template <int C>
-void BundleNormal<C>::linearize_slot(size_t i, const LinearizedObservation& linear, Point& point) {
-  const BundleResidual& r = linear.residual;
-  if (!r.seen) {
-    e[i].setZero();
-    J_camera[i].setZero();
-    H_camera_point[i].setZero();
-    if (has_sensor) J_sensor[i].setZero();
-    return;
-  }
-  const HuberLoss loss{task.options.robust_width};
-  const double pixel = std::sqrt(loss.weight(r.pixel_squared()));
-  const Eigen::Vector3d root(pixel, pixel, std::sqrt(loss.weight(r.depth_squared())));
-  const Eigen::Matrix3d J_point = root.asDiagonal() * linear.jacobian.point;
-  e[i] = root.cwiseProduct(r.e);
-  J_camera[i].template leftCols<6>() = root.asDiagonal() * linear.jacobian.pose;
-  if constexpr (C > 6) J_camera[i].template rightCols<6>() = root.asDiagonal() * linear.jacobian.velocity;
-  H_camera_point[i].noalias() = J_camera[i].transpose() * J_point;
-  point.H.noalias() += J_point.transpose() * J_point;
-  point.g.noalias() += J_point.transpose() * e[i];
-  if (!has_sensor) return;
-  J_sensor[i] = root.asDiagonal() * linear.jacobian.sensor * sensor_free.asDiagonal();
-  H_sensor_point[slots[i].point].noalias() += J_sensor[i].transpose().lazyProduct(J_point);
-}
-
-/// Sums what the observations of one pose say of the pose, and returns what they say of the sensor.
-template <int C>
-typename BundleNormal<C>::SensorPart BundleNormal<C>::sum_pose(size_t pose) {
-  Block H = Block::Zero();
-  CameraVector g = CameraVector::Zero();
-  Eigen::Matrix<double, C, kSensor> by_sensor = Eigen::Matrix<double, C, kSensor>::Zero();
-  SensorPart part;
-  for (const uint32_t i : slots_of_pose[pose]) {
-    H.noalias() += J_camera[i].transpose().lazyProduct(J_camera[i]);
-    g.noalias() += J_camera[i].transpose() * e[i];
-    if (!has_sensor) continue;
-    by_sensor.noalias() += J_camera[i].transpose().lazyProduct(J_sensor[i]);
-    part.H.noalias() += J_sensor[i].transpose().lazyProduct(J_sensor[i]);
-    part.g.noalias() += J_sensor[i].transpose() * e[i];
-  }
-  const int camera = camera_of_pose[pose];
-  if (camera < 0) return part;
-  H_camera.diagonal[static_cast<size_t>(camera)] = H;
-  g_camera.template segment<C>(C * camera) = g;
-  H_camera_sensor.template middleRows<C>(C * camera) = by_sensor;
-  return part;
+  if (has_sensor) H_sensor_point[slots[point.first].point] = sensor_free.asDiagonal() * by_sensor;
 }
 
 template <int C>

@@ -18,6 +18,7 @@ struct BundleNormal {
   static constexpr int kSensor = kSensorParameterCount;
   using Block = Eigen::Matrix<double, C, C>;
   using CameraVector = Eigen::Matrix<double, C, 1>;
+  using SensorPoint = Eigen::Matrix<double, kSensor, 3>;
   using CameraSensor = Eigen::Matrix<double, Eigen::Dynamic, kSensor>;
 
   /// One observation in use.
@@ -25,6 +26,7 @@ struct BundleNormal {
     uint32_t observation = 0;  ///< in the problem
     int camera = -1;           ///< unknown, -1 = held
     uint32_t point = 0;        ///< unknown
+    size_t place = 0;          ///< of its rows
   };
   struct Point {
     uint32_t id = 0;             ///< in the problem
@@ -49,13 +51,17 @@ struct BundleNormal {
   std::vector<Point> points;
   std::vector<std::vector<uint32_t>> slots_of_pose;
 
-  // Of each slot: residual and derivatives, times the root of the robust weight.
-  std::vector<Eigen::Vector3d> e;
-  std::vector<Eigen::Matrix<double, 3, C>> J_camera;
-  std::vector<Eigen::Matrix<double, 3, kSensor>> J_sensor;  ///< empty if the sensor is held
+  // Residuals and derivatives, times the root of the robust weight, of all blocks of all poses one after the
+  // other (what is not in use is zero): see linearize_block.
+  RowLayout layout;
+  std::vector<size_t> first_block;  ///< of each pose
+  std::vector<double> rows;
+  std::vector<double> J_point;
+
+  // Of each slot.
   std::vector<Eigen::Matrix<double, C, 3>> H_camera_point;
 
-  std::vector<Eigen::Matrix<double, kSensor, 3>> H_sensor_point;  ///< of each point; empty as above
+  std::vector<SensorPoint> H_sensor_point;  ///< of each point; empty if the sensor is held
   BlockPattern pattern;              ///< of H_camera, with room for what eliminating the points fills in
   std::vector<size_t> column_begin;  ///< of each camera in pattern.off_diagonal, which goes column by column
   BlockMatrix<C> H_camera{pattern};
@@ -72,11 +78,11 @@ struct BundleNormal {
   };
 
   void number_unknowns();
+  void make_rows();
   void make_pattern();
   Block& H_between(uint32_t row, uint32_t column);
-  void linearize_point(const BundleState& state, const std::vector<BundleView>& views, Point& point);
-  void linearize_slot(size_t slot, const LinearizedObservation& linear, Point& point);
-  SensorPart sum_pose(size_t pose);
+  SensorPart linearize_pose(size_t pose, const BundleState& state, const BundleView& view);
+  void sum_point(Point& point);
   void add_edges(const BundleState& state);
   void add_priors(const BundleState& state);
 };

@@ -1,11 +1,8 @@
 #include "kinloop/optimize/moving_pose.hpp"
 
-#include <algorithm>
-
 #include <Eigen/Cholesky>
 
-#include "kinloop/geometry/robust_loss.hpp"
-#include "kinloop/optimize/bundle_model.hpp"
+#include "kinloop/optimize/camera_observations.hpp"
 
 namespace kinloop {
 namespace {
@@ -26,43 +23,20 @@ struct Normal {
 
 class Solver {
  public:
-  Solver(const PinholeCamera& camera, const SensorVector& sensor,
-         std::span<const MovingObservation> observations, const MovingPose& guess, const VelocitySigma& sigma,
-         const AbsolutePoseOptions& options)
-      : sensor_(sensor), observations_(observations), guess_(guess), options_(options) {
-    problem_.camera = camera;
-    bundle_.inverse_depth_sigma_per_m = options.inverse_depth_sigma_per_m;
-    bundle_.velocity_sigma_m_s = sigma.m_s;
-    bundle_.velocity_sigma_rad_s = sigma.rad_s;
-    for (const MovingObservation& o : observations) {
-      uses_.push_back(o.seen.depth_m > 0 ? BundleUse::kPixelAndDepth : BundleUse::kPixel);
+  Solver(const MeasurementModel& model, std::span<const MovingObservation> observations,
+         const Velocity& expected, const VelocitySigma& sigma, const AbsolutePoseOptions& options)
+      : model_(model), observations_(observations.size()), expected_(expected), options_(options) {
+    information_ << Eigen::Vector3d::Constant(1 / (sigma.m_s * sigma.m_s)),
+        Eigen::Vector3d::Constant(1 / (sigma.rad_s * sigma.rad_s));
+    for (size_t i = 0; i < observations.size(); ++i) {
+      observations_.set(i, observations[i].p_world, observations[i].seen);
     }
   }
 
   /// Tells inliers from outliers; true when anything changed.
-  bool classify(const MovingPose& pose) {
-    const BundleView view(pose.T_world_camera, pose.velocity);
-    bool changed = false;
-    for (size_t i = 0; i < observations_.size(); ++i) {
-      const bool has_depth = observations_[i].seen.depth_m > 0;
-      const BundleUse best = has_depth ? BundleUse::kPixelAndDepth : BundleUse::kPixel;
-      const BundleResidual r =
-          bundle_residual(task_, observations_[i].seen, best, view, observations_[i].p_world, sensor_);
-      const bool agrees = r.seen && r.pixel_squared() <= options_.inlier_chi2_pixel;
-      const bool depth_agrees = has_depth && r.depth_squared() <= options_.inlier_chi2_depth;
-      const BundleUse use = !agrees        ? BundleUse::kNothing
-                            : depth_agrees ? BundleUse::kPixelAndDepth
-                                           : BundleUse::kPixel;
-      changed = changed || use != uses_[i];
-      uses_[i] = use;
-    }
-    return changed;
-  }
+  bool classify(const MovingPose& pose) { return observations_.classify(view_of(pose), model_, options_); }
 
-  [[nodiscard]] int inliers() const {
-    return static_cast<int>(observations_.size()) -
-           static_cast<int>(std::count(uses_.begin(), uses_.end(), BundleUse::kNothing));
-  }
+  [[nodiscard]] int inliers() const { return observations_.inlier_count(); }
 
   /// Moves pose and velocity to the least cost of what is in use now (Levenberg-Marquardt).
   [[nodiscard]] MovingPose minimize(MovingPose pose) const {
@@ -90,44 +64,26 @@ class Solver {
   }
 
  private:
+  static BundleView view_of(const MovingPose& pose) { return {pose.T_world_camera, pose.velocity}; }
+
   [[nodiscard]] Normal linearize(const MovingPose& pose) const {
+    static const RowLayout kLayout(true, false);
+    const auto observed = observations_.linearize(view_of(pose), model_, kLayout);
     Normal normal;
-    const BundleView view(pose.T_world_camera, pose.velocity);
-    const HuberLoss loss{options_.robust_width};
-    for (size_t i = 0; i < observations_.size(); ++i) {
-      if (uses_[i] == BundleUse::kNothing) continue;
-      const auto linear = linearize_observation(task_, observations_[i].seen, uses_[i], view,
-                                                observations_[i].p_world, sensor_, {true, false});
-      const BundleResidual& r = linear.residual;
-      if (!r.seen) {
-        normal.cost += loss.rho(kUnseenSquared);
-        continue;
-      }
-      const double of_pixel = loss.weight(r.pixel_squared()), of_depth = loss.weight(r.depth_squared());
-      Eigen::Matrix<double, 3, 12> J;
-      J << linear.jacobian.pose, linear.jacobian.velocity;
-      const Eigen::Vector3d weights(of_pixel, of_pixel, of_depth);
-      const Eigen::Matrix<double, 3, 12> weighted = weights.asDiagonal() * J;
-      normal.H.noalias() += weighted.transpose().lazyProduct(J);
-      normal.g.noalias() += weighted.transpose().lazyProduct(r.e);
-      normal.cost += loss.rho(r.pixel_squared()) + loss.rho(r.depth_squared());
-    }
-    const Vector6d information = velocity_information(bundle_);
-    const Vector6d off = pose.velocity - guess_.velocity;
-    normal.H.diagonal().tail<6>() += information;
-    normal.g.tail<6>() += information.cwiseProduct(off);
-    normal.cost += off.dot(information.cwiseProduct(off));
+    normal.H = observed.gram.topLeftCorner<12, 12>().selfadjointView<Eigen::Upper>();
+    normal.g = observed.gram.col(static_cast<Eigen::Index>(kLayout.residual)).head<12>();
+    const Vector6d off = pose.velocity - expected_;
+    normal.H.diagonal().tail<6>() += information_;
+    normal.g.tail<6>() += information_.cwiseProduct(off);
+    normal.cost = observed.cost + off.dot(information_.cwiseProduct(off));
     return normal;
   }
 
-  BundleProblem problem_;  // the camera alone
-  BundleOptions bundle_;
-  BundleTask task_{problem_, bundle_, {}, {}, {}};
-  const SensorVector& sensor_;
-  std::span<const MovingObservation> observations_;
-  const MovingPose& guess_;
+  const MeasurementModel& model_;
+  CameraObservations observations_;
+  const Velocity& expected_;
+  Vector6d information_;  // of the velocity
   const AbsolutePoseOptions& options_;
-  std::vector<BundleUse> uses_;
 };
 
 }  // namespace
@@ -136,7 +92,8 @@ std::optional<MovingPose> solve_moving_pose(const PinholeCamera& camera, const S
                                             std::span<const MovingObservation> observations,
                                             const MovingPose& guess, const VelocitySigma& sigma,
                                             const AbsolutePoseOptions& options) {
-  Solver solver(camera, sensor, observations, guess, sigma, options);
+  const MeasurementModel model{camera, sensor, options.inverse_depth_sigma_per_m, options.robust_width};
+  Solver solver(model, observations, guess.velocity, sigma, options);
   MovingPose pose = guess;
   for (int round = 0; round < options.rounds; ++round) {
     pose = solver.minimize(pose);

@@ -72,13 +72,13 @@ class DenseSystem {
         linearize_observation(task, o, use, {state.T_world_camera[o.pose], state.velocities[o.pose]},
                               state.p_world[o.point], state.sensor);
     const HuberLoss loss{task.options.robust_width};
-    const double pixel_weight = loss.weight(linear.residual.pixel_squared());
-    const Eigen::Vector3d weight(pixel_weight, pixel_weight, loss.weight(linear.residual.depth_squared()));
+    const double pixel_weight = loss.weight(linear.e.head<2>().squaredNorm());
+    const Eigen::Vector3d weight(pixel_weight, pixel_weight, loss.weight(linear.e.z() * linear.e.z()));
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, H_.cols());
-    J.middleCols<6>(pose(o.pose)) = linear.jacobian.pose;
-    J.middleCols<6>(velocity(o.pose)) = linear.jacobian.velocity;
-    J.middleCols<3>(point(o.point)) = linear.jacobian.point;
-    J.rightCols<kSensorParameterCount>() = linear.jacobian.sensor;
+    J.middleCols<6>(pose(o.pose)) = linear.by_pose;
+    J.middleCols<6>(velocity(o.pose)) = linear.by_velocity;
+    J.middleCols<3>(point(o.point)) = linear.by_point;
+    J.rightCols<kSensorParameterCount>() = linear.by_sensor;
     H_ += J.transpose() * weight.asDiagonal() * J;
   }
 

@@ -40,11 +40,7 @@ struct Sample {
     return linearize_observation(task(), observation, BundleUse::kPixelAndDepth, {T_world_camera, velocity},
                                  p_world, sensor);
   }
-  [[nodiscard]] Eigen::Vector3d error() const {
-    return bundle_residual(task(), observation, BundleUse::kPixelAndDepth, {T_world_camera, velocity},
-                           p_world, sensor)
-        .e;
-  }
+  [[nodiscard]] Eigen::Vector3d error() const { return linear().e; }
 };
 
 /// Central difference of the residual as a change is applied to the sample.
@@ -65,22 +61,22 @@ TEST(BundleModel, AnalyticDerivativesAreTheNumericOnes) {
   Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
     const Sample sample(random);
-    const BundleJacobian J = sample.linear().jacobian;
+    const LinearizedObservation J = sample.linear();
     for (int i = 0; i < 6; ++i) {
       const auto turn = [&](Sample& s, double h) {
         s.T_world_camera = s.T_world_camera * SE3::exp(h * Vector6d::Unit(i));
       };
-      expect_near(J.pose.col(i), difference(sample, 1e-6, turn), "pose", i);
+      expect_near(J.by_pose.col(i), difference(sample, 1e-6, turn), "pose", i);
       const auto faster = [&](Sample& s, double h) { s.velocity(i) += h; };
-      expect_near(J.velocity.col(i), difference(sample, 1e-4, faster), "velocity", i);
+      expect_near(J.by_velocity.col(i), difference(sample, 1e-4, faster), "velocity", i);
     }
     for (int i = 0; i < 3; ++i) {
       const auto shift = [&](Sample& s, double h) { s.p_world(i) += h; };
-      expect_near(J.point.col(i), difference(sample, 1e-6, shift), "point", i);
+      expect_near(J.by_point.col(i), difference(sample, 1e-6, shift), "point", i);
     }
     for (int i = 0; i < kSensorParameterCount; ++i) {
       const auto correct = [&](Sample& s, double h) { s.sensor(i) += h; };
-      expect_near(J.sensor.col(i), difference(sample, 1e-5, correct), "sensor", i);
+      expect_near(J.by_sensor.col(i), difference(sample, 1e-5, correct), "sensor", i);
     }
   }
 }
@@ -91,11 +87,11 @@ TEST(BundleModel, ObservationsWithoutDepthHaveNoDepthRow) {
   const auto linear =
       linearize_observation(sample.task(), sample.observation, BundleUse::kPixel,
                             {sample.T_world_camera, sample.velocity}, sample.p_world, sample.sensor);
-  EXPECT_EQ(linear.residual.e.z(), 0);
-  EXPECT_TRUE(linear.jacobian.pose.row(2).isZero(0));
-  EXPECT_TRUE(linear.jacobian.velocity.row(2).isZero(0));
-  EXPECT_TRUE(linear.jacobian.point.row(2).isZero(0));
-  EXPECT_TRUE(linear.jacobian.sensor.row(2).isZero(0));
+  EXPECT_EQ(linear.e.z(), 0);
+  EXPECT_TRUE(linear.by_pose.row(2).isZero(0));
+  EXPECT_TRUE(linear.by_velocity.row(2).isZero(0));
+  EXPECT_TRUE(linear.by_point.row(2).isZero(0));
+  EXPECT_TRUE(linear.by_sensor.row(2).isZero(0));
 }
 
 TEST(BundleModel, EdgeDerivativesAreTheNumericOnes) {

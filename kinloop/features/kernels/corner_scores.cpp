@@ -13,7 +13,7 @@
 // after it
 #include <hwy/highway.h>
 
-#include "kinloop/features/kernels/capped-inl.hpp"
+#include "kinloop/base/capped-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {

@@ -1,10 +1,10 @@
 // Vectors of at most N lanes. Included after hwy/highway.h, once for each instruction set (as the toggle does
 // for Highway's own headers).
-#if defined(KINLOOP_FEATURES_KERNELS_CAPPED) == defined(HWY_TARGET_TOGGLE)
-#ifdef KINLOOP_FEATURES_KERNELS_CAPPED
-#undef KINLOOP_FEATURES_KERNELS_CAPPED
+#if defined(KINLOOP_BASE_CAPPED) == defined(HWY_TARGET_TOGGLE)
+#ifdef KINLOOP_BASE_CAPPED
+#undef KINLOOP_BASE_CAPPED
 #else
-#define KINLOOP_FEATURES_KERNELS_CAPPED
+#define KINLOOP_BASE_CAPPED
 #endif
 
 HWY_BEFORE_NAMESPACE();

@@ -1,0 +1,230 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "kinloop/geometry/robust_loss.hpp"
+#include "kinloop/optimize/bundle.hpp"
+#include "kinloop/optimize/camera_observations.hpp"
+#include "tests/optimize/synthetic_view.hpp"
+#include "tests/support/simd_targets.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::random_motion;
+using test::random_vector;
+using Lanes = ObservationBlock::Lanes;
+
+constexpr size_t kSize = ObservationBlock::kSize;
+constexpr double kRobustWidth = 0.5;
+constexpr double kDepthSigma = 6e-3;
+
+SensorVector bent_sensor() {
+  SensorVector sensor;
+  sensor << 5, -3, 1, 2, 0.05, -0.03, 0.03, 0.015, 0.02, 0.01, 0.002, 0.001, -0.001, 0.003, 0.002, -0.002;
+  return sensor;
+}
+
+/// A moving camera and eight points before it, each measured a little wrong; the fourth has no depth, the
+/// sixth no known slope.
+struct Scene {
+  PinholeCamera camera = test::kinect();
+  SensorVector sensor = bent_sensor();
+  SE3 T_world_camera;
+  Velocity velocity;
+  std::vector<Eigen::Vector3d> p_world;
+  std::vector<BundleObservation> observations;
+  ObservationBlock block;
+
+  explicit Scene(uint64_t seed) {
+    Random random(seed);
+    T_world_camera = random_motion(random, 1, 1);
+    velocity << random_vector(random, 1), random_vector(random, 2);
+    for (size_t lane = 0; lane < kSize; ++lane) {
+      const Eigen::Vector3d p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(1, 3));
+      BundleObservation o;
+      o.pixel = camera.project(p) + Eigen::Vector2d(random.uniform(-3, 3), random.uniform(-3, 3));
+      o.depth_m = lane == 3 ? 0 : p.z() + random.uniform(-0.02, 0.02);
+      o.sigma_px = random.uniform(1, 3);
+      o.row = random.uniform(-0.5, 0.5);
+      o.inverse_depth_gradient = {random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3)};
+      if (lane == 5) o.inverse_depth_gradient.setConstant(test::kNan);
+      observations.push_back(o);
+      p_world.push_back(T_world_camera * p);
+      place(lane, lane);
+    }
+  }
+
+  /// Puts an observation into a place of the block.
+  void place(size_t observation, size_t lane) {
+    set_measurement(block, lane, observations[observation]);
+    block.x[lane] = p_world[observation].x();
+    block.y[lane] = p_world[observation].y();
+    block.z[lane] = p_world[observation].z();
+    block.uses_pixel[lane] = 1;
+    block.uses_depth[lane] = block.inverse_depth_per_m[lane] > 0 ? 1 : 0;
+  }
+
+  [[nodiscard]] BundleView view() const { return {T_world_camera, velocity}; }
+  [[nodiscard]] MeasurementModel model() const { return {camera, sensor, kDepthSigma, kRobustWidth}; }
+};
+
+struct Linear {
+  RowLayout layout{true, true};
+  std::vector<double> rows = std::vector<double>(kSize * kRowsPerObservation * layout.width);
+  std::vector<double> J_point = std::vector<double>(kSize * kRowsPerObservation * 3);
+  Lanes cost{};
+
+  explicit Linear(const Scene& scene) {
+    cost = linearize_block(scene.block, scene.view(), scene.model(), layout, rows.data(), J_point.data());
+  }
+  /// The numbers of one observation.
+  [[nodiscard]] std::vector<double> numbers(size_t lane) const {
+    const size_t size = kRowsPerObservation * layout.width, first = lane * size;
+    std::vector<double> all(rows.begin() + static_cast<long>(first),
+                            rows.begin() + static_cast<long>(first + size));
+    all.insert(all.end(), &J_point[lane * 9], &J_point[lane * 9] + 9);
+    all.push_back(cost[lane]);
+    return all;
+  }
+};
+
+TEST(ObservationBlock, ResidualsAreThoseOfTheSensorModel) {
+  const Scene scene(1);
+  const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.model());
+  const SensorVector& s = scene.sensor;
+  for (size_t lane = 0; lane < kSize; ++lane) {
+    const BundleObservation& o = scene.observations[lane];
+    const Eigen::Vector3d p = scene.T_world_camera.inverse() * scene.p_world[lane];
+    const auto seen_at = [&](double time_s) { return seen_after(p, scene.velocity, time_s); };
+    const auto pixel_of = [&](const Eigen::Vector3d& q) {
+      return corrected_pixel(scene.camera, s, q.head<2>() / q.z());
+    };
+    const double color_s = s(kRollingShutter) * o.row;
+    const Eigen::Vector2d error = (pixel_of(seen_at(color_s)) - o.pixel) / o.sigma_px;
+    EXPECT_NEAR(r.u[lane], error.x(), 1e-9);
+    EXPECT_NEAR(r.v[lane], error.y(), 1e-9);
+    EXPECT_EQ(r.seen[lane], 1);
+    if (o.depth_m == 0) {
+      EXPECT_EQ(r.depth[lane], 0);
+      continue;
+    }
+    const bool knows_slope = o.inverse_depth_gradient.allFinite();
+    const Eigen::Vector3d q = seen_at(knows_slope ? s(kDepthTime) + s(kDepthShutter) * o.row : color_s);
+    double depth_error = (1 + s(kDepthScale)) / o.depth_m - 1 / q.z() +
+                         s.segment<6>(kDepthOffset).dot(depth_offset_basis(scene.camera, o.pixel));
+    if (knows_slope) depth_error += o.inverse_depth_gradient.dot(pixel_of(q) - o.pixel);
+    EXPECT_NEAR(r.depth[lane], depth_error / kDepthSigma, 1e-9);
+  }
+}
+
+TEST(ObservationBlock, RowsHoldTheWeightedResiduals) {
+  const Scene scene(2);
+  const Linear linear(scene);
+  const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.model());
+  const Lanes cost = block_cost(scene.block, scene.view(), scene.model());
+  const HuberLoss loss{kRobustWidth};
+  for (size_t lane = 0; lane < kSize; ++lane) {
+    const double pixel = r.pixel_squared(lane), depth = r.depth_squared(lane);
+    EXPECT_NEAR(linear.cost[lane], loss.rho(pixel) + loss.rho(depth), 1e-9);
+    EXPECT_EQ(linear.cost[lane], cost[lane]);
+    const auto residual = [&](size_t row) {
+      return linear.rows[(lane * kRowsPerObservation + row) * linear.layout.width + linear.layout.residual];
+    };
+    EXPECT_NEAR(residual(0), std::sqrt(loss.weight(pixel)) * r.u[lane], 1e-12);
+    EXPECT_NEAR(residual(1), std::sqrt(loss.weight(pixel)) * r.v[lane], 1e-12);
+    EXPECT_NEAR(residual(2), std::sqrt(loss.weight(depth)) * r.depth[lane], 1e-12);
+  }
+}
+
+TEST(ObservationBlock, APlaceDoesNotMatter) {
+  Scene scene(3);
+  const Linear before(scene);
+  for (size_t lane = 0; lane < kSize; ++lane) scene.place(kSize - 1 - lane, lane);
+  const Linear turned(scene);
+  for (size_t lane = 0; lane < kSize; ++lane) {
+    EXPECT_EQ(turned.numbers(lane), before.numbers(kSize - 1 - lane));
+  }
+}
+
+TEST(ObservationBlock, WhatIsNotInUseSaysNothing) {
+  Scene scene(4);
+  scene.block.uses_pixel[2] = scene.block.uses_depth[2] = 0;
+  scene.block.uses_depth[4] = 0;
+  scene.block.x[6] = scene.block.y[6] = scene.block.z[6] = 0;  // an empty place
+  scene.block.inverse_sigma_px[6] = scene.block.uses_pixel[6] = scene.block.uses_depth[6] = 0;
+  const Linear linear(scene);
+  EXPECT_THAT(linear.numbers(2), testing::Each(0));
+  EXPECT_THAT(linear.numbers(6), testing::Each(0));
+  const double* depth_row = &linear.rows[(4 * kRowsPerObservation + 2) * linear.layout.width];
+  EXPECT_THAT(std::vector<double>(depth_row, depth_row + linear.layout.width), testing::Each(0));
+  EXPECT_GT(linear.cost[4], 0);
+}
+
+TEST(ObservationBlock, APointBehindTheCameraPullsNowhere) {
+  Scene scene(5);
+  scene.p_world[1] = scene.T_world_camera * Eigen::Vector3d(0.1, 0.1, -1);
+  scene.place(1, 1);
+  const Linear linear(scene);
+  EXPECT_EQ(block_residuals(scene.block, scene.view(), scene.model()).seen[1], 0);
+  EXPECT_EQ(linear.cost[1], HuberLoss{kRobustWidth}.rho(kUnseenSquared));
+  auto numbers = linear.numbers(1);
+  numbers.pop_back();  // the cost
+  EXPECT_THAT(numbers, testing::Each(0));
+}
+
+TEST(ObservationBlock, EveryInstructionSetGivesTheSameBits) {
+  const Scene scene(6);
+  const Linear expected(scene);
+  const BlockResiduals residuals = block_residuals(scene.block, scene.view(), scene.model());
+  test::for_each_simd_target([&](const std::string& name) {
+    const Linear linear(scene);
+    EXPECT_EQ(linear.rows, expected.rows) << name;
+    EXPECT_EQ(linear.J_point, expected.J_point) << name;
+    EXPECT_EQ(linear.cost, expected.cost) << name;
+    const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.model());
+    EXPECT_EQ(r.u, residuals.u) << name;
+    EXPECT_EQ(r.v, residuals.v) << name;
+    EXPECT_EQ(r.depth, residuals.depth) << name;
+  });
+}
+
+using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+RowMajorMatrix random_matrix(Eigen::Index rows, Eigen::Index columns, uint64_t seed) {
+  Random random(seed);
+  return RowMajorMatrix::NullaryExpr(rows, columns, [&] { return random.gaussian(); });
+}
+
+RowMajorMatrix gram_of(const RowMajorMatrix& J) {
+  RowMajorMatrix gram = RowMajorMatrix::Zero(J.cols(), J.cols());
+  add_gram(J.data(), static_cast<size_t>(J.rows()), static_cast<size_t>(J.cols()), gram.data());
+  return gram.triangularView<Eigen::Upper>();
+}
+
+TEST(Gram, IsTheProductOfTheColumns) {
+  for (Eigen::Index width = kWidthStep; width <= static_cast<Eigen::Index>(kMaxGramWidth);
+       width += kWidthStep) {
+    const RowMajorMatrix J = random_matrix(41, width, 7);
+    const RowMajorMatrix expected = (J.transpose() * J).eval().triangularView<Eigen::Upper>();
+    EXPECT_LT((gram_of(J) - expected).norm(), 1e-12 * expected.norm());
+    test::for_each_simd_target(
+        [&, same = gram_of(J)](const std::string& name) { EXPECT_EQ(gram_of(J), same) << name; });
+  }
+}
+
+TEST(Gram, AddsToWhatIsThere) {
+  const RowMajorMatrix J = random_matrix(10, 8, 8);
+  RowMajorMatrix twice = RowMajorMatrix::Zero(8, 8);
+  for (int i = 0; i < 2; ++i) add_gram(J.data(), 10, 8, twice.data());
+  EXPECT_LT((RowMajorMatrix(twice.triangularView<Eigen::Upper>()) - 2 * gram_of(J)).norm(), 1e-12);
+}
+
+TEST(Gram, RefusesOtherWidths) {
+  double values[40] = {};
+  EXPECT_THROW(add_gram(values, 0, 0, values), std::logic_error);
+  EXPECT_THROW(add_gram(values, 1, 12, values), std::logic_error);
+  EXPECT_THROW(add_gram(values, 1, 40, values), std::logic_error);
+}
+
+}  // namespace
+}  // namespace kinloop
