@@ -18,7 +18,8 @@ struct MappingOptions {
   int window_keyframes = 12;
   int window_min_shared = 15;
   int window_max_fixed = 20;
-  BundleOptions bundle = {.tolerance = 1e-3};  // the next keyframe goes on from there
+  // The next keyframe goes on from there.
+  BundleOptions bundle = {.rounds = 1, .max_iterations = 4, .tolerance = 1e-3};
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

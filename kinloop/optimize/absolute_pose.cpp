@@ -12,8 +12,8 @@
 namespace kinloop {
 namespace {
 
-constexpr double kStepConverged = 1e-7;         // m and rad
-constexpr double kCostConverged = 1e-9;         // relative
+constexpr double kStepConverged = 1e-7;  // m and rad
+constexpr double kCostConverged = 1e-6;  // relative: far below what one of hundreds of observations says
 constexpr double kMinRelativeStiffness = 1e-9;  // smallest eigenvalue of the scaled information matrix
 
 const SensorVector kIdealSensor = SensorVector::Zero();

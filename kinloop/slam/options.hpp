@@ -49,7 +49,7 @@ struct SlamOptions {
   LocalViewOptions view;
   MappingOptions mapping;
   LoopOptions loop;
-  BundleOptions full;
+  BundleOptions full = {.tolerance = 1e-3};  // less moves nothing that could be measured
   SelfCalibrationOptions self_calibration;
   ExecutorOptions executor;
 
