@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <opencv2/calib3d.hpp>
@@ -13,6 +14,35 @@ namespace kinloop {
 namespace {
 
 constexpr uint32_t kSampleSize = 3;
+
+/// Where the camera measured the points, in its own axes; not finite where it measured no depth.
+std::vector<Eigen::Vector3d> measured_points(const PinholeCamera& camera,
+                                             std::span<const PoseObservation> observations) {
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(observations.size());
+  for (const PoseObservation& o : observations) {
+    const double depth_m = o.depth_m > 0 ? o.depth_m : std::numeric_limits<double>::quiet_NaN();
+    points.emplace_back((o.pixel.x() - camera.cx) / camera.fx * depth_m,
+                        (o.pixel.y() - camera.cy) / camera.fy * depth_m, depth_m);
+  }
+  return points;
+}
+
+/// Whether the triangle of a sample is as large as it was measured, as far as depth was. Most samples with an
+/// outlier are not, and this asks neither for their pose nor whom it suits.
+bool sizes_agree(std::span<const PoseObservation> observations, const std::vector<Eigen::Vector3d>& measured,
+                 const std::vector<uint32_t>& sample, double inverse_depth_sigma_per_m) {
+  constexpr double kMaxSigmas = 4;
+  for (size_t i = 0; i < sample.size(); ++i) {
+    const uint32_t a = sample[i], b = sample[(i + 1) % sample.size()];
+    const double side_m = (observations[a].p_reference - observations[b].p_reference).norm();
+    const double measured_m = (measured[a] - measured[b]).norm();
+    const double za = measured[a].z(), zb = measured[b].z();
+    const double sigma_m = inverse_depth_sigma_per_m * std::hypot(za * za, zb * zb);
+    if (std::abs(side_m - measured_m) > kMaxSigmas * sigma_m) return false;  // not for NaN
+  }
+  return true;
+}
 
 /// The up to four camera poses that see three points along three rays.
 std::vector<SE3> solve_p3p(const PinholeCamera& camera, std::span<const PoseObservation> observations,
@@ -88,12 +118,14 @@ std::optional<AbsolutePoseSolution> solve_pnp_ransac(const PinholeCamera& camera
   const int needed = std::max<int>(options.min_inliers, kSampleSize + 1);
   if (usable.size() < static_cast<size_t>(needed)) return std::nullopt;
 
+  const auto measured = measured_points(camera, observations);
   Random random(seed);
   std::optional<AbsolutePoseSolution> best;
   int best_count = 0;  // by which a sample's pose is judged before it is refined
   double samples = options.max_iterations;
   for (int i = 0; i < samples; ++i) {
     const std::vector<uint32_t> sample = draw_sample(random, usable, kSampleSize);
+    if (!sizes_agree(observations, measured, sample, options.pose.inverse_depth_sigma_per_m)) continue;
     for (const SE3& T : solve_p3p(camera, observations, sample)) {
       const auto agree = agreeing_observations(camera, observations, T, options.pose);
       const int count = std::accumulate(agree.begin(), agree.end(), 0);

@@ -7,7 +7,7 @@
 namespace kinloop {
 
 struct PnpRansacOptions {
-  int max_iterations = 400;
+  int max_iterations = 1000;
   double confidence = 0.999;
   int min_inliers = 12;
   AbsolutePoseOptions pose;
