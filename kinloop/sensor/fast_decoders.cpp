@@ -1,5 +1,6 @@
 #include "kinloop/sensor/fast_decoders.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -57,13 +58,20 @@ std::optional<PngContent> depth_png_content(std::string_view bytes) {
 
 constexpr size_t kPixelBytes = 2;
 
-/// Undoes one of the four filters on one row, byte by byte; `predict` gives the filter's prediction from the
-/// byte a pixel to the left, the one above, and the one a pixel to the left of that.
+/// Undoes one of the four filters on one row; `predict` gives the filter's prediction of a byte from that a
+/// pixel to the left, the one above, and the one a pixel to the left of that.
 template <class Predict>
 void unfilter(uint8_t* row, const uint8_t* above, size_t size, const Predict& predict) {
-  for (size_t i = 0; i < kPixelBytes; ++i) row[i] = static_cast<uint8_t>(row[i] + predict(0, above[i], 0));
-  for (size_t i = kPixelBytes; i < size; ++i) {
-    row[i] = static_cast<uint8_t>(row[i] + predict(row[i - kPixelBytes], above[i], above[i - kPixelBytes]));
+  static_assert(kPixelBytes == 2);
+  int left_high = 0, left_low = 0, corner_high = 0, corner_low = 0;  // in registers: rows may alias
+  for (size_t i = 0; i + 1 < size; i += kPixelBytes) {
+    const int up_high = above[i], up_low = above[i + 1];
+    left_high = (row[i] + predict(left_high, up_high, corner_high)) & 0xFF;
+    left_low = (row[i + 1] + predict(left_low, up_low, corner_low)) & 0xFF;
+    row[i] = static_cast<uint8_t>(left_high);
+    row[i + 1] = static_cast<uint8_t>(left_low);
+    corner_high = up_high;
+    corner_low = up_low;
   }
 }
 
@@ -72,7 +80,7 @@ int paeth(int left, int above, int corner) {
   const int to_left = std::abs(above - corner), to_above = std::abs(left - corner);
   const int to_corner = std::abs(left + above - 2 * corner);
   const int nearer = to_above <= to_corner ? above : corner;
-  return to_left <= to_above && to_left <= to_corner ? left : nearer;
+  return to_left <= std::min(to_above, to_corner) ? left : nearer;
 }
 
 /// Undoes the filter of number `filter` (PNG specification, section 9.2); false where there is no such.
