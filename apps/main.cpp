@@ -4,6 +4,7 @@
 #include <exception>
 #include <new>
 
+#include <opencv2/core/utility.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 
 #include "apps/commands.hpp"
@@ -57,6 +58,7 @@ ExitCode run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   kinloop::keep_freed_memory();
+  cv::setNumThreads(1);  // threads are parallel_for's and the executor's to hand out
   set_up_log();
   try {
     return static_cast<int>(run(argc, argv));
