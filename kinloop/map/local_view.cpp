@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace kinloop {
 namespace {
@@ -57,8 +58,8 @@ LocalView make_local_view(const Map& map, KeyframeId reference, const LocalViewO
     view.viewed_from.push_back(towards_observer.normalized());
     view.seen_distance_m.push_back(towards_observer.norm());
     view.seen_level.push_back(observer.features->levels[seen.feature]);
-    observer.features->descriptors.row(static_cast<int>(seen.feature))
-        .copyTo(view.descriptors.row(static_cast<int>(i)));
+    std::memcpy(view.descriptors.ptr(static_cast<int>(i)),
+                observer.features->descriptors.ptr(static_cast<int>(seen.feature)), view.descriptors.step);
   }
   return view;
 }
