@@ -4,12 +4,12 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <opencv2/core/utility.hpp>
 
 #include "apps/commands.hpp"
 #include "apps/common_options.hpp"
 #include "apps/feature_comparison.hpp"
 #include "kinloop/base/options.hpp"
+#include "kinloop/base/text_file.hpp"
 #include "kinloop/compare/detectors.hpp"
 #include "kinloop/features/surf.hpp"
 
@@ -32,8 +32,7 @@ Examples:
 
 void run_features(ComparisonArguments arguments, const std::vector<std::string>& assignments, bool json) {
   arguments.features = with_assignments(FeatureOptions{}, assignments);
-  cv::setNumThreads(1);  // all on one core: figures of methods, not of thread pools
-  if (!arguments.pictures.empty()) std::filesystem::create_directories(arguments.pictures);
+  if (!arguments.pictures.empty()) make_folder(arguments.pictures);
   const auto figures = compare_detectors(arguments);
   if (json) {
     fmt::print("{}\n", comparison_json(figures).dump(2));

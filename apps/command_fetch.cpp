@@ -10,6 +10,7 @@
 #include "apps/download.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -56,11 +57,7 @@ void fetch(const FetchArguments& arguments) {
     fmt::print("{} is there already\n", folder.string());
     return;
   }
-  std::error_code error;
-  std::filesystem::create_directories(arguments.output, error);
-  if (error)
-    throw InputError(
-        fmt::format("{}: cannot make the folder ({})", arguments.output.string(), error.message()));
+  make_folder(arguments.output);
   const auto archive = arguments.output / (sequence.folder + ".tgz");
   if (!std::filesystem::exists(archive)) {
     download(fmt::format("{}/{}/{}.tgz", arguments.server, sequence.camera, sequence.folder), archive,
@@ -71,7 +68,8 @@ void fetch(const FetchArguments& arguments) {
     throw InputError(
         fmt::format("{}: holds no {}/rgb.txt: not a sequence", archive.string(), sequence.folder));
   }
-  std::filesystem::remove(archive, error);
+  std::error_code ignored;
+  std::filesystem::remove(archive, ignored);
   fmt::print("{}\nlicence: {}\n", folder.string(), kLicence);
 }
 

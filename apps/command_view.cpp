@@ -1,9 +1,7 @@
 // kinloop view: shows what a run left behind in a browser.
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -42,7 +40,6 @@ SavedRun shown_map(const std::filesystem::path& file) {
 }
 
 void view(const ViewArguments& arguments) {
-  constexpr std::chrono::milliseconds kBetweenLooks{100};
   const ListenAddress listen = parse_listen_address(arguments.listen);
   const SavedRun run = arguments.path.extension() == std::filesystem::path(kMapFileName).extension()
                            ? shown_map(arguments.path)
@@ -56,7 +53,7 @@ void view(const ViewArguments& arguments) {
       [](Command) {});
   catch_interrupts();
   log::info("watch at {}; Ctrl-C ends", service.url());
-  while (!interrupted()) std::this_thread::sleep_for(kBetweenLooks);
+  wait_for_interrupt();
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "apps/interrupt.hpp"
 
+#include <chrono>
 #include <csignal>
+#include <thread>
 
 namespace kinloop {
 namespace {
@@ -22,6 +24,11 @@ void catch_interrupts() {
 
 bool interrupted() {
   return g_interrupted != 0;
+}
+
+void wait_for_interrupt() {
+  constexpr std::chrono::milliseconds kBetweenLooks{100};
+  while (!interrupted()) std::this_thread::sleep_for(kBetweenLooks);
 }
 
 }  // namespace kinloop

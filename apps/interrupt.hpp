@@ -9,4 +9,7 @@ void catch_interrupts();
 /// Whether one of them came.
 bool interrupted();
 
+/// Waits for one.
+void wait_for_interrupt();
+
 }  // namespace kinloop

@@ -13,8 +13,6 @@
 namespace kinloop {
 namespace {
 
-constexpr std::chrono::milliseconds kBetweenLooks{100};
-
 /// Long enough for a browser on the same machine to get what is left.
 constexpr std::chrono::seconds kFarewell{1};
 
@@ -61,7 +59,7 @@ void stay_open(LiveViewer& viewer) {
     return;
   }
   if (!interrupted()) log::info("still to be seen at {}; Ctrl-C ends", viewer.url());
-  while (!interrupted()) std::this_thread::sleep_for(kBetweenLooks);
+  wait_for_interrupt();
 }
 
 }  // namespace kinloop

@@ -20,6 +20,15 @@ void require_folder(const std::filesystem::path& folder) {
   }
 }
 
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    throw InputError(fmt::format("{}: cannot make the folder ({}); choose another output folder",
+                                 folder.string(), error.message()));
+  }
+}
+
 std::vector<TextLine> read_table(const std::filesystem::path& path) {
   std::istringstream content(read_file(path));
   std::vector<TextLine> lines;

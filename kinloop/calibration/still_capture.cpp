@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
 #include "kinloop/calibration/edge_width.hpp"
 #include "kinloop/calibration/find_board.hpp"
 #include "kinloop/sensor/image_file.hpp"
@@ -11,12 +12,7 @@ namespace kinloop {
 
 StillCapture::StillCapture(std::filesystem::path folder, const Board& board, StillKind kind, size_t wanted)
     : folder_(std::move(folder)), board_(board), kind_(kind), guide_(wanted) {
-  std::error_code error;
-  std::filesystem::create_directories(folder_, error);
-  if (error) {
-    throw InputError(
-        fmt::format("{}: cannot make the folder ({}); choose another", folder_.string(), error.message()));
-  }
+  make_folder(folder_);
   if (!std::filesystem::is_empty(folder_)) {
     throw InputError(fmt::format(
         "{}: is not empty; give a new folder to --live, or leave --live out to calibrate from what is there",

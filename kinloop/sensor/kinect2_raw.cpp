@@ -69,12 +69,7 @@ size_t packets(const RawRecording& recording) {
 }  // namespace
 
 Kinect2PacketWriter::Kinect2PacketWriter(std::filesystem::path folder) : folder_(std::move(folder)) {
-  std::error_code error;
-  std::filesystem::create_directories(folder_, error);
-  if (error) {
-    throw InputError(fmt::format("{}: cannot make the folder ({}); choose another output folder",
-                                 folder_.string(), error.message()));
-  }
+  make_folder(folder_);
 }
 
 bool Kinect2PacketWriter::onNewFrame(Frame::Type type, Frame* frame) {

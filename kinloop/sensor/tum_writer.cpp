@@ -32,14 +32,8 @@ TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
       color_list_("# timestamp filename\n"),
       depth_list_(color_list_),
       pair_list_("# colour timestamp, colour filename, depth timestamp, depth filename\n") {
+  for (const char* images : {"rgb", "depth"}) make_folder(folder_ / images);
   std::error_code error;
-  for (const char* images : {"rgb", "depth"}) {
-    std::filesystem::create_directories(folder_ / images, error);
-    if (error) {
-      throw InputError(fmt::format("{}: cannot make the folder ({}); choose another output folder",
-                                   (folder_ / images).string(), error.message()));
-    }
-  }
   for (const char* list : kLists) std::filesystem::remove(folder_ / list, error);
   write_camera_file(folder_ / "camera.yaml", camera);
 }

@@ -93,6 +93,17 @@ TEST(AtomicFile, WriteFileReplaces) {
   EXPECT_EQ(read_file(path), "short");
 }
 
+TEST(MakeFolder, MakesWhatIsMissingOrSaysWhyNot) {
+  const TempFolder folder;
+  const auto inner = folder.path() / "a/b";
+  make_folder(inner);
+  make_folder(inner);  // it is there already
+  EXPECT_TRUE(fs::is_directory(inner));
+  folder.write("file", "x");
+  EXPECT_THAT(input_error([&] { make_folder(folder.path() / "file/inner"); }),
+              AllOf(HasSubstr("file/inner"), HasSubstr("choose another")));
+}
+
 TEST(AtomicFile, FolderThatIsNotThereOrNotWritable) {
   const TempFolder folder;
   EXPECT_THAT(input_error([&] { AtomicFile file(folder.path() / "none/out.txt"); }),
