@@ -5,9 +5,12 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "kinloop/base/random.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/map/local_view.hpp"
+#include "kinloop/optimize/bundle.hpp"
+#include "kinloop/optimize/camera_observations.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/sensor/simulation/simulated_source.hpp"
 #include "kinloop/tracking/tracker.hpp"
@@ -108,6 +111,34 @@ void track_frame(benchmark::State& state) {
   }
 }
 BENCHMARK(track_frame)->Unit(benchmark::kMillisecond);
+
+/// A thousand key points as one moving camera sees them.
+CameraObservations thousand_observations() {
+  constexpr size_t kCount = 1000;
+  const PinholeCamera& camera = frames().camera;
+  CameraObservations observations(kCount);
+  Random random(1);
+  for (size_t i = 0; i < kCount; ++i) {
+    BundleObservation seen;
+    seen.pixel = {random.uniform(0, camera.width), random.uniform(0, camera.height)};
+    seen.depth_m = random.uniform(0.7, 4);
+    seen.row = seen.pixel.y() / camera.height - 0.5;
+    observations.set(i, camera.unproject(seen.pixel, seen.depth_m), seen);
+  }
+  return observations;
+}
+
+/// Residuals and derivatives of all, and their normal equations: by the pose; by pose and velocity; by these
+/// and the sensor.
+void linearize_thousand(benchmark::State& state) {
+  const auto observations = thousand_observations();
+  const SensorVector sensor = SensorVector::Zero();
+  const MeasurementModel model{frames().camera, sensor, 6e-3, 0.5};
+  const BundleView view(SE3{}, Velocity::Constant(0.1));
+  const RowLayout layout(state.range(0) > 0, state.range(0) > 1);
+  for (auto _ : state) benchmark::DoNotOptimize(observations.linearize(view, model, layout));
+}
+BENCHMARK(linearize_thousand)->DenseRange(0, 2)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace kinloop

@@ -40,6 +40,28 @@ TEST(PnpRansac, SurvivesSixtyPercentOutliers) {
   }
 }
 
+TEST(PnpRansac, DepthFindsTheFewThatAgree) {
+  Random random(7);
+  for (int trial = 0; trial < 5; ++trial) {
+    const SE3 truth = random_motion(random, 2.0, 2.0);
+    const test::ViewNoise noise{
+        .sigma_px = 0.8, .sigma_inverse_depth = 2e-3, .depth_share = 1, .outlier_share = 0.8};
+    const auto view = make_view(truth, 300, noise, random);
+    const auto solution = solve_pnp_ransac(kinect(), view, {}, 11);
+    ASSERT_TRUE(solution.has_value());
+    EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 0.02);
+  }
+}
+
+TEST(PnpRansac, DoesWithoutAnyDepth) {
+  Random random(8);
+  const SE3 truth = random_motion(random, 2.0, 2.0);
+  const auto view = make_view(truth, 200, {.sigma_px = 0.8, .depth_share = 0, .outlier_share = 0.5}, random);
+  const auto solution = solve_pnp_ransac(kinect(), view, {}, 12);
+  ASSERT_TRUE(solution.has_value());
+  EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 0.02);
+}
+
 TEST(PnpRansac, SameSeedSameResult) {
   Random random(3);
   const SE3 truth = random_motion(random, 2.0, 2.0);
