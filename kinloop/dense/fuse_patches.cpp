@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/quantile.hpp"
@@ -80,7 +81,7 @@ class Fusion {
       });
       make_fit(grids, slab);
     });
-    return surface_points(grids, slab, options_, threads_);
+    return surface_points(std::move(grids), slab, options_, threads_);
   }
 
   [[nodiscard]] DealtSamples deal(const DepthPatch& patch, const PosedImage& view, const Slab& slab) const {

@@ -91,8 +91,8 @@ bool stands_before(const SurfacePoint& a, const SurfacePoint& b) {
 
 }  // namespace
 
-std::vector<SurfacePoint> surface_points(const VoxelGrids& grids, const Slab& slab,
-                                         const DenseOptions& options, int threads) {
+std::vector<SurfacePoint> surface_points(VoxelGrids grids, const Slab& slab, const DenseOptions& options,
+                                         int threads) {
   std::array<std::vector<SurfacePoint>, kGrids> parts;
   parallel_for(kGrids, threads, [&](size_t begin, size_t end) {
     for (size_t grid = begin; grid < end; ++grid) {
@@ -102,6 +102,7 @@ std::vector<SurfacePoint> surface_points(const VoxelGrids& grids, const Slab& sl
       }
     }
   });
+  grids = {};  // their memory is needed for what follows
   std::vector<SurfacePoint> points;
   for (auto& part : parts) {
     points.insert(points.end(), part.begin(), part.end());

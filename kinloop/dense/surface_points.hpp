@@ -54,8 +54,8 @@ struct SurfacePoint {
 /// The points of the surfaces in `slab` that enough images saw, one per voxel, in an order that depends on
 /// the voxels alone: those of a block (see block_of) stand together. The grids must hold kHaloSlices more on
 /// either side.
-std::vector<SurfacePoint> surface_points(const VoxelGrids& grids, const Slab& slab,
-                                         const DenseOptions& options, int threads);
+std::vector<SurfacePoint> surface_points(VoxelGrids grids, const Slab& slab, const DenseOptions& options,
+                                         int threads);
 
 /// Voxels along the edge of a block.
 constexpr int kBlockBits = 4;
