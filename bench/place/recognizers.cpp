@@ -55,6 +55,7 @@ std::span<const BinaryDescriptor> rows_of(const cv::Mat& descriptors) {
 /// Landmarks of one image, as seen from there.
 LocalView view_of(const Features& features, const PinholeCamera& camera) {
   LocalView view;
+  view.features = std::make_shared<const Features>(features);
   view.descriptors = cv::Mat(0, kOrbBytes, CV_8UC1);
   for (uint32_t i = 0; i < features.size(); ++i) {
     if (features.depths_m[i] <= 0) continue;
