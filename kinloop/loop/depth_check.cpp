@@ -6,6 +6,7 @@
 
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/loop/reproject.hpp"
 
 namespace kinloop {
 namespace {
@@ -46,18 +47,14 @@ DepthAgreement seen_from(const Features& view, const Features& points, const SE3
   std::vector<uint32_t> near;
   for (uint32_t i = 0; i < points.size(); ++i) {
     if (!on_plane(points, i)) continue;
-    const auto own_depth_m = static_cast<double>(points.depths_m[i]);
-    const Eigen::Vector3d p_view =
-        T_view_points * camera.unproject(points.pixels[i].cast<double>(), own_depth_m);
-    if (!(p_view.z() > 0)) continue;
-    const Eigen::Vector2d pixel = camera.project(p_view);
-    if (!camera.contains(pixel)) continue;
-    const auto before = before_surface(pixel, 1 / p_view.z(), view, grid, near);
+    const auto seen = reproject(points, i, T_view_points, camera, 0);
+    if (!seen) continue;
+    const auto before = before_surface(seen->pixel, 1 / seen->depth_m, view, grid, near);
     if (!before) continue;
     // d(1/z) = dz / z^2, for the point's own noise and the pose's; then the noise of the surface.
-    const double z2 = p_view.z() * p_view.z();
-    const double tolerance =
-        kSigmas * std::hypot(noise, noise * own_depth_m * own_depth_m / z2, position_sigma_m / z2);
+    const double z2 = seen->depth_m * seen->depth_m;
+    const double own2 = seen->own_depth_m * seen->own_depth_m;
+    const double tolerance = kSigmas * std::hypot(noise, noise * own2 / z2, position_sigma_m / z2);
     if (std::abs(*before) <= tolerance) ++depths.on_surface;
     if (*before > tolerance) ++depths.seen_through;
   }

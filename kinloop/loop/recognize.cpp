@@ -1,6 +1,7 @@
 #include "kinloop/loop/recognize.hpp"
 
 #include "kinloop/loop/depth_check.hpp"
+#include "kinloop/loop/picture_check.hpp"
 
 namespace kinloop {
 namespace {
@@ -19,9 +20,11 @@ bool certain(const TrackResult& result, const Features& features, const LocalVie
              const PinholeCamera& camera, const LoopOptions& options) {
   if (result.status != TrackStatus::kTracked || result.stats.inliers < options.min_inliers) return false;
   if (!map_agrees(result, features, options.min_found_share)) return false;
+  const SE3& T_reference_camera = result.T_reference_camera;
   const auto depths =
-      compare_depths(*view.features, features, result.T_reference_camera, camera, options.landmark_sigma_m);
-  return !contradicts(depths, options.max_seen_through);
+      compare_depths(*view.features, features, T_reference_camera, camera, options.landmark_sigma_m);
+  return !contradicts(depths, options.max_seen_through) &&
+         chance_of_difference(*view.features, features, T_reference_camera, camera) >= options.min_chance;
 }
 
 }  // namespace
