@@ -3,9 +3,9 @@
 //   bench_place compare K L FLAT STEP SEQUENCE...
 //       ways of seeding side by side over five seeds; writes the curves to place_curves.svg
 //   bench_place search STEP SEQUENCE...
-//       the same places without a dictionary: brute force, and FLANN's LSH
+//       the same places without a dictionary: brute force, FLANN's LSH and Kd trees
 //   bench_place detect STEP SEQUENCE...
-//       the detector with verification, over five dictionaries of each kind
+//       the detector with verification, over five dictionaries by random seeding and by k-means++
 //   bench_place scale [IMAGES]
 //       times: opening, words, queries up to IMAGES (200000) images
 //
@@ -21,6 +21,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/place/raw_search.hpp"
 #include "bench/place/recognizers.hpp"
 #include "bench/place/scale.hpp"
 #include "kinloop/base/parallel_for.hpp"
@@ -88,6 +89,7 @@ void print(const Row& row) {
   std::fflush(stdout);
 }
 
+/// The curve of one seed; the first has the way's name in the legend.
 PlotSeries series_of(const std::string& name, const std::string& style, const Curve& curve) {
   PlotSeries series{style, name, SeriesKind::kLine, {}};
   for (size_t i = 0; i < curve.recall.size(); ++i)
@@ -113,6 +115,7 @@ std::vector<cv::Mat> descriptors_of(std::span<const Place> places) {
 struct Way {
   std::string name;
   TrainOptions options;
+  std::string style = {};  ///< of its curves in the plot; empty: not among the two that are looked at closely
 };
 
 std::vector<Way> ways_of(int branching, int depth, bool flat) {
@@ -125,9 +128,9 @@ std::vector<Way> ways_of(int branching, int depth, bool flat) {
     options.candidates = candidates;
     return options;
   };
-  std::vector<Way> ways = {{"random", seeded("random", 0)},
+  std::vector<Way> ways = {{"random", seeded("random", 0), "random"},
                            {"k-means++, plain", seeded("kmeans++", 1)},
-                           {"k-means++, greedy", seeded("kmeans++", 0)},
+                           {"k-means++, greedy", seeded("kmeans++", 0), "greedy"},
                            {"k-means\\|\\|", seeded("kmeans||", 0)}};
   if (flat) {
     TrainOptions options = seeded("kmeans||", 1);
@@ -138,7 +141,8 @@ std::vector<Way> ways_of(int branching, int depth, bool flat) {
   return ways;
 }
 
-Row measure(const Way& way, const World& world, std::span<const cv::Mat> training, Curve& last) {
+Row measure(const Way& way, const World& world, std::span<const cv::Mat> training,
+            std::vector<Curve>& curves) {
   Row row{way.name, {}, {}, {}, {}, {}, {}, {}};
   const auto descriptors = descriptors_of(world.places);
   for (int seed = 1; seed <= kSeeds; ++seed) {
@@ -153,7 +157,7 @@ Row measure(const Way& way, const World& world, std::span<const cv::Mat> trainin
     row.words_ms.push_back(1000 * words.cpu_s() / static_cast<double>(descriptors.size()));
     const Recognition recognition = by_words(world.places, vocabulary);
     add_recognition(row, world.places, recognition);
-    last = curve_of(world.places, recognition.answers);
+    curves.push_back(curve_of(world.places, recognition.answers));
     const auto arranged = by_arrangement(world.places, vocabulary);
     row.arranged.push_back(curve_of(world.places, arranged.answers).recall_without_error);
   }
@@ -175,26 +179,32 @@ void write_curves(const std::vector<PlotSeries>& series) {
 void compare(int branching, int depth, bool flat, const World& world) {
   const auto training = read_training_images(kPhotographs);
   fmt::print("{}", kHead);
-  std::vector<PlotSeries> curves;
+  std::vector<PlotSeries> series;
   for (const Way& way : ways_of(branching, depth, flat)) {
-    Curve last;
-    print(measure(way, world, training, last));
-    if (way.name == "random") curves.push_back(series_of(way.name, "random", last));
-    if (way.name == "k-means++, greedy") curves.push_back(series_of(way.name, "greedy", last));
+    std::vector<Curve> curves;
+    print(measure(way, world, training, curves));
+    if (way.style.empty()) continue;
+    for (const Curve& curve : curves) {
+      series.push_back(series_of(&curve == &curves.front() ? way.name : "", way.style, curve));
+    }
   }
-  write_curves(curves);
+  write_curves(series);
 }
 
 /// Without a dictionary.
 void search(const World& world) {
   fmt::print("{}", kHead);
-  const auto add = [&](const std::string& name, const Recognition& recognition) {
-    Row row{name, {}, {}, {}, {}, {}, {}, {}};
-    add_recognition(row, world.places, recognition);
-    print(row);
-  };
-  add("none: brute force", by_brute_force(world.places));
-  add("none: FLANN LSH", by_flann(world.places));
+  Row brute{"none: brute force", {}, {}, {}, {}, {}, {}, {}};
+  add_recognition(brute, world.places, by_brute_force(world.places));
+  print(brute);
+  Row lsh{"none: FLANN, LSH", {}, {}, {}, {}, {}, {}, {}};
+  Row trees{"none: FLANN, Kd trees", {}, {}, {}, {}, {}, {}, {}};
+  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    add_recognition(lsh, world.places, by_lsh(world.places, seed));
+    add_recognition(trees, world.places, by_kd_trees(world.places, seed));
+  }
+  print(lsh);
+  print(trees);
 }
 
 void run_detector(const World& world) {
@@ -203,6 +213,7 @@ void run_detector(const World& world) {
       "| seeding | seed | confirmed | of those findable | pose off | another room "
       "|\n|---|---|---|---|---|---|\n");
   for (const Way& way : ways_of(32, 3, false)) {
+    if (way.style.empty()) continue;
     for (int seed = 1; seed <= kSeeds; ++seed) {
       TrainOptions options = way.options;
       options.seed = seed;

@@ -3,58 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
-#include <opencv2/flann.hpp>
-
-#include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/stopwatch.hpp"
+#include "kinloop/features/hamming.hpp"
 #include "kinloop/loop/recognize.hpp"
-#include "kinloop/place/descriptor_space.hpp"
 #include "kinloop/place/place_search.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr int kMaxDistance = 64;  ///< bits; farther descriptors do not vote
-
 BowVector bow_of(const Place& place, const Vocabulary& vocabulary) {
   return vocabulary.bow_of(vocabulary.words_of(place.features.descriptors).words);
-}
-
-KeyframeId id_of(size_t place) {
-  return {static_cast<uint32_t>(place)};
-}
-
-/// Asks for each image that has a pose; `ask` gives the candidates, best first.
-Recognition recognize(std::span<const Place> places,
-                      const std::function<std::vector<PlaceCandidate>(size_t query)>& ask) {
-  Recognition recognition;
-  size_t asked = 0;
-  const Stopwatch watch;
-  for (size_t query = 0; query < places.size(); ++query) {
-    if (!places[query].T_room_camera) continue;
-    ++asked;
-    const auto found = ask(query);
-    if (found.empty()) continue;
-    recognition.answers.push_back({query, found[0].keyframe.value, found[0].score});
-  }
-  recognition.query_ms = 1000 * watch.cpu_s() / static_cast<double>(asked);
-  return recognition;
-}
-
-/// The image with most votes; its share of the query's descriptors is the score.
-std::vector<PlaceCandidate> most_voted(const std::vector<uint32_t>& votes, size_t descriptors) {
-  const auto most = std::max_element(votes.begin(), votes.end());
-  return {{id_of(static_cast<size_t>(most - votes.begin())),
-           static_cast<double>(*most) / static_cast<double>(descriptors)}};
-}
-
-std::span<const BinaryDescriptor> rows_of(const cv::Mat& descriptors) {
-  return as_points<HammingSpace>(std::span(descriptors.ptr(0), descriptors.total()));
 }
 
 /// Landmarks of one image, as seen from there.
 LocalView view_of(const Features& features, const PinholeCamera& camera) {
   LocalView view;
+  view.features = std::make_shared<const Features>(features);
   view.descriptors = cv::Mat(0, kOrbBytes, CV_8UC1);
   for (uint32_t i = 0; i < features.size(); ++i) {
     if (features.depths_m[i] <= 0) continue;
@@ -78,6 +42,22 @@ bool is_right(const Place& query, const Place& found, const SE3& T_found_query) 
 
 }  // namespace
 
+Recognition recognize(std::span<const Place> places,
+                      const std::function<std::vector<PlaceCandidate>(size_t query)>& ask) {
+  Recognition recognition;
+  size_t asked = 0;
+  const Stopwatch watch;
+  for (size_t query = 0; query < places.size(); ++query) {
+    if (!places[query].T_room_camera) continue;
+    ++asked;
+    const auto found = ask(query);
+    if (found.empty()) continue;
+    recognition.answers.push_back({query, found[0].keyframe.value, found[0].score});
+  }
+  recognition.query_ms = 1000 * watch.cpu_s() / static_cast<double>(asked);
+  return recognition;
+}
+
 Recognition by_words(std::span<const Place> places, const Vocabulary& vocabulary) {
   PlaceIndex index;
   for (size_t i = 0; i < places.size(); ++i) index.add(id_of(i), bow_of(places[i], vocabulary));
@@ -98,62 +78,6 @@ Recognition by_arrangement(std::span<const Place> places, const Vocabulary& voca
   return recognize(places, [&](size_t query) {
     return search.query(search.index().bow_of(id_of(query)), words[query], 1,
                         [&](KeyframeId id) { return may_be_found(places[query], places[id.value]); });
-  });
-}
-
-Recognition by_brute_force(std::span<const Place> places) {
-  return recognize(places, [&](size_t query) {
-    const auto rows = rows_of(places[query].features.descriptors);
-    std::vector<uint32_t> votes(places.size(), 0), winner(rows.size(), 0);
-    parallel_for(rows.size(), hardware_threads(), [&](size_t begin, size_t end) {
-      std::vector<uint32_t> nearest(end - begin), distance(end - begin);
-      std::vector<uint32_t> best(end - begin, kMaxDistance + 1);
-      for (size_t i = 0; i < places.size(); ++i) {
-        if (i == query || !may_be_found(places[query], places[i])) continue;
-        assign_to_nearest<HammingSpace>(rows.subspan(begin, end - begin),
-                                        rows_of(places[i].features.descriptors), nearest.data(),
-                                        distance.data());
-        for (size_t j = 0; j < best.size(); ++j) {
-          if (distance[j] >= best[j]) continue;
-          best[j] = distance[j];
-          winner[begin + j] = static_cast<uint32_t>(i + 1);
-        }
-      }
-    });
-    for (const uint32_t image : winner) {
-      if (image > 0) ++votes[image - 1];
-    }
-    return most_voted(votes, rows.size());
-  });
-}
-
-Recognition by_flann(std::span<const Place> places) {
-  constexpr int kTables = 6, kKeyBits = 12, kProbes = 1;  // as OpenCV's documentation advises for ORB
-  constexpr int kNeighbours = 20;                         // of which those too recent are left out
-  cv::Mat all;
-  std::vector<size_t> image_of;
-  for (size_t i = 0; i < places.size(); ++i) {
-    all.push_back(places[i].features.descriptors);
-    image_of.resize(static_cast<size_t>(all.rows), i);
-  }
-  cv::flann::Index index(all, cv::flann::LshIndexParams(kTables, kKeyBits, kProbes),
-                         cvflann::FLANN_DIST_HAMMING);
-  return recognize(places, [&](size_t query) {
-    const cv::Mat& descriptors = places[query].features.descriptors;
-    cv::Mat indices(descriptors.rows, kNeighbours, CV_32S, cv::Scalar(-1)), distances;
-    index.knnSearch(descriptors, indices, distances, kNeighbours);
-    std::vector<uint32_t> votes(places.size(), 0);
-    for (int row = 0; row < indices.rows; ++row) {
-      for (int i = 0; i < kNeighbours; ++i) {
-        const int found = indices.at<int>(row, i);
-        if (found < 0 || found >= all.rows || distances.at<int>(row, i) > kMaxDistance) break;
-        const size_t image = image_of[static_cast<size_t>(found)];
-        if (image == query || !may_be_found(places[query], places[image])) continue;
-        ++votes[image];
-        break;
-      }
-    }
-    return most_voted(votes, static_cast<size_t>(descriptors.rows));
   });
 }
 

@@ -1,12 +1,13 @@
 #pragma once
 // Ways to find, for each image, the image that shows the same place: by words, by words and their
-// arrangement, by the nearest descriptors.
+// arrangement, by the whole detector. raw_search.hpp has those without words.
 
 #include <functional>
-#include <string>
+#include <vector>
 
 #include "bench/place/places.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/place/place_index.hpp"
 #include "kinloop/place/vocabulary.hpp"
 
 namespace kinloop {
@@ -17,17 +18,20 @@ struct Recognition {
   double query_ms = 0;
 };
 
+/// A place is known to the index by its number.
+inline KeyframeId id_of(size_t place) {
+  return {static_cast<uint32_t>(place)};
+}
+
+/// Asks for each image that has a pose; `ask` gives the candidates, best first.
+Recognition recognize(std::span<const Place> places,
+                      const std::function<std::vector<PlaceCandidate>(size_t query)>& ask);
+
 /// By the L1 score of bags of words.
 Recognition by_words(std::span<const Place> places, const Vocabulary& vocabulary);
 
 /// By how many matches of words agree on the arrangement (PlaceSearch).
 Recognition by_arrangement(std::span<const Place> places, const Vocabulary& vocabulary);
-
-/// By the number of descriptors whose nearest of all is in the image: all looked at, two threads.
-Recognition by_brute_force(std::span<const Place> places);
-
-/// The same with FLANN's locality-sensitive hashing.
-Recognition by_flann(std::span<const Place> places);
 
 /// What became of the candidates of the dictionary that geometry confirms.
 struct Detection {

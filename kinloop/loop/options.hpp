@@ -17,6 +17,8 @@ struct LoopOptions {
   int min_matches = 20;
   int min_inliers = 30;
   double min_found_share = 0.2;
+  double max_seen_through = 0.005;
+  double min_chance = 1e-3;
   double window_px = 10;
   int edge_min_shared = 60;
   double landmark_sigma_m = 0.05;
@@ -43,6 +45,11 @@ struct LoopOptions {
         "share that must be found and agree of the landmarks in sight, or of the key points where these are "
         "fewer",
         Range{0, 1});
+    visit("max_seen_through", self.max_seen_through,
+          "share of key points that may lie clearly in front of what the other view measured there",
+          Range{0, 1});
+    visit("min_chance", self.min_chance,
+          "chance that views of one place differ as much as these where they differ most", Range{0, 1});
     visit("window_px", self.window_px, "search window of the guided matching (half side), px", Range{1, 100});
     visit("edge_min_shared", self.edge_min_shared,
           "shared landmarks that tie two keyframes in the pose graph", Range{1, 10000});

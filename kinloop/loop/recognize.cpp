@@ -1,5 +1,8 @@
 #include "kinloop/loop/recognize.hpp"
 
+#include "kinloop/loop/depth_check.hpp"
+#include "kinloop/loop/picture_check.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -13,9 +16,15 @@ std::vector<Match> match_descriptors(const Features& features, const LocalView& 
   return kept;
 }
 
-bool certain(const TrackResult& result, const Features& features, const LoopOptions& options) {
-  return result.status == TrackStatus::kTracked && result.stats.inliers >= options.min_inliers &&
-         map_agrees(result, features, options.min_found_share);
+bool certain(const TrackResult& result, const Features& features, const LocalView& view,
+             const PinholeCamera& camera, const LoopOptions& options) {
+  if (result.status != TrackStatus::kTracked || result.stats.inliers < options.min_inliers) return false;
+  if (!map_agrees(result, features, options.min_found_share)) return false;
+  const SE3& T_reference_camera = result.T_reference_camera;
+  const auto depths =
+      compare_depths(*view.features, features, T_reference_camera, camera, options.landmark_sigma_m);
+  return !contradicts(depths, options.max_seen_through) &&
+         chance_of_difference(*view.features, features, T_reference_camera, camera) >= options.min_chance;
 }
 
 }  // namespace
@@ -42,7 +51,7 @@ std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const Loc
   // Once more from the better pose: the windows now fall where they belong.
   result =
       track_in_view(frame, grid, view, result.T_reference_camera, tracking.view_window_px, camera, tracking);
-  if (!certain(result, features, options)) return std::nullopt;
+  if (!certain(result, features, view, camera, options)) return std::nullopt;
   return result;
 }
 

@@ -13,7 +13,8 @@ namespace kinloop {
 
 /// The pose of `frame` relative to the reference of `view`: matches by descriptor alone, P3P with RANSAC,
 /// guided matching of all landmarks in sight, refinement. Nothing unless `min_inliers` landmarks and
-/// `min_found_share` of those that could be found agree.
+/// `min_found_share` of those that could be found agree, and neither the depths nor the pictures of the
+/// frame and of the reference contradict each other.
 std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const LocalView& view,
                                            const PinholeCamera& camera, const LoopOptions& options,
                                            const TrackingOptions& tracking, uint64_t seed);

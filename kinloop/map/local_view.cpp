@@ -42,9 +42,10 @@ std::vector<LandmarkId> collect_landmarks(const Map& map, KeyframeId reference,
 LocalView make_local_view(const Map& map, KeyframeId reference, const LocalViewOptions& options) {
   LocalView view;
   view.reference = reference;
+  view.features = map.keyframe(reference).features;
   view.ids = collect_landmarks(map, reference, options);
   const SE3 T_reference_world = map.keyframe(reference).T_world_camera.inverse();
-  const cv::Mat& like = map.keyframe(reference).features->descriptors;
+  const cv::Mat& like = view.features->descriptors;
   view.descriptors.create(static_cast<int>(view.size()), like.cols, like.type());
   for (size_t i = 0; i < view.size(); ++i) {
     const Landmark& landmark = map.landmark(view.ids[i]);

@@ -1,6 +1,7 @@
 #pragma once
 // What the tracker sees of the map: landmarks around a reference keyframe, copied out.
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct LocalViewOptions {
 /// Landmarks in the frame of `reference`; structure of arrays.
 struct LocalView {
   KeyframeId reference;
+  std::shared_ptr<const Features> features;  ///< all key points of the reference
   std::vector<LandmarkId> ids;
   std::vector<Eigen::Vector3d> p_reference;  ///< m
   std::vector<Eigen::Vector3d> viewed_from;  ///< unit vectors from the landmark towards a camera that saw it

@@ -7,16 +7,43 @@
 namespace kinloop {
 namespace {
 
-std::vector<PlaceCandidate> best_of(std::vector<PlaceCandidate> candidates, size_t max_results) {
-  const auto better = [](const PlaceCandidate& a, const PlaceCandidate& b) {
-    return a.score != b.score ? a.score > b.score : a.keyframe < b.keyframe;
-  };
-  const auto kept =
-      candidates.begin() + static_cast<std::ptrdiff_t>(std::min(max_results, candidates.size()));
-  std::partial_sort(candidates.begin(), kept, candidates.end(), better);
-  candidates.erase(kept, candidates.end());
-  return candidates;
+bool better(const PlaceCandidate& a, const PlaceCandidate& b) {
+  return a.score != b.score ? a.score > b.score : a.keyframe < b.keyframe;
 }
+
+/// Keeps the best of what it is shown; of 200,000 images hardly any is ever among them.
+class Best {
+ public:
+  explicit Best(size_t most) : most_(most) {}
+
+  /// What scores less is not wanted.
+  [[nodiscard]] double floor() const {
+    return heap_.size() < most_ || heap_.empty() ? 0 : heap_.front().score;
+  }
+
+  [[nodiscard]] bool wants(const PlaceCandidate& candidate) const {
+    return heap_.size() < most_ || (most_ > 0 && better(candidate, heap_.front()));
+  }
+
+  void add(const PlaceCandidate& candidate) {
+    if (heap_.size() == most_) {
+      std::pop_heap(heap_.begin(), heap_.end(), better);
+      heap_.pop_back();
+    }
+    heap_.push_back(candidate);
+    std::push_heap(heap_.begin(), heap_.end(), better);
+  }
+
+  /// Best first.
+  [[nodiscard]] std::vector<PlaceCandidate> sorted() && {
+    std::sort_heap(heap_.begin(), heap_.end(), better);
+    return std::move(heap_);
+  }
+
+ private:
+  size_t most_;
+  std::vector<PlaceCandidate> heap_;  // the worst in front
+};
 
 }  // namespace
 
@@ -54,9 +81,12 @@ std::vector<PlaceCandidate> PlaceIndex::query(const BowVector& bow, size_t max_r
   const BowVector telling = without_stop_words(bow);
   if (telling.size() == bow.size()) return best_by(bow, max_results, accept);
   constexpr size_t kLookedAt = 10;  // candidates for each result: the order is not yet that of the scores
-  auto candidates = best_by(telling, kLookedAt * std::min(max_results, size()), accept);
-  for (auto& [keyframe, score] : candidates) score = similarity(bow, bow_of(keyframe));
-  return best_of(std::move(candidates), max_results);
+  Best best(max_results);
+  for (const auto& found : best_by(telling, kLookedAt * std::min(max_results, size()), accept)) {
+    const PlaceCandidate candidate{found.keyframe, similarity(bow, bow_of(found.keyframe))};
+    if (best.wants(candidate)) best.add(candidate);
+  }
+  return std::move(best).sorted();
 }
 
 BowVector PlaceIndex::without_stop_words(const BowVector& bow) const {
@@ -85,12 +115,13 @@ std::vector<PlaceCandidate> PlaceIndex::best_by(const BowVector& words, size_t m
     for (const Posting& posting : postings_[word.value])
       scores[posting.slot] += std::min(weight, posting.weight);
   }
-  std::vector<PlaceCandidate> candidates;
+  Best best(max_results);
   for (size_t slot = 0; slot < scores.size(); ++slot) {
-    if (scores[slot] == 0 || (accept && !accept(entries_[slot].keyframe))) continue;
-    candidates.push_back({entries_[slot].keyframe, std::min(scores[slot], 1.0)});
+    if (scores[slot] == 0 || scores[slot] < best.floor()) continue;
+    const PlaceCandidate candidate{entries_[slot].keyframe, std::min(scores[slot], 1.0)};
+    if (best.wants(candidate) && (!accept || accept(candidate.keyframe))) best.add(candidate);
   }
-  return best_of(std::move(candidates), max_results);
+  return std::move(best).sorted();
 }
 
 const BowVector& PlaceIndex::bow_of(KeyframeId keyframe) const {

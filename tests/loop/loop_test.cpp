@@ -106,6 +106,24 @@ TEST_F(Loop, AnotherPlaceIsRefused) {
   EXPECT_FALSE(verify(last_, {KeyframeId{15}}).has_value());
 }
 
+/// The same key points at depths `scale` times as large, each on a plane that faces the camera.
+std::shared_ptr<const Features> facing(const Features& features, float scale) {
+  Features planes = features;
+  for (float& depth_m : planes.depths_m) depth_m *= scale;
+  planes.inverse_depth_gradients.assign(planes.size(), Eigen::Vector2f::Zero());
+  return std::make_shared<const Features>(std::move(planes));
+}
+
+TEST_F(Loop, LandmarksThatAgreeAreNotEnoughWhereTheDepthsContradict) {
+  LoopQuestion question = loop_question(built_.map, last_, {KeyframeId{1}}, {}, 3);
+  question.frame.features = facing(*question.frame.features, 1);
+  const auto features = question.places[0].features;
+  question.places[0].features = facing(*features, 1);
+  EXPECT_TRUE(verify_loop(question, world_.camera, {}, {}).has_value());
+  question.places[0].features = facing(*features, 1.3F);
+  EXPECT_FALSE(verify_loop(question, world_.camera, {}, {}).has_value());
+}
+
 TEST_F(Loop, CorrectionSpreadsTheDrift) {
   const auto answer = verify(last_, {KeyframeId{1}});
   ASSERT_TRUE(answer.has_value());

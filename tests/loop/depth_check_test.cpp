@@ -1,0 +1,145 @@
+#include "kinloop/loop/depth_check.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "kinloop/geometry/depth_noise.hpp"
+#include "tests/support/synthetic_world.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::looking;
+
+constexpr double kPositionSigma_m = 0.02;
+constexpr double kMaxShare = 0.005;
+
+/// A wall across the view and a board in front of it, both facing along z.
+struct Scene {
+  double wall_m = 3;
+  double board_m = 1.5;
+  double board_half_width_m = 0.4, board_half_height_m = 0.3;
+};
+
+/// The surface that a ray from `origin` meets first: its z in the world.
+double surface_met(const Scene& scene, const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
+  const Eigen::Vector3d at_board = origin + ray * ((scene.board_m - origin.z()) / ray.z());
+  const bool on_board =
+      std::abs(at_board.x()) < scene.board_half_width_m && std::abs(at_board.y()) < scene.board_half_height_m;
+  return on_board ? scene.board_m : scene.wall_m;
+}
+
+/// Key points all over the image, with the sensor's noise and slopes as `inverse_depth_gradient` gives them.
+Features seen(const Scene& scene, const PinholeCamera& camera, const SE3& T_world_camera, uint64_t seed) {
+  constexpr int kCount = 800;
+  constexpr double kReach_px = 8;
+  Features features;
+  Random random(seed);
+  const auto depth_of = [&](const Eigen::Vector2d& pixel) {
+    const Eigen::Vector3d ray = T_world_camera.rotation * camera.unproject(pixel, 1);
+    const double z = surface_met(scene, T_world_camera.translation, ray);
+    return (z - T_world_camera.translation.z()) / ray.z();
+  };
+  const auto inverse_slope = [&](const Eigen::Vector2d& pixel, const Eigen::Vector2d& step) {
+    return (1 / depth_of(pixel + step) - 1 / depth_of(pixel - step)) / (2 * step.norm());
+  };
+  for (int i = 0; i < kCount; ++i) {
+    const Eigen::Vector2d pixel(random.uniform(0, camera.width - 1), random.uniform(0, camera.height - 1));
+    const double noise = DepthNoise{}.coefficient_per_m * random.gaussian();
+    features.pixels.push_back(pixel.cast<float>());
+    features.depths_m.push_back(static_cast<float>(1 / (1 / depth_of(pixel) + noise)));
+    Eigen::Vector2d slope(inverse_slope(pixel, {kReach_px, 0}), inverse_slope(pixel, {0, kReach_px}));
+    constexpr double kEdge = 0.005;  // 1/m per px
+    if (slope.norm() > kEdge) slope.setConstant(std::numeric_limits<double>::quiet_NaN());
+    features.inverse_depth_gradients.push_back(slope.cast<float>());
+    features.levels.push_back(0);
+  }
+  return features;
+}
+
+class DepthCheck : public testing::Test {
+ protected:
+  /// Two views of two scenes, as if they were one.
+  DepthAgreement compare(const Scene& scene_a, const SE3& T_world_a, const Scene& scene_b,
+                         const SE3& T_world_b, const SE3& error = {}) const {
+    return compare_depths(seen(scene_a, camera_, T_world_a, 1), seen(scene_b, camera_, T_world_b, 2),
+                          T_world_a.inverse() * T_world_b * error, camera_, kPositionSigma_m);
+  }
+
+  PinholeCamera camera_ = test::make_world(0, 1).camera;
+  Scene scene_;
+  SE3 T_world_a_ = looking(0.1, {-0.2, 0, 0});
+  SE3 T_world_b_ = looking(-0.15, {0.2, 0.1, 0.1});
+};
+
+TEST_F(DepthCheck, OneSceneAgreesWithItself) {
+  const auto depths = compare(scene_, T_world_a_, scene_, T_world_b_);
+  EXPECT_GT(depths.on_surface, 300);
+  EXPECT_EQ(depths.seen_through, 0);
+}
+
+TEST_F(DepthCheck, APoseThatIsALittleOffIsNoContradiction) {
+  const SE3 error = looking(0.01, {0.02, 0.01, -0.02});
+  EXPECT_FALSE(contradicts(compare(scene_, T_world_a_, scene_, T_world_b_, error), kMaxShare));
+}
+
+TEST_F(DepthCheck, AWallElsewhereContradicts) {
+  for (const double wall_m : {2.6, 3.4}) {
+    Scene other = scene_;
+    other.wall_m = wall_m;
+    const auto depths = compare(scene_, T_world_a_, other, T_world_b_);
+    EXPECT_GT(depths.on_surface, 50) << "the board is the same";
+    EXPECT_TRUE(contradicts(depths, kMaxShare)) << wall_m;
+  }
+}
+
+TEST_F(DepthCheck, WhatHidesThingsFromOneViewIsNoContradiction) {
+  // Each view sees, past the board, wall that the board hides from the other.
+  const SE3 left = looking(0.3, {-0.9, 0, 0}), right = looking(-0.3, {0.9, 0, 0});
+  const auto depths = compare(scene_, left, scene_, right);
+  EXPECT_GT(depths.on_surface, 100);
+  EXPECT_FALSE(contradicts(depths, kMaxShare));
+  Scene without = scene_;
+  without.board_half_width_m = 0;
+  const auto bare = compare(without, left, without, right);
+  EXPECT_GT(bare.on_surface, depths.on_surface) << "nothing was hidden: the test shows nothing";
+}
+
+TEST_F(DepthCheck, AThingThatOnlyOneViewHasContradicts) {
+  Scene without = scene_;
+  without.board_half_width_m = 0;
+  EXPECT_TRUE(contradicts(compare(scene_, T_world_a_, without, T_world_b_), kMaxShare));
+  EXPECT_TRUE(contradicts(compare(without, T_world_a_, scene_, T_world_b_), kMaxShare));
+}
+
+TEST_F(DepthCheck, BothWaysAroundAreTheSame) {
+  Scene other = scene_;
+  other.wall_m = 3.4;
+  const Features a = seen(scene_, camera_, T_world_a_, 1), b = seen(other, camera_, T_world_b_, 2);
+  const SE3 T_a_b = T_world_a_.inverse() * T_world_b_;
+  const auto forth = compare_depths(a, b, T_a_b, camera_, kPositionSigma_m);
+  const auto back = compare_depths(b, a, T_a_b.inverse(), camera_, kPositionSigma_m);
+  EXPECT_EQ(forth.seen_through, back.seen_through);
+  EXPECT_EQ(forth.on_surface, back.on_surface);
+}
+
+TEST_F(DepthCheck, WithoutSurfacesThereIsNothingToSay) {
+  Features a = seen(scene_, camera_, T_world_a_, 1);
+  a.inverse_depth_gradients.clear();
+  Features b = seen({2.6}, camera_, T_world_b_, 2);
+  b.depths_m.assign(b.size(), 0);
+  const auto depths = compare_depths(a, b, T_world_a_.inverse() * T_world_b_, camera_, kPositionSigma_m);
+  EXPECT_EQ(depths.on_surface + depths.seen_through, 0);
+  EXPECT_FALSE(contradicts(depths, 0));
+}
+
+TEST_F(DepthCheck, AFewStraysAreForgiven) {
+  EXPECT_FALSE(contradicts({10, 2}, kMaxShare));
+  EXPECT_TRUE(contradicts({10, 3}, kMaxShare));
+  EXPECT_FALSE(contradicts({1000, 5}, kMaxShare));
+  EXPECT_TRUE(contradicts({1000, 6}, kMaxShare));
+}
+
+}  // namespace
+}  // namespace kinloop
