@@ -142,11 +142,12 @@ void MapWork::submit_calibration(const Map& map, const FrameLog& log, const Sens
       executor_->busy(JobKind::kSelfCalibration)) {
     return;
   }
-  executor_->submit(
-      JobKind::kSelfCalibration, now,
-      [problem = calibration_problem(map, camera_, keyframe_velocities(log, map), sensor.value),
-       expected = expected_time_sigmas(calibration), max_sigma_share = calibration.max_sigma_share,
-       options = options_.full] { return adjust_with_sensor(problem, expected, max_sigma_share, options); });
+  executor_->submit(JobKind::kSelfCalibration, now,
+                    [problem = calibration_problem(map, camera_, keyframe_velocities(log, map), sensor.value),
+                     expected = expected_time_sigmas(calibration), calibration,
+                     options = with_velocities(options_.full, log, map)] {
+                      return adjust_with_sensor(problem, expected, calibration, options);
+                    });
   keyframes_to_calibrate_ *= 2;
 }
 

@@ -3,21 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinloop/base/time.hpp"
-
 namespace kinloop {
 namespace {
 
-constexpr int64_t kMaxNeighbourNs = 150'000'000;  // farther apart, a hand's velocity has changed
-
 SensorEstimate judge(const BundleSolution& solution, const SensorVector& known, const SensorVector& expected,
-                     double max_sigma_share) {
+                     const SelfCalibrationOptions& calibration) {
   SensorEstimate estimate;
   estimate.value = solution.sensor;
   for (int k = 0; k < kSensorParameterCount; ++k) {
     if (expected(k) == 0) continue;
     const double sigma = std::sqrt(std::max(solution.sensor_covariance(k, k), 0.0));
-    const bool narrowed = sigma <= max_sigma_share * expected(k);
+    const bool narrowed = sigma <= calibration.max_sigma_share * expected(k) &&
+                          std::abs(solution.sensor(k) - known(k)) >= calibration.min_sigmas * sigma;
     estimate.sigma(k) = sigma;
     estimate.used[static_cast<size_t>(k)] = narrowed;
     if (!narrowed) estimate.value(k) = known(k);
@@ -68,42 +65,6 @@ SensorVector expected_sigmas(const PinholeCamera& camera, const SelfCalibrationO
   return sigma;
 }
 
-std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map) {
-  std::vector<Velocity> velocities(log.size(), Velocity::Zero());
-  const auto usable = [&](size_t i, size_t other) {
-    return tracked_in(map.keyframe(log[i].reference).component, log[other], map) &&
-           std::abs(log[i].stamp_ns - log[other].stamp_ns) < kMaxNeighbourNs;
-  };
-  for (size_t i = 0; i < log.size(); ++i) {
-    if (log[i].status == TrackStatus::kLost) continue;
-    // A repeated image says nothing of the motion between the two; the image itself was taken once.
-    size_t own = i, next = i + 1;
-    while (own > 0 && log[own].repeat) --own;
-    while (next < log.size() && log[next].repeat) ++next;
-    size_t previous = own > 0 ? own - 1 : own;
-    while (previous > 0 && log[previous].repeat) --previous;
-    const size_t before = previous < own && usable(own, previous) ? previous : own;
-    const size_t after = next < log.size() && usable(own, next) ? next : own;
-    const int64_t duration_ns = log[after].stamp_ns - log[before].stamp_ns;
-    if (duration_ns <= 0) continue;
-    const SE3 T_world_before = world_pose(log[before], map), T_world_after = world_pose(log[after], map);
-    const Eigen::Matrix3d R_camera_world = world_pose(log[i], map).R().transpose();
-    const double duration_s = to_seconds(duration_ns);
-    velocities[i] << R_camera_world * (T_world_after.translation - T_world_before.translation) / duration_s,
-        log_so3(T_world_before.rotation.conjugate() * T_world_after.rotation) / duration_s;
-  }
-  return velocities;
-}
-
-std::vector<Velocity> keyframe_velocities(const FrameLog& log, const Map& map) {
-  const auto of_frames = frame_velocities(log, map);
-  std::vector<Velocity> velocities(map.keyframes().size(), Velocity::Zero());
-  for (size_t i = 0; i < log.size(); ++i) {
-    if (log[i].keyframe.valid()) velocities[log[i].keyframe.value] = of_frames[i];
-  }
-  return velocities;
-}
-
 AdjustmentProblem calibration_problem(const Map& map, const RgbdCamera& camera,
                                       std::vector<Velocity> velocities, const SensorVector& value) {
   AdjustmentProblem problem = full_problem(map, camera.color, MeasuredAs::kMoving);
@@ -114,12 +75,13 @@ AdjustmentProblem calibration_problem(const Map& map, const RgbdCamera& camera,
 }
 
 CalibratedAdjustment adjust_with_sensor(AdjustmentProblem problem, const SensorVector& expected,
-                                        double max_sigma_share, const BundleOptions& options) {
+                                        const SelfCalibrationOptions& calibration,
+                                        const BundleOptions& options) {
   BundleProblem& bundle = problem.bundle;
   bundle.sensor.prior_sigma = expected;
   const BundleSolution free = solve_bundle(bundle, options);
   CalibratedAdjustment adjusted{update_of(problem, free),
-                                judge(free, bundle.sensor.prior_mean, expected, max_sigma_share),
+                                judge(free, bundle.sensor.prior_mean, expected, calibration),
                                 free.pose_covariance};
   bool all_used = true;
   for (int k = 0; k < kSensorParameterCount; ++k) {

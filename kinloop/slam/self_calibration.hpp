@@ -6,7 +6,7 @@
 
 #include "kinloop/base/options.hpp"
 #include "kinloop/mapping/local_adjustment.hpp"
-#include "kinloop/slam/frame_log.hpp"
+#include "kinloop/slam/frame_velocities.hpp"
 
 namespace kinloop {
 
@@ -20,6 +20,7 @@ struct SelfCalibrationOptions {
   double time_sigma_s = 0.03;
   double depth_offset_sigma_per_m = 0.002;
   double max_sigma_share = 0.4;
+  double min_sigmas = 3;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -40,6 +41,9 @@ struct SelfCalibrationOptions {
           "smooth deformation of the inverse depth to be expected, 1/m", Range{0, 1});
     visit("max_sigma_share", self.max_sigma_share,
           "a parameter is used when the data narrow it down to this share of what was expected", Range{0, 1});
+    visit("min_sigmas", self.min_sigmas,
+          "... and departs from what is known by so many standard deviations: what differs by chance is left",
+          Range{0, 100});
   }
 };
 
@@ -66,12 +70,6 @@ SensorVector expected_sigmas(const PinholeCamera& camera, const SelfCalibrationO
 /// The same for the read-out times and the depth delay alone.
 SensorVector expected_time_sigmas(const SelfCalibrationOptions& options);
 
-/// Velocity of every frame from its neighbours in time; zero where it is lost or has none close by.
-std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map);
-
-/// The same of the frames that became keyframes, by id.
-std::vector<Velocity> keyframe_velocities(const FrameLog& log, const Map& map);
-
 /// The whole map with everything as it was measured, by keyframes that move with `velocities`; the sensor
 /// starts at `value`.
 AdjustmentProblem calibration_problem(const Map& map, const RgbdCamera& camera,
@@ -85,8 +83,9 @@ struct CalibratedAdjustment {
 };
 
 /// Solves the problem with the sensor free within `expected`, then again without the parameters that the data
-/// told too little about.
+/// told too little about, or nothing new.
 CalibratedAdjustment adjust_with_sensor(AdjustmentProblem problem, const SensorVector& expected,
-                                        double max_sigma_share, const BundleOptions& options);
+                                        const SelfCalibrationOptions& calibration,
+                                        const BundleOptions& options);
 
 }  // namespace kinloop

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "kinloop/base/random.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -52,6 +54,51 @@ TEST(SelfCalibration, OffMeansThatNothingMayMove) {
   SelfCalibrationOptions options;
   options.enabled = false;
   EXPECT_TRUE(expected_sigmas(some_camera().color, options).isZero(0));
+}
+
+/// Points before four cameras whose principal point is `off_px` from where the calibration says.
+AdjustmentProblem decentred_problem(double off_px) {
+  AdjustmentProblem problem;
+  BundleProblem& bundle = problem.bundle;
+  bundle.camera = some_camera().color;
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    bundle.p_world.emplace_back(random.uniform(-1, 1), random.uniform(-0.7, 0.7), random.uniform(1.5, 3));
+  }
+  for (uint32_t pose = 0; pose < 4; ++pose) {
+    bundle.T_world_camera.push_back(
+        {exp_so3({0.05 * pose, 0.1 * pose, 0.3 * pose}), {0.1 * pose, -0.05 * pose, 0}});
+    bundle.fixed.push_back(pose == 0 ? 1 : 0);
+    problem.keyframes.push_back(KeyframeId{pose});
+    for (uint32_t point = 0; point < bundle.p_world.size(); ++point) {
+      const Eigen::Vector3d p = bundle.T_world_camera[pose].inverse() * bundle.p_world[point];
+      const Eigen::Vector2d error(off_px + random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5));
+      BundleObservation seen{pose, point, bundle.camera.project(p) + error, p.z()};
+      bundle.observations.push_back(seen);
+    }
+  }
+  for (uint32_t i = 0; i < bundle.p_world.size(); ++i) problem.landmarks.push_back(LandmarkId{i});
+  problem.observations.resize(bundle.observations.size());
+  return problem;
+}
+
+SensorEstimate center_found(double off_px) {
+  SensorVector expected = SensorVector::Zero();
+  expected(kCenterX) = 3;
+  return adjust_with_sensor(decentred_problem(off_px), expected, {}, {}).sensor;
+}
+
+TEST(SelfCalibration, FindsAnErrorThatTheDataShow) {
+  const SensorEstimate found = center_found(4);
+  EXPECT_TRUE(found.used[kCenterX]);
+  EXPECT_NEAR(found.value(kCenterX), 4, 3 * found.sigma(kCenterX));
+}
+
+TEST(SelfCalibration, LeavesAlsoWhatDiffersByChanceAsItIsKnown) {
+  const SensorEstimate found = center_found(0);
+  EXPECT_GT(found.sigma(kCenterX), 0);
+  EXPECT_FALSE(found.used[kCenterX]);
+  EXPECT_EQ(found.value(kCenterX), 0);
 }
 
 }  // namespace
