@@ -98,8 +98,7 @@ FinalAdjustment adjust_finally(Map& map, FrameLog& log, const RgbdCamera& camera
   for (int pass = 1; pass <= passes; ++pass) {
     bundle.pose_covariances = pass == passes;
     auto problem = calibration_problem(map, camera, keyframe_velocities(log, map), result.sensor.value);
-    auto adjusted =
-        adjust_with_sensor(std::move(problem), expected, calibration, with_velocities(bundle, log, map));
+    auto adjusted = adjust_with_sensor(std::move(problem), expected, calibration, bundle);
     map.apply(adjusted.update);
     result = {with_sigmas_of(adjusted.sensor, result.sensor, expected), std::move(adjusted.pose_covariance)};
     // What the data did not narrow down at first they will not later: it stays held.

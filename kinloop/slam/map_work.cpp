@@ -144,8 +144,7 @@ void MapWork::submit_calibration(const Map& map, const FrameLog& log, const Sens
   }
   executor_->submit(JobKind::kSelfCalibration, now,
                     [problem = calibration_problem(map, camera_, keyframe_velocities(log, map), sensor.value),
-                     expected = expected_time_sigmas(calibration), calibration,
-                     options = with_velocities(options_.full, log, map)] {
+                     expected = expected_time_sigmas(calibration), calibration, options = options_.full] {
                       return adjust_with_sensor(problem, expected, calibration, options);
                     });
   keyframes_to_calibrate_ *= 2;

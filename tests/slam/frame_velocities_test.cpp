@@ -64,21 +64,5 @@ TEST(FrameVelocities, BehindALongGapAreUnknown) {
   }
 }
 
-TEST(FrameVelocities, AreNotInDoubtWhereFramesComeQuickly) {
-  const Recorded recorded = recorded_swing(30);
-  EXPECT_FALSE(velocity_doubt(recorded.log, recorded.map));
-  EXPECT_FALSE(with_velocities({}, recorded.log, recorded.map).free_velocities);
-}
-
-TEST(FrameVelocities, AreInDoubtByAboutTheirErrorWhereTheyDoNot) {
-  const Recorded recorded = recorded_swing(8);
-  const auto doubt = velocity_doubt(recorded.log, recorded.map);
-  ASSERT_TRUE(doubt);
-  const double error_m_s = shift_error_m_s(recorded) / std::sqrt(3.0);  // of one axis, on average
-  EXPECT_GT(doubt->m_s, error_m_s);
-  EXPECT_LT(doubt->m_s, 4 * error_m_s);
-  EXPECT_TRUE(with_velocities({}, recorded.log, recorded.map).free_velocities);
-}
-
 }  // namespace
 }  // namespace kinloop
