@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -228,23 +229,20 @@ void run_detector(const World& world) {
   }
 }
 
-}  // namespace
-}  // namespace kinloop
-
-int main(int argc, char** argv) {
-  const std::vector<std::string> arguments(argv + 1, argv + argc);
+int run(const std::vector<std::string>& arguments) {
   const std::string mode = arguments.empty() ? "" : arguments[0];
+  const auto world_from = [&](size_t step) {
+    return read_world({arguments.begin() + static_cast<std::ptrdiff_t>(step) + 1, arguments.end()},
+                      std::stoul(arguments[step]));
+  };
   if (mode == "compare" && arguments.size() >= 6) {
-    const auto world =
-        kinloop::read_world({arguments.begin() + 5, arguments.end()}, std::stoul(arguments[4]));
-    kinloop::compare(std::stoi(arguments[1]), std::stoi(arguments[2]), arguments[3] == "1", world);
+    compare(std::stoi(arguments[1]), std::stoi(arguments[2]), arguments[3] == "1", world_from(4));
   } else if (mode == "search" && arguments.size() >= 3) {
-    kinloop::search(kinloop::read_world({arguments.begin() + 2, arguments.end()}, std::stoul(arguments[1])));
+    search(world_from(1));
   } else if (mode == "detect" && arguments.size() >= 3) {
-    kinloop::run_detector(
-        kinloop::read_world({arguments.begin() + 2, arguments.end()}, std::stoul(arguments[1])));
+    run_detector(world_from(1));
   } else if (mode == "scale") {
-    kinloop::measure_scale(kinloop::kPhotographs, arguments.size() > 1 ? std::stoul(arguments[1]) : 200'000);
+    measure_scale(kPhotographs, arguments.size() > 1 ? std::stoul(arguments[1]) : 200'000);
   } else {
     fmt::print(stderr,
                "usage: bench_place compare K L FLAT STEP SEQUENCE... | search STEP SEQUENCE... | detect STEP "
@@ -252,4 +250,16 @@ int main(int argc, char** argv) {
     return 2;
   }
   return 0;
+}
+
+}  // namespace
+}  // namespace kinloop
+
+int main(int argc, char** argv) {
+  try {
+    return kinloop::run({argv + 1, argv + argc});
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return 3;
+  }
 }
