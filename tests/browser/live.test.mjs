@@ -72,8 +72,11 @@ await onStage(async ({ open, kinloop, folder, shoot }) => {
   await page.click('#home');
 
   // A browser that comes late, or back, gets all there is.
+  await page.keyboard.press(' ');
+  await until(async () => (await seen(page)).badge.includes('paused'), 'the run pauses again');
   await other.reload();
   await until(async () => (await seen(other)).points >= later.points, 'a late browser gets the whole map');
+  await page.keyboard.press(' ');
 
   // The loop is closed, and one sees it.
   await until(async () => (await seen(page)).loops > 0, 'a loop is closed');
