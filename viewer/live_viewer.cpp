@@ -4,6 +4,7 @@ namespace kinloop {
 
 LiveViewer::LiveViewer(const ListenAddress& listen, RunBasics basics)
     : basics_(std::move(basics)),
+      control_(basics_.options.paused),
       feed_(basics_.options),
       service_(
           listen, [this](Scene& scene, size_t browsers) { update(scene, browsers); },

@@ -13,6 +13,7 @@ struct ViewerOptions {
   int jpeg_quality = 80;
   int min_shared = 60;
   int max_neighbors = 5;
+  bool paused = false;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -26,6 +27,7 @@ struct ViewerOptions {
           "shared landmarks from which on two keyframes are drawn as covisible", Range{1, 1000});
     visit("max_neighbors", self.max_neighbors, "covisible keyframes drawn per keyframe, the closest",
           Range{0, 100});
+    visit("paused", self.paused, "wait before the first frame until a browser says to go on");
   }
 };
 

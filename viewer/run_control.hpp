@@ -10,6 +10,8 @@ namespace kinloop {
 
 class RunControl {
  public:
+  explicit RunControl(bool paused = false) : paused_(paused) {}
+
   void pause();
   void resume();
   void step();  ///< one frame, then pause
@@ -26,7 +28,7 @@ class RunControl {
  private:
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  bool paused_ = false;
+  bool paused_;
   int steps_ = 0;
   bool save_ = false;
 };

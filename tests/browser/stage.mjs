@@ -26,6 +26,9 @@ async function launch() {
   return chromium.launch({ executablePath: CHROMIUM, args });
 }
 
+// What a browser says of itself, and of a run that is over: the page goes on asking whether it is back.
+const NO_FAULT = /GPU stall|GL Driver Message|ERR_CONNECTION_REFUSED/;
+
 /** Runs a test with { open, kinloop, folder, shoot }; everything is cleared away afterwards, whatever happens. */
 export async function onStage(test) {
   const browser = await launch();
@@ -54,7 +57,7 @@ export async function onStage(test) {
   };
   try {
     await test({ open, kinloop, folder, shoot });
-    assert.deepEqual(complaints.filter((text) => !/GPU stall|GL Driver Message/.test(text)), [], 'the console is quiet');
+    assert.deepEqual(complaints.filter((text) => !NO_FAULT.test(text)), [], 'the console is quiet');
   } finally {
     await browser.close();
     running.forEach((child) => child.process.kill('SIGKILL'));
