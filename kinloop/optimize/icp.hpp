@@ -24,7 +24,7 @@ struct IcpOptions {
   double robust_width = 1.5;
   double inverse_depth_sigma_per_m = 1.425e-3;
   double correlated_px = 64;
-  double photometric_weight = 0;
+  double photometric_weight = 1;
   double intensity_sigma = 6;
   double min_overlap = 0.2;
   double guess_sigma_m = 0.1;

@@ -77,7 +77,7 @@ struct TrackingOptions {
           "pose found by brute force or from the map alone is not believed",
           Range{0, 1});
     visit("refine_with_icp", self.refine_with_icp,
-          "also lay each depth image onto the one before (point to plane), and hold the pose to it as far as "
+          "also lay each depth and grey image onto the one before, and hold the pose to it as far as "
           "the surfaces tell");
     visit("min_icp_overlap", self.min_icp_overlap, "share of depth pixels that must agree in dense alignment",
           Range{0, 1});

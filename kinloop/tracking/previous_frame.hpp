@@ -1,6 +1,6 @@
 #pragma once
 // The pose of a frame against the frame before it: guided matching first, brute force when the motion was not
-// what was expected, the depth images themselves when features fail.
+// what was expected, the depth and grey images themselves when features fail.
 
 #include <optional>
 
@@ -20,7 +20,7 @@ struct FramePose {
   std::vector<uint32_t> features;        ///< the key point of each of `support`
   int tries = 0;
   bool by_force = false;  ///< from matches without regard to where they were expected
-  bool dense = false;     ///< from the depth images, without support
+  bool dense = false;     ///< from depth and grey images, without support
 };
 
 /// The pose of `frame` by the first of these that gives a certain one: key points of `previous` searched
@@ -32,9 +32,9 @@ std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const Fe
                                             const PredictedPose& predicted, const PinholeCamera& camera,
                                             const TrackingOptions& options, uint64_t seed);
 
-/// The pose of `frame` by laying its depth image onto that of `previous`, starting from
-/// `T_reference_camera_guess`: its information is small where the surfaces leave a direction open. Nothing
-/// where too little of them overlaps.
+/// The pose of `frame` by laying its depth and grey images onto those of `previous`, starting from
+/// `T_reference_camera_guess`: its information is small where surfaces and grey values leave a direction
+/// open. Nothing where too little of them overlaps.
 std::optional<FramePose> align_with_previous(const PreparedFrame& frame, const TrackedFrame& previous,
                                              const SE3& T_reference_camera_guess, const PinholeCamera& camera,
                                              const TrackingOptions& options);

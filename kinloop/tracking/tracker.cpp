@@ -26,7 +26,7 @@ VisibleLandmarks project_view(const LocalView& view, const Features& features, c
 }
 
 /// Refines on landmarks of the view, and where they are few also on the previous frame's unmapped points;
-/// `prior` is what the depth images say.
+/// `prior` is what depth and grey images say.
 TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const LocalView& view,
                    const FramePose& guess, const std::optional<PosePrior>& prior, double window_px,
                    const PinholeCamera& camera, const TrackingOptions& options) {

@@ -15,7 +15,7 @@ namespace kinloop {
 
 enum class TrackStatus {
   kTracked,    ///< by landmarks of the map
-  kDenseOnly,  ///< by aligning the depth images alone: features were too few
+  kDenseOnly,  ///< by aligning depth and grey images: features were too few
   kLost,
 };
 

@@ -87,6 +87,40 @@ TEST_F(Tracker, SaysLostOnABlackImage) {
   EXPECT_EQ(result.status, TrackStatus::kLost);
 }
 
+/// A wall 2 m ahead with a picture so soft that it has no corner, seen from `x_m` to the right.
+PreparedFrame soft_wall(const PinholeCamera& camera, double x_m) {
+  constexpr double kWall_m = 2;
+  PreparedFrame frame;
+  frame.features = std::make_shared<const Features>();
+  frame.depth_m = cv::Mat(camera.height, camera.width, CV_32FC1, cv::Scalar(kWall_m));
+  frame.gray.create(camera.height, camera.width, CV_8UC1);
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const Eigen::Vector3d p = camera.unproject(Eigen::Vector2d(x, y), kWall_m);
+      const double value = 128 + 50 * std::sin(6 * (p.x() + x_m)) + 50 * std::sin(5 * p.y());
+      frame.gray.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(value);
+    }
+  }
+  return frame;
+}
+
+TEST_F(Tracker, FollowsByGreyValuesAndDepthWhereThereIsNoKeyPoint) {
+  previous_ = TrackedFrame{soft_wall(world_.camera, 0), SE3{}, {}};
+  const SE3 truth = looking(0, {0.02, 0, 0});
+  const PreparedFrame frame = soft_wall(world_.camera, 0.02);
+  TrackingOptions options;
+  const TrackResult result = track(frame, previous_, view_, unsure(SE3{}), world_.camera, options, 4);
+  EXPECT_EQ(result.status, TrackStatus::kDenseOnly);
+  EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.001);
+  EXPECT_LT(test::angle_rad(result.T_reference_camera, truth), 0.001);
+
+  options.icp.photometric_weight = 0;
+  const TrackResult by_depth = track(frame, previous_, view_, unsure(SE3{}), world_.camera, options, 4);
+  EXPECT_EQ(by_depth.status, TrackStatus::kDenseOnly);
+  EXPECT_GT(test::distance_m(by_depth.T_reference_camera, truth), 0.015) << "a wall does not hold it";
+  EXPECT_LT(by_depth.information(0, 0), 0.01 * result.information(0, 0)) << "and it knows";
+}
+
 TEST_F(Tracker, GivesTheSameResultTwice) {
   const SE3 truth = looking(0.35, {0.15, 0.05, 0.1});
   const TrackResult a = track_at(truth, SE3{}), b = track_at(truth, SE3{});
