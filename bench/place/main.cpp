@@ -170,8 +170,9 @@ void write_curves(const std::vector<PlotSeries>& series) {
   std::string svg = svg_plot(frame, series);
   const std::string style =
       " xmlns=\"http://www.w3.org/2000/svg\"><style>text{font:12px sans-serif;fill:#444}"
-      "polyline,path{fill:none;stroke-width:2}.grid{stroke:#ddd;stroke-width:1}.axis{stroke:#444}"
-      ".random{stroke:#999;fill:#999}.greedy{stroke:#1f6fb4;fill:#1f6fb4}polyline,path{fill:none}</style>";
+      "svg{background:#fff}.grid{stroke:#ddd}.random{stroke:#999;fill:#999}.greedy{stroke:#1f6fb4;fill:#"
+      "1f6fb4}"
+      "polyline,path{fill:none!important;stroke-width:1.5}</style>";
   svg.insert(svg.find('>'), style);
   svg.erase(svg.find("</style>") + 8, 1);
   write_file("place_curves.svg", svg);

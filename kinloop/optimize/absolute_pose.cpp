@@ -167,7 +167,6 @@ std::vector<uint8_t> agreeing_observations(const PinholeCamera& camera,
                                            std::span<const PoseObservation> observations,
                                            const SE3& T_reference_camera,
                                            const AbsolutePoseOptions& options) {
-  constexpr double kMinDepth_m = 1e-3;  // nearer (or behind) is not seen
   const Eigen::Matrix3d R_camera_reference = T_reference_camera.R().transpose();
   const Eigen::Vector2d focal(camera.fx, camera.fy), center(camera.cx, camera.cy);
   std::vector<uint8_t> agree;
@@ -176,7 +175,7 @@ std::vector<uint8_t> agreeing_observations(const PinholeCamera& camera,
     const Eigen::Vector3d p = R_camera_reference * (o.p_reference - T_reference_camera.translation);
     const Eigen::Vector2d pixel = focal.cwiseProduct(p.head<2>()) / p.z() + center;
     const double squared = (pixel - o.pixel).squaredNorm() / (o.sigma_px * o.sigma_px);
-    agree.push_back(p.z() > kMinDepth_m && squared <= options.inlier_chi2_pixel);  // false for NaN
+    agree.push_back(p.z() > kMinSeenDepth_m && squared <= options.inlier_chi2_pixel);  // false for NaN
   }
   return agree;
 }

@@ -73,11 +73,10 @@ std::vector<uint8_t> used_points(const BundleTask& task) {
 /// How an observation that could be used agrees with its residuals.
 BundleUse agreeing_use(const BundleOptions& options, const BundleBlock& block, const BlockResiduals& r,
                        size_t lane) {
-  const bool agrees = r.seen[lane] > 0 && r.pixel_squared(lane) <= options.inlier_chi2_pixel;
-  if (!agrees) return BundleUse::kNothing;
+  if (!r.pixel_agrees(lane, options.inlier_chi2_pixel)) return BundleUse::kNothing;
   const bool has_depth = block.measured.inverse_depth_per_m[lane] > 0;
-  return has_depth && r.depth_squared(lane) <= options.inlier_chi2_depth ? BundleUse::kPixelAndDepth
-                                                                         : BundleUse::kPixel;
+  return has_depth && r.depth_agrees(lane, options.inlier_chi2_depth) ? BundleUse::kPixelAndDepth
+                                                                      : BundleUse::kPixel;
 }
 
 /// Decides anew what is used of the observations of adjusted points; those of others keep their mark.
@@ -100,7 +99,7 @@ std::vector<uint8_t> classify(BundleTask& task, const BundleState& state, std::v
   return outliers;
 }
 
-/// The observations in use of each pose, in the order of the problem.
+/// The observations of each pose that could be used, in the order of the problem.
 std::vector<std::vector<BundleBlock>> make_blocks(const BundleTask& task) {
   std::vector<std::vector<BundleBlock>> blocks_of_pose(task.problem.T_world_camera.size());
   for (uint32_t i = 0; i < task.uses.size(); ++i) {

@@ -49,10 +49,9 @@ bool CameraObservations::classify(const BundleView& view, const MeasurementModel
   for (ObservationBlock& block : blocks_) {
     const BlockResiduals r = block_residuals(block, view, model);
     for (size_t lane = 0; lane < kSize; ++lane) {
-      const bool agrees =
-          is_filled(block, lane) && r.seen[lane] > 0 && r.pixel_squared(lane) <= options.inlier_chi2_pixel;
+      const bool agrees = is_filled(block, lane) && r.pixel_agrees(lane, options.inlier_chi2_pixel);
       const bool depth_agrees =
-          agrees && block.inverse_depth_per_m[lane] > 0 && r.depth_squared(lane) <= options.inlier_chi2_depth;
+          agrees && block.inverse_depth_per_m[lane] > 0 && r.depth_agrees(lane, options.inlier_chi2_depth);
       const double uses_pixel = agrees ? 1 : 0, uses_depth = depth_agrees ? 1 : 0;
       changed = changed || uses_pixel != block.uses_pixel[lane] || uses_depth != block.uses_depth[lane];
       block.uses_pixel[lane] = uses_pixel;

@@ -124,7 +124,8 @@ TEST(ObservationBlock, RowsHoldTheWeightedResiduals) {
   const Lanes cost = block_cost(scene.block, scene.view(), scene.model());
   const HuberLoss loss{kRobustWidth};
   for (size_t lane = 0; lane < kSize; ++lane) {
-    const double pixel = r.pixel_squared(lane), depth = r.depth_squared(lane);
+    const double pixel = r.u[lane] * r.u[lane] + r.v[lane] * r.v[lane];
+    const double depth = r.depth[lane] * r.depth[lane];
     EXPECT_NEAR(linear.cost[lane], loss.rho(pixel) + loss.rho(depth), 1e-9);
     EXPECT_EQ(linear.cost[lane], cost[lane]);
     const auto residual = [&](size_t row) {

@@ -20,8 +20,6 @@ using D = Capped<double, ObservationBlock::kSize>;
 using V = hn::Vec<D>;  // the same number of several observations
 using Mask = hn::Mask<D>;
 
-constexpr double kMinDepth_m = 1e-3;  // nearer (or behind) is not seen
-
 HWY_INLINE V all(double value) {
   return hn::Set(D(), value);
 }
@@ -94,7 +92,7 @@ struct MovedPoint {
     p = q + cross(phi, a * q + b * cross(phi, q));
   }
 
-  HWY_INLINE Mask is_seen() const { return hn::Gt(p.z, all(kMinDepth_m)); }
+  HWY_INLINE Mask is_seen() const { return hn::Gt(p.z, all(kMinSeenDepth_m)); }
   HWY_INLINE Vector3 turned_back(const Vector3& v) const { return v - cross(phi, a * v - b * cross(phi, v)); }
 };
 

@@ -50,9 +50,17 @@ struct BlockResiduals {
   ObservationBlock::Lanes u, v, depth;
   ObservationBlock::Lanes seen;  ///< 0 where the point is behind the camera
 
-  [[nodiscard]] double pixel_squared(size_t lane) const { return u[lane] * u[lane] + v[lane] * v[lane]; }
-  [[nodiscard]] double depth_squared(size_t lane) const { return depth[lane] * depth[lane]; }
+  /// Whether the pixel is seen where it should be, as far as `max_squared` allows.
+  [[nodiscard]] bool pixel_agrees(size_t lane, double max_squared) const {
+    return seen[lane] > 0 && u[lane] * u[lane] + v[lane] * v[lane] <= max_squared;
+  }
+  /// The same for a depth that was measured.
+  [[nodiscard]] bool depth_agrees(size_t lane, double max_squared) const {
+    return depth[lane] * depth[lane] <= max_squared;
+  }
 };
+
+constexpr double kMinSeenDepth_m = 1e-3;  ///< nearer to the camera, or behind it, is not seen
 
 /// The squared residual that stands for a point behind the camera.
 constexpr double kUnseenSquared = 1e6;
