@@ -45,17 +45,18 @@ void require_extension(const char* option, const std::filesystem::path& path, co
                                std::string_view(a) == b ? "" : " or ", std::string_view(a) == b ? "" : b));
 }
 
-/// The way up in the world of a map.
-Eigen::Vector3d up_in(const OpenMap& open) {
-  return up_direction(keyframe_trajectory(open.map, main_component(open.log, open.map)));
+/// The way up in the world of the poses that are taken.
+Eigen::Vector3d up_in(const OpenMap& open, size_t session) {
+  if (!open.poses.empty()) return up_direction(open.poses);
+  return up_direction(keyframe_trajectory(open.map, open.component(session)));
 }
 
 void write_occupancy(const ExportArguments& arguments, const OpenMap& open, const Progress& progress) {
   const KeyframeImages& images = open.recorder.images();
-  const auto views = open.views();
+  const auto views = open.views(arguments.session);
   const PinholeCamera& camera = open.saved.camera.color;
   const OccupancyOptions& options = open.options.occupancy;
-  const Floor floor = find_floor(images, views, camera, up_in(open), options);
+  const Floor floor = find_floor(images, views, camera, up_in(open, arguments.session), options);
   const OccupancyMap occupancy(images, views, camera, floor, options, progress);
   if (!arguments.octomap.empty()) {
     const bool full = arguments.octomap.extension() == ".ot";
@@ -77,13 +78,13 @@ void run_export(const ExportArguments& arguments) {
   }
   if (!arguments.keyframes.empty()) {
     write_tum_trajectory(arguments.keyframes,
-                         keyframe_trajectory(open.map, main_component(session, open.map)));
+                         keyframe_trajectory(open.map, open.component(arguments.session)));
   }
   if (!arguments.graph.empty()) {
     write_g2o(arguments.graph, {make_pose_graph(open.map, open.options.slam.loop), {}, true, {}});
   }
   if (!arguments.cloud.empty()) {
-    write_cloud(arguments.cloud, open.cloud(arguments.threads, progress));
+    write_cloud(arguments.cloud, open.cloud(arguments.session, arguments.threads, progress));
   }
   if (!arguments.octomap.empty() || !arguments.grid.empty()) write_occupancy(arguments, open, progress);
 }
@@ -103,8 +104,9 @@ void add_export_command(CLI::App& app) {
   command->add_option("--keyframes", arguments->keyframes, "pose of every keyframe (TUM format)");
   command->add_option("--graph", arguments->graph, "pose graph, FILE.g2o");
   add_poses_option(*command, arguments->poses);
-  command->add_option("--session", arguments->session,
-                      "which run's trajectory, counted from 1; 0 = the last");
+  command->add_option(
+      "--session", arguments->session,
+      "which run, counted from 1; 0 = the last: where a map has pieces never joined, its own is written");
   add_set_option(*command, arguments->assignments);
   add_threads_option(*command, arguments->threads);
   add_quiet_option(*command, arguments->quiet);

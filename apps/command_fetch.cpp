@@ -63,12 +63,15 @@ void fetch(const FetchArguments& arguments) {
     download(fmt::format("{}/{}/{}.tgz", arguments.server, sequence.camera, sequence.folder), archive,
              make_progress_bar(arguments.quiet));
   }
-  unpack(archive, arguments.output);
-  if (!std::filesystem::exists(folder / "rgb.txt")) {
+  const auto beside = arguments.output / (sequence.folder + ".part");
+  unpack(archive, beside);
+  if (!std::filesystem::exists(beside / sequence.folder / "rgb.txt")) {
     throw InputError(
         fmt::format("{}: holds no {}/rgb.txt: not a sequence", archive.string(), sequence.folder));
   }
+  std::filesystem::rename(beside / sequence.folder, folder);
   std::error_code ignored;
+  std::filesystem::remove_all(beside, ignored);
   std::filesystem::remove(archive, ignored);
   fmt::print("{}\nlicence: {}\n", folder.string(), kLicence);
 }

@@ -31,7 +31,7 @@ void make_mesh(MeshArguments arguments) {
   if (!arguments.voxel_m.empty()) arguments.assignments.push_back("mesh.voxel_m=" + arguments.voxel_m);
   const Stopwatch watch;
   const OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
-  const auto mesh = mesh_keyframes(open.recorder.images(), open.views(), open.dense_camera(),
+  const auto mesh = mesh_keyframes(open.recorder.images(), open.views(0), open.dense_camera(),
                                    open.options.mesh, arguments.threads, make_progress_bar(arguments.quiet));
   write_mesh(arguments.output, mesh);
   if (!arguments.quiet) {

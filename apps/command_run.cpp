@@ -63,7 +63,8 @@ RunOptions options_of(const RunArguments& arguments, const std::optional<StartMa
   if (arguments.no_loop) options.slam.loop.enabled = false;
   if (arguments.solver != "auto") options.slam.loop.pose_graph.solver = arguments.solver;
   if (!pose_graph_solver_available(options.slam.loop.pose_graph.solver)) {
-    throw UsageError(fmt::format("--solver {}: not in this build; see kinloop --version", arguments.solver));
+    throw UsageError(fmt::format("solver {}: not in this build; see kinloop --version",
+                                 options.slam.loop.pose_graph.solver));
   }
   return options;
 }
@@ -191,7 +192,7 @@ ExitCode run(const RunArguments& arguments) {
   if (shown) shown->viewer.finish(slam.session_log(), slam.map());
   if (saver) saver->save();
   return_freed_memory();
-  const ColoredCloud cloud = recorder.fuse(slam.log(), slam.map(), slam.sensor(), threads, progress);
+  const ColoredCloud cloud = recorder.fuse(slam, threads, progress);
   return_freed_memory();
   warn_of_skipped(*source);
 

@@ -35,7 +35,7 @@ SavedRun shown_map(const std::filesystem::path& file) {
   }
   for (const LoopEdge& loop : open.map.loop_edges()) run.loops.emplace_back(loop.a, loop.b);
   run.figures["landmarks"] = open.map.landmark_count();
-  run.cloud = open.cloud(hardware_threads(), make_progress_bar(false));
+  run.cloud = open.cloud(0, hardware_threads(), make_progress_bar(false));
   return run;
 }
 

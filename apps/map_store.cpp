@@ -108,8 +108,12 @@ Velocity velocity_at(const Trajectory& poses, int64_t stamp_ns) {
 
 }  // namespace
 
-std::vector<PosedImage> OpenMap::views() const {
-  if (poses.empty()) return recorder.views(log, map);
+uint32_t OpenMap::component(size_t number) const {
+  return main_component(session_log(number), map);
+}
+
+std::vector<PosedImage> OpenMap::views(size_t number) const {
+  if (poses.empty()) return recorder.views(log, map, component(number));
   std::unordered_map<FrameId, int64_t> stamp_of;
   for (const LoggedFrame& entry : log) stamp_of.emplace(entry.frame, entry.stamp_ns);
   std::vector<PosedImage> views;
@@ -127,8 +131,8 @@ DenseCamera OpenMap::dense_camera() const {
   return poses.empty() ? kinloop::dense_camera(saved.camera, sensor) : timed_camera(saved.camera, sensor);
 }
 
-ColoredCloud OpenMap::cloud(int threads, const Progress& progress) {
-  return recorder.fuse_views(views(), dense_camera(), threads, progress);
+ColoredCloud OpenMap::cloud(size_t number, int threads, const Progress& progress) {
+  return recorder.fuse_views(views(number), dense_camera(), threads, progress);
 }
 
 std::span<const LoggedFrame> OpenMap::session_log(size_t number) const {

@@ -67,14 +67,17 @@ struct OpenMap {
   DenseRecorder recorder;
   Trajectory poses;  ///< to be taken instead of the map's; empty: the map's
 
-  /// The images whose place is known.
-  [[nodiscard]] std::vector<PosedImage> views() const;
+  /// The component of the map in which most frames of session `number` were tracked.
+  [[nodiscard]] uint32_t component(size_t number) const;
+
+  /// Its images whose place is known; with poses of one's own all that these place.
+  [[nodiscard]] std::vector<PosedImage> views(size_t number) const;
 
   /// The camera as it goes with the poses.
   [[nodiscard]] DenseCamera dense_camera() const;
 
-  /// The coloured cloud.
-  ColoredCloud cloud(int threads, const Progress& progress);
+  /// The coloured cloud of these.
+  ColoredCloud cloud(size_t number, int threads, const Progress& progress);
 
   /// The frames of session `number`, counted from 1; 0: of the last.
   [[nodiscard]] std::span<const LoggedFrame> session_log(size_t number) const;

@@ -16,7 +16,7 @@ const char* words_for(const FrameResult& result) {
     case TrackStatus::kTracked:
       return "tracking";
     case TrackStatus::kDenseOnly:
-      return "tracking by depth alone";
+      return "tracking by depth and grey values alone";
     case TrackStatus::kLost:
       return "lost";
   }

@@ -49,7 +49,7 @@ std::unique_ptr<ShownRun> show_run(const std::string& listen, const FrameSource&
 
 void save_map(const RunFolder& folder, const Slam& slam, DenseRecorder& recorder, int threads) {
   write_tum_trajectory(folder.trajectory(), slam.trajectory());
-  write_ply(folder.map(), recorder.fuse(slam.log(), slam.map(), slam.sensor(), threads, {}));
+  write_ply(folder.map(), recorder.fuse(slam, threads, {}));
 }
 
 void stay_open(LiveViewer& viewer) {

@@ -1,7 +1,7 @@
 #pragma once
 // In: posed depth images. Out: which parts of space are free, occupied or unknown, for robots: an OctoMap
 // (Hornung et al. 2013), and a grid of the floor. z is up and the floor at 0: a robot's world, not the
-// camera's.
+// camera's. Cells are wider than what self-calibration finds of lens and depth, which is left out.
 
 #include <memory>
 #include <span>

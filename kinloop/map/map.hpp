@@ -66,7 +66,8 @@ class Map {
   /// they stay the same key points in the same order.
   void set_features(KeyframeId id, std::shared_ptr<const Features> features);
 
-  /// Raised after a loop correction, so that updates computed before it are dropped.
+  /// Raised after what bends the whole map (loop correction, full adjustment, self-calibration), so that
+  /// updates computed before it are dropped.
   void raise_epoch() { ++epoch_; }
 
   // Looking.

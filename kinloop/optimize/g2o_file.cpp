@@ -130,7 +130,8 @@ void read_edge(Reading& reading, Draft<Pose>& draft, const Line& line, bool is_p
   if (!is_prior && read.id_a == read.id_b)
     line.fail(fmt::format("an edge from vertex {} to itself", read.id_a));
   if (is_prior) read.edge.a = kWorld;
-  read.edge.trusted = !is_prior && (read.id_b - read.id_a == 1 || read.id_a - read.id_b == 1);
+  const auto [first, second] = std::minmax(read.id_a, read.id_b);
+  read.edge.trusted = !is_prior && first + 1 == second;  // first is not the largest number there is
   read_pose(line, pose_field, read.edge.T_a_b);
   read.edge.information = read_information<Matrix>(line, information_field);
   if (repair_information(read.edge.information)) reading.repaired_lines.push_back(line.number);

@@ -84,8 +84,7 @@ void DenseRecorder::restore(const SavedImages& saved) {
   kept_.push_back({saved.frame, {}});
 }
 
-std::vector<PosedImage> DenseRecorder::views(const FrameLog& log, const Map& map) const {
-  const uint32_t component = main_component(log, map);
+std::vector<PosedImage> DenseRecorder::views(const FrameLog& log, const Map& map, uint32_t component) const {
   const auto velocities = frame_velocities(log, map);
   std::unordered_map<FrameId, size_t> entry_of;
   for (size_t i = 0; i < log.size(); ++i) {

@@ -11,6 +11,7 @@
 #include "kinloop/slam/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/room_times.hpp"
+#include "kinloop/slam/slam.hpp"
 
 namespace kinloop {
 
@@ -44,17 +45,17 @@ class DenseRecorder : public Listener {
 
   [[nodiscard]] const KeyframeImages& images() const { return images_; }
 
-  /// The images whose place is known, at the poses of `log` and `map`.
-  [[nodiscard]] std::vector<PosedImage> views(const FrameLog& log, const Map& map) const;
+  /// The images of one component of the map whose place is known, at the poses of `log` and `map`.
+  [[nodiscard]] std::vector<PosedImage> views(const FrameLog& log, const Map& map, uint32_t component) const;
 
   /// The coloured cloud of `views`, waiting for the work in flight.
   ColoredCloud fuse_views(std::span<const PosedImage> views, const DenseCamera& camera, int threads,
                           const Progress& progress);
 
-  /// The same at the poses of `log` and `map`, found along with `sensor`.
-  ColoredCloud fuse(const FrameLog& log, const Map& map, const SensorEstimate& sensor, int threads,
-                    const Progress& progress) {
-    return fuse_views(views(log, map), dense_camera(camera_, sensor), threads, progress);
+  /// The same of the component in which the run of `slam` was tracked.
+  ColoredCloud fuse(const Slam& slam, int threads, const Progress& progress) {
+    const auto own = views(slam.log(), slam.map(), slam.component());
+    return fuse_views(own, dense_camera(camera_, slam.sensor()), threads, progress);
   }
 
   /// The images of a frame, where they were kept: those of every keyframe are.

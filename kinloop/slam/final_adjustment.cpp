@@ -45,15 +45,6 @@ bool near_keyframe(const FrameLog& log, size_t index) {
                      [](const LoggedFrame& entry) { return entry.keyframe.valid(); });
 }
 
-/// `estimate`, with the sigmas known from `before` of parameters that were held this time.
-SensorEstimate with_sigmas_of(SensorEstimate estimate, const SensorEstimate& before,
-                              const SensorVector& expected) {
-  for (int k = 0; k < kSensorParameterCount; ++k) {
-    if (expected(k) == 0) estimate.sigma(k) = before.sigma(k);
-  }
-  return estimate;
-}
-
 }  // namespace
 
 FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera, const SensorVector& sensor,
@@ -100,7 +91,7 @@ FinalAdjustment adjust_finally(Map& map, FrameLog& log, const RgbdCamera& camera
     auto problem = calibration_problem(map, camera, keyframe_velocities(log, map), result.sensor.value);
     auto adjusted = adjust_with_sensor(std::move(problem), expected, calibration, bundle);
     map.apply(adjusted.update);
-    result = {with_sigmas_of(adjusted.sensor, result.sensor, expected), std::move(adjusted.pose_covariance)};
+    result = {with_held_from(adjusted.sensor, result.sensor), std::move(adjusted.pose_covariance)};
     // What the data did not narrow down at first they will not later: it stays held.
     for (int k = 0; k < kSensorParameterCount; ++k) {
       if (!result.sensor.used[static_cast<size_t>(k)]) expected(k) = 0;

@@ -30,7 +30,7 @@ struct LoggedFrame {
   KeyframeId reference;
   SE3 T_reference_camera;
   KeyframeId keyframe;  ///< valid where the frame became one
-  bool repeat = false;  ///< the camera gave the image before once more
+  bool repeat = false;  ///< the camera gave the image before, which was tracked, once more
   std::vector<LoggedObservation> observations;
   std::shared_ptr<const Features> features;  ///< of a lost frame alone: the finished map may know its place
 };

@@ -15,7 +15,7 @@ struct RoomTimes {
     std::vector<double> piece_ms;  ///< wall time of each piece of work, a frame or a keyframe
   };
   std::map<std::string, Room> rooms;
-  std::vector<double> frame_ms;  ///< of `Slam::process`, per frame
+  std::vector<double> frame_ms;  ///< of `Slam::process` and of preparing the frame before it
 
   void add(const std::string& room, const Spent& spent) {
     Room& sum = rooms[room];

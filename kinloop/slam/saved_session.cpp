@@ -25,7 +25,7 @@ FrameLog logged_frames(const SavedMap& saved, uint32_t first_keyframe, uint32_t 
     entry.reference = shifted(frame.reference);
     entry.T_reference_camera = frame.T_reference_camera;
     entry.keyframe = shifted(frame.keyframe);
-    entry.repeat = frame.repeat && !log.empty();
+    entry.repeat = frame.repeat && !log.empty() && log.back().status != TrackStatus::kLost;
     const bool known = frame.status >= 0 && frame.status < static_cast<int>(TrackStatus::kLost);
     if (known && entry.reference.valid()) entry.status = static_cast<TrackStatus>(frame.status);
     log.push_back(std::move(entry));

@@ -30,6 +30,15 @@ void restart(BundleProblem& problem, const BundleSolution& solution) {
 
 }  // namespace
 
+SensorEstimate with_held_from(SensorEstimate estimate, const SensorEstimate& before) {
+  for (int k = 0; k < kSensorParameterCount; ++k) {
+    if (estimate.sigma(k) > 0) continue;  // it was estimated
+    estimate.sigma(k) = before.sigma(k);
+    estimate.used[static_cast<size_t>(k)] = before.used[static_cast<size_t>(k)];
+  }
+  return estimate;
+}
+
 SensorVector known_sensor(const RgbdCamera& camera) {
   SensorVector known = SensorVector::Zero();
   known(kRollingShutter) = known(kDepthShutter) = camera.rolling_shutter_s;

@@ -75,6 +75,9 @@ SensorVector expected_time_sigmas(const SelfCalibrationOptions& options);
 AdjustmentProblem calibration_problem(const Map& map, const RgbdCamera& camera,
                                       std::vector<Velocity> velocities, const SensorVector& value);
 
+/// `estimate`, with what was known `before` of the parameters that were held this time.
+SensorEstimate with_held_from(SensorEstimate estimate, const SensorEstimate& before);
+
 /// A map adjusted together with its sensor.
 struct CalibratedAdjustment {
   MapUpdate update;

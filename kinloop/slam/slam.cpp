@@ -110,7 +110,7 @@ PreparedFrame Slam::at_rest(const PreparedFrame& frame) const {
 
 /// From now on the sensor is taken to be like this; keyframes follow.
 void Slam::take_sensor(const SensorEstimate& sensor) {
-  sensor_ = sensor;
+  sensor_ = with_held_from(sensor, sensor_);
   const auto velocities = keyframe_velocities(log_, map_);
   for (uint32_t i = 0; i < velocities.size(); ++i) {
     const Features& features = *map_.keyframe(KeyframeId{i}).features;
@@ -132,7 +132,7 @@ TrackResult Slam::start(const PreparedFrame& frame) {
 
 /// Drivers fill the gap of a lost image with the one before: the camera has moved on, its picture has not.
 bool Slam::repeats_previous(const PreparedFrame& frame) const {
-  if (!previous_) return false;
+  if (!previous_ || after_loss()) return false;
   const cv::Mat& a = previous_->frame.gray;
   const cv::Mat& b = frame.gray;
   return !a.empty() && a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;
@@ -189,9 +189,10 @@ std::optional<TrackResult> Slam::look_up(const PreparedFrame& frame) const {
 /// Whether the frames before this one were lost for so long that the camera may be where it has never been.
 bool Slam::lost_for_long() const {
   const auto patience = static_cast<size_t>(options_.lost_frames_before_component);
+  const auto log = session_log();
   const auto lost = [](const LoggedFrame& entry) { return entry.status == TrackStatus::kLost; };
-  return patience > 0 && log_.size() >= patience &&
-         std::all_of(log_.end() - static_cast<long>(patience), log_.end(), lost);
+  return patience > 0 && log.size() >= patience &&
+         std::all_of(log.end() - static_cast<long>(patience), log.end(), lost);
 }
 
 void Slam::learn_motion(const PreparedFrame& frame, const TrackResult& result) {

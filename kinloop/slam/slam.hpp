@@ -66,6 +66,10 @@ class Slam {
   [[nodiscard]] std::span<const LoggedFrame> session_log() const {
     return std::span(log_).subspan(session_begin_);
   }
+
+  /// The component of the map in which most of them were tracked.
+  [[nodiscard]] uint32_t component() const { return main_component(session_log(), map_); }
+
   [[nodiscard]] const RoomTimes& times() const { return times_; }
 
   /// What was found of the sensor so far.
@@ -89,7 +93,9 @@ class Slam {
   [[nodiscard]] std::optional<TrackResult> look_up(const PreparedFrame& frame) const;
   [[nodiscard]] PreparedFrame at_rest(const PreparedFrame& frame) const;
   void take_sensor(const SensorEstimate& sensor);
-  [[nodiscard]] bool after_loss() const { return !log_.empty() && log_.back().status == TrackStatus::kLost; }
+  [[nodiscard]] bool after_loss() const {
+    return !session_log().empty() && session_log().back().status == TrackStatus::kLost;
+  }
   [[nodiscard]] bool lost_for_long() const;
   void learn_motion(const PreparedFrame& frame, const TrackResult& result);
   void remember(const PreparedFrame& frame, const TrackResult& result);

@@ -66,7 +66,8 @@ std::vector<SE3> motions_from_keyframes(const Map& map, const TrackResult& resul
   std::vector<SE3> motions{map.keyframe(last).T_world_camera.inverse() * T_world_camera};
   const std::vector<int> shared = shared_counts(map, result.matches);
   for (const Keyframe& keyframe : map.keyframes()) {
-    if (shared[keyframe.id.value] < kFairShare * static_cast<double>(result.matches.size())) continue;
+    const int both = shared[keyframe.id.value];
+    if (both == 0 || both < kFairShare * static_cast<double>(result.matches.size())) continue;
     motions.push_back(keyframe.T_world_camera.inverse() * T_world_camera);
   }
   return motions;

@@ -14,7 +14,7 @@
 namespace kinloop {
 
 enum class TrackStatus {
-  kTracked,    ///< by landmarks of the map
+  kTracked,    ///< by landmarks of the map, or by points of the frame before
   kDenseOnly,  ///< by aligning depth and grey images: features were too few
   kLost,
 };

@@ -50,6 +50,20 @@ TEST(SelfCalibration, WhatWasFoundIsWorkedIntoTheCamera) {
   EXPECT_LT((apart - worked_in).norm(), 0.1);
 }
 
+TEST(SelfCalibration, WhatIsHeldStaysAsKnownBefore) {
+  SensorEstimate before, times;
+  before.used[kFocalX] = true;
+  before.sigma(kFocalX) = 0.5;
+  before.sigma(kRollingShutter) = 0.01;
+  times.used[kRollingShutter] = true;
+  times.sigma(kRollingShutter) = 0.001;
+  const SensorEstimate both = with_held_from(times, before);
+  EXPECT_TRUE(both.used[kFocalX]);
+  EXPECT_EQ(both.sigma(kFocalX), 0.5);
+  EXPECT_TRUE(both.used[kRollingShutter]);
+  EXPECT_EQ(both.sigma(kRollingShutter), 0.001);
+}
+
 TEST(SelfCalibration, OffMeansThatNothingMayMove) {
   SelfCalibrationOptions options;
   options.enabled = false;

@@ -166,29 +166,39 @@ TEST(Slam, ARepeatedImageKeepsItsPose) {
   EXPECT_EQ(std::count_if(slam.log().begin(), slam.log().end(), [](const auto& f) { return f.repeat; }), 1);
 }
 
-TEST(Slam, FindsItselfAgainAfterABlackOut) {
+/// (cv::Mat::zeros() would write into the pixels, which the recording shares.)
+RgbdFrame blackened(RgbdFrame frame) {
+  frame.color = cv::Mat(frame.color.size(), CV_8UC3, cv::Scalar::all(0));
+  frame.depth_m = cv::Mat(frame.depth_m.size(), CV_32FC1, cv::Scalar::all(0));
+  return frame;
+}
+
+TEST(Slam, AnImageThatComesAgainBehindALostOneIsTrackedLikeAnyOther) {
   auto frames = recording().frames;
-  for (size_t i = 15; i < 22; ++i) {
-    frames[i].color = cv::Mat(frames[i].color.size(), CV_8UC3, cv::Scalar::all(0));
-    frames[i].depth_m = cv::Mat(frames[i].depth_m.size(), CV_32FC1, cv::Scalar::all(0));
-  }
+  frames[20] = blackened(frames[20]);
+  frames[21].color = frames[19].color.clone();
+  frames[21].depth_m = frames[19].depth_m.clone();
   Slam slam(recording().camera);
   for (const RgbdFrame& frame : frames) slam.process(frame);
   const Trajectory estimate = slam.finish();
+  ASSERT_EQ(estimate.size(), frames.size() - 1);
+  EXPECT_FALSE(slam.log()[21].repeat);
+  EXPECT_LT((estimate[20].T_world_camera.translation - estimate[19].T_world_camera.translation).norm(), 0.03);
+}
+
+TEST(Slam, FindsItselfAgainAfterABlackOut) {
+  auto frames = recording().frames;
+  for (size_t i = 15; i < 22; ++i) frames[i] = blackened(frames[i]);
+  const Trajectory estimate = run(frames, {});
   EXPECT_EQ(estimate.size(), frames.size() - 7);
   const auto ate = absolute_trajectory_error(estimate, recording().truth);
   ASSERT_TRUE(ate.has_value());
   EXPECT_LT(ate->error_m.rmse, 0.02);
 }
 
-// (A cv::Mat set to Mat::zeros() would be blackened in place, and with it the recording that shares its
-// pixels.)
-
 /// The frame with all but the columns [begin, end) black.
 RgbdFrame columns_of(const RgbdFrame& frame, int begin, int end) {
-  RgbdFrame part = frame;
-  part.color = cv::Mat(frame.color.size(), CV_8UC3, cv::Scalar::all(0));
-  part.depth_m = cv::Mat(frame.depth_m.size(), CV_32FC1, cv::Scalar::all(0));
+  RgbdFrame part = blackened(frame);
   const cv::Range shown(begin, end);
   frame.color.colRange(shown).copyTo(part.color.colRange(shown));
   frame.depth_m.colRange(shown).copyTo(part.depth_m.colRange(shown));
@@ -246,9 +256,7 @@ TEST(Slam, WaitsForPatienceToEndWhereItIsSet) {
 
 TEST(Slam, WaitsForSomethingToSee) {
   Slam slam(recording().camera);
-  RgbdFrame black = recording().frames[0];
-  black.color = cv::Mat(black.color.size(), CV_8UC3, cv::Scalar::all(0));
-  EXPECT_EQ(slam.process(black).status, TrackStatus::kLost);
+  EXPECT_EQ(slam.process(blackened(recording().frames[0])).status, TrackStatus::kLost);
   EXPECT_EQ(slam.process(recording().frames[1]).status, TrackStatus::kTracked);
   EXPECT_EQ(slam.finish().size(), 1U);
 }

@@ -258,6 +258,9 @@ TEST(MotionsFromKeyframes, AreThoseOfTheLastAndOfThoseThatShowTheSame) {
   EXPECT_LT(test::distance_m(motions[0], poses[3].inverse() * result.T_reference_camera), 1e-12);
   EXPECT_LT(test::distance_m(motions[1], result.T_reference_camera), 1e-12);
   EXPECT_LT(test::distance_m(motions[2], poses[1].inverse() * result.T_reference_camera), 1e-12);
+
+  result.matches.clear();  // followed by points of the frame before: no keyframe shows the same
+  EXPECT_EQ(motions_from_keyframes(built.map, result, KeyframeId{3}).size(), 1U);
 }
 
 TEST_F(KeyframePolicy, ALostFrameNeverBecomesOne) {

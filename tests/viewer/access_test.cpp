@@ -11,12 +11,12 @@ const AccessRules kHere{true, ""};
 const AccessRules kAnywhere{false, "secret"};
 
 TEST(Access, ThisMachineMayEnterUnderItsOwnNamesAlone) {
-  for (const char* host : {"localhost:8080", "127.0.0.1:8080", "[::1]:8080", "localhost", "127.0.0.1:9"}) {
+  for (const char* host : {"localhost:8080", "127.0.0.1:8080", "[::1]:8080", "localhost", "127.0.0.2:9"}) {
     EXPECT_TRUE(may_enter({host, std::nullopt, ""}, kHere)) << host;
   }
   // A name that someone made to point here (DNS rebinding), and things that are no names.
-  for (const char* host :
-       {"evil.example:8080", "localhost.evil.example:8080", "127.0.0.1.evil.example", "", ":", "]:"}) {
+  for (const char* host : {"evil.example:8080", "localhost.evil.example:8080", "127.0.0.1.evil.example",
+                           "128.0.0.1", "", ":", "]:"}) {
     EXPECT_FALSE(may_enter({host, std::nullopt, ""}, kHere)) << host;
   }
 }

@@ -52,7 +52,7 @@ const char* status_name(const FrameNews& frame) {
     case TrackStatus::kTracked:
       return "tracking";
     case TrackStatus::kDenseOnly:
-      return "by depth alone";
+      return "by depth and grey values alone";
     case TrackStatus::kLost:
       return "lost";
   }

@@ -1,7 +1,6 @@
 #include "viewer/server/access.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <random>
 
@@ -33,8 +32,11 @@ std::string_view without_port(std::string_view host) {
 }
 
 bool names_this_machine(std::string_view host) {
-  constexpr std::array<std::string_view, 3> kNames = {"localhost", "127.0.0.1", "[::1]"};
-  return std::find(kNames.begin(), kNames.end(), without_port(host)) != kNames.end();
+  std::string_view name = without_port(host);
+  if (name == "localhost" || name == "[::1]") return true;
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address_v4(std::string(name), error);
+  return !error && address.is_loopback();
 }
 
 bool is_own_page(std::string_view origin, std::string_view host) {
