@@ -70,6 +70,10 @@ void run_export(const ExportArguments& arguments) {
   require_extension("--cloud", arguments.cloud, ".ply", ".pcd");
   require_extension("--octomap", arguments.octomap, ".bt", ".ot");
   require_extension("--grid", arguments.grid, ".pgm", ".pgm");
+  const auto map = map_file_of(arguments.map);
+  require_other_file("--trajectory", arguments.trajectory, map);
+  require_other_file("--keyframes", arguments.keyframes, map);
+  require_other_file("--graph", arguments.graph, map);
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const Progress progress = make_progress_bar(arguments.quiet);
   const auto session = open.session_log(arguments.session);

@@ -93,6 +93,7 @@ struct MergeArguments {
 
 void merge(const MergeArguments& arguments) {
   const auto path_a = map_file_of(arguments.a), path_b = map_file_of(arguments.b);
+  for (const auto& input : {path_a, path_b}) require_other_file("-o", arguments.output, input);
   const MapReader reader_a(path_a), reader_b(path_b);
   SavedMap a = read_map_or_warn(reader_a, path_a), b = read_map_or_warn(reader_b, path_b);
   require_same_camera(a, path_a, b.camera);

@@ -92,7 +92,8 @@ bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progres
     if (progress) progress({"mapping", done, source.info().frames, run_note(result, slam.map())});
     if (saver != nullptr) saver->save_if_due();
     if (!interrupted()) continue;
-    if (saver != nullptr) saver->save();  // a second Ctrl-C ends the program before the map is finished
+    if (saver != nullptr)
+      saver->try_to_save();  // a second Ctrl-C ends the program before the map is finished
     log::warn("interrupted: finishing with the {} frames there are", slam.session_log().size());
     return false;
   }
@@ -133,6 +134,11 @@ std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolde
                                    const MapSaver::What& what) {
   if (arguments.localize) return nullptr;
   const auto path = arguments.save_map.empty() ? folder.map_file() : arguments.save_map;
+  if (!std::filesystem::is_directory(std::filesystem::absolute(path).parent_path()) ||
+      std::filesystem::is_directory(path)) {
+    throw UsageError(
+        fmt::format("--save-map {}: give the name of a file in a folder that exists", path.string()));
+  }
   return std::make_unique<MapSaver>(path, what, arguments.autosave_s);
 }
 
@@ -183,14 +189,14 @@ ExitCode run(const RunArguments& arguments) {
   catch_interrupts();
   const auto save_now = [&] {
     save_map(folder, slam, recorder, threads);
-    if (saver) saver->save();
+    if (saver) saver->try_to_save();
   };
   const auto shown = show_run(arguments.viewer, *source, options.viewer, slam, save_now);
   const bool complete = process_all(*source, slam, saver.get(), progress, shown ? shown->leave : nullptr);
   if (shown) shown->viewer.tell("final adjustment");
   const Trajectory trajectory = slam.finish(progress);
   if (shown) shown->viewer.finish(slam.session_log(), slam.map());
-  if (saver) saver->save();
+  const bool saved = saver != nullptr && saver->try_to_save();
   return_freed_memory();
   const ColoredCloud cloud = recorder.fuse(slam, threads, progress);
   return_freed_memory();
@@ -202,13 +208,14 @@ ExitCode run(const RunArguments& arguments) {
                            watch.wall_s(), threads, !complete, dropped};
   auto summary = run_summary(outcome);
   summary["rooms"].update(rooms_json(recorder.times()));
-  if (saver) summary["map_file"] = map_file_json(*saver);
+  if (saved) summary["map_file"] = map_file_json(*saver);
   write_results(folder, outcome, trajectory, cloud, recorder, frames.table(slam.times()), summary);
   if (!arguments.quiet) {
     fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
                folder.path().string());
   }
   if (shown) stay_open(shown->viewer);
+  if (saver && !saved) return ExitCode::kBadInput;
   if (!lost_for_good(slam)) return ExitCode::kDone;
   log::error("tracking was lost and its place not recognised again; see {}", folder.report().string());
   return ExitCode::kTrackingLost;

@@ -50,16 +50,23 @@ cv::Mat picture_of(const LoopEdge& loop, const Map& map, const PinholeCamera& ca
   return small;
 }
 
+/// Those of an earlier run; what else lies there is somebody's.
+void remove_pictures(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    if (entry.path().extension() == ".jpg") std::filesystem::remove(entry.path(), ignored);
+  }
+}
+
 }  // namespace
 
 void write_loop_pictures(const RunFolder& folder, const Map& map, const PinholeCamera& camera,
                          const DenseRecorder& recorder) {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder.loop_pictures(), ignored);
+  remove_pictures(folder.loop_pictures());
   const auto& loops = map.loop_edges();
   const size_t count = std::min(kMostPictures, loops.size());
   if (count == 0) return;
-  std::filesystem::create_directory(folder.loop_pictures(), ignored);
+  make_folder(folder.loop_pictures());
   for (size_t i = 0; i < count; ++i) {
     const LoopEdge& loop = loops[i * loops.size() / count];
     const cv::Mat picture = picture_of(loop, map, camera, recorder);

@@ -1,6 +1,7 @@
 // The kinloop program: parses the command line, runs one command, turns exceptions into one line and an exit
 // code.
 
+#include <csignal>
 #include <exception>
 #include <new>
 
@@ -58,7 +59,8 @@ ExitCode run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   kinloop::keep_freed_memory();
-  cv::setNumThreads(1);  // threads are parallel_for's and the executor's to hand out
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error like a full disk
+  cv::setNumThreads(1);           // threads are parallel_for's and the executor's to hand out
   set_up_log();
   try {
     return static_cast<int>(run(argc, argv));

@@ -30,9 +30,20 @@ void MapSaver::save() {
   since_ = {};
 }
 
+bool MapSaver::try_to_save() {
+  since_ = {};
+  try {
+    save();
+    return true;
+  } catch (const InputError& error) {
+    log::error("the map is not saved: {}", error.what());
+    return false;
+  }
+}
+
 void MapSaver::save_if_due() {
   constexpr double kMostShare = 0.05;  // of the time, that saving may take
-  if (interval_s_ > 0 && since_.wall_s() >= std::max(interval_s_, took_s_ / kMostShare)) save();
+  if (interval_s_ > 0 && since_.wall_s() >= std::max(interval_s_, took_s_ / kMostShare)) try_to_save();
 }
 
 std::filesystem::path map_file_of(const std::filesystem::path& file_or_folder) {
@@ -43,6 +54,13 @@ std::filesystem::path map_file_of(const std::filesystem::path& file_or_folder) {
                                  file_or_folder.string(), kMapFileName));
   }
   return path;
+}
+
+void require_other_file(const char* option, const std::filesystem::path& output,
+                        const std::filesystem::path& input) {
+  std::error_code absent;
+  if (!std::filesystem::equivalent(output, input, absent)) return;
+  throw UsageError(fmt::format("{} {}: is the map that is read; give another name", option, output.string()));
 }
 
 SavedMap read_map_or_warn(const MapReader& reader, const std::filesystem::path& path) {

@@ -24,7 +24,11 @@ class MapSaver {
   MapSaver(std::filesystem::path path, const What& what, double interval_s)
       : path_(std::move(path)), what_(what), interval_s_(interval_s) {}
 
+  /// Throws InputError where the map cannot be written.
   void save();
+
+  /// The same where a map that cannot be written must not cost the rest: says why, and gives false.
+  bool try_to_save();
 
   /// Saves when the interval has passed, and so seldom that it takes a small share of the time.
   void save_if_due();
@@ -57,6 +61,10 @@ RunOptions with_options_of(const SavedMap& saved, const RunOptions& options, con
 
 /// Throws InputError unless frames of `camera` go with the map in `path`.
 void require_same_camera(const SavedMap& saved, const std::filesystem::path& path, const RgbdCamera& camera);
+
+/// Refuses to write over what is read. Throws UsageError naming `option`.
+void require_other_file(const char* option, const std::filesystem::path& output,
+                        const std::filesystem::path& input);
 
 /// A map file, opened to be looked at.
 struct OpenMap {

@@ -14,6 +14,13 @@ RunFolder::RunFolder(std::filesystem::path path) : path_(std::move(path)) {
   if (!std::filesystem::is_directory(path_, error)) {
     throw InputError(fmt::format("{}: cannot be made a folder; choose another with -o", path_.string()));
   }
+  for (const char* list : {"rgb.txt", "associations.txt"}) {
+    if (!std::filesystem::exists(path_ / list, error)) continue;
+    throw InputError(
+        fmt::format("{}: holds a sequence ({}), some of whose files would be written over; choose "
+                    "another folder with -o",
+                    path_.string(), list));
+  }
   const auto probe = path_ / ".kinloop-probe";
   try {
     write_file(probe, "kinloop");
@@ -37,7 +44,9 @@ void write_run_files(const RunFolder& folder, const RunFiles& files) {
   write_tum_trajectory(folder.keyframes(), files.keyframes);
   if (files.ground_truth.empty()) {
     std::error_code ignored;
-    std::filesystem::remove(folder.ground_truth(), ignored);
+    if (std::filesystem::exists(folder.figures(), ignored)) {  // else it is not an earlier run's
+      std::filesystem::remove(folder.ground_truth(), ignored);
+    }
   } else {
     write_tum_trajectory(folder.ground_truth(), files.ground_truth);
   }

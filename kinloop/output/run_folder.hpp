@@ -17,7 +17,8 @@ constexpr const char* kMapFileName = "map.kinmap";
 class RunFolder {
  public:
   /// Makes the folder where it is missing and tries whether files can be written into it, so that a run does
-  /// not find out at its end. Throws InputError naming the folder and the remedy.
+  /// not find out at its end. A folder that holds a sequence is refused: its camera.yaml and groundtruth.txt
+  /// would be written over. Throws InputError naming the folder and the remedy.
   explicit RunFolder(std::filesystem::path path);
 
   /// The folder of an earlier run, that is only read: it may be on a disk that cannot be written to.

@@ -32,9 +32,13 @@ TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
       color_list_("# timestamp filename\n"),
       depth_list_(color_list_),
       pair_list_("# colour timestamp, colour filename, depth timestamp, depth filename\n") {
-  for (const char* images : {"rgb", "depth"}) make_folder(folder_ / images);
   std::error_code error;
-  for (const char* list : kLists) std::filesystem::remove(folder_ / list, error);
+  for (const char* list : kLists) {
+    if (!std::filesystem::exists(folder_ / list, error)) continue;
+    throw InputError(fmt::format("{}: holds {} already; choose another folder, or remove this one first",
+                                 folder_.string(), list));
+  }
+  for (const char* images : {"rgb", "depth"}) make_folder(folder_ / images);
   write_camera_file(folder_ / "camera.yaml", camera);
 }
 

@@ -24,9 +24,9 @@ class MapCommand : public testing::Test {
 
   [[nodiscard]] static std::string at(const std::string& name) { return (folder_->path() / name).string(); }
 
-  static int run(const std::string& arguments) {
+  static int run(const std::string& arguments, const std::string& before = "") {
     const std::string command =
-        "'" KINLOOP_PROGRAM "' " + arguments + " >'" + at("stdout") + "' 2>'" + at("stderr") + "'";
+        before + "'" KINLOOP_PROGRAM "' " + arguments + " >'" + at("stdout") + "' 2>'" + at("stderr") + "'";
     const int status = std::system(command.c_str());
     out_ = read_file(at("stdout")), err_ = read_file(at("stderr"));
     return WEXITSTATUS(status);
@@ -106,15 +106,28 @@ TEST_F(MapCommand, MergesMaps) {
   EXPECT_EQ(info["images"], info["keyframes"]);
 }
 
+TEST_F(MapCommand, AMapThatCannotBeSavedCostsNothingElse) {
+  // Files above 50 KiB cannot be written, as on a disk that is nearly full.
+  const std::string in_memory = "--set dense.image_memory_mib=64 --set dense.patch_memory_mib=64 ";
+  EXPECT_EQ(run("run sim:room" + (kSmall + in_memory) + "-o " + at("full"), "ulimit -f 100; "), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("the map is not saved"));
+  EXPECT_TRUE(std::filesystem::exists(at("full/trajectory.txt")));
+}
+
 TEST_F(MapCommand, SaysWhatIsWrong) {
   EXPECT_EQ(run("run sim:room --localize -o " + at("x")), kWrongUse);
   EXPECT_THAT(err_, HasSubstr("--load-map"));
+  EXPECT_EQ(run("run sim:room -o " + at("x") + " --save-map " + at("absent/m.kinmap")), kWrongUse);
+  EXPECT_EQ(run("run sim:room -o " + at("x") + " --save-map " + folder_->path().string()), kWrongUse);
   EXPECT_EQ(run("map info " + at("absent.kinmap")), kBadInput);
   EXPECT_THAT(err_, HasSubstr("absent.kinmap: no such file"));
   EXPECT_EQ(run("run sim:room -o " + at("x") + " --load-map " + at("stderr")), kBadInput);
   EXPECT_THAT(err_, HasSubstr("not a kinloop map"));
   EXPECT_EQ(run("export " + ran()), kWrongUse);
   EXPECT_EQ(run("export " + ran() + " --cloud x.jpg"), kWrongUse);
+  EXPECT_EQ(run("export " + ran() + " --trajectory " + ran() + "/map.kinmap"), kWrongUse);
+  EXPECT_EQ(run("map merge " + ran() + " " + ran() + " -o " + ran() + "/map.kinmap"), kWrongUse);
+  EXPECT_THAT(err_, HasSubstr("give another name"));
   EXPECT_EQ(run("run sim:room --set sim.width=320 --set sim.height=240 --set sim.frames=3 -o " + at("x") +
                 " --load-map " + ran() + "/map.kinmap"),
             kBadInput);

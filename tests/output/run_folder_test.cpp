@@ -54,6 +54,17 @@ TEST(RunFolder, AnOlderRunsGroundTruthDoesNotStay) {
   EXPECT_FALSE(std::filesystem::exists(folder.ground_truth()));
 }
 
+TEST(RunFolder, FilesOfOthersStay) {
+  const test::TempFolder temp;
+  temp.write("groundtruth.txt", "measured by somebody");
+  auto files = some_files();
+  files.ground_truth.clear();
+  write_run_files(RunFolder(temp.path()), files);
+  EXPECT_EQ(read_file(temp.path() / "groundtruth.txt"), "measured by somebody");
+  temp.write("associations.txt", "");
+  EXPECT_THAT(test::input_error([&] { const RunFolder folder(temp.path()); }), HasSubstr("holds a sequence"));
+}
+
 TEST(RunFolder, AFileInItsPlaceIsAnError) {
   const test::TempFolder temp;
   temp.write("out", "a file");

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/sensor/simulation/room_layout.hpp"
 #include "kinloop/sensor/simulation/simulated_source.hpp"
@@ -258,13 +259,12 @@ TEST(TumWriter, WhatIsWrittenReadsBackAsTheSameFrames) {
   EXPECT_TRUE(read.skipped().empty());
 }
 
-TEST(TumWriter, TakesAwayTheListsOfAnOlderSequenceUntilItIsDone) {
+TEST(TumWriter, LeavesAnOlderSequenceAlone) {
   const test::TempFolder folder;
   folder.write("rgb.txt", "old");
-  folder.write("groundtruth.txt", "old");
-  const TumWriter writer(folder.path(), ideal_source().camera());
-  EXPECT_FALSE(std::filesystem::exists(folder.path() / "rgb.txt"));
-  EXPECT_FALSE(std::filesystem::exists(folder.path() / "groundtruth.txt"));
+  folder.write("camera.yaml", "old");
+  EXPECT_THROW(TumWriter(folder.path(), ideal_source().camera()), InputError);
+  EXPECT_EQ(read_file(folder.path() / "camera.yaml"), "old");
 }
 
 TEST(TumWriter, RefusesFramesOutOfOrderAndFoldersThatCannotBe) {
