@@ -65,7 +65,10 @@ TEST(TumSource, AssociationsFileRulesWhereThereIsOne) {
   sequence.folder.write(
       "associations.txt",
       "# chosen by hand\n100.0 rgb/0.png 107.5 depth/2.png\n101.0 rgb/1.png 100.0 depth/0.png\n");
+  testing::internal::CaptureStdout();
   TumSource source(sequence.path());
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              AllOf(HasSubstr("associations.txt:2:"), HasSubstr("0.02 s apart, in 2 of 2 pairs")));
   EXPECT_THAT(indices(read_all(source)), ElementsAre(2, 0));
 }
 
@@ -221,6 +224,8 @@ TEST(TumSourceErrors, ListsThatCannotBeUsed) {
   EXPECT_THAT(error_with("rgb.txt", "nan rgb/0.png\n"), AllOf(HasSubstr("rgb.txt:1:"), HasSubstr("'nan'")));
   EXPECT_THAT(error_with("rgb.txt", "500.0 rgb/0.png\n"), HasSubstr("within 0.02 s"));
   EXPECT_THAT(error_with("associations.txt", "100.0 rgb/0.png\n"), HasSubstr("associations.txt:1:"));
+  EXPECT_THAT(error_with("associations.txt", "100.0 rgb/0.png inf depth/0.png\n"),
+              AllOf(HasSubstr("associations.txt:1:"), HasSubstr("'inf' is not a time stamp")));
   EXPECT_THAT(error_with("associations.txt", ""), HasSubstr("lists nothing"));
 }
 
