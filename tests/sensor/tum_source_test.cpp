@@ -232,7 +232,7 @@ TEST(TumSourceErrors, ListsThatCannotBeUsed) {
 TEST(TumSourceErrors, CameraOfAnotherSizeIsToldAtOnce) {
   const SequenceFolder sequence(5);
   EXPECT_THAT(input_error([&] { TumSource source(sequence.path(), *camera_preset("freiburg1")); }),
-              AllOf(HasSubstr("32 x 24"), HasSubstr("640 x 480"), HasSubstr("--camera")));
+              AllOf(HasSubstr("rgb/0.png: 32 x 24"), HasSubstr("640 x 480"), HasSubstr("--camera")));
 }
 
 TEST(TumSourceErrors, NotOneFrameIntact) {
@@ -240,7 +240,7 @@ TEST(TumSourceErrors, NotOneFrameIntact) {
   for (const char* name : {"depth/0.png", "depth/1.png"}) sequence.folder.write(name, "");
   TumSource source(sequence.path());
   EXPECT_THAT(input_error([&] { source.next(); }),
-              AllOf(HasSubstr("none of its 2 frames"), HasSubstr("depth/")));
+              AllOf(HasSubstr("none of its 2 frames"), HasSubstr("depth/0.png")));
 }
 
 TEST(TumSourceErrors, AssociationsWithDepthFirstAreExplained) {
