@@ -12,7 +12,9 @@ void add_poses_option(CLI::App& command, std::filesystem::path& poses) {
 }
 
 void add_set_option(CLI::App& command, std::vector<std::string>& assignments, const std::string& what) {
-  command.add_option("--set", assignments, what)->allow_extra_args(false);
+  command.add_option("--set", assignments, what + "; one each, to be repeated")
+      ->allow_extra_args(false)
+      ->option_text("KEY=VALUE");
 }
 
 void add_threads_option(CLI::App& command, int& threads, const std::string& what) {
