@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
 #include "kinloop/sensor/camera_choice.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
@@ -54,7 +55,10 @@ TumSource::TumSource(const std::filesystem::path& folder, const RgbdCamera& came
   info_.name = folder.string();
   info_.frames = frames_.size() + skipped_.size();
   const auto ground_truth = folder / "groundtruth.txt";
-  if (std::filesystem::exists(ground_truth)) info_.ground_truth = read_tum_trajectory(ground_truth);
+  if (std::filesystem::exists(ground_truth)) {
+    info_.ground_truth = read_tum_trajectory(ground_truth);
+    if (info_.ground_truth.empty()) log::warn("{}: holds no pose: no error is told", ground_truth.string());
+  }
   if (camera_.depth) registration_.emplace(camera_);
   require_camera_fits(frames_, camera_.color);
 }

@@ -89,6 +89,14 @@ TEST(TumSource, GroundTruthComesWithTheSequence) {
   EXPECT_EQ(source.info().ground_truth[1].T_world_camera.translation.x(), 2);
 }
 
+TEST(TumSource, GroundTruthWithoutAPoseIsWarnedOf) {
+  const SequenceFolder sequence(2);
+  sequence.folder.write("groundtruth.txt", "# t x y z q\n");
+  testing::internal::CaptureStdout();
+  EXPECT_THAT(TumSource(sequence.path()).info().ground_truth, IsEmpty());
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("groundtruth.txt: holds no pose"));
+}
+
 TEST(TumSource, NanInTheGroundTruthIsAnError) {
   const SequenceFolder sequence(2);
   sequence.folder.write("groundtruth.txt", "# t x y z q\n100.0 1 nan 3 0 0 0 1\n");
