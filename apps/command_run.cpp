@@ -233,6 +233,7 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
   command->callback([arguments, &exit_code] {
     if (arguments->list_options) return print_options();
     if (arguments->sequence.empty()) throw UsageError("run: which SEQUENCE? See kinloop run --help");
+    arguments->load_map = map_file_of(arguments->load_map);
     exit_code = run(*arguments);
   });
 }
