@@ -203,6 +203,8 @@ TEST_F(CameraCommands, CalibrateSaysWhatIsWrong) {
       run("calibrate intrinsics '" + at("empty") + "' --square 0.03 --set distortion_terms=3").exit_code,
       kWrongUse);
   EXPECT_EQ(run("calibrate").exit_code, kWrongUse);
+  EXPECT_THAT(run("calibrate depth x --square 0.03 --depth-scale 0").err,
+              HasSubstr("'0' must be a number above 0"));
 }
 
 }  // namespace
