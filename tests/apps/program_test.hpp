@@ -25,12 +25,15 @@ class ProgramTest : public testing::Test {
   /// A path in the folder of the test.
   [[nodiscard]] std::string at(const std::string& name) const { return (folder_.path() / name).string(); }
 
+  [[nodiscard]] Run shell(const std::string& command) const {
+    const int status =
+        std::system(("{ " + command + "; } >'" + at("stdout") + "' 2>'" + at("stderr") + "'").c_str());
+    return {WEXITSTATUS(status), read_file(at("stdout")), read_file(at("stderr"))};
+  }
+
   /// `arguments` after "kinloop", with `before` (e.g. variables) before it.
   [[nodiscard]] Run run(const std::string& arguments, const std::string& before = "") const {
-    const std::string command =
-        before + " '" KINLOOP_PROGRAM "' " + arguments + " >'" + at("stdout") + "' 2>'" + at("stderr") + "'";
-    const int status = std::system(command.c_str());
-    return {WEXITSTATUS(status), read_file(at("stdout")), read_file(at("stderr"))};
+    return shell(before + " '" KINLOOP_PROGRAM "' " + arguments);
   }
 
   const TempFolder folder_;
