@@ -160,7 +160,7 @@ void add_common(CLI::App& command, const std::shared_ptr<CalibrateArguments>& a)
   command.add_option("-o,--output", a->output, "the camera file to write")->capture_default_str();
   command.add_option("--depth-scale", a->depth_scale, "units of the depth images per metre")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command.add_option("--fps", a->fps, "frames per second of the camera")->capture_default_str();
   add_threads_option(command, a->threads, "threads that look for corners");
   add_set_option(command, a->assignments, "change an option, key=value");

@@ -7,7 +7,6 @@
 
 #include "apps/commands.hpp"
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/time.hpp"
 #include "kinloop/eval/evaluate.hpp"
 
 namespace kinloop {
@@ -27,12 +26,6 @@ struct EvalArguments {
   std::filesystem::path truth;
   bool json = false;
 };
-
-std::string span_text(const Trajectory& trajectory) {
-  if (trajectory.empty()) return "is empty";
-  return fmt::format("lasts from {} to {}", format_stamp(trajectory.front().stamp_ns),
-                     format_stamp(trajectory.back().stamp_ns));
-}
 
 void print_row(const char* name, const char* unit, const ErrorStatistics& s) {
   fmt::print("{:<20} {:<4} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} {:>7}\n", name, unit,
@@ -60,11 +53,8 @@ void run_eval(const EvalArguments& arguments) {
   const Trajectory truth = read_tum_trajectory(arguments.truth);
   const auto evaluation = evaluate(estimate, truth);
   if (!evaluation) {
-    throw InputError(fmt::format(
-        "{}: fewer than three poses have ground truth within 0.02 s, or all lie on one line: the estimate "
-        "{}, {} {}; "
-        "give the ground truth of the same recording",
-        arguments.estimate.string(), span_text(estimate), arguments.truth.string(), span_text(truth)));
+    throw InputError(fmt::format("{}: {}; give the ground truth of the same recording",
+                                 arguments.truth.string(), why_not_evaluated(estimate, truth)));
   }
   if (arguments.json) {
     fmt::print("{}\n", to_json(*evaluation).dump(2));

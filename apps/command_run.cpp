@@ -17,6 +17,7 @@
 #include "apps/run_arguments.hpp"
 #include "apps/run_narrator.hpp"
 #include "apps/run_summary.hpp"
+#include "apps/run_warnings.hpp"
 #include "apps/show_run.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
@@ -162,6 +163,11 @@ void write_results(const RunFolder& folder, const RunOutcome& outcome, const Tra
   write_report(folder);
 }
 
+void print_summary(const nlohmann::json& summary, const RunFolder& folder) {
+  fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
+             folder.path().string());
+}
+
 ExitCode run(const RunArguments& arguments) {
   const Stopwatch watch;
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
@@ -180,8 +186,10 @@ ExitCode run(const RunArguments& arguments) {
   Slam slam(camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
   DenseRecorder recorder(camera, options.dense, options.slam.executor);
   FrameRecorder frames;
+  DepthWatch depth(options.dense);
   slam.listen(recorder);
   slam.listen(frames);
+  slam.listen(depth);
   RunNarrator narrator;
   if (arguments.verbose) slam.listen(narrator);
   if (start) take_start_map(*start, arguments.load_map, slam, recorder);
@@ -210,14 +218,12 @@ ExitCode run(const RunArguments& arguments) {
   summary["rooms"].update(rooms_json(recorder.times()));
   if (saved) summary["map_file"] = map_file_json(*saver);
   write_results(folder, outcome, trajectory, cloud, recorder, frames.table(slam.times()), summary);
-  if (!arguments.quiet) {
-    fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
-               folder.path().string());
-  }
+  if (!arguments.quiet) print_summary(summary, folder);
+  warn_of_result(outcome, trajectory, depth);
   if (shown) stay_open(shown->viewer);
   if (saver && !saved) return ExitCode::kBadInput;
   if (!lost_for_good(slam)) return ExitCode::kDone;
-  log::error("tracking was lost and its place not recognised again; see {}", folder.report().string());
+  log::error("{}; see {}", loss_text(slam.map()), folder.report().string());
   return ExitCode::kTrackingLost;
 }
 
@@ -235,6 +241,7 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
   command->callback([arguments, &exit_code] {
     if (arguments->list_options) return print_options();
     if (arguments->sequence.empty()) throw UsageError("run: which SEQUENCE? See kinloop run --help");
+    arguments->load_map = map_file_of(arguments->load_map);
     exit_code = run(*arguments);
   });
 }

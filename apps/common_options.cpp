@@ -1,5 +1,7 @@
 #include "apps/common_options.hpp"
 
+#include <cmath>
+
 namespace kinloop {
 
 void add_map_argument(CLI::App& command, std::filesystem::path& map) {
@@ -12,11 +14,22 @@ void add_poses_option(CLI::App& command, std::filesystem::path& poses) {
 }
 
 void add_set_option(CLI::App& command, std::vector<std::string>& assignments, const std::string& what) {
-  command.add_option("--set", assignments, what)->allow_extra_args(false);
+  command.add_option("--set", assignments, what + "; one each, to be repeated")
+      ->allow_extra_args(false)
+      ->option_text("KEY=VALUE");
 }
 
 void add_threads_option(CLI::App& command, int& threads, const std::string& what) {
   command.add_option("--threads", threads, what)->check(CLI::Range(1, 1024));
+}
+
+CLI::Validator above_zero() {
+  const auto check = [](const std::string& text) -> std::string {
+    double value = 0;
+    if (CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value)) return {};
+    return "'" + text + "' must be a number above 0";
+  };
+  return {check, "POSITIVE"};
 }
 
 void add_quiet_option(CLI::App& command, bool& quiet) {

@@ -23,6 +23,9 @@ void add_set_option(CLI::App& command, std::vector<std::string>& assignments,
 void add_threads_option(CLI::App& command, int& threads,
                         const std::string& what = "threads of parallel work");
 
+/// For ->check: takes finite numbers above 0; CLI11's own names its bounds with all their 309 digits.
+CLI::Validator above_zero();
+
 /// -q, --quiet.
 void add_quiet_option(CLI::App& command, bool& quiet);
 

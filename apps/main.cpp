@@ -1,10 +1,15 @@
 // The kinloop program: parses the command line, runs one command, turns exceptions into one line and an exit
 // code.
 
+#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <new>
+#include <span>
+#include <string>
+#include <vector>
 
+#include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 
@@ -13,6 +18,7 @@
 #include "apps/version.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/nearest_word.hpp"
 
 namespace {
 
@@ -25,10 +31,29 @@ void set_up_log() {
   spdlog::set_default_logger(logger);
 }
 
+/// CLI11 says of a word that is no command only that a command is missing.
+void require_known_commands(const CLI::App& program, std::span<char*> words) {
+  const CLI::App* app = &program;
+  for (const std::string word : words) {
+    const auto commands = app->get_subcommands([](const CLI::App*) { return true; });
+    if (commands.empty() || word.starts_with('-')) return;
+    std::vector<std::string> names;
+    for (const CLI::App* command : commands) names.push_back(command->get_name());
+    const auto named = std::find(names.begin(), names.end(), word);
+    if (named == names.end()) {
+      const std::string guess = kinloop::did_you_mean(word, names, word.size() / 2);
+      throw kinloop::UsageError(
+          fmt::format("{} knows no command '{}'{}; see --help", app->get_name(), word, guess));
+    }
+    app = commands[static_cast<size_t>(named - names.begin())];
+  }
+}
+
 ExitCode run(int argc, char** argv) {
   CLI::App app(
       "kinloop: a camera trajectory and a coloured 3D map from a Kinect-class camera, on a CPU.\n"
-      "Start with: kinloop run sim:room -o out    (then open out/report.html)");
+      "Start with: kinloop run sim:room -o out    (then open out/report.html)",
+      "kinloop");
   app.set_version_flag("--version", kinloop::version_text());
   app.require_subcommand(1);
   ExitCode exit_code = ExitCode::kDone;
@@ -47,6 +72,7 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_map_command(app);
   kinloop::add_export_command(app);
   kinloop::add_mesh_command(app);
+  require_known_commands(app, std::span(argv, static_cast<size_t>(argc)).subspan(1));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

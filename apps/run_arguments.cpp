@@ -20,7 +20,8 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
                      "dictionary of visual words, from kinloop vocab train; else the one built in");
   command.add_option("--save-map", arguments.save_map,
                      "where to save the map, to go on with it later; else map.kinmap in the output folder");
-  command.add_option("--load-map", arguments.load_map, "a map of an earlier run to go on with");
+  command.add_option("--load-map", arguments.load_map,
+                     "the map of an earlier run to go on with: its file, or the folder of the run");
   command.add_flag("--localize", arguments.localize,
                    "only say where the frames are in the map of --load-map; the map stays as it is");
   command

@@ -8,25 +8,10 @@
 #include <fmt/ranges.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/nearest_word.hpp"
 
 namespace kinloop {
 namespace {
-
-/// Levenshtein distance, to guess which key was meant.
-size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<size_t> row(b.size() + 1);
-  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = row[0];
-    row[0] = i;
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
 
 [[noreturn]] void reject(const std::string& key, const std::string& text, const std::string& expected) {
   throw UsageError(fmt::format("option {}: '{}' is not {}", key, text, expected));
@@ -107,12 +92,9 @@ void apply_assignment(std::span<const OptionEntry> entries, const std::string& a
   const auto found =
       std::find_if(entries.begin(), entries.end(), [&](const auto& e) { return e.key == key; });
   if (found == entries.end()) {
-    const auto nearest = std::min_element(entries.begin(), entries.end(), [&](const auto& a, const auto& b) {
-      return edit_distance(a.key, key) < edit_distance(b.key, key);
-    });
-    const std::string guess =
-        nearest == entries.end() ? "" : fmt::format("; did you mean '{}'?", nearest->key);
-    throw UsageError(fmt::format("unknown option '{}'{}", key, guess));
+    std::vector<std::string> keys;
+    for (const OptionEntry& entry : entries) keys.push_back(entry.key);
+    throw UsageError(fmt::format("unknown option '{}'{}", key, did_you_mean(key, keys)));
   }
   found->set(assignment.substr(equals + 1));
 }

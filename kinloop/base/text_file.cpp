@@ -30,7 +30,10 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 std::vector<TextLine> read_table(const std::filesystem::path& path) {
-  std::istringstream content(read_file(path));
+  std::string bytes = read_file(path);
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // as Windows' editors begin files in UTF-8
+  if (bytes.starts_with(kByteOrderMark)) bytes.erase(0, kByteOrderMark.size());
+  std::istringstream content(std::move(bytes));
   std::vector<TextLine> lines;
   std::string text;
   for (size_t number = 1; std::getline(content, text); ++number) {

@@ -21,8 +21,8 @@ void require_folder(const std::filesystem::path& folder);
 /// Makes the folder, and those above it, where they are not there. Throws InputError when it cannot be made.
 void make_folder(const std::filesystem::path& folder);
 
-/// The lines of a white-space table; blank lines and lines that begin with '#' are left out.
-/// Throws InputError when the file cannot be read.
+/// The lines of a white-space table; blank lines, lines that begin with '#' and a byte-order mark are left
+/// out. Throws InputError when the file cannot be read.
 std::vector<TextLine> read_table(const std::filesystem::path& path);
 
 /// The whole file as bytes. Throws InputError when it cannot be read.

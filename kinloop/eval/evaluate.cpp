@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "kinloop/base/time.hpp"
 #include "kinloop/geometry/rigid_alignment.hpp"
 
 namespace kinloop {
@@ -11,6 +14,12 @@ std::vector<int64_t> stamps_of(const Trajectory& trajectory) {
   std::vector<int64_t> stamps_ns;
   for (const StampedPose& pose : trajectory) stamps_ns.push_back(pose.stamp_ns);
   return stamps_ns;
+}
+
+std::string span_text(const Trajectory& trajectory) {
+  if (trajectory.empty()) return "is empty";
+  return fmt::format("lasts from {} to {}", format_stamp(trajectory.front().stamp_ns),
+                     format_stamp(trajectory.back().stamp_ns));
 }
 
 nlohmann::json to_json(const ErrorStatistics& s, const std::string& unit) {
@@ -72,6 +81,13 @@ std::optional<Evaluation> evaluate(const Trajectory& estimate, const Trajectory&
                     .rpe_second = relative_pose_error(estimate, truth, {1, RpeDelta::Unit::kSeconds}),
                     .rpe_frame = relative_pose_error(estimate, truth, {1, RpeDelta::Unit::kFrames}),
                     .coverage = coverage_of(estimate, truth)};
+}
+
+std::string why_not_evaluated(const Trajectory& estimate, const Trajectory& truth) {
+  return fmt::format(
+      "fewer than three poses have ground truth within {} s, or all lie on one line: the estimate {}, the "
+      "truth {}",
+      to_seconds(kMaxAssociationNs), span_text(estimate), span_text(truth));
 }
 
 nlohmann::json to_json(const Evaluation& evaluation) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -69,6 +70,9 @@ Coverage coverage_of(const Trajectory& estimate, const Trajectory& truth, int64_
 
 /// Everything at once; nothing when there is no ATE.
 std::optional<Evaluation> evaluate(const Trajectory& estimate, const Trajectory& truth);
+
+/// One line on why `evaluate` gave nothing.
+std::string why_not_evaluated(const Trajectory& estimate, const Trajectory& truth);
 
 /// The figures as `kinloop eval --json` and run.json hold them.
 nlohmann::json to_json(const Evaluation& evaluation);

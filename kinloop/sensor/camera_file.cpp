@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -13,6 +11,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/options.hpp"
 #include "kinloop/base/text_file.hpp"
 
 namespace kinloop {
@@ -55,49 +54,41 @@ class Block {
     return node_[key];
   }
 
-  [[nodiscard]] double number(const std::string& key, const std::string& example) const {
-    return to_number(at(key, example), key, "a number, e.g. " + example);
+  [[nodiscard]] double number(const std::string& key, const std::string& example, Range range) const {
+    return to_number(at(key, example), key, number_in(range), range);
   }
 
-  [[nodiscard]] double number_above_zero(const std::string& key, const std::string& example) const {
-    const YAML::Node value = at(key, example);
-    const std::string expected = "a number above 0, e.g. " + example;
-    const double number = to_number(value, key, expected);
-    if (number <= 0) reject(value, key, expected);
-    return number;
-  }
-
-  [[nodiscard]] double number_or_zero(const std::string& key, const std::string& unit,
-                                      double low = -std::numeric_limits<double>::infinity()) const {
+  [[nodiscard]] double number_or_zero(const std::string& key, const std::string& unit, Range range) const {
     if (!has(key)) return 0;
-    const std::string expected = fmt::format("a number of {}{}", unit, low < 0 ? "" : ", not below 0");
-    const double number = to_number(node_[key], key, expected);
-    if (number < low) reject(node_[key], key, expected);
-    return number;
+    return to_number(node_[key], key, fmt::format("{}, in {}", number_in(range), unit), range);
   }
 
   [[nodiscard]] int size_px(const std::string& key, const std::string& example) const {
+    constexpr int kMaxSize_px = 30'000;
     const YAML::Node value = at(key, example);
-    const std::string expected = "a whole number of pixels above 0, e.g. " + example;
+    const std::string expected =
+        fmt::format("a whole number of pixels from 1 to {}, e.g. {}", kMaxSize_px, example);
     int size = 0;
-    if (!value.IsScalar() || !YAML::convert<int>::decode(value, size) || size <= 0) {
+    if (!value.IsScalar() || !YAML::convert<int>::decode(value, size) || size <= 0 || size > kMaxSize_px) {
       reject(value, key, expected);
     }
     return size;
   }
 
   template <size_t kCount>
-  [[nodiscard]] std::array<double, kCount> numbers(const std::string& key, const std::string& example) const {
+  [[nodiscard]] std::array<double, kCount> numbers(const std::string& key, const std::string& example,
+                                                   Range range) const {
     const YAML::Node list = at(key, example);
-    const std::string expected = fmt::format("a list of {} numbers, e.g. {}", kCount, example);
+    const std::string expected =
+        fmt::format("a list of {} numbers from {} to {}, e.g. {}", kCount, range.low, range.high, example);
     if (!list.IsSequence() || list.size() != kCount) reject(list, key, expected);
     std::array<double, kCount> values{};
-    for (size_t i = 0; i < kCount; ++i) values[i] = to_number(list[i], key, expected);
+    for (size_t i = 0; i < kCount; ++i) values[i] = to_number(list[i], key, expected, range);
     return values;
   }
 
-  [[nodiscard]] Eigen::Vector3d vector3(const std::string& key) const {
-    return Eigen::Vector3d(numbers<3>(key, "[0, 0, 0]").data());
+  [[nodiscard]] Eigen::Vector3d vector3(const std::string& key, Range range) const {
+    return Eigen::Vector3d(numbers<3>(key, "[0, 0, 0]", range).data());
   }
 
  private:
@@ -110,12 +101,16 @@ class Block {
     const std::string text = value.IsScalar() ? fmt::format("'{}'", value.Scalar()) : "the value";
     throw_at(path_, lines_.at(key), fmt::format("key '{}{}': {} is not {}", prefix_, key, text, expected));
   }
-  [[nodiscard]] double to_number(const YAML::Node& value, const std::string& key,
-                                 const std::string& expected) const {
+  [[nodiscard]] double to_number(const YAML::Node& value, const std::string& key, const std::string& expected,
+                                 Range range) const {
     double number = 0;
     const bool is_number = value.IsScalar() && YAML::convert<double>::decode(value, number);
-    if (!is_number || !std::isfinite(number)) reject(value, key, expected);
+    // Written so that what is no number fails, too.
+    if (!is_number || !(number >= range.low && number <= range.high)) reject(value, key, expected);
     return number;
+  }
+  static std::string number_in(Range range) {
+    return fmt::format("a number from {} to {}", range.low, range.high);
   }
 
   std::filesystem::path path_;
@@ -124,27 +119,32 @@ class Block {
   std::map<std::string, size_t> lines_;  ///< of the keys that are there
 };
 
-/// Everything of a pinhole camera but its size.
-PinholeCamera read_lens(const Block& block) {
+/// A pinhole camera whose image has the given size; ranges are wide enough for any lens, from fish-eye to
+/// telescope, and for images cut out of larger ones.
+PinholeCamera read_lens(const Block& block, int width, int height) {
+  constexpr double kFocalRange = 10, kMaxDistortion = 100;
+  const double extent_px = width + height;
+  const Range focal_px{extent_px / kFocalRange, extent_px * kFocalRange};
   PinholeCamera camera;
-  camera.fx = block.number_above_zero("fx", "525");
-  camera.fy = block.number_above_zero("fy", "525");
-  camera.cx = block.number("cx", "319.5");
-  camera.cy = block.number("cy", "239.5");
-  const auto d = block.numbers<kDistortionSize>("distortion", "[0, 0, 0, 0, 0]");
+  camera.width = width, camera.height = height;
+  camera.fx = block.number("fx", "525", focal_px);
+  camera.fy = block.number("fy", "525", focal_px);
+  camera.cx = block.number("cx", "319.5", {-1.0 * width, 2.0 * width});
+  camera.cy = block.number("cy", "239.5", {-1.0 * height, 2.0 * height});
+  const auto d =
+      block.numbers<kDistortionSize>("distortion", "[0, 0, 0, 0, 0]", {-kMaxDistortion, kMaxDistortion});
   camera.k1 = d[0], camera.k2 = d[1], camera.p1 = d[2], camera.p2 = d[3], camera.k3 = d[4];
   return camera;
 }
 
 PinholeCamera read_depth_camera(const Block& block, const PinholeCamera& color) {
-  PinholeCamera camera = read_lens(block);
-  camera.width = block.has("width") ? block.size_px("width", "640") : color.width;
-  camera.height = block.has("height") ? block.size_px("height", "480") : color.height;
-  return camera;
+  return read_lens(block, block.has("width") ? block.size_px("width", "640") : color.width,
+                   block.has("height") ? block.size_px("height", "480") : color.height);
 }
 
 SE3 read_motion(const Block& block) {
-  return {exp_so3(block.vector3("rotation_vector")), block.vector3("translation")};
+  constexpr Range kRadians{-7, 7}, kMetres{-10, 10};
+  return {exp_so3(block.vector3("rotation_vector", kRadians)), block.vector3("translation", kMetres)};
 }
 
 YAML::Node parse_yaml(const std::filesystem::path& path) {
@@ -169,14 +169,12 @@ RgbdCamera read_camera_file(const std::filesystem::path& path) {
                     {"width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale", "fps",
                      "rolling_shutter_s", "depth_offset_s", "depth_shift_m", "depth", "T_color_depth"});
   RgbdCamera camera;
-  camera.color = read_lens(block);
-  camera.color.width = block.size_px("width", "640");
-  camera.color.height = block.size_px("height", "480");
-  camera.depth_scale = block.number_above_zero("depth_scale", "5000");
-  camera.fps = block.number_above_zero("fps", "30");
-  camera.rolling_shutter_s = block.number_or_zero("rolling_shutter_s", "seconds", 0);
-  camera.depth_offset_s = block.number_or_zero("depth_offset_s", "seconds");
-  camera.depth_shift_m = block.number_or_zero("depth_shift_m", "metres");
+  camera.color = read_lens(block, block.size_px("width", "640"), block.size_px("height", "480"));
+  camera.depth_scale = block.number("depth_scale", "5000", {1, 1e5});
+  camera.fps = block.number("fps", "30", {0.001, 1e4});
+  camera.rolling_shutter_s = block.number_or_zero("rolling_shutter_s", "seconds", {0, 1});
+  camera.depth_offset_s = block.number_or_zero("depth_offset_s", "seconds", {-1, 1});
+  camera.depth_shift_m = block.number_or_zero("depth_shift_m", "metres", {-1, 1});
   if (block.has("depth")) {
     const Block depth(path, "depth.", block.at("depth", ""),
                       {"width", "height", "fx", "fy", "cx", "cy", "distortion"});

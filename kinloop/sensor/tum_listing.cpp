@@ -7,6 +7,7 @@
 
 #include "kinloop/base/association.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"
 
@@ -20,17 +21,22 @@ struct StampedRows {
   std::vector<SkippedFrame> skipped;
 };
 
+int64_t stamp_of(const std::filesystem::path& file, const TextLine& line, size_t column) {
+  const auto stamp_ns = parse_stamp_ns(line.fields[column]);
+  if (!stamp_ns) {
+    throw_at(
+        file, line.number,
+        fmt::format("'{}' is not a time stamp in seconds; correct or delete the line", line.fields[column]));
+  }
+  return *stamp_ns;
+}
+
 int64_t row_stamp(const std::filesystem::path& file, const TextLine& line, const std::string& columns) {
   const size_t expected = static_cast<size_t>(std::count(columns.begin(), columns.end(), ' ')) + 1;
   if (line.fields.size() != expected) {
     throw_at(file, line.number, fmt::format("expected '{}', found {} fields", columns, line.fields.size()));
   }
-  const auto stamp_ns = parse_stamp_ns(line.fields[0]);
-  if (!stamp_ns) {
-    throw_at(file, line.number,
-             fmt::format("'{}' is not a time stamp in seconds; correct or delete the line", line.fields[0]));
-  }
-  return *stamp_ns;
+  return stamp_of(file, line, 0);
 }
 
 /// Rows whose time increases. `columns` names what a row holds, separated by blanks.
@@ -64,9 +70,23 @@ StampedRows read_stamped_rows(const std::filesystem::path& file, const std::stri
   return rows;
 }
 
+/// Pairs chosen by hand are taken as they are, but a column of another clock must not go unnoticed.
+void warn_of_pairs_apart(const std::filesystem::path& file, const StampedRows& rows) {
+  size_t apart = 0, first_line = 0;
+  for (size_t i = 0; i < rows.lines.size(); ++i) {
+    const int64_t color_ns = rows.stamps_ns[i], depth_ns = stamp_of(file, rows.lines[i], 2);
+    if (depth_ns >= color_ns - kMaxAssociationNs && depth_ns <= color_ns + kMaxAssociationNs) continue;
+    if (apart++ == 0) first_line = rows.lines[i].number;
+  }
+  if (apart == 0) return;
+  log::warn("{}:{}: colour and depth are more than {} s apart, in {} of {} pairs; taken as they are",
+            file.string(), first_line, to_seconds(kMaxAssociationNs), apart, rows.lines.size());
+}
+
 TumListing read_associated(const std::filesystem::path& folder) {
-  StampedRows rows =
-      read_stamped_rows(folder / "associations.txt", "timestamp colour_file timestamp depth_file");
+  const auto file = folder / "associations.txt";
+  StampedRows rows = read_stamped_rows(file, "timestamp colour_file timestamp depth_file");
+  warn_of_pairs_apart(file, rows);
   TumListing listing;
   listing.skipped = std::move(rows.skipped);
   for (size_t i = 0; i < rows.lines.size(); ++i) {

@@ -24,7 +24,8 @@ struct TumListing {
 /// Reads associations.txt ("stamp colour stamp depth" a line), or rgb.txt and depth.txt ("stamp file" a line)
 /// and pairs them by time stamp. Time stamps must increase from row to row; a row whose stamp does not is
 /// skipped, and an InputError where that is most of the rows. Throws InputError naming file, line and remedy
-/// for a folder or file that is missing, a row that cannot be read, and a sequence without a frame.
+/// for a folder or file that is missing, a row that cannot be read, and a sequence without a frame. Warns of
+/// pairs in associations.txt that are farther apart in time than lists would be paired.
 TumListing read_tum_listing(const std::filesystem::path& folder);
 
 }  // namespace kinloop

@@ -4,18 +4,24 @@
 #include <opencv2/core.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
 #include "kinloop/sensor/camera_choice.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
 namespace {
 
+/// What is wrong with the size of the image; empty where it has the size of the camera.
+std::string misfit_of(const cv::Mat& image, const std::filesystem::path& path, const PinholeCamera& camera) {
+  if (image.cols == camera.width && image.rows == camera.height) return {};
+  return fmt::format(
+      "{}: {} x {} pixels where the camera has {} x {}; give the camera of these images with --camera",
+      path.string(), image.cols, image.rows, camera.width, camera.height);
+}
+
 /// Throws InputError unless the image has the size of the camera.
 void require_size(const cv::Mat& image, const std::filesystem::path& path, const PinholeCamera& camera) {
-  if (image.cols == camera.width && image.rows == camera.height) return;
-  throw InputError(fmt::format(
-      "{}: {} x {} pixels where the camera has {} x {}; give the camera of these images with --camera",
-      path.string(), image.cols, image.rows, camera.width, camera.height));
+  if (const std::string misfit = misfit_of(image, path, camera); !misfit.empty()) throw InputError(misfit);
 }
 
 /// A wrong camera spoils every frame, a damaged file only its own: the first few images that can be read at
@@ -23,6 +29,7 @@ void require_size(const cv::Mat& image, const std::filesystem::path& path, const
 void require_camera_fits(const std::vector<FrameFiles>& frames, const PinholeCamera& camera) {
   constexpr int kMisfitsToBelieve = 3;
   int misfits = 0;
+  std::string first_misfit;
   for (const FrameFiles& files : frames) {
     cv::Mat image;
     try {
@@ -30,8 +37,10 @@ void require_camera_fits(const std::vector<FrameFiles>& frames, const PinholeCam
     } catch (const InputError&) {
       continue;  // next() will count it
     }
-    if (image.cols == camera.width && image.rows == camera.height) return;
-    if (++misfits == kMisfitsToBelieve) require_size(image, files.color, camera);
+    const std::string misfit = misfit_of(image, files.color, camera);
+    if (misfit.empty()) return;
+    if (misfits == 0) first_misfit = misfit;
+    if (++misfits == kMisfitsToBelieve) throw InputError(first_misfit);
   }
 }
 
@@ -46,7 +55,10 @@ TumSource::TumSource(const std::filesystem::path& folder, const RgbdCamera& came
   info_.name = folder.string();
   info_.frames = frames_.size() + skipped_.size();
   const auto ground_truth = folder / "groundtruth.txt";
-  if (std::filesystem::exists(ground_truth)) info_.ground_truth = read_tum_trajectory(ground_truth);
+  if (std::filesystem::exists(ground_truth)) {
+    info_.ground_truth = read_tum_trajectory(ground_truth);
+    if (info_.ground_truth.empty()) log::warn("{}: holds no pose: no error is told", ground_truth.string());
+  }
   if (camera_.depth) registration_.emplace(camera_);
   require_camera_fits(frames_, camera_.color);
 }
@@ -63,8 +75,9 @@ std::optional<RgbdFrame> TumSource::next() {
     }
   }
   if (next_id_ == 0) {
+    const SkippedFrame& first = skipped_[skipped_.size() - frames_.size()];  // after the rows of the lists
     throw InputError(fmt::format("{}: none of its {} frames can be used; the first one: {}", info_.name,
-                                 info_.frames, skipped_.back().reason));
+                                 info_.frames, first.reason));
   }
   return std::nullopt;
 }

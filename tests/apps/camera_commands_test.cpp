@@ -1,18 +1,14 @@
 // kinloop fetch, record, calibrate and live cameras as their user meets them.
 
-#include <cstdlib>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
-#include <sys/wait.h>
 
-#include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/tum_writer.hpp"
 #include "tests/apps/http_server.hpp"
+#include "tests/apps/program_test.hpp"
 #include "tests/calibration/pictures.hpp"
 #include "tests/support/shared_data.hpp"
-#include "tests/support/temp_folder.hpp"
 
 namespace kinloop {
 namespace {
@@ -20,30 +16,16 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr int kDone = 0, kWrongUse = 2, kBadInput = 3;
+using test::kBadInput;
+using test::kDone;
+using test::kWrongUse;
 
-class CameraCommands : public testing::Test {
+class CameraCommands : public test::ProgramTest {
  protected:
-  struct Run {
-    int exit_code;
-    std::string out, err;
-  };
-
-  [[nodiscard]] std::string at(const std::string& name) const { return (folder_.path() / name).string(); }
-
-  /// `arguments` after "kinloop", with `before` (e.g. variables) before it.
-  [[nodiscard]] Run run(const std::string& arguments, const std::string& before = "") const {
-    const std::string command =
-        before + " '" KINLOOP_PROGRAM "' " + arguments + " >'" + at("stdout") + "' 2>'" + at("stderr") + "'";
-    const int status = std::system(command.c_str());
-    return {WEXITSTATUS(status), read_file(at("stdout")), read_file(at("stderr"))};
-  }
   /// Whether the build has what a line of --version names.
   [[nodiscard]] bool has(const std::string& part) const {
     return run("--version").out.find(part + ": yes") != std::string::npos;
   }
-
-  const test::TempFolder folder_;
 };
 
 class Fetch : public CameraCommands {
@@ -221,6 +203,8 @@ TEST_F(CameraCommands, CalibrateSaysWhatIsWrong) {
       run("calibrate intrinsics '" + at("empty") + "' --square 0.03 --set distortion_terms=3").exit_code,
       kWrongUse);
   EXPECT_EQ(run("calibrate").exit_code, kWrongUse);
+  EXPECT_THAT(run("calibrate depth x --square 0.03 --depth-scale 0").err,
+              HasSubstr("'0' must be a number above 0"));
 }
 
 }  // namespace

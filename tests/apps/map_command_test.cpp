@@ -77,8 +77,8 @@ TEST_F(MapCommand, InfoSaysWhatAMapHolds) {
 TEST_F(MapCommand, GoesOnWithAMapAndLocalisesInIt) {
   const std::string map = ran() + "/map.kinmap";
   const std::string before = read_file(map);
-  ASSERT_EQ(run("run sim:room" + std::string(kSmall) + "-o " + at("there") + " --localize --load-map " + map),
-            0)
+  ASSERT_EQ(
+      run("run sim:room" + std::string(kSmall) + "-o " + at("there") + " --localize --load-map " + ran()), 0)
       << err_;
   EXPECT_FALSE(std::filesystem::exists(at("there") + "/map.kinmap"));
   const auto figures = nlohmann::json::parse(read_file(at("there") + "/run.json"));

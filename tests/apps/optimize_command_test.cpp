@@ -3,10 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
-#include "kinloop/base/text_file.hpp"
-#include "tests/support/temp_folder.hpp"
+#include "tests/apps/program_test.hpp"
 
 namespace kinloop {
 namespace {
@@ -14,7 +12,9 @@ namespace {
 using testing::HasSubstr;
 
 constexpr const char* kStep = " 1 0 0 10 0 0 10 0 10\n";
-constexpr int kWrongUse = 2, kBadInput = 3;
+
+using test::kBadInput;
+using test::kWrongUse;
 
 std::string vertex(int id, double x) {
   return "VERTEX_SE2 " + std::to_string(id) + " " + std::to_string(x) + " 0 0\n";
@@ -24,21 +24,11 @@ std::string edge(int a, int b) {
   return "EDGE_SE2 " + std::to_string(a) + " " + std::to_string(b) + kStep;
 }
 
-class OptimizeCommand : public testing::Test {
+class OptimizeCommand : public test::ProgramTest {
  protected:
-  struct Run {
-    int exit_code;
-    std::string out, err;
-  };
-
-  [[nodiscard]] std::string at(const std::string& name) const { return (folder_.path() / name).string(); }
-
   /// `arguments` after "kinloop optimize".
   [[nodiscard]] Run run(const std::string& arguments) const {
-    const std::string command = std::string("'" KINLOOP_PROGRAM "' optimize ") + arguments + " >'" +
-                                at("stdout") + "' 2>'" + at("stderr") + "'";
-    const int status = std::system(command.c_str());
-    return {WEXITSTATUS(status), read_file(at("stdout")), read_file(at("stderr"))};
+    return ProgramTest::run("optimize " + arguments);
   }
 
   /// Names of the files in the folder, but those of the streams.
@@ -51,8 +41,6 @@ class OptimizeCommand : public testing::Test {
     std::sort(names.begin(), names.end());
     return names;
   }
-
-  const test::TempFolder folder_;
 };
 
 TEST_F(OptimizeCommand, WritesGraphFiguresAndPicture) {

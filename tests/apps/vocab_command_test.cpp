@@ -2,11 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include "kinloop/base/random.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "tests/support/temp_folder.hpp"
+#include "tests/apps/program_test.hpp"
 
 namespace kinloop {
 namespace {
@@ -14,7 +12,8 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr int kWrongUse = 2, kBadInput = 3;
+using test::kBadInput;
+using test::kWrongUse;
 
 /// A file of ORB descriptors (docs/place.md) of `images` images with `per_image` random descriptors each.
 std::string descriptor_file(uint32_t images, uint32_t per_image) {
@@ -31,27 +30,12 @@ std::string descriptor_file(uint32_t images, uint32_t per_image) {
   return file;
 }
 
-class VocabCommand : public testing::Test {
+class VocabCommand : public test::ProgramTest {
  protected:
-  struct Run {
-    int exit_code;
-    std::string out, err;
-  };
-
   VocabCommand() { folder_.write("some.kindesc", descriptor_file(25, 1000)); }
 
-  [[nodiscard]] std::string at(const std::string& name) const { return (folder_.path() / name).string(); }
-
-  [[nodiscard]] Run shell(const std::string& command) const {
-    const int status =
-        std::system(("{ " + command + "; } >'" + at("stdout") + "' 2>'" + at("stderr") + "'").c_str());
-    return {WEXITSTATUS(status), read_file(at("stdout")), read_file(at("stderr"))};
-  }
-
   /// `arguments` after "kinloop vocab".
-  [[nodiscard]] Run run(const std::string& arguments) const {
-    return shell("'" KINLOOP_PROGRAM "' vocab " + arguments);
-  }
+  [[nodiscard]] Run run(const std::string& arguments) const { return ProgramTest::run("vocab " + arguments); }
 
   [[nodiscard]] std::string train_arguments(const std::string& output) const {
     return "train '" + at("some.kindesc") + "' -k 5 -L 3 --iterations 3 --threads 1 -o '" + at(output) + "'";
@@ -73,8 +57,6 @@ class VocabCommand : public testing::Test {
     return shell("'" KINLOOP_PROGRAM "' --version").out.find("many machines: yes") != std::string::npos &&
            shell("mpirun --version").exit_code == 0;
   }
-
-  const test::TempFolder folder_;
 };
 
 TEST_F(VocabCommand, TrainsAndTellsWhatIsInIt) {

@@ -52,6 +52,18 @@ TEST(ReadTable, SplitsAtWhiteSpaceAndCountsEveryLine) {
   EXPECT_THAT(lines[1].fields, ElementsAre("last"));
 }
 
+TEST(ReadTable, SkipsAByteOrderMark) {
+  const TempFolder folder;
+  const auto lines = read_table(folder.write("t", "\xEF\xBB\xBF# head\n1.5 a\n"));
+  ASSERT_THAT(lines, SizeIs(1));
+  EXPECT_THAT(lines[0].fields, ElementsAre("1.5", "a"));
+  EXPECT_THAT(read_table(folder.write("t",
+                                      "\xEF\xBB\xBF"
+                                      "1.5 a\n"))[0]
+                  .fields,
+              ElementsAre("1.5", "a"));
+}
+
 TEST(ParseDouble, TakesFiniteNumbersOnly) {
   EXPECT_EQ(parse_double("-1.5e-3", "f", 1), -0.0015);
   EXPECT_EQ(parse_double("+2", "f", 1), 2);

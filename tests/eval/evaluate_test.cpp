@@ -115,6 +115,14 @@ TEST(AbsoluteError, WithoutTruthAtTheSameTimeIsNothing) {
   EXPECT_FALSE(evaluate({}, {}));
 }
 
+TEST(Evaluate, NamesTheTimeSpansThatDoNotMeet) {
+  const Trajectory path = winding_path(2);
+  EXPECT_EQ(why_not_evaluated({}, path),
+            "fewer than three poses have ground truth within 0.02 s, or all lie on one line: the estimate is "
+            "empty, "
+            "the truth lasts from 1305031910.000000 to 1305031910.033000");
+}
+
 TEST(RelativeError, AnotherWorldFrameIsNoError) {
   const auto truth = winding_path(100);
   const auto rpe = relative_pose_error(moved(some_motion(), truth), truth);

@@ -7,6 +7,7 @@
 #include "kinloop/base/random.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/sensor/simulation/camera_path.hpp"
+#include "tests/support/expect_error.hpp"
 
 namespace kinloop::sim {
 namespace {
@@ -85,6 +86,12 @@ TEST(FrameStamps, AreThePathsOwnOrEvenlySpaced) {
   EXPECT_EQ(frame_stamps(poses, 0), (std::vector<int64_t>{to_ns(1), to_ns(1.1), to_ns(1.35), to_ns(2)}));
   EXPECT_EQ(frame_stamps(poses, 4).size(), 5U);
   EXPECT_EQ(frame_stamps(poses, 4)[3], to_ns(1.75));
+}
+
+TEST(FrameStamps, RefuseAPathOfMoreThanADay) {
+  const auto error = test::input_error([] { frame_stamps({{0, {}}, {to_ns(1e9), {}}}, 30); });
+  EXPECT_THAT(error, testing::HasSubstr("from 0.000000 to 1000000000.000000 s"));
+  EXPECT_EQ(frame_stamps({{0, {}}, {to_ns(1e9), {}}}, 0).size(), 2U) << "the path's own";
 }
 
 TEST(EstimateUp, FindsTheVerticalInAnyWorld) {

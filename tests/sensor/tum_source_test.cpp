@@ -65,7 +65,10 @@ TEST(TumSource, AssociationsFileRulesWhereThereIsOne) {
   sequence.folder.write(
       "associations.txt",
       "# chosen by hand\n100.0 rgb/0.png 107.5 depth/2.png\n101.0 rgb/1.png 100.0 depth/0.png\n");
+  testing::internal::CaptureStdout();
   TumSource source(sequence.path());
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              AllOf(HasSubstr("associations.txt:2:"), HasSubstr("0.02 s apart, in 2 of 2 pairs")));
   EXPECT_THAT(indices(read_all(source)), ElementsAre(2, 0));
 }
 
@@ -84,6 +87,14 @@ TEST(TumSource, GroundTruthComesWithTheSequence) {
   const TumSource source(sequence.path());
   ASSERT_THAT(source.info().ground_truth, SizeIs(2));
   EXPECT_EQ(source.info().ground_truth[1].T_world_camera.translation.x(), 2);
+}
+
+TEST(TumSource, GroundTruthWithoutAPoseIsWarnedOf) {
+  const SequenceFolder sequence(2);
+  sequence.folder.write("groundtruth.txt", "# t x y z q\n");
+  testing::internal::CaptureStdout();
+  EXPECT_THAT(TumSource(sequence.path()).info().ground_truth, IsEmpty());
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("groundtruth.txt: holds no pose"));
 }
 
 TEST(TumSource, NanInTheGroundTruthIsAnError) {
@@ -221,13 +232,15 @@ TEST(TumSourceErrors, ListsThatCannotBeUsed) {
   EXPECT_THAT(error_with("rgb.txt", "nan rgb/0.png\n"), AllOf(HasSubstr("rgb.txt:1:"), HasSubstr("'nan'")));
   EXPECT_THAT(error_with("rgb.txt", "500.0 rgb/0.png\n"), HasSubstr("within 0.02 s"));
   EXPECT_THAT(error_with("associations.txt", "100.0 rgb/0.png\n"), HasSubstr("associations.txt:1:"));
+  EXPECT_THAT(error_with("associations.txt", "100.0 rgb/0.png inf depth/0.png\n"),
+              AllOf(HasSubstr("associations.txt:1:"), HasSubstr("'inf' is not a time stamp")));
   EXPECT_THAT(error_with("associations.txt", ""), HasSubstr("lists nothing"));
 }
 
 TEST(TumSourceErrors, CameraOfAnotherSizeIsToldAtOnce) {
   const SequenceFolder sequence(5);
   EXPECT_THAT(input_error([&] { TumSource source(sequence.path(), *camera_preset("freiburg1")); }),
-              AllOf(HasSubstr("32 x 24"), HasSubstr("640 x 480"), HasSubstr("--camera")));
+              AllOf(HasSubstr("rgb/0.png: 32 x 24"), HasSubstr("640 x 480"), HasSubstr("--camera")));
 }
 
 TEST(TumSourceErrors, NotOneFrameIntact) {
@@ -235,7 +248,7 @@ TEST(TumSourceErrors, NotOneFrameIntact) {
   for (const char* name : {"depth/0.png", "depth/1.png"}) sequence.folder.write(name, "");
   TumSource source(sequence.path());
   EXPECT_THAT(input_error([&] { source.next(); }),
-              AllOf(HasSubstr("none of its 2 frames"), HasSubstr("depth/")));
+              AllOf(HasSubstr("none of its 2 frames"), HasSubstr("depth/0.png")));
 }
 
 TEST(TumSourceErrors, AssociationsWithDepthFirstAreExplained) {

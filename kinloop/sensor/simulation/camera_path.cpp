@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/random.hpp"
@@ -142,6 +143,12 @@ std::vector<int64_t> frame_stamps(const Trajectory& poses, double fps) {
       if (stamps.empty() || pose.stamp_ns > stamps.back()) stamps.push_back(pose.stamp_ns);
     }
     return stamps;
+  }
+  constexpr double kMaxDuration_s = 24 * 3600;
+  if (to_seconds(poses.back().stamp_ns) - to_seconds(poses.front().stamp_ns) > kMaxDuration_s) {
+    throw InputError(fmt::format(
+        "the path lasts from {} to {} s; simulated paths last a day at most: correct its time stamps",
+        format_stamp(poses.front().stamp_ns), format_stamp(poses.back().stamp_ns)));
   }
   const double duration_s = to_seconds(poses.back().stamp_ns - poses.front().stamp_ns);
   constexpr int64_t kMicrosecond_ns = 1000;  // what the files of a sequence resolve

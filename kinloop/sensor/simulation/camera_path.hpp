@@ -38,6 +38,7 @@ Trajectory handheld_path(uint64_t seed);
 Eigen::Vector3d estimate_up(const Trajectory& poses);
 
 /// Frame times: the path's own stamps (`fps` = 0), or evenly spaced from its first to its last.
+/// Throws InputError for more than a day of evenly spaced ones.
 std::vector<int64_t> frame_stamps(const Trajectory& poses, double fps);
 
 }  // namespace kinloop::sim
