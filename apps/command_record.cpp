@@ -102,9 +102,9 @@ void add_record_command(CLI::App& app) {
   command->add_option("--camera", arguments->camera, "camera.yaml or preset, as for kinloop run");
   command->add_option("--topics", arguments->topics, "of a bag: COLOR,DEPTH[,CAMERA_INFO]");
   command->add_option("--frames", arguments->frames, "stop after this many frames");
-  command->add_option("--seconds", arguments->seconds, "stop after this time")->check(CLI::PositiveNumber);
+  command->add_option("--seconds", arguments->seconds, "stop after this time")->check(above_zero());
   command->add_option("--pace", arguments->pace_hz, "frames come at this rate, as from a camera, Hz")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command->add_flag("--raw", arguments->raw, "of a Kinect 2: its packets, undecoded");
   add_threads_option(*command, arguments->threads, "threads that compress images");
   add_set_option(*command, arguments->assignments, "change an option of the camera, key=value");
