@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/sensor/camera_file.hpp"
@@ -38,7 +39,7 @@ std::vector<std::filesystem::path> stills_of(const std::filesystem::path& folder
 }  // namespace
 
 BoardSearch search_in(const std::vector<std::filesystem::path>& stills, const CalibrateArguments& arguments) {
-  BoardSearch search = find_boards(stills, arguments.chosen_board(), arguments.threads);
+  BoardSearch search = find_boards(stills, arguments.chosen_board(), arguments.threads, make_progress_bar());
   for (const auto& name : search.without) log::warn("{}: no board found", name);
   fmt::print("{} of {} images show the board\n", search.views.size(), stills.size());
   return search;

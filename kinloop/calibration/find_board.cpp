@@ -184,11 +184,19 @@ cv::Mat read_still(const std::filesystem::path& path) {
   return image;
 }
 
-BoardSearch find_boards(const std::vector<std::filesystem::path>& stills, const Board& board, int threads) {
+BoardSearch find_boards(const std::vector<std::filesystem::path>& stills, const Board& board, int threads,
+                        const Progress& progress) {
+  const size_t batch =
+      4 * static_cast<size_t>(std::max(threads, 1));  // so that progress is told of now and then
   std::vector<std::optional<BoardView>> found(stills.size());
-  parallel_for(stills.size(), threads, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) found[i] = find_board(read_still(stills[i]), board);
-  });
+  for (size_t first = 0; first < stills.size(); first += batch) {
+    const size_t count = std::min(batch, stills.size() - first);
+    parallel_for(count, threads, [&](size_t begin, size_t end) {
+      for (size_t i = first + begin; i < first + end; ++i)
+        found[i] = find_board(read_still(stills[i]), board);
+    });
+    if (!report(progress, "looking for boards", first + count, stills.size())) break;
+  }
   BoardSearch search;
   for (size_t i = 0; i < stills.size(); ++i) {
     const std::string name = stills[i].filename().string();

@@ -8,6 +8,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "kinloop/base/progress.hpp"
 #include "kinloop/calibration/board.hpp"
 
 namespace kinloop {
@@ -36,6 +37,7 @@ cv::Mat read_still(const std::filesystem::path& path);
 
 /// Looks for the board in all of them, on up to `threads` threads. Throws InputError when images differ in
 /// size, or none shows the board.
-BoardSearch find_boards(const std::vector<std::filesystem::path>& stills, const Board& board, int threads);
+BoardSearch find_boards(const std::vector<std::filesystem::path>& stills, const Board& board, int threads,
+                        const Progress& progress = {});
 
 }  // namespace kinloop

@@ -64,7 +64,13 @@ TEST(FindBoards, NamesImagesWithoutABoardAndRefusesMixedSizes) {
   picture(infrared_camera(), some_pose(), small_board()).convertTo(gray, CV_8UC1, 180, 40);
   cv::imwrite((folder.path() / "1.png").string(), gray);
   cv::imwrite((folder.path() / "2.png").string(), cv::Mat(424, 512, CV_8UC1, cv::Scalar(90)));
-  const BoardSearch search = find_boards(list_stills(folder.path()), small_board(), 2);
+  size_t told = 0;
+  const auto tell = [&](const ProgressReport& now) {
+    told = now.done;
+    return true;
+  };
+  const BoardSearch search = find_boards(list_stills(folder.path()), small_board(), 2, tell);
+  EXPECT_EQ(told, 2U);
   ASSERT_EQ(search.views.size(), 1U);
   EXPECT_EQ(search.views[0].name, "1.png");
   EXPECT_THAT(search.without, testing::ElementsAre("2.png"));
