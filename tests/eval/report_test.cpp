@@ -11,6 +11,7 @@
 #include "kinloop/base/time.hpp"
 #include "kinloop/eval/report_text.hpp"
 #include "kinloop/eval/svg_plot.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace kinloop {
 namespace {
@@ -149,7 +150,8 @@ TEST(Report, OfACameraThatStoodStillHasNumbers) {
 
 class FrameTableFile : public testing::Test {
  protected:
-  std::filesystem::path path_ = std::filesystem::path(testing::TempDir()) / "frames.txt";
+  test::TempFolder folder_;
+  std::filesystem::path path_ = folder_.path() / "frames.txt";
 };
 
 TEST_F(FrameTableFile, ComesBackAsItWasWritten) {

@@ -14,6 +14,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/output/ply.hpp"
+#include "tests/support/temp_folder.hpp"
 #include "viewer/run_control.hpp"
 #include "viewer/saved_run.hpp"
 
@@ -264,7 +265,8 @@ TEST(RunControl, AStepIsOneFrameAndSavingIsNoStep) {
 }
 
 TEST(SavedRun, OfAMapAloneIsItsCloud) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "view_map.ply";
+  const test::TempFolder folder;
+  const auto path = folder.path() / "map.ply";
   write_ply(path, {{{1, 2, 3}, {4, 5, 6}}, {{1, 2, 3}, {4, 5, 6}}});
   const SavedRun run = read_saved_run(path);
   EXPECT_EQ(run.cloud.size(), 2U);
@@ -274,12 +276,10 @@ TEST(SavedRun, OfAMapAloneIsItsCloud) {
 }
 
 TEST(SavedRun, SaysWhatIsMissingOrDamaged) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "view_empty";
-  std::filesystem::create_directories(folder);
-  EXPECT_THROW(read_saved_run(folder), InputError);
-  EXPECT_THROW(read_saved_run(folder / "none.ply"), InputError);
-  write_file(folder / "bad.ply", "ply\nnonsense\n");
-  EXPECT_THROW(read_saved_run(folder / "bad.ply"), InputError);
+  const test::TempFolder folder;
+  EXPECT_THROW(read_saved_run(folder.path()), InputError);
+  EXPECT_THROW(read_saved_run(folder.path() / "none.ply"), InputError);
+  EXPECT_THROW(read_saved_run(folder.write("bad.ply", "ply\nnonsense\n")), InputError);
 }
 
 }  // namespace
