@@ -93,8 +93,8 @@ bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progres
     if (progress) progress({"mapping", done, source.info().frames, run_note(result, slam.map())});
     if (saver != nullptr) saver->save_if_due();
     if (!interrupted()) continue;
-    if (saver != nullptr)
-      saver->try_to_save();  // a second Ctrl-C ends the program before the map is finished
+    // A second Ctrl-C ends the program before the map is finished.
+    if (saver != nullptr) saver->try_to_save();
     log::warn("interrupted: finishing with the {} frames there are", slam.session_log().size());
     return false;
   }
@@ -110,7 +110,7 @@ void take_start_map(StartMap& start, const std::filesystem::path& path, Slam& sl
 /// Lost at the end, or never found: what the exit code tells scripts.
 bool lost_for_good(const Slam& slam) {
   const auto log = slam.session_log();
-  return log.empty() || !tracked_in(main_component(log, slam.map()), log.back(), slam.map());
+  return log.empty() || !tracked_in(slam.component(), log.back(), slam.map());
 }
 
 void warn_of_skipped(const FrameSource& source) {
@@ -153,8 +153,7 @@ void write_results(const RunFolder& folder, const RunOutcome& outcome, const Tra
                    const ColoredCloud& cloud, const DenseRecorder& images, const FrameTable& frames,
                    const nlohmann::json& summary) {
   const Slam& slam = outcome.slam;
-  const uint32_t component = main_component(slam.session_log(), slam.map());
-  write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), component),
+  write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), slam.component()),
                            outcome.source.info().ground_truth, cloud, summary});
   write_camera_file(folder.camera(), calibrated_camera(outcome.source.camera(), slam.sensor()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), outcome.options.slam.loop), {}, true, {}});

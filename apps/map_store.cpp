@@ -27,18 +27,18 @@ void MapSaver::save() {
   write_map(path_, saved, what_.recorder.image_count(),
             [&](size_t index) { return what_.recorder.saved_images(index); });
   took_s_ = watch.wall_s();
-  since_ = {};
 }
 
 bool MapSaver::try_to_save() {
-  since_ = {};
+  bool saved = true;
   try {
     save();
-    return true;
   } catch (const InputError& error) {
     log::error("the map is not saved: {}", error.what());
-    return false;
+    saved = false;
   }
+  since_ = {};
+  return saved;
 }
 
 void MapSaver::save_if_due() {

@@ -111,7 +111,7 @@ json rooms_json(const RoomTimes& times) {
 
 json run_summary(const RunOutcome& o) {
   const auto log = o.slam.session_log();
-  const uint32_t component = main_component(log, o.slam.map());
+  const uint32_t component = o.slam.component();
   const auto tracked = std::count_if(log.begin(), log.end(),
                                      [&](const auto& f) { return tracked_in(component, f, o.slam.map()); });
   const auto not_lost =

@@ -69,7 +69,7 @@ done
 # A new machine may know no package at all; one that knows cmake has had its lists before.
 if [[ ${#missing[@]} -gt 0 ]] || ! apt-cache show cmake >/dev/null 2>&1; then as_root apt-get update -q; fi
 for package in "${wanted[@]}"; do
-  if apt-cache policy "$package" 2>/dev/null | grep -q 'Candidate: [0-9]'; then missing+=("$package"); fi
+  if [[ "$(LC_ALL=C apt-cache policy "$package" 2>/dev/null)" =~ Candidate:\ [0-9] ]]; then missing+=("$package"); fi
 done
 if [[ ${#missing[@]} -eq 0 ]]; then
   echo "All packages are installed."

@@ -170,8 +170,8 @@ void write_curves(const std::vector<PlotSeries>& series) {
   std::string svg = svg_plot(frame, series);
   const std::string style =
       " xmlns=\"http://www.w3.org/2000/svg\"><style>text{font:12px sans-serif;fill:#444}"
-      "svg{background:#fff}.grid{stroke:#ddd}.random{stroke:#999;fill:#999}.greedy{stroke:#1f6fb4;fill:#"
-      "1f6fb4}"
+      "svg{background:#fff}.grid{stroke:#ddd}.random{stroke:#999;fill:#999}"
+      ".greedy{stroke:#1f6fb4;fill:#1f6fb4}"
       "polyline,path{fill:none!important;stroke-width:1.5}</style>";
   svg.insert(svg.find('>'), style);
   svg.erase(svg.find("</style>") + 8, 1);

@@ -186,8 +186,8 @@ cv::Mat read_still(const std::filesystem::path& path) {
 
 BoardSearch find_boards(const std::vector<std::filesystem::path>& stills, const Board& board, int threads,
                         const Progress& progress) {
-  const size_t batch =
-      4 * static_cast<size_t>(std::max(threads, 1));  // so that progress is told of now and then
+  constexpr size_t kStillsPerThread = 4;  // and report of progress
+  const size_t batch = kStillsPerThread * static_cast<size_t>(std::max(threads, 1));
   std::vector<std::optional<BoardView>> found(stills.size());
   for (size_t first = 0; first < stills.size(); first += batch) {
     const size_t count = std::min(batch, stills.size() - first);

@@ -1,19 +1,17 @@
 // Map files as their user meets them: run, map, export.
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
-#include "kinloop/base/text_file.hpp"
-#include "tests/support/temp_folder.hpp"
+#include "tests/apps/program_test.hpp"
 
 namespace kinloop {
 namespace {
 
+using test::kBadInput;
+using test::kWrongUse;
 using testing::HasSubstr;
 
-constexpr int kWrongUse = 2, kBadInput = 3;
 constexpr const char* kSmall = " --set sim.frames=20 --set sim.width=160 --set sim.height=120 -q ";
 
 /// One short run for all tests, and what came of it.
@@ -25,11 +23,9 @@ class MapCommand : public testing::Test {
   [[nodiscard]] static std::string at(const std::string& name) { return (folder_->path() / name).string(); }
 
   static int run(const std::string& arguments, const std::string& before = "") {
-    const std::string command =
-        before + "'" KINLOOP_PROGRAM "' " + arguments + " >'" + at("stdout") + "' 2>'" + at("stderr") + "'";
-    const int status = std::system(command.c_str());
-    out_ = read_file(at("stdout")), err_ = read_file(at("stderr"));
-    return WEXITSTATUS(status);
+    const test::ProgramRun done = test::run_program(*folder_, arguments, before);
+    out_ = done.out, err_ = done.err;
+    return done.exit_code;
   }
 
   /// The folder of the run.
