@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
-jobs="$(nproc)"
+jobs="$(scripts/build_jobs.sh)"
 junit="build/release/tests.xml"
 
 fail_before_tests() {
@@ -15,12 +15,17 @@ fail_before_tests() {
 
 scripts/install_dependencies.sh --tests || fail_before_tests "The packages could not be installed."
 cmake --preset release -DKINLOOP_TESTS=ON -DKINLOOP_BENCH=ON || fail_before_tests "Configuring failed."
-cmake --build --preset release --parallel "$jobs" || fail_before_tests "The build failed."
+NINJA_STATUS="[%p, %f of %t, %e s] " cmake --build --preset release --parallel "$jobs" ||
+  fail_before_tests "The build failed."
 
 rm -f "$junit"
-ctest --test-dir build/release --parallel "$jobs" --output-on-failure --no-tests=error \
+ctest --test-dir build/release --parallel "$(nproc)" --output-on-failure --no-tests=error \
   --output-junit "$PWD/$junit" </dev/null || true
 [[ -s "$junit" ]] || fail_before_tests "The tests could not be run."
+
+echo
+echo "This build:"
+scripts/print_parts.sh || fail_before_tests "The program does not start."
 
 # The head of the file: <testsuite ... tests="120" failures="1" disabled="0" skipped="2" ...>
 count() {

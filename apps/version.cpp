@@ -34,6 +34,7 @@ std::string version_text() {
       {"Kinect 1", part(kinect1_available(), "libfreenect")},
       {"Kinect 2", part(kinect2_available(), "libfreenect2")},
       {"ROS bags", part(bags_available(), "librosbag-storage")},
+      {"ROS node", part(KINLOOP_ROS_FOUND, "roscpp")},
       {"downloads", part(download_available(), "curl or libarchive")},
       {"training on many machines", part(mpi_available(), "MPI")},
       {"meshes", part(tsdf_available(), "OpenVDB")},

@@ -5,32 +5,39 @@
 #   --checks   and the tools of the format and tidy checks
 set -euo pipefail
 
-packages=(
+required=(
   build-essential cmake ninja-build ccache git pkg-config
   libopencv-dev libeigen3-dev libceres-dev libsuitesparse-dev libhwy-dev
   libturbojpeg0-dev libdeflate-dev libsqlite3-dev
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev libbenchmark-dev libboost-dev
 )
-# Parts that are found when present: SURF, meshes, occupancy maps, ChArUco boards, Kinect 1, downloads, training on many
-# machines, ROS bags and topics. (libfreenect2, for the Kinect 2, is in neither distribution: docs/cameras.md.) What a
+# Parts that are built where their packages are there, as `kinloop --version` names them. A part whose packages the
 # distribution does not have is left out.
 optional=(
-  libdlib-dev libopenvdb-dev liboctomap-dev libopencv-contrib-dev
-  libfreenect-dev libcurl4-openssl-dev libarchive-dev
-  libopenmpi-dev openmpi-bin
-  librosbag-storage-dev libsensor-msgs-dev
-  libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev
-  python3-roslaunch python3-rosbag
+  "SURF: libdlib-dev"
+  "meshes: libopenvdb-dev"
+  "occupancy maps: liboctomap-dev"
+  "ChArUco boards: libopencv-contrib-dev"
+  "Kinect 1: libfreenect-dev"
+  "downloads: libcurl4-openssl-dev libarchive-dev"
+  "training on many machines: libopenmpi-dev openmpi-bin"
+  "ROS bags: librosbag-storage-dev libsensor-msgs-dev"
+  "ROS node: libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev python3-roslaunch python3-rosbag"
 )
-# The viewer and report pages; npm may also have come with a Node.js from elsewhere.
-command -v npm >/dev/null || packages+=(nodejs npm)
+# npm may also have come with a Node.js from elsewhere.
+if command -v npm >/dev/null; then
+  optional+=("viewer and report pages:")
+else
+  optional+=("viewer and report pages: nodejs npm")
+fi
+# Ubuntu has chromium as a snap alone: the tests that need it skip there.
 case "${1:-}" in
   "") ;;
-  --tests) optional+=(chromium) ;;  # Ubuntu has it as a snap alone: the tests that need it skip there
+  --tests) optional+=("tests of the pages: chromium") ;;
   --checks)
-    optional+=(chromium)
-    packages+=(clang-format clang-tidy)
+    optional+=("tests of the pages: chromium")
+    required+=(clang-format clang-tidy python3)
     ;;
   *)
     echo "usage: $0 [--tests | --checks]" >&2
@@ -39,7 +46,7 @@ case "${1:-}" in
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
-  echo "This script knows Debian and Ubuntu (apt). Elsewhere, install the counterparts of: ${packages[*]}" >&2
+  echo "This script needs apt (Debian, Ubuntu). On other systems, install the counterparts of: ${required[*]}" >&2
   exit 3
 fi
 
@@ -47,34 +54,84 @@ is_installed() {
   [[ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" == "installed" ]]
 }
 
-as_root() {
-  if [[ $EUID -eq 0 ]]; then
-    "$@"
-  elif command -v sudo >/dev/null; then
-    sudo "$@"
-  else
-    echo "Not root and no sudo. As root, run: $*" >&2
-    exit 3
-  fi
+is_available() {
+  # No pipe into grep -q: it closes the pipe early, apt-cache dies of SIGPIPE, and pipefail makes that a "no".
+  [[ "$(LC_ALL=C apt-cache policy "$1" 2>/dev/null)" =~ Candidate:\ [0-9] ]]
 }
 
-missing=()
-for package in "${packages[@]}"; do
-  is_installed "$package" || missing+=("$package")
-done
-wanted=()
-for package in "${optional[@]}"; do
-  is_installed "$package" || wanted+=("$package")
-done
-# A new machine may know no package at all; one that knows cmake has had its lists before.
-if [[ ${#missing[@]} -gt 0 ]] || ! apt-cache show cmake >/dev/null 2>&1; then as_root apt-get update -q; fi
-for package in "${wanted[@]}"; do
-  if [[ "$(LC_ALL=C apt-cache policy "$package" 2>/dev/null)" =~ Candidate:\ [0-9] ]]; then missing+=("$package"); fi
-done
-if [[ ${#missing[@]} -eq 0 ]]; then
-  echo "All packages are installed."
-  exit 0
-fi
+missing_of() {  # missing_of PACKAGE...
+  local package
+  for package in "$@"; do
+    is_installed "$package" || echo "$package"
+  done
+}
 
-echo "Installing: ${missing[*]}"
-as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" </dev/null
+may_install() {
+  [[ $EUID -eq 0 ]] || command -v sudo >/dev/null
+}
+
+as_root() {
+  if [[ $EUID -eq 0 ]]; then "$@"; else sudo "$@"; fi
+}
+
+install() {  # install PACKAGE...
+  echo "Installing: $*"
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@" </dev/null
+}
+
+# "installed", or why a part is not.
+state_of() {  # state_of PACKAGE...
+  local package
+  for package in "$@"; do
+    is_installed "$package" && continue
+    if ! is_available "$package"; then
+      echo "off: $package is not in this distribution"
+    elif ! may_install; then
+      echo "off: $package is missing; as root: apt-get install $*"
+    else
+      echo "off: $package could not be installed"
+    fi
+    return
+  done
+  echo "installed"
+}
+
+print_table() {
+  local part
+  echo
+  echo "Optional parts"
+  for part in "${optional[@]}"; do
+    # shellcheck disable=SC2046,SC2086  # a list of packages
+    printf '  %-26s %s\n' "${part%%:*}" "$(state_of ${part#*:})"
+  done
+  printf '  %-26s %s\n' "Kinect 2" "built where libfreenect2 is; no distribution packages it: see docs/cameras.md" \
+    "g2o solver" "built where g2o is; no distribution packages it, and nothing depends on it: see docs/optimize.md"
+}
+
+mapfile -t missing < <(missing_of "${required[@]}")
+wanted=()
+for part in "${optional[@]}"; do
+  # shellcheck disable=SC2086  # a list of packages
+  mapfile -t -O "${#wanted[@]}" wanted < <(missing_of ${part#*:})
+done
+
+if [[ ${#missing[@]} -gt 0 ]] && ! may_install; then
+  echo "Not root and no sudo. As root, run: apt-get install ${missing[*]}" >&2
+  exit 3
+fi
+# A new machine may know no package at all; one that knows cmake has had its lists before.
+if may_install && { [[ ${#missing[@]} -gt 0 ]] || ! is_available cmake; }; then as_root apt-get update -q; fi
+
+available=()
+for package in "${wanted[@]}"; do
+  if is_available "$package"; then available+=("$package"); fi
+done
+
+if may_install && [[ $((${#missing[@]} + ${#available[@]})) -gt 0 ]]; then
+  if ! install "${missing[@]}" "${available[@]}"; then
+    # One optional package must not keep the others out.
+    if [[ ${#missing[@]} -gt 0 ]]; then install "${missing[@]}"; fi
+    for package in "${available[@]}"; do install "$package" || true; done
+  fi
+fi
+print_table
