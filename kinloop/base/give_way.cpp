@@ -1,5 +1,7 @@
 #include "kinloop/base/give_way.hpp"
 
+#include <algorithm>
+
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -8,8 +10,10 @@ namespace kinloop {
 void give_way(GiveWay share) {
   // On Linux the "process" of a thread's number is that thread alone. Where the system refuses, nothing but
   // speed is lost.
-  const int nice = share == GiveWay::kMost ? 10 : 15;
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), nice);
+  const auto thread = static_cast<id_t>(gettid());
+  constexpr int kLowestPriority = 19;
+  const int lower = share == GiveWay::kMost ? 10 : 15;
+  setpriority(PRIO_PROCESS, thread, std::min(getpriority(PRIO_PROCESS, thread) + lower, kLowestPriority));
 }
 
 }  // namespace kinloop
