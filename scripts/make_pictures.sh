@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Makes the pictures of README and docs (docs/images) anew from the release build.
+# Usage: scripts/make_pictures.sh            the simulated room: map, viewer, reports; after ./test.sh, a few minutes
+#        scripts/make_pictures.sh --curves   the curves of docs/place.md, from ../shared/data; 20 CPU minutes
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+export KINLOOP_PROGRAM="$PWD/build/release/apps/kinloop"
+images="$PWD/docs/images"
+
+draw_curves() {  # as docs/place.md has it: every 6th pose of a handheld path through two rooms
+  local work data="$PWD/../shared/data" bench="$PWD/build/release/bench/bench_place"
+  work="$(mktemp -d)"
+  trap 'rm -rf "$work"' EXIT
+  awk 'NR % 6 == 1' "$data/trajectories/fr1_room_like.txt" >"$work/path.txt"
+  for room in 1 2; do "$KINLOOP_PROGRAM" simulate room --seed "$room" --path "$work/path.txt" -o "$work/$room"; done
+  cd "$work"
+  "$bench" compare 32 3 0 5 "$data/redkitchen"
+  mv place_curves.svg "$images/place_curves.svg"
+  "$bench" compare 32 3 0 3 1 2
+  mv place_curves.svg "$images/place_curves_rooms.svg"
+}
+
+case "${1:-}" in
+  "") KINLOOP_PAGES_SOURCE="$PWD/viewer/pages" KINLOOP_SCREENSHOTS="$images" node scripts/make_pictures.mjs ;;
+  --curves) draw_curves ;;
+  *)
+    echo "usage: $0 [--curves]" >&2
+    exit 2
+    ;;
+esac
