@@ -10,7 +10,6 @@
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/dense/occupancy.hpp"
-#include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/g2o_file.hpp"
 #include "kinloop/output/grid_file.hpp"
@@ -23,6 +22,7 @@ namespace {
 struct ExportArguments {
   std::filesystem::path map, poses;
   std::filesystem::path cloud, octomap, grid, trajectory, keyframes, graph;
+  std::string frame = "z-up";
   size_t session = 0;
   std::vector<std::string> assignments;
   int threads = hardware_threads();
@@ -34,9 +34,12 @@ struct ExportArguments {
   }
 };
 
-void write_cloud(const std::filesystem::path& path, const ColoredCloud& cloud) {
-  if (path.extension() == ".pcd") return write_pcd(path, cloud);
-  write_ply(path, cloud);
+void write_cloud(const ExportArguments& arguments, OpenMap& open, const Progress& progress) {
+  const ColoredCloud cloud = open.cloud(arguments.session, arguments.threads, progress);
+  const FileFrame frame =
+      file_frame(arguments.frame, open.up(arguments.session), open.views(arguments.session));
+  if (arguments.cloud.extension() == ".pcd") return write_pcd(arguments.cloud, cloud, frame);
+  write_ply(arguments.cloud, cloud, frame);
 }
 
 void require_extension(const char* option, const std::filesystem::path& path, const char* a, const char* b) {
@@ -45,18 +48,12 @@ void require_extension(const char* option, const std::filesystem::path& path, co
                                std::string_view(a) == b ? "" : " or ", std::string_view(a) == b ? "" : b));
 }
 
-/// The way up in the world of the poses that are taken.
-Eigen::Vector3d up_in(const OpenMap& open, size_t session) {
-  if (!open.poses.empty()) return up_direction(open.poses);
-  return up_direction(keyframe_trajectory(open.map, open.component(session)));
-}
-
-void write_occupancy(const ExportArguments& arguments, const OpenMap& open, const Progress& progress) {
+void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Progress& progress) {
   const KeyframeImages& images = open.recorder.images();
   const auto views = open.views(arguments.session);
   const PinholeCamera& camera = open.saved.camera.color;
   const OccupancyOptions& options = open.options.occupancy;
-  const Floor floor = find_floor(images, views, camera, up_in(open, arguments.session), options);
+  const Floor floor = find_floor(images, views, camera, open.up(arguments.session).direction, options);
   const OccupancyMap occupancy(images, views, camera, floor, options, progress);
   if (!arguments.octomap.empty()) {
     const bool full = arguments.octomap.extension() == ".ot";
@@ -87,9 +84,7 @@ void run_export(const ExportArguments& arguments) {
   if (!arguments.graph.empty()) {
     write_g2o(arguments.graph, {make_pose_graph(open.map, open.options.slam.loop), {}, true, {}});
   }
-  if (!arguments.cloud.empty()) {
-    write_cloud(arguments.cloud, open.cloud(arguments.session, arguments.threads, progress));
-  }
+  if (!arguments.cloud.empty()) write_cloud(arguments, open, progress);
   if (!arguments.octomap.empty() || !arguments.grid.empty()) write_occupancy(arguments, open, progress);
 }
 
@@ -111,6 +106,7 @@ void add_export_command(CLI::App& app) {
   command->add_option(
       "--session", arguments->session,
       "which run, counted from 1; 0 = the last: where a map has pieces never joined, its own is written");
+  add_frame_option(*command, arguments->frame);
   add_set_option(*command, arguments->assignments);
   add_threads_option(*command, arguments->threads);
   add_quiet_option(*command, arguments->quiet);

@@ -18,6 +18,7 @@ struct MeshArguments {
   std::filesystem::path map, poses;
   std::filesystem::path output = "mesh.ply";
   std::string voxel_m;
+  std::string frame = "z-up";
   std::vector<std::string> assignments;
   int threads = hardware_threads();
   bool quiet = false;
@@ -30,10 +31,10 @@ void make_mesh(MeshArguments arguments) {
   }
   if (!arguments.voxel_m.empty()) arguments.assignments.push_back("mesh.voxel_m=" + arguments.voxel_m);
   const Stopwatch watch;
-  const OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
+  OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const auto mesh = mesh_keyframes(open.recorder.images(), open.views(0), open.dense_camera(),
                                    open.options.mesh, arguments.threads, make_progress_bar(arguments.quiet));
-  write_mesh(arguments.output, mesh);
+  write_mesh(arguments.output, mesh, file_frame(arguments.frame, open.up(0), open.views(0)));
   if (!arguments.quiet) {
     fmt::print("{} vertices, {} triangles, voxels of {} m, in {:.1f} s\n", mesh.points.size(),
                mesh.triangles.size(), open.options.mesh.voxel_m, watch.wall_s());
@@ -50,6 +51,7 @@ void add_mesh_command(CLI::App& app) {
       ->capture_default_str();
   add_poses_option(*command, arguments->poses);
   command->add_option("--voxel", arguments->voxel_m, "edge of a voxel, metres (mesh.voxel_m)");
+  add_frame_option(*command, arguments->frame);
   add_set_option(*command, arguments->assignments);
   add_threads_option(*command, arguments->threads);
   add_quiet_option(*command, arguments->quiet);

@@ -22,6 +22,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/eval/run_up.hpp"
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/g2o_file.hpp"
 #include "kinloop/output/run_folder.hpp"
@@ -149,12 +150,26 @@ nlohmann::json map_file_json(const MapSaver& saver) {
           {"save_s", saver.seconds()}};
 }
 
+/// The cloud, and how it is written.
+struct UprightMap {
+  ColoredCloud cloud;
+  UpEstimate up;
+  FileFrame frame;
+};
+
+UprightMap upright_map(const Slam& slam, DenseRecorder& recorder, const std::string& frame, int threads,
+                       const Progress& progress) {
+  UprightMap map{recorder.fuse(slam, threads, progress), recorder.up(slam), {}};
+  map.frame = file_frame(frame, map.up, recorder.views(slam));
+  return map;
+}
+
 void write_results(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
-                   const ColoredCloud& cloud, const DenseRecorder& images, const FrameTable& frames,
+                   const UprightMap& map, const DenseRecorder& images, const FrameTable& frames,
                    const nlohmann::json& summary) {
   const Slam& slam = outcome.slam;
   write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), slam.component()),
-                           outcome.source.info().ground_truth, cloud, summary});
+                           outcome.source.info().ground_truth, map.cloud, map.frame, summary});
   write_camera_file(folder.camera(), calibrated_camera(outcome.source.camera(), slam.sensor()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), outcome.options.slam.loop), {}, true, {}});
   write_frame_table(folder.frames(), frames);
@@ -195,7 +210,7 @@ ExitCode run(const RunArguments& arguments) {
   const auto saver = saver_of(arguments, folder, {slam, recorder, options, arguments.sequence});
   catch_interrupts();
   const auto save_now = [&] {
-    save_map(folder, slam, recorder, threads);
+    save_map(folder, slam, recorder, arguments.frame, threads);
     if (saver) saver->try_to_save();
   };
   const auto shown = show_run(arguments.viewer, *source, options.viewer, slam, save_now);
@@ -205,18 +220,20 @@ ExitCode run(const RunArguments& arguments) {
   if (shown) shown->viewer.finish(slam.session_log(), slam.map());
   const bool saved = saver != nullptr && saver->try_to_save();
   return_freed_memory();
-  const ColoredCloud cloud = recorder.fuse(slam, threads, progress);
+  const UprightMap map = upright_map(slam, recorder, arguments.frame, threads, progress);
   return_freed_memory();
   warn_of_skipped(*source);
 
   const auto evaluation = evaluate(trajectory, source->info().ground_truth);
   const size_t dropped = paced != nullptr ? paced->dropped() : 0;
-  const RunOutcome outcome{*source,        slam,    options,   evaluation, cloud.size(),
+  const RunOutcome outcome{*source,        slam,    options,   evaluation, map.cloud.size(),
                            watch.wall_s(), threads, !complete, dropped};
   auto summary = run_summary(outcome);
   summary["rooms"].update(rooms_json(recorder.times()));
+  summary["up"] = to_json(map.up);
+  summary["map"].update(to_json(map.frame));
   if (saved) summary["map_file"] = map_file_json(*saver);
-  write_results(folder, outcome, trajectory, cloud, recorder, frames.table(slam.times()), summary);
+  write_results(folder, outcome, trajectory, map, recorder, frames.table(slam.times()), summary);
   if (!arguments.quiet) print_summary(summary, folder);
   warn_of_result(outcome, trajectory, depth);
   if (shown) stay_open(shown->viewer);

@@ -35,6 +35,7 @@ SavedRun shown_map(const std::filesystem::path& file) {
   }
   for (const LoopEdge& loop : open.map.loop_edges()) run.loops.emplace_back(loop.a, loop.b);
   run.figures["landmarks"] = open.map.landmark_count();
+  run.up = open.up(0).direction;
   run.cloud = open.cloud(0, hardware_threads(), make_progress_bar(false));
   return run;
 }

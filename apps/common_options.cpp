@@ -19,6 +19,15 @@ void add_set_option(CLI::App& command, std::vector<std::string>& assignments, co
       ->option_text("KEY=VALUE");
 }
 
+void add_frame_option(CLI::App& command, std::string& frame) {
+  command
+      .add_option("--frame", frame,
+                  "of the cloud or mesh: z-up, or camera, the first camera's (y down), which that of the\n"
+                  "trajectory is")
+      ->check(CLI::IsMember({"z-up", "camera"}))
+      ->capture_default_str();
+}
+
 void add_threads_option(CLI::App& command, int& threads, const std::string& what) {
   command.add_option("--threads", threads, what)->check(CLI::Range(1, 1024));
 }

@@ -19,6 +19,9 @@ void add_poses_option(CLI::App& command, std::filesystem::path& poses);
 void add_set_option(CLI::App& command, std::vector<std::string>& assignments,
                     const std::string& what = "change an option, key=value; see kinloop run --options");
 
+/// --frame z-up|camera of the clouds and meshes that are written.
+void add_frame_option(CLI::App& command, std::string& frame);
+
 /// --threads N.
 void add_threads_option(CLI::App& command, int& threads,
                         const std::string& what = "threads of parallel work");

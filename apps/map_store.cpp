@@ -99,6 +99,11 @@ void require_same_camera(const SavedMap& saved, const std::filesystem::path& pat
       path.string(), lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy));
 }
 
+FileFrame file_frame(const std::string& name, const UpEstimate& up, std::span<const PosedImage> views) {
+  if (name == "camera") return {};
+  return z_up_frame(up.direction, views.empty() ? SE3() : views.front().T_world_camera);
+}
+
 OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<std::string>& assignments,
                  const std::filesystem::path& poses) {
   const auto path = map_file_of(file_or_folder);

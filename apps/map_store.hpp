@@ -5,6 +5,7 @@
 
 #include "apps/run_options.hpp"
 #include "kinloop/base/stopwatch.hpp"
+#include "kinloop/output/file_frame.hpp"
 #include "kinloop/slam/dense_recorder.hpp"
 #include "kinloop/slam/slam.hpp"
 
@@ -84,12 +85,18 @@ struct OpenMap {
   /// The camera as it goes with the poses.
   [[nodiscard]] DenseCamera dense_camera() const;
 
+  /// Which way is up, by what these saw.
+  UpEstimate up(size_t number) { return recorder.up(views(number), dense_camera()); }
+
   /// The coloured cloud of these.
   ColoredCloud cloud(size_t number, int threads, const Progress& progress);
 
   /// The frames of session `number`, counted from 1; 0: of the last.
   [[nodiscard]] std::span<const LoggedFrame> session_log(size_t number) const;
 };
+
+/// The frame of files that `--frame` names: z-up, or camera. `views` are those of the map.
+FileFrame file_frame(const std::string& name, const UpEstimate& up, std::span<const PosedImage> views);
 
 /// Opens a map file, or that of a run's folder, with its images; `assignments` change the options it was made
 /// with, `poses` names a file of poses to be taken instead of the map's, where it is not empty.

@@ -10,7 +10,7 @@
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/dense/cloud_picture.hpp"
 #include "kinloop/eval/report.hpp"
-#include "kinloop/geometry/up_direction.hpp"
+#include "kinloop/eval/run_up.hpp"
 #include "kinloop/output/ply.hpp"
 #include "viewer/scene/growing_cloud.hpp"
 
@@ -38,7 +38,7 @@ double highest_shown_m(const Trajectory& path, const Eigen::Vector3d& up) {
 
 CloudView view_of(const Trajectory& path, const nlohmann::json& figures) {
   CloudView view;
-  view.up = up_direction(path);
+  view.up = up_of_run(figures, path);
   view.cut_above_m = highest_shown_m(path, view.up);
   const nlohmann::json::json_pointer voxel("/map/voxel_m");
   if (figures.contains(voxel) && figures[voxel].is_number() && figures[voxel] > 0)

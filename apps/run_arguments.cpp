@@ -44,6 +44,7 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
           "replay at this many frames a second, as a live camera: frames not taken in time are lost,\n"
           "and slow work is applied when it is ready (executor.mode=live)")
       ->check(CLI::Range(0.1, 1000.0));
+  add_frame_option(command, arguments.frame);
   add_viewer_option(command, arguments.viewer);
   add_quiet_option(command, arguments.quiet);
   command.add_flag("-v,--verbose", arguments.verbose, "print what happens, a line each")->excludes("--quiet");

@@ -16,6 +16,7 @@ struct RunArguments {
   std::string topics;
   std::string solver = "auto";
   std::string vocabulary;
+  std::string frame = "z-up";
   bool no_loop = false;
   bool list_options = false;
   bool quiet = false;

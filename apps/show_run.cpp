@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "apps/interrupt.hpp"
+#include "apps/map_store.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/output/ply.hpp"
 
@@ -47,9 +48,11 @@ std::unique_ptr<ShownRun> show_run(const std::string& listen, const FrameSource&
   return shown;
 }
 
-void save_map(const RunFolder& folder, const Slam& slam, DenseRecorder& recorder, int threads) {
+void save_map(const RunFolder& folder, const Slam& slam, DenseRecorder& recorder, const std::string& frame,
+              int threads) {
   write_tum_trajectory(folder.trajectory(), slam.trajectory());
-  write_ply(folder.map(), recorder.fuse(slam, threads, {}));
+  const ColoredCloud cloud = recorder.fuse(slam, threads, {});
+  write_ply(folder.map(), cloud, file_frame(frame, recorder.up(slam), recorder.views(slam)));
 }
 
 void stay_open(LiveViewer& viewer) {

@@ -31,8 +31,9 @@ std::unique_ptr<ShownRun> show_run(const std::string& listen, const FrameSource&
                                    const ViewerOptions& options, Slam& slam,
                                    const std::function<void()>& save_now);
 
-/// Writes trajectory and map as they are now.
-void save_map(const RunFolder& folder, const Slam& slam, DenseRecorder& recorder, int threads);
+/// Writes trajectory and map as they are now, the map in the frame that `--frame` names.
+void save_map(const RunFolder& folder, const Slam& slam, DenseRecorder& recorder, const std::string& frame,
+              int threads);
 
 /// After the run: where somebody sits at the terminal, goes on serving until Ctrl-C; otherwise only until
 /// those who watch have the last state.

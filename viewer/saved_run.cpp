@@ -4,7 +4,7 @@
 
 #include "kinloop/base/time.hpp"
 #include "kinloop/eval/evaluate.hpp"
-#include "kinloop/geometry/up_direction.hpp"
+#include "kinloop/eval/run_up.hpp"
 #include "kinloop/output/ply.hpp"
 #include "kinloop/output/run_folder.hpp"
 #include "viewer/scene/growing_cloud.hpp"
@@ -54,12 +54,6 @@ void show_cloud(Scene& scene, const ColoredCloud& cloud) {
   }
 }
 
-std::vector<SE3> poses_of(const Trajectory& trajectory) {
-  std::vector<SE3> poses;
-  for (const StampedPose& pose : trajectory) poses.push_back(pose.T_world_camera);
-  return poses;
-}
-
 void show_paths(Scene& scene, const SavedRun& run) {
   const std::vector<SE3> keyframes = poses_of(run.keyframes);
   put_parts(scene, PartKind::kKeyframes, 0, keyframes.size(), [&](size_t begin, size_t end) {
@@ -93,6 +87,8 @@ SavedRun read_saved_run(const fs::path& path) {
   run.name = path.string();
   if (!fs::is_directory(path)) {
     run.cloud = read_ply(path);
+    const FileFrame frame = read_ply_frame(path);
+    if (frame.z_up) run.up = frame.R_file_world.conjugate() * Eigen::Vector3d::UnitZ();
     return run;
   }
   const auto folder = RunFolder::of_earlier_run(path);
@@ -102,6 +98,7 @@ SavedRun read_saved_run(const fs::path& path) {
   if (fs::exists(folder.map())) run.cloud = read_ply(folder.map());
   if (fs::exists(folder.figures())) run.figures = read_figures(folder.figures());
   run.loops = loops_of(run.figures, run.keyframes);
+  run.up = up_of_run(run.figures, run.path);
   return run;
 }
 
@@ -111,10 +108,12 @@ void show_saved_run(Scene& scene, const SavedRun& run) {
       encode_json({{"run", scene.run()}, {"input", run.name}, {"live", false}, {"frustum", {0.6, 0.45}}}));
   show_paths(scene, run);
   const auto ate = show_truth(scene, run);
-  const Eigen::Vector3d up = run.path.empty() ? Eigen::Vector3d(0, -1, 0) : up_direction(run.path);
-  json status = {
-      {"stage", "saved"},          {"frame", run.path.size()},   {"keyframes", run.keyframes.size()},
-      {"loops", run.loops.size()}, {"points", run.cloud.size()}, {"up", {up.x(), up.y(), up.z()}}};
+  json status = {{"stage", "saved"},
+                 {"frame", run.path.size()},
+                 {"keyframes", run.keyframes.size()},
+                 {"loops", run.loops.size()},
+                 {"points", run.cloud.size()},
+                 {"up", {run.up.x(), run.up.y(), run.up.z()}}};
   if (run.figures.contains("landmarks")) status["landmarks"] = run.figures["landmarks"];
   if (ate) status["ateM"] = ate->error_m.rmse;
   scene.put(PartKind::kStatus, 0, encode_json(status));

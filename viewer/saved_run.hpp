@@ -16,6 +16,7 @@ struct SavedRun {
   Trajectory path, keyframes, truth;                     ///< each may be empty
   std::vector<std::pair<KeyframeId, KeyframeId>> loops;  ///< indices into `keyframes`
   nlohmann::json figures;                                ///< run.json
+  Eigen::Vector3d up = {0, -1, 0};                       ///< in the world
 };
 
 /// Reads the folder of a run, of which only trajectory.txt must be there, or a map in PLY. Throws InputError

@@ -55,6 +55,7 @@ class Fusion {
         if (point.seen_through > point.views) continue;
         cloud.points.push_back(point.p_world);
         cloud.colors.push_back(point.color);
+        cloud.normals.push_back(point.normal);
       }
       begin = slab.end;
     }

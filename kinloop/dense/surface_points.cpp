@@ -76,6 +76,7 @@ std::optional<SurfacePoint> point_of(const Voxel& voxel, const VoxelGrids& grids
   SurfacePoint point;
   point.key = key_at(mean);
   point.p_world = (mean * options.voxel_m).cast<float>();
+  point.normal = voxel.normal_sum.normalized();
   point.color = mean_color(voxel);
   point.views = column.views();
   point.weight = voxel.weight;

@@ -44,6 +44,7 @@ struct Slab {
 struct SurfacePoint {
   VoxelKey key = 0;  ///< of the voxel it lies in
   Eigen::Vector3f p_world;
+  Eigen::Vector3f normal;  ///< unit, towards the cameras
   Rgb color{};
   int views = 0;         ///< images that saw it
   int seen_through = 0;  ///< images that saw through it

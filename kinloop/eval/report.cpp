@@ -9,7 +9,7 @@
 #include "kinloop/base/time.hpp"
 #include "kinloop/eval/evaluate.hpp"
 #include "kinloop/eval/report_text.hpp"
-#include "kinloop/geometry/up_direction.hpp"
+#include "kinloop/eval/run_up.hpp"
 
 KINLOOP_EMBED_FILE(embedded_report_page, KINLOOP_PAGE)
 
@@ -25,8 +25,7 @@ double rounded(double value) {
 }
 
 /// Rows: along the path's longest level extent, across it, up.
-Eigen::Matrix3d plot_axes(const Trajectory& path) {
-  const Eigen::Vector3d up = up_direction(path);
+Eigen::Matrix3d plot_axes(const Trajectory& path, const Eigen::Vector3d& up) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& pose : path) mean += pose.T_world_camera.translation / static_cast<double>(path.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -130,7 +129,7 @@ json run_json(const RunReport& run, const SE3& T_plot_world, const SE3& T_plot_t
                {"loopPictures", pictures_json(run.loop_pictures)},
                {"cloud", base64(run.cloud)}};
   data["figures"].erase("keyframe_covariances");  // long, and not shown
-  const Eigen::Vector3d up = up_direction(run.estimate);
+  const Eigen::Vector3d up = up_of_run(run.figures, run.estimate);
   data["up"] = {up.x(), up.y(), up.z()};
   if (evaluation) {
     data["truth"] = path_json(run.truth, T_plot_truth, start_ns);
@@ -145,9 +144,11 @@ json run_json(const RunReport& run, const SE3& T_plot_world, const SE3& T_plot_t
 json report_data(std::span<const RunReport> runs) {
   json data = {{"runs", json::array()}};
   if (runs.empty()) return data;
-  // Drawn in the first estimate's world: its up is known from how the camera was held.
+  // Drawn in the first estimate's world, whose up is known.
   const RunReport& first = runs.front();
-  const SE3 T_plot_world{Eigen::Quaterniond(plot_axes(first.estimate)), Eigen::Vector3d::Zero()};
+  const SE3 T_plot_world{
+      Eigen::Quaterniond(plot_axes(first.estimate, up_of_run(first.figures, first.estimate))),
+      Eigen::Vector3d::Zero()};
   const auto ate = absolute_trajectory_error(first.estimate, first.truth);
   const SE3 T_plot_truth = ate ? T_plot_world * ate->T_truth_estimate.inverse() : T_plot_world;
   for (size_t i = 0; i < runs.size(); ++i) {

@@ -4,10 +4,12 @@
 #include <filesystem>
 
 #include "kinloop/dense/colored_cloud.hpp"
+#include "kinloop/output/file_frame.hpp"
 
 namespace kinloop {
 
-/// Writes the file atomically. Throws InputError when it cannot.
-void write_pcd(const std::filesystem::path& path, const ColoredCloud& cloud);
+/// Writes the file atomically, in `frame`, which its comments tell; with normals where the cloud has them.
+/// Throws InputError when it cannot.
+void write_pcd(const std::filesystem::path& path, const ColoredCloud& cloud, const FileFrame& frame = {});
 
 }  // namespace kinloop

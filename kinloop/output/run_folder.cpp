@@ -50,7 +50,7 @@ void write_run_files(const RunFolder& folder, const RunFiles& files) {
   } else {
     write_tum_trajectory(folder.ground_truth(), files.ground_truth);
   }
-  write_ply(folder.map(), files.map);
+  write_ply(folder.map(), files.map, files.frame);
   write_file(folder.figures(), files.figures.dump(2) + "\n");
 }
 

@@ -7,6 +7,7 @@
 
 #include "kinloop/dense/colored_cloud.hpp"
 #include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/output/file_frame.hpp"
 
 namespace kinloop {
 
@@ -48,8 +49,9 @@ struct RunFiles {
   Trajectory trajectory;
   Trajectory keyframes;
   Trajectory ground_truth;  ///< empty where there is none; no file is written then, and an old one removed
-  ColoredCloud map;
-  nlohmann::json figures;  ///< run.json
+  ColoredCloud map;         ///< in the world
+  FileFrame frame;          ///< of map.ply
+  nlohmann::json figures;   ///< run.json
 };
 
 /// Writes all of them (camera.yaml, graph.g2o, frames.txt, loops and report.html are others' work).

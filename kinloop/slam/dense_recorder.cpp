@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/dense/surface_normals.hpp"
 
 namespace kinloop {
 namespace {
@@ -127,6 +128,19 @@ ColoredCloud DenseRecorder::fuse_views(std::span<const PosedImage> views, const 
   ColoredCloud cloud = fuse_patches(patch_of, views, camera, options_, threads, progress);
   times_.add("dense fusion", watch.spent());
   return cloud;
+}
+
+UpEstimate DenseRecorder::up(std::span<const PosedImage> views, const DenseCamera& camera) {
+  finish_work();
+  const auto patch_of = [this](size_t image) {
+    const auto& patch = kept_[image].patch;
+    return patch_of_bytes(
+        patch ? patches_.load(*patch)
+              : packed_patch(images_.encoded(image), images_.options(), camera_.color.fx, options_));
+  };
+  std::vector<SE3> T_world_cameras;
+  for (const PosedImage& view : views) T_world_cameras.push_back(view.T_world_camera);
+  return estimate_up(surface_normals(patch_of, views, camera), T_world_cameras);
 }
 
 std::optional<RgbdImages> DenseRecorder::images_of(FrameId frame) const {

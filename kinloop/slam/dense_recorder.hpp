@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "kinloop/dense/fuse_patches.hpp"
+#include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/output/map_file.hpp"
 #include "kinloop/slam/executor.hpp"
 #include "kinloop/slam/frame_log.hpp"
@@ -48,15 +49,25 @@ class DenseRecorder : public Listener {
   /// The images of one component of the map whose place is known, at the poses of `log` and `map`.
   [[nodiscard]] std::vector<PosedImage> views(const FrameLog& log, const Map& map, uint32_t component) const;
 
+  /// Those of the component in which the run of `slam` was tracked.
+  [[nodiscard]] std::vector<PosedImage> views(const Slam& slam) const {
+    return views(slam.log(), slam.map(), slam.component());
+  }
+
   /// The coloured cloud of `views`, waiting for the work in flight.
   ColoredCloud fuse_views(std::span<const PosedImage> views, const DenseCamera& camera, int threads,
                           const Progress& progress);
 
   /// The same of the component in which the run of `slam` was tracked.
   ColoredCloud fuse(const Slam& slam, int threads, const Progress& progress) {
-    const auto own = views(slam.log(), slam.map(), slam.component());
-    return fuse_views(own, dense_camera(camera_, slam.sensor()), threads, progress);
+    return fuse_views(views(slam), dense_camera(camera_, slam.sensor()), threads, progress);
   }
+
+  /// Which way is up, by what `views` saw of surfaces.
+  UpEstimate up(std::span<const PosedImage> views, const DenseCamera& camera);
+
+  /// The same for the component in which the run of `slam` was tracked.
+  UpEstimate up(const Slam& slam) { return up(views(slam), dense_camera(camera_, slam.sensor())); }
 
   /// The images of a frame, where they were kept: those of every keyframe are.
   [[nodiscard]] std::optional<RgbdImages> images_of(FrameId frame) const;

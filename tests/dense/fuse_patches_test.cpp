@@ -75,6 +75,17 @@ void expect_same(const ColoredCloud& a, const ColoredCloud& b) {
   EXPECT_EQ(a.colors, b.colors);
 }
 
+TEST(FusePatches, EveryPointHasTheNormalOfItsSurfaceTowardsTheCamera) {
+  const auto cloud = views_of_wall(4).fused();
+  ASSERT_EQ(cloud.normals.size(), cloud.size());
+  double sum = 0;
+  for (const auto& normal : cloud.normals) {
+    EXPECT_NEAR(normal.norm(), 1, 1e-5);
+    sum -= static_cast<double>(normal.z());
+  }
+  EXPECT_GT(sum / static_cast<double>(cloud.size()), std::cos(0.05));
+}
+
 TEST(FusePatches, AWallIsOneLayerOfPointsOnIt) {
   const auto cloud = views_of_wall(4).fused();
   ASSERT_GT(cloud.size(), 10000U);

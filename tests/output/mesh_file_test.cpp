@@ -38,9 +38,9 @@ TEST(MeshFile, PlyHoldsVerticesAndFaces) {
   EXPECT_THAT(bytes, HasSubstr("element vertex 4\n"));
   EXPECT_THAT(bytes, HasSubstr("element face 2\n"));
   const size_t body = bytes.find("end_header\n") + 11;
-  ASSERT_EQ(bytes.size(), body + 4 * 15 + 2 * 13);
-  EXPECT_EQ(at<uint8_t>(bytes, body + 4 * 15), 3);
-  EXPECT_EQ(at<uint32_t>(bytes, body + 4 * 15 + 9), 2U);
+  ASSERT_EQ(bytes.size(), body + 4 * 27 + 2 * 13);
+  EXPECT_EQ(at<uint8_t>(bytes, body + 4 * 27), 3);
+  EXPECT_EQ(at<uint32_t>(bytes, body + 4 * 27 + 9), 2U);
 }
 
 TEST(MeshFile, ObjCountsFromOne) {
@@ -48,7 +48,7 @@ TEST(MeshFile, ObjCountsFromOne) {
   write_mesh(folder.path() / "m.obj", square());
   const std::string text = read_file(folder.path() / "m.obj");
   EXPECT_THAT(text, HasSubstr("v 1.00000 0.00000 1.00000 0.000 1.000 0.000\n"));
-  EXPECT_THAT(text, HasSubstr("\nf 1 2 3\nf 1 3 4\n"));
+  EXPECT_THAT(text, HasSubstr("\nvn 0.000 0.000 1.000\nf 1//1 2//2 3//3\nf 1//1 3//3 4//4\n"));
 }
 
 TEST(MeshFile, GltfAddsUp) {
@@ -69,8 +69,37 @@ TEST(MeshFile, GltfAddsUp) {
   EXPECT_EQ(accessor("POSITION")["count"], 4);
   EXPECT_EQ(accessor("POSITION")["max"], (nlohmann::json{1, 1, 1}));
   EXPECT_EQ(accessor("COLOR_0")["normalized"], true);
+  EXPECT_EQ(accessor("NORMAL")["count"], 4);
+  const size_t normals = scene["bufferViews"][3]["byteOffset"].get<size_t>();
+  EXPECT_EQ(at<float>(bytes, body + normals + 8), 1);
   const size_t indices = scene["bufferViews"][2]["byteOffset"].get<size_t>();
   EXPECT_EQ(at<uint32_t>(bytes, body + indices + 5 * 4), 3U);
+}
+
+/// The rotation of the node in a .glb.
+Eigen::Quaterniond node_rotation(const std::string& bytes) {
+  const auto scene = nlohmann::json::parse(bytes.substr(20, at<uint32_t>(bytes, 12)));
+  const auto& q = scene["nodes"][0]["rotation"];
+  return {q[3].get<double>(), q[0].get<double>(), q[1].get<double>(), q[2].get<double>()};
+}
+
+TEST(MeshFile, WhatIsUpIsAlongZAndInGltfAlongY) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "m.glb";
+  const Eigen::Vector3d up(0.6, -0.8, 0);
+  const FileFrame frame = z_up_frame(up, {});
+  write_mesh(path, square(), frame);
+  const Eigen::Vector3d shown = node_rotation(read_file(path)) * (frame.R_file_world * up);
+  EXPECT_LT((shown - Eigen::Vector3d::UnitY()).norm(), 1e-9);
+  write_mesh(path, square());
+  const Eigen::Vector3d camera_up = node_rotation(read_file(path)) * Eigen::Vector3d(0, -1, 0);
+  EXPECT_LT((camera_up - Eigen::Vector3d::UnitY()).norm(), 1e-9);
+
+  write_mesh(folder.path() / "m.ply", square(), frame);
+  const std::string bytes = read_file(folder.path() / "m.ply");
+  EXPECT_THAT(bytes, HasSubstr("comment frame z-up"));
+  const size_t vertex = bytes.find("end_header\n") + 11 + 27;  // (1, 0, 1) in the world
+  EXPECT_NEAR(at<float>(bytes, vertex + 8), 0.6, 1e-6);
 }
 
 TEST(Pcd, IsWhatTheFormatSays) {
@@ -81,6 +110,18 @@ TEST(Pcd, IsWhatTheFormatSays) {
   EXPECT_THAT(bytes, HasSubstr("POINTS 1\nDATA binary\n"));
   EXPECT_EQ(at<float>(bytes, bytes.size() - 8), -3);
   EXPECT_EQ(at<uint32_t>(bytes, bytes.size() - 4), 0x0a141eU);
+}
+
+TEST(Pcd, HoldsNormalsAndIsUpright) {
+  const test::TempFolder folder;
+  write_pcd(folder.path() / "c.pcd", {{{1, 2, -3}}, {{10, 20, 30}}, {{0, -1, 0}}},
+            z_up_frame({0, -1, 0}, {}));
+  const std::string bytes = read_file(folder.path() / "c.pcd");
+  EXPECT_THAT(bytes, HasSubstr("FIELDS x y z rgb normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4 4\n"
+                               "TYPE F F F U F F F\nCOUNT 1 1 1 1 1 1 1\n"));
+  EXPECT_THAT(bytes, HasSubstr("# frame z-up"));
+  EXPECT_NEAR(at<float>(bytes, bytes.size() - 20), -2, 1e-6);
+  EXPECT_NEAR(at<float>(bytes, bytes.size() - 4), 1, 1e-6);
 }
 
 TEST(GridFile, IsWhatMapServerReads) {

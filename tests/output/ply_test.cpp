@@ -1,5 +1,7 @@
 #include "kinloop/output/ply.hpp"
 
+#include <array>
+#include <cstring>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -46,6 +48,50 @@ TEST(Ply, IsWhatTheFormatSays) {
   EXPECT_THAT(bytes, HasSubstr("\nelement vertex 1\nproperty float x\n"));
   const std::string vertex("\x00\x00\x80\x3f\x00\x00\x00\x40\x00\x00\x40\xc0\x0a\x14\x1e", 15);
   EXPECT_EQ(bytes.substr(bytes.find("end_header\n") + 11), vertex);
+}
+
+TEST(Ply, HoldsNormalsAndTheFrameItIsWrittenIn) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "map.ply";
+  ColoredCloud cloud = some_cloud(3);
+  cloud.normals = {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
+  // The first camera's y points down: up is -y, and it looks along z.
+  const FileFrame frame = z_up_frame({0, -1, 0}, {});
+  write_ply(path, cloud, frame);
+  const std::string bytes = read_file(path);
+  EXPECT_THAT(bytes,
+              HasSubstr("property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"));
+  const size_t body = bytes.find("end_header\n") + 11;
+  ASSERT_EQ(bytes.size(), body + 3 * (24 + 3));
+  std::array<float, 6> second{};
+  std::memcpy(second.data(), bytes.data() + body + 27, sizeof second);
+  const std::array<float, 6> expected{1, 0.5, 0.5, 0, 0, 1};  // x right, y ahead, z up
+  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(second[i], expected[i], 1e-6) << i;
+
+  const ColoredCloud again = read_ply(path);
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    EXPECT_LT((again.points[i] - cloud.points[i]).norm(), 1e-6);
+    EXPECT_LT((again.normals[i] - cloud.normals[i]).norm(), 1e-6);
+  }
+  EXPECT_EQ(again.colors, cloud.colors);
+  EXPECT_TRUE(read_ply_frame(path).z_up);
+  EXPECT_LT(read_ply_frame(path).R_file_world.angularDistance(frame.R_file_world), 1e-12);
+  write_ply(path, cloud);
+  EXPECT_EQ(read_ply(path).normals, cloud.normals);
+  EXPECT_FALSE(read_ply_frame(path).z_up);
+}
+
+TEST(Ply, ReadsFilesOfEarlierVersions) {
+  const test::TempFolder folder;
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\ncomment kinloop\nelement vertex 1\nproperty float x\n"
+      "property float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "end_header\n";
+  bytes += std::string("\x00\x00\x80\x3f\x00\x00\x00\x40\x00\x00\x40\xc0\x0a\x14\x1e", 15);
+  const auto cloud = read_ply(folder.write("map.ply", bytes));
+  ASSERT_EQ(cloud.size(), 1U);
+  EXPECT_EQ(cloud.points[0], Eigen::Vector3f(1, 2, -3));
+  EXPECT_TRUE(cloud.normals.empty());
 }
 
 TEST(Ply, SaysWhatIsWrongWithAFile) {

@@ -36,6 +36,7 @@ CloudPiece GrowingCloud::take_in(KeyframeId anchor, const cv::Mat& color, const 
     const Eigen::Vector3d p_world = mean_point(voxel, options_.voxel_m).cast<double>();
     piece.cloud.points.emplace_back((T_camera_world * p_world).cast<float>());
     piece.cloud.colors.push_back(mean_color(voxel));
+    normals_.push_back(voxel.normal_sum.normalized());
   }
   piece.cloud = shuffled(piece.cloud);
   return piece;

@@ -17,6 +17,9 @@ class GrowingCloud {
   CloudPiece take_in(KeyframeId anchor, const cv::Mat& color, const cv::Mat& depth_m,
                      const SE3& T_world_camera);
 
+  /// The normal of every point given out so far, in the world as it was at the time.
+  [[nodiscard]] const std::vector<Eigen::Vector3f>& normals() const { return normals_; }
+
   /// Points given out so far.
   [[nodiscard]] size_t size() const { return seen_.size(); }
 
@@ -25,6 +28,7 @@ class GrowingCloud {
   RayTable rays_;
   DenseOptions options_;
   std::unordered_set<VoxelKey> seen_;
+  std::vector<Eigen::Vector3f> normals_;
 };
 
 /// The points in a random order that is the same every time: any first part of them is then a thinner cloud

@@ -128,6 +128,9 @@ void RunScene::take_keyframe(const ImageNews& image) {
   const CloudPiece piece =
       cloud_.take_in(image.keyframe, image.color, image.depth_m, map_.T_world_keyframe[image.keyframe.value]);
   if (piece.cloud.size() > 0) scene_.put(PartKind::kCloud, image.keyframe.value, encode_cloud(piece));
+  if (Clock::now() < next_up_) return;
+  up_ = estimate_up(cloud_.normals(), map_.T_world_keyframe).direction;
+  next_up_ = Clock::now() + std::chrono::seconds(1);
 }
 
 void RunScene::show_images(const ImageNews& image) {
@@ -195,10 +198,7 @@ void RunScene::show_status(const RunState& state) {
     status["inliers"] = frames_.back().inliers;
   }
   if (ate_m_ > 0) status["ateM"] = ate_m_;
-  Trajectory keyframes;
-  for (const SE3& pose : map_.T_world_keyframe) keyframes.push_back({0, pose});
-  const Eigen::Vector3d up = keyframes.empty() ? Eigen::Vector3d(0, -1, 0) : up_direction(keyframes);
-  status["up"] = {up.x(), up.y(), up.z()};
+  status["up"] = {up_.x(), up_.y(), up_.z()};
   scene_.put(PartKind::kStatus, 0, encode_json(status));
 }
 

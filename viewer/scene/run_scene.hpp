@@ -57,7 +57,8 @@ class RunScene {
   size_t relocalizations_ = 0;
   double ate_m_ = 0;
   std::deque<std::pair<Clock::time_point, size_t>> counts_;  // frames there were, over the last second or so
-  Clock::time_point next_image_, next_comparison_;
+  Eigen::Vector3d up_ = {0, -1, 0};
+  Clock::time_point next_image_, next_comparison_, next_up_;
 };
 
 }  // namespace kinloop

@@ -56,6 +56,17 @@ SE3 looking(const Eigen::Vector3d& position, const Eigen::Vector3d& forward, dou
   return {Eigen::Quaterniond(R * roll.toRotationMatrix()).normalized(), position};
 }
 
+/// Whether the cameras look neither up nor straight down if z is up, as it is in the worlds of motion
+/// capture; not where the world is the first camera's own.
+bool z_may_be_up(const Trajectory& poses) {
+  constexpr double kMostDown = -0.9, kMostUp = 0.5, kFirst_rad = 1e-3;
+  double mean = 0;
+  for (const StampedPose& pose : poses) {
+    mean += pose.T_world_camera.R()(2, 2) / static_cast<double>(poses.size());
+  }
+  return mean > kMostDown && mean < kMostUp && poses.front().T_world_camera.angle_rad() > kFirst_rad;
+}
+
 }  // namespace
 
 CameraPath::CameraPath(Trajectory poses) : poses_(std::move(poses)) {
@@ -118,6 +129,7 @@ Eigen::Vector3d estimate_up(const Trajectory& poses) {
   constexpr double kMinSpread = 0.1;    // of the right axes about the vertical
   constexpr double kMaxTilt_rad = 0.7;  // between the level estimate and the mean -y axis
   constexpr double kSnap_rad = 0.2;
+  constexpr double kMaxRoll = 0.03;  // of the right axes along the vertical: 10 degrees
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   Eigen::Vector3d mean_up = Eigen::Vector3d::Zero();
   for (const StampedPose& pose : poses) {
@@ -129,7 +141,10 @@ Eigen::Vector3d estimate_up(const Trajectory& poses) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
   Eigen::Vector3d level = axes.eigenvectors().col(0);
   if (level.dot(up) < 0) level = -level;
-  const bool told = axes.eigenvalues()(1) > kMinSpread && level.dot(up) > std::cos(kMaxTilt_rad);
+  const bool told = axes.eigenvalues()(0) < kMaxRoll && axes.eigenvalues()(1) > kMinSpread &&
+                    level.dot(up) > std::cos(kMaxTilt_rad);
+  // A camera may be held sideways, upside down or now this way, now that, but z seldom points down.
+  if (told ? level.z() < -std::cos(kSnap_rad) : z_may_be_up(poses)) return Eigen::Vector3d::UnitZ();
   int axis = 0;
   (told ? level : up).cwiseAbs().maxCoeff(&axis);
   const Eigen::Vector3d nearest = Eigen::Vector3d::Unit(axis) * (up[axis] < 0 ? -1 : 1);

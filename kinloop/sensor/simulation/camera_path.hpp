@@ -33,8 +33,8 @@ Trajectory handheld_path(uint64_t seed);
 
 /// The "up" direction of a recorded path's world. The right axes of hand-held cameras are level on average:
 /// up is the direction least present in them, or the world axis within some degrees of it, as motion-capture
-/// worlds are levelled. Where the camera never turned enough to tell, it is the world axis nearest to the
-/// mean of the cameras' -y axes.
+/// worlds are levelled. Where the camera never turned enough to tell, or was rolled, it is z if the cameras
+/// then look neither up nor straight down, else the world axis nearest to the mean of their -y axes.
 Eigen::Vector3d estimate_up(const Trajectory& poses);
 
 /// Frame times: the path's own stamps (`fps` = 0), or evenly spaced from its first to its last.
