@@ -32,9 +32,11 @@ void make_mesh(MeshArguments arguments) {
   if (!arguments.voxel_m.empty()) arguments.assignments.push_back("mesh.voxel_m=" + arguments.voxel_m);
   const Stopwatch watch;
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
-  const auto mesh = mesh_keyframes(open.recorder.images(), open.views(0), open.dense_camera(),
-                                   open.options.mesh, arguments.threads, make_progress_bar(arguments.quiet));
-  write_mesh(arguments.output, mesh, file_frame(arguments.frame, open.up(0), open.views(0)));
+  const DenseCamera camera = open.dense_camera();
+  const auto views = open.recorder.with_color_gains(open.views(0), camera, arguments.threads);
+  const auto mesh = mesh_keyframes(open.recorder.images(), views, camera, open.options.mesh,
+                                   arguments.threads, make_progress_bar(arguments.quiet));
+  write_mesh(arguments.output, mesh, file_frame(arguments.frame, open.up(0), views));
   if (!arguments.quiet) {
     fmt::print("{} vertices, {} triangles, voxels of {} m, in {:.1f} s\n", mesh.points.size(),
                mesh.triangles.size(), open.options.mesh.voxel_m, watch.wall_s());

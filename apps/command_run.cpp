@@ -22,6 +22,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/text_file.hpp"
 #include "kinloop/eval/run_up.hpp"
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/g2o_file.hpp"
@@ -102,10 +103,10 @@ bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progres
   return true;
 }
 
-/// Puts the map that the run goes on with in its place.
-void take_start_map(StartMap& start, const std::filesystem::path& path, Slam& slam, DenseRecorder& recorder) {
+/// Puts the map that the run goes on with in its place; its images only where there is a `recorder` for them.
+void take_start_map(StartMap& start, const std::filesystem::path& path, Slam& slam, DenseRecorder* recorder) {
   const uint32_t shift = slam.add_map(std::move(start.saved));
-  restore_images(start.reader, path, shift, recorder);
+  if (recorder != nullptr) restore_images(start.reader, path, shift, *recorder);
 }
 
 /// Lost at the end, or never found: what the exit code tells scripts.
@@ -177,9 +178,18 @@ void write_results(const RunFolder& folder, const RunOutcome& outcome, const Tra
   write_report(folder);
 }
 
-void print_summary(const nlohmann::json& summary, const RunFolder& folder) {
-  fmt::print("{}results    {} (trajectory.txt, map.ply, report.html)\n", summary_text(summary),
-             folder.path().string());
+/// What --localize leaves without --report.
+void write_poses(const RunFolder& folder, const Trajectory& trajectory, const FrameTable& frames,
+                 const nlohmann::json& summary) {
+  write_tum_trajectory(folder.trajectory(), trajectory);
+  write_frame_table(folder.frames(), frames);
+  write_file(folder.figures(), summary.dump(2) + "\n");
+}
+
+void print_summary(const nlohmann::json& summary, const RunFolder& folder, bool poses_only) {
+  fmt::print(
+      "{}results    {} ({})\n", summary_text(summary), folder.path().string(),
+      poses_only ? "trajectory.txt; --report adds cloud and report" : "trajectory.txt, map.ply, report.html");
 }
 
 ExitCode run(const RunArguments& arguments) {
@@ -200,16 +210,18 @@ ExitCode run(const RunArguments& arguments) {
   Slam slam(camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
   DenseRecorder recorder(camera, options.dense, options.slam.executor);
   FrameRecorder frames;
-  DepthWatch depth(options.dense);
-  slam.listen(recorder);
+  DepthWatch depth(options.dense, source->camera().depth_scale);
+  const bool poses_only = arguments.localize && !arguments.report;
+  if (!poses_only) slam.listen(recorder);
   slam.listen(frames);
   slam.listen(depth);
   RunNarrator narrator;
   if (arguments.verbose) slam.listen(narrator);
-  if (start) take_start_map(*start, arguments.load_map, slam, recorder);
+  if (start) take_start_map(*start, arguments.load_map, slam, poses_only ? nullptr : &recorder);
   const auto saver = saver_of(arguments, folder, {slam, recorder, options, arguments.sequence});
   catch_interrupts();
   const auto save_now = [&] {
+    if (poses_only) return write_tum_trajectory(folder.trajectory(), slam.trajectory());
     save_map(folder, slam, recorder, arguments.frame, threads);
     if (saver) saver->try_to_save();
   };
@@ -220,26 +232,34 @@ ExitCode run(const RunArguments& arguments) {
   if (shown) shown->viewer.finish(slam.session_log(), slam.map());
   const bool saved = saver != nullptr && saver->try_to_save();
   return_freed_memory();
-  const UprightMap map = upright_map(slam, recorder, arguments.frame, threads, progress);
+  const UprightMap map =
+      poses_only ? UprightMap() : upright_map(slam, recorder, arguments.frame, threads, progress);
   return_freed_memory();
   warn_of_skipped(*source);
 
   const auto evaluation = evaluate(trajectory, source->info().ground_truth);
   const size_t dropped = paced != nullptr ? paced->dropped() : 0;
-  const RunOutcome outcome{*source,        slam,    options,   evaluation, map.cloud.size(),
+  const auto points = poses_only ? std::nullopt : std::optional(map.cloud.size());
+  const RunOutcome outcome{*source,        slam,    options,   evaluation, points,
                            watch.wall_s(), threads, !complete, dropped};
   auto summary = run_summary(outcome);
   summary["rooms"].update(rooms_json(recorder.times()));
-  summary["up"] = to_json(map.up);
-  summary["map"].update(to_json(map.frame));
+  if (!poses_only) {
+    summary["up"] = to_json(map.up);
+    summary["map"].update(to_json(map.frame));
+  }
   if (saved) summary["map_file"] = map_file_json(*saver);
-  write_results(folder, outcome, trajectory, map, recorder, frames.table(slam.times()), summary);
-  if (!arguments.quiet) print_summary(summary, folder);
-  warn_of_result(outcome, trajectory, depth);
+  if (poses_only) {
+    write_poses(folder, trajectory, frames.table(slam.times()), summary);
+  } else {
+    write_results(folder, outcome, trajectory, map, recorder, frames.table(slam.times()), summary);
+  }
+  if (!arguments.quiet) print_summary(summary, folder, poses_only);
+  const bool useful = judge_result(outcome, trajectory, depth);
   if (shown) stay_open(shown->viewer);
-  if (saver && !saved) return ExitCode::kBadInput;
+  if (!useful || (saver && !saved)) return ExitCode::kBadInput;
   if (!lost_for_good(slam)) return ExitCode::kDone;
-  log::error("{}; see {}", loss_text(slam.map()), folder.report().string());
+  log::error("{}; see {}", loss_text(slam.map()), (poses_only ? folder.frames() : folder.report()).string());
   return ExitCode::kTrackingLost;
 }
 

@@ -22,8 +22,16 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
                      "where to save the map, to go on with it later; else map.kinmap in the output folder");
   command.add_option("--load-map", arguments.load_map,
                      "the map of an earlier run to go on with: its file, or the folder of the run");
-  command.add_flag("--localize", arguments.localize,
-                   "only say where the frames are in the map of --load-map; the map stays as it is");
+  CLI::Option* localize = command.add_flag(
+      "--localize", arguments.localize,
+      "only say where the frames are in the map of --load-map; the map stays as it is. Writes\n"
+      "trajectory.txt, frames.txt and run.json alone; no cloud, no report, no map file");
+  command
+      .add_flag(
+          "--report", arguments.report,
+          "with --localize: also write the cloud of the map (map.ply), report.html and the other files\n"
+          "of a run; this takes the time to fuse the whole map")
+      ->needs(localize);
   command
       .add_option("--autosave", arguments.autosave_s,
                   "seconds after which the map is saved again while the run goes on; 0 = at the end only")

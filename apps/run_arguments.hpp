@@ -27,6 +27,7 @@ struct RunArguments {
   std::filesystem::path save_map;
   std::filesystem::path load_map;
   bool localize = false;
+  bool report = false;
   double autosave_s = 30;
   std::vector<std::string> assignments;
 };

@@ -140,7 +140,7 @@ json run_summary(const RunOutcome& o) {
   summary["frame_ms"] = {{"median", quantile(o.slam.times().frame_ms, 0.5)},
                          {"p95", quantile(o.slam.times().frame_ms, 0.95)}};
   summary["peak_memory_mib"] = use.peak_memory_mib;
-  summary["map"] = {{"points", o.map_points}, {"voxel_m", o.options.dense.voxel_m}};
+  if (o.map_points) summary["map"] = {{"points", *o.map_points}, {"voxel_m", o.options.dense.voxel_m}};
   const auto poses = uncertain_poses(o.slam, component);
   summary["keyframe_covariances"] = covariances_json(poses);
   if (o.evaluation) {
@@ -152,17 +152,21 @@ json run_summary(const RunOutcome& o) {
 }
 
 std::string summary_text(const json& s) {
+  std::string map;
+  if (s.contains("map")) {
+    map = fmt::format("map        {} points, voxels of {} m\n", s["map"]["points"].get<long>(),
+                      s["map"]["voxel_m"].get<double>());
+  }
   std::string text = fmt::format(
       "frames     {} tracked of {} ({} in pieces apart, {} skipped as damaged, {} dropped as late)\n"
       "keyframes  {}, landmarks {}, loops {}\n"
-      "map        {} points, voxels of {} m\n"
+      "{}"
       "time       {:.1f} s, {:.1f} ms a frame (median), {:.1f} ms (95 %)\n"
       "memory     {:.0f} MiB at most\n",
       s["tracked"].get<long>(), s["frames"].get<long>(), s["tracked_apart"].get<long>(), s["skipped"].size(),
       s["dropped"].get<long>(), s["keyframes"].get<long>(), s["landmarks"].get<long>(), s["loops"].size(),
-      s["map"]["points"].get<long>(), s["map"]["voxel_m"].get<double>(), s["wall_s"].get<double>(),
-      s["frame_ms"]["median"].get<double>(), s["frame_ms"]["p95"].get<double>(),
-      s["peak_memory_mib"].get<double>());
+      map, s["wall_s"].get<double>(), s["frame_ms"]["median"].get<double>(),
+      s["frame_ms"]["p95"].get<double>(), s["peak_memory_mib"].get<double>());
   if (!s.contains("evaluation")) return text;
   const json& e = s["evaluation"];
   return text + fmt::format("error      ATE {:.4f} m\n", e["ate"]["rmse_m"].get<double>());

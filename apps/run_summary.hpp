@@ -19,7 +19,7 @@ struct RunOutcome {
   const Slam& slam;
   const RunOptions& options;
   std::optional<Evaluation> evaluation;  ///< where there is ground truth
-  size_t map_points = 0;
+  std::optional<size_t> map_points;      ///< of the cloud, where one was made
   double wall_s = 0;
   int threads = 1;
   bool interrupted = false;

@@ -12,7 +12,7 @@ namespace {
 /// By how much more a view must have seen than where the point is: this many deviations of depth and voxels.
 constexpr double kMarginSigmas = 4, kMarginVoxels = 2;
 
-/// Pixels around a point that must all have been seen through.
+/// Pixels around a point that must all have been seen through. Of so many along the border nothing is said.
 constexpr int kAroundPx = 2;
 
 /// Points that stand together, and a ball around them.
@@ -65,34 +65,41 @@ double nearest_around(const Eigen::Vector2d& pixel, const FreeSpace& view, const
   return nearest * kTileStep_per_m;
 }
 
-bool sees_through(const Eigen::Vector3f& p_world, const FreeSpace& view, const DenseCamera& camera,
-                  double voxel_m) {
+/// What a view says of a point.
+enum class Look { kNone, kAtIt, kThroughIt };
+
+Look look_at(const Eigen::Vector3f& p_world, const FreeSpace& view, const DenseCamera& camera,
+             double voxel_m) {
   const Eigen::Vector3d p_stamp = view.T_camera_world * p_world.cast<double>();
-  if (!(p_stamp.z() > 0)) return false;
+  if (!(p_stamp.z() > 0)) return Look::kNone;
   const Eigen::Vector3d p = camera.when_measured(p_stamp, view.velocity);
-  if (!(p.z() > 0)) return false;
+  if (!(p.z() > 0)) return Look::kNone;
   const Eigen::Vector2d ideal = camera.color.project(p);
-  if (!camera.color.contains(ideal)) return false;
+  if (!camera.color.contains(ideal)) return Look::kNone;
   const Eigen::Vector2d pixel = camera.color.has_distortion() ? camera.color.distort(ideal) : ideal;
-  const double behind = nearest_around(pixel, view, camera.color);
-  if (!(behind > 0)) return false;
+  if (!camera.color.contains(pixel, kAroundPx)) return Look::kNone;
+  const double nearest = nearest_around(pixel, view, camera.color);
+  if (!(nearest > 0)) return Look::kAtIt;
   const double here = 1 / p.z();
   const double margin =
       kMarginSigmas * DepthNoise().coefficient_per_m + kMarginVoxels * voxel_m * here * here;
-  return here - behind > margin;
+  if (nearest - here > margin) return Look::kNone;
+  return here - nearest > margin ? Look::kThroughIt : Look::kAtIt;
 }
 
 }  // namespace
 
-void count_seen_through(std::span<SurfacePoint> points, std::span<const FreeSpace> views,
-                        const DenseCamera& camera, double voxel_m, int threads) {
+void count_looks(std::span<SurfacePoint> points, std::span<const FreeSpace> views, const DenseCamera& camera,
+                 double voxel_m, int threads) {
   const auto blocks = blocks_of(points, voxel_m);
   parallel_for(blocks.size(), threads, [&](size_t begin, size_t end) {
     for (size_t b = begin; b < end; ++b) {
       for (const FreeSpace& view : views) {
         if (!in_sight(blocks[b], view, camera.color)) continue;
         for (SurfacePoint& point : blocks[b].points) {
-          if (sees_through(point.p_world, view, camera, voxel_m)) ++point.seen_through;
+          const Look look = look_at(point.p_world, view, camera, voxel_m);
+          point.looked += look == Look::kNone ? 0 : 1;
+          point.seen_through += look == Look::kThroughIt ? 1 : 0;
         }
       }
     }

@@ -1,6 +1,6 @@
 #pragma once
-// In: points of surfaces, and views. Out: how many of the views saw through each point: a passer-by that is
-// gone, flying pixels at the edge of things.
+// In: points of surfaces, and views. Out: how many of the views looked at the place of each point, and how
+// many saw through it: a passer-by that is gone, flying pixels at the edge of things.
 
 #include <span>
 
@@ -15,8 +15,9 @@ struct FreeSpace {
   std::vector<uint16_t> nearest;  ///< see DepthPatch
 };
 
-/// Counts for every point the views that saw through it. The points of a block must stand together.
-void count_seen_through(std::span<SurfacePoint> points, std::span<const FreeSpace> views,
-                        const DenseCamera& camera, double voxel_m, int threads);
+/// Counts for every point the views that looked at its place, nothing before it and depth known or not, and
+/// of these the ones that saw through it. The points of a block must stand together.
+void count_looks(std::span<SurfacePoint> points, std::span<const FreeSpace> views, const DenseCamera& camera,
+                 double voxel_m, int threads);
 
 }  // namespace kinloop

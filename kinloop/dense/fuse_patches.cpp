@@ -50,9 +50,9 @@ class Fusion {
     for (int begin = kFirstSlice; begin < kLastSlice && !stopped_;) {
       Slab slab{begin, kLastSlice};
       auto points = fill(slab);
-      if (options_.carve) carve(points);
+      look_again(points);
       for (const SurfacePoint& point : points) {
-        if (point.seen_through > point.views) continue;
+        if (!stays(point)) continue;
         cloud.points.push_back(point.p_world);
         cloud.colors.push_back(point.color);
         cloud.normals.push_back(point.normal);
@@ -109,14 +109,20 @@ class Fusion {
     }
   }
 
-  void carve(std::vector<SurfacePoint>& points) {
+  /// What few images looked at cannot have been seen by many.
+  [[nodiscard]] bool stays(const SurfacePoint& point) const {
+    if (options_.carve && point.seen_through > point.views) return false;
+    return point.views >= std::min(options_.min_observations, std::max(point.looked, 1));
+  }
+
+  void look_again(std::vector<SurfacePoint>& points) {
     for_each_batch("carving", [&](size_t first, const std::vector<DepthPatch>& patches) {
       std::vector<FreeSpace> free;
       for (size_t i = 0; i < patches.size(); ++i) {
         const PosedImage& view = views_[first + i];
         free.push_back({view.T_world_camera.inverse(), view.velocity, patches[i].nearest});
       }
-      count_seen_through(points, free, camera_, options_.voxel_m, threads_);
+      count_looks(points, free, camera_, options_.voxel_m, threads_);
     });
   }
 

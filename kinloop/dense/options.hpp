@@ -12,6 +12,7 @@ struct DenseOptions {
   double max_slope_deg = 78;
   int min_observations = 2;
   bool carve = true;
+  bool even_exposure = true;
   int frame_step = 0;
   int jpeg_quality = 95;
   int image_memory_mib = 64;
@@ -27,10 +28,14 @@ struct DenseOptions {
           "leaves out surfaces that turn away from the ray by more, and with them the flying pixels at depth "
           "edges, degrees",
           Range{10, 89.9});
-    visit("min_observations", self.min_observations, "images that must have seen a voxel for it to stay",
+    visit("min_observations", self.min_observations,
+          "images that must have seen a voxel for it to stay; all of them where fewer looked there",
           Range{1, 100});
     visit("carve", self.carve, "leaves out what more images saw through than saw: people who passed by");
-    visit("frame_step", self.frame_step, "beside the keyframes, fuses every n-th frame; 0: keyframes alone",
+    visit("even_exposure", self.even_exposure,
+          "evens out what automatic exposure and white balance change from image to image");
+    visit("frame_step", self.frame_step,
+          "beside the keyframes, fuses every n-th frame; 0: others only where keyframes are few",
           Range{0, 10000});
     visit("jpeg_quality", self.jpeg_quality, "of the colour images that are kept for fusing", Range{50, 100});
     visit("image_memory_mib", self.image_memory_mib,

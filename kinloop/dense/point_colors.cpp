@@ -19,6 +19,7 @@ struct Photo {
   RgbdImages images;
   SE3 T_camera_world;
   float sharpness = 0;
+  Eigen::Vector3f gain_bgr = Eigen::Vector3f::Ones();
 };
 
 /// Sum of colours (blue, green, red) and of their weights.
@@ -54,8 +55,11 @@ ColorSum seen_in(const Photo& photo, const Eigen::Vector3f& point, const Eigen::
   if (!(frontal > 0)) return ColorSum::Zero();
   // Pixels per square metre of surface, and the fourth power: the best few images make the colour.
   const float detail = photo.sharpness * frontal / (z * z);
-  const float weight = detail * detail * detail * detail;
-  const Eigen::Vector3f color = weight * sample(photo.images.color, pixel);
+  const Eigen::Vector3f measured = sample(photo.images.color, pixel);
+  // What is clipped has lost its colour: it counts only where no image does better.
+  const float exposed = measured.maxCoeff() < kClipped ? 1 : 1e-3F;
+  const float weight = exposed * detail * detail * detail * detail;
+  const Eigen::Vector3f color = weight * measured.cwiseProduct(photo.gain_bgr);
   return {color.x(), color.y(), color.z(), weight};
 }
 
@@ -84,8 +88,9 @@ std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
     parallel_for(count, threads, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         const PosedImage& view = views[first + i];
-        batch[i] = {images.load(view.image), view.T_world_camera.inverse(), 0};
-        batch[i].sharpness = sharpness_of(batch[i].images.color);
+        const float gain = view.color_gain.mean();
+        batch[i] = {images.load(view.image), view.T_world_camera.inverse(), 0, view.color_gain.reverse()};
+        batch[i].sharpness = gain * gain * sharpness_of(batch[i].images.color);
       }
     });
     parallel_for(points.size(), threads, [&](size_t begin, size_t end) {

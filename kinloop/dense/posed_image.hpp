@@ -8,11 +8,16 @@
 
 namespace kinloop {
 
+/// Grey values from here on may have been brighter than the sensor could tell.
+constexpr int kClipped = 250;
+
 /// A stored image and where it was taken.
 struct PosedImage {
   size_t image = 0;  ///< index into the KeyframeImages
   SE3 T_world_camera;
   Vector6d velocity = Vector6d::Zero();  ///< m/s, then rad/s, both in camera axes
+  /// Factors for its red, green and blue that even out exposure and white balance, see color_gains.
+  Eigen::Vector3f color_gain = Eigen::Vector3f::Ones();
 };
 
 /// How depth comes about beside the lens: rows are read out one after the other, some time after the colour

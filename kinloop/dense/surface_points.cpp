@@ -66,12 +66,11 @@ Column column_through(const Voxel& voxel, const VoxelGrids& grids, double voxel_
   return column;
 }
 
-/// The point that a voxel stands for; nothing where it is noise, or too few images saw it.
+/// The point that a voxel stands for; nothing where it is noise.
 std::optional<SurfacePoint> point_of(const Voxel& voxel, const VoxelGrids& grids,
                                      const DenseOptions& options) {
   const Column column = column_through(voxel, grids, options.voxel_m);
-  if (voxel.weight < kSureShare * column.surest() || column.views() < options.min_observations)
-    return std::nullopt;
+  if (voxel.weight < kSureShare * column.surest()) return std::nullopt;
   const Eigen::Vector3d mean = column.mean_voxels();
   SurfacePoint point;
   point.key = key_at(mean);
@@ -84,10 +83,10 @@ std::optional<SurfacePoint> point_of(const Voxel& voxel, const VoxelGrids& grids
   return point;
 }
 
-/// By blocks, then voxels; of one voxel the surest first.
-bool stands_before(const SurfacePoint& a, const SurfacePoint& b) {
-  return std::tuple(block_of(a.key), a.key, -a.weight, a.origin) <
-         std::tuple(block_of(b.key), b.key, -b.weight, b.origin);
+/// By blocks, then voxels; of one voxel those that enough images saw first, then the surest.
+bool stands_before(const SurfacePoint& a, const SurfacePoint& b, int enough) {
+  return std::tuple(block_of(a.key), a.key, a.views < enough, -a.weight, a.origin) <
+         std::tuple(block_of(b.key), b.key, b.views < enough, -b.weight, b.origin);
 }
 
 }  // namespace
@@ -109,7 +108,9 @@ std::vector<SurfacePoint> surface_points(VoxelGrids grids, const Slab& slab, con
     points.insert(points.end(), part.begin(), part.end());
     part = {};
   }
-  std::sort(points.begin(), points.end(), stands_before);
+  std::sort(points.begin(), points.end(), [&](const SurfacePoint& a, const SurfacePoint& b) {
+    return stands_before(a, b, options.min_observations);
+  });
   const auto same_voxel = [](const SurfacePoint& a, const SurfacePoint& b) { return a.key == b.key; };
   points.erase(std::unique(points.begin(), points.end(), same_voxel), points.end());
   return points;

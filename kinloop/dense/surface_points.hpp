@@ -47,14 +47,15 @@ struct SurfacePoint {
   Eigen::Vector3f normal;  ///< unit, towards the cameras
   Rgb color{};
   int views = 0;         ///< images that saw it
+  int looked = 0;        ///< images that looked at its place
   int seen_through = 0;  ///< images that saw through it
   float weight = 0;      ///< how sure the voxel was that it comes from, 1/m^2
   VoxelKey origin = 0;   ///< that voxel
 };
 
-/// The points of the surfaces in `slab` that enough images saw, one per voxel, in an order that depends on
-/// the voxels alone: those of a block (see block_of) stand together. The grids must hold kHaloSlices more on
-/// either side.
+/// The points of the surfaces in `slab`, one per voxel, in an order that depends on the voxels alone: those
+/// of a block (see block_of) stand together. Of one voxel a point that `options.min_observations` images saw
+/// is preferred. The grids must hold kHaloSlices more on either side.
 std::vector<SurfacePoint> surface_points(VoxelGrids grids, const Slab& slab, const DenseOptions& options,
                                          int threads);
 

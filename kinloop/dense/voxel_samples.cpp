@@ -33,6 +33,21 @@ float fourth_power(float x) {
   return x * x * x * x;
 }
 
+Rgb leveled(const Rgb& color, const Eigen::Vector3f& gain) {
+  constexpr float kMost = 255;
+  const auto channel = [&](size_t i) {
+    const float value = static_cast<float>(color[i]) * gain(static_cast<Eigen::Index>(i));
+    return static_cast<uint8_t>(std::min(value + 0.5F, kMost));
+  };
+  return {channel(0), channel(1), channel(2)};
+}
+
+/// What is clipped has lost its colour: it counts only where no view does better.
+float exposure_weight(const Rgb& color) {
+  constexpr float kLost = 1e-3F;
+  return *std::max_element(color.begin(), color.end()) < kClipped ? 1 : kLost;
+}
+
 }  // namespace
 
 Eigen::Vector3i voxel_of(VoxelKey key) {
@@ -63,6 +78,9 @@ std::vector<VoxelSample> voxel_samples(const DepthPatch& patch, const PosedImage
   const Eigen::Matrix3d R = view.T_world_camera.R();
   const Eigen::Matrix3f R_float = R.cast<float>();
   constexpr auto kEnd = static_cast<double>(kVoxelOrigin - 1);
+  // Sharpness is the energy of edges, which grows with the square of the exposure.
+  const float gain = view.color_gain.mean();
+  const float sharpness = patch.sharpness * gain * gain;
 
   std::vector<VoxelSample> samples;
   samples.reserve(patch.points.size());
@@ -89,8 +107,9 @@ std::vector<VoxelSample> voxel_samples(const DepthPatch& patch, const PosedImage
     sample.variance_m2 = static_cast<float>(sigma_m * sigma_m);
     // Pixels per square metre of surface, and the fourth power: the best few images make the colour.
     sample.color_weight =
-        fourth_power(patch.sharpness * frontal * static_cast<float>(inverse_depth * inverse_depth));
-    sample.color = point.color;
+        exposure_weight(point.color) *
+        fourth_power(sharpness * frontal * static_cast<float>(inverse_depth * inverse_depth));
+    sample.color = leveled(point.color, view.color_gain);
   }
   return samples;
 }

@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/dense/color_gains.hpp"
 #include "kinloop/dense/surface_normals.hpp"
 
 namespace kinloop {
@@ -37,14 +38,28 @@ DenseRecorder::DenseRecorder(const RgbdCamera& camera, const DenseOptions& optio
 
 void DenseRecorder::on_frame(const FrameResult& result, const PreparedFrame& frame) {
   take_in(executor_->collect(frame.id));
-  const bool in_step =
-      options_.frame_step > 0 && result.frame.value % static_cast<uint32_t>(options_.frame_step) == 0;
-  if (result.status != TrackStatus::kLost && (result.keyframe.valid() || in_step)) {
-    waiting_.push_back({result.frame, {frame.color, frame.depth_m}});
+  if (result.status != TrackStatus::kLost) {
+    ++frames_, ++frames_since_kept_;
+    if (wants(result)) {
+      waiting_.push_back({result.frame, {frame.color, frame.depth_m}});
+      frames_since_kept_ = 0;
+    }
   }
   constexpr size_t kMostWaiting = 8;  // a slow machine waits rather than fill its memory with images
   if (waiting_.size() >= kMostWaiting) take_in(executor_->drain());
   submit(frame.id);
+}
+
+/// Keyframes; and other frames while fewer than kFewImages, evenly spread, stand for the frames so far.
+/// However few keyframes there are, n frames give at most about kFewImages * (1 + ln(n / 60)) others, and
+/// where a keyframe comes oftener than every n / kFewImages frames, as in any long recording by hand, none.
+bool DenseRecorder::wants(const FrameResult& result) const {
+  constexpr uint32_t kFewImages = 12, kLeastGapFrames = 5;
+  if (result.keyframe.valid()) return true;
+  if (options_.frame_step > 0 && result.frame.value % static_cast<uint32_t>(options_.frame_step) == 0)
+    return true;
+  return result.status == TrackStatus::kTracked &&
+         frames_since_kept_ >= std::max(kLeastGapFrames, frames_ / kFewImages);
 }
 
 void DenseRecorder::submit(FrameId now) {
@@ -119,13 +134,27 @@ void DenseRecorder::make_missing_patches(int threads) {
   }
 }
 
+std::vector<PosedImage> DenseRecorder::with_color_gains(std::span<const PosedImage> views,
+                                                        const DenseCamera& camera, int threads) {
+  std::vector<PosedImage> leveled(views.begin(), views.end());
+  if (!options_.even_exposure) return leveled;
+  finish_work();
+  make_missing_patches(threads);
+  const Stopwatch watch;
+  const auto gains = color_gains([this](size_t image) { return patch(image); }, views, camera, threads);
+  for (size_t i = 0; i < gains.size(); ++i) leveled[i].color_gain = gains[i];
+  times_.add("dense colours", watch.spent());
+  return leveled;
+}
+
 ColoredCloud DenseRecorder::fuse_views(std::span<const PosedImage> views, const DenseCamera& camera,
                                        int threads, const Progress& progress) {
   finish_work();
-  const Stopwatch watch;
   make_missing_patches(threads);
-  const auto patch_of = [this](size_t image) { return patch_of_bytes(patches_.load(*kept_[image].patch)); };
-  ColoredCloud cloud = fuse_patches(patch_of, views, camera, options_, threads, progress);
+  const auto leveled = with_color_gains(views, camera, threads);
+  const Stopwatch watch;
+  ColoredCloud cloud = fuse_patches([this](size_t image) { return patch(image); }, leveled, camera, options_,
+                                    threads, progress);
   times_.add("dense fusion", watch.spent());
   return cloud;
 }

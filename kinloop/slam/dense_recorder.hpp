@@ -1,6 +1,7 @@
 #pragma once
 // Listens to a run and works out of every keyframe's images, in the background, a patch of surface that moves
-// with the keyframe; keeps both. Out: the coloured cloud, whenever wanted, at the poses of that moment.
+// with the keyframe; keeps both. A short recording, or one of a camera that stands still, has few keyframes:
+// frames between them are taken too. Out: the coloured cloud, whenever wanted, at the poses of that moment.
 
 #include <memory>
 #include <optional>
@@ -53,6 +54,10 @@ class DenseRecorder : public Listener {
   [[nodiscard]] std::vector<PosedImage> views(const Slam& slam) const {
     return views(slam.log(), slam.map(), slam.component());
   }
+  /// `views` with the factors that even out their colours, where the options say so; waits for the work in
+  /// flight.
+  [[nodiscard]] std::vector<PosedImage> with_color_gains(std::span<const PosedImage> views,
+                                                         const DenseCamera& camera, int threads);
 
   /// The coloured cloud of `views`, waiting for the work in flight.
   ColoredCloud fuse_views(std::span<const PosedImage> views, const DenseCamera& camera, int threads,
@@ -85,9 +90,13 @@ class DenseRecorder : public Listener {
     std::optional<size_t> patch;  // index into patches_; not yet made of images that were restored
   };
 
+  [[nodiscard]] bool wants(const FrameResult& result) const;
   void submit(FrameId now);
   void take_in(std::vector<FinishedJob> jobs);
   void make_missing_patches(int threads);
+  [[nodiscard]] DepthPatch patch(size_t image) const {
+    return patch_of_bytes(patches_.load(*kept_[image].patch));
+  }
 
   RgbdCamera camera_;
   DenseOptions options_;
@@ -95,6 +104,8 @@ class DenseRecorder : public Listener {
   ByteStore patches_;
   std::vector<Kept> kept_;  // per image
   std::vector<Waiting> waiting_;
+  uint32_t frames_ = 0;             // that were located
+  uint32_t frames_since_kept_ = 0;  // of these
   RoomTimes times_;
   std::unique_ptr<Executor> executor_;  // last: its jobs end first
 };

@@ -63,7 +63,7 @@ TEST_F(MapCommand, InfoSaysWhatAMapHolds) {
   EXPECT_EQ(info["keyframes"], figures["keyframes"]);
   EXPECT_EQ(info["landmarks"], figures["landmarks"]);
   EXPECT_EQ(info["frames"], 20);
-  EXPECT_EQ(info["images"], info["keyframes"]);
+  EXPECT_GE(info["images"], info["keyframes"]);  // of so few frames some others, too
   EXPECT_EQ(info["sessions"][0]["input"], "sim:room");
   EXPECT_EQ(info["lost"], "");
   ASSERT_EQ(run("map info " + folder + "/map.kinmap"), 0);
@@ -76,7 +76,10 @@ TEST_F(MapCommand, GoesOnWithAMapAndLocalisesInIt) {
   ASSERT_EQ(
       run("run sim:room" + std::string(kSmall) + "-o " + at("there") + " --localize --load-map " + ran()), 0)
       << err_;
-  EXPECT_FALSE(std::filesystem::exists(at("there") + "/map.kinmap"));
+  for (const char* absent : {"map.kinmap", "map.ply", "report.html", "graph.g2o", "camera.yaml"})
+    EXPECT_FALSE(std::filesystem::exists(at("there/") + absent)) << absent;
+  for (const char* present : {"trajectory.txt", "frames.txt"})
+    EXPECT_TRUE(std::filesystem::exists(at("there/") + present)) << present;
   const auto figures = nlohmann::json::parse(read_file(at("there") + "/run.json"));
   EXPECT_EQ(figures["frames"], 20);
   EXPECT_GE(figures["tracked"], 18);
@@ -92,6 +95,17 @@ TEST_F(MapCommand, GoesOnWithAMapAndLocalisesInIt) {
   EXPECT_EQ(info["components"], 1);
 }
 
+TEST_F(MapCommand, LocalisingGivesCloudAndReportWhenAsked) {
+  const std::string localize = "run sim:room" + std::string(kSmall) + "--localize --load-map " + ran();
+  ASSERT_EQ(run(localize + " -o " + at("poses")), 0) << err_;
+  ASSERT_EQ(run(localize + " --report -o " + at("all")), 0) << err_;
+  EXPECT_EQ(read_file(at("all/trajectory.txt")), read_file(at("poses/trajectory.txt")));
+  for (const char* present : {"map.ply", "report.html", "keyframes.txt"})
+    EXPECT_TRUE(std::filesystem::exists(at("all/") + present)) << present;
+  EXPECT_FALSE(std::filesystem::exists(at("all/map.kinmap")));
+  EXPECT_EQ(run("run sim:room --report -o " + at("x")), kWrongUse);
+}
+
 TEST_F(MapCommand, MergesMaps) {
   const std::string folder = ran();
   ASSERT_EQ(run("map merge -q " + folder + " " + folder + " -o " + at("both.kinmap")), 0) << err_;
@@ -99,7 +113,7 @@ TEST_F(MapCommand, MergesMaps) {
   const auto info = nlohmann::json::parse(out_);
   EXPECT_EQ(info["components"], 1);
   EXPECT_EQ(info["frames"], 40);
-  EXPECT_EQ(info["images"], info["keyframes"]);
+  EXPECT_GE(info["images"], info["keyframes"]);
 }
 
 TEST_F(MapCommand, AMapThatCannotBeSavedCostsNothingElse) {

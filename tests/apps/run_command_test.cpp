@@ -1,5 +1,7 @@
 // What kinloop tells the user who gave it the wrong word, camera or ground truth.
 
+#include <filesystem>
+
 #include <gmock/gmock.h>
 
 #include "tests/apps/program_test.hpp"
@@ -7,6 +9,7 @@
 namespace kinloop {
 namespace {
 
+using test::kBadInput;
 using test::kDone;
 using test::kTrackingLost;
 using test::kWrongUse;
@@ -17,9 +20,19 @@ using testing::Not;
 class RunCommand : public test::ProgramTest {
  protected:
   /// A sequence of a few small frames.
-  [[nodiscard]] std::string sequence() const {
-    EXPECT_EQ(run("simulate room --frames 4 --size 160x120 -q -o '" + at("seq") + "'").exit_code, kDone);
+  [[nodiscard]] std::string sequence(int frames = 4) const {
+    const std::string many = std::to_string(frames);
+    EXPECT_EQ(run("simulate room --frames " + many + " --size 160x120 -q -o '" + at("seq") + "'").exit_code,
+              kDone);
     return at("seq");
+  }
+
+  /// Its camera, with another scale of depth.
+  [[nodiscard]] std::string camera_with_scale(const std::string& scale) const {
+    std::string camera = read_file(at("seq/camera.yaml"));
+    const std::string right = "depth_scale: 5000";
+    folder_.write("camera.yaml", camera.replace(camera.find(right), right.size(), "depth_scale: " + scale));
+    return at("camera.yaml");
   }
 };
 
@@ -38,13 +51,42 @@ TEST_F(RunCommand, ASetTakesOneOption) {
   EXPECT_THAT(two.err, HasSubstr("sim.fps=5"));
 }
 
-TEST_F(RunCommand, DepthInTheWrongUnitsIsSaid) {
-  const std::string folder = sequence();
-  std::string camera = read_file(folder + "/camera.yaml");
-  folder_.write("camera.yaml", camera.replace(camera.find("depth_scale: 5000"), 17, "depth_scale: 1"));
-  const Run done = run("run '" + folder + "' -q --camera '" + at("camera.yaml") + "' -o '" + at("out") + "'");
-  EXPECT_THAT(done.err, AllOf(HasSubstr("only 0.0 % of the depth"), HasSubstr("depth_scale (1 units"),
-                              HasSubstr("dense.max_m")));
+TEST_F(RunCommand, DepthInTheWrongUnitsIsRefusedWithTheLikelyScale) {
+  const std::string folder = sequence(12);
+  for (const char* scale : {"1000", "50000"}) {
+    const Run done =
+        run("run '" + folder + "' -q --camera '" + camera_with_scale(scale) + "' -o '" + at("out") + "'");
+    EXPECT_EQ(done.exit_code, kBadInput) << done.err;
+    const bool far = std::string(scale) == "1000";
+    EXPECT_THAT(done.err,
+                AllOf(HasSubstr(far ? "of the depth lies beyond 4 m" : "of the depth lies nearer than 0.4 m"),
+                      HasSubstr("depth_scale: 5000 instead of " + std::string(scale)),
+                      HasSubstr("camera.yaml"), HasSubstr(far ? "dense.max_m" : "dense.min_m")));
+    EXPECT_THAT(done.err, HasSubstr("in the first 10 frames"));
+  }
+}
+
+TEST_F(RunCommand, DepthThatNoCameraMeasuresEndsTheRunAtOnce) {
+  const std::string folder = sequence(40);
+  const Run done =
+      run("run '" + folder + "' --camera '" + camera_with_scale("1") + "' -o '" + at("out") + "'");
+  EXPECT_EQ(done.exit_code, kBadInput);
+  EXPECT_THAT(done.err, HasSubstr("no RGB-D camera measures such depth"));
+  EXPECT_FALSE(std::filesystem::exists(at("out/trajectory.txt")));
+}
+
+TEST_F(RunCommand, AFarSceneIsNoMistake) {
+  // As when the camera looks down a hall: nearly all is beyond the map's range, what is not makes the map.
+  const std::string far = "run '" + sequence(12) + "' -q -o '" + at("out") + "' --set dense.max_m=";
+  const Run done = run(far + "1.5");
+  EXPECT_EQ(done.exit_code, kDone) << done.err;
+}
+
+TEST_F(RunCommand, OneFrameGivesItsSurface) {
+  const Run done = run("run '" + sequence(1) + "' -o '" + at("out") + "'");
+  EXPECT_EQ(done.exit_code, kDone);
+  EXPECT_THAT(done.out, AllOf(HasSubstr("1 tracked of 1"), Not(HasSubstr("map        0 points"))));
+  EXPECT_THAT(done.err, Not(HasSubstr("depth_scale")));
 }
 
 TEST_F(RunCommand, ARunThatNeverBeganSaysSo) {

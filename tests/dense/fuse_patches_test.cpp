@@ -207,24 +207,54 @@ TEST(FusePatches, GivesTheSameBytesPartByPart) {
   expect_same(parts, scene.fused());
 }
 
-TEST(FusePatches, DropsWhatTooFewViewsSaw) {
-  const Scene scene = views_of_wall(3);
-  DenseOptions options;
-  size_t fewer = SIZE_MAX;
-  for (const int views : {1, 2, 3}) {
-    options.min_observations = views;
-    const size_t size = scene.fused(options).size();
-    EXPECT_LT(size, fewer);
-    fewer = size;
+TEST(FusePatches, TheMapOfGoodViewsIsNeverEmpty) {
+  for (const size_t count : {1, 2, 3, 5}) {
+    Scene still;
+    for (size_t i = 0; i < count; ++i) still.add(views_of_wall(1).images[0], {});
+    EXPECT_GT(still.fused().size(), 10000U) << count;
+    EXPECT_GT(views_of_wall(count).fused().size(), 5000U) << count;
   }
-  options.min_observations = 4;
-  EXPECT_EQ(scene.fused(options).size(), 0U);
+  DenseOptions many;
+  many.min_observations = 9;
+  EXPECT_GT(views_of_wall(3).fused(many).size(), 5000U);
+}
+
+TEST(FusePatches, WhatOneViewAloneLookedAtStays) {
+  Scene scene = views_of_wall(1);
+  const size_t one = scene.fused().size();
+  // A second one that looks elsewhere adds what it sees and takes nothing away.
+  const SE3 T_world_camera{exp_so3({0, 0, 0}), {5, 0, 0}};
+  scene.add(view_of_wall(small_camera(), T_world_camera, kWallZ_m, {30, 100, 200}), T_world_camera);
+  EXPECT_NEAR(static_cast<double>(scene.fused().size()), 2.0 * static_cast<double>(one),
+              0.02 * 2.0 * static_cast<double>(one));
+}
+
+TEST(FusePatches, DropsWhatTooFewOfTheViewsThatLookedSaw) {
+  const auto empty = view_of_wall(small_camera(), {}, 2.5, {200, 200, 200});
+  const auto person = with_person(empty, 1.2F);
+  auto unknown = person;
+  unknown.depth_m = person.depth_m.clone();
+  unknown.depth_m.setTo(0, person.depth_m < 2);
+  Scene scene;
+  for (int i = 0; i < 5; ++i) scene.add(i < 2 ? person : unknown, {});
+  DenseOptions options;
+  for (const int views : {1, 2, 3, 4}) {
+    options.min_observations = views;
+    EXPECT_EQ(count_near(scene.fused(options), 1.2F) > 500, views <= 2) << views;
+    EXPECT_GT(count_near(scene.fused(options), 2.5F), 10000U);
+  }
 }
 
 TEST(FusePatches, ManyPixelsOfOneViewAreOneObservation) {
+  const auto empty = view_of_wall(small_camera(), {}, 2.5, {200, 200, 200});
+  auto unknown = empty;
+  unknown.depth_m = cv::Mat(120, 160, CV_32FC1, cv::Scalar(0));
+  Scene scene;
+  scene.add(empty, {});
+  scene.add(unknown, {});
   DenseOptions coarse;
   coarse.voxel_m = 0.2;
-  EXPECT_EQ(views_of_wall(1).fused(coarse).size(), 0U);
+  EXPECT_EQ(scene.fused(coarse).size(), 0U);
 }
 
 TEST(FusePatches, OfNothingIsNothing) {

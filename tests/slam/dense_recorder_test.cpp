@@ -1,5 +1,8 @@
 #include "kinloop/slam/dense_recorder.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "tests/dense/plane_view.hpp"
@@ -96,6 +99,28 @@ TEST(DenseRecorder, KeepsMoreFramesThanItHasTimeFor) {
     EXPECT_TRUE(recorder.images_of(FrameId{i}));
   }
   EXPECT_FALSE(recorder.images_of(FrameId{20}));
+}
+
+TEST(DenseRecorder, TakesOtherFramesWhereKeyframesAreFew) {
+  for (const uint32_t frames : {1, 4, 40, 400}) {
+    DenseRecorder recorder(camera(), {});
+    show_wall(recorder, frames, 100'000);
+    recorder.finish_work();
+    const double most = 13 + 12 * std::max(0.0, std::log(frames / 60.0));
+    EXPECT_LE(static_cast<double>(recorder.image_count()), most) << frames;
+    EXPECT_GE(recorder.image_count(), std::min<size_t>(1 + (frames - 1) / 5, 12)) << frames;
+    EXPECT_GT(cloud_of(recorder, 0, 1).size(), 1000U) << frames;
+  }
+}
+
+TEST(DenseRecorder, TakesKeyframesAloneOnceThereAreMany) {
+  DenseRecorder recorder(camera(), {});
+  show_wall(recorder, 360, 12);
+  recorder.finish_work();
+  for (size_t i = 0; i < recorder.image_count(); ++i) {
+    const uint32_t frame = recorder.frame_of_image(i).value;
+    EXPECT_TRUE(frame % 12 == 0 || frame < 12 * 12) << frame;
+  }
 }
 
 }  // namespace
