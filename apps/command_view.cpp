@@ -63,7 +63,8 @@ void view(const ViewArguments& arguments) {
 
 void add_view_command(CLI::App& app) {
   auto arguments = std::make_shared<ViewArguments>();
-  CLI::App* command = app.add_subcommand("view", "Show a run's folder, a map file, a cloud or a mesh in a browser");
+  CLI::App* command =
+      app.add_subcommand("view", "Show a run's folder, a map file, a cloud or a mesh in a browser");
   command
       ->add_option("DIR|FILE", arguments->path,
                    "the folder that kinloop run -o DIR wrote, a map file (.kinmap), a cloud (.ply, .pcd) or\n"

@@ -76,18 +76,20 @@ std::optional<AteResult> show_truth(Scene& scene, const SavedRun& run) {
   return ate;
 }
 
-/// What the comments of kinloop's own files say of their axes; z up is what most other programs have.
-Eigen::Vector3d up_of(const std::vector<std::string>& comments) {
+/// Kinloop's own files tell their axes; in those of most other programs z is up.
+void take_up(const std::vector<std::string>& comments, SavedRun& run) {
   const auto says = [&](const char* text) {
     return std::any_of(comments.begin(), comments.end(),
                        [&](const std::string& comment) { return comment.starts_with(text); });
   };
-  return says("kinloop") && !says("frame z-up") ? Eigen::Vector3d(0, -1, 0) : Eigen::Vector3d(0, 0, 1);
+  const bool z_up = says("frame z-up");
+  run.up_known = z_up || says("kinloop") || says("frame camera");
+  if (z_up || !run.up_known) run.up = Eigen::Vector3d::UnitZ();
 }
 
 SavedRun of_points(PointFile file, const fs::path& path) {
   SavedRun run;
-  run.up = up_of(file.comments);
+  take_up(file.comments, run);
   ColoredMesh& mesh = file.mesh;
   if (mesh.points.empty()) throw InputError(fmt::format("{}: holds no points", path.string()));
   if (!mesh.triangles.empty()) {
@@ -167,7 +169,7 @@ SavedRun read_saved_run(const fs::path& path) {
   SavedRun run = fs::is_directory(path) ? read_folder(path) : read_single_file(path);
   run.name = title_of(run.figures.contains("input") && run.figures["input"].is_string()
                           ? run.figures["input"].get<std::string>()
-                          : path.string());
+                          : fs::absolute(path).string());
   return run;
 }
 
@@ -177,6 +179,7 @@ void show_saved_run(Scene& scene, const SavedRun& run) {
                          {"input", run.name},
                          {"live", false},
                          {"colors", colorings_of(run)},
+                         {"upKnown", run.up_known},
                          {"frustum", {0.6, 0.45}}}));
   show_paths(scene, run);
   const auto ate = show_truth(scene, run);

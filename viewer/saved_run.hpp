@@ -21,8 +21,9 @@ struct SavedRun {
 
   // What a file alone may hold instead.
   ColoredMesh mesh;
-  std::string model;    ///< the bytes of a GLB file
-  bool colored = true;  ///< whether the points have colours
+  std::string model;     ///< the bytes of a GLB file
+  bool colored = true;   ///< whether the points have colours
+  bool up_known = true;  ///< else `up` is a guess
 };
 
 /// Reads the folder of a run, of which only trajectory.txt must be there, or a file: PLY, PCD or GLB. Throws

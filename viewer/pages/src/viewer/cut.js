@@ -5,7 +5,7 @@ const STEP_SHARE = 0.05; // of the height of the map, for the keys
 export class Cut {
   constructor(slider, output, view) {
     Object.assign(this, { slider, output, view });
-    slider.oninput = () => this.set(Number(slider.value));
+    slider.oninput = () => this.set(Number(slider.value) === Number(slider.max) ? Infinity : (slider.value / slider.max) * this.heightM);
     this.show();
   }
 
@@ -35,9 +35,7 @@ export class Cut {
     const { slider, output, view } = this;
     const off = view.cutAtM === Infinity;
     const aboveFloorM = off ? this.heightM : view.cutAtM - this.floorM;
-    slider.max = this.heightM;
-    slider.step = this.heightM / 200;
-    slider.value = aboveFloorM;
+    slider.value = (slider.max * aboveFloorM) / this.heightM;
     output.textContent = off ? 'off' : `${aboveFloorM.toFixed(2)} m`;
     slider.setAttribute('aria-valuetext', off ? 'off' : `${aboveFloorM.toFixed(2)} metres above the floor`);
   }

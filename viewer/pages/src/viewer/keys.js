@@ -11,6 +11,7 @@ const KEYS = [
   ['3', '3', 'side view', 'side'],
   ['4', '4', 'follow the camera', 'follow'],
   ['c', 'C', 'next colouring', 'nextColor'],
+  ['u', 'U', 'next up axis, of a file that does not tell it', 'nextUp'],
   ['g', 'G', 'floor grid on or off', 'grid'],
   ['l', 'L', 'loop edges on or off', 'loops'],
   ['[', '[', 'lower the cut', 'lowerCut'],

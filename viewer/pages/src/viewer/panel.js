@@ -1,5 +1,7 @@
 // The buttons and boxes, and what they and the keys do.
 
+import { Vector3 } from 'three';
+
 import { COLOR_MODES } from '../shared/cloudMaterial.js';
 import { lengthText } from '../shared/format.js';
 import { Cut } from './cut.js';
@@ -41,6 +43,11 @@ export class Panel {
     };
     document.querySelectorAll('[name=camera]').forEach((input) => (input.onchange = () => view.eye.setMode(input.value)));
     at('color').onchange = redraw(({ value }) => (world.uniforms.mode.value = COLOR_MODES.indexOf(value)));
+    at('up').onchange = ({ target }) => {
+      world.setUp(new Vector3(...target.value.split(' ').map(Number)));
+      view.stale = true;
+      this.reset();
+    };
     at('pointSize').oninput = redraw(({ value }) => (view.pointSizeCm = Number(value)));
     document.querySelectorAll('[data-layer]').forEach((input) => {
       input.onchange = redraw(() => (world.layers[input.dataset.layer].visible = input.checked));
@@ -62,7 +69,8 @@ export class Panel {
       ...Object.fromEntries(directions.map((direction) => [direction, () => this.show(direction)])),
       follow: () => this.setCamera('follow'),
       loops: () => document.querySelector('[data-layer=loops]').click(),
-      nextColor: () => this.nextColor(),
+      nextColor: () => selectNext(at('color')),
+      nextUp: () => at('upChoice').hidden || selectNext(at('up')),
       lowerCut: () => this.cut.move(-1),
       raiseCut: () => this.cut.move(1),
       smallerPoints: () => this.resizePoints(-POINT_SIZE_STEP),
@@ -91,18 +99,6 @@ export class Panel {
     this.show('oblique');
   }
 
-  nextColor() {
-    const select = at('color');
-    const possible = [...select.options].filter((option) => !option.disabled);
-    const next = possible[(possible.indexOf(select.selectedOptions[0]) + 1) % possible.length];
-    this.setColor(next.value);
-  }
-
-  setColor(mode) {
-    at('color').value = mode;
-    at('color').onchange({ target: at('color') });
-  }
-
   resizePoints(step) {
     at('pointSize').value = Number(at('pointSize').value) + step;
     at('pointSize').oninput({ target: at('pointSize') });
@@ -116,12 +112,14 @@ export class Panel {
     URL.revokeObjectURL(link.href);
   }
 
-  greet({ input, live, colors = COLOR_MODES }) {
+  greet({ input, live, upKnown = true, colors = COLOR_MODES }) {
     document.title = `${input} - kinloop`;
     at('input').textContent = input;
     this.state.greet({ live });
+    at('upChoice').hidden = upKnown;
+    document.querySelector('[name=camera][value=follow]').disabled = !live;
     for (const option of at('color').options) option.disabled = !colors.includes(option.value);
-    if (!colors.includes(at('color').value)) this.setColor(colors[0]);
+    if (!colors.includes(at('color').value)) select(at('color'), colors[0]);
   }
 
   /** Tells that something happened. */
@@ -132,4 +130,16 @@ export class Panel {
     void flash.offsetWidth; // so that the animation begins again
     flash.classList.add('on');
   }
+}
+
+function select(list, value) {
+  list.value = value;
+  list.onchange({ target: list });
+}
+
+/** Of those that can be chosen. */
+function selectNext(list) {
+  const possible = [...list.options].filter((option) => !option.disabled);
+  const next = possible[(possible.indexOf(list.selectedOptions[0]) + 1) % possible.length];
+  select(list, next.value);
 }

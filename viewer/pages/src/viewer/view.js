@@ -23,8 +23,9 @@ export class View {
     this.eye = new Eye(canvas, world, () => (this.dirty = true));
     this.floor = new Floor();
     const headlight = new DirectionalLight(0xffffff, 2); // for meshes without colours
-    this.scene = new Scene().add(world.group, this.floor.object, new AmbientLight(0xffffff, 1));
-    this.scene.add(this.eye.camera.add(headlight));
+    headlight.position.z = 1;
+    this.eye.camera.add(headlight, headlight.target);
+    this.scene = new Scene().add(world.group, this.floor.object, this.eye.camera, new AmbientLight(0xffffff, 1));
     this.places = []; // some of the map, without stray points
     this.box = new Box3(); // around them
     this.pointSizeCm = 1.6;

@@ -109,6 +109,7 @@ export class World {
     const NOTICEABLE = 0.03; // rad
     const turn = new Quaternion().setFromUnitVectors(up, new Vector3(0, 1, 0));
     if (turn.angleTo(this.group.quaternion) > NOTICEABLE) this.group.quaternion.copy(turn);
+    this.moved = true;
   }
 
   /** Brings what is drawn to where it belongs; true where anything has changed. */
