@@ -58,7 +58,7 @@ TEST_F(ViewCommandTest, ADamagedFileIsOneLineAndNoBrowser) {
   folder_.write("bad.glb", "glTF");
   folder_.write("notes.txt", "text");
   for (const char* name : {"bad.ply", "bad.pcd", "bad.glb", "notes.txt", "missing.ply"}) {
-    const Run done = view("'" + at(name) + "' --port 0");
+    const Run done = view("--port 0 '" + at(name) + "'");
     EXPECT_EQ(done.exit_code, kBadInput) << name;
     EXPECT_THAT(done.err, AllOf(HasSubstr(name), Not(HasSubstr("http://")))) << name;
     EXPECT_EQ(std::count(done.err.begin(), done.err.end(), '\n'), 1) << done.err;
@@ -71,7 +71,7 @@ TEST_F(ViewCommandTest, TakesItsPortInTheSameWays) {
                     "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
                     "property float z\nend_header\n1 2 3\n");
   for (const std::string option : {"--port 0", "--viewer 0", "--viewer=127.0.0.1:0"}) {
-    EXPECT_THAT(view(option + " '" + file.string() + "'").err, HasSubstr("watch at http://127.0.0.1:"))
+    EXPECT_THAT(view(option + (" '" + file.string() + "'")).err, HasSubstr("watch at http://127.0.0.1:"))
         << option;
   }
 }

@@ -94,6 +94,24 @@ async function assertFramed(page, name) {
   assert.ok(Math.max(span(0) / width, span(1) / height) > 0.75, `${name}: ${span(0)} x ${span(1)} of ${width} x ${height}`);
 }
 
+/** The mean of red, green and blue over what is drawn. */
+function brightness(page) {
+  return page.evaluate(() => {
+    const source = document.querySelector('#scene');
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [source.width, source.height];
+    const paint = copy.getContext('2d');
+    paint.drawImage(source, 0, 0);
+    const { data } = paint.getImageData(0, 0, copy.width, copy.height);
+    let [sum, painted] = [0, 0];
+    for (let i = 0; i < data.length; i += 4) {
+      sum += data[i] + data[i + 1] + data[i + 2];
+      painted += data[i + 3] > 0;
+    }
+    return sum / (3 * Math.max(1, painted));
+  });
+}
+
 const settled = (page) => until(() => page.evaluate(() => !window.kinloop.view.eye.goal && !window.kinloop.view.stale), 'the eye has arrived');
 
 await onStage(async ({ open, kinloop, folder, shoot }) => {
@@ -125,6 +143,7 @@ await onStage(async ({ open, kinloop, folder, shoot }) => {
     const page = await view(name, content);
     await page.keyboard.press('g'); // its lines would count
     await until(async () => (await paintedPixels(page, '#scene')) > pixels, `${name} is drawn`);
+    await until(async () => (await brightness(page)) > 60, `${name} is not black`);
     assert.equal(await page.title(), `${name} - kinloop`);
     assert.ok((await seen(page)).facts.includes(facts), `${name}: ${(await seen(page)).facts}`);
     assert.ok(!(await seen(page)).message, (await seen(page)).message);

@@ -31,7 +31,7 @@ export async function readModel(buffer, plane) {
   scene.traverse((object) => {
     if (!object.material) return;
     object.material = asCaptured(object, object.material);
-    Object.assign(object.material, { side: DoubleSide, clippingPlanes: [plane] });
+    Object.assign(object.material, { side: DoubleSide, clippingPlanes: [plane], metalness: 0 }); // metal mirrors what is not there
   });
   return scene;
 }

@@ -50,6 +50,7 @@ export class RunState {
     CONTROLS.forEach((id) => (at(id).disabled = !this.running));
     at('pause').textContent = this.running && this.paused ? 'Resume' : 'Pause';
     if (status) at('facts').replaceChildren(...facts(status).map(([what, figure]) => fact(what, figure)));
+    at('facts').hidden = at('facts').childElementCount === 0;
   }
 
   /** [badge, its kind, the line beside it] */
