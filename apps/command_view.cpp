@@ -10,8 +10,10 @@
 #include "apps/interrupt.hpp"
 #include "apps/map_store.hpp"
 #include "apps/progress_bar.hpp"
+#include "apps/show_run.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/output/run_folder.hpp"
 #include "viewer/saved_run.hpp"
 #include "viewer/server/service.hpp"
@@ -28,12 +30,13 @@ struct ViewArguments {
 SavedRun shown_map(const std::filesystem::path& file) {
   OpenMap open = open_map(file, {});
   SavedRun run;
-  run.name = file.string();
+  run.name = title_of(file.string());
   run.path = trajectory_of(open.session_log(0), open.map);
   for (const Keyframe& keyframe : open.map.keyframes()) {
     run.keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
   }
   for (const LoopEdge& loop : open.map.loop_edges()) run.loops.emplace_back(loop.a, loop.b);
+  if (!run.path.empty()) run.up = up_direction(run.path);
   run.figures["landmarks"] = open.map.landmark_count();
   run.up = open.up(0).direction;
   run.cloud = open.cloud(0, hardware_threads(), make_progress_bar(false));
@@ -61,15 +64,18 @@ void view(const ViewArguments& arguments) {
 
 void add_view_command(CLI::App& app) {
   auto arguments = std::make_shared<ViewArguments>();
-  CLI::App* command = app.add_subcommand("view", "Show a run's folder, or a map file, in a browser");
+  CLI::App* command =
+      app.add_subcommand("view", "Show a run's folder, a map file, a cloud or a mesh in a browser");
   command
-      ->add_option("DIR|MAP", arguments->path,
-                   "the folder that kinloop run -o DIR wrote, a map file (.kinmap), or a cloud (.ply)")
+      ->add_option("DIR|FILE", arguments->path,
+                   "the folder that kinloop run -o DIR wrote, a map file (.kinmap), a cloud (.ply, .pcd) or\n"
+                   "a mesh (.ply, .glb), also of other programs")
       ->required();
   command
       ->add_option("--port", arguments->listen,
                    "PORT, 0 = any that is free, or ADDRESS:PORT for other machines")
       ->default_str("8080");
+  add_viewer_option(*command, arguments->listen)->group("");  // as it is written for kinloop run
   command->callback([arguments] { view(*arguments); });
 }
 

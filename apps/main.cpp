@@ -15,6 +15,7 @@
 
 #include "apps/commands.hpp"
 #include "apps/memory.hpp"
+#include "apps/show_run.hpp"
 #include "apps/version.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
@@ -89,7 +90,10 @@ int main(int argc, char** argv) {
   cv::setNumThreads(1);           // threads are parallel_for's and the executor's to hand out
   set_up_log();
   try {
-    return static_cast<int>(run(argc, argv));
+    auto words = kinloop::with_viewer_address({argv, argv + argc});
+    std::vector<char*> joined;
+    for (std::string& word : words) joined.push_back(word.data());
+    return static_cast<int>(run(static_cast<int>(joined.size()), joined.data()));
   } catch (const kinloop::UsageError& error) {
     kinloop::log::error("{}", error.what());
     return static_cast<int>(ExitCode::kWrongUse);

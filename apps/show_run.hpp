@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -24,7 +25,11 @@ struct ShownRun {
 };
 
 /// --viewer[=[ADDRESS:]PORT]; `listen` stays empty without.
-void add_viewer_option(CLI::App& command, std::string& listen);
+CLI::Option* add_viewer_option(CLI::App& command, std::string& listen);
+
+/// The words of a command line with "--viewer" "9000" joined to "--viewer=9000", where the second word is a
+/// port or an address: CLI11 would take any word after an option whose value may be left out.
+std::vector<std::string> with_viewer_address(std::vector<std::string> words);
 
 /// Begins to show the run, if `listen` asks for it, and says where. Slam must not outlive the result.
 std::unique_ptr<ShownRun> show_run(const std::string& listen, const FrameSource& source,

@@ -1,22 +1,25 @@
 #include "viewer/saved_run.hpp"
 
 #include <algorithm>
+#include <cctype>
 
+#include <fmt/format.h>
+
+#include "kinloop/base/errors.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/eval/evaluate.hpp"
 #include "kinloop/eval/run_up.hpp"
 #include "kinloop/output/ply.hpp"
+#include "kinloop/output/point_file.hpp"
 #include "kinloop/output/run_folder.hpp"
-#include "viewer/scene/growing_cloud.hpp"
+#include "viewer/glb_file.hpp"
+#include "viewer/scene/saved_cloud.hpp"
 
 namespace kinloop {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-/// Points in one piece of the cloud: what a browser takes in at one go.
-constexpr size_t kPiecePoints = 1 << 16;
 
 Trajectory read_if_there(const fs::path& path) {
   return fs::exists(path) ? read_tum_trajectory(path) : Trajectory();
@@ -41,17 +44,10 @@ std::vector<std::pair<KeyframeId, KeyframeId>> loops_of(const json& figures, con
   return loops;
 }
 
-/// Thinned pieces would show stripes if each held a stretch of the file; so all points are mixed first.
-void show_cloud(Scene& scene, const ColoredCloud& cloud) {
-  const ColoredCloud mixed = shuffled(cloud);
-  for (size_t first = 0; first < mixed.size(); first += kPiecePoints) {
-    const auto begin = static_cast<long>(first);
-    const auto end = static_cast<long>(std::min(mixed.size(), first + kPiecePoints));
-    const CloudPiece piece{{},
-                           {{mixed.points.begin() + begin, mixed.points.begin() + end},
-                            {mixed.colors.begin() + begin, mixed.colors.begin() + end}}};
-    scene.put(PartKind::kCloud, static_cast<uint32_t>(first / kPiecePoints), encode_cloud(piece));
-  }
+std::vector<SE3> poses_of(const Trajectory& trajectory) {
+  std::vector<SE3> poses;
+  for (const StampedPose& pose : trajectory) poses.push_back(pose.T_world_camera);
+  return poses;
 }
 
 void show_paths(Scene& scene, const SavedRun& run) {
@@ -80,17 +76,51 @@ std::optional<AteResult> show_truth(Scene& scene, const SavedRun& run) {
   return ate;
 }
 
-}  // namespace
+/// Kinloop's own files tell their axes; in those of most other programs z is up.
+void take_up(const std::vector<std::string>& comments, SavedRun& run) {
+  const auto says = [&](const char* text) {
+    return std::any_of(comments.begin(), comments.end(),
+                       [&](const std::string& comment) { return comment.starts_with(text); });
+  };
+  const bool z_up = says("frame z-up");
+  run.up_known = z_up || says("kinloop") || says("frame camera");
+  if (z_up || !run.up_known) run.up = Eigen::Vector3d::UnitZ();
+}
 
-SavedRun read_saved_run(const fs::path& path) {
+SavedRun of_points(PointFile file, const fs::path& path) {
   SavedRun run;
-  run.name = path.string();
-  if (!fs::is_directory(path)) {
-    run.cloud = read_ply(path);
-    const FileFrame frame = read_ply_frame(path);
-    if (frame.z_up) run.up = frame.R_file_world.conjugate() * Eigen::Vector3d::UnitZ();
+  take_up(file.comments, run);
+  ColoredMesh& mesh = file.mesh;
+  if (mesh.points.empty()) throw InputError(fmt::format("{}: holds no points", path.string()));
+  if (!mesh.triangles.empty()) {
+    run.mesh = std::move(mesh);
     return run;
   }
+  constexpr Rgb kGrey = {200, 200, 200};
+  run.colored = !mesh.colors.empty();
+  if (!run.colored) mesh.colors.assign(mesh.points.size(), kGrey);
+  run.cloud.points = std::move(mesh.points);
+  run.cloud.colors = std::move(mesh.colors);
+  return run;
+}
+
+SavedRun read_single_file(const fs::path& path) {
+  std::string form = path.extension().string();
+  std::transform(form.begin(), form.end(), form.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (form == ".ply") return of_points(read_any_ply(path), path);
+  if (form == ".pcd") return of_points(read_any_pcd(path), path);
+  if (form == ".glb") {
+    SavedRun run;
+    run.model = read_glb(path);
+    return run;
+  }
+  if (!fs::exists(path)) throw InputError(fmt::format("{}: no such file or folder", path.string()));
+  throw InputError(fmt::format(
+      "{}: cannot be shown; give the folder of a run, or a .kinmap, .ply, .pcd or .glb file", path.string()));
+}
+
+SavedRun read_folder(const fs::path& path) {
+  SavedRun run;
   const auto folder = RunFolder::of_earlier_run(path);
   run.path = read_tum_trajectory(folder.trajectory());
   run.keyframes = read_if_there(folder.keyframes());
@@ -102,22 +132,66 @@ SavedRun read_saved_run(const fs::path& path) {
   return run;
 }
 
+/// By what the page may colour; without times and places of cameras, not by them.
+json colorings_of(const SavedRun& run) {
+  const bool points = run.cloud.size() > 0;
+  json colorings = json::array();
+  if (run.colored || !points) colorings.push_back("camera");
+  if (points) colorings.push_back("height");
+  return colorings;
+}
+
+json status_of(const SavedRun& run) {
+  json status = {{"stage", "saved"}, {"up", {run.up.x(), run.up.y(), run.up.z()}}};
+  if (!run.path.empty()) {
+    status["frame"] = run.path.size();
+    status["keyframes"] = run.keyframes.size();
+    status["loops"] = run.loops.size();
+  }
+  if (run.cloud.size() > 0) status["points"] = run.cloud.size();
+  if (!run.mesh.triangles.empty()) {
+    status["vertices"] = run.mesh.points.size();
+    status["triangles"] = run.mesh.triangles.size();
+  }
+  if (run.figures.contains("landmarks")) status["landmarks"] = run.figures["landmarks"];
+  return status;
+}
+
+}  // namespace
+
+std::string title_of(const std::string& input) {
+  const fs::path path = fs::path(input).lexically_normal();
+  const fs::path name = path.has_filename() ? path.filename() : path.parent_path().filename();
+  return name.empty() || name == "." ? input : name.string();
+}
+
+SavedRun read_saved_run(const fs::path& path) {
+  SavedRun run = fs::is_directory(path) ? read_folder(path) : read_single_file(path);
+  run.name = title_of(run.figures.contains("input") && run.figures["input"].is_string()
+                          ? run.figures["input"].get<std::string>()
+                          : fs::absolute(path).string());
+  return run;
+}
+
 void show_saved_run(Scene& scene, const SavedRun& run) {
-  scene.put(
-      PartKind::kHello, 0,
-      encode_json({{"run", scene.run()}, {"input", run.name}, {"live", false}, {"frustum", {0.6, 0.45}}}));
+  scene.put(PartKind::kHello, 0,
+            encode_json({{"run", scene.run()},
+                         {"input", run.name},
+                         {"live", false},
+                         {"colors", colorings_of(run)},
+                         {"upKnown", run.up_known},
+                         {"frustum", {0.6, 0.45}}}));
   show_paths(scene, run);
   const auto ate = show_truth(scene, run);
-  json status = {{"stage", "saved"},
-                 {"frame", run.path.size()},
-                 {"keyframes", run.keyframes.size()},
-                 {"loops", run.loops.size()},
-                 {"points", run.cloud.size()},
-                 {"up", {run.up.x(), run.up.y(), run.up.z()}}};
-  if (run.figures.contains("landmarks")) status["landmarks"] = run.figures["landmarks"];
+  json status = status_of(run);
   if (ate) status["ateM"] = ate->error_m.rmse;
   scene.put(PartKind::kStatus, 0, encode_json(status));
-  show_cloud(scene, run.cloud);
+  uint32_t index = 0;
+  for (const CloudPiece& piece : pieces_of(run.cloud)) {
+    scene.put(PartKind::kCloud, index++, encode_cloud(piece));
+  }
+  if (!run.mesh.triangles.empty()) scene.put(PartKind::kMesh, 0, encode_mesh(run.mesh));
+  if (!run.model.empty()) scene.put(PartKind::kModel, 0, {run.model.begin(), run.model.end()});
 }
 
 }  // namespace kinloop

@@ -19,6 +19,8 @@ await onStage(async ({ open, kinloop, folder, shoot }) => {
   const page = await open(url);
   const other = await open(url);
 
+  assert.equal(await page.title(), 'sim:room - kinloop');
+
   // The run waits for its first frame, and steps one frame at a time.
   await until(async () => (await seen(page)).badge.includes('paused'), 'the run waits');
   for (let i = 0; i < FEW_FRAMES; ++i) await page.keyboard.press('s');
@@ -60,10 +62,11 @@ await onStage(async ({ open, kinloop, folder, shoot }) => {
   await page.check('[name=camera][value=follow]');
   const eye = (await seen(page)).eye;
   await until(async () => Math.hypot(...(await seen(page)).eye.map((x, i) => x - eye[i])) > 0.1, 'the eye follows');
+  assert.equal(await page.locator('#color option:disabled').count(), 0, 'a run has times');
   for (const color of ['height', 'depth', 'time', 'camera']) await page.selectOption('#color', color);
   await shoot(page, 'live-follow');
   await page.check('[name=camera][value=orbit]');
-  await page.click('#home');
+  await page.click('#reset');
 
   // The loop is closed, and one sees it.
   await until(async () => (await seen(page)).loops > 0, 'a loop is closed');
@@ -71,6 +74,10 @@ await onStage(async ({ open, kinloop, folder, shoot }) => {
   await shoot(page, 'live-loop');
 
   assert.equal(await run.ended, 0, run.text);
-  await until(async () => (await seen(page)).badge === 'not connected', 'the page tells that the run is over');
+  await until(async () => (await seen(page)).message.includes('closed'), 'the page tells that nobody answers');
+  const ended = await seen(page);
+  assert.equal(ended.badge, 'run ended');
+  assert.equal(ended.message, 'The run has ended; the connection is closed.');
+  for (const button of ['pause', 'step', 'save']) assert.ok(await page.isDisabled(`#${button}`), `nothing to ${button}`);
   await until(async () => (await seen(page)).path > 150, 'the path is whole, and stays to be looked at');
 });

@@ -54,6 +54,10 @@ await onStage(async ({ open, kinloop, folder, shoot }) => {
       assert.ok((await seen(page)).loops > 0);
     }
     if (what === out) assert.ok((await seen(page)).truth > 150);
+    assert.equal(await page.title(), `${{ [out]: 'sim:room', [map]: 'map.kinmap', [cloud]: 'map.ply' }[what]} - kinloop`);
+    assert.equal((await seen(page)).cutAtM, Infinity, 'nothing is cut off');
+    assert.equal((await seen(page)).cut, 'off');
+    assert.equal(await page.locator('#color option[value=time]:disabled').count(), 1, 'a cloud has no times');
     assert.equal(await page.locator('#run').isVisible(), false, 'nothing runs that could be paused');
     const [download] = await Promise.all([page.waitForEvent('download'), page.click('#screenshot')]);
     assert.equal(download.suggestedFilename(), 'kinloop.png');

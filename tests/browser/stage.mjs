@@ -91,7 +91,7 @@ export function seen(page) {
   return page.evaluate(() => {
     const { world, view, connection } = window.kinloop;
     const camera = world.cameraPose?.elements.slice(12, 15);
-    const eye = view.eye.position.toArray();
+    const eye = view.eye.camera.position.toArray();
     return {
       points: world.pointCount,
       keyframes: world.poses.count,
@@ -105,6 +105,9 @@ export function seen(page) {
       flash: document.getElementById('flash').className,
       facts: document.getElementById('facts').innerText,
       badge: document.getElementById('tracking').textContent,
+      message: document.getElementById('message').textContent,
+      cutAtM: view.cutAtM,
+      cut: document.getElementById('cutAt').textContent,
     };
   });
 }

@@ -264,17 +264,6 @@ TEST(RunControl, AStepIsOneFrameAndSavingIsNoStep) {
   EXPECT_EQ(frames, 3);
 }
 
-TEST(SavedRun, OfAMapAloneIsItsCloud) {
-  const test::TempFolder folder;
-  const auto path = folder.path() / "map.ply";
-  write_ply(path, {{{1, 2, 3}, {4, 5, 6}}, {{1, 2, 3}, {4, 5, 6}}});
-  const SavedRun run = read_saved_run(path);
-  EXPECT_EQ(run.cloud.size(), 2U);
-  Scene scene("x");
-  show_saved_run(scene, run);
-  EXPECT_EQ(scene.next_after(0)->kind, PartKind::kHello);
-}
-
 TEST(SavedRun, SaysWhatIsMissingOrDamaged) {
   const test::TempFolder folder;
   EXPECT_THROW(read_saved_run(folder.path()), InputError);

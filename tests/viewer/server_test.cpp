@@ -259,7 +259,7 @@ TEST(ViewerServer, SaysThatThePortIsTaken) {
     const Served second(std::to_string(served.port()));
     FAIL() << "two servers at one port";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("--viewer=PORT"));
+    EXPECT_THAT(error.what(), HasSubstr("--viewer PORT"));
   }
 }
 

@@ -116,6 +116,19 @@ Bytes encode_cloud(const CloudPiece& piece) {
   return body.take();
 }
 
+Bytes encode_mesh(const ColoredMesh& mesh) {
+  constexpr size_t kMostBytesPerVertex = 16;
+  Writer body(3 * sizeof(uint32_t) + mesh.points.size() * kMostBytesPerVertex +
+              mesh.triangles.size() * sizeof(Triangle));
+  body.put(static_cast<uint32_t>(mesh.points.size()));
+  body.put(static_cast<uint32_t>(mesh.triangles.size()));
+  body.put(static_cast<uint32_t>(mesh.colors.empty() ? 0 : 1));
+  for (const auto& point : mesh.points) body.put(point);
+  for (const Triangle& triangle : mesh.triangles) body.put(triangle);
+  for (const auto& [red, green, blue] : mesh.colors) body.put(std::array<uint8_t, 4>{red, green, blue, 0});
+  return body.take();
+}
+
 std::array<uint8_t, kHeadBytes> encode_head(PartKind kind, uint32_t index, uint64_t version) {
   std::array<uint8_t, kHeadBytes> head{};
   const auto number = static_cast<uint32_t>(kind);

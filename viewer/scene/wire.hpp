@@ -15,7 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kinloop/base/ids.hpp"
-#include "kinloop/dense/colored_cloud.hpp"
+#include "kinloop/dense/colored_mesh.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {
@@ -37,6 +37,8 @@ enum class PartKind : uint32_t {
   kFeatures = 10,     ///< per key point of the colour image: u16 x, u16 y, u16 tracked (0 or 1), u16 0
   kTruth = 11,        ///< 3 f32 each: the true path, in a world of its own
   kTruthPose = 12,    ///< one pose: where that world lies in the map's
+  kMesh = 13,         ///< see `encode_mesh`
+  kModel = 14,        ///< a GLB file
 };
 
 /// Keyframes, or frames, in one part: what is sent again when one of them changes.
@@ -82,6 +84,10 @@ Bytes encode_features(std::span<const ShownFeature> features);
 /// units from the origin, 0), n times 4 u8 (red, green, blue, 0). The units are chosen so that the piece
 /// fits: a tenth of a millimetre for what a camera sees from one place.
 Bytes encode_cloud(const CloudPiece& piece);
+
+/// u32 n vertices, u32 m triangles, u32 whether there are colours; n times 3 f32 (x, y, z in the world), m
+/// times 3 u32 (numbers of vertices), n times 4 u8 (red, green, blue, 0) where there are colours.
+Bytes encode_mesh(const ColoredMesh& mesh);
 
 /// The head of a message, to be put before its body.
 std::array<uint8_t, kHeadBytes> encode_head(PartKind kind, uint32_t index, uint64_t version);

@@ -93,9 +93,10 @@ ListenAddress parse_listen_address(const std::string& text) {
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), listen.port);
   if (error != std::errc() || end != port.data() + port.size()) {
     throw UsageError(
-        fmt::format("--viewer={}: expected PORT or ADDRESS:PORT, a port from 0 (any) to 65535", text));
+        fmt::format("--viewer {}: expected PORT or ADDRESS:PORT, a port from 0 (any) to 65535", text));
   }
   if (colon != std::string::npos) listen.address = text.substr(0, colon);
+  if (listen.address == "localhost") listen.address = ListenAddress().address;
   if (listen.address.starts_with('[') && listen.address.ends_with(']')) {
     listen.address = listen.address.substr(1, listen.address.size() - 2);
   }

@@ -26,7 +26,7 @@ tcp::acceptor listen_at(asio::io_context& context, const ListenAddress& listen) 
     acceptor.listen();
   } catch (const boost::system::system_error& error) {
     throw InputError(
-        fmt::format("the viewer cannot listen at {} port {} ({}); choose another port, --viewer=PORT, "
+        fmt::format("the viewer cannot listen at {} port {} ({}); choose another port, --viewer PORT, "
                     "or 0 for any that is free",
                     listen.address, listen.port, error.code().message()));
   }

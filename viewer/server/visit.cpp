@@ -14,9 +14,10 @@ constexpr std::chrono::seconds kTimeout{10};  // for the whole request, and for 
 constexpr uint32_t kLongestHeaderBytes = 8192;
 
 // The page is one file: nothing may be loaded into it, and no other page may hold it in a frame. The referrer
-// could carry the token to others.
+// could carry the token to others. (blob: and data: are textures inside a mesh.)
 constexpr const char* kContentPolicy =
-    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; "
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self' blob: "
+    "data:; "
     "img-src blob: data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
 
 std::string_view view_of(beast::string_view text) {

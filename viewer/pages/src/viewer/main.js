@@ -1,8 +1,11 @@
 // The live viewer: one connection feeds one world, which one view draws; the panel is for the hands.
 //
-//   messages.js    what travels          world.js   the map as three.js objects     panel.js    figures, buttons, keys
-//   connection.js  the line to kinloop   poses.js   keyframes, which glide          images.js   the camera's images
-//                                        lines.js   frusta, paths, edges            view.js     eye, renderer, detail
+//   messages.js    what travels          world.js    the map as three.js objects    panel.js     figures, buttons
+//   connection.js  the line to kinloop   poses.js    keyframes, which glide         runState.js  what the run is doing
+//   images.js      the camera's images   lines.js    frusta, paths, edges           keys.js      keys and their table
+//   view.js        renderer, detail      models.js   meshes                         cut.js       what is cut off
+//   eye.js         where it is           floor.js    the grid                       drawer.js    the panel of a phone
+//   framing.js     how large the map is                                             scaleBar.js  a length
 
 import './viewer.css';
 import { Connection } from './connection.js';
@@ -14,14 +17,15 @@ import { World } from './world.js';
 const world = new World();
 const view = new View(document.getElementById('scene'), world);
 const images = new Images(document.getElementById('images'));
-const connection = new Connection({ onMessage: take, onChange: (connected) => panel.showConnected(connected) });
+const connection = new Connection({ onMessage: take, onChange: (connected) => panel.state.setConnected(connected) });
 const panel = new Panel({ world, view, connection });
+world.onProblem = (text) => panel.state.showProblem(text);
 let run;
 let loops = 0;
 
 function take(message) {
   if (message.kind === 'hello') greet(message.body);
-  if (message.kind === 'status') panel.show(message.body);
+  if (message.kind === 'status') panel.state.show(message.body);
   if (message.kind === 'loops') celebrate(message.body.length / 2);
   world.take(message);
   images.take(message);
@@ -30,7 +34,8 @@ function take(message) {
 function greet(hello) {
   if (run !== hello.run) {
     world.clear(); // another run than the one before the line broke
-    view.touched = false;
+    view.eye.touched = false;
+    panel.cut.set(Infinity);
     loops = 0;
   }
   run = hello.run;

@@ -20,6 +20,8 @@ const readers = [
   ['features', (buffer) => new Uint16Array(buffer, HEAD_BYTES)],
   ['truth', floats],
   ['truthPose', floats],
+  ['mesh', mesh],
+  ['model', (buffer) => buffer.slice(HEAD_BYTES)],
 ];
 
 /** A message as { kind, index, version, body }; nothing where this page does not know its kind. */
@@ -46,6 +48,16 @@ function words(buffer) {
 /** Entry i: reference references[4 * i], place at places[4 * i + 1 ... 4 * i + 3]. */
 function path(buffer) {
   return { references: words(buffer), places: floats(buffer) };
+}
+
+function mesh(buffer) {
+  const [vertices, triangles, colored] = new Uint32Array(buffer, HEAD_BYTES, 3);
+  const at = HEAD_BYTES + 12;
+  return {
+    points: new Float32Array(buffer, at, 3 * vertices),
+    triangles: new Uint32Array(buffer, at + 12 * vertices, 3 * triangles),
+    colors: colored ? new Uint8Array(buffer, at + 12 * (vertices + triangles), 4 * vertices) : undefined,
+  };
 }
 
 function jpeg(buffer) {

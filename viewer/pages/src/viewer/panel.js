@@ -1,21 +1,36 @@
-// The figures, the buttons and the keys.
+// The buttons and boxes, and what they and the keys do.
+
+import { Vector3 } from 'three';
 
 import { COLOR_MODES } from '../shared/cloudMaterial.js';
-import { count, millimetres } from '../shared/format.js';
+import { lengthText } from '../shared/format.js';
+import { Cut } from './cut.js';
+import { foldIntoRow } from './drawer.js';
+import { listenToKeys } from './keys.js';
+import { RunState } from './runState.js';
+import { showScale } from './scaleBar.js';
 
 const at = (id) => document.getElementById(id);
+const POINT_SIZE_STEP = 0.3;
 
 export class Panel {
   constructor({ world, view, connection }) {
     Object.assign(this, { world, view, connection });
-    this.paused = false;
+    this.state = new RunState();
+    this.cut = new Cut(at('cut'), at('cutAt'), view);
     this.listenToRun();
     this.listenToView();
-    addEventListener('keydown', (event) => this.press(event));
+    foldIntoRow(at('row'));
+    listenToKeys(this.actions(), at('keys'));
+    view.onMeasured = () => {
+      this.cut.show();
+      at('gridStep').textContent = `(${lengthText(view.floor.stepM)})`;
+    };
+    view.onDrawn = () => showScale(at('scale'), view.metresPerPixel);
   }
 
   listenToRun() {
-    at('pause').onclick = () => this.connection.send(this.paused ? 'resume' : 'pause');
+    at('pause').onclick = () => this.connection.send(this.state.paused ? 'resume' : 'pause');
     at('step').onclick = () => this.connection.send('step');
     at('save').onclick = () => this.connection.send('save');
   }
@@ -26,29 +41,67 @@ export class Panel {
       change(event.target);
       view.dirty = true;
     };
-    document.querySelectorAll('[name=camera]').forEach((input) => (input.onchange = () => view.setMode(input.value)));
+    document.querySelectorAll('[name=camera]').forEach((input) => (input.onchange = () => view.eye.setMode(input.value)));
     at('color').onchange = redraw(({ value }) => (world.uniforms.mode.value = COLOR_MODES.indexOf(value)));
+    at('up').onchange = ({ target }) => {
+      world.setUp(new Vector3(...target.value.split(' ').map(Number)));
+      view.stale = true;
+      this.reset();
+    };
     at('pointSize').oninput = redraw(({ value }) => (view.pointSizeCm = Number(value)));
-    at('cut').oninput = redraw(({ value }) => {
-      view.cutShare = Number(value);
-      view.measure();
-    });
     document.querySelectorAll('[data-layer]').forEach((input) => {
       input.onchange = redraw(() => (world.layers[input.dataset.layer].visible = input.checked));
     });
+    at('grid').onchange = redraw(({ checked }) => (view.floor.object.visible = checked));
     at('screenshot').onclick = () => this.saveScreenshot();
-    at('home').onclick = () => {
-      view.touched = false;
-      view.showAll();
+    at('fit').onclick = () => this.fit();
+    at('reset').onclick = () => this.reset();
+    at('help').onclick = () => at('helpTable').showModal();
+  }
+
+  /** What the keys do, by the names that keys.js gives. */
+  actions() {
+    const click = (id) => () => at(id).click();
+    const buttons = ['pause', 'step', 'fit', 'reset', 'grid', 'screenshot', 'help'];
+    const directions = ['oblique', 'top', 'side'];
+    return {
+      ...Object.fromEntries(buttons.map((id) => [id, click(id)])),
+      ...Object.fromEntries(directions.map((direction) => [direction, () => this.show(direction)])),
+      follow: () => this.setCamera('follow'),
+      loops: () => document.querySelector('[data-layer=loops]').click(),
+      nextColor: () => selectNext(at('color')),
+      nextUp: () => at('upChoice').hidden || selectNext(at('up')),
+      lowerCut: () => this.cut.move(-1),
+      raiseCut: () => this.cut.move(1),
+      smallerPoints: () => this.resizePoints(-POINT_SIZE_STEP),
+      largerPoints: () => this.resizePoints(POINT_SIZE_STEP),
     };
   }
 
-  press(event) {
-    if (event.target.matches('input, select') || event.ctrlKey || event.metaKey || event.altKey) return;
-    const button = { ' ': 'pause', s: 'step', p: 'screenshot', h: 'home' }[event.key];
-    if (!button) return;
-    event.preventDefault();
-    at(button).click();
+  setCamera(mode) {
+    const input = document.querySelector(`[name=camera][value=${mode}]`);
+    if (!input.checked) input.click();
+  }
+
+  show(direction) {
+    this.setCamera('orbit');
+    this.view.eye.show(direction);
+  }
+
+  fit() {
+    this.setCamera('orbit');
+    this.view.eye.fit(this.view.contents());
+  }
+
+  /** The view as it was at first. */
+  reset() {
+    this.cut.set(Infinity);
+    this.show('oblique');
+  }
+
+  resizePoints(step) {
+    at('pointSize').value = Number(at('pointSize').value) + step;
+    at('pointSize').oninput({ target: at('pointSize') });
   }
 
   async saveScreenshot() {
@@ -59,34 +112,17 @@ export class Panel {
     URL.revokeObjectURL(link.href);
   }
 
-  greet({ input, live }) {
+  greet({ input, live, upKnown = true, colors = COLOR_MODES }) {
     document.title = `${input} - kinloop`;
     at('input').textContent = input;
-    at('run').hidden = !live;
-    at('color').querySelectorAll('[value=depth], [value=time]').forEach((option) => (option.hidden = !live));
+    this.state.greet({ live });
+    at('upChoice').hidden = upKnown;
+    document.querySelector('[name=camera][value=follow]').disabled = !live;
+    for (const option of at('color').options) option.disabled = !colors.includes(option.value);
+    if (!colors.includes(at('color').value)) select(at('color'), colors[0]);
   }
 
-  showConnected(connected) {
-    document.body.classList.toggle('disconnected', !connected);
-    if (!connected) this.badge('not connected', 'lost');
-  }
-
-  show(status) {
-    this.paused = status.paused;
-    at('pause').textContent = status.paused ? 'Resume' : 'Pause';
-    at('message').textContent = status.message ?? '';
-    const going = status.stage === 'mapping';
-    const name = going ? (status.tracking ?? 'waiting') : status.stage;
-    this.badge(status.paused ? `${name}, paused` : name, status.tracking === 'lost' && going ? 'lost' : 'good');
-    at('facts').replaceChildren(...facts(status).map(([what, figure]) => fact(what, figure)));
-  }
-
-  badge(text, kind) {
-    at('tracking').textContent = text;
-    at('tracking').className = `badge ${kind}`;
-  }
-
-  /** Tells that a loop was closed. */
+  /** Tells that something happened. */
   flash(text) {
     const flash = at('flash');
     flash.textContent = text;
@@ -96,27 +132,14 @@ export class Panel {
   }
 }
 
-/** Pairs of what is told and its figure; those that are not known are left out. */
-function facts(status) {
-  const frames = status.frames ? `${count(status.frame)} of ${count(status.frames)}` : count(status.frame);
-  return [
-    ['frame', frames],
-    ['frames a second', status.framesPerSecond?.toFixed(1)],
-    ['features tracked', status.inliers],
-    ['error (ATE)', status.ateM && millimetres(status.ateM)],
-    ['keyframes', count(status.keyframes)],
-    ['landmarks', count(status.landmarks)],
-    ['loops', count(status.loops)],
-    ['relocalised', status.relocalisations || undefined],
-    ['points', count(status.points)],
-  ].filter(([, figure]) => figure !== undefined);
+function select(list, value) {
+  list.value = value;
+  list.onchange({ target: list });
 }
 
-function fact(what, figure) {
-  const row = document.createElement('div');
-  const [name, value] = [document.createElement('span'), document.createElement('b')];
-  name.textContent = what;
-  value.textContent = figure;
-  row.append(name, value);
-  return row;
+/** Of those that can be chosen. */
+function selectNext(list) {
+  const possible = [...list.options].filter((option) => !option.disabled);
+  const next = possible[(possible.indexOf(list.selectedOptions[0]) + 1) % possible.length];
+  select(list, next.value);
 }

@@ -1,11 +1,12 @@
 // The map as three.js objects, brought up to date message by message.
 
-import { Group, Matrix4, Quaternion, Vector3 } from 'three';
+import { Group, Matrix4, Plane, Quaternion, Vector3 } from 'three';
 
 import { sharedUniforms } from '../shared/cloudMaterial.js';
 import { cloudPiece, placePiece, thinPiece } from '../shared/cloudPiece.js';
 import { Lines } from './lines.js';
 import { NO_KEYFRAME } from './messages.js';
+import { meshOf, readModel } from './models.js';
 import { matrixOf, poseFrom, Poses } from './poses.js';
 
 const COLORS = { path: 0x4aa8ff, keyframes: 0x7fd0a0, camera: 0xff3d8b, covisibility: 0x6f7f9f, loops: 0xff8a3d, truth: 0xb9bcc4 };
@@ -16,6 +17,7 @@ const OWN_WORLD = new Matrix4();
 export class World {
   constructor() {
     this.uniforms = sharedUniforms();
+    this.cutPlane = new Plane(new Vector3(0, -1, 0)); // what is above it is cut off meshes; points have a uniform
     this.group = new Group(); // turned so that up is up
     this.layers = {};
     for (const name of ['cloud', 'path', 'keyframes', 'covisibility', 'loops', 'truth']) {
@@ -28,10 +30,11 @@ export class World {
       keyframes: new Lines({ color: COLORS.keyframes, segments: true, opacity: 0.7 }),
       camera: new Lines({ color: COLORS.camera, segments: true }),
       covisibility: new Lines({ color: COLORS.covisibility, segments: true, opacity: 0.5 }),
-      loops: new Lines({ color: COLORS.loops, segments: true }),
+      loops: new Lines({ color: COLORS.loops, segments: true, opacity: 0.3 }),
       truth: new Lines({ color: COLORS.truth }),
     };
     for (const [name, lines] of Object.entries(this.lines)) this.layers[name === 'camera' ? 'path' : name].add(lines.object);
+    this.onProblem = () => {}; // (text)
     this.clear();
   }
 
@@ -39,6 +42,7 @@ export class World {
   clear() {
     this.poses = new Poses();
     this.pieces = new Map(); // index -> { object, anchor }
+    this.models = [];
     this.parts = { path: [], covisibility: [] };
     this.loops = new Uint32Array(0);
     this.truth = new Float32Array(0);
@@ -60,6 +64,8 @@ export class World {
       covisibility: () => (this.parts.covisibility[index] = body),
       loops: () => (this.loops = body),
       cloud: () => this.takePiece(index, body),
+      mesh: () => this.addModel(meshOf(body, this.cutPlane)),
+      model: () => this.takeModel(body),
       truth: () => (this.truth = body),
       truthPose: () => (this.truthPose = matrixOf(poseFrom(body))),
     }[kind];
@@ -76,11 +82,34 @@ export class World {
     this.layers.cloud.add(object);
   }
 
+  async takeModel(buffer) {
+    try {
+      this.addModel(await readModel(buffer, this.cutPlane));
+    } catch (error) {
+      this.onProblem(`The mesh cannot be shown: ${error.message}`);
+    }
+  }
+
+  addModel(model) {
+    this.models.push(model);
+    this.layers.cloud.add(model);
+    this.moved = true;
+  }
+
+  /** Pairs of an object of a model and its vertices. */
+  meshes() {
+    const found = [];
+    const take = (object) => object.geometry && found.push([object, object.geometry.attributes.position]);
+    this.models.forEach((model) => model.traverse(take));
+    return found;
+  }
+
   /** Turns the world so that `up` is three.js's y; small corrections would only make it sway. */
   setUp(up) {
     const NOTICEABLE = 0.03; // rad
     const turn = new Quaternion().setFromUnitVectors(up, new Vector3(0, 1, 0));
     if (turn.angleTo(this.group.quaternion) > NOTICEABLE) this.group.quaternion.copy(turn);
+    this.moved = true;
   }
 
   /** Brings what is drawn to where it belongs; true where anything has changed. */

@@ -1,0 +1,233 @@
+// kinloop view of files that other programs wrote, and what the page offers for them: framing, cut, colours, keys, phones.
+
+import assert from 'node:assert/strict';
+import { writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+
+import { onStage, paintedPixels, seen, until } from './stage.mjs';
+
+const ROOM_M = [4, 3, 2.5];
+
+/** A box of points with z up, some far off, as ascii PLY with doubles. */
+function cloudWithStrays() {
+  const points = [];
+  for (let i = 0; i < 20_000; ++i) {
+    const place = ROOM_M.map((size, k) => size * ((i * [0.7548776662, 0.5698402909, 0.3819660113][k]) % 1));
+    place[i % 3] = i % 2 ? 0 : ROOM_M[i % 3];
+    points.push(i % 200 === 0 ? place.map((x) => 1000 * (x - 1)) : place);
+  }
+  const properties = ['x', 'y', 'z'].map((name) => `property double ${name}\n`).join('');
+  const lines = points.map((point) => point.join(' ')).join('\n');
+  return `ply\nformat ascii 1.0\nelement vertex ${points.length}\n${properties}end_header\n${lines}\n`;
+}
+
+const MESH = `ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+property uchar red
+property uchar green
+property uchar blue
+element face 2
+property list uchar int vertex_indices
+end_header
+0 0 0 255 0 0
+1 0 0 0 255 0
+1 0 1 0 0 255
+0 0 1 255 255 0
+3 0 1 2
+3 0 2 3
+`;
+
+const PCD = `VERSION .7
+FIELDS x y z
+SIZE 4 4 4
+TYPE F F F
+WIDTH 1000
+HEIGHT 1
+DATA ascii
+${Array.from({ length: 1000 }, (_, i) => `${i % 10} ${Math.floor(i / 10) % 10} ${Math.floor(i / 100)}`).join('\n')}
+`;
+
+/** One triangle without colours. */
+function glb() {
+  const positions = Buffer.from(new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]).buffer);
+  let json = JSON.stringify({
+    asset: { version: '2.0' },
+    scene: 0,
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+    buffers: [{ byteLength: positions.length }],
+    bufferViews: [{ buffer: 0, byteLength: positions.length }],
+    accessors: [{ bufferView: 0, componentType: 5126, type: 'VEC3', count: 3, min: [0, 0, 0], max: [1, 1, 0] }],
+  });
+  json = json.padEnd(Math.ceil(json.length / 4) * 4);
+  const words = (...numbers) => Buffer.from(new Uint32Array(numbers).buffer);
+  const chunks = [words(json.length, 0x4e4f534a), Buffer.from(json), words(positions.length, 0x004e4942), positions];
+  const size = chunks.reduce((sum, chunk) => sum + chunk.length, 12);
+  return Buffer.concat([words(0x46546c67, 2, size), ...chunks]);
+}
+
+/** Where the eight corners of the room are on the screen, and its size, px. */
+function cornersOnScreen(page) {
+  return page.evaluate((size) => {
+    const { world, view } = window.kinloop;
+    const { camera } = view.eye;
+    const canvas = view.renderer.domElement;
+    const places = [0, 1, 2, 3, 4, 5, 6, 7].map((bits) =>
+      camera.position.clone().fromArray(size.map((s, k) => (bits & (1 << k) ? s : 0))).applyMatrix4(world.group.matrixWorld).project(camera),
+    );
+    const box = canvas.getBoundingClientRect();
+    return places.map(({ x, y }) => [((x + 1) / 2) * box.width, ((1 - y) / 2) * box.height, box.width, box.height]);
+  }, ROOM_M);
+}
+
+/** All in sight, and large: the corners span most of the width or of the height. */
+async function assertFramed(page, name) {
+  const corners = await cornersOnScreen(page);
+  const [, , width, height] = corners[0];
+  for (const [x, y] of corners) assert.ok(x > -1 && y > -1 && x < width + 1 && y < height + 1, `${name}: ${x} ${y} of ${width} x ${height}`);
+  const span = (axis) => Math.max(...corners.map((c) => c[axis])) - Math.min(...corners.map((c) => c[axis]));
+  assert.ok(Math.max(span(0) / width, span(1) / height) > 0.75, `${name}: ${span(0)} x ${span(1)} of ${width} x ${height}`);
+}
+
+/** The mean of red, green and blue over what is drawn. */
+function brightness(page) {
+  return page.evaluate(() => {
+    const source = document.querySelector('#scene');
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [source.width, source.height];
+    const paint = copy.getContext('2d');
+    paint.drawImage(source, 0, 0);
+    const { data } = paint.getImageData(0, 0, copy.width, copy.height);
+    let [sum, painted] = [0, 0];
+    for (let i = 0; i < data.length; i += 4) {
+      sum += data[i] + data[i + 1] + data[i + 2];
+      painted += data[i + 3] > 0;
+    }
+    return sum / (3 * Math.max(1, painted));
+  });
+}
+
+const settled = (page) => until(() => page.evaluate(() => !window.kinloop.view.eye.goal && !window.kinloop.view.stale), 'the eye has arrived');
+
+await onStage(async ({ open, kinloop, folder, shoot }) => {
+  const write = (name, content) => {
+    writeFileSync(join(folder, name), content);
+    return join(folder, name);
+  };
+  const view = async (name, content, options) => {
+    const url = await kinloop('view', write(name, content), '--port', '0').url();
+    const page = await open(url, options);
+    await until(() => page.evaluate(() => !window.kinloop.view.box.isEmpty()), `${name} is there`);
+    await settled(page);
+    return page;
+  };
+
+  // A cloud of doubles, without colours and with stray points: framed on a desk and on a phone.
+  const screens = { desktop: { width: 1280, height: 800 }, portrait: { width: 390, height: 844 }, landscape: { width: 844, height: 390 } };
+  for (const [name, viewport] of Object.entries(screens)) {
+    const page = await view('room.ply', cloudWithStrays(), { viewport });
+    await assertFramed(page, name);
+    await shoot(page, `view-strays-${name}`);
+    if (name === 'desktop') await checkDesktop(page);
+    else await checkPhone(page, name);
+    await page.close();
+  }
+
+  // Meshes and other forms.
+  for (const [name, content, facts, pixels] of [['mesh.ply', MESH, 'triangles', 20_000], ['cloud.pcd', PCD, 'points', 800], ['mesh.glb', glb(), '', 20_000]]) {
+    const page = await view(name, content);
+    await page.keyboard.press('g'); // its lines would count
+    await until(async () => (await paintedPixels(page, '#scene')) > pixels, `${name} is drawn`);
+    await until(async () => (await brightness(page)) > 60, `${name} is not black`);
+    assert.equal(await page.title(), `${name} - kinloop`);
+    assert.ok((await seen(page)).facts.includes(facts), `${name}: ${(await seen(page)).facts}`);
+    assert.ok(!(await seen(page)).message, (await seen(page)).message);
+    await shoot(page, `view-${name}`);
+    await page.close();
+  }
+
+  // What is damaged is told on the terminal, and nothing is served.
+  const bad = kinloop('view', write('bad.glb', glb().subarray(0, 100)), '--port', '0');
+  assert.equal(await bad.ended, 3);
+  assert.match(bad.text, /bad\.glb: cut short/);
+
+  // The program ends, and the page says so.
+  const served = kinloop('view', write('again.ply', MESH), '--port', '0');
+  const page = await open(await served.url());
+  await until(async () => (await seen(page)).badge === 'saved', 'it is shown');
+  served.process.kill('SIGINT');
+  await until(async () => (await seen(page)).badge === 'not connected', 'the page notices');
+  assert.ok((await seen(page)).message.startsWith('Connection closed: kinloop view has ended'));
+});
+
+async function checkDesktop(page) {
+  // Nothing is cut, and the slider says so; it says how high the cut is while there is one.
+  assert.deepEqual([(await seen(page)).cutAtM, (await seen(page)).cut], [Infinity, 'off']);
+  const heightM = await page.evaluate(() => window.kinloop.view.box.max.y - window.kinloop.view.box.min.y);
+  assert.ok(Math.abs(heightM - ROOM_M[2]) < 0.1, `${heightM} m high, without stray points`);
+  assert.equal(await page.inputValue('#cut'), '200', 'the slider stands at its end');
+  await page.keyboard.press('[');
+  await page.keyboard.press('[');
+  const { cut, cutAtM } = await seen(page);
+  assert.ok(Math.abs(parseFloat(cut) - 0.9 * heightM) < 0.02 && cut.endsWith(' m'), cut);
+  assert.ok(Number.isFinite(cutAtM));
+  assert.equal(await page.inputValue('#cut'), '180', 'the slider follows');
+  await page.keyboard.press('r');
+  assert.deepEqual([(await seen(page)).cut, await page.inputValue('#cut')], ['off', '200']);
+  await page.locator('#cut').press('ArrowLeft');
+  assert.notEqual((await seen(page)).cut, 'off');
+  await page.locator('#cut').press('End');
+  assert.deepEqual([(await seen(page)).cutAtM, (await seen(page)).cut], [Infinity, 'off']);
+
+  // Colours: a cloud without colours and times can be coloured by height alone.
+  assert.equal(await page.inputValue('#color'), 'height');
+  const possible = () => page.locator('#color option').evaluateAll((options) => options.filter((option) => !option.disabled).map(({ value }) => value));
+  assert.deepEqual(await possible(), ['height']);
+  await page.keyboard.press('c');
+  assert.equal(await page.inputValue('#color'), 'height');
+
+  // The grid, the scale and the views.
+  const gridShown = () => page.evaluate(() => window.kinloop.view.floor.object.visible);
+  assert.equal(await gridShown(), true);
+  await page.keyboard.press('g');
+  assert.equal(await gridShown(), false);
+  await page.keyboard.press('g');
+  const bar = () => page.evaluate(() => [document.querySelector('#scale i').clientWidth, document.querySelector('#scale span').textContent]);
+  const [widthPx, length] = await bar();
+  assert.ok(widthPx > 40 && widthPx <= 160 && /^\d+ (m|cm)$/.test(length), `${length}: ${widthPx} px`);
+  await page.mouse.move(300, 300);
+  for (let i = 0; i < 12; ++i) await page.mouse.wheel(0, -400);
+  await until(async () => (await bar())[1] !== length, 'the scale follows the zoom');
+  for (const key of ['2', '3', '1']) {
+    const before = (await seen(page)).eye;
+    await page.keyboard.press(key);
+    await until(async () => Math.hypot(...(await seen(page)).eye.map((x, i) => x - before[i])) > 0.5, `key ${key} moves the eye`);
+    await settled(page);
+    await assertFramed(page, `key ${key}`);
+  }
+
+  // The table of keys.
+  await page.keyboard.press('?');
+  assert.ok(await page.isVisible('#helpTable'));
+  assert.ok((await page.innerText('#helpTable')).includes('floor grid on or off'));
+  await page.keyboard.press('Escape');
+  assert.ok(!(await page.isVisible('#helpTable')));
+}
+
+async function checkPhone(page, name) {
+  for (const section of ['#facts', '#options']) assert.ok(!(await page.isVisible(section)), `${name}: ${section} is folded`);
+  await page.click('#row [data-opens=options]');
+  assert.ok(await page.isVisible('#options'));
+  await page.click('#row [data-opens=facts]');
+  assert.ok((await page.isVisible('#facts')) && !(await page.isVisible('#options')), 'one at a time');
+  await page.click('#row [data-opens=facts]');
+  assert.ok(!(await page.isVisible('#facts')));
+  assert.ok(!(await page.isVisible('#row [data-opens=images]')), 'there are no images');
+  const width = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(width <= 0, `${name}: nothing sticks out at the side, ${width} px`);
+}

@@ -1,0 +1,142 @@
+// What kinloop view shows, from files to what a browser gets.
+
+#include "viewer/saved_run.hpp"
+
+#include <cstring>
+
+#include <gmock/gmock.h>
+
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/output/mesh_file.hpp"
+#include "kinloop/output/ply.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temp_folder.hpp"
+#include "viewer/scene/saved_cloud.hpp"
+
+namespace kinloop {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+const ColoredMesh& triangle() {
+  static const ColoredMesh kMesh{
+      {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}}, {{255, 0, 1}, {0, 255, 2}, {3, 0, 255}}, {{0, 1, 2}}};
+  return kMesh;
+}
+
+class SavedRunTest : public testing::Test {
+ protected:
+  std::optional<ScenePart> part(const SavedRun& run, PartKind kind) {
+    Scene scene("x");
+    show_saved_run(scene, run);
+    uint64_t seen = 0;
+    while (const auto next = scene.next_after(seen)) {
+      if (next->kind == kind) return next;
+      seen = next->version;
+    }
+    return std::nullopt;
+  }
+  json hello(const SavedRun& run) {
+    const auto found = part(run, PartKind::kHello);
+    return json::parse(found->body->begin(), found->body->end());
+  }
+  std::string error(const std::string& name, const std::string& bytes) {
+    const auto path = folder_.write(name, bytes);
+    return test::input_error([&] { read_saved_run(path); });
+  }
+
+  const test::TempFolder folder_;
+};
+
+TEST_F(SavedRunTest, OfACloudAloneIsItsPointsWithoutTimes) {
+  write_ply(folder_.path() / "map.PLY", {triangle().points, triangle().colors});
+  const SavedRun run = read_saved_run(folder_.path() / "map.PLY");
+  EXPECT_EQ(run.cloud.size(), 3U);
+  EXPECT_EQ(run.name, "map.PLY");
+  EXPECT_EQ(hello(run)["colors"], (json{"camera", "height"}));
+  EXPECT_TRUE(part(run, PartKind::kCloud));
+  EXPECT_FALSE(part(run, PartKind::kMesh));
+}
+
+TEST_F(SavedRunTest, OfACloudWithoutColoursIsColouredByHeight) {
+  const auto path = folder_.write(
+      "c.pcd",
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nDATA ascii\n1 2 3\n4 5 6\n");
+  const SavedRun run = read_saved_run(path);
+  EXPECT_EQ(run.cloud.size(), 2U);
+  EXPECT_EQ(hello(run)["colors"], (json{"height"}));
+  EXPECT_EQ(run.up, Eigen::Vector3d::UnitZ()) << "as most programs have it";
+}
+
+TEST_F(SavedRunTest, OfAPlyWithFacesIsAMesh) {
+  write_mesh(folder_.path() / "m.ply", triangle());
+  const SavedRun run = read_saved_run(folder_.path() / "m.ply");
+  const auto mesh = part(run, PartKind::kMesh);
+  ASSERT_TRUE(mesh);
+  EXPECT_EQ(mesh->body->size(), 12U + 3 * 12 + 12 + 3 * 4);
+  EXPECT_EQ(hello(run)["colors"], (json{"camera"}));
+}
+
+TEST_F(SavedRunTest, OfAGlbFileIsItsBytes) {
+  write_mesh(folder_.path() / "m.glb", triangle());
+  const SavedRun run = read_saved_run(folder_.path() / "m.glb");
+  const std::string bytes = read_file(folder_.path() / "m.glb");
+  EXPECT_EQ(*part(run, PartKind::kModel)->body, Bytes(bytes.begin(), bytes.end()));
+}
+
+TEST_F(SavedRunTest, ADamagedGlbIsToldOfBeforeABrowserOpens) {
+  write_mesh(folder_.path() / "m.glb", triangle());
+  const std::string good = read_file(folder_.path() / "m.glb");
+  const auto edited = [&](const std::string& from, const std::string& to) {
+    std::string bytes = good;
+    EXPECT_EQ(from.size(), to.size());
+    return bytes.replace(bytes.find(from), from.size(), to);
+  };
+  EXPECT_THAT(error("a.glb", "<html>"), HasSubstr("a.glb: not a GLB file"));
+  EXPECT_THAT(error("a.glb", "glTF"), HasSubstr("not a GLB file"));
+  EXPECT_THAT(error("a.glb", good.substr(0, good.size() - 4)), HasSubstr("cut short"));
+  EXPECT_THAT(error("a.glb", edited("\"asset\"", "\"asset,")), HasSubstr("JSON part is damaged"));
+  EXPECT_THAT(error("a.glb", edited("\"POSITION\"", "\"POSITIVE\"")), HasSubstr("no positions"));
+  EXPECT_THAT(error("a.glb", edited("\"meshes\"", "\"mashes\"")), HasSubstr("holds no mesh"));
+  EXPECT_THAT(error("a.glb", edited("\"count\":3", "\"count\":9")), HasSubstr("out of range"));
+  EXPECT_THAT(error("a.glb", edited("\"bufferView\":0", "\"bufferView\":7")), HasSubstr("is not glTF"));
+  std::string index = good;
+  index[good.size() - 4] = 3;  // the last corner of the triangle
+  EXPECT_THAT(error("a.glb", index), HasSubstr("names vertex 3 of 3"));
+}
+
+TEST_F(SavedRunTest, SaysWhatCannotBeShown) {
+  EXPECT_THAT(error("a.obj", "v 1 2 3"), HasSubstr(".kinmap, .ply, .pcd or .glb"));
+  EXPECT_THAT(test::input_error([&] { read_saved_run(folder_.path() / "none.ply"); }),
+              HasSubstr("no such file"));
+  EXPECT_THAT(test::input_error([&] { read_saved_run(folder_.path() / "none"); }),
+              HasSubstr("no such file or folder"));
+  EXPECT_THAT(error("a.ply",
+                    "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
+                    "property float z\nend_header\n"),
+              HasSubstr("holds no points"));
+}
+
+TEST(TitleOf, IsTheNameOfTheSequence) {
+  EXPECT_EQ(title_of("/data/rgbd_dataset_freiburg1_room/"), "rgbd_dataset_freiburg1_room");
+  EXPECT_EQ(title_of("out"), "out");
+  EXPECT_EQ(title_of("sim:room:7"), "sim:room:7");
+  EXPECT_EQ(title_of("a/bag/walk.bag"), "walk.bag");
+}
+
+TEST(SavedCloud, FarPointsDoNotCoarsenTheOthers) {
+  ColoredCloud cloud;
+  for (int i = 0; i < 1000; ++i) cloud.points.emplace_back(0.001F * static_cast<float>(i), 0.5F, 0.1F);
+  cloud.points.emplace_back(1e6F, 0, 0);
+  cloud.colors.resize(cloud.points.size());
+  const auto pieces = pieces_of(cloud);
+  ASSERT_EQ(pieces.size(), 2U);
+  EXPECT_EQ(pieces[0].cloud.size(), 1000U);
+  float unit_m = 0;
+  std::memcpy(&unit_m, encode_cloud(pieces[0]).data() + 8, sizeof unit_m);
+  EXPECT_FLOAT_EQ(unit_m, 1e-4F);
+}
+
+}  // namespace
+}  // namespace kinloop

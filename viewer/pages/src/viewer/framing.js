@@ -1,0 +1,74 @@
+// Which places of the map are not stray, and from where all of them are in sight.
+
+import { Box3, Vector3 } from 'three';
+
+const SAMPLES = 6000;
+const FENCE = 0.05; // quantiles that stray points, up to that share on either side, do not reach
+const EDGE = 0.01; // share of the points inside the fences that may lie beyond the map, on either side
+
+/** { places, box }: a sample of the map without what is stray, and the box around it. */
+export function sampleMap(world) {
+  const all = samplePlaces(world);
+  if (all.length === 0) return { places: [], box: new Box3() };
+  const fences = spread(all, FENCE);
+  fences.expandByVector(fences.getSize(new Vector3()).addScalar(1e-3));
+  const inside = all.filter((place) => fences.containsPoint(place));
+  const box = spread(inside, EDGE);
+  return { places: inside.filter((place) => box.containsPoint(place)), box };
+}
+
+/** From that quantile of each coordinate to the one as far from the other end. */
+function spread(places, quantile) {
+  const box = new Box3();
+  for (const axis of ['x', 'y', 'z']) {
+    const sorted = Float64Array.from(places, (place) => place[axis]).sort();
+    const last = sorted.length - 1;
+    box.min[axis] = sorted[Math.floor(quantile * last)];
+    box.max[axis] = sorted[Math.ceil((1 - quantile) * last)];
+  }
+  return box;
+}
+
+/** Some points of every piece, which holds them in random order, and some vertices of every mesh. */
+function samplePlaces(world) {
+  const places = [];
+  const share = Math.min(1, SAMPLES / Math.max(1, world.pointCount));
+  for (const { object } of world.pieces.values()) {
+    if (!object.visible) continue;
+    const { array } = object.geometry.attributes.position;
+    for (let i = 0; i < Math.ceil(share * object.userData.count); ++i) {
+      places.push(new Vector3().fromArray(array, 4 * i).applyMatrix4(object.matrixWorld));
+    }
+  }
+  for (const [object, vertices] of world.meshes()) {
+    for (let i = 0; i < vertices.count; i += Math.max(1, vertices.count / SAMPLES)) {
+      places.push(new Vector3().fromBufferAttribute(vertices, Math.floor(i)).applyMatrix4(object.matrixWorld));
+    }
+  }
+  return places;
+}
+
+/**
+ * The nearest eye that looks against `direction` and has all places in sight: { position, distance }, the distance to
+ * their middle. `tan`: half the width and height of what is seen 1 m away.
+ */
+export function frame(places, direction, tan) {
+  const right = new Vector3(0, 1, 0).cross(direction).normalize();
+  const up = direction.clone().cross(right);
+  // A place is in sight where |across| <= tan * (how far it lies before the eye): two straight bounds on each axis.
+  const across = [right, up].map((axis, i) => {
+    const reach = (sign) => Math.max(...places.map((place) => sign * place.dot(axis) + tan[i] * place.dot(direction)));
+    const [high, low] = [reach(1), reach(-1)];
+    return { eye: (high - low) / 2, away: (high + low) / (2 * tan[i]) };
+  });
+  const away = Math.max(...across.map((axis) => axis.away));
+  const middle = places.reduce((sum, place) => sum + place.dot(direction), 0) / places.length;
+  const position = new Vector3().addScaledVector(right, across[0].eye).addScaledVector(up, across[1].eye).addScaledVector(direction, away);
+  return { position, distance: away - middle };
+}
+
+/** The greatest of 1, 2, 5, 10, 20, 50, ... (and 0.5, 0.2, 0.1, ...) that is not above `length`. */
+export function roundLength(length) {
+  const power = 10 ** Math.floor(Math.log10(length));
+  return power * [5, 2, 1].find((step) => step * power <= length * (1 + 1e-9));
+}

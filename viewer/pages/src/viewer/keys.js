@@ -1,0 +1,51 @@
+// The keys, and the table of them that ? shows.
+
+/** Key, how it is written, what it does, and the name of the action. */
+const KEYS = [
+  [' ', 'Space', 'pause or resume the run', 'pause'],
+  ['s', 'S', 'one frame', 'step'],
+  ['f', 'F', 'fit the map', 'fit'],
+  ['r', 'R', 'reset the view', 'reset'],
+  ['1', '1', 'oblique view', 'oblique'],
+  ['2', '2', 'top view', 'top'],
+  ['3', '3', 'side view', 'side'],
+  ['4', '4', 'follow the camera', 'follow'],
+  ['c', 'C', 'next colouring', 'nextColor'],
+  ['u', 'U', 'next up axis, of a file that does not tell it', 'nextUp'],
+  ['g', 'G', 'floor grid on or off', 'grid'],
+  ['l', 'L', 'loop edges on or off', 'loops'],
+  ['[', '[', 'lower the cut', 'lowerCut'],
+  [']', ']', 'raise the cut', 'raiseCut'],
+  ['-', '−', 'smaller points', 'smallerPoints'],
+  ['+', '+', 'larger points', 'largerPoints'],
+  ['p', 'P', 'screenshot', 'screenshot'],
+  ['?', '?', 'this table', 'help'],
+];
+const OTHER_NAMES = { h: 'f', '=': '+', Home: 'f' };
+
+/** Calls `actions[name]()` when its key is pressed, and fills `table`. */
+export function listenToKeys(actions, table) {
+  table.replaceChildren(...KEYS.map(([, written, what]) => row(written, what)));
+  addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || hasOwnUse(event)) return;
+    const key = OTHER_NAMES[event.key] ?? (event.key.length === 1 ? event.key.toLowerCase() : event.key);
+    const known = KEYS.find(([own]) => own === key);
+    if (!known) return;
+    event.preventDefault();
+    actions[known[3]]();
+  });
+}
+
+/** Letters choose in a list, and the space bar ticks a box. */
+function hasOwnUse({ target, key }) {
+  return target.matches('select, dialog *') || (key === ' ' && target.matches('input'));
+}
+
+function row(written, what) {
+  const line = document.createElement('tr');
+  const [key, text] = [document.createElement('th'), document.createElement('td')];
+  key.append(Object.assign(document.createElement('kbd'), { textContent: written }));
+  text.textContent = what;
+  line.append(key, text);
+  return line;
+}

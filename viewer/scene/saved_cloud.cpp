@@ -1,0 +1,60 @@
+#include "viewer/scene/saved_cloud.hpp"
+
+#include <algorithm>
+
+#include <Eigen/Geometry>
+
+#include "viewer/scene/growing_cloud.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr size_t kPiecePoints = 1 << 16;  // what a browser takes at one go
+
+/// Many times the box that holds nine tenths of the points in each coordinate.
+Eigen::AlignedBox3f wide_box(const ColoredCloud& mixed) {
+  constexpr size_t kSample = 10000;
+  constexpr float kTimes = 10;
+  const size_t count = std::min(kSample, mixed.size());
+  Eigen::AlignedBox3f box;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<float> values;
+    for (size_t i = 0; i < count; ++i) values.push_back(mixed.points[i][axis]);
+    std::sort(values.begin(), values.end());
+    const float low = values[count / 20], high = values[count - 1 - count / 20];
+    box.min()[axis] = low - kTimes * (high - low);
+    box.max()[axis] = high + kTimes * (high - low);
+  }
+  return box;
+}
+
+void append_pieces(const ColoredCloud& cloud, std::vector<CloudPiece>& pieces) {
+  for (size_t first = 0; first < cloud.size(); first += kPiecePoints) {
+    const auto begin = static_cast<long>(first);
+    const auto end = static_cast<long>(std::min(cloud.size(), first + kPiecePoints));
+    CloudPiece piece;
+    piece.cloud.points.assign(cloud.points.begin() + begin, cloud.points.begin() + end);
+    piece.cloud.colors.assign(cloud.colors.begin() + begin, cloud.colors.begin() + end);
+    pieces.push_back(std::move(piece));
+  }
+}
+
+}  // namespace
+
+std::vector<CloudPiece> pieces_of(const ColoredCloud& cloud) {
+  std::vector<CloudPiece> pieces;
+  if (cloud.size() == 0) return pieces;
+  const ColoredCloud mixed = shuffled(cloud);
+  const Eigen::AlignedBox3f box = wide_box(mixed);
+  ColoredCloud near, far;
+  for (size_t i = 0; i < mixed.size(); ++i) {
+    ColoredCloud& part = box.contains(mixed.points[i]) ? near : far;
+    part.points.push_back(mixed.points[i]);
+    part.colors.push_back(mixed.colors[i]);
+  }
+  append_pieces(near, pieces);
+  append_pieces(far, pieces);
+  return pieces;
+}
+
+}  // namespace kinloop

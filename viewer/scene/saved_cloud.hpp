@@ -1,0 +1,14 @@
+#pragma once
+// In: a whole cloud. Out: the pieces in which a browser takes it.
+
+#include <vector>
+
+#include "viewer/scene/wire.hpp"
+
+namespace kinloop {
+
+/// Every piece is a sample of the whole, so that thinned ones show no stripes. Points far outside are in
+/// pieces of their own: the finest step of a piece follows from its size.
+std::vector<CloudPiece> pieces_of(const ColoredCloud& cloud);
+
+}  // namespace kinloop
