@@ -8,6 +8,7 @@
 #include "apps/commands.hpp"
 #include "apps/common_options.hpp"
 #include "apps/feature_comparison.hpp"
+#include "apps/feature_table.hpp"
 #include "kinloop/base/options.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/compare/detectors.hpp"
@@ -17,17 +18,19 @@ namespace kinloop {
 namespace {
 
 constexpr const char* kFooter = R"(
-Medians over the images and pairs. An image is compared with itself turned by 15 degrees, 0.85 times as large and
-tilted; a sequence with itself some frames later.
+One image is compared with itself turned by 15 degrees, 0.85 times as large and tilted; two images with each other; a
+sequence with itself some frames later. Each figure is the median over the seeds, with the lowest and the highest of
+them below it. Each seed draws other samples in RANSAC, measures the time again, and of a sequence chooses other pairs.
   ms             to detect and describe, CPU time of one thread
   matches        pairs that are each other's nearest descriptor
   screened       of these, with at most four times the smallest distance (ORB: or 40 bits)
-  inliers        of these, under one camera motion (P3P and RANSAC; an image: one homography), 3 px
+  inliers        of these, 3 px from one camera motion (P3P); one image: one homography; two: one epipolar geometry
   repeatability  key points found again within 3 px of where the ground truth puts them, of those in view
   precision      screened matches within 3 px of where the ground truth puts them, and their median error
 
 Examples:
   kinloop features ../shared/data/redkitchen --gap 20
+  kinloop features before.png after.png -o pictures
   kinloop features photo.jpg -o pictures --set count=500)";
 
 void run_features(ComparisonArguments arguments, const std::vector<std::string>& assignments, bool json) {
@@ -51,15 +54,22 @@ void add_features_command(CLI::App& app) {
   auto arguments = std::make_shared<ComparisonArguments>();
   auto assignments = std::make_shared<std::vector<std::string>>();
   auto json = std::make_shared<bool>(false);
-  command->add_option("input", arguments->input, "An image, a folder in TUM layout, or sim:room")->required();
-  command->add_option("--camera", arguments->camera, "camera.yaml or preset, as for kinloop run");
+  auto& request = arguments->request;
+  command->add_option("input", request.input, "An image, a folder in TUM layout, or sim:room")->required();
+  command->add_option("second", request.other_image, "A second image, to be compared with the first");
+  command->add_option("--camera", request.camera, "camera.yaml or preset, as for kinloop run");
   command->add_option("-o,--output", arguments->pictures,
-                      "Folder for pictures of all and of the screened matches of the middle pair");
-  command->add_option("--pairs", arguments->pairs, "Pairs of frames, evenly over the sequence")
+                      "Folder for pictures of the matches of one pair: all, screened, inliers");
+  command->add_option("--pairs", request.pairs, "Pairs of frames for each seed, spread over the sequence")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command->add_option("--gap", arguments->gap, "Frames from the first to the second of a pair")
+  command->add_option("--gap", request.gap, "Frames from the first to the second of a pair")
       ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command
+      ->add_option("--seeds", request.seeds,
+                   "Seeds: choices of pairs and samples that give each figure its range")
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_option("--detectors", arguments->wanted, "Only these: sift surf orb-opencv orb")
       ->delimiter(',');

@@ -174,7 +174,7 @@ void write_results(const RunFolder& folder, const RunOutcome& outcome, const Tra
   write_camera_file(folder.camera(), calibrated_camera(outcome.source.camera(), slam.sensor()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), outcome.options.slam.loop), {}, true, {}});
   write_frame_table(folder.frames(), frames);
-  write_loop_pictures(folder, slam.map(), outcome.source.camera().color, images);
+  write_loop_pictures(folder, slam, outcome.source.camera(), images);
   write_report(folder);
 }
 

@@ -1,109 +1,19 @@
 #include "apps/feature_comparison.hpp"
 
 #include <algorithm>
-#include <map>
-#include <memory>
 
 #include <fmt/format.h>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
-#include "apps/open_source.hpp"
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/quantile.hpp"
+#include "kinloop/base/random.hpp"
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/compare/detectors.hpp"
 #include "kinloop/compare/match_picture.hpp"
-#include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
 namespace {
-
-constexpr int64_t kMaxTruthGapNs = 20'000'000;  // between a frame and the true poses around it: 0.02 s
-
-struct View {
-  cv::Mat gray, depth_m;  ///< no depth for a single image
-  std::optional<SE3> T_world_camera;
-};
-
-/// Two images of the same place, and what is known of where they were taken from.
-struct ImagePair {
-  View a, b;
-  std::optional<Eigen::Matrix3d> H_b_a;  ///< of an image and its picture
-};
-
-struct Pairs {
-  PinholeCamera camera;
-  std::vector<ImagePair> pairs;
-};
-
-cv::Mat to_gray(const cv::Mat& color) {
-  cv::Mat gray;
-  cv::cvtColor(color, gray, cv::COLOR_BGR2GRAY);
-  return gray;
-}
-
-/// An image and what a camera would see of it from a little further away, turned by 15 degrees.
-Pairs pair_of_image(const std::filesystem::path& path) {
-  constexpr double kTurnDeg = 15, kScale = 0.85, kTilt = 2e-4;
-  Pairs result;
-  ImagePair pair;
-  pair.a.gray = to_gray(read_color_image(path));
-  const int width = pair.a.gray.cols, height = pair.a.gray.rows;
-  const cv::Mat turn = cv::getRotationMatrix2D(
-      {static_cast<float>(width) / 2, static_cast<float>(height) / 2}, kTurnDeg, kScale);
-  Eigen::Matrix3d H;
-  H << turn.at<double>(0, 0), turn.at<double>(0, 1), turn.at<double>(0, 2), turn.at<double>(1, 0),
-      turn.at<double>(1, 1), turn.at<double>(1, 2), kTilt, 0, 1;
-  const cv::Matx33d H_cv(H(0, 0), H(0, 1), H(0, 2), H(1, 0), H(1, 1), H(1, 2), H(2, 0), H(2, 1), H(2, 2));
-  cv::warpPerspective(pair.a.gray, pair.b.gray, H_cv, pair.a.gray.size());
-  pair.H_b_a = H;
-  // Any camera without distortion will do: pixels stay what they are.
-  result.camera.width = width;
-  result.camera.height = height;
-  result.camera.fx = result.camera.fy = width;
-  result.pairs.push_back(pair);
-  return result;
-}
-
-View view_of(const RgbdFrame& frame, const Trajectory& truth) {
-  return {to_gray(frame.color), frame.depth_m, pose_at(truth, frame.stamp_ns, kMaxTruthGapNs)};
-}
-
-Pairs pairs_of_sequence(const ComparisonArguments& arguments) {
-  const auto camera = arguments.camera.empty() ? std::nullopt : std::optional(arguments.camera);
-  SourceRequest request;
-  request.sequence = arguments.input;
-  request.camera = camera;
-  const auto source = open_source(request);
-  const size_t frames = source->info().frames;
-  if (frames <= arguments.gap) {
-    throw UsageError(
-        fmt::format("--gap {}: '{}' has {} frames only", arguments.gap, arguments.input, frames));
-  }
-  const size_t count = std::min(arguments.pairs, frames - arguments.gap);
-  std::map<size_t, View> wanted;
-  std::vector<size_t> starts;
-  for (size_t k = 0; k < count; ++k) {
-    starts.push_back(k * (frames - arguments.gap) / count);
-    wanted[starts.back()] = wanted[starts.back() + arguments.gap] = {};
-  }
-  for (size_t i = 0; i <= wanted.rbegin()->first; ++i) {
-    const auto frame = source->next();
-    if (!frame) break;
-    const auto found = wanted.find(i);
-    if (found != wanted.end()) found->second = view_of(*frame, source->info().ground_truth);
-  }
-  Pairs result;
-  result.camera = source->camera().color;
-  for (const size_t start : starts) {
-    const View &a = wanted[start], &b = wanted[start + arguments.gap];
-    if (!a.gray.empty() && !b.gray.empty()) result.pairs.push_back({a, b, std::nullopt});
-  }
-  return result;
-}
 
 TrueSights true_sights(const ImagePair& pair, const Features& a, const PinholeCamera& camera) {
   if (pair.H_b_a) return sights_by_homography(a, pair.b.gray.size(), *pair.H_b_a);
@@ -112,133 +22,100 @@ TrueSights true_sights(const ImagePair& pair, const Features& a, const PinholeCa
   return sights_by_motion(a, pair.a.depth_m, pair.b.depth_m, camera, T_b_a);
 }
 
-void write_picture(const std::filesystem::path& path, const cv::Mat& picture) {
-  std::vector<uint8_t> bytes;
-  cv::imencode(".png", picture, bytes);
-  write_file(path, std::string(bytes.begin(), bytes.end()));
+/// By what is known of the pair.
+std::vector<LookAlike> ransac_inliers(const ImagePair& pair, const MatchedFeatures& matched,
+                                      const PinholeCamera& camera) {
+  const uint64_t seed = hash(pair.seed, 2);
+  if (pair.H_b_a) return homography_inliers(matched, seed);
+  if (pair.a.depth_m.empty()) return epipolar_inliers(matched, seed);
+  return motion_inliers(matched, pair.a.depth_m, camera, seed);
 }
 
-Features detect_timed(const Detector& detector, const cv::Mat& gray, DetectorFigures& figures) {
-  const Stopwatch watch;
-  Features features = detector.detect(gray);
-  figures.milliseconds.push_back(1e3 * watch.cpu_s());
-  figures.key_points.push_back(static_cast<double>(features.size()));
-  return features;
-}
-
-DetectorFigures measure(const Detector& detector, const Pairs& pairs, const std::filesystem::path& pictures) {
-  DetectorFigures figures{detector.name, detector.id, {}, {}, {}};
-  for (size_t i = 0; i < pairs.pairs.size(); ++i) {
-    const ImagePair& pair = pairs.pairs[i];
-    const Features a = detect_timed(detector, pair.a.gray, figures);
-    const Features b = detect_timed(detector, pair.b.gray, figures);
-    const auto matches = match_descriptors(a, b);
-    const auto screened = screen_look_alikes(matches, a.descriptors.type() == CV_8UC1);
-    PairFigures found = measure_pair(b, matches, screened, true_sights(pair, a, pairs.camera));
-    found.inliers = pair.H_b_a ? count_homography_inliers(a, b, screened)
-                               : count_motion_inliers(a, pair.a.depth_m, b, screened, pairs.camera);
-    figures.pairs.push_back(std::move(found));
-    if (pictures.empty() || i != pairs.pairs.size() / 2) continue;
-    write_picture(pictures / (detector.id + "_all.png"),
-                  draw_matches(pair.a.gray, a, pair.b.gray, b, matches));
-    write_picture(pictures / (detector.id + "_screened.png"),
-                  draw_matches(pair.a.gray, a, pair.b.gray, b, screened));
-  }
-  return figures;
-}
-
-double share(double part, double whole) {
-  return whole > 0 ? part / whole : 0;
-}
-
-/// One row of the table, in the order of its columns.
-struct Summary {
-  double key_points = 0, milliseconds = 0, matches = 0, screened = 0, inliers = 0;  ///< medians
-  double repeatability = 0, precision = 0;  ///< of all pairs together; 0 without ground truth
-  double error_px = 0;                      ///< median
-  bool with_truth = false;
+/// Key points of both images of a pair, with the CPU time that they took.
+struct DetectedPair {
+  Features a, b;
+  double a_ms = 0, b_ms = 0;
 };
 
-Summary summarise(const DetectorFigures& figures) {
-  std::vector<double> matches, screened, inliers, errors_px;
-  double visible = 0, repeated = 0, checked = 0, right = 0;
-  for (const PairFigures& pair : figures.pairs) {
-    matches.push_back(static_cast<double>(pair.matches));
-    screened.push_back(static_cast<double>(pair.screened));
-    inliers.push_back(static_cast<double>(pair.inliers));
-    errors_px.insert(errors_px.end(), pair.errors_px.begin(), pair.errors_px.end());
-    visible += static_cast<double>(pair.visible);
-    repeated += static_cast<double>(pair.repeated);
-    checked += static_cast<double>(pair.checked);
-    right += static_cast<double>(pair.right);
+DetectedPair detect(const Detector& detector, const ImagePair& pair) {
+  DetectedPair found;
+  const Stopwatch watch_a;
+  found.a = detector.detect(pair.a.gray);
+  found.a_ms = 1e3 * watch_a.cpu_s();
+  const Stopwatch watch_b;
+  found.b = detector.detect(pair.b.gray);
+  found.b_ms = 1e3 * watch_b.cpu_s();
+  return found;
+}
+
+/// The matches of each step, drawn into pictures with their figures below.
+class MatchPictures {
+ public:
+  MatchPictures(const std::filesystem::path& folder, const Detector& detector, const ImagePair& pair,
+                const DetectedPair& found)
+      : folder_(folder), detector_(detector), pair_(pair), found_(found) {}
+
+  void write(const char* step, const std::vector<LookAlike>& matches, const std::string& what) const {
+    const std::string figures = fmt::format("{}: {} and {} key points, {:.1f} and {:.1f} ms", detector_.name,
+                                            found_.a.size(), found_.b.size(), found_.a_ms, found_.b_ms);
+    const cv::Mat drawn = draw_matches(pair_.a.gray, found_.a, pair_.b.gray, found_.b, matches);
+    std::vector<uint8_t> bytes;
+    cv::imencode(".png", with_caption(drawn, {figures, fmt::format("{} {}", matches.size(), what)}), bytes);
+    write_file(folder_ / fmt::format("{}_{}.png", detector_.id, step),
+               std::string(bytes.begin(), bytes.end()));
   }
-  return {median(figures.key_points),
-          median(figures.milliseconds),
-          median(matches),
-          median(screened),
-          median(inliers),
-          share(repeated, visible),
-          share(right, checked),
-          median(errors_px),
-          visible > 0};
+
+ private:
+  const std::filesystem::path& folder_;
+  const Detector& detector_;
+  const ImagePair& pair_;
+  const DetectedPair& found_;
+};
+
+void measure(const Detector& detector, const ImagePair& pair, const PinholeCamera& camera,
+             const std::filesystem::path& pictures, SeedFigures& figures) {
+  const DetectedPair found = detect(detector, pair);
+  const auto& [a, b, a_ms, b_ms] = found;
+  for (const double ms : {a_ms, b_ms}) figures.milliseconds.push_back(ms);
+  for (const size_t count : {a.size(), b.size()}) figures.key_points.push_back(static_cast<double>(count));
+  const auto matches = match_descriptors(a, b);
+  const auto screened = screen_look_alikes(matches, a.descriptors.type() == CV_8UC1);
+  const auto inliers = ransac_inliers(pair, {a, b, screened}, camera);
+  figures.pairs.push_back(measure_pair(b, matches, screened, true_sights(pair, a, camera)));
+  figures.pairs.back().inliers = inliers.size();
+  if (pictures.empty() || !pair.shown) return;
+  const MatchPictures writer(pictures, detector, pair, found);
+  writer.write("all", matches, "matches: each other's nearest descriptors");
+  writer.write("screened", screened, "of these screened by descriptor distance");
+  writer.write("inliers", inliers, "of these inliers of RANSAC");
+}
+
+std::vector<Detector> wanted_detectors(const ComparisonArguments& arguments, const PinholeCamera& camera) {
+  std::vector<Detector> detectors = make_detectors(arguments.features, camera);
+  const auto& wanted = arguments.wanted;
+  if (wanted.empty()) return detectors;
+  std::string known;
+  for (const Detector& detector : detectors) known += " " + detector.id;
+  std::erase_if(detectors, [&](const Detector& detector) {
+    return std::find(wanted.begin(), wanted.end(), detector.id) == wanted.end();
+  });
+  if (detectors.size() < wanted.size()) throw UsageError(fmt::format("--detectors: this build has{}", known));
+  return detectors;
 }
 
 }  // namespace
 
 std::vector<DetectorFigures> compare_detectors(const ComparisonArguments& arguments) {
-  const bool single = std::filesystem::is_regular_file(arguments.input);
-  const Pairs pairs = single ? pair_of_image(arguments.input) : pairs_of_sequence(arguments);
+  OpenPairs pairs = open_pairs(arguments.request);
+  const auto detectors = wanted_detectors(arguments, pairs.camera);
   std::vector<DetectorFigures> figures;
-  std::string known;
-  for (const Detector& detector : make_detectors(arguments.features, pairs.camera)) {
-    known += " " + detector.id;
-    const auto& wanted = arguments.wanted;
-    if (wanted.empty() || std::find(wanted.begin(), wanted.end(), detector.id) != wanted.end()) {
-      figures.push_back(measure(detector, pairs, arguments.pictures));
-    }
-  }
-  if (figures.size() < arguments.wanted.size() || figures.empty()) {
-    throw UsageError(fmt::format("--detectors: this build has{}", known));
-  }
+  for (const Detector& detector : detectors)
+    figures.push_back({detector.name, detector.id, std::vector<SeedFigures>(arguments.request.seeds)});
+  for_each_pair(pairs, [&](const ImagePair& pair) {
+    for (size_t i = 0; i < detectors.size(); ++i)
+      measure(detectors[i], pair, pairs.camera, arguments.pictures, figures[i].seeds.at(pair.seed));
+  });
   return figures;
-}
-
-std::string comparison_table(const std::vector<DetectorFigures>& figures) {
-  std::string table =
-      fmt::format("{:<14} {:>10} {:>8} {:>8} {:>9} {:>8} {:>14} {:>10} {:>9}\n", "", "key points", "ms",
-                  "matches", "screened", "inliers", "repeatability", "precision", "error px");
-  for (const DetectorFigures& detector : figures) {
-    const Summary s = summarise(detector);
-    table += fmt::format("{:<14} {:>10.0f} {:>8.2f} {:>8.0f} {:>9.0f} {:>8.0f}", detector.name, s.key_points,
-                         s.milliseconds, s.matches, s.screened, s.inliers);
-    table += s.with_truth ? fmt::format(" {:>12.1f} % {:>8.1f} % {:>9.2f}\n", 100 * s.repeatability,
-                                        100 * s.precision, s.error_px)
-                          : fmt::format(" {:>14} {:>10} {:>9}\n", "-", "-", "-");
-  }
-  return table;
-}
-
-nlohmann::json comparison_json(const std::vector<DetectorFigures>& figures) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const DetectorFigures& detector : figures) {
-    const Summary s = summarise(detector);
-    nlohmann::json entry = {{"detector", detector.id},
-                            {"name", detector.name},
-                            {"images", detector.key_points.size()},
-                            {"pairs", detector.pairs.size()},
-                            {"key_points", s.key_points},
-                            {"milliseconds", s.milliseconds},
-                            {"matches", s.matches},
-                            {"screened", s.screened},
-                            {"inliers", s.inliers}};
-    if (s.with_truth) {
-      entry["repeatability"] = s.repeatability;
-      entry["precision"] = s.precision;
-      entry["error_px"] = s.error_px;
-    }
-    list.push_back(entry);
-  }
-  return list;
 }
 
 }  // namespace kinloop

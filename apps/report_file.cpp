@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "apps/loop_pictures.hpp"
 #include "kinloop/base/text_file.hpp"
+#include "kinloop/base/time.hpp"
 #include "kinloop/dense/cloud_picture.hpp"
 #include "kinloop/eval/report.hpp"
 #include "kinloop/eval/run_up.hpp"
@@ -86,33 +88,35 @@ void add_map(RunReport& run, const fs::path& map) {
   CloudView view = view_of(run.estimate, run.figures);
   run.cloud = decimated(cloud, view);
   run.map_pictures.push_back(
-      picture_of(cloud, view, "At a slant; what is higher than the camera is cut off"));
+      picture_of(cloud, view, "Oblique view; points above the highest camera position are not shown"));
   view.elevation_deg = kFromAboveDeg;
-  run.map_pictures.push_back(picture_of(cloud, view, "From above"));
+  run.map_pictures.push_back(picture_of(cloud, view, "Top view"));
 }
 
-std::vector<ReportPicture> read_loop_pictures(const fs::path& folder) {
-  std::vector<fs::path> files;
-  if (fs::is_directory(folder)) {
-    for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+/// What the picture shows, with times since the run began.
+std::string caption_of(const LoopPicture& picture, int64_t start_ns) {
+  const auto since_start = [&](int64_t stamp_ns) { return to_seconds(stamp_ns - start_ns); };
+  std::string text = fmt::format(
+      "{:.1f} s (left) and {:.1f} s (right), cameras {:.2f} m and {:.1f}\u00b0 apart. {} landmarks "
+      "reprojected, {} "
+      "of them observed in both images",
+      since_start(picture.stamp_a_ns), since_start(picture.stamp_b_ns), picture.distance_m, picture.angle_deg,
+      picture.reprojected, picture.observed);
+  if (picture.observed > 0) text += fmt::format(", median error {:.2f} px", picture.median_error_px);
+  return text + fmt::format(". Loop closure: {} inliers.", picture.inliers);
+}
+
+void add_loops(RunReport& run, const RunFolder& folder) {
+  for (const LoopPicture& picture : read_loop_pictures(folder)) {
+    run.loop_pictures.push_back(
+        {caption_of(picture, start_of(run)), read_file(folder.loop_pictures() / picture.file)});
   }
-  std::sort(files.begin(), files.end());
-  std::vector<ReportPicture> pictures;
-  for (const fs::path& file : files) {
-    const std::string name = file.stem().string();
-    const size_t between = name.find('_');
-    if (file.extension() != ".jpg" || between == std::string::npos) continue;
-    pictures.push_back({fmt::format("seen at {} s, met again at {} s; matches that agree",
-                                    name.substr(0, between), name.substr(between + 1)),
-                        read_file(file)});
-  }
-  return pictures;
 }
 
 RunReport read_run(const RunFolder& folder) {
   RunReport run;
   run.figures = read_figures(folder.figures());
-  run.name = run.figures.value("input", folder.path().string());
+  run.name = name_of_input(run.figures.value("input", folder.path().string()));
   run.estimate = read_tum_trajectory(folder.trajectory());
   run.keyframes = read_if_there(folder.keyframes());
   run.truth = read_if_there(folder.ground_truth());
@@ -123,7 +127,7 @@ RunReport read_run(const RunFolder& folder) {
 /// What is large, and shown of the first run only.
 void add_pictures(RunReport& run, const RunFolder& folder) {
   add_map(run, folder.map());
-  run.loop_pictures = read_loop_pictures(folder.loop_pictures());
+  add_loops(run, folder);
 }
 
 }  // namespace
@@ -136,6 +140,7 @@ void write_report(const RunFolder& folder) {
 
 void write_comparison(const std::vector<fs::path>& paths, const fs::path& page) {
   std::vector<RunReport> runs;
+  std::vector<std::string> names;
   for (const fs::path& path : paths) {
     if (fs::is_directory(path)) {
       const auto folder = RunFolder::of_earlier_run(path);
@@ -144,8 +149,10 @@ void write_comparison(const std::vector<fs::path>& paths, const fs::path& page) 
     } else {
       runs.emplace_back().estimate = read_tum_trajectory(path);
     }
-    runs.back().name = path.string();
+    names.push_back(fs::absolute(path).lexically_normal().string());
   }
+  names = short_names(names);
+  for (size_t i = 0; i < runs.size(); ++i) runs[i].name = names[i];
   const auto known =
       std::find_if(runs.begin(), runs.end(), [](const RunReport& run) { return !run.truth.empty(); });
   for (RunReport& run : runs) {

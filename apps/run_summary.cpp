@@ -1,6 +1,7 @@
 #include "apps/run_summary.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -9,6 +10,7 @@
 #include "kinloop/base/quantile.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/eval/consistency.hpp"
+#include "kinloop/eval/report.hpp"
 
 namespace kinloop {
 namespace {
@@ -27,6 +29,13 @@ ProcessUse process_use() {
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };
   return {seconds(usage.ru_utime) + seconds(usage.ru_stime), static_cast<double>(usage.ru_maxrss) / 1024.0};
+}
+
+/// The input as it can be named later and elsewhere: "." is some other folder then.
+std::string lasting_name(const std::string& input) {
+  const std::string name = name_of_input(input);
+  if (name != "." && name != "..") return input;
+  return std::filesystem::weakly_canonical(input).string();
 }
 
 json loops_json(const Map& map) {
@@ -121,7 +130,7 @@ json run_summary(const RunOutcome& o) {
   const ProcessUse use = process_use();
   json summary;
   summary["version"] = version_text();
-  summary["input"] = o.source.info().name;
+  summary["input"] = lasting_name(o.source.info().name);
   summary["frames"] = log.size();
   summary["tracked"] = tracked;
   summary["tracked_densely"] = dense_only;

@@ -26,6 +26,15 @@ std::pair<int, int> parse_size(std::string_view text) {
   return {number(text.substr(0, times)), number(text.substr(times + 1))};
 }
 
+/// Refuses squares of a metre and more: they were given in millimetres, or small numbers in centimetres.
+void require_metres(double square) {
+  constexpr double kMost = 1, kFewestMm = 10;
+  if (square < kMost) return;
+  const auto [unit, per_metre] = square < kFewestMm ? std::pair("cm", 100) : std::pair("mm", 1000);
+  throw UsageError(
+      fmt::format("--square {0:g}: give metres; {0:g} {1} is {2:g}", square, unit, square / per_metre));
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector2d> Board::corners_m() const {
@@ -65,6 +74,7 @@ Board parse_board(std::string_view text, double square_m, double marker_m) {
         text));
   }
   if (!(square_m > 0)) throw UsageError("--square: the side of a square in metres, e.g. 0.03");
+  require_metres(square_m);
   if (board.has_markers() && !(marker_m > 0 && marker_m < square_m)) {
     throw UsageError("--marker: the side of a marker of the ChArUco board in metres, less than --square");
   }

@@ -13,6 +13,7 @@
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/quantile.hpp"
 #include "kinloop/base/text_file.hpp"
+#include "kinloop/calibration/board_size.hpp"
 #include "kinloop/calibration/charuco.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
@@ -123,6 +124,16 @@ void require_one_size(const std::vector<BoardView>& views) {
   }
 }
 
+void require_size(const std::vector<std::filesystem::path>& stills, const Board& board, int threads) {
+  const auto other = other_board_size(stills, board, threads);
+  if (!other) return;
+  const std::string folder = stills.front().parent_path().string();
+  throw InputError(fmt::format(
+      "no {}x{} board in {}; it looks like {}x{}: use --board {}x{} (inner corners, where four squares "
+      "meet)",
+      board.columns, board.rows, folder, other->shorter, other->longer, other->shorter, other->longer));
+}
+
 }  // namespace
 
 cv::Mat visible_gray(const cv::Mat& image) {
@@ -186,6 +197,9 @@ cv::Mat read_still(const std::filesystem::path& path) {
 
 BoardSearch find_boards(const std::vector<std::filesystem::path>& stills, const Board& board, int threads,
                         const Progress& progress) {
+  // Looking for a board that is not there takes seconds an image.
+  report(progress, "looking for boards", 0, stills.size());
+  require_size(stills, board, threads);
   constexpr size_t kStillsPerThread = 4;  // and report of progress
   const size_t batch = kStillsPerThread * static_cast<size_t>(std::max(threads, 1));
   std::vector<std::optional<BoardView>> found(stills.size());

@@ -36,7 +36,8 @@ std::vector<std::filesystem::path> list_stills(const std::filesystem::path& fold
 cv::Mat read_still(const std::filesystem::path& path);
 
 /// Looks for the board in all of them, on up to `threads` threads. Throws InputError when images differ in
-/// size, or none shows the board.
+/// size, or none shows the board; at once, naming its size, where a few of them agree on a board of another
+/// size.
 BoardSearch find_boards(const std::vector<std::filesystem::path>& stills, const Board& board, int threads,
                         const Progress& progress = {});
 

@@ -1,19 +1,30 @@
 #include "kinloop/compare/match_picture.hpp"
 
+#include <algorithm>
+
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/random.hpp"
 
 namespace kinloop {
+namespace {
+
+/// At least `rows` high; what is added below is black.
+cv::Mat with_height(const cv::Mat& gray, int rows) {
+  cv::Mat padded;
+  cv::copyMakeBorder(gray, padded, 0, std::max(0, rows - gray.rows), 0, 0, cv::BORDER_CONSTANT);
+  return padded;
+}
+
+}  // namespace
 
 cv::Mat draw_matches(const cv::Mat& gray_a, const Features& a, const cv::Mat& gray_b, const Features& b,
                      const std::vector<LookAlike>& matches) {
-  require(gray_a.size() == gray_b.size() && gray_a.type() == CV_8UC1 && gray_b.type() == CV_8UC1,
-          "draw_matches: two grey images of one size");
+  require(gray_a.type() == CV_8UC1 && gray_b.type() == CV_8UC1, "draw_matches: two grey images");
   constexpr int kCircleRadius = 3;
   cv::Mat side_by_side, picture;
-  cv::hconcat(gray_a, gray_b, side_by_side);
+  cv::hconcat(with_height(gray_a, gray_b.rows), with_height(gray_b, gray_a.rows), side_by_side);
   cv::cvtColor(side_by_side, picture, cv::COLOR_GRAY2BGR);
   Random random(1);
   for (const LookAlike& match : matches) {
@@ -28,6 +39,21 @@ cv::Mat draw_matches(const cv::Mat& gray_a, const Features& a, const cv::Mat& gr
     cv::circle(picture, end, kCircleRadius, color, 1, cv::LINE_AA);
   }
   return picture;
+}
+
+cv::Mat with_caption(const cv::Mat& picture, const std::vector<std::string>& lines) {
+  constexpr int kLinePx = 24, kMarginPx = 8;
+  constexpr double kLetters = 0.55;
+  const int height = kLinePx * static_cast<int>(lines.size()) + kMarginPx;
+  cv::Mat captioned;
+  cv::copyMakeBorder(picture, captioned, 0, height, 0, 0, cv::BORDER_CONSTANT, cv::Scalar::all(255));
+  int baseline = picture.rows - kMarginPx / 2;
+  for (const std::string& line : lines) {
+    baseline += kLinePx;
+    cv::putText(captioned, line, {kMarginPx, baseline}, cv::FONT_HERSHEY_SIMPLEX, kLetters, {0, 0, 0}, 1,
+                cv::LINE_AA);
+  }
+  return captioned;
 }
 
 }  // namespace kinloop

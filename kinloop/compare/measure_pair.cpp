@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/random.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/optimize/pnp_ransac.hpp"
@@ -18,7 +20,6 @@ namespace {
 constexpr double kScreenFactor = 4;
 constexpr double kMaxDepthStep = 0.04;  // relative, around a key point
 constexpr double kHiddenShare = 0.05;   // a surface nearer by this share hides what is behind it
-constexpr uint64_t kSeed = 1;
 
 Eigen::Vector2d pixel_of(const Features& features, uint32_t index) {
   return features.pixels[index].cast<double>();
@@ -31,6 +32,41 @@ double distance_to_nearest(const Features& features, const Eigen::Vector2d& pixe
     nearest = std::min(nearest, (other.cast<double>() - pixel).squaredNorm());
   }
   return std::sqrt(nearest);
+}
+
+/// Those of the matches that `inliers` is not 0 for.
+std::vector<LookAlike> chosen(const std::vector<LookAlike>& matches, const std::vector<uint8_t>& inliers) {
+  std::vector<LookAlike> kept;
+  for (size_t i = 0; i < inliers.size(); ++i) {
+    if (inliers[i] != 0) kept.push_back(matches[i]);
+  }
+  return kept;
+}
+
+/// In an order of the seed's own: OpenCV's RANSAC draws the same places in the list every time.
+std::vector<LookAlike> in_random_order(const std::vector<LookAlike>& matches, uint64_t seed) {
+  Random random(seed);
+  const auto count = static_cast<uint32_t>(matches.size());
+  std::vector<LookAlike> mixed = matches;
+  for (uint32_t i = count; i > 1; --i) std::swap(mixed[i - 1], mixed[random.index(i)]);
+  return mixed;
+}
+
+/// What `find`, one of OpenCV's RANSACs, calls inliers.
+template <class Find>
+std::vector<LookAlike> inliers_of(const MatchedFeatures& pair, uint64_t seed, size_t fewest,
+                                  const Find& find) {
+  if (pair.matches.size() < fewest) return {};
+  const auto matches = in_random_order(pair.matches, seed);
+  std::vector<cv::Point2f> from, to;
+  for (const LookAlike& match : matches) {
+    from.emplace_back(pair.a.pixels[match.a].x(), pair.a.pixels[match.a].y());
+    to.emplace_back(pair.b.pixels[match.b].x(), pair.b.pixels[match.b].y());
+  }
+  cv::Mat inliers;
+  find(from, to, inliers);
+  if (inliers.empty()) return {};
+  return chosen(matches, std::vector<uint8_t>(inliers.begin<uint8_t>(), inliers.end<uint8_t>()));
 }
 
 }  // namespace
@@ -92,34 +128,38 @@ TrueSights sights_by_homography(const Features& a, const cv::Size& size, const E
   return sights;
 }
 
-size_t count_motion_inliers(const Features& a, const cv::Mat& depth_a_m, const Features& b,
-                            const std::vector<LookAlike>& matches, const PinholeCamera& camera) {
+std::vector<LookAlike> motion_inliers(const MatchedFeatures& pair, const cv::Mat& depth_a_m,
+                                      const PinholeCamera& camera, uint64_t seed) {
   std::vector<PoseObservation> observations;
-  for (const LookAlike& match : matches) {
-    const double depth_m = depth_around(depth_a_m, a.raw_pixels[match.a], kMaxDepthStep);
+  std::vector<LookAlike> with_depth;
+  for (const LookAlike& match : pair.matches) {
+    const double depth_m = depth_around(depth_a_m, pair.a.raw_pixels[match.a], kMaxDepthStep);
     if (depth_m <= 0) continue;
     PoseObservation observation;
-    observation.p_reference = camera.unproject(pixel_of(a, match.a), depth_m);
-    observation.pixel = pixel_of(b, match.b);
+    observation.p_reference = camera.unproject(pixel_of(pair.a, match.a), depth_m);
+    observation.pixel = pixel_of(pair.b, match.b);
     // The same for all levels and detectors, so that all are judged alike.
     observation.sigma_px = kRepeatRadiusPx / std::sqrt(AbsolutePoseOptions().inlier_chi2_pixel);
     observations.push_back(observation);
+    with_depth.push_back(match);
   }
-  const auto solution = solve_pnp_ransac(camera, observations, {}, kSeed);
-  return solution ? static_cast<size_t>(solution->inlier_count) : 0;
+  const auto solution = solve_pnp_ransac(camera, observations, {}, seed);
+  return solution ? chosen(with_depth, solution->inliers) : std::vector<LookAlike>();
 }
 
-size_t count_homography_inliers(const Features& a, const Features& b, const std::vector<LookAlike>& matches) {
+std::vector<LookAlike> homography_inliers(const MatchedFeatures& pair, uint64_t seed) {
   constexpr size_t kFewest = 4;
-  if (matches.size() < kFewest) return 0;
-  std::vector<cv::Point2f> from, to;
-  for (const LookAlike& match : matches) {
-    from.emplace_back(a.pixels[match.a].x(), a.pixels[match.a].y());
-    to.emplace_back(b.pixels[match.b].x(), b.pixels[match.b].y());
-  }
-  cv::Mat inliers;
-  cv::findHomography(from, to, cv::RANSAC, kRepeatRadiusPx, inliers);
-  return inliers.empty() ? 0 : static_cast<size_t>(cv::countNonZero(inliers));
+  return inliers_of(pair, seed, kFewest, [](const auto& from, const auto& to, cv::Mat& inliers) {
+    cv::findHomography(from, to, cv::RANSAC, kRepeatRadiusPx, inliers);
+  });
+}
+
+std::vector<LookAlike> epipolar_inliers(const MatchedFeatures& pair, uint64_t seed) {
+  constexpr size_t kFewest = 15;  // with fewer, OpenCV takes another method than RANSAC or none
+  return inliers_of(pair, seed, kFewest, [](const auto& from, const auto& to, cv::Mat& inliers) {
+    constexpr double kConfidence = 0.999;
+    cv::findFundamentalMat(from, to, cv::FM_RANSAC, kRepeatRadiusPx, kConfidence, inliers);
+  });
 }
 
 PairFigures measure_pair(const Features& b, const std::vector<LookAlike>& matches,

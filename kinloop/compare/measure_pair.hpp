@@ -56,12 +56,23 @@ struct PairFigures {
 constexpr double kRepeatRadiusPx = 3;
 constexpr int kScreenFloorBits = 40;
 
-/// Inliers of the matches under one camera motion (P3P on the first image's depths), 0 where there is none.
-size_t count_motion_inliers(const Features& a, const cv::Mat& depth_a_m, const Features& b,
-                            const std::vector<LookAlike>& matches, const PinholeCamera& camera);
+/// Two images' key points and what was matched of them.
+struct MatchedFeatures {
+  const Features& a;
+  const Features& b;
+  const std::vector<LookAlike>& matches;
+};
 
-/// Inliers of the matches under one homography.
-size_t count_homography_inliers(const Features& a, const Features& b, const std::vector<LookAlike>& matches);
+/// The matches that agree with one camera motion (P3P and RANSAC on the first image's depths); none where no
+/// motion is found. RANSAC draws its samples by `seed`, here and below.
+std::vector<LookAlike> motion_inliers(const MatchedFeatures& pair, const cv::Mat& depth_a_m,
+                                      const PinholeCamera& camera, uint64_t seed);
+
+/// The matches that agree with one homography.
+std::vector<LookAlike> homography_inliers(const MatchedFeatures& pair, uint64_t seed);
+
+/// The matches that agree with one epipolar geometry: all that two images tell without depth or calibration.
+std::vector<LookAlike> epipolar_inliers(const MatchedFeatures& pair, uint64_t seed);
 
 /// Fills in what can be said by the true sights; without them (empty) `visible` and `checked` stay 0.
 PairFigures measure_pair(const Features& b, const std::vector<LookAlike>& matches,

@@ -1,6 +1,7 @@
 #include "kinloop/eval/report.hpp"
 
 #include <cmath>
+#include <set>
 
 #include <Eigen/Eigenvalues>
 
@@ -108,9 +109,14 @@ json pictures_json(const std::vector<ReportPicture>& pictures) {
   return list;
 }
 
-int64_t start_of(const RunReport& run) {
-  if (!run.frames.empty()) return run.frames.front().stamp_ns;
-  return run.estimate.empty() ? 0 : run.estimate.front().stamp_ns;
+/// The last `count` components of a path.
+std::string last_components(std::string_view path, size_t count) {
+  while (path.size() > 1 && path.ends_with('/')) path.remove_suffix(1);
+  size_t from = path.size();
+  for (size_t i = 0; i < count && from != std::string_view::npos && from > 0; ++i)
+    from = path.rfind('/', from - 1);
+  const bool whole = from == std::string_view::npos || path.empty() || path == "/";
+  return std::string(whole ? path : path.substr(from + 1));
 }
 
 /// `T_plot_world` for a run without ground truth, and `T_plot_truth` for the others: so all lie on each
@@ -140,6 +146,26 @@ json run_json(const RunReport& run, const SE3& T_plot_world, const SE3& T_plot_t
 }
 
 }  // namespace
+
+int64_t start_of(const RunReport& run) {
+  if (!run.frames.empty()) return run.frames.front().stamp_ns;
+  return run.estimate.empty() ? 0 : run.estimate.front().stamp_ns;
+}
+
+std::string name_of_input(std::string_view input) {
+  return last_components(input, 1);
+}
+
+std::vector<std::string> short_names(std::span<const std::string> paths) {
+  constexpr size_t kMost = 20;  // a path given twice cannot be told apart
+  std::vector<std::string> names;
+  for (size_t count = 1; count <= kMost; ++count) {
+    names.clear();
+    for (const std::string& path : paths) names.push_back(last_components(path, count));
+    if (std::set<std::string>(names.begin(), names.end()).size() == paths.size()) break;
+  }
+  return names;
+}
 
 json report_data(std::span<const RunReport> runs) {
   json data = {{"runs", json::array()}};

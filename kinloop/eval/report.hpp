@@ -3,10 +3,11 @@
 // file.
 //
 // The page itself (viewer/pages/src/report) draws; here its data are put together: every number that it shows
-// is computed by this room, from the files of the run.
+// is computed by this module, from the files of the run.
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -32,6 +33,15 @@ struct RunReport {
   std::vector<ReportPicture> loop_pictures;
   std::string cloud;  ///< a piece of the cloud as the viewer's pages read it (viewer/scene/wire.hpp)
 };
+
+/// What a run of this input is called: the last component of a path, anything else ("sim:room") as it is.
+std::string name_of_input(std::string_view input);
+
+/// The paths by their last components, with as many of those before them as it takes to tell all apart.
+std::vector<std::string> short_names(std::span<const std::string> paths);
+
+/// When the run began: its first frame, else its first pose; 0 of none.
+int64_t start_of(const RunReport& run);
 
 /// The page; of several runs it shows the figures side by side, and the cloud and the pictures of the first.
 std::string render_report(std::span<const RunReport> runs);

@@ -192,6 +192,18 @@ TEST_F(CameraCommands, CalibrateTakesStillsFromALiveCamera) {
   EXPECT_THAT(pairs.err, HasSubstr("no infrared"));
 }
 
+TEST_F(CameraCommands, CalibrateNamesTheBoardThatIsThere) {
+  const auto stills = test::shared_data("kinect2_checkerboard/colour");
+  KINLOOP_SKIP_WITHOUT(stills);
+  const std::string start = "calibrate intrinsics '" + stills.string() + "' -o '" + at("camera.yaml") + "' ";
+  const Run board = run(start + "--board 6x8 --square 0.03");
+  EXPECT_EQ(board.exit_code, kBadInput);
+  EXPECT_THAT(board.err, AllOf(HasSubstr("no 6x8 board"), HasSubstr("use --board 5x7")));
+  const Run square = run(start + "--board 5x7 --square 30");
+  EXPECT_EQ(square.exit_code, kWrongUse);
+  EXPECT_THAT(square.err, HasSubstr("30 mm is 0.03"));
+}
+
 TEST_F(CameraCommands, CalibrateSaysWhatIsWrong) {
   EXPECT_EQ(run("calibrate intrinsics '" + at("absent") + "' --square 0.03").exit_code, kBadInput);
   std::filesystem::create_directory(at("empty"));

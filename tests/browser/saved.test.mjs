@@ -26,7 +26,7 @@ await onStage(async ({ open, kinloop, folder, shoot }) => {
     const page = await open(pathToFileURL(report).href, options);
     await until(() => paintedPixels(page, 'canvas.cloud').then((painted) => painted > 1000), 'the cloud is drawn');
     const headings = await page.locator('h2').allTextContents();
-    assert.deepEqual(headings, ['Map', 'Map to turn', 'Path', 'Error', 'Loops', 'Tracking', 'Where the time went', 'Made with']);
+    assert.deepEqual(headings, ['Map', '3D map', 'Trajectory', 'Absolute trajectory error', 'Loop closures', 'Tracking', 'CPU time per module', 'Configuration']);
     const width = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok(width <= 0, `${name}: nothing sticks out at the side, ${width} px`);
     assert.equal(await page.locator('svg path[d*="NaN"]').count(), 0);
@@ -35,12 +35,26 @@ await onStage(async ({ open, kinloop, folder, shoot }) => {
     await page.close();
   }
 
+  // On paper: no canvas, at most four loops, four sheets.
+  const paper = await open(pathToFileURL(report).href, { viewport: { width: 794, height: 1123 } });
+  assert.equal(await paper.locator('h1').textContent(), 'sim:room');
+  assert.match(await paper.locator('.loops figcaption').first().textContent(), /cameras [\d.]+ m and [\d.]+\u00b0 apart.*median error [\d.]+ px/);
+  await paper.emulateMedia({ media: 'print' });
+  assert.equal(await paper.locator('canvas.cloud').isVisible(), false);
+  const loops = await paper.locator('.loops figure').evaluateAll((all) => all.filter((one) => one.offsetParent).length);
+  assert.ok(loops >= 1 && loops <= 4, `${loops} loops are printed`);
+  const sheets = (await paper.pdf({ format: 'A4' })).toString('latin1').match(/\/Type\s*\/Page\b/g).length;
+  assert.ok(sheets <= 4, `${sheets} sheets`);
+  await shoot(paper, 'report-print', { fullPage: true });
+  await paper.close();
+
   // Two runs and somebody else's trajectory, side by side.
   const comparison = join(folder, 'comparison.html');
   assert.equal(await kinloop('report', out, plain, join(plain, 'trajectory.txt'), '-o', comparison).ended, 0);
   assert.ok(readFileSync(comparison).length < MOST_BYTES);
   const side = await open(pathToFileURL(comparison).href);
-  assert.equal(await side.locator('.table').first().locator('tr').first().locator('th').count(), 4, 'a column per run');
+  const columns = await side.locator('.table').first().locator('tr').first().locator('th').allTextContents();
+  assert.deepEqual(columns, ['', 'out', 'no_loop', 'trajectory.txt']);
   await shoot(side, 'comparison', { fullPage: true });
 
   // kinloop view DIR, a map file, and a cloud alone.

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
@@ -56,9 +58,9 @@ TEST(MeasurePair, EveryDetectorKnowsAWallAgain) {
     EXPECT_GT(figures.visible, 500U) << detector.name;
     EXPECT_GT(figures.repeated, figures.visible / 2) << detector.name;
     EXPECT_GT(figures.right, figures.checked * 8 / 10) << detector.name;
-    const size_t inliers = count_motion_inliers(a, views.depth_m, b, screened, ideal_camera());
-    EXPECT_GT(inliers, screened.size() * 7 / 10) << detector.name;
-    EXPECT_LE(inliers, screened.size()) << detector.name;
+    const auto inliers = motion_inliers({a, b, screened}, views.depth_m, ideal_camera(), 1);
+    EXPECT_GT(inliers.size(), screened.size() * 7 / 10) << detector.name;
+    EXPECT_LE(inliers.size(), screened.size()) << detector.name;
   }
 }
 
@@ -103,13 +105,56 @@ TEST(Screen, IsFourTimesTheSmallest) {
   EXPECT_TRUE(screen_look_alikes({}, true).empty());
 }
 
-TEST(HomographyInliers, AgreeWithTheTruth) {
+/// Where a match ends, for the wall that moves by 52.5 px.
+bool is_right(const LookAlike& match, const Features& a, const Features& b) {
+  const Eigen::Vector2f moved = b.pixels[match.b] - a.pixels[match.a];
+  return (moved - Eigen::Vector2f(-52.5F, 0)).norm() < 4;
+}
+
+TEST(Inliers, AreTheRightMatchesWhateverTheSeed) {
   const TwoViews views;
   const auto orb = make_detectors({}, ideal_camera()).back();
   const Features a = orb.detect(views.gray_a), b = orb.detect(views.gray_b);
   const auto matches = screen_look_alikes(match_descriptors(a, b), true);
-  EXPECT_GT(count_homography_inliers(a, b, matches), matches.size() * 7 / 10);
-  EXPECT_EQ(count_homography_inliers(a, b, {}), 0U);
+  const auto right = static_cast<size_t>(std::count_if(
+      matches.begin(), matches.end(), [&](const LookAlike& match) { return is_right(match, a, b); }));
+  ASSERT_GT(right, 100U);
+  for (uint64_t seed = 0; seed < 5; ++seed) {
+    for (const auto& inliers :
+         {homography_inliers({a, b, matches}, seed), epipolar_inliers({a, b, matches}, seed),
+          motion_inliers({a, b, matches}, views.depth_m, ideal_camera(), seed)}) {
+      EXPECT_GT(inliers.size(), right * 9 / 10);
+      EXPECT_LT(std::count_if(inliers.begin(), inliers.end(),
+                              [&](const LookAlike& match) { return !is_right(match, a, b); }),
+                static_cast<long>(inliers.size() / 10));
+    }
+  }
+}
+
+bool same(const std::vector<LookAlike>& a, const std::vector<LookAlike>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const LookAlike& x, const LookAlike& y) { return x.a == y.a && x.b == y.b; });
+}
+
+TEST(Inliers, AreTheSameForTheSameSeed) {
+  const TwoViews views;
+  const auto orb = make_detectors({}, ideal_camera()).back();
+  const Features a = orb.detect(views.gray_a), b = orb.detect(views.gray_b);
+  const auto matches = match_descriptors(a, b);
+  EXPECT_TRUE(same(homography_inliers({a, b, matches}, 7), homography_inliers({a, b, matches}, 7)));
+  EXPECT_TRUE(same(epipolar_inliers({a, b, matches}, 7), epipolar_inliers({a, b, matches}, 7)));
+  EXPECT_FALSE(same(epipolar_inliers({a, b, matches}, 7), epipolar_inliers({a, b, matches}, 8)))
+      << "another seed looks at the matches in another order";
+}
+
+TEST(Inliers, OfTooFewMatchesThereAreNone) {
+  const TwoViews views;
+  const auto orb = make_detectors({}, ideal_camera()).back();
+  const Features a = orb.detect(views.gray_a), b = orb.detect(views.gray_b);
+  const std::vector<LookAlike> three = {{0, 0, 1}, {1, 1, 1}, {2, 2, 1}};
+  EXPECT_TRUE(homography_inliers({a, b, three}, 1).empty());
+  EXPECT_TRUE(epipolar_inliers({a, b, three}, 1).empty());
+  EXPECT_TRUE(motion_inliers({a, b, three}, views.depth_m, ideal_camera(), 1).empty());
 }
 
 TEST(MatchPicture, ShowsBothImagesAndALine) {
@@ -119,7 +164,26 @@ TEST(MatchPicture, ShowsBothImagesAndALine) {
   EXPECT_EQ(picture.size(), cv::Size(120, 40));
   EXPECT_NE(picture.at<cv::Vec3b>(20, 60), cv::Vec3b(128, 128, 128));
   EXPECT_EQ(picture.at<cv::Vec3b>(5, 60), cv::Vec3b(128, 128, 128));
-  EXPECT_THROW(draw_matches(gray, a, cv::Mat(10, 10, CV_8UC1), b, {}), std::logic_error);
+  EXPECT_THROW(draw_matches(gray, a, cv::Mat(10, 10, CV_8UC3), b, {}), std::logic_error);
+}
+
+TEST(MatchPicture, TakesImagesOfDifferentSizes) {
+  const cv::Mat wide(40, 60, CV_8UC1, cv::Scalar(128)), high(70, 20, CV_8UC1, cv::Scalar(200));
+  const cv::Mat picture = draw_matches(wide, at({{10, 20}}), high, at({{10, 60}}), {});
+  EXPECT_EQ(picture.size(), cv::Size(80, 70));
+  EXPECT_EQ(picture.at<cv::Vec3b>(69, 79), cv::Vec3b(200, 200, 200));
+  EXPECT_EQ(picture.at<cv::Vec3b>(69, 30), cv::Vec3b(0, 0, 0));
+}
+
+TEST(MatchPicture, HasItsCaptionBelow) {
+  const cv::Mat picture(40, 300, CV_8UC3, cv::Scalar(1, 2, 3));
+  const cv::Mat captioned = with_caption(picture, {"12 matches", "7 inliers"});
+  EXPECT_EQ(captioned.cols, 300);
+  ASSERT_GT(captioned.rows, 60);
+  EXPECT_EQ(cv::norm(captioned.rowRange(0, 40), picture, cv::NORM_INF), 0);
+  cv::Mat ink;
+  cv::inRange(captioned.rowRange(40, captioned.rows), cv::Scalar::all(0), cv::Scalar::all(100), ink);
+  EXPECT_GT(cv::countNonZero(ink), 50);
 }
 
 TEST(MatchDescriptors, RefusesDifferentKindsAndTakesEmptyOnes) {

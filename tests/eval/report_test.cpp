@@ -125,6 +125,34 @@ TEST(Report, IsOnePageThatHoldsItsDataAndTakesNoTextForMarkup) {
   }
 }
 
+TEST(Report, IsCalledByItsSequence) {
+  EXPECT_EQ(name_of_input("sim:room"), "sim:room");
+  EXPECT_EQ(name_of_input("kinect1"), "kinect1");
+  EXPECT_EQ(name_of_input("redkitchen"), "redkitchen");
+  EXPECT_EQ(name_of_input("../shared/data/redkitchen"), "redkitchen");
+  EXPECT_EQ(name_of_input("/data/redkitchen//"), "redkitchen");
+  EXPECT_EQ(name_of_input("/data/walk.bag"), "walk.bag");
+  EXPECT_EQ(name_of_input("/"), "/");
+  EXPECT_EQ(name_of_input(""), "");
+}
+
+TEST(Report, SeveralAreToldApartByAsLittleAsItTakes) {
+  const auto names = [](const std::vector<std::string>& paths) { return short_names(paths); };
+  EXPECT_THAT(names({"/runs/with", "/runs/without"}), testing::ElementsAre("with", "without"));
+  EXPECT_THAT(names({"/a/out", "/b/out", "/b/other"}), testing::ElementsAre("a/out", "b/out", "b/other"));
+  EXPECT_THAT(names({"out", "b/out"}), testing::ElementsAre("out", "b/out"));
+  EXPECT_THAT(names({"/out", "/out"}), testing::SizeIs(2)) << "the same one twice";
+}
+
+TEST(Report, BeginsWithItsFirstFrame) {
+  RunReport run;
+  EXPECT_EQ(start_of(run), 0);
+  run.estimate = {{kNsPerSecond, {}}};
+  EXPECT_EQ(start_of(run), kNsPerSecond);
+  run.frames = {{kNsPerSecond / 2, "lost", 0, 0, 0}};
+  EXPECT_EQ(start_of(run), kNsPerSecond / 2);
+}
+
 TEST(Report, OfNothingIsStillAPage) {
   EXPECT_THAT(render_report({}), HasSubstr("</html>"));
   const RunReport empty;

@@ -6,7 +6,7 @@ export function detailsSection(runs) {
   const parts = runs.flatMap((run) => [options(run, runs), sensor(run)]).filter(Boolean);
   const version = runs[0].figures.version;
   if (version) parts.push(element('pre', {}, version));
-  return parts.length > 0 ? section('Made with', ...parts) : undefined;
+  return parts.length > 0 ? section('Configuration', ...parts) : undefined;
 }
 
 /** All options of the first run; of the others those that differ. */
@@ -15,7 +15,7 @@ function options({ name, figures }, runs) {
   const all = Object.entries(figures.options ?? {});
   const shown = figures === runs[0].figures ? all : all.filter(([key, value]) => first[key] !== value);
   if (all.length === 0) return undefined;
-  const what = shown === all ? `all ${all.length} options as used` : `${shown.length} options that differ from the first run`;
+  const what = shown === all ? `options (${all.length})` : `options that differ from the first run (${shown.length})`;
   const rows = shown.map(([key, value]) => [key, String(value)]);
   return element('details', {}, element('summary', {}, `${name}: ${what}`), table(['option', 'value'], rows));
 }
@@ -27,7 +27,7 @@ function sensor({ name, figures }) {
     sigma === undefined ? '' : `\u00b1 ${sigma.toPrecision(2)}`,
   ]);
   if (rows.length === 0) return undefined;
-  return element('details', {}, element('summary', {}, `${name}: the camera, and what was found of it`), table(['', '', '1 sigma'], rows, [1, 2]));
+  return element('details', {}, element('summary', {}, `${name}: camera and estimated sensor parameters`), table(['parameter', 'value', 'standard deviation'], rows, [1, 2]));
 }
 
 function camera(camera = {}) {

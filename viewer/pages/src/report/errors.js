@@ -1,4 +1,4 @@
-// How far the path is from the true one: over time, and how often how far.
+// Absolute trajectory error: over time, and as a histogram.
 
 import { binX, line, rectY, ruleY } from '@observablehq/plot';
 
@@ -10,13 +10,13 @@ export function errorSection(all) {
   if (runs.length === 0) return undefined;
   const { ate } = runs[0].evaluation;
   const mm = (metres) => (1000 * metres).toFixed(1);
-  const single = `median ${mm(ate.median_m)} mm, mean ${mm(ate.mean_m)} mm, rmse ${mm(ate.rmse_m)} mm, at most ${mm(ate.max_m)} mm`;
+  const single = `median ${mm(ate.median_m)} mm, mean ${mm(ate.mean_m)} mm, RMSE ${mm(ate.rmse_m)} mm, max ${mm(ate.max_m)} mm`;
   return section(
-    'Error',
+    'Absolute trajectory error',
     all.length > 1 ? legend(runs) : undefined,
     row(
-      figure(overTime(runs), 'Distance from the truth over time; dashed: rmse'),
-      figure(histogram(runs), `How often which distance${all.length > 1 ? '' : `: ${single}`}`),
+      figure(overTime(runs), 'ATE over time; dashed: RMSE'),
+      figure(histogram(runs), `Error histogram${all.length > 1 ? '' : `: ${single}`}`),
     ),
   );
 }
@@ -26,7 +26,7 @@ function overTime(runs) {
     line(rows(run.errors), { x: 't', y: 'mm', stroke: run.color, strokeWidth: 1.3 }),
     ruleY([1000 * run.evaluation.ate.rmse_m], { stroke: run.color, strokeDasharray: '5 4' }),
   ]);
-  return draw('Distance from the truth over time', marks, { x: { label: 's' }, y: { label: 'mm', domain: fromZero(runs) } });
+  return draw('ATE over time', marks, { x: { label: 's' }, y: { label: 'mm', domain: fromZero(runs) } });
 }
 
 function histogram(runs) {
@@ -36,7 +36,7 @@ function histogram(runs) {
       ? rectY(rows(run.errors), binX({ y: 'count' }, { ...bins, fill: run.color }))
       : line(rows(run.errors), binX({ y: 'count' }, { ...bins, stroke: run.color, curve: 'step' })),
   );
-  return draw('Histogram of the distance from the truth', [...marks, ruleY([0])], { x: { label: 'mm' }, y: { label: 'poses' } });
+  return draw('Error histogram', [...marks, ruleY([0])], { x: { label: 'mm' }, y: { label: 'poses' } });
 }
 
 function fromZero(runs) {

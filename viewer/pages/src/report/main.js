@@ -3,8 +3,8 @@
 // is nothing to show.
 //
 //   summary.js  figures and comparison     tracking.js  features, inliers, time per frame     pictures.js  map, loops
-//   paths.js    from above and the side    rooms.js     where the time went                   details.js   options ...
-//   errors.js   over time, histogram       cloud.js     the map to turn
+//   paths.js    top and side view          modules.js   CPU time per module                   details.js   options ...
+//   errors.js   over time, histogram       cloud.js     3D map
 //
 //   plot.js     how all plots look         page.js      how all sections look
 
@@ -12,10 +12,10 @@ import './report.css';
 import { cloudSection } from './cloud.js';
 import { detailsSection } from './details.js';
 import { errorSection } from './errors.js';
+import { moduleSection } from './modules.js';
 import { element } from './page.js';
 import { pathSection } from './paths.js';
 import { loopSection, mapSection } from './pictures.js';
-import { roomSection } from './rooms.js';
 import { headSection, summarySection } from './summary.js';
 import { trackingSection } from './tracking.js';
 
@@ -28,7 +28,7 @@ const SECTIONS = [
   errorSection,
   loopSection,
   trackingSection,
-  roomSection,
+  moduleSection,
   detailsSection,
 ];
 
@@ -36,5 +36,5 @@ const { runs } = JSON.parse(document.getElementById('data').textContent);
 runs.forEach((run, index) => (run.color = `var(--run${index % 6})`));
 document.title = `${runs.map((run) => run.name).join(', ')} - kinloop`;
 const main = document.querySelector('main');
-if (runs.length === 0) main.append(element('p', {}, 'no run'));
+if (runs.length === 0) main.append(element('p', {}, 'No runs.'));
 else main.append(...SECTIONS.map((section) => section(runs)).filter(Boolean));

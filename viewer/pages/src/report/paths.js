@@ -1,4 +1,4 @@
-// The path from above and from the side, over the true one (Fig. 7b and 7c of the founding paper).
+// The trajectory in top and side view, over ground truth (Fig. 7b and 7c of the founding paper).
 
 import { dot, line, link } from '@observablehq/plot';
 
@@ -10,9 +10,9 @@ const GAP_S = 0.5; // frames further apart are not joined
 export function pathSection(runs) {
   if (runs.every((run) => run.path.t.length === 0)) return undefined;
   const truth = runs.find((run) => run.truth)?.truth;
-  const others = [...(truth ? [['ground truth', 'var(--truth)']] : []), ['loops', 'var(--loop)']];
+  const others = [...(truth ? [['ground truth', 'var(--truth)']] : []), ['loop closures', 'var(--loop)']];
   const view = (name, up) => figure(pathPlot(name, runs, truth, up), name);
-  return section('Path', legend(runs, ...others), row(view('From above', 'y'), view('From the side', 'z')));
+  return section('Trajectory', legend(runs, ...others), row(view('Top view', 'y'), view('Side view', 'z')));
 }
 
 function pathPlot(name, runs, truth, up) {

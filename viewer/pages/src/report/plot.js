@@ -11,8 +11,9 @@ NEGLIGENCE OR OTHER TORTIOUS ACTION, ARISING OUT OF OR IN CONNECTION WITH THE US
 
 import { plot } from '@observablehq/plot';
 
-const WIDTH = 560;
-const STYLE = { fontSize: '12px', background: 'transparent', color: 'var(--soft)', overflow: 'visible' };
+const MARGINS = 62; // of the page and a figure, left and right
+const WIDTH = Math.max(320, Math.min(560, innerWidth - MARGINS)); // no wider than a phone: letters keep their size
+const STYLE = { fontSize: '13px', background: 'transparent', color: 'var(--soft)', overflow: 'visible' };
 
 /** A plot with `marks`; `title` is for those who cannot see it. */
 export function draw(title, marks, options = {}) {

@@ -5,32 +5,32 @@ import { element, section, table } from './page.js';
 
 /** Every figure: its name, and its text from a run, or nothing where it is not known. */
 const FIGURES = [
-  ['frames tracked', ({ figures: f }) => f.frames && `${count(f.tracked)} of ${count(f.frames)}`],
-  ['ATE, rmse', ({ evaluation: e }) => e && millimetres(e.ate.rmse_m)],
-  ['ATE, most', ({ evaluation: e }) => e && millimetres(e.ate.max_m)],
-  ['RPE over 1 s, rmse', ({ evaluation: e }) => e?.rpe_1s && `${millimetres(e.rpe_1s.translation.rmse_m)}, ${e.rpe_1s.rotation.rmse_deg.toFixed(2)}\u00b0`],
-  ['RPE frame to frame, rmse', ({ evaluation: e }) => e?.rpe_frame && `${millimetres(e.rpe_frame.translation.rmse_m)}, ${e.rpe_frame.rotation.rmse_deg.toFixed(2)}\u00b0`],
+  ['tracked frames', ({ figures: f }) => f.frames && `${count(f.tracked)} of ${count(f.frames)}`],
+  ['ATE RMSE', ({ evaluation: e }) => e && millimetres(e.ate.rmse_m)],
+  ['max ATE', ({ evaluation: e }) => e && millimetres(e.ate.max_m)],
+  ['RPE RMSE over 1 s', ({ evaluation: e }) => e?.rpe_1s && `${millimetres(e.rpe_1s.translation.rmse_m)}, ${e.rpe_1s.rotation.rmse_deg.toFixed(2)}\u00b0`],
+  ['RPE RMSE frame to frame', ({ evaluation: e }) => e?.rpe_frame && `${millimetres(e.rpe_frame.translation.rmse_m)}, ${e.rpe_frame.rotation.rmse_deg.toFixed(2)}\u00b0`],
   ['keyframes', ({ figures: f }) => count(f.keyframes)],
   ['landmarks', ({ figures: f }) => count(f.landmarks)],
-  ['loops closed', ({ figures: f }) => f.loops && String(f.loops.length)],
+  ['loop closures', ({ figures: f }) => f.loops && String(f.loops.length)],
   ['map points', ({ figures: f }) => count(f.map?.points)],
-  ['time a frame, median', ({ figures: f }) => f.frame_ms && `${f.frame_ms.median.toFixed(1)} ms`],
-  ['time a frame, 95 %', ({ figures: f }) => f.frame_ms && `${f.frame_ms.p95.toFixed(1)} ms`],
+  ['median time per frame', ({ figures: f }) => f.frame_ms && `${f.frame_ms.median.toFixed(1)} ms`],
+  ['95th percentile of time per frame', ({ figures: f }) => f.frame_ms && `${f.frame_ms.p95.toFixed(1)} ms`],
   ['wall time', ({ figures: f }) => f.wall_s && `${f.wall_s.toFixed(1)} s`],
   ['CPU time', ({ figures: f }) => f.cpu_s && `${f.cpu_s.toFixed(1)} s`],
-  ['memory at most', ({ figures: f }) => f.peak_memory_mib && `${Math.round(f.peak_memory_mib)} MiB`],
+  ['peak memory', ({ figures: f }) => f.peak_memory_mib && `${Math.round(f.peak_memory_mib)} MiB`],
 ];
 
 export function headSection(runs) {
-  const title = runs.length === 1 ? runs[0].name : `${runs.length} runs side by side`;
+  const title = runs.length === 1 ? runs[0].name : `Comparison of ${runs.length} runs`;
   return element('header', {}, element('h1', {}, title), element('p', { class: 'soft' }, runs.map(subtitle).join(' \u00b7 ')));
 }
 
 function subtitle({ name, path }, _, runs) {
   const { t, x, y, z } = path;
-  if (t.length === 0) return 'no frame was tracked';
+  if (t.length === 0) return 'no tracked frames';
   const length = t.slice(1).reduce((sum, _, i) => sum + Math.hypot(x[i + 1] - x[i], y[i + 1] - y[i], z[i + 1] - z[i]), 0);
-  const text = `${(t.at(-1) - t[0]).toFixed(1)} s, a path of ${length.toFixed(2)} m`;
+  const text = `${(t.at(-1) - t[0]).toFixed(1)} s, trajectory length ${length.toFixed(2)} m`;
   return runs.length === 1 ? text : `${name}: ${text}`;
 }
 
@@ -39,7 +39,7 @@ export function summarySection(runs) {
   if (known.length === 0) return undefined;
   if (runs.length > 1) {
     const cells = known.map((line) => line.map((cell) => cell || '\u2013'));
-    return section('Figures', table(['', ...runs.map((run) => run.name)], cells, runs.map((_, i) => i + 1)));
+    return section('Results', table(['', ...runs.map((run) => run.name)], cells, runs.map((_, i) => i + 1)));
   }
   const tile = ([name, text]) => element('div', { class: 'tile' }, element('b', {}, text), element('small', {}, name));
   return element('section', { class: 'tiles' }, ...known.map(tile));

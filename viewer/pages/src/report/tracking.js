@@ -9,13 +9,13 @@ export function trackingSection(all) {
   const runs = all.filter((run) => run.frames.t.length > 0);
   if (runs.length === 0) return undefined;
   const lost = runs.flatMap((run) => rows(run.frames)).filter(({ status }) => status === 'lost').length;
-  const seen = runs.length === 1 ? 'Features found (grey), and those that show landmarks' : 'Features that show landmarks of the map';
+  const seen = runs.length === 1 ? 'Features: detected (grey) and matched to landmarks (blue)' : 'Features matched to landmarks of the map';
   return section(
     'Tracking',
     all.length > 1 ? legend(runs) : undefined,
     row(
-      figure(features(runs), `${seen}${lost ? `; red: lost, ${lost} frames` : ''}`),
-      figure(times(runs), 'Time a frame; dashed: median'),
+      figure(features(runs), `${seen}${lost ? `; red: tracking lost (${lost} frames)` : ''}`),
+      figure(times(runs), 'Time per frame; dashed: median'),
     ),
   );
 }
@@ -37,5 +37,5 @@ function times(runs) {
     line(rows(run.frames), { x: 't', y: ({ ms }) => Math.min(ms, most), stroke: run.color, strokeWidth: 1 }),
     ruleY([quantile(run.frames.ms, 0.5)], { stroke: run.color, strokeDasharray: '5 4' }),
   ]);
-  return draw('Time a frame', marks, { x: { label: 's' }, y: { label: 'ms', domain: [0, most] } });
+  return draw('Time per frame', marks, { x: { label: 's' }, y: { label: 'ms', domain: [0, most] } });
 }

@@ -1,0 +1,44 @@
+// CPU time per module. (run.json calls modules "rooms": scripts read it.)
+
+import { barX, ruleX } from '@observablehq/plot';
+
+import { figure, legend, row, section, table } from './page.js';
+import { draw } from './plot.js';
+
+const TITLE = 'CPU time per module';
+
+export function moduleSection(all) {
+  const runs = all.filter((run) => Object.keys(run.figures.rooms ?? {}).length > 0);
+  if (runs.length === 0) return undefined;
+  const bars = figure(modulePlot(runs), 'Total CPU time');
+  if (runs.length > 1) return section(TITLE, legend(runs), row(bars));
+  bars.classList.add('screen-only'); // the table says the same
+  const { rooms, frames } = runs[0].figures;
+  const lines = Object.entries(rooms).map(([name, module]) => [
+    name,
+    ((1000 * module.wall_s) / Math.max(1, frames)).toFixed(2),
+    module.median_ms?.toFixed(2) ?? '',
+    module.p95_ms?.toFixed(2) ?? '',
+    module.wall_s.toFixed(2),
+    module.cpu_s.toFixed(2),
+  ]);
+  const head = ['module', 'ms per frame', 'ms per call, median', '95th percentile', 'wall time, s', 'CPU time, s'];
+  return section(TITLE, row(bars, table(head, lines, [1, 2, 3, 4, 5])));
+}
+
+function modulePlot(runs) {
+  const spent = runs.flatMap((run, index) =>
+    Object.entries(run.figures.rooms).map(([module, { cpu_s: seconds }]) => ({ module, seconds, color: run.color, index })),
+  );
+  const modules = new Set(spent.map(({ module }) => module)).size;
+  const options = { x: 'seconds', y: 'index', fy: 'module', fill: 'color', sort: { fy: '-x', reduce: 'sum' } };
+  return draw(TITLE, [barX(spent, options), ruleX([0])], {
+    height: 50 + modules * (12 + 12 * runs.length),
+    marginLeft: 110,
+    marginRight: 10,
+    color: { type: 'identity' },
+    y: { axis: null },
+    fy: { label: null, axis: 'left' },
+    x: { label: 's' },
+  });
+}
