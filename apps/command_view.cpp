@@ -13,7 +13,7 @@
 #include "apps/show_run.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/parallel_for.hpp"
-#include "kinloop/geometry/up_direction.hpp"
+#include "kinloop/eval/report.hpp"
 #include "kinloop/output/run_folder.hpp"
 #include "viewer/saved_run.hpp"
 #include "viewer/server/service.hpp"
@@ -30,13 +30,12 @@ struct ViewArguments {
 SavedRun shown_map(const std::filesystem::path& file) {
   OpenMap open = open_map(file, {});
   SavedRun run;
-  run.name = title_of(file.string());
+  run.name = name_of_input(file.string());
   run.path = trajectory_of(open.session_log(0), open.map);
   for (const Keyframe& keyframe : open.map.keyframes()) {
     run.keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
   }
   for (const LoopEdge& loop : open.map.loop_edges()) run.loops.emplace_back(loop.a, loop.b);
-  if (!run.path.empty()) run.up = up_direction(run.path);
   run.figures["landmarks"] = open.map.landmark_count();
   run.up = open.up(0).direction;
   run.cloud = open.cloud(0, hardware_threads(), make_progress_bar(false));

@@ -9,6 +9,7 @@
 #include "apps/interrupt.hpp"
 #include "apps/map_store.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/eval/report.hpp"
 #include "kinloop/output/ply.hpp"
 #include "viewer/saved_run.hpp"
 
@@ -63,7 +64,7 @@ std::unique_ptr<ShownRun> show_run(const std::string& listen, const FrameSource&
   const SourceInfo& info = source.info();
   auto shown = std::make_unique<ShownRun>(
       parse_listen_address(listen),
-      RunBasics{title_of(info.name), info.frames, source.camera(), info.ground_truth, options});
+      RunBasics{name_of_input(info.name), info.frames, source.camera(), info.ground_truth, options});
   slam.listen(shown->viewer.listener());
   shown->leave = [&viewer = shown->viewer, save_now] { ask_for_leave(viewer, save_now); };
   log::info("watch at {}", shown->viewer.url());

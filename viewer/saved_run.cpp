@@ -8,6 +8,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/eval/evaluate.hpp"
+#include "kinloop/eval/report.hpp"
 #include "kinloop/eval/run_up.hpp"
 #include "kinloop/output/ply.hpp"
 #include "kinloop/output/point_file.hpp"
@@ -159,17 +160,11 @@ json status_of(const SavedRun& run) {
 
 }  // namespace
 
-std::string title_of(const std::string& input) {
-  const fs::path path = fs::path(input).lexically_normal();
-  const fs::path name = path.has_filename() ? path.filename() : path.parent_path().filename();
-  return name.empty() || name == "." ? input : name.string();
-}
-
 SavedRun read_saved_run(const fs::path& path) {
   SavedRun run = fs::is_directory(path) ? read_folder(path) : read_single_file(path);
-  run.name = title_of(run.figures.contains("input") && run.figures["input"].is_string()
-                          ? run.figures["input"].get<std::string>()
-                          : fs::absolute(path).string());
+  run.name = name_of_input(run.figures.contains("input") && run.figures["input"].is_string()
+                               ? run.figures["input"].get<std::string>()
+                               : fs::absolute(path).string());
   return run;
 }
 

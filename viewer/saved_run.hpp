@@ -30,9 +30,6 @@ struct SavedRun {
 /// InputError naming what is missing or damaged.
 SavedRun read_saved_run(const std::filesystem::path& path);
 
-/// "/data/rgbd_dataset_freiburg1_room/" -> "rgbd_dataset_freiburg1_room": what a page is called.
-std::string title_of(const std::string& input);
-
 /// The scene of it.
 void show_saved_run(Scene& scene, const SavedRun& run);
 

@@ -118,13 +118,6 @@ TEST_F(SavedRunTest, SaysWhatCannotBeShown) {
               HasSubstr("holds no points"));
 }
 
-TEST(TitleOf, IsTheNameOfTheSequence) {
-  EXPECT_EQ(title_of("/data/rgbd_dataset_freiburg1_room/"), "rgbd_dataset_freiburg1_room");
-  EXPECT_EQ(title_of("out"), "out");
-  EXPECT_EQ(title_of("sim:room:7"), "sim:room:7");
-  EXPECT_EQ(title_of("a/bag/walk.bag"), "walk.bag");
-}
-
 TEST(SavedCloud, FarPointsDoNotCoarsenTheOthers) {
   ColoredCloud cloud;
   for (int i = 0; i < 1000; ++i) cloud.points.emplace_back(0.001F * static_cast<float>(i), 0.5F, 0.1F);
