@@ -10,6 +10,7 @@
 #include "kinloop/eval/evaluate.hpp"
 #include "kinloop/eval/report.hpp"
 #include "kinloop/eval/run_up.hpp"
+#include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/output/ply.hpp"
 #include "kinloop/output/point_file.hpp"
 #include "kinloop/output/run_folder.hpp"
@@ -43,12 +44,6 @@ std::vector<std::pair<KeyframeId, KeyframeId>> loops_of(const json& figures, con
     if (a.valid() && b.valid()) loops.emplace_back(a, b);
   }
   return loops;
-}
-
-std::vector<SE3> poses_of(const Trajectory& trajectory) {
-  std::vector<SE3> poses;
-  for (const StampedPose& pose : trajectory) poses.push_back(pose.T_world_camera);
-  return poses;
 }
 
 void show_paths(Scene& scene, const SavedRun& run) {
