@@ -1,5 +1,6 @@
 // Map files as their user meets them: run, map, export.
 
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -53,6 +54,27 @@ TEST_F(MapCommand, ARunLeavesAMapThatGivesItsFilesAgainByteForByte) {
   EXPECT_TRUE(read_file(at("k.txt")) == read_file(folder + "/keyframes.txt"));
   EXPECT_TRUE(read_file(at("g.g2o")) == read_file(folder + "/graph.g2o"));
   EXPECT_TRUE(read_file(at("c.ply")) == read_file(folder + "/map.ply"));
+}
+
+TEST_F(MapCommand, CloudsAreUprightAndSayHowTheyWereTurned) {
+  const std::string folder = ran();
+  const auto figures = nlohmann::json::parse(read_file(folder + "/run.json"));
+  const auto& up = figures["up"]["direction"];
+  EXPECT_THAT(figures["up"]["source"].get<std::string>(), testing::AnyOf("planes", "camera"));
+  EXPECT_EQ(figures["map"]["frame"], "z-up");
+  const auto& q = figures["map"]["rotation_xyzw"];
+  const Eigen::Quaterniond R_file_world(q[3].get<double>(), q[0].get<double>(), q[1].get<double>(),
+                                        q[2].get<double>());
+  const Eigen::Vector3d turned =
+      R_file_world * Eigen::Vector3d(up[0].get<double>(), up[1].get<double>(), up[2].get<double>());
+  EXPECT_LT((turned - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
+  const std::string cloud = read_file(folder + "/map.ply");
+  EXPECT_THAT(cloud.substr(0, 400), HasSubstr("comment rotation_xyzw " + q[0].dump()));
+  EXPECT_THAT(cloud.substr(0, 600), HasSubstr("property float nx"));
+
+  ASSERT_EQ(run("export " + folder + " -q --frame camera --cloud " + at("camera.ply")), 0) << err_;
+  EXPECT_THAT(read_file(at("camera.ply")).substr(0, 400), HasSubstr("comment frame camera"));
+  EXPECT_EQ(run("export " + folder + " --frame level --cloud " + at("x.ply")), kWrongUse);
 }
 
 TEST_F(MapCommand, InfoSaysWhatAMapHolds) {

@@ -130,7 +130,7 @@ void RunScene::take_keyframe(const ImageNews& image) {
   if (piece.cloud.size() > 0) scene_.put(PartKind::kCloud, image.keyframe.value, encode_cloud(piece));
   if (Clock::now() < next_up_) return;
   up_ = estimate_up(cloud_.normals(), map_.T_world_keyframe).direction;
-  next_up_ = Clock::now() + std::chrono::seconds(1);
+  next_up_ = Clock::now() + std::chrono::seconds(3);
 }
 
 void RunScene::show_images(const ImageNews& image) {
