@@ -83,6 +83,14 @@ SourceRequest request_of(const RunArguments& arguments, const RunOptions& option
   return request;
 }
 
+/// Gives the frames of `source` at a camera's pace; the result belongs to `source`.
+const PacedSource* pace(std::unique_ptr<FrameSource>& source, double hz) {
+  auto paced = std::make_unique<PacedSource>(std::move(source), hz);
+  const PacedSource* result = paced.get();
+  source = std::move(paced);
+  return result;
+}
+
 /// Feeds all frames, each when `leave` was given; false when Ctrl-C ended it early.
 bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progress& progress,
                  const std::function<void()>& leave) {
@@ -165,9 +173,18 @@ UprightMap upright_map(const Slam& slam, DenseRecorder& recorder, const std::str
   return map;
 }
 
+/// What --localize leaves without --report.
+void write_poses(const RunFolder& folder, const Trajectory& trajectory, const FrameTable& frames,
+                 const nlohmann::json& summary) {
+  write_tum_trajectory(folder.trajectory(), trajectory);
+  write_frame_table(folder.frames(), frames);
+  write_file(folder.figures(), summary.dump(2) + "\n");
+}
+
 void write_results(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
                    const UprightMap& map, const DenseRecorder& images, const FrameTable& frames,
                    const nlohmann::json& summary) {
+  if (!outcome.map_points) return write_poses(folder, trajectory, frames, summary);
   const Slam& slam = outcome.slam;
   write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), slam.component()),
                            outcome.source.info().ground_truth, map.cloud, map.frame, summary});
@@ -176,14 +193,6 @@ void write_results(const RunFolder& folder, const RunOutcome& outcome, const Tra
   write_frame_table(folder.frames(), frames);
   write_loop_pictures(folder, slam, outcome.source.camera(), images);
   write_report(folder);
-}
-
-/// What --localize leaves without --report.
-void write_poses(const RunFolder& folder, const Trajectory& trajectory, const FrameTable& frames,
-                 const nlohmann::json& summary) {
-  write_tum_trajectory(folder.trajectory(), trajectory);
-  write_frame_table(folder.frames(), frames);
-  write_file(folder.figures(), summary.dump(2) + "\n");
 }
 
 void print_summary(const nlohmann::json& summary, const RunFolder& folder, bool poses_only) {
@@ -199,12 +208,7 @@ ExitCode run(const RunArguments& arguments) {
   const RunOptions options = options_of(arguments, start, threads);
   const RunFolder folder(arguments.output);
   auto source = open_source(request_of(arguments, options, threads));
-  const PacedSource* paced = nullptr;
-  if (arguments.pace_hz > 0) {
-    auto pacing = std::make_unique<PacedSource>(std::move(source), arguments.pace_hz);
-    paced = pacing.get();
-    source = std::move(pacing);
-  }
+  const PacedSource* paced = arguments.pace_hz > 0 ? pace(source, arguments.pace_hz) : nullptr;
   const Progress progress = make_progress_bar(arguments.quiet || arguments.verbose);
   const RgbdCamera camera = camera_of(*source, start, arguments);
   Slam slam(camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
@@ -249,11 +253,7 @@ ExitCode run(const RunArguments& arguments) {
     summary["map"].update(to_json(map.frame));
   }
   if (saved) summary["map_file"] = map_file_json(*saver);
-  if (poses_only) {
-    write_poses(folder, trajectory, frames.table(slam.times()), summary);
-  } else {
-    write_results(folder, outcome, trajectory, map, recorder, frames.table(slam.times()), summary);
-  }
+  write_results(folder, outcome, trajectory, map, recorder, frames.table(slam.times()), summary);
   if (!arguments.quiet) print_summary(summary, folder, poses_only);
   const bool useful = judge_result(outcome, trajectory, depth);
   if (shown) stay_open(shown->viewer);

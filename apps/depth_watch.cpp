@@ -69,6 +69,8 @@ bool DepthWatch::unusable() const {
 
 std::optional<double> DepthWatch::likely_scale() const {
   if (known_ == 0 || (median_m() >= options_.min_m && median_m() <= options_.max_m)) return std::nullopt;
+  if (median_m() >= kRoomNear_m && median_m() <= kRoomFar_m)
+    return std::nullopt;  // then it is right as it is
   const auto median_with = [&](double scale) { return median_m() * scale_ / scale; };
   const auto fits = [&](double scale) {
     return scale != scale_ && median_with(scale) >= kRoomNear_m && median_with(scale) <= kRoomFar_m;

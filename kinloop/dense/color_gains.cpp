@@ -16,8 +16,9 @@ constexpr double kVoxel_m = 0.03;
 /// That many points of a view, and of all views together, tell enough.
 constexpr size_t kPointsPerView = 5000, kPointsInAll = 300'000;
 
-/// Grey values that are neither clipped nor mostly noise.
-constexpr uint8_t kDarkest = 8, kBrightest = 245;
+/// Grey values that exposure multiplies: brighter ones are clipped; to darker ones black level, stray light
+/// and compression add a few levels, which would be taken for a change of colour.
+constexpr uint8_t kDarkest = 50, kBrightest = 245;
 
 /// Deviations of a logarithm of a colour: of what differs between views of a voxel, and of gains before
 /// anything was seen (weak: a factor of 1.6).

@@ -51,10 +51,10 @@ void DenseRecorder::on_frame(const FrameResult& result, const PreparedFrame& fra
 }
 
 /// Keyframes; and other frames while fewer than kFewImages, evenly spread, stand for the frames so far.
-/// However few keyframes there are, n frames give at most about kFewImages * (1 + ln(n / 60)) others, and
+/// However few keyframes there are, n frames give at most about kFewImages * (1 + ln(n / 40)) others, and
 /// where a keyframe comes oftener than every n / kFewImages frames, as in any long recording by hand, none.
 bool DenseRecorder::wants(const FrameResult& result) const {
-  constexpr uint32_t kFewImages = 12, kLeastGapFrames = 5;
+  constexpr uint32_t kFewImages = 8, kLeastGapFrames = 5;
   if (result.keyframe.valid()) return true;
   if (options_.frame_step > 0 && result.frame.value % static_cast<uint32_t>(options_.frame_step) == 0)
     return true;

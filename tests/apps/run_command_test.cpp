@@ -80,6 +80,7 @@ TEST_F(RunCommand, AFarSceneIsNoMistake) {
   const std::string far = "run '" + sequence(12) + "' -q -o '" + at("out") + "' --set dense.max_m=";
   const Run done = run(far + "1.5");
   EXPECT_EQ(done.exit_code, kDone) << done.err;
+  EXPECT_THAT(done.err, Not(HasSubstr("instead of")));
 }
 
 TEST_F(RunCommand, OneFrameGivesItsSurface) {

@@ -106,9 +106,9 @@ TEST(DenseRecorder, TakesOtherFramesWhereKeyframesAreFew) {
     DenseRecorder recorder(camera(), {});
     show_wall(recorder, frames, 100'000);
     recorder.finish_work();
-    const double most = 13 + 12 * std::max(0.0, std::log(frames / 60.0));
+    const double most = 9 + 8 * std::max(0.0, std::log(frames / 40.0));
     EXPECT_LE(static_cast<double>(recorder.image_count()), most) << frames;
-    EXPECT_GE(recorder.image_count(), std::min<size_t>(1 + (frames - 1) / 5, 12)) << frames;
+    EXPECT_GE(recorder.image_count(), std::min<size_t>(1 + (frames - 1) / 5, 8)) << frames;
     EXPECT_GT(cloud_of(recorder, 0, 1).size(), 1000U) << frames;
   }
 }
@@ -119,7 +119,7 @@ TEST(DenseRecorder, TakesKeyframesAloneOnceThereAreMany) {
   recorder.finish_work();
   for (size_t i = 0; i < recorder.image_count(); ++i) {
     const uint32_t frame = recorder.frame_of_image(i).value;
-    EXPECT_TRUE(frame % 12 == 0 || frame < 12 * 12) << frame;
+    EXPECT_TRUE(frame % 12 == 0 || frame < 12 * 8) << frame;
   }
 }
 
