@@ -46,7 +46,7 @@ class GlbCheck {
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(fmt::format("{}: {}", path_.string(), what));
+    throw InputError(fmt::format("{}: {}", path_.string(), printable(what)));
   }
 
  private:

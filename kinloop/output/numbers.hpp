@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace kinloop {
@@ -33,5 +34,8 @@ std::optional<double> parse_number(std::string_view word);
 
 /// The same for a whole number without a sign.
 std::optional<size_t> parse_count(std::string_view word);
+
+/// `text`, in which words of a damaged file may be, as a message on a terminal: short and in plain ASCII.
+std::string printable(std::string text);
 
 }  // namespace kinloop

@@ -39,7 +39,7 @@ struct Header {
 };
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
-  throw InputError(fmt::format("{}: {}", path.string(), what));
+  throw InputError(fmt::format("{}: {}", path.string(), printable(what)));
 }
 
 using Words = std::vector<std::string>;
@@ -74,7 +74,7 @@ Lines take_lines(std::string_view& content, const std::filesystem::path& path) {
   while (!lines.by_keyword.contains("DATA")) {
     const size_t end = content.find('\n');
     constexpr size_t kLongestLine = 1 << 16;
-    if (end == std::string_view::npos || end > kLongestLine) {
+    if (end > kLongestLine) {  // or there is no end
       fail(path, "not a PCD file, whose header ends with a line DATA");
     }
     std::string_view text = content.substr(0, end);

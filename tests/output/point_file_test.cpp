@@ -137,6 +137,7 @@ TEST_F(PointFileTest, DamagedPlyIsOneLineThatSaysWhatIsWrong) {
   EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement face 0\nend_header\n"), HasSubstr("no vertices"));
   EXPECT_THAT(ply_error("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nend_header\n"),
               HasSubstr("no x, y and z"));
+  EXPECT_THAT(ply_error("ply\nformat \x1b[2J\xff 1.0\nend_header\n"), HasSubstr("format '?[2J?'"));
   std::string many = header;
   many.replace(many.find("vertex 2"), 8, "vertex 999999999999999");
   EXPECT_THAT(ply_error(many + "end_header\n0123456789"), HasSubstr("cut short"));

@@ -11,7 +11,7 @@ const AHEAD = new Vector3(0, 0, 1.5);
 const FOLLOW_S = 0.4; // time constants
 const GLIDE_S = 0.15;
 const ARRIVED = 1e-3; // of the distance
-const MARGIN = 1.06;
+const MARGIN = 1.08;
 const MIN_DISTANCE_M = 1e-3;
 const MUCH_CLOSER = 0.85;
 

@@ -4,7 +4,7 @@ import { Box3, Vector3 } from 'three';
 
 const SAMPLES = 6000;
 const FENCE = 0.05; // quantiles that stray points, up to that share on either side, do not reach
-const EDGE = 0.01; // share of the points inside the fences that may lie beyond the map, on either side
+const EDGE = 0.003; // share of the points inside the fences that may lie beyond the map, on either side
 
 /** { places, box }: a sample of the map without what is stray, and the box around it. */
 export function sampleMap(world) {

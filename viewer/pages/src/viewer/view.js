@@ -54,13 +54,12 @@ export class View {
   frame(nowMs) {
     const passedMs = nowMs - this.lastMs;
     this.lastMs = nowMs;
-    const seconds = Math.min(0.1, passedMs / 1000);
-    if (this.world.advance(seconds)) this.stale = this.dirty = true;
+    if (this.world.advance(Math.min(0.1, passedMs / 1000))) this.stale = this.dirty = true;
     if (this.stale && nowMs - this.measuredMs > MEASURE_MS) {
       this.measuredMs = nowMs;
       this.measure();
     }
-    this.eye.advance(seconds);
+    this.eye.advance(Math.min(1, passedMs / 1000));
 
     const resting = !this.dirty && nowMs - this.changedMs > REST_MS;
     if (this.dirty) {
