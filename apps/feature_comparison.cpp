@@ -48,29 +48,28 @@ DetectedPair detect(const Detector& detector, const ImagePair& pair) {
   return found;
 }
 
-/// The matches of each step, drawn into pictures with their figures below.
-class MatchPictures {
- public:
-  MatchPictures(const std::filesystem::path& folder, const Detector& detector, const ImagePair& pair,
-                const DetectedPair& found)
-      : folder_(folder), detector_(detector), pair_(pair), found_(found) {}
-
-  void write(const char* step, const std::vector<LookAlike>& matches, const std::string& what) const {
-    const std::string figures = fmt::format("{}: {} and {} key points, {:.1f} and {:.1f} ms", detector_.name,
-                                            found_.a.size(), found_.b.size(), found_.a_ms, found_.b_ms);
-    const cv::Mat drawn = draw_matches(pair_.a.gray, found_.a, pair_.b.gray, found_.b, matches);
-    std::vector<uint8_t> bytes;
-    cv::imencode(".png", with_caption(drawn, {figures, fmt::format("{} {}", matches.size(), what)}), bytes);
-    write_file(folder_ / fmt::format("{}_{}.png", detector_.id, step),
-               std::string(bytes.begin(), bytes.end()));
-  }
-
- private:
-  const std::filesystem::path& folder_;
-  const Detector& detector_;
-  const ImagePair& pair_;
-  const DetectedPair& found_;
+/// What was matched, from step to step fewer.
+struct MatchSteps {
+  std::vector<LookAlike> all, screened, inliers;
 };
+
+/// A picture of the matches of each step, with the figures below.
+void write_pictures(const std::filesystem::path& folder, const Detector& detector, const ImagePair& pair,
+                    const DetectedPair& found, const MatchSteps& steps) {
+  const std::string features = fmt::format("{}: {} and {} key points, {:.1f} and {:.1f} ms", detector.name,
+                                           found.a.size(), found.b.size(), found.a_ms, found.b_ms);
+  const std::string matches = fmt::format("{} matches, {} of them screened, {} of these RANSAC inliers",
+                                          steps.all.size(), steps.screened.size(), steps.inliers.size());
+  const auto write = [&](const char* step, const std::vector<LookAlike>& shown) {
+    const cv::Mat drawn = draw_matches(pair.a.gray, found.a, pair.b.gray, found.b, shown);
+    std::vector<uint8_t> bytes;
+    cv::imencode(".png", with_caption(drawn, {features, fmt::format("{}. Shown: {}", matches, step)}), bytes);
+    write_file(folder / fmt::format("{}_{}.png", detector.id, step), std::string(bytes.begin(), bytes.end()));
+  };
+  write("all", steps.all);
+  write("screened", steps.screened);
+  write("inliers", steps.inliers);
+}
 
 void measure(const Detector& detector, const ImagePair& pair, const PinholeCamera& camera,
              const std::filesystem::path& pictures, SeedFigures& figures) {
@@ -78,16 +77,13 @@ void measure(const Detector& detector, const ImagePair& pair, const PinholeCamer
   const auto& [a, b, a_ms, b_ms] = found;
   for (const double ms : {a_ms, b_ms}) figures.milliseconds.push_back(ms);
   for (const size_t count : {a.size(), b.size()}) figures.key_points.push_back(static_cast<double>(count));
-  const auto matches = match_descriptors(a, b);
-  const auto screened = screen_look_alikes(matches, a.descriptors.type() == CV_8UC1);
-  const auto inliers = ransac_inliers(pair, {a, b, screened}, camera);
-  figures.pairs.push_back(measure_pair(b, matches, screened, true_sights(pair, a, camera)));
-  figures.pairs.back().inliers = inliers.size();
-  if (pictures.empty() || !pair.shown) return;
-  const MatchPictures writer(pictures, detector, pair, found);
-  writer.write("all", matches, "matches: each other's nearest descriptors");
-  writer.write("screened", screened, "of these screened by descriptor distance");
-  writer.write("inliers", inliers, "of these inliers of RANSAC");
+  MatchSteps steps;
+  steps.all = match_descriptors(a, b);
+  steps.screened = screen_look_alikes(steps.all, a.descriptors.type() == CV_8UC1);
+  steps.inliers = ransac_inliers(pair, {a, b, steps.screened}, camera);
+  figures.pairs.push_back(measure_pair(b, steps.all, steps.screened, true_sights(pair, a, camera)));
+  figures.pairs.back().inliers = steps.inliers.size();
+  if (!pictures.empty() && pair.shown) write_pictures(pictures, detector, pair, found, steps);
 }
 
 std::vector<Detector> wanted_detectors(const ComparisonArguments& arguments, const PinholeCamera& camera) {

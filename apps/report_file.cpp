@@ -103,6 +103,7 @@ std::string caption_of(const LoopPicture& picture, int64_t start_ns) {
       since_start(picture.stamp_a_ns), since_start(picture.stamp_b_ns), picture.distance_m, picture.angle_deg,
       picture.reprojected, picture.observed);
   if (picture.observed > 0) text += fmt::format(", median error {:.2f} px", picture.median_error_px);
+  if (picture.observed == 0) text += ": the final map has no landmark in common around this loop";
   return text + fmt::format(". Loop closure: {} inliers.", picture.inliers);
 }
 

@@ -5,7 +5,7 @@ import { element, section, table } from './page.js';
 export function detailsSection(runs) {
   const parts = runs.flatMap((run) => [options(run, runs), sensor(run)]).filter(Boolean);
   const version = runs[0].figures.version;
-  if (version) parts.push(element('pre', {}, version));
+  if (version) parts.push(element('div', { class: 'version' }, ...version.trim().split('\n').map((line) => element('div', {}, line))));
   return parts.length > 0 ? section('Configuration', ...parts) : undefined;
 }
 
