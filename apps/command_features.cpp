@@ -9,7 +9,7 @@
 #include "apps/common_options.hpp"
 #include "apps/feature_comparison.hpp"
 #include "kinloop/base/options.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/compare/detectors.hpp"
 #include "kinloop/features/surf.hpp"
 
@@ -27,12 +27,12 @@ tilted; a sequence with itself some frames later.
   precision      screened matches within 3 px of where the ground truth puts them, and their median error
 
 Examples:
-  kinloop features ../shared/data/redkitchen --gap 20
+  kinloop features rgbd_dataset_freiburg1_room --gap 20
   kinloop features photo.jpg -o pictures --set count=500)";
 
 void run_features(ComparisonArguments arguments, const std::vector<std::string>& assignments, bool json) {
   arguments.features = with_assignments(FeatureOptions{}, assignments);
-  if (!arguments.pictures.empty()) make_folder(arguments.pictures);
+  if (!arguments.pictures.empty()) require_writable_folder(arguments.pictures);
   const auto figures = compare_detectors(arguments);
   if (json) {
     fmt::print("{}\n", comparison_json(figures).dump(2));
@@ -56,10 +56,10 @@ void add_features_command(CLI::App& app) {
   command->add_option("-o,--output", arguments->pictures,
                       "Folder for pictures of all and of the screened matches of the middle pair");
   command->add_option("--pairs", arguments->pairs, "Pairs of frames, evenly over the sequence")
-      ->check(CLI::Range(1, 100000))
+      ->check(whole_number(1, 100000))
       ->capture_default_str();
   command->add_option("--gap", arguments->gap, "Frames from the first to the second of a pair")
-      ->check(CLI::Range(1, 100000))
+      ->check(whole_number(1, 100000))
       ->capture_default_str();
   command->add_option("--detectors", arguments->wanted, "Only these: sift surf orb-opencv orb")
       ->delimiter(',');

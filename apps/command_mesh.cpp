@@ -7,6 +7,7 @@
 #include "apps/map_store.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/dense/mesh_keyframes.hpp"
 #include "kinloop/output/mesh_file.hpp"
@@ -29,6 +30,7 @@ void make_mesh(MeshArguments arguments) {
         fmt::format("-o {}: give a name that ends in .ply, .obj or .glb", arguments.output.string()));
   }
   if (!arguments.voxel_m.empty()) arguments.assignments.push_back("mesh.voxel_m=" + arguments.voxel_m);
+  require_writable_file(arguments.output);
   const Stopwatch watch;
   const OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const auto mesh = mesh_keyframes(open.recorder.images(), open.views(0), open.dense_camera(),

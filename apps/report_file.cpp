@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/dense/cloud_picture.hpp"
 #include "kinloop/eval/report.hpp"
@@ -110,6 +111,10 @@ std::vector<ReportPicture> read_loop_pictures(const fs::path& folder) {
 }
 
 RunReport read_run(const RunFolder& folder) {
+  if (!fs::exists(folder.figures())) {
+    throw InputError(fmt::format("{}: has no run.json; give the folder that kinloop run -o wrote",
+                                 folder.path().string()));
+  }
   RunReport run;
   run.figures = read_figures(folder.figures());
   run.name = run.figures.value("input", folder.path().string());
