@@ -12,6 +12,7 @@
 #include "apps/common_options.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/image_file.hpp"
@@ -181,7 +182,10 @@ void add_calibrate_command(CLI::App& app) {
     arguments->depth_scale = depth_scale;
     CLI::App* sub = command->add_subcommand(name, help);
     add_common(*sub, arguments);
-    sub->callback([arguments, work] { work(*arguments); });
+    sub->callback([arguments, work] {
+      require_writable_file(arguments->output);
+      work(*arguments);
+    });
     return std::pair(sub, arguments);
   };
   const auto [intrinsics, i] =

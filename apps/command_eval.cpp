@@ -18,8 +18,9 @@ at most 0.02 s apart belong together, the estimate is moved rigidly onto the tru
   ATE   distance between positions, all over the path           evaluate_ate.py
   RPE   error of the motion over 1 s and from frame to frame    evaluate_rpe.py --fixed_delta
 
-Example:
-  kinloop eval out/trajectory.txt ../shared/data/redkitchen/groundtruth.txt)";
+Examples:
+  kinloop run rgbd_dataset_freiburg1_room -o room
+  kinloop eval room/trajectory.txt rgbd_dataset_freiburg1_room/groundtruth.txt)";
 
 struct EvalArguments {
   std::filesystem::path estimate;

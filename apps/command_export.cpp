@@ -7,6 +7,7 @@
 #include "apps/map_store.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/dense/occupancy.hpp"
@@ -28,9 +29,16 @@ struct ExportArguments {
   int threads = hardware_threads();
   bool quiet = false;
 
-  [[nodiscard]] bool nothing() const {
-    return cloud.empty() && octomap.empty() && grid.empty() && trajectory.empty() && keyframes.empty() &&
-           graph.empty();
+  /// The files to write.
+  [[nodiscard]] std::vector<std::filesystem::path> outputs() const {
+    std::vector<std::filesystem::path> paths{cloud, octomap, grid, trajectory, keyframes, graph};
+    std::erase(paths, std::filesystem::path());
+    return paths;
+  }
+
+  /// Throws before any work is done where a result could not be written in the end.
+  void require_writable() const {
+    for (const auto& path : outputs()) require_writable_file(path);
   }
 };
 
@@ -63,7 +71,11 @@ void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Prog
 }
 
 void run_export(const ExportArguments& arguments) {
-  if (arguments.nothing()) throw UsageError("export: what? See kinloop export --help");
+  if (arguments.outputs().empty())
+    throw UsageError(
+        "export: nothing to write; give one or more of --cloud, --octomap, --grid, --trajectory, "
+        "--keyframes, "
+        "--graph");
   require_extension("--cloud", arguments.cloud, ".ply", ".pcd");
   require_extension("--octomap", arguments.octomap, ".bt", ".ot");
   require_extension("--grid", arguments.grid, ".pgm", ".pgm");
@@ -71,6 +83,7 @@ void run_export(const ExportArguments& arguments) {
   require_other_file("--trajectory", arguments.trajectory, map);
   require_other_file("--keyframes", arguments.keyframes, map);
   require_other_file("--graph", arguments.graph, map);
+  arguments.require_writable();
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const Progress progress = make_progress_bar(arguments.quiet);
   const auto session = open.session_log(arguments.session);
@@ -86,6 +99,8 @@ void run_export(const ExportArguments& arguments) {
   }
   if (!arguments.cloud.empty()) write_cloud(arguments, open, progress);
   if (!arguments.octomap.empty() || !arguments.grid.empty()) write_occupancy(arguments, open, progress);
+  if (arguments.quiet) return;
+  for (const auto& path : arguments.outputs()) fmt::print("written: {}\n", path.string());
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "apps/feature_comparison.hpp"
 #include "apps/feature_table.hpp"
 #include "kinloop/base/options.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/compare/detectors.hpp"
 #include "kinloop/features/surf.hpp"
 
@@ -29,13 +29,13 @@ them below it. Each seed draws other samples in RANSAC, measures the time again,
   precision      screened matches within 3 px of where the ground truth puts them, and their median error
 
 Examples:
-  kinloop features ../shared/data/redkitchen --gap 20
+  kinloop features rgbd_dataset_freiburg1_room --gap 20
   kinloop features before.png after.png -o pictures
   kinloop features photo.jpg -o pictures --set count=500)";
 
 void run_features(ComparisonArguments arguments, const std::vector<std::string>& assignments, bool json) {
   arguments.features = with_assignments(FeatureOptions{}, assignments);
-  if (!arguments.pictures.empty()) make_folder(arguments.pictures);
+  if (!arguments.pictures.empty()) require_writable_folder(arguments.pictures);
   const auto figures = compare_detectors(arguments);
   if (json) {
     fmt::print("{}\n", comparison_json(figures).dump(2));
@@ -61,15 +61,15 @@ void add_features_command(CLI::App& app) {
   command->add_option("-o,--output", arguments->pictures,
                       "Folder for pictures of the matches of one pair: all, screened, inliers");
   command->add_option("--pairs", request.pairs, "Pairs of frames for each seed, spread over the sequence")
-      ->check(CLI::Range(1, 100000))
+      ->check(whole_number(1, 100000))
       ->capture_default_str();
   command->add_option("--gap", request.gap, "Frames from the first to the second of a pair")
-      ->check(CLI::Range(1, 100000))
+      ->check(whole_number(1, 100000))
       ->capture_default_str();
   command
       ->add_option("--seeds", request.seeds,
                    "Seeds: choices of pairs and samples that give each figure its range")
-      ->check(CLI::Range(1, 1000))
+      ->check(whole_number(1, 1000))
       ->capture_default_str();
   command->add_option("--detectors", arguments->wanted, "Only these: sift surf orb-opencv orb")
       ->delimiter(',');

@@ -10,7 +10,7 @@
 #include "apps/download.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/base/output_check.hpp"
 
 namespace kinloop {
 namespace {
@@ -57,7 +57,7 @@ void fetch(const FetchArguments& arguments) {
     fmt::print("{} is there already\n", folder.string());
     return;
   }
-  make_folder(arguments.output);
+  require_writable_folder(arguments.output);
   const auto archive = arguments.output / (sequence.folder + ".tgz");
   if (!std::filesystem::exists(archive)) {
     download(fmt::format("{}/{}/{}.tgz", arguments.server, sequence.camera, sequence.folder), archive,

@@ -12,6 +12,7 @@
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/parallel_for.hpp"
 
 namespace kinloop {
@@ -94,6 +95,7 @@ struct MergeArguments {
 void merge(const MergeArguments& arguments) {
   const auto path_a = map_file_of(arguments.a), path_b = map_file_of(arguments.b);
   for (const auto& input : {path_a, path_b}) require_other_file("-o", arguments.output, input);
+  require_writable_file(arguments.output);
   const MapReader reader_a(path_a), reader_b(path_b);
   SavedMap a = read_map_or_warn(reader_a, path_a), b = read_map_or_warn(reader_b, path_b);
   require_same_camera(a, path_a, b.camera);

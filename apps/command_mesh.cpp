@@ -7,6 +7,7 @@
 #include "apps/map_store.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/dense/mesh_keyframes.hpp"
 #include "kinloop/output/mesh_file.hpp"
@@ -30,6 +31,7 @@ void make_mesh(MeshArguments arguments) {
         fmt::format("-o {}: give a name that ends in .ply, .obj or .glb", arguments.output.string()));
   }
   if (!arguments.voxel_m.empty()) arguments.assignments.push_back("mesh.voxel_m=" + arguments.voxel_m);
+  require_writable_file(arguments.output);
   const Stopwatch watch;
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const DenseCamera camera = open.dense_camera();

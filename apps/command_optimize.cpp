@@ -13,6 +13,7 @@
 #include "apps/commands.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/eval/graph_report.hpp"
 #include "kinloop/optimize/g2o_file.hpp"
@@ -68,13 +69,7 @@ void check_outputs(const OptimizeArguments& arguments) {
     throw UsageError(fmt::format("{} is the input; choose another --report", arguments.report.string()));
   }
   if (arguments.report == arguments.output) throw UsageError("-o and --report name the same file");
-  for (const auto& path : {arguments.output, arguments.report}) {
-    if (path.empty()) continue;
-    if (std::filesystem::is_directory(path, ignored)) {
-      throw InputError(path.string() + " is a folder; name a file in it");
-    }
-    const AtomicFile probe(path);  // without a commit it leaves nothing behind
-  }
+  for (const auto& path : {arguments.output, arguments.report}) require_writable_file(path);
 }
 
 /// Says what the user should know about the file before believing the figures.

@@ -10,6 +10,7 @@
 #include "apps/commands.hpp"
 #include "apps/report_file.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/text_file.hpp"
 
 namespace kinloop {
@@ -24,12 +25,14 @@ void report(const ReportArguments& arguments) {
   const auto& runs = arguments.runs;
   if (runs.size() == 1 && arguments.page.empty()) {
     require_folder(runs.front());
-    const RunFolder folder(runs.front());
+    const auto folder = RunFolder::of_earlier_run(runs.front());
+    require_writable_file(folder.report());
     write_report(folder);
     fmt::print("{}\n", folder.report().string());
     return;
   }
   const std::filesystem::path page = arguments.page.empty() ? "comparison.html" : arguments.page;
+  require_writable_file(page);
   write_comparison(runs, page);
   fmt::print("{}\n", page.string());
 }

@@ -21,6 +21,7 @@
 #include "apps/show_run.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/eval/run_up.hpp"
@@ -66,7 +67,7 @@ RunOptions options_of(const RunArguments& arguments, const std::optional<StartMa
   if (arguments.no_loop) options.slam.loop.enabled = false;
   if (arguments.solver != "auto") options.slam.loop.pose_graph.solver = arguments.solver;
   if (!pose_graph_solver_available(options.slam.loop.pose_graph.solver)) {
-    throw UsageError(fmt::format("solver {}: not in this build; see kinloop --version",
+    throw UsageError(fmt::format("solver {}: not in this build; take builtin or ceres, or leave --solver out",
                                  options.slam.loop.pose_graph.solver));
   }
   return options;
@@ -145,11 +146,7 @@ std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolde
                                    const MapSaver::What& what) {
   if (arguments.localize) return nullptr;
   const auto path = arguments.save_map.empty() ? folder.map_file() : arguments.save_map;
-  if (!std::filesystem::is_directory(std::filesystem::absolute(path).parent_path()) ||
-      std::filesystem::is_directory(path)) {
-    throw UsageError(
-        fmt::format("--save-map {}: give the name of a file in a folder that exists", path.string()));
-  }
+  require_writable_file(path);
   return std::make_unique<MapSaver>(path, what, arguments.autosave_s);
 }
 
@@ -206,10 +203,10 @@ ExitCode run(const RunArguments& arguments) {
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
   auto start = open_start_map(arguments);
   const RunOptions options = options_of(arguments, start, threads);
-  const RunFolder folder(arguments.output);
   auto source = open_source(request_of(arguments, options, threads));
+  const RunFolder folder(arguments.output);
   const PacedSource* paced = arguments.pace_hz > 0 ? pace(source, arguments.pace_hz) : nullptr;
-  const Progress progress = make_progress_bar(arguments.quiet || arguments.verbose);
+  const Progress progress = arguments.verbose ? narrate_stages() : make_progress_bar(arguments.quiet);
   const RgbdCamera camera = camera_of(*source, start, arguments);
   Slam slam(camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
   DenseRecorder recorder(camera, options.dense, options.slam.executor);
@@ -220,7 +217,10 @@ ExitCode run(const RunArguments& arguments) {
   slam.listen(frames);
   slam.listen(depth);
   RunNarrator narrator;
-  if (arguments.verbose) slam.listen(narrator);
+  if (arguments.verbose) {
+    narrate_start(*source, threads);
+    slam.listen(narrator);
+  }
   if (start) take_start_map(*start, arguments.load_map, slam, poses_only ? nullptr : &recorder);
   const auto saver = saver_of(arguments, folder, {slam, recorder, options, arguments.sequence});
   catch_interrupts();
@@ -276,7 +276,9 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
   add_run_arguments(*command, *arguments);
   command->callback([arguments, &exit_code] {
     if (arguments->list_options) return print_options();
-    if (arguments->sequence.empty()) throw UsageError("run: which SEQUENCE? See kinloop run --help");
+    if (arguments->sequence.empty())
+      throw UsageError(
+          "kinloop run: SEQUENCE is missing, e.g. kinloop run sim:room -o out; see kinloop run --help");
     arguments->load_map = map_file_of(arguments->load_map);
     exit_code = run(*arguments);
   });

@@ -55,6 +55,7 @@ SimulationOptions chosen_options(const SimulateArguments& arguments) {
 void simulate(const SimulateArguments& arguments, const SimulationOptions& options) {
   std::optional<std::filesystem::path> path;
   if (!arguments.path.empty()) path = arguments.path;
+  require_room_for_sequence(arguments.output);
   const std::string spec = fmt::format("sim:{}:{}", arguments.scene, arguments.seed);
   const auto source = make_simulated_source(spec, options, arguments.threads, path);
   TumWriter writer(arguments.output, source->camera());
@@ -77,12 +78,12 @@ void add_simulate_command(CLI::App& app) {
                                          "room, and writes it as a sequence in TUM\n"
                                          "layout with its true poses. Without --path: a loop of some 18 s by "
                                          "hand, as in `kinloop run sim:room`.");
-  command->add_option("scene", arguments->scene, "the scene")->required()->check(CLI::IsMember({"room"}));
+  command->add_option("scene", arguments->scene, "the scene")->required()->check(one_of({"room"}));
   command->add_option("-o,--output", arguments->output, "folder for the sequence")->required();
   command->add_option("--path", arguments->path,
                       "trajectory to render along (TUM format); the room is built around it");
   command->add_option("--noise", arguments->noise, "kinect, or none for a sensor without fault")
-      ->check(CLI::IsMember({"kinect", "none"}))
+      ->check(one_of({"kinect", "none"}))
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "which room, and which noise")->capture_default_str();
   command->add_option("--frames", arguments->frames, "stop after this many frames");

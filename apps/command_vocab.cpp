@@ -8,6 +8,7 @@
 
 #include "apps/commands.hpp"
 #include "apps/vocab_train.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/place/dbow2_text.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
@@ -41,7 +42,10 @@ void add_conversion(CLI::App& vocab, const char* name, const char* help, const c
   auto arguments = std::make_shared<Arguments>();
   command->add_option("file", arguments->input, input_help)->required();
   command->add_option("-o,--output", arguments->output, "the file to write")->required();
-  command->callback([arguments, convert] { convert(arguments->input, arguments->output); });
+  command->callback([arguments, convert] {
+    require_writable_file(arguments->output);
+    convert(arguments->input, arguments->output);
+  });
 }
 
 void add_info_command(CLI::App& vocab) {

@@ -9,6 +9,11 @@ namespace kinloop {
 /// Exit codes of the command line contract.
 enum class ExitCode : int { kDone = 0, kWrongUse = 2, kBadInput = 3, kTrackingLost = 4 };
 
+/// What `kinloop` alone prints: the commands to know first.
+void print_first_help();
+
+void add_help_command(CLI::App& app);
+void add_version_command(CLI::App& app);
 void add_run_command(CLI::App& app, ExitCode& exit_code);
 void add_eval_command(CLI::App& app);
 void add_report_command(CLI::App& app);

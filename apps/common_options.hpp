@@ -29,6 +29,15 @@ void add_threads_option(CLI::App& command, int& threads,
 /// For ->check: takes finite numbers above 0; CLI11's own names its bounds with all their 309 digits.
 CLI::Validator above_zero();
 
+/// For ->check: takes whole numbers from `low` to `high`.
+CLI::Validator whole_number(int low, int high);
+
+/// For ->check: takes numbers from `low` to `high`.
+CLI::Validator number(double low, double high);
+
+/// For ->check: takes one of the words.
+CLI::Validator one_of(std::vector<std::string> words);
+
 /// -q, --quiet.
 void add_quiet_option(CLI::App& command, bool& quiet);
 

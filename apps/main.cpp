@@ -1,11 +1,10 @@
 // The kinloop program: parses the command line, runs one command, turns exceptions into one line and an exit
 // code.
 
-#include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <exception>
 #include <new>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -13,13 +12,14 @@
 #include <opencv2/core/utility.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 
+#include "apps/command_line.hpp"
 #include "apps/commands.hpp"
 #include "apps/memory.hpp"
 #include "apps/show_run.hpp"
 #include "apps/version.hpp"
+#include "kinloop/base/advised_error.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
-#include "kinloop/base/nearest_word.hpp"
 
 namespace {
 
@@ -32,25 +32,11 @@ void set_up_log() {
   spdlog::set_default_logger(logger);
 }
 
-/// CLI11 says of a word that is no command only that a command is missing.
-void require_known_commands(const CLI::App& program, std::span<char*> words) {
-  const CLI::App* app = &program;
-  for (const std::string word : words) {
-    const auto commands = app->get_subcommands([](const CLI::App*) { return true; });
-    if (commands.empty() || word.starts_with('-')) return;
-    std::vector<std::string> names;
-    for (const CLI::App* command : commands) names.push_back(command->get_name());
-    const auto named = std::find(names.begin(), names.end(), word);
-    if (named == names.end()) {
-      const std::string guess = kinloop::did_you_mean(word, names, word.size() / 2);
-      throw kinloop::UsageError(
-          fmt::format("{} knows no command '{}'{}; see --help", app->get_name(), word, guess));
-    }
-    app = commands[static_cast<size_t>(named - names.begin())];
-  }
-}
-
 ExitCode run(int argc, char** argv) {
+  if (argc <= 1) {
+    kinloop::print_first_help();
+    return ExitCode::kDone;
+  }
   CLI::App app(
       "kinloop: a camera trajectory and a coloured 3D map from a Kinect-class camera, on a CPU.\n"
       "Start with: kinloop run sim:room -o out    (then open out/report.html)",
@@ -73,11 +59,16 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_map_command(app);
   kinloop::add_export_command(app);
   kinloop::add_mesh_command(app);
-  require_known_commands(app, std::span(argv, static_cast<size_t>(argc)).subspan(1));
+  kinloop::add_help_command(app);
+  kinloop::add_version_command(app);
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  kinloop::command_in(app, words);  // of a word that is no command CLI11 says only that a command is missing
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? ExitCode::kDone : ExitCode::kWrongUse;
+    throw kinloop::UsageError(kinloop::explain(error, app, words));
   }
   return exit_code;
 }
@@ -97,6 +88,10 @@ int main(int argc, char** argv) {
   } catch (const kinloop::UsageError& error) {
     kinloop::log::error("{}", error.what());
     return static_cast<int>(ExitCode::kWrongUse);
+  } catch (const kinloop::AdvisedError& error) {
+    kinloop::log::error("{}", error.what());
+    fmt::print(stderr, "{}", error.advice());
+    return static_cast<int>(ExitCode::kBadInput);
   } catch (const kinloop::InputError& error) {
     kinloop::log::error("{}", error.what());
     return static_cast<int>(ExitCode::kBadInput);

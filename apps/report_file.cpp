@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "apps/loop_pictures.hpp"
+#include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/dense/cloud_picture.hpp"
@@ -115,6 +116,10 @@ void add_loops(RunReport& run, const RunFolder& folder) {
 }
 
 RunReport read_run(const RunFolder& folder) {
+  if (!fs::exists(folder.figures())) {
+    throw InputError(fmt::format("{}: has no run.json; give the folder that kinloop run -o wrote",
+                                 folder.path().string()));
+  }
   RunReport run;
   run.figures = read_figures(folder.figures());
   run.name = name_of_input(run.figures.value("input", folder.path().string()));

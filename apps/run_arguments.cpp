@@ -35,23 +35,23 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
   command
       .add_option("--autosave", arguments.autosave_s,
                   "seconds after which the map is saved again while the run goes on; 0 = at the end only")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(number(0, 1e6))
       ->capture_default_str();
   command.add_flag("--no-loop", arguments.no_loop, "do not close loops");
   command.add_option("--solver", arguments.solver, "who solves the pose graph: auto, builtin, ceres, g2o")
-      ->check(CLI::IsMember({"auto", "builtin", "ceres", "g2o"}));
+      ->check(one_of({"auto", "builtin", "ceres", "g2o"}));
   add_set_option(command, arguments.assignments, "change an option, key=value; see --options");
   command.add_flag("--options", arguments.list_options, "list all options of --set and exit");
   command
       .add_option("--threads", arguments.threads,
                   "threads of parallel work, 0 = all; the results are the same")
-      ->check(CLI::Range(0, 1024));
+      ->check(whole_number(0, 1024));
   command
       .add_option(
           "--pace", arguments.pace_hz,
           "replay at this many frames a second, as a live camera: frames not taken in time are lost,\n"
           "and slow work is applied when it is ready (executor.mode=live)")
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(number(0.1, 1000));
   add_frame_option(command, arguments.frame);
   add_viewer_option(command, arguments.viewer);
   add_quiet_option(command, arguments.quiet);

@@ -1,7 +1,12 @@
 #pragma once
-// Listens to a run and tells what happens, a line each (--verbose): losses, relocalisations, loops, and now
-// and then how far it is.
+// Listens to a run and says what happens, a line each (--verbose): the input, keyframes, losses,
+// relocalisations, loops and the stages of the work.
 
+#include <optional>
+#include <string>
+
+#include "kinloop/base/progress.hpp"
+#include "kinloop/sensor/frame_source.hpp"
 #include "kinloop/slam/listener.hpp"
 
 namespace kinloop {
@@ -12,10 +17,16 @@ class RunNarrator : public Listener {
   void on_map(const Map& map) override;
 
  private:
-  TrackStatus status_ = TrackStatus::kTracked;
+  std::optional<TrackStatus> status_;
   size_t loops_told_ = 0;
   size_t keyframes_told_ = 0;
 };
+
+/// Says what a run works on.
+void narrate_start(const FrameSource& source, int threads);
+
+/// Says when a stage begins, instead of a progress bar.
+Progress narrate_stages();
 
 /// How a run goes, in a few words: "tracking, 44 keyframes, 5 loops".
 std::string run_note(const FrameResult& result, const Map& map);

@@ -14,6 +14,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/options.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/place/descriptor_file.hpp"
@@ -81,6 +82,7 @@ void train(const TrainArguments& arguments) {
   const auto ranks = join_ranks();
   const bool first = ranks->rank() == 0;
   const Progress progress = make_progress_bar(arguments.input.quiet || !first);
+  if (first) require_writable_file(arguments.input.output);
   const Description description = description_of(arguments.input);
   ScratchMemory memory(arguments.memory_mb << 20, arguments.scratch);
 
@@ -109,6 +111,7 @@ void train(const TrainArguments& arguments) {
 
 void describe(const InputArguments& arguments) {
   const Description description = description_of(arguments);
+  require_writable_file(arguments.output);
   const TrainingInput input = list_training_input(arguments.inputs);
   if (!input.descriptor_files.empty()) {
     throw UsageError(fmt::format("{}: descriptors already; give it to 'kinloop vocab train'",

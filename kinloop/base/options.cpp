@@ -86,7 +86,9 @@ OptionEntry make_entry(const std::string& key, std::string& field, std::string h
 void apply_assignment(std::span<const OptionEntry> entries, const std::string& assignment) {
   const size_t equals = assignment.find('=');
   if (equals == std::string::npos) {
-    throw UsageError(fmt::format("'{}': expected key=value, e.g. features.count=1500", assignment));
+    const std::string example =
+        entries.empty() ? "" : fmt::format(", e.g. {}={}", entries[0].key, to_text(entries[0].value));
+    throw UsageError(fmt::format("option '{}': expected key=value{}", assignment, example));
   }
   const std::string key = assignment.substr(0, equals);
   const auto found =

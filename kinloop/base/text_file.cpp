@@ -47,7 +47,8 @@ std::vector<TextLine> read_table(const std::filesystem::path& path) {
 
 std::string read_file(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path.string()));
+  if (!std::filesystem::exists(path, error))
+    throw InputError(fmt::format("{}: no such file; check the path", path.string()));
   if (!std::filesystem::is_regular_file(path, error)) {
     throw InputError(fmt::format("{}: not a regular file", path.string()));
   }

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/calibration/edge_width.hpp"
 #include "kinloop/calibration/find_board.hpp"
 #include "kinloop/sensor/image_file.hpp"
@@ -12,7 +12,7 @@ namespace kinloop {
 
 StillCapture::StillCapture(std::filesystem::path folder, const Board& board, StillKind kind, size_t wanted)
     : folder_(std::move(folder)), board_(board), kind_(kind), guide_(wanted) {
-  make_folder(folder_);
+  require_writable_folder(folder_);
   if (!std::filesystem::is_empty(folder_)) {
     throw InputError(fmt::format(
         "{}: is not empty; give a new folder to --live, or leave --live out to calibrate from what is there",

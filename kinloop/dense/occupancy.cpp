@@ -90,6 +90,7 @@ OccupancyMap::OccupancyMap(const KeyframeImages& images, std::span<const PosedIm
     tree_->tree.insertPointCloud(points, {eye.x(), eye.y(), eye.z()}, options.max_m * 2, kAllBranchesLater,
                                  kOneRayPerVoxel);
   }
+  report(progress, "occupancy", views.size(), views.size());
   tree_->tree.updateInnerOccupancy();
 }
 

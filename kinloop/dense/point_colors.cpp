@@ -99,6 +99,7 @@ std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
       }
     });
   }
+  report(progress, "colouring", views.size(), views.size());
   std::vector<Rgb> colors;
   colors.reserve(sums.size());
   for (const ColorSum& sum : sums) colors.push_back(color_of(sum));

@@ -158,7 +158,7 @@ void DatabaseWriter::fail() const {
 DatabaseReader::DatabaseReader(std::filesystem::path path, const DatabaseKind& kind)
     : path_(std::move(path)) {
   if (!std::filesystem::is_regular_file(path_)) {
-    throw InputError(fmt::format("{}: no such file", path_.string()));
+    throw InputError(fmt::format("{}: no such file; check the path", path_.string()));
   }
   sqlite3* database = nullptr;
   const int opened =
@@ -169,7 +169,8 @@ DatabaseReader::DatabaseReader(std::filesystem::path path, const DatabaseKind& k
   sqlite3_exec(database, "PRAGMA writable_schema=ON; PRAGMA cell_size_check=ON; PRAGMA trusted_schema=OFF",
                nullptr, nullptr, nullptr);
   if (pragma("application_id") != kind.application) {
-    throw InputError(fmt::format("{}: not a kinloop map, or damaged at its beginning", path_.string()));
+    throw InputError(fmt::format(
+        "{}: not a kinloop map, or damaged at its beginning; give the map.kinmap of a run", path_.string()));
   }
   const int64_t version = pragma("user_version");
   if (version < 1 || version > kind.version) {

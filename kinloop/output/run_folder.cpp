@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/output/ply.hpp"
 
@@ -10,10 +11,6 @@ namespace kinloop {
 
 RunFolder::RunFolder(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code error;
-  std::filesystem::create_directories(path_, error);
-  if (!std::filesystem::is_directory(path_, error)) {
-    throw InputError(fmt::format("{}: cannot be made a folder; choose another with -o", path_.string()));
-  }
   for (const char* list : {"rgb.txt", "associations.txt"}) {
     if (!std::filesystem::exists(path_ / list, error)) continue;
     throw InputError(
@@ -21,16 +18,7 @@ RunFolder::RunFolder(std::filesystem::path path) : path_(std::move(path)) {
                     "another folder with -o",
                     path_.string(), list));
   }
-  const auto probe = path_ / ".kinloop-probe";
-  try {
-    write_file(probe, "kinloop");
-  } catch (const InputError&) {
-    throw InputError(
-        fmt::format("{}: the folder cannot be written to; check its permissions and the space left, or "
-                    "choose another with -o",
-                    path_.string()));
-  }
-  std::filesystem::remove(probe, error);
+  require_writable_folder(path_);
 }
 
 RunFolder RunFolder::of_earlier_run(std::filesystem::path path) {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/sequence_layout.hpp"
 
 namespace kinloop {
 namespace {
@@ -83,14 +83,11 @@ RgbdCamera choose_camera(const std::filesystem::path& folder,
     }
     return read_camera_file(*camera_argument);
   }
-  require_folder(folder);
+  constexpr bool kCameraKnown = false;
   const auto file = folder / "camera.yaml";
   if (std::filesystem::exists(file)) return read_camera_file(file);
   if (const auto preset = preset_in_name(folder_name(folder))) return *preset;
-  throw InputError(
-      fmt::format("{}: no camera: the folder has no camera.yaml and its name tells no preset; write "
-                  "camera.yaml, or give --camera FILE or one of {}",
-                  folder.string(), kPresetNames));
+  reject_sequence(folder, kCameraKnown);
 }
 
 }  // namespace kinloop

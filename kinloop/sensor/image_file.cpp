@@ -115,7 +115,7 @@ cv::Mat read_color_image(const std::filesystem::path& path) {
       cv::cvtColor(image, color, cv::COLOR_BGRA2BGR);
       return color;
     default:
-      throw InputError(
+      throw ImageKindError(
           fmt::format("{}: not 8 bits a channel, as colour images are; is this a depth image (colour comes "
                       "first in associations.txt)?",
                       path.string()));
@@ -126,7 +126,7 @@ cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale) 
   constexpr uint16_t kUnknown = std::numeric_limits<uint16_t>::max();
   cv::Mat image = decode(path);
   if (image.type() != CV_16UC1) {
-    throw InputError(
+    throw ImageKindError(
         fmt::format("{}: not a 16-bit grey PNG, as depth images are ({} bits, {} channels); export depth as "
                     "16-bit PNG",
                     path.string(), 8 * image.elemSize1(), image.channels()));

@@ -7,7 +7,16 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "kinloop/base/errors.hpp"
+
 namespace kinloop {
+
+/// An intact image that is not what was expected (depth for colour, another size): others of its sequence are
+/// likely to be so too.
+class ImageKindError : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 /// A colour image as 8UC3, BGR, from an 8-bit colour or grey PNG or JPEG. Throws InputError naming the file
 /// and what is wrong with it.

@@ -12,6 +12,7 @@
 #include <libfreenect2/packet_pipeline.h>
 
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/kinect2_factory.hpp"
@@ -69,7 +70,7 @@ size_t packets(const RawRecording& recording) {
 }  // namespace
 
 Kinect2PacketWriter::Kinect2PacketWriter(std::filesystem::path folder) : folder_(std::move(folder)) {
-  make_folder(folder_);
+  require_writable_folder(folder_);
 }
 
 bool Kinect2PacketWriter::onNewFrame(Frame::Type type, Frame* frame) {

@@ -10,6 +10,7 @@
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"
+#include "kinloop/sensor/sequence_layout.hpp"
 
 namespace kinloop {
 namespace {
@@ -34,7 +35,8 @@ int64_t stamp_of(const std::filesystem::path& file, const TextLine& line, size_t
 int64_t row_stamp(const std::filesystem::path& file, const TextLine& line, const std::string& columns) {
   const size_t expected = static_cast<size_t>(std::count(columns.begin(), columns.end(), ' ')) + 1;
   if (line.fields.size() != expected) {
-    throw_at(file, line.number, fmt::format("expected '{}', found {} fields", columns, line.fields.size()));
+    throw_at(file, line.number,
+             fmt::format("expected '{}' separated by blanks, found {} fields", columns, line.fields.size()));
   }
   return stamp_of(file, line, 0);
 }
@@ -119,14 +121,9 @@ TumListing associate_lists(const std::filesystem::path& folder) {
 
 TumListing read_tum_listing(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
-  require_folder(folder);
+  constexpr bool kCameraKnown = true;  // to the caller
+  if (!has_tum_lists(folder)) reject_sequence(folder, kCameraKnown);
   if (fs::exists(folder / "associations.txt")) return read_associated(folder);
-  for (const char* name : {"rgb.txt", "depth.txt"}) {
-    if (fs::exists(folder / name)) continue;
-    throw InputError(fmt::format(
-        "{}: no {}; a sequence in TUM layout has rgb.txt and depth.txt with lines 'timestamp file'",
-        folder.string(), name));
-  }
   return associate_lists(folder);
 }
 

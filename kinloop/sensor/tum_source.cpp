@@ -11,37 +11,28 @@
 namespace kinloop {
 namespace {
 
-/// What is wrong with the size of the image; empty where it has the size of the camera.
-std::string misfit_of(const cv::Mat& image, const std::filesystem::path& path, const PinholeCamera& camera) {
-  if (image.cols == camera.width && image.rows == camera.height) return {};
-  return fmt::format(
-      "{}: {} x {} pixels where the camera has {} x {}; give the camera of these images with --camera",
-      path.string(), image.cols, image.rows, camera.width, camera.height);
+constexpr const char* kColorRemedy = "give the camera of these images with --camera";
+constexpr const char* kDepthRemedy =
+    "depth must have the size of colour, or a camera of its own ('depth' and 'T_color_depth' in camera.yaml)";
+
+void require_size(const cv::Mat& image, const std::filesystem::path& path, const PinholeCamera& camera,
+                  const char* remedy) {
+  if (image.cols == camera.width && image.rows == camera.height) return;
+  throw ImageKindError(fmt::format("{}: {} x {} pixels where the camera has {} x {}; {}", path.string(),
+                                   image.cols, image.rows, camera.width, camera.height, remedy));
 }
 
-/// Throws InputError unless the image has the size of the camera.
-void require_size(const cv::Mat& image, const std::filesystem::path& path, const PinholeCamera& camera) {
-  if (const std::string misfit = misfit_of(image, path, camera); !misfit.empty()) throw InputError(misfit);
-}
-
-/// A wrong camera spoils every frame, a damaged file only its own: the first few images that can be read at
-/// all tell which it is, without decoding the whole sequence.
-void require_camera_fits(const std::vector<FrameFiles>& frames, const PinholeCamera& camera) {
-  constexpr int kMisfitsToBelieve = 3;
-  int misfits = 0;
-  std::string first_misfit;
+/// Throws InputError where a list names only files that are not there.
+void require_some_there(const std::vector<FrameFiles>& frames, std::filesystem::path FrameFiles::*file,
+                        const std::filesystem::path& folder) {
   for (const FrameFiles& files : frames) {
-    cv::Mat image;
-    try {
-      image = read_color_image(files.color);
-    } catch (const InputError&) {
-      continue;  // next() will count it
-    }
-    const std::string misfit = misfit_of(image, files.color, camera);
-    if (misfit.empty()) return;
-    if (misfits == 0) first_misfit = misfit;
-    if (++misfits == kMisfitsToBelieve) throw InputError(first_misfit);
+    std::error_code absent;
+    if (std::filesystem::exists(files.*file, absent)) return;
   }
+  if (frames.empty()) return;
+  throw InputError(
+      fmt::format("{}: no such file, nor any other of the {} that the list names; names are relative to {}",
+                  (frames.front().*file).string(), frames.size(), folder.string()));
 }
 
 }  // namespace
@@ -60,7 +51,26 @@ TumSource::TumSource(const std::filesystem::path& folder, const RgbdCamera& came
     if (info_.ground_truth.empty()) log::warn("{}: holds no pose: no error is told", ground_truth.string());
   }
   if (camera_.depth) registration_.emplace(camera_);
-  require_camera_fits(frames_, camera_.color);
+  require_some_there(frames_, &FrameFiles::color, folder);
+  require_some_there(frames_, &FrameFiles::depth, folder);
+  require_right_kind();
+}
+
+void TumSource::require_right_kind() const {
+  constexpr int kBelieved = 3;  // a wrong camera or kind of image spoils every frame, damage only its own
+  int wrong = 0;
+  std::string first;
+  for (const FrameFiles& files : frames_) {
+    try {
+      static_cast<void>(read_images(files));
+      return;
+    } catch (const ImageKindError& error) {
+      if (wrong == 0) first = error.what();
+      if (++wrong == kBelieved) throw InputError(first);
+    } catch (const InputError&) {
+      continue;  // next() will count it
+    }
+  }
 }
 
 std::optional<RgbdFrame> TumSource::next() {
@@ -82,13 +92,18 @@ std::optional<RgbdFrame> TumSource::next() {
   return std::nullopt;
 }
 
-RgbdFrame TumSource::read_frame(const FrameFiles& files) const {
+RgbdFrame TumSource::read_images(const FrameFiles& files) const {
   RgbdFrame frame;
   frame.stamp_ns = files.stamp_ns;
   frame.color = read_color_image(files.color);
-  require_size(frame.color, files.color, camera_.color);
+  require_size(frame.color, files.color, camera_.color, kColorRemedy);
   frame.depth_m = read_depth_image(files.depth, camera_.depth_scale);
-  require_size(frame.depth_m, files.depth, camera_.depth ? *camera_.depth : camera_.color);
+  require_size(frame.depth_m, files.depth, camera_.depth ? *camera_.depth : camera_.color, kDepthRemedy);
+  return frame;
+}
+
+RgbdFrame TumSource::read_frame(const FrameFiles& files) const {
+  RgbdFrame frame = read_images(files);
   if (camera_.depth_shift_m != 0)
     cv::add(frame.depth_m, camera_.depth_shift_m, frame.depth_m, frame.depth_m > 0);
   if (registration_) frame.depth_m = (*registration_)(frame.depth_m);

@@ -31,6 +31,9 @@ class TumSource : public FrameSource {
   [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return skipped_; }
 
  private:
+  /// Throws InputError where the first images are all of another size or kind: no frame could be used.
+  void require_right_kind() const;
+  [[nodiscard]] RgbdFrame read_images(const FrameFiles& files) const;
   [[nodiscard]] RgbdFrame read_frame(const FrameFiles& files) const;
 
   RgbdCamera camera_;

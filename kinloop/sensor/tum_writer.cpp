@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/sensor/camera_file.hpp"
@@ -25,6 +26,16 @@ std::string depth_name(int64_t stamp_ns) {
 
 }  // namespace
 
+void require_room_for_sequence(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (const char* list : kLists) {
+    if (!std::filesystem::exists(folder / list, error)) continue;
+    throw InputError(fmt::format("{}: holds {} already; choose another folder, or remove this one first",
+                                 folder.string(), list));
+  }
+  require_writable_folder(folder);
+}
+
 TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
     : folder_(std::move(folder)),
       depth_scale_(camera.depth_scale),
@@ -32,13 +43,8 @@ TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
       color_list_("# timestamp filename\n"),
       depth_list_(color_list_),
       pair_list_("# colour timestamp, colour filename, depth timestamp, depth filename\n") {
-  std::error_code error;
-  for (const char* list : kLists) {
-    if (!std::filesystem::exists(folder_ / list, error)) continue;
-    throw InputError(fmt::format("{}: holds {} already; choose another folder, or remove this one first",
-                                 folder_.string(), list));
-  }
-  for (const char* images : {"rgb", "depth"}) make_folder(folder_ / images);
+  require_room_for_sequence(folder_);
+  for (const char* images : {"rgb", "depth"}) require_writable_folder(folder_ / images);
   write_camera_file(folder_ / "camera.yaml", camera);
 }
 

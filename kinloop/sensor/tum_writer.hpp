@@ -12,6 +12,9 @@
 
 namespace kinloop {
 
+/// Throws InputError where `folder` holds a sequence already, or cannot be written into.
+void require_room_for_sequence(const std::filesystem::path& folder);
+
 /// Writes a sequence. The images come one by one, each complete under its name; the lists that make a
 /// sequence of them (rgb.txt, depth.txt, associations.txt) only with `finish`.
 class TumWriter {

@@ -149,8 +149,8 @@ TEST_F(MapCommand, AMapThatCannotBeSavedCostsNothingElse) {
 TEST_F(MapCommand, SaysWhatIsWrong) {
   EXPECT_EQ(run("run sim:room --localize -o " + at("x")), kWrongUse);
   EXPECT_THAT(err_, HasSubstr("--load-map"));
-  EXPECT_EQ(run("run sim:room -o " + at("x") + " --save-map " + at("absent/m.kinmap")), kWrongUse);
-  EXPECT_EQ(run("run sim:room -o " + at("x") + " --save-map " + folder_->path().string()), kWrongUse);
+  EXPECT_EQ(run("run sim:room -o " + at("x") + " --save-map " + at("stderr/m.kinmap")), kBadInput);
+  EXPECT_EQ(run("run sim:room -o " + at("x") + " --save-map " + folder_->path().string()), kBadInput);
   EXPECT_EQ(run("map info " + at("absent.kinmap")), kBadInput);
   EXPECT_THAT(err_, HasSubstr("absent.kinmap: no such file"));
   EXPECT_EQ(run("run sim:room -o " + at("x") + " --load-map " + at("stderr")), kBadInput);

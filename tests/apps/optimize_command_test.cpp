@@ -121,10 +121,11 @@ TEST_F(OptimizeCommand, DoesNotWriteOverItsInputUnlessTold) {
 
 TEST_F(OptimizeCommand, NoticesBeforeSolvingThatItCannotWrite) {
   const auto input = folder_.write("in.g2o", "this line would be an error, were it read\n").string();
-  for (const std::string& output : {at("no/such/folder/out.g2o"), folder_.path().string()}) {
+  for (const std::string& output : {at("in.g2o/out.g2o"), folder_.path().string()}) {
     const Run failed = run(input + " -o " + output);
     EXPECT_EQ(failed.exit_code, kBadInput);
-    EXPECT_THAT(failed.err, HasSubstr(output));
+    EXPECT_THAT(failed.err,
+                HasSubstr(std::filesystem::path(output).filename() == "out.g2o" ? input : output));
     EXPECT_THAT(failed.err, testing::Not(HasSubstr("in.g2o:1")));
   }
   EXPECT_EQ(run(input + " -o " + at("one") + " --report " + at("one")).exit_code, kWrongUse);

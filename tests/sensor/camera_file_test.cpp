@@ -214,8 +214,9 @@ TEST(CameraPreset, HoldsThePublishedValues) {
 
 class CameraChoice : public testing::Test {
  protected:
+  /// A folder with the lists of a sequence.
   std::filesystem::path make_folder(const std::string& name) const {
-    std::filesystem::create_directories(folder_.path() / name);
+    folder_.write(name + "/associations.txt", "");
     return folder_.path() / name;
   }
 
