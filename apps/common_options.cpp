@@ -40,9 +40,10 @@ void add_set_option(CLI::App& command, std::vector<std::string>& assignments, co
 
 void add_frame_option(CLI::App& command, std::string& frame) {
   command
-      .add_option("--frame", frame,
-                  "axes of the cloud or mesh: z-up, or camera (the first camera's, y down), which are those of\n"
-                  "the trajectory")
+      .add_option(
+          "--frame", frame,
+          "axes of the cloud or mesh: z-up, or camera (the first camera's, y down), which are those of\n"
+          "the trajectory")
       ->check(one_of({"z-up", "camera"}))
       ->capture_default_str();
 }
