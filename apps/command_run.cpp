@@ -118,10 +118,12 @@ void take_start_map(StartMap& start, const std::filesystem::path& path, Slam& sl
   if (recorder != nullptr) restore_images(start.reader, path, shift, *recorder);
 }
 
-/// Lost at the end, or never found: what the exit code tells scripts.
-bool lost_for_good(const Slam& slam) {
+/// Whether tracking was lost at the end, or never began: what the exit code tells scripts.
+ExitCode tracking_exit_code(const Slam& slam, const std::filesystem::path& details) {
   const auto log = slam.session_log();
-  return log.empty() || !tracked_in(slam.component(), log.back(), slam.map());
+  if (!log.empty() && tracked_in(slam.component(), log.back(), slam.map())) return ExitCode::kDone;
+  log::error("{}; see {}", loss_text(slam.map()), details.string());
+  return ExitCode::kTrackingLost;
 }
 
 void warn_of_skipped(const FrameSource& source) {
@@ -170,6 +172,17 @@ UprightMap upright_map(const Slam& slam, DenseRecorder& recorder, const std::str
   return map;
 }
 
+/// What run.json holds; `map` is missing where only poses were asked for.
+nlohmann::json summary_of(const RunOutcome& outcome, const DenseRecorder& recorder,
+                          const std::optional<UprightMap>& map) {
+  auto summary = run_summary(outcome);
+  summary["rooms"].update(rooms_json(recorder.times()));
+  if (!map) return summary;
+  summary["up"] = to_json(map->up);
+  summary["map"].update(to_json(map->frame));
+  return summary;
+}
+
 /// What --localize leaves without --report.
 void write_poses(const RunFolder& folder, const Trajectory& trajectory, const FrameTable& frames,
                  const nlohmann::json& summary) {
@@ -179,12 +192,12 @@ void write_poses(const RunFolder& folder, const Trajectory& trajectory, const Fr
 }
 
 void write_results(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
-                   const UprightMap& map, const DenseRecorder& images, const FrameTable& frames,
-                   const nlohmann::json& summary) {
-  if (!outcome.map_points) return write_poses(folder, trajectory, frames, summary);
+                   const std::optional<UprightMap>& map, const DenseRecorder& images,
+                   const FrameTable& frames, const nlohmann::json& summary) {
+  if (!map) return write_poses(folder, trajectory, frames, summary);
   const Slam& slam = outcome.slam;
   write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), slam.component()),
-                           outcome.source.info().ground_truth, map.cloud, map.frame, summary});
+                           outcome.source.info().ground_truth, map->cloud, map->frame, summary});
   write_camera_file(folder.camera(), calibrated_camera(outcome.source.camera(), slam.sensor()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), outcome.options.slam.loop), {}, true, {}});
   write_frame_table(folder.frames(), frames);
@@ -236,31 +249,24 @@ ExitCode run(const RunArguments& arguments) {
   if (shown) shown->viewer.finish(slam.session_log(), slam.map());
   const bool saved = saver != nullptr && saver->try_to_save();
   return_freed_memory();
-  const UprightMap map =
-      poses_only ? UprightMap() : upright_map(slam, recorder, arguments.frame, threads, progress);
+  std::optional<UprightMap> map;
+  if (!poses_only) map = upright_map(slam, recorder, arguments.frame, threads, progress);
   return_freed_memory();
   warn_of_skipped(*source);
 
   const auto evaluation = evaluate(trajectory, source->info().ground_truth);
   const size_t dropped = paced != nullptr ? paced->dropped() : 0;
-  const auto points = poses_only ? std::nullopt : std::optional(map.cloud.size());
+  const auto points = map ? std::optional(map->cloud.size()) : std::nullopt;
   const RunOutcome outcome{*source,        slam,    options,   evaluation, points,
                            watch.wall_s(), threads, !complete, dropped};
-  auto summary = run_summary(outcome);
-  summary["rooms"].update(rooms_json(recorder.times()));
-  if (!poses_only) {
-    summary["up"] = to_json(map.up);
-    summary["map"].update(to_json(map.frame));
-  }
+  auto summary = summary_of(outcome, recorder, map);
   if (saved) summary["map_file"] = map_file_json(*saver);
   write_results(folder, outcome, trajectory, map, recorder, frames.table(slam.times()), summary);
   if (!arguments.quiet) print_summary(summary, folder, poses_only);
   const bool useful = judge_result(outcome, trajectory, depth);
   if (shown) stay_open(shown->viewer);
   if (!useful || (saver && !saved)) return ExitCode::kBadInput;
-  if (!lost_for_good(slam)) return ExitCode::kDone;
-  log::error("{}; see {}", loss_text(slam.map()), (poses_only ? folder.frames() : folder.report()).string());
-  return ExitCode::kTrackingLost;
+  return tracking_exit_code(slam, map ? folder.report() : folder.frames());
 }
 
 void print_options() {
