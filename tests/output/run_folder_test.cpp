@@ -69,16 +69,17 @@ TEST(RunFolder, AFileInItsPlaceIsAnError) {
   const test::TempFolder temp;
   temp.write("out", "a file");
   EXPECT_THAT(test::input_error([&] { const RunFolder folder(temp.path() / "out"); }),
-              HasSubstr("cannot be made a folder"));
+              HasSubstr("cannot make the folder"));
   EXPECT_THAT(test::input_error([&] { const RunFolder folder(temp.path() / "out" / "deeper"); }),
-              HasSubstr("choose another with -o"));
+              HasSubstr("choose another output folder"));
 }
 
 TEST(RunFolder, AFolderThatCannotBeWrittenToIsAnErrorAtOnce) {
   // Root may write anywhere but into the file systems of the kernel.
   for (const char* path : {"/proc", "/proc/kinloop"}) {
     if (!std::filesystem::exists("/proc")) GTEST_SKIP() << "no /proc here";
-    EXPECT_THAT(test::input_error([&] { const RunFolder folder(path); }), HasSubstr("choose another with -o"))
+    EXPECT_THAT(test::input_error([&] { const RunFolder folder(path); }),
+                HasSubstr("choose another output folder"))
         << path;
   }
 }

@@ -102,7 +102,8 @@ TEST_F(SavedRunTest, ADamagedGlbIsToldOfBeforeABrowserOpens) {
   EXPECT_THAT(error("a.glb", edited("\"count\":3", "\"count\":9")), HasSubstr("out of range"));
   EXPECT_THAT(error("a.glb", edited("\"bufferView\":0", "\"bufferView\":7")), HasSubstr("is not glTF"));
   std::string index = good;
-  index[good.size() - 4] = 3;  // the last corner of the triangle
+  constexpr size_t kNormalBytes = 3 * 3 * sizeof(float);     // stand behind the triangles
+  index[good.size() - kNormalBytes - sizeof(uint32_t)] = 3;  // the last corner of the triangle
   EXPECT_THAT(error("a.glb", index), HasSubstr("names vertex 3 of 3"));
 }
 
