@@ -16,7 +16,7 @@ export function cloudSection([run]) {
   if (!run.cloud) return undefined;
   const piece = readCloud(Uint8Array.from(atob(run.cloud), (character) => character.charCodeAt(0)).buffer, 0);
   const canvas = element('canvas', { class: 'cloud', tabindex: '0', 'aria-label': '3D map' });
-  const shown = figure(canvas, `${count(piece.count)} points of the map. Drag to rotate, scroll to zoom, right-drag to pan.`);
+  const shown = figure(canvas, `${count(piece.count)} points, up to just above the highest camera position. Drag to rotate, scroll to zoom, right-drag to pan.`);
   requestAnimationFrame(() => show(canvas, piece, run.up)); // once it has a size
   const made = section('3D map', shown);
   made.classList.add('screen-only');

@@ -23,7 +23,7 @@ export function moduleSection(all) {
     module.cpu_s.toFixed(2),
   ]);
   const head = ['module', 'ms per frame', 'ms per call, median', '95th percentile', 'wall time, s', 'CPU time, s'];
-  return section(TITLE, row(bars, table(head, lines, [1, 2, 3, 4, 5])));
+  return section(TITLE, row(bars), table(head, lines, [1, 2, 3, 4, 5]));
 }
 
 function modulePlot(runs) {
