@@ -44,7 +44,7 @@ struct StartMap {
 
 std::optional<StartMap> open_start_map(const RunArguments& arguments) {
   if (arguments.localize && arguments.load_map.empty())
-    throw UsageError("--localize: in which map? Give it with --load-map FILE");
+    throw UsageError("--localize requires --load-map FILE");
   if (arguments.localize && !arguments.save_map.empty())
     throw UsageError("--localize leaves the map as it is: there is nothing to save with --save-map");
   if (arguments.load_map.empty()) return std::nullopt;
