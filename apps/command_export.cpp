@@ -7,6 +7,7 @@
 #include "apps/map_store.hpp"
 #include "apps/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
 #include "kinloop/base/output_check.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/text_file.hpp"
@@ -61,7 +62,13 @@ void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Prog
   const auto views = open.views(arguments.session);
   const PinholeCamera& camera = open.saved.camera.color;
   const OccupancyOptions& options = open.options.occupancy;
-  const Floor floor = find_floor(images, views, camera, open.up(arguments.session).direction, options);
+  const UpEstimate up = open.up(arguments.session);
+  if (up.source == UpSource::kCamera) {
+    log::warn(
+        "the surfaces do not tell which way is up, so the mean of the cameras' own is taken: look whether "
+        "floors came out as floors");
+  }
+  const Floor floor = find_floor(images, views, camera, up.direction, options);
   const OccupancyMap occupancy(images, views, camera, floor, options, progress);
   if (!arguments.octomap.empty()) {
     const bool full = arguments.octomap.extension() == ".ot";

@@ -25,7 +25,7 @@ await onStage(async ({ open, kinloop, folder }) => {
   await until(async () => (await seen(live)).badge.includes('paused'), 'the run waits');
   await live.keyboard.press(' ');
   await until(async () => (await seen(live)).loops > 0, 'a loop is closed');
-  await live.keyboard.press('h');
+  await live.keyboard.press('f');
   await shoot(live, 'viewer_live');
   await run.ended;
 

@@ -207,12 +207,12 @@ UpEstimate estimate_up(std::span<const Eigen::Vector3f> normals, std::span<const
   constexpr double kMinExplained = 0.35;  // twice what directions at random would give
   constexpr double kMinUpright = 0.1;     // a plane alone may as well be a wall
   constexpr double kMinConfidence = 0.6;
-  const UpEstimate fallback = up_of_cameras(T_world_cameras);
+  UpEstimate fallback = up_of_cameras(T_world_cameras);
   const Normals some = chosen(normals);
   if (some.size() < kMinNormals) return fallback;
 
   std::vector<Candidate> candidates;
-  for (Candidate candidate : best_axes(some)) {
+  for (const Candidate& candidate : best_axes(some)) {
     for (const double sign : {1.0, -1.0}) {
       Candidate& one = candidates.emplace_back(candidate);
       one.up *= sign;
