@@ -27,14 +27,6 @@ The five commands to know first:
 All commands: kinloop --help. One of them: kinloop help COMMAND.
 )";
 
-/// "kinloop map" of "kinloop map merge".
-std::string names_above(const CLI::App& command) {
-  const CLI::App* parent = command.get_parent();
-  if (parent == nullptr) return {};
-  const std::string above = names_above(*parent);
-  return above.empty() ? parent->get_name() : above + " " + parent->get_name();
-}
-
 }  // namespace
 
 void print_first_help() {
@@ -48,10 +40,7 @@ void add_help_command(CLI::App& app) {
   command->callback([&app, words] {
     const CLI::App& asked = command_in(app, *words);
     // CLI11 would give the help of the command that was called, which is this one.
-    fmt::print("{}",
-               asked.get_formatter()->make_help(
-                   &asked, (asked.get_parent() == nullptr ? "" : names_above(asked) + " ") + asked.get_name(),
-                   CLI::AppFormatMode::Normal));
+    fmt::print("{}", asked.get_formatter()->make_help(&asked, full_name(asked), CLI::AppFormatMode::Normal));
   });
 }
 

@@ -23,11 +23,6 @@ std::vector<std::string> names_of(const std::vector<const CLI::App*>& commands) 
   return names;
 }
 
-/// "kinloop map merge".
-std::string full_name(const CLI::App& app) {
-  return app.get_parent() == nullptr ? app.get_name() : full_name(*app.get_parent()) + " " + app.get_name();
-}
-
 /// The options as they are written, "--output" and "-o".
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
@@ -97,6 +92,10 @@ std::string what_is_wrong(const CLI::ParseError& error, const CLI::App& program,
 }
 
 }  // namespace
+
+std::string full_name(const CLI::App& app) {
+  return app.get_parent() == nullptr ? app.get_name() : full_name(*app.get_parent()) + " " + app.get_name();
+}
 
 const CLI::App& command_in(const CLI::App& program, std::span<const std::string> words) {
   const CLI::App* app = &program;

@@ -8,6 +8,9 @@
 
 namespace kinloop {
 
+/// "kinloop map merge": a command with those above it.
+std::string full_name(const CLI::App& app);
+
 /// The command that `words` begin with. Throws UsageError that names the nearest where it is none.
 const CLI::App& command_in(const CLI::App& program, std::span<const std::string> words);
 

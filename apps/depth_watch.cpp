@@ -91,7 +91,8 @@ std::optional<double> DepthWatch::likely_scale() const {
 std::string DepthWatch::complaint() const {
   if (frames_ == 0) return {};
   if (known_ == 0) return "no pixel of the depth images has a value";
-  const bool few = share_in_range()<kFewInRange, far = far_> near_;
+  const bool few = share_in_range() < kFewInRange;
+  const bool far = far_ > near_;
   const double median = median_m();
   if (!few && median >= options_.min_m && median <= options_.max_m) return {};
   const auto likely = likely_scale();
