@@ -1,10 +1,16 @@
 #!/usr/bin/env bash
 # Maps a room: installs what is missing, builds kinloop and runs it on the built-in simulated Kinect, or on a sequence.
-# Usage: ./demo.sh [SEQUENCE]     e.g. ./demo.sh ~/data/rgbd_dataset_freiburg1_room; the results are in out/demo
+# Usage: ./demo.sh [--minimal] [SEQUENCE]     --minimal leaves the optional parts out
+# e.g. ./demo.sh ~/data/rgbd_dataset_freiburg1_room; the results are in out/demo
 set -euo pipefail
 
+minimal=()
+if [[ "${1:-}" == --minimal ]]; then
+  minimal=(--minimal)
+  shift
+fi
 if [[ $# -gt 1 || "${1:-}" == -* ]]; then
-  echo "usage: $0 [SEQUENCE]" >&2
+  echo "usage: $0 [--minimal] [SEQUENCE]" >&2
   exit 2
 fi
 sequence="${1:-sim:room}"
@@ -29,12 +35,13 @@ This maps $sequence in three steps:
 TEXT
 
 echo "== 1. Packages"
-scripts/install_dependencies.sh
+scripts/install_dependencies.sh "${minimal[@]}"
 
 echo
 echo "== 2. Build"
-cmake --preset release -DKINLOOP_TESTS=OFF -DKINLOOP_BENCH=OFF --log-level=WARNING
-NINJA_STATUS="[%p, %f of %t, %e s] " cmake --build --preset release --target kinloop --parallel "$jobs"
+cmake --preset release -DKINLOOP_TESTS=OFF -DKINLOOP_BENCH=OFF -DKINLOOP_EXAMPLES=OFF \
+  -DKINLOOP_MINIMAL="$([[ ${#minimal[@]} -gt 0 ]] && echo ON || echo OFF)" --log-level=WARNING
+NINJA_STATUS="[%p, %f of %t, %e s] " cmake --build --preset release --target kinloop_program --parallel "$jobs"
 
 echo
 echo "== 3. Map $sequence"

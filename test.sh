@@ -1,9 +1,14 @@
 #!/usr/bin/env bash
 # Builds kinloop and runs all of its tests. The last line is "N passed, N failed", with ", N skipped" where some
 # could not run (those on real recordings skip where ../shared/data is absent). Exit code 0 when none failed.
+# Usage: ./test.sh [--minimal]     --minimal leaves the optional parts out
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
+if [[ $# -gt 1 || ( $# -eq 1 && "$1" != --minimal ) ]]; then
+  echo "usage: $0 [--minimal]" >&2
+  exit 2
+fi
 jobs="$(scripts/build_jobs.sh)"
 junit="build/release/tests.xml"
 
@@ -13,8 +18,9 @@ fail_before_tests() {
   exit 1
 }
 
-scripts/install_dependencies.sh --tests || fail_before_tests "The packages could not be installed."
-cmake --preset release -DKINLOOP_TESTS=ON -DKINLOOP_BENCH=ON || fail_before_tests "Configuring failed."
+scripts/install_dependencies.sh --tests "$@" || fail_before_tests "The packages could not be installed."
+cmake --preset release -DKINLOOP_TESTS=ON -DKINLOOP_BENCH=ON -DKINLOOP_EXAMPLES=ON \
+  -DKINLOOP_MINIMAL="$([[ $# -gt 0 ]] && echo ON || echo OFF)" || fail_before_tests "Configuring failed."
 NINJA_STATUS="[%p, %f of %t, %e s] " cmake --build --preset release --parallel "$jobs" ||
   fail_before_tests "The build failed."
 

@@ -6,15 +6,15 @@
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
-#include "apps/cloud_quality.hpp"
-#include "apps/commands.hpp"
-#include "apps/common_options.hpp"
-#include "apps/open_source.hpp"
+#include "apps/run/cloud_quality.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/common_options.hpp"
+#include "apps/shared/open_frame_source.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/stopwatch.hpp"
-#include "kinloop/eval/evaluate.hpp"
-#include "kinloop/output/ply.hpp"
+#include "kinloop/io/point_cloud/ply.hpp"
+#include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {
 namespace {
@@ -26,13 +26,13 @@ void bench_decode(const std::string& sequence, const std::optional<std::string>&
   request.sequence = sequence;
   request.camera = camera;
   request.threads = hardware_threads();
-  const auto source = open_source(request);
+  const auto source = open_frame_source(request);
   size_t frames = 0;
   while (source->next()) ++frames;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  fmt::print("{} frames decoded in {:.2f} s wall, {:.2f} s CPU, {:.0f} MiB at most\n", frames, watch.wall_s(),
-             watch.cpu_s(), static_cast<double>(usage.ru_maxrss) / 1024.0);
+  fmt::print("{} frames decoded in {:.2f} s wall, {:.2f} s CPU, peak memory {:.0f} MiB\n", frames,
+             watch.wall_s(), watch.cpu_s(), static_cast<double>(usage.ru_maxrss) / 1024.0);
 }
 
 struct CloudArguments {
@@ -49,7 +49,8 @@ void bench_cloud(const CloudArguments& arguments) {
   if (!arguments.trajectory.empty()) {
     const auto ate =
         absolute_trajectory_error(read_tum_trajectory(arguments.trajectory), source->info().ground_truth);
-    if (!ate) throw InputError(fmt::format("{}: does not go with the scene", arguments.trajectory.string()));
+    if (!ate)
+      throw InputError(fmt::format("{}: does not belong to this scene", arguments.trajectory.string()));
     T_truth_map = ate->T_truth_estimate;
   }
   const CloudQuality quality = cloud_quality(read_ply(arguments.cloud), *source, T_truth_map);
@@ -64,13 +65,13 @@ void add_cloud(CLI::App& bench) {
   auto arguments = std::make_shared<CloudArguments>();
   CLI::App* command = bench.add_subcommand(
       "cloud",
-      "A cloud of a simulated room against its exact surfaces: distance from cloud to surface, and\n"
-      "the share of visible surface that has a point within 1 cm");
+      "Compare a cloud of a simulated room with its exact surfaces: distance from cloud to surface, and\n"
+      "the fraction of the visible surface that has a point within 1 cm");
   command->add_option("CLOUD", arguments->cloud, "map.ply of kinloop run or kinloop export")->required();
   command->add_option("--scene", arguments->scene, "the room that was mapped")->capture_default_str();
   command->add_option(
       "--trajectory", arguments->trajectory,
-      "estimated poses, to lay the cloud into the room by; without: it is in the room's world");
+      "estimated poses, used to align the cloud with the room (default: the cloud is in the room's frame)");
   add_set_option(*command, arguments->assignments, "options of the simulation, key=value");
   command->callback([arguments] { bench_cloud(*arguments); });
 }
@@ -78,11 +79,10 @@ void add_cloud(CLI::App& bench) {
 }  // namespace
 
 void add_bench_command(CLI::App& app) {
-  CLI::App* bench = app.add_subcommand("bench", "Floors that a run can be compared with");
+  CLI::App* bench = app.add_subcommand("bench", "Measure baselines that a run can be compared with");
   bench->require_subcommand(1);
   add_cloud(*bench);
-  CLI::App* decode =
-      bench->add_subcommand("decode", "Read and decode every frame on one thread, and nothing else");
+  CLI::App* decode = bench->add_subcommand("decode", "Only read and decode every frame, on one thread");
   auto sequence = std::make_shared<std::string>();
   auto camera = std::make_shared<std::string>();
   decode->add_option("SEQUENCE", *sequence, "a folder in TUM layout, or sim:room")->required();

@@ -6,28 +6,28 @@
 
 #include <fmt/format.h>
 
-#include "apps/calibration_report.hpp"
-#include "apps/calibration_views.hpp"
-#include "apps/commands.hpp"
-#include "apps/common_options.hpp"
+#include "apps/calibrate/calibration_report.hpp"
+#include "apps/calibrate/calibration_views.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/common_options.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
-#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/text_file.hpp"
+#include "kinloop/base/writable_check.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kCalibrateFooter = R"(
 DIR holds images (PNG, JPEG; 16-bit infrared too). --board counts inner corners, where four squares meet; --square is
 the side of a square in metres. A ChArUco board is given by its squares, its dictionary and --marker, the side of a
-marker; a part of it in view is enough. For extrinsics and depth, DIR holds shots taken at one moment, named alike but for
+marker; it may be partly out of view. For extrinsics and depth, DIR holds simultaneous images whose names differ only in
 their ending: 0001_color.png (or _colour, _rgb), 0001_ir.png, 0001_depth.png.
 
-Beside camera.yaml each command writes what it found: camera.json (all figures) and camera.html, for depth
-camera_depth.html (the report).
+Next to camera.yaml each command writes camera.json (all figures) and a report, camera.html; for depth
+camera_depth.html.
 
 Examples:
   kinloop calibrate intrinsics stills --board 5x7 --square 0.03 -o camera.yaml
@@ -39,12 +39,12 @@ Examples:
 void write_results(const CalibrateArguments& arguments, const RgbdCamera& camera,
                    const nlohmann::json& figures, const std::string& sections, const char* page = ".html") {
   write_camera_file(arguments.output, camera);
-  write_file(arguments.beside(".json"), figures.dump(2) + "\n");
+  write_file(arguments.sibling_file(".json"), figures.dump(2) + "\n");
   const std::string subtitle = fmt::format("{}, board {}, squares of {} mm", arguments.folder.string(),
                                            arguments.board, 1000 * arguments.square_m);
-  write_file(arguments.beside(page), calibration_page("Calibration", subtitle, sections));
-  fmt::print("written: {}, {}, {}\n", arguments.output.string(), arguments.beside(".json").string(),
-             arguments.beside(page).string());
+  write_file(arguments.sibling_file(page), calibration_page("Calibration", subtitle, sections));
+  fmt::print("written: {}, {}, {}\n", arguments.output.string(), arguments.sibling_file(".json").string(),
+             arguments.sibling_file(page).string());
 }
 
 void warn_of(const LensCalibration& calibration) {
@@ -54,13 +54,13 @@ void warn_of(const LensCalibration& calibration) {
 /// With --live: the stills are taken now.
 void take_stills(const CalibrateArguments& arguments, StillKind kind) {
   if (arguments.live.source.empty()) return;
-  take_live_stills(arguments.live, arguments.folder, arguments.chosen_board(), kind);
+  capture_live_stills(arguments.live, arguments.folder, arguments.chosen_board(), kind);
 }
 
 void calibrate_intrinsics(const CalibrateArguments& arguments) {
   const CalibrationOptions options = arguments.options();
   take_stills(arguments, StillKind::kColor);
-  const BoardSearch search = search_in(list_stills(arguments.folder), arguments);
+  const BoardSearch search = search_boards(list_stills(arguments.folder), arguments);
   const LensCalibration calibration = calibrate_lens(search.views, options);
   fmt::print("{}", to_text(calibration));
   warn_of(calibration);
@@ -74,7 +74,7 @@ void calibrate_intrinsics(const CalibrateArguments& arguments) {
 void calibrate_extrinsics(const CalibrateArguments& arguments) {
   const CalibrationOptions options = arguments.options();
   take_stills(arguments, StillKind::kPairs);
-  const auto pairs = pairs_in(arguments);
+  const auto pairs = find_pairs(arguments);
   const LensSource color =
       lens_source(arguments.color, arguments, [](const RgbdCamera& c) { return std::optional(c.color); });
   const LensSource infrared = lens_source(arguments.infrared, arguments, [](const RgbdCamera& c) {
@@ -96,7 +96,7 @@ void calibrate_extrinsics(const CalibrateArguments& arguments) {
 
 /// What the camera's own calibration says about the relative deviation of the depth camera's focal length;
 /// nothing where its figures are not there.
-std::optional<double> focal_deviation(std::filesystem::path camera_file) {
+std::optional<double> relative_focal_sigma(std::filesystem::path camera_file) {
   camera_file.replace_extension(".json");
   if (!std::filesystem::exists(camera_file)) return std::nullopt;
   const auto figures = nlohmann::json::parse(read_file(camera_file), nullptr, false);
@@ -107,15 +107,15 @@ std::optional<double> focal_deviation(std::filesystem::path camera_file) {
 }
 
 /// The boards of all shots with depth, posed by both cameras held as they are.
-std::vector<BoardInDepth> boards_in_depth(const CalibrateArguments& arguments, const RgbdCamera& camera) {
+std::vector<BoardDepthView> board_depth_views(const CalibrateArguments& arguments, const RgbdCamera& camera) {
   LensSource color, infrared;
   color.known = camera.color;
   infrared.known = camera.depth;
-  const RigCalibration rig = calibrate_rig(pairs_in(arguments), color, infrared, arguments.chosen_board(),
+  const RigCalibration rig = calibrate_rig(find_pairs(arguments), color, infrared, arguments.chosen_board(),
                                            arguments.options(), camera.T_color_depth);
-  std::vector<BoardInDepth> boards;
+  std::vector<BoardDepthView> boards;
   for (const FittedPair& pair : rig.pairs) {
-    const auto file = depth_file_of(pair.name, arguments);
+    const auto file = depth_path_of(pair.name, arguments);
     boards.push_back({pair.name, pair.T_infrared_board, read_depth_image(file, arguments.depth_scale)});
     const cv::Mat& depth_m = boards.back().depth_m;
     if (depth_m.cols != camera.depth->width || depth_m.rows != camera.depth->height) {
@@ -129,23 +129,23 @@ std::vector<BoardInDepth> boards_in_depth(const CalibrateArguments& arguments, c
 void calibrate_depth(const CalibrateArguments& arguments) {
   RgbdCamera camera = read_camera_file(arguments.camera);
   if (!camera.depth) {
-    throw InputError(fmt::format("{}: has no 'depth' camera; make it with kinloop calibrate extrinsics",
+    throw InputError(fmt::format("{}: no 'depth' camera; create one with kinloop calibrate extrinsics",
                                  arguments.camera.string()));
   }
-  const auto focal = focal_deviation(arguments.camera);
-  const DepthShift shift = estimate_depth_shift(boards_in_depth(arguments, camera), *camera.depth,
+  const auto focal = relative_focal_sigma(arguments.camera);
+  const DepthShift shift = estimate_depth_shift(board_depth_views(arguments, camera), *camera.depth,
                                                 arguments.chosen_board(), focal.value_or(0));
   fmt::print("{}", to_text(shift));
   if (!focal)
-    log::warn("no figures beside {}: the deviation leaves out that of the focal length",
+    log::warn("{} has no .json file next to it: the standard deviation ignores that of the focal length",
               arguments.camera.string());
-  if (std::abs(shift.shift_m) < 2 * shift.deviation_m) {
-    log::warn("the shots do not tell the depth shift from 0: take more, near and far");
+  if (std::abs(shift.shift_m) < 2 * shift.sigma_m) {
+    log::warn("the depth shift is not significantly different from 0: take more images, near and far");
   }
   camera.depth_shift_m = shift.shift_m;
   camera.depth_scale = arguments.depth_scale;
-  auto figures = std::filesystem::exists(arguments.beside(".json"))
-                     ? nlohmann::json::parse(read_file(arguments.beside(".json")), nullptr, false)
+  auto figures = std::filesystem::exists(arguments.sibling_file(".json"))
+                     ? nlohmann::json::parse(read_file(arguments.sibling_file(".json")), nullptr, false)
                      : nlohmann::json::object();
   if (!figures.is_object()) figures = nlohmann::json::object();
   figures["depth_shift"] = to_json(shift);
@@ -161,9 +161,9 @@ void add_common(CLI::App& command, const std::shared_ptr<CalibrateArguments>& a)
   command.add_option("-o,--output", a->output, "the camera file to write")->capture_default_str();
   command.add_option("--depth-scale", a->depth_scale, "units of the depth images per metre")
       ->capture_default_str()
-      ->check(above_zero());
+      ->check(positive_number());
   command.add_option("--fps", a->fps, "frames per second of the camera")->capture_default_str();
-  add_threads_option(command, a->threads, "threads that look for corners");
+  add_threads_option(command, a->threads, "number of threads for corner detection");
   add_set_option(command, a->assignments, "change an option, key=value");
   CalibrationOptions defaults;
   command.footer("Options for --set:\n" + options_help(option_entries(defaults)));
@@ -174,9 +174,9 @@ void add_common(CLI::App& command, const std::shared_ptr<CalibrateArguments>& a)
 void add_calibrate_command(CLI::App& app) {
   constexpr double kTumUnits = 5000, kMillimetres = 1000;
   CLI::App* command =
-      app.add_subcommand("calibrate", "Cameras from pictures of a chessboard (Zhang's method)");
+      app.add_subcommand("calibrate", "Calibrate cameras from images of a chessboard (Zhang's method)");
   command->require_subcommand(1);
-  command->footer(kFooter);
+  command->footer(kCalibrateFooter);
   const auto add = [&](const char* name, const char* help, double depth_scale, auto work) {
     auto arguments = std::make_shared<CalibrateArguments>();
     arguments->depth_scale = depth_scale;
@@ -189,15 +189,18 @@ void add_calibrate_command(CLI::App& app) {
     return std::pair(sub, arguments);
   };
   const auto [intrinsics, i] =
-      add("intrinsics", "One camera: focal lengths, centre, distortion", kTumUnits, calibrate_intrinsics);
+      add("intrinsics", "Calibrate one camera: focal lengths, principal point, distortion", kTumUnits,
+          calibrate_intrinsics);
   add_live_options(*intrinsics, i->live);
-  const auto [extrinsics, e] = add("extrinsics", "Colour and infrared camera, and the motion between them",
-                                   kMillimetres, calibrate_extrinsics);
+  const auto [extrinsics, e] =
+      add("extrinsics", "Calibrate the colour and the infrared camera, and the transform between them",
+          kMillimetres, calibrate_extrinsics);
   add_live_options(*extrinsics, e->live);
   extrinsics->add_option("--color", e->color,
-                         "more stills of the colour camera, or its camera.yaml to be kept");
+                         "more stills of the colour camera, or its camera.yaml to keep fixed");
   extrinsics->add_option("--infrared", e->infrared, "the same for the infrared camera");
-  const auto [depth, d] = add("depth", "What to add to measured depth", kMillimetres, calibrate_depth);
+  const auto [depth, d] =
+      add("depth", "Calibrate the constant to add to measured depth", kMillimetres, calibrate_depth);
   depth->add_option("--camera", d->camera, "camera.yaml of kinloop calibrate extrinsics")->required();
 }
 

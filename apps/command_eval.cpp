@@ -5,17 +5,17 @@
 
 #include <fmt/format.h>
 
-#include "apps/commands.hpp"
+#include "apps/shared/commands.hpp"
 #include "kinloop/base/errors.hpp"
-#include "kinloop/eval/evaluate.hpp"
+#include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kEvalFooter = R"(
 Both files hold lines "timestamp tx ty tz qx qy qz qw". Figures are those of the TUM RGB-D benchmark's tools: poses
-at most 0.02 s apart belong together, the estimate is moved rigidly onto the truth (no scale).
-  ATE   distance between positions, all over the path           evaluate_ate.py
+at most 0.02 s apart are associated, the estimate is rigidly aligned to the ground truth (no scale).
+  ATE   distance between positions over the whole path           evaluate_ate.py
   RPE   error of the motion over 1 s and from frame to frame    evaluate_rpe.py --fixed_delta
 
 Examples:
@@ -45,8 +45,10 @@ void print_table(const Evaluation& evaluation) {
   print_row("ATE", "m", evaluation.ate.error_m);
   print_rpe("1 s", evaluation.rpe_second);
   print_rpe("1 f", evaluation.rpe_frame);
-  fmt::print("\ncoverage   {:.1f} % of the truth's time; {:.1f} % of the estimated poses have a truth\n",
-             100 * evaluation.coverage.time_share, 100 * evaluation.coverage.matched_share);
+  fmt::print(
+      "\ncoverage   {:.1f} % of the ground truth's duration; {:.1f} % of the estimated poses have ground "
+      "truth\n",
+      100 * evaluation.coverage.time_fraction, 100 * evaluation.coverage.matched_fraction);
 }
 
 void run_eval(const EvalArguments& arguments) {
@@ -55,7 +57,7 @@ void run_eval(const EvalArguments& arguments) {
   const auto evaluation = evaluate(estimate, truth);
   if (!evaluation) {
     throw InputError(fmt::format("{}: {}; give the ground truth of the same recording",
-                                 arguments.truth.string(), why_not_evaluated(estimate, truth)));
+                                 arguments.truth.string(), evaluation_failure(estimate, truth)));
   }
   if (arguments.json) {
     fmt::print("{}\n", to_json(*evaluation).dump(2));
@@ -69,7 +71,7 @@ void run_eval(const EvalArguments& arguments) {
 void add_eval_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("eval", "Compare a trajectory with ground truth: ATE, RPE, coverage");
-  command->footer(kFooter);
+  command->footer(kEvalFooter);
   auto arguments = std::make_shared<EvalArguments>();
   command->add_option("estimate", arguments->estimate, "The estimated trajectory, in TUM format")->required();
   command->add_option("groundtruth", arguments->truth, "The true trajectory, in TUM format")->required();

@@ -5,44 +5,44 @@
 
 #include <fmt/format.h>
 
-#include "apps/commands.hpp"
-#include "apps/common_options.hpp"
-#include "apps/feature_comparison.hpp"
-#include "apps/feature_table.hpp"
+#include "apps/features/feature_comparison.hpp"
+#include "apps/features/feature_table.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/common_options.hpp"
 #include "kinloop/base/options.hpp"
-#include "kinloop/base/output_check.hpp"
-#include "kinloop/compare/detectors.hpp"
+#include "kinloop/base/writable_check.hpp"
 #include "kinloop/features/surf.hpp"
+#include "tools/feature_comparison/detectors.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr const char* kFooter = R"(
-One image is compared with itself turned by 15 degrees, 0.85 times as large and tilted; two images with each other; a
-sequence with itself some frames later. Each figure is the median over the seeds, with the lowest and the highest of
-them below it. Each seed draws other samples in RANSAC, measures the time again, and of a sequence chooses other pairs.
+constexpr const char* kFeaturesFooter = R"(
+One image is compared with a copy rotated by 15 degrees, scaled by 0.85 and tilted; two images with each other; a
+sequence with itself some frames later. Each figure is the median over the seeds, with the minimum and maximum
+below it. Each seed draws different RANSAC samples, repeats the timing and, for a sequence, selects different pairs.
   ms             to detect and describe, CPU time of one thread
-  matches        pairs that are each other's nearest descriptor
+  matches        pairs of mutual nearest neighbours
   screened       of these, with at most four times the smallest distance (ORB: or 40 bits)
   inliers        of these, 3 px from one camera motion (P3P); one image: one homography; two: one epipolar geometry
-  repeatability  key points found again within 3 px of where the ground truth puts them, of those in view
-  precision      screened matches within 3 px of where the ground truth puts them, and their median error
+  repeatability  fraction of the visible keypoints detected again within 3 px of the ground truth
+  precision      fraction of screened matches within 3 px of the ground truth, and the median error
 
 Examples:
   kinloop features rgbd_dataset_freiburg1_room --gap 20
   kinloop features before.png after.png -o pictures
   kinloop features photo.jpg -o pictures --set count=500)";
 
-void run_features(ComparisonArguments arguments, const std::vector<std::string>& assignments, bool json) {
+void run_features(ComparisonArguments arguments, const std::vector<std::string>& assignments, bool as_json) {
   arguments.features = with_assignments(FeatureOptions{}, assignments);
   if (!arguments.pictures.empty()) require_writable_folder(arguments.pictures);
   const auto figures = compare_detectors(arguments);
-  if (json) {
+  if (as_json) {
     fmt::print("{}\n", comparison_json(figures).dump(2));
     return;
   }
   fmt::print("{}", comparison_table(figures));
-  if (!surf_available()) fmt::print("SURF is not in this build (dlib was not found when it was built)\n");
+  if (!surf_available()) fmt::print("SURF is not available: kinloop was built without dlib\n");
 }
 
 }  // namespace
@@ -50,30 +50,30 @@ void run_features(ComparisonArguments arguments, const std::vector<std::string>&
 void add_features_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("features", "Compare SIFT, SURF and ORB: count, time, matches, inliers");
-  command->footer(kFooter);
+  command->footer(kFeaturesFooter);
   auto arguments = std::make_shared<ComparisonArguments>();
   auto assignments = std::make_shared<std::vector<std::string>>();
   auto json = std::make_shared<bool>(false);
   auto& request = arguments->request;
   command->add_option("input", request.input, "An image, a folder in TUM layout, or sim:room")->required();
-  command->add_option("second", request.other_image, "A second image, to be compared with the first");
+  command->add_option("second", request.other_image, "A second image to compare with the first");
   command->add_option("--camera", request.camera, "camera.yaml or preset, as for kinloop run");
   command->add_option("-o,--output", arguments->pictures,
-                      "Folder for pictures of the matches of one pair: all, screened, inliers");
-  command->add_option("--pairs", request.pairs, "Pairs of frames for each seed, spread over the sequence")
+                      "Folder for images of the matches of one pair: all, screened, inliers");
+  command->add_option("--pairs", request.pairs, "Number of frame pairs per seed, spread over the sequence")
       ->check(whole_number(1, 100000))
       ->capture_default_str();
-  command->add_option("--gap", request.gap, "Frames from the first to the second of a pair")
+  command->add_option("--gap", request.gap, "Frames between the two images of a pair")
       ->check(whole_number(1, 100000))
       ->capture_default_str();
   command
       ->add_option("--seeds", request.seeds,
-                   "Seeds: choices of pairs and samples that give each figure its range")
+                   "Number of random seeds for pairs and samples; they give each figure its range")
       ->check(whole_number(1, 1000))
       ->capture_default_str();
-  command->add_option("--detectors", arguments->wanted, "Only these: sift surf orb-opencv orb")
+  command->add_option("--detectors", arguments->wanted, "Run only these: sift,surf,orb-opencv,orb")
       ->delimiter(',');
-  add_set_option(*command, *assignments, "change an option of the key points, e.g. count=500");
+  add_set_option(*command, *assignments, "set a feature option, e.g. count=500");
   command->add_flag("--json", *json, "Print the figures as JSON");
   command->callback([arguments, assignments, json] { run_features(*arguments, *assignments, *json); });
 }

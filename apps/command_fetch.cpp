@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "apps/commands.hpp"
-#include "apps/common_options.hpp"
-#include "apps/download.hpp"
-#include "apps/progress_bar.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/common_options.hpp"
+#include "apps/shared/download.hpp"
+#include "apps/shared/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/output_check.hpp"
+#include "kinloop/base/writable_check.hpp"
 
 namespace kinloop {
 namespace {
@@ -42,7 +42,7 @@ TumSequence parse_name(const std::string& name) {
       name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", kPrefix.size()) == std::string::npos;
   if (!right) {
     throw UsageError(
-        fmt::format("fetch: '{}' is not a sequence; expected e.g. tum/fr1_room, tum/fr2_desk, "
+        fmt::format("fetch: '{}' is not a known sequence; expected e.g. tum/fr1_room, tum/fr2_desk, "
                     "tum/fr3_long_office_household (their names: {})",
                     name, kServer));
   }
@@ -54,7 +54,7 @@ void fetch(const FetchArguments& arguments) {
   const TumSequence sequence = parse_name(arguments.name);
   const auto folder = arguments.output / sequence.folder;
   if (std::filesystem::exists(folder / "rgb.txt")) {
-    fmt::print("{} is there already\n", folder.string());
+    fmt::print("{} already exists\n", folder.string());
     return;
   }
   require_writable_folder(arguments.output);
@@ -67,7 +67,7 @@ void fetch(const FetchArguments& arguments) {
   unpack(archive, beside);
   if (!std::filesystem::exists(beside / sequence.folder / "rgb.txt")) {
     throw InputError(
-        fmt::format("{}: holds no {}/rgb.txt: not a sequence", archive.string(), sequence.folder));
+        fmt::format("{}: not a sequence: contains no {}/rgb.txt", archive.string(), sequence.folder));
   }
   std::filesystem::rename(beside / sequence.folder, folder);
   std::error_code ignored;
@@ -82,11 +82,10 @@ void add_fetch_command(CLI::App& app) {
   auto arguments = std::make_shared<FetchArguments>();
   CLI::App* command = app.add_subcommand("fetch", "Download a sequence of the TUM RGB-D benchmark");
   command->add_option("NAME", arguments->name, "e.g. tum/fr1_room")->required();
-  command->add_option("-o,--output", arguments->output, "folder to put it into")->capture_default_str();
-  command->add_option("--server", arguments->server, "another place with the same files")
-      ->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "folder to download to")->capture_default_str();
+  command->add_option("--server", arguments->server, "mirror to download from")->capture_default_str();
   add_quiet_option(*command, arguments->quiet);
-  command->footer("A download that was interrupted goes on where it stopped.");
+  command->footer("An interrupted download resumes where it stopped.");
   command->callback([arguments] { fetch(*arguments); });
 }
 

@@ -5,15 +5,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/commands.hpp"
-#include "apps/common_options.hpp"
-#include "apps/map_store.hpp"
-#include "apps/open_source.hpp"
-#include "apps/progress_bar.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/common_options.hpp"
+#include "apps/shared/map_store.hpp"
+#include "apps/shared/open_frame_source.hpp"
+#include "apps/shared/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
-#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/writable_check.hpp"
 
 namespace kinloop {
 namespace {
@@ -94,16 +94,16 @@ struct MergeArguments {
 
 void merge(const MergeArguments& arguments) {
   const auto path_a = map_file_of(arguments.a), path_b = map_file_of(arguments.b);
-  for (const auto& input : {path_a, path_b}) require_other_file("-o", arguments.output, input);
+  for (const auto& input : {path_a, path_b}) require_different_file("-o", arguments.output, input);
   require_writable_file(arguments.output);
   const MapReader reader_a(path_a), reader_b(path_b);
-  SavedMap a = read_map_or_warn(reader_a, path_a), b = read_map_or_warn(reader_b, path_b);
+  SavedMap a = read_map_with_warnings(reader_a, path_a), b = read_map_with_warnings(reader_b, path_b);
   require_same_camera(a, path_a, b.camera);
   if (a.camera.depth_scale != b.camera.depth_scale)
     throw InputError(fmt::format("{}: depth in {} units per metre, but {} in {}", path_b.string(),
                                  b.camera.depth_scale, a.camera.depth_scale, path_a.string()));
-  RunOptions options = with_options_of(a, {});
-  options.slam.full.threads = hardware_threads();
+  RunOptions options = restore_options(a, {});
+  options.slam.global_ba.threads = hardware_threads();
   options.slam.localize_only = false;
   options = with_assignments(options, arguments.assignments);
 
@@ -116,22 +116,22 @@ void merge(const MergeArguments& arguments) {
   slam.finish(make_progress_bar(arguments.quiet));
   MapSaver(arguments.output, {slam, recorder, options, {}}, 0).save();
   if (found == 0) {
-    log::warn("no place of one map was recognised in the other: {} holds both, side by side",
+    log::warn("no place of one map was recognised in the other: {} contains both as separate components",
               arguments.output.string());
   }
   if (!arguments.quiet) {
-    fmt::print("{} keyframes in {} component(s), {} loops between the two, in {}\n",
+    fmt::print("{} keyframes in {} component(s), {} loops between the two maps, in {}\n",
                slam.map().keyframes().size(), components_of(slam.map().keyframes()), found,
                arguments.output.string());
   }
 }
 
 void add_info(CLI::App& map) {
-  CLI::App* command = map.add_subcommand("info", "What a map file holds, and whether it is whole");
+  CLI::App* command = map.add_subcommand("info", "Show the contents of a map file and check it for damage");
   auto path = std::make_shared<std::filesystem::path>();
   auto as_json = std::make_shared<bool>(false);
   command->add_option("FILE", *path, "a map file, or the folder of a run")->required();
-  command->add_flag("--json", *as_json, "as JSON");
+  command->add_flag("--json", *as_json, "print as JSON");
   command->callback([path, as_json] {
     const json info = map_info(map_file_of(*path));
     fmt::print("{}", *as_json ? info.dump(2) + "\n" : text_of(info));
@@ -141,12 +141,12 @@ void add_info(CLI::App& map) {
 void add_merge(CLI::App& map) {
   auto arguments = std::make_shared<MergeArguments>();
   CLI::App* command = map.add_subcommand(
-      "merge", "Two maps of one camera made one: joined where a place is recognised, and adjusted");
-  command->add_option("A", arguments->a, "a map file, or the folder of a run; its world stays")->required();
-  command->add_option("B", arguments->b, "another")->required();
+      "merge", "Merge two maps of one camera: join them where a place is recognised, then optimise");
+  command->add_option("A", arguments->a, "a map file, or the folder of a run; its world frame is kept")
+      ->required();
+  command->add_option("B", arguments->b, "another map file or folder of a run")->required();
   command->add_option("-o,--output", arguments->output, "the map file to write")->required();
-  command->add_option("--vocabulary", arguments->vocabulary,
-                      "dictionary of visual words; else the one built in");
+  command->add_option("--vocabulary", arguments->vocabulary, "visual vocabulary (default: built-in)");
   add_set_option(*command, arguments->assignments);
   add_quiet_option(*command, arguments->quiet);
   command->callback([arguments] { merge(*arguments); });
@@ -155,7 +155,7 @@ void add_merge(CLI::App& map) {
 }  // namespace
 
 void add_map_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("map", "Looks into map files and merges them");
+  CLI::App* command = app.add_subcommand("map", "Inspect and merge map files");
   command->require_subcommand(1);
   add_info(*command);
   add_merge(*command);

@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 
-#include "apps/commands.hpp"
-#include "apps/common_options.hpp"
-#include "apps/map_store.hpp"
-#include "apps/progress_bar.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/common_options.hpp"
+#include "apps/shared/map_store.hpp"
+#include "apps/shared/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/parallel_for.hpp"
-#include "kinloop/dense/mesh_keyframes.hpp"
-#include "kinloop/output/mesh_file.hpp"
+#include "kinloop/base/writable_check.hpp"
+#include "kinloop/dense/mesh/reconstruct_mesh.hpp"
+#include "kinloop/io/mesh_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -28,7 +28,7 @@ struct MeshArguments {
 void make_mesh(MeshArguments arguments) {
   if (!is_mesh_file(arguments.output)) {
     throw UsageError(
-        fmt::format("-o {}: give a name that ends in .ply, .obj or .glb", arguments.output.string()));
+        fmt::format("-o {}: the name must end in .ply, .obj or .glb", arguments.output.string()));
   }
   if (!arguments.voxel_m.empty()) arguments.assignments.push_back("mesh.voxel_m=" + arguments.voxel_m);
   require_writable_file(arguments.output);
@@ -36,8 +36,8 @@ void make_mesh(MeshArguments arguments) {
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const DenseCamera camera = open.dense_camera();
   const auto views = open.recorder.with_color_gains(open.views(0), camera, arguments.threads);
-  const auto mesh = mesh_keyframes(open.recorder.images(), views, camera, open.options.mesh,
-                                   arguments.threads, make_progress_bar(arguments.quiet));
+  const auto mesh = reconstruct_mesh(open.recorder.images(), views, camera, open.options.mesh,
+                                     arguments.threads, make_progress_bar(arguments.quiet));
   write_mesh(arguments.output, mesh, file_frame(arguments.frame, open.up(0), views));
   if (!arguments.quiet) {
     fmt::print("{} vertices, {} triangles, voxels of {} m, in {:.1f} s\n", mesh.points.size(),
@@ -49,7 +49,7 @@ void make_mesh(MeshArguments arguments) {
 
 void add_mesh_command(CLI::App& app) {
   auto arguments = std::make_shared<MeshArguments>();
-  CLI::App* command = app.add_subcommand("mesh", "Makes a coloured mesh of a map");
+  CLI::App* command = app.add_subcommand("mesh", "Create a coloured mesh of a map");
   add_map_argument(*command, arguments->map);
   command->add_option("-o,--output", arguments->output, "FILE.ply, FILE.obj or FILE.glb (glTF)")
       ->capture_default_str();

@@ -10,18 +10,18 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/commands.hpp"
+#include "apps/shared/commands.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
-#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/eval/graph_report.hpp"
-#include "kinloop/optimize/g2o_file.hpp"
+#include "kinloop/base/writable_check.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file.hpp"
+#include "viewer/report/graph_report.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kOptimizeFooter = R"(
 chi2 is the sum over all edges of e' Omega e, with the error e as in g2o's EDGE_SE3:QUAT and EDGE_SE2; it is
 always given without the robust kernel, so that runs can be compared. 'seconds' is the time of solving alone.
 A file without vertices starts from poses chained along a spanning tree; without a FIX line the first vertex of
@@ -49,7 +49,7 @@ PoseGraphOptions pose_graph_options(const OptimizeArguments& arguments) {
   add("solver", arguments.solver);
   add("method", arguments.method);
   add("start", arguments.start);
-  add("robust", arguments.robust);
+  add("robust_kernel", arguments.robust);
   add("robust_width", arguments.robust_width);
   add("max_iterations", arguments.iterations);
   return with_assignments(PoseGraphOptions{}, assignments);
@@ -62,7 +62,7 @@ void check_outputs(const OptimizeArguments& arguments) {
     return std::filesystem::equivalent(arguments.input, path, ignored);
   };
   if (!arguments.overwrite && is_input(arguments.output)) {
-    throw UsageError(fmt::format("{} is the input; choose another -o, or give --overwrite to replace it",
+    throw UsageError(fmt::format("{} is the input; choose another -o, or use --overwrite to replace it",
                                  arguments.output.string()));
   }
   if (is_input(arguments.report)) {
@@ -77,11 +77,12 @@ void warn_about(const G2oFile& file, size_t parts, const std::filesystem::path& 
   if (!file.repaired_lines.empty()) {
     log::warn(
         "{}:{}: the information matrices of {} edges, this one first, are not positive semi-definite; "
-        "the nearest that are stand in",
+        "replaced by the nearest that are",
         path.string(), file.repaired_lines.front(), file.repaired_lines.size());
   }
   if (!file.had_vertices) log::info("{}: no vertices, starting from a spanning tree", path.string());
-  if (parts > 1) log::warn("{}: {} parts that no edge connects; each is solved", path.string(), parts);
+  if (parts > 1)
+    log::warn("{}: the graph has {} disconnected parts; each is solved on its own", path.string(), parts);
 }
 
 template <class Pose>
@@ -145,7 +146,7 @@ void optimize(const OptimizeArguments& arguments) {
   G2oFile file = read_g2o(arguments.input);
   std::visit(
       [&](auto& graph) {
-        const size_t parts = count_connected_parts(graph);
+        const size_t parts = count_connected_components(graph);
         warn_about(file, parts, arguments.input);
         auto solution = solve_pose_graph(graph, options);
         const auto before = std::exchange(graph.T_world_vertex, solution.T_world_vertex);
@@ -162,13 +163,13 @@ void optimize(const OptimizeArguments& arguments) {
 
 void add_optimize_command(CLI::App& app) {
   auto arguments = std::make_shared<OptimizeArguments>();
-  CLI::App* command = app.add_subcommand("optimize", "Solves the pose graph of a .g2o file");
-  command->footer(kFooter);
+  CLI::App* command = app.add_subcommand("optimize", "Optimize the pose graph of a .g2o file");
+  command->footer(kOptimizeFooter);
   command->add_option("input", arguments->input, "the graph")->required()->type_name("IN.g2o");
-  command->add_option("-o,--output", arguments->output, "where the solved graph goes")
+  command->add_option("-o,--output", arguments->output, "file for the optimised graph")
       ->required()
       ->type_name("OUT.g2o");
-  command->add_option("--report", arguments->report, "a page with the graph before and after")
+  command->add_option("--report", arguments->report, "HTML report with the graph before and after")
       ->type_name("OUT.html");
   command->add_option("--solver", arguments->solver, "auto (the built-in one), builtin, ceres or g2o");
   command->add_option("--method", arguments->method, "auto, levenberg, gauss-newton or dogleg");
@@ -176,11 +177,10 @@ void add_optimize_command(CLI::App& app) {
                       "auto, given (the poses of the file), tree (chained along a spanning tree) or chordal "
                       "(rotations, then translations, by linear least squares)");
   command->add_option("--robust", arguments->robust,
-                      "kernel against false loop edges: none, huber, cauchy, geman-mcclure or dcs");
-  command->add_option("--robust-width", arguments->robust_width,
-                      "standard deviations beyond which an edge loses weight");
-  command->add_option("--iterations", arguments->iterations, "steps at most");
-  command->add_flag("--overwrite", arguments->overwrite, "let -o name the input file");
+                      "robust kernel against false loop edges: none, huber, cauchy, geman-mcclure or dcs");
+  command->add_option("--robust-width", arguments->robust_width, "kernel width in standard deviations");
+  command->add_option("--iterations", arguments->iterations, "maximum number of iterations");
+  command->add_flag("--overwrite", arguments->overwrite, "allow -o to overwrite the input file");
   command->add_flag("--json", arguments->json, "print the figures as JSON");
   command->callback([arguments] { optimize(*arguments); });
 }

@@ -5,18 +5,18 @@
 
 #include <fmt/format.h>
 
-#include "apps/commands.hpp"
-#include "apps/common_options.hpp"
-#include "apps/interrupt.hpp"
-#include "apps/open_source.hpp"
-#include "apps/recorder.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/common_options.hpp"
+#include "apps/shared/interrupt.hpp"
+#include "apps/shared/open_frame_source.hpp"
+#include "apps/shared/recorder.hpp"
+#include "drivers/kinect2/kinect2_raw.hpp"
+#include "drivers/live/paced_source.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/options.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/stopwatch.hpp"
-#include "kinloop/sensor/kinect2_raw.hpp"
-#include "kinloop/sensor/paced_source.hpp"
 
 namespace kinloop {
 namespace {
@@ -43,7 +43,7 @@ SourceRequest request_of(const RecordArguments& arguments) {
 }
 
 /// Whether there are as many frames, or seconds, as the user wanted.
-bool enough(const RecordArguments& arguments, size_t frames, const Stopwatch& watch) {
+bool limit_reached(const RecordArguments& arguments, size_t frames, const Stopwatch& watch) {
   return (arguments.frames > 0 && frames >= arguments.frames) ||
          (arguments.seconds > 0 && watch.wall_s() >= arguments.seconds);
 }
@@ -51,19 +51,21 @@ bool enough(const RecordArguments& arguments, size_t frames, const Stopwatch& wa
 /// A Kinect 2's packets as they come, for libfreenect2's replay.
 void record_raw(const RecordArguments& arguments) {
   if (arguments.source != "kinect2")
-    throw UsageError("--raw records a Kinect 2's packets: kinloop record kinect2 --raw");
-  catch_interrupts();
+    throw UsageError("--raw requires a Kinect 2: kinloop record kinect2 --raw");
+  install_interrupt_handler();
   const Stopwatch watch;
-  const auto recording = record_kinect2_raw(
-      with_assignments(KinectOptions{}, arguments.assignments), arguments.output,
-      [&](const RawRecording& so_far) { return interrupted() || enough(arguments, so_far.depth, watch); });
+  const auto recording =
+      record_kinect2_raw(with_assignments(KinectOptions{}, arguments.assignments), arguments.output,
+                         [&](const RawPacketCounts& so_far) {
+                           return interrupted() || limit_reached(arguments, so_far.depth, watch);
+                         });
   fmt::print("{} depth and {} colour packets in {}, {} lost\n", recording.depth, recording.color,
              arguments.output.string(), recording.lost);
 }
 
 void record(const RecordArguments& arguments) {
   if (arguments.raw) return record_raw(arguments);
-  auto source = open_source(request_of(arguments));
+  auto source = open_frame_source(request_of(arguments));
   const PacedSource* paced = nullptr;
   if (arguments.pace_hz > 0) {
     auto at_pace = std::make_unique<PacedSource>(std::move(source), arguments.pace_hz);
@@ -71,7 +73,7 @@ void record(const RecordArguments& arguments) {
     source = std::move(at_pace);
   }
   Recorder recorder(arguments.output, source->camera(), arguments.threads);
-  catch_interrupts();
+  install_interrupt_handler();
   const Stopwatch watch;
   size_t frames = 0;
   while (!interrupted()) {
@@ -79,15 +81,14 @@ void record(const RecordArguments& arguments) {
     if (!frame) break;
     recorder.add(std::move(*frame));
     ++frames;
-    if (enough(arguments, frames, watch)) break;
+    if (limit_reached(arguments, frames, watch)) break;
   }
   recorder.finish(source->info().ground_truth);
-  if (paced != nullptr) fmt::print("{} frames were not taken in time\n", paced->dropped());
+  if (paced != nullptr) fmt::print("{} frames were dropped\n", paced->dropped());
   const size_t lost = source->skipped().size();
   if (lost > 0) log::warn("{} images were lost; the first: {}", lost, source->skipped().front().reason);
-  fmt::print("{} frames in {} ({:.1f} a second, at most {} waiting to be written)\n", frames,
-             arguments.output.string(), static_cast<double>(frames) / watch.wall_s(),
-             recorder.most_waiting());
+  fmt::print("{} frames in {} ({:.1f} per second, at most {} queued for writing)\n", frames,
+             arguments.output.string(), static_cast<double>(frames) / watch.wall_s(), recorder.max_queued());
 }
 
 }  // namespace
@@ -95,19 +96,19 @@ void record(const RecordArguments& arguments) {
 void add_record_command(CLI::App& app) {
   auto arguments = std::make_shared<RecordArguments>();
   CLI::App* command =
-      app.add_subcommand("record", "Record a camera, or any other source, as a folder in TUM layout");
+      app.add_subcommand("record", "Record a camera or any other source as a folder in TUM layout");
   command->add_option("SOURCE", arguments->source, "kinect1, kinect2, a .bag file, a folder, sim:room")
       ->required();
   command->add_option("-o,--output", arguments->output, "folder for the sequence")->required();
   command->add_option("--camera", arguments->camera, "camera.yaml or preset, as for kinloop run");
-  command->add_option("--topics", arguments->topics, "of a bag: COLOR,DEPTH[,CAMERA_INFO]");
+  command->add_option("--topics", arguments->topics, "topics of a bag: COLOR,DEPTH[,CAMERA_INFO]");
   command->add_option("--frames", arguments->frames, "stop after this many frames");
-  command->add_option("--seconds", arguments->seconds, "stop after this time")->check(above_zero());
-  command->add_option("--pace", arguments->pace_hz, "frames come at this rate, as from a camera, Hz")
-      ->check(above_zero());
-  command->add_flag("--raw", arguments->raw, "of a Kinect 2: its packets, undecoded");
-  add_threads_option(*command, arguments->threads, "threads that compress images");
-  add_set_option(*command, arguments->assignments, "change an option of the camera, key=value");
+  command->add_option("--seconds", arguments->seconds, "stop after this time")->check(positive_number());
+  command->add_option("--pace", arguments->pace_hz, "deliver frames at this rate, as a camera does, Hz")
+      ->check(positive_number());
+  command->add_flag("--raw", arguments->raw, "record the undecoded packets of a Kinect 2");
+  add_threads_option(*command, arguments->threads, "number of threads that compress images");
+  add_set_option(*command, arguments->assignments, "set a camera option, key=value");
   KinectOptions defaults;
   command->footer(
       "Ctrl-C ends the recording. Depth is registered to colour, in 1/5000 m.\nOptions for --set:\n" +

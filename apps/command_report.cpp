@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "apps/commands.hpp"
-#include "apps/report_file.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/report_file.hpp"
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/text_file.hpp"
+#include "kinloop/base/writable_check.hpp"
 
 namespace kinloop {
 namespace {
@@ -25,7 +25,7 @@ void report(const ReportArguments& arguments) {
   const auto& runs = arguments.runs;
   if (runs.size() == 1 && arguments.page.empty()) {
     require_folder(runs.front());
-    const auto folder = RunFolder::of_earlier_run(runs.front());
+    const auto folder = RunFolder::open_existing(runs.front());
     require_writable_file(folder.report());
     write_report(folder);
     fmt::print("{}\n", folder.report().string());
@@ -40,15 +40,15 @@ void report(const ReportArguments& arguments) {
 }  // namespace
 
 void add_report_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("report", "Make report.html anew, or put several runs side by side");
+  CLI::App* command = app.add_subcommand("report", "Regenerate report.html, or compare several runs");
   auto arguments = std::make_shared<ReportArguments>();
   command
-      ->add_option(
-          "RUN", arguments->runs,
-          "the folder that kinloop run -o DIR wrote; of several, each a folder or a trajectory in TUM format")
+      ->add_option("RUN", arguments->runs,
+                   "the output folder of kinloop run -o DIR; to compare several, folders or trajectories in "
+                   "TUM format")
       ->required();
   command->add_option("-o,--output", arguments->page,
-                      "the page; else DIR/report.html, of several comparison.html");
+                      "file to write (default: DIR/report.html, or comparison.html for several runs)");
   command->footer("Example: kinloop report out out_no_loop orbslam2.txt -o comparison.html");
   command->callback([arguments] { report(*arguments); });
 }

@@ -5,70 +5,71 @@
 
 #include <fmt/format.h>
 
-#include "apps/commands.hpp"
-#include "apps/frame_recorder.hpp"
-#include "apps/interrupt.hpp"
-#include "apps/loop_pictures.hpp"
-#include "apps/map_store.hpp"
-#include "apps/memory.hpp"
-#include "apps/open_source.hpp"
-#include "apps/progress_bar.hpp"
-#include "apps/report_file.hpp"
-#include "apps/run_arguments.hpp"
-#include "apps/run_narrator.hpp"
-#include "apps/run_summary.hpp"
-#include "apps/run_warnings.hpp"
-#include "apps/show_run.hpp"
+#include "apps/run/frame_recorder.hpp"
+#include "apps/run/loop_pictures.hpp"
+#include "apps/run/run_arguments.hpp"
+#include "apps/run/run_logger.hpp"
+#include "apps/run/run_summary.hpp"
+#include "apps/run/run_viewer.hpp"
+#include "apps/run/run_warnings.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/interrupt.hpp"
+#include "apps/shared/map_store.hpp"
+#include "apps/shared/memory.hpp"
+#include "apps/shared/open_frame_source.hpp"
+#include "apps/shared/progress_bar.hpp"
+#include "apps/shared/report_file.hpp"
+#include "drivers/live/paced_source.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
-#include "kinloop/base/output_check.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/eval/run_up.hpp"
+#include "kinloop/base/writable_check.hpp"
+#include "kinloop/io/run_folder.hpp"
 #include "kinloop/loop/correct_loop.hpp"
-#include "kinloop/optimize/g2o_file.hpp"
-#include "kinloop/output/run_folder.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file.hpp"
 #include "kinloop/sensor/camera_file.hpp"
-#include "kinloop/sensor/paced_source.hpp"
 #include "kinloop/slam/dense_recorder.hpp"
 #include "kinloop/slam/frame_pipeline.hpp"
+#include "viewer/report/run_up_direction.hpp"
 
 namespace kinloop {
 namespace {
 
 /// A map file to go on with.
-struct StartMap {
+struct InitialMap {
   MapReader reader;
   SavedMap saved;
 };
 
-std::optional<StartMap> open_start_map(const RunArguments& arguments) {
+std::optional<InitialMap> open_initial_map(const RunArguments& arguments) {
   if (arguments.localize && arguments.load_map.empty())
     throw UsageError("--localize requires --load-map FILE");
   if (arguments.localize && !arguments.save_map.empty())
-    throw UsageError("--localize leaves the map as it is: there is nothing to save with --save-map");
+    throw UsageError("--localize does not change the map: it cannot be combined with --save-map");
   if (arguments.load_map.empty()) return std::nullopt;
   MapReader reader(arguments.load_map);
-  SavedMap saved = read_map_or_warn(reader, arguments.load_map);
-  return StartMap{std::move(reader), std::move(saved)};
+  SavedMap saved = read_map_with_warnings(reader, arguments.load_map);
+  return InitialMap{std::move(reader), std::move(saved)};
 }
 
-RunOptions options_of(const RunArguments& arguments, const std::optional<StartMap>& start, int threads) {
+RunOptions options_of(const RunArguments& arguments, const std::optional<InitialMap>& start, int threads) {
   RunOptions options;
   // What a map was made of is looked for in the frames, too.
-  if (start) options = with_options_of(start->saved, options, "features.");
+  if (start) options = restore_options(start->saved, options, "features.");
   const std::string features = options.slam.features.kind;
-  options.slam.full.threads = threads;
+  options.slam.global_ba.threads = threads;
   options.slam.localize_only = arguments.localize;
   if (arguments.pace_hz > 0 || is_live(arguments.sequence)) options.slam.executor.mode = "live";
   options = with_assignments(options, arguments.assignments);
   if (start && options.slam.features.kind != features)
-    throw UsageError(fmt::format("features.kind: the map was made with {}", features));
+    throw UsageError(fmt::format("features.kind: must be {}, as in the loaded map", features));
   if (arguments.no_loop) options.slam.loop.enabled = false;
   if (arguments.solver != "auto") options.slam.loop.pose_graph.solver = arguments.solver;
   if (!pose_graph_solver_available(options.slam.loop.pose_graph.solver)) {
-    throw UsageError(fmt::format("solver {}: not in this build; take builtin or ceres, or leave --solver out",
-                                 options.slam.loop.pose_graph.solver));
+    throw UsageError(
+        fmt::format("solver {}: not available in this build; use builtin or ceres, or omit --solver",
+                    options.slam.loop.pose_graph.solver));
   }
   return options;
 }
@@ -92,28 +93,30 @@ const PacedSource* pace(std::unique_ptr<FrameSource>& source, double hz) {
   return result;
 }
 
-/// Feeds all frames, each when `leave` was given; false when Ctrl-C ended it early.
+/// Feeds all frames, each when the run is not paused (`wait_until_resumed`); false when Ctrl-C ended it
+/// early.
 bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progress& progress,
-                 const std::function<void()>& leave) {
+                 const std::function<void()>& wait_until_resumed) {
   FramePipeline pipeline(source, slam);
   size_t done = 0;
   while (const auto frame = pipeline.next()) {
-    if (leave) leave();
+    if (wait_until_resumed) wait_until_resumed();
     const FrameResult result = slam.process(*frame);
     ++done;
-    if (progress) progress({"mapping", done, source.info().frames, run_note(result, slam.map())});
+    if (progress) progress({"mapping", done, source.info().frames, progress_note(result, slam.map())});
     if (saver != nullptr) saver->save_if_due();
     if (!interrupted()) continue;
     // A second Ctrl-C ends the program before the map is finished.
-    if (saver != nullptr) saver->try_to_save();
-    log::warn("interrupted: finishing with the {} frames there are", slam.session_log().size());
+    if (saver != nullptr) saver->try_save();
+    log::warn("interrupted: finishing with {} frames", slam.session_log().size());
     return false;
   }
   return true;
 }
 
 /// Puts the map that the run goes on with in its place; its images only where there is a `recorder` for them.
-void take_start_map(StartMap& start, const std::filesystem::path& path, Slam& slam, DenseRecorder* recorder) {
+void apply_initial_map(InitialMap& start, const std::filesystem::path& path, Slam& slam,
+                       DenseRecorder* recorder) {
   const uint32_t shift = slam.add_map(std::move(start.saved));
   if (recorder != nullptr) restore_images(start.reader, path, shift, *recorder);
 }
@@ -121,8 +124,8 @@ void take_start_map(StartMap& start, const std::filesystem::path& path, Slam& sl
 /// Whether tracking was lost at the end, or never began: what the exit code tells scripts.
 ExitCode tracking_exit_code(const Slam& slam, const std::filesystem::path& details) {
   const auto log = slam.session_log();
-  if (!log.empty() && tracked_in(slam.component(), log.back(), slam.map())) return ExitCode::kDone;
-  log::error("{}; see {}", loss_text(slam.map()), details.string());
+  if (!log.empty() && is_tracked_in(slam.component(), log.back(), slam.map())) return ExitCode::kDone;
+  log::error("{}; see {}", describe_tracking_loss(slam.map()), details.string());
   return ExitCode::kTrackingLost;
 }
 
@@ -134,7 +137,7 @@ void warn_of_skipped(const FrameSource& source) {
 }
 
 /// The camera as the run takes it: with a map to go on with, depth is kept in the units of its images.
-RgbdCamera camera_of(const FrameSource& source, const std::optional<StartMap>& start,
+RgbdCamera camera_of(const FrameSource& source, const std::optional<InitialMap>& start,
                      const RunArguments& arguments) {
   RgbdCamera camera = source.camera();
   if (!start) return camera;
@@ -145,7 +148,7 @@ RgbdCamera camera_of(const FrameSource& source, const std::optional<StartMap>& s
 
 /// Who saves the map; nobody where it must stay as it is.
 std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolder& folder,
-                                   const MapSaver::What& what) {
+                                   const MapSaver::Contents& what) {
   if (arguments.localize) return nullptr;
   const auto path = arguments.save_map.empty() ? folder.map_file() : arguments.save_map;
   require_writable_file(path);
@@ -176,7 +179,7 @@ UprightMap upright_map(const Slam& slam, DenseRecorder& recorder, const std::str
 nlohmann::json summary_of(const RunOutcome& outcome, const DenseRecorder& recorder,
                           const std::optional<UprightMap>& map) {
   auto summary = run_summary(outcome);
-  summary["rooms"].update(rooms_json(recorder.times()));
+  summary["timings"].update(timings_json(recorder.timings()));
   if (!map) return summary;
   summary["up"] = to_json(map->up);
   summary["map"].update(to_json(map->frame));
@@ -188,7 +191,7 @@ void write_poses(const RunFolder& folder, const Trajectory& trajectory, const Fr
                  const nlohmann::json& summary) {
   write_tum_trajectory(folder.trajectory(), trajectory);
   write_frame_table(folder.frames(), frames);
-  write_file(folder.figures(), summary.dump(2) + "\n");
+  write_file(folder.run_json(), summary.dump(2) + "\n");
 }
 
 void write_results(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
@@ -206,52 +209,53 @@ void write_results(const RunFolder& folder, const RunOutcome& outcome, const Tra
 }
 
 void print_summary(const nlohmann::json& summary, const RunFolder& folder, bool poses_only) {
-  fmt::print(
-      "{}results    {} ({})\n", summary_text(summary), folder.path().string(),
-      poses_only ? "trajectory.txt; --report adds cloud and report" : "trajectory.txt, map.ply, report.html");
+  fmt::print("{}results    {} ({})\n", summary_text(summary), folder.path().string(),
+             poses_only ? "trajectory.txt; use --report for cloud and report"
+                        : "trajectory.txt, map.ply, report.html");
 }
 
 ExitCode run(const RunArguments& arguments) {
   const Stopwatch watch;
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
-  auto start = open_start_map(arguments);
+  auto start = open_initial_map(arguments);
   const RunOptions options = options_of(arguments, start, threads);
-  auto source = open_source(request_of(arguments, options, threads));
+  auto source = open_frame_source(request_of(arguments, options, threads));
   const RunFolder folder(arguments.output);
   const PacedSource* paced = arguments.pace_hz > 0 ? pace(source, arguments.pace_hz) : nullptr;
-  const Progress progress = arguments.verbose ? narrate_stages() : make_progress_bar(arguments.quiet);
+  const Progress progress = arguments.verbose ? make_stage_logger() : make_progress_bar(arguments.quiet);
   const RgbdCamera camera = camera_of(*source, start, arguments);
   Slam slam(camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
   DenseRecorder recorder(camera, options.dense, options.slam.executor);
   FrameRecorder frames;
-  DepthWatch depth(options.dense, source->camera().depth_scale);
+  DepthMonitor depth(options.dense, source->camera().depth_scale);
   const bool poses_only = arguments.localize && !arguments.report;
-  if (!poses_only) slam.listen(recorder);
-  slam.listen(frames);
-  slam.listen(depth);
-  RunNarrator narrator;
+  if (!poses_only) slam.add_listener(recorder);
+  slam.add_listener(frames);
+  slam.add_listener(depth);
+  RunLogger run_logger;
   if (arguments.verbose) {
-    narrate_start(*source, threads);
-    slam.listen(narrator);
+    log_run_start(*source, threads);
+    slam.add_listener(run_logger);
   }
-  if (start) take_start_map(*start, arguments.load_map, slam, poses_only ? nullptr : &recorder);
+  if (start) apply_initial_map(*start, arguments.load_map, slam, poses_only ? nullptr : &recorder);
   const auto saver = saver_of(arguments, folder, {slam, recorder, options, arguments.sequence});
-  catch_interrupts();
+  install_interrupt_handler();
   const auto save_now = [&] {
     if (poses_only) return write_tum_trajectory(folder.trajectory(), slam.trajectory());
     save_map(folder, slam, recorder, arguments.frame, threads);
-    if (saver) saver->try_to_save();
+    if (saver) saver->try_save();
   };
-  const auto shown = show_run(arguments.viewer, *source, options.viewer, slam, save_now);
-  const bool complete = process_all(*source, slam, saver.get(), progress, shown ? shown->leave : nullptr);
-  if (shown) shown->viewer.tell("final adjustment");
+  const auto shown = start_run_viewer(arguments.viewer, *source, options.viewer, slam, save_now);
+  const bool complete =
+      process_all(*source, slam, saver.get(), progress, shown ? shown->wait_until_resumed : nullptr);
+  if (shown) shown->viewer.set_stage("final bundle adjustment");
   const Trajectory trajectory = slam.finish(progress);
   if (shown) shown->viewer.finish(slam.session_log(), slam.map());
-  const bool saved = saver != nullptr && saver->try_to_save();
-  return_freed_memory();
+  const bool saved = saver != nullptr && saver->try_save();
+  release_freed_memory();
   std::optional<UprightMap> map;
   if (!poses_only) map = upright_map(slam, recorder, arguments.frame, threads, progress);
-  return_freed_memory();
+  release_freed_memory();
   warn_of_skipped(*source);
 
   const auto evaluation = evaluate(trajectory, source->info().ground_truth);
@@ -261,10 +265,10 @@ ExitCode run(const RunArguments& arguments) {
                            watch.wall_s(), threads, !complete, dropped};
   auto summary = summary_of(outcome, recorder, map);
   if (saved) summary["map_file"] = map_file_json(*saver);
-  write_results(folder, outcome, trajectory, map, recorder, frames.table(slam.times()), summary);
+  write_results(folder, outcome, trajectory, map, recorder, frames.table(slam.timings()), summary);
   if (!arguments.quiet) print_summary(summary, folder, poses_only);
-  const bool useful = judge_result(outcome, trajectory, depth);
-  if (shown) stay_open(shown->viewer);
+  const bool useful = check_result(outcome, trajectory, depth);
+  if (shown) serve_until_interrupted(shown->viewer);
   if (!useful || (saver && !saved)) return ExitCode::kBadInput;
   return tracking_exit_code(slam, map ? folder.report() : folder.frames());
 }
@@ -284,7 +288,8 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
     if (arguments->list_options) return print_options();
     if (arguments->sequence.empty())
       throw UsageError(
-          "kinloop run: SEQUENCE is missing, e.g. kinloop run sim:room -o out; see kinloop run --help");
+          "kinloop run: SEQUENCE is missing, for example: kinloop run sim:room -o out; see kinloop run "
+          "--help");
     arguments->load_map = map_file_of(arguments->load_map);
     exit_code = run(*arguments);
   });

@@ -9,15 +9,15 @@
 
 #include <fmt/format.h>
 
-#include "apps/commands.hpp"
-#include "apps/common_options.hpp"
-#include "apps/progress_bar.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/common_options.hpp"
+#include "apps/shared/progress_bar.hpp"
+#include "drivers/datasets/tum_writer.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/options.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/time.hpp"
-#include "kinloop/sensor/simulation/simulated_source.hpp"
-#include "kinloop/sensor/tum_writer.hpp"
+#include "simulator/simulated_source.hpp"
 
 namespace kinloop {
 namespace {
@@ -55,7 +55,7 @@ SimulationOptions chosen_options(const SimulateArguments& arguments) {
 void simulate(const SimulateArguments& arguments, const SimulationOptions& options) {
   std::optional<std::filesystem::path> path;
   if (!arguments.path.empty()) path = arguments.path;
-  require_room_for_sequence(arguments.output);
+  require_no_sequence(arguments.output);
   const std::string spec = fmt::format("sim:{}:{}", arguments.scene, arguments.seed);
   const auto source = make_simulated_source(spec, options, arguments.threads, path);
   TumWriter writer(arguments.output, source->camera());
@@ -73,24 +73,26 @@ void simulate(const SimulateArguments& arguments, const SimulationOptions& optio
 
 void add_simulate_command(CLI::App& app) {
   auto arguments = std::make_shared<SimulateArguments>();
-  CLI::App* command = app.add_subcommand("simulate",
-                                         "Renders what a Kinect would see on a walk through a furnished "
-                                         "room, and writes it as a sequence in TUM\n"
-                                         "layout with its true poses. Without --path: a loop of some 18 s by "
-                                         "hand, as in `kinloop run sim:room`.");
+  CLI::App* command =
+      app.add_subcommand("simulate",
+                         "Render what a Kinect would see on a walk through a furnished "
+                         "room, and write it as a sequence in TUM\n"
+                         "layout with ground truth. Without --path: a hand-held loop of about 18 s, "
+                         "as in `kinloop run sim:room`.");
   command->add_option("scene", arguments->scene, "the scene")->required()->check(one_of({"room"}));
   command->add_option("-o,--output", arguments->output, "folder for the sequence")->required();
   command->add_option("--path", arguments->path,
                       "trajectory to render along (TUM format); the room is built around it");
-  command->add_option("--noise", arguments->noise, "kinect, or none for a sensor without fault")
+  command->add_option("--noise", arguments->noise, "kinect, or none for an ideal sensor")
       ->check(one_of({"kinect", "none"}))
       ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "which room, and which noise")->capture_default_str();
+  command->add_option("--seed", arguments->seed, "seed of the room and of the noise")->capture_default_str();
   command->add_option("--frames", arguments->frames, "stop after this many frames");
-  command->add_option("--fps", arguments->fps, "frames per second; without it the stamps of --path, or 30");
+  command->add_option("--fps", arguments->fps,
+                      "frames per second (default: the timestamps of --path, or 30)");
   command->add_option("--size", arguments->size, "image size, WIDTHxHEIGHT (640x480)");
-  add_set_option(*command, arguments->settings, "any option below as key=value, over what the flags say");
-  add_threads_option(*command, arguments->threads, "threads that render");
+  add_set_option(*command, arguments->settings, "set any option below, key=value; overrides the flags");
+  add_threads_option(*command, arguments->threads, "number of rendering threads");
   add_quiet_option(*command, arguments->quiet);
   SimulationOptions defaults;
   command->footer("Options for --set:\n" + options_help(option_entries(defaults)));

@@ -6,15 +6,15 @@
 
 #include <fmt/format.h>
 
-#include "apps/commands.hpp"
-#include "apps/interrupt.hpp"
-#include "apps/map_store.hpp"
-#include "apps/progress_bar.hpp"
-#include "apps/show_run.hpp"
+#include "apps/run/run_viewer.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/interrupt.hpp"
+#include "apps/shared/map_store.hpp"
+#include "apps/shared/progress_bar.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/parallel_for.hpp"
-#include "kinloop/eval/report.hpp"
-#include "kinloop/output/run_folder.hpp"
+#include "kinloop/io/run_folder.hpp"
+#include "viewer/report/report.hpp"
 #include "viewer/saved_run.hpp"
 #include "viewer/server/service.hpp"
 
@@ -30,13 +30,13 @@ struct ViewArguments {
 SavedRun shown_map(const std::filesystem::path& file) {
   OpenMap open = open_map(file, {});
   SavedRun run;
-  run.name = name_of_input(file.string());
+  run.name = input_name(file.string());
   run.path = trajectory_of(open.session_log(0), open.map);
   for (const Keyframe& keyframe : open.map.keyframes()) {
     run.keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
   }
   for (const LoopEdge& loop : open.map.loop_edges()) run.loops.emplace_back(loop.a, loop.b);
-  run.figures["landmarks"] = open.map.landmark_count();
+  run.metrics["landmarks"] = open.map.landmark_count();
   run.up = open.up(0).direction;
   run.cloud = open.cloud(0, hardware_threads(), make_progress_bar(false));
   return run;
@@ -54,8 +54,8 @@ void view(const ViewArguments& arguments) {
         if (!std::exchange(shown, true)) show_saved_run(scene, run);
       },
       [](Command) {});
-  catch_interrupts();
-  log::info("watch at {}; Ctrl-C ends", service.url());
+  install_interrupt_handler();
+  log::info("viewer at {}; press Ctrl-C to stop", service.url());
   wait_for_interrupt();
 }
 
@@ -67,12 +67,12 @@ void add_view_command(CLI::App& app) {
       app.add_subcommand("view", "Show a run's folder, a map file, a cloud or a mesh in a browser");
   command
       ->add_option("DIR|FILE", arguments->path,
-                   "the folder that kinloop run -o DIR wrote, a map file (.kinmap), a cloud (.ply, .pcd) or\n"
-                   "a mesh (.ply, .glb), also of other programs")
+                   "the output folder of kinloop run -o DIR, a map file (.kinmap), a cloud (.ply, .pcd) or\n"
+                   "a mesh (.ply, .glb), also from other programs")
       ->required();
   command
       ->add_option("--port", arguments->listen,
-                   "PORT, 0 = any that is free, or ADDRESS:PORT for other machines")
+                   "PORT (0 = any free port), or ADDRESS:PORT to allow other machines")
       ->default_str("8080");
   add_viewer_option(*command, arguments->listen)->group("");  // as it is written for kinloop run
   command->callback([arguments] { view(*arguments); });

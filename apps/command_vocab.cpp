@@ -1,4 +1,4 @@
-// kinloop vocab: trains dictionaries for the place index, tells what is in one, and converts them.
+// kinloop vocab: trains vocabularies for the place index, tells what is in one, and converts them.
 
 #include <filesystem>
 #include <memory>
@@ -6,18 +6,18 @@
 
 #include <fmt/format.h>
 
-#include "apps/commands.hpp"
-#include "apps/vocab_train.hpp"
-#include "kinloop/base/output_check.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/vocab/vocab_train.hpp"
 #include "kinloop/base/stopwatch.hpp"
-#include "kinloop/place/dbow2_text.hpp"
+#include "kinloop/base/writable_check.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
+#include "tools/vocabulary_training/dbow2_text.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr const char* kDefaultName = "default";  ///< the dictionary built into the program
+constexpr const char* kDefaultName = "default";  ///< the vocabulary built into the program
 
 Vocabulary open_named(const std::string& name) {
   return name == kDefaultName ? load_default_vocabulary() : read_vocabulary(name);
@@ -49,9 +49,9 @@ void add_conversion(CLI::App& vocab, const char* name, const char* help, const c
 }
 
 void add_info_command(CLI::App& vocab) {
-  CLI::App* command = vocab.add_subcommand("info", "Tells what is in a dictionary");
+  CLI::App* command = vocab.add_subcommand("info", "Show statistics of a vocabulary");
   auto name = std::make_shared<std::string>(kDefaultName);
-  command->add_option("file", *name, "a dictionary file, or 'default' for the one built in")
+  command->add_option("file", *name, "a vocabulary file, or 'default' for the built-in one")
       ->capture_default_str();
   command->callback([name] { info(*name); });
 }
@@ -59,20 +59,20 @@ void add_info_command(CLI::App& vocab) {
 }  // namespace
 
 void add_vocab_command(CLI::App& app) {
-  CLI::App* vocab = app.add_subcommand("vocab", "Dictionaries of visual words, for finding places again");
+  CLI::App* vocab = app.add_subcommand("vocab", "Train, inspect and convert visual vocabularies");
   vocab->require_subcommand(1);
   add_train_command(*vocab);
   add_describe_command(*vocab);
   add_info_command(*vocab);
-  add_conversion(*vocab, "import", "Makes a dictionary of one in the text format of DBoW2 and ORB-SLAM",
+  add_conversion(*vocab, "import", "Import a vocabulary in the text format of DBoW2 and ORB-SLAM",
                  "the text file (unpacked)",
                  [](const std::string& input, const std::filesystem::path& output) {
                    const Vocabulary vocabulary = read_dbow2(input);
                    write_vocabulary(output, vocabulary);
                    print_stats(vocabulary);
                  });
-  add_conversion(*vocab, "export", "Writes a dictionary in the text format of DBoW2 and ORB-SLAM",
-                 "a dictionary file, or 'default' for the one built in",
+  add_conversion(*vocab, "export", "Export a vocabulary in the text format of DBoW2 and ORB-SLAM",
+                 "a vocabulary file, or 'default' for the built-in one",
                  [](const std::string& input, const std::filesystem::path& output) {
                    write_dbow2(output, open_named(input));
                  });

@@ -12,13 +12,13 @@
 #include <opencv2/core/utility.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 
-#include "apps/command_line.hpp"
-#include "apps/commands.hpp"
-#include "apps/memory.hpp"
-#include "apps/show_run.hpp"
-#include "apps/version.hpp"
-#include "kinloop/base/advised_error.hpp"
+#include "apps/run/run_viewer.hpp"
+#include "apps/shared/command_line.hpp"
+#include "apps/shared/commands.hpp"
+#include "apps/shared/memory.hpp"
+#include "apps/shared/version.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/input_error_with_hint.hpp"
 #include "kinloop/base/log.hpp"
 
 namespace {
@@ -34,11 +34,11 @@ void set_up_log() {
 
 ExitCode run(int argc, char** argv) {
   if (argc <= 1) {
-    kinloop::print_first_help();
+    kinloop::print_quick_start();
     return ExitCode::kDone;
   }
   CLI::App app(
-      "kinloop: a camera trajectory and a coloured 3D map from a Kinect-class camera, on a CPU.\n"
+      "kinloop: RGB-D SLAM on a CPU: camera trajectory and coloured 3D map from a Kinect-class camera.\n"
       "Start with: kinloop run sim:room -o out    (then open out/report.html)",
       "kinloop");
   app.set_version_flag("--version", kinloop::version_text());
@@ -62,13 +62,14 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_help_command(app);
   kinloop::add_version_command(app);
   const std::vector<std::string> words(argv + 1, argv + argc);
-  kinloop::command_in(app, words);  // of a word that is no command CLI11 says only that a command is missing
+  kinloop::find_command(app,
+                        words);  // of a word that is no command CLI11 says only that a command is missing
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
     app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    throw kinloop::UsageError(kinloop::explain(error, app, words));
+    throw kinloop::UsageError(kinloop::explain_parse_error(error, app, words));
   }
   return exit_code;
 }
@@ -76,21 +77,21 @@ ExitCode run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  kinloop::keep_freed_memory();
+  kinloop::retain_freed_memory();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error like a full disk
   cv::setNumThreads(1);           // threads are parallel_for's and the executor's to hand out
   set_up_log();
   try {
-    auto words = kinloop::with_viewer_address({argv, argv + argc});
+    auto words = kinloop::join_viewer_address({argv, argv + argc});
     std::vector<char*> joined;
     for (std::string& word : words) joined.push_back(word.data());
     return static_cast<int>(run(static_cast<int>(joined.size()), joined.data()));
   } catch (const kinloop::UsageError& error) {
     kinloop::log::error("{}", error.what());
     return static_cast<int>(ExitCode::kWrongUse);
-  } catch (const kinloop::AdvisedError& error) {
+  } catch (const kinloop::InputErrorWithHint& error) {
     kinloop::log::error("{}", error.what());
-    fmt::print(stderr, "{}", error.advice());
+    fmt::print(stderr, "{}", error.hint());
     return static_cast<int>(ExitCode::kBadInput);
   } catch (const kinloop::InputError& error) {
     kinloop::log::error("{}", error.what());

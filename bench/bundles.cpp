@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/stopwatch.hpp"
-#include "kinloop/optimize/bundle.hpp"
+#include "kinloop/optimize/bundle/bundle.hpp"
 #include "tests/optimize/bundle_world.hpp"
 
 namespace kinloop {
@@ -24,10 +24,10 @@ BundleProblem window(Size size) {
                                      .points = size.points,
                                      .sigma_px = 0.8,
                                      .sigma_inverse_depth = 2e-3,
-                                     .outlier_share = 0.03};
+                                     .outlier_fraction = 0.03};
   test::BundleWorld world = make_bundle_world(settings);
   constexpr double kShiftM = 0.02, kTurnRad = 0.01;
-  disturb(world, kShiftM, kTurnRad);
+  perturb(world, kShiftM, kTurnRad);
   return world.problem;
 }
 

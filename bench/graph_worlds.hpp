@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "kinloop/base/random.hpp"
-#include "kinloop/optimize/pose_graph.hpp"
-#include "kinloop/optimize/pose_graph_error.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_error.hpp"
 
 namespace kinloop {
 

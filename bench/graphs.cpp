@@ -17,7 +17,7 @@
 #include <sys/resource.h>
 
 #include "bench/graph_worlds.hpp"
-#include "kinloop/optimize/g2o_file.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -31,14 +31,14 @@ double process_cpu_s() {
 }
 
 /// One way to solve a graph.
-struct Contestant {
+struct SolverSetup {
   const char* solver;
   const char* method;
   const char* start;
 };
 
 // g2o's own command line starts from a spanning tree when asked to; both starts compete.
-constexpr Contestant kContestants[] = {
+constexpr SolverSetup kSetups[] = {
     {"builtin", "auto", "auto"},     {"ceres", "levenberg", "given"}, {"ceres", "levenberg", "tree"},
     {"g2o", "levenberg", "given"},   {"g2o", "levenberg", "tree"},    {"g2o", "gauss-newton", "given"},
     {"g2o", "gauss-newton", "tree"}, {"g2o", "dogleg", "given"},      {"g2o", "dogleg", "tree"},
@@ -51,11 +51,11 @@ struct Figures {
 };
 
 template <class Pose>
-Figures measure(const BasicPoseGraph<Pose>& graph, const Contestant& contestant) {
+Figures measure(const BasicPoseGraph<Pose>& graph, const SolverSetup& setup) {
   PoseGraphOptions options;
-  options.solver = contestant.solver;
-  options.method = contestant.method;
-  options.start = contestant.start;
+  options.solver = setup.solver;
+  options.method = setup.method;
+  options.start = setup.start;
   Figures figures;
   std::vector<double> walls, cpus;
   while (walls.size() < kRuns && (cpus.empty() || cpus.back() < kLongS)) {
@@ -74,20 +74,20 @@ Figures measure(const BasicPoseGraph<Pose>& graph, const Contestant& contestant)
 }
 
 /// The spanning tree has nothing to do with the noise, and no start is none to be given.
-bool takes_part(const Contestant& contestant, const std::string& start) {
-  const std::string own = contestant.start;
-  return pose_graph_solver_available(contestant.solver) && !(start == "noisy" && own == "tree") &&
+bool is_included(const SolverSetup& setup, const std::string& start) {
+  const std::string own = setup.start;
+  return pose_graph_solver_available(setup.solver) && !(start == "noisy" && own == "tree") &&
          !(start == "none" && own == "given");
 }
 
 template <class Pose>
 void compare(const std::string& name, const BasicPoseGraph<Pose>& graph, const std::string& start) {
-  for (const Contestant& contestant : kContestants) {
-    if (!takes_part(contestant, start)) continue;
-    const Figures figures = measure(graph, contestant);
+  for (const SolverSetup& setup : kSetups) {
+    if (!is_included(setup, start)) continue;
+    const Figures figures = measure(graph, setup);
     fmt::print("{:26} {:5} {:8} {:13} {:6} chi2 {:<18.10g} {:4} iterations {:8.4f} s, {:8.4f} s of CPU\n",
-               name, start, contestant.solver, contestant.method, contestant.start, figures.chi2,
-               figures.iterations, figures.wall_s, figures.cpu_s);
+               name, start, setup.solver, setup.method, setup.start, figures.chi2, figures.iterations,
+               figures.wall_s, figures.cpu_s);
     std::fflush(stdout);
   }
 }
@@ -103,7 +103,7 @@ std::vector<std::filesystem::path> graphs_in(const std::filesystem::path& folder
 
 /// The graph as a benchmark starts from it: "file", "noisy" or "none".
 template <class Pose>
-BasicPoseGraph<Pose> started(const BasicPoseGraph<Pose>& graph, const std::string& start) {
+BasicPoseGraph<Pose> with_initial_guess(const BasicPoseGraph<Pose>& graph, const std::string& start) {
   constexpr double kNoise = 0.5;  // metres, radians
   if (start == "noisy") return with_noise(graph, kNoise);
   return start == "none" ? without_start(graph) : graph;
@@ -112,8 +112,9 @@ BasicPoseGraph<Pose> started(const BasicPoseGraph<Pose>& graph, const std::strin
 void run_standard(const std::filesystem::path& folder) {
   for (const std::string start : {"noisy", "none", "file"}) {
     for (const auto& path : graphs_in(folder)) {
-      std::visit([&](const auto& graph) { compare(path.stem().string(), started(graph, start), start); },
-                 read_g2o(path).graph);
+      std::visit(
+          [&](const auto& graph) { compare(path.stem().string(), with_initial_guess(graph, start), start); },
+          read_g2o(path).graph);
     }
   }
 }
@@ -124,23 +125,23 @@ double peak_memory_mib() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-void run_growth(uint32_t most) {
+void run_scaling(uint32_t most) {
   // The built-in solver goes first: peak memory is that of all until then. The graph's own start is a
   // spanning tree, which is what the others would do with none.
-  constexpr Contestant kEntrants[] = {
+  constexpr SolverSetup kScalingSetups[] = {
       {"builtin", "auto", "auto"}, {"g2o", "dogleg", "given"}, {"ceres", "levenberg", "given"}};
   constexpr uint32_t kMostFromNoise = 10000;  // others than the built-in solver take many minutes beyond
   for (uint32_t count = 1000; count <= most; count *= 10) {
     const PoseGraph graph = grid_walk(count);
-    for (const Contestant& entrant : kEntrants) {
-      if (!pose_graph_solver_available(entrant.solver)) continue;
-      const bool is_builtin = &entrant == &kEntrants[0];
+    for (const SolverSetup& setup : kScalingSetups) {
+      if (!pose_graph_solver_available(setup.solver)) continue;
+      const bool is_builtin = &setup == &kScalingSetups[0];
       for (const std::string start : {"file", "noisy", "none"}) {
         if (!is_builtin && (start == "none" || (start == "noisy" && count > kMostFromNoise))) continue;
-        const Figures figures = measure(started(graph, start), entrant);
+        const Figures figures = measure(with_initial_guess(graph, start), setup);
         fmt::print(
             "{:7} poses {:7} edges, {:5} {:8} chi2 {:.8g}, {} iterations, {:.3f} s of CPU, peak {:.0f} MiB\n",
-            count, graph.edges.size(), start, entrant.solver, figures.chi2, figures.iterations, figures.cpu_s,
+            count, graph.edges.size(), start, setup.solver, figures.chi2, figures.iterations, figures.cpu_s,
             peak_memory_mib());
       }
     }
@@ -184,7 +185,7 @@ void compare_growing(const std::string& name, const BasicPoseGraph<Pose>& graph)
     start_s = process_cpu_s();
     PoseGraphOptions options;
     options.start = "given";
-    last = solve_grown_pose_graph(part, last, options);
+    last = update_pose_graph_solution(part, last, options);
     warm_s += process_cpu_s() - start_s;
     warm_iterations += last.iterations;
     worst = std::max(worst, (last.chi2_after - batch.chi2_after) / std::max(batch.chi2_after, kNothing));
@@ -216,7 +217,7 @@ void compare_kernels(const std::string& name, const BasicPoseGraph<Pose>& graph)
     const auto spoilt = with_false_loops(graph, share);
     for (const char* kernel : {"none", "huber", "cauchy", "geman-mcclure", "dcs"}) {
       PoseGraphOptions options;
-      options.robust = kernel;
+      options.robust_kernel = kernel;
       const auto solution = solve_pose_graph(spoilt, options);
       fmt::print(
           "{:12} {:3.0f} % false loops {:14} {:10.4f} m from the clean solution, {:4} iterations, {:.3f} s\n",
@@ -244,7 +245,7 @@ int main(int argc, char** argv) {
   if (mode == "standard") {
     kinloop::run_standard(folder);
   } else if (mode == "growth") {
-    kinloop::run_growth(argument.empty() ? 100000 : static_cast<uint32_t>(std::stoul(argument)));
+    kinloop::run_scaling(argument.empty() ? 100000 : static_cast<uint32_t>(std::stoul(argument)));
   } else if (mode == "growing") {
     kinloop::run_growing(folder);
   } else if (mode == "outliers") {

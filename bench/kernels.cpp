@@ -8,12 +8,12 @@
 #include "kinloop/base/random.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/matcher.hpp"
-#include "kinloop/map/local_view.hpp"
-#include "kinloop/optimize/bundle.hpp"
-#include "kinloop/optimize/camera_observations.hpp"
+#include "kinloop/map/local_map.hpp"
+#include "kinloop/optimize/bundle/bundle.hpp"
+#include "kinloop/optimize/pose/camera_observations.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
-#include "kinloop/sensor/simulation/simulated_source.hpp"
 #include "kinloop/tracking/tracker.hpp"
+#include "simulator/simulated_source.hpp"
 
 namespace kinloop {
 namespace {
@@ -84,14 +84,14 @@ BENCHMARK(match_all)->Unit(benchmark::kMillisecond);
 
 void words_of_image(benchmark::State& state) {
   const Vocabulary vocabulary = load_default_vocabulary();
-  for (auto _ : state) benchmark::DoNotOptimize(vocabulary.words_of(frames().first.features->descriptors));
+  for (auto _ : state) benchmark::DoNotOptimize(vocabulary.quantize(frames().first.features->descriptors));
 }
 BENCHMARK(words_of_image)->Unit(benchmark::kMillisecond);
 
-void load_dictionary(benchmark::State& state) {
+void load_vocabulary(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(load_default_vocabulary());
 }
-BENCHMARK(load_dictionary)->Unit(benchmark::kMillisecond);
+BENCHMARK(load_vocabulary)->Unit(benchmark::kMillisecond);
 
 void track_frame(benchmark::State& state) {
   const Features& features = *frames().first.features;
@@ -103,7 +103,7 @@ void track_frame(benchmark::State& state) {
       map.add_landmark(keyframe, i, frames().camera.unproject(features.pixels[i].cast<double>(), depth_m));
     }
   }
-  const LocalView view = make_local_view(map, keyframe, {});
+  const LocalMap view = make_local_map(map, keyframe, {});
   const TrackedFrame previous{frames().first, SE3{}, map.keyframe(keyframe).landmark_of};
   for (auto _ : state) {
     benchmark::DoNotOptimize(
@@ -112,7 +112,7 @@ void track_frame(benchmark::State& state) {
 }
 BENCHMARK(track_frame)->Unit(benchmark::kMillisecond);
 
-/// A thousand key points as one moving camera sees them.
+/// A thousand keypoints as one moving camera sees them.
 CameraObservations thousand_observations() {
   constexpr size_t kCount = 1000;
   const PinholeCamera& camera = frames().camera;

@@ -1,9 +1,7 @@
 # `cmake --install` gives the program, the headers, the libraries and kinloopConfig.cmake.
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-get_property(rooms GLOBAL PROPERTY KINLOOP_ROOMS)
-install(TARGETS ${rooms} kinloop_opencv kinloop_cholmod kinloop_codecs kinloop_hwy EXPORT kinloopTargets)
+install(TARGETS kinloop ${modules} kinloop_opencv kinloop_cholmod kinloop_codecs kinloop_hwy EXPORT kinloopTargets)
 get_property(parts GLOBAL PROPERTY KINLOOP_OPTIONAL_PARTS)
 if(parts)
   install(TARGETS ${parts} EXPORT kinloopTargets)
@@ -14,8 +12,11 @@ endif()
 if(TARGET kinloop_openvdb)
   install(TARGETS kinloop_openvdb EXPORT kinloopTargets)
 endif()
-install(TARGETS kinloop)
-install(DIRECTORY kinloop DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
+if(KINLOOP_PROGRAM)
+  install(TARGETS kinloop_program)
+endif()
+install(DIRECTORY kinloop drivers simulator tools DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kinloop
+        FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT kinloopTargets NAMESPACE kinloop:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kinloop)
 configure_package_config_file(cmake/kinloopConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/kinloopConfig.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kinloop)

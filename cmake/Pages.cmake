@@ -3,7 +3,6 @@
 # their places: everything else works, and `kinloop --version` tells.
 #
 # Gives KINLOOP_PAGES (the folder that holds viewer.html and report.html), KINLOOP_PAGES_FOUND, target kinloop_pages.
-option(KINLOOP_PAGES_OFF "Leave the viewer and report pages out of the build" OFF)
 set(KINLOOP_PAGES_SOURCE ${PROJECT_SOURCE_DIR}/viewer/pages)
 set(KINLOOP_PAGES ${PROJECT_BINARY_DIR}/pages)
 set(KINLOOP_PAGES_FOUND 0)
@@ -11,7 +10,7 @@ find_program(NODE_PROGRAM NAMES node nodejs)
 find_program(NPM_PROGRAM npm)
 
 # What package-lock.json names is fetched once, and again when that file changes.
-if(NPM_PROGRAM AND NODE_PROGRAM AND NOT KINLOOP_PAGES_OFF)
+if(NPM_PROGRAM AND NODE_PROGRAM AND NOT KINLOOP_MINIMAL)
   set(installed ${KINLOOP_PAGES_SOURCE}/node_modules/.package-lock.json)
   set(KINLOOP_PAGES_FOUND 1)
   if(NOT EXISTS ${installed} OR ${KINLOOP_PAGES_SOURCE}/package-lock.json IS_NEWER_THAN ${installed})

@@ -13,10 +13,10 @@
 #include <ros/ros.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 
+#include "drivers/datasets/camera_selection.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/options.hpp"
-#include "kinloop/sensor/camera_choice.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "ros/node_output.hpp"
 #include "ros/node_source.hpp"

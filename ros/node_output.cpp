@@ -7,7 +7,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "kinloop/sensor/ros_messages.hpp"
+#include "drivers/ros/ros_messages.hpp"
 
 namespace kinloop::ros1 {
 namespace {

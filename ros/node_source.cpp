@@ -20,7 +20,7 @@ constexpr uint32_t kQueue =
 
 /// The first known camera whose images are published; waits for one.
 RosTopics wait_for_topics() {
-  bool told = false;
+  bool announced = false;
   while (ros::ok()) {
     ros::master::V_TopicInfo published;
     ros::master::getTopics(published);
@@ -29,8 +29,8 @@ RosTopics wait_for_topics() {
     for (const RosTopics& topics : known_topics()) {
       if (names.contains(topics.color) && names.contains(topics.depth)) return topics;
     }
-    if (!told) log::info("waiting for the topics of an RGB-D camera, e.g. {}", known_topics()[0].color);
-    told = true;
+    if (!announced) log::info("waiting for the topics of an RGB-D camera, e.g. {}", known_topics()[0].color);
+    announced = true;
     ros::WallDuration(kPollS).sleep();
   }
   throw InputError("ROS was shut down before a camera published");
@@ -39,9 +39,10 @@ RosTopics wait_for_topics() {
 RgbdCamera wait_for_camera(ros::NodeHandle& node, const RosTopics& topics) {
   log::info("waiting for {}", topics.info);
   const auto message = ros::topic::waitForMessage<CameraInfo>(topics.info, node);
-  if (!message) throw InputError(fmt::format("ROS was shut down before anything came on {}", topics.info));
+  if (!message)
+    throw InputError(fmt::format("ROS was shut down before a message arrived on {}", topics.info));
   RgbdCamera camera;
-  camera.color = camera_from(content_of(*message), topics.rectified());
+  camera.color = camera_from(from_message(*message), topics.rectified());
   return camera;
 }
 
@@ -50,11 +51,11 @@ RgbdCamera wait_for_camera(ros::NodeHandle& node, const RosTopics& topics) {
 TopicSource::TopicSource(ros::NodeHandle node, const ListenOptions& options)
     : options_(options),
       topics_(options.topics ? *options.topics : wait_for_topics()),
-      frames_(options.keep_all ? std::numeric_limits<size_t>::max() : LiveFrames::kBuffered) {
+      frames_(options.keep_all ? std::numeric_limits<size_t>::max() : LiveFrameBuffer::kBuffered) {
   // First the images, which a bag that is played does not repeat; they are decoded once the camera is known.
   camera_ = options.camera ? *options.camera : wait_for_camera(node, topics_);
-  color_ = node.subscribe(topics_.color, kQueue, &TopicSource::take_color, this);
-  depth_ = node.subscribe(topics_.depth, kQueue, &TopicSource::take_depth, this);
+  color_ = node.subscribe(topics_.color, kQueue, &TopicSource::on_color, this);
+  depth_ = node.subscribe(topics_.depth, kQueue, &TopicSource::on_depth, this);
   info_.name = topics_.color;
   info_.live = true;
   log::info("listening to {} and {}", topics_.color, topics_.depth);
@@ -67,7 +68,7 @@ std::optional<RgbdFrame> TopicSource::next() {
   while (ros::ok()) {
     if (auto frame = frames_.wait(kStep)) return frame;
     waited += kStep;
-    begun = begun || frames_.given() > 0;
+    begun = begun || frames_.delivered() > 0;
     const bool idle =
         options_.idle_s > 0 && begun && static_cast<double>(waited.count()) > 1000 * options_.idle_s;
     if (idle) break;
@@ -78,24 +79,24 @@ std::optional<RgbdFrame> TopicSource::next() {
 std::vector<SkippedFrame> TopicSource::skipped() const {
   const std::lock_guard lock(skipped_mutex_);
   auto all = skipped_;
-  const auto lost = skipped_of(frames_.counts());
+  const auto lost = to_skipped_frames(frames_.counts());
   all.insert(all.end(), lost.begin(), lost.end());
   return all;
 }
 
-void TopicSource::take_color(const boost::shared_ptr<const Image>& message) {
+void TopicSource::on_color(const boost::shared_ptr<const Image>& message) {
   try {
-    frames_.add_color(stamp_ns(*message), color_from(content_of(*message)));
+    frames_.add_color(stamp_ns(*message), color_from(from_message(*message)));
   } catch (const InputError& error) {
     skip(topics_.color, error.what());
   }
 }
 
-void TopicSource::take_depth(const boost::shared_ptr<const Image>& message) {
+void TopicSource::on_depth(const boost::shared_ptr<const Image>& message) {
   try {
-    cv::Mat depth_m = depth_from(content_of(*message));
+    cv::Mat depth_m = depth_from(from_message(*message));
     if (depth_m.cols != camera_.color.width || depth_m.rows != camera_.color.height) {
-      throw InputError("depth of another size than colour; use a topic with depth registered to colour");
+      throw InputError("depth and colour differ in size; use a topic with depth registered to colour");
     }
     frames_.add_depth(stamp_ns(*message), depth_m);
   } catch (const InputError& error) {

@@ -6,10 +6,10 @@
 
 #include <ros/node_handle.h>
 
+#include "drivers/live/live_frames.hpp"
+#include "drivers/ros/ros_messages.hpp"
+#include "drivers/ros/ros_topics.hpp"
 #include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/sensor/live_frames.hpp"
-#include "kinloop/sensor/ros_messages.hpp"
-#include "kinloop/sensor/ros_topics.hpp"
 
 namespace kinloop::ros1 {
 
@@ -33,15 +33,15 @@ class TopicSource : public FrameSource {
   [[nodiscard]] std::vector<SkippedFrame> skipped() const override;
 
  private:
-  void take_color(const boost::shared_ptr<const Image>& message);
-  void take_depth(const boost::shared_ptr<const Image>& message);
+  void on_color(const boost::shared_ptr<const Image>& message);
+  void on_depth(const boost::shared_ptr<const Image>& message);
   void skip(const std::string& topic, const std::string& reason);
 
   ListenOptions options_;
   RosTopics topics_;
   RgbdCamera camera_;
   SourceInfo info_;
-  LiveFrames frames_;
+  LiveFrameBuffer frames_;
   mutable std::mutex skipped_mutex_;
   std::vector<SkippedFrame> skipped_;
   ros::Subscriber color_, depth_;

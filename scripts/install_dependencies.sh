@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs what kinloop is built from: packages of Debian 12 or Ubuntu 22.04 and newer, only those that are missing.
-# Usage: scripts/install_dependencies.sh [--tests | --checks]
+# Usage: scripts/install_dependencies.sh [--minimal] [--tests | --checks]
+#   --minimal  required packages only
 #   --tests    also a browser for the tests of the pages
 #   --checks   and the tools of the format and tidy checks
 set -euo pipefail
@@ -21,7 +22,7 @@ optional=(
   "ChArUco boards: libopencv-contrib-dev"
   "Kinect 1: libfreenect-dev"
   "downloads: libcurl4-openssl-dev libarchive-dev"
-  "training on many machines: libopenmpi-dev openmpi-bin"
+  "distributed training: libopenmpi-dev openmpi-bin"
   "ROS bags: librosbag-storage-dev libsensor-msgs-dev"
   "ROS node: libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev python3-roslaunch python3-rosbag"
 )
@@ -32,18 +33,22 @@ else
   optional+=("viewer and report pages: nodejs npm")
 fi
 # Ubuntu has chromium as a snap alone: the tests that need it skip there.
-case "${1:-}" in
-  "") ;;
-  --tests) optional+=("tests of the pages: chromium") ;;
-  --checks)
-    optional+=("tests of the pages: chromium")
-    required+=(clang-format clang-tidy python3)
-    ;;
-  *)
-    echo "usage: $0 [--tests | --checks]" >&2
-    exit 2
-    ;;
-esac
+minimal=false
+for argument in "$@"; do
+  case "$argument" in
+    --minimal) minimal=true ;;
+    --tests) optional+=("tests of the pages: chromium") ;;
+    --checks)
+      optional+=("tests of the pages: chromium")
+      required+=(clang-format clang-tidy python3)
+      ;;
+    *)
+      echo "usage: $0 [--minimal] [--tests | --checks]" >&2
+      exit 2
+      ;;
+  esac
+done
+if $minimal; then optional=(); fi
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "This script needs apt (Debian, Ubuntu). On other systems, install the counterparts of: ${required[*]}" >&2
@@ -99,6 +104,10 @@ state_of() {  # state_of PACKAGE...
 print_table() {
   local part
   echo
+  if $minimal; then
+    echo "Optional parts: left out, as --minimal asks"
+    return
+  fi
   echo "Optional parts"
   for part in "${optional[@]}"; do
     # shellcheck disable=SC2046,SC2086  # a list of packages

@@ -5,7 +5,7 @@ import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
-import { onStage, seen, until } from '../tests/browser/stage.mjs';
+import { withBrowser, seen, until } from '../tests/browser/harness.mjs';
 
 const images = process.env.KINLOOP_SCREENSHOTS;
 const JPEG = { type: 'jpeg', quality: 78 };
@@ -17,7 +17,7 @@ async function shoot(page, name, heightPx) {
   await page.screenshot({ path: join(images, `${name}.jpg`), ...JPEG, ...top });
 }
 
-await onStage(async ({ open, kinloop, folder }) => {
+await withBrowser(async ({ open, kinloop, folder }) => {
   const [sequence, out, plain] = ['simulated_room', 'with_loops', 'without_loops'].map((name) => join(folder, name));
   assert.equal(await kinloop('simulate', 'room', '-q', '-o', sequence).ended, 0);
 

@@ -10,7 +10,7 @@
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/output/numbers.hpp"
+#include "kinloop/io/point_cloud/number_types.hpp"
 
 namespace kinloop {
 namespace {
@@ -52,21 +52,20 @@ class GlbCheck {
  private:
   void split(std::string_view bytes) {
     constexpr size_t kHeader = 3 * kWord, kChunkHeader = 2 * kWord;
-    if (!bytes.starts_with("glTF") || bytes.size() < kHeader)
-      fail("not a GLB file, which begins with 'glTF'");
+    if (!bytes.starts_with("glTF") || bytes.size() < kHeader) fail("not a GLB file: missing 'glTF' magic");
     const auto word = [&](size_t at) {
       return static_cast<size_t>(number_at(&bytes[at], NumberType::kUint32));
     };
     constexpr size_t kVersion = 2;
-    if (word(kWord) != kVersion) fail(fmt::format("glTF version {}; only 2 can be shown", word(kWord)));
-    if (word(2 * kWord) > bytes.size()) fail("cut short; copy the file again");
+    if (word(kWord) != kVersion) fail(fmt::format("unsupported glTF version {}; expected 2", word(kWord)));
+    if (word(2 * kWord) > bytes.size()) fail("truncated; copy the file again");
     std::array<std::string_view, 2> chunks;
     size_t at = kHeader;
     for (std::string_view& chunk : chunks) {
       if (at + kChunkHeader > bytes.size()) break;
       const size_t size = word(at);
       at += kChunkHeader;
-      if (size > bytes.size() - at) fail("cut short; copy the file again");
+      if (size > bytes.size() - at) fail("truncated; copy the file again");
       chunk = bytes.substr(at, size);
       at += size;
     }
@@ -99,7 +98,7 @@ class GlbCheck {
     for (size_t i = 0; i < buffers.size(); ++i) {
       const bool inside = i == 0 && !buffers[i].contains("uri");
       if (inside && buffers[i].at("byteLength").get<size_t>() > binary_.size())
-        fail("its buffer is cut short");
+        fail("its buffer is truncated");
     }
     for (const json& view : views) {
       const auto size = buffers.at(view.at("buffer").get<size_t>()).at("byteLength").get<size_t>();
@@ -156,7 +155,7 @@ class GlbCheck {
     for (size_t i = 0; i < count; ++i) {
       const double index = number_at(at + i * step, type);
       if (!(index < static_cast<double>(vertices))) {
-        fail(fmt::format("a triangle names vertex {} of {}", index, vertices));
+        fail(fmt::format("a triangle refers to vertex {} of {}", index, vertices));
       }
     }
   }

@@ -2,32 +2,32 @@
 
 namespace kinloop {
 
-LiveViewer::LiveViewer(const ListenAddress& listen, RunBasics basics)
-    : basics_(std::move(basics)),
-      control_(basics_.options.paused),
-      feed_(basics_.options),
+LiveViewer::LiveViewer(const ListenAddress& listen, RunInfo info)
+    : info_(std::move(info)),
+      control_(info_.options.paused),
+      feed_(info_.options),
       service_(
           listen, [this](Scene& scene, size_t browsers) { update(scene, browsers); },
-          [this](Command command) { obey(command); }) {}
+          [this](Command command) { dispatch(command); }) {}
 
-void LiveViewer::tell(const std::string& stage, const std::string& message) {
+void LiveViewer::set_stage(const std::string& stage, const std::string& message) {
   const std::lock_guard lock(mutex_);
   state_.stage = stage;
   state_.message = message;
 }
 
 void LiveViewer::update(Scene& scene, size_t browsers) {
-  if (!shown_) shown_.emplace(scene, basics_);
+  if (!run_scene_) run_scene_.emplace(scene, info_);
   RunState state;
   {
     const std::lock_guard lock(mutex_);
     state = state_;
   }
   state.paused = control_.paused();
-  shown_->take_in(feed_.take(), state, browsers > 0);
+  run_scene_->update(feed_.take(), state, browsers > 0);
 }
 
-void LiveViewer::obey(Command command) {
+void LiveViewer::dispatch(Command command) {
   switch (command) {
     case Command::kPause:
       return control_.pause();
@@ -36,7 +36,7 @@ void LiveViewer::obey(Command command) {
     case Command::kStep:
       return control_.step();
     case Command::kSave:
-      return control_.ask_to_save();
+      return control_.request_save();
   }
 }
 

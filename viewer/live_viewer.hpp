@@ -15,7 +15,7 @@ namespace kinloop {
 class LiveViewer {
  public:
   /// Begins to serve at once. Throws InputError where the address cannot be had.
-  LiveViewer(const ListenAddress& listen, RunBasics basics);
+  LiveViewer(const ListenAddress& listen, RunInfo info);
 
   /// Where to look.
   [[nodiscard]] const std::string& url() const { return service_.url(); }
@@ -27,7 +27,7 @@ class LiveViewer {
   RunControl& control() { return control_; }
 
   /// What the run is doing, and a message for those who watch.
-  void tell(const std::string& stage, const std::string& message = "");
+  void set_stage(const std::string& stage, const std::string& message = "");
 
   /// The path as it is known at the end.
   void finish(std::span<const LoggedFrame> log, const Map& map) { feed_.on_finish(log, map); }
@@ -37,14 +37,14 @@ class LiveViewer {
 
  private:
   void update(Scene& scene, size_t browsers);
-  void obey(Command command);
+  void dispatch(Command command);
 
-  RunBasics basics_;
+  RunInfo info_;
   RunControl control_;
   RunFeed feed_;
   std::mutex mutex_;
   RunState state_;  // guarded by the mutex
-  std::optional<RunScene> shown_;
+  std::optional<RunScene> run_scene_;
   ViewerService service_;  // the last: its thread uses all the others
 };
 

@@ -24,7 +24,7 @@ void RunControl::step() {
   changed_.notify_all();
 }
 
-void RunControl::ask_to_save() {
+void RunControl::request_save() {
   const std::lock_guard lock(mutex_);
   save_ = true;
   changed_.notify_all();
@@ -35,13 +35,13 @@ bool RunControl::paused() const {
   return paused_;
 }
 
-RunControl::Turn RunControl::next_turn(const std::function<bool()>& stop) {
+RunControl::Action RunControl::next_action(const std::function<bool()>& stop) {
   constexpr std::chrono::milliseconds kBetweenQuestions{100};
   std::unique_lock lock(mutex_);
   while (paused_ && steps_ == 0 && !save_ && !stop()) changed_.wait_for(lock, kBetweenQuestions);
-  if (std::exchange(save_, false)) return Turn::kSave;
+  if (std::exchange(save_, false)) return Action::kSaveMap;
   if (steps_ > 0) --steps_;
-  return Turn::kFrame;
+  return Action::kProcessFrame;
 }
 
 }  // namespace kinloop

@@ -15,15 +15,15 @@ class RunControl {
   void pause();
   void resume();
   void step();  ///< one frame, then pause
-  void ask_to_save();
+  void request_save();
 
   [[nodiscard]] bool paused() const;
 
-  enum class Turn { kFrame, kSave };
+  enum class Action { kProcessFrame, kSaveMap };
 
   /// What the run shall do next: take a frame, or save the map and ask again. Waits while it is paused, until
   /// `stop` (asked now and then) says that it shall end.
-  Turn next_turn(const std::function<bool()>& stop);
+  Action next_action(const std::function<bool()>& stop);
 
  private:
   mutable std::mutex mutex_;

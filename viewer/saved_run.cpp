@@ -7,14 +7,14 @@
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/time.hpp"
-#include "kinloop/eval/evaluate.hpp"
-#include "kinloop/eval/report.hpp"
-#include "kinloop/eval/run_up.hpp"
 #include "kinloop/geometry/up_direction.hpp"
-#include "kinloop/output/ply.hpp"
-#include "kinloop/output/point_file.hpp"
-#include "kinloop/output/run_folder.hpp"
+#include "kinloop/io/point_cloud/ply.hpp"
+#include "kinloop/io/point_cloud/point_file.hpp"
+#include "kinloop/io/run_folder.hpp"
+#include "tools/evaluation/evaluate.hpp"
 #include "viewer/glb_file.hpp"
+#include "viewer/report/report.hpp"
+#include "viewer/report/run_up_direction.hpp"
 #include "viewer/scene/saved_cloud.hpp"
 
 namespace kinloop {
@@ -47,7 +47,7 @@ std::vector<std::pair<KeyframeId, KeyframeId>> loops_of(const json& figures, con
 }
 
 void show_paths(Scene& scene, const SavedRun& run) {
-  const std::vector<SE3> keyframes = poses_of(run.keyframes);
+  const std::vector<SE3> keyframes = camera_poses(run.keyframes);
   put_parts(scene, PartKind::kKeyframes, 0, keyframes.size(), [&](size_t begin, size_t end) {
     return encode_poses(std::span(keyframes).subspan(begin, end - begin));
   });
@@ -117,14 +117,14 @@ SavedRun read_single_file(const fs::path& path) {
 
 SavedRun read_folder(const fs::path& path) {
   SavedRun run;
-  const auto folder = RunFolder::of_earlier_run(path);
+  const auto folder = RunFolder::open_existing(path);
   run.path = read_tum_trajectory(folder.trajectory());
   run.keyframes = read_if_there(folder.keyframes());
   run.truth = read_if_there(folder.ground_truth());
   if (fs::exists(folder.map())) run.cloud = read_ply(folder.map());
-  if (fs::exists(folder.figures())) run.figures = read_figures(folder.figures());
-  run.loops = loops_of(run.figures, run.keyframes);
-  run.up = up_of_run(run.figures, run.path);
+  if (fs::exists(folder.run_json())) run.metrics = read_run_json(folder.run_json());
+  run.loops = loops_of(run.metrics, run.keyframes);
+  run.up = read_up_direction(run.metrics, run.path);
   return run;
 }
 
@@ -149,7 +149,7 @@ json status_of(const SavedRun& run) {
     status["vertices"] = run.mesh.points.size();
     status["triangles"] = run.mesh.triangles.size();
   }
-  if (run.figures.contains("landmarks")) status["landmarks"] = run.figures["landmarks"];
+  if (run.metrics.contains("landmarks")) status["landmarks"] = run.metrics["landmarks"];
   return status;
 }
 
@@ -157,9 +157,9 @@ json status_of(const SavedRun& run) {
 
 SavedRun read_saved_run(const fs::path& path) {
   SavedRun run = fs::is_directory(path) ? read_folder(path) : read_single_file(path);
-  run.name = name_of_input(run.figures.contains("input") && run.figures["input"].is_string()
-                               ? run.figures["input"].get<std::string>()
-                               : fs::absolute(path).string());
+  run.name = input_name(run.metrics.contains("input") && run.metrics["input"].is_string()
+                            ? run.metrics["input"].get<std::string>()
+                            : fs::absolute(path).string());
   return run;
 }
 
@@ -177,7 +177,7 @@ void show_saved_run(Scene& scene, const SavedRun& run) {
   if (ate) status["ateM"] = ate->error_m.rmse;
   scene.put(PartKind::kStatus, 0, encode_json(status));
   uint32_t index = 0;
-  for (const CloudPiece& piece : pieces_of(run.cloud)) {
+  for (const CloudPiece& piece : split_into_pieces(run.cloud)) {
     scene.put(PartKind::kCloud, index++, encode_cloud(piece));
   }
   if (!run.mesh.triangles.empty()) scene.put(PartKind::kMesh, 0, encode_mesh(run.mesh));

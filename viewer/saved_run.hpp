@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "kinloop/dense/colored_mesh.hpp"
+#include "kinloop/dense/mesh/colored_mesh.hpp"
 #include "kinloop/geometry/trajectory.hpp"
 #include "viewer/options.hpp"
 #include "viewer/scene/scene.hpp"
@@ -16,7 +16,7 @@ struct SavedRun {
   ColoredCloud cloud;
   Trajectory path, keyframes, truth;                     ///< each may be empty
   std::vector<std::pair<KeyframeId, KeyframeId>> loops;  ///< indices into `keyframes`
-  nlohmann::json figures;                                ///< run.json
+  nlohmann::json metrics;                                ///< run.json
   Eigen::Vector3d up = {0, -1, 0};                       ///< in the world
 
   // What a file alone may hold instead.

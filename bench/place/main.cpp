@@ -1,16 +1,16 @@
-// bench_place: what the dictionary is worth. Photographs come from the shared data beside the project.
+// bench_place: what the vocabulary is worth. Photographs come from the shared data beside the project.
 //
 //   bench_place compare K L FLAT STEP SEQUENCE...
-//       ways of seeding side by side over five seeds; writes the curves to place_curves.svg
+//       methods of seeding side by side over five seeds; writes the curves to place_curves.svg
 //   bench_place search STEP SEQUENCE...
-//       the same places without a dictionary: brute force, FLANN's LSH and Kd trees
+//       the same places without a vocabulary: brute force, FLANN's LSH and Kd trees
 //   bench_place detect STEP SEQUENCE...
 //       the detector with verification, over five dictionaries by random seeding and by k-means++
 //   bench_place scale [IMAGES]
 //       times: opening, words, queries up to IMAGES (200000) images
 //
-// K, L: branching and depth of the trees; FLAT: 1 = also a flat dictionary of K^L words; STEP: every STEP-th
-// frame. Sequences are rooms that share nothing.
+// K, L: branching and depth of the trees; FLAT: 1 = also a flat vocabulary of K^L words; STEP: every STEP-th
+// frame. Sequences are scenes that share nothing.
 
 #include <algorithm>
 #include <cmath>
@@ -28,9 +28,9 @@
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/eval/svg_plot.hpp"
-#include "kinloop/place/trainer.hpp"
-#include "kinloop/place/vocabulary_stats.hpp"
+#include "tools/vocabulary_training/trainer.hpp"
+#include "tools/vocabulary_training/vocabulary_stats.hpp"
+#include "viewer/report/svg_plot.hpp"
 
 namespace kinloop {
 namespace {
@@ -47,14 +47,14 @@ struct World {
 World read_world(const std::vector<std::string>& sequences, size_t step) {
   World world;
   for (const auto& sequence : sequences) {
-    const auto room = read_places(sequence, world.places.size(), step, world.camera);
-    world.places.insert(world.places.end(), room.begin(), room.end());
+    const auto scene = read_places(sequence, world.places.size(), step, world.camera);
+    world.places.insert(world.places.end(), scene.begin(), scene.end());
   }
   const size_t images = world.places.size();
   const auto photographs = read_distractors(kPhotographs, images);
   world.places.insert(world.places.end(), photographs.begin(), photographs.end());
   fmt::print("{} images, of {} the place may be found, and {} photographs of other places\n\n", images,
-             findable(world.places), photographs.size());
+             count_findable(world.places), photographs.size());
   return world;
 }
 
@@ -69,14 +69,14 @@ std::string spread(std::vector<double> values, int digits) {
                      digits);
 }
 
-/// Figures of one way over seeds.
+/// Figures of one method over seeds.
 struct Row {
   std::string name;
-  std::vector<double> error_bits, training_s, words_ms, query_ms, recall, strict, arranged;
+  std::vector<double> error_bits, training_s, words_ms, query_ms, recall, strict, verified;
 };
 
 constexpr const char* kHead =
-    "| dictionary | error, bits | training, s CPU | words, ms | query, ms | recall at 100 % | ... strict | "
+    "| vocabulary | error, bits | training, s CPU | words, ms | query, ms | recall at 100 % | ... strict | "
     "... "
     "by arrangement |\n|---|---|---|---|---|---|---|---|\n";
 
@@ -86,11 +86,11 @@ void print(const Row& row) {
   };
   fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} |\n", row.name, cell(row.error_bits, 2),
              cell(row.training_s, 1), cell(row.words_ms, 2), cell(row.query_ms, 2), cell(row.recall, 3),
-             cell(row.strict, 3), cell(row.arranged, 3));
+             cell(row.strict, 3), cell(row.verified, 3));
   std::fflush(stdout);
 }
 
-/// The curve of one seed; the first has the way's name in the legend.
+/// The curve of one seed; the first has the method's name in the legend.
 PlotSeries series_of(const std::string& name, const std::string& style, const Curve& curve) {
   PlotSeries series{style, name, SeriesKind::kLine, {}};
   for (size_t i = 0; i < curve.recall.size(); ++i)
@@ -108,18 +108,18 @@ void add_recognition(Row& row, std::span<const Place> places, const Recognition&
 std::vector<cv::Mat> descriptors_of(std::span<const Place> places) {
   std::vector<cv::Mat> descriptors;
   for (const Place& place : places) {
-    if (place.T_room_camera) descriptors.push_back(place.features.descriptors);
+    if (place.T_scene_camera) descriptors.push_back(place.features.descriptors);
   }
   return descriptors;
 }
 
-struct Way {
+struct TrainingMethod {
   std::string name;
   TrainOptions options;
   std::string style = {};  ///< of its curves in the plot; empty: not among the two that are looked at closely
 };
 
-std::vector<Way> ways_of(int branching, int depth, bool flat) {
+std::vector<TrainingMethod> training_methods(int branching, int depth, bool flat) {
   TrainOptions tree;
   tree.branching = branching;
   tree.depth = depth;
@@ -129,44 +129,44 @@ std::vector<Way> ways_of(int branching, int depth, bool flat) {
     options.candidates = candidates;
     return options;
   };
-  std::vector<Way> ways = {{"random", seeded("random", 0), "random"},
-                           {"k-means++, plain", seeded("kmeans++", 1)},
-                           {"k-means++, greedy", seeded("kmeans++", 0), "greedy"},
-                           {"k-means\\|\\|", seeded("kmeans||", 0)}};
+  std::vector<TrainingMethod> methods = {{"random", seeded("random", 0), "random"},
+                                         {"k-means++, plain", seeded("kmeans++", 1)},
+                                         {"k-means++, greedy", seeded("kmeans++", 0), "greedy"},
+                                         {"k-means\\|\\|", seeded("kmeans||", 0)}};
   if (flat) {
     TrainOptions options = seeded("kmeans||", 1);
     options.branching = static_cast<int>(std::lround(std::pow(branching, depth)));
     options.depth = 1;
-    ways.push_back({"flat, k-means\\|\\|", options});
+    methods.push_back({"flat, k-means\\|\\|", options});
   }
-  return ways;
+  return methods;
 }
 
-Row measure(const Way& way, const World& world, std::span<const cv::Mat> training,
+Row measure(const TrainingMethod& method, const World& world, std::span<const cv::Mat> training,
             std::vector<Curve>& curves) {
-  Row row{way.name, {}, {}, {}, {}, {}, {}, {}};
+  Row row{method.name, {}, {}, {}, {}, {}, {}, {}};
   const auto descriptors = descriptors_of(world.places);
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    TrainOptions options = way.options;
+    TrainOptions options = method.options;
     options.seed = seed;
     const Stopwatch watch;
     const Vocabulary vocabulary = train_vocabulary(training, options);
     row.training_s.push_back(watch.cpu_s());
     row.error_bits.push_back(quantization_error(vocabulary, descriptors));
     const Stopwatch words;
-    for (const auto& image : descriptors) (void)vocabulary.words_of(image);
+    for (const auto& image : descriptors) (void)vocabulary.quantize(image);
     row.words_ms.push_back(1000 * words.cpu_s() / static_cast<double>(descriptors.size()));
     const Recognition recognition = by_words(world.places, vocabulary);
     add_recognition(row, world.places, recognition);
     curves.push_back(curve_of(world.places, recognition.answers));
-    const auto arranged = by_arrangement(world.places, vocabulary);
-    row.arranged.push_back(curve_of(world.places, arranged.answers).recall_without_error);
+    const auto verified = by_geometric_verification(world.places, vocabulary);
+    row.verified.push_back(curve_of(world.places, verified.answers).recall_without_error);
   }
   return row;
 }
 
 void write_curves(const std::vector<PlotSeries>& series) {
-  const PlotFrame frame{"Precision and recall of place recognition", "recall", "precision", false, false};
+  const PlotAxes frame{"Precision and recall of place recognition", "recall", "precision", false, false};
   std::string svg = svg_plot(frame, series);
   const std::string style =
       " xmlns=\"http://www.w3.org/2000/svg\"><style>text{font:12px sans-serif;fill:#444}"
@@ -182,18 +182,18 @@ void compare(int branching, int depth, bool flat, const World& world) {
   const auto training = read_training_images(kPhotographs);
   fmt::print("{}", kHead);
   std::vector<PlotSeries> series;
-  for (const Way& way : ways_of(branching, depth, flat)) {
+  for (const TrainingMethod& method : training_methods(branching, depth, flat)) {
     std::vector<Curve> curves;
-    print(measure(way, world, training, curves));
-    if (way.style.empty()) continue;
+    print(measure(method, world, training, curves));
+    if (method.style.empty()) continue;
     for (const Curve& curve : curves) {
-      series.push_back(series_of(&curve == &curves.front() ? way.name : "", way.style, curve));
+      series.push_back(series_of(&curve == &curves.front() ? method.name : "", method.style, curve));
     }
   }
   write_curves(series);
 }
 
-/// Without a dictionary.
+/// Without a vocabulary.
 void search(const World& world) {
   fmt::print("{}", kHead);
   Row brute{"none: brute force", {}, {}, {}, {}, {}, {}, {}};
@@ -212,19 +212,19 @@ void search(const World& world) {
 void run_detector(const World& world) {
   const auto training = read_training_images(kPhotographs);
   fmt::print(
-      "| seeding | seed | confirmed | of those findable | pose off | another room "
+      "| seeding | seed | confirmed | of those findable | pose off | another scene "
       "|\n|---|---|---|---|---|---|\n");
-  for (const Way& way : ways_of(32, 3, false)) {
-    if (way.style.empty()) continue;
+  for (const TrainingMethod& method : training_methods(32, 3, false)) {
+    if (method.style.empty()) continue;
     for (int seed = 1; seed <= kSeeds; ++seed) {
-      TrainOptions options = way.options;
+      TrainOptions options = method.options;
       options.seed = seed;
       options.threads = hardware_threads();
       const auto detection = detect(world.places, train_vocabulary(training, options), world.camera);
-      fmt::print("| {} | {} | {} | {} of {} = {:.3f} | {} | {} |\n", way.name, seed, detection.confirmed,
-                 detection.same, findable(world.places),
-                 static_cast<double>(detection.same) / static_cast<double>(findable(world.places)),
-                 detection.off, detection.other_room);
+      fmt::print("| {} | {} | {} | {} of {} = {:.3f} | {} | {} |\n", method.name, seed, detection.confirmed,
+                 detection.same, count_findable(world.places),
+                 static_cast<double>(detection.same) / static_cast<double>(count_findable(world.places)),
+                 detection.off, detection.other_scene);
       std::fflush(stdout);
     }
   }

@@ -5,12 +5,12 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "drivers/datasets/tum_source.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/features/extractor.hpp"
-#include "kinloop/place/training_images.hpp"
-#include "kinloop/sensor/tum_source.hpp"
+#include "tools/vocabulary_training/training_images.hpp"
 
 namespace kinloop {
 namespace {
@@ -35,12 +35,12 @@ double recall_without(std::span<const Place> places, std::span<const Answer> sor
     if (is == Relation::kOther || (near_is_error && is == Relation::kNear)) break;
     if (is == Relation::kSame) ++right;
   }
-  return static_cast<double>(right) / static_cast<double>(findable(places));
+  return static_cast<double>(right) / static_cast<double>(count_findable(places));
 }
 
 }  // namespace
 
-std::vector<Place> read_places(const std::filesystem::path& sequence, size_t room, size_t step,
+std::vector<Place> read_places(const std::filesystem::path& sequence, size_t scene, size_t step,
                                PinholeCamera& camera) {
   TumSource source(sequence);
   camera = source.camera().color;
@@ -50,17 +50,17 @@ std::vector<Place> read_places(const std::filesystem::path& sequence, size_t roo
     if (i % step != 0 || !pose) continue;
     cv::Mat gray;
     cv::cvtColor(frame->color, gray, cv::COLOR_BGR2GRAY);
-    places.push_back({room, frame->stamp_ns, pose, extract_features(gray, frame->depth_m, camera, {})});
+    places.push_back({scene, frame->stamp_ns, pose, extract_features(gray, frame->depth_m, camera, {})});
   }
   return places;
 }
 
-std::vector<Place> read_distractors(const std::filesystem::path& folder, size_t room) {
+std::vector<Place> read_distractors(const std::filesystem::path& folder, size_t scene) {
   std::vector<Place> places;
   describe_images(half_of(folder, 1), {}, {}, [&](const auto&, const std::optional<cv::Mat>& descriptors) {
     if (!descriptors || descriptors->empty()) return;
     Place place;
-    place.room = room;
+    place.scene = scene;
     place.features.descriptors = *descriptors;
     const auto size = static_cast<size_t>(descriptors->rows);
     place.features.pixels.resize(size, Eigen::Vector2f::Zero());
@@ -73,7 +73,7 @@ std::vector<Place> read_distractors(const std::filesystem::path& folder, size_t 
 }
 
 std::vector<cv::Mat> read_training_images(const std::filesystem::path& folder) {
-  Description description;
+  DescribeOptions description;
   description.features.count = 2000;
   description.threads = hardware_threads();
   std::vector<cv::Mat> images;
@@ -85,12 +85,12 @@ std::vector<cv::Mat> read_training_images(const std::filesystem::path& folder) {
 }
 
 bool may_be_found(const Place& query, const Place& candidate) {
-  return query.room != candidate.room || candidate.stamp_ns + kGapNs <= query.stamp_ns;
+  return query.scene != candidate.scene || candidate.stamp_ns + kGapNs <= query.stamp_ns;
 }
 
 Relation relation(const Place& a, const Place& b) {
-  if (a.room != b.room || !a.T_room_camera || !b.T_room_camera) return Relation::kOther;
-  const SE3 T_a_b = a.T_room_camera->inverse() * *b.T_room_camera;
+  if (a.scene != b.scene || !a.T_scene_camera || !b.T_scene_camera) return Relation::kOther;
+  const SE3 T_a_b = a.T_scene_camera->inverse() * *b.T_scene_camera;
   const double distance_m = T_a_b.translation.norm();
   const double turn_rad = Eigen::AngleAxisd(T_a_b.rotation).angle();
   if (distance_m <= kSame_m && turn_rad <= kSame_rad) return Relation::kSame;
@@ -101,7 +101,7 @@ Curve curve_of(std::span<const Place> places, std::vector<Answer> answers) {
   std::stable_sort(answers.begin(), answers.end(),
                    [](const Answer& a, const Answer& b) { return a.score > b.score; });
   Curve curve;
-  const auto findable_count = static_cast<double>(findable(places));
+  const auto findable_count = static_cast<double>(count_findable(places));
   double right = 0, wrong = 0;
   for (const Answer& answer : answers) {
     const Relation is = relation(places[answer.query], places[answer.found]);
@@ -115,9 +115,9 @@ Curve curve_of(std::span<const Place> places, std::vector<Answer> answers) {
   return curve;
 }
 
-size_t findable(std::span<const Place> places) {
+size_t count_findable(std::span<const Place> places) {
   return static_cast<size_t>(std::count_if(places.begin(), places.end(), [&](const Place& query) {
-    return query.T_room_camera && std::any_of(places.begin(), places.end(), [&](const Place& other) {
+    return query.T_scene_camera && std::any_of(places.begin(), places.end(), [&](const Place& other) {
              return may_be_found(query, other) && relation(query, other) == Relation::kSame;
            });
   }));

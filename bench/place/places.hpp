@@ -16,9 +16,9 @@ namespace kinloop {
 
 /// One image.
 struct Place {
-  size_t room = 0;  ///< sequences are different rooms; images of different rooms never show the same place
+  size_t scene = 0;  ///< sequences are different scenes; images of different scenes never show the same place
   int64_t stamp_ns = 0;
-  std::optional<SE3> T_room_camera;  ///< none: a photograph, which is never asked for
+  std::optional<SE3> T_scene_camera;  ///< none: a photograph, which is never asked for
   Features features;
 };
 
@@ -26,20 +26,20 @@ struct Place {
 enum class Relation {
   kSame,   ///< within 0.5 m and 30 degrees
   kNear,   ///< neither
-  kOther,  ///< another room, or farther away than 1 m, or turned by more than 60 degrees: no common view
+  kOther,  ///< another scene, or farther away than 1 m, or turned by more than 60 degrees: no common view
 };
 
 /// Every `step`-th frame of a sequence in TUM layout with ground truth.
-std::vector<Place> read_places(const std::filesystem::path& sequence, size_t room, size_t step,
+std::vector<Place> read_places(const std::filesystem::path& sequence, size_t scene, size_t step,
                                PinholeCamera& camera);
 
 /// Photographs: every second image of the folder, from the second on (the others are trained on).
-std::vector<Place> read_distractors(const std::filesystem::path& folder, size_t room);
+std::vector<Place> read_distractors(const std::filesystem::path& folder, size_t scene);
 
 /// Descriptors of every second image of the folder, from the first on.
 std::vector<cv::Mat> read_training_images(const std::filesystem::path& folder);
 
-/// Whether `candidate` may be found for `query`: all of other rooms, of its own room what is at least 10 s
+/// Whether `candidate` may be found for `query`: all of other scenes, of its own scene what is at least 10 s
 /// old.
 bool may_be_found(const Place& query, const Place& candidate);
 
@@ -64,6 +64,6 @@ struct Curve {
 Curve curve_of(std::span<const Place> places, std::vector<Answer> answers);
 
 /// Images of `places` for which there is something to find.
-size_t findable(std::span<const Place> places);
+size_t count_findable(std::span<const Place> places);
 
 }  // namespace kinloop

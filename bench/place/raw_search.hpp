@@ -1,5 +1,5 @@
 #pragma once
-// Recognition without a dictionary: an image is the one that most descriptors of the query have their nearest
+// Recognition without a vocabulary: an image is the one that most descriptors of the query have their nearest
 // in, among all descriptors of all images.
 
 #include "bench/place/recognizers.hpp"

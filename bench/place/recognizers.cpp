@@ -3,21 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/place/place_search.hpp"
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/features/hamming.hpp"
-#include "kinloop/loop/recognize.hpp"
-#include "kinloop/place/place_search.hpp"
+#include "kinloop/loop/recognize_place.hpp"
 
 namespace kinloop {
 namespace {
 
 BowVector bow_of(const Place& place, const Vocabulary& vocabulary) {
-  return vocabulary.bow_of(vocabulary.words_of(place.features.descriptors).words);
+  return vocabulary.bow_of(vocabulary.quantize(place.features.descriptors).words);
 }
 
 /// Landmarks of one image, as seen from there.
-LocalView view_of(const Features& features, const PinholeCamera& camera) {
-  LocalView view;
+LocalMap view_of(const Features& features, const PinholeCamera& camera) {
+  LocalMap view;
   view.features = std::make_shared<const Features>(features);
   view.descriptors = cv::Mat(0, kOrbBytes, CV_8UC1);
   for (uint32_t i = 0; i < features.size(); ++i) {
@@ -25,18 +25,18 @@ LocalView view_of(const Features& features, const PinholeCamera& camera) {
     const Eigen::Vector3d p = camera.unproject(features.pixels[i].cast<double>(), features.depths_m[i]);
     view.ids.push_back({i});
     view.p_reference.push_back(p);
-    view.viewed_from.push_back(-p.normalized());
-    view.seen_distance_m.push_back(p.norm());
-    view.seen_level.push_back(features.levels[i]);
+    view.viewing_directions.push_back(-p.normalized());
+    view.observed_distances_m.push_back(p.norm());
+    view.observed_levels.push_back(features.levels[i]);
     view.descriptors.push_back(features.descriptors.row(static_cast<int>(i)));
   }
   return view;
 }
 
-/// Whether the pose that was found in the same room is that of the truth.
+/// Whether the pose that was found in the same scene is that of the truth.
 bool is_right(const Place& query, const Place& found, const SE3& T_found_query) {
   constexpr double kMost_m = 0.2, kMost_rad = 0.17;
-  const SE3 error = (found.T_room_camera->inverse() * *query.T_room_camera).inverse() * T_found_query;
+  const SE3 error = (found.T_scene_camera->inverse() * *query.T_scene_camera).inverse() * T_found_query;
   return error.translation.norm() <= kMost_m && Eigen::AngleAxisd(error.rotation).angle() <= kMost_rad;
 }
 
@@ -48,7 +48,7 @@ Recognition recognize(std::span<const Place> places,
   size_t asked = 0;
   const Stopwatch watch;
   for (size_t query = 0; query < places.size(); ++query) {
-    if (!places[query].T_room_camera) continue;
+    if (!places[query].T_scene_camera) continue;
     ++asked;
     const auto found = ask(query);
     if (found.empty()) continue;
@@ -67,11 +67,11 @@ Recognition by_words(std::span<const Place> places, const Vocabulary& vocabulary
   });
 }
 
-Recognition by_arrangement(std::span<const Place> places, const Vocabulary& vocabulary) {
+Recognition by_geometric_verification(std::span<const Place> places, const Vocabulary& vocabulary) {
   PlaceSearch search;
   std::vector<ImageWords> words;
   for (size_t i = 0; i < places.size(); ++i) {
-    const auto quantized = vocabulary.words_of(places[i].features.descriptors);
+    const auto quantized = vocabulary.quantize(places[i].features.descriptors);
     words.push_back(image_words(places[i].features, quantized.words, vocabulary));
     search.add(id_of(i), vocabulary.bow_of(quantized.words), words.back());
   }
@@ -89,7 +89,7 @@ Detection detect(std::span<const Place> places, const Vocabulary& vocabulary, co
   Detection detection;
   for (size_t query = 0; query < places.size(); ++query) {
     const Place& place = places[query];
-    if (!place.T_room_camera) continue;
+    if (!place.T_scene_camera) continue;
     const auto allowed = [&](KeyframeId id) { return may_be_found(place, places[id.value]); };
     PreparedFrame frame;
     frame.features = std::make_shared<const Features>(place.features);
@@ -99,8 +99,8 @@ Detection detect(std::span<const Place> places, const Vocabulary& vocabulary, co
           recognize_place(frame, view_of(found.features, camera), camera, options, tracking, query);
       if (!result) continue;
       ++detection.confirmed;
-      if (place.room != found.room) {
-        ++detection.other_room;
+      if (place.scene != found.scene) {
+        ++detection.other_scene;
       } else if (!is_right(place, found, result->T_reference_camera)) {
         ++detection.off;
       }

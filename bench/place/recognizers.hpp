@@ -12,7 +12,7 @@
 
 namespace kinloop {
 
-/// The answers of one way, and the time of a query once the words are known, ms.
+/// The answers of one method, and the time of a query once the words are known, ms.
 struct Recognition {
   std::vector<Answer> answers;
   double query_ms = 0;
@@ -31,14 +31,14 @@ Recognition recognize(std::span<const Place> places,
 Recognition by_words(std::span<const Place> places, const Vocabulary& vocabulary);
 
 /// By how many matches of words agree on the arrangement (PlaceSearch).
-Recognition by_arrangement(std::span<const Place> places, const Vocabulary& vocabulary);
+Recognition by_geometric_verification(std::span<const Place> places, const Vocabulary& vocabulary);
 
-/// What became of the candidates of the dictionary that geometry confirms.
+/// What became of the candidates of the vocabulary that geometry confirms.
 struct Detection {
-  size_t confirmed = 0;   ///< images with a confirmed loop
-  size_t same = 0;        ///< ... of those for which there is a kSame to be found
-  size_t off = 0;         ///< ... whose pose is off by more than 0.2 m or 10 degrees
-  size_t other_room = 0;  ///< ... in another room
+  size_t confirmed = 0;    ///< images with a confirmed loop
+  size_t same = 0;         ///< ... of those for which there is a kSame to be found
+  size_t off = 0;          ///< ... whose pose is off by more than 0.2 m or 10 degrees
+  size_t other_scene = 0;  ///< ... in another scene
 };
 
 /// The whole detector on single images: the best five candidates, verified as loop closing does.

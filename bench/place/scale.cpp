@@ -40,24 +40,24 @@ BowVector shuffled_image(const std::vector<WordId>& words, const Vocabulary& voc
 
 void measure_scale(const std::filesystem::path& photographs, size_t most_images) {
   const Vocabulary vocabulary = load_default_vocabulary();
-  fmt::print("opening the default dictionary: {:.2f} ms CPU\n",
+  fmt::print("opening the default vocabulary: {:.2f} ms CPU\n",
              median_ms_of(21, [](int) { (void)load_default_vocabulary(); }));
   const auto images = read_distractors(photographs, 0);
   const cv::Mat thousand = std::max_element(images.begin(), images.end(), [](const auto& a, const auto& b) {
                              return a.features.descriptors.rows < b.features.descriptors.rows;
                            })->features.descriptors;
   fmt::print("words of {} features: {:.2f} ms CPU\n\n", thousand.rows,
-             median_ms_of(101, [&](int) { (void)vocabulary.words_of(thousand); }));
+             median_ms_of(101, [&](int) { (void)vocabulary.quantize(thousand); }));
   std::vector<WordId> words;
   for (const Place& image : images) {
-    const auto of_image = vocabulary.words_of(image.features.descriptors).words;
+    const auto of_image = vocabulary.quantize(image.features.descriptors).words;
     words.insert(words.end(), of_image.begin(), of_image.end());
   }
   Random random(1);
   PlaceIndex index;
   const size_t real = images.size();
   for (size_t i = 0; i < real; ++i) {
-    const auto of_image = vocabulary.words_of(images[i].features.descriptors).words;
+    const auto of_image = vocabulary.quantize(images[i].features.descriptors).words;
     index.add({static_cast<uint32_t>(i)}, vocabulary.bow_of(of_image));
   }
   fmt::print("| images | query, ms CPU | half of the words found again |\n|---|---|---|\n");
@@ -70,7 +70,7 @@ void measure_scale(const std::filesystem::path& photographs, size_t most_images)
     // Half of the words of a real image, as after a step aside.
     std::vector<BowVector> queries;
     for (size_t i = 0; i < real; ++i) {
-      const auto of_image = vocabulary.words_of(images[i].features.descriptors).words;
+      const auto of_image = vocabulary.quantize(images[i].features.descriptors).words;
       queries.push_back(vocabulary.bow_of(std::span(of_image).first(of_image.size() / 2)));
     }
     const double ms = median_ms_of(static_cast<int>(real), [&](int run) {

@@ -16,14 +16,14 @@
 #include <fmt/format.h>
 
 #include "bench/up/planes.hpp"
+#include "drivers/datasets/tum_source.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/random.hpp"
-#include "kinloop/dense/surface_normals.hpp"
-#include "kinloop/dense/voxel_samples.hpp"
+#include "kinloop/dense/cloud/surface_normals.hpp"
+#include "kinloop/dense/cloud/voxel_samples.hpp"
 #include "kinloop/geometry/up_direction.hpp"
-#include "kinloop/sensor/simulation/camera_path.hpp"
-#include "kinloop/sensor/simulation/simulated_source.hpp"
-#include "kinloop/sensor/tum_source.hpp"
+#include "simulator/camera_path.hpp"
+#include "simulator/simulated_source.hpp"
 
 namespace kinloop {
 namespace {
@@ -51,13 +51,13 @@ Eigen::Vector3d square_to_rows(std::span<const SE3> cameras) {
 
 /// Images at their true poses.
 struct Views {
-  std::vector<DepthPatch> patches;
+  std::vector<ImageSurfels> surfels;
   std::vector<PosedImage> posed;
 };
 
 void add(Views& views, const RgbdFrame& frame, const SE3& T_world_camera, double focal_px) {
-  const size_t index = views.patches.size();
-  views.patches.push_back(make_patch({frame.color, frame.depth_m}, focal_px, {}));
+  const size_t index = views.surfels.size();
+  views.surfels.push_back(extract_surfels({frame.color, frame.depth_m}, focal_px, {}));
   views.posed.push_back({index, T_world_camera});
 }
 
@@ -66,11 +66,11 @@ void print(const std::string& name, const Views& views, const PinholeCamera& cam
   std::vector<SE3> cameras;
   for (const PosedImage& view : views.posed) cameras.push_back(view.T_world_camera);
   const auto normals =
-      surface_normals([&](size_t i) { return views.patches[i]; }, views.posed, {.color = camera});
-  const UpEstimate up = estimate_up(normals, cameras);
+      surface_normals([&](size_t i) { return views.surfels[i]; }, views.posed, {.color = camera});
+  const UpEstimate up = estimate_up_direction(normals, cameras);
   fmt::print("{:40} {:6.1f} {:6.1f} {:7.2f}  {:7} {:.3f}  {} normals\n", name,
-             angle_deg(square_to_rows(cameras), truth), angle_deg(up_of_cameras(cameras).direction, truth),
-             angle_deg(up.direction, truth), name_of(up.source), up.confidence, normals.size());
+             angle_deg(square_to_rows(cameras), truth), angle_deg(mean_camera_up(cameras).direction, truth),
+             angle_deg(up.direction, truth), to_string(up.source), up.confidence, normals.size());
 }
 
 /// Rolled by a random angle that swings along the path, by up to half a turn either way.
@@ -97,7 +97,7 @@ void judge_room(const std::string& name, uint64_t seed, const Trajectory& path) 
     add(views, source.frame(index), source.info().ground_truth[index].T_world_camera,
         source.camera().color.fx);
   }
-  print(name, views, source.camera().color, sim::estimate_up(path));
+  print(name, views, source.camera().color, sim::estimate_up_direction(path));
 }
 
 /// Of some 40 frames, at their true poses.
@@ -125,7 +125,7 @@ void print_planes(const char* folder) {
   const RayTable rays = ray_table(camera.color);
   std::vector<Eigen::Vector3d> points;
   for (const PosedImage& view : views.posed) {
-    const auto samples = voxel_samples(views.patches[view.image], view, camera, rays, 0.01);
+    const auto samples = voxel_samples(views.surfels[view.image], view, camera, rays, 0.01);
     for (size_t i = 0; i < samples.size(); i += 20) {
       points.push_back(0.01 * (voxel_of(samples[i].key).cast<double>() + samples[i].offset.cast<double>()));
     }

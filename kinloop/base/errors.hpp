@@ -20,9 +20,9 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Throws std::logic_error unless `promise` holds; stays on in release builds.
-inline void require(bool promise, const char* what) {
-  if (!promise) throw std::logic_error(what);
+/// Throws std::logic_error unless `condition` holds; stays on in release builds.
+inline void require(bool condition, const char* what) {
+  if (!condition) throw std::logic_error(what);
 }
 
 }  // namespace kinloop

@@ -1,14 +1,14 @@
 #pragma once
 // Options structs with one home per field.
 //
-// A room's options are a plain struct with defaults in place and one static template that names every field
+// A module's options are a plain struct with defaults in place and one static template that names every field
 // once:
 //
 //   struct OrbOptions {
 //     int count = 1000;
 //     template <class Self, class Visit>
 //     static void fields(Self& self, Visit&& visit) {
-//       visit("count", self.count, "key points kept per image", Range{50, 20000});
+//       visit("count", self.count, "keypoints kept per image", Range{50, 20000});
 //     }
 //   };
 //

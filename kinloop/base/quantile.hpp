@@ -10,7 +10,7 @@ namespace kinloop {
 
 /// The value at place `rank` of the sorted values; T{} of none.
 template <class T>
-T value_of_rank(std::vector<T> values, size_t rank) {
+T nth_smallest(std::vector<T> values, size_t rank) {
   if (values.empty()) return {};
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);
   std::nth_element(values.begin(), at, values.end());
@@ -23,14 +23,14 @@ template <class T>
 T quantile(std::vector<T> values, double share) {
   if (values.empty()) return {};
   const auto rank = static_cast<size_t>(share * static_cast<double>(values.size() - 1));
-  return value_of_rank(std::move(values), rank);
+  return nth_smallest(std::move(values), rank);
 }
 
 /// The middle value, the larger of the two where their number is even; T{} of none.
 template <class T>
 T median(std::vector<T> values) {
   const size_t middle = values.size() / 2;
-  return value_of_rank(std::move(values), middle);
+  return nth_smallest(std::move(values), middle);
 }
 
 }  // namespace kinloop

@@ -54,9 +54,9 @@ inline std::vector<uint32_t> sample_without_replacement(Random& random, uint32_t
   std::vector<uint32_t> chosen;
   while (chosen.size() < size) {
     const uint32_t candidate = random.index(count);
-    bool fresh = true;
-    for (const uint32_t other : chosen) fresh = fresh && other != candidate;
-    if (fresh) chosen.push_back(candidate);
+    bool is_new = true;
+    for (const uint32_t other : chosen) is_new = is_new && other != candidate;
+    if (is_new) chosen.push_back(candidate);
   }
   return chosen;
 }

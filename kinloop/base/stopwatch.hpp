@@ -7,7 +7,7 @@
 namespace kinloop {
 
 /// Seconds that work took.
-struct Spent {
+struct ElapsedTime {
   double wall_s = 0;
   double cpu_s = 0;
 };
@@ -19,7 +19,7 @@ class Stopwatch {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start_).count();
   }
   [[nodiscard]] double cpu_s() const { return thread_cpu_s() - cpu_start_s_; }
-  [[nodiscard]] Spent spent() const { return {wall_s(), cpu_s()}; }
+  [[nodiscard]] ElapsedTime elapsed() const { return {wall_s(), cpu_s()}; }
 
  private:
   static double thread_cpu_s() {

@@ -67,12 +67,13 @@ double parse_double(const std::string& text, const std::filesystem::path& path, 
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    throw_at(path, line, fmt::format("'{}' is not a finite number; correct or delete the line", text));
+    throw_parse_error(path, line,
+                      fmt::format("'{}' is not a finite number; correct or delete the line", text));
   }
   return value;
 }
 
-void throw_at(const std::filesystem::path& path, size_t line, const std::string& what) {
+void throw_parse_error(const std::filesystem::path& path, size_t line, const std::string& what) {
   throw InputError(fmt::format("{}:{}: {}", path.string(), line, what));
 }
 

@@ -32,7 +32,7 @@ std::string read_file(const std::filesystem::path& path);
 double parse_double(const std::string& text, const std::filesystem::path& path, size_t line);
 
 /// "FILE:LINE: what", thrown as InputError.
-[[noreturn]] void throw_at(const std::filesystem::path& path, size_t line, const std::string& what);
+[[noreturn]] void throw_parse_error(const std::filesystem::path& path, size_t line, const std::string& what);
 
 /// An output file that appears under its name only when it is complete: written as "NAME.tmp", renamed by
 /// `commit()`. Without a commit (an exception, a kill) an older file of that name stays as it was.

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "kinloop/base/anonymous_temp_file.hpp"
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/nameless_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -20,15 +20,15 @@ std::filesystem::path temporary_folder() {
 }
 
 [[noreturn]] void throw_no_room() {
-  throw InputError(fmt::format(
-      "{}: cannot hold the images of the map; free some space there, set TMPDIR to another folder, or "
-      "raise --set dense.image_memory_mib and dense.patch_memory_mib",
-      temporary_folder().string()));
+  throw InputError(
+      fmt::format("{}: no space for the images of the map; free some space, set TMPDIR to another folder, or "
+                  "raise --set dense.image_memory_mib and dense.surfel_memory_mib",
+                  temporary_folder().string()));
 }
 
 /// A file without a name in the temporary folder; null when there can be none.
 std::FILE* open_spill_file() {
-  const int descriptor = open_nameless_file(temporary_folder());
+  const int descriptor = open_anonymous_temp_file(temporary_folder());
   return descriptor < 0 ? nullptr : fdopen(descriptor, "w+b");
 }
 

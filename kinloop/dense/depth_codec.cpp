@@ -55,7 +55,7 @@ class NibbleReader {
 
  private:
   uint32_t next() {
-    require(position_ / 2 < bytes_.size(), "unpack_depth: cut short");
+    require(position_ / 2 < bytes_.size(), "unpack_depth: truncated");
     const uint32_t byte = bytes_[position_ / 2];
     return position_++ % 2 == 0 ? byte & 15U : byte >> 4;
   }

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/dense/cloud/voxel_samples.hpp"
 #include "kinloop/dense/usable_depth.hpp"
-#include "kinloop/dense/voxel_samples.hpp"
 
 #ifdef KINLOOP_WITH_OCTOMAP
 #include <sstream>
@@ -23,8 +23,8 @@ namespace {
 /// Points of every few usable pixels of an image, in the camera's frame.
 std::vector<Eigen::Vector3d> points_of(const cv::Mat& depth_m, const RayTable& rays,
                                        const OccupancyOptions& options) {
-  const cv::Mat usable =
-      usable_pixels(depth_m, rays.focal_px, {options.min_m, options.max_m, options.max_slope_deg});
+  const cv::Mat usable = usable_pixels(depth_m, rays.focal_px,
+                                       {options.min_depth_m, options.max_depth_m, options.max_incidence_deg});
   std::vector<Eigen::Vector3d> points;
   for (int row = 0; row < depth_m.rows; row += options.stride_px) {
     for (int col = 0; col < depth_m.cols; col += options.stride_px) {
@@ -40,7 +40,7 @@ std::vector<Eigen::Vector3d> points_of(const cv::Mat& depth_m, const RayTable& r
 
 }  // namespace
 
-Floor find_floor(const KeyframeImages& images, std::span<const PosedImage> views, const PinholeCamera& camera,
+Floor find_floor(const ImageStore& images, std::span<const PosedImage> views, const PinholeCamera& camera,
                  const Eigen::Vector3d& up, const OccupancyOptions& options) {
   const RayTable rays = ray_table(camera);
   std::vector<double> heights_m;
@@ -72,7 +72,7 @@ bool occupancy_available() {
   return true;
 }
 
-OccupancyMap::OccupancyMap(const KeyframeImages& images, std::span<const PosedImage> views,
+OccupancyMap::OccupancyMap(const ImageStore& images, std::span<const PosedImage> views,
                            const PinholeCamera& camera, const Floor& floor, const OccupancyOptions& options,
                            const Progress& progress)
     : options_(options), tree_(std::make_unique<Tree>(options.voxel_m)) {
@@ -87,8 +87,8 @@ OccupancyMap::OccupancyMap(const KeyframeImages& images, std::span<const PosedIm
     }
     const Eigen::Vector3f eye = T_floor_camera.translation.cast<float>();
     constexpr bool kAllBranchesLater = true, kOneRayPerVoxel = true;
-    tree_->tree.insertPointCloud(points, {eye.x(), eye.y(), eye.z()}, options.max_m * 2, kAllBranchesLater,
-                                 kOneRayPerVoxel);
+    tree_->tree.insertPointCloud(points, {eye.x(), eye.y(), eye.z()}, options.max_depth_m * 2,
+                                 kAllBranchesLater, kOneRayPerVoxel);
   }
   report(progress, "occupancy", views.size(), views.size());
   tree_->tree.updateInnerOccupancy();
@@ -96,13 +96,13 @@ OccupancyMap::OccupancyMap(const KeyframeImages& images, std::span<const PosedIm
 
 OccupancyMap::~OccupancyMap() = default;
 
-std::string OccupancyMap::binary_tree() const {
+std::string OccupancyMap::serialize_binary() const {
   std::ostringstream stream;
   tree_->tree.writeBinaryConst(stream);
   return stream.str();
 }
 
-std::string OccupancyMap::full_tree() const {
+std::string OccupancyMap::serialize_full() const {
   std::ostringstream stream;
   tree_->tree.write(stream);
   return stream.str();
@@ -121,7 +121,9 @@ OccupancyGrid OccupancyMap::grid() const {
   grid.cells.assign(static_cast<size_t>(grid.width) * static_cast<size_t>(grid.height), Occupancy::kUnknown);
   for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
     const double half_m = leaf.getSize() / 2;
-    if (leaf.getZ() + half_m <= options_.grid_low_m || leaf.getZ() - half_m >= options_.grid_high_m) continue;
+    if (leaf.getZ() + half_m <= options_.grid_min_height_m ||
+        leaf.getZ() - half_m >= options_.grid_max_height_m)
+      continue;
     const auto state = tree.isNodeOccupied(*leaf) ? Occupancy::kOccupied : Occupancy::kFree;
     const auto first = [&](double center, double origin) {
       return static_cast<int>(std::lround((center - half_m - origin) / grid.cell_m));
@@ -147,19 +149,19 @@ bool occupancy_available() {
   return false;
 }
 
-OccupancyMap::OccupancyMap(const KeyframeImages&, std::span<const PosedImage>, const PinholeCamera&,
-                           const Floor&, const OccupancyOptions& options, const Progress&)
+OccupancyMap::OccupancyMap(const ImageStore&, std::span<const PosedImage>, const PinholeCamera&, const Floor&,
+                           const OccupancyOptions& options, const Progress&)
     : options_(options) {
   throw UsageError("occupancy: this build has no OctoMap; install liboctomap-dev and build kinloop again");
 }
 
 OccupancyMap::~OccupancyMap() = default;
 
-std::string OccupancyMap::binary_tree() const {
+std::string OccupancyMap::serialize_binary() const {
   return {};
 }
 
-std::string OccupancyMap::full_tree() const {
+std::string OccupancyMap::serialize_full() const {
   return {};
 }
 

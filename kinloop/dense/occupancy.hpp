@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "kinloop/base/progress.hpp"
-#include "kinloop/dense/keyframe_images.hpp"
+#include "kinloop/dense/image_store.hpp"
 #include "kinloop/dense/options.hpp"
 #include "kinloop/dense/posed_image.hpp"
 
@@ -35,23 +35,23 @@ struct Floor {
 };
 
 /// The floor under what the views saw: the lowest that is seen more than by chance, `up` pointing up.
-Floor find_floor(const KeyframeImages& images, std::span<const PosedImage> views, const PinholeCamera& camera,
+Floor find_floor(const ImageStore& images, std::span<const PosedImage> views, const PinholeCamera& camera,
                  const Eigen::Vector3d& up, const OccupancyOptions& options);
 
 class OccupancyMap {
  public:
   /// Throws UsageError where this build has no OctoMap.
-  OccupancyMap(const KeyframeImages& images, std::span<const PosedImage> views, const PinholeCamera& camera,
+  OccupancyMap(const ImageStore& images, std::span<const PosedImage> views, const PinholeCamera& camera,
                const Floor& floor, const OccupancyOptions& options, const Progress& progress = {});
   ~OccupancyMap();
   OccupancyMap(const OccupancyMap&) = delete;
   OccupancyMap& operator=(const OccupancyMap&) = delete;
 
   /// A .bt file: free and occupied alone.
-  [[nodiscard]] std::string binary_tree() const;
+  [[nodiscard]] std::string serialize_binary() const;
 
   /// An .ot file: with probabilities.
-  [[nodiscard]] std::string full_tree() const;
+  [[nodiscard]] std::string serialize_full() const;
 
   /// What stands in a robot's way between the heights of the options.
   [[nodiscard]] OccupancyGrid grid() const;

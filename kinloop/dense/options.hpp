@@ -7,44 +7,42 @@ namespace kinloop {
 /// How posed depth images become one coloured cloud.
 struct DenseOptions {
   double voxel_m = 0.01;
-  double min_m = 0.4;
-  double max_m = 4.0;
-  double max_slope_deg = 78;
+  double min_depth_m = 0.4;
+  double max_depth_m = 4.0;
+  double max_incidence_deg = 78;
   int min_observations = 2;
   bool carve = true;
-  bool even_exposure = true;
+  bool compensate_exposure = true;
   int frame_step = 0;
   int jpeg_quality = 95;
   int image_memory_mib = 64;
-  int patch_memory_mib = 0;
+  int surfel_memory_mib = 0;
   int fusion_memory_mib = 256;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("voxel_m", self.voxel_m, "edge of a voxel, metres", Range{0.001, 0.5});
-    visit("min_m", self.min_m, "nearest depth used, metres", Range{0.05, 10});
-    visit("max_m", self.max_m, "farthest depth used, metres", Range{0.1, 13});
-    visit("max_slope_deg", self.max_slope_deg,
-          "leaves out surfaces that turn away from the ray by more, and with them the flying pixels at depth "
-          "edges, degrees",
+    visit("voxel_m", self.voxel_m, "voxel size, metres", Range{0.001, 0.5});
+    visit("min_depth_m", self.min_depth_m, "minimum depth, metres", Range{0.05, 10});
+    visit("max_depth_m", self.max_depth_m, "maximum depth, metres", Range{0.1, 13});
+    visit("max_incidence_deg", self.max_incidence_deg,
+          "maximum incidence angle of a surface; steeper ones, and flying pixels at depth "
+          "edges, are dropped, degrees",
           Range{10, 89.9});
     visit("min_observations", self.min_observations,
-          "images that must have seen a voxel for it to stay; all of them where fewer looked there",
-          Range{1, 100});
-    visit("carve", self.carve, "leaves out what more images saw through than saw: people who passed by");
-    visit("even_exposure", self.even_exposure,
-          "evens out what automatic exposure and white balance change from image to image");
-    visit("frame_step", self.frame_step,
-          "beside the keyframes, fuses every n-th frame; 0: others only where keyframes are few",
+          "minimum images that observe a voxel, or all images that cover it if fewer", Range{1, 100});
+    visit("carve", self.carve,
+          "space carving: drop points with more free-space violations than observations");
+    visit("compensate_exposure", self.compensate_exposure,
+          "compensate changes of exposure and white balance between images");
+    visit("frame_step", self.frame_step, "also fuse every n-th frame; 0: only where keyframes are sparse",
           Range{0, 10000});
-    visit("jpeg_quality", self.jpeg_quality, "of the colour images that are kept for fusing", Range{50, 100});
+    visit("jpeg_quality", self.jpeg_quality, "JPEG quality of the stored colour images", Range{50, 100});
     visit("image_memory_mib", self.image_memory_mib,
-          "memory for the images that are kept for fusing; the rest goes to a temporary file, MiB",
-          Range{0, 1e6});
-    visit("patch_memory_mib", self.patch_memory_mib,
-          "memory for what was worked out of them; the rest goes to a temporary file, MiB", Range{0, 1e6});
+          "memory for stored images before spilling to a temporary file, MiB", Range{0, 1e6});
+    visit("surfel_memory_mib", self.surfel_memory_mib,
+          "memory for surfels before spilling to a temporary file, MiB", Range{0, 1e6});
     visit("fusion_memory_mib", self.fusion_memory_mib,
-          "memory for voxels while fusing; a map that needs more is fused part by part, MiB", Range{1, 1e6});
+          "memory for voxels during fusion; larger maps are fused in slabs, MiB", Range{1, 1e6});
   }
 };
 
@@ -52,25 +50,24 @@ struct DenseOptions {
 struct MeshOptions {
   double voxel_m = 0.01;
   double truncation_voxels = 4;
-  double min_m = 0.4;
-  double max_m = 4.0;
-  double max_slope_deg = 78;
+  double min_depth_m = 0.4;
+  double max_depth_m = 4.0;
+  double max_incidence_deg = 78;
   double min_weight = 0.02;
-  int min_piece = 200;
+  int min_component_triangles = 200;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("voxel_m", self.voxel_m, "edge of a voxel, metres", Range{0.001, 0.5});
-    visit("truncation_voxels", self.truncation_voxels,
-          "how far before and behind a surface its distance is kept, voxels", Range{1, 20});
-    visit("min_m", self.min_m, "nearest depth used, metres", Range{0.05, 10});
-    visit("max_m", self.max_m, "farthest depth used, metres", Range{0.1, 13});
-    visit("max_slope_deg", self.max_slope_deg,
-          "leaves out surfaces that turn away from the ray by more, degrees", Range{10, 89.9});
-    visit("min_weight", self.min_weight,
-          "a voxel counts as seen from this weight on; one image at 1 m weighs 1, at z m 1 / z^4",
+    visit("voxel_m", self.voxel_m, "voxel size, metres", Range{0.001, 0.5});
+    visit("truncation_voxels", self.truncation_voxels, "TSDF truncation distance, voxels", Range{1, 20});
+    visit("min_depth_m", self.min_depth_m, "minimum depth, metres", Range{0.05, 10});
+    visit("max_depth_m", self.max_depth_m, "maximum depth, metres", Range{0.1, 13});
+    visit("max_incidence_deg", self.max_incidence_deg, "maximum incidence angle of a surface, degrees",
+          Range{10, 89.9});
+    visit("min_weight", self.min_weight, "minimum TSDF weight of a voxel; one image at z m weighs 1 / z^4",
           Range{0, 1e6});
-    visit("min_piece", self.min_piece, "loose pieces of fewer triangles are left out", Range{0, 1e9});
+    visit("min_component_triangles", self.min_component_triangles,
+          "minimum triangles of a connected component", Range{0, 1e9});
   }
 };
 
@@ -78,24 +75,24 @@ struct MeshOptions {
 struct OccupancyOptions {
   double voxel_m = 0.05;
   int stride_px = 4;
-  double min_m = 0.4;
-  double max_m = 4.0;
-  double max_slope_deg = 78;
-  double grid_low_m = 0.1;
-  double grid_high_m = 1.5;
+  double min_depth_m = 0.4;
+  double max_depth_m = 4.0;
+  double max_incidence_deg = 78;
+  double grid_min_height_m = 0.1;
+  double grid_max_height_m = 1.5;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("voxel_m", self.voxel_m, "edge of a voxel, metres", Range{0.005, 1});
-    visit("stride_px", self.stride_px, "takes every n-th pixel of every n-th row", Range{1, 64});
-    visit("min_m", self.min_m, "nearest depth used, metres", Range{0.05, 10});
-    visit("max_m", self.max_m, "farthest depth used, metres", Range{0.1, 13});
-    visit("max_slope_deg", self.max_slope_deg,
-          "leaves out surfaces that turn away from the ray by more, degrees", Range{10, 89.9});
-    visit("grid_low_m", self.grid_low_m, "what is lower above the floor is no obstacle of the grid, metres",
-          Range{-10, 10});
-    visit("grid_high_m", self.grid_high_m,
-          "what is higher above the floor is no obstacle of the grid, metres", Range{-10, 100});
+    visit("voxel_m", self.voxel_m, "voxel size, metres", Range{0.005, 1});
+    visit("stride_px", self.stride_px, "use every n-th pixel of every n-th row", Range{1, 64});
+    visit("min_depth_m", self.min_depth_m, "minimum depth, metres", Range{0.05, 10});
+    visit("max_depth_m", self.max_depth_m, "maximum depth, metres", Range{0.1, 13});
+    visit("max_incidence_deg", self.max_incidence_deg, "maximum incidence angle of a surface, degrees",
+          Range{10, 89.9});
+    visit("grid_min_height_m", self.grid_min_height_m,
+          "minimum height of an obstacle above the floor, metres", Range{-10, 10});
+    visit("grid_max_height_m", self.grid_max_height_m,
+          "maximum height of an obstacle above the floor, metres", Range{-10, 100});
   }
 };
 

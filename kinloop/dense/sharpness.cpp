@@ -4,7 +4,7 @@
 
 namespace kinloop {
 
-float sharpness_of(const cv::Mat& color) {
+float image_sharpness(const cv::Mat& color) {
   cv::Mat gray, laplacian;
   cv::cvtColor(color, gray, cv::COLOR_BGR2GRAY);
   cv::Laplacian(gray, laplacian, CV_32F);

@@ -4,8 +4,8 @@
 
 namespace kinloop {
 
-/// How sharp a colour image is: the mean square of its Laplacian, in thousands of squared grey values; motion
+/// How sharp a colour image is: the mean square of its Laplacian, in thousands of squared intensities; motion
 /// blur takes it away.
-float sharpness_of(const cv::Mat& color);
+float image_sharpness(const cv::Mat& color);
 
 }  // namespace kinloop

@@ -10,16 +10,17 @@ void mark_usable(const cv::Mat& depth_m, int row, double focal_px, const DepthLi
   const float* here = depth_m.ptr<float>(row);
   const float* above = depth_m.ptr<float>(row - kDepthMarginPx);
   const float* below = depth_m.ptr<float>(row + kDepthMarginPx);
-  const auto min_m = static_cast<float>(limits.min_m), max_m = static_cast<float>(limits.max_m);
+  const auto min_depth_m = static_cast<float>(limits.min_depth_m),
+             max_depth_m = static_cast<float>(limits.max_depth_m);
   // A surface turned by an angle a from facing the ray changes depth by tan(a) z / f from pixel to pixel.
-  const auto max_change =
-      static_cast<float>(std::tan(limits.max_slope_deg * std::numbers::pi / 180) * kDepthMarginPx / focal_px);
+  const auto max_change = static_cast<float>(std::tan(limits.max_incidence_deg * std::numbers::pi / 180) *
+                                             kDepthMarginPx / focal_px);
   for (int col = kDepthMarginPx; col < depth_m.cols - kDepthMarginPx; ++col) {
     const float z = here[col];
     const float limit_m = max_change * z;
     const auto joined = [=](float other) { return !(other > 0) | (std::abs(other - z) <= limit_m); };
     usable[col] =
-        static_cast<uint8_t>((z >= min_m) & (z <= max_m) & joined(here[col - kDepthMarginPx]) &
+        static_cast<uint8_t>((z >= min_depth_m) & (z <= max_depth_m) & joined(here[col - kDepthMarginPx]) &
                              joined(here[col + kDepthMarginPx]) & joined(above[col]) & joined(below[col]));
   }
 }

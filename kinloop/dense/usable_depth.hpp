@@ -10,8 +10,8 @@ namespace kinloop {
 
 /// Which depth to trust.
 struct DepthLimits {
-  double min_m = 0, max_m = 0;
-  double max_slope_deg = 0;  ///< of a surface, from facing the ray
+  double min_depth_m = 0, max_depth_m = 0;
+  double max_incidence_deg = 0;  ///< of a surface, from facing the ray
 };
 
 /// Depth is compared with that of pixels this far away: one pixel further would miss thin things, one nearer

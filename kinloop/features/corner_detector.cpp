@@ -19,9 +19,9 @@ namespace {
 
 /// What is read around a corner must lie inside the level: the compared pixels, where they are smoothed, and
 /// the disc of its direction.
-constexpr int kBorder = std::max(kBriefReach + kBlurRadius, kDiscReach);
+constexpr int kBorder = std::max(kBriefMarginPx + kBlurRadius, kDiscMarginPx);
 
-/// Key points of each level: in proportion to the level's side length, as in ORB.
+/// Keypoints of each level: in proportion to the level's side length, as in ORB.
 std::vector<int> quota_per_level(const FeatureOptions& options) {
   std::vector<double> share(static_cast<size_t>(options.levels));
   for (size_t level = 0; level < share.size(); ++level) {
@@ -34,7 +34,7 @@ std::vector<int> quota_per_level(const FeatureOptions& options) {
 }
 
 /// The corners from the highest contrast down; equal ones stay in reading order.
-std::vector<RawCorner> by_contrast(std::span<const RawCorner> corners) {
+std::vector<RawCorner> sort_by_score(std::span<const RawCorner> corners) {
   constexpr size_t kContrasts = 256;
   std::array<size_t, kContrasts + 1> next{};  // counting sort: where the next one of each contrast goes
   const auto bin = [](const RawCorner& corner) {
@@ -50,15 +50,15 @@ std::vector<RawCorner> by_contrast(std::span<const RawCorner> corners) {
 /// The corners of a level that are kept, at most `quota`. The strongest alone would crowd where the contrast
 /// is high, the same number from every cell would take many that the next image does not show again: the n-th
 /// corner of a cell counts with its contrast / n.
-std::vector<RawCorner> pick_evenly(std::span<const RawCorner> corners, const cv::Size& size, size_t quota,
-                                   int cell_px) {
+std::vector<RawCorner> distribute_evenly(std::span<const RawCorner> corners, const cv::Size& size,
+                                         size_t quota, int cell_px) {
   const int columns = size.width / cell_px + 1, rows = size.height / cell_px + 1;
   std::vector<int> taken(static_cast<size_t>(columns) * static_cast<size_t>(rows));
   const auto cell_of = [&](const RawCorner& corner) {
     return static_cast<size_t>(corner.y / cell_px) * static_cast<size_t>(columns) +
            static_cast<size_t>(corner.x / cell_px);
   };
-  std::vector<RawCorner> sorted = by_contrast(corners);
+  std::vector<RawCorner> sorted = sort_by_score(corners);
   if (sorted.size() <= quota) return sorted;
   std::vector<float> priorities;
   for (const RawCorner& corner : sorted) {
@@ -102,7 +102,7 @@ std::vector<Corner> detect_corners(const std::vector<cv::Mat>& pyramid, const Fe
     const cv::Mat& image = pyramid[level];
     const auto corners = find_corners(image, options.fast_threshold, kBorder);
     const auto level_quota = static_cast<size_t>(quota[level]);
-    for (const RawCorner& corner : pick_evenly(corners, image.size(), level_quota, options.cell_px)) {
+    for (const RawCorner& corner : distribute_evenly(corners, image.size(), level_quota, options.cell_px)) {
       all.push_back({static_cast<int>(level), corner.x, corner.y, corner.dx, corner.dy,
                      orientation_deg(image, corner.x, corner.y)});
     }

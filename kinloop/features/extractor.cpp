@@ -10,8 +10,8 @@
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/features/corner_detector.hpp"
+#include "kinloop/features/detected_keypoints.hpp"
 #include "kinloop/features/hamming.hpp"
-#include "kinloop/features/image_points.hpp"
 #include "kinloop/features/kernels/gaussian_blur.hpp"
 #include "kinloop/features/kernels/steered_brief.hpp"
 
@@ -35,7 +35,7 @@ cv::Mat describe(const std::vector<cv::Mat>& pyramid, std::span<const Corner> co
 
 /// Where a corner of a pyramid level lies on the full image. Resizing leaves the outer corner of the first
 /// pixel at rest, which is half a pixel from its centre, and level sizes are whole numbers.
-Eigen::Vector2f on_full_image(const Corner& corner, const std::vector<cv::Mat>& pyramid) {
+Eigen::Vector2f to_full_resolution(const Corner& corner, const std::vector<cv::Mat>& pyramid) {
   const cv::Mat& full = pyramid.front();
   const cv::Mat& level = pyramid[static_cast<size_t>(corner.level)];
   const auto scale_x = static_cast<float>(full.cols) / static_cast<float>(level.cols);
@@ -45,21 +45,21 @@ Eigen::Vector2f on_full_image(const Corner& corner, const std::vector<cv::Mat>& 
 }
 
 /// Our own ORB.
-ImagePoints detect_orb_points(const cv::Mat& gray, const FeatureOptions& options) {
+DetectedKeypoints detect_orb_keypoints(const cv::Mat& gray, const FeatureOptions& options) {
   const auto pyramid = build_pyramid(gray, options);
   const auto corners = detect_corners(pyramid, options);
-  ImagePoints image;
+  DetectedKeypoints image;
   image.level_count = options.levels;
   image.descriptors = describe(pyramid, corners);
   for (const Corner& corner : corners) {
-    image.points.push_back({on_full_image(corner, pyramid), corner.level, corner.angle_deg});
+    image.points.push_back({to_full_resolution(corner, pyramid), corner.level, corner.angle_deg});
   }
   return image;
 }
 
 }  // namespace
 
-float depth_around(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, double max_relative_step) {
+float average_depth(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, double max_relative_step) {
   const int x = cvRound(raw_pixel.x()), y = cvRound(raw_pixel.y());
   if (x < 1 || y < 1 || x + 1 >= depth_m.cols || y + 1 >= depth_m.rows) return 0;
   constexpr int kMinValid = 5;
@@ -126,17 +126,17 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
   require(gray.type() == CV_8UC1, "extract_features: the image must be 8-bit grey");
   require(depth_m.empty() || (depth_m.type() == CV_32FC1 && depth_m.size() == gray.size()),
           "extract_features: depth must be float metres, of the image's size");
-  const ImagePoints image =
-      options.kind == "orb" ? detect_orb_points(gray, options) : detect_float_points(gray, options);
+  const DetectedKeypoints image =
+      options.kind == "orb" ? detect_orb_keypoints(gray, options) : detect_float_keypoints(gray, options);
   Features features;
   features.scale_factor = options.scale_factor;
   features.level_count = image.level_count;
   features.descriptors = image.descriptors;
-  for (const ImagePoint& point : image.points) {
+  for (const DetectedKeypoint& point : image.points) {
     const Eigen::Vector2f& raw = point.raw_pixel;
     features.raw_pixels.push_back(raw);
     features.pixels.push_back(camera.undistort(raw.cast<double>()).cast<float>());
-    features.depths_m.push_back(depth_m.empty() ? 0 : depth_around(depth_m, raw, options.max_depth_step));
+    features.depths_m.push_back(depth_m.empty() ? 0 : average_depth(depth_m, raw, options.max_depth_step));
     const auto slope = depth_m.empty() ? std::nullopt : inverse_depth_gradient(depth_m, raw);
     features.inverse_depth_gradients.push_back(slope.value_or(kUnknownSlope));
     features.measured_pixels.push_back(features.pixels.back());

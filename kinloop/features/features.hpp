@@ -1,5 +1,5 @@
 #pragma once
-// What is kept of an image: its key points, their depths and their descriptors.
+// What is kept of an image: its keypoints, their depths and their descriptors.
 
 #include <cstdint>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace kinloop {
 
-/// Key points of one image, structure of arrays; all vectors and `descriptors` have one entry (row) per key
-/// point.
+/// Keypoints of one image, structure of arrays; all vectors and `descriptors` have one entry (row) per
+/// keypoint.
 struct Features {
   double scale_factor = 1.2;  ///< size ratio of one pyramid level to the next
   int level_count = 8;

@@ -15,23 +15,23 @@ constexpr int kFar = std::numeric_limits<int>::max();
 constexpr int kCellPx = 16;
 
 /// For each row of `a` the key of the nearest row of `b`, and for each row of `b` that of the nearest of `a`.
-struct NearestBothWays {
+struct MutualNearest {
   std::vector<uint32_t> of_a, of_b;
 };
 
-NearestBothWays find_nearest(const cv::Mat& a, const cv::Mat& b) {
-  const TurnedDescriptors turned(b.ptr<uint8_t>(), static_cast<size_t>(b.rows));
-  std::vector<uint16_t> distances(turned.padded_count());
-  NearestBothWays nearest{{}, std::vector<uint32_t>(turned.padded_count(), kNoKey)};
+MutualNearest find_nearest(const cv::Mat& a, const cv::Mat& b) {
+  const TransposedDescriptors transposed(b.ptr<uint8_t>(), static_cast<size_t>(b.rows));
+  std::vector<uint16_t> distances(transposed.padded_count());
+  MutualNearest nearest{{}, std::vector<uint32_t>(transposed.padded_count(), kNoKey)};
   for (int i = 0; i < a.rows; ++i) {
-    turned.distances_from(a.ptr<uint8_t>(i), distances);
+    transposed.distances_from(a.ptr<uint8_t>(i), distances);
     nearest.of_a.push_back(nearest_key(distances, static_cast<uint32_t>(i), nearest.of_b.data()));
   }
   return nearest;
 }
 
-/// The nearest and the second nearest key point of a search window.
-struct TwoNearest {
+/// The nearest and the second nearest keypoint of a search window.
+struct TwoBestMatches {
   uint32_t index = 0;
   int distance = kFar, second_distance = kFar;
   int level = -1, second_level = -1;
@@ -68,7 +68,7 @@ std::vector<Match> match_brute_force(const cv::Mat& a, const cv::Mat& b, bool cr
   require(a.cols == kOrbBytes && b.cols == kOrbBytes && a.isContinuous() && b.isContinuous(),
           "match_brute_force: expected continuous N x 32 binary descriptors");
   require(std::max(a.rows, b.rows) < 1 << kIndexBits, "match_brute_force: too many descriptors");
-  const NearestBothWays nearest = find_nearest(a, b);
+  const MutualNearest nearest = find_nearest(a, b);
   std::vector<Match> matches;
   for (uint32_t i = 0; i < nearest.of_a.size(); ++i) {
     const uint32_t j = index_of_key(nearest.of_a[i]);
@@ -78,7 +78,7 @@ std::vector<Match> match_brute_force(const cv::Mat& a, const cv::Mat& b, bool cr
   return matches;
 }
 
-std::vector<Match> screen_matches(std::span<const Match> matches, double factor, int floor) {
+std::vector<Match> filter_matches_by_distance(std::span<const Match> matches, double factor, int floor) {
   int smallest = kFar;
   for (const Match& match : matches) smallest = std::min(smallest, match.distance);
   std::vector<Match> kept;
@@ -113,7 +113,8 @@ int FeatureGrid::row_of(double y) const {
   return std::clamp(static_cast<int>(y / kCellPx), 0, rows_ - 1);
 }
 
-void FeatureGrid::near(const Eigen::Vector2d& pixel, double radius_px, std::vector<uint32_t>& found) const {
+void FeatureGrid::features_in_area(const Eigen::Vector2d& pixel, double radius_px,
+                                   std::vector<uint32_t>& found) const {
   found.clear();
   const int column_end = column_of(pixel.x() + radius_px), row_end = row_of(pixel.y() + radius_px);
   for (int row = row_of(pixel.y() - radius_px); row <= row_end; ++row) {
@@ -139,12 +140,12 @@ std::vector<Match> match_by_projection(std::span<const ProjectedPoint> points, c
   std::vector<uint16_t> distances;
   for (uint32_t p = 0; p < points.size(); ++p) {
     const ProjectedPoint& point = points[p];
-    grid.near(point.pixel, point.radius_px, nearby);
+    grid.features_in_area(point.pixel, point.radius_px, nearby);
     std::erase_if(nearby,
                   [&](uint32_t i) { return !plausible(point, features, i, options.max_depth_error); });
     distances.resize(nearby.size());
     hamming_to_rows(point.descriptor, features.descriptors.ptr<uint8_t>(), nearby, distances.data());
-    TwoNearest nearest;
+    TwoBestMatches nearest;
     for (size_t k = 0; k < nearby.size(); ++k) {
       nearest.offer(nearby[k], distances[k], features.levels[nearby[k]]);
     }

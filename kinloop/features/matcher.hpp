@@ -11,7 +11,7 @@
 
 namespace kinloop {
 
-/// Key point `a` of the first set looks like key point `b` of the second.
+/// Keypoint `a` of the first set looks like keypoint `b` of the second.
 struct Match {
   uint32_t a = 0;
   uint32_t b = 0;
@@ -26,16 +26,17 @@ std::vector<Match> match_brute_force(const cv::Mat& a, const cv::Mat& b, bool cr
 
 /// The founding paper's screen: keeps matches whose distance is at most `factor` times the smallest one. A
 /// perfect match would reject all others, so the limit is at least `floor` bits.
-std::vector<Match> screen_matches(std::span<const Match> matches, double factor = 4.0, int floor = 40);
+std::vector<Match> filter_matches_by_distance(std::span<const Match> matches, double factor = 4.0,
+                                              int floor = 40);
 
-/// Key points sorted into square cells, to find those near a pixel quickly.
+/// Keypoints sorted into square cells, to find those near a pixel quickly.
 class FeatureGrid {
  public:
   FeatureGrid(const Features& features, int width_px, int height_px);
 
-  /// Indices of key points within `radius_px` (in each axis) of `pixel`, in ascending order of cell, then
+  /// Indices of keypoints within `radius_px` (in each axis) of `pixel`, in ascending order of cell, then
   /// index.
-  void near(const Eigen::Vector2d& pixel, double radius_px, std::vector<uint32_t>& found) const;
+  void features_in_area(const Eigen::Vector2d& pixel, double radius_px, std::vector<uint32_t>& found) const;
 
  private:
   [[nodiscard]] size_t cell_index(int row, int column) const;
@@ -65,8 +66,8 @@ struct ProjectionMatchOptions {
   double max_depth_error = 0.15;  ///< |measured z - expected z| / expected z, where z was measured
 };
 
-/// Guided matching: for each projected point (index `a`) the key point `b` in its window that looks most like
-/// it. Each key point is given to at most one point, the most alike.
+/// Guided matching: for each projected point (index `a`) the keypoint `b` in its window that looks most like
+/// it. Each keypoint is given to at most one point, the most alike.
 std::vector<Match> match_by_projection(std::span<const ProjectedPoint> points, const Features& features,
                                        const FeatureGrid& grid, const ProjectionMatchOptions& options);
 

@@ -17,16 +17,17 @@ struct FeatureOptions {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("kind", self.kind, "kind of key points; the dictionary must be of the same",
+    visit("kind", self.kind, "keypoint type; must match that of the vocabulary",
           Choices{{"orb", "sift", "surf"}});
-    visit("count", self.count, "key points kept per image", Range{50, 20000});
+    visit("count", self.count, "maximum keypoints per image", Range{50, 20000});
     visit("scale_factor", self.scale_factor, "size ratio of one pyramid level to the next", Range{1.05, 2});
     visit("levels", self.levels, "pyramid levels", Range{1, 16});
-    visit("fast_threshold", self.fast_threshold, "least contrast of a corner, grey levels", Range{1, 100});
-    visit("cell_px", self.cell_px, "side of the cells over which corners are spread, px of each level",
+    visit("fast_threshold", self.fast_threshold,
+          "FAST threshold: minimum contrast of a corner, intensity levels", Range{1, 100});
+    visit("cell_px", self.cell_px, "cell size of the grid that distributes corners evenly, px of each level",
           Range{8, 256});
     visit("max_depth_step", self.max_depth_step,
-          "relative depth change around a key point beyond which its depth is not used", Range{0, 1});
+          "maximum relative depth change around a keypoint for its depth to be used", Range{0, 1});
   }
 };
 

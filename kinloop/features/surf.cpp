@@ -19,7 +19,7 @@ bool surf_available() {
   return true;
 }
 
-SurfPoints detect_surf(const cv::Mat& gray, int count) {
+SurfFeatures detect_surf(const cv::Mat& gray, int count) {
   constexpr int kDimensions = 64;
   constexpr double kThreshold = 3.0;  // of the Hessian's determinant: low, so that `count` decides
   constexpr double kSigmaOfScaleOne = 1.2;
@@ -28,14 +28,14 @@ SurfPoints detect_surf(const cv::Mat& gray, int count) {
     std::memcpy(&image[y][0], gray.ptr(y), static_cast<size_t>(gray.cols));
   }
   const auto points = dlib::get_surf_points(image, count, kThreshold);
-  SurfPoints result;
+  SurfFeatures result;
   result.descriptors.create(static_cast<int>(points.size()), kDimensions, CV_32FC1);
   for (size_t i = 0; i < points.size(); ++i) {
     const auto& point = points[i];
     const cv::Point2f at(static_cast<float>(point.p.center.x()), static_cast<float>(point.p.center.y()));
     const auto size = static_cast<float>(2 * kSigmaOfScaleOne * point.p.scale);
     const auto angle_deg = static_cast<float>(point.angle * 180 / std::numbers::pi);
-    result.key_points.emplace_back(at, size, angle_deg, static_cast<float>(point.p.score), 0);
+    result.keypoints.emplace_back(at, size, angle_deg, static_cast<float>(point.p.score), 0);
     for (int d = 0; d < kDimensions; ++d) {
       result.descriptors.at<float>(static_cast<int>(i), d) = static_cast<float>(point.des(d));
     }
@@ -49,8 +49,8 @@ bool surf_available() {
   return false;
 }
 
-SurfPoints detect_surf(const cv::Mat&, int) {
-  throw UsageError("SURF is not in this build: dlib was not found when it was built");
+SurfFeatures detect_surf(const cv::Mat&, int) {
+  throw UsageError("SURF: this build has no dlib; install libdlib-dev and build kinloop again");
 }
 
 #endif

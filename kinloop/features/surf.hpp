@@ -6,9 +6,9 @@
 
 namespace kinloop {
 
-/// Key points (level 0 pixels, size and angle as OpenCV has them) with a 64-vector each, N x 64 of 32FC1.
-struct SurfPoints {
-  std::vector<cv::KeyPoint> key_points;
+/// Keypoints (level 0 pixels, size and angle as OpenCV has them) with a 64-vector each, N x 64 of 32FC1.
+struct SurfFeatures {
+  std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
 };
 
@@ -17,6 +17,6 @@ bool surf_available();
 
 /// dlib's SURF: the `count` strongest points of an 8-bit grey image. Throws UsageError in a build without
 /// dlib.
-SurfPoints detect_surf(const cv::Mat& gray, int count);
+SurfFeatures detect_surf(const cv::Mat& gray, int count);
 
 }  // namespace kinloop

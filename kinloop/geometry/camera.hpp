@@ -1,7 +1,7 @@
 #pragma once
 // In: points in the camera frame (x right, y down, z forward, metres). Out: pixels (x right, y down, the
 // centre of the top left pixel is (0, 0)), and back. "Undistorted" pixels are those an ideal pinhole camera
-// with the same fx, fy, cx, cy would see; key points are undistorted once, and all estimation happens in
+// with the same fx, fy, cx, cy would see; keypoints are undistorted once, and all estimation happens in
 // undistorted pixels.
 
 #include <optional>
@@ -55,7 +55,7 @@ struct RgbdCamera {
   double depth_scale = 5000;     ///< units of the depth image per metre
   double depth_shift_m = 0;      ///< to be added to depth as measured
   double fps = 30;               ///< frames per second
-  double rolling_shutter_s = 0;  ///< read-out time from the first colour row to the last
+  double rolling_shutter_s = 0;  ///< readout time from the first colour row to the last
   double depth_offset_s = 0;     ///< time of the depth measurement minus time of its colour image
   /// The depth camera, where depth is not registered to colour.
   std::optional<PinholeCamera> depth;

@@ -14,7 +14,7 @@ namespace {
 StampedPose parse_pose(const TextLine& line, const std::filesystem::path& path) {
   constexpr size_t kFields = 8;
   if (line.fields.size() != kFields) {
-    throw_at(
+    throw_parse_error(
         path, line.number,
         fmt::format(
             "expected 'timestamp tx ty tz qx qy qz qw' (TUM format, separated by blanks), found {} fields",
@@ -22,14 +22,15 @@ StampedPose parse_pose(const TextLine& line, const std::filesystem::path& path) 
   }
   const auto stamp_ns = parse_stamp_ns(line.fields[0]);
   if (!stamp_ns)
-    throw_at(path, line.number,
-             fmt::format("'{}' is not a time stamp in seconds; correct or delete the line", line.fields[0]));
+    throw_parse_error(
+        path, line.number,
+        fmt::format("'{}' is not a time stamp in seconds; correct or delete the line", line.fields[0]));
   double v[kFields - 1];
   for (size_t i = 0; i + 1 < kFields; ++i) v[i] = parse_double(line.fields[i + 1], path, line.number);
   const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
   constexpr double kMinNorm = 1e-6;
   if (rotation.norm() < kMinNorm)
-    throw_at(path, line.number, "the quaternion is zero; correct or delete the line");
+    throw_parse_error(path, line.number, "the quaternion is zero; correct or delete the line");
   return {*stamp_ns, {rotation.normalized(), {v[0], v[1], v[2]}}};
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Time-stamped camera poses and the TUM text format that carries them. It lives in this room, not in
+// Time-stamped camera poses and the TUM text format that carries them. It lives in this module, not in
 // `output`, because sensor (simulation paths), eval and output all read it.
 
 #include <filesystem>

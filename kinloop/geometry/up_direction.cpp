@@ -188,11 +188,11 @@ double surface_evidence(const Shares& shares) {
 
 }  // namespace
 
-const char* name_of(UpSource source) {
+const char* to_string(UpSource source) {
   return source == UpSource::kPlanes ? "planes" : "camera";
 }
 
-UpEstimate up_of_cameras(std::span<const SE3> T_world_cameras) {
+UpEstimate mean_camera_up(std::span<const SE3> T_world_cameras) {
   UpEstimate up;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const SE3& pose : T_world_cameras) sum -= pose.R().col(1);
@@ -202,12 +202,13 @@ UpEstimate up_of_cameras(std::span<const SE3> T_world_cameras) {
   return up;
 }
 
-UpEstimate estimate_up(std::span<const Eigen::Vector3f> normals, std::span<const SE3> T_world_cameras) {
+UpEstimate estimate_up_direction(std::span<const Eigen::Vector3f> normals,
+                                 std::span<const SE3> T_world_cameras) {
   constexpr size_t kMinNormals = 300;     // fewer are a corner of something
   constexpr double kMinExplained = 0.35;  // twice what directions at random would give
   constexpr double kMinUpright = 0.1;     // a plane alone may as well be a wall
   constexpr double kMinConfidence = 0.6;
-  UpEstimate fallback = up_of_cameras(T_world_cameras);
+  UpEstimate fallback = mean_camera_up(T_world_cameras);
   const Normals some = chosen(normals);
   if (some.size() < kMinNormals) return fallback;
 
@@ -231,7 +232,7 @@ UpEstimate estimate_up(std::span<const Eigen::Vector3f> normals, std::span<const
   return {best->up, UpSource::kPlanes, 1 / sum};
 }
 
-std::vector<SE3> poses_of(const Trajectory& trajectory) {
+std::vector<SE3> camera_poses(const Trajectory& trajectory) {
   std::vector<SE3> poses;
   for (const StampedPose& pose : trajectory) poses.push_back(pose.T_world_camera);
   return poses;

@@ -15,7 +15,7 @@ enum class UpSource {
 };
 
 /// "planes" or "camera".
-const char* name_of(UpSource source);
+const char* to_string(UpSource source);
 
 /// Which way is up in the world, by default the first camera's own up.
 struct UpEstimate {
@@ -33,13 +33,14 @@ struct UpEstimate {
 /// surface that would then be either; the best few compete, each with both signs, by what else is known of
 /// cameras that people carry: level surfaces are mostly seen from above, cameras look around rather than up
 /// or down, and most are held upright. No one of these decides, so a camera may be rolled in any way.
-UpEstimate estimate_up(std::span<const Eigen::Vector3f> normals, std::span<const SE3> T_world_cameras);
+UpEstimate estimate_up_direction(std::span<const Eigen::Vector3f> normals,
+                                 std::span<const SE3> T_world_cameras);
 
 /// The mean of the cameras' own up axes.
-UpEstimate up_of_cameras(std::span<const SE3> T_world_cameras);
+UpEstimate mean_camera_up(std::span<const SE3> T_world_cameras);
 
 /// The poses alone.
-std::vector<SE3> poses_of(const Trajectory& trajectory);
+std::vector<SE3> camera_poses(const Trajectory& trajectory);
 
 /// The rotation from the world to a frame with z along `up` in which the camera at `T_world_first` looks
 /// along y, as seen from above; where it looks straight up or down, the top of its image points along y.

@@ -5,11 +5,11 @@
 namespace kinloop {
 namespace {
 
-constexpr int kNeighbourShared = 15;  // shared landmarks that make two keyframes neighbours
+constexpr int kMinSharedLandmarks = 15;  // shared landmarks that make two keyframes neighbours
 
 /// Likeness of the keyframe to the least alike of its neighbours: what "the same place" means here and now.
-double neighbour_score(const PlaceIndex& index, KeyframeId keyframe,
-                       const std::vector<std::pair<KeyframeId, int>>& neighbours) {
+double min_covisible_score(const PlaceIndex& index, KeyframeId keyframe,
+                           const std::vector<std::pair<KeyframeId, int>>& neighbours) {
   double lowest = 1.0;
   for (const auto& [neighbour, shared] : neighbours) {
     lowest = std::min(lowest, similarity(index.bow_of(keyframe), index.bow_of(neighbour)));
@@ -17,9 +17,9 @@ double neighbour_score(const PlaceIndex& index, KeyframeId keyframe,
   return neighbours.empty() ? 0.0 : lowest;
 }
 
-std::vector<KeyframeId> surroundings(const Map& map, KeyframeId keyframe) {
+std::vector<KeyframeId> covisible_group(const Map& map, KeyframeId keyframe) {
   std::vector<KeyframeId> group{keyframe};
-  for (const auto& [neighbour, shared] : map.covisible(keyframe, kNeighbourShared))
+  for (const auto& [neighbour, shared] : map.covisible_keyframes(keyframe, kMinSharedLandmarks))
     group.push_back(neighbour);
   std::sort(group.begin(), group.end());
   return group;
@@ -33,24 +33,24 @@ bool overlap(const std::vector<KeyframeId>& a, const std::vector<KeyframeId>& b)
 
 }  // namespace
 
-LoopCandidates find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
-                                    const CandidateHistory& history, const LoopOptions& options) {
-  const auto neighbours = map.covisible(keyframe, kNeighbourShared);
-  const double min_score = options.min_score_share * neighbour_score(index, keyframe, neighbours);
+LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
+                                   const CandidateHistory& history, const LoopOptions& options) {
+  const auto neighbours = map.covisible_keyframes(keyframe, kMinSharedLandmarks);
+  const double min_score = options.min_score_ratio * min_covisible_score(index, keyframe, neighbours);
   std::vector<bool> excluded(map.keyframes().size(), false);
   for (const auto& [neighbour, shared] : neighbours) excluded[neighbour.value] = true;
   const uint32_t component = map.keyframe(keyframe).component;
   const auto allowed = [&](KeyframeId id) {
-    const bool far_back = id.value + static_cast<uint32_t>(options.min_gap_keyframes) <= keyframe.value;
-    const bool elsewhere = id < keyframe && map.keyframe(id).component != component;
-    return (far_back || elsewhere) && !excluded[id.value];
+    const bool old_enough = id.value + static_cast<uint32_t>(options.min_gap_keyframes) <= keyframe.value;
+    const bool other_component = id < keyframe && map.keyframe(id).component != component;
+    return (old_enough || other_component) && !excluded[id.value];
   };
 
-  LoopCandidates candidates;
+  LoopDetection candidates;
   const auto max_results = static_cast<size_t>(options.max_candidates);
   for (const auto& [candidate, score] : index.query(index.bow_of(keyframe), max_results, allowed)) {
     if (score < min_score) continue;
-    CandidateGroup group{surroundings(map, candidate), 1};
+    CandidateGroup group{covisible_group(map, candidate), 1};
     for (const CandidateGroup& earlier : history) {
       if (overlap(group.keyframes, earlier.keyframes)) {
         group.consistency = std::max(group.consistency, earlier.consistency + 1);

@@ -18,7 +18,7 @@ struct CandidateGroup {
 /// What the detector remembers from one keyframe to the next.
 using CandidateHistory = std::vector<CandidateGroup>;
 
-struct LoopCandidates {
+struct LoopDetection {
   std::vector<KeyframeId> keyframes;  ///< to be verified, most alike first
   CandidateHistory history;           ///< for the next keyframe
 };
@@ -26,7 +26,7 @@ struct LoopCandidates {
 /// Keyframes at least `min_gap_keyframes` older than `keyframe` or of another component, and not covisible
 /// with it, as alike as its own neighbours are (relative score), to whose surroundings `consistent_keyframes`
 /// keyframes in a row have pointed (Galvez-Lopez and Tardos 2012; Mur-Artal and Tardos 2014).
-LoopCandidates find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
-                                    const CandidateHistory& history, const LoopOptions& options);
+LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
+                                   const CandidateHistory& history, const LoopOptions& options);
 
 }  // namespace kinloop

@@ -46,14 +46,14 @@ PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
   }
   for (const Keyframe& keyframe : map.keyframes()) {
     const auto previous = predecessor(map, keyframe);
-    bool tied_to_previous = !previous;
-    for (const auto& [older, shared] : map.covisible(keyframe.id, 1)) {
+    bool connected_to_previous = !previous;
+    for (const auto& [older, shared] : map.covisible_keyframes(keyframe.id, 1)) {
       if (older > keyframe.id) continue;
-      if (shared < options.edge_min_shared && older != previous) continue;
+      if (shared < options.covisibility_edge_min_landmarks && older != previous) continue;
       graph.edges.push_back(edge_between(map, older, keyframe.id, shared, options));
-      tied_to_previous = tied_to_previous || older == previous;
+      connected_to_previous = connected_to_previous || older == previous;
     }
-    if (!tied_to_previous) graph.edges.push_back(edge_between(map, *previous, keyframe.id, 1, options));
+    if (!connected_to_previous) graph.edges.push_back(edge_between(map, *previous, keyframe.id, 1, options));
   }
   for (const LoopEdge& loop : map.loop_edges()) {
     PoseGraphEdge edge;
@@ -66,15 +66,15 @@ PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
   return graph;
 }
 
-LoopProblem loop_problem(const Map& map, std::vector<std::pair<LandmarkId, LandmarkId>> merges,
-                         const LoopOptions& options) {
+LoopProblem make_loop_problem(const Map& map, std::vector<std::pair<LandmarkId, LandmarkId>> merges,
+                              const LoopOptions& options) {
   return {make_pose_graph(map, options), std::move(merges), map.keyframes().back().id, map.epoch()};
 }
 
 MapUpdate correct_loop(const LoopProblem& problem, const LoopOptions& options) {
   const PoseGraphSolution solution = solve_pose_graph(problem.graph, options.pose_graph);
   MapUpdate update;
-  update.newest_seen = problem.newest_seen;
+  update.newest_keyframe = problem.newest_keyframe;
   update.epoch = problem.epoch;
   update.merges = problem.merges;
   for (uint32_t i = 0; i < solution.T_world_vertex.size(); ++i) {

@@ -12,7 +12,7 @@ namespace kinloop {
 struct LoopProblem {
   PoseGraph graph;  ///< vertex i is keyframe i
   std::vector<std::pair<LandmarkId, LandmarkId>> merges;
-  KeyframeId newest_seen;
+  KeyframeId newest_keyframe;
   uint32_t epoch = 0;
 };
 
@@ -25,8 +25,8 @@ PoseGraph make_pose_graph(const Map& map, const LoopOptions& options);
 Matrix6d edge_information(int shared, const LoopOptions& options);
 
 /// Copies the problem; `merges` are landmarks recognised as the same by the newest loop edge.
-LoopProblem loop_problem(const Map& map, std::vector<std::pair<LandmarkId, LandmarkId>> merges,
-                         const LoopOptions& options);
+LoopProblem make_loop_problem(const Map& map, std::vector<std::pair<LandmarkId, LandmarkId>> merges,
+                              const LoopOptions& options);
 
 /// Solves the pose graph. Landmarks follow their anchors.
 MapUpdate correct_loop(const LoopProblem& problem, const LoopOptions& options);

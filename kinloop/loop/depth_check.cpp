@@ -11,11 +11,11 @@
 namespace kinloop {
 namespace {
 
-constexpr double kReach_px = 8;  // the slope of depth was measured that far around a key point
+constexpr double kNeighborhood_px = 8;  // the slope of depth was measured that far around a keypoint
 constexpr double kSigmas = 3;
-constexpr int kStrays = 2;  // depths that are plainly wrong are rare, but there are
+constexpr int kMaxDepthOutliers = 2;  // depths that are plainly wrong are rare, but there are
 
-/// Whether the depth around a key point is that of a plane; at edges it is not.
+/// Whether the depth around a keypoint is that of a plane; at edges it is not.
 bool on_plane(const Features& features, uint32_t index) {
   return features.depths_m[index] > 0 && index < features.inverse_depth_gradients.size() &&
          features.inverse_depth_gradients[index].allFinite();
@@ -23,9 +23,10 @@ bool on_plane(const Features& features, uint32_t index) {
 
 /// Inverse depth of a point less that of the surface at its pixel: of the planes measured near there, the one
 /// that fits best. Nothing where none was.
-std::optional<double> before_surface(const Eigen::Vector2d& pixel, double inverse_depth, const Features& view,
-                                     const FeatureGrid& grid, std::vector<uint32_t>& near) {
-  grid.near(pixel, kReach_px, near);
+std::optional<double> inverse_depth_difference(const Eigen::Vector2d& pixel, double inverse_depth,
+                                               const Features& view, const FeatureGrid& grid,
+                                               std::vector<uint32_t>& near) {
+  grid.features_in_area(pixel, kNeighborhood_px, near);
   std::optional<double> least;
   for (const uint32_t i : near) {
     if (!on_plane(view, i)) continue;
@@ -38,47 +39,48 @@ std::optional<double> before_surface(const Eigen::Vector2d& pixel, double invers
   return least;
 }
 
-/// The key points of `points` against the surfaces of `view`.
-DepthAgreement seen_from(const Features& view, const Features& points, const SE3& T_view_points,
-                         const PinholeCamera& camera, double position_sigma_m) {
+/// The keypoints of `points` against the surfaces of `view`.
+DepthConsistency check_against_view(const Features& view, const Features& points, const SE3& T_view_points,
+                                    const PinholeCamera& camera, double position_sigma_m) {
   const FeatureGrid grid(view, camera.width, camera.height);
   const double noise = DepthNoise{}.coefficient_per_m;  // of inverse depth: the same at every distance
-  DepthAgreement depths;
+  DepthConsistency depths;
   std::vector<uint32_t> near;
   for (uint32_t i = 0; i < points.size(); ++i) {
     if (!on_plane(points, i)) continue;
     const auto seen = reproject(points, i, T_view_points, camera, 0);
     if (!seen) continue;
-    const auto before = before_surface(seen->pixel, 1 / seen->depth_m, view, grid, near);
+    const auto before = inverse_depth_difference(seen->pixel, 1 / seen->depth_m, view, grid, near);
     if (!before) continue;
     // d(1/z) = dz / z^2, for the point's own noise and the pose's; then the noise of the surface.
     const double z2 = seen->depth_m * seen->depth_m;
-    const double own2 = seen->own_depth_m * seen->own_depth_m;
-    const double tolerance = kSigmas * std::hypot(noise, noise * own2 / z2, position_sigma_m / z2);
-    if (std::abs(*before) <= tolerance) ++depths.on_surface;
-    if (*before > tolerance) ++depths.seen_through;
+    const double source2 = seen->source_depth_m * seen->source_depth_m;
+    const double tolerance = kSigmas * std::hypot(noise, noise * source2 / z2, position_sigma_m / z2);
+    if (std::abs(*before) <= tolerance) ++depths.consistent;
+    if (*before > tolerance) ++depths.free_space_violations;
   }
   return depths;
 }
 
 }  // namespace
 
-DepthAgreement& DepthAgreement::operator+=(const DepthAgreement& other) {
-  on_surface += other.on_surface;
-  seen_through += other.seen_through;
+DepthConsistency& DepthConsistency::operator+=(const DepthConsistency& other) {
+  consistent += other.consistent;
+  free_space_violations += other.free_space_violations;
   return *this;
 }
 
-DepthAgreement compare_depths(const Features& a, const Features& b, const SE3& T_a_b,
-                              const PinholeCamera& camera, double position_sigma_m) {
-  DepthAgreement depths = seen_from(a, b, T_a_b, camera, position_sigma_m);
-  depths += seen_from(b, a, T_a_b.inverse(), camera, position_sigma_m);
+DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b,
+                                const PinholeCamera& camera, double position_sigma_m) {
+  DepthConsistency depths = check_against_view(a, b, T_a_b, camera, position_sigma_m);
+  depths += check_against_view(b, a, T_a_b.inverse(), camera, position_sigma_m);
   return depths;
 }
 
-bool contradicts(const DepthAgreement& depths, double max_share_seen_through) {
-  return depths.seen_through > kStrays &&
-         depths.seen_through > max_share_seen_through * (depths.on_surface + depths.seen_through);
+bool violates_free_space(const DepthConsistency& depths, double max_violation_ratio) {
+  return depths.free_space_violations > kMaxDepthOutliers &&
+         depths.free_space_violations >
+             max_violation_ratio * (depths.consistent + depths.free_space_violations);
 }
 
 }  // namespace kinloop

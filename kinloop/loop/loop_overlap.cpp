@@ -7,12 +7,12 @@
 namespace kinloop {
 namespace {
 
-constexpr int kMinShared = 15;  // landmarks that make two keyframes neighbours, as in the local view
+constexpr int kMinOverlapLandmarks = 15;  // landmarks that make two keyframes neighbours, as in the local map
 
 /// An end of the loop and its neighbours on the same side of it.
-std::vector<KeyframeId> around(const Map& map, KeyframeId end, uint32_t loop_length) {
+std::vector<KeyframeId> same_side_keyframes(const Map& map, KeyframeId end, uint32_t loop_length) {
   std::vector<KeyframeId> keyframes{end};
-  for (const auto& [neighbour, shared] : map.covisible(end, kMinShared)) {
+  for (const auto& [neighbour, shared] : map.covisible_keyframes(end, kMinOverlapLandmarks)) {
     const uint32_t distance = std::max(neighbour.value, end.value) - std::min(neighbour.value, end.value);
     if (3 * distance < loop_length) keyframes.push_back(neighbour);
   }
@@ -31,13 +31,15 @@ std::unordered_set<LandmarkId> landmarks_of(const Keyframe& keyframe) {
 }
 
 /// Where the camera sees a point of its frame at the stamp; nothing behind it or outside the image.
-std::optional<Eigen::Vector2d> raw_pixel(const Eigen::Vector3d& p_camera, const MovingCamera& moving) {
+std::optional<Eigen::Vector2d> raw_pixel(const Eigen::Vector3d& p_camera,
+                                         const RollingShutterCamera& moving) {
   constexpr int kRounds = 3;  // the row tells the time and the time the row: it converges at once
   const PinholeCamera& camera = moving.camera;
   Eigen::Vector2d raw;
   double row = 0;  // share of the height, -0.5 to 0.5
   for (int round = 0; round < kRounds; ++round) {
-    const Eigen::Vector3d p = seen_after(p_camera, moving.velocity, moving.sensor(kRollingShutter) * row);
+    const Eigen::Vector3d p =
+        point_in_later_camera(p_camera, moving.velocity, moving.sensor(kRollingShutter) * row);
     if (!(p.z() > 0)) return std::nullopt;
     const Eigen::Vector2d pixel = corrected_pixel(camera, moving.sensor, p.hnormalized());
     // Distortion is a polynomial: far outside the image it may lead back into it.
@@ -54,9 +56,9 @@ std::optional<Eigen::Vector2d> raw_pixel(const Eigen::Vector3d& p_camera, const 
 KeyframePair most_overlapping_pair(const Map& map, const LoopEdge& loop) {
   const auto [older_end, newer_end] = std::minmax(loop.a, loop.b);
   const uint32_t length = newer_end.value - older_end.value;
-  const auto newer_side = around(map, newer_end, length);
+  const auto newer_side = same_side_keyframes(map, newer_end, length);
   KeyframePair best{older_end, newer_end, -1};
-  for (const KeyframeId older : around(map, older_end, length)) {
+  for (const KeyframeId older : same_side_keyframes(map, older_end, length)) {
     const auto landmarks = landmarks_of(map.keyframe(older));
     for (const KeyframeId newer : newer_side) {
       const int shared = count_shared(landmarks, map.keyframe(newer));
@@ -67,7 +69,7 @@ KeyframePair most_overlapping_pair(const Map& map, const LoopEdge& loop) {
 }
 
 std::vector<ReprojectedLandmark> reproject_landmarks(const Map& map, KeyframeId from, KeyframeId into,
-                                                     const MovingCamera& camera_into) {
+                                                     const RollingShutterCamera& camera_into) {
   const Keyframe &first = map.keyframe(from), &second = map.keyframe(into);
   std::unordered_map<LandmarkId, size_t> feature_of;  // of the second keyframe
   for (size_t i = 0; i < second.landmark_of.size(); ++i) feature_of.emplace(second.landmark_of[i], i);
@@ -81,7 +83,7 @@ std::vector<ReprojectedLandmark> reproject_landmarks(const Map& map, KeyframeId 
     if (!predicted) continue;
     ReprojectedLandmark landmark{first.features->raw_pixels[i].cast<double>(), *predicted, p_second.z(), {}};
     if (const auto again = feature_of.find(id); again != feature_of.end())
-      landmark.observed_again = second.features->raw_pixels[again->second].cast<double>();
+      landmark.observed_in_second = second.features->raw_pixels[again->second].cast<double>();
     landmarks.push_back(landmark);
   }
   return landmarks;

@@ -7,7 +7,7 @@
 
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/map.hpp"
-#include "kinloop/optimize/sensor_model.hpp"
+#include "kinloop/optimize/bundle/sensor_model.hpp"
 
 namespace kinloop {
 
@@ -22,7 +22,7 @@ struct KeyframePair {
 KeyframePair most_overlapping_pair(const Map& map, const LoopEdge& loop);
 
 /// How a keyframe was taken.
-struct MovingCamera {
+struct RollingShutterCamera {
   PinholeCamera camera;
   SensorVector sensor = SensorVector::Zero();  ///< how it departs from `camera`
   Velocity velocity = Velocity::Zero();        ///< at the keyframe's stamp
@@ -30,15 +30,15 @@ struct MovingCamera {
 
 /// A landmark that one keyframe observes, in the image of another.
 struct ReprojectedLandmark {
-  Eigen::Vector2d observed;                       ///< key point of the first keyframe, raw px
-  Eigen::Vector2d predicted;                      ///< in the second image, raw px
-  double depth_m = 0;                             ///< z in the second camera
-  std::optional<Eigen::Vector2d> observed_again;  ///< key point of the second keyframe, raw px
+  Eigen::Vector2d observed;                           ///< keypoint of the first keyframe, raw px
+  Eigen::Vector2d predicted;                          ///< in the second image, raw px
+  double depth_m = 0;                                 ///< z in the second camera
+  std::optional<Eigen::Vector2d> observed_in_second;  ///< keypoint of the second keyframe, raw px
 };
 
 /// The landmarks of `from` that lie in the image of `into`, by the poses of the map and by the motion of the
 /// second camera while its rows were read.
 std::vector<ReprojectedLandmark> reproject_landmarks(const Map& map, KeyframeId from, KeyframeId into,
-                                                     const MovingCamera& camera_into);
+                                                     const RollingShutterCamera& camera_into);
 
 }  // namespace kinloop

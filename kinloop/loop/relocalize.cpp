@@ -6,12 +6,12 @@ namespace kinloop {
 
 std::optional<TrackResult> relocalize(const PreparedFrame& frame, const BowVector& bow, const Map& map,
                                       const PlaceIndex& index, const PinholeCamera& camera,
-                                      const LocalViewOptions& view, const LoopOptions& options,
+                                      const LocalMapOptions& local_map, const LoopOptions& options,
                                       const TrackingOptions& tracking, uint64_t seed) {
   for (const auto& candidate : index.query(bow, static_cast<size_t>(options.max_candidates))) {
-    const LocalView around = make_local_view(map, candidate.keyframe, view);
-    auto result =
-        recognize_place(frame, around, camera, options, tracking, hash(seed, candidate.keyframe.value));
+    const LocalMap candidate_map = make_local_map(map, candidate.keyframe, local_map);
+    auto result = recognize_place(frame, candidate_map, camera, options, tracking,
+                                  hash(seed, candidate.keyframe.value));
     if (result) return result;
   }
   return std::nullopt;

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "kinloop/loop/recognize.hpp"
+#include "kinloop/loop/recognize_place.hpp"
 #include "kinloop/place/place_index.hpp"
 
 namespace kinloop {
@@ -12,7 +12,7 @@ namespace kinloop {
 /// result's `reference`). `bow` is the frame's bag of words.
 std::optional<TrackResult> relocalize(const PreparedFrame& frame, const BowVector& bow, const Map& map,
                                       const PlaceIndex& index, const PinholeCamera& camera,
-                                      const LocalViewOptions& view, const LoopOptions& options,
+                                      const LocalMapOptions& local_map, const LoopOptions& options,
                                       const TrackingOptions& tracking, uint64_t seed);
 
 }  // namespace kinloop

@@ -1,5 +1,5 @@
 #pragma once
-// Key points of one view as another one should see them.
+// Keypoints of one view as another one should see them.
 
 #include <optional>
 
@@ -9,25 +9,25 @@
 
 namespace kinloop {
 
-/// Where a key point should appear.
+/// Where a keypoint should appear.
 struct Reprojection {
   Eigen::Vector2d pixel;
   double depth_m = 0;
-  double own_depth_m = 0;  ///< as the view measured it that the key point is of
+  double source_depth_m = 0;  ///< as the view measured it that the keypoint is of
 };
 
-/// Key point `index` of `points` in another view; nothing without depth, or out of sight or nearer than
+/// Keypoint `index` of `points` in another view; nothing without depth, or out of sight or nearer than
 /// `margin_px` to the border.
 inline std::optional<Reprojection> reproject(const Features& points, uint32_t index, const SE3& T_view_points,
                                              const PinholeCamera& camera, double margin_px) {
-  const auto own_depth_m = static_cast<double>(points.depths_m[index]);
-  if (!(own_depth_m > 0)) return std::nullopt;
+  const auto source_depth_m = static_cast<double>(points.depths_m[index]);
+  if (!(source_depth_m > 0)) return std::nullopt;
   const Eigen::Vector3d p_view =
-      T_view_points * camera.unproject(points.pixels[index].cast<double>(), own_depth_m);
+      T_view_points * camera.unproject(points.pixels[index].cast<double>(), source_depth_m);
   if (!(p_view.z() > 0)) return std::nullopt;
   const Eigen::Vector2d pixel = camera.project(p_view);
   if (!camera.contains(pixel, margin_px)) return std::nullopt;
-  return Reprojection{pixel, p_view.z(), own_depth_m};
+  return Reprojection{pixel, p_view.z(), source_depth_m};
 }
 
 }  // namespace kinloop

@@ -9,7 +9,7 @@
 
 namespace kinloop {
 
-/// A frame that the map keeps. `landmark_of` has one entry per key point; an invalid id where it shows no
+/// A frame that the map keeps. `landmark_of` has one entry per keypoint; an invalid id where it shows no
 /// landmark.
 struct Keyframe {
   KeyframeId id;
@@ -22,7 +22,7 @@ struct Keyframe {
   std::vector<LandmarkId> landmark_of;
 };
 
-/// Key point `feature` of `keyframe`.
+/// Keypoint `feature` of `keyframe`.
 struct Observation {
   KeyframeId keyframe;
   uint32_t feature = 0;

@@ -6,12 +6,13 @@
 
 namespace kinloop {
 
-void Map::append(MapParts parts) {
+void Map::append(MapData parts) {
   const auto first_keyframe = static_cast<uint32_t>(keyframes_.size());
   const auto first_landmark = static_cast<uint32_t>(landmarks_.size());
   const auto shifted = [=](KeyframeId id) { return KeyframeId{id.value + first_keyframe}; };
   for (Keyframe& keyframe : parts.keyframes) {
-    require(keyframe.features != nullptr && keyframe.T_world_camera.is_finite(), "append: a broken keyframe");
+    require(keyframe.features != nullptr && keyframe.T_world_camera.is_finite(),
+            "append: keyframe without features or with a non-finite pose");
     keyframe.id = KeyframeId{static_cast<uint32_t>(keyframes_.size())};
     keyframe.component += component_count_;
     keyframe.landmark_of.assign(keyframe.features->size(), LandmarkId{});
@@ -35,7 +36,7 @@ void Map::append(MapParts parts) {
   }
   component_count_ += parts.component_count;
   check_appended(first_keyframe, first_landmark);
-  raise_epoch();  // work in flight knows nothing of it
+  advance_epoch();  // work in flight knows nothing of it
 }
 
 /// Parts that contradict each other are refused.
@@ -44,10 +45,10 @@ void Map::check_appended(size_t first_keyframe, size_t first_landmark) const {
     if (landmarks_[i]) check_landmark(*landmarks_[i]);
   }
   for (size_t i = first_keyframe; i < keyframes_.size(); ++i) {
-    require(keyframes_[i].component < component_count_, "append: no such component");
+    require(keyframes_[i].component < component_count_, "append: component index out of range");
   }
   for (const LoopEdge& edge : loop_edges_) {
-    require(contains(edge.a) && contains(edge.b), "append: a loop edge to nowhere");
+    require(contains(edge.a) && contains(edge.b), "append: loop edge refers to a missing keyframe");
   }
 }
 
@@ -68,8 +69,8 @@ KeyframeId Map::add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world
 LandmarkId Map::add_landmark(KeyframeId anchor, uint32_t feature, const Eigen::Vector3d& p_anchor) {
   require(p_anchor.allFinite(), "add_landmark: the point is not finite");
   Keyframe& keyframe = keyframe_ref(anchor);
-  require(feature < keyframe.landmark_of.size(), "add_landmark: no such key point");
-  require(!keyframe.landmark_of[feature].valid(), "add_landmark: the key point already shows a landmark");
+  require(feature < keyframe.landmark_of.size(), "add_landmark: no such keypoint");
+  require(!keyframe.landmark_of[feature].valid(), "add_landmark: the keypoint already observes a landmark");
   const LandmarkId id{static_cast<uint32_t>(landmarks_.size())};
   landmarks_.push_back(Landmark{id, anchor, p_anchor, {{anchor, feature}}});
   keyframe.landmark_of[feature] = id;
@@ -77,10 +78,10 @@ LandmarkId Map::add_landmark(KeyframeId anchor, uint32_t feature, const Eigen::V
   return id;
 }
 
-bool Map::observe(LandmarkId id, const Observation& observation) {
+bool Map::add_observation(LandmarkId id, const Observation& observation) {
   Landmark& landmark = landmark_ref(id);
   Keyframe& keyframe = keyframe_ref(observation.keyframe);
-  require(observation.feature < keyframe.landmark_of.size(), "observe: no such key point");
+  require(observation.feature < keyframe.landmark_of.size(), "add_observation: no such keypoint");
   if (keyframe.landmark_of[observation.feature].valid()) return false;
   const auto same_keyframe = [&](const Observation& other) { return other.keyframe == observation.keyframe; };
   if (std::any_of(landmark.observations.begin(), landmark.observations.end(), same_keyframe)) return false;
@@ -93,29 +94,29 @@ void Map::add_loop_edge(const LoopEdge& edge) {
   require(contains(edge.a) && contains(edge.b), "add_loop_edge: no such keyframe");
   require(edge.T_a_b.is_finite(), "add_loop_edge: the motion is not finite");
   loop_edges_.push_back(edge);
-  if (keyframe(edge.a).component != keyframe(edge.b).component) join_components(edge);
+  if (keyframe(edge.a).component != keyframe(edge.b).component) merge_components(edge);
 }
 
-void Map::join_components(const LoopEdge& edge) {
+void Map::merge_components(const LoopEdge& edge) {
   const Keyframe& a = keyframe(edge.a);
   const Keyframe& b = keyframe(edge.b);
   const SE3 T_a_to_b = b.T_world_camera * (a.T_world_camera * edge.T_a_b).inverse();  // of the component of a
-  const bool a_stays = a.component < b.component;
-  const uint32_t stays = std::min(a.component, b.component);
-  const uint32_t goes = std::max(a.component, b.component);
-  const SE3 correction = a_stays ? T_a_to_b.inverse() : T_a_to_b;
+  const bool keep_a = a.component < b.component;
+  const uint32_t into = std::min(a.component, b.component);
+  const uint32_t from = std::max(a.component, b.component);
+  const SE3 correction = keep_a ? T_a_to_b.inverse() : T_a_to_b;
   for (Keyframe& moved : keyframes_) {
-    if (moved.component != goes) continue;
-    moved.component = stays;
+    if (moved.component != from) continue;
+    moved.component = into;
     moved.T_world_camera = correction * moved.T_world_camera;
   }
-  raise_epoch();  // work in flight still believes in two components
+  advance_epoch();  // work in flight still believes in two components
 }
 
-void Map::forget(LandmarkId id, Observation observation) {
+void Map::remove_observation(LandmarkId id, Observation observation) {
   Landmark& landmark = landmark_ref(id);
   const auto found = std::find(landmark.observations.begin(), landmark.observations.end(), observation);
-  require(found != landmark.observations.end(), "forget: no such observation");
+  require(found != landmark.observations.end(), "remove_observation: no such observation");
   if (landmark.observations.size() == 1) return erase(id);
   landmark.observations.erase(found);
   keyframe_ref(observation.keyframe).landmark_of[observation.feature] = LandmarkId{};
@@ -136,13 +137,13 @@ void Map::erase(LandmarkId id) {
   --landmark_count_;
 }
 
-void Map::merge(LandmarkId goes, LandmarkId stays) {
-  require(goes != stays, "merge: a landmark cannot be merged with itself");
-  const auto observations = landmark(goes).observations;
-  require(contains(stays), "merge: no such landmark");
-  erase(goes);
-  for (const Observation& observation : observations) observe(stays, observation);
-  merged_into_[goes] = stays;
+void Map::merge(LandmarkId from, LandmarkId into) {
+  require(from != into, "merge: a landmark cannot be merged with itself");
+  const auto observations = landmark(from).observations;
+  require(contains(into), "merge: no such landmark");
+  erase(from);
+  for (const Observation& observation : observations) add_observation(into, observation);
+  merged_into_[from] = into;
 }
 
 bool Map::apply(const MapUpdate& update) {
@@ -153,7 +154,8 @@ bool Map::apply(const MapUpdate& update) {
     require(T_world_camera.is_finite(), "apply: a corrected pose is not finite");
     keyframe_ref(id).T_world_camera = T_world_camera;
   }
-  if (contains(update.newest_seen)) carry_along(update.newest_seen.value + 1, T_world_camera_before);
+  if (contains(update.newest_keyframe))
+    propagate_correction(update.newest_keyframe.value + 1, T_world_camera_before);
   for (const auto& [id, point] : update.p_world) {
     if (!contains(id) || !point.allFinite()) continue;
     Landmark& landmark = landmark_ref(id);
@@ -161,16 +163,16 @@ bool Map::apply(const MapUpdate& update) {
   }
   for (const auto& [id, observation] : update.outliers) {
     if (contains(id) && keyframe(observation.keyframe).landmark_of[observation.feature] == id)
-      forget(id, observation);
+      remove_observation(id, observation);
   }
-  for (const auto& [goes, stays] : update.merges) {
-    if (goes != stays && contains(goes) && contains(stays)) merge(goes, stays);
+  for (const auto& [from, into] : update.merges) {
+    if (from != into && contains(from) && contains(into)) merge(from, into);
   }
   return true;
 }
 
 /// Keyframes from `first` on follow the last one before them of their component.
-void Map::carry_along(size_t first, const std::vector<SE3>& T_world_camera_before) {
+void Map::propagate_correction(size_t first, const std::vector<SE3>& T_world_camera_before) {
   for (size_t i = first; i < keyframes_.size(); ++i) {
     size_t leader = first;
     while (leader > 0 && keyframes_[leader - 1].component != keyframes_[i].component) --leader;
@@ -184,7 +186,7 @@ void Map::carry_along(size_t first, const std::vector<SE3>& T_world_camera_befor
 void Map::set_features(KeyframeId id, std::shared_ptr<const Features> features) {
   Keyframe& keyframe = keyframe_ref(id);
   require(features != nullptr && features->size() == keyframe.features->size(),
-          "set_features: not the same key points");
+          "set_features: number of keypoints changed");
   keyframe.features = std::move(features);
 }
 
@@ -192,7 +194,7 @@ bool Map::contains(LandmarkId id) const {
   return id.value < landmarks_.size() && landmarks_[id.value].has_value();
 }
 
-LandmarkId Map::surviving(LandmarkId id) const {
+LandmarkId Map::resolve_merged(LandmarkId id) const {
   for (auto next = merged_into_.find(id); next != merged_into_.end(); next = merged_into_.find(id)) {
     id = next->second;
   }
@@ -232,7 +234,7 @@ Eigen::Vector3d Map::p_world(LandmarkId id) const {
   return keyframe(point.anchor).T_world_camera * point.p_anchor;
 }
 
-std::vector<std::pair<KeyframeId, int>> Map::covisible(KeyframeId id, int min_shared) const {
+std::vector<std::pair<KeyframeId, int>> Map::covisible_keyframes(KeyframeId id, int min_shared) const {
   std::vector<int> shared(keyframes_.size(), 0);
   for (const LandmarkId seen : keyframe(id).landmark_of) {
     if (!seen.valid()) continue;
@@ -249,22 +251,22 @@ std::vector<std::pair<KeyframeId, int>> Map::covisible(KeyframeId id, int min_sh
 }
 
 void Map::check_invariants() const {
-  size_t alive = 0;
+  size_t count = 0;
   for (const auto& landmark : landmarks_) {
     if (!landmark) continue;
-    ++alive;
+    ++count;
     check_landmark(*landmark);
   }
-  require(alive == landmark_count_, "invariant: the count of landmarks is off");
+  require(count == landmark_count_, "invariant: wrong landmark count");
   for (const Keyframe& keyframe : keyframes_) {
     require(keyframe.landmark_of.size() == keyframe.features->size(),
-            "invariant: one landmark entry per key point");
+            "invariant: one landmark entry per keypoint");
     for (uint32_t i = 0; i < keyframe.landmark_of.size(); ++i) {
       const LandmarkId id = keyframe.landmark_of[i];
       if (!id.valid()) continue;
       const auto& seen = landmark(id).observations;
       require(std::find(seen.begin(), seen.end(), Observation{keyframe.id, i}) != seen.end(),
-              "invariant: a keyframe shows a landmark that does not know of it");
+              "invariant: a landmark lacks the observation of a keyframe");
     }
   }
 }
@@ -275,14 +277,14 @@ void Map::check_landmark(const Landmark& landmark) const {
   std::vector<KeyframeId> observers;
   for (const auto& [observer, feature] : landmark.observations) {
     require(keyframe(observer).landmark_of[feature] == landmark.id,
-            "invariant: a landmark is observed by a key point that shows another");
+            "invariant: an observed keypoint refers to another landmark");
     anchor_sees_it = anchor_sees_it || observer == landmark.anchor;
     observers.push_back(observer);
   }
   std::sort(observers.begin(), observers.end());
   require(std::adjacent_find(observers.begin(), observers.end()) == observers.end(),
           "invariant: a keyframe observes a landmark twice");
-  require(anchor_sees_it, "invariant: a landmark is anchored to a keyframe that does not see it");
+  require(anchor_sees_it, "invariant: a landmark's anchor does not observe it");
 }
 
 }  // namespace kinloop

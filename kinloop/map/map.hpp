@@ -17,7 +17,7 @@ namespace kinloop {
 
 /// All that a map consists of, e.g. as a file gave it. The index of keyframes and landmarks is their id;
 /// `Keyframe::landmark_of` follows from the observations and is not looked at.
-struct MapParts {
+struct MapData {
   std::vector<Keyframe> keyframes;
   std::vector<std::optional<Landmark>> landmarks;  ///< empty where erased
   std::vector<LoopEdge> loop_edges;
@@ -30,18 +30,18 @@ class Map {
 
   /// Adds all of another map behind what is there, as components of their own: its ids, and the numbers of
   /// its components, shift by how many there were.
-  void append(MapParts parts);
+  void append(MapData parts);
 
   /// Adds a keyframe that observes nothing yet to a component; `component_count()` begins a new one.
   KeyframeId add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world_camera,
                           std::shared_ptr<const Features> features, uint32_t component = 0);
 
-  /// Adds a landmark first seen as key point `feature` of `anchor`, at `p_anchor` in its camera frame.
+  /// Adds a landmark first seen as keypoint `feature` of `anchor`, at `p_anchor` in its camera frame.
   LandmarkId add_landmark(KeyframeId anchor, uint32_t feature, const Eigen::Vector3d& p_anchor);
 
-  /// Notes that a keyframe sees a landmark. False, and nothing changes, where the key point already shows a
+  /// Notes that a keyframe sees a landmark. False, and nothing changes, where the keypoint already shows a
   /// landmark or the keyframe already sees this one.
-  bool observe(LandmarkId landmark, const Observation& observation);
+  bool add_observation(LandmarkId landmark, const Observation& observation);
 
   /// Adds a loop edge between two keyframes. Where it ties two components together they become one, the
   /// older, and the keyframes of the younger move with their landmarks to where the edge says.
@@ -50,25 +50,25 @@ class Map {
   // Shrinking.
 
   /// Forgets one observation; a landmark that is left with none is erased.
-  void forget(LandmarkId landmark, Observation observation);
+  void remove_observation(LandmarkId landmark, Observation observation);
 
   void erase(LandmarkId landmark);
 
-  /// `goes` turns out to be `stays`: its observations are moved where they fit, the rest is forgotten.
-  void merge(LandmarkId goes, LandmarkId stays);
+  /// `from` turns out to be `into`: its observations are moved where they fit, the rest is forgotten.
+  void merge(LandmarkId from, LandmarkId into);
 
   // Correcting.
 
   /// Applies an update and says whether it did: one with an older epoch than the map's is stale and dropped.
   bool apply(const MapUpdate& update);
 
-  /// Replaces what is known of a keyframe's key points, e.g. where a camera at rest would have seen them;
-  /// they stay the same key points in the same order.
+  /// Replaces what is known of a keyframe's keypoints, e.g. where a camera at rest would have seen them;
+  /// they stay the same keypoints in the same order.
   void set_features(KeyframeId id, std::shared_ptr<const Features> features);
 
   /// Raised after what bends the whole map (loop correction, full adjustment, self-calibration), so that
   /// updates computed before it are dropped.
-  void raise_epoch() { ++epoch_; }
+  void advance_epoch() { ++epoch_; }
 
   // Looking.
 
@@ -80,13 +80,13 @@ class Map {
   [[nodiscard]] bool contains(LandmarkId id) const;
   [[nodiscard]] bool contains(KeyframeId id) const { return id.value < keyframes_.size(); }
   /// The landmark that `id` was merged into, or `id` itself. It may have been erased since.
-  [[nodiscard]] LandmarkId surviving(LandmarkId id) const;
+  [[nodiscard]] LandmarkId resolve_merged(LandmarkId id) const;
   [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const;
   [[nodiscard]] const Landmark& landmark(LandmarkId id) const;
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::vector<LoopEdge>& loop_edges() const { return loop_edges_; }
   /// A copy of everything; `append` to an empty map gives the map back.
-  [[nodiscard]] MapParts parts() const { return {keyframes_, landmarks_, loop_edges_, component_count_}; }
+  [[nodiscard]] MapData data() const { return {keyframes_, landmarks_, loop_edges_, component_count_}; }
 
   [[nodiscard]] std::vector<LandmarkId> landmark_ids() const;
   [[nodiscard]] size_t landmark_count() const { return landmark_count_; }
@@ -96,7 +96,8 @@ class Map {
 
   /// Keyframes that share at least `min_shared` landmarks with `id`, most shared first (then lower id), with
   /// counts.
-  [[nodiscard]] std::vector<std::pair<KeyframeId, int>> covisible(KeyframeId id, int min_shared) const;
+  [[nodiscard]] std::vector<std::pair<KeyframeId, int>> covisible_keyframes(KeyframeId id,
+                                                                            int min_shared) const;
 
   /// Throws std::logic_error when the two sides of any observation disagree, for tests.
   void check_invariants() const;
@@ -105,8 +106,8 @@ class Map {
   Keyframe& keyframe_ref(KeyframeId id);
   Landmark& landmark_ref(LandmarkId id);
   void move_anchor(Landmark& landmark);
-  void join_components(const LoopEdge& edge);
-  void carry_along(size_t first, const std::vector<SE3>& T_world_camera_before);
+  void merge_components(const LoopEdge& edge);
+  void propagate_correction(size_t first, const std::vector<SE3>& T_world_camera_before);
   void check_appended(size_t first_keyframe, size_t first_landmark) const;
   void check_landmark(const Landmark& landmark) const;
 

@@ -13,9 +13,9 @@ struct MapUpdate {
   std::vector<std::pair<KeyframeId, SE3>> T_world_camera;       ///< corrected keyframe poses
   std::vector<std::pair<LandmarkId, Eigen::Vector3d>> p_world;  ///< corrected landmarks, with those poses
   std::vector<std::pair<LandmarkId, Observation>> outliers;     ///< observations to forget
-  std::vector<std::pair<LandmarkId, LandmarkId>> merges;        ///< (goes, stays): the same point
-  KeyframeId newest_seen;  ///< keyframes added after it follow its correction rigidly
-  uint32_t epoch = 0;      ///< of the map when the problem was copied; an older epoch than the map's is stale
+  std::vector<std::pair<LandmarkId, LandmarkId>> merges;        ///< (from, into): the same point
+  KeyframeId newest_keyframe;  ///< keyframes added after it follow its correction rigidly
+  uint32_t epoch = 0;  ///< of the map when the problem was copied; an older epoch than the map's is stale
 };
 
 }  // namespace kinloop

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kinloop/mapping/grow.hpp"
+#include "kinloop/mapping/landmark_creation.hpp"
 
 namespace kinloop {
 namespace {
@@ -13,27 +13,27 @@ bool sees(const Landmark& landmark, KeyframeId keyframe) {
 }
 
 /// Whether some keyframe sees both, and so sees them to be two.
-bool told_apart(const Landmark& a, const Landmark& b) {
+bool observed_together(const Landmark& a, const Landmark& b) {
   return std::any_of(a.observations.begin(), a.observations.end(),
                      [&](const Observation& seen) { return sees(b, seen.keyframe); });
 }
 
 }  // namespace
 
-void complete_tracks(Map& map, const PinholeCamera& camera, const LocalViewOptions& view,
+void complete_tracks(Map& map, const PinholeCamera& camera, const LocalMapOptions& local_map,
                      const MappingOptions& options) {
   for (uint32_t i = 0; i < map.keyframes().size(); ++i) {
     const KeyframeId id{i};
     for (const auto& [landmark, feature] :
-         find_unseen_landmarks(map, id, make_local_view(map, id, view), camera, options)) {
+         find_unobserved_landmarks(map, id, make_local_map(map, id, local_map), camera, options)) {
       if (!map.contains(landmark)) continue;  // merged a moment ago
-      const LandmarkId there = map.keyframe(id).landmark_of[feature];
-      if (!there.valid()) {
-        map.observe(landmark, {id, feature});
-      } else if (there != landmark && !told_apart(map.landmark(landmark), map.landmark(there))) {
+      const LandmarkId existing = map.keyframe(id).landmark_of[feature];
+      if (!existing.valid()) {
+        map.add_observation(landmark, {id, feature});
+      } else if (existing != landmark && !observed_together(map.landmark(landmark), map.landmark(existing))) {
         const bool more =
-            map.landmark(landmark).observations.size() > map.landmark(there).observations.size();
-        map.merge(more ? there : landmark, more ? landmark : there);
+            map.landmark(landmark).observations.size() > map.landmark(existing).observations.size();
+        map.merge(more ? existing : landmark, more ? landmark : existing);
       }
     }
   }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "kinloop/base/options.hpp"
-#include "kinloop/optimize/bundle.hpp"
+#include "kinloop/optimize/bundle/bundle.hpp"
 
 namespace kinloop {
 
@@ -9,46 +9,43 @@ struct MappingOptions {
   double max_depth_m = 6.0;
   int cull_after_keyframes = 3;
   int cull_min_observations = 2;
-  double attach_window_px = 4;
-  int parallax_keyframes = 4;
+  double local_map_window_px = 4;
+  int triangulation_keyframes = 4;
   double min_parallax_rad = 0.03;
-  int parallax_max_distance = 50;
+  int triangulation_max_hamming_distance = 50;
   bool complete_tracks = true;
-  bool local_adjustment = true;
-  int window_keyframes = 12;
-  int window_min_shared = 15;
-  int window_max_fixed = 20;
+  bool local_ba_enabled = true;
+  int local_ba_keyframes = 12;
+  int local_ba_min_shared_landmarks = 15;
+  int local_ba_max_fixed_keyframes = 20;
   // The next keyframe goes on from there.
-  BundleOptions bundle = {.rounds = 1, .max_iterations = 4, .tolerance = 1e-3};
+  BundleOptions local_ba = {.rounds = 1, .max_iterations = 4, .tolerance = 1e-3};
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("max_depth_m", self.max_depth_m, "key points farther than this make no landmarks, m",
-          Range{0.5, 100});
+    visit("max_depth_m", self.max_depth_m, "maximum depth of new landmarks, m", Range{0.5, 100});
     visit("cull_after_keyframes", self.cull_after_keyframes,
-          "keyframes after which a landmark must have proven itself", Range{1, 100});
-    visit("cull_min_observations", self.cull_min_observations, "observations that prove a landmark",
-          Range{1, 100});
-    visit("attach_window_px", self.attach_window_px,
-          "search window (half side) in which a keyframe looks for older landmarks, px", Range{0.5, 50});
-    visit("parallax_keyframes", self.parallax_keyframes,
-          "covisible keyframes with which key points without depth are triangulated; 0 = none",
-          Range{0, 100});
-    visit("min_parallax_rad", self.min_parallax_rad,
-          "angle between the two rays of a triangulated point at least, rad", Range{0.001, 1});
-    visit("parallax_max_distance", self.parallax_max_distance,
-          "Hamming distance of key points that are triangulated at most, bits", Range{1, 256});
+          "keyframes after which a new landmark is checked for culling", Range{1, 100});
+    visit("cull_min_observations", self.cull_min_observations,
+          "minimum observations for a landmark to be kept", Range{1, 100});
+    visit("local_map_window_px", self.local_map_window_px,
+          "search radius when matching local map landmarks to a new keyframe, px", Range{0.5, 50});
+    visit("triangulation_keyframes", self.triangulation_keyframes,
+          "covisible keyframes used to triangulate keypoints without depth; 0 = off", Range{0, 100});
+    visit("min_parallax_rad", self.min_parallax_rad, "minimum parallax of a triangulated landmark, rad",
+          Range{0.001, 1});
+    visit("triangulation_max_hamming_distance", self.triangulation_max_hamming_distance,
+          "maximum Hamming distance of a triangulated match, bits", Range{1, 256});
     visit("complete_tracks", self.complete_tracks,
-          "look for all landmarks once more in all keyframes around them when the map is finished");
-    visit("local_adjustment", self.local_adjustment,
-          "adjust the newest keyframes and their landmarks together");
-    visit("window_keyframes", self.window_keyframes, "keyframes moved by the local adjustment",
+          "complete and merge landmark tracks before the final bundle adjustment");
+    visit("local_ba_enabled", self.local_ba_enabled, "run local bundle adjustment after each keyframe");
+    visit("local_ba_keyframes", self.local_ba_keyframes, "free keyframes in local bundle adjustment",
           Range{2, 200});
-    visit("window_min_shared", self.window_min_shared,
-          "shared landmarks that bring a keyframe into the window", Range{1, 1000});
-    visit("window_max_fixed", self.window_max_fixed, "keyframes around the window that hold it in place",
-          Range{1, 1000});
-    visit("bundle", self.bundle);
+    visit("local_ba_min_shared_landmarks", self.local_ba_min_shared_landmarks,
+          "minimum shared landmarks for a keyframe to join local bundle adjustment", Range{1, 1000});
+    visit("local_ba_max_fixed_keyframes", self.local_ba_max_fixed_keyframes,
+          "maximum number of fixed keyframes in local bundle adjustment", Range{1, 1000});
+    visit("local_ba", self.local_ba);
   }
 };
 

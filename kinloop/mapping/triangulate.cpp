@@ -10,62 +10,62 @@
 namespace kinloop {
 namespace {
 
-/// Key points that show no landmark and have no depth to make one of.
-struct Unplaced {
+/// Keypoints that show no landmark and have no depth to make one of.
+struct UnmappedKeypoints {
   std::vector<uint32_t> features;
   cv::Mat descriptors;  // one row each
 };
 
-Unplaced unplaced_of(const Keyframe& keyframe, double max_depth_m) {
+UnmappedKeypoints collect_unmapped(const Keyframe& keyframe, double max_depth_m) {
   const Features& features = *keyframe.features;
-  Unplaced unplaced;
+  UnmappedKeypoints unmapped;
   for (uint32_t i = 0; i < features.size(); ++i) {
     const auto depth_m = static_cast<double>(features.depths_m[i]);
     if (keyframe.landmark_of[i].valid() || (depth_m > 0 && depth_m <= max_depth_m)) continue;
-    unplaced.features.push_back(i);
-    unplaced.descriptors.push_back(features.descriptors.row(static_cast<int>(i)));
+    unmapped.features.push_back(i);
+    unmapped.descriptors.push_back(features.descriptors.row(static_cast<int>(i)));
   }
-  return unplaced;
+  return unmapped;
 }
 
-Sight sight_of(const Features& features, uint32_t feature, const PinholeCamera& camera) {
+Bearing make_bearing(const Features& features, uint32_t feature, const PinholeCamera& camera) {
   const Eigen::Vector2d pixel = features.pixels[feature].cast<double>();
   return {camera.unproject(pixel, 1.0).normalized(),
           static_cast<double>(features.sigmas_px[feature]) / camera.fx};
 }
 
-/// Whether two key points can be the same thing, seen from as far as the point is from each camera.
-bool same_size(const Features& a, uint32_t i, double distance_a_m, const Features& b, uint32_t j,
-               double distance_b_m) {
+/// Whether two keypoints can be the same thing, seen from as far as the point is from each camera.
+bool consistent_scale(const Features& a, uint32_t i, double distance_a_m, const Features& b, uint32_t j,
+                      double distance_b_m) {
   const double expected_levels = std::log(distance_a_m / distance_b_m) / std::log(a.scale_factor);
   return std::abs(b.levels[j] - a.levels[i] - expected_levels) <= 1.5;
 }
 
-int grow_between(Map& map, KeyframeId id, KeyframeId neighbour_id, const PinholeCamera& camera,
-                 const MappingOptions& options) {
-  const auto a = unplaced_of(map.keyframe(id), options.max_depth_m);
-  const auto b = unplaced_of(map.keyframe(neighbour_id), options.max_depth_m);
+int triangulate_pair(Map& map, KeyframeId id, KeyframeId neighbour_id, const PinholeCamera& camera,
+                     const MappingOptions& options) {
+  const auto a = collect_unmapped(map.keyframe(id), options.max_depth_m);
+  const auto b = collect_unmapped(map.keyframe(neighbour_id), options.max_depth_m);
   if (a.features.empty() || b.features.empty()) return 0;
   const auto features_a = map.keyframe(id).features, features_b = map.keyframe(neighbour_id).features;
   const SE3 T_a_b = map.keyframe(id).T_world_camera.inverse() * map.keyframe(neighbour_id).T_world_camera;
-  int grown = 0;
+  int created = 0;
   for (const Match& match : match_brute_force(a.descriptors, b.descriptors, true)) {
-    if (match.distance > options.parallax_max_distance) continue;
+    if (match.distance > options.triangulation_max_hamming_distance) continue;
     const uint32_t i = a.features[match.a], j = b.features[match.b];
-    const auto point = triangulate(sight_of(*features_a, i, camera), sight_of(*features_b, j, camera), T_a_b,
-                                   options.min_parallax_rad);
+    const auto point = triangulate(make_bearing(*features_a, i, camera), make_bearing(*features_b, j, camera),
+                                   T_a_b, options.min_parallax_rad);
     if (!point) continue;
-    if (!same_size(*features_a, i, point->norm(), *features_b, j, (*point - T_a_b.translation).norm()))
+    if (!consistent_scale(*features_a, i, point->norm(), *features_b, j, (*point - T_a_b.translation).norm()))
       continue;
-    map.observe(map.add_landmark(id, i, *point), {neighbour_id, j});
-    ++grown;
+    map.add_observation(map.add_landmark(id, i, *point), {neighbour_id, j});
+    ++created;
   }
-  return grown;
+  return created;
 }
 
 }  // namespace
 
-std::optional<Eigen::Vector3d> triangulate(const Sight& a, const Sight& b, const SE3& T_a_b,
+std::optional<Eigen::Vector3d> triangulate(const Bearing& a, const Bearing& b, const SE3& T_a_b,
                                            double min_parallax_rad) {
   const Eigen::Vector3d& baseline = T_a_b.translation;
   const Eigen::Vector3d ray_b = T_a_b.rotation * b.ray;
@@ -86,12 +86,14 @@ std::optional<Eigen::Vector3d> triangulate(const Sight& a, const Sight& b, const
   return Eigen::Vector3d(on_a + (on_b - on_a) * (off_a_m * off_a_m / variance));
 }
 
-int grow_from_parallax(Map& map, KeyframeId id, const PinholeCamera& camera, const MappingOptions& options) {
-  const auto neighbours = map.covisible(id, options.window_min_shared);
-  const size_t count = std::min(neighbours.size(), static_cast<size_t>(options.parallax_keyframes));
-  int grown = 0;
-  for (size_t i = 0; i < count; ++i) grown += grow_between(map, id, neighbours[i].first, camera, options);
-  return grown;
+int triangulate_landmarks(Map& map, KeyframeId id, const PinholeCamera& camera,
+                          const MappingOptions& options) {
+  const auto neighbours = map.covisible_keyframes(id, options.local_ba_min_shared_landmarks);
+  const size_t count = std::min(neighbours.size(), static_cast<size_t>(options.triangulation_keyframes));
+  int created = 0;
+  for (size_t i = 0; i < count; ++i)
+    created += triangulate_pair(map, id, neighbours[i].first, camera, options);
+  return created;
 }
 
 }  // namespace kinloop

@@ -10,18 +10,18 @@ namespace {
 
 constexpr std::array<DescriptorTraits, 5> kKinds{{
     {DescriptorKind::kOrb, Metric::kHamming, 32, "orb", "ORB, 256 bits", "bits"},
-    {DescriptorKind::kSiftBits, Metric::kHamming, 32, "sift", "SIFT, 256 bits by random planes", "bits"},
-    {DescriptorKind::kSurfBits, Metric::kHamming, 32, "surf", "SURF, 256 bits by random planes", "bits"},
+    {DescriptorKind::kSiftBinary, Metric::kHamming, 32, "sift", "SIFT, 256 bits by random planes", "bits"},
+    {DescriptorKind::kSurfBinary, Metric::kHamming, 32, "surf", "SURF, 256 bits by random planes", "bits"},
     {DescriptorKind::kSift, Metric::kEuclidean, 128, "sift", "SIFT, 128 bytes", "squared steps"},
     {DescriptorKind::kSurf, Metric::kEuclidean, 64, "surf", "SURF, 64 bytes", "squared steps"},
 }};
 
 }  // namespace
 
-const DescriptorTraits& traits_of(DescriptorKind kind) {
+const DescriptorTraits& descriptor_traits(DescriptorKind kind) {
   const auto found =
       std::find_if(kKinds.begin(), kKinds.end(), [&](const auto& k) { return k.kind == kind; });
-  require(found != kKinds.end(), "traits_of: no such kind of descriptor");
+  require(found != kKinds.end(), "descriptor_traits: no such kind of descriptor");
   return *found;
 }
 

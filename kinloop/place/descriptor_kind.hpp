@@ -1,5 +1,5 @@
 #pragma once
-// What kind of descriptors a dictionary is made of, and files say so.
+// What kind of descriptors a vocabulary is made of, and files say so.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace kinloop {
 
 /// The numbers stand in files. Runs use the kinds of 256 bits; the others are SIFT and SURF as they are.
-enum class DescriptorKind : uint32_t { kOrb = 1, kSiftBits = 2, kSurfBits = 3, kSift = 4, kSurf = 5 };
+enum class DescriptorKind : uint32_t { kOrb = 1, kSiftBinary = 2, kSurfBinary = 3, kSift = 4, kSurf = 5 };
 
 /// How two descriptors are compared.
 enum class Metric { kHamming, kEuclidean };
@@ -27,7 +27,7 @@ struct DescriptorTraits {
 };
 
 /// What is known of a kind.
-const DescriptorTraits& traits_of(DescriptorKind kind);
+const DescriptorTraits& descriptor_traits(DescriptorKind kind);
 
 /// The kind with this number in a file; nothing where there is none.
 std::optional<DescriptorKind> descriptor_kind(uint32_t number);

@@ -16,7 +16,7 @@ namespace kinloop {
 /// 256 bits; the distance is the number of different ones, which is also the squared Euclidean distance.
 struct HammingSpace {
   using Point = BinaryDescriptor;
-  static constexpr uint32_t kFarthest = kOrbBytes * 8;
+  static constexpr uint32_t kMaxDistance = kOrbBytes * 8;
   static constexpr size_t kCounts = kOrbBytes * 8;  ///< that `add` keeps: how many points have each bit set
 
   static uint32_t distance(const Point& a, const Point& b) {
@@ -43,7 +43,7 @@ struct HammingSpace {
 template <size_t N>
 struct EuclideanSpace {
   using Point = std::array<uint8_t, N>;
-  static constexpr uint32_t kFarthest = N * 255 * 255;
+  static constexpr uint32_t kMaxDistance = N * 255 * 255;
   static constexpr size_t kCounts = N;  ///< that `add` keeps: the sum of each component
 
   static uint32_t distance(const Point& a, const Point& b) {
@@ -65,9 +65,9 @@ struct EuclideanSpace {
 using SiftSpace = EuclideanSpace<128>;
 using SurfSpace = EuclideanSpace<64>;
 
-/// Calls `work` with the space of the kind: `visit_space(kind, []<class Space>(Space) {...})`.
+/// Calls `work` with the space of the kind: `dispatch_space(kind, []<class Space>(Space) {...})`.
 template <class Work>
-auto visit_space(DescriptorKind kind, Work&& work) {
+auto dispatch_space(DescriptorKind kind, Work&& work) {
   switch (kind) {
     case DescriptorKind::kSift:
       return work(SiftSpace{});

@@ -79,10 +79,10 @@ void PlaceIndex::remove(KeyframeId keyframe) {
 std::vector<PlaceCandidate> PlaceIndex::query(const BowVector& bow, size_t max_results,
                                               const std::function<bool(KeyframeId)>& accept) const {
   const BowVector telling = without_stop_words(bow);
-  if (telling.size() == bow.size()) return best_by(bow, max_results, accept);
+  if (telling.size() == bow.size()) return top_candidates(bow, max_results, accept);
   constexpr size_t kLookedAt = 10;  // candidates for each result: the order is not yet that of the scores
   Best best(max_results);
-  for (const auto& found : best_by(telling, kLookedAt * std::min(max_results, size()), accept)) {
+  for (const auto& found : top_candidates(telling, kLookedAt * std::min(max_results, size()), accept)) {
     const PlaceCandidate candidate{found.keyframe, similarity(bow, bow_of(found.keyframe))};
     if (best.wants(candidate)) best.add(candidate);
   }
@@ -106,8 +106,8 @@ BowVector PlaceIndex::without_stop_words(const BowVector& bow) const {
   return words;
 }
 
-std::vector<PlaceCandidate> PlaceIndex::best_by(const BowVector& words, size_t max_results,
-                                                const std::function<bool(KeyframeId)>& accept) const {
+std::vector<PlaceCandidate> PlaceIndex::top_candidates(const BowVector& words, size_t max_results,
+                                                       const std::function<bool(KeyframeId)>& accept) const {
   // The same terms in the same order of words as in `similarity`: the same scores to the last bit.
   std::vector<double> scores(entries_.size(), 0);
   for (const auto& [word, weight] : words) {

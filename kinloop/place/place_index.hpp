@@ -62,8 +62,8 @@ class PlaceIndex {
 
   [[nodiscard]] uint32_t slot_of(KeyframeId keyframe) const;
   [[nodiscard]] BowVector without_stop_words(const BowVector& bow) const;
-  [[nodiscard]] std::vector<PlaceCandidate> best_by(const BowVector& words, size_t max_results,
-                                                    const std::function<bool(KeyframeId)>& accept) const;
+  [[nodiscard]] std::vector<PlaceCandidate> top_candidates(
+      const BowVector& words, size_t max_results, const std::function<bool(KeyframeId)>& accept) const;
 
   size_t max_postings_;
   std::vector<Entry> entries_;  ///< by slot; slots are numbered without gaps, so that scores fit an array

@@ -32,22 +32,22 @@ bool is_tree(std::span<const uint32_t> child_counts, int depth) {
   return false;
 }
 
-struct Descent {
+struct MinimizerState {
   uint32_t node;   ///< the leaf
   uint32_t above;  ///< its ancestor at the level asked for
 };
 
 /// What greedy descent looks at.
-struct Descending {
+struct DescentTree {
   const uint32_t* child_counts;
   const uint32_t* first_child;
   int above_level;
 };
 
 template <class Space>
-[[gnu::always_inline]] inline void descend(const Descending& tree,
+[[gnu::always_inline]] inline void descend(const DescentTree& tree,
                                            std::span<const typename Space::Point> centres,
-                                           const cv::Mat& descriptors, Descent* found) {
+                                           const cv::Mat& descriptors, MinimizerState* found) {
   for (int row = 0; row < descriptors.rows; ++row) {
     const auto& descriptor = *reinterpret_cast<const typename Space::Point*>(descriptors.ptr(row));
     uint32_t node = 0, above = 0;
@@ -67,27 +67,29 @@ template <class Space>
   }
 }
 
-KINLOOP_POPCOUNT_CLONES void descend_bits(const Descending& tree, std::span<const BinaryDescriptor> centres,
-                                          const cv::Mat& descriptors, Descent* found) {
+KINLOOP_POPCOUNT_CLONES void descend_bits(const DescentTree& tree, std::span<const BinaryDescriptor> centres,
+                                          const cv::Mat& descriptors, MinimizerState* found) {
   descend<HammingSpace>(tree, centres, descriptors, found);
 }
 
 }  // namespace
 
 VocabularyView view_of(const VocabularyTree& tree) {
-  return {static_cast<const VocabularyShape&>(tree), tree.child_counts, tree.centres, tree.idf, tree.uses};
+  return {static_cast<const VocabularyShape&>(tree), tree.child_counts, tree.centres, tree.idf,
+          tree.use_counts};
 }
 
-std::optional<std::string> defect_of(const VocabularyView& tree) {
+std::optional<std::string> find_defect(const VocabularyView& tree) {
   const auto& counts = tree.child_counts;
   if (counts.empty() || counts.size() > std::numeric_limits<uint32_t>::max()) return "the number of nodes";
-  if (tree.centres.size() != counts.size() * traits_of(tree.kind).bytes) return "the number of centres";
+  if (tree.centres.size() != counts.size() * descriptor_traits(tree.kind).bytes)
+    return "the number of centres";
   const bool too_wide = std::any_of(counts.begin(), counts.end(), [&](uint32_t count) {
     return count > static_cast<uint32_t>(tree.branching);
   });
   if (too_wide || !is_tree(counts, tree.depth)) return "the shape of the tree";
   const auto words = static_cast<size_t>(std::count(counts.begin(), counts.end(), 0));
-  if (tree.idf.size() != words || tree.uses.size() != words) return "the number of words";
+  if (tree.idf.size() != words || tree.use_counts.size() != words) return "the number of words";
   const bool bad_weight =
       std::any_of(tree.idf.begin(), tree.idf.end(), [](float idf) { return !std::isfinite(idf) || idf < 0; });
   if (bad_weight) return "the weight of a word";
@@ -103,7 +105,7 @@ Vocabulary::Vocabulary(VocabularyTree tree)
 
 Vocabulary::Vocabulary(const VocabularyView& view, std::shared_ptr<const void> owner)
     : owner_(std::move(owner)), tree_(view) {
-  require(!defect_of(tree_), "a dictionary must be a sound tree");
+  require(!find_defect(tree_), "a vocabulary must be a sound tree");
   first_child_ = first_children(tree_.child_counts);
   word_of_node_.resize(tree_.child_counts.size());
   for (uint32_t node = 0; node < tree_.child_counts.size(); ++node) {
@@ -113,14 +115,14 @@ Vocabulary::Vocabulary(const VocabularyView& view, std::shared_ptr<const void> o
   }
 }
 
-QuantizedFeatures Vocabulary::words_of(const cv::Mat& descriptors, int levels_up) const {
+QuantizedFeatures Vocabulary::quantize(const cv::Mat& descriptors, int levels_up) const {
   if (descriptors.empty()) return {};
-  require(
-      descriptors.type() == CV_8UC1 && static_cast<size_t>(descriptors.cols) == traits_of(tree_.kind).bytes,
-      "the descriptors are of another kind than the dictionary's");
-  std::vector<Descent> found(static_cast<size_t>(descriptors.rows));
-  const Descending tree{tree_.child_counts.data(), first_child_.data(), tree_.depth - levels_up};
-  visit_space(tree_.kind, [&]<class Space>(Space) {
+  require(descriptors.type() == CV_8UC1 &&
+              static_cast<size_t>(descriptors.cols) == descriptor_traits(tree_.kind).bytes,
+          "the descriptors are of another kind than the vocabulary's");
+  std::vector<MinimizerState> found(static_cast<size_t>(descriptors.rows));
+  const DescentTree tree{tree_.child_counts.data(), first_child_.data(), tree_.depth - levels_up};
+  dispatch_space(tree_.kind, [&]<class Space>(Space) {
     const auto centres = as_points<Space>(tree_.centres);
     if constexpr (std::is_same_v<Space, HammingSpace>) {
       descend_bits(tree, centres, descriptors, found.data());
@@ -141,7 +143,7 @@ QuantizedFeatures Vocabulary::words_of(const cv::Mat& descriptors, int levels_up
 BowVector Vocabulary::bow_of(std::span<const WordId> words) const {
   std::vector<WordId> sorted(words.begin(), words.end());
   std::sort(sorted.begin(), sorted.end());
-  require(sorted.empty() || sorted.back().value < word_count(), "bow_of: a word of another dictionary");
+  require(sorted.empty() || sorted.back().value < word_count(), "bow_of: a word of another vocabulary");
   std::vector<std::pair<WordId, double>> weights;  // term frequency times idf
   double sum = 0;
   for (auto word = sorted.begin(); word != sorted.end();) {
@@ -158,7 +160,7 @@ BowVector Vocabulary::bow_of(std::span<const WordId> words) const {
 }
 
 std::span<const uint8_t> Vocabulary::centre_of(WordId word) const {
-  require(word.value < word_count(), "centre_of: a word of another dictionary");
+  require(word.value < word_count(), "centre_of: a word of another vocabulary");
   const size_t bytes = descriptors().bytes;
   return tree_.centres.subspan(node_of_word_[word.value] * bytes, bytes);
 }

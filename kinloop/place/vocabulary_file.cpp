@@ -17,11 +17,11 @@ namespace kinloop {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
-              "dictionaries are looked at as they lie in the file");
+              "vocabularies are looked at as they lie in the file");
 
 constexpr std::string_view kMagic("KINVOC\r\n", 8);  // the line end shows a transfer in text mode
 constexpr uint32_t kVersion = 2;
-constexpr const char* kRemedy = "train it again with 'kinloop vocab train', or copy it anew";
+constexpr const char* kRemedy = "train it again with 'kinloop vocab train', or copy it again";
 
 struct Header {
   std::array<char, 8> magic{};
@@ -87,25 +87,25 @@ uint64_t file_checksum(std::string_view bytes) {
 
 /// The header, once all that can be told without reading on is as it should be.
 Header checked_header(std::string_view bytes, const std::string& name) {
-  if (bytes.substr(0, kMagic.size()) != kMagic) fail(name, "not a kinloop dictionary");
-  if (bytes.size() < sizeof(Header)) fail(name, "cut short within its header");
+  if (bytes.substr(0, kMagic.size()) != kMagic) fail(name, "not a kinloop vocabulary");
+  if (bytes.size() < sizeof(Header)) fail(name, "truncated within its header");
   Header header;
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.version != kVersion) {
-    fail(name, fmt::format("dictionary format {}, this program reads format {}", header.version, kVersion));
+    fail(name, fmt::format("vocabulary format {}, this program reads format {}", header.version, kVersion));
   }
   const auto kind = descriptor_kind(header.kind);
-  if (!kind) fail(name, fmt::format("a dictionary of descriptor kind {}, which is not known", header.kind));
-  if (header.descriptor_bytes != traits_of(*kind).bytes) {
+  if (!kind) fail(name, fmt::format("unknown descriptor kind {}", header.kind));
+  if (header.descriptor_bytes != descriptor_traits(*kind).bytes) {
     fail(name, fmt::format("descriptors of {} bytes, expected {}", header.descriptor_bytes,
-                           traits_of(*kind).bytes));
+                           descriptor_traits(*kind).bytes));
   }
   if (bytes.size() != header.file_bytes()) {
     fail(name,
-         fmt::format("{} bytes, expected {}: cut short or appended to", bytes.size(), header.file_bytes()));
+         fmt::format("{} bytes, expected {}: truncated or appended to", bytes.size(), header.file_bytes()));
   }
   if (header.checksum != file_checksum(bytes)) {
-    fail(name, "damaged: its checksum does not fit its content");
+    fail(name, "damaged: checksum mismatch");
   }
   return header;
 }
@@ -142,7 +142,7 @@ std::string serialize_vocabulary(const Vocabulary& vocabulary) {
   append(bytes, tree.centres);
   append(bytes, tree.child_counts);
   append(bytes, tree.idf);
-  append(bytes, tree.uses);
+  append(bytes, tree.use_counts);
   bytes.resize(header.file_bytes(), '\0');
   const uint64_t sum = file_checksum(bytes);
   std::memcpy(bytes.data() + offsetof(Header, checksum), &sum, sizeof sum);
@@ -163,8 +163,8 @@ Vocabulary parse_vocabulary(std::string_view bytes, const std::string& name,
   tree.centres = take<uint8_t>(bytes, size_t{header.nodes} * header.descriptor_bytes);
   tree.child_counts = take<uint32_t>(bytes, header.nodes);
   tree.idf = take<float>(bytes, header.words);
-  tree.uses = take<uint32_t>(bytes, header.words);
-  if (const auto defect = defect_of(tree)) fail(name, *defect + " makes no sense");
+  tree.use_counts = take<uint32_t>(bytes, header.words);
+  if (const auto defect = find_defect(tree)) fail(name, *defect + " is invalid");
   return {tree, std::move(owner)};
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// In: a dictionary. Out: its file, and back. The format (.kinvoc) is described in docs/place.md.
+// In: a vocabulary. Out: its file, and back. The format (.kinvoc) is described in docs/place.md.
 
 #include <filesystem>
 #include <memory>
@@ -10,10 +10,10 @@
 
 namespace kinloop {
 
-/// The bytes of a dictionary file.
+/// The bytes of a vocabulary file.
 std::string serialize_vocabulary(const Vocabulary& vocabulary);
 
-/// The dictionary in `bytes` (aligned to 4), which it looks at and does not copy: `owner` keeps them, or they
+/// The vocabulary in `bytes` (aligned to 4), which it looks at and does not copy: `owner` keeps them, or they
 /// never go. Throws InputError that begins with `name` for anything but a whole, unaltered file.
 Vocabulary parse_vocabulary(std::string_view bytes, const std::string& name,
                             std::shared_ptr<const void> owner);

@@ -93,13 +93,14 @@ class Block {
 
  private:
   [[noreturn]] void fail(const YAML::Node& node, const std::string& what) const {
-    throw_at(path_, line_of(node.Mark()), what);
+    throw_parse_error(path_, line_of(node.Mark()), what);
   }
   [[noreturn]] void reject(const YAML::Node& value, const std::string& key,
                            const std::string& expected) const {
     // The line of the key: yaml-cpp places a value that is missing on the line after it.
     const std::string text = value.IsScalar() ? fmt::format("'{}'", value.Scalar()) : "the value";
-    throw_at(path_, lines_.at(key), fmt::format("key '{}{}': {} is not {}", prefix_, key, text, expected));
+    throw_parse_error(path_, lines_.at(key),
+                      fmt::format("key '{}{}': {} is not {}", prefix_, key, text, expected));
   }
   [[nodiscard]] double to_number(const YAML::Node& value, const std::string& key, const std::string& expected,
                                  Range range) const {
@@ -151,7 +152,8 @@ YAML::Node parse_yaml(const std::filesystem::path& path) {
   try {
     return YAML::Load(read_file(path));
   } catch (const YAML::Exception& error) {
-    throw_at(path, line_of(error.mark), fmt::format("not YAML: {}; expected lines 'key: value'", error.msg));
+    throw_parse_error(path, line_of(error.mark),
+                      fmt::format("not YAML: {}; expected lines 'key: value'", error.msg));
   }
 }
 
@@ -184,9 +186,10 @@ RgbdCamera read_camera_file(const std::filesystem::path& path) {
     camera.depth = read_depth_camera(depth, camera.color);
     camera.T_color_depth = read_motion(motion);
   } else if (block.has("T_color_depth")) {
-    throw_at(path, line_of(block.at("T_color_depth", "").Mark()),
-             "key 'T_color_depth' without 'depth'; add the depth camera, or leave both out where depth is "
-             "registered to colour");
+    throw_parse_error(
+        path, line_of(block.at("T_color_depth", "").Mark()),
+        "key 'T_color_depth' without 'depth'; add the depth camera, or leave both out where depth is "
+        "registered to colour");
   }
   return camera;
 }

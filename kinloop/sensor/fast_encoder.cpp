@@ -75,7 +75,7 @@ std::string compressed(const std::vector<uint8_t>& bytes) {
 std::string encode_png(const cv::Mat& image) {
   const int type = image.type();
   require(!image.empty() && (type == CV_8UC1 || type == CV_8UC3 || type == CV_16UC1),
-          "PNG files are made of grey, colour and depth images");
+          "encode_png: expected 8UC1, 8UC3 or 16UC1");
   constexpr char kGrey = 0, kColor = 2;
   const char bits = type == CV_16UC1 ? 16 : 8;
   std::string header =

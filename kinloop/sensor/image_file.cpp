@@ -20,7 +20,7 @@ using namespace std::string_view_literals;
 
 constexpr auto kPngSignature = "\x89PNG\r\n\x1a\n"sv;
 constexpr auto kJpegSignature = "\xff\xd8\xff"sv;
-constexpr auto kCutShort = "the file is cut short; copy it again"sv;
+constexpr auto kCutShort = "the file is truncated; copy it again"sv;
 constexpr auto kDamaged = "the file is damaged; copy it again"sv;
 
 /// A big-endian number of `size` bytes.
@@ -115,8 +115,8 @@ cv::Mat read_color_image(const std::filesystem::path& path) {
       cv::cvtColor(image, color, cv::COLOR_BGRA2BGR);
       return color;
     default:
-      throw ImageKindError(
-          fmt::format("{}: not 8 bits a channel, as colour images are; is this a depth image (colour comes "
+      throw ImageFormatError(
+          fmt::format("{}: not 8 bits per channel, as colour images are; is this a depth image (colour comes "
                       "first in associations.txt)?",
                       path.string()));
   }
@@ -126,7 +126,7 @@ cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale) 
   constexpr uint16_t kUnknown = std::numeric_limits<uint16_t>::max();
   cv::Mat image = decode(path);
   if (image.type() != CV_16UC1) {
-    throw ImageKindError(
+    throw ImageFormatError(
         fmt::format("{}: not a 16-bit grey PNG, as depth images are ({} bits, {} channels); export depth as "
                     "16-bit PNG",
                     path.string(), 8 * image.elemSize1(), image.channels()));

@@ -1,6 +1,6 @@
 #pragma once
 // In: PNG and JPEG files. Out: colour and depth images as the rest of kinloop expects them. A file that is
-// cut short is an error here; the decoders alone would hand out the missing part as grey.
+// truncated is an error here; the decoders alone would hand out the missing part as grey.
 
 #include <filesystem>
 #include <string_view>
@@ -13,7 +13,7 @@ namespace kinloop {
 
 /// An intact image that is not what was expected (depth for colour, another size): others of its sequence are
 /// likely to be so too.
-class ImageKindError : public InputError {
+class ImageFormatError : public InputError {
  public:
   using InputError::InputError;
 };
@@ -26,7 +26,7 @@ cv::Mat read_color_image(const std::filesystem::path& path);
 /// and 65535 mean unknown. Throws InputError naming the file and what is wrong with it.
 cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale);
 
-/// What is wrong with the bytes of a PNG or JPEG file as a whole ("cut short"); empty when nothing is.
+/// What is wrong with the bytes of a PNG or JPEG file as a whole ("truncated"); empty when nothing is.
 std::string_view image_damage(std::string_view bytes);
 
 /// Writes an 8UC1, 8UC3 or 16UC1 image, complete under its name.

@@ -1,19 +1,20 @@
 #pragma once
-// Listens to a run and works out of every keyframe's images, in the background, a patch of surface that moves
-// with the keyframe; keeps both. A short recording, or one of a camera that stands still, has few keyframes:
-// frames between them are taken too. Out: the coloured cloud, whenever wanted, at the poses of that moment.
+// Listens to a run and works out of every keyframe's images, in the background, the surfels of its surface,
+// which move with the keyframe; keeps both. A short recording, or one of a camera that stands still, has few
+// keyframes: frames between them are taken too. Out: the coloured cloud, whenever wanted, at the poses of
+// that moment.
 
 #include <memory>
 #include <optional>
 
-#include "kinloop/dense/fuse_patches.hpp"
+#include "kinloop/dense/cloud/fuse_surfels.hpp"
 #include "kinloop/geometry/up_direction.hpp"
-#include "kinloop/output/map_file.hpp"
+#include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/slam/executor.hpp"
 #include "kinloop/slam/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
-#include "kinloop/slam/room_times.hpp"
 #include "kinloop/slam/slam.hpp"
+#include "kinloop/slam/timings.hpp"
 
 namespace kinloop {
 
@@ -21,7 +22,7 @@ namespace kinloop {
 DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
 
 /// The camera as it is known, but for the times that were found: as it goes with poses from elsewhere.
-DenseCamera timed_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
+DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
 
 class DenseRecorder : public Listener {
  public:
@@ -34,18 +35,18 @@ class DenseRecorder : public Listener {
   void restore(const SavedImages& saved);
 
   /// Waits for the work in flight; below is what was taken in so far.
-  void finish_work();
+  void wait_for_jobs();
 
-  [[nodiscard]] size_t image_count() const { return kept_.size(); }
+  [[nodiscard]] size_t image_count() const { return recorded_.size(); }
 
-  [[nodiscard]] FrameId frame_of_image(size_t index) const { return kept_.at(index).frame; }
+  [[nodiscard]] FrameId frame_of_image(size_t index) const { return recorded_.at(index).frame; }
 
   /// What a map file keeps of image `index`.
   [[nodiscard]] SavedImages saved_images(size_t index) const {
     return {frame_of_image(index), images_.encoded(index)};
   }
 
-  [[nodiscard]] const KeyframeImages& images() const { return images_; }
+  [[nodiscard]] const ImageStore& images() const { return images_; }
 
   /// The images of one component of the map whose place is known, at the poses of `log` and `map`.
   [[nodiscard]] std::vector<PosedImage> views(const FrameLog& log, const Map& map, uint32_t component) const;
@@ -78,35 +79,35 @@ class DenseRecorder : public Listener {
   [[nodiscard]] std::optional<RgbdImages> images_of(FrameId frame) const;
 
   /// What the work cost.
-  [[nodiscard]] const RoomTimes& times() const { return times_; }
+  [[nodiscard]] const Timings& timings() const { return timings_; }
 
  private:
-  struct Waiting {
+  struct PendingFrame {
     FrameId frame;
     RgbdImages images;
   };
-  struct Kept {
+  struct RecordedImage {
     FrameId frame;
-    std::optional<size_t> patch;  // index into patches_; not yet made of images that were restored
+    std::optional<size_t> surfels;  // index into surfel_store_; not yet made of images that were restored
   };
 
-  [[nodiscard]] bool wants(const FrameResult& result) const;
+  [[nodiscard]] bool should_record(const FrameResult& result) const;
   void submit(FrameId now);
-  void take_in(std::vector<FinishedJob> jobs);
+  void apply_results(std::vector<FinishedJob> jobs);
   void make_missing_patches(int threads);
-  [[nodiscard]] DepthPatch patch(size_t image) const {
-    return patch_of_bytes(patches_.load(*kept_[image].patch));
+  [[nodiscard]] ImageSurfels surfels(size_t image) const {
+    return surfels_from_bytes(surfel_store_.load(*recorded_[image].surfels));
   }
 
   RgbdCamera camera_;
   DenseOptions options_;
-  KeyframeImages images_;
-  ByteStore patches_;
-  std::vector<Kept> kept_;  // per image
-  std::vector<Waiting> waiting_;
-  uint32_t frames_ = 0;             // that were located
-  uint32_t frames_since_kept_ = 0;  // of these
-  RoomTimes times_;
+  ImageStore images_;
+  ByteStore surfel_store_;
+  std::vector<RecordedImage> recorded_;  // per image
+  std::vector<PendingFrame> pending_;
+  uint32_t frames_ = 0;                 // that were located
+  uint32_t frames_since_recorded_ = 0;  // of these
+  Timings timings_;
   std::unique_ptr<Executor> executor_;  // last: its jobs end first
 };
 

@@ -5,7 +5,7 @@
 #include <future>
 
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/give_way.hpp"
+#include "kinloop/base/thread_priority.hpp"
 
 namespace kinloop {
 namespace {
@@ -18,15 +18,15 @@ struct Job {
 
 uint32_t lag_of(JobKind kind, const ExecutorOptions& options) {
   switch (kind) {
-    case JobKind::kLocalAdjustment:
-      return static_cast<uint32_t>(options.local_lag_frames);
+    case JobKind::kLocalBundleAdjustment:
+      return static_cast<uint32_t>(options.local_ba_lag_frames);
     case JobKind::kLoopVerification:
-      return static_cast<uint32_t>(options.verify_lag_frames);
+      return static_cast<uint32_t>(options.loop_verification_lag_frames);
     case JobKind::kLoopCorrection:
-      return static_cast<uint32_t>(options.loop_lag_frames);
-    case JobKind::kFullAdjustment:
+      return static_cast<uint32_t>(options.loop_correction_lag_frames);
+    case JobKind::kGlobalBundleAdjustment:
     case JobKind::kSelfCalibration:
-      return static_cast<uint32_t>(options.full_lag_frames);
+      return static_cast<uint32_t>(options.global_ba_lag_frames);
     case JobKind::kDenseKeyframes:
       return static_cast<uint32_t>(options.dense_lag_frames);
   }
@@ -40,18 +40,18 @@ class ModalExecutor : public Executor {
 
   void submit(JobKind kind, FrameId now, std::function<JobResult()> work) override {
     require(!busy(kind), "submit: a job of this kind is in flight");
-    const bool at_once = options_.mode == "inline";
-    const FrameId due{now.value + (at_once ? 1 : lag_of(kind, options_))};
+    const bool synchronous = options_.mode == "inline";
+    const FrameId due{now.value + (synchronous ? 1 : lag_of(kind, options_))};
     // A camera does not wait: whatever tracking leaves of the processor is enough for the rest.
-    const bool aside = options_.mode == "live";
-    auto result = std::async(at_once ? std::launch::deferred : std::launch::async,
-                             [kind, aside, work = std::move(work)] {
-                               if (aside) give_way(GiveWay::kNearlyAll);
+    const bool low_priority = options_.mode == "live";
+    auto result = std::async(synchronous ? std::launch::deferred : std::launch::async,
+                             [kind, low_priority, work = std::move(work)] {
+                               if (low_priority) lower_thread_priority(ThreadPriority::kLowest);
                                const Stopwatch watch;
                                JobResult done = work();
-                               return FinishedJob{kind, std::move(done), watch.spent()};
+                               return FinishedJob{kind, std::move(done), watch.elapsed()};
                              });
-    if (at_once) result.wait();
+    if (synchronous) result.wait();
     jobs_.push_back({kind, due, std::move(result)});
   }
 
@@ -60,18 +60,18 @@ class ModalExecutor : public Executor {
   }
 
   std::vector<FinishedJob> collect(FrameId now) override {
-    return take([&](const Job& job) {
+    return collect_if([&](const Job& job) {
       if (options_.mode != "live") return job.due <= now;
       return job.result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     });
   }
 
   std::vector<FinishedJob> drain() override {
-    return take([](const Job&) { return true; });
+    return collect_if([](const Job&) { return true; });
   }
 
  private:
-  std::vector<FinishedJob> take(const std::function<bool(const Job&)>& is_due) {
+  std::vector<FinishedJob> collect_if(const std::function<bool(const Job&)>& is_due) {
     std::vector<FinishedJob> finished;
     std::vector<Job> remaining;
     for (Job& job : jobs_) {
@@ -91,16 +91,16 @@ class ModalExecutor : public Executor {
 
 }  // namespace
 
-const char* name_of(JobKind kind) {
+const char* to_string(JobKind kind) {
   switch (kind) {
-    case JobKind::kLocalAdjustment:
-      return "local adjustment";
+    case JobKind::kLocalBundleAdjustment:
+      return "local bundle adjustment";
     case JobKind::kLoopVerification:
       return "loop verification";
     case JobKind::kLoopCorrection:
       return "loop correction";
-    case JobKind::kFullAdjustment:
-      return "full adjustment";
+    case JobKind::kGlobalBundleAdjustment:
+      return "global bundle adjustment";
     case JobKind::kSelfCalibration:
       return "self-calibration";
     case JobKind::kDenseKeyframes:

@@ -9,7 +9,7 @@
 
 #include "kinloop/base/ids.hpp"
 #include "kinloop/base/stopwatch.hpp"
-#include "kinloop/loop/close_loop.hpp"
+#include "kinloop/loop/verify_loop.hpp"
 #include "kinloop/slam/dense_keyframe.hpp"
 #include "kinloop/slam/options.hpp"
 #include "kinloop/slam/self_calibration.hpp"
@@ -17,25 +17,25 @@
 namespace kinloop {
 
 enum class JobKind {
-  kLocalAdjustment,
+  kLocalBundleAdjustment,
   kLoopVerification,
   kLoopCorrection,
-  kFullAdjustment,
+  kGlobalBundleAdjustment,
   kSelfCalibration,
   kDenseKeyframes
 };
 
 /// As reports call it.
-const char* name_of(JobKind kind);
+const char* to_string(JobKind kind);
 
 /// What slow work gives back.
 struct JobResult {
   JobResult() = default;
   JobResult(MapUpdate changes) : update(std::move(changes)) {}  // NOLINT(google-explicit-constructor)
-  JobResult(CalibratedAdjustment adjusted)                      // NOLINT(google-explicit-constructor)
+  JobResult(SelfCalibrationResult adjusted)                     // NOLINT(google-explicit-constructor)
       : update(std::move(adjusted.update)), sensor(std::move(adjusted.sensor)) {}
 
-  JobResult(std::vector<LoopAnswer> verified)  // NOLINT(google-explicit-constructor)
+  JobResult(std::vector<VerifiedLoop> verified)  // NOLINT(google-explicit-constructor)
       : loops(std::move(verified)) {}
 
   JobResult(std::vector<DenseKeyframe> keyframes)  // NOLINT(google-explicit-constructor)
@@ -43,14 +43,14 @@ struct JobResult {
 
   MapUpdate update;
   std::optional<SensorEstimate> sensor;  ///< where the work estimated it
-  std::vector<LoopAnswer> loops;         ///< where the work verified them
+  std::vector<VerifiedLoop> loops;       ///< where the work verified them
   std::vector<DenseKeyframe> dense;      ///< where the work made them
 };
 
 struct FinishedJob {
-  JobKind kind = JobKind::kLocalAdjustment;
+  JobKind kind = JobKind::kLocalBundleAdjustment;
   JobResult result;
-  Spent spent;  ///< on it, for reports
+  ElapsedTime elapsed;  ///< on it, for reports
 };
 
 class Executor {

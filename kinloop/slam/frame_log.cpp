@@ -4,7 +4,7 @@
 
 namespace kinloop {
 
-LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px) {
+LoggedFrame make_log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px) {
   LoggedFrame entry{
       frame.id, frame.stamp_ns, result.status, result.reference, result.T_reference_camera, {}, false, {},
       {}};
@@ -26,16 +26,17 @@ LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int
   return entry;
 }
 
-FrameLog find_lost_frames(FrameLog log, int image_height_px,
-                          const std::function<std::optional<TrackResult>(const PreparedFrame&)>& look_up) {
+FrameLog relocalize_lost_frames(
+    FrameLog log, int image_height_px,
+    const std::function<std::optional<TrackResult>(const PreparedFrame&)>& relocalize) {
   for (LoggedFrame& entry : log) {
     if (entry.status != TrackStatus::kLost || !entry.features) continue;
     PreparedFrame frame;
     frame.id = entry.frame;
     frame.stamp_ns = entry.stamp_ns;
     frame.features = entry.features;
-    const auto found = look_up(frame);
-    if (found) entry = log_entry(*found, frame, image_height_px);
+    const auto found = relocalize(frame);
+    if (found) entry = make_log_entry(*found, frame, image_height_px);
   }
   return log;
 }
@@ -52,7 +53,7 @@ uint32_t main_component(std::span<const LoggedFrame> log, const Map& map) {
   return static_cast<uint32_t>(std::max_element(frames.begin(), frames.end()) - frames.begin());
 }
 
-bool tracked_in(uint32_t component, const LoggedFrame& entry, const Map& map) {
+bool is_tracked_in(uint32_t component, const LoggedFrame& entry, const Map& map) {
   return entry.status != TrackStatus::kLost && map.keyframe(entry.reference).component == component;
 }
 
@@ -60,7 +61,7 @@ Trajectory trajectory_of(std::span<const LoggedFrame> log, const Map& map) {
   const uint32_t component = main_component(log, map);
   Trajectory trajectory;
   for (const LoggedFrame& entry : log) {
-    if (!tracked_in(component, entry, map)) continue;
+    if (!is_tracked_in(component, entry, map)) continue;
     trajectory.push_back({entry.stamp_ns, world_pose(entry, map)});
   }
   return trajectory;

@@ -38,12 +38,13 @@ struct LoggedFrame {
 using FrameLog = std::vector<LoggedFrame>;
 
 /// The log entry of a frame.
-LoggedFrame log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px);
+LoggedFrame make_log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px);
 
-/// The log with those lost frames located that `look_up` knows: at the end the map knows more than when they
-/// came.
-FrameLog find_lost_frames(FrameLog log, int image_height_px,
-                          const std::function<std::optional<TrackResult>(const PreparedFrame&)>& look_up);
+/// The log with those lost frames located that `relocalize` knows: at the end the map knows more than when
+/// they came.
+FrameLog relocalize_lost_frames(
+    FrameLog log, int image_height_px,
+    const std::function<std::optional<TrackResult>(const PreparedFrame&)>& relocalize);
 
 /// The frame's pose, as the map stands now; the frame must not be lost.
 SE3 world_pose(const LoggedFrame& entry, const Map& map);
@@ -52,7 +53,7 @@ SE3 world_pose(const LoggedFrame& entry, const Map& map);
 uint32_t main_component(std::span<const LoggedFrame> log, const Map& map);
 
 /// Whether the frame was tracked in that component.
-bool tracked_in(uint32_t component, const LoggedFrame& entry, const Map& map);
+bool is_tracked_in(uint32_t component, const LoggedFrame& entry, const Map& map);
 
 /// Poses of all frames that were tracked in the main component, as the map stands now.
 Trajectory trajectory_of(std::span<const LoggedFrame> log, const Map& map);

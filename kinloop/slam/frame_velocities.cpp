@@ -13,7 +13,7 @@ constexpr int64_t kMaxNeighbour_ns = 150'000'000;  // farther apart, a hand's ve
 std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map) {
   std::vector<Velocity> velocities(log.size(), Velocity::Zero());
   const auto usable = [&](size_t i, size_t other) {
-    return tracked_in(map.keyframe(log[i].reference).component, log[other], map) &&
+    return is_tracked_in(map.keyframe(log[i].reference).component, log[other], map) &&
            std::abs(log[i].stamp_ns - log[other].stamp_ns) < kMaxNeighbour_ns;
   };
   for (size_t i = 0; i < log.size(); ++i) {

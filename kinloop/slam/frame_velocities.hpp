@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kinloop/optimize/sensor_model.hpp"
+#include "kinloop/optimize/bundle/sensor_model.hpp"
 #include "kinloop/slam/frame_log.hpp"
 
 namespace kinloop {

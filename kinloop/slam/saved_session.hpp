@@ -1,7 +1,7 @@
 #pragma once
 // What a map file keeps of frames and sensor, and back.
 
-#include "kinloop/output/map_file.hpp"
+#include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/slam/self_calibration.hpp"
 
 namespace kinloop {

@@ -6,18 +6,18 @@
 namespace kinloop {
 namespace {
 
-SensorEstimate judge(const BundleSolution& solution, const SensorVector& known, const SensorVector& expected,
-                     const SelfCalibrationOptions& calibration) {
+SensorEstimate select_parameters(const BundleSolution& solution, const SensorVector& known,
+                                 const SensorVector& expected, const SelfCalibrationOptions& calibration) {
   SensorEstimate estimate;
   estimate.value = solution.sensor;
   for (int k = 0; k < kSensorParameterCount; ++k) {
     if (expected(k) == 0) continue;
     const double sigma = std::sqrt(std::max(solution.sensor_covariance(k, k), 0.0));
-    const bool narrowed = sigma <= calibration.max_sigma_share * expected(k) &&
+    const bool accepted = sigma <= calibration.max_sigma_ratio * expected(k) &&
                           std::abs(solution.sensor(k) - known(k)) >= calibration.min_sigmas * sigma;
     estimate.sigma(k) = sigma;
-    estimate.used[static_cast<size_t>(k)] = narrowed;
-    if (!narrowed) estimate.value(k) = known(k);
+    estimate.used[static_cast<size_t>(k)] = accepted;
+    if (!accepted) estimate.value(k) = known(k);
   }
   return estimate;
 }
@@ -30,7 +30,7 @@ void restart(BundleProblem& problem, const BundleSolution& solution) {
 
 }  // namespace
 
-SensorEstimate with_held_from(SensorEstimate estimate, const SensorEstimate& before) {
+SensorEstimate with_fixed_from(SensorEstimate estimate, const SensorEstimate& before) {
   for (int k = 0; k < kSensorParameterCount; ++k) {
     if (estimate.sigma(k) > 0) continue;  // it was estimated
     estimate.sigma(k) = before.sigma(k);
@@ -39,10 +39,10 @@ SensorEstimate with_held_from(SensorEstimate estimate, const SensorEstimate& bef
   return estimate;
 }
 
-SensorVector known_sensor(const RgbdCamera& camera) {
+SensorVector nominal_sensor(const RgbdCamera& camera) {
   SensorVector known = SensorVector::Zero();
   known(kRollingShutter) = known(kDepthShutter) = camera.rolling_shutter_s;
-  known(kDepthTime) = camera.depth_offset_s;
+  known(kDepthDelay) = camera.depth_offset_s;
   return known;
 }
 
@@ -52,19 +52,19 @@ RgbdCamera calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sen
       std::any_of(sensor.used.begin(), sensor.used.begin() + kRollingShutter, [](bool used) { return used; });
   if (lens_found) calibrated.color = corrected_camera(camera.color, sensor.value);
   calibrated.rolling_shutter_s = sensor.value(kRollingShutter);
-  calibrated.depth_offset_s = sensor.value(kDepthTime);
+  calibrated.depth_offset_s = sensor.value(kDepthDelay);
   return calibrated;
 }
 
-SensorVector expected_time_sigmas(const SelfCalibrationOptions& options) {
+SensorVector prior_time_sigmas(const SelfCalibrationOptions& options) {
   SensorVector sigma = SensorVector::Zero();
   if (options.enabled)
-    sigma(kRollingShutter) = sigma(kDepthShutter) = sigma(kDepthTime) = options.time_sigma_s;
+    sigma(kRollingShutter) = sigma(kDepthShutter) = sigma(kDepthDelay) = options.time_sigma_s;
   return sigma;
 }
 
-SensorVector expected_sigmas(const PinholeCamera& camera, const SelfCalibrationOptions& options) {
-  SensorVector sigma = expected_time_sigmas(options);
+SensorVector prior_sigmas(const PinholeCamera& camera, const SelfCalibrationOptions& options) {
+  SensorVector sigma = prior_time_sigmas(options);
   if (!options.enabled) return sigma;
   sigma(kFocalX) = options.focal_sigma * camera.fx;
   sigma(kFocalY) = options.focal_sigma * camera.fy;
@@ -74,24 +74,25 @@ SensorVector expected_sigmas(const PinholeCamera& camera, const SelfCalibrationO
   return sigma;
 }
 
-AdjustmentProblem calibration_problem(const Map& map, const RgbdCamera& camera,
-                                      std::vector<Velocity> velocities, const SensorVector& value) {
-  AdjustmentProblem problem = full_problem(map, camera.color, MeasuredAs::kMoving);
+BundleAdjustmentProblem make_self_calibration_problem(const Map& map, const RgbdCamera& camera,
+                                                      std::vector<Velocity> velocities,
+                                                      const SensorVector& value) {
+  BundleAdjustmentProblem problem = make_global_ba_problem(map, camera.color, MeasurementKind::kRaw);
   problem.bundle.velocities = std::move(velocities);
   problem.bundle.sensor.value = value;
-  problem.bundle.sensor.prior_mean = known_sensor(camera);
+  problem.bundle.sensor.prior_mean = nominal_sensor(camera);
   return problem;
 }
 
-CalibratedAdjustment adjust_with_sensor(AdjustmentProblem problem, const SensorVector& expected,
-                                        const SelfCalibrationOptions& calibration,
-                                        const BundleOptions& options) {
+SelfCalibrationResult run_self_calibration(BundleAdjustmentProblem problem, const SensorVector& expected,
+                                           const SelfCalibrationOptions& calibration,
+                                           const BundleOptions& options) {
   BundleProblem& bundle = problem.bundle;
   bundle.sensor.prior_sigma = expected;
   const BundleSolution free = solve_bundle(bundle, options);
-  CalibratedAdjustment adjusted{update_of(problem, free),
-                                judge(free, bundle.sensor.prior_mean, expected, calibration),
-                                free.pose_covariance};
+  SelfCalibrationResult adjusted{make_map_update(problem, free),
+                                 select_parameters(free, bundle.sensor.prior_mean, expected, calibration),
+                                 free.pose_covariance};
   bool all_used = true;
   for (int k = 0; k < kSensorParameterCount; ++k) {
     if (expected(k) == 0 || adjusted.sensor.used[static_cast<size_t>(k)]) continue;
@@ -102,7 +103,7 @@ CalibratedAdjustment adjust_with_sensor(AdjustmentProblem problem, const SensorV
   restart(bundle, free);
   bundle.sensor.value = adjusted.sensor.value;
   const BundleSolution held = solve_bundle(bundle, options);
-  adjusted.update = update_of(problem, held);
+  adjusted.update = make_map_update(problem, held);
   adjusted.sensor.value = held.sensor;
   adjusted.pose_covariance = held.pose_covariance;
   return adjusted;

@@ -13,22 +13,22 @@
 
 #include "kinloop/base/progress.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/loop/candidates.hpp"
-#include "kinloop/output/map_file.hpp"
 #include "kinloop/place/vocabulary.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
+#include "kinloop/slam/back_end.hpp"
 #include "kinloop/slam/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
-#include "kinloop/slam/map_work.hpp"
 #include "kinloop/slam/options.hpp"
-#include "kinloop/slam/room_times.hpp"
+#include "kinloop/slam/timings.hpp"
 #include "kinloop/tracking/motion_model.hpp"
 
 namespace kinloop {
 
 class Slam {
  public:
-  /// With the default dictionary.
+  /// With the default vocabulary.
   explicit Slam(const RgbdCamera& camera, const SlamOptions& options = {});
   Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary);
   ~Slam();
@@ -70,42 +70,43 @@ class Slam {
   /// The component of the map in which most of them were tracked.
   [[nodiscard]] uint32_t component() const { return main_component(session_log(), map_); }
 
-  [[nodiscard]] const RoomTimes& times() const { return times_; }
+  [[nodiscard]] const Timings& timings() const { return timings_; }
 
   /// What was found of the sensor so far.
   [[nodiscard]] const SensorEstimate& sensor() const { return sensor_; }
 
-  /// Per keyframe, how certain the final adjustment is of its pose (see FinalAdjustment); empty before it.
+  /// Per keyframe, how certain the final adjustment is of its pose (see FinalBundleAdjustment); empty before
+  /// it.
   [[nodiscard]] const std::vector<Matrix6d>& keyframe_covariance() const { return keyframe_covariance_; }
 
   /// `listener` must outlive this object.
-  void listen(Listener& listener) { listeners_.push_back(&listener); }
+  void add_listener(Listener& listener) { listeners_.push_back(&listener); }
 
  private:
-  void take_in(const AppliedWork& work);
-  TrackResult start(const PreparedFrame& frame);
-  [[nodiscard]] bool repeats_previous(const PreparedFrame& frame) const;
+  void apply_results(const AppliedResults& work);
+  TrackResult initialize_map(const PreparedFrame& frame);
+  [[nodiscard]] bool repeats_previous_image(const PreparedFrame& frame) const;
   [[nodiscard]] TrackResult previous_result() const;
-  TrackResult locate(const PreparedFrame& frame, bool& relocalized);
+  TrackResult track_or_relocalize(const PreparedFrame& frame, bool& relocalized);
   [[nodiscard]] BowVector bow_of(const Features& features) const;
-  void finish_localizing();
-  [[nodiscard]] bool on_map(const TrackResult& result, const PreparedFrame& frame) const;
-  [[nodiscard]] std::optional<TrackResult> look_up(const PreparedFrame& frame) const;
-  [[nodiscard]] PreparedFrame at_rest(const PreparedFrame& frame) const;
-  void take_sensor(const SensorEstimate& sensor);
-  [[nodiscard]] bool after_loss() const {
+  void finish_localization();
+  [[nodiscard]] bool is_localized(const TrackResult& result, const PreparedFrame& frame) const;
+  [[nodiscard]] std::optional<TrackResult> relocalize(const PreparedFrame& frame) const;
+  [[nodiscard]] PreparedFrame motion_compensated(const PreparedFrame& frame) const;
+  void apply_sensor_estimate(const SensorEstimate& sensor);
+  [[nodiscard]] bool previous_frame_lost() const {
     return !session_log().empty() && session_log().back().status == TrackStatus::kLost;
   }
-  [[nodiscard]] bool lost_for_long() const;
-  void learn_motion(const PreparedFrame& frame, const TrackResult& result);
-  void remember(const PreparedFrame& frame, const TrackResult& result);
-  [[nodiscard]] bool wants_keyframe(const PreparedFrame& frame, const TrackResult& result) const;
+  [[nodiscard]] bool should_start_component() const;
+  void update_motion_model(const PreparedFrame& frame, const TrackResult& result);
+  void store_previous_frame(const PreparedFrame& frame, const TrackResult& result);
+  [[nodiscard]] bool should_insert_keyframe(const PreparedFrame& frame, const TrackResult& result) const;
   KeyframeId add_keyframe(const PreparedFrame& frame, const TrackResult& result);
   KeyframeId insert_keyframe(const PreparedFrame& frame, const TrackResult& result);
-  void look_for_loops(KeyframeId keyframe);
-  void look_from(KeyframeId reference);
-  void tell(const FrameResult& result, const PreparedFrame& frame);
-  [[nodiscard]] KeyframeId next_keyframe() const {
+  void detect_loops(KeyframeId keyframe);
+  void set_reference_keyframe(KeyframeId reference);
+  void notify_listeners(const FrameResult& result, const PreparedFrame& frame);
+  [[nodiscard]] KeyframeId next_keyframe_id() const {
     return KeyframeId{static_cast<uint32_t>(map_.keyframes().size())};
   }
   [[nodiscard]] uint64_t seed_of(FrameId frame) const;
@@ -116,10 +117,10 @@ class Slam {
   Map map_;
   PlaceIndex places_;
   CandidateHistory loop_history_;
-  MapWork work_;
+  BackEnd back_end_;
   bool map_changed_ = false;  // since the listeners were told
 
-  LocalView view_;
+  LocalMap local_map_;
   std::optional<TrackedFrame> previous_;  // the last that was located; none before the start
   MotionModel motion_;
   KeyframeId last_keyframe_;
@@ -131,7 +132,7 @@ class Slam {
   uint32_t first_frame_ = 0;            // added to the ids of this run's frames
   SensorEstimate sensor_;
   std::vector<Matrix6d> keyframe_covariance_;
-  RoomTimes times_;
+  Timings timings_;
   std::vector<Listener*> listeners_;
 };
 

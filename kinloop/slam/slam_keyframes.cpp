@@ -1,24 +1,25 @@
 // Slam's keyframes: which frames become one, and what that adds to the map.
 
-#include "kinloop/mapping/grow.hpp"
+#include "kinloop/mapping/landmark_creation.hpp"
 #include "kinloop/mapping/triangulate.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
 
 namespace kinloop {
 
-bool Slam::wants_keyframe(const PreparedFrame& frame, const TrackResult& result) const {
+bool Slam::should_insert_keyframe(const PreparedFrame& frame, const TrackResult& result) const {
   if (result.status == TrackStatus::kLost) return false;
-  if (result.reference == next_keyframe()) return true;
-  const KeyframeQuestion question{result, frame, motions_from_keyframes(map_, result, last_keyframe_),
-                                  frames_since_keyframe_, confirmed_landmarks(map_, view_.reference)};
-  return needs_keyframe(question, options_.tracking.keyframe);
+  if (result.reference == next_keyframe_id()) return true;
+  const KeyframeCriteria criteria{result, frame, motions_from_keyframes(map_, result, last_keyframe_),
+                                  frames_since_keyframe_,
+                                  count_confirmed_landmarks(map_, local_map_.reference)};
+  return needs_keyframe(criteria, options_.tracking.keyframe);
 }
 
 /// The world begins at the first camera; a new component is put, for want of better, where the camera was
 /// last.
 KeyframeId Slam::add_keyframe(const PreparedFrame& frame, const TrackResult& result) {
-  if (result.reference != next_keyframe()) {
+  if (result.reference != next_keyframe_id()) {
     const Keyframe& reference = map_.keyframe(result.reference);
     return map_.add_keyframe(frame.id, frame.stamp_ns, reference.T_world_camera * result.T_reference_camera,
                              frame.features, reference.component);
@@ -30,34 +31,34 @@ KeyframeId Slam::add_keyframe(const PreparedFrame& frame, const TrackResult& res
 KeyframeId Slam::insert_keyframe(const PreparedFrame& frame, const TrackResult& result) {
   const Stopwatch watch;
   const KeyframeId id = add_keyframe(frame, result);
-  observe_matches(map_, id, result.matches);
-  attach_landmarks(map_, id, make_local_view(map_, id, options_.view), camera_.color, options_.mapping);
-  grow_from_depth(map_, id, camera_.color, options_.mapping);
-  grow_from_parallax(map_, id, camera_.color, options_.mapping);
+  add_observations(map_, id, result.matches);
+  match_local_map(map_, id, make_local_map(map_, id, options_.local_map), camera_.color, options_.mapping);
+  create_landmarks_from_depth(map_, id, camera_.color, options_.mapping);
+  triangulate_landmarks(map_, id, camera_.color, options_.mapping);
   cull_landmarks(map_, options_.mapping);
   places_.add(id, bow_of(*frame.features));
-  times_.add("mapping", watch.spent());
+  timings_.add("mapping", watch.elapsed());
 
   log_.back().keyframe = id;
   last_keyframe_ = id;
   frames_since_keyframe_ = 0;
   map_changed_ = true;
-  look_from(id);
-  look_for_loops(id);
+  set_reference_keyframe(id);
+  detect_loops(id);
   const Stopwatch copying;
-  work_.submit(map_, log_, sensor_, id, frame.id);
-  times_.add("mapping", copying.spent());
+  back_end_.submit(map_, log_, sensor_, id, frame.id);
+  timings_.add("mapping", copying.elapsed());
   return id;
 }
 
-void Slam::look_for_loops(KeyframeId id) {
+void Slam::detect_loops(KeyframeId id) {
   if (!options_.loop.enabled) return;
   const Stopwatch watch;
   auto candidates = find_loop_candidates(map_, places_, id, loop_history_, options_.loop);
   loop_history_ = std::move(candidates.history);
-  work_.note_possible_loop(
-      loop_question(map_, id, candidates.keyframes, options_.view, seed_of(map_.keyframe(id).frame)));
-  times_.add("loop", watch.spent());
+  back_end_.add_loop_candidates(make_loop_candidates(map_, id, candidates.keyframes, options_.local_map,
+                                                     seed_of(map_.keyframe(id).frame)));
+  timings_.add("loop", watch.elapsed());
 }
 
 }  // namespace kinloop

@@ -21,14 +21,14 @@ struct PreparedFrame {
   cv::Mat gray;     ///< 8UC1
   cv::Mat depth_m;  ///< 32FC1
   std::shared_ptr<const Features> features;
-  Spent preparing;  ///< for reports
+  ElapsedTime preparing;  ///< for reports
 };
 
 /// The previous frame, as the tracker remembers it.
 struct TrackedFrame {
   PreparedFrame frame;
-  SE3 T_reference_camera;               ///< in the frame of the reference keyframe of the local view
-  std::vector<LandmarkId> landmark_of;  ///< per key point; invalid where it shows no landmark
+  SE3 T_reference_camera;               ///< in the frame of the reference keyframe of the local map
+  std::vector<LandmarkId> landmark_of;  ///< per keypoint; invalid where it shows no landmark
 };
 
 }  // namespace kinloop

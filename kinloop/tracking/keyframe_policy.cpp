@@ -25,9 +25,9 @@ int unmapped_with_depth(const TrackResult& result, const Features& features) {
 }
 
 /// How far the camera moved as a share of the motion that asks for a keyframe.
-double moved_share(const SE3& T_keyframe_camera, double depth_m, const KeyframeOptions& options) {
-  return std::max(T_keyframe_camera.angle_rad() / options.max_angle_rad,
-                  T_keyframe_camera.translation.norm() / (depth_m * options.max_shift));
+double relative_motion(const SE3& T_keyframe_camera, double depth_m, const KeyframeOptions& options) {
+  return std::max(T_keyframe_camera.angle_rad() / options.max_rotation_rad,
+                  T_keyframe_camera.translation.norm() / (depth_m * options.max_relative_translation));
 }
 
 /// How many of the matched landmarks each keyframe shows.
@@ -43,37 +43,38 @@ std::vector<int> shared_counts(const Map& map, const std::vector<LandmarkMatch>&
 
 }  // namespace
 
-bool needs_keyframe(const KeyframeQuestion& q, const KeyframeOptions& options) {
+bool needs_keyframe(const KeyframeCriteria& q, const KeyframeOptions& options) {
   if (q.result.status != TrackStatus::kTracked) return false;
   const double depth_m = median_depth_m(*q.frame.features);
   double moved = std::numeric_limits<double>::infinity();  // from the nearest
-  for (const SE3& T : q.T_keyframe_camera) moved = std::min(moved, moved_share(T, depth_m, options));
+  for (const SE3& T : q.T_keyframe_camera) moved = std::min(moved, relative_motion(T, depth_m, options));
   if (moved > 1) return true;
   // A camera that stands still sees nothing new, however long it stands.
-  constexpr double kHardlyMoved = 0.5;
-  if (moved < kHardlyMoved) return false;
+  constexpr double kMinMotion = 0.5;
+  if (moved < kMinMotion) return false;
 
   const int tracked = q.result.stats.inliers;
-  const bool view_thins_out = tracked < options.min_tracked_share * q.reference_landmarks;
-  const bool blind_soon = tracked < options.min_landmarks &&
-                          unmapped_with_depth(q.result, *q.frame.features) > options.min_unmapped;
-  return view_thins_out || blind_soon || q.frames_since_keyframe >= options.max_gap_frames;
+  const bool overlap_too_low = tracked < options.min_tracked_ratio * q.reference_landmarks;
+  const bool too_few_landmarks =
+      tracked < options.min_landmarks &&
+      unmapped_with_depth(q.result, *q.frame.features) > options.min_unmapped_keypoints;
+  return overlap_too_low || too_few_landmarks || q.frames_since_keyframe >= options.max_interval_frames;
 }
 
 std::vector<SE3> motions_from_keyframes(const Map& map, const TrackResult& result, KeyframeId last) {
-  constexpr double kFairShare = 0.3;
+  constexpr double kMinSharedFraction = 0.3;
   const SE3 T_world_camera = map.keyframe(result.reference).T_world_camera * result.T_reference_camera;
   std::vector<SE3> motions{map.keyframe(last).T_world_camera.inverse() * T_world_camera};
   const std::vector<int> shared = shared_counts(map, result.matches);
   for (const Keyframe& keyframe : map.keyframes()) {
     const int both = shared[keyframe.id.value];
-    if (both == 0 || both < kFairShare * static_cast<double>(result.matches.size())) continue;
+    if (both == 0 || both < kMinSharedFraction * static_cast<double>(result.matches.size())) continue;
     motions.push_back(keyframe.T_world_camera.inverse() * T_world_camera);
   }
   return motions;
 }
 
-int confirmed_landmarks(const Map& map, KeyframeId id) {
+int count_confirmed_landmarks(const Map& map, KeyframeId id) {
   int count = 0;
   for (const LandmarkId landmark : map.keyframe(id).landmark_of) {
     count += landmark.valid() && map.landmark(landmark).observations.size() >= 2 ? 1 : 0;

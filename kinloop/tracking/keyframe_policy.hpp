@@ -7,7 +7,7 @@
 namespace kinloop {
 
 /// What the decision to make a keyframe rests on.
-struct KeyframeQuestion {
+struct KeyframeCriteria {
   const TrackResult& result;
   const PreparedFrame& frame;
   std::vector<SE3> T_keyframe_camera;  ///< motion from the keyframes that show the same place
@@ -16,15 +16,15 @@ struct KeyframeQuestion {
 };
 
 /// Whether the frame shows enough that is new, or too little that is known, to become a keyframe.
-bool needs_keyframe(const KeyframeQuestion& question, const KeyframeOptions& options);
+bool needs_keyframe(const KeyframeCriteria& criteria, const KeyframeOptions& options);
 
 /// Motion to the camera from the last keyframe, and from those that show a fair share of its landmarks.
 std::vector<SE3> motions_from_keyframes(const Map& map, const TrackResult& result, KeyframeId last);
 
 /// Landmarks of a keyframe that at least one other keyframe confirms.
-int confirmed_landmarks(const Map& map, KeyframeId id);
+int count_confirmed_landmarks(const Map& map, KeyframeId id);
 
-/// The keyframe that shares most of the matched landmarks, which should be the reference of the local view;
+/// The keyframe that shares most of the matched landmarks, which should be the reference of the local map;
 /// the lower id of equals, `fallback` where none shares any.
 KeyframeId best_reference(const Map& map, const std::vector<LandmarkMatch>& matches, KeyframeId fallback);
 

@@ -8,10 +8,10 @@
 namespace kinloop {
 namespace {
 
-constexpr double kMaxCarried_s = 0.25;     // hands change direction within a few tenths of a second
-constexpr double kMemory = 0.9;            // weight of the unrest so far against that of one more frame
-constexpr double kUnknownSpeed_m_s = 0.5;  // 1 sigma of a hand of which nothing is known
-constexpr double kUnknownTurn_rad_s = 1.0;
+constexpr double kMaxExtrapolation_s = 0.25;  // hands change direction within a few tenths of a second
+constexpr double kSmoothing = 0.9;  // weight of the acceleration noise so far against that of one more frame
+constexpr double kDefaultSpeed_m_s = 0.5;  // 1 sigma of a hand of which nothing is known
+constexpr double kDefaultTurnRate_rad_s = 1.0;
 
 }  // namespace
 
@@ -21,21 +21,21 @@ void MotionModel::update(const SE3& T_previous_current, int64_t duration_ns) {
   const Vector6d velocity = T_previous_current.log() / duration_s;
   if (velocity_per_s_) {
     const Vector6d change = velocity - *velocity_per_s_;
-    const auto learn = [&](double so_far, const Eigen::Vector3d& axes) {
-      return kMemory * so_far + (1 - kMemory) * axes.squaredNorm() / (3 * duration_s);
+    const auto filtered = [&](double so_far, const Eigen::Vector3d& axes) {
+      return kSmoothing * so_far + (1 - kSmoothing) * axes.squaredNorm() / (3 * duration_s);
     };
-    unrest_.of_shift = learn(unrest_.of_shift, change.head<3>());
-    unrest_.of_turn = learn(unrest_.of_turn, change.tail<3>());
+    acceleration_noise_.translation = filtered(acceleration_noise_.translation, change.head<3>());
+    acceleration_noise_.rotation = filtered(acceleration_noise_.rotation, change.tail<3>());
   }
   velocity_per_s_ = velocity;
 }
 
 PredictedPose MotionModel::predict(int64_t duration_ns) const {
   const double duration_s = to_seconds(duration_ns);
-  if (!velocity_per_s_) return {{}, kUnknownSpeed_m_s * duration_s, kUnknownTurn_rad_s * duration_s};
-  return {SE3::exp(*velocity_per_s_ * std::min(duration_s, kMaxCarried_s)),
-          std::sqrt(unrest_.of_shift * duration_s) * duration_s,
-          std::sqrt(unrest_.of_turn * duration_s) * duration_s};
+  if (!velocity_per_s_) return {{}, kDefaultSpeed_m_s * duration_s, kDefaultTurnRate_rad_s * duration_s};
+  return {SE3::exp(*velocity_per_s_ * std::min(duration_s, kMaxExtrapolation_s)),
+          std::sqrt(acceleration_noise_.translation * duration_s) * duration_s,
+          std::sqrt(acceleration_noise_.rotation * duration_s) * duration_s};
 }
 
 }  // namespace kinloop

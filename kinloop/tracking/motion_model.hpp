@@ -33,13 +33,13 @@ class MotionModel {
 
  private:
   /// How the velocity changes, as a random walk: growth of its variance a second, per axis.
-  struct Unrest {
-    double of_shift = 0.1;  // (m/s)^2 / s: a hand that is neither calm nor hasty
-    double of_turn = 1.0;   // (rad/s)^2 / s
+  struct AccelerationNoise {
+    double translation = 0.1;  // (m/s)^2 / s: a hand that is neither calm nor hasty
+    double rotation = 1.0;     // (rad/s)^2 / s
   };
 
   std::optional<Vector6d> velocity_per_s_;  // twist, m/s and rad/s
-  Unrest unrest_;
+  AccelerationNoise acceleration_noise_;
 };
 
 }  // namespace kinloop

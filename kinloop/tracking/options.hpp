@@ -1,37 +1,39 @@
 #pragma once
 
 #include "kinloop/base/options.hpp"
-#include "kinloop/optimize/absolute_pose.hpp"
-#include "kinloop/optimize/icp.hpp"
-#include "kinloop/optimize/pnp_ransac.hpp"
-#include "kinloop/optimize/rigid_ransac.hpp"
+#include "kinloop/optimize/pose/absolute_pose.hpp"
+#include "kinloop/optimize/pose/icp.hpp"
+#include "kinloop/optimize/pose/pnp_ransac.hpp"
+#include "kinloop/optimize/pose/rigid_ransac.hpp"
 
 namespace kinloop {
 
 struct KeyframeOptions {
-  double min_tracked_share = 0.85;
-  double max_angle_rad = 0.20;
-  double max_shift = 0.08;
+  double min_tracked_ratio = 0.85;
+  double max_rotation_rad = 0.20;
+  double max_relative_translation = 0.08;
   int min_landmarks = 100;
-  int min_unmapped = 100;
-  int max_gap_frames = 45;
+  int min_unmapped_keypoints = 100;
+  int max_interval_frames = 45;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(
-        "min_tracked_share", self.min_tracked_share,
-        "a new keyframe is made when fewer of the reference keyframe's landmarks than this share are tracked",
+        "min_tracked_ratio", self.min_tracked_ratio,
+        "insert a keyframe when the tracked fraction of the reference keyframe's landmarks falls below this",
         Range{0.05, 1});
-    visit("max_angle_rad", self.max_angle_rad, "turn since the last keyframe that asks for a new one, rad",
-          Range{0.01, 3.2});
-    visit("max_shift", self.max_shift,
-          "shift since the last keyframe that asks for a new one, per median depth", Range{0.005, 10});
+    visit("max_rotation_rad", self.max_rotation_rad,
+          "rotation since the nearest keyframe that triggers a new one, rad", Range{0.01, 3.2});
+    visit("max_relative_translation", self.max_relative_translation,
+          "translation since the nearest keyframe that triggers a new one, relative to the median depth",
+          Range{0.005, 10});
     visit("min_landmarks", self.min_landmarks,
-          "tracked landmarks below which unmapped key points ask for a keyframe", Range{0, 10000});
-    visit("min_unmapped", self.min_unmapped, "key points with depth but no landmark that then make one",
+          "insert a keyframe when fewer landmarks are tracked and enough keypoints are unmapped",
           Range{0, 10000});
-    visit("max_gap_frames", self.max_gap_frames, "frames after which a moving camera gets a keyframe anyway",
-          Range{1, 100000});
+    visit("min_unmapped_keypoints", self.min_unmapped_keypoints,
+          "unmapped keypoints with depth required for that", Range{0, 10000});
+    visit("max_interval_frames", self.max_interval_frames,
+          "maximum number of frames between keyframes while the camera moves", Range{1, 100000});
   }
 };
 
@@ -39,12 +41,12 @@ struct TrackingOptions {
   double window_px = 6;
   double window_sigmas = 3;
   double wide_window_px = 60;
-  double view_window_px = 5;
+  double local_map_window_px = 5;
   int min_matches = 20;
   int min_inliers = 15;
-  int certain_inliers = 60;
-  int enough_landmarks = 60;
-  double min_found_share = 0.1;
+  int min_confident_inliers = 60;
+  int sufficient_landmarks = 60;
+  double min_inlier_ratio = 0.1;
   bool refine_with_icp = false;
   double min_icp_overlap = 0.4;
   KeyframeOptions keyframe;
@@ -55,31 +57,29 @@ struct TrackingOptions {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("window_px", self.window_px,
-          "search window around a key point (half side) if its place were predicted exactly, px",
+    visit("window_px", self.window_px, "minimum search radius around a predicted keypoint, px",
           Range{2, 200});
     visit("window_sigmas", self.window_sigmas,
-          "widens the window by so many standard deviations of the predicted place", Range{0, 10});
+          "standard deviations of the predicted position added to the search radius", Range{0, 10});
     visit("wide_window_px", self.wide_window_px,
-          "search window of the second try (half side), and the widest of the first, px", Range{2, 400});
-    visit("view_window_px", self.view_window_px, "search window for the local map (half side), px",
+          "search radius of the second attempt and upper limit of the first, px", Range{2, 400});
+    visit("local_map_window_px", self.local_map_window_px, "search radius for local map landmarks, px",
           Range{1, 100});
-    visit("min_matches", self.min_matches, "matches without which a way of tracking is given up",
+    visit("min_matches", self.min_matches, "minimum number of matches for a tracking attempt",
           Range{4, 1000});
-    visit("min_inliers", self.min_inliers, "inliers below which a pose is not believed", Range{4, 1000});
-    visit("certain_inliers", self.certain_inliers,
-          "inliers of the pose against the previous frame below which wider searches are tried as well",
-          Range{4, 10000});
-    visit("enough_landmarks", self.enough_landmarks,
-          "tracked landmarks that do without the previous frame's unmapped points", Range{0, 10000});
-    visit("min_found_share", self.min_found_share,
-          "share of the landmarks in sight (or of the key points, where these are fewer) without which a "
-          "pose found by brute force or from the map alone is not believed",
+    visit("min_inliers", self.min_inliers, "minimum number of inliers for a valid pose", Range{4, 1000});
+    visit("min_confident_inliers", self.min_confident_inliers,
+          "inliers against the previous frame below which wider searches are attempted", Range{4, 10000});
+    visit("sufficient_landmarks", self.sufficient_landmarks,
+          "with fewer tracked landmarks, also use unmapped points of the previous frame", Range{0, 10000});
+    visit("min_inlier_ratio", self.min_inlier_ratio,
+          "minimum fraction of the visible landmarks (or keypoints, if fewer) that must be inliers for a "
+          "pose found by brute-force matching or from the map alone",
           Range{0, 1});
     visit("refine_with_icp", self.refine_with_icp,
-          "also lay each depth and grey image onto the one before, and hold the pose to it as far as "
-          "the surfaces tell");
-    visit("min_icp_overlap", self.min_icp_overlap, "share of depth pixels that must agree in dense alignment",
+          "align each depth and grayscale image with the previous frame (ICP) and use the result as "
+          "a pose prior");
+    visit("min_icp_overlap", self.min_icp_overlap, "minimum overlap of depth pixels in dense alignment",
           Range{0, 1});
     visit("keyframe", self.keyframe);
     visit("pose", self.pose);

@@ -11,20 +11,21 @@ namespace {
 /// Points of the previous frame with known place: its landmarks where it shows some, else its own depth.
 struct PreviousPoints {
   std::vector<Eigen::Vector3d> p_reference;
-  std::vector<uint32_t> features;  // key points of the previous frame
+  std::vector<uint32_t> features;  // keypoints of the previous frame
   std::vector<bool> mapped;        // by a landmark
 };
 
-PreviousPoints points_of(const TrackedFrame& previous, const LocalView& view, const PinholeCamera& camera) {
-  std::unordered_map<LandmarkId, size_t> index_in_view;
-  for (size_t i = 0; i < view.size(); ++i) index_in_view.emplace(view.ids[i], i);
+PreviousPoints points_of(const TrackedFrame& previous, const LocalMap& local_map,
+                         const PinholeCamera& camera) {
+  std::unordered_map<LandmarkId, size_t> index_in_local_map;
+  for (size_t i = 0; i < local_map.size(); ++i) index_in_local_map.emplace(local_map.ids[i], i);
   const Features& features = *previous.frame.features;
   PreviousPoints points;
   for (uint32_t i = 0; i < features.size(); ++i) {
-    const auto known = index_in_view.find(previous.landmark_of[i]);
-    const bool mapped = known != index_in_view.end();
+    const auto known = index_in_local_map.find(previous.landmark_of[i]);
+    const bool mapped = known != index_in_local_map.end();
     if (!mapped && !(features.depths_m[i] > 0)) continue;
-    points.p_reference.push_back(mapped ? view.p_reference[known->second]
+    points.p_reference.push_back(mapped ? local_map.p_reference[known->second]
                                         : previous.T_reference_camera *
                                               camera.unproject(features.pixels[i].cast<double>(),
                                                                static_cast<double>(features.depths_m[i])));
@@ -35,7 +36,7 @@ PreviousPoints points_of(const TrackedFrame& previous, const LocalView& view, co
 }
 
 /// One way of tracking: everything a try needs.
-struct Tracking {
+struct TrackingContext {
   const PreparedFrame& frame;
   const FeatureGrid& grid;
   const TrackedFrame& previous;
@@ -44,10 +45,10 @@ struct Tracking {
   const TrackingOptions& options;
 };
 
-PoseObservation observation_of(const Tracking& t, size_t point, uint32_t feature) {
+PoseObservation observation_of(const TrackingContext& t, size_t point, uint32_t feature) {
   const Features& now = *t.frame.features;
   const Features& before = *t.previous.frame.features;
-  // A point known from the previous frame alone is as uncertain as its own key point there.
+  // A point known from the previous frame alone is as uncertain as its own keypoint there.
   const double sigma_before =
       t.points.mapped[point] ? 0.0 : static_cast<double>(before.sigmas_px[t.points.features[point]]);
   return {t.points.p_reference[point], now.pixels[feature].cast<double>(),
@@ -68,7 +69,8 @@ FramePose keep_inliers(const AbsolutePoseSolution& solution, const std::vector<P
   return pose;
 }
 
-std::optional<FramePose> solve(const Tracking& t, const std::vector<Match>& matches, const SE3& guess) {
+std::optional<FramePose> solve(const TrackingContext& t, const std::vector<Match>& matches,
+                               const SE3& guess) {
   if (static_cast<int>(matches.size()) < t.options.min_matches) return std::nullopt;
   std::vector<PoseObservation> observations;
   std::vector<uint32_t> features;
@@ -82,19 +84,19 @@ std::optional<FramePose> solve(const Tracking& t, const std::vector<Match>& matc
 }
 
 /// Half side of the window in which to search for a point that is seen `depth_m` away on level 0.
-using Window = std::function<double(double depth_m)>;
+using SearchRadius = std::function<double(double depth_m)>;
 
 /// As far as the prediction may be off.
-Window predicted_window(const PredictedPose& predicted, const PinholeCamera& camera,
-                        const TrackingOptions& options) {
+SearchRadius predicted_window(const PredictedPose& predicted, const PinholeCamera& camera,
+                              const TrackingOptions& options) {
   return [=, fx = camera.fx](double depth_m) {
     const double sigma_px = fx * std::hypot(predicted.sigma_rad, predicted.sigma_m / depth_m);
     return std::min(options.window_px + options.window_sigmas * sigma_px, options.wide_window_px);
   };
 }
 
-std::optional<FramePose> search_windows(const Tracking& t, const SE3& T_reference_camera,
-                                        const Window& window_px) {
+std::optional<FramePose> track_by_projection(const TrackingContext& t, const SE3& T_reference_camera,
+                                             const SearchRadius& window_px) {
   const Features& before = *t.previous.frame.features;
   const SE3 T_camera_reference = T_reference_camera.inverse();
   std::vector<ProjectedPoint> projected;
@@ -117,7 +119,7 @@ std::optional<FramePose> search_windows(const Tracking& t, const SE3& T_referenc
 }
 
 /// Rigid 3D-3D motion from the matches that have depth on both sides.
-std::optional<SE3> rigid_guess(const Tracking& t, const std::vector<PoseObservation>& observations,
+std::optional<SE3> rigid_guess(const TrackingContext& t, const std::vector<PoseObservation>& observations,
                                uint64_t seed) {
   const SE3 T_previous_reference = t.previous.T_reference_camera.inverse();
   std::vector<PointPair> pairs;
@@ -133,11 +135,12 @@ std::optional<SE3> rigid_guess(const Tracking& t, const std::vector<PoseObservat
 
 /// Brute-force Hamming matching with the founding paper's screen, then RANSAC: P3P, and rigid 3D-3D if that
 /// fails.
-std::optional<FramePose> search_everywhere(const Tracking& t, uint64_t seed) {
+std::optional<FramePose> track_by_brute_force(const TrackingContext& t, uint64_t seed) {
   const cv::Mat& all = t.previous.frame.features->descriptors;
   cv::Mat descriptors;
   for (const uint32_t feature : t.points.features) descriptors.push_back(all.row(static_cast<int>(feature)));
-  const auto matches = screen_matches(match_brute_force(descriptors, t.frame.features->descriptors, true));
+  const auto matches =
+      filter_matches_by_distance(match_brute_force(descriptors, t.frame.features->descriptors, true));
   if (static_cast<int>(matches.size()) < t.options.min_matches) return std::nullopt;
   std::vector<PoseObservation> observations;
   for (const Match& match : matches) observations.push_back(observation_of(t, match.a, match.b));
@@ -146,38 +149,39 @@ std::optional<FramePose> search_everywhere(const Tracking& t, uint64_t seed) {
   const std::optional<SE3> guess =
       from_pixels ? from_pixels->T_reference_camera : rigid_guess(t, observations, seed);
   auto pose = guess ? solve(t, matches, *guess) : std::nullopt;
-  if (pose) pose->by_force = true;
+  if (pose) pose->from_brute_force = true;
   return pose;
 }
 
 }  // namespace
 
-std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const FeatureGrid& grid,
-                                            const TrackedFrame& previous, const LocalView& view,
-                                            const PredictedPose& predicted, const PinholeCamera& camera,
-                                            const TrackingOptions& options, uint64_t seed) {
-  const PreviousPoints points = points_of(previous, view, camera);
-  const Tracking t{frame, grid, previous, points, camera, options};
+std::optional<FramePose> estimate_pose_from_previous_frame(
+    const PreparedFrame& frame, const FeatureGrid& grid, const TrackedFrame& previous,
+    const LocalMap& local_map, const PredictedPose& predicted, const PinholeCamera& camera,
+    const TrackingOptions& options, uint64_t seed) {
+  const PreviousPoints points = points_of(previous, local_map, camera);
+  const TrackingContext t{frame, grid, previous, points, camera, options};
   std::optional<FramePose> best;
-  int tries = 0;
+  int attempts = 0;
   // A handful of chance matches can agree on a wrong pose: a try with little support is not the last.
-  const auto settled_by = [&](std::optional<FramePose> pose) {
-    ++tries;
+  const auto accept = [&](std::optional<FramePose> pose) {
+    ++attempts;
     if (pose && (!best || pose->support.size() > best->support.size())) best = std::move(pose);
-    if (best) best->tries = tries;
-    return best && static_cast<int>(best->support.size()) >= options.certain_inliers;
+    if (best) best->attempts = attempts;
+    return best && static_cast<int>(best->support.size()) >= options.min_confident_inliers;
   };
-  if (settled_by(search_windows(t, predicted.T, predicted_window(predicted, camera, options)))) return best;
+  if (accept(track_by_projection(t, predicted.T, predicted_window(predicted, camera, options)))) return best;
   const auto wide = [&](double) { return options.wide_window_px; };
-  if (settled_by(search_windows(t, predicted.T, wide))) return best;
-  if (settled_by(search_everywhere(t, seed)) || best) return best;
-  settled_by(align_with_previous(frame, previous, predicted.T, camera, options));
+  if (accept(track_by_projection(t, predicted.T, wide))) return best;
+  if (accept(track_by_brute_force(t, seed)) || best) return best;
+  accept(align_to_previous_frame(frame, previous, predicted.T, camera, options));
   return best;
 }
 
-std::optional<FramePose> align_with_previous(const PreparedFrame& frame, const TrackedFrame& previous,
-                                             const SE3& T_reference_camera_guess, const PinholeCamera& camera,
-                                             const TrackingOptions& options) {
+std::optional<FramePose> align_to_previous_frame(const PreparedFrame& frame, const TrackedFrame& previous,
+                                                 const SE3& T_reference_camera_guess,
+                                                 const PinholeCamera& camera,
+                                                 const TrackingOptions& options) {
   const IcpCamera grids = make_icp_camera(camera, options.icp);
   const auto aligned =
       align_icp(grids, make_icp_frame(grids, previous.frame.depth_m, previous.frame.gray),

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/map/local_view.hpp"
+#include "kinloop/map/local_map.hpp"
 #include "kinloop/tracking/frame.hpp"
 #include "kinloop/tracking/motion_model.hpp"
 #include "kinloop/tracking/options.hpp"
@@ -17,26 +17,26 @@ struct FramePose {
   SE3 T_reference_camera;
   Matrix6d information = Matrix6d::Zero();
   std::vector<PoseObservation> support;  ///< inliers only
-  std::vector<uint32_t> features;        ///< the key point of each of `support`
-  int tries = 0;
-  bool by_force = false;  ///< from matches without regard to where they were expected
-  bool dense = false;     ///< from depth and grey images, without support
+  std::vector<uint32_t> features;        ///< the keypoint of each of `support`
+  int attempts = 0;
+  bool from_brute_force = false;  ///< from matches without regard to where they were expected
+  bool dense = false;             ///< from depth and grey images, without support
 };
 
-/// The pose of `frame` by the first of these that gives a certain one: key points of `previous` searched
+/// The pose of `frame` by the first of these that gives a certain one: keypoints of `previous` searched
 /// around the predicted place as far as the prediction may be off, in wider windows, by brute force with
 /// RANSAC (P3P, then rigid 3D-3D). Where none is certain, the one with most support; where there is none at
 /// all, by dense alignment. Nothing if all fail.
-std::optional<FramePose> pose_from_previous(const PreparedFrame& frame, const FeatureGrid& grid,
-                                            const TrackedFrame& previous, const LocalView& view,
-                                            const PredictedPose& predicted, const PinholeCamera& camera,
-                                            const TrackingOptions& options, uint64_t seed);
+std::optional<FramePose> estimate_pose_from_previous_frame(
+    const PreparedFrame& frame, const FeatureGrid& grid, const TrackedFrame& previous,
+    const LocalMap& local_map, const PredictedPose& predicted, const PinholeCamera& camera,
+    const TrackingOptions& options, uint64_t seed);
 
 /// The pose of `frame` by laying its depth and grey images onto those of `previous`, starting from
-/// `T_reference_camera_guess`: its information is small where surfaces and grey values leave a direction
+/// `T_reference_camera_guess`: its information is small where surfaces and intensities leave a direction
 /// open. Nothing where too little of them overlaps.
-std::optional<FramePose> align_with_previous(const PreparedFrame& frame, const TrackedFrame& previous,
-                                             const SE3& T_reference_camera_guess, const PinholeCamera& camera,
-                                             const TrackingOptions& options);
+std::optional<FramePose> align_to_previous_frame(const PreparedFrame& frame, const TrackedFrame& previous,
+                                                 const SE3& T_reference_camera_guess,
+                                                 const PinholeCamera& camera, const TrackingOptions& options);
 
 }  // namespace kinloop

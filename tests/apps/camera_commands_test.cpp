@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/sensor/tum_writer.hpp"
+#include "drivers/datasets/tum_writer.hpp"
 #include "tests/apps/http_server.hpp"
 #include "tests/apps/program_test.hpp"
 #include "tests/calibration/pictures.hpp"
@@ -62,7 +62,7 @@ TEST_F(Fetch, DownloadsAndUnpacksAndNamesTheLicence) {
   EXPECT_THAT(result.out, HasSubstr("CC BY 4.0"));
   EXPECT_EQ(read_file(at_data("rgb/1.png")), read_file(at("made/rgbd_dataset_freiburg1_room/rgb/1.png")));
   EXPECT_FALSE(std::filesystem::exists(at("data/rgbd_dataset_freiburg1_room.tgz")));
-  EXPECT_THAT(fetch(server).out, HasSubstr("there already"));
+  EXPECT_THAT(fetch(server).out, HasSubstr("already exists"));
 }
 
 TEST_F(Fetch, GoesOnWhereItWasInterrupted) {
@@ -84,7 +84,7 @@ TEST_F(Fetch, SaysWhatIsWrong) {
   EXPECT_THAT(fetch(other).err, HasSubstr(other.address()));
   const Run cut = fetch(damaged);
   EXPECT_EQ(cut.exit_code, kBadInput);
-  EXPECT_THAT(cut.err, AllOf(HasSubstr("cannot be unpacked"), HasSubstr("fetch it again")));
+  EXPECT_THAT(cut.err, AllOf(HasSubstr("cannot unpack"), HasSubstr("fetch it again")));
   const Run name = run("fetch tum/room");
   EXPECT_EQ(name.exit_code, kWrongUse);
   EXPECT_THAT(name.err, HasSubstr("tum/fr1_room"));
@@ -121,8 +121,8 @@ TEST_F(CameraCommands, Kinect1IsRecordedUntilItIsUnplugged) {
                          "LD_PRELOAD='" KINLOOP_FAKE_FREENECT "'");
   EXPECT_EQ(result.exit_code, kDone) << result.err;
   EXPECT_THAT(result.out, HasSubstr("5 frames"));
-  EXPECT_THAT(result.err,
-              AllOf(HasSubstr("no --camera"), HasSubstr("unplugged?"), HasSubstr("the camera is gone")));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("no --camera"), HasSubstr("for the camera to return"),
+                                HasSubstr("the camera did not return")));
   const auto rows = read_table(at("out/associations.txt"));
   ASSERT_EQ(rows.size(), 5U);
   const double lasted_s = std::stod(rows.back().fields[0]) - std::stod(rows.front().fields[0]);
@@ -138,8 +138,8 @@ TEST_F(CameraCommands, CalibrateWritesACameraFiguresAndAReport) {
   const Run extrinsics = run("calibrate extrinsics '" + stills.string() + board);
   ASSERT_EQ(extrinsics.exit_code, kDone) << extrinsics.err;
   EXPECT_THAT(extrinsics.out,
-              AllOf(HasSubstr("10 of 10"), HasSubstr("baseline"), HasSubstr("left out: 0013_ir.png")));
-  EXPECT_THAT(extrinsics.err, HasSubstr("do not tell the focal length"));
+              AllOf(HasSubstr("10 of 10"), HasSubstr("baseline"), HasSubstr("rejected: 0013_ir.png")));
+  EXPECT_THAT(extrinsics.err, HasSubstr("do not constrain the focal length"));
   EXPECT_THAT(read_file(at("camera.yaml")), AllOf(HasSubstr("depth: {"), HasSubstr("T_color_depth")));
   EXPECT_THAT(read_file(at("camera.html")), AllOf(HasSubstr("<svg"), HasSubstr("Coverage of the image")));
   const Run depth = run("calibrate depth '" + stills.string() + "' --camera '" + at("camera.yaml") + board);
@@ -178,9 +178,9 @@ TEST_F(CameraCommands, CalibrateTakesStillsFromALiveCamera) {
       " --live '" + at("live") + "' --board 5x7 --square 0.03 -o '" + at("camera.yaml") + "'";
   const Run run_live = run("calibrate intrinsics '" + at("stills") + "' --viewer=0" + rest);
   ASSERT_EQ(run_live.exit_code, kDone) << run_live.err;
-  EXPECT_THAT(run_live.out, AllOf(HasSubstr("hold the board still"), HasSubstr("edge away"),
+  EXPECT_THAT(run_live.out, AllOf(HasSubstr("hold the board still"), HasSubstr("away from the camera"),
                                   HasSubstr("5 stills in"), HasSubstr("5 of 5 images")));
-  EXPECT_THAT(run_live.err, HasSubstr("watch at http"));
+  EXPECT_THAT(run_live.err, HasSubstr("viewer at http"));
   EXPECT_TRUE(std::filesystem::exists(at("stills/0005.png")));
   EXPECT_TRUE(std::filesystem::exists(at("camera.yaml")));
 
@@ -216,7 +216,7 @@ TEST_F(CameraCommands, CalibrateSaysWhatIsWrong) {
       kWrongUse);
   EXPECT_EQ(run("calibrate").exit_code, kWrongUse);
   EXPECT_THAT(run("calibrate depth x --square 0.03 --depth-scale 0").err,
-              HasSubstr("'0' must be a number above 0"));
+              HasSubstr("'0' must be a positive number"));
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ TEST_F(FeaturesCommand, TwoImagesAreMatchedWithEachOther) {
 TEST_F(FeaturesCommand, EachFigureHasItsRangeOverTheSeeds) {
   const auto orb = figures("features '" + at("a.png") + "' --seeds 3");
   EXPECT_EQ(orb["seeds"], 3);
-  for (const char* key : {"key_points", "milliseconds", "matches", "screened", "inliers", "repeatability",
+  for (const char* key : {"keypoints", "milliseconds", "matches", "screened", "inliers", "repeatability",
                           "precision", "error_px"}) {
     ASSERT_TRUE(orb["ranges"].contains(key)) << key;
     EXPECT_LE(orb["ranges"][key][0], orb[key]) << key;

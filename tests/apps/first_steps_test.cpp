@@ -12,7 +12,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-class FirstSteps : public test::ProgramTest {
+class GettingStarted : public test::ProgramTest {
  protected:
   /// The folder of a run of a few small frames, in folders that were not there.
   [[nodiscard]] std::string ran() const {
@@ -23,14 +23,14 @@ class FirstSteps : public test::ProgramTest {
   }
 };
 
-TEST_F(FirstSteps, TheProgramAloneNamesTheCommandsToKnowFirst) {
+TEST_F(GettingStarted, TheProgramAloneNamesTheCommandsToKnowFirst) {
   const Run alone = run("");
   EXPECT_EQ(alone.exit_code, kDone);
   EXPECT_THAT(alone.out, AllOf(HasSubstr("kinloop run sim:room -o out"), HasSubstr("kinloop view"),
                                HasSubstr("kinloop help COMMAND")));
 }
 
-TEST_F(FirstSteps, HelpIsTheSameInBothOrders) {
+TEST_F(GettingStarted, HelpIsTheSameInBothOrders) {
   EXPECT_EQ(run("help run").out, run("run --help").out);
   EXPECT_EQ(run("help map merge").out, run("map merge --help").out);
   EXPECT_EQ(run("help").out, run("--help").out);
@@ -38,13 +38,13 @@ TEST_F(FirstSteps, HelpIsTheSameInBothOrders) {
   EXPECT_EQ(run("version").out, run("--version").out);
 }
 
-TEST_F(FirstSteps, NoHelpNamesFilesThatOnlyWeHave) {
+TEST_F(GettingStarted, NoHelpNamesFilesThatOnlyWeHave) {
   for (const char* command : {"run", "eval", "features", "calibrate", "export", "simulate", "record"}) {
     EXPECT_THAT(run(std::string("help ") + command).out, Not(HasSubstr("shared/data"))) << command;
   }
 }
 
-TEST_F(FirstSteps, OutputFoldersAreMade) {
+TEST_F(GettingStarted, OutputFoldersAreMade) {
   const std::string out = ran();
   const std::vector<std::pair<std::string, std::string>> outputs = {
       {"export '" + out + "' --cloud", "c/1/cloud.ply"},
@@ -62,7 +62,7 @@ TEST_F(FirstSteps, OutputFoldersAreMade) {
   }
 }
 
-TEST_F(FirstSteps, VerboseSaysMoreOfAShortRunToo) {
+TEST_F(GettingStarted, VerboseSaysMoreOfAShortRunToo) {
   const std::string out = ran();
   const Run verbose = run("run '" + at("new/a/seq") + "' -v -o '" + at("v") + "'");
   EXPECT_THAT(verbose.err, AllOf(HasSubstr("4 frames"), HasSubstr("160 x 120"), HasSubstr("frame 0 "),

@@ -140,9 +140,9 @@ TEST_F(MapCommand, MergesMaps) {
 
 TEST_F(MapCommand, AMapThatCannotBeSavedCostsNothingElse) {
   // Files above 50 KiB cannot be written, as on a disk that is nearly full.
-  const std::string in_memory = "--set dense.image_memory_mib=64 --set dense.patch_memory_mib=64 ";
+  const std::string in_memory = "--set dense.image_memory_mib=64 --set dense.surfel_memory_mib=64 ";
   EXPECT_EQ(run("run sim:room" + (kSmall + in_memory) + "-o " + at("full"), "ulimit -f 100; "), kBadInput);
-  EXPECT_THAT(err_, HasSubstr("the map is not saved"));
+  EXPECT_THAT(err_, HasSubstr("cannot save the map"));
   EXPECT_TRUE(std::filesystem::exists(at("full/trajectory.txt")));
 }
 

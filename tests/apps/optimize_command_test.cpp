@@ -70,7 +70,7 @@ TEST_F(OptimizeCommand, SaysThatAGraphFallsApartAndSolvesEachPart) {
       "in.g2o", vertex(0, 0) + vertex(1, 3) + vertex(5, 10) + vertex(6, 20) + edge(0, 1) + edge(5, 6));
   const Run solved = run(input.string() + " -o " + at("out.g2o") + " --json");
   EXPECT_EQ(solved.exit_code, 0);
-  EXPECT_THAT(solved.err, HasSubstr("2 parts"));
+  EXPECT_THAT(solved.err, HasSubstr("2 disconnected parts"));
   EXPECT_EQ(nlohmann::json::parse(solved.out).at("parts"), 2);
   EXPECT_THAT(read_file(at("out.g2o")), HasSubstr("VERTEX_SE2 1 1 0 0\n"));
   EXPECT_THAT(read_file(at("out.g2o")), HasSubstr("VERTEX_SE2 6 11 0 0\n"));
@@ -94,7 +94,7 @@ TEST_F(OptimizeCommand, NamesFileAndLineOfBadInputAndWritesNothing) {
       {"missing vertex", vertex(0, 0) + edge(0, 1), "in.g2o:2:"},
       {"duplicate id", vertex(0, 0) + vertex(0, 1) + edge(0, 1), "in.g2o:2:"},
       {"not a number", vertex(0, 0) + "VERTEX_SE2 1 nan 0 0\n" + edge(0, 1), "in.g2o:2:"},
-      {"cut short", vertex(0, 0) + vertex(1, 1) + "EDGE_SE2 0 1 1 0", "in.g2o:3:"},
+      {"truncated", vertex(0, 0) + vertex(1, 1) + "EDGE_SE2 0 1 1 0", "in.g2o:3:"},
       {"empty", "", "in.g2o"},
   };
   for (const auto& bad : cases) {

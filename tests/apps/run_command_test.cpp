@@ -41,7 +41,7 @@ TEST_F(RunCommand, UnknownCommandsAreNamedWithTheNearest) {
   EXPECT_EQ(far.exit_code, kWrongUse);
   EXPECT_THAT(far.err, AllOf(HasSubstr("'frobnicate'"), Not(HasSubstr("did you mean"))));
   EXPECT_THAT(run("simulte room").err, HasSubstr("did you mean 'simulate'?"));
-  EXPECT_THAT(run("map inof x").err, HasSubstr("map knows no command 'inof'; did you mean 'info'?"));
+  EXPECT_THAT(run("map inof x").err, HasSubstr("map: unknown command 'inof'; did you mean 'info'?"));
 }
 
 TEST_F(RunCommand, ASetTakesOneOption) {
@@ -61,7 +61,7 @@ TEST_F(RunCommand, DepthInTheWrongUnitsIsRefusedWithTheLikelyScale) {
     EXPECT_THAT(done.err,
                 AllOf(HasSubstr(far ? "of the depth lies beyond 4 m" : "of the depth lies nearer than 0.4 m"),
                       HasSubstr("depth_scale: 5000 instead of " + std::string(scale)),
-                      HasSubstr("camera.yaml"), HasSubstr(far ? "dense.max_m" : "dense.min_m")));
+                      HasSubstr("camera.yaml"), HasSubstr(far ? "dense.max_depth_m" : "dense.min_depth_m")));
     EXPECT_THAT(done.err, HasSubstr("in the first 10 frames"));
   }
 }
@@ -71,13 +71,13 @@ TEST_F(RunCommand, DepthThatNoCameraMeasuresEndsTheRunAtOnce) {
   const Run done =
       run("run '" + folder + "' --camera '" + camera_with_scale("1") + "' -o '" + at("out") + "'");
   EXPECT_EQ(done.exit_code, kBadInput);
-  EXPECT_THAT(done.err, HasSubstr("no RGB-D camera measures such depth"));
+  EXPECT_THAT(done.err, HasSubstr("depth is outside the range of any RGB-D camera"));
   EXPECT_FALSE(std::filesystem::exists(at("out/trajectory.txt")));
 }
 
 TEST_F(RunCommand, AFarSceneIsNoMistake) {
   // As when the camera looks down a hall: nearly all is beyond the map's range, what is not makes the map.
-  const std::string far = "run '" + sequence(12) + "' -q -o '" + at("out") + "' --set dense.max_m=";
+  const std::string far = "run '" + sequence(12) + "' -q -o '" + at("out") + "' --set dense.max_depth_m=";
   const Run done = run(far + "1.5");
   EXPECT_EQ(done.exit_code, kDone) << done.err;
   EXPECT_THAT(done.err, Not(HasSubstr("instead of")));
@@ -91,10 +91,10 @@ TEST_F(RunCommand, OneFrameGivesItsSurface) {
 }
 
 TEST_F(RunCommand, ARunThatNeverBeganSaysSo) {
-  const Run lost = run("run '" + sequence() + "' -q --set min_start_points=10000 -o '" + at("out") + "'");
+  const Run lost =
+      run("run '" + sequence() + "' -q --set min_initial_keypoints=10000 -o '" + at("out") + "'");
   EXPECT_EQ(lost.exit_code, kTrackingLost);
-  EXPECT_THAT(lost.err,
-              AllOf(HasSubstr("the map has no point"), HasSubstr("no frame had enough key points")));
+  EXPECT_THAT(lost.err, AllOf(HasSubstr("the map has no point"), HasSubstr("no frame had enough keypoints")));
 }
 
 TEST_F(RunCommand, GroundTruthOfAnotherTimeIsSaid) {

@@ -30,7 +30,7 @@ class ViewCommandTest : public ProgramTest {
 TEST_F(ViewCommandTest, ThePortOfTheViewerMayBeAWordOfItsOwnBeforeAndAfterTheSequence) {
   for (const char* arguments : {"--viewer 0 sim:room", "sim:room --viewer 0", "--viewer=0 sim:room",
                                 "--viewer 127.0.0.1:0 sim:room", "sim:room --viewer localhost:0"}) {
-    EXPECT_THAT(short_run(arguments).err, HasSubstr("watch at http://127.0.0.1:")) << arguments;
+    EXPECT_THAT(short_run(arguments).err, HasSubstr("viewer at http://127.0.0.1:")) << arguments;
   }
 }
 
@@ -71,7 +71,7 @@ TEST_F(ViewCommandTest, TakesItsPortInTheSameWays) {
                     "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
                     "property float z\nend_header\n1 2 3\n");
   for (const std::string option : {"--port 0", "--viewer 0", "--viewer=127.0.0.1:0"}) {
-    EXPECT_THAT(view(option + (" '" + file.string() + "'")).err, HasSubstr("watch at http://127.0.0.1:"))
+    EXPECT_THAT(view(option + (" '" + file.string() + "'")).err, HasSubstr("viewer at http://127.0.0.1:"))
         << option;
   }
 }

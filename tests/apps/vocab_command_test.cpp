@@ -54,7 +54,8 @@ class VocabCommand : public test::ProgramTest {
   }
 
   [[nodiscard]] bool has_mpi() const {
-    return shell("'" KINLOOP_PROGRAM "' --version").out.find("many machines: yes") != std::string::npos &&
+    return shell("'" KINLOOP_PROGRAM "' --version").out.find("distributed training: yes") !=
+               std::string::npos &&
            shell("mpirun --version").exit_code == 0;
   }
 };
@@ -74,16 +75,16 @@ TEST_F(VocabCommand, ExportsAndImports) {
   ASSERT_EQ(run("export '" + at("a.kinvoc") + "' -o '" + at("a.txt") + "'").exit_code, 0);
   const Run imported = run("import '" + at("a.txt") + "' -o '" + at("b.kinvoc") + "'");
   EXPECT_EQ(imported.exit_code, 0) << imported.err;
-  EXPECT_THAT(imported.out, AllOf(HasSubstr("words          125"), HasSubstr("imported dictionary")));
+  EXPECT_THAT(imported.out, AllOf(HasSubstr("words          125"), HasSubstr("imported vocabulary")));
 }
 
 TEST_F(VocabCommand, WhatCannotBeUsedIsAnErrorThatSaysWhatToDo) {
   Run failed = run("train '" + at("some.kindesc") + "' -k 10 -L 6 -o '" + at("a.kinvoc") + "'");
   EXPECT_EQ(failed.exit_code, kBadInput);
-  EXPECT_THAT(failed.err, HasSubstr("25000 descriptors are too few for a dictionary of up to 10^6 words"));
+  EXPECT_THAT(failed.err, HasSubstr("25000 descriptors are too few for a vocabulary of up to 10^6 words"));
   failed = run(train_arguments("a.kinvoc") + " --euclidean");
   EXPECT_EQ(failed.exit_code, kWrongUse);
-  EXPECT_THAT(failed.err, HasSubstr("ORB's descriptors are bits"));
+  EXPECT_THAT(failed.err, HasSubstr("ORB's descriptors are binary"));
   failed = run(train_arguments("a.kinvoc") + " --feature sift");
   EXPECT_EQ(failed.exit_code, kBadInput);
   EXPECT_THAT(failed.err, AllOf(HasSubstr("some.kindesc"), HasSubstr("expected SIFT")));
@@ -91,12 +92,12 @@ TEST_F(VocabCommand, WhatCannotBeUsedIsAnErrorThatSaysWhatToDo) {
   EXPECT_FALSE(std::filesystem::exists(at("a.kinvoc")));
 }
 
-TEST_F(VocabCommand, RunsRefuseADictionaryOfAnotherKind) {
+TEST_F(VocabCommand, RunsRejectAVocabularyOfAnotherKind) {
   ASSERT_EQ(run(train_arguments("a.kinvoc")).exit_code, 0);
   const Run failed = shell("'" KINLOOP_PROGRAM "' run sim:room -o '" + at("run") +
                            "' --set features.kind=sift --vocabulary '" + at("a.kinvoc") + "'");
   EXPECT_EQ(failed.exit_code, kWrongUse);
-  EXPECT_THAT(failed.err, AllOf(HasSubstr("a.kinvoc: a dictionary of ORB"), HasSubstr("--feature sift")));
+  EXPECT_THAT(failed.err, AllOf(HasSubstr("a.kinvoc: a vocabulary of ORB"), HasSubstr("--feature sift")));
 }
 
 TEST_F(VocabCommand, ManyProcessesGiveTheBytesOfOne) {

@@ -18,7 +18,7 @@ struct InnerOptions {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("count", self.count, "key points kept", Range{50, 20000});
+    visit("count", self.count, "keypoints kept", Range{50, 20000});
     visit("ratio", self.ratio, "share of them", Range{0, 1});
   }
 };
@@ -120,8 +120,8 @@ TEST(Options, BadValuesNameKeyAndExpectation) {
 TEST(Options, HelpHasKeyDefaultMeaningAndExpectation) {
   OuterOptions options;
   EXPECT_THAT(options_help(option_entries(options)),
-              AllOf(HasSubstr("inner.count=1000"), HasSubstr("key points kept"),
-                    HasSubstr("from 50 to 20000"), HasSubstr("one of auto, g2o, ceres")));
+              AllOf(HasSubstr("inner.count=1000"), HasSubstr("keypoints kept"), HasSubstr("from 50 to 20000"),
+                    HasSubstr("one of auto, g2o, ceres")));
 }
 
 }  // namespace

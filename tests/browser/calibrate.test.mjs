@@ -3,9 +3,9 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 
-import { onStage, paintedPixels, until } from './stage.mjs';
+import { withBrowser, paintedPixels, until } from './harness.mjs';
 
-await onStage(async ({ open, kinloop, folder, shoot }) => {
+await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const board = ['--board', '5x7', '--square', '0.03'];
   const live = kinloop('calibrate', 'intrinsics', join(folder, 'stills'), '--live', 'sim:room', '--viewer=0', ...board);
   const page = await open(await live.url());

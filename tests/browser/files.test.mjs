@@ -4,12 +4,12 @@ import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { onStage, paintedPixels, seen, until } from './stage.mjs';
+import { withBrowser, paintedPixels, seen, until } from './harness.mjs';
 
 const ROOM_M = [4, 3, 2.5];
 
 /** A box of points with z up, some far off, as ascii PLY with doubles. */
-function cloudWithStrays() {
+function cloudWithOutliers() {
   const points = [];
   for (let i = 0; i < 20_000; ++i) {
     const place = ROOM_M.map((size, k) => size * ((i * [0.7548776662, 0.5698402909, 0.3819660113][k]) % 1));
@@ -114,7 +114,7 @@ function brightness(page) {
 
 const settled = (page) => until(() => page.evaluate(() => !window.kinloop.view.eye.goal && !window.kinloop.view.stale), 'the eye has arrived');
 
-await onStage(async ({ open, kinloop, folder, shoot }) => {
+await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const write = (name, content) => {
     writeFileSync(join(folder, name), content);
     return join(folder, name);
@@ -130,7 +130,7 @@ await onStage(async ({ open, kinloop, folder, shoot }) => {
   // A cloud of doubles, without colours and with stray points: framed on a desk and on a phone.
   const screens = { desktop: { width: 1280, height: 800 }, portrait: { width: 390, height: 844 }, landscape: { width: 844, height: 390 } };
   for (const [name, viewport] of Object.entries(screens)) {
-    const page = await view('room.ply', cloudWithStrays(), { viewport });
+    const page = await view('room.ply', cloudWithOutliers(), { viewport });
     await assertFramed(page, name);
     await shoot(page, `view-strays-${name}`);
     if (name === 'desktop') await checkDesktop(page);
@@ -154,7 +154,7 @@ await onStage(async ({ open, kinloop, folder, shoot }) => {
   // What is damaged is told on the terminal, and nothing is served.
   const bad = kinloop('view', write('bad.glb', glb().subarray(0, 100)), '--port', '0');
   assert.equal(await bad.ended, 3);
-  assert.match(bad.text, /bad\.glb: cut short/);
+  assert.match(bad.text, /bad\.glb: truncated/);
 
   // The program ends, and the page says so.
   const served = kinloop('view', write('again.ply', MESH), '--port', '0');

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { onStage, paintedPixels, seen, until } from './stage.mjs';
+import { withBrowser, paintedPixels, seen, until } from './harness.mjs';
 
 const WAITING = ['--set', 'viewer.paused=true', '--set', 'sim.width=320', '--set', 'sim.height=240'];
 const FEW_FRAMES = 60;
@@ -12,7 +12,7 @@ const frame = ({ facts }) => Number(facts.match(/frame\s+(\d+)/)?.[1]);
 
 // What needs a run that stands still comes first: a page may draw so slowly that a run which goes on is over before the
 // page can hold it.
-await onStage(async ({ open, kinloop, folder, shoot }) => {
+await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const out = join(folder, 'out');
   const run = kinloop('run', 'sim:room', '-o', out, '--viewer=0', ...WAITING);
   const url = await run.url();

@@ -5,12 +5,12 @@ import { readFileSync, statSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
-import { onStage, paintedPixels, seen, until } from './stage.mjs';
+import { withBrowser, paintedPixels, seen, until } from './harness.mjs';
 
 const FAST = ['--set', 'sim.fps=10', '--set', 'sim.width=320', '--set', 'sim.height=240'];
 const MOST_BYTES = 5e6;
 
-await onStage(async ({ open, kinloop, folder, shoot }) => {
+await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const [out, plain] = [join(folder, 'out'), join(folder, 'no_loop')];
   assert.equal(await kinloop('run', 'sim:room', '-q', '-o', out, ...FAST).ended, 0);
   await kinloop('run', 'sim:room', '-q', '--no-loop', '-o', plain, ...FAST).ended;

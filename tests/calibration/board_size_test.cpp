@@ -1,14 +1,14 @@
-#include "kinloop/calibration/board_size.hpp"
+#include "tools/calibration/board_size.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "kinloop/calibration/find_board.hpp"
 #include "tests/calibration/pictures.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tools/calibration/find_board.hpp"
 
 namespace kinloop {
 namespace {
@@ -35,7 +35,7 @@ class BoardSizes : public testing::Test {
       cv::imwrite((folder_.path() / (std::to_string(i) + ".png")).string(), still_of(board, tilts[i]));
   }
   [[nodiscard]] std::optional<BoardSize> other_than(const std::string& board) const {
-    return other_board_size(list_stills(folder_.path()), parse_board(board, 0.03), 2);
+    return detect_other_board_size(list_stills(folder_.path()), parse_board(board, 0.03), 2);
   }
 
   const test::TempFolder folder_;
@@ -44,12 +44,12 @@ class BoardSizes : public testing::Test {
 TEST_F(BoardSizes, AreSeenInADrawnImage) {
   for (const auto& [text, size] : std::vector<std::pair<const char*, BoardSize>>{
            {"5x7", {5, 7}}, {"8x6", {6, 8}}, {"4x4", {4, 4}}, {"9x3", {3, 9}}}) {
-    EXPECT_EQ(board_size_in(still_of(parse_board(text, 0.025), {0.2, 0.1, 0})), size) << text;
+    EXPECT_EQ(detect_board_size(still_of(parse_board(text, 0.025), {0.2, 0.1, 0})), size) << text;
   }
-  EXPECT_FALSE(board_size_in(cv::Mat(424, 512, CV_8UC1, cv::Scalar(90))));
+  EXPECT_FALSE(detect_board_size(cv::Mat(424, 512, CV_8UC1, cv::Scalar(90))));
 }
 
-TEST_F(BoardSizes, OfTheRightBoardThereIsNoOther) {
+TEST_F(BoardSizes, AreNotReportedForTheRightBoard) {
   write_stills(small_board());
   EXPECT_FALSE(other_than("5x7"));
   EXPECT_FALSE(other_than("7x5"));
@@ -57,7 +57,7 @@ TEST_F(BoardSizes, OfTheRightBoardThereIsNoOther) {
     EXPECT_EQ(other_than(wrong), (BoardSize{5, 7})) << wrong;
 }
 
-TEST_F(BoardSizes, AreLeftOpenWhereStillsDoNotAgree) {
+TEST_F(BoardSizes, AreUndecidedWhereStillsDisagree) {
   cv::imwrite((folder_.path() / "a.png").string(), still_of(small_board(), {0.2, 0, 0}));
   cv::imwrite((folder_.path() / "b.png").string(), still_of(parse_board("4x6", 0.03), {0.2, 0, 0}));
   EXPECT_FALSE(other_than("6x8"));
@@ -81,12 +81,12 @@ TEST_F(BoardSizes, OfTheRealStillsAreFiveBySeven) {
   const auto stills = test::shared_data("kinect2_checkerboard/colour");
   KINLOOP_SKIP_WITHOUT(stills);
   const auto files = list_stills(stills);
-  EXPECT_EQ(other_board_size(files, parse_board("6x8", 0.03), 2), (BoardSize{5, 7}));
-  EXPECT_FALSE(other_board_size(files, small_board(), 2));
+  EXPECT_EQ(detect_other_board_size(files, parse_board("6x8", 0.03), 2), (BoardSize{5, 7}));
+  EXPECT_FALSE(detect_other_board_size(files, small_board(), 2));
 }
 
 TEST(Square, IsInMetres) {
-  EXPECT_THAT(usage_error([] { parse_board("5x7", 30); }), HasSubstr("give metres; 30 mm is 0.03"));
+  EXPECT_THAT(usage_error([] { parse_board("5x7", 30); }), HasSubstr("must be in metres; 30 mm is 0.03"));
   EXPECT_THAT(usage_error([] { parse_board("5x7", 25.4); }), HasSubstr("25.4 mm is 0.0254"));
   EXPECT_THAT(usage_error([] { parse_board("5x7", 3); }), HasSubstr("3 cm is 0.03"));
   EXPECT_EQ(parse_board("5x7", 0.25).square_m, 0.25);

@@ -1,11 +1,11 @@
-#include "kinloop/calibration/charuco.hpp"
+#include "tools/calibration/charuco.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/calibration/find_board.hpp"
 #include "tests/calibration/pictures.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tools/calibration/find_board.hpp"
 
 #ifdef KINLOOP_WITH_ARUCO
 
@@ -33,7 +33,7 @@ cv::Mat charuco_picture(const SE3& T_camera_board, const Hidden& hidden) {
   cv::aruco::CharucoBoard::create(columns, rows, 0.04F, 0.028F,
                                   cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50))
       ->draw({columns * kSquarePx, rows * kSquarePx}, drawn);
-  return in_8_bits(test::picture_of(infrared_camera(), T_camera_board, [&](double x, double y) {
+  return in_8_bits(test::render_plane(infrared_camera(), T_camera_board, [&](double x, double y) {
     if (hidden(x, y)) return 0.5F;
     const double column = kSquarePx * (x / board.square_m + 1), row = kSquarePx * (y / board.square_m + 1);
     if (column < 0 || row < 0 || column >= drawn.cols || row >= drawn.rows) return 1.0F;
@@ -104,7 +104,7 @@ TEST(ParseBoard, TakesSquaresAndDictionaryOfACharucoBoard) {
   EXPECT_EQ(board.columns, 6);
   EXPECT_EQ(board.rows, 4);
   EXPECT_EQ(board.dictionary, "DICT_4X4_50");
-  EXPECT_FALSE(board.looks_same_turned());
+  EXPECT_FALSE(board.has_180_degree_symmetry());
   for (const char* wrong : {"charuco:", "charuco:7x5", "charuco:7x5:", "charuco:3x3:DICT_4X4_50"}) {
     EXPECT_THAT(usage_error([&] { parse_board(wrong, 0.04, 0.028); }), HasSubstr("charuco:7x5")) << wrong;
   }
@@ -122,7 +122,7 @@ TEST(ParseBoard, TakesSquaresAndDictionaryOfACharucoBoard) {
 
 #else
 
-TEST(Charuco, SaysThatThisBuildKnowsNone) {
+TEST(Charuco, IsReportedAsMissingFromTheBuild) {
   EXPECT_FALSE(kinloop::charuco_available());
   EXPECT_THAT(kinloop::test::usage_error([] { kinloop::require_charuco({}); }),
               testing::HasSubstr("libopencv-contrib-dev"));

@@ -1,4 +1,4 @@
-#include "kinloop/calibration/find_board.hpp"
+#include "tools/calibration/find_board.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -73,7 +73,7 @@ TEST(FindBoards, NamesImagesWithoutABoardAndRefusesMixedSizes) {
   EXPECT_EQ(told, 2U);
   ASSERT_EQ(search.views.size(), 1U);
   EXPECT_EQ(search.views[0].name, "1.png");
-  EXPECT_THAT(search.without, testing::ElementsAre("2.png"));
+  EXPECT_THAT(search.without_board, testing::ElementsAre("2.png"));
   cv::Mat larger;
   cv::resize(gray, larger, {640, 530});
   cv::imwrite((folder.path() / "3.png").string(), larger);
@@ -90,15 +90,15 @@ TEST(FindBoards, SaysWhatIsWrongWithTheFolder) {
               HasSubstr("broken.png"));
   cv::imwrite((folder.path() / "broken.png").string(), cv::Mat(50, 50, CV_8UC1, cv::Scalar(9)));
   EXPECT_THAT(input_error([&] { find_boards(list_stills(folder.path()), small_board(), 1); }),
-              HasSubstr("5 x 7 inner corners in none of 1 images"));
+              HasSubstr("5 x 7 inner corners not found in any of 1 images"));
 }
 
 TEST(ParseBoard, TakesInnerCorners) {
   const Board board = parse_board("5x7", 0.03);
   EXPECT_EQ(board.columns, 5);
   EXPECT_EQ(board.rows, 7);
-  EXPECT_TRUE(board.looks_same_turned());
-  EXPECT_FALSE(parse_board("5x8", 0.03).looks_same_turned());
+  EXPECT_TRUE(board.has_180_degree_symmetry());
+  EXPECT_FALSE(parse_board("5x8", 0.03).has_180_degree_symmetry());
   for (const char* wrong : {"", "5", "5x", "x7", "5x2", "5x7x9", "5 x 7", "-5x7"}) {
     EXPECT_THAT(usage_error([&] { parse_board(wrong, 0.03); }), HasSubstr("inner corners")) << wrong;
   }
@@ -115,8 +115,8 @@ TEST(RealKinect2, ColorIsTheReferencesWithinItsDeviations) {
   EXPECT_EQ(color.views.size(), 10U);
   const LensCalibration c = calibrate_lens(color.views);
   EXPECT_LT(c.rms_px, 0.15);
-  EXPECT_NEAR(c.camera.fx, 1067.46, 3 * c.deviations()(0));
-  EXPECT_NEAR(c.camera.fy, 1069.91, 3 * c.deviations()(1));
+  EXPECT_NEAR(c.camera.fx, 1067.46, 3 * c.std_deviations()(0));
+  EXPECT_NEAR(c.camera.fy, 1069.91, 3 * c.std_deviations()(1));
 }
 
 }  // namespace

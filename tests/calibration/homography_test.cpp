@@ -1,4 +1,4 @@
-#include "kinloop/calibration/homography.hpp"
+#include "tools/calibration/homography.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

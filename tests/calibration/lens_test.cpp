@@ -1,4 +1,4 @@
-#include "kinloop/calibration/lens.hpp"
+#include "tools/calibration/lens.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -55,7 +55,7 @@ TEST(CalibrateLens, TheCovarianceIsThatOfTheErrors) {
   for (uint64_t seed = 0; seed < kTrials; ++seed) {
     const LensCalibration c = calibrate_lens(random_views(color_camera(), 25, 0.15, 100 + seed));
     sum += test::squared_deviations(c, color_camera()) / kTrials;
-    dependence += c.dependence / kTrials;
+    dependence += c.sigma_inflation / kTrials;
   }
   // The mean of 60 chi-squares of 9 degrees has a deviation of 0.55; `dependence` only ever widens.
   EXPECT_LT(sum, kLensParameters + 2);
@@ -85,14 +85,14 @@ std::vector<BoardView> views_of_bent_boards(uint64_t seed, double bend_m) {
   return views;
 }
 
-TEST(CalibrateLens, TheCovarianceKnowsOfErrorsThatGoTogether) {
+TEST(CalibrateLens, TheCovarianceCoversCorrelatedErrors) {
   constexpr int kTrials = 40;
   double sum = 0, as_if_independent = 0;
   for (uint64_t seed = 0; seed < kTrials; ++seed) {
     const LensCalibration c = calibrate_lens(views_of_bent_boards(seed, 4e-4));
     const double squared = test::squared_deviations(c, color_camera());
     sum += squared / kTrials;
-    as_if_independent += squared * c.dependence * c.dependence / kTrials;
+    as_if_independent += squared * c.sigma_inflation * c.sigma_inflation / kTrials;
   }
   EXPECT_GT(as_if_independent, 2.5 * kLensParameters) << "the bend does not matter: nothing is tested";
   EXPECT_LT(sum, 1.6 * kLensParameters);
@@ -134,7 +134,7 @@ TEST(CalibrateLens, LeavesOutAndNamesViewsThatDoNotAgree) {
   EXPECT_EQ(c.rejected[0].name, "view3");
   EXPECT_EQ(c.rejected[1].name, "view11");
   EXPECT_THAT(c.rejected[0].reason, HasSubstr("RMS"));
-  EXPECT_NEAR(c.camera.fx, color_camera().fx, 4 * c.deviations()(0));
+  EXPECT_NEAR(c.camera.fx, color_camera().fx, 4 * c.std_deviations()(0));
 }
 
 TEST(CalibrateLens, EstimatesOnlyTheDistortionAskedFor) {
@@ -144,26 +144,26 @@ TEST(CalibrateLens, EstimatesOnlyTheDistortionAskedFor) {
   EXPECT_EQ(c.camera.p1, 0);
   EXPECT_EQ(c.camera.k3, 0);
   EXPECT_NE(c.camera.k1, 0);
-  EXPECT_EQ(c.deviations()(6), 0);
-  EXPECT_GT(c.deviations()(4), 0);
+  EXPECT_EQ(c.std_deviations()(6), 0);
+  EXPECT_GT(c.std_deviations()(4), 0);
 }
 
 TEST(CalibrateLens, WarnsOfViewsThatAreTooAlike) {
   const LensCalibration alike = calibrate_lens(random_views(color_camera(), 20, 0.1, 8, 6));
   EXPECT_THAT(alike.warnings, Contains(HasSubstr("too alike")));
-  EXPECT_THAT(alike.warnings, Contains(HasSubstr("do not tell the focal length")));
+  EXPECT_THAT(alike.warnings, Contains(HasSubstr("do not constrain the focal length")));
   const LensCalibration good = calibrate_lens(random_views(color_camera(), 20, 0.1, 8));
   EXPECT_THAT(good.warnings, testing::Not(Contains(HasSubstr("too alike"))));
-  EXPECT_LT(good.deviations()(0), alike.deviations()(0) / 3);
+  EXPECT_LT(good.std_deviations()(0), alike.std_deviations()(0) / 3);
 }
 
-TEST(CalibrateLens, CanDoWithThreeViewsAndSaysSo) {
+TEST(CalibrateLens, AcceptsThreeViewsWithAWarning) {
   const LensCalibration c = calibrate_lens(random_views(color_camera(), 3, 0.05, 9));
   EXPECT_THAT(c.warnings, Contains(HasSubstr("only 3 views")));
   EXPECT_NEAR(c.camera.fx, color_camera().fx, 0.05 * color_camera().fx);
 }
 
-TEST(CalibrateLens, RefusesWhatCannotTellACamera) {
+TEST(CalibrateLens, RejectsDegenerateViews) {
   EXPECT_THAT(input_error([] { calibrate_lens(random_views(color_camera(), 2, 0, 1)); }),
               AllOf(HasSubstr("only 2"), HasSubstr("at least 3")));
   std::vector<BoardView> parallel;
@@ -183,7 +183,7 @@ TEST(CalibrateLens, MeasuresCoverage) {
   EXPECT_GT(many.coverage.cells_share, few.coverage.cells_share);
   EXPECT_GT(few.coverage.cells_share, 0);
   EXPECT_LE(many.coverage.cells_share, 1);
-  EXPECT_THAT(few.warnings, Contains(HasSubstr("of the image only")));
+  EXPECT_THAT(few.warnings, Contains(HasSubstr("corners cover only")));
 }
 
 }  // namespace

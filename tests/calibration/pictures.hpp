@@ -13,7 +13,7 @@ namespace kinloop::test {
 /// What a camera sees of a plane: each pixel averages 4 x 4 looks at `grey`, a function of the place on the
 /// plane in metres.
 template <class Grey>
-cv::Mat picture_of(const PinholeCamera& camera, const SE3& T_camera_board, const Grey& grey) {
+cv::Mat render_plane(const PinholeCamera& camera, const SE3& T_camera_board, const Grey& grey) {
   constexpr int kSamples = 4;
   const SE3 T_board_camera = T_camera_board.inverse();
   cv::Mat image(camera.height, camera.width, CV_32FC1);
@@ -36,7 +36,7 @@ cv::Mat picture_of(const PinholeCamera& camera, const SE3& T_camera_board, const
 
 /// A chessboard: 1 white, 0 black.
 inline cv::Mat picture(const PinholeCamera& camera, const SE3& T_camera_board, const Board& board) {
-  return picture_of(camera, T_camera_board, [&](double x, double y) {
+  return render_plane(camera, T_camera_board, [&](double x, double y) {
     const int column = static_cast<int>(std::floor(x / board.square_m)),
               row = static_cast<int>(std::floor(y / board.square_m));
     const bool on_board = column >= -1 && column < board.columns && row >= -1 && row < board.rows;

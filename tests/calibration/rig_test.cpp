@@ -1,11 +1,11 @@
-#include "kinloop/calibration/rig.hpp"
+#include "tools/calibration/rig.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/calibration/depth_shift.hpp"
 #include "tests/calibration/synthetic_boards.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tools/calibration/depth_shift.hpp"
 
 namespace kinloop {
 namespace {
@@ -39,7 +39,7 @@ double squared_deviations(const RigCalibration& rig) {
   Vector6d error;
   error << rig.T_color_infrared.translation - true_motion().translation,
       log_so3(rig.T_color_infrared.rotation) - log_so3(true_motion().rotation);
-  return error.dot(rig.motion_covariance.ldlt().solve(error));
+  return error.dot(rig.extrinsics_covariance.ldlt().solve(error));
 }
 
 TEST(CalibrateRig, FindsLensesAndMotionWithoutNoise) {
@@ -98,7 +98,7 @@ TEST(CalibrateRig, NamesThePairInWhichTheCameraMovedBetweenTheImages) {
       calibrate_rig(pairs, {color_camera(), {}}, {infrared_camera(), {}}, small_board());
   ASSERT_EQ(rig.rejected.size(), 1U);
   EXPECT_EQ(rig.rejected[0].name, "4_color");
-  EXPECT_THAT(rig.rejected[0].reason, HasSubstr("motion of the other pairs"));
+  EXPECT_THAT(rig.rejected[0].reason, HasSubstr("transform of the other pairs"));
 }
 
 TEST(CalibrateRig, NeedsTwoPairs) {
@@ -122,9 +122,9 @@ cv::Mat depth_of(const SE3& T_depth_board, double less_m, double noise_m, uint64
   return depth;
 }
 
-std::vector<BoardInDepth> boards_in_depth(double less_m, double noise_m) {
+std::vector<BoardDepthView> board_depth_views(double less_m, double noise_m) {
   Random random(7);
-  std::vector<BoardInDepth> boards;
+  std::vector<BoardDepthView> boards;
   for (int i = 0; i < 6; ++i) {
     const SE3 pose = test::random_pose(random, small_board());
     boards.push_back(
@@ -134,26 +134,27 @@ std::vector<BoardInDepth> boards_in_depth(double less_m, double noise_m) {
 }
 
 TEST(DepthShift, IsWhatThePlaneIsFartherThanMeasured) {
-  const DepthShift exact = estimate_depth_shift(boards_in_depth(0.025, 0), infrared_camera(), small_board());
+  const DepthShift exact =
+      estimate_depth_shift(board_depth_views(0.025, 0), infrared_camera(), small_board());
   EXPECT_NEAR(exact.shift_m, 0.025, 1e-6);
   EXPECT_NEAR(exact.slope, 0, 1e-5);
   const DepthShift noisy =
-      estimate_depth_shift(boards_in_depth(-0.01, 0.005), infrared_camera(), small_board());
+      estimate_depth_shift(board_depth_views(-0.01, 0.005), infrared_camera(), small_board());
   EXPECT_NEAR(noisy.shift_m, -0.01, 4e-4);
   EXPECT_NEAR(noisy.boards.front().spread_m, 0.005, 5e-4);
-  EXPECT_LT(std::abs(noisy.shift_m + 0.01), 4 * noisy.deviation_m);
+  EXPECT_LT(std::abs(noisy.shift_m + 0.01), 4 * noisy.sigma_m);
 }
 
-TEST(DepthShift, IsAsSureAsTheFocalLength) {
-  const auto boards = boards_in_depth(0.025, 0.002);
+TEST(DepthShift, IncludesTheUncertaintyOfTheFocalLength) {
+  const auto boards = board_depth_views(0.025, 0.002);
   const DepthShift sure = estimate_depth_shift(boards, infrared_camera(), small_board());
   const DepthShift unsure = estimate_depth_shift(boards, infrared_camera(), small_board(), 0.01);
-  EXPECT_LT(sure.deviation_m, 0.001);
-  EXPECT_GT(unsure.deviation_m, 0.004);
+  EXPECT_LT(sure.sigma_m, 0.001);
+  EXPECT_GT(unsure.sigma_m, 0.004);
 }
 
 TEST(DepthShift, LeavesOutUnknownDepthAndRefusesNoneAtAll) {
-  auto boards = boards_in_depth(0.02, 0);
+  auto boards = board_depth_views(0.02, 0);
   boards[0].depth_m.setTo(0);
   boards[1].depth_m.colRange(0, boards[1].depth_m.cols / 2).setTo(0);
   const DepthShift shift = estimate_depth_shift(boards, infrared_camera(), small_board());

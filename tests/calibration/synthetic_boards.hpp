@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/random.hpp"
-#include "kinloop/calibration/board.hpp"
-#include "kinloop/calibration/lens.hpp"
+#include "tools/calibration/board.hpp"
+#include "tools/calibration/lens.hpp"
 
 namespace kinloop::test {
 
@@ -42,10 +42,10 @@ inline SE3 board_at(const Eigen::Vector3d& middle, const Eigen::Vector3d& tilt, 
   return {rotation, middle - rotation * own_middle};
 }
 
-/// A pose in view of a camera, tilted by up to `most_tilt_deg` to any side.
-inline SE3 random_pose(Random& random, const Board& board, double most_tilt_deg = 45) {
+/// A pose in view of a camera, tilted by up to `max_tilt_deg` to any side.
+inline SE3 random_pose(Random& random, const Board& board, double max_tilt_deg = 45) {
   const double side = random.uniform(0, 2 * std::numbers::pi);
-  const double tilt = random.uniform(0, most_tilt_deg) * std::numbers::pi / 180;
+  const double tilt = random.uniform(0, max_tilt_deg) * std::numbers::pi / 180;
   const Eigen::Vector3d vector(tilt * std::cos(side), tilt * std::sin(side), random.uniform(-0.3, 0.3));
   const double z = random.uniform(0.4, 0.8);
   const double x = random.uniform(-0.35, 0.35) * z, y = random.uniform(-0.2, 0.2) * z;
@@ -69,11 +69,11 @@ inline void add_noise(BoardView& view, double sigma_px, Random& random) {
 }
 
 inline std::vector<BoardView> random_views(const PinholeCamera& camera, int count, double sigma_px,
-                                           uint64_t seed, double most_tilt_deg = 45) {
+                                           uint64_t seed, double max_tilt_deg = 45) {
   Random random(seed);
   std::vector<BoardView> views;
   for (int i = 0; i < count; ++i) {
-    const SE3 pose = random_pose(random, small_board(), most_tilt_deg);
+    const SE3 pose = random_pose(random, small_board(), max_tilt_deg);
     views.push_back(view_of(camera, pose, small_board(), fmt::format("view{}", i)));
     add_noise(views.back(), sigma_px, random);
   }

@@ -1,4 +1,4 @@
-#include "kinloop/dense/color_gains.hpp"
+#include "kinloop/dense/cloud/color_gains.hpp"
 
 #include <cmath>
 
@@ -13,7 +13,7 @@ namespace {
 using test::small_camera;
 using test::view_of_wall;
 
-constexpr double kWallZ_m = 1.8;
+constexpr double kPaintedWallZ_m = 1.8;
 
 /// Colours of the wall: patches of 7 cm, red, green and blue each between 60 and 140.
 cv::Vec3b wall_color(const Eigen::Vector3d& p) {
@@ -26,14 +26,14 @@ cv::Vec3b wall_color(const Eigen::Vector3d& p) {
 }
 
 /// Views of a painted wall by a camera that passes by.
-struct Scene {
+struct ExposureScene {
   std::vector<RgbdImages> images;
   std::vector<PosedImage> views;
   DenseCamera camera{.color = small_camera()};
 
   /// `gain` multiplies red, green and blue.
   void add(const SE3& T_world_camera, const Eigen::Vector3d& gain) {
-    RgbdImages seen = view_of_wall(camera.color, T_world_camera, kWallZ_m, {});
+    RgbdImages seen = view_of_wall(camera.color, T_world_camera, kPaintedWallZ_m, {});
     for (int row = 0; row < seen.color.rows; ++row) {
       for (int col = 0; col < seen.color.cols; ++col) {
         const double z = static_cast<double>(seen.depth_m.at<float>(row, col));
@@ -47,19 +47,20 @@ struct Scene {
     images.push_back(seen);
   }
 
-  [[nodiscard]] PatchGiver patches() const {
-    return [this](size_t i) { return make_patch(images[i], camera.color.fx, {}); };
+  [[nodiscard]] SurfelLoader surfel_loader() const {
+    return [this](size_t i) { return extract_surfels(images[i], camera.color.fx, {}); };
   }
 
   [[nodiscard]] std::vector<Eigen::Vector3f> gains(int threads = 1) const {
-    return color_gains(patches(), views, camera, threads);
+    return color_gains(surfel_loader(), views, camera, threads);
   }
 
   [[nodiscard]] ColoredCloud cloud(bool even) const {
-    auto leveled = views;
+    auto exposure_corrected = views;
     const auto factors = gains();
-    for (size_t i = 0; even && i < leveled.size(); ++i) leveled[i].color_gain = factors[i];
-    return fuse_patches(patches(), leveled, camera, {}, 1);
+    for (size_t i = 0; even && i < exposure_corrected.size(); ++i)
+      exposure_corrected[i].color_gain = factors[i];
+    return fuse_surfels(surfel_loader(), exposure_corrected, camera, {}, 1);
   }
 };
 
@@ -76,8 +77,8 @@ Eigen::Vector3d true_gain(size_t i) {
          Eigen::Vector3d(std::exp(0.05 * random.gaussian()), 1, std::exp(0.05 * random.gaussian()));
 }
 
-Scene disturbed(size_t count) {
-  Scene scene;
+ExposureScene disturbed(size_t count) {
+  ExposureScene scene;
   for (size_t i = 0; i < count; ++i) scene.add(pose(i), true_gain(i));
   return scene;
 }
@@ -101,26 +102,26 @@ TEST(ColorGains, AreFoundUpToACommonFactor) {
 }
 
 TEST(ColorGains, AreOneWhereNothingChanges) {
-  Scene scene;
+  ExposureScene scene;
   for (size_t i = 0; i < 5; ++i) scene.add(pose(i), {1, 1, 1});
   for (const auto& gain : scene.gains()) EXPECT_LT((gain.array() - 1).abs().maxCoeff(), 0.01F);
 }
 
 TEST(ColorGains, AreOneWhereNothingIsShared) {
-  Scene scene;
+  ExposureScene scene;
   scene.add(pose(0), {1, 1, 1});
   scene.add({exp_so3({0, 0, 0}), {9, 0, 0}}, {0.6, 0.6, 0.6});
   for (const auto& gain : scene.gains()) EXPECT_LT((gain.array() - 1).abs().maxCoeff(), 1e-6F);
-  EXPECT_TRUE(Scene().gains().empty());
+  EXPECT_TRUE(ExposureScene().gains().empty());
 }
 
 TEST(ColorGains, DoNotDependOnThreads) {
-  const Scene scene = disturbed(7);
+  const ExposureScene scene = disturbed(7);
   EXPECT_EQ(scene.gains(1), scene.gains(3));
 }
 
-TEST(ColorGains, AThingThatChangesItsColourHardlyCounts) {
-  Scene scene;
+TEST(ColorGains, ColourChangingObjectsAreDownweighted) {
+  ExposureScene scene;
   for (size_t i = 0; i < 6; ++i) {
     scene.add(pose(0), {1, 1, 1});
     // A screen, a fifth of the picture, that lights up.
@@ -129,10 +130,10 @@ TEST(ColorGains, AThingThatChangesItsColourHardlyCounts) {
   for (const auto& gain : scene.gains()) EXPECT_LT((gain.array() - 1).abs().maxCoeff(), 0.03F);
 }
 
-TEST(ColorGains, MakeTheCloudOfAChangingExposureThatOfASteadyOne) {
-  Scene steady;
+TEST(ColorGains, UndoExposureChanges) {
+  ExposureScene steady;
   for (size_t i = 0; i < 8; ++i) steady.add(pose(i), {1, 1, 1});
-  const Scene changing = disturbed(8);
+  const ExposureScene changing = disturbed(8);
   const auto truth = steady.cloud(false);
   const auto error_of = [&](const ColoredCloud& cloud) {
     EXPECT_EQ(cloud.points, truth.points);

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/base/random.hpp"
-#include "kinloop/dense/mesh_keyframes.hpp"
+#include "kinloop/dense/cloud/point_colors.hpp"
+#include "kinloop/dense/mesh/reconstruct_mesh.hpp"
 #include "kinloop/dense/occupancy.hpp"
-#include "kinloop/dense/point_colors.hpp"
 #include "kinloop/dense/usable_depth.hpp"
 #include "kinloop/geometry/depth_noise.hpp"
 #include "tests/dense/plane_view.hpp"
@@ -41,13 +41,13 @@ RgbdImages look(const SE3& T_world_camera, bool with_ball, double noise_share, R
 }
 
 /// Views from left to right.
-struct Scene {
-  KeyframeImages images;
+struct BallScene {
+  ImageStore images;
   std::vector<PosedImage> views;
 };
 
-Scene scene_of(const std::vector<bool>& with_ball, double noise_share = 0) {
-  Scene scene;
+BallScene scene_of(const std::vector<bool>& with_ball, double noise_share = 0) {
+  BallScene scene;
   Random random(3);
   for (size_t i = 0; i < with_ball.size(); ++i) {
     const double x = 0.4 * (static_cast<double>(i) / static_cast<double>(with_ball.size() - 1) - 0.5);
@@ -79,8 +79,9 @@ bool on_ball(const Eigen::Vector3f& point) {
 TEST(Mesh, LiesOnTheSurfaces) {
   SKIP_WITHOUT_OPENVDB();
   for (const double noise_share : {0.0, 1.0}) {
-    const Scene scene = scene_of(std::vector<bool>(9, true), noise_share);
-    const auto mesh = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
+    const BallScene scene = scene_of(std::vector<bool>(9, true), noise_share);
+    const auto mesh =
+        reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
     ASSERT_GT(mesh.triangles.size(), 3000U);
     std::vector<double> off_m;
     for (const auto& point : mesh.points) off_m.push_back(off_surface_m(point));
@@ -90,20 +91,20 @@ TEST(Mesh, LiesOnTheSurfaces) {
   }
 }
 
-TEST(Mesh, DepthThatCameLateIsPutBackInTime) {
+TEST(Mesh, DeskewsDelayedDepth) {
   SKIP_WITHOUT_OPENVDB();
   DenseCamera late{.color = small_camera()};
   late.depth_delay_s = 0.04;
   Vector6d ahead = Vector6d::Zero();
   ahead(2) = 1;  // m/s: when depth was taken, everything was 4 cm nearer
   const auto median_off_m = [&](const DenseCamera& camera) {
-    Scene scene = scene_of(std::vector<bool>(5, true));
+    BallScene scene = scene_of(std::vector<bool>(5, true));
     for (auto& view : scene.views) {
       view.T_world_camera = view.T_world_camera * SE3{Eigen::Quaterniond::Identity(), {0, 0, -0.04}};
       view.velocity = ahead;
     }
     std::vector<double> off_m;
-    for (const auto& point : mesh_keyframes(scene.images, scene.views, camera, some_options(), 2).points)
+    for (const auto& point : reconstruct_mesh(scene.images, scene.views, camera, some_options(), 2).points)
       off_m.push_back(off_surface_m(point));
     std::nth_element(off_m.begin(), off_m.begin() + static_cast<long>(off_m.size() / 2), off_m.end());
     return off_m.at(off_m.size() / 2);
@@ -114,8 +115,8 @@ TEST(Mesh, DepthThatCameLateIsPutBackInTime) {
 
 TEST(Mesh, TrianglesFaceTheFreeSide) {
   SKIP_WITHOUT_OPENVDB();
-  const Scene scene = scene_of(std::vector<bool>(5, true));
-  const auto mesh = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
+  const BallScene scene = scene_of(std::vector<bool>(5, true));
+  const auto mesh = reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
   const auto normals = vertex_normals(mesh);
   size_t towards = 0;
   for (size_t i = 0; i < normals.size(); ++i) towards += normals[i].dot(mesh.points[i]) < 0 ? 1 : 0;
@@ -124,8 +125,8 @@ TEST(Mesh, TrianglesFaceTheFreeSide) {
 
 TEST(Mesh, TakesItsColoursFromTheImages) {
   SKIP_WITHOUT_OPENVDB();
-  const Scene scene = scene_of(std::vector<bool>(5, true));
-  const auto mesh = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
+  const BallScene scene = scene_of(std::vector<bool>(5, true));
+  const auto mesh = reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
   size_t right = 0, judged = 0;
   for (size_t i = 0; i < mesh.points.size(); ++i) {
     if (off_surface_m(mesh.points[i]) > 0.005) continue;
@@ -135,13 +136,14 @@ TEST(Mesh, TakesItsColoursFromTheImages) {
   EXPECT_GT(right, judged * 98 / 100);
 }
 
-TEST(Mesh, WhatWasThereForAMomentIsGone) {
+TEST(Mesh, RemovesTransientObjects) {
   SKIP_WITHOUT_OPENVDB();
   for (const size_t moment : {0U, 4U, 8U}) {
     std::vector<bool> with_ball(9, false);
     with_ball[moment] = true;
-    const Scene scene = scene_of(with_ball);
-    const auto mesh = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
+    const BallScene scene = scene_of(with_ball);
+    const auto mesh =
+        reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
     ASSERT_GT(mesh.points.size(), 1000U);
     EXPECT_EQ(std::count_if(mesh.points.begin(), mesh.points.end(), on_ball), 0) << moment;
   }
@@ -149,9 +151,9 @@ TEST(Mesh, WhatWasThereForAMomentIsGone) {
 
 TEST(Mesh, DoesNotDependOnThreads) {
   SKIP_WITHOUT_OPENVDB();
-  const Scene scene = scene_of(std::vector<bool>(5, true), 1);
-  const auto one = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 1);
-  const auto four = mesh_keyframes(scene.images, scene.views, {.color = small_camera()}, some_options(), 4);
+  const BallScene scene = scene_of(std::vector<bool>(5, true), 1);
+  const auto one = reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 1);
+  const auto four = reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 4);
   EXPECT_EQ(one.points, four.points);
   EXPECT_EQ(one.colors, four.colors);
   EXPECT_EQ(one.triangles, four.triangles);
@@ -167,14 +169,14 @@ TEST(Mesh, SmallPiecesAreLeftOut) {
     }
     for (uint32_t i = 0; i <= piece; ++i) mesh.triangles.push_back({first + i, first + i + 1, first + i + 2});
   }
-  EXPECT_EQ(without_small_pieces(mesh, 1).triangles.size(), 3U);
-  const ColoredMesh kept = without_small_pieces(mesh, 2);
+  EXPECT_EQ(remove_small_components(mesh, 1).triangles.size(), 3U);
+  const ColoredMesh kept = remove_small_components(mesh, 2);
   EXPECT_EQ(kept.triangles, (std::vector<Triangle>{{0, 1, 2}, {1, 2, 3}}));
   EXPECT_EQ(kept.colors[0], (Rgb{1, 0, 0}));
 }
 
 TEST(PointColors, TheSharpestImageMakesTheColour) {
-  KeyframeImages images;
+  ImageStore images;
   cv::Mat depth_m(120, 160, CV_32FC1, cv::Scalar(1.0F));
   cv::Mat blurred(120, 160, CV_8UC3, cv::Scalar(100, 100, 100)), sharp = blurred.clone();
   for (int row = 0; row < 120; ++row) {
@@ -206,8 +208,8 @@ TEST(UsableDepth, EdgesAndFarDepthAreNotUsed) {
 }
 
 /// A camera 1 m above a floor, looking ahead and down; a box of 0.4 m stands 1.5 m ahead. z is up here.
-Scene floor_scene() {
-  Scene scene;
+BallScene floor_scene() {
+  BallScene scene;
   const PinholeCamera camera = small_camera();
   Eigen::Matrix3d R;  // looks along y, tilted down
   const double tilt = 0.6;
@@ -231,18 +233,18 @@ Scene floor_scene() {
   return scene;
 }
 
-TEST(OccupancyMap, KnowsFloorObstacleAndWhatItHides) {
+TEST(OccupancyMap, MarksFloorObstacleAndOccludedSpace) {
   if (!occupancy_available()) GTEST_SKIP() << "this build has no OctoMap";
-  const Scene scene = floor_scene();
+  const BallScene scene = floor_scene();
   OccupancyOptions options;
   options.stride_px = 1;
-  options.grid_high_m = 0.2;
+  options.grid_max_height_m = 0.2;
   const Floor floor =
       find_floor(scene.images, scene.views, small_camera(), Eigen::Vector3d::UnitZ(), options);
   EXPECT_NEAR((floor.T_floor_world * Eigen::Vector3d(0, 0, 0)).z(), 0, 0.02);
   const OccupancyMap map(scene.images, scene.views, small_camera(), floor, options);
-  EXPECT_EQ(map.binary_tree().substr(0, 26), "# Octomap OcTree binary fi");
-  EXPECT_EQ(map.full_tree().substr(0, 20), "# Octomap OcTree fil");
+  EXPECT_EQ(map.serialize_binary().substr(0, 26), "# Octomap OcTree binary fi");
+  EXPECT_EQ(map.serialize_full().substr(0, 20), "# Octomap OcTree fil");
   const OccupancyGrid grid = map.grid();
   const auto at = [&](double x, double y) {
     const int col = static_cast<int>((x - grid.origin_x_m) / grid.cell_m);

@@ -1,4 +1,4 @@
-#include "kinloop/dense/voxel_grid.hpp"
+#include "kinloop/dense/cloud/voxel_grid.hpp"
 
 #include <map>
 
@@ -17,11 +17,11 @@ VoxelSample sample_of(VoxelKey key, float pixels) {
 TEST(VoxelSamples, OfAWallLieOnTheWallWhateverTheLens) {
   const SE3 T_world_camera{exp_so3({0.2, -0.3, 0.5}), {4, -2, 1}};
   for (const auto& lens : {test::small_camera(), test::distorted_camera()}) {
-    const auto patch =
-        make_patch(test::view_of_wall(lens, T_world_camera, 2.503, {10, 120, 250}), lens.fx, {});
+    const auto surfels =
+        extract_surfels(test::view_of_wall(lens, T_world_camera, 2.503, {10, 120, 250}), lens.fx, {});
     VoxelGrid grid;
     for (const auto& sample :
-         voxel_samples(patch, {0, T_world_camera}, {.color = lens}, ray_table(lens), 0.01)) {
+         voxel_samples(surfels, {0, T_world_camera}, {.color = lens}, ray_table(lens), 0.01)) {
       grid.add(sample, 0);
       EXPECT_GT(-sample.normal.z(), 0.99F);
     }
@@ -35,9 +35,9 @@ TEST(VoxelSamples, OfAWallLieOnTheWallWhateverTheLens) {
 
 TEST(VoxelSamples, FarOutOfTheWorldThereIsNothing) {
   const auto camera = test::small_camera();
-  const auto patch = make_patch(test::view_of_wall(camera, {}, 1, {}), camera.fx, {});
+  const auto surfels = extract_surfels(test::view_of_wall(camera, {}, 1, {}), camera.fx, {});
   const SE3 nowhere{Eigen::Quaterniond::Identity(), {1e9, 0, 0}};
-  EXPECT_TRUE(voxel_samples(patch, {0, nowhere}, {.color = camera}, ray_table(camera), 0.01).empty());
+  EXPECT_TRUE(voxel_samples(surfels, {0, nowhere}, {.color = camera}, ray_table(camera), 0.01).empty());
 }
 
 TEST(VoxelGrid, KeysAreOfTheirVoxels) {
@@ -59,7 +59,7 @@ TEST(VoxelGrid, FindsEveryKeyAgain) {
   }
   ASSERT_EQ(grid.voxels().size(), expected.size());
   for (const auto& [key, pixels] : expected) EXPECT_EQ(grid.find(key)->pixels, pixels);
-  grid.drop_from(voxel_key(0, 0, 50));
+  grid.erase_from(voxel_key(0, 0, 50));
   for (const auto& [key, pixels] : expected) EXPECT_EQ(grid.find(key) != nullptr, voxel_of(key).z() < 50);
 }
 

@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/features/corner_detector.hpp"
+#include "kinloop/features/detected_keypoints.hpp"
 #include "kinloop/features/hamming.hpp"
-#include "kinloop/features/image_points.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/features/surf.hpp"
 #include "tests/features/cluttered_image.hpp"
@@ -20,7 +20,7 @@ namespace {
 using test::cluttered_image;
 using test::ideal_camera;
 
-TEST(Extractor, GivesOneEntryPerKeyPoint) {
+TEST(Extractor, GivesOneEntryPerKeypoint) {
   const Features f = extract_features(cluttered_image(1), cv::Mat(), ideal_camera(), {});
   EXPECT_GT(f.size(), 700U);
   EXPECT_LE(f.size(), 1010U);
@@ -150,7 +150,7 @@ TEST(Extractor, LocatesCornersBetweenPixels) {
   EXPECT_LT(std::sqrt(squared_error / found), 0.25);
 }
 
-TEST(Extractor, UndistortsKeyPointsNotTheDepthMap) {
+TEST(Extractor, UndistortsKeypointsNotTheDepthMap) {
   PinholeCamera camera = ideal_camera();
   camera.k1 = 0.262383;
   camera.k2 = -0.953104;
@@ -188,14 +188,14 @@ TEST(Extractor, RefusesColourAndDepthOfAnotherSize) {
 TEST(DepthAround, AveragesAndRefusesSteps) {
   cv::Mat depth(20, 20, CV_32FC1, cv::Scalar(1.0F));
   depth.at<float>(10, 10) = 1.009F;
-  EXPECT_NEAR(depth_around(depth, {10, 10}, 0.04), 1.001F, 1e-5F);
+  EXPECT_NEAR(average_depth(depth, {10, 10}, 0.04), 1.001F, 1e-5F);
   depth.at<float>(10, 10) = 0;  // a hole does not spoil its surroundings
-  EXPECT_NEAR(depth_around(depth, {10, 10}, 0.04), 1.0F, 1e-6F);
+  EXPECT_NEAR(average_depth(depth, {10, 10}, 0.04), 1.0F, 1e-6F);
   depth.col(11).setTo(1.5F);
-  EXPECT_EQ(depth_around(depth, {10, 10}, 0.04), 0.0F);
-  EXPECT_EQ(depth_around(depth, {0, 5}, 0.04), 0.0F);
+  EXPECT_EQ(average_depth(depth, {10, 10}, 0.04), 0.0F);
+  EXPECT_EQ(average_depth(depth, {0, 5}, 0.04), 0.0F);
   depth.setTo(0.0F);
-  EXPECT_EQ(depth_around(depth, {5, 5}, 0.04), 0.0F);
+  EXPECT_EQ(average_depth(depth, {5, 5}, 0.04), 0.0F);
 }
 
 /// Every kind the build has.
@@ -219,7 +219,7 @@ TEST(FloatFeatures, AreFoundAgainOnATurnedAndLargerImage) {
     ASSERT_EQ(a.descriptors.cols, 32);
     EXPECT_LT(*std::max_element(a.levels.begin(), a.levels.end()), a.level_count);
     int right = 0, level_shift = 0;
-    const auto matches = screen_matches(match_brute_force(a.descriptors, b.descriptors, true));
+    const auto matches = filter_matches_by_distance(match_brute_force(a.descriptors, b.descriptors, true));
     for (const Match& match : matches) {
       const Eigen::Vector2f& p = a.pixels[match.a];
       const cv::Mat q = turn * (cv::Mat_<double>(3, 1) << p.x(), p.y(), 1);
@@ -254,7 +254,7 @@ TEST(FloatFeatures, DifferentBitsTellTheAngleBetweenDescriptors) {
       rows.at<float>(2 * i + 1, d) = static_cast<float>(b(d)) + 25;
     }
   }
-  const cv::Mat bits = binary_descriptors(rows, 1);
+  const cv::Mat bits = binarize_descriptors(rows, 1);
   for (int i = 0; i < kPairs; ++i) {
     const double share = hamming_distance(bits.ptr<uint8_t>(2 * i), bits.ptr<uint8_t>(2 * i + 1)) / 256.0;
     EXPECT_NEAR(share, angles[static_cast<size_t>(i)] / std::numbers::pi, 0.14);  // 4.5 sigma of 256 coins

@@ -141,7 +141,7 @@ TEST(Orientation, PointsToTheBrightSide) {
   EXPECT_NEAR(orientation_deg(image.t(), 32, 32), 0, 1);
 }
 
-/// The same key points, given to cv::ORB and to us: every bit must be the same.
+/// The same keypoints, given to cv::ORB and to us: every bit must be the same.
 TEST(SteeredBrief, DescribesAsOpenCvDoes) {
   for (const uint64_t seed : {21, 22, 23}) {
     const cv::Mat image = cluttered_image(seed);
@@ -176,7 +176,7 @@ TEST(HammingRows, AreTheDistancesOnEveryInstructionSet) {
     std::vector<uint32_t> indices;
     for (int i = count; i-- > 0;) indices.push_back(static_cast<uint32_t>(i));
     for_each_simd_target([&](const std::string& name) {
-      const TurnedDescriptors turned(rows.ptr<uint8_t>(), static_cast<size_t>(count));
+      const TransposedDescriptors turned(rows.ptr<uint8_t>(), static_cast<size_t>(count));
       std::vector<uint16_t> all(turned.padded_count()), some(indices.size());
       turned.distances_from(query.ptr<uint8_t>(), all);
       hamming_to_rows(query.ptr<uint8_t>(), rows.ptr<uint8_t>(), indices, some.data());
@@ -185,7 +185,8 @@ TEST(HammingRows, AreTheDistancesOnEveryInstructionSet) {
         EXPECT_EQ(all[static_cast<size_t>(i)], expected) << name;
         EXPECT_EQ(some[static_cast<size_t>(count - 1 - i)], expected) << name;
       }
-      for (auto i = static_cast<size_t>(count); i < all.size(); ++i) EXPECT_EQ(all[i], kFarther) << name;
+      for (auto i = static_cast<size_t>(count); i < all.size(); ++i)
+        EXPECT_EQ(all[i], kInvalidDistance) << name;
       EXPECT_EQ(all[0], 256) << name;
     });
   }

@@ -60,15 +60,15 @@ TEST(BruteForce, NothingMatchesNothing) {
 
 TEST(Screen, KeepsUpToFourTimesTheSmallest) {
   const std::vector<Match> matches{{0, 0, 15}, {1, 1, 60}, {2, 2, 61}};
-  const auto kept = screen_matches(matches, 4.0, 0);
+  const auto kept = filter_matches_by_distance(matches, 4.0, 0);
   ASSERT_EQ(kept.size(), 2U);
   EXPECT_EQ(kept[1].distance, 60);
 }
 
 TEST(Screen, APerfectMatchDoesNotRejectAllOthers) {
   const std::vector<Match> matches{{0, 0, 0}, {1, 1, 30}, {2, 2, 41}};
-  EXPECT_EQ(screen_matches(matches, 4.0, 40).size(), 2U);
-  EXPECT_TRUE(screen_matches({}, 4.0, 40).empty());
+  EXPECT_EQ(filter_matches_by_distance(matches, 4.0, 40).size(), 2U);
+  EXPECT_TRUE(filter_matches_by_distance({}, 4.0, 40).empty());
 }
 
 TEST(FeatureGrid, FindsWhatAScanFinds) {
@@ -85,13 +85,13 @@ TEST(FeatureGrid, FindsWhatAScanFinds) {
       if ((view.features->pixels[i].cast<double>() - pixel).cwiseAbs().maxCoeff() <= radius)
         expected.push_back(i);
     }
-    grid.near(pixel, radius, found);
+    grid.features_in_area(pixel, radius, found);
     std::sort(found.begin(), found.end());
     EXPECT_EQ(found, expected);
   }
 }
 
-TEST(ProjectionMatching, FindsThePointsBehindTheKeyPoints) {
+TEST(ProjectionMatching, FindsThePointsBehindTheKeypoints) {
   const auto world = make_world(2000, 10);
   const auto view = test::observe(world, SE3{}, {}, 11);
   std::vector<ProjectedPoint> projected;
@@ -104,7 +104,7 @@ TEST(ProjectionMatching, FindsThePointsBehindTheKeyPoints) {
   EXPECT_GT(matches.size(), view.point_of.size() * 95 / 100);
   std::vector<int> uses(view.features->size(), 0);
   for (const Match& match : matches) {
-    EXPECT_EQ(match.a, match.b);  // the view lists the points in the order of its key points
+    EXPECT_EQ(match.a, match.b);  // the view lists the points in the order of its keypoints
     EXPECT_EQ(++uses[match.b], 1);
   }
 }

@@ -56,7 +56,7 @@ TEST_P(RealCamera, ProjectAfterUnprojectIsThePixel) {
   }
 }
 
-TEST_P(RealCamera, DistortIsBrownsModel) {
+TEST_P(RealCamera, DistortIsTheBrownModel) {
   const PinholeCamera& c = GetParam();
   for (int v = -20; v < 500; v += 13) {
     for (int u = -20; u < 660; u += 17) {

@@ -20,7 +20,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-double distance(const SE3& a, const SE3& b) {
+double pose_distance(const SE3& a, const SE3& b) {
   return (a.matrix() - b.matrix()).norm();
 }
 
@@ -53,7 +53,7 @@ TEST_F(TrajectoryFile, ReadingWhatWasWritten) {
   ASSERT_EQ(again.size(), trajectory.size());
   for (size_t i = 0; i < trajectory.size(); ++i) {
     EXPECT_EQ(again[i].stamp_ns, trajectory[i].stamp_ns);
-    EXPECT_LT(distance(again[i].T_world_camera, trajectory[i].T_world_camera), 1e-8);
+    EXPECT_LT(pose_distance(again[i].T_world_camera, trajectory[i].T_world_camera), 1e-8);
   }
 }
 
@@ -122,7 +122,7 @@ TEST(PoseAt, IsExactAtStampsAndBetweenThemOnTheWay) {
   const auto third = pose_at(trajectory, trajectory[1].stamp_ns + gap_ns / 3, gap_ns);
   ASSERT_TRUE(third);
   EXPECT_LT(
-      distance(*third, interpolate(trajectory[1].T_world_camera, trajectory[2].T_world_camera, 1.0 / 3)),
+      pose_distance(*third, interpolate(trajectory[1].T_world_camera, trajectory[2].T_world_camera, 1.0 / 3)),
       1e-9);
 }
 

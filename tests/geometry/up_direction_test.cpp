@@ -75,13 +75,13 @@ double angle_deg(const Vector3d& a, const Vector3d& b) {
 TEST(UpDirection, OfARoomIsTheFloorsNormalHoweverTheCameraIsRolled) {
   const Normals normals = room(1);
   for (int roll_deg = -180; roll_deg < 180; roll_deg += 30) {
-    const auto up = estimate_up(normals, once_around([&](double) { return roll_deg * kDegree; }));
+    const auto up = estimate_up_direction(normals, once_around([&](double) { return roll_deg * kDegree; }));
     EXPECT_EQ(up.source, UpSource::kPlanes) << roll_deg;
     EXPECT_LT(angle_deg(up.direction, Vector3d::UnitZ()), 1) << roll_deg;
   }
   for (const double turns : {0.5, 1.0, 2.5}) {
-    const auto up =
-        estimate_up(normals, once_around([&](double s) { return 2 * std::numbers::pi * turns * s; }));
+    const auto up = estimate_up_direction(
+        normals, once_around([&](double s) { return 2 * std::numbers::pi * turns * s; }));
     EXPECT_EQ(up.source, UpSource::kPlanes) << turns;
     EXPECT_LT(angle_deg(up.direction, Vector3d::UnitZ()), 1) << turns;
   }
@@ -96,7 +96,7 @@ TEST(UpDirection, TurnsWithTheWorld) {
     for (auto& normal : normals) normal = (turn.rotation * normal.cast<double>()).cast<float>();
     auto cameras = once_around([&](double s) { return 0.3 * std::sin(9 * s); });
     for (SE3& camera : cameras) camera = turn * camera;
-    const auto up = estimate_up(normals, cameras);
+    const auto up = estimate_up_direction(normals, cameras);
     EXPECT_EQ(up.source, UpSource::kPlanes);
     EXPECT_GT(up.confidence, 0.9);
     EXPECT_LT(angle_deg(up.direction, turn.rotation * Vector3d::UnitZ()), 1);
@@ -112,10 +112,10 @@ TEST(UpDirection, OfADeskBeforeAWallIsNotTheMeanOfTheCameras) {
   add(normals, {-1, 0, 0}, 150, random);
   add_clutter(normals, 500, random);
   const std::vector<SE3> cameras{held(-0.2, 0.6, 0.1), held(0, 0.5, 0), held(0.2, 0.6, -0.1)};
-  const auto up = estimate_up(normals, cameras);
+  const auto up = estimate_up_direction(normals, cameras);
   EXPECT_EQ(up.source, UpSource::kPlanes);
   EXPECT_LT(angle_deg(up.direction, Vector3d::UnitZ()), 1);
-  EXPECT_GT(angle_deg(up_of_cameras(cameras).direction, Vector3d::UnitZ()), 25);
+  EXPECT_GT(angle_deg(mean_camera_up(cameras).direction, Vector3d::UnitZ()), 25);
 }
 
 TEST(UpDirection, OfWallsAloneIsWhatTheyHaveInCommon) {
@@ -123,7 +123,7 @@ TEST(UpDirection, OfWallsAloneIsWhatTheyHaveInCommon) {
   Normals normals;
   for (const double x : {-1.0, 1.0})
     add(normals, {x, 0, 0}, 800, random), add(normals, {0, x, 0}, 600, random);
-  const auto up = estimate_up(normals, once_around([](double) { return 0.1; }));
+  const auto up = estimate_up_direction(normals, once_around([](double) { return 0.1; }));
   EXPECT_EQ(up.source, UpSource::kPlanes);
   EXPECT_LT(angle_deg(up.direction, Vector3d::UnitZ()), 1);
 }
@@ -131,13 +131,13 @@ TEST(UpDirection, OfWallsAloneIsWhatTheyHaveInCommon) {
 TEST(UpDirection, WithoutPlanesIsTheMeanOfTheCameras) {
   Random random(6);
   const std::vector<SE3> cameras{held(0, 0.3, 0.2), held(0.1, 0.3, 0.1)};
-  const Vector3d mean = up_of_cameras(cameras).direction;
+  const Vector3d mean = mean_camera_up(cameras).direction;
   Normals nothing_level, one_wall, few;
   add_clutter(nothing_level, 5000, random);
   add(one_wall, {0, -1, 0}, 5000, random);
   add(few, {0, 0, 1}, 100, random), add(few, {0, -1, 0}, 100, random);
   for (const Normals& normals : {nothing_level, one_wall, few, Normals()}) {
-    const auto up = estimate_up(normals, cameras);
+    const auto up = estimate_up_direction(normals, cameras);
     EXPECT_EQ(up.source, UpSource::kCamera);
     EXPECT_EQ(up.direction, mean);
   }
@@ -145,13 +145,13 @@ TEST(UpDirection, WithoutPlanesIsTheMeanOfTheCameras) {
 
 TEST(UpDirection, OfACameraThatDoesNotMoveIsItsOwn) {
   const std::vector<SE3> cameras(10, held(0, 0.3, 0));
-  const auto up = estimate_up({}, cameras);
+  const auto up = estimate_up_direction({}, cameras);
   EXPECT_LT((up.direction + cameras.front().R().col(1)).norm(), 1e-6);
   EXPECT_NEAR(up.confidence, 1, 1e-9);
 }
 
 TEST(UpDirection, OfNothingIsTheFirstCamerasUp) {
-  const auto up = estimate_up({}, {});
+  const auto up = estimate_up_direction({}, {});
   EXPECT_EQ(up.direction, -Vector3d::UnitY());
   EXPECT_EQ(up.source, UpSource::kCamera);
   EXPECT_EQ(up.confidence, 0);

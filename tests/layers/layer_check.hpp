@@ -1,5 +1,5 @@
 #pragma once
-// In: a source tree with layers.txt. Out: what in it breaks the order of the rooms.
+// In: a source tree with layers.txt. Out: the includes that break it.
 
 #include <filesystem>
 #include <string>
@@ -7,26 +7,25 @@
 
 namespace kinloop::test {
 
-/// A room and the rooms that it may include.
+/// A module's folder, and the names of the modules that it may include.
 struct LayerRow {
-  std::string room;
+  std::string folder;
   std::vector<std::string> may_include;
+
+  /// The last part of the folder.
+  [[nodiscard]] std::string name() const { return folder.substr(folder.rfind('/') + 1); }
 };
 
-/// The rows of layers.txt, "room: other rooms", from the bottom up.
+/// The rows of layers.txt, "folder: modules", from the bottom up.
 std::vector<LayerRow> read_layers(const std::filesystem::path& layers_file);
 
-/// One line for each row that is given twice or names a room that is not above it: rows in such an order
+/// One line for each row that is given twice or names a module that is not above it: rows in such an order
 /// cannot hold a cycle.
 std::vector<std::string> layer_violations(const std::vector<LayerRow>& rows);
 
-/// One line for each room that lacks a row or a folder, and for each file below root/kinloop that includes a
-/// project file its room's row does not allow.
+/// One line for each row without a folder, for each file of kinloop/ and tools/ that lies in no module, and
+/// for each file that includes a project file its module's row does not allow.
 std::vector<std::string> include_violations(const std::filesystem::path& root,
                                             const std::vector<LayerRow>& rows);
-
-/// One line for each room whose CMakeLists.txt gives kinloop_room() other ROOMS than its row.
-std::vector<std::string> cmake_violations(const std::filesystem::path& root,
-                                          const std::vector<LayerRow>& rows);
 
 }  // namespace kinloop::test

@@ -10,7 +10,7 @@
 namespace kinloop {
 namespace {
 
-using test::looking;
+using test::camera_at;
 
 constexpr double kPositionSigma_m = 0.02;
 constexpr double kMaxShare = 0.005;
@@ -30,7 +30,7 @@ double surface_met(const Scene& scene, const Eigen::Vector3d& origin, const Eige
   return on_board ? scene.board_m : scene.wall_m;
 }
 
-/// Key points all over the image, with the sensor's noise and slopes as `inverse_depth_gradient` gives them.
+/// Keypoints all over the image, with the sensor's noise and slopes as `inverse_depth_gradient` gives them.
 Features seen(const Scene& scene, const PinholeCamera& camera, const SE3& T_world_camera, uint64_t seed) {
   constexpr int kCount = 800;
   constexpr double kReach_px = 8;
@@ -61,84 +61,84 @@ Features seen(const Scene& scene, const PinholeCamera& camera, const SE3& T_worl
 class DepthCheck : public testing::Test {
  protected:
   /// Two views of two scenes, as if they were one.
-  DepthAgreement compare(const Scene& scene_a, const SE3& T_world_a, const Scene& scene_b,
-                         const SE3& T_world_b, const SE3& error = {}) const {
+  DepthConsistency compare(const Scene& scene_a, const SE3& T_world_a, const Scene& scene_b,
+                           const SE3& T_world_b, const SE3& error = {}) const {
     return compare_depths(seen(scene_a, camera_, T_world_a, 1), seen(scene_b, camera_, T_world_b, 2),
                           T_world_a.inverse() * T_world_b * error, camera_, kPositionSigma_m);
   }
 
   PinholeCamera camera_ = test::make_world(0, 1).camera;
   Scene scene_;
-  SE3 T_world_a_ = looking(0.1, {-0.2, 0, 0});
-  SE3 T_world_b_ = looking(-0.15, {0.2, 0.1, 0.1});
+  SE3 T_world_a_ = camera_at(0.1, {-0.2, 0, 0});
+  SE3 T_world_b_ = camera_at(-0.15, {0.2, 0.1, 0.1});
 };
 
 TEST_F(DepthCheck, OneSceneAgreesWithItself) {
   const auto depths = compare(scene_, T_world_a_, scene_, T_world_b_);
-  EXPECT_GT(depths.on_surface, 300);
-  EXPECT_EQ(depths.seen_through, 0);
+  EXPECT_GT(depths.consistent, 300);
+  EXPECT_EQ(depths.free_space_violations, 0);
 }
 
-TEST_F(DepthCheck, APoseThatIsALittleOffIsNoContradiction) {
-  const SE3 error = looking(0.01, {0.02, 0.01, -0.02});
-  EXPECT_FALSE(contradicts(compare(scene_, T_world_a_, scene_, T_world_b_, error), kMaxShare));
+TEST_F(DepthCheck, ASmallPoseErrorIsNoViolation) {
+  const SE3 error = camera_at(0.01, {0.02, 0.01, -0.02});
+  EXPECT_FALSE(violates_free_space(compare(scene_, T_world_a_, scene_, T_world_b_, error), kMaxShare));
 }
 
-TEST_F(DepthCheck, AWallElsewhereContradicts) {
+TEST_F(DepthCheck, AMovedWallViolatesFreeSpace) {
   for (const double wall_m : {2.6, 3.4}) {
     Scene other = scene_;
     other.wall_m = wall_m;
     const auto depths = compare(scene_, T_world_a_, other, T_world_b_);
-    EXPECT_GT(depths.on_surface, 50) << "the board is the same";
-    EXPECT_TRUE(contradicts(depths, kMaxShare)) << wall_m;
+    EXPECT_GT(depths.consistent, 50) << "the board is the same";
+    EXPECT_TRUE(violates_free_space(depths, kMaxShare)) << wall_m;
   }
 }
 
-TEST_F(DepthCheck, WhatHidesThingsFromOneViewIsNoContradiction) {
+TEST_F(DepthCheck, OcclusionIsNoViolation) {
   // Each view sees, past the board, wall that the board hides from the other.
-  const SE3 left = looking(0.3, {-0.9, 0, 0}), right = looking(-0.3, {0.9, 0, 0});
+  const SE3 left = camera_at(0.3, {-0.9, 0, 0}), right = camera_at(-0.3, {0.9, 0, 0});
   const auto depths = compare(scene_, left, scene_, right);
-  EXPECT_GT(depths.on_surface, 100);
-  EXPECT_FALSE(contradicts(depths, kMaxShare));
+  EXPECT_GT(depths.consistent, 100);
+  EXPECT_FALSE(violates_free_space(depths, kMaxShare));
   Scene without = scene_;
   without.board_half_width_m = 0;
   const auto bare = compare(without, left, without, right);
-  EXPECT_GT(bare.on_surface, depths.on_surface) << "nothing was hidden: the test shows nothing";
+  EXPECT_GT(bare.consistent, depths.consistent) << "nothing was hidden: the test shows nothing";
 }
 
-TEST_F(DepthCheck, AThingThatOnlyOneViewHasContradicts) {
+TEST_F(DepthCheck, AnObjectInOneViewOnlyViolatesFreeSpace) {
   Scene without = scene_;
   without.board_half_width_m = 0;
-  EXPECT_TRUE(contradicts(compare(scene_, T_world_a_, without, T_world_b_), kMaxShare));
-  EXPECT_TRUE(contradicts(compare(without, T_world_a_, scene_, T_world_b_), kMaxShare));
+  EXPECT_TRUE(violates_free_space(compare(scene_, T_world_a_, without, T_world_b_), kMaxShare));
+  EXPECT_TRUE(violates_free_space(compare(without, T_world_a_, scene_, T_world_b_), kMaxShare));
 }
 
-TEST_F(DepthCheck, BothWaysAroundAreTheSame) {
+TEST_F(DepthCheck, IsSymmetric) {
   Scene other = scene_;
   other.wall_m = 3.4;
   const Features a = seen(scene_, camera_, T_world_a_, 1), b = seen(other, camera_, T_world_b_, 2);
   const SE3 T_a_b = T_world_a_.inverse() * T_world_b_;
   const auto forth = compare_depths(a, b, T_a_b, camera_, kPositionSigma_m);
   const auto back = compare_depths(b, a, T_a_b.inverse(), camera_, kPositionSigma_m);
-  EXPECT_EQ(forth.seen_through, back.seen_through);
-  EXPECT_EQ(forth.on_surface, back.on_surface);
+  EXPECT_EQ(forth.free_space_violations, back.free_space_violations);
+  EXPECT_EQ(forth.consistent, back.consistent);
 }
 
-TEST_F(DepthCheck, WithoutSurfacesThereIsNothingToSay) {
+TEST_F(DepthCheck, WithoutDepthNothingIsCompared) {
   Features a = seen(scene_, camera_, T_world_a_, 1);
   a.inverse_depth_gradients.clear();
   Features b = seen({2.6}, camera_, T_world_b_, 2);
   b.depths_m.assign(b.size(), 0);
   const auto depths = compare_depths(a, b, T_world_a_.inverse() * T_world_b_, camera_, kPositionSigma_m);
-  EXPECT_EQ(depths.on_surface + depths.seen_through, 0);
-  EXPECT_FALSE(contradicts(depths, 0));
+  EXPECT_EQ(depths.consistent + depths.free_space_violations, 0);
+  EXPECT_FALSE(violates_free_space(depths, 0));
 }
 
-TEST_F(DepthCheck, AFewStraysAreForgiven) {
-  EXPECT_FALSE(contradicts({10, 2}, kMaxShare));
-  EXPECT_TRUE(contradicts({10, 3}, kMaxShare));
-  EXPECT_FALSE(contradicts({1000, 5}, kMaxShare));
-  EXPECT_TRUE(contradicts({1000, 6}, kMaxShare));
+TEST_F(DepthCheck, AFewOutliersAreTolerated) {
+  EXPECT_FALSE(violates_free_space({10, 2}, kMaxShare));
+  EXPECT_TRUE(violates_free_space({10, 3}, kMaxShare));
+  EXPECT_FALSE(violates_free_space({1000, 5}, kMaxShare));
+  EXPECT_TRUE(violates_free_space({1000, 6}, kMaxShare));
 }
 
 }  // namespace

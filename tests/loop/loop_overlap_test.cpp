@@ -9,17 +9,17 @@
 namespace kinloop {
 namespace {
 
-using test::looking;
+using test::camera_at;
 
 /// A camera that turns away from a wall and back to it. The ends of the loop, the first and the last
 /// keyframe, look past each other; keyframes beside them saw the same.
 class LoopOverlap : public testing::Test {
  protected:
   LoopOverlap() {
-    noise_.missing_depth_share = 0;
+    noise_.missing_depth_fraction = 0;
     noise_.sigma_px = 0;
     for (const double yaw_rad : {-0.3, -0.1, 0.1, 0.8, 1.5, 2.2, 1.5, 0.8, 0.5, 0.12, 0.4}) {
-      const SE3 T_world_camera = looking(yaw_rad, {0.05, 0, 0});
+      const SE3 T_world_camera = camera_at(yaw_rad, {0.05, 0, 0});
       const auto view = test::observe(world_, T_world_camera, noise_, ++seed_);
       test::add_view(built_, world_, view, T_world_camera);
     }
@@ -28,14 +28,14 @@ class LoopOverlap : public testing::Test {
   }
 
   [[nodiscard]] int shared(uint32_t a, uint32_t b) const {
-    for (const auto& [id, count] : built_.map.covisible(KeyframeId{a}, 1)) {
+    for (const auto& [id, count] : built_.map.covisible_keyframes(KeyframeId{a}, 1)) {
       if (id.value == b) return count;
     }
     return 0;
   }
 
-  [[nodiscard]] MovingCamera still() const {
-    MovingCamera camera;
+  [[nodiscard]] RollingShutterCamera still() const {
+    RollingShutterCamera camera;
     camera.camera = world_.camera;
     return camera;
   }
@@ -47,7 +47,7 @@ class LoopOverlap : public testing::Test {
   uint64_t seed_ = 0;
 };
 
-TEST_F(LoopOverlap, OfThePairsAroundTheLoopTheOneWithMostInCommonIsTaken) {
+TEST_F(LoopOverlap, ChoosesThePairSharingMostLandmarks) {
   const KeyframePair pair = most_overlapping_pair(built_.map, loop_);
   EXPECT_EQ(pair.older, KeyframeId{2});
   EXPECT_EQ(pair.newer, KeyframeId{9});
@@ -70,9 +70,9 @@ TEST_F(LoopOverlap, LandmarksAppearWhereTheOtherKeyframeSawThem) {
   for (const auto& landmark : landmarks) {
     EXPECT_TRUE(world_.camera.contains(landmark.predicted));
     EXPECT_GT(landmark.depth_m, 0);
-    if (!landmark.observed_again) continue;
+    if (!landmark.observed_in_second) continue;
     ++observed;
-    EXPECT_LT((landmark.predicted - *landmark.observed_again).norm(), 1.5);
+    EXPECT_LT((landmark.predicted - *landmark.observed_in_second).norm(), 1.5);
   }
   EXPECT_EQ(observed, shared(2, 9));
 }
@@ -83,12 +83,13 @@ TEST_F(LoopOverlap, AWrongPoseShowsInTheResiduals) {
   Vector6d error;
   error << 0.1, 0, 0, 0, 0, 0;
   update.T_world_camera.emplace_back(KeyframeId{9}, T_right * SE3::exp(error));
-  update.newest_seen = KeyframeId{10};
+  update.newest_keyframe = KeyframeId{10};
   update.epoch = built_.map.epoch();
   ASSERT_TRUE(built_.map.apply(update));
   std::vector<double> errors_px;
   for (const auto& landmark : reproject_landmarks(built_.map, KeyframeId{2}, KeyframeId{9}, still())) {
-    if (landmark.observed_again) errors_px.push_back((landmark.predicted - *landmark.observed_again).norm());
+    if (landmark.observed_in_second)
+      errors_px.push_back((landmark.predicted - *landmark.observed_in_second).norm());
   }
   ASSERT_GT(errors_px.size(), 100U);
   std::sort(errors_px.begin(), errors_px.end());
@@ -98,7 +99,7 @@ TEST_F(LoopOverlap, AWrongPoseShowsInTheResiduals) {
 /// While the camera turns by 1 rad/s and reads its rows for 0.03 s, the rows above and below the middle are
 /// shifted against it by up to 8 px.
 TEST_F(LoopOverlap, RowsAreReadWhileTheCameraMoves) {
-  MovingCamera moving = still();
+  RollingShutterCamera moving = still();
   moving.sensor(kRollingShutter) = 0.03;
   moving.velocity(4) = 1;
   const auto at_rest = reproject_landmarks(built_.map, KeyframeId{2}, KeyframeId{2}, still());

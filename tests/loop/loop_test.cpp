@@ -4,22 +4,22 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/loop/close_loop.hpp"
 #include "kinloop/loop/relocalize.hpp"
-#include "kinloop/place/trainer.hpp"
+#include "kinloop/loop/verify_loop.hpp"
 #include "tests/support/synthetic_map.hpp"
+#include "tools/vocabulary_training/trainer.hpp"
 
 namespace kinloop {
 namespace {
 
-using test::looking;
+using test::camera_at;
 
 constexpr int kKeyframes = 32;
 
 /// One turn around the room, a keyframe every 360 / 30 degrees: the last ones see again what the first ones
 /// saw.
 SE3 true_pose(int i) {
-  return looking(2 * std::numbers::pi / 30 * i, {0.1 * std::sin(0.2 * i), 0, 0.1 * std::cos(0.2 * i)});
+  return camera_at(2 * std::numbers::pi / 30 * i, {0.1 * std::sin(0.2 * i), 0, 0.1 * std::cos(0.2 * i)});
 }
 
 /// Poses as odometry would give them: each step a little off in the same direction.
@@ -51,7 +51,7 @@ class Loop : public testing::Test {
     return options;
   }
 
-  /// The dictionary weighs words by how many images have them: as many "images" as walls have patches.
+  /// The vocabulary weighs words by how many images have them: as many "images" as walls have patches.
   static std::vector<cv::Mat> slices(const cv::Mat& descriptors) {
     std::vector<cv::Mat> images;
     for (int row = 0; row < descriptors.rows; row += 40)
@@ -60,11 +60,11 @@ class Loop : public testing::Test {
   }
 
   BowVector bow_of(const Features& features) const {
-    return vocabulary_.bow_of(vocabulary_.words_of(features.descriptors).words);
+    return vocabulary_.bow_of(vocabulary_.quantize(features.descriptors).words);
   }
 
-  std::optional<LoopAnswer> verify(KeyframeId keyframe, const std::vector<KeyframeId>& candidates) const {
-    return verify_loop(loop_question(built_.map, keyframe, candidates, {}, 3), world_.camera, {}, {});
+  std::optional<VerifiedLoop> verify(KeyframeId keyframe, const std::vector<KeyframeId>& candidates) const {
+    return verify_loop(make_loop_candidates(built_.map, keyframe, candidates, {}, 3), world_.camera, {}, {});
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
@@ -74,7 +74,7 @@ class Loop : public testing::Test {
   const KeyframeId last_{kKeyframes - 1};
 };
 
-TEST_F(Loop, CandidatesPointToTheBeginning) {
+TEST_F(Loop, CandidatesAreFromTheStartOfTheLoop) {
   CandidateHistory history;
   std::vector<KeyframeId> found;
   for (uint32_t i = 0; i < kKeyframes; ++i) {
@@ -94,20 +94,21 @@ TEST_F(Loop, OneKeyframeAloneIsNotConsistent) {
 }
 
 TEST_F(Loop, VerificationGivesTheTrueMotion) {
-  const auto answer = verify(last_, {KeyframeId{1}});
-  ASSERT_TRUE(answer.has_value());
-  const LoopClosure closure = closure_of(built_.map, *answer, {});
-  const SE3 truth = true_pose(static_cast<int>(closure.edge.a.value)).inverse() * true_pose(kKeyframes - 1);
-  EXPECT_LT(test::distance_m(closure.edge.T_a_b, truth), 0.02);
-  EXPECT_GE(closure.edge.inliers, 30);
-  EXPECT_FALSE(closure.merges.empty());
+  const auto verified = verify(last_, {KeyframeId{1}});
+  ASSERT_TRUE(verified.has_value());
+  const LoopConstraint constraint = make_loop_constraint(built_.map, *verified, {});
+  const SE3 truth =
+      true_pose(static_cast<int>(constraint.edge.a.value)).inverse() * true_pose(kKeyframes - 1);
+  EXPECT_LT(test::distance_m(constraint.edge.T_a_b, truth), 0.02);
+  EXPECT_GE(constraint.edge.inliers, 30);
+  EXPECT_FALSE(constraint.merges.empty());
 }
 
 TEST_F(Loop, AnotherPlaceIsRefused) {
   EXPECT_FALSE(verify(last_, {KeyframeId{15}}).has_value());
 }
 
-/// The same key points at depths `scale` times as large, each on a plane that faces the camera.
+/// The same keypoints at depths `scale` times as large, each on a plane that faces the camera.
 std::shared_ptr<const Features> facing(const Features& features, float scale) {
   Features planes = features;
   for (float& depth_m : planes.depths_m) depth_m *= scale;
@@ -115,37 +116,37 @@ std::shared_ptr<const Features> facing(const Features& features, float scale) {
   return std::make_shared<const Features>(std::move(planes));
 }
 
-TEST_F(Loop, LandmarksThatAgreeAreNotEnoughWhereTheDepthsContradict) {
-  LoopQuestion question = loop_question(built_.map, last_, {KeyframeId{1}}, {}, 3);
+TEST_F(Loop, InliersAreNotEnoughIfFreeSpaceIsViolated) {
+  LoopCandidates question = make_loop_candidates(built_.map, last_, {KeyframeId{1}}, {}, 3);
   question.frame.features = facing(*question.frame.features, 1);
-  const auto features = question.places[0].features;
-  question.places[0].features = facing(*features, 1);
+  const auto features = question.local_maps[0].features;
+  question.local_maps[0].features = facing(*features, 1);
   EXPECT_TRUE(verify_loop(question, world_.camera, {}, {}).has_value());
-  question.places[0].features = facing(*features, 1.3F);
+  question.local_maps[0].features = facing(*features, 1.3F);
   EXPECT_FALSE(verify_loop(question, world_.camera, {}, {}).has_value());
 }
 
 TEST_F(Loop, CorrectionSpreadsTheDrift) {
-  const auto answer = verify(last_, {KeyframeId{1}});
-  ASSERT_TRUE(answer.has_value());
-  const LoopClosure closure = closure_of(built_.map, *answer, {});
+  const auto verified = verify(last_, {KeyframeId{1}});
+  ASSERT_TRUE(verified.has_value());
+  const LoopConstraint constraint = make_loop_constraint(built_.map, *verified, {});
   const double before_m =
       test::distance_m(built_.map.keyframe(last_).T_world_camera, true_pose(kKeyframes - 1));
-  built_.map.add_loop_edge(closure.edge);
-  ASSERT_TRUE(built_.map.apply(correct_loop(loop_problem(built_.map, closure.merges, {}), {})));
+  built_.map.add_loop_edge(constraint.edge);
+  ASSERT_TRUE(built_.map.apply(correct_loop(make_loop_problem(built_.map, constraint.merges, {}), {})));
   const double after_m =
       test::distance_m(built_.map.keyframe(last_).T_world_camera, true_pose(kKeyframes - 1));
   EXPECT_GT(before_m, 0.03);
   EXPECT_LT(after_m, before_m / 3);
-  const auto neighbours = built_.map.covisible(last_, 15);
+  const auto neighbours = built_.map.covisible_keyframes(last_, 15);
   EXPECT_TRUE(std::any_of(neighbours.begin(), neighbours.end(), [](const auto& near) {
     return near.first.value < 6;
   })) << "landmarks of the beginning and of the end have become one";
   built_.map.check_invariants();
 }
 
-TEST_F(Loop, ALostFrameIsFoundAgain) {
-  const SE3 pose = true_pose(10) * looking(0.04, {0.05, 0.02, 0.03});
+TEST_F(Loop, ALostFrameIsRelocalized) {
+  const SE3 pose = true_pose(10) * camera_at(0.04, {0.05, 0.02, 0.03});
   const auto view = test::observe(world_, pose, {}, 99);
   const auto found = relocalize(test::make_frame(500, view), bow_of(*view.features), built_.map, places_,
                                 world_.camera, {}, {}, {}, 5);
@@ -155,7 +156,7 @@ TEST_F(Loop, ALostFrameIsFoundAgain) {
   EXPECT_LT(test::distance_m(found->T_reference_camera, truth), 0.05);
 }
 
-TEST_F(Loop, AFrameFromElsewhereIsNotFound) {
+TEST_F(Loop, AFrameFromAnotherPlaceIsNotRelocalized) {
   const auto elsewhere = test::make_world(4000, 77);
   const auto view = test::observe(elsewhere, true_pose(10), {}, 99);
   EXPECT_FALSE(relocalize(test::make_frame(500, view), bow_of(*view.features), built_.map, places_,

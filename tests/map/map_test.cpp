@@ -23,12 +23,12 @@ TEST(Map, ObservationsHaveTwoSides) {
   Map map;
   const KeyframeId a = add_keyframe(map), b = add_keyframe(map);
   const LandmarkId landmark = map.add_landmark(a, 3, {0, 0, 1});
-  EXPECT_TRUE(map.observe(landmark, {b, 7}));
+  EXPECT_TRUE(map.add_observation(landmark, {b, 7}));
   EXPECT_EQ(map.keyframe(b).landmark_of[7], landmark);
   EXPECT_EQ(map.landmark(landmark).observations.size(), 2U);
-  EXPECT_FALSE(map.observe(landmark, {b, 8}));  // b sees it already
+  EXPECT_FALSE(map.add_observation(landmark, {b, 8}));  // b sees it already
   const LandmarkId other = map.add_landmark(a, 4, {0, 0, 1});
-  EXPECT_FALSE(map.observe(other, {b, 7}));  // the key point is taken
+  EXPECT_FALSE(map.add_observation(other, {b, 7}));  // the keypoint is taken
   map.check_invariants();
 }
 
@@ -37,47 +37,48 @@ TEST(Map, ALandmarkFollowsItsAnchor) {
   const KeyframeId a = add_keyframe(map);
   const LandmarkId landmark = map.add_landmark(a, 0, {0, 0, 2});
   MapUpdate update;
-  update.T_world_camera = {{a, test::looking(1.0, {1, 2, 3})}};
-  update.newest_seen = a;
+  update.T_world_camera = {{a, test::camera_at(1.0, {1, 2, 3})}};
+  update.newest_keyframe = a;
   ASSERT_TRUE(map.apply(update));
-  EXPECT_LT((map.p_world(landmark) - test::looking(1.0, {1, 2, 3}) * Eigen::Vector3d(0, 0, 2)).norm(), 1e-12);
+  EXPECT_LT((map.p_world(landmark) - test::camera_at(1.0, {1, 2, 3}) * Eigen::Vector3d(0, 0, 2)).norm(),
+            1e-12);
 }
 
-TEST(Map, ForgettingTheAnchorsViewMovesTheAnchorNotThePoint) {
+TEST(Map, RemovingTheAnchorObservationKeepsTheWorldPoint) {
   Map map;
-  const KeyframeId a = add_keyframe(map, test::looking(0.3, {1, 0, 0}));
-  const KeyframeId b = add_keyframe(map, test::looking(-0.2, {0, 1, 0}));
+  const KeyframeId a = add_keyframe(map, test::camera_at(0.3, {1, 0, 0}));
+  const KeyframeId b = add_keyframe(map, test::camera_at(-0.2, {0, 1, 0}));
   const LandmarkId landmark = map.add_landmark(a, 0, {0.1, 0.2, 2});
-  map.observe(landmark, {b, 5});
+  map.add_observation(landmark, {b, 5});
   const Eigen::Vector3d before = map.p_world(landmark);
-  map.forget(landmark, {a, 0});
+  map.remove_observation(landmark, {a, 0});
   EXPECT_EQ(map.landmark(landmark).anchor, b);
   EXPECT_LT((map.p_world(landmark) - before).norm(), 1e-12);
-  map.forget(landmark, {b, 5});
+  map.remove_observation(landmark, {b, 5});
   EXPECT_FALSE(map.contains(landmark));
   map.check_invariants();
 }
 
-TEST(Map, KeyframesAfterTheNewestSeenFollowRigidly) {
+TEST(Map, NewerKeyframesFollowCorrectionsRigidly) {
   Map map;
   const KeyframeId a = add_keyframe(map);
-  const KeyframeId b = add_keyframe(map, test::looking(0.1, {1, 0, 0}));
-  const KeyframeId c = add_keyframe(map, test::looking(0.2, {2, 0, 0}));
+  const KeyframeId b = add_keyframe(map, test::camera_at(0.1, {1, 0, 0}));
+  const KeyframeId c = add_keyframe(map, test::camera_at(0.2, {2, 0, 0}));
   const SE3 T_b_c = map.keyframe(b).T_world_camera.inverse() * map.keyframe(c).T_world_camera;
   MapUpdate update;
-  update.T_world_camera = {{a, SE3{}}, {b, test::looking(0.5, {1, 1, 0})}};
-  update.newest_seen = b;
+  update.T_world_camera = {{a, SE3{}}, {b, test::camera_at(0.5, {1, 1, 0})}};
+  update.newest_keyframe = b;
   ASSERT_TRUE(map.apply(update));
   const SE3 T_b_c_after = map.keyframe(b).T_world_camera.inverse() * map.keyframe(c).T_world_camera;
   EXPECT_LT((T_b_c.inverse() * T_b_c_after).log().norm(), 1e-12);
 }
 
-TEST(Map, ALoopEdgeJoinsComponents) {
+TEST(Map, ALoopEdgeMergesComponents) {
   Map map;
-  const KeyframeId a = add_keyframe(map, test::looking(0.3, {1, 2, 0}));
+  const KeyframeId a = add_keyframe(map, test::camera_at(0.3, {1, 2, 0}));
   const KeyframeId b = map.add_keyframe(FrameId{1}, 1000, SE3{}, blank_features(30), map.component_count());
   const KeyframeId c =
-      map.add_keyframe(FrameId{2}, 2000, test::looking(0.1, {0, 0, 1}), blank_features(30), 1);
+      map.add_keyframe(FrameId{2}, 2000, test::camera_at(0.1, {0, 0, 1}), blank_features(30), 1);
   const LandmarkId landmark = map.add_landmark(c, 0, {0.1, 0.2, 2});
   const SE3 T_b_c = map.keyframe(b).T_world_camera.inverse() * map.keyframe(c).T_world_camera;
   EXPECT_EQ(map.component_count(), 2U);
@@ -86,13 +87,13 @@ TEST(Map, ALoopEdgeJoinsComponents) {
 
   MapUpdate of_two_components;
   of_two_components.epoch = map.epoch();
-  const SE3 T_a_c = test::looking(-0.2, {0.3, 0, 0.1});
+  const SE3 T_a_c = test::camera_at(-0.2, {0.3, 0, 0.1});
   map.add_loop_edge({a, c, T_a_c, Matrix6d::Identity(), 50});
   EXPECT_EQ(map.keyframe(b).component, 0U);
   EXPECT_EQ(map.keyframe(c).component, 0U);
   const SE3& T_world_a = map.keyframe(a).T_world_camera;
   const SE3& T_world_c = map.keyframe(c).T_world_camera;
-  EXPECT_LT((T_world_a.inverse() * test::looking(0.3, {1, 2, 0})).log().norm(), 1e-12);  // the older stays
+  EXPECT_LT((T_world_a.inverse() * test::camera_at(0.3, {1, 2, 0})).log().norm(), 1e-12);  // the older stays
   EXPECT_LT(((T_world_a * T_a_c).inverse() * T_world_c).log().norm(), 1e-12);
   EXPECT_LT(((map.keyframe(b).T_world_camera * T_b_c).inverse() * T_world_c).log().norm(), 1e-12);
   EXPECT_LT((map.p_world(landmark) - T_world_c * Eigen::Vector3d(0.1, 0.2, 2)).norm(), 1e-12);
@@ -102,11 +103,11 @@ TEST(Map, ALoopEdgeJoinsComponents) {
 
 TEST(Map, ALoopEdgeMayNameTheYoungerComponentFirst) {
   Map map;
-  const KeyframeId a = add_keyframe(map, test::looking(0.3, {1, 2, 0}));
+  const KeyframeId a = add_keyframe(map, test::camera_at(0.3, {1, 2, 0}));
   const KeyframeId b = map.add_keyframe(FrameId{1}, 1000, SE3{}, blank_features(30), 1);
-  const SE3 T_b_a = test::looking(-0.2, {0.3, 0, 0.1});
+  const SE3 T_b_a = test::camera_at(-0.2, {0.3, 0, 0.1});
   map.add_loop_edge({b, a, T_b_a, Matrix6d::Identity(), 50});
-  EXPECT_LT((map.keyframe(a).T_world_camera.inverse() * test::looking(0.3, {1, 2, 0})).log().norm(), 1e-12);
+  EXPECT_LT((map.keyframe(a).T_world_camera.inverse() * test::camera_at(0.3, {1, 2, 0})).log().norm(), 1e-12);
   const SE3 T_b_a_after = map.keyframe(b).T_world_camera.inverse() * map.keyframe(a).T_world_camera;
   EXPECT_LT((T_b_a.inverse() * T_b_a_after).log().norm(), 1e-12);
 }
@@ -116,9 +117,9 @@ TEST(Map, KeyframesFollowTheNewestOfTheirOwnComponent) {
   const KeyframeId a = add_keyframe(map);
   const KeyframeId b = map.add_keyframe(FrameId{1}, 1000, SE3{}, blank_features(30), 1);
   MapUpdate update;
-  update.T_world_camera = {{a, test::looking(0, {1, 0, 0})}, {b, test::looking(0, {0, 5, 0})}};
-  update.newest_seen = b;
-  const KeyframeId c = add_keyframe(map, test::looking(0, {0, 0, 1}));  // of the component of a
+  update.T_world_camera = {{a, test::camera_at(0, {1, 0, 0})}, {b, test::camera_at(0, {0, 5, 0})}};
+  update.newest_keyframe = b;
+  const KeyframeId c = add_keyframe(map, test::camera_at(0, {0, 0, 1}));  // of the component of a
   const KeyframeId d = map.add_keyframe(FrameId{3}, 3000, SE3{}, blank_features(30), 2);
   ASSERT_TRUE(map.apply(update));
   EXPECT_LT((map.keyframe(c).T_world_camera.translation - Eigen::Vector3d(1, 0, 1)).norm(), 1e-12);
@@ -129,26 +130,26 @@ TEST(Map, AStaleUpdateIsDropped) {
   Map map;
   const KeyframeId a = add_keyframe(map);
   MapUpdate update;
-  update.T_world_camera = {{a, test::looking(0, {9, 9, 9})}};
-  update.newest_seen = a;
+  update.T_world_camera = {{a, test::camera_at(0, {9, 9, 9})}};
+  update.newest_keyframe = a;
   update.epoch = map.epoch();
-  map.raise_epoch();
+  map.advance_epoch();
   EXPECT_FALSE(map.apply(update));
   EXPECT_EQ(map.keyframe(a).T_world_camera.translation, Eigen::Vector3d(0, 0, 0));
 }
 
-TEST(Map, UpdatesPassOverWhatIsGone) {
+TEST(Map, UpdatesSkipErasedLandmarks) {
   Map map;
   const KeyframeId a = add_keyframe(map), b = add_keyframe(map);
   const LandmarkId gone = map.add_landmark(a, 0, {0, 0, 1});
   const LandmarkId stays = map.add_landmark(a, 1, {0, 0, 1});
-  map.observe(gone, {b, 0});
+  map.add_observation(gone, {b, 0});
   map.erase(gone);
   MapUpdate update;
   update.p_world = {{gone, {1, 1, 1}}, {stays, {2, 2, 2}}};
   update.outliers = {{gone, {b, 0}}};
   update.merges = {{gone, stays}, {stays, gone}, {stays, stays}};
-  update.newest_seen = b;
+  update.newest_keyframe = b;
   ASSERT_TRUE(map.apply(update));
   EXPECT_LT((map.p_world(stays) - Eigen::Vector3d(2, 2, 2)).norm(), 1e-12);
   map.check_invariants();
@@ -159,8 +160,8 @@ TEST(Map, MergingMovesObservations) {
   const KeyframeId a = add_keyframe(map), b = add_keyframe(map), c = add_keyframe(map);
   const LandmarkId older = map.add_landmark(a, 0, {0, 0, 1});
   const LandmarkId newer = map.add_landmark(b, 0, {0, 0, 1});
-  map.observe(newer, {c, 1});
-  map.observe(older, {c, 2});  // c sees both: only one can stay
+  map.add_observation(newer, {c, 1});
+  map.add_observation(older, {c, 2});  // c sees both: only one can stay
   map.merge(newer, older);
   EXPECT_FALSE(map.contains(newer));
   EXPECT_EQ(map.landmark(older).observations.size(), 3U);
@@ -173,15 +174,15 @@ TEST(Map, CovisibleCountsSharedLandmarks) {
   const KeyframeId a = add_keyframe(map), b = add_keyframe(map), c = add_keyframe(map);
   for (uint32_t i = 0; i < 10; ++i) {
     const LandmarkId landmark = map.add_landmark(a, i, {0, 0, 1});
-    if (i < 3) map.observe(landmark, {b, i});
-    if (i < 6) map.observe(landmark, {c, i});
+    if (i < 3) map.add_observation(landmark, {b, i});
+    if (i < 6) map.add_observation(landmark, {c, i});
   }
   const std::vector<std::pair<KeyframeId, int>> expected{{c, 6}, {b, 3}};
-  EXPECT_EQ(map.covisible(a, 1), expected);
-  EXPECT_EQ(map.covisible(a, 4).size(), 1U);
+  EXPECT_EQ(map.covisible_keyframes(a, 1), expected);
+  EXPECT_EQ(map.covisible_keyframes(a, 4).size(), 1U);
 }
 
-TEST(Map, StaysSoundUnderRandomChange) {
+TEST(Map, InvariantsHoldUnderRandomOperations) {
   Map map;
   Random random(5);
   for (int i = 0; i < 8; ++i) add_keyframe(map);
@@ -195,10 +196,10 @@ TEST(Map, StaysSoundUnderRandomChange) {
       if (!map.keyframe(seen.keyframe).landmark_of[seen.feature].valid())
         map.add_landmark(seen.keyframe, seen.feature, {0, 0, 1});
     } else if (verb < 7) {
-      map.observe(random_landmark(), seen);
+      map.add_observation(random_landmark(), seen);
     } else if (verb < 8) {
       const LandmarkId id = random_landmark();
-      map.forget(id, map.landmark(id).observations.front());
+      map.remove_observation(id, map.landmark(id).observations.front());
     } else if (verb < 9) {
       const LandmarkId goes = random_landmark(), stays = random_landmark();
       if (goes != stays) map.merge(goes, stays);
@@ -210,7 +211,7 @@ TEST(Map, StaysSoundUnderRandomChange) {
   map.check_invariants();
 }
 
-TEST(Map, BrokenPromisesAreLogicErrors) {
+TEST(Map, ViolatedPreconditionsThrowLogicError) {
   Map map;
   EXPECT_THROW((void)map.keyframe(KeyframeId{0}), std::logic_error);
   EXPECT_THROW((void)map.landmark(LandmarkId{0}), std::logic_error);
@@ -220,7 +221,7 @@ TEST(Map, BrokenPromisesAreLogicErrors) {
   EXPECT_THROW(map.add_loop_edge({a, KeyframeId{7}, SE3{}, Matrix6d::Identity(), 30}), std::logic_error);
 }
 
-TEST(Map, FeaturesAreReplacedByTheSameKeyPointsOnly) {
+TEST(Map, FeaturesAreReplacedByTheSameKeypointsOnly) {
   Map map;
   const KeyframeId a = add_keyframe(map);
   const LandmarkId landmark = map.add_landmark(a, 3, {0, 0, 1});

@@ -10,21 +10,18 @@
 namespace kinloop {
 namespace {
 
-using test::looking;
+using test::camera_at;
+using test::pose_on_arc;
 
 constexpr int kFirstVisit = 4;
 constexpr int kSecondVisit = 2;
-
-SE3 true_pose(int i) {
-  return looking(0.08 * i, {0.06 * i, 0.01 * (i % 3), -0.03 * i});
-}
 
 /// Two visits of the same place that do not know of each other but for `shared` landmarks, as right after a
 /// loop was closed.
 class CompleteTracks : public ::testing::Test {
  protected:
   CompleteTracks() {
-    for (int i = 0; i < kFirstVisit; ++i) visit(first_, true_pose(i), 10 + static_cast<uint64_t>(i));
+    for (int i = 0; i < kFirstVisit; ++i) visit(first_, pose_on_arc(i), 10 + static_cast<uint64_t>(i));
     test::SyntheticMap second;
     second.map = std::move(first_.map);
     constexpr size_t kShared = 40;
@@ -32,7 +29,7 @@ class CompleteTracks : public ::testing::Test {
       if (second.landmark_of_point.size() < kShared) second.landmark_of_point[point] = landmark;
     }
     for (int i = 0; i < kSecondVisit; ++i)
-      visit(second, true_pose(i) * looking(0.02, {0.02, 0, 0}), 20 + static_cast<uint64_t>(i));
+      visit(second, pose_on_arc(i) * camera_at(0.02, {0.02, 0, 0}), 20 + static_cast<uint64_t>(i));
     map_ = std::move(second.map);
   }
 
@@ -73,10 +70,10 @@ class CompleteTracks : public ::testing::Test {
   test::SyntheticWorld world_ = test::make_world(2500, 1);
   test::SyntheticMap first_;
   Map map_;
-  std::vector<std::vector<uint32_t>> points_of_;  // by keyframe, key point
+  std::vector<std::vector<uint32_t>> points_of_;  // by keyframe, keypoint
 };
 
-TEST_F(CompleteTracks, TwoVisitsBecomeOne) {
+TEST_F(CompleteTracks, MergesTracksOfARevisitedPlace) {
   const size_t doubles_before = doubles();
   const size_t landmarks_before = map_.landmark_count();
   ASSERT_GT(doubles_before, 100U);
@@ -88,26 +85,26 @@ TEST_F(CompleteTracks, TwoVisitsBecomeOne) {
   EXPECT_LT(wrong_share(), 0.01);
 }
 
-TEST_F(CompleteTracks, WhatWasMergedIsStillKnownByItsOldName) {
+TEST_F(CompleteTracks, ResolvesIdsOfMergedLandmarks) {
   const auto before = map_.landmark_ids();
   complete_tracks(map_, world_.camera, {}, {});
   size_t renamed = 0;
   for (const LandmarkId id : before) {
-    EXPECT_TRUE(map_.contains(map_.surviving(id)));
-    renamed += map_.surviving(id) != id ? 1 : 0;
+    EXPECT_TRUE(map_.contains(map_.resolve_merged(id)));
+    renamed += map_.resolve_merged(id) != id ? 1 : 0;
   }
   EXPECT_EQ(before.size() - renamed, map_.landmark_count());
 }
 
-TEST_F(CompleteTracks, OnceIsEnough) {
+TEST_F(CompleteTracks, IsIdempotent) {
   complete_tracks(map_, world_.camera, {}, {});
   const size_t landmarks = map_.landmark_count();
   complete_tracks(map_, world_.camera, {}, {});
   EXPECT_GE(map_.landmark_count() + landmarks / 50, landmarks);
 }
 
-TEST_F(CompleteTracks, LandmarksThatOneKeyframeTellsApartStayTwo) {
-  // Two key points of one keyframe, so close together and so alike that either landmark fits both.
+TEST_F(CompleteTracks, LandmarksSeenByTheSameKeyframeAreNotMerged) {
+  // Two keypoints of one keyframe, so close together and so alike that either landmark fits both.
   Features twins = *test::observe(world_, SE3{}, {}, 3).features;
   const auto a = static_cast<uint32_t>(std::distance(
       twins.depths_m.begin(),
@@ -125,14 +122,14 @@ TEST_F(CompleteTracks, LandmarksThatOneKeyframeTellsApartStayTwo) {
   };
   const LandmarkId first = map.add_landmark(KeyframeId{0}, a, point(a));
   const LandmarkId second = map.add_landmark(KeyframeId{0}, b, point(b));
-  map.observe(first, {KeyframeId{1}, a});
+  map.add_observation(first, {KeyframeId{1}, a});
   complete_tracks(map, world_.camera, {}, {});
   EXPECT_TRUE(map.contains(first));
   EXPECT_TRUE(map.contains(second));
   map.check_invariants();
 }
 
-TEST(CompleteTracksOfNothing, IsNothing) {
+TEST(CompleteTracksOfAnEmptyMap, IsNothing) {
   Map map;
   complete_tracks(map, {}, {}, {});
   EXPECT_TRUE(map.keyframes().empty());

@@ -1,4 +1,4 @@
-#include "kinloop/optimize/absolute_pose.hpp"
+#include "kinloop/optimize/pose/absolute_pose.hpp"
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>
@@ -32,7 +32,7 @@ TEST(AbsolutePose, RecoversTheTruthWithoutNoise) {
 TEST(AbsolutePose, PixelsAloneAreEnough) {
   Random random(2);
   const SE3 truth = random_motion(random, 1.0, 1.0);
-  const auto view = make_view(truth, 60, {.depth_share = 0}, random);
+  const auto view = make_view(truth, 60, {.depth_fraction = 0}, random);
   const auto solution = solve_absolute_pose(kinect(), view, truth * random_motion(random, 0.05, 0.03), {});
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1e-8);
@@ -58,7 +58,7 @@ TEST(AbsolutePose, NormalisedErrorIsConsistent) {
   EXPECT_NEAR(sum / kTrials, 6.0, 1.2);
 }
 
-TEST(AbsolutePose, TellsOutliersApart) {
+TEST(AbsolutePose, DetectsOutliers) {
   Random random(4);
   const SE3 truth = random_motion(random, 1.0, 1.0);
   auto view = make_view(truth, 200, {.sigma_px = 0.5, .sigma_inverse_depth = 2e-3}, random);
@@ -70,10 +70,10 @@ TEST(AbsolutePose, TellsOutliersApart) {
   EXPECT_GT(solution->inlier_count, 140);
 }
 
-TEST(AbsolutePose, WrongDepthSparesThePixel) {
+TEST(AbsolutePose, WrongDepthKeepsThePixelInlier) {
   Random random(5);
   const SE3 truth = random_motion(random, 1.0, 1.0);
-  auto view = make_view(truth, 100, {.depth_share = 1}, random);
+  auto view = make_view(truth, 100, {.depth_fraction = 1}, random);
   for (size_t i = 0; i < view.size(); i += 4) view[i].depth_m *= 1.5;  // the wall behind the edge
   const auto solution = solve_absolute_pose(kinect(), view, truth * random_motion(random, 0.02, 0.02), {});
   ASSERT_TRUE(solution.has_value());
@@ -81,10 +81,10 @@ TEST(AbsolutePose, WrongDepthSparesThePixel) {
   EXPECT_EQ(solution->inlier_count, 100);
 }
 
-TEST(AbsolutePose, PriorHoldsWhatObservationsLeaveOpen) {
+TEST(AbsolutePose, PriorConstrainsUnobservableDirections) {
   Random random(6);
   const SE3 truth = random_motion(random, 1.0, 1.0);
-  auto view = make_view(truth, 8, {.depth_share = 0}, random);
+  auto view = make_view(truth, 8, {.depth_fraction = 0}, random);
   view.resize(2);  // four equations for six unknowns
   const SE3 guess = truth * random_motion(random, 0.01, 0.005);
   AbsolutePoseOptions options;
@@ -97,7 +97,7 @@ TEST(AbsolutePose, PriorHoldsWhatObservationsLeaveOpen) {
   EXPECT_LT(solution->chi2, 1.0);
 }
 
-TEST(AbsolutePose, NumbersThatAreNotFiniteAreIgnored) {
+TEST(AbsolutePose, NonFiniteObservationsAreIgnored) {
   Random random(7);
   const SE3 truth = random_motion(random, 1.0, 1.0);
   auto view = make_view(truth, 50, {}, random);
@@ -120,11 +120,11 @@ TEST(AbsolutePose, DegenerateInputsHaveNoSolution) {
   const SE3 truth = random_motion(random, 1.0, 1.0);
   EXPECT_FALSE(solve_absolute_pose(kinect(), {}, truth, {}).has_value());
 
-  auto same = make_view(truth, 30, {.depth_share = 1}, random);
+  auto same = make_view(truth, 30, {.depth_fraction = 1}, random);
   for (auto& o : same) o = same.front();
   EXPECT_FALSE(solve_absolute_pose(kinect(), same, truth, {}).has_value());
 
-  auto line = make_view(truth, 30, {.depth_share = 0}, random);
+  auto line = make_view(truth, 30, {.depth_fraction = 0}, random);
   for (size_t i = 0; i < line.size(); ++i) {
     const Eigen::Vector3d p_camera(0.02 * static_cast<double>(i) - 0.3, 0.1, 2.0);
     line[i].p_reference = truth * p_camera;

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/geometry/robust_loss.hpp"
-#include "kinloop/optimize/bundle_model.hpp"
+#include "kinloop/optimize/bundle/bundle_model.hpp"
 #include "tests/optimize/bundle_world.hpp"
 
 namespace kinloop {
@@ -75,10 +75,10 @@ class DenseSystem {
     const double pixel_weight = loss.weight(linear.e.head<2>().squaredNorm());
     const Eigen::Vector3d weight(pixel_weight, pixel_weight, loss.weight(linear.e.z() * linear.e.z()));
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, H_.cols());
-    J.middleCols<6>(pose(o.pose)) = linear.by_pose;
-    J.middleCols<6>(velocity(o.pose)) = linear.by_velocity;
-    J.middleCols<3>(point(o.point)) = linear.by_point;
-    J.rightCols<kSensorParameterCount>() = linear.by_sensor;
+    J.middleCols<6>(pose(o.pose)) = linear.J_pose;
+    J.middleCols<6>(velocity(o.pose)) = linear.J_velocity;
+    J.middleCols<3>(point(o.point)) = linear.J_point;
+    J.rightCols<kSensorParameterCount>() = linear.J_sensor;
     H_ += J.transpose() * weight.asDiagonal() * J;
   }
 
@@ -86,8 +86,8 @@ class DenseSystem {
     const auto linear =
         linearize_bundle_edge(edge, state.T_world_camera[edge.a], state.T_world_camera[edge.b]);
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, H_.cols());
-    J.middleCols<6>(pose(edge.a)) = linear.by_a;
-    J.middleCols<6>(pose(edge.b)) = linear.by_b;
+    J.middleCols<6>(pose(edge.a)) = linear.J_a;
+    J.middleCols<6>(pose(edge.b)) = linear.J_b;
     H_ += J.transpose() * edge.information * J;
   }
 
@@ -98,11 +98,11 @@ class DenseSystem {
 /// A small world in which everything is seen well enough to be used, with sensor and velocities free.
 BundleWorld free_world() {
   BundleWorldSettings settings{
-      .poses = 7, .points = 60, .sigma_px = 0.7, .sigma_inverse_depth = 2e-3, .depth_share = 1};
+      .poses = 7, .points = 60, .sigma_px = 0.7, .sigma_inverse_depth = 2e-3, .depth_fraction = 1};
   settings.sensor(kRollingShutter) = 0.02;
-  settings.sensor(kDepthTime) = 0.01;
+  settings.sensor(kDepthDelay) = 0.01;
   BundleWorld world = make_bundle_world(settings);
-  for (const int k : {kRollingShutter, kDepthTime}) {
+  for (const int k : {kRollingShutter, kDepthDelay}) {
     world.problem.sensor.prior_sigma(k) = SensorCalibration::kUnknown;
   }
   world.problem.sensor.prior_sigma(kFocalX) = 3;
@@ -154,8 +154,8 @@ TEST(BundleCovariance, IsThatOfTheWholeDenseSystem) {
         const Eigen::Index first = DenseSystem::pose(static_cast<Eigen::Index>(i));
         EXPECT_LT(difference(solution.pose_covariance[i], covariance.block<6, 6>(first, first)), 1e-6) << i;
       }
-      for (const int a : {kRollingShutter, kDepthTime, kFocalX, kDepthOffset}) {
-        for (const int b : {kRollingShutter, kDepthTime, kFocalX, kDepthOffset}) {
+      for (const int a : {kRollingShutter, kDepthDelay, kFocalX, kDepthOffset}) {
+        for (const int b : {kRollingShutter, kDepthDelay, kFocalX, kDepthOffset}) {
           const Eigen::Index s = system.sensor();
           const double scale = std::sqrt(covariance(s + a, s + a) * covariance(s + b, s + b));
           EXPECT_NEAR(solution.sensor_covariance(a, b) / scale, covariance(s + a, s + b) / scale, 1e-6);
@@ -165,11 +165,11 @@ TEST(BundleCovariance, IsThatOfTheWholeDenseSystem) {
   }
 }
 
-TEST(BundleCovariance, WhatIsFreeAsWellMakesPosesLessCertain) {
+TEST(BundleCovariance, FreeParametersIncreasePoseCovariance) {
   BundleWorld world = free_world();
   BundleOptions options = with_covariances();
   world.problem.sensor.value(kRollingShutter) = 0.02;  // the truth: nearly the same minimum each time
-  world.problem.sensor.value(kDepthTime) = 0.01;
+  world.problem.sensor.value(kDepthDelay) = 0.01;
   options.robust_width = 1e9;  // weights are one wherever the minimum is
   options.free_velocities = true;
   const Matrix6d all_free = solve_bundle(world.problem, options).pose_covariance[6];
@@ -181,7 +181,7 @@ TEST(BundleCovariance, WhatIsFreeAsWellMakesPosesLessCertain) {
   EXPECT_GT(all_free.trace(), 1.01 * velocities_held.trace());
 }
 
-TEST(BundleCovariance, WhatNothingObservesIsNotSaidToBeKnown) {
+TEST(BundleCovariance, UnobservedPosesHaveInfiniteCovariance) {
   BundleWorld world = free_world();
   auto& observations = world.problem.observations;
   std::erase_if(observations, [](const BundleObservation& o) { return o.pose == 3; });
@@ -197,12 +197,12 @@ TEST(BundleCovariance, WhatNothingObservesIsNotSaidToBeKnown) {
   }
 }
 
-TEST(BundleCovariance, IsNotComputedUnlessAskedFor) {
+TEST(BundleCovariance, IsNotComputedUnlessRequested) {
   BundleOptions options = with_covariances();
   options.pose_covariances = false;
   const BundleSolution solution = solve_bundle(free_world().problem, options);
   EXPECT_TRUE(solution.pose_covariance.empty());
-  EXPECT_GT(solution.sensor_covariance(kDepthTime, kDepthTime), 0) << "always, where free";
+  EXPECT_GT(solution.sensor_covariance(kDepthDelay, kDepthDelay), 0) << "always, where free";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "kinloop/optimize/bundle_model.hpp"
+#include "kinloop/optimize/bundle/bundle_model.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -66,17 +66,17 @@ TEST(BundleModel, AnalyticDerivativesAreTheNumericOnes) {
       const auto turn = [&](Sample& s, double h) {
         s.T_world_camera = s.T_world_camera * SE3::exp(h * Vector6d::Unit(i));
       };
-      expect_near(J.by_pose.col(i), difference(sample, 1e-6, turn), "pose", i);
+      expect_near(J.J_pose.col(i), difference(sample, 1e-6, turn), "pose", i);
       const auto faster = [&](Sample& s, double h) { s.velocity(i) += h; };
-      expect_near(J.by_velocity.col(i), difference(sample, 1e-4, faster), "velocity", i);
+      expect_near(J.J_velocity.col(i), difference(sample, 1e-4, faster), "velocity", i);
     }
     for (int i = 0; i < 3; ++i) {
       const auto shift = [&](Sample& s, double h) { s.p_world(i) += h; };
-      expect_near(J.by_point.col(i), difference(sample, 1e-6, shift), "point", i);
+      expect_near(J.J_point.col(i), difference(sample, 1e-6, shift), "point", i);
     }
     for (int i = 0; i < kSensorParameterCount; ++i) {
       const auto correct = [&](Sample& s, double h) { s.sensor(i) += h; };
-      expect_near(J.by_sensor.col(i), difference(sample, 1e-5, correct), "sensor", i);
+      expect_near(J.J_sensor.col(i), difference(sample, 1e-5, correct), "sensor", i);
     }
   }
 }
@@ -88,10 +88,10 @@ TEST(BundleModel, ObservationsWithoutDepthHaveNoDepthRow) {
       linearize_observation(sample.task(), sample.observation, BundleUse::kPixel,
                             {sample.T_world_camera, sample.velocity}, sample.p_world, sample.sensor);
   EXPECT_EQ(linear.e.z(), 0);
-  EXPECT_TRUE(linear.by_pose.row(2).isZero(0));
-  EXPECT_TRUE(linear.by_velocity.row(2).isZero(0));
-  EXPECT_TRUE(linear.by_point.row(2).isZero(0));
-  EXPECT_TRUE(linear.by_sensor.row(2).isZero(0));
+  EXPECT_TRUE(linear.J_pose.row(2).isZero(0));
+  EXPECT_TRUE(linear.J_velocity.row(2).isZero(0));
+  EXPECT_TRUE(linear.J_point.row(2).isZero(0));
+  EXPECT_TRUE(linear.J_sensor.row(2).isZero(0));
 }
 
 TEST(BundleModel, EdgeDerivativesAreTheNumericOnes) {
@@ -103,14 +103,14 @@ TEST(BundleModel, EdgeDerivativesAreTheNumericOnes) {
     constexpr double kStep = 1e-6;
     for (int i = 0; i < 6; ++i) {
       const SE3 up = SE3::exp(kStep * Vector6d::Unit(i)), down = SE3::exp(-kStep * Vector6d::Unit(i));
-      const Vector6d by_a =
+      const Vector6d J_a =
           (linearize_bundle_edge(edge, T_a * up, T_b).e - linearize_bundle_edge(edge, T_a * down, T_b).e) /
           (2 * kStep);
-      const Vector6d by_b =
+      const Vector6d J_b =
           (linearize_bundle_edge(edge, T_a, T_b * up).e - linearize_bundle_edge(edge, T_a, T_b * down).e) /
           (2 * kStep);
-      EXPECT_LT((linear.by_a.col(i) - by_a).norm(), 1e-7);
-      EXPECT_LT((linear.by_b.col(i) - by_b).norm(), 1e-7);
+      EXPECT_LT((linear.J_a.col(i) - J_a).norm(), 1e-7);
+      EXPECT_LT((linear.J_b.col(i) - J_b).norm(), 1e-7);
     }
   }
 }
@@ -118,7 +118,7 @@ TEST(BundleModel, EdgeDerivativesAreTheNumericOnes) {
 TEST(SensorModel, VelocityBetweenPosesLeadsFromOneToTheOther) {
   Random random(4);
   const SE3 a = random_motion(random, 1, 1), b = random_motion(random, 1, 1);
-  const SE3 arrived = move(a, velocity_between(a, b, 0.3), 0.3);
+  const SE3 arrived = propagate_pose(a, velocity_between(a, b, 0.3), 0.3);
   EXPECT_LT((arrived.inverse() * b).log().norm(), 1e-12);
   EXPECT_THROW(velocity_between(a, b, 0), std::logic_error);
 }

@@ -1,4 +1,4 @@
-#include "kinloop/optimize/bundle.hpp"
+#include "kinloop/optimize/bundle/bundle.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace {
 
 using test::BundleWorld;
 using test::BundleWorldSettings;
-using test::disturb;
+using test::perturb;
 using test::kNan;
 using test::make_bundle_world;
 using test::position_error_m;
@@ -25,7 +25,7 @@ BundleOptions thorough() {
 TEST(Bundle, RecoversAnIdealWorld) {
   for (const std::string solver : {"builtin", "ceres"}) {
     BundleWorld world = make_bundle_world({});
-    disturb(world, 0.03, 0.02);
+    perturb(world, 0.03, 0.02);
     BundleOptions options = thorough();
     options.solver = solver;
     const BundleSolution solution = solve_bundle(world.problem, options);
@@ -39,18 +39,18 @@ TEST(Bundle, RecoversAnIdealWorld) {
   }
 }
 
-TEST(Bundle, PixelsAloneAreEnoughOnceScaleIsHeld) {
-  BundleWorld world = make_bundle_world({.depth_share = 0});
+TEST(Bundle, PixelsAloneAreEnoughIfScaleIsFixed) {
+  BundleWorld world = make_bundle_world({.depth_fraction = 0});
   world.problem.fixed[5] = 1;
-  disturb(world, 0.02, 0.01);
+  perturb(world, 0.02, 0.01);
   const BundleSolution solution = solve_bundle(world.problem, thorough());
   EXPECT_LT(position_error_m(solution.T_world_camera, world.truth), 1e-6);
 }
 
-TEST(Bundle, HeldPosesStay) {
+TEST(Bundle, FixedPosesDoNotMove) {
   BundleWorld world = make_bundle_world({.sigma_px = 1, .sigma_inverse_depth = 2e-3});
   world.problem.fixed[4] = 1;
-  disturb(world, 0.01, 0.01);
+  perturb(world, 0.01, 0.01);
   const BundleSolution solution = solve_bundle(world.problem, {});
   for (const size_t i : {0, 4}) {
     EXPECT_EQ(solution.T_world_camera[i].translation, world.truth[i].translation);
@@ -60,14 +60,14 @@ TEST(Bundle, HeldPosesStay) {
 
 TEST(Bundle, BuiltinAndCeresAgree) {
   BundleWorldSettings settings{
-      .poses = 10, .points = 150, .sigma_px = 0.8, .sigma_inverse_depth = 2e-3, .outlier_share = 0.03};
+      .poses = 10, .points = 150, .sigma_px = 0.8, .sigma_inverse_depth = 2e-3, .outlier_fraction = 0.03};
   settings.sensor(kRollingShutter) = 0.03;
-  settings.sensor(kDepthTime) = 0.015;
+  settings.sensor(kDepthDelay) = 0.015;
   settings.sensor(kFocalX) = 3;
   BundleWorld world = make_bundle_world(settings);
-  disturb(world, 0.02, 0.01);
+  perturb(world, 0.02, 0.01);
   world.problem.sensor.prior_sigma(kRollingShutter) = SensorCalibration::kUnknown;
-  world.problem.sensor.prior_sigma(kDepthTime) = SensorCalibration::kUnknown;
+  world.problem.sensor.prior_sigma(kDepthDelay) = SensorCalibration::kUnknown;
   world.problem.sensor.prior_sigma(kFocalX) = 5;
   const SE3 T_2_7 =
       world.truth[2].inverse() * world.truth[7] * SE3{exp_so3({0.003, 0, -0.002}), {0.002, 0.003, 0}};
@@ -93,27 +93,27 @@ TEST(Bundle, BuiltinAndCeresAgree) {
 TEST(Bundle, RollingShutterAndDepthDelayAreRecovered) {
   BundleWorldSettings settings{.poses = 30, .points = 500, .sigma_px = 0.5, .sigma_inverse_depth = 1.5e-3};
   settings.sensor(kRollingShutter) = settings.sensor(kDepthShutter) = 0.030;
-  settings.sensor(kDepthTime) = 0.015;
+  settings.sensor(kDepthDelay) = 0.015;
   BundleWorld world = make_bundle_world(settings);
   Random random(3);
   for (Velocity& v : world.problem.velocities)
     v += 0.05 * Velocity::NullaryExpr([&] { return random.gaussian(); });
-  disturb(world, 0.02, 0.01);
+  perturb(world, 0.02, 0.01);
   BundleOptions options;
   options.max_iterations = 20;
   options.inverse_depth_sigma_per_m = 1.5e-3;
   const double ignored = position_error_m(solve_bundle(world.problem, options).T_world_camera, world.truth);
 
-  for (const int i : {kRollingShutter, kDepthTime, kDepthShutter}) {
+  for (const int i : {kRollingShutter, kDepthDelay, kDepthShutter}) {
     world.problem.sensor.prior_sigma(i) = SensorCalibration::kUnknown;
   }
   options.free_velocities = true;
   const BundleSolution solution = solve_bundle(world.problem, options);
   EXPECT_NEAR(solution.sensor(kRollingShutter), 0.030, 0.002);
-  EXPECT_NEAR(solution.sensor(kDepthTime), 0.015, 0.002);
+  EXPECT_NEAR(solution.sensor(kDepthDelay), 0.015, 0.002);
   EXPECT_LT(position_error_m(solution.T_world_camera, world.truth), 0.5 * ignored);
   EXPECT_NEAR(solution.sensor(kDepthShutter), 0.030, 0.004);
-  for (const int i : {kRollingShutter, kDepthTime}) {
+  for (const int i : {kRollingShutter, kDepthDelay}) {
     const double sigma = std::sqrt(solution.sensor_covariance(i, i));
     EXPECT_LT(std::abs(solution.sensor(i) - settings.sensor(i)), 4 * sigma) << i;
     EXPECT_LT(sigma, 0.001) << i;
@@ -127,7 +127,7 @@ TEST(Bundle, FocalLengthAndDepthOffsetAreRecovered) {
   settings.sensor(kCenterX) = 2;
   settings.sensor(kDepthOffset) = 0.004;
   BundleWorld world = make_bundle_world(settings);
-  disturb(world, 0.02, 0.01);
+  perturb(world, 0.02, 0.01);
   for (const int i : {kFocalX, kFocalY, kCenterX, kCenterY, kDepthOffset}) {
     world.problem.sensor.prior_sigma(i) = SensorCalibration::kUnknown;
   }
@@ -145,15 +145,15 @@ TEST(Bundle, FocalLengthAndDepthOffsetAreRecovered) {
 TEST(Bundle, SensorErrorsAreConsistentWithTheirCovariance) {
   BundleWorldSettings settings{.poses = 11, .points = 150, .sigma_px = 0.7, .sigma_inverse_depth = 2e-3};
   settings.sensor(kRollingShutter) = 0.02;
-  settings.sensor(kDepthTime) = -0.01;
+  settings.sensor(kDepthDelay) = -0.01;
   double sensor_sum = 0, pose_sum = 0;
   constexpr int kTrials = 16;
   for (int trial = 0; trial < kTrials; ++trial) {
     settings.seed = static_cast<uint64_t>(trial) + 1;
     BundleWorld world = make_bundle_world(settings);
-    disturb(world, 0.01, 0.005, settings.seed);
+    perturb(world, 0.01, 0.005, settings.seed);
     world.problem.sensor.prior_sigma(kRollingShutter) = SensorCalibration::kUnknown;
-    world.problem.sensor.prior_sigma(kDepthTime) = SensorCalibration::kUnknown;
+    world.problem.sensor.prior_sigma(kDepthDelay) = SensorCalibration::kUnknown;
     BundleOptions options;
     options.inverse_depth_sigma_per_m = 2e-3;
     options.pose_covariances = true;
@@ -199,8 +199,8 @@ TEST(Bundle, DepthGradientCorrectsSlantedSurfaces) {
     }
   }
   world.problem.p_world = world.points;
-  world.problem.sensor.value(kDepthTime) = kDelay_s;
-  disturb(world, 0.01, 0.005);
+  world.problem.sensor.value(kDepthDelay) = kDelay_s;
+  perturb(world, 0.01, 0.005);
   const auto with = solve_bundle(world.problem, thorough());
   for (auto& o : world.problem.observations) o.inverse_depth_gradient.setZero();
   const auto without = solve_bundle(world.problem, thorough());
@@ -210,14 +210,14 @@ TEST(Bundle, DepthGradientCorrectsSlantedSurfaces) {
 }
 
 TEST(Bundle, TenPercentOutliers) {
-  BundleWorldSettings settings{.sigma_px = 0.5, .sigma_inverse_depth = 2e-3, .outlier_share = 0.1};
+  BundleWorldSettings settings{.sigma_px = 0.5, .sigma_inverse_depth = 2e-3, .outlier_fraction = 0.1};
   BundleWorld world = make_bundle_world(settings);
-  disturb(world, 0.01, 0.005);
+  perturb(world, 0.01, 0.005);
   BundleOptions options;
   options.rounds = 4;
   options.inverse_depth_sigma_per_m = 2.85e-3;
   const BundleSolution solution = solve_bundle(world.problem, options);
-  settings.outlier_share = 0;
+  settings.outlier_fraction = 0;
   EXPECT_LT(position_error_m(solution.T_world_camera, world.truth), 0.005);
   size_t missed = 0, wrong = 0, right_lost = 0;
   for (size_t i = 0; i < world.wrong.size(); ++i) {
@@ -230,14 +230,14 @@ TEST(Bundle, TenPercentOutliers) {
   EXPECT_LT(right_lost, world.wrong.size() / 8);
 }
 
-TEST(Bundle, EdgesHoldWhatNothingSees) {
+TEST(Bundle, EdgesConstrainPosesWithoutObservations) {
   BundleWorld world = make_bundle_world({.poses = 6, .points = 0});
   world.problem.observations.clear();
   for (uint32_t i = 0; i + 1 < 6; ++i) {
     world.problem.edges.push_back(
         {i, i + 1, world.truth[i].inverse() * world.truth[i + 1], 1e4 * Matrix6d::Identity()});
   }
-  disturb(world, 0.1, 0.1);
+  perturb(world, 0.1, 0.1);
   const BundleSolution solution = solve_bundle(world.problem, thorough());
   EXPECT_LT(position_error_m(solution.T_world_camera, world.truth), 1e-8);
 }
@@ -245,8 +245,8 @@ TEST(Bundle, EdgesHoldWhatNothingSees) {
 TEST(Bundle, SameBytesOnAnyNumberOfThreads) {
   BundleWorldSettings settings{.poses = 15, .points = 300, .sigma_px = 1, .sigma_inverse_depth = 2e-3};
   BundleWorld world = make_bundle_world(settings);
-  disturb(world, 0.01, 0.005);
-  for (const int i : {kFocalX, kRollingShutter, kDepthTime}) world.problem.sensor.prior_sigma(i) = 1;
+  perturb(world, 0.01, 0.005);
+  for (const int i : {kFocalX, kRollingShutter, kDepthDelay}) world.problem.sensor.prior_sigma(i) = 1;
   BundleOptions options;
   options.free_velocities = true;
   const BundleSolution one = solve_bundle(world.problem, options);
@@ -262,7 +262,7 @@ TEST(Bundle, SameBytesOnAnyNumberOfThreads) {
 
 TEST(Bundle, DegenerateInputsAreLeftOut) {
   BundleWorld world = make_bundle_world({.points = 100});
-  disturb(world, 0.01, 0.005);
+  perturb(world, 0.01, 0.005);
   BundleProblem& problem = world.problem;
   const auto add = [&](uint32_t pose, const Eigen::Vector2d& pixel, double depth_m) {
     problem.observations.push_back(

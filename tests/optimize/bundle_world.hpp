@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "kinloop/optimize/bundle.hpp"
+#include "kinloop/optimize/bundle/bundle.hpp"
 #include "tests/optimize/synthetic_view.hpp"
 
 namespace kinloop::test {
@@ -16,8 +16,8 @@ struct BundleWorldSettings {
   double spacing_s = 0.2;  // from keyframe to keyframe
   double sigma_px = 0;
   double sigma_inverse_depth = 0;
-  double depth_share = 0.7;
-  double outlier_share = 0;
+  double depth_fraction = 0.7;
+  double outlier_fraction = 0;
   SensorVector sensor = SensorVector::Zero();  // the truth
   double max_depth_m = 5;
   uint64_t seed = 1;
@@ -43,7 +43,7 @@ inline Velocity path_velocity(double t) {
 }
 
 struct BundleWorld {
-  BundleProblem problem;  // starts at the truth: see `disturb`
+  BundleProblem problem;  // starts at the truth: see `perturb`
   std::vector<SE3> truth;
   std::vector<Eigen::Vector3d> points;
   std::vector<uint8_t> wrong;  // observations that are not what they seem
@@ -62,12 +62,12 @@ inline bool observe(const BundleWorldSettings& settings, double t, const Eigen::
   if (!camera.contains(camera.project(p)) || p.z() > settings.max_depth_m) return false;
   o.pixel = camera.project(p) + settings.sigma_px * Eigen::Vector2d(random.gaussian(), random.gaussian());
   o.sigma_px = settings.sigma_px > 0 ? settings.sigma_px : 1;
-  const double depth_time = t + settings.sensor(kDepthShutter) * o.row + settings.sensor(kDepthTime);
+  const double depth_time = t + settings.sensor(kDepthShutter) * o.row + settings.sensor(kDepthDelay);
   const Eigen::Vector3d at_depth = path(depth_time).inverse() * p_world;
   const double inverse =
       (1 / at_depth.z() - settings.sensor(kDepthOffset)) / (1 + settings.sensor(kDepthScale)) +
       settings.sigma_inverse_depth * random.gaussian();
-  if (random.uniform() < settings.depth_share) o.depth_m = 1 / inverse;
+  if (random.uniform() < settings.depth_fraction) o.depth_m = 1 / inverse;
   return true;
 }
 
@@ -97,7 +97,7 @@ inline BundleWorld make_bundle_world(const BundleWorldSettings& settings) {
       o.pose = static_cast<uint32_t>(i);
       o.point = static_cast<uint32_t>(j);
       if (!observe(settings, i * settings.spacing_s, world.points.back(), random, o)) continue;
-      const bool wrong = random.uniform() < settings.outlier_share;
+      const bool wrong = random.uniform() < settings.outlier_fraction;
       if (wrong) o.pixel = random_pixel(random, kinect());
       world.problem.observations.push_back(o);
       world.wrong.push_back(wrong);
@@ -110,7 +110,7 @@ inline BundleWorld make_bundle_world(const BundleWorldSettings& settings) {
 }
 
 /// Moves poses (but the held ones) and points away from the truth.
-inline void disturb(BundleWorld& world, double size_m, double size_rad, uint64_t seed = 7) {
+inline void perturb(BundleWorld& world, double size_m, double size_rad, uint64_t seed = 7) {
   Random random(seed);
   for (size_t i = 0; i < world.truth.size(); ++i) {
     if (world.problem.fixed[i] == 0)

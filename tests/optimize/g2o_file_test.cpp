@@ -1,4 +1,4 @@
-#include "kinloop/optimize/g2o_file.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <gmock/gmock.h>
@@ -57,7 +57,7 @@ TEST(G2oFile, ReadsPosesInSpace) {
 
 TEST(G2oFile, ReadsInformationRowByRow) {
   const G2oFile file = read_text(plane(0) + plane(1) + "EDGE_SE2 0 1 1 2 0.5 10 2 3 20 4 30\n");
-  const auto& edge = std::get<PoseGraph2>(file.graph).edges.at(0);
+  const auto& edge = std::get<PoseGraph2d>(file.graph).edges.at(0);
   Eigen::Matrix3d expected;
   expected << 10, 2, 3, 2, 20, 4, 3, 4, 30;
   EXPECT_EQ(edge.information, expected);
@@ -105,7 +105,7 @@ TEST(G2oFile, WithoutIdsVerticesAreNumbered) {
 TEST(G2oFile, ChainsPosesWhereThereAreNoVertices) {
   const G2oFile file =
       read_text(std::string("EDGE_SE2 12 10 1 0 0.5") + kIdentity3 + "\nEDGE_SE2 10 11 2 0 0" + kIdentity3);
-  const auto& graph = std::get<PoseGraph2>(file.graph);
+  const auto& graph = std::get<PoseGraph2d>(file.graph);
   EXPECT_FALSE(file.had_vertices);
   EXPECT_THAT(file.ids, ElementsAre(10, 11, 12));
   EXPECT_LT(chi2(graph), 1e-25);
@@ -115,7 +115,7 @@ TEST(G2oFile, ReplacesIndefiniteInformationByTheNearest) {
   const G2oFile file =
       read_text(plane(0) + plane(1) + "EDGE_SE2 0 1 1 0 0 1 2 0 1 0 5\n" + "EDGE_SE2 0 1 1 0 0" + kIdentity3);
   EXPECT_THAT(file.repaired_lines, ElementsAre(3));
-  const auto& information = std::get<PoseGraph2>(file.graph).edges[0].information;
+  const auto& information = std::get<PoseGraph2d>(file.graph).edges[0].information;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
   EXPECT_NEAR(eigen.eigenvalues()[0], 0, 1e-14);  // was -1
   EXPECT_NEAR(eigen.eigenvalues()[1], 3, 1e-14);
@@ -135,7 +135,7 @@ TEST(G2oFile, ReadsPriors) {
   EXPECT_EQ(std::get<PoseGraph>(space.graph).edges.at(0).a, kWorld);
   EXPECT_NEAR(chi2(std::get<PoseGraph>(space.graph)), 14, 1e-14);
   const G2oFile flat = read_text(plane(4) + "EDGE_PRIOR_SE2 4 1 2 0" + kIdentity3);
-  EXPECT_NEAR(chi2(std::get<PoseGraph2>(flat.graph)), 5, 1e-14);
+  EXPECT_NEAR(chi2(std::get<PoseGraph2d>(flat.graph)), 5, 1e-14);
 }
 
 TEST(G2oFile, NamesFileAndLineOfWhatIsWrong) {
@@ -147,18 +147,18 @@ TEST(G2oFile, NamesFileAndLineOfWhatIsWrong) {
     const char* word;
   } cases[] = {
       {"duplicate vertex", plane(0) + plane(1) + plane(0) + edge, ":3:", "line 1"},
-      {"unknown vertex", plane(0) + plane(2) + edge, ":3:", "no vertex 1"},
-      {"unknown fixed vertex", plane(0) + plane(1) + "FIX 5\n" + edge, ":3:", "no vertex 5"},
-      {"unknown prior vertex", plane(0) + "EDGE_PRIOR_SE2 4 1 2 0" + kIdentity3, ":2:", "no vertex 4"},
+      {"unknown vertex", plane(0) + plane(2) + edge, ":3:", "undefined vertex 1"},
+      {"unknown fixed vertex", plane(0) + plane(1) + "FIX 5\n" + edge, ":3:", "undefined vertex 5"},
+      {"unknown prior vertex", plane(0) + "EDGE_PRIOR_SE2 4 1 2 0" + kIdentity3, ":2:", "undefined vertex 4"},
       {"not a number", plane(0) + "VERTEX_SE2 1 nan 0 0\n" + edge, ":2:", "nan"},
       {"not a number", plane(0) + "VERTEX_SE2 1 0 0 x1\n" + edge, ":2:", "x1"},
       {"infinite", plane(0) + plane(1) + "EDGE_SE2 0 1 1 0 0 inf 0 0 1 0 1", ":3:", "inf"},
       {"no id", plane(0) + "VERTEX_SE2 1.5 0 0 0\n" + edge, ":2:", "1.5"},
-      {"cut short", plane(0) + plane(1) + "EDGE_SE2 0 1 1 0 0 1 0", ":3:", "cut short"},
+      {"truncated", plane(0) + plane(1) + "EDGE_SE2 0 1 1 0 0 1 0", ":3:", "truncated"},
       {"too long", plane(0) + "VERTEX_SE2 1 0 0 0 0\n", ":2:", "expected 5"},
       {"unknown tag", plane(0) + "VERTEX_XY 1 0 0\n", ":2:", "VERTEX_XY"},
       {"an edge to itself", plane(0) + "EDGE_SE2 0 0 1 0 0" + kIdentity3, ":2:", "itself"},
-      {"space and plane", plane(0) + "VERTEX_SE3:QUAT 1 0 0 0 0 0 0 1\n", ":2:", "plane"},
+      {"space and plane", plane(0) + "VERTEX_SE3:QUAT 1 0 0 0 0 0 0 1\n", ":2:", "same file"},
       {"no rotation", "VERTEX_SE3:QUAT 1 0 0 0 0 0 0 0\n", ":1:", "quaternion"},
       {"prior without offset",
        std::string("VERTEX_SE3:QUAT 4 0 0 0 0 0 0 1\nEDGE_SE3_PRIOR 4 0 0 0 0 0 0 0 1") + kIdentity6,
@@ -166,7 +166,7 @@ TEST(G2oFile, NamesFileAndLineOfWhatIsWrong) {
       {"offset", "PARAMS_SE3OFFSET 0 1 0 0 0 0 0 1\n", ":1:", "identity"},
       {"overflow", plane(0) + plane(1) + edge + "EDGE_SE2 0 1 1e200 0 0" + kIdentity3, ":4:", "too large"},
       {"overflow from the start", plane(0) + "VERTEX_SE2 1 1e300 0 0\n" + edge, ":3:", "too large"},
-      {"binary", plane(0) + std::string("VERTEX_SE2 \0 0", 14), ":2:", "no text"},
+      {"binary", plane(0) + std::string("VERTEX_SE2 \0 0", 14), ":2:", "not a text file"},
   };
   for (const auto& bad : cases) {
     EXPECT_THAT(error_of(bad.text), AllOf(HasSubstr("graph.g2o"), HasSubstr(bad.line), HasSubstr(bad.word)))
@@ -174,7 +174,7 @@ TEST(G2oFile, NamesFileAndLineOfWhatIsWrong) {
   }
 }
 
-TEST(G2oFile, RefusesFilesWithoutAGraph) {
+TEST(G2oFile, RejectsFilesWithoutAGraph) {
   EXPECT_THAT(error_of(""), HasSubstr("graph.g2o"));
   EXPECT_THAT(error_of("# nothing\n"), HasSubstr("no vertices"));
   EXPECT_THAT(input_error([] { read_g2o("/nonexistent/graph.g2o"); }), HasSubstr("/nonexistent/graph.g2o"));

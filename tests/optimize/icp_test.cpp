@@ -1,4 +1,4 @@
-#include "kinloop/optimize/icp.hpp"
+#include "kinloop/optimize/pose/icp.hpp"
 
 #include <functional>
 
@@ -113,7 +113,7 @@ TEST(Icp, FindsTheMotionInACorner) {
   EXPECT_LT(solution->rmse_m, 0.004);
 }
 
-TEST(Icp, LensDistortionIsTakenOut) {
+TEST(Icp, LensDistortionIsCorrected) {
   const auto [truth, solution] = align(corner_scene, small_camera(true), small_motion(), 0, by_depth_alone());
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1.5e-3);
@@ -132,7 +132,7 @@ TEST(Icp, ErrorStaysWithinTheStatedInformation) {
   }
 }
 
-TEST(Icp, AWallLeavesThreeDirectionsOpen) {
+TEST(Icp, AWallLeavesThreeDirectionsUnconstrained) {
   const SE3 truth{exp_so3({0.02, -0.02, 0}), {0, 0, 0.05}};
   const auto [unused, solution] = align(wall_scene, small_camera(false), truth, 0, by_depth_alone());
   ASSERT_TRUE(solution.has_value());
@@ -143,7 +143,7 @@ TEST(Icp, AWallLeavesThreeDirectionsOpen) {
   EXPECT_LT(error.segment<2>(3).norm(), 1e-4) << "tilt";
 }
 
-TEST(Icp, GreyValuesHoldThePoseBeforeAWall) {
+TEST(Icp, IntensitiesConstrainThePoseBeforeAWall) {
   const auto [truth, solution] = align(wall_scene, small_camera(true), small_motion(), 1e-3, {});
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 5e-3);

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/geometry/robust_loss.hpp"
-#include "kinloop/optimize/bundle.hpp"
-#include "kinloop/optimize/camera_observations.hpp"
+#include "kinloop/optimize/bundle/bundle.hpp"
+#include "kinloop/optimize/pose/camera_observations.hpp"
 #include "tests/optimize/synthetic_view.hpp"
 #include "tests/support/simd_targets.hpp"
 
@@ -26,7 +26,7 @@ SensorVector bent_sensor() {
 
 /// A moving camera and eight points before it, each measured a little wrong; the fourth has no depth, the
 /// sixth no known slope.
-struct Scene {
+struct ObservedPoints {
   PinholeCamera camera = test::kinect();
   SensorVector sensor = bent_sensor();
   SE3 T_world_camera;
@@ -35,7 +35,7 @@ struct Scene {
   std::vector<BundleObservation> observations;
   ObservationBlock block;
 
-  explicit Scene(uint64_t seed) {
+  explicit ObservedPoints(uint64_t seed) {
     Random random(seed);
     T_world_camera = random_motion(random, 1, 1);
     velocity << random_vector(random, 1), random_vector(random, 2);
@@ -74,7 +74,7 @@ struct Linear {
   std::vector<double> J_point = std::vector<double>(kSize * kRowsPerObservation * 3);
   Lanes cost{};
 
-  explicit Linear(const Scene& scene) {
+  explicit Linear(const ObservedPoints& scene) {
     cost = linearize_block(scene.block, scene.view(), scene.model(), layout, rows.data(), J_point.data());
   }
   /// The numbers of one observation.
@@ -89,13 +89,13 @@ struct Linear {
 };
 
 TEST(ObservationBlock, ResidualsAreThoseOfTheSensorModel) {
-  const Scene scene(1);
+  const ObservedPoints scene(1);
   const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.model());
   const SensorVector& s = scene.sensor;
   for (size_t lane = 0; lane < kSize; ++lane) {
     const BundleObservation& o = scene.observations[lane];
     const Eigen::Vector3d p = scene.T_world_camera.inverse() * scene.p_world[lane];
-    const auto seen_at = [&](double time_s) { return seen_after(p, scene.velocity, time_s); };
+    const auto seen_at = [&](double time_s) { return point_in_later_camera(p, scene.velocity, time_s); };
     const auto pixel_of = [&](const Eigen::Vector3d& q) {
       return corrected_pixel(scene.camera, s, q.head<2>() / q.z());
     };
@@ -108,17 +108,17 @@ TEST(ObservationBlock, ResidualsAreThoseOfTheSensorModel) {
       EXPECT_EQ(r.depth[lane], 0);
       continue;
     }
-    const bool knows_slope = o.inverse_depth_gradient.allFinite();
-    const Eigen::Vector3d q = seen_at(knows_slope ? s(kDepthTime) + s(kDepthShutter) * o.row : color_s);
+    const bool has_slope = o.inverse_depth_gradient.allFinite();
+    const Eigen::Vector3d q = seen_at(has_slope ? s(kDepthDelay) + s(kDepthShutter) * o.row : color_s);
     double depth_error = (1 + s(kDepthScale)) / o.depth_m - 1 / q.z() +
                          s.segment<6>(kDepthOffset).dot(depth_offset_basis(scene.camera, o.pixel));
-    if (knows_slope) depth_error += o.inverse_depth_gradient.dot(pixel_of(q) - o.pixel);
+    if (has_slope) depth_error += o.inverse_depth_gradient.dot(pixel_of(q) - o.pixel);
     EXPECT_NEAR(r.depth[lane], depth_error / kDepthSigma, 1e-9);
   }
 }
 
 TEST(ObservationBlock, RowsHoldTheWeightedResiduals) {
-  const Scene scene(2);
+  const ObservedPoints scene(2);
   const Linear linear(scene);
   const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.model());
   const Lanes cost = block_cost(scene.block, scene.view(), scene.model());
@@ -137,8 +137,8 @@ TEST(ObservationBlock, RowsHoldTheWeightedResiduals) {
   }
 }
 
-TEST(ObservationBlock, APlaceDoesNotMatter) {
-  Scene scene(3);
+TEST(ObservationBlock, LaneOrderDoesNotMatter) {
+  ObservedPoints scene(3);
   const Linear before(scene);
   for (size_t lane = 0; lane < kSize; ++lane) scene.place(kSize - 1 - lane, lane);
   const Linear turned(scene);
@@ -147,8 +147,8 @@ TEST(ObservationBlock, APlaceDoesNotMatter) {
   }
 }
 
-TEST(ObservationBlock, WhatIsNotInUseSaysNothing) {
-  Scene scene(4);
+TEST(ObservationBlock, UnusedObservationsAreIgnored) {
+  ObservedPoints scene(4);
   scene.block.uses_pixel[2] = scene.block.uses_depth[2] = 0;
   scene.block.uses_depth[4] = 0;
   scene.block.x[6] = scene.block.y[6] = scene.block.z[6] = 0;  // an empty place
@@ -161,20 +161,20 @@ TEST(ObservationBlock, WhatIsNotInUseSaysNothing) {
   EXPECT_GT(linear.cost[4], 0);
 }
 
-TEST(ObservationBlock, APointBehindTheCameraPullsNowhere) {
-  Scene scene(5);
+TEST(ObservationBlock, APointBehindTheCameraHasZeroGradient) {
+  ObservedPoints scene(5);
   scene.p_world[1] = scene.T_world_camera * Eigen::Vector3d(0.1, 0.1, -1);
   scene.place(1, 1);
   const Linear linear(scene);
   EXPECT_EQ(block_residuals(scene.block, scene.view(), scene.model()).seen[1], 0);
-  EXPECT_EQ(linear.cost[1], HuberLoss{kRobustWidth}.rho(kUnseenSquared));
+  EXPECT_EQ(linear.cost[1], HuberLoss{kRobustWidth}.rho(kBehindCameraSquared));
   auto numbers = linear.numbers(1);
   numbers.pop_back();  // the cost
   EXPECT_THAT(numbers, testing::Each(0));
 }
 
 TEST(ObservationBlock, EveryInstructionSetGivesTheSameBits) {
-  const Scene scene(6);
+  const ObservedPoints scene(6);
   const Linear expected(scene);
   const BlockResiduals residuals = block_residuals(scene.block, scene.view(), scene.model());
   test::for_each_simd_target([&](const std::string& name) {
@@ -220,7 +220,7 @@ TEST(Gram, AddsToWhatIsThere) {
   EXPECT_LT((RowMajorMatrix(twice.triangularView<Eigen::Upper>()) - 2 * gram_of(J)).norm(), 1e-12);
 }
 
-TEST(Gram, RefusesOtherWidths) {
+TEST(Gram, RejectsUnsupportedWidths) {
   double values[40] = {};
   EXPECT_THROW(add_gram(values, 0, 0, values), std::logic_error);
   EXPECT_THROW(add_gram(values, 1, 12, values), std::logic_error);

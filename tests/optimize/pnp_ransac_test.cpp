@@ -1,4 +1,4 @@
-#include "kinloop/optimize/pnp_ransac.hpp"
+#include "kinloop/optimize/pose/pnp_ransac.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ TEST(PnpRansac, SurvivesSixtyPercentOutliers) {
   Random random(2);
   for (int trial = 0; trial < 10; ++trial) {
     const SE3 truth = random_motion(random, 2.0, 2.0);
-    const test::ViewNoise noise{.sigma_px = 0.8, .sigma_inverse_depth = 2e-3, .outlier_share = 0.6};
+    const test::ViewNoise noise{.sigma_px = 0.8, .sigma_inverse_depth = 2e-3, .outlier_fraction = 0.6};
     const auto view = make_view(truth, 200, noise, random);
     const auto solution = solve_pnp_ransac(kinect(), view, {}, 5);
     ASSERT_TRUE(solution.has_value());
@@ -40,12 +40,12 @@ TEST(PnpRansac, SurvivesSixtyPercentOutliers) {
   }
 }
 
-TEST(PnpRansac, DepthFindsTheFewThatAgree) {
+TEST(PnpRansac, DepthHelpsWithFewInliers) {
   Random random(7);
   for (int trial = 0; trial < 5; ++trial) {
     const SE3 truth = random_motion(random, 2.0, 2.0);
     const test::ViewNoise noise{
-        .sigma_px = 0.8, .sigma_inverse_depth = 2e-3, .depth_share = 1, .outlier_share = 0.8};
+        .sigma_px = 0.8, .sigma_inverse_depth = 2e-3, .depth_fraction = 1, .outlier_fraction = 0.8};
     const auto view = make_view(truth, 300, noise, random);
     const auto solution = solve_pnp_ransac(kinect(), view, {}, 11);
     ASSERT_TRUE(solution.has_value());
@@ -56,7 +56,8 @@ TEST(PnpRansac, DepthFindsTheFewThatAgree) {
 TEST(PnpRansac, DoesWithoutAnyDepth) {
   Random random(8);
   const SE3 truth = random_motion(random, 2.0, 2.0);
-  const auto view = make_view(truth, 200, {.sigma_px = 0.8, .depth_share = 0, .outlier_share = 0.5}, random);
+  const auto view =
+      make_view(truth, 200, {.sigma_px = 0.8, .depth_fraction = 0, .outlier_fraction = 0.5}, random);
   const auto solution = solve_pnp_ransac(kinect(), view, {}, 12);
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 0.02);
@@ -65,7 +66,7 @@ TEST(PnpRansac, DoesWithoutAnyDepth) {
 TEST(PnpRansac, SameSeedSameResult) {
   Random random(3);
   const SE3 truth = random_motion(random, 2.0, 2.0);
-  const auto view = make_view(truth, 100, {.sigma_px = 1, .outlier_share = 0.4}, random);
+  const auto view = make_view(truth, 100, {.sigma_px = 1, .outlier_fraction = 0.4}, random);
   const auto first = solve_pnp_ransac(kinect(), view, {}, 9);
   const auto second = solve_pnp_ransac(kinect(), view, {}, 9);
   ASSERT_TRUE(first && second);
@@ -74,10 +75,10 @@ TEST(PnpRansac, SameSeedSameResult) {
   EXPECT_EQ(first->inliers, second->inliers);
 }
 
-TEST(PnpRansac, ChanceIsNoSolution) {
+TEST(PnpRansac, RandomMatchesGiveNoSolution) {
   Random random(4);
   for (uint64_t seed = 0; seed < 5; ++seed) {
-    const auto view = make_view({}, 100, {.sigma_px = 1, .outlier_share = 1.0}, random);
+    const auto view = make_view({}, 100, {.sigma_px = 1, .outlier_fraction = 1.0}, random);
     EXPECT_FALSE(solve_pnp_ransac(kinect(), view, {}, seed).has_value());
   }
 }

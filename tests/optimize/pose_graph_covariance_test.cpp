@@ -1,4 +1,4 @@
-#include "kinloop/optimize/pose_graph_covariance.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_covariance.hpp"
 
 #include <array>
 
@@ -12,7 +12,7 @@ namespace kinloop {
 namespace {
 
 TEST(MarginalCovariances, OfAChainInThePlaneAddUp) {
-  PoseGraph2 graph;
+  PoseGraph2d graph;
   graph.T_world_vertex = {SE2{}, SE2{{1, 0}, 0}, SE2{{3, 0}, 0}};
   const Eigen::Matrix3d information = Eigen::Vector3d(100, 100, 400).asDiagonal();
   graph.edges = {{0, 1, SE2{{1, 0}, 0}, information}, {1, 2, SE2{{2, 0}, 0}, information}};
@@ -27,10 +27,10 @@ TEST(MarginalCovariances, OfAChainInThePlaneAddUp) {
   EXPECT_NEAR(covariances->at(2)(2, 2), 2 * 0.0025, 1e-12);
 }
 
-TEST(MarginalCovariances, TellTheSpreadOfTheSolutions) {
+TEST(MarginalCovariances, MatchTheScatterOfTheSolutions) {
   // Solutions with fresh noise scatter as the covariance says; 3 degrees of freedom, 300 trials.
   const auto truth = test::make_loop_world<SE2>({.sigma = 0}, 1);
-  PoseGraph2 exact = truth.graph;
+  PoseGraph2d exact = truth.graph;
   exact.T_world_vertex = truth.truth;
   constexpr double kSigma = 0.01;
   for (auto& edge : exact.edges) edge.information = Eigen::Matrix3d::Identity() / (kSigma * kSigma);
@@ -40,7 +40,7 @@ TEST(MarginalCovariances, TellTheSpreadOfTheSolutions) {
   double sum = 0;
   constexpr int kTrials = 300;
   for (int trial = 0; trial < kTrials; ++trial) {
-    PoseGraph2 noisy = exact;
+    PoseGraph2d noisy = exact;
     for (auto& edge : noisy.edges)
       edge.T_a_b = retract(edge.T_a_b, test::random_tangent<SE2>(random, kSigma));
     const SE2 solved = solve_pose_graph(noisy).T_world_vertex[30];
@@ -50,7 +50,7 @@ TEST(MarginalCovariances, TellTheSpreadOfTheSolutions) {
   EXPECT_NEAR(sum / kTrials, 3, 0.5);
 }
 
-TEST(MarginalCovariances, SayWhenPosesAreNotDetermined) {
+TEST(MarginalCovariances, FailForUnderdeterminedPoses) {
   auto world = test::make_loop_world<SE3>({}, 3);
   for (auto& edge : world.graph.edges) edge.information.setZero();
   const std::array<uint32_t, 1> vertices = {5};

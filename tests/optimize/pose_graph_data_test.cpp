@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/optimize/g2o_file.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace kinloop {
@@ -89,7 +89,7 @@ TEST(StandardPoseGraph, ManhattanHasEdgesAlone) {
   KINLOOP_SKIP_WITHOUT(path);
   const G2oFile file = read_g2o(path);
   EXPECT_FALSE(file.had_vertices);
-  const auto& graph = std::get<PoseGraph2>(file.graph);
+  const auto& graph = std::get<PoseGraph2d>(file.graph);
   EXPECT_EQ(graph.T_world_vertex.size(), 3500U);
   const auto solution = solve_pose_graph(graph);
   EXPECT_LT(solution.chi2_after, 1e-3 * solution.chi2_before);

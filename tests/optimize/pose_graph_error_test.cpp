@@ -1,12 +1,12 @@
 // The error and its derivatives, the kernels, and what follows from the graph's structure alone.
 
-#include "kinloop/optimize/pose_graph_error.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_error.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/optimize/pose_graph_kernel.hpp"
-#include "kinloop/optimize/pose_graph_structure.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_kernel.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_structure.hpp"
 #include "tests/optimize/pose_graph_world.hpp"
 
 namespace kinloop {
@@ -51,14 +51,14 @@ TYPED_TEST(PoseGraphError, DerivativesAgreeWithDifferences) {
     for (int k = 0; k < TypeParam::kDof; ++k) {
       const Vector d = kStep * Vector::Unit(k);
       const Vector minus_d = -d;
-      const Vector by_a =
+      const Vector J_a =
           (edge_error(retract(a, d), b, measured) - edge_error(retract(a, minus_d), b, measured)) /
           (2 * kStep);
-      const Vector by_b =
+      const Vector J_b =
           (edge_error(a, retract(b, d), measured) - edge_error(a, retract(b, minus_d), measured)) /
           (2 * kStep);
-      EXPECT_LT((linear.de_da.col(k) - by_a).norm(), 1e-7) << "by component " << k << " of a";
-      EXPECT_LT((linear.de_db.col(k) - by_b).norm(), 1e-7) << "by component " << k << " of b";
+      EXPECT_LT((linear.de_da.col(k) - J_a).norm(), 1e-7) << "by component " << k << " of a";
+      EXPECT_LT((linear.de_db.col(k) - J_b).norm(), 1e-7) << "by component " << k << " of b";
     }
   }
 }
@@ -88,7 +88,7 @@ TEST(PoseGraphErrorInThePlane, WrapsTheAngle) {
 }
 
 TEST(PoseGraphChi2, IsTheSumOfWeightedSquares) {
-  PoseGraph2 graph;
+  PoseGraph2d graph;
   graph.T_world_vertex = {SE2{}, SE2{{1, 0}, 0}, SE2{{1, 2}, 0}};
   const Eigen::Matrix3d information = Eigen::Vector3d(2, 3, 5).asDiagonal();
   graph.edges = {
@@ -113,8 +113,8 @@ TEST_P(PoseGraphKernels, WeightIsTheDerivativeOfRho) {
 INSTANTIATE_TEST_SUITE_P(All, PoseGraphKernels,
                          testing::Values("none", "huber", "cauchy", "geman-mcclure", "dcs"));
 
-PoseGraph2 two_parts() {
-  PoseGraph2 graph;
+PoseGraph2d two_parts() {
+  PoseGraph2d graph;
   graph.T_world_vertex.resize(5);
   const SE2 step{{1, 0}, 0.1};
   graph.edges = {{0, 2, step, Eigen::Matrix3d::Identity()}, {4, 1, step, Eigen::Matrix3d::Identity()}};
@@ -122,21 +122,21 @@ PoseGraph2 two_parts() {
 }
 
 TEST(PoseGraphStructure, FindsConnectedParts) {
-  EXPECT_THAT(connected_parts(two_parts()), ElementsAre(0, 1, 0, 2, 1));
-  EXPECT_EQ(count_connected_parts(two_parts()), 3U);
-  EXPECT_EQ(count_connected_parts(PoseGraph{}), 0U);
+  EXPECT_THAT(connected_components(two_parts()), ElementsAre(0, 1, 0, 2, 1));
+  EXPECT_EQ(count_connected_components(two_parts()), 3U);
+  EXPECT_EQ(count_connected_components(PoseGraph{}), 0U);
 }
 
-TEST(PoseGraphStructure, HoldsTheFirstOfEachPartThatNothingAnchors) {
-  PoseGraph2 graph = two_parts();
-  EXPECT_THAT(held_vertices(graph), ElementsAre(true, true, false, true, false));
+TEST(PoseGraphStructure, FixesTheFirstVertexOfUnanchoredComponents) {
+  PoseGraph2d graph = two_parts();
+  EXPECT_THAT(fixed_vertices(graph), ElementsAre(true, true, false, true, false));
   graph.fixed = {false, false, true, false, false};
   graph.edges.push_back({kWorld, 4, SE2{}, Eigen::Matrix3d::Identity()});
-  EXPECT_THAT(held_vertices(graph), ElementsAre(false, false, true, true, false));
+  EXPECT_THAT(fixed_vertices(graph), ElementsAre(false, false, true, true, false));
 }
 
 TEST(PoseGraphStructure, ChainsPosesAlongEdgesInBothDirections) {
-  PoseGraph2 graph = two_parts();
+  PoseGraph2d graph = two_parts();
   graph.T_world_vertex[1] = SE2{{5, 5}, 1};
   const auto chained = spanning_tree_poses(graph);
   EXPECT_LT(edge_error(chained[0], chained[2], graph.edges[0].T_a_b).norm(), 1e-15);
@@ -145,7 +145,7 @@ TEST(PoseGraphStructure, ChainsPosesAlongEdgesInBothDirections) {
 }
 
 TEST(PoseGraphStructure, StartsAPartWithAPriorThere) {
-  PoseGraph2 graph = two_parts();
+  PoseGraph2d graph = two_parts();
   const SE2 measured{{-1, 4}, 0.7};
   graph.edges.push_back({kWorld, 4, measured, Eigen::Matrix3d::Identity()});
   const auto chained = spanning_tree_poses(graph);

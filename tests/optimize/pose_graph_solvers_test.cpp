@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/base/errors.hpp"
-#include "kinloop/optimize/chordal_start.hpp"
-#include "kinloop/optimize/pose_graph_structure.hpp"
+#include "kinloop/optimize/pose_graph/chordal_initialization.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_structure.hpp"
 #include "tests/optimize/pose_graph_world.hpp"
 #include "tests/support/expect_error.hpp"
 
@@ -126,13 +126,13 @@ TEST_P(PoseGraphSolvers, SolveEachOfTwoParts) {
     edge.b += count;
     both.edges.push_back(edge);
   }
-  ASSERT_EQ(count_connected_parts(both), 2U);
+  ASSERT_EQ(count_connected_components(both), 2U);
   const auto solution = solve_pose_graph(both, options());
   const std::vector<SE3> second(solution.T_world_vertex.begin() + count, solution.T_world_vertex.end());
   EXPECT_LT(largest_difference(second, world.truth), 1e-5);
 }
 
-TEST_P(PoseGraphSolvers, SurviveMeasurementsThatDoNotDetermineAllPoses) {
+TEST_P(PoseGraphSolvers, HandleUnderdeterminedGraphs) {
   auto world = make_loop_world<SE3>({.sigma = 0.01}, 7);
   for (auto& edge : world.graph.edges) {
     edge.information.setZero();
@@ -183,7 +183,7 @@ TEST_P(PoseGraphSolvers, MinimiseTheSameRobustCost) {
   // Huber's cost has one minimum near the start, which all find.
   const auto world = make_loop_world<SE3>({.sigma = 0.01, .false_loops = 0.1, .start_sigma = 0.01}, 11);
   PoseGraphOptions robust = options();
-  robust.robust = "huber";
+  robust.robust_kernel = "huber";
   robust.start = "given";
   const auto solution = solve_pose_graph(world.graph, robust);
   robust.solver = "ceres";
@@ -196,12 +196,12 @@ INSTANTIATE_TEST_SUITE_P(All, PoseGraphSolvers, testing::Values("auto", "builtin
 
 class RobustKernels : public testing::TestWithParam<const char*> {};
 
-TEST_P(RobustKernels, KeepFalseLoopsFromBendingTheGraph) {
+TEST_P(RobustKernels, RejectFalseLoopClosures) {
   const auto world =
       make_loop_world<SE3>({.rounds = 4, .sigma = 0.002, .false_loops = 0.3, .start_sigma = 0.02}, 12);
   PoseGraphOptions options;
   const double plain = largest_difference(solve_pose_graph(world.graph, options).T_world_vertex, world.truth);
-  options.robust = GetParam();
+  options.robust_kernel = GetParam();
   const double robust =
       largest_difference(solve_pose_graph(world.graph, options).T_world_vertex, world.truth);
   EXPECT_GT(plain, 0.3);
@@ -214,32 +214,32 @@ TEST(RobustKernels, GraduatedNonConvexityNeedsNoGoodStart) {
   const auto world =
       make_loop_world<SE2>({.rounds = 4, .sigma = 0.002, .false_loops = 0.3, .start_sigma = 1.0}, 13);
   PoseGraphOptions options;
-  options.robust = "geman-mcclure";
+  options.robust_kernel = "geman-mcclure";
   EXPECT_LT(largest_difference(solve_pose_graph(world.graph, options).T_world_vertex, world.truth), 0.05);
 }
 
 template <class Pose>
 void expect_chordal_truth() {
   auto world = make_loop_world<Pose>({.sigma = 0, .start_sigma = 2.0}, 14);
-  const auto layout = layout_system(world.graph, held_vertices(world.graph));
-  const auto poses = chordal_poses(world.graph, layout, plan_elimination(layout.pattern));
+  const auto layout = make_pose_graph_layout(world.graph, fixed_vertices(world.graph));
+  const auto poses = chordal_initialization(world.graph, layout, plan_elimination(layout.pattern));
   ASSERT_TRUE(poses.has_value());
   EXPECT_LT(largest_difference(*poses, world.truth), 1e-9);
 }
 
-TEST(ChordalStart, IsExactWithoutNoiseWhateverTheStart) {
+TEST(ChordalInitialization, IsExactWithoutNoiseWhateverTheStart) {
   expect_chordal_truth<SE3>();
   expect_chordal_truth<SE2>();
 }
 
-TEST(ChordalStart, SaysWhenPosesAreNotDetermined) {
+TEST(ChordalInitialization, FailsForUnderdeterminedPoses) {
   auto world = make_loop_world<SE3>({}, 15);
   for (auto& edge : world.graph.edges) edge.information.setZero();
-  const auto layout = layout_system(world.graph, held_vertices(world.graph));
-  EXPECT_FALSE(chordal_poses(world.graph, layout, plan_elimination(layout.pattern)).has_value());
+  const auto layout = make_pose_graph_layout(world.graph, fixed_vertices(world.graph));
+  EXPECT_FALSE(chordal_initialization(world.graph, layout, plan_elimination(layout.pattern)).has_value());
 }
 
-TEST(PoseGraphStart, AutoIsNeverWorseThanTheGivenPoses) {
+TEST(PoseGraphInitialization, AutoIsNeverWorseThanTheGivenPoses) {
   const auto world = make_loop_world<SE3>({.sigma = 0.1, .start_sigma = 0.5}, 16);
   PoseGraphOptions options;
   options.max_iterations = 0;
@@ -248,7 +248,7 @@ TEST(PoseGraphStart, AutoIsNeverWorseThanTheGivenPoses) {
   EXPECT_DOUBLE_EQ(solve_pose_graph(world.graph, options).chi2_after, chi2(world.graph));
 }
 
-TEST(PoseGraphStart, AllSolversCanStartFromTheTreeAndFromChordalPoses) {
+TEST(PoseGraphInitialization, AllSolversCanStartFromTheTreeAndFromChordalPoses) {
   const auto world = make_loop_world<SE3>({.sigma = 0.001, .start_sigma = 3.0}, 17);
   for (const char* solver : {"builtin", "ceres", "g2o"}) {
     if (!pose_graph_solver_available(solver)) continue;
@@ -261,7 +261,7 @@ TEST(PoseGraphStart, AllSolversCanStartFromTheTreeAndFromChordalPoses) {
   }
 }
 
-TEST(PoseGraphChecks, BrokenPromisesAreLogicErrors) {
+TEST(PoseGraphChecks, ViolatedPreconditionsThrowLogicError) {
   const PoseGraph good = make_loop_world<SE3>({}, 18).graph;
   const auto expect_refused = [](const PoseGraph& graph) {
     EXPECT_THROW(solve_pose_graph(graph), std::logic_error);

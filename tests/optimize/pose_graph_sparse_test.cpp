@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/base/random.hpp"
-#include "kinloop/optimize/sparse_cholesky.hpp"
-#include "kinloop/optimize/sparse_elimination.hpp"
-#include "kinloop/optimize/sparse_newton.hpp"
+#include "kinloop/optimize/pose_graph/newton_solver.hpp"
+#include "kinloop/optimize/pose_graph/sparse_cholesky.hpp"
+#include "kinloop/optimize/pose_graph/sparse_elimination.hpp"
 
 namespace kinloop {
 namespace {
@@ -120,7 +120,7 @@ TYPED_TEST(SparseBlocks, InverseDiagonalIsThatOfTheInverse) {
   }
 }
 
-TEST(SparseCholesky, RefusesWhatIsNotPositiveDefinite) {
+TEST(SparseCholesky, RejectsIndefiniteMatrices) {
   Random random(3);
   const BlockPattern pattern = random_pattern(20, 10, random);
   auto matrix = random_matrix<3>(pattern, random);
@@ -173,11 +173,11 @@ TEST(SparseElimination, NestedDissectionIsTriedForLargePatterns) {
   EXPECT_LT((multiply(pattern, matrix, x) - right).norm(), 1e-9 * right.norm());
 }
 
-TEST(NewtonSystems, SolvesASequenceOfSystemsWhetherCloseOrFar) {
+TEST(NewtonSolver, SolvesASequenceOfSystemsWhetherCloseOrFar) {
   Random random(6);
   const BlockPattern pattern = random_pattern(40, 30, random);
   const EliminationPlan plan = plan_elimination(pattern);
-  NewtonSystems<6> newton(pattern, plan);
+  NewtonSolver<6> newton(pattern, plan);
   auto matrix = random_matrix<6>(pattern, random);
   for (const double change : {0.0, 0.001, 0.01, 0.3, 10.0}) {
     for (auto& block : matrix.diagonal) block *= 1 + change * random.uniform();
@@ -192,7 +192,7 @@ TEST(NewtonSystems, SolvesASequenceOfSystemsWhetherCloseOrFar) {
   }
 }
 
-TEST(NewtonSystems, SolvesASingularSystemByALittleDamping) {
+TEST(NewtonSolver, SolvesASingularSystemByALittleDamping) {
   BlockPattern pattern{2, {{1, 0}}};
   BlockMatrix<3> matrix(pattern);
   matrix.diagonal[0] = matrix.diagonal[1] = Eigen::Vector3d(1, 1, 0).asDiagonal();
@@ -200,18 +200,18 @@ TEST(NewtonSystems, SolvesASingularSystemByALittleDamping) {
   Eigen::VectorXd b(6);
   b << 1, 2, 0, 3, 4, 0;
   const EliminationPlan plan = plan_elimination(pattern);
-  const auto d = NewtonSystems<3>(pattern, plan).solve(matrix, b, 0);
+  const auto d = NewtonSolver<3>(pattern, plan).solve(matrix, b, 0);
   ASSERT_TRUE(d.has_value());
   EXPECT_LT((multiply(pattern, matrix, *d) - b).norm(), 1e-6);
   EXPECT_NEAR((*d)[2], 0, 1e-12);
 }
 
-TEST(NewtonSystems, GivesUpOnAnIndefiniteSystem) {
+TEST(NewtonSolver, GivesUpOnAnIndefiniteSystem) {
   BlockPattern pattern{1, {}};
   BlockMatrix<3> matrix(pattern);
   matrix.diagonal[0] = Eigen::Vector3d(1, 1, -1e9).asDiagonal();
   const EliminationPlan plan = plan_elimination(pattern);
-  EXPECT_FALSE(NewtonSystems<3>(pattern, plan).solve(matrix, Eigen::VectorXd::Ones(3), 0).has_value());
+  EXPECT_FALSE(NewtonSolver<3>(pattern, plan).solve(matrix, Eigen::VectorXd::Ones(3), 0).has_value());
 }
 
 }  // namespace

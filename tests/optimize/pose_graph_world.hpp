@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "kinloop/base/random.hpp"
-#include "kinloop/optimize/pose_graph.hpp"
-#include "kinloop/optimize/pose_graph_error.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_error.hpp"
 
 namespace kinloop::test {
 

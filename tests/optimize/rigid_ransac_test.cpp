@@ -1,4 +1,4 @@
-#include "kinloop/optimize/rigid_ransac.hpp"
+#include "kinloop/optimize/pose/rigid_ransac.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ Eigen::Vector3d measured(const Eigen::Vector3d& p, double sigma_px, double sigma
 }
 
 std::vector<PointPair> make_pairs(const SE3& T_a_b, int count, double sigma_px, double sigma_inverse_depth,
-                                  double outlier_share, Random& random) {
+                                  double outlier_fraction, Random& random) {
   std::vector<PointPair> pairs;
   while (static_cast<int>(pairs.size()) < count) {
     const Eigen::Vector3d p_b =
@@ -33,7 +33,7 @@ std::vector<PointPair> make_pairs(const SE3& T_a_b, int count, double sigma_px, 
     pair.p_a = measured(p_a, sigma_px, sigma_inverse_depth, random);
     pair.p_b = measured(p_b, sigma_px, sigma_inverse_depth, random);
     if (sigma_px > 0) pair.sigma_a_px = pair.sigma_b_px = sigma_px;
-    if (random.uniform() < outlier_share) {
+    if (random.uniform() < outlier_fraction) {
       pair.p_a = kinect().unproject(test::random_pixel(random, kinect()), random.uniform(0.7, 4));
     }
     pairs.push_back(pair);
@@ -92,7 +92,7 @@ TEST(RigidRansac, SameSeedSameResult) {
   EXPECT_EQ(first->inliers, second->inliers);
 }
 
-TEST(RigidRansac, ChanceAndDegenerateInputsHaveNoSolution) {
+TEST(RigidRansac, RandomAndDegenerateInputsHaveNoSolution) {
   Random random(5);
   EXPECT_FALSE(solve_rigid_ransac(kinect(), {}, {}, 1).has_value());
   EXPECT_FALSE(solve_rigid_ransac(kinect(), make_pairs({}, 100, 1, 3e-3, 1.0, random), {}, 1).has_value());

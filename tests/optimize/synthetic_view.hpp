@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kinloop/base/random.hpp"
-#include "kinloop/optimize/absolute_pose.hpp"
+#include "kinloop/optimize/pose/absolute_pose.hpp"
 
 namespace kinloop::test {
 
@@ -38,8 +38,8 @@ inline Eigen::Vector2d random_pixel(Random& random, const PinholeCamera& camera)
 struct ViewNoise {
   double sigma_px = 0;
   double sigma_inverse_depth = 0;
-  double depth_share = 0.7;    // of the observations that have depth
-  double outlier_share = 0.0;  // whose pixel is anywhere
+  double depth_fraction = 0.7;    // of the observations that have depth
+  double outlier_fraction = 0.0;  // whose pixel is anywhere
 };
 
 /// Observations of random points between 0.7 and 4 m by a camera at T_reference_camera. Their sigma_px is
@@ -56,8 +56,8 @@ inline std::vector<PoseObservation> make_view(const SE3& T_reference_camera, int
     o.pixel = pixel + noise.sigma_px * Eigen::Vector2d(random.gaussian(), random.gaussian());
     o.sigma_px = noise.sigma_px > 0 ? noise.sigma_px : 1;
     const double inverse = 1 / depth_m + noise.sigma_inverse_depth * random.gaussian();
-    if (random.uniform() < noise.depth_share) o.depth_m = 1 / inverse;
-    if (random.uniform() < noise.outlier_share) o.pixel = random_pixel(random, camera);
+    if (random.uniform() < noise.depth_fraction) o.depth_m = 1 / inverse;
+    if (random.uniform() < noise.outlier_fraction) o.pixel = random_pixel(random, camera);
     view.push_back(o);
   }
   return view;

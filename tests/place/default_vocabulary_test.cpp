@@ -11,9 +11,10 @@
 #include "kinloop/base/time.hpp"
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/place/place_index.hpp"
-#include "kinloop/place/training_images.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
-#include "kinloop/place/vocabulary_stats.hpp"
+#include "tests/support/shared_data.hpp"
+#include "tools/vocabulary_training/training_images.hpp"
+#include "tools/vocabulary_training/vocabulary_stats.hpp"
 
 namespace kinloop {
 namespace {
@@ -21,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(DefaultVocabulary, IsTheFileOfTheRepository) {
-  const fs::path file = fs::path(KINLOOP_SOURCE_DIR) / "data" / "orb.kinvoc";
+  const fs::path file = test::source_folder() / "data" / "orb.kinvoc";
   EXPECT_LE(fs::file_size(file), 4'000'000U);
   EXPECT_EQ(serialize_vocabulary(load_default_vocabulary()), read_file(file));
 }
@@ -56,18 +57,18 @@ std::vector<Place> places_of(const fs::path& sequence, size_t step) {
   }
   const Vocabulary vocabulary = load_default_vocabulary();
   auto place = places.begin();
-  Description description;
+  DescribeOptions description;
   description.threads = hardware_threads();
   describe_images(images, description, {},
                   [&](const fs::path& path, const std::optional<cv::Mat>& descriptors) {
                     ASSERT_TRUE(descriptors) << path;
-                    (place++)->bow = vocabulary.bow_of(vocabulary.words_of(*descriptors).words);
+                    (place++)->bow = vocabulary.bow_of(vocabulary.quantize(*descriptors).words);
                   });
   return places;
 }
 
 TEST(DefaultVocabulary, SeparatesThePlacesOfRedkitchen) {
-  const fs::path sequence = fs::path(KINLOOP_SHARED_DATA) / "redkitchen";
+  const fs::path sequence = test::shared_data("redkitchen");
   if (!fs::exists(sequence)) GTEST_SKIP() << sequence << " is not there";
   const auto places = places_of(sequence, 10);
   // The same view again: within 0.5 m and 30 degrees, at least 10 s later. Another view: turned by more than

@@ -4,10 +4,10 @@
 
 #include "kinloop/base/random.hpp"
 #include "kinloop/place/descriptor_space.hpp"
-#include "kinloop/place/trainer.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
-#include "kinloop/place/vocabulary_stats.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tools/vocabulary_training/trainer.hpp"
+#include "tools/vocabulary_training/vocabulary_stats.hpp"
 
 namespace kinloop {
 namespace {
@@ -50,15 +50,15 @@ TEST(EuclideanSpace, FarthestIsFarthest) {
   SiftSpace::Point low, high;
   low.fill(0);
   high.fill(255);
-  EXPECT_EQ(SiftSpace::distance(low, high), SiftSpace::kFarthest);
-  EXPECT_EQ(SiftSpace::distance(high, low), SiftSpace::kFarthest);
+  EXPECT_EQ(SiftSpace::distance(low, high), SiftSpace::kMaxDistance);
+  EXPECT_EQ(SiftSpace::distance(high, low), SiftSpace::kMaxDistance);
 }
 
-class EuclideanDictionary : public testing::TestWithParam<DescriptorKind> {};
+class EuclideanVocabulary : public testing::TestWithParam<DescriptorKind> {};
 
-TEST_P(EuclideanDictionary, FindsTheClustersAndIsKeptInAFile) {
+TEST_P(EuclideanVocabulary, FindsTheClustersAndIsKeptInAFile) {
   constexpr double kNoise = 12;
-  const auto bytes = static_cast<int>(traits_of(GetParam()).bytes);
+  const auto bytes = static_cast<int>(descriptor_traits(GetParam()).bytes);
   std::vector<cv::Mat> images;
   for (uint64_t i = 0; i < 10; ++i) images.push_back(clustered_rows(120, bytes, 16, kNoise, i));
   TrainOptions options;
@@ -74,11 +74,11 @@ TEST_P(EuclideanDictionary, FindsTheClustersAndIsKeptInAFile) {
   write_vocabulary(folder.path() / "a.kinvoc", trained);
   const Vocabulary read = read_vocabulary(folder.path() / "a.kinvoc");
   EXPECT_EQ(read.tree().kind, GetParam());
-  EXPECT_EQ(read.words_of(images[0]).words, trained.words_of(images[0]).words);
-  EXPECT_THROW((void)read.words_of(cv::Mat(1, 32, CV_8UC1, cv::Scalar(0))), std::logic_error);
+  EXPECT_EQ(read.quantize(images[0]).words, trained.quantize(images[0]).words);
+  EXPECT_THROW((void)read.quantize(cv::Mat(1, 32, CV_8UC1, cv::Scalar(0))), std::logic_error);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, EuclideanDictionary,
+INSTANTIATE_TEST_SUITE_P(Kinds, EuclideanVocabulary,
                          testing::Values(DescriptorKind::kSift, DescriptorKind::kSurf));
 
 }  // namespace

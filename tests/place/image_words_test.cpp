@@ -1,12 +1,12 @@
-#include "kinloop/place/image_words.hpp"
+#include "bench/place/image_words.hpp"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 
-#include "kinloop/place/place_search.hpp"
-#include "kinloop/place/trainer.hpp"
+#include "bench/place/place_search.hpp"
 #include "tests/place/synthetic.hpp"
+#include "tools/vocabulary_training/trainer.hpp"
 
 namespace kinloop {
 namespace {
@@ -28,7 +28,7 @@ ImageWords random_image(Random& random, uint32_t points, uint32_t words) {
 /// The image turned, scaled and shifted, its signatures off by some bits.
 ImageWords moved(ImageWords image, double turn_rad, double scale, Random& random) {
   const double c = scale * std::cos(turn_rad), s = scale * std::sin(turn_rad);
-  for (WordPoint& point : image) {
+  for (QuantizedKeypoint& point : image) {
     const Eigen::Vector2d p = point.pixel.cast<double>();
     point.pixel = Eigen::Vector2d(c * p.x() - s * p.y() + 30, s * p.x() + c * p.y() - 12).cast<float>();
     point.angle_rad += static_cast<float>(turn_rad);
@@ -38,7 +38,7 @@ ImageWords moved(ImageWords image, double turn_rad, double scale, Random& random
   return image;
 }
 
-TEST(ImageWords, AMovedImageIsFoundWhole) {
+TEST(ImageWords, AShiftedImageMatchesCompletely) {
   Random random(1);
   const ImageWords image = random_image(random, 100, 5000);
   for (const double turn_rad : {0.0, 0.4, -2.0}) {
@@ -49,11 +49,11 @@ TEST(ImageWords, AMovedImageIsFoundWhole) {
   }
 }
 
-TEST(ImageWords, TheSameWordsElsewhereDoNotSupportEachOther) {
+TEST(ImageWords, SameWordsAtOtherPixelsDoNotSupportEachOther) {
   Random random(2);
   const ImageWords image = random_image(random, 100, 5000);
   ImageWords scattered = moved(image, 0, 1, random);
-  for (WordPoint& point : scattered) {
+  for (QuantizedKeypoint& point : scattered) {
     point.pixel = Eigen::Vector2d(random.uniform(0, 640), random.uniform(0, 480)).cast<float>();
   }
   const auto matches = match_words(image, scattered, 4);
@@ -94,18 +94,18 @@ TEST(MatchWithinNodes, IsBruteForceWithinEachNode) {
   EXPECT_EQ(match_within_nodes(test::to_mat(a), nodes_a, test::to_mat(b), nodes_b), expected);
 }
 
-TEST(PlaceSearch, PrefersTheArrangementToTheWords) {
+TEST(PlaceSearch, PrefersConsistentGeometryToSharedWords) {
   // Keyframe 1 has all words of the query, elsewhere; keyframe 2 has half of them, where they belong.
   Random random(6);
   const ImageWords query = random_image(random, 80, 100'000);
   const auto bow_of = [](const ImageWords& image) {
     BowVector bow;
-    for (const WordPoint& point : image)
+    for (const QuantizedKeypoint& point : image)
       bow.emplace_back(point.word, 1.0F / static_cast<float>(image.size()));
     return bow;
   };
   ImageWords scattered = query;
-  for (WordPoint& point : scattered) point.pixel = {static_cast<float>(random.uniform(0, 640)), 5};
+  for (QuantizedKeypoint& point : scattered) point.pixel = {static_cast<float>(random.uniform(0, 640)), 5};
   ImageWords half = moved(query, 0.2, 1, random);
   half.resize(40);
   PlaceSearch search;

@@ -80,7 +80,7 @@ TEST(PlaceIndex, FindsWhatWasPutIn) {
   }
 }
 
-TEST(PlaceIndex, StopWordsDoNotHideWhatIsAlike) {
+TEST(PlaceIndex, StopWordsDoNotHideSimilarImages) {
   // Ten words that all have, and a few that tell. With room for 150 postings the common ones must be left
   // out.
   Random random(3);
@@ -108,7 +108,7 @@ TEST(PlaceIndex, EqualScoresComeInTheOrderOfIds) {
   EXPECT_THAT(index.query(bow, 2), ElementsAre(PlaceCandidate{{2}, 1}, PlaceCandidate{{5}, 1}));
 }
 
-TEST(PlaceIndex, NothingInCommonNothingFound) {
+TEST(PlaceIndex, NoCommonWordMeansNoCandidate) {
   PlaceIndex index;
   EXPECT_THAT(index.query({{WordId{3}, 1.0F}}, kAll), IsEmpty());
   index.add({1}, {{WordId{4}, 1.0F}});
@@ -133,7 +133,7 @@ TEST(PlaceIndex, RemovedKeyframesAreGone) {
   EXPECT_EQ(index.query(bow, kAll).size(), 2U);
 }
 
-TEST(PlaceIndex, BrokenPromisesAreErrors) {
+TEST(PlaceIndex, MisuseThrows) {
   PlaceIndex index;
   index.add({1}, {});
   EXPECT_THROW(index.add({1}, {}), std::logic_error);

@@ -6,10 +6,10 @@
 #include <gmock/gmock.h>
 
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/place/trainer.hpp"
 #include "tests/place/synthetic.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tools/vocabulary_training/trainer.hpp"
 
 namespace kinloop {
 namespace {
@@ -74,10 +74,10 @@ TEST(VocabularyFile, SavedAndLoadedIsTheSame) {
   EXPECT_THAT(a.child_counts, testing::ElementsAreArray(b.child_counts));
   EXPECT_THAT(a.centres, testing::ElementsAreArray(b.centres));
   EXPECT_THAT(a.idf, testing::ElementsAreArray(b.idf));
-  EXPECT_THAT(a.uses, testing::ElementsAreArray(b.uses));
+  EXPECT_THAT(a.use_counts, testing::ElementsAreArray(b.use_counts));
   EXPECT_EQ(serialize_vocabulary(loaded), read_file(path));
   const cv::Mat descriptors = test::to_mat(test::clustered_descriptors(100, 100, 0.1, 9));
-  EXPECT_EQ(loaded.words_of(descriptors).words, vocabulary().words_of(descriptors).words);
+  EXPECT_EQ(loaded.quantize(descriptors).words, vocabulary().quantize(descriptors).words);
 }
 
 TEST(VocabularyFile, HasTheDocumentedChecksum) {
@@ -111,14 +111,14 @@ TEST(VocabularyFile, TwoFlippedTopBitsDoNotCancel) {
 }
 
 TEST(VocabularyFile, OtherKindsAndVersionsAreNamed) {
-  EXPECT_THAT(error_of("# not a dictionary, but long enough to hold the header of one"),
-              HasSubstr("not a kinloop dictionary"));
+  EXPECT_THAT(error_of("# not a vocabulary, but long enough to hold the header of one"),
+              HasSubstr("not a kinloop vocabulary"));
   std::string other = bytes();
   other[8] = 1;
   EXPECT_THAT(error_of(with_right_checksum(other)), HasSubstr("format 1, this program reads format 2"));
   other = bytes();
   other[12] = 77;
-  EXPECT_THAT(error_of(with_right_checksum(other)), HasSubstr("descriptor kind 77, which is not known"));
+  EXPECT_THAT(error_of(with_right_checksum(other)), HasSubstr("unknown descriptor kind 77"));
   other = bytes();
   other[12] = static_cast<char>(DescriptorKind::kSift);
   EXPECT_THAT(error_of(with_right_checksum(other)), HasSubstr("descriptors of 32 bytes, expected 128"));
@@ -136,7 +136,7 @@ TEST(VocabularyFile, NonsenseWithARightChecksumIsAnError) {
       try {
         const std::string right = with_right_checksum(altered);
         const Vocabulary sound = parse_vocabulary(right, "some.kinvoc", nullptr);
-        (void)sound.words_of(cv::Mat(1, kOrbBytes, CV_8UC1, cv::Scalar(0x33)));
+        (void)sound.quantize(cv::Mat(1, kOrbBytes, CV_8UC1, cv::Scalar(0x33)));
       } catch (const InputError& error) {
         EXPECT_THAT(error.what(), HasSubstr("some.kinvoc: "));
         ++errors;
@@ -149,7 +149,7 @@ TEST(VocabularyFile, NonsenseWithARightChecksumIsAnError) {
 TEST(VocabularyFile, AHeaderThatClaimsAHugeTreeIsAnErrorAtOnce) {
   std::string huge = bytes().substr(0, kHeaderBytes);
   for (size_t at = 28; at < 36; ++at) huge[at] = '\xff';
-  EXPECT_THAT(error_of(with_right_checksum(huge)), HasSubstr("cut short"));
+  EXPECT_THAT(error_of(with_right_checksum(huge)), HasSubstr("truncated"));
 }
 
 TEST(VocabularyFile, FilesThatCannotBeUsedAreNamed) {

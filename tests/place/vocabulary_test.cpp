@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 
 #include "kinloop/place/descriptor_space.hpp"
-#include "kinloop/place/trainer.hpp"
-#include "kinloop/place/vocabulary_stats.hpp"
 #include "tests/place/synthetic.hpp"
+#include "tools/vocabulary_training/trainer.hpp"
+#include "tools/vocabulary_training/vocabulary_stats.hpp"
 
 namespace kinloop {
 namespace {
@@ -23,7 +23,7 @@ TrainOptions small_tree() {
   return options;
 }
 
-const Vocabulary& vocabulary() {
+const Vocabulary& small_vocabulary() {
   static const Vocabulary kVocabulary = train_vocabulary(clustered_images(20, 100, 200, 1), small_tree());
   return kVocabulary;
 }
@@ -54,16 +54,16 @@ uint32_t word_of_leaf(const VocabularyView& tree, uint32_t leaf) {
 }
 
 TEST(Vocabulary, DescentIsTheGreedySearch) {
-  const VocabularyView& tree = vocabulary().tree();
+  const VocabularyView& tree = small_vocabulary().tree();
   const auto points = clustered_descriptors(300, 300, 0.2, 2);
   for (const int levels_up : {0, 1, 2, 3, 9}) {
-    const auto quantized = vocabulary().words_of(to_mat(points), levels_up);
+    const auto quantized = small_vocabulary().quantize(to_mat(points), levels_up);
     ASSERT_EQ(quantized.words.size(), points.size());
     ASSERT_EQ(quantized.nodes.size(), points.size());
     for (size_t i = 0; i < points.size(); ++i) {
       const auto path = exhaustive_path(tree, points[i]);
       EXPECT_EQ(quantized.words[i].value, word_of_leaf(tree, path.back()));
-      EXPECT_THAT(vocabulary().centre_of(quantized.words[i]),
+      EXPECT_THAT(small_vocabulary().centre_of(quantized.words[i]),
                   testing::ElementsAreArray(centre(tree, path.back())));
       const auto level = static_cast<size_t>(std::max(0, tree.depth - levels_up));
       EXPECT_EQ(quantized.nodes[i].value, path[std::min(level, path.size() - 1)]);
@@ -75,25 +75,26 @@ TEST(Vocabulary, TakesRowsOfALargerMatrix) {
   const cv::Mat all = to_mat(clustered_descriptors(40, 40, 0.2, 3));
   cv::Mat wide(all.rows, 2 * kOrbBytes, CV_8UC1, cv::Scalar(0));
   all.copyTo(wide.colRange(kOrbBytes, 2 * kOrbBytes));
-  EXPECT_EQ(vocabulary().words_of(wide.colRange(kOrbBytes, 2 * kOrbBytes)).words,
-            vocabulary().words_of(all).words);
+  EXPECT_EQ(small_vocabulary().quantize(wide.colRange(kOrbBytes, 2 * kOrbBytes)).words,
+            small_vocabulary().quantize(all).words);
 }
 
 TEST(Vocabulary, NoDescriptorsHaveNoWords) {
-  EXPECT_TRUE(vocabulary().words_of(cv::Mat()).words.empty());
-  EXPECT_TRUE(vocabulary().bow_of({}).empty());
+  EXPECT_TRUE(small_vocabulary().quantize(cv::Mat()).words.empty());
+  EXPECT_TRUE(small_vocabulary().bow_of({}).empty());
 }
 
 TEST(Vocabulary, RejectsOtherDescriptorsAndWords) {
-  EXPECT_THROW((void)vocabulary().words_of(cv::Mat(3, 128, CV_32FC1, cv::Scalar(0))), std::logic_error);
-  EXPECT_THROW((void)vocabulary().words_of(cv::Mat(3, 61, CV_8UC1, cv::Scalar(0))), std::logic_error);
-  const WordId foreign{static_cast<uint32_t>(vocabulary().word_count())};
-  EXPECT_THROW((void)vocabulary().bow_of(std::vector{foreign}), std::logic_error);
-  EXPECT_THROW((void)vocabulary().centre_of(foreign), std::logic_error);
+  EXPECT_THROW((void)small_vocabulary().quantize(cv::Mat(3, 128, CV_32FC1, cv::Scalar(0))), std::logic_error);
+  EXPECT_THROW((void)small_vocabulary().quantize(cv::Mat(3, 61, CV_8UC1, cv::Scalar(0))), std::logic_error);
+  const WordId foreign{static_cast<uint32_t>(small_vocabulary().word_count())};
+  EXPECT_THROW((void)small_vocabulary().bow_of(std::vector{foreign}), std::logic_error);
+  EXPECT_THROW((void)small_vocabulary().centre_of(foreign), std::logic_error);
 }
 
 BowVector bow_of_image(uint64_t seed) {
-  return vocabulary().bow_of(vocabulary().words_of(to_mat(clustered_descriptors(100, 30, 0.1, seed))).words);
+  return small_vocabulary().bow_of(
+      small_vocabulary().quantize(to_mat(clustered_descriptors(100, 30, 0.1, seed))).words);
 }
 
 TEST(BowVector, WeighsByFrequencyAndRarity) {
@@ -104,7 +105,7 @@ TEST(BowVector, WeighsByFrequencyAndRarity) {
   tree.child_counts = {4, 0, 0, 0, 0};
   tree.centres.resize(5 * kOrbBytes);
   tree.idf = {1.0F, 3.0F, 0.0F, 2.0F};
-  tree.uses = {1, 1, 1, 1};
+  tree.use_counts = {1, 1, 1, 1};
   const std::vector<WordId> words = {{1}, {0}, {2}, {0}, {2}, {1}, {0}};
   // Word 0 three times at 1, word 1 twice at 3, word 2 weighs nothing: 3 : 6.
   const BowVector bow = Vocabulary(tree).bow_of(words);
@@ -132,7 +133,7 @@ TEST(BowVector, IsSortedAndSumsToOne) {
 }
 
 double similarity_by_definition(const BowVector& a, const BowVector& b) {
-  std::vector<double> difference(vocabulary().word_count(), 0);
+  std::vector<double> difference(small_vocabulary().word_count(), 0);
   for (const auto& [word, weight] : a) difference[word.value] += weight;
   for (const auto& [word, weight] : b) difference[word.value] -= weight;
   double sum = 0;
@@ -158,21 +159,21 @@ TEST(Similarity, ObeysItsLaws) {
 }
 
 TEST(VocabularyTree, EveryDefectIsFound) {
-  const VocabularyView& view = vocabulary().tree();
+  const VocabularyView& view = small_vocabulary().tree();
   const auto copy = [](auto values) { return std::vector(values.begin(), values.end()); };
   const VocabularyTree sound{static_cast<const VocabularyShape&>(view), copy(view.child_counts),
-                             copy(view.centres), copy(view.idf), copy(view.uses)};
-  ASSERT_EQ(defect_of(view_of(sound)), std::nullopt);
+                             copy(view.centres), copy(view.idf), copy(view.use_counts)};
+  ASSERT_EQ(find_defect(view_of(sound)), std::nullopt);
   const auto defect_after = [&](auto&& damage) {
     VocabularyTree tree = sound;
     damage(tree);
     EXPECT_THROW(Vocabulary{tree}, std::logic_error);
-    return defect_of(view_of(tree));
+    return find_defect(view_of(tree));
   };
   EXPECT_TRUE(defect_after([](auto& tree) { tree = {}; }));
   EXPECT_TRUE(defect_after([](auto& tree) { tree.centres.pop_back(); }));
   EXPECT_TRUE(defect_after([](auto& tree) { tree.idf.pop_back(); }));
-  EXPECT_TRUE(defect_after([](auto& tree) { tree.uses.pop_back(); }));
+  EXPECT_TRUE(defect_after([](auto& tree) { tree.use_counts.pop_back(); }));
   EXPECT_TRUE(defect_after([](auto& tree) { tree.idf[0] = -1; }));
   EXPECT_TRUE(defect_after([](auto& tree) { tree.idf[0] = std::numeric_limits<float>::quiet_NaN(); }));
   EXPECT_TRUE(defect_after([](auto& tree) { tree.branching = 4; }));
@@ -190,7 +191,7 @@ TEST(VocabularyStats, OfAKnownTree) {
   tree.child_counts = {2, 0, 2, 0, 0};
   tree.centres.resize(5 * kOrbBytes);
   tree.idf = {0.5F, 1.0F, 2.0F};
-  tree.uses = {2, 1, 1};
+  tree.use_counts = {2, 1, 1};
   const VocabularyStats stats = vocabulary_stats(Vocabulary(tree));
   ASSERT_EQ(stats.levels.size(), 3U);
   EXPECT_EQ(stats.levels[1].nodes, 2U);
@@ -200,7 +201,7 @@ TEST(VocabularyStats, OfAKnownTree) {
   EXPECT_EQ(stats.descriptors, 4U);
   EXPECT_DOUBLE_EQ(stats.entropy_bits, 1.5);  // 1/2 * 1 bit + 2 * 1/4 * 2 bits
   EXPECT_DOUBLE_EQ(stats.balance, 1.5 / std::log2(3.0));
-  EXPECT_EQ(stats.most_uses, 2U);
+  EXPECT_EQ(stats.max_use_count, 2U);
   EXPECT_EQ(stats.idf_min, 0.5F);
   EXPECT_EQ(stats.idf_median, 1.0F);
   EXPECT_EQ(stats.idf_max, 2.0F);

@@ -5,9 +5,9 @@
 #include <opencv2/core.hpp>
 #include <rosbag/bag.h>
 
-#include "kinloop/sensor/ros_messages.hpp"
-#include "kinloop/sensor/ros_topics.hpp"
-#include "kinloop/sensor/tum_source.hpp"
+#include "drivers/datasets/tum_source.hpp"
+#include "drivers/ros/ros_messages.hpp"
+#include "drivers/ros/ros_topics.hpp"
 
 namespace kinloop {
 namespace {

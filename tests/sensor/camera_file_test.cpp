@@ -4,8 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include "drivers/datasets/camera_selection.hpp"
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/sensor/camera_choice.hpp"
+#include "kinloop/sensor/camera_presets.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 

@@ -30,7 +30,7 @@ TEST(FastEncoder, MakesFlatImagesSmall) {
   EXPECT_LT(encode_png(cv::Mat(480, 640, CV_16UC1, cv::Scalar(7))).size(), 10'000U);
 }
 
-TEST(FastEncoder, RefusesWhatIsNoImageOfOurs) {
+TEST(FastEncoder, RejectsUnsupportedImages) {
   EXPECT_THROW(encode_png({}), std::logic_error);
   EXPECT_THROW(encode_png(cv::Mat(2, 2, CV_32FC1, cv::Scalar(1))), std::logic_error);
 }

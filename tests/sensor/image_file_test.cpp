@@ -6,8 +6,9 @@
 
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/fast_decoders.hpp"
-#include "tests/sensor/sequence_folder.hpp"
+#include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/shared_data.hpp"
 
 namespace kinloop {
 namespace {
@@ -131,7 +132,7 @@ TEST(FastDecoders, PngOfDepthIsExactWhateverTheFilters) {
 }
 
 TEST(FastDecoders, RealDepthIsWhatOpenCVReads) {
-  const std::filesystem::path folder = std::filesystem::path(KINLOOP_SHARED_DATA) / "redkitchen/depth";
+  const std::filesystem::path folder = test::shared_data("redkitchen/depth");
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
   const std::string bytes = read_file(folder / "1000.000000.png");
   const cv::Mat fast = decode_depth_png(bytes);
@@ -163,7 +164,7 @@ TEST_P(Truncated, EveryPrefixOfAnImageIsAnError) {
     ASSERT_FALSE(image_damage(std::string_view(whole).substr(0, size)).empty()) << size << " bytes";
   }
   const auto half = folder.write("half", std::string_view(whole).substr(0, whole.size() / 2));
-  EXPECT_THAT(input_error([&] { read_color_image(half); }), HasSubstr("cut short"));
+  EXPECT_THAT(input_error([&] { read_color_image(half); }), HasSubstr("truncated"));
 }
 
 TEST_P(Truncated, BytesBehindTheEndDoNoHarm) {

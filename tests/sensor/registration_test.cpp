@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "drivers/datasets/tum_source.hpp"
 #include "kinloop/sensor/image_file.hpp"
-#include "kinloop/sensor/tum_source.hpp"
-#include "tests/sensor/sequence_folder.hpp"
+#include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace kinloop {
@@ -173,7 +173,7 @@ TEST(Registration, FoldersWhoseDepthIsNotRegisteredAreRegisteredOnTheWayIn) {
 }
 
 /// Frames of a Kinect 1 as recorded, beside the same frames registered by others.
-TEST(RealRegistration, IsTheOthersWithinMillimetres) {
+TEST(RealRegistration, AgreesWithLibfreenect2WithinMillimetres) {
   const auto raw = test::shared_data("redkitchen_raw"), other = test::shared_data("redkitchen");
   KINLOOP_SKIP_WITHOUT(raw);
   KINLOOP_SKIP_WITHOUT(other);

@@ -47,7 +47,7 @@ std::vector<PosedImage> views_of(const DenseRecorder& recorder, double error) {
 }
 
 ColoredCloud cloud_of(DenseRecorder& recorder, double error, int threads) {
-  recorder.finish_work();
+  recorder.wait_for_jobs();
   return recorder.fuse_views(views_of(recorder, error), {.color = camera().color}, threads, {});
 }
 
@@ -57,7 +57,7 @@ void expect_same(const ColoredCloud& a, const ColoredCloud& b) {
   EXPECT_EQ(a.colors, b.colors);
 }
 
-TEST(DenseRecorder, WhatWasMadeWhileFramesCameIsWhatIsMadeOfTheStoredImages) {
+TEST(DenseRecorder, OnlineAndOfflinePatchesAreIdentical) {
   DenseRecorder recorder(camera(), {});
   show_wall(recorder, 40, 4);
   const auto while_running = cloud_of(recorder, 0.03, 2);
@@ -70,13 +70,13 @@ TEST(DenseRecorder, WhatWasMadeWhileFramesCameIsWhatIsMadeOfTheStoredImages) {
   expect_same(while_running, cloud_of(restored, 0.03, 1));
 }
 
-TEST(DenseRecorder, TheWayOfTheWorkDoesNotMatter) {
+TEST(DenseRecorder, ExecutionModeDoesNotMatter) {
   DenseRecorder lagged(camera(), {});
   show_wall(lagged, 30, 3);
   const auto expected = cloud_of(lagged, 0, 1);
   for (const char* mode : {"inline", "live"}) {
     DenseOptions in_memory;
-    in_memory.patch_memory_mib = 16;
+    in_memory.surfel_memory_mib = 16;
     ExecutorOptions executor;
     executor.mode = mode;
     DenseRecorder other(camera(), in_memory, executor);
@@ -85,14 +85,14 @@ TEST(DenseRecorder, TheWayOfTheWorkDoesNotMatter) {
   }
 }
 
-TEST(DenseRecorder, KeepsMoreFramesThanItHasTimeFor) {
+TEST(DenseRecorder, KeepsAllFramesUnderBackpressure) {
   DenseOptions all;
   all.frame_step = 1;
   ExecutorOptions slow;
   slow.dense_lag_frames = 1000;
   DenseRecorder recorder(camera(), all, slow);
   show_wall(recorder, 20, 100);
-  recorder.finish_work();
+  recorder.wait_for_jobs();
   ASSERT_EQ(recorder.image_count(), 20U);
   for (uint32_t i = 0; i < 20; ++i) {
     EXPECT_EQ(recorder.frame_of_image(i), FrameId{i});
@@ -101,11 +101,11 @@ TEST(DenseRecorder, KeepsMoreFramesThanItHasTimeFor) {
   EXPECT_FALSE(recorder.images_of(FrameId{20}));
 }
 
-TEST(DenseRecorder, TakesOtherFramesWhereKeyframesAreFew) {
+TEST(DenseRecorder, RecordsOtherFramesWhenKeyframesAreFew) {
   for (const uint32_t frames : {1, 4, 40, 400}) {
     DenseRecorder recorder(camera(), {});
     show_wall(recorder, frames, 100'000);
-    recorder.finish_work();
+    recorder.wait_for_jobs();
     const double most = 9 + 8 * std::max(0.0, std::log(frames / 40.0));
     EXPECT_LE(static_cast<double>(recorder.image_count()), most) << frames;
     EXPECT_GE(recorder.image_count(), std::min<size_t>(1 + (frames - 1) / 5, 8)) << frames;
@@ -113,10 +113,10 @@ TEST(DenseRecorder, TakesOtherFramesWhereKeyframesAreFew) {
   }
 }
 
-TEST(DenseRecorder, TakesKeyframesAloneOnceThereAreMany) {
+TEST(DenseRecorder, RecordsOnlyKeyframesOnceThereAreMany) {
   DenseRecorder recorder(camera(), {});
   show_wall(recorder, 360, 12);
-  recorder.finish_work();
+  recorder.wait_for_jobs();
   for (size_t i = 0; i < recorder.image_count(); ++i) {
     const uint32_t frame = recorder.frame_of_image(i).value;
     EXPECT_TRUE(frame % 12 == 0 || frame < 12 * 8) << frame;

@@ -11,8 +11,8 @@ namespace {
 std::unique_ptr<Executor> executor(const std::string& mode) {
   ExecutorOptions options;
   options.mode = mode;
-  options.local_lag_frames = 3;
-  options.loop_lag_frames = 5;
+  options.local_ba_lag_frames = 3;
+  options.loop_correction_lag_frames = 5;
   return make_executor(options);
 }
 
@@ -22,29 +22,29 @@ MapUpdate numbered(uint32_t number) {
   return update;
 }
 
-TEST(Executor, LaggedResultsComeExactlyOnTime) {
+TEST(Executor, LaggedResultsArriveAfterTheLag) {
   const auto lagged = executor("lagged");
-  lagged->submit(JobKind::kLocalAdjustment, FrameId{10}, [] { return numbered(1); });
-  EXPECT_TRUE(lagged->busy(JobKind::kLocalAdjustment));
+  lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{10}, [] { return numbered(1); });
+  EXPECT_TRUE(lagged->busy(JobKind::kLocalBundleAdjustment));
   EXPECT_FALSE(lagged->busy(JobKind::kLoopCorrection));
   std::this_thread::sleep_for(std::chrono::milliseconds(20));  // long done, and still not due
   EXPECT_TRUE(lagged->collect(FrameId{12}).empty());
   const auto finished = lagged->collect(FrameId{13});
   ASSERT_EQ(finished.size(), 1U);
   EXPECT_EQ(finished[0].result.update.epoch, 1U);
-  EXPECT_FALSE(lagged->busy(JobKind::kLocalAdjustment));
+  EXPECT_FALSE(lagged->busy(JobKind::kLocalBundleAdjustment));
 }
 
 TEST(Executor, LaggedWaitsForSlowWork) {
   const auto lagged = executor("lagged");
-  lagged->submit(JobKind::kLocalAdjustment, FrameId{0}, [] {
+  lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0}, [] {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     return numbered(7);
   });
   ASSERT_EQ(lagged->collect(FrameId{3}).size(), 1U);
 }
 
-TEST(Executor, InlineResultsComeWithTheNextFrame) {
+TEST(Executor, InlineResultsArriveWithTheNextFrame) {
   const auto at_once = executor("inline");
   bool done = false;
   at_once->submit(JobKind::kLoopCorrection, FrameId{4}, [&] {
@@ -57,7 +57,7 @@ TEST(Executor, InlineResultsComeWithTheNextFrame) {
 
 TEST(Executor, ResultsKeepTheOrderOfSubmission) {
   const auto lagged = executor("lagged");
-  lagged->submit(JobKind::kLocalAdjustment, FrameId{0}, [] {
+  lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0}, [] {
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
     return numbered(1);
   });
@@ -71,14 +71,14 @@ TEST(Executor, ResultsKeepTheOrderOfSubmission) {
 
 TEST(Executor, OneJobOfAKindAtATime) {
   const auto lagged = executor("lagged");
-  lagged->submit(JobKind::kLocalAdjustment, FrameId{0}, [] { return MapUpdate{}; });
-  EXPECT_THROW(lagged->submit(JobKind::kLocalAdjustment, FrameId{1}, [] { return MapUpdate{}; }),
+  lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0}, [] { return MapUpdate{}; });
+  EXPECT_THROW(lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{1}, [] { return MapUpdate{}; }),
                std::logic_error);
 }
 
 TEST(Executor, AnErrorInAJobReachesTheCollector) {
   const auto lagged = executor("lagged");
-  lagged->submit(JobKind::kLocalAdjustment, FrameId{0},
+  lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0},
                  []() -> MapUpdate { throw std::runtime_error("no"); });
   EXPECT_THROW(lagged->collect(FrameId{3}), std::runtime_error);
 }

@@ -51,13 +51,13 @@ double shift_error_m_s(const Recorded& recorded) {
   return std::sqrt(squares / static_cast<double>(velocities.size() - 2));
 }
 
-TEST(FrameVelocities, AreKnownAtEightFramesASecondToo) {
+TEST(FrameVelocities, AreEstimatedAtEightFramesPerSecond) {
   const double speed_m_s = kSwing_m * kRate_rad_s / std::sqrt(2.0);
   EXPECT_LT(shift_error_m_s(recorded_swing(30)), 0.01 * speed_m_s);
   EXPECT_LT(shift_error_m_s(recorded_swing(8)), 0.15 * speed_m_s);
 }
 
-TEST(FrameVelocities, BehindALongGapAreUnknown) {
+TEST(FrameVelocities, AreZeroAfterALongGap) {
   const Recorded recorded = recorded_swing(1);
   for (const Velocity& velocity : frame_velocities(recorded.log, recorded.map)) {
     EXPECT_TRUE(velocity.isZero(0));

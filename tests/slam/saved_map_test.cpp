@@ -3,53 +3,39 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/eval/evaluate.hpp"
-#include "kinloop/sensor/simulation/simulated_source.hpp"
 #include "kinloop/slam/slam.hpp"
+#include "tests/slam/recording.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {
 namespace {
 
+using test::record_simulation;
+using test::Recording;
+
 constexpr size_t kFrames = 60, kHalf = 30;
 
-struct Recording {
-  RgbdCamera camera;
-  Trajectory truth;
-  std::vector<RgbdFrame> frames;
-};
-
-Recording record(const std::string& scene, int frames) {
-  SimulationOptions options;
-  options.frames = frames;
-  options.width = 320;
-  options.height = 240;
-  const auto source = make_simulated_source(scene, options, 2);
-  Recording r{source->camera(), source->info().ground_truth, {}};
-  while (auto frame = source->next()) r.frames.push_back(*frame);
-  return r;
-}
-
 /// A simulated walk, slow enough that its second half shows much of the first.
-const Recording& recording() {
-  static const Recording kRecording = record("sim:room", kFrames);
+const Recording& walk() {
+  static const Recording kRecording = record_simulation("sim:room", kFrames);
   return kRecording;
 }
 
 /// Frames of another room.
 const std::vector<RgbdFrame>& elsewhere() {
-  static const Recording kRecording = record("sim:room:5", 8);
+  static const Recording kRecording = record_simulation("sim:room:5", 8);
   return kRecording.frames;
 }
 
 Trajectory process(Slam& slam, size_t begin, size_t end) {
-  for (size_t i = begin; i < end; ++i) slam.process(recording().frames[i]);
+  for (size_t i = begin; i < end; ++i) slam.process(walk().frames[i]);
   return slam.finish();
 }
 
 /// The map of frames [begin, end).
 SavedMap map_of(size_t begin, size_t end) {
-  Slam slam(recording().camera);
+  Slam slam(walk().camera);
   process(slam, begin, end);
   return slam.saved_map("frames");
 }
@@ -75,11 +61,11 @@ std::vector<std::array<double, 7>> numbers(const Trajectory& trajectory) {
 }
 
 TEST(SavedMap, ALoadedMapIsTheSavedOne) {
-  Slam slam(recording().camera);
+  Slam slam(walk().camera);
   const Trajectory trajectory = process(slam, 0, kHalf);
   const SavedMap saved = slam.saved_map("frames");
 
-  Slam loaded(recording().camera);
+  Slam loaded(walk().camera);
   EXPECT_EQ(loaded.add_map(saved), 0U);
   EXPECT_EQ(numbers(trajectory_of(loaded.log(), loaded.map())), numbers(trajectory));
   EXPECT_TRUE(loaded.session_log().empty());
@@ -87,10 +73,10 @@ TEST(SavedMap, ALoadedMapIsTheSavedOne) {
   EXPECT_TRUE(file_bytes(loaded.saved_map("nothing")) == file_bytes(saved));
 }
 
-TEST(SavedMap, LocalisingTellsWhereAndLeavesTheMapAsItIs) {
+TEST(SavedMap, LocalizationFindsPosesAndKeepsTheMapUnchanged) {
   SlamOptions options;
   options.localize_only = true;
-  Slam slam(recording().camera, options);
+  Slam slam(walk().camera, options);
   slam.add_map(first_half());
   const std::string before = file_bytes(slam.saved_map(""));
   const Trajectory found = process(slam, kHalf, kFrames);
@@ -103,7 +89,7 @@ TEST(SavedMap, LocalisingTellsWhereAndLeavesTheMapAsItIs) {
     both.push_back({frame.stamp_ns, T_world_keyframe * frame.T_reference_camera});
   }
   both.insert(both.end(), found.begin(), found.end());
-  const auto ate = absolute_trajectory_error(both, recording().truth);
+  const auto ate = absolute_trajectory_error(both, walk().truth);
   ASSERT_TRUE(ate.has_value());
   EXPECT_LT(ate->error_m.max, 0.05);
 
@@ -113,17 +99,17 @@ TEST(SavedMap, LocalisingTellsWhereAndLeavesTheMapAsItIs) {
   EXPECT_TRUE(file_bytes(after) == before);
 }
 
-TEST(SavedMap, LocalisingElsewhereFindsNothing) {
+TEST(SavedMap, LocalizationInAnUnknownPlaceFindsNothing) {
   SlamOptions options;
   options.localize_only = true;
-  Slam slam(recording().camera, options);
+  Slam slam(walk().camera, options);
   slam.add_map(first_half());
   for (const RgbdFrame& frame : elsewhere()) slam.process(frame);
   EXPECT_TRUE(slam.finish().empty());
 }
 
-TEST(SavedMap, GoingOnKeepsTheWorldAndItsFrames) {
-  Slam slam(recording().camera);
+TEST(SavedMap, ContinuedMappingKeepsWorldFrameAndFrames) {
+  Slam slam(walk().camera);
   slam.add_map(first_half());
   const Trajectory second = process(slam, kHalf, kFrames);
   EXPECT_GE(second.size(), kFrames - kHalf - 2);
@@ -134,7 +120,7 @@ TEST(SavedMap, GoingOnKeepsTheWorldAndItsFrames) {
   for (const Keyframe& keyframe : map.keyframes()) EXPECT_EQ(keyframe.component, 0U);
   for (size_t i = 1; i < slam.log().size(); ++i) EXPECT_LT(slam.log()[i - 1].frame, slam.log()[i].frame);
 
-  const auto ate = absolute_trajectory_error(trajectory_of(slam.log(), map), recording().truth);
+  const auto ate = absolute_trajectory_error(trajectory_of(slam.log(), map), walk().truth);
   ASSERT_TRUE(ate.has_value());
   EXPECT_LT(ate->error_m.rmse, 0.02);
   const SavedMap saved = slam.saved_map("more");
@@ -143,17 +129,17 @@ TEST(SavedMap, GoingOnKeepsTheWorldAndItsFrames) {
   EXPECT_GT(saved.sessions[1].first_frame, slam.log()[kHalf - 1].frame);
 }
 
-TEST(SavedMap, TwoMapsBecomeOne) {
+TEST(SavedMap, TwoMapsAreMerged) {
   // The two share their middle third.
   const SavedMap a = map_of(0, 40), b = map_of(20, 60);
-  Slam slam(recording().camera);
+  Slam slam(walk().camera);
   slam.add_map(a);
   EXPECT_GT(slam.add_map(b), 0U);
   EXPECT_FALSE(slam.map().loop_edges().empty());
   slam.finish();
   slam.map().check_invariants();
   for (const Keyframe& keyframe : slam.map().keyframes()) EXPECT_EQ(keyframe.component, 0U);
-  const auto ate = absolute_trajectory_error(keyframe_trajectory(slam.map(), 0), recording().truth);
+  const auto ate = absolute_trajectory_error(keyframe_trajectory(slam.map(), 0), walk().truth);
   ASSERT_TRUE(ate.has_value());
   EXPECT_LT(ate->error_m.rmse, 0.03);
   EXPECT_EQ(slam.saved_map("").sessions.size(), 2U);
@@ -161,10 +147,10 @@ TEST(SavedMap, TwoMapsBecomeOne) {
 
 TEST(SavedMap, MapsOfDifferentPlacesStayApart) {
   const SavedMap a = first_half();
-  Slam other(recording().camera);
+  Slam other(walk().camera);
   for (const RgbdFrame& frame : elsewhere()) other.process(frame);
   other.finish();
-  Slam slam(recording().camera);
+  Slam slam(walk().camera);
   slam.add_map(a);
   slam.add_map(other.saved_map("elsewhere"));
   slam.finish();

@@ -15,17 +15,17 @@ RgbdCamera some_camera() {
   return camera;
 }
 
-TEST(SelfCalibration, StartsFromWhatTheCameraFileSays) {
-  const SensorVector known = known_sensor(some_camera());
+TEST(SelfCalibration, StartsFromTheNominalCalibration) {
+  const SensorVector known = nominal_sensor(some_camera());
   EXPECT_EQ(known(kRollingShutter), 0.02);
   EXPECT_EQ(known(kDepthShutter), 0.02);
-  EXPECT_EQ(known(kDepthTime), 0.01);
+  EXPECT_EQ(known(kDepthDelay), 0.01);
   EXPECT_EQ(known(kFocalX), 0);
 }
 
-TEST(SelfCalibration, WhereNothingWasFoundTheCameraStaysAsItWas) {
+TEST(SelfCalibration, WithoutEstimatesTheCameraIsUnchanged) {
   SensorEstimate nothing;
-  nothing.value = known_sensor(some_camera());
+  nothing.value = nominal_sensor(some_camera());
   const RgbdCamera calibrated = calibrated_camera(some_camera(), nothing);
   EXPECT_EQ(calibrated.color.fx, 525);
   EXPECT_EQ(calibrated.color.k1, 0);
@@ -33,7 +33,7 @@ TEST(SelfCalibration, WhereNothingWasFoundTheCameraStaysAsItWas) {
   EXPECT_EQ(calibrated.depth_offset_s, 0.01);
 }
 
-TEST(SelfCalibration, WhatWasFoundIsWorkedIntoTheCamera) {
+TEST(SelfCalibration, EstimatesAreAppliedToTheCamera) {
   SensorEstimate found;
   found.value(kFocalX) = 3;
   found.value(kRadial1) = 0.02;
@@ -50,29 +50,29 @@ TEST(SelfCalibration, WhatWasFoundIsWorkedIntoTheCamera) {
   EXPECT_LT((apart - worked_in).norm(), 0.1);
 }
 
-TEST(SelfCalibration, WhatIsHeldStaysAsKnownBefore) {
+TEST(SelfCalibration, FixedParametersKeepTheirEstimates) {
   SensorEstimate before, times;
   before.used[kFocalX] = true;
   before.sigma(kFocalX) = 0.5;
   before.sigma(kRollingShutter) = 0.01;
   times.used[kRollingShutter] = true;
   times.sigma(kRollingShutter) = 0.001;
-  const SensorEstimate both = with_held_from(times, before);
+  const SensorEstimate both = with_fixed_from(times, before);
   EXPECT_TRUE(both.used[kFocalX]);
   EXPECT_EQ(both.sigma(kFocalX), 0.5);
   EXPECT_TRUE(both.used[kRollingShutter]);
   EXPECT_EQ(both.sigma(kRollingShutter), 0.001);
 }
 
-TEST(SelfCalibration, OffMeansThatNothingMayMove) {
+TEST(SelfCalibration, DisabledMeansAllParametersAreFixed) {
   SelfCalibrationOptions options;
   options.enabled = false;
-  EXPECT_TRUE(expected_sigmas(some_camera().color, options).isZero(0));
+  EXPECT_TRUE(prior_sigmas(some_camera().color, options).isZero(0));
 }
 
 /// Points before four cameras whose principal point is `off_px` from where the calibration says.
-AdjustmentProblem decentred_problem(double off_px) {
-  AdjustmentProblem problem;
+BundleAdjustmentProblem decentred_problem(double off_px) {
+  BundleAdjustmentProblem problem;
   BundleProblem& bundle = problem.bundle;
   bundle.camera = some_camera().color;
   Random random(3);
@@ -99,16 +99,16 @@ AdjustmentProblem decentred_problem(double off_px) {
 SensorEstimate center_found(double off_px) {
   SensorVector expected = SensorVector::Zero();
   expected(kCenterX) = 3;
-  return adjust_with_sensor(decentred_problem(off_px), expected, {}, {}).sensor;
+  return run_self_calibration(decentred_problem(off_px), expected, {}, {}).sensor;
 }
 
-TEST(SelfCalibration, FindsAnErrorThatTheDataShow) {
+TEST(SelfCalibration, EstimatesAnObservableError) {
   const SensorEstimate found = center_found(4);
   EXPECT_TRUE(found.used[kCenterX]);
   EXPECT_NEAR(found.value(kCenterX), 4, 3 * found.sigma(kCenterX));
 }
 
-TEST(SelfCalibration, LeavesAlsoWhatDiffersByChanceAsItIsKnown) {
+TEST(SelfCalibration, IgnoresInsignificantDifferences) {
   const SensorEstimate found = center_found(0);
   EXPECT_GT(found.sigma(kCenterX), 0);
   EXPECT_FALSE(found.used[kCenterX]);

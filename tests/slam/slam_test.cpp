@@ -3,38 +3,26 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/eval/evaluate.hpp"
+#include "drivers/datasets/tum_source.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/surf.hpp"
-#include "kinloop/place/trainer.hpp"
-#include "kinloop/sensor/simulation/simulated_source.hpp"
-#include "kinloop/sensor/tum_source.hpp"
 #include "kinloop/slam/frame_pipeline.hpp"
+#include "tests/slam/recording.hpp"
 #include "tests/support/shared_data.hpp"
+#include "tools/evaluation/evaluate.hpp"
+#include "tools/vocabulary_training/trainer.hpp"
 
 namespace kinloop {
 namespace {
 
+using test::record_simulation;
+using test::Recording;
+
 constexpr int kSimulatedFrames = 40;
 
 /// The first frames of the simulated room, rendered once for all tests of this file.
-struct Recording {
-  RgbdCamera camera;
-  Trajectory truth;
-  std::vector<RgbdFrame> frames;
-};
-
 const Recording& recording() {
-  static const Recording kRecording = [] {
-    SimulationOptions options;
-    options.frames = kSimulatedFrames;
-    options.width = 320;
-    options.height = 240;
-    const auto source = make_simulated_source("sim:room", options, 2);
-    Recording r{source->camera(), source->info().ground_truth, {}};
-    while (auto frame = source->next()) r.frames.push_back(*frame);
-    return r;
-  }();
+  static const Recording kRecording = record_simulation("sim:room", kSimulatedFrames);
   return kRecording;
 }
 
@@ -71,7 +59,7 @@ class ReplayedSource : public FrameSource {
   size_t next_ = 0;
 };
 
-TEST(Slam, TracksTheSimulatedRoom) {
+TEST(Slam, TracksTheSimulatedSequence) {
   const Trajectory estimate = run(recording().frames, {});
   ASSERT_EQ(estimate.size(), static_cast<size_t>(kSimulatedFrames));
   const auto ate = absolute_trajectory_error(estimate, recording().truth);
@@ -79,7 +67,7 @@ TEST(Slam, TracksTheSimulatedRoom) {
   EXPECT_LT(ate->error_m.rmse, 0.02);
 }
 
-/// A dictionary of the words that the recording itself shows.
+/// A vocabulary of the words that the recording itself shows.
 Vocabulary small_vocabulary(const FeatureOptions& features) {
   std::vector<cv::Mat> descriptors;
   for (size_t i = 0; i < recording().frames.size(); i += 10) {
@@ -111,7 +99,7 @@ TEST(Slam, GivesTheSameBitsEveryRun) {
   expect_same(run(recording().frames, {}), run(recording().frames, {}));
 }
 
-TEST(Slam, ThePipelineChangesNothing) {
+TEST(Slam, PipelineGivesIdenticalResults) {
   ReplayedSource source;
   Slam slam(source.camera());
   FramePipeline pipeline(source, slam);
@@ -119,7 +107,7 @@ TEST(Slam, ThePipelineChangesNothing) {
   expect_same(slam.finish(), run(recording().frames, {}));
 }
 
-TEST(Slam, ThePipelineCarriesErrorsOver) {
+TEST(Slam, PipelinePropagatesExceptions) {
   ReplayedSource source;
   source.fail_at = 3;
   Slam slam(source.camera());
@@ -128,7 +116,7 @@ TEST(Slam, ThePipelineCarriesErrorsOver) {
   EXPECT_THROW(pipeline.next(), std::runtime_error);
 }
 
-TEST(Slam, APipelineLeftEarlyEnds) {
+TEST(Slam, PipelineStopsWhenDestroyedEarly) {
   ReplayedSource source;
   Slam slam(source.camera());
   FramePipeline pipeline(source, slam);
@@ -143,7 +131,7 @@ TEST(Slam, EveryModeTracksEveryFrame) {
   }
 }
 
-TEST(Slam, IcpRefinesWithoutLosingAnything) {
+TEST(Slam, TracksEveryFrameWithIcpRefinement) {
   SlamOptions options;
   options.tracking.refine_with_icp = true;
   const Trajectory estimate = run(recording().frames, options);
@@ -173,7 +161,7 @@ RgbdFrame blackened(RgbdFrame frame) {
   return frame;
 }
 
-TEST(Slam, AnImageThatComesAgainBehindALostOneIsTrackedLikeAnyOther) {
+TEST(Slam, RepeatedImageAfterALostFrameIsTrackedNormally) {
   auto frames = recording().frames;
   frames[20] = blackened(frames[20]);
   frames[21].color = frames[19].color.clone();
@@ -186,7 +174,7 @@ TEST(Slam, AnImageThatComesAgainBehindALostOneIsTrackedLikeAnyOther) {
   EXPECT_LT((estimate[20].T_world_camera.translation - estimate[19].T_world_camera.translation).norm(), 0.03);
 }
 
-TEST(Slam, FindsItselfAgainAfterABlackOut) {
+TEST(Slam, RelocalizesAfterABlackout) {
   auto frames = recording().frames;
   for (size_t i = 15; i < 22; ++i) frames[i] = blackened(frames[i]);
   const Trajectory estimate = run(frames, {});
@@ -217,12 +205,12 @@ std::vector<RgbdFrame> sides_then_whole() {
 
 SlamOptions eager_for_keyframes() {
   SlamOptions options;
-  options.tracking.keyframe.max_shift = 0.02;
-  options.tracking.keyframe.max_angle_rad = 0.05;
+  options.tracking.keyframe.max_relative_translation = 0.02;
+  options.tracking.keyframe.max_rotation_rad = 0.05;
   return options;
 }
 
-TEST(Slam, BeginsAnewWhereItIsLostAndJoinsThePieces) {
+TEST(Slam, StartsANewComponentWhenLostAndMergesIt) {
   Slam slam(recording().camera, eager_for_keyframes());
   const auto frames = sides_then_whole();
   for (const RgbdFrame& frame : frames) slam.process(frame);
@@ -235,7 +223,7 @@ TEST(Slam, BeginsAnewWhereItIsLostAndJoinsThePieces) {
   EXPECT_LT(ate->error_m.rmse, 0.03);
 }
 
-TEST(Slam, APieceNeverJoinedStaysOutOfTheTrajectory) {
+TEST(Slam, UnmergedComponentIsNotInTheTrajectory) {
   Slam slam(recording().camera);
   const auto frames = sides_then_whole();
   for (size_t i = 0; i < 15; ++i) slam.process(frames[i]);
@@ -244,9 +232,9 @@ TEST(Slam, APieceNeverJoinedStaysOutOfTheTrajectory) {
   EXPECT_EQ(main_component(slam.log(), slam.map()), 0U);
 }
 
-TEST(Slam, WaitsForPatienceToEndWhereItIsSet) {
+TEST(Slam, WaitsForTheConfiguredNumberOfLostFrames) {
   SlamOptions options;
-  options.lost_frames_before_component = 0;  // never
+  options.lost_frames_before_new_component = 0;  // never
   Slam slam(recording().camera, options);
   const auto frames = sides_then_whole();
   for (size_t i = 0; i < 20; ++i) slam.process(frames[i]);
@@ -254,14 +242,14 @@ TEST(Slam, WaitsForPatienceToEndWhereItIsSet) {
   EXPECT_EQ(slam.map().component_count(), 1U);
 }
 
-TEST(Slam, WaitsForSomethingToSee) {
+TEST(Slam, WaitsForEnoughKeypointsToInitialize) {
   Slam slam(recording().camera);
   EXPECT_EQ(slam.process(blackened(recording().frames[0])).status, TrackStatus::kLost);
   EXPECT_EQ(slam.process(recording().frames[1]).status, TrackStatus::kTracked);
   EXPECT_EQ(slam.finish().size(), 1U);
 }
 
-TEST(Slam, AnEmptyRunEndsInPeace) {
+TEST(Slam, AnEmptyRunFinishes) {
   Slam slam(recording().camera);
   EXPECT_TRUE(slam.finish().empty());
 }
@@ -273,7 +261,7 @@ TEST(Slam, RefusesImagesOfAnotherSize) {
   EXPECT_THROW((void)slam.prepare(frame), std::logic_error);
 }
 
-TEST(Slam, TheMapStaysSound) {
+TEST(Slam, MapInvariantsHold) {
   Slam slam(recording().camera);
   for (const RgbdFrame& frame : recording().frames) {
     slam.process(frame);

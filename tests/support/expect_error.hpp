@@ -18,7 +18,7 @@ std::string message_of(const Call& call) {
     EXPECT_THAT(std::string(error.what()), testing::Not(testing::HasSubstr("\n"))) << "more than one line";
     return error.what();
   } catch (const std::exception& error) {
-    ADD_FAILURE() << "threw something else: " << error.what();
+    ADD_FAILURE() << "threw a different exception: " << error.what();
     return {};
   }
   ADD_FAILURE() << "threw nothing";

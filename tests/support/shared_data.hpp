@@ -1,5 +1,6 @@
 #pragma once
-// Real recordings, where they are: ../shared/data beside the project. Tests that need them skip, saying so.
+// Files that tests read. Real recordings lie in ../shared/data beside the project; tests that need them skip
+// without them, saying so.
 
 #include <filesystem>
 
@@ -7,13 +8,14 @@
 
 namespace kinloop::test {
 
-/// Where `name` of the shared data lies, or would lie.
-inline std::filesystem::path shared_data(const std::filesystem::path& name) {
-  return std::filesystem::path(KINLOOP_SHARED_DATA) / name;
-}
+/// The root of the source tree.
+std::filesystem::path source_folder();
+
+/// The path of `name` in the shared data, whether it exists or not.
+std::filesystem::path shared_data(const std::filesystem::path& name);
 
 }  // namespace kinloop::test
 
 /// Ends the test as skipped where the shared data lack `path`.
 #define KINLOOP_SKIP_WITHOUT(path) \
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << (path) << " is absent: nothing to test with"
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << (path) << " not found: test skipped"

@@ -10,7 +10,7 @@ namespace kinloop::test {
 
 /// Takes up what SetSupportedTargetsForTest said, in the way of each Highway.
 template <class ChosenTarget>
-void update(ChosenTarget& chosen) {
+void update_chosen_target(ChosenTarget& chosen) {
   if constexpr (requires { chosen.Update(hwy::SupportedTargets()); }) {
     chosen.Update(hwy::SupportedTargets());
   } else {
@@ -19,9 +19,9 @@ void update(ChosenTarget& chosen) {
 }
 
 /// Makes Highway believe that the CPU has one instruction set only (0 = all that it has).
-inline void pretend_only(decltype(hwy::SupportedTargets()) target) {
+inline void force_simd_target(decltype(hwy::SupportedTargets()) target) {
   hwy::SetSupportedTargetsForTest(target);
-  update(hwy::GetChosenTarget());
+  update_chosen_target(hwy::GetChosenTarget());
 }
 
 /// Calls `body` with the name of each instruction set while that one is in use; the CPU's own comes back.
@@ -30,10 +30,10 @@ inline void for_each_simd_target(const std::function<void(const std::string&)>& 
   for (auto left = all; left != 0; left &= left - 1) {
     const auto target = left & -left;
     if ((target & HWY_TARGETS) == 0) continue;
-    pretend_only(target);
+    force_simd_target(target);
     body(hwy::TargetName(target));
   }
-  pretend_only(0);
+  force_simd_target(0);
 }
 
 }  // namespace kinloop::test

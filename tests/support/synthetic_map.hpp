@@ -38,7 +38,7 @@ inline KeyframeId add_view(SyntheticMap& built, const SyntheticWorld& world, con
     const auto known = built.landmark_of_point.find(view.point_of[i]);
     const auto depth_m = static_cast<double>(view.features->depths_m[i]);
     if (known != built.landmark_of_point.end()) {
-      map.observe(known->second, {id, i});
+      map.add_observation(known->second, {id, i});
     } else if (depth_m > 0) {
       const Eigen::Vector3d point = world.camera.unproject(view.features->pixels[i].cast<double>(), depth_m);
       built.landmark_of_point[view.point_of[i]] = map.add_landmark(id, i, point);

@@ -1,5 +1,6 @@
 #pragma once
-// A room of points with descriptors, seen by a camera: known truth for the rooms from features upwards.
+// A room of points with descriptors, seen by a camera: ground truth for tests of the modules from features
+// upwards.
 
 #include <memory>
 #include <vector>
@@ -46,10 +47,10 @@ struct ObservationNoise {
   double sigma_px = 0.5;
   double sigma_inverse_depth = 1.425e-3;  // 1/m
   int flipped_bits = 12;
-  double missing_depth_share = 0.2;
+  double missing_depth_fraction = 0.2;
 };
 
-/// An image of the world and which point each key point shows.
+/// An image of the world and which point each keypoint shows.
 struct SyntheticView {
   std::shared_ptr<const Features> features;
   std::vector<uint32_t> point_of;
@@ -71,7 +72,7 @@ inline SyntheticView observe(const SyntheticWorld& world, const SE3& T_world_cam
     features.pixels.push_back(pixel.cast<float>());
     features.raw_pixels.push_back(pixel.cast<float>());
     features.depths_m.push_back(
-        random.uniform() < noise.missing_depth_share ? 0 : static_cast<float>(1 / inverse_depth));
+        random.uniform() < noise.missing_depth_fraction ? 0 : static_cast<float>(1 / inverse_depth));
     features.measured_pixels.push_back(features.pixels.back());
     features.measured_depths_m.push_back(features.depths_m.back());
     features.levels.push_back(0);
@@ -90,8 +91,13 @@ inline SyntheticView observe(const SyntheticWorld& world, const SE3& T_world_cam
 }
 
 /// Rotation about the camera's vertical axis, then a position.
-inline SE3 looking(double yaw_rad, const Eigen::Vector3d& position) {
+inline SE3 camera_at(double yaw_rad, const Eigen::Vector3d& position) {
   return {exp_so3(Eigen::Vector3d(0, yaw_rad, 0)), position};
+}
+
+/// The i-th of true poses along a short arc.
+inline SE3 pose_on_arc(int i) {
+  return camera_at(0.08 * i, {0.06 * i, 0.01 * (i % 3), -0.03 * i});
 }
 
 /// Largest difference of two poses, (m, rad).

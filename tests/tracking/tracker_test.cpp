@@ -9,11 +9,11 @@
 namespace kinloop {
 namespace {
 
-using test::looking;
+using test::camera_at;
 
 /// A map of one keyframe at the origin, the previous frame there, and the camera somewhere else.
 /// A prediction that may be off by a centimetre and a degree.
-PredictedPose unsure(const SE3& T_reference_camera) {
+PredictedPose uncertain(const SE3& T_reference_camera) {
   return {T_reference_camera, 0.01, 0.02};
 }
 
@@ -22,24 +22,25 @@ class Tracker : public testing::Test {
   Tracker() {
     const auto view = test::observe(world_, SE3{}, {}, 2);
     const KeyframeId keyframe = test::add_view(built_, world_, view, SE3{});
-    view_ = make_local_view(built_.map, keyframe, {});
+    local_map_ = make_local_map(built_.map, keyframe, {});
     previous_ = TrackedFrame{test::make_frame(0, view), SE3{}, built_.map.keyframe(keyframe).landmark_of};
   }
 
   TrackResult track_at(const SE3& T_world_camera, const SE3& predicted,
                        const test::ObservationNoise& noise = {}) const {
     const auto view = test::observe(world_, T_world_camera, noise, 3);
-    return track(test::make_frame(1, view), previous_, view_, unsure(predicted), world_.camera, {}, 4);
+    return track(test::make_frame(1, view), previous_, local_map_, uncertain(predicted), world_.camera, {},
+                 4);
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
   test::SyntheticMap built_;
-  LocalView view_;
+  LocalMap local_map_;
   TrackedFrame previous_;
 };
 
 TEST_F(Tracker, FollowsASmallMotion) {
-  const SE3 truth = looking(0.05, {0.03, 0.01, -0.02});
+  const SE3 truth = camera_at(0.05, {0.03, 0.01, -0.02});
   const TrackResult result = track_at(truth, SE3{});
   ASSERT_EQ(result.status, TrackStatus::kTracked);
   EXPECT_GT(result.stats.inliers, 150);
@@ -48,42 +49,42 @@ TEST_F(Tracker, FollowsASmallMotion) {
 }
 
 TEST_F(Tracker, MatchesTheLandmarksThatAreThere) {
-  const SE3 truth = looking(0.05, {0.03, 0.01, -0.02});
+  const SE3 truth = camera_at(0.05, {0.03, 0.01, -0.02});
   const auto view = test::observe(world_, truth, {}, 3);
   const TrackResult result =
-      track(test::make_frame(1, view), previous_, view_, unsure(SE3{}), world_.camera, {}, 4);
+      track(test::make_frame(1, view), previous_, local_map_, uncertain(SE3{}), world_.camera, {}, 4);
   ASSERT_FALSE(result.matches.empty());
   for (const LandmarkMatch& match : result.matches) {
     EXPECT_EQ(match.landmark, built_.landmark_of_point.at(view.point_of[match.feature]));
   }
 }
 
-TEST_F(Tracker, FindsAJumpThatNothingPredicted) {
-  const SE3 truth = looking(0.35, {0.15, 0.05, 0.1});
+TEST_F(Tracker, RecoversFromAnUnpredictedJump) {
+  const SE3 truth = camera_at(0.35, {0.15, 0.05, 0.1});
   const TrackResult result = track_at(truth, SE3{});
   ASSERT_EQ(result.status, TrackStatus::kTracked);
-  EXPECT_GT(result.stats.tries, 1);
+  EXPECT_GT(result.stats.attempts, 1);
   EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.01);
 }
 
 TEST_F(Tracker, UsesTheMapWhenDepthIsMissing) {
-  const SE3 truth = looking(0.04, {0.02, 0, 0});
+  const SE3 truth = camera_at(0.04, {0.02, 0, 0});
   const TrackResult result = track_at(truth, SE3{}, {0.5, 1.425e-3, 12, 1.0});
   ASSERT_EQ(result.status, TrackStatus::kTracked);
   EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.005);
 }
 
-TEST_F(Tracker, SaysLostWhereNothingIsKnown) {
-  const TrackResult result = track_at(looking(3.14159, {0, 0, 0}), SE3{});
+TEST_F(Tracker, IsLostInAnUnknownPlace) {
+  const TrackResult result = track_at(camera_at(3.14159, {0, 0, 0}), SE3{});
   EXPECT_EQ(result.status, TrackStatus::kLost);
   EXPECT_TRUE(result.matches.empty());
 }
 
-TEST_F(Tracker, SaysLostOnABlackImage) {
+TEST_F(Tracker, IsLostOnABlackImage) {
   test::SyntheticView nothing;
   nothing.features = std::make_shared<const Features>();
   const TrackResult result =
-      track(test::make_frame(1, nothing), previous_, view_, unsure(SE3{}), world_.camera, {}, 4);
+      track(test::make_frame(1, nothing), previous_, local_map_, uncertain(SE3{}), world_.camera, {}, 4);
   EXPECT_EQ(result.status, TrackStatus::kLost);
 }
 
@@ -104,46 +105,47 @@ PreparedFrame soft_wall(const PinholeCamera& camera, double x_m) {
   return frame;
 }
 
-TEST_F(Tracker, FollowsByGreyValuesAndDepthWhereThereIsNoKeyPoint) {
+TEST_F(Tracker, FallsBackToDenseAlignmentWithoutKeypoints) {
   previous_ = TrackedFrame{soft_wall(world_.camera, 0), SE3{}, {}};
-  const SE3 truth = looking(0, {0.02, 0, 0});
+  const SE3 truth = camera_at(0, {0.02, 0, 0});
   const PreparedFrame frame = soft_wall(world_.camera, 0.02);
   TrackingOptions options;
-  const TrackResult result = track(frame, previous_, view_, unsure(SE3{}), world_.camera, options, 4);
+  const TrackResult result = track(frame, previous_, local_map_, uncertain(SE3{}), world_.camera, options, 4);
   EXPECT_EQ(result.status, TrackStatus::kDenseOnly);
   EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.001);
   EXPECT_LT(test::angle_rad(result.T_reference_camera, truth), 0.001);
 
   options.icp.photometric_weight = 0;
-  const TrackResult by_depth = track(frame, previous_, view_, unsure(SE3{}), world_.camera, options, 4);
+  const TrackResult by_depth =
+      track(frame, previous_, local_map_, uncertain(SE3{}), world_.camera, options, 4);
   EXPECT_EQ(by_depth.status, TrackStatus::kDenseOnly);
   EXPECT_GT(test::distance_m(by_depth.T_reference_camera, truth), 0.015) << "a wall does not hold it";
   EXPECT_LT(by_depth.information(0, 0), 0.01 * result.information(0, 0)) << "and it knows";
 }
 
 TEST_F(Tracker, GivesTheSameResultTwice) {
-  const SE3 truth = looking(0.35, {0.15, 0.05, 0.1});
+  const SE3 truth = camera_at(0.35, {0.15, 0.05, 0.1});
   const TrackResult a = track_at(truth, SE3{}), b = track_at(truth, SE3{});
   EXPECT_EQ(a.T_reference_camera.matrix(), b.T_reference_camera.matrix());
   EXPECT_EQ(a.matches.size(), b.matches.size());
 }
 
-TEST_F(Tracker, ItsInformationIsHonest) {
+TEST_F(Tracker, InformationIsConsistentWithTheErrors) {
   // The squared error in units of the claimed information has mean 6 (chi2 with 6 degrees of freedom).
   double sum = 0;
   constexpr int kTrials = 40;
   for (uint64_t trial = 0; trial < kTrials; ++trial) {
-    const SE3 truth = looking(0.01 * static_cast<double>(trial % 5), {0.02, 0, 0.01});
+    const SE3 truth = camera_at(0.01 * static_cast<double>(trial % 5), {0.02, 0, 0.01});
     const auto view = test::observe(world_, truth, {1.0, 2.85e-3, 12, 0.2}, 100 + trial);
     // Exact landmarks: what is tested is the frame's own noise.
-    LocalView exact = view_;
+    LocalMap exact = local_map_;
     for (size_t i = 0; i < exact.size(); ++i) {
       for (const auto& [point, landmark] : built_.landmark_of_point) {
         if (landmark == exact.ids[i]) exact.p_reference[i] = world_.p_world[point];
       }
     }
     const TrackResult result =
-        track(test::make_frame(1, view), previous_, exact, unsure(truth), world_.camera, {}, trial);
+        track(test::make_frame(1, view), previous_, exact, uncertain(truth), world_.camera, {}, trial);
     ASSERT_EQ(result.status, TrackStatus::kTracked);
     const Vector6d error = (result.T_reference_camera.inverse() * truth).log();
     sum += error.dot(result.information * error);
@@ -152,10 +154,10 @@ TEST_F(Tracker, ItsInformationIsHonest) {
   EXPECT_LT(sum / kTrials, 12.0);
 }
 
-TEST(MotionModel, CarriesTheVelocityOn) {
+TEST(MotionModel, ExtrapolatesTheVelocity) {
   MotionModel motion;
   EXPECT_EQ(motion.predict(1'000'000).T.translation.norm(), 0);
-  const SE3 step = looking(0.02, {0.01, 0, 0});
+  const SE3 step = camera_at(0.02, {0.01, 0, 0});
   motion.update(step, 33'000'000);
   EXPECT_LT((motion.predict(33'000'000).T.inverse() * step).log().norm(), 1e-12);
   EXPECT_LT((motion.predict(66'000'000).T.inverse() * (step * step)).log().norm(), 1e-12);
@@ -166,9 +168,9 @@ TEST(MotionModel, CarriesTheVelocityOn) {
   EXPECT_EQ(motion.predict(33'000'000).T.translation.norm(), 0);
 }
 
-TEST(MotionModel, ItsUncertaintyGrowsWithTime) {
+TEST(MotionModel, UncertaintyGrowsWithTime) {
   MotionModel motion;
-  motion.update(looking(0.02, {0.01, 0, 0}), 33'000'000);
+  motion.update(camera_at(0.02, {0.01, 0, 0}), 33'000'000);
   const PredictedPose soon = motion.predict(33'000'000), late = motion.predict(330'000'000);
   EXPECT_GT(soon.sigma_m, 0);
   EXPECT_GT(soon.sigma_rad, 0);
@@ -178,7 +180,7 @@ TEST(MotionModel, ItsUncertaintyGrowsWithTime) {
   EXPECT_GT(motion.predict(33'000'000).sigma_m, soon.sigma_m);  // nothing known is less than something
 }
 
-TEST(MotionModel, ItsUncertaintyIsThatOfTheMotion) {
+TEST(MotionModel, UncertaintyFollowsTheMotion) {
   // Velocities that walk at random, as the model assumes them to: its claims must hold on average.
   Random random(5);
   MotionModel motion;
@@ -215,40 +217,40 @@ class KeyframePolicy : public testing::Test {
   TrackResult result_;
 };
 
-TEST_F(KeyframePolicy, AStandingCameraNeedsNone) {
+TEST_F(KeyframePolicy, NoKeyframeForAStationaryCamera) {
   EXPECT_FALSE(asks(SE3{}, 30, 300));
 }
 
-TEST_F(KeyframePolicy, TurningOrMovingFarNeedsOne) {
-  EXPECT_TRUE(asks(looking(0.5, {0, 0, 0}), 300, 300));
-  EXPECT_TRUE(asks(looking(0, {1, 0, 0}), 300, 300));
-  EXPECT_FALSE(asks(looking(0.02, {0.02, 0, 0}), 300, 300));
+TEST_F(KeyframePolicy, LargeRotationOrTranslationTriggersAKeyframe) {
+  EXPECT_TRUE(asks(camera_at(0.5, {0, 0, 0}), 300, 300));
+  EXPECT_TRUE(asks(camera_at(0, {1, 0, 0}), 300, 300));
+  EXPECT_FALSE(asks(camera_at(0.02, {0.02, 0, 0}), 300, 300));
 }
 
-TEST_F(KeyframePolicy, AThinningViewNeedsOneOnceTheCameraMoves) {
-  EXPECT_TRUE(asks(looking(0.1, {0.05, 0, 0}), 100, 300));
-  EXPECT_FALSE(asks(looking(0.1, {0.05, 0, 0}), 290, 300));
+TEST_F(KeyframePolicy, LowOverlapTriggersAKeyframeOnceTheCameraMoves) {
+  EXPECT_TRUE(asks(camera_at(0.1, {0.05, 0, 0}), 100, 300));
+  EXPECT_FALSE(asks(camera_at(0.1, {0.05, 0, 0}), 290, 300));
 }
 
-TEST_F(KeyframePolicy, OneThatIsNearIsEnough) {
+TEST_F(KeyframePolicy, NoKeyframeNearAnExistingOne) {
   result_.status = TrackStatus::kTracked;
   result_.stats.inliers = 100;  // of 300: the view thins out
-  const SE3 far_off = looking(0.5, {1, 0, 0}), on_the_way = looking(0.15, {0, 0, 0}),
-            near_by = looking(0.01, {0.01, 0, 0});
+  const SE3 far_off = camera_at(0.5, {1, 0, 0}), on_the_way = camera_at(0.15, {0, 0, 0}),
+            near_by = camera_at(0.01, {0.01, 0, 0});
   EXPECT_TRUE(needs_keyframe({result_, frame_, {far_off, on_the_way}, 5, 300}, {}));
   EXPECT_FALSE(needs_keyframe({result_, frame_, {far_off, near_by}, 5, 300}, {}));
 }
 
-TEST(MotionsFromKeyframes, AreThoseOfTheLastAndOfThoseThatShowTheSame) {
+TEST(MotionsFromKeyframes, CoverTheLastAndTheCovisibleKeyframes) {
   const auto world = test::make_world(3000, 1);
-  const std::vector<SE3> poses{SE3{}, looking(0.1, {0.1, 0, 0}), looking(3.1, {0, 0, 0}),
-                               looking(3.1, {0, 0.1, 0})};
+  const std::vector<SE3> poses{SE3{}, camera_at(0.1, {0.1, 0, 0}), camera_at(3.1, {0, 0, 0}),
+                               camera_at(3.1, {0, 0.1, 0})};
   test::SyntheticMap built;
   for (const SE3& pose : poses) test::add_view(built, world, test::observe(world, pose, {}, 2), pose);
   TrackResult result;
   result.status = TrackStatus::kTracked;
   result.reference = KeyframeId{0};
-  result.T_reference_camera = looking(0.05, {0.05, 0, 0});
+  result.T_reference_camera = camera_at(0.05, {0.05, 0, 0});
   const auto& landmark_of = built.map.keyframe(KeyframeId{0}).landmark_of;
   for (uint32_t i = 0; i < landmark_of.size(); ++i) {
     if (landmark_of[i].valid()) result.matches.push_back({landmark_of[i], i});
@@ -263,9 +265,9 @@ TEST(MotionsFromKeyframes, AreThoseOfTheLastAndOfThoseThatShowTheSame) {
   EXPECT_EQ(motions_from_keyframes(built.map, result, KeyframeId{3}).size(), 1U);
 }
 
-TEST_F(KeyframePolicy, ALostFrameNeverBecomesOne) {
+TEST_F(KeyframePolicy, ALostFrameNeverBecomesAKeyframe) {
   result_.status = TrackStatus::kLost;
-  EXPECT_FALSE(needs_keyframe({result_, frame_, {looking(1, {1, 1, 1})}, 5, 300}, {}));
+  EXPECT_FALSE(needs_keyframe({result_, frame_, {camera_at(1, {1, 1, 1})}, 5, 300}, {}));
 }
 
 }  // namespace

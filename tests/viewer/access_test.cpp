@@ -7,34 +7,34 @@
 namespace kinloop {
 namespace {
 
-const AccessRules kHere{true, ""};
-const AccessRules kAnywhere{false, "secret"};
+const AccessPolicy kHere{true, ""};
+const AccessPolicy kAnywhere{false, "secret"};
 
-TEST(Access, ThisMachineMayEnterUnderItsOwnNamesAlone) {
+TEST(Access, LoopbackIsAuthorizedOnlyUnderLoopbackNames) {
   for (const char* host : {"localhost:8080", "127.0.0.1:8080", "[::1]:8080", "localhost", "127.0.0.2:9"}) {
-    EXPECT_TRUE(may_enter({host, std::nullopt, ""}, kHere)) << host;
+    EXPECT_TRUE(is_authorized({host, std::nullopt, ""}, kHere)) << host;
   }
   // A name that someone made to point here (DNS rebinding), and things that are no names.
   for (const char* host : {"evil.example:8080", "localhost.evil.example:8080", "127.0.0.1.evil.example",
                            "128.0.0.1", "", ":", "]:"}) {
-    EXPECT_FALSE(may_enter({host, std::nullopt, ""}, kHere)) << host;
+    EXPECT_FALSE(is_authorized({host, std::nullopt, ""}, kHere)) << host;
   }
 }
 
-TEST(Access, PagesOfOthersMayNot) {
-  EXPECT_TRUE(may_enter({"localhost:8080", "http://localhost:8080", ""}, kHere));
+TEST(Access, ForeignOriginsAreRejected) {
+  EXPECT_TRUE(is_authorized({"localhost:8080", "http://localhost:8080", ""}, kHere));
   for (const char* origin : {"http://evil.example", "http://localhost:9090", "https://localhost:8080", "null",
                              "", "http://localhost:8080.evil.example", "http://localhost"}) {
-    EXPECT_FALSE(may_enter({"localhost:8080", origin, ""}, kHere)) << origin;
-    EXPECT_FALSE(may_enter({"robot:8080", origin, "secret"}, kAnywhere)) << origin;
+    EXPECT_FALSE(is_authorized({"localhost:8080", origin, ""}, kHere)) << origin;
+    EXPECT_FALSE(is_authorized({"robot:8080", origin, "secret"}, kAnywhere)) << origin;
   }
 }
 
-TEST(Access, FromElsewhereTheTokenOpens) {
-  EXPECT_TRUE(may_enter({"robot:8080", std::nullopt, "secret"}, kAnywhere));
-  EXPECT_TRUE(may_enter({"robot:8080", "http://robot:8080", "secret"}, kAnywhere));
+TEST(Access, RemoteAccessRequiresTheToken) {
+  EXPECT_TRUE(is_authorized({"robot:8080", std::nullopt, "secret"}, kAnywhere));
+  EXPECT_TRUE(is_authorized({"robot:8080", "http://robot:8080", "secret"}, kAnywhere));
   for (const char* token : {"", "Secret", "secre", "secrets", "xxxxxx"}) {
-    EXPECT_FALSE(may_enter({"robot:8080", std::nullopt, token}, kAnywhere)) << token;
+    EXPECT_FALSE(is_authorized({"robot:8080", std::nullopt, token}, kAnywhere)) << token;
   }
 }
 
@@ -43,8 +43,8 @@ TEST(Access, TokensDiffer) {
   EXPECT_NE(random_token(), random_token());
 }
 
-TEST(Target, IsAPathAndItsQuery) {
-  const Target target = parse_target("/feed?since=17&run=ab&flag&=x&token=");
+TEST(RequestTarget, IsAPathAndItsQuery) {
+  const RequestTarget target = parse_target("/feed?since=17&run=ab&flag&=x&token=");
   EXPECT_EQ(target.path, "/feed");
   EXPECT_EQ(target.value("since"), "17");
   EXPECT_EQ(target.value("run"), "ab");
@@ -61,9 +61,9 @@ TEST(ListenAddress, HasADefaultForWhatIsNotSaid) {
   EXPECT_EQ(parse_listen_address("9000").address, "127.0.0.1");
   EXPECT_EQ(parse_listen_address("0.0.0.0:9000").address, "0.0.0.0");
   EXPECT_EQ(parse_listen_address("[::1]:9000").address, "::1");
-  EXPECT_TRUE(is_this_machine(parse_listen_address("[::1]:9000")));
-  EXPECT_TRUE(is_this_machine(parse_listen_address("")));
-  EXPECT_FALSE(is_this_machine(parse_listen_address("0.0.0.0:1")));
+  EXPECT_TRUE(is_loopback_address(parse_listen_address("[::1]:9000")));
+  EXPECT_TRUE(is_loopback_address(parse_listen_address("")));
+  EXPECT_FALSE(is_loopback_address(parse_listen_address("0.0.0.0:1")));
 }
 
 TEST(ListenAddress, SaysWhatItWants) {

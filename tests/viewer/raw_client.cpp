@@ -18,8 +18,8 @@ constexpr int kPatienceS = 15;
 
 RawClient::RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
   require(socket_ >= 0, "RawClient: a socket");
-  const timeval patience{kPatienceS, 0};
-  ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  const timeval timeout{kPatienceS, 0};
+  ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<uint16_t>(port));

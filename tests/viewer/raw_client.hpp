@@ -8,7 +8,7 @@
 
 namespace kinloop::test {
 
-/// A message of the viewer: see viewer/scene/wire.hpp.
+/// A message of the viewer: see viewer/scene/wire_format.hpp.
 struct ReceivedPart {
   uint32_t kind = 0;
   uint32_t index = 0;

@@ -13,7 +13,7 @@
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/output/ply.hpp"
+#include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "viewer/run_control.hpp"
 #include "viewer/saved_run.hpp"
@@ -29,7 +29,7 @@ RgbdCamera small_camera() {
   return camera;
 }
 
-/// A wall at 2 m, red on the left and blue on the right, with one key point in the middle.
+/// A wall at 2 m, red on the left and blue on the right, with one keypoint in the middle.
 PreparedFrame wall_frame(uint32_t id) {
   PreparedFrame frame;
   frame.id = FrameId{id};
@@ -75,7 +75,7 @@ class FakeRun {
 
 class RunSceneTest : public testing::Test {
  protected:
-  void update(bool watched = true) { shown_.take_in(feed_.take(), {}, watched); }
+  void update(bool watched = true) { run_scene_.update(feed_.take(), {}, watched); }
 
   std::optional<ScenePart> part(PartKind kind, uint32_t index = 0) {
     uint64_t seen = 0;
@@ -101,7 +101,7 @@ class RunSceneTest : public testing::Test {
   RunFeed feed_{options_};
   FakeRun run_{feed_};
   Scene scene_{"run"};
-  RunScene shown_{scene_, {"sequence", 10, small_camera(), {}, options_}};
+  RunScene run_scene_{scene_, {"sequence", 10, small_camera(), {}, options_}};
 };
 
 TEST_F(RunSceneTest, ShowsKeyframesPathCameraImagesAndStatus) {
@@ -136,7 +136,7 @@ TEST_F(RunSceneTest, WithoutNewsNothingChanges) {
   EXPECT_EQ(last(), before);
 }
 
-TEST_F(RunSceneTest, WhenTheMapBendsOnlyPosesAreSent) {
+TEST_F(RunSceneTest, AMapCorrectionSendsOnlyPoses) {
   for (int i = 0; i < 200; ++i) {
     run_.frame();
     update();
@@ -146,7 +146,7 @@ TEST_F(RunSceneTest, WhenTheMapBendsOnlyPosesAreSent) {
   ASSERT_TRUE(cloud && path && later);
   MapUpdate bend;
   bend.T_world_camera = {{KeyframeId{3}, SE3{Eigen::Quaterniond::Identity(), {1, 2, 3}}}};
-  bend.newest_seen = KeyframeId{99};
+  bend.newest_keyframe = KeyframeId{99};
   ASSERT_TRUE(run_.map().apply(bend));
   feed_.on_map(run_.map());
   update();
@@ -164,7 +164,7 @@ TEST_F(RunSceneTest, LostFramesLeaveAGap) {
   EXPECT_EQ(status()["tracking"], "lost");
 }
 
-TEST_F(RunSceneTest, NobodyWatchesNoImagesAreMade) {
+TEST_F(RunSceneTest, NoImagesAreEncodedWithoutClients) {
   run_.frame();
   update(false);
   EXPECT_FALSE(part(PartKind::kColorImage));
@@ -180,7 +180,7 @@ TEST_F(RunSceneTest, TheSameWallIsSentOnce) {
   EXPECT_LT(status()["points"].get<size_t>(), points + points / 5);  // the new 5 cm at its side alone
 }
 
-TEST_F(RunSceneTest, TheLastPathTakesThePlaceOfTheFirst) {
+TEST_F(RunSceneTest, TheFinalPathReplacesTheLivePath) {
   for (int i = 0; i < 5; ++i) run_.frame();
   update();
   FrameLog log(3);
@@ -195,12 +195,12 @@ TEST_F(RunSceneTest, TheLastPathTakesThePlaceOfTheFirst) {
   EXPECT_FLOAT_EQ(number(PartKind::kPath, 0, 1), 9);
 }
 
-TEST_F(RunSceneTest, WhenNobodyTakesTheNewsTheyStaySmall) {
+TEST_F(RunSceneTest, UnreadEventsStayBounded) {
   for (int i = 0; i < 500; ++i) run_.frame();
-  const RunNews news = feed_.take();
-  EXPECT_EQ(news.keyframes.size(), RunFeed::kMostKeyframesWaiting);
-  EXPECT_EQ(news.keyframes.back().keyframe, KeyframeId{249});
-  EXPECT_EQ(news.frames.size(), 500U);
+  const RunEvents events = feed_.take();
+  EXPECT_EQ(events.keyframes.size(), RunFeed::kMaxQueuedKeyframes);
+  EXPECT_EQ(events.keyframes.back().keyframe, KeyframeId{249});
+  EXPECT_EQ(events.frames.size(), 500U);
   EXPECT_TRUE(feed_.take().frames.empty());
 }
 
@@ -224,15 +224,16 @@ TEST(Shuffled, IsTheSameCloudInAnotherOrderTheSameEveryTime) {
   EXPECT_EQ(shuffled(cloud).points, mixed.points);
 }
 
-TEST(RunControl, GivesLeaveUnlessItIsPaused) {
+TEST(RunControl, ProceedsUnlessPaused) {
   RunControl control;
   const auto never = [] { return false; };
-  EXPECT_EQ(control.next_turn(never), RunControl::Turn::kFrame);
-  control.ask_to_save();
-  EXPECT_EQ(control.next_turn(never), RunControl::Turn::kSave);
-  EXPECT_EQ(control.next_turn(never), RunControl::Turn::kFrame);
+  EXPECT_EQ(control.next_action(never), RunControl::Action::kProcessFrame);
+  control.request_save();
+  EXPECT_EQ(control.next_action(never), RunControl::Action::kSaveMap);
+  EXPECT_EQ(control.next_action(never), RunControl::Action::kProcessFrame);
   control.pause();
-  EXPECT_EQ(control.next_turn([] { return true; }), RunControl::Turn::kFrame);  // the run shall end
+  EXPECT_EQ(control.next_action([] { return true; }),
+            RunControl::Action::kProcessFrame);  // the run shall end
 }
 
 TEST(RunControl, AStepIsOneFrameAndSavingIsNoStep) {
@@ -242,8 +243,8 @@ TEST(RunControl, AStepIsOneFrameAndSavingIsNoStep) {
   std::atomic<bool> stop = false;
   std::thread run([&] {
     while (!stop) {
-      const auto turn = control.next_turn([&] { return stop.load(); });
-      if (!stop) ++(turn == RunControl::Turn::kSave ? saves : frames);
+      const auto action = control.next_action([&] { return stop.load(); });
+      if (!stop) ++(action == RunControl::Action::kSaveMap ? saves : frames);
     }
   });
   const auto becomes = [](const std::atomic<int>& count, int value) {
@@ -253,7 +254,7 @@ TEST(RunControl, AStepIsOneFrameAndSavingIsNoStep) {
   };
   control.step();
   EXPECT_TRUE(becomes(frames, 1));
-  control.ask_to_save();
+  control.request_save();
   EXPECT_TRUE(becomes(saves, 1));
   control.step();
   control.step();

@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/output/mesh_file.hpp"
-#include "kinloop/output/ply.hpp"
+#include "kinloop/io/mesh_file.hpp"
+#include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "viewer/scene/saved_cloud.hpp"
@@ -85,7 +85,7 @@ TEST_F(SavedRunTest, OfAGlbFileIsItsBytes) {
   EXPECT_EQ(*part(run, PartKind::kModel)->body, Bytes(bytes.begin(), bytes.end()));
 }
 
-TEST_F(SavedRunTest, ADamagedGlbIsToldOfBeforeABrowserOpens) {
+TEST_F(SavedRunTest, ADamagedGlbIsReportedBeforeServing) {
   write_mesh(folder_.path() / "m.glb", triangle());
   const std::string good = read_file(folder_.path() / "m.glb");
   const auto edited = [&](const std::string& from, const std::string& to) {
@@ -95,7 +95,7 @@ TEST_F(SavedRunTest, ADamagedGlbIsToldOfBeforeABrowserOpens) {
   };
   EXPECT_THAT(error("a.glb", "<html>"), HasSubstr("a.glb: not a GLB file"));
   EXPECT_THAT(error("a.glb", "glTF"), HasSubstr("not a GLB file"));
-  EXPECT_THAT(error("a.glb", good.substr(0, good.size() - 4)), HasSubstr("cut short"));
+  EXPECT_THAT(error("a.glb", good.substr(0, good.size() - 4)), HasSubstr("truncated"));
   EXPECT_THAT(error("a.glb", edited("\"asset\"", "\"asset,")), HasSubstr("JSON part is damaged"));
   EXPECT_THAT(error("a.glb", edited("\"POSITION\"", "\"POSITIVE\"")), HasSubstr("no positions"));
   EXPECT_THAT(error("a.glb", edited("\"meshes\"", "\"mashes\"")), HasSubstr("holds no mesh"));
@@ -104,7 +104,7 @@ TEST_F(SavedRunTest, ADamagedGlbIsToldOfBeforeABrowserOpens) {
   std::string index = good;
   constexpr size_t kNormalBytes = 3 * 3 * sizeof(float);     // stand behind the triangles
   index[good.size() - kNormalBytes - sizeof(uint32_t)] = 3;  // the last corner of the triangle
-  EXPECT_THAT(error("a.glb", index), HasSubstr("names vertex 3 of 3"));
+  EXPECT_THAT(error("a.glb", index), HasSubstr("refers to vertex 3 of 3"));
 }
 
 TEST_F(SavedRunTest, SaysWhatCannotBeShown) {
@@ -124,7 +124,7 @@ TEST(SavedCloud, FarPointsDoNotCoarsenTheOthers) {
   for (int i = 0; i < 1000; ++i) cloud.points.emplace_back(0.001F * static_cast<float>(i), 0.5F, 0.1F);
   cloud.points.emplace_back(1e6F, 0, 0);
   cloud.colors.resize(cloud.points.size());
-  const auto pieces = pieces_of(cloud);
+  const auto pieces = split_into_pieces(cloud);
   ASSERT_EQ(pieces.size(), 2U);
   EXPECT_EQ(pieces[0].cloud.size(), 1000U);
   float unit_m = 0;

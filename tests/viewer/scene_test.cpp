@@ -82,7 +82,7 @@ T at(const Bytes& bytes, size_t offset) {
 }
 
 TEST(Wire, TheHeadTellsKindIndexAndVersion) {
-  const auto head = encode_head(PartKind::kCloud, 7, 123456789012345);
+  const auto head = encode_header(PartKind::kCloud, 7, 123456789012345);
   const Bytes bytes(head.begin(), head.end());
   EXPECT_EQ(at<uint32_t>(bytes, 0), 7U);
   EXPECT_EQ(at<uint32_t>(bytes, 4), 7U);

@@ -108,7 +108,7 @@ TEST(ViewerServer, TakesNothingButShortGetRequests) {
   EXPECT_THAT(RawClient(served.port()).get("/"), StartsWith("HTTP/1.1 200"));
 }
 
-TEST(ViewerServer, ShutsOutPagesOfOthersAndNamesMadeToPointHere) {
+TEST(ViewerServer, RejectsForeignOriginsAndDnsRebinding) {
   const Served served;
   EXPECT_THAT(RawClient(served.port()).get("/", "", "evil.example"), StartsWith("HTTP/1.1 403"));
   EXPECT_FALSE(RawClient(served.port()).open_feed("/feed", "Origin: http://evil.example\r\n"));
@@ -153,7 +153,7 @@ TEST(ViewerServer, SendsEveryPartAndAfterABreakOnlyTheRest) {
   EXPECT_EQ(stranger.next_part()->index, 0U);
 }
 
-TEST(ViewerServer, ObeysCommands) {
+TEST(ViewerServer, DispatchesCommands) {
   Served served;
   RawClient client(served.port());
   ASSERT_TRUE(client.open_feed());
@@ -199,7 +199,7 @@ double resident_mib() {
   return resident / kPagesPerMib;
 }
 
-TEST(ViewerServer, ABrowserThatStopsReadingCostsNothingAndHoldsUpNobody) {
+TEST(ViewerServer, AStalledBrowserDoesNotBlockOthers) {
   Served served;
   std::vector<RawClient> stalled;
   for (int i = 0; i < 3; ++i) {
@@ -226,7 +226,7 @@ TEST(ViewerServer, ABrowserThatStopsReadingCostsNothingAndHoldsUpNobody) {
   EXPECT_LT(resident_mib() - before_mib, 400);
 }
 
-TEST(ViewerServer, AThousandIdleConnectionsTakeFewDescriptorsAndHarmNobody) {
+TEST(ViewerServer, IdleConnectionsAreLimited) {
   rlimit files{};
   getrlimit(RLIMIT_NOFILE, &files);
   files.rlim_cur = files.rlim_max;

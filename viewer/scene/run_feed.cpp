@@ -5,59 +5,60 @@
 namespace kinloop {
 namespace {
 
-MapNews outline_of(const Map& map) {
-  MapNews news;
-  for (const Keyframe& keyframe : map.keyframes()) news.T_world_keyframe.push_back(keyframe.T_world_camera);
-  for (const LoopEdge& edge : map.loop_edges()) news.loops.emplace_back(edge.a, edge.b);
-  news.landmarks = map.landmark_count();
-  return news;
+MapSummary outline_of(const Map& map) {
+  MapSummary summary;
+  for (const Keyframe& keyframe : map.keyframes())
+    summary.T_world_keyframe.push_back(keyframe.T_world_camera);
+  for (const LoopEdge& edge : map.loop_edges()) summary.loops.emplace_back(edge.a, edge.b);
+  summary.landmarks = map.landmark_count();
+  return summary;
 }
 
 }  // namespace
 
 void RunFeed::on_frame(const FrameResult& result, const PreparedFrame& frame) {
-  const FrameNews news{result.stamp_ns,           result.status,       result.relocalized, result.reference,
-                       result.T_reference_camera, result.stats.inliers};
-  ImageNews image{result.keyframe, frame.color, frame.depth_m, frame.features, result.matches};
+  const FrameEvent event{result.stamp_ns,           result.status,       result.relocalized, result.reference,
+                         result.T_reference_camera, result.stats.inliers};
+  ImageEvent image{result.keyframe, frame.color, frame.depth_m, frame.features, result.matches};
   const std::lock_guard lock(mutex_);
-  news_.frames.push_back(news);
+  events_.frames.push_back(event);
   if (result.keyframe.valid()) {
-    if (news_.keyframes.size() == kMostKeyframesWaiting) news_.keyframes.pop_front();
-    news_.keyframes.push_back(image);
+    if (events_.keyframes.size() == kMaxQueuedKeyframes) events_.keyframes.pop_front();
+    events_.keyframes.push_back(image);
   }
-  news_.latest = std::move(image);
+  events_.latest = std::move(image);
 }
 
 void RunFeed::on_map(const Map& map) {
-  MapNews outline = outline_of(map);
+  MapSummary outline = outline_of(map);
   std::vector<std::pair<KeyframeId, KeyframeId>> covisible;
-  for (; keyframes_told_ < map.keyframes().size(); ++keyframes_told_) {
-    const KeyframeId newer = map.keyframes()[keyframes_told_].id;
-    const auto neighbors = map.covisible(newer, options_.min_shared);
+  for (; keyframes_reported_ < map.keyframes().size(); ++keyframes_reported_) {
+    const KeyframeId newer = map.keyframes()[keyframes_reported_].id;
+    const auto neighbors = map.covisible_keyframes(newer, options_.min_shared_landmarks);
     const size_t count = std::min(neighbors.size(), static_cast<size_t>(options_.max_neighbors));
     for (size_t i = 0; i < count; ++i) covisible.emplace_back(neighbors[i].first, newer);
   }
   const std::lock_guard lock(mutex_);
-  news_.map = std::move(outline);
-  news_.covisible.insert(news_.covisible.end(), covisible.begin(), covisible.end());
+  events_.map = std::move(outline);
+  events_.covisible.insert(events_.covisible.end(), covisible.begin(), covisible.end());
 }
 
 void RunFeed::on_finish(std::span<const LoggedFrame> log, const Map& map) {
-  std::vector<FrameNews> frames;
+  std::vector<FrameEvent> frames;
   for (const LoggedFrame& entry : log) {
     frames.push_back({entry.stamp_ns, entry.status, false, entry.reference, entry.T_reference_camera,
                       static_cast<int>(entry.observations.size())});
   }
-  MapNews outline = outline_of(map);
+  MapSummary outline = outline_of(map);
   const std::lock_guard lock(mutex_);
-  news_.from_start = true;
-  news_.frames = std::move(frames);
-  news_.map = std::move(outline);
+  events_.replaces_all = true;
+  events_.frames = std::move(frames);
+  events_.map = std::move(outline);
 }
 
-RunNews RunFeed::take() {
+RunEvents RunFeed::take() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(news_, {});
+  return std::exchange(events_, {});
 }
 
 }  // namespace kinloop

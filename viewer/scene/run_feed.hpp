@@ -1,5 +1,5 @@
 #pragma once
-// In: what Slam tells, on its thread. Out: the news since they were last taken, on the viewer's. Holds the
+// In: what Slam tells, on its thread. Out: the events since they were last taken, on the viewer's. Holds the
 // latest state and small facts; never makes Slam wait.
 
 #include <deque>
@@ -11,12 +11,12 @@
 #include "kinloop/slam/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "viewer/options.hpp"
-#include "viewer/scene/wire.hpp"
+#include "viewer/scene/wire_format.hpp"
 
 namespace kinloop {
 
 /// Where one frame was, and how it was found.
-struct FrameNews {
+struct FrameEvent {
   int64_t stamp_ns = 0;
   TrackStatus status = TrackStatus::kLost;
   bool relocalized = false;
@@ -26,7 +26,7 @@ struct FrameNews {
 };
 
 /// The images of a frame.
-struct ImageNews {
+struct ImageEvent {
   KeyframeId keyframe;  ///< where it is one
   cv::Mat color, depth_m;
   std::shared_ptr<const Features> features;
@@ -34,26 +34,26 @@ struct ImageNews {
 };
 
 /// The map in outline.
-struct MapNews {
+struct MapSummary {
   std::vector<SE3> T_world_keyframe;
   std::vector<std::pair<KeyframeId, KeyframeId>> loops;
   size_t landmarks = 0;
 };
 
 /// All that happened since the last time.
-struct RunNews {
-  bool from_start = false;  ///< `frames` are all frames of the run, refined, not those since the last time
-  std::vector<FrameNews> frames;
-  std::optional<ImageNews> latest;
-  std::deque<ImageNews> keyframes;
+struct RunEvents {
+  bool replaces_all = false;  ///< `frames` are all frames of the run, refined, not those since the last time
+  std::vector<FrameEvent> frames;
+  std::optional<ImageEvent> latest;
+  std::deque<ImageEvent> keyframes;
   std::vector<std::pair<KeyframeId, KeyframeId>> covisible;  ///< (older, newer) of new keyframes
-  std::optional<MapNews> map;
+  std::optional<MapSummary> map;
 };
 
 class RunFeed : public Listener {
  public:
   /// Images of keyframes that wait at most; the oldest is dropped, and its points with it.
-  static constexpr size_t kMostKeyframesWaiting = 32;
+  static constexpr size_t kMaxQueuedKeyframes = 32;
 
   explicit RunFeed(const ViewerOptions& options) : options_(options) {}
 
@@ -63,14 +63,14 @@ class RunFeed : public Listener {
   /// The path as it is known at the end.
   void on_finish(std::span<const LoggedFrame> log, const Map& map);
 
-  /// The news, which are none after that.
-  RunNews take();
+  /// The events, which are none after that.
+  RunEvents take();
 
  private:
   ViewerOptions options_;
-  size_t keyframes_told_ = 0;
+  size_t keyframes_reported_ = 0;
   std::mutex mutex_;
-  RunNews news_;  // guarded by the mutex
+  RunEvents events_;  // guarded by the mutex
 };
 
 }  // namespace kinloop

@@ -6,8 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/eval/evaluate.hpp"
 #include "kinloop/geometry/up_direction.hpp"
+#include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {
 namespace {
@@ -28,16 +28,16 @@ cv::Mat resized(const cv::Mat& image, int width_px, int interpolation) {
 }
 
 /// Near is warm, far is cold, unknown is black.
-cv::Mat depth_picture(const cv::Mat& depth_m, double max_m) {
+cv::Mat depth_image(const cv::Mat& depth_m, double max_depth_m) {
   constexpr double kGrays = 255;
   cv::Mat grays, colors;
-  depth_m.convertTo(grays, CV_8U, -kGrays / max_m, kGrays);
+  depth_m.convertTo(grays, CV_8U, -kGrays / max_depth_m, kGrays);
   cv::applyColorMap(grays, colors, cv::COLORMAP_TURBO);
   colors.setTo(cv::Scalar::all(0), depth_m <= 0);
   return colors;
 }
 
-std::vector<ShownFeature> shown_features(const ImageNews& image) {
+std::vector<ShownFeature> shown_features(const ImageEvent& image) {
   const Eigen::Vector2f size(static_cast<float>(image.color.cols), static_cast<float>(image.color.rows));
   std::vector<ShownFeature> shown;
   for (const Eigen::Vector2f& pixel : image.features->raw_pixels)
@@ -46,13 +46,13 @@ std::vector<ShownFeature> shown_features(const ImageNews& image) {
   return shown;
 }
 
-const char* status_name(const FrameNews& frame) {
+const char* status_name(const FrameEvent& frame) {
   if (frame.relocalized) return "relocalised";
   switch (frame.status) {
     case TrackStatus::kTracked:
       return "tracking";
     case TrackStatus::kDenseOnly:
-      return "by depth and grey values alone";
+      return "by depth and intensities alone";
     case TrackStatus::kLost:
       return "lost";
   }
@@ -61,37 +61,37 @@ const char* status_name(const FrameNews& frame) {
 
 }  // namespace
 
-RunScene::RunScene(Scene& scene, RunBasics basics)
-    : scene_(scene), basics_(std::move(basics)), cloud_(basics_.camera.color, basics_.options) {
-  const PinholeCamera& camera = basics_.camera.color;
+RunScene::RunScene(Scene& scene, RunInfo info)
+    : scene_(scene), info_(std::move(info)), cloud_(info_.camera.color, info_.options) {
+  const PinholeCamera& camera = info_.camera.color;
   scene_.put(PartKind::kHello, 0,
              encode_json({{"run", scene_.run()},
-                          {"input", basics_.input},
+                          {"input", info_.input},
                           {"live", true},
                           {"frustum", {(camera.width / camera.fx) / 2, (camera.height / camera.fy) / 2}}}));
   std::vector<Eigen::Vector3f> truth;
-  for (const auto& pose : basics_.truth) truth.emplace_back(pose.T_world_camera.translation.cast<float>());
+  for (const auto& pose : info_.truth) truth.emplace_back(pose.T_world_camera.translation.cast<float>());
   if (!truth.empty()) scene_.put(PartKind::kTruth, 0, encode_points(truth));
 }
 
-void RunScene::take_in(const RunNews& news, const RunState& state, bool watched) {
-  if (news.map) take_map(*news.map);
-  take_frames(news);
-  for (const ImageNews& image : news.keyframes) take_keyframe(image);
-  if (!news.covisible.empty()) {
+void RunScene::update(const RunEvents& events, const RunState& state, bool watched) {
+  if (events.map) update_map(*events.map);
+  add_frames(events);
+  for (const ImageEvent& image : events.keyframes) add_keyframe(image);
+  if (!events.covisible.empty()) {
     const size_t first = covisible_.size();
-    covisible_.insert(covisible_.end(), news.covisible.begin(), news.covisible.end());
+    covisible_.insert(covisible_.end(), events.covisible.begin(), events.covisible.end());
     put_parts(scene_, PartKind::kCovisibility, first, covisible_.size(), [this](size_t begin, size_t end) {
       return encode_pairs(std::span(covisible_).subspan(begin, end - begin));
     });
   }
-  if (!basics_.truth.empty() && (news.from_start || Clock::now() >= next_comparison_)) compare_with_truth();
-  if (news.latest && watched && Clock::now() >= next_image_) show_images(*news.latest);
+  if (!info_.truth.empty() && (events.replaces_all || Clock::now() >= next_comparison_)) compare_with_truth();
+  if (events.latest && watched && Clock::now() >= next_image_) show_images(*events.latest);
   show_camera();
   show_status(state);
 }
 
-void RunScene::take_map(const MapNews& map) {
+void RunScene::update_map(const MapSummary& map) {
   map_ = map;
   put_parts(scene_, PartKind::kKeyframes, 0, map_.T_world_keyframe.size(), [this](size_t begin, size_t end) {
     return encode_poses(std::span(map_.T_world_keyframe).subspan(begin, end - begin));
@@ -99,12 +99,12 @@ void RunScene::take_map(const MapNews& map) {
   scene_.put(PartKind::kLoops, 0, encode_pairs(map_.loops));
 }
 
-void RunScene::take_frames(const RunNews& news) {
-  if (news.frames.empty()) return;
-  if (news.from_start) frames_.clear();
+void RunScene::add_frames(const RunEvents& events) {
+  if (events.frames.empty()) return;
+  if (events.replaces_all) frames_.clear();
   const size_t first = frames_.size();
-  frames_.insert(frames_.end(), news.frames.begin(), news.frames.end());
-  relocalizations_ += static_cast<size_t>(std::count_if(news.frames.begin(), news.frames.end(),
+  frames_.insert(frames_.end(), events.frames.begin(), events.frames.end());
+  relocalizations_ += static_cast<size_t>(std::count_if(events.frames.begin(), events.frames.end(),
                                                         [](const auto& frame) { return frame.relocalized; }));
   show_path(first);
 }
@@ -113,7 +113,7 @@ void RunScene::show_path(size_t first) {
   put_parts(scene_, PartKind::kPath, first, frames_.size(), [this](size_t begin, size_t end) {
     std::vector<PathPoint> points;
     for (size_t i = begin; i < end; ++i) {
-      const FrameNews& frame = frames_[i];
+      const FrameEvent& frame = frames_[i];
       const bool lost = frame.status == TrackStatus::kLost;
       const Eigen::Vector3f nowhere = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
       points.push_back(
@@ -123,31 +123,31 @@ void RunScene::show_path(size_t first) {
   });
 }
 
-void RunScene::take_keyframe(const ImageNews& image) {
+void RunScene::add_keyframe(const ImageEvent& image) {
   if (image.keyframe.value >= map_.T_world_keyframe.size()) return;
-  const CloudPiece piece =
-      cloud_.take_in(image.keyframe, image.color, image.depth_m, map_.T_world_keyframe[image.keyframe.value]);
+  const CloudPiece piece = cloud_.add_keyframe(image.keyframe, image.color, image.depth_m,
+                                               map_.T_world_keyframe[image.keyframe.value]);
   if (piece.cloud.size() > 0) scene_.put(PartKind::kCloud, image.keyframe.value, encode_cloud(piece));
   if (Clock::now() < next_up_) return;
-  up_ = estimate_up(cloud_.normals(), map_.T_world_keyframe).direction;
+  up_ = estimate_up_direction(cloud_.normals(), map_.T_world_keyframe).direction;
   next_up_ = Clock::now() + std::chrono::seconds(3);
 }
 
-void RunScene::show_images(const ImageNews& image) {
-  const ViewerOptions& options = basics_.options;
+void RunScene::show_images(const ImageEvent& image) {
+  const ViewerOptions& options = info_.options;
   next_image_ =
-      Clock::now() + std::chrono::duration_cast<Clock::duration>(duration<double>(1 / options.images_hz));
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(duration<double>(1 / options.image_rate_hz));
   const cv::Mat color = resized(image.color, options.image_width_px, cv::INTER_AREA);
   const cv::Mat depth = resized(image.depth_m, options.image_width_px, cv::INTER_NEAREST);
   scene_.put(PartKind::kColorImage, 0, jpeg(color, options.jpeg_quality));
-  scene_.put(PartKind::kDepthImage, 0, jpeg(depth_picture(depth, options.max_m), options.jpeg_quality));
+  scene_.put(PartKind::kDepthImage, 0, jpeg(depth_image(depth, options.max_depth_m), options.jpeg_quality));
   scene_.put(PartKind::kFeatures, 0, encode_features(shown_features(image)));
 }
 
 /// Where the last frame was, by the map as it is now.
 void RunScene::show_camera() {
   if (frames_.empty()) return;
-  const FrameNews& frame = frames_.back();
+  const FrameEvent& frame = frames_.back();
   if (frame.status == TrackStatus::kLost || frame.reference.value >= map_.T_world_keyframe.size()) return;
   const SE3 pose = map_.T_world_keyframe[frame.reference.value] * frame.T_reference_camera;
   scene_.put(PartKind::kCamera, 0, encode_poses({&pose, 1}));
@@ -155,7 +155,7 @@ void RunScene::show_camera() {
 
 Trajectory RunScene::path() const {
   Trajectory path;
-  for (const FrameNews& frame : frames_) {
+  for (const FrameEvent& frame : frames_) {
     if (frame.status == TrackStatus::kLost || frame.reference.value >= map_.T_world_keyframe.size()) continue;
     path.push_back({frame.stamp_ns, map_.T_world_keyframe[frame.reference.value] * frame.T_reference_camera});
   }
@@ -164,7 +164,7 @@ Trajectory RunScene::path() const {
 
 void RunScene::compare_with_truth() {
   next_comparison_ = Clock::now() + std::chrono::seconds(1);
-  const auto ate = absolute_trajectory_error(path(), basics_.truth);
+  const auto ate = absolute_trajectory_error(path(), info_.truth);
   if (!ate) return;
   ate_m_ = ate->error_m.rmse;
   const SE3 T_world_truth = ate->T_truth_estimate.inverse();
@@ -186,7 +186,7 @@ void RunScene::show_status(const RunState& state) {
                            {"message", state.message},
                            {"paused", state.paused},
                            {"frame", frames_.size()},
-                           {"frames", basics_.frames},
+                           {"frames", info_.frames},
                            {"keyframes", map_.T_world_keyframe.size()},
                            {"landmarks", map_.landmarks},
                            {"loops", map_.loops.size()},

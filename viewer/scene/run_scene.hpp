@@ -1,18 +1,18 @@
 #pragma once
-// In: news of a run. Out: its scene, part by part.
+// In: events of a run. Out: its scene, part by part.
 
 #include <chrono>
 #include <string>
 
 #include "kinloop/geometry/camera.hpp"
-#include "viewer/scene/growing_cloud.hpp"
+#include "viewer/scene/incremental_cloud.hpp"
 #include "viewer/scene/run_feed.hpp"
 #include "viewer/scene/scene.hpp"
 
 namespace kinloop {
 
 /// What is known of a run before it begins.
-struct RunBasics {
+struct RunInfo {
   std::string input;
   size_t frames = 0;  ///< 0 where it is not known
   RgbdCamera camera;
@@ -29,19 +29,19 @@ struct RunState {
 
 class RunScene {
  public:
-  RunScene(Scene& scene, RunBasics basics);
+  RunScene(Scene& scene, RunInfo info);
 
   /// Images are made only while somebody `watches`.
-  void take_in(const RunNews& news, const RunState& state, bool watched);
+  void update(const RunEvents& events, const RunState& state, bool watched);
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  void take_frames(const RunNews& news);
-  void take_map(const MapNews& map);
-  void take_keyframe(const ImageNews& image);
+  void add_frames(const RunEvents& events);
+  void update_map(const MapSummary& map);
+  void add_keyframe(const ImageEvent& image);
   void show_path(size_t first);
-  void show_images(const ImageNews& image);
+  void show_images(const ImageEvent& image);
   void show_camera();
   void show_status(const RunState& state);
   void compare_with_truth();
@@ -49,11 +49,11 @@ class RunScene {
   [[nodiscard]] double frames_per_second();
 
   Scene& scene_;
-  RunBasics basics_;
-  GrowingCloud cloud_;
-  std::vector<FrameNews> frames_;
+  RunInfo info_;
+  IncrementalCloud cloud_;
+  std::vector<FrameEvent> frames_;
   std::vector<std::pair<KeyframeId, KeyframeId>> covisible_;
-  MapNews map_;
+  MapSummary map_;
   size_t relocalizations_ = 0;
   double ate_m_ = 0;
   std::deque<std::pair<Clock::time_point, size_t>> counts_;  // frames there were, over the last second or so

@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "viewer/scene/growing_cloud.hpp"
+#include "viewer/scene/incremental_cloud.hpp"
 
 namespace kinloop {
 namespace {
@@ -41,7 +41,7 @@ void append_pieces(const ColoredCloud& cloud, std::vector<CloudPiece>& pieces) {
 
 }  // namespace
 
-std::vector<CloudPiece> pieces_of(const ColoredCloud& cloud) {
+std::vector<CloudPiece> split_into_pieces(const ColoredCloud& cloud) {
   std::vector<CloudPiece> pieces;
   if (cloud.size() == 0) return pieces;
   const ColoredCloud mixed = shuffled(cloud);

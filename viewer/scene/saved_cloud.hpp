@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "viewer/scene/wire.hpp"
+#include "viewer/scene/wire_format.hpp"
 
 namespace kinloop {
 
 /// Every piece is a sample of the whole, so that thinned ones show no stripes. Points far outside are in
 /// pieces of their own: the finest step of a piece follows from its size.
-std::vector<CloudPiece> pieces_of(const ColoredCloud& cloud);
+std::vector<CloudPiece> split_into_pieces(const ColoredCloud& cloud);
 
 }  // namespace kinloop

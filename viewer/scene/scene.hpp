@@ -14,7 +14,7 @@
 #include <string>
 #include <utility>
 
-#include "viewer/scene/wire.hpp"
+#include "viewer/scene/wire_format.hpp"
 
 namespace kinloop {
 

@@ -13,7 +13,7 @@ namespace kinloop {
 namespace {
 
 /// In a time that does not tell how much of it was right.
-bool same_secret(std::string_view a, std::string_view b) {
+bool constant_time_equal(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned difference = 0;
   for (size_t i = 0; i < a.size(); ++i) {
@@ -31,7 +31,7 @@ std::string_view without_port(std::string_view host) {
   return has_port ? host.substr(0, colon) : host;
 }
 
-bool names_this_machine(std::string_view host) {
+bool is_loopback_host(std::string_view host) {
   std::string_view name = without_port(host);
   if (name == "localhost" || name == "[::1]") return true;
   boost::system::error_code error;
@@ -39,7 +39,7 @@ bool names_this_machine(std::string_view host) {
   return !error && address.is_loopback();
 }
 
-bool is_own_page(std::string_view origin, std::string_view host) {
+bool is_same_origin(std::string_view origin, std::string_view host) {
   constexpr std::string_view kScheme = "http://";
   return origin.starts_with(kScheme) && origin.substr(kScheme.size()) == host;
 }
@@ -53,20 +53,20 @@ boost::asio::ip::address parse_ip(const std::string& text) {
 
 }  // namespace
 
-bool may_enter(const Caller& caller, const AccessRules& rules) {
-  if (rules.this_machine_only && !names_this_machine(caller.host)) return false;
-  if (caller.origin && !is_own_page(*caller.origin, caller.host)) return false;
-  return rules.token.empty() || same_secret(caller.token, rules.token);
+bool is_authorized(const RequestIdentity& identity, const AccessPolicy& rules) {
+  if (rules.loopback_only && !is_loopback_host(identity.host)) return false;
+  if (identity.origin && !is_same_origin(*identity.origin, identity.host)) return false;
+  return rules.token.empty() || constant_time_equal(identity.token, rules.token);
 }
 
-std::string_view Target::value(std::string_view name) const {
+std::string_view RequestTarget::value(std::string_view name) const {
   const auto found = query.find(name);
   return found == query.end() ? std::string_view() : found->second;
 }
 
-Target parse_target(std::string_view target) {
+RequestTarget parse_target(std::string_view target) {
   const size_t mark = target.find('?');
-  Target parsed{target.substr(0, mark), {}};
+  RequestTarget parsed{target.substr(0, mark), {}};
   std::string_view rest = mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
   while (!rest.empty()) {
     const std::string_view pair = rest.substr(0, rest.find('&'));
@@ -104,7 +104,7 @@ ListenAddress parse_listen_address(const std::string& text) {
   return listen;
 }
 
-bool is_this_machine(const ListenAddress& listen) {
+bool is_loopback_address(const ListenAddress& listen) {
   return parse_ip(listen.address).is_loopback();
 }
 

@@ -13,22 +13,22 @@
 
 namespace kinloop {
 
-struct AccessRules {
-  bool this_machine_only = true;
+struct AccessPolicy {
+  bool loopback_only = true;
   std::string token;  ///< that the URL must carry; empty: none
 };
 
 /// What a request says of itself.
-struct Caller {
+struct RequestIdentity {
   std::string_view host;                   ///< header Host
   std::optional<std::string_view> origin;  ///< header Origin, which browsers send with every WebSocket
   std::string_view token;                  ///< of the URL
 };
 
-bool may_enter(const Caller& caller, const AccessRules& rules);
+bool is_authorized(const RequestIdentity& identity, const AccessPolicy& rules);
 
 /// A path with its query, "/feed?since=7&token=ab". Nothing is decoded: no name or value of ours needs it.
-struct Target {
+struct RequestTarget {
   std::string_view path;
   std::map<std::string_view, std::string_view> query;
 
@@ -36,7 +36,7 @@ struct Target {
   [[nodiscard]] std::string_view value(std::string_view name) const;
 };
 
-Target parse_target(std::string_view target);
+RequestTarget parse_target(std::string_view target);
 
 /// A token that cannot be guessed: 128 random bits as hex digits.
 std::string random_token();
@@ -51,6 +51,6 @@ struct ListenAddress {
 ListenAddress parse_listen_address(const std::string& text);
 
 /// Whether it can be reached from this machine alone. Throws UsageError where it is not an IP address.
-bool is_this_machine(const ListenAddress& listen);
+bool is_loopback_address(const ListenAddress& listen);
 
 }  // namespace kinloop

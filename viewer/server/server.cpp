@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
-#include "viewer/server/visit.hpp"
+#include "viewer/server/http_session.hpp"
 
 namespace kinloop {
 namespace {
@@ -27,14 +27,14 @@ tcp::acceptor listen_at(asio::io_context& context, const ListenAddress& listen) 
   } catch (const boost::system::system_error& error) {
     throw InputError(
         fmt::format("the viewer cannot listen at {} port {} ({}); choose another port, --viewer PORT, "
-                    "or 0 for any that is free",
+                    "or 0 for any free port",
                     listen.address, listen.port, error.code().message()));
   }
   return acceptor;
 }
 
 /// How far the browser was, if it watched this run before.
-uint64_t version_seen(const Target& target, const Scene& scene) {
+uint64_t version_seen(const RequestTarget& target, const Scene& scene) {
   uint64_t version = 0;
   const std::string_view since = target.value("since");
   if (target.value("run") == scene.run()) std::from_chars(since.data(), since.data() + since.size(), version);
@@ -49,9 +49,9 @@ ViewerServer::ViewerServer(asio::io_context& context, const ListenAddress& liste
       on_command_(std::move(on_command)),
       acceptor_(listen_at(context, listen)),
       pause_(context),
-      seats_(std::make_shared<int>()) {
-  rules_.this_machine_only = is_this_machine(listen);
-  if (!rules_.this_machine_only) rules_.token = random_token();
+      slots_(std::make_shared<int>()) {
+  rules_.loopback_only = is_loopback_address(listen);
+  if (!rules_.loopback_only) rules_.token = random_token();
   accept_next();
 }
 
@@ -67,19 +67,19 @@ std::string ViewerServer::url() const {
 void ViewerServer::accept_next() {
   acceptor_.async_accept([this](boost::system::error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (error) return accept_later();
-    if (seats_.use_count() <= kMostConnections) {
-      auto admit = [this](auto&&... arguments) {
-        this->admit(std::forward<decltype(arguments)>(arguments)...);
+    if (error) return retry_accept();
+    if (slots_.use_count() <= kMaxConnections) {
+      auto accept_websocket = [this](auto&&... arguments) {
+        this->accept_websocket(std::forward<decltype(arguments)>(arguments)...);
       };
-      std::make_shared<Visit>(std::move(socket), seats_, rules_, admit)->start();
+      std::make_shared<HttpSession>(std::move(socket), slots_, rules_, accept_websocket)->start();
     }
     accept_next();  // a socket that was not taken is closed here
   });
 }
 
 /// The process is out of descriptors, or the like: the next try would fail at once.
-void ViewerServer::accept_later() {
+void ViewerServer::retry_accept() {
   constexpr std::chrono::milliseconds kPause{100};
   pause_.expires_after(kPause);
   pause_.async_wait([this](boost::system::error_code error) {
@@ -87,10 +87,10 @@ void ViewerServer::accept_later() {
   });
 }
 
-void ViewerServer::admit(boost::beast::tcp_stream stream, Seat seat, const Request& request,
-                         const Target& target) {
-  const auto browser = std::make_shared<Browser>(std::move(stream), std::move(seat), scene_,
-                                                 version_seen(target, scene_), on_command_);
+void ViewerServer::accept_websocket(boost::beast::tcp_stream stream, ConnectionSlot slot,
+                                    const Request& request, const RequestTarget& target) {
+  const auto browser = std::make_shared<WebSocketSession>(std::move(stream), std::move(slot), scene_,
+                                                          version_seen(target, scene_), on_command_);
   browsers_.push_back(browser);
   browser->start(request);
 }

@@ -12,14 +12,14 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "viewer/server/access.hpp"
-#include "viewer/server/browser.hpp"
+#include "viewer/server/websocket_session.hpp"
 
 namespace kinloop {
 
 class ViewerServer {
  public:
   /// Connections at one time; more are closed as they come, so that the run keeps its file descriptors.
-  static constexpr long kMostConnections = 64;
+  static constexpr long kMaxConnections = 64;
 
   /// Listens at once. Throws InputError where the address cannot be had. The scene must outlive this object.
   ViewerServer(boost::asio::io_context& context, const ListenAddress& listen, const Scene& scene,
@@ -36,16 +36,17 @@ class ViewerServer {
 
  private:
   void accept_next();
-  void accept_later();
-  void admit(boost::beast::tcp_stream stream, Seat seat, const Request& request, const Target& target);
+  void retry_accept();
+  void accept_websocket(boost::beast::tcp_stream stream, ConnectionSlot slot, const Request& request,
+                        const RequestTarget& target);
 
   const Scene& scene_;
   std::function<void(Command)> on_command_;
   boost::asio::ip::tcp::acceptor acceptor_;
   boost::asio::steady_timer pause_;
-  AccessRules rules_;
-  Seat seats_;  // every connection holds a copy
-  std::vector<std::weak_ptr<Browser>> browsers_;
+  AccessPolicy rules_;
+  ConnectionSlot slots_;  // every connection holds a copy
+  std::vector<std::weak_ptr<WebSocketSession>> browsers_;
 };
 
 }  // namespace kinloop

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <thread>
 
-#include "kinloop/base/give_way.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/thread_priority.hpp"
 #include "viewer/server/server.hpp"
 
 namespace kinloop {
@@ -39,12 +39,12 @@ class ViewerService::Impl {
  private:
   /// A viewer that fails is a pity, not a reason to lose the run.
   void run() {
-    give_way(GiveWay::kMost);  // showing must not slow what is shown
+    lower_thread_priority(ThreadPriority::kLow);  // showing must not slow what is shown
     try {
       tick();
       context_.run();
     } catch (const std::exception& error) {
-      log::error("the viewer has stopped: {}; the run goes on", error.what());
+      log::error("viewer stopped: {}; the run continues", error.what());
     }
   }
 

@@ -6,7 +6,7 @@ namespace kinloop {
 namespace {
 
 // x, y of the first pixel and x, y of the second. Read off the answers of cv::ORB to images with a single
-// bright and a single dark pixel at each place around a key point: where a bit changes lies its pixel.
+// bright and a single dark pixel at each place around a keypoint: where a bit changes lies its pixel.
 // clang-format off
 constexpr std::array<std::array<std::int8_t, 4>, kBriefTests> kPairs{{
     {8, -3, 9, 5}, {4, 2, 7, -12}, {-11, 9, -8, 2}, {7, -12, 12, -13}, {2, -13, 2, 12}, {1, -7, 1, 6},

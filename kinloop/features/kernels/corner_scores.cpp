@@ -13,14 +13,14 @@
 // after it
 #include <hwy/highway.h>
 
-#include "kinloop/base/capped-inl.hpp"
+#include "kinloop/base/highway_compat-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Bytes = Capped<uint8_t, kMinCornerWidth>;
+using Bytes = CappedLanes<uint8_t, kMinCornerWidth>;
 using ByteVector = hn::Vec<Bytes>;
 
 /// The best over all arcs of 9 of the 16 values around the circle of the worst value within the arc, where

@@ -13,14 +13,14 @@
 // after it
 #include <hwy/highway.h>
 
-#include "kinloop/base/capped-inl.hpp"
+#include "kinloop/base/highway_compat-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Floats = Capped<float, 16>;
+using Floats = CappedLanes<float, 16>;
 using Ints = hn::Rebind<int32_t, Floats>;
 using Bytes = hn::Rebind<uint8_t, Floats>;
 

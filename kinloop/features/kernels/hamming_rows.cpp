@@ -10,7 +10,7 @@
 // after it
 #include <hwy/highway.h>
 
-#include "kinloop/base/capped-inl.hpp"
+#include "kinloop/base/highway_compat-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
@@ -20,7 +20,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 void to_rows(const uint8_t* query, const uint8_t* rows, const uint32_t* indices, size_t count,
              uint16_t* distances) {
-  const Capped<uint64_t, 4> d;
+  const CappedLanes<uint64_t, 4> d;
   constexpr size_t kWords = kOrbBytes / sizeof(uint64_t);
   const auto load = [d](const uint8_t* bytes, size_t word)
                         HWY_ATTR { return hn::LoadU(d, reinterpret_cast<const uint64_t*>(bytes) + word); };
@@ -34,7 +34,7 @@ void to_rows(const uint8_t* query, const uint8_t* rows, const uint32_t* indices,
   }
 }
 
-using Bytes = Capped<uint8_t, 64>;
+using Bytes = CappedLanes<uint8_t, 64>;
 using ByteVector = hn::Vec<Bytes>;
 
 /// Adds three bits in each place: `sum` gets the low digit of the result; the high one is returned.
@@ -44,17 +44,17 @@ HWY_INLINE ByteVector add_bits(ByteVector& sum, ByteVector b, ByteVector c) {
   return hn::Or(hn::And(a, b), hn::And(differ, c));
 }
 
-/// Distances from a query to turned descriptors, those of a whole vector at a time. Counting bits is dear and
-/// adding them in binary is cheap: adders turn eight vectors into one to count and three that stay in the
+/// Distances from a query to transposed descriptors, those of a whole vector at a time. Counting bits is dear
+/// and adding them in binary is cheap: adders turn eight vectors into one to count and three that stay in the
 /// adders (Harley and Seal, in Warren 2012, section 5-1).
-void to_turned(const uint8_t* query, const uint8_t* turned, size_t stride, uint16_t* distances) {
+void to_transposed(const uint8_t* query, const uint8_t* transposed, size_t stride, uint16_t* distances) {
   const Bytes d;
-  const Capped<uint16_t, 32> words;
+  const CappedLanes<uint16_t, 32> words;
   const hn::Rebind<uint8_t, decltype(words)> half;
   const auto twice = [](auto v) HWY_ATTR { return hn::Add(v, v); };
   for (size_t begin = 0; begin < stride; begin += hn::Lanes(d)) {
     const auto differ = [&](size_t byte) HWY_ATTR {
-      return hn::Xor(hn::Set(d, query[byte]), hn::LoadU(d, turned + byte * stride + begin));
+      return hn::Xor(hn::Set(d, query[byte]), hn::LoadU(d, transposed + byte * stride + begin));
     };
     ByteVector ones = hn::Zero(d), twos = ones, fours = ones, eights = ones;  // the last is a count already
     for (size_t byte = 0; byte < kOrbBytes; byte += 8) {
@@ -82,7 +82,7 @@ void to_turned(const uint8_t* query, const uint8_t* turned, size_t stride, uint1
 
 /// nearest_key in the header.
 uint32_t lower_keys(const uint16_t* distances, size_t count, uint32_t index, uint32_t* keys) {
-  const Capped<uint32_t, 16> d;
+  const CappedLanes<uint32_t, 16> d;
   const hn::Rebind<uint16_t, decltype(d)> words;
   auto columns = hn::Iota(d, 0);
   auto smallest = hn::Set(d, kNoKey);
@@ -104,7 +104,7 @@ namespace kinloop {
 namespace {
 
 HWY_EXPORT(to_rows);
-HWY_EXPORT(to_turned);
+HWY_EXPORT(to_transposed);
 HWY_EXPORT(lower_keys);
 
 constexpr size_t kWidestVector = 64;
@@ -120,7 +120,7 @@ uint32_t nearest_key(std::span<const uint16_t> distances, uint32_t index, uint32
   return HWY_DYNAMIC_DISPATCH(lower_keys)(distances.data(), distances.size(), index, keys);
 }
 
-TurnedDescriptors::TurnedDescriptors(const uint8_t* rows, size_t count)
+TransposedDescriptors::TransposedDescriptors(const uint8_t* rows, size_t count)
     : count_(count),
       stride_((count + kWidestVector - 1) / kWidestVector * kWidestVector),
       bytes_(stride_ * kOrbBytes) {
@@ -129,9 +129,9 @@ TurnedDescriptors::TurnedDescriptors(const uint8_t* rows, size_t count)
   }
 }
 
-void TurnedDescriptors::distances_from(const uint8_t* query, std::span<uint16_t> distances) const {
-  HWY_DYNAMIC_DISPATCH(to_turned)(query, bytes_.data(), stride_, distances.data());
-  std::fill(distances.begin() + static_cast<long>(count_), distances.end(), kFarther);
+void TransposedDescriptors::distances_from(const uint8_t* query, std::span<uint16_t> distances) const {
+  HWY_DYNAMIC_DISPATCH(to_transposed)(query, bytes_.data(), stride_, distances.data());
+  std::fill(distances.begin() + static_cast<long>(count_), distances.end(), kInvalidDistance);
 }
 
 }  // namespace kinloop

@@ -8,12 +8,12 @@
 
 namespace kinloop {
 
-constexpr uint16_t kFarther = 257;  ///< than any two descriptors are
+constexpr uint16_t kInvalidDistance = 257;  ///< larger than any distance of two descriptors
 
 /// A distance and an index in one number, so that the least is the nearest and, of equally near ones, the
 /// first.
 constexpr int kIndexBits = 22;
-constexpr uint32_t kNoKey = uint32_t{kFarther} << kIndexBits;
+constexpr uint32_t kNoKey = uint32_t{kInvalidDistance} << kIndexBits;
 constexpr uint32_t index_of_key(uint32_t key) {
   return key & ((1U << kIndexBits) - 1);
 }
@@ -29,18 +29,18 @@ void hamming_to_rows(const uint8_t* query, const uint8_t* rows, std::span<const 
 /// where that is less. The number of distances is a multiple of 64.
 uint32_t nearest_key(std::span<const uint16_t> distances, uint32_t index, uint32_t* keys);
 
-/// Descriptors turned over: all their first bytes, then all their second bytes, and so on, so that a vector
+/// Transposed descriptors: all their first bytes, then all their second bytes, and so on, so that a vector
 /// holds the same byte of many. Made once for the many queries of a brute-force search.
-class TurnedDescriptors {
+class TransposedDescriptors {
  public:
-  TurnedDescriptors(const uint8_t* rows, size_t count);
+  TransposedDescriptors(const uint8_t* rows, size_t count);
 
   [[nodiscard]] size_t count() const { return count_; }
 
   /// How many distances `distances_from` writes: count() rounded up to a multiple of 64.
   [[nodiscard]] size_t padded_count() const { return stride_; }
 
-  /// Distances from `query` to all of them; those past count() become kFarther.
+  /// Distances from `query` to all of them; those past count() become kInvalidDistance.
   void distances_from(const uint8_t* query, std::span<uint16_t> distances) const;
 
  private:

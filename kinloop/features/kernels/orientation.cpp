@@ -10,7 +10,7 @@
 // after it
 #include <hwy/highway.h>
 
-#include "kinloop/base/capped-inl.hpp"
+#include "kinloop/base/highway_compat-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
@@ -22,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// of y times intensity. `rows_inside` holds, for each |y|, 32 bytes that are all ones inside the disc.
 void sum_columns(const uint8_t* corner, ptrdiff_t stride, const uint8_t* rows_inside, int16_t* sums,
                  int16_t* moments) {
-  const Capped<int16_t, 16> words;
+  const CappedLanes<int16_t, 16> words;
   const hn::Rebind<uint8_t, decltype(words)> bytes;
   for (size_t column = 0; column < 32; column += hn::Lanes(words)) {
     const uint8_t* from = corner + column - 15;
@@ -54,7 +54,7 @@ namespace {
 
 HWY_EXPORT(sum_columns);
 
-constexpr size_t kColumns = 2 * kDiscReach;
+constexpr size_t kColumns = 2 * kDiscMarginPx;
 using RowsInside = std::array<uint8_t, (kDiscRadius + 1) * kColumns>;
 
 /// For each row of the disc from its middle down: all ones in the columns that are inside.
@@ -62,7 +62,7 @@ RowsInside make_rows_inside() {
   RowsInside inside{};
   for (int y = 0; y <= kDiscRadius; ++y) {
     const auto half_width = std::lround(std::sqrt(kDiscRadius * kDiscRadius - y * y));
-    for (int column = 0; column < 2 * kDiscReach; ++column) {
+    for (int column = 0; column < 2 * kDiscMarginPx; ++column) {
       const bool in = std::abs(column - kDiscRadius) <= half_width;
       inside[static_cast<size_t>(y) * kColumns + static_cast<size_t>(column)] = in ? 0xFF : 0;
     }

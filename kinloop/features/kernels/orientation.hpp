@@ -5,10 +5,10 @@
 
 namespace kinloop {
 
-constexpr int kDiscRadius = 15;  ///< of the disc whose centroid gives the direction, px
-constexpr int kDiscReach = 16;   ///< how far from the corner pixels are read
+constexpr int kDiscRadius = 15;    ///< of the disc whose centroid gives the direction, px
+constexpr int kDiscMarginPx = 16;  ///< how far from the corner pixels are read
 
-/// First moments of the intensities of a disc around a pixel that is at least kDiscReach from the edge.
+/// First moments of the intensities of a disc around a pixel that is at least kDiscMarginPx from the edge.
 struct DiscMoments {
   int m10 = 0;  ///< sum of x * intensity, x from the centre to the right
   int m01 = 0;  ///< sum of y * intensity, y downwards

@@ -12,7 +12,7 @@
 // after it
 #include <hwy/highway.h>
 
-#include "kinloop/base/capped-inl.hpp"
+#include "kinloop/base/highway_compat-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
@@ -21,8 +21,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Steps in memory from the corner to the points (x, y) turned by an angle, rounded to whole pixels.
-void turn_points(const float* x, const float* y, float cosine, float sine, int stride, int32_t* steps) {
-  const Capped<float, 16> d;
+void rotate_points(const float* x, const float* y, float cosine, float sine, int stride, int32_t* steps) {
+  const CappedLanes<float, 16> d;
   const hn::Rebind<int32_t, decltype(d)> ints;
   const auto c = hn::Set(d, cosine), s = hn::Set(d, sine);
   // Adding 1.5 * 2^23 leaves the nearest integer in the low bits of the float, on every instruction set.
@@ -46,7 +46,7 @@ HWY_AFTER_NAMESPACE();
 namespace kinloop {
 namespace {
 
-HWY_EXPORT(turn_points);
+HWY_EXPORT(rotate_points);
 
 }  // namespace
 
@@ -56,7 +56,7 @@ void describe_corner(const cv::Mat& blurred, int x, int y, float angle_deg, uint
   const float cosine = std::cos(angle_rad), sine = std::sin(angle_rad);
   const auto stride = static_cast<int>(blurred.step);
   std::array<int32_t, kBriefTests> first, second;
-  const auto turn = HWY_DYNAMIC_DISPATCH(turn_points);
+  const auto turn = HWY_DYNAMIC_DISPATCH(rotate_points);
   turn(pattern.first_x.data(), pattern.first_y.data(), cosine, sine, stride, first.data());
   turn(pattern.second_x.data(), pattern.second_y.data(), cosine, sine, stride, second.data());
   const uint8_t* corner = blurred.ptr<uint8_t>(y) + x;

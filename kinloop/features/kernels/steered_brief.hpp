@@ -8,10 +8,10 @@
 
 namespace kinloop {
 
-constexpr int kBriefReach = 18;  ///< how far from the corner pixels are compared
+constexpr int kBriefMarginPx = 18;  ///< how far from the corner pixels are compared
 
-/// Writes the 32 bytes that describe the corner at (x, y), at least kBriefReach from the edge. The same bits
-/// as cv::ORB gives on the same smoothed image.
+/// Writes the 32 bytes that describe the corner at (x, y), at least kBriefMarginPx from the edge. The same
+/// bits as cv::ORB gives on the same smoothed image.
 void describe_corner(const cv::Mat& blurred, int x, int y, float angle_deg, uint8_t* descriptor);
 
 }  // namespace kinloop

@@ -8,7 +8,7 @@
 // after it
 #include <hwy/highway.h>
 
-#include "kinloop/base/capped-inl.hpp"
+#include "kinloop/base/highway_compat-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
@@ -21,7 +21,7 @@ constexpr size_t kTileRows = 4;  // rows of the result that are summed at once, 
 /// Each number of the result is a sum over the rows from first to last, whatever the size of a vector.
 template <size_t kWidth>
 void add_of_width(const double* J, size_t count, double* result) {
-  const Capped<double, kWidthStep> d;
+  const CappedLanes<double, kWidthStep> d;
   const size_t lanes = hn::Lanes(d);
   for (size_t top = 0; top < kWidth; top += kTileRows) {
     for (size_t left = top / lanes * lanes; left < kWidth; left += lanes) {

@@ -8,7 +8,7 @@
 // after it
 #include <hwy/highway.h>
 
-#include "kinloop/base/capped-inl.hpp"
+#include "kinloop/base/highway_compat-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
@@ -16,7 +16,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = ObservationBlock::Lanes;
-using D = Capped<double, ObservationBlock::kSize>;
+using D = CappedLanes<double, ObservationBlock::kSize>;
 using V = hn::Vec<D>;  // the same number of several observations
 using Mask = hn::Mask<D>;
 
@@ -92,7 +92,7 @@ struct MovedPoint {
     p = q + cross(phi, a * q + b * cross(phi, q));
   }
 
-  HWY_INLINE Mask is_seen() const { return hn::Gt(p.z, all(kMinSeenDepth_m)); }
+  HWY_INLINE Mask is_seen() const { return hn::Gt(p.z, all(kMinObservedDepth_m)); }
   HWY_INLINE Vector3 turned_back(const Vector3& v) const { return v - cross(phi, a * v - b * cross(phi, v)); }
 };
 
@@ -126,7 +126,7 @@ struct Observed {
   const MeasurementModel& model;
   Vector3 p0;  // the point at the stamp of the frame
   V row, inverse_sigma_px, inverse_depth, gradient_x, gradient_y;
-  Mask knows_gradient, uses_pixel, uses_depth;
+  Mask has_gradient, uses_pixel, uses_depth;
   V ray_x, ray_y;  // of the pixel, by the camera as it was calibrated
   MovedPoint at_color;
   Projection color;
@@ -143,7 +143,7 @@ struct Observed {
         inverse_depth(load(block.inverse_depth_per_m, first)),
         gradient_x(load(block.gradient_x, first)),
         gradient_y(load(block.gradient_y, first)),
-        knows_gradient(marked(block.knows_gradient, first)),
+        has_gradient(marked(block.has_gradient, first)),
         uses_pixel(marked(block.uses_pixel, first)),
         uses_depth(marked(block.uses_depth, first)),
         ray_x((load(block.pixel_x, first) - all(m.camera.cx)) / all(m.camera.fx)),
@@ -170,8 +170,8 @@ struct Observed {
   /// How a surface of unknown slope moves under a pixel is unknown, too: to take it for flat would draw the
   /// delay towards zero, as most surfaces that cameras see from above rise away from them.
   HWY_INLINE V depth_time() const {
-    const V time = all(model.sensor(kDepthTime)) + all(model.sensor(kDepthShutter)) * row;
-    return hn::IfThenElse(knows_gradient, time, color_time());
+    const V time = all(model.sensor(kDepthDelay)) + all(model.sensor(kDepthShutter)) * row;
+    return hn::IfThenElse(has_gradient, time, color_time());
   }
   /// depth_offset_basis and its sum.
   HWY_INLINE V offset() const {
@@ -208,7 +208,7 @@ HWY_INLINE V cost_of(const Observed& o) {
   const V of_depth = hn::IfThenElseZero(o.uses_depth, huber.rho(o.depth_squared()));
   const V cost = huber.rho(o.pixel_squared()) + of_depth;
   return hn::IfThenElseZero(o.uses_pixel,
-                            hn::IfThenElse(o.seen(o.uses_depth), cost, huber.rho(all(kUnseenSquared))));
+                            hn::IfThenElse(o.seen(o.uses_depth), cost, huber.rho(all(kBehindCameraSquared))));
 }
 
 /// Puts numbers of several observations into their rows.
@@ -311,9 +311,9 @@ class RowWriter {
                                              dv,
                                              by_radial,
                                              by_radial * at.r2,
-                                             hn::IfThenZeroElse(o_.knows_gradient, by_row_time),
-                                             hn::IfThenElseZero(o_.knows_gradient, by_time),
-                                             hn::IfThenElseZero(o_.knows_gradient, by_row_time),
+                                             hn::IfThenZeroElse(o_.has_gradient, by_row_time),
+                                             hn::IfThenElseZero(o_.has_gradient, by_time),
+                                             hn::IfThenElseZero(o_.has_gradient, by_row_time),
                                              scale * o_.inverse_depth,
                                              scale,
                                              scale * o_.ray_x,

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "kinloop/optimize/sensor_model.hpp"
+#include "kinloop/optimize/bundle/sensor_model.hpp"
 
 namespace kinloop {
 
@@ -41,7 +41,7 @@ struct ObservationBlock {
   Lanes row{};                       ///< BundleObservation::row
   Lanes inverse_depth_per_m{};       ///< measured, 0 = unknown
   Lanes gradient_x{}, gradient_y{};  ///< BundleObservation::inverse_depth_gradient, 0 where it is unknown,
-  Lanes knows_gradient{};            ///< 1 = known
+  Lanes has_gradient{};              ///< 1 = known
   Lanes uses_pixel{}, uses_depth{};  ///< 1 = in use; depth only with its pixel
 };
 
@@ -51,19 +51,19 @@ struct BlockResiduals {
   ObservationBlock::Lanes seen;  ///< 0 where the point is behind the camera
 
   /// Whether the pixel is seen where it should be, as far as `max_squared` allows.
-  [[nodiscard]] bool pixel_agrees(size_t lane, double max_squared) const {
+  [[nodiscard]] bool is_pixel_inlier(size_t lane, double max_squared) const {
     return seen[lane] > 0 && u[lane] * u[lane] + v[lane] * v[lane] <= max_squared;
   }
   /// The same for a depth that was measured.
-  [[nodiscard]] bool depth_agrees(size_t lane, double max_squared) const {
+  [[nodiscard]] bool is_depth_inlier(size_t lane, double max_squared) const {
     return depth[lane] * depth[lane] <= max_squared;
   }
 };
 
-constexpr double kMinSeenDepth_m = 1e-3;  ///< nearer to the camera, or behind it, is not seen
+constexpr double kMinObservedDepth_m = 1e-3;  ///< nearer to the camera, or behind it, is not seen
 
 /// The squared residual that stands for a point behind the camera.
-constexpr double kUnseenSquared = 1e6;
+constexpr double kBehindCameraSquared = 1e6;
 
 /// Residuals of all that was measured, in use or not.
 BlockResiduals block_residuals(const ObservationBlock& block, const BundleView& view,

@@ -1,4 +1,4 @@
-// CPU time per module. (run.json calls modules "rooms": scripts read it.)
+// CPU time per module.
 
 import { barX, ruleX } from '@observablehq/plot';
 
@@ -8,13 +8,13 @@ import { draw } from './plot.js';
 const TITLE = 'CPU time per module';
 
 export function moduleSection(all) {
-  const runs = all.filter((run) => Object.keys(run.figures.rooms ?? {}).length > 0);
+  const runs = all.filter((run) => Object.keys(run.figures.timings ?? {}).length > 0);
   if (runs.length === 0) return undefined;
   const bars = figure(modulePlot(runs), 'Total CPU time');
   if (runs.length > 1) return section(TITLE, legend(runs), row(bars));
   bars.classList.add('screen-only'); // the table says the same
-  const { rooms, frames } = runs[0].figures;
-  const lines = Object.entries(rooms).map(([name, module]) => [
+  const { timings, frames } = runs[0].figures;
+  const lines = Object.entries(timings).map(([name, module]) => [
     name,
     ((1000 * module.wall_s) / Math.max(1, frames)).toFixed(2),
     module.median_ms?.toFixed(2) ?? '',
@@ -28,7 +28,7 @@ export function moduleSection(all) {
 
 function modulePlot(runs) {
   const spent = runs.flatMap((run, index) =>
-    Object.entries(run.figures.rooms).map(([module, { cpu_s: seconds }]) => ({ module, seconds, color: run.color, index })),
+    Object.entries(run.figures.timings).map(([module, { cpu_s: seconds }]) => ({ module, seconds, color: run.color, index })),
   );
   const modules = new Set(spent.map(({ module }) => module)).size;
   const options = { x: 'seconds', y: 'index', fy: 'module', fill: 'color', sort: { fy: '-x', reduce: 'sum' } };

@@ -1,4 +1,4 @@
-// A piece of the cloud as kinloop writes it (encode_cloud in viewer/scene/wire.hpp), read where it lies.
+// A piece of the cloud as kinloop writes it (encode_cloud in viewer/scene/wire_format.hpp), read where it lies.
 
 const HEAD_BYTES = 24;
 

@@ -2,7 +2,7 @@
 
 const STEP_SHARE = 0.05; // of the height of the map, for the keys
 
-export class Cut {
+export class HeightCut {
   constructor(slider, output, view) {
     Object.assign(this, { slider, output, view });
     slider.oninput = () => this.set(Number(slider.value) === Number(slider.max) ? Infinity : (slider.value / slider.max) * this.heightM);

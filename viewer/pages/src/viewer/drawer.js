@@ -1,7 +1,7 @@
 // On a narrow screen the panel folds into a row of buttons; each opens one section above it.
 
 /** `row` holds buttons with data-opens="ID of a section". */
-export function foldIntoRow(row) {
+export function makeCollapsible(row) {
   const buttons = [...row.querySelectorAll('[data-opens]')];
   const section = (button) => document.getElementById(button.dataset.opens);
   const open = (chosen) =>

@@ -4,7 +4,7 @@
 //   connection.js  the line to kinloop   poses.js    keyframes, which glide         runState.js  what the run is doing
 //   images.js      the camera's images   lines.js    frusta, paths, edges           keys.js      keys and their table
 //   view.js        renderer, detail      models.js   meshes                         cut.js       what is cut off
-//   eye.js         where it is           floor.js    the grid                       drawer.js    the panel of a phone
+//   cameraControls.js  viewpoint           floor.js    the grid                       drawer.js    the panel of a phone
 //   framing.js     how large the map is                                             scaleBar.js  a length
 
 import './viewer.css';
@@ -17,24 +17,24 @@ import { World } from './world.js';
 const world = new World();
 const view = new View(document.getElementById('scene'), world);
 const images = new Images(document.getElementById('images'));
-const connection = new Connection({ onMessage: take, onChange: (connected) => panel.state.setConnected(connected) });
+const connection = new Connection({ onMessage: onMessage, onChange: (connected) => panel.state.setConnected(connected) });
 const panel = new Panel({ world, view, connection });
 world.onProblem = (text) => panel.state.showProblem(text);
 let run;
 let loops = 0;
 
-function take(message) {
-  if (message.kind === 'hello') greet(message.body);
+function onMessage(message) {
+  if (message.kind === 'hello') onHello(message.body);
   if (message.kind === 'status') panel.state.show(message.body);
-  if (message.kind === 'loops') celebrate(message.body.length / 2);
+  if (message.kind === 'loops') showLoopBanner(message.body.length / 2);
   world.take(message);
   images.take(message);
 }
 
-function greet(hello) {
+function onHello(hello) {
   if (run !== hello.run) {
     world.clear(); // another run than the one before the line broke
-    view.eye.touched = false;
+    view.cameraControls.touched = false;
     panel.cut.set(Infinity);
     loops = 0;
   }
@@ -42,7 +42,7 @@ function greet(hello) {
   panel.greet(hello);
 }
 
-function celebrate(count) {
+function showLoopBanner(count) {
   if (count > loops && world.pieces.size > 0) panel.flash(count === 1 ? 'loop closed' : `loop ${count} closed`);
   loops = count;
 }

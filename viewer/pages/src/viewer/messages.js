@@ -1,4 +1,4 @@
-// The messages of viewer/scene/wire.hpp, read where they lie: no number is copied that need not be.
+// The messages of viewer/scene/wire_format.hpp, read where they lie: no number is copied that need not be.
 
 import { readCloud } from '../shared/readCloud.js';
 

@@ -4,8 +4,8 @@ import { Vector3 } from 'three';
 
 import { COLOR_MODES } from '../shared/cloudMaterial.js';
 import { lengthText } from '../shared/format.js';
-import { Cut } from './cut.js';
-import { foldIntoRow } from './drawer.js';
+import { HeightCut } from './cut.js';
+import { makeCollapsible } from './drawer.js';
 import { listenToKeys } from './keys.js';
 import { RunState } from './runState.js';
 import { showScale } from './scaleBar.js';
@@ -17,10 +17,10 @@ export class Panel {
   constructor({ world, view, connection }) {
     Object.assign(this, { world, view, connection });
     this.state = new RunState();
-    this.cut = new Cut(at('cut'), at('cutAt'), view);
+    this.cut = new HeightCut(at('cut'), at('cutAt'), view);
     this.listenToRun();
     this.listenToView();
-    foldIntoRow(at('row'));
+    makeCollapsible(at('row'));
     listenToKeys(this.actions(), at('keys'));
     view.onMeasured = () => {
       this.cut.show();
@@ -41,7 +41,7 @@ export class Panel {
       change(event.target);
       view.dirty = true;
     };
-    document.querySelectorAll('[name=camera]').forEach((input) => (input.onchange = () => view.eye.setMode(input.value)));
+    document.querySelectorAll('[name=camera]').forEach((input) => (input.onchange = () => view.cameraControls.setMode(input.value)));
     at('color').onchange = redraw(({ value }) => (world.uniforms.mode.value = COLOR_MODES.indexOf(value)));
     at('up').onchange = ({ target }) => {
       world.setUp(new Vector3(...target.value.split(' ').map(Number)));
@@ -85,12 +85,12 @@ export class Panel {
 
   show(direction) {
     this.setCamera('orbit');
-    this.view.eye.show(direction);
+    this.view.cameraControls.show(direction);
   }
 
   fit() {
     this.setCamera('orbit');
-    this.view.eye.fit(this.view.contents());
+    this.view.cameraControls.fit(this.view.contents());
   }
 
   /** The view as it was at first. */

@@ -41,14 +41,14 @@ export class Poses {
     if (!this.gliding) return false;
     this.gliding = false;
     const share = 1 - Math.exp(-seconds / GLIDE_S);
-    const shown = { place: new Vector3(), turn: new Quaternion() };
+    const shown = { position: new Vector3(), rotation: new Quaternion() };
     const size = new Vector3();
     this.matrices.forEach((matrix, keyframe) => {
       const target = this.targets[keyframe];
-      matrix.decompose(shown.place, shown.turn, size);
-      const far = shown.place.distanceTo(target.place) > STILL_M || shown.turn.angleTo(target.turn) > STILL_RAD;
-      shown.place.lerp(target.place, far ? share : 1);
-      shown.turn.slerp(target.turn, far ? share : 1);
+      matrix.decompose(shown.position, shown.rotation, size);
+      const far = shown.position.distanceTo(target.position) > STILL_M || shown.rotation.angleTo(target.rotation) > STILL_RAD;
+      shown.position.lerp(target.position, far ? share : 1);
+      shown.rotation.slerp(target.rotation, far ? share : 1);
       matrix.copy(matrixOf(shown));
       this.gliding ||= far;
     });
@@ -58,9 +58,9 @@ export class Poses {
 
 /** Seven floats of a message. */
 export function poseFrom(floats, at = 0) {
-  return { place: new Vector3().fromArray(floats, at), turn: new Quaternion().fromArray(floats, at + 3).normalize() };
+  return { position: new Vector3().fromArray(floats, at), rotation: new Quaternion().fromArray(floats, at + 3).normalize() };
 }
 
-export function matrixOf({ place, turn }) {
-  return new Matrix4().compose(place, turn, new Vector3(1, 1, 1));
+export function matrixOf({ position, rotation }) {
+  return new Matrix4().compose(position, rotation, new Vector3(1, 1, 1));
 }

@@ -2,7 +2,7 @@
 
 import { AmbientLight, Box3, DirectionalLight, Scene, Vector3, WebGLRenderer } from 'three';
 
-import { Eye } from './eye.js';
+import { CameraControls } from './cameraControls.js';
 import { Floor } from './floor.js';
 import { sampleMap } from './framing.js';
 
@@ -20,12 +20,12 @@ export class View {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.renderer.localClippingEnabled = true;
-    this.eye = new Eye(canvas, world, () => (this.dirty = true));
+    this.cameraControls = new CameraControls(canvas, world, () => (this.dirty = true));
     this.floor = new Floor();
     const headlight = new DirectionalLight(0xffffff, 2); // for meshes without colours
     headlight.position.z = 1;
-    this.eye.camera.add(headlight, headlight.target);
-    this.scene = new Scene().add(world.group, this.floor.object, this.eye.camera, new AmbientLight(0xffffff, 1));
+    this.cameraControls.camera.add(headlight, headlight.target);
+    this.scene = new Scene().add(world.group, this.floor.object, this.cameraControls.camera, new AmbientLight(0xffffff, 1));
     this.places = []; // some of the map, without stray points
     this.box = new Box3(); // around them
     this.pointSizeCm = 1.6;
@@ -45,9 +45,9 @@ export class View {
 
   resize(canvas) {
     this.renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
-    this.eye.camera.aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
-    this.eye.camera.updateProjectionMatrix();
-    if (!this.eye.touched) this.eye.fit();
+    this.cameraControls.camera.aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
+    this.cameraControls.camera.updateProjectionMatrix();
+    if (!this.cameraControls.touched) this.cameraControls.fit();
     this.dirty = true;
   }
 
@@ -59,7 +59,7 @@ export class View {
       this.measuredMs = nowMs;
       this.measure();
     }
-    this.eye.advance(Math.min(1, passedMs / 1000));
+    this.cameraControls.advance(Math.min(1, passedMs / 1000));
 
     const resting = !this.dirty && nowMs - this.changedMs > REST_MS;
     if (this.dirty) {
@@ -83,12 +83,12 @@ export class View {
 
   draw() {
     const { uniforms, cutPlane } = this.world;
-    uniforms.pixelsPerRadian.value = this.eye.pixelsPerRadian(this.renderer.domElement.height);
+    uniforms.pixelsPerRadian.value = this.cameraControls.pixelsPerRadian(this.renderer.domElement.height);
     uniforms.pointSizeCm.value = this.pointSizeCm * Math.min(1, this.radiusM / ROOM_M) * Math.min(LARGEST, 1 / Math.sqrt(this.share));
     uniforms.cutAtM.value = this.cutAtM;
     cutPlane.constant = Math.min(this.cutAtM, Number.MAX_SAFE_INTEGER);
     this.world.thin(this.share);
-    this.renderer.render(this.scene, this.eye.camera);
+    this.renderer.render(this.scene, this.cameraControls.camera);
     this.dirty = false;
     this.onDrawn();
   }
@@ -100,10 +100,10 @@ export class View {
     if (!this.box.isEmpty()) {
       this.world.uniforms.heightsM.value.set(this.box.min.y, this.box.max.y);
       this.floor.lay(this.box);
-      this.eye.setScale(this.radiusM);
+      this.cameraControls.setScale(this.radiusM);
     }
-    this.eye.places = this.contents();
-    if (!this.eye.touched) this.eye.fit();
+    this.cameraControls.places = this.contents();
+    if (!this.cameraControls.touched) this.cameraControls.fit();
     this.dirty = true;
     this.onMeasured();
   }
@@ -121,7 +121,7 @@ export class View {
 
   /** How long a pixel of the page is at the centre of the view. */
   get metresPerPixel() {
-    return this.eye.distanceM / this.eye.pixelsPerRadian(this.renderer.domElement.clientHeight);
+    return this.cameraControls.distanceM / this.cameraControls.pixelsPerRadian(this.renderer.domElement.clientHeight);
   }
 
   /** The picture as a PNG blob, with every point. */

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""Runs clang-tidy on the library, the program and the viewer.
+
+A source that passed before, with the same content, headers and checks, is skipped: .ci/tidy_passed.txt keeps the
+hashes. Those files depend on the project alone, so a change of compiler or system headers calls for --all.
+
+  .ci/tidy.py            check what has changed
+  .ci/tidy.py --all      check everything
+  .ci/tidy.py --record   also write down what passed
+"""
+
+import argparse
+import concurrent.futures
+import hashlib
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PASSED = ROOT / ".ci" / "tidy_passed.txt"
+FOLDERS = ["kinloop", "drivers", "simulator", "tools", "viewer", "apps", "ros"]
+BUILD = ROOT / "build" / "tidy"
+INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
+
+
+def included(path, seen):
+    """All files of the project that `path` includes, directly or not, and `path` itself."""
+    if path in seen or not path.is_file():
+        return seen
+    seen.add(path)
+    for name in INCLUDE.findall(path.read_text(encoding="utf-8")):
+        included(ROOT / name, seen)
+    return seen
+
+
+def content_hash(source):
+    digest = hashlib.sha256((ROOT / ".clang-tidy").read_bytes())
+    for path in sorted(included(source, set())):
+        digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def tidy(source):
+    result = subprocess.run(["clang-tidy", "--quiet", "-p", BUILD, source], capture_output=True, text=True)
+    return result.returncode == 0, result.stdout
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--all", action="store_true", help="check everything")
+    parser.add_argument("--record", action="store_true", help="write down what passed")
+    arguments = parser.parse_args()
+
+    # clang-tidy needs the compile commands of single sources; nothing is built.
+    subprocess.run(["cmake", "--preset", "tidy", "--log-level=WARNING"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    sources = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.cpp")
+                     if "node_modules" not in path.parts)
+    hashes = {source: content_hash(source) for source in sources}
+    known = set(PASSED.read_text().split()) if PASSED.exists() and not arguments.all else set()
+    passed = {source for source in sources if hashes[source] in known}
+    todo = [source for source in sources if source not in passed]
+    print(f"clang-tidy: {len(todo)} of {len(sources)} sources to check", flush=True)
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for source, (ok, findings) in zip(todo, pool.map(tidy, todo)):
+            if ok:
+                passed.add(source)
+            else:
+                print(f"{source.relative_to(ROOT)}:\n{findings}", flush=True)
+    if arguments.record:
+        PASSED.write_text("".join(f"{hashes[s]} {s.relative_to(ROOT)}\n" for s in sorted(passed)))
+    return 0 if len(passed) == len(sources) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

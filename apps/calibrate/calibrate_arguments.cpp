@@ -1,0 +1,30 @@
+#include "apps/calibrate/calibrate_arguments.hpp"
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/options.hpp"
+#include "tools/calibration/charuco.hpp"
+
+namespace kinloop {
+
+Board CalibrateArguments::chosen_board() const {
+  Board chosen = parse_board(board, square_m, marker_m);
+  if (chosen.has_markers()) require_charuco(chosen);
+  return chosen;
+}
+
+CalibrationOptions CalibrateArguments::options() const {
+  const auto chosen = with_assignments(CalibrationOptions{}, assignments);
+  if (chosen.distortion_terms == 1 || chosen.distortion_terms == 3) {
+    throw UsageError("distortion_terms: expected 0, 2 (k1 k2), 4 (+ p1 p2) or 5 (+ k3)");
+  }
+  return chosen;
+}
+
+std::filesystem::path CalibrateArguments::sibling_file(const char* ending) const {
+  auto path = output;
+  path.replace_extension();
+  path += ending;
+  return path;
+}
+
+}  // namespace kinloop

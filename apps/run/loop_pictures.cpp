@@ -1,0 +1,231 @@
+#include "apps/run/loop_pictures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/quantile.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/base/time.hpp"
+#include "kinloop/loop/loop_overlap.hpp"
+#include "kinloop/slam/frame_velocities.hpp"
+
+namespace kinloop {
+namespace {
+
+using nlohmann::json;
+using Landmarks = std::vector<ReprojectedLandmark>;
+
+constexpr size_t kMostPictures = 12;
+constexpr int kImageWidthPx = 560;  // of each of the two
+constexpr int kJpegQuality = 75;
+constexpr const char* kIndexName = "loops.json";
+
+/// A loop that is shown, by the pair of keyframes that shows it best.
+struct ShownLoop {
+  LoopEdge loop;
+  KeyframePair pair;
+};
+
+/// An even choice of the loops, each with a pair of keyframes of its own.
+std::vector<ShownLoop> choose_loops(const Map& map) {
+  std::vector<ShownLoop> distinct;
+  for (const LoopEdge& loop : map.loop_edges()) {
+    const KeyframePair pair = most_overlapping_pair(map, loop);
+    const bool shown = std::any_of(distinct.begin(), distinct.end(), [&](const ShownLoop& other) {
+      return other.pair.older == pair.older || other.pair.newer == pair.newer;
+    });
+    if (!shown) distinct.push_back({loop, pair});
+  }
+  const size_t count = std::min(kMostPictures, distinct.size());
+  std::vector<ShownLoop> chosen;
+  for (size_t i = 0; i < count; ++i) chosen.push_back(distinct[i * distinct.size() / count]);
+  return chosen;
+}
+
+/// Something nearer hides the landmark from the second camera: it says nothing.
+bool hidden(const ReprojectedLandmark& landmark, const cv::Mat& depth_m) {
+  constexpr double kNearer = 0.9;
+  if (landmark.observed_in_second) return false;
+  const cv::Point at(cvRound(landmark.predicted.x()), cvRound(landmark.predicted.y()));
+  const auto seen_m = static_cast<double>(depth_m.at<float>(at));
+  return seen_m > 0 && seen_m < kNearer * landmark.depth_m;
+}
+
+/// The part of the first image that the landmarks lie in.
+Eigen::AlignedBox2d extent_of(const Landmarks& landmarks) {
+  Eigen::AlignedBox2d extent;
+  for (const auto& landmark : landmarks) extent.extend(landmark.observed);
+  return extent;
+}
+
+/// A colour for each place of the extent, so that the eye finds it again in the second image.
+cv::Scalar color_at(const Eigen::Vector2d& pixel, const Eigen::AlignedBox2d& extent) {
+  constexpr double kRedToViolet = 150, kMost = 255, kPalest = 0.4;  // in OpenCV's units
+  const Eigen::Vector2d share =
+      (pixel - extent.min()).cwiseQuotient(extent.sizes().cwiseMax(1)).cwiseMax(0).cwiseMin(1);
+  const cv::Scalar hsv(kRedToViolet * share.x(), kMost * (1 - (1 - kPalest) * share.y()), kMost);
+  cv::Mat color(1, 1, CV_8UC3, hsv);
+  cv::cvtColor(color, color, cv::COLOR_HSV2BGR);
+  return color.at<cv::Vec3b>(0);
+}
+
+/// A dot with a dark rim, or a ring for what was not observed again.
+void mark(cv::Mat& picture, const cv::Point2d& at, const cv::Scalar& color, bool filled) {
+  constexpr int kShift = 4, kRadius = 4 << kShift, kRim = 1 << kShift;
+  const cv::Point fine(cvRound(at.x * (1 << kShift)), cvRound(at.y * (1 << kShift)));
+  if (!filled) {
+    cv::circle(picture, fine, kRadius, color, 1, cv::LINE_AA, kShift);
+    return;
+  }
+  cv::circle(picture, fine, kRadius + kRim, {0, 0, 0}, cv::FILLED, cv::LINE_AA, kShift);
+  cv::circle(picture, fine, kRadius, color, cv::FILLED, cv::LINE_AA, kShift);
+}
+
+/// Some of the landmarks that both images observe, from the top to the bottom of the first.
+Landmarks some_in_both(const Landmarks& landmarks) {
+  constexpr size_t kMost = 24;
+  Landmarks both, some;
+  std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(both),
+               [](const auto& landmark) { return landmark.observed_in_second.has_value(); });
+  std::stable_sort(both.begin(), both.end(),
+                   [](const auto& a, const auto& b) { return a.observed.y() < b.observed.y(); });
+  const size_t count = std::min(kMost, both.size());
+  for (size_t i = 0; i < count; ++i) some.push_back(both[i * both.size() / count]);
+  return some;
+}
+
+/// Both images side by side with the landmarks of the first in both; lines join some that both observe.
+cv::Mat draw_loop(const cv::Mat& first, const cv::Mat& second, const Landmarks& landmarks) {
+  const double scale = std::min(1.0, static_cast<double>(kImageWidthPx) / first.cols);
+  cv::Mat side_by_side, picture;
+  cv::hconcat(first, second, side_by_side);
+  cv::resize(side_by_side, picture, {}, scale, scale, cv::INTER_AREA);
+  const auto in_picture = [&](const Eigen::Vector2d& raw, int columns_before) {
+    return cv::Point2d((raw.x() + columns_before + 0.5) * scale - 0.5, (raw.y() + 0.5) * scale - 0.5);
+  };
+  const auto extent = extent_of(landmarks);
+  for (const auto& landmark : some_in_both(landmarks)) {
+    cv::line(picture, in_picture(landmark.observed, 0), in_picture(landmark.predicted, first.cols),
+             color_at(landmark.observed, extent), 1, cv::LINE_AA);
+  }
+  for (const bool filled : {false, true}) {
+    for (const auto& landmark : landmarks) {
+      if (landmark.observed_in_second.has_value() != filled) continue;
+      const cv::Scalar color = color_at(landmark.observed, extent);
+      mark(picture, in_picture(landmark.observed, 0), color, filled);
+      mark(picture, in_picture(landmark.predicted, first.cols), color, filled);
+    }
+  }
+  return picture;
+}
+
+LoopPicture describe(const ShownLoop& shown, const Landmarks& landmarks, const Map& map) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  const Keyframe &a = map.keyframe(shown.pair.older), &b = map.keyframe(shown.pair.newer);
+  const SE3 T_a_b = a.T_world_camera.inverse() * b.T_world_camera;
+  std::vector<double> errors_px;
+  for (const auto& landmark : landmarks) {
+    if (landmark.observed_in_second)
+      errors_px.push_back((*landmark.observed_in_second - landmark.predicted).norm());
+  }
+  LoopPicture picture;
+  picture.file = fmt::format("{}_{}.jpg", format_stamp(a.stamp_ns), format_stamp(b.stamp_ns));
+  picture.stamp_a_ns = a.stamp_ns;
+  picture.stamp_b_ns = b.stamp_ns;
+  picture.reprojected = static_cast<int>(landmarks.size());
+  picture.observed = static_cast<int>(errors_px.size());
+  picture.median_error_px = median(errors_px);
+  picture.distance_m = T_a_b.translation.norm();
+  picture.angle_deg = kDegrees * log_so3(T_a_b.rotation).norm();
+  picture.inliers = shown.loop.inliers;
+  return picture;
+}
+
+json to_json(const LoopPicture& picture) {
+  return {{"file", picture.file},
+          {"stamp_a", format_stamp(picture.stamp_a_ns)},
+          {"stamp_b", format_stamp(picture.stamp_b_ns)},
+          {"reprojected", picture.reprojected},
+          {"observed", picture.observed},
+          {"median_error_px", picture.median_error_px},
+          {"distance_m", picture.distance_m},
+          {"angle_deg", picture.angle_deg},
+          {"inliers", picture.inliers}};
+}
+
+LoopPicture from_json(const json& entry) {
+  const auto stamp = [&](const char* key) {
+    return parse_stamp_ns(entry.at(key).get_ref<const std::string&>()).value_or(0);
+  };
+  // A name and no path: a report must not take in what lies elsewhere.
+  const std::filesystem::path file = entry.at("file").get<std::string>();
+  return {file.filename().string(), stamp("stamp_a"),      stamp("stamp_b"),
+          entry.at("reprojected"),  entry.at("observed"),  entry.at("median_error_px"),
+          entry.at("distance_m"),   entry.at("angle_deg"), entry.at("inliers")};
+}
+
+/// Those of an earlier run; what else lies there is somebody's.
+void remove_pictures(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    if (entry.path().extension() == ".jpg" || entry.path().filename() == kIndexName)
+      std::filesystem::remove(entry.path(), ignored);
+  }
+}
+
+}  // namespace
+
+void write_loop_pictures(const RunFolder& folder, const Slam& slam, const RgbdCamera& camera,
+                         const DenseRecorder& recorder) {
+  remove_pictures(folder.loop_images());
+  const Map& map = slam.map();
+  const auto chosen = choose_loops(map);
+  if (chosen.empty()) return;
+  const auto velocities = keyframe_velocities(slam.log(), map);
+  make_folder(folder.loop_images());
+  json index = json::array();
+  for (const ShownLoop& shown : chosen) {
+    const auto [older, newer, shared] = shown.pair;
+    const auto first = recorder.images_of(map.keyframe(older).frame);
+    const auto second = recorder.images_of(map.keyframe(newer).frame);
+    if (!first || !second) continue;
+    Landmarks landmarks =
+        reproject_landmarks(map, older, newer, {camera.color, slam.sensor().value, velocities[newer.value]});
+    std::erase_if(landmarks, [&](const auto& landmark) { return hidden(landmark, second->depth_m); });
+    const LoopPicture picture = describe(shown, landmarks, map);
+    std::vector<uint8_t> jpeg;
+    cv::imencode(".jpg", draw_loop(first->color, second->color, landmarks), jpeg,
+                 {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+    write_file(folder.loop_images() / picture.file,
+               {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+    index.push_back(to_json(picture));
+  }
+  write_file(folder.loop_images() / kIndexName, index.dump(2) + "\n");
+}
+
+std::vector<LoopPicture> read_loop_pictures(const RunFolder& folder) {
+  const auto path = folder.loop_images() / kIndexName;
+  std::vector<LoopPicture> pictures;
+  if (!std::filesystem::exists(path)) return pictures;
+  try {
+    for (const json& entry : json::parse(read_file(path))) pictures.push_back(from_json(entry));
+  } catch (const json::exception& error) {
+    throw InputError(
+        fmt::format("{}: not the index of loop pictures that kinloop run writes ({}); remove "
+                    "it to generate the report without loop images",
+                    path.string(), error.what()));
+  }
+  std::erase_if(pictures, [&](const LoopPicture& picture) {
+    return !std::filesystem::exists(folder.loop_images() / picture.file);
+  });
+  return pictures;
+}
+
+}  // namespace kinloop

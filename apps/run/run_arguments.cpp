@@ -1,0 +1,64 @@
+#include "apps/run/run_arguments.hpp"
+
+#include "apps/run/run_viewer.hpp"
+#include "apps/shared/common_options.hpp"
+
+namespace kinloop {
+
+void add_run_arguments(CLI::App& command, RunArguments& arguments) {
+  command.add_option("SEQUENCE", arguments.sequence,
+                     "a folder in TUM layout (rgb.txt, depth.txt, ...), a ROS .bag file, kinect1 or kinect2\n"
+                     "(live), or sim:room, the simulated Kinect (sim:room:7: another room)");
+  command.add_option("-o,--output", arguments.output, "folder for the results")->capture_default_str();
+  command.add_option(
+      "--camera", arguments.camera,
+      "camera.yaml or one of freiburg1, freiburg2, freiburg3, icl (default: camera.yaml in the folder, "
+      "else chosen by the folder's name)");
+  command.add_option("--topics", arguments.topics,
+                     "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
+  command.add_option("--vocabulary", arguments.vocabulary,
+                     "visual vocabulary from kinloop vocab train (default: built-in)");
+  command.add_option("--save-map", arguments.save_map,
+                     "file to save the map to (default: map.kinmap in the output folder)");
+  command.add_option("--load-map", arguments.load_map,
+                     "map of an earlier run to continue: a map file or the folder of a run");
+  CLI::Option* localize =
+      command.add_flag("--localize", arguments.localize,
+                       "only localise in the map of --load-map; do not change the map. Writes only\n"
+                       "trajectory.txt, frames.txt and run.json; no cloud, report or map file");
+  command
+      .add_flag(
+          "--report", arguments.report,
+          "with --localize: also write the cloud of the map (map.ply), report.html and the other files\n"
+          "of a run, which requires fusing the whole map")
+      ->needs(localize);
+  command
+      .add_option("--autosave", arguments.autosave_s,
+                  "interval between saves of the map during the run, s; 0 = only at the end")
+      ->check(number(0, 1e6))
+      ->capture_default_str();
+  command.add_flag("--no-loop", arguments.no_loop, "do not close loops");
+  command.add_option("--solver", arguments.solver, "pose graph solver: auto, builtin, ceres, g2o")
+      ->check(one_of({"auto", "builtin", "ceres", "g2o"}));
+  add_set_option(command, arguments.assignments, "set an option, key=value; see --options");
+  command.add_flag("--options", arguments.list_options, "list all options of --set and exit");
+  command
+      .add_option("--threads", arguments.threads, "number of threads, 0 = all; does not affect the results")
+      ->check(whole_number(0, 1024));
+  command
+      .add_option("--pace", arguments.pace_hz,
+                  "replay at this rate, Hz, like a live camera: late frames are dropped,\n"
+                  "and background results are applied when ready (executor.mode=live)")
+      ->check(number(0.1, 1000));
+  add_frame_option(command, arguments.frame);
+  add_viewer_option(command, arguments.viewer);
+  add_quiet_option(command, arguments.quiet);
+  command.add_flag("-v,--verbose", arguments.verbose, "log every event")->excludes("--quiet");
+  command.footer(
+      "Examples:\n"
+      "  kinloop run sim:room -o out\n"
+      "  kinloop run rgbd_dataset_freiburg1_room -o room --set dense.voxel_m=0.005\n"
+      "  kinloop run FOLDER --camera my_kinect.yaml --no-loop");
+}
+
+}  // namespace kinloop

@@ -1,0 +1,76 @@
+#include "apps/run/run_logger.hpp"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "kinloop/base/log.hpp"
+#include "kinloop/base/time.hpp"
+
+namespace kinloop {
+namespace {
+
+const char* describe_tracking(const FrameResult& result) {
+  if (result.relocalized) return "relocalised";
+  switch (result.status) {
+    case TrackStatus::kTracked:
+      return "tracking";
+    case TrackStatus::kDenseOnly:
+      return "tracking by depth and intensity only";
+    case TrackStatus::kLost:
+      return "lost";
+  }
+  return "";
+}
+
+}  // namespace
+
+void RunLogger::on_frame(const FrameResult& result, const PreparedFrame&) {
+  if (result.status != status_ || result.relocalized) {
+    const int seen = result.stats.inliers;
+    log::info("frame {} ({} s): {}{}", result.frame.value, format_stamp(result.stamp_ns),
+              describe_tracking(result), seen > 0 ? fmt::format(", {} landmarks observed", seen) : "");
+  }
+  status_ = result.status;
+}
+
+void RunLogger::on_map(const Map& map) {
+  for (; loops_logged_ < map.loop_edges().size(); ++loops_logged_) {
+    const LoopEdge& loop = map.loop_edges()[loops_logged_];
+    log::info("loop closed: keyframe {} ({} s) matches keyframe {} ({} s), {} inliers", loop.a.value,
+              format_stamp(map.keyframe(loop.a).stamp_ns), loop.b.value,
+              format_stamp(map.keyframe(loop.b).stamp_ns), loop.inliers);
+  }
+  for (; keyframes_logged_ < map.keyframes().size(); ++keyframes_logged_) {
+    const Keyframe& keyframe = map.keyframes()[keyframes_logged_];
+    log::info("keyframe {} ({} s), {} landmarks in the map", keyframes_logged_,
+              format_stamp(keyframe.stamp_ns), map.landmark_count());
+  }
+}
+
+void log_run_start(const FrameSource& source, int threads) {
+  const SourceInfo& info = source.info();
+  const RgbdCamera& camera = source.camera();
+  const PinholeCamera& lens = camera.color;
+  log::info("{}: {}, {} ground-truth poses, {} thread(s)", info.name,
+            info.live ? std::string("live") : fmt::format("{} frames", info.frames), info.ground_truth.size(),
+            threads);
+  log::info("camera {} x {}, fx {}, fy {}, cx {}, cy {}, {} depth units per metre{}", lens.width, lens.height,
+            lens.fx, lens.fy, lens.cx, lens.cy, camera.depth_scale,
+            camera.depth ? ", separate depth camera" : "");
+}
+
+Progress make_stage_logger() {
+  return [stage = std::make_shared<std::string>("mapping")](const ProgressReport& now) {
+    if (now.stage != *stage) log::info("{}", now.stage);
+    *stage = now.stage;
+    return true;
+  };
+}
+
+std::string progress_note(const FrameResult& result, const Map& map) {
+  return fmt::format("{}, {} keyframes, {} loops", describe_tracking(result), map.keyframes().size(),
+                     map.loop_edges().size());
+}
+
+}  // namespace kinloop

@@ -1,0 +1,36 @@
+#pragma once
+// Everything that `kinloop run --set key=value` can change.
+
+#include "drivers/live/kinect_options.hpp"
+#include "kinloop/dense/options.hpp"
+#include "kinloop/slam/options.hpp"
+#include "simulator/simulated_source.hpp"
+#include "viewer/options.hpp"
+
+namespace kinloop {
+
+/// The options of the system stand at the top ("features.count"), those of the dense map, the mesh, the
+/// occupancy map, the simulation, live cameras and the viewer under names of their own ("dense.voxel_m",
+/// "sim.frames").
+struct RunOptions {
+  SlamOptions slam;
+  DenseOptions dense;
+  MeshOptions mesh;
+  OccupancyOptions occupancy;
+  SimulationOptions sim;
+  KinectOptions kinect;
+  ViewerOptions viewer;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    SlamOptions::fields(self.slam, visit);
+    visit("dense", self.dense);
+    visit("mesh", self.mesh);
+    visit("occupancy", self.occupancy);
+    visit("sim", self.sim);
+    visit("kinect", self.kinect);
+    visit("viewer", self.viewer);
+  }
+};
+
+}  // namespace kinloop

@@ -1,0 +1,184 @@
+#include "apps/run/run_summary.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "apps/shared/version.hpp"
+#include "kinloop/base/quantile.hpp"
+#include "kinloop/base/time.hpp"
+#include "tools/evaluation/consistency.hpp"
+#include "viewer/report/report.hpp"
+
+namespace kinloop {
+namespace {
+
+using nlohmann::json;
+
+struct ProcessUse {
+  double cpu_s = 0;
+  double peak_memory_mib = 0;
+};
+
+ProcessUse process_use() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return {seconds(usage.ru_utime) + seconds(usage.ru_stime), static_cast<double>(usage.ru_maxrss) / 1024.0};
+}
+
+/// The input as it can be named later and elsewhere: "." is some other folder then.
+std::string lasting_name(const std::string& input) {
+  const std::string name = input_name(input);
+  if (name != "." && name != "..") return input;
+  return std::filesystem::weakly_canonical(input).string();
+}
+
+json loops_json(const Map& map) {
+  json loops = json::array();
+  for (const LoopEdge& edge : map.loop_edges()) {
+    loops.push_back({{"stamp_a", format_stamp(map.keyframe(edge.a).stamp_ns)},
+                     {"stamp_b", format_stamp(map.keyframe(edge.b).stamp_ns)},
+                     {"inliers", edge.inliers}});
+  }
+  return loops;
+}
+
+json options_json(RunOptions options) {
+  json values;
+  for (const OptionEntry& entry : option_entries(options)) {
+    std::visit([&](const auto& value) { values[entry.key] = value; }, entry.value);
+  }
+  return values;
+}
+
+json sensor_json(const SensorEstimate& sensor) {
+  json parameters = json::object();
+  for (int k = 0; k < kSensorParameterCount; ++k) {
+    if (!sensor.used[static_cast<size_t>(k)]) continue;
+    parameters[sensor_parameter_name(static_cast<SensorParameter>(k))] = {{"value", sensor.value(k)},
+                                                                          {"sigma", sensor.sigma(k)}};
+  }
+  return parameters;
+}
+
+/// The keyframes of a component, with their covariances.
+std::vector<PoseWithCovariance> poses_with_covariance(const Slam& slam, uint32_t component) {
+  const auto& covariance = slam.keyframe_covariance();
+  std::vector<PoseWithCovariance> poses;
+  for (const Keyframe& keyframe : slam.map().keyframes()) {
+    if (keyframe.component != component || keyframe.id.value >= covariance.size()) continue;
+    poses.push_back({keyframe.stamp_ns, keyframe.T_world_camera, covariance[keyframe.id.value]});
+  }
+  return poses;
+}
+
+/// Covariances of (translation; rotation) in the camera's axes, m and rad, row by row from the diagonal on.
+json covariances_json(const std::vector<PoseWithCovariance>& poses) {
+  json all = json::array();
+  for (const PoseWithCovariance& pose : poses) {
+    json upper = json::array();
+    for (int row = 0; row < 6; ++row) {
+      for (int column = row; column < 6; ++column) upper.push_back(pose.covariance(row, column));
+    }
+    all.push_back({{"stamp", format_stamp(pose.stamp_ns)}, {"covariance", upper}});
+  }
+  return all;
+}
+
+json consistency_json(const std::vector<PoseWithCovariance>& poses, const Trajectory& truth) {
+  const auto found = evaluate_consistency(poses, truth);
+  if (!found) return nullptr;
+  return {{"poses", found->poses},
+          {"nees_translation", found->nees_translation},
+          {"nees_rotation", found->nees_rotation},
+          {"expected", 3}};
+}
+
+json skipped_json(const FrameSource& source) {
+  json skipped = json::array();
+  for (const auto& [name, reason] : source.skipped()) skipped.push_back({{"name", name}, {"reason", reason}});
+  return skipped;
+}
+
+}  // namespace
+
+json timings_json(const Timings& times) {
+  json timings = json::object();
+  for (const auto& [module, elapsed] : times.modules) {
+    timings[module] = {{"wall_s", elapsed.wall_s},
+                       {"cpu_s", elapsed.cpu_s},
+                       {"median_ms", quantile(elapsed.samples_ms, 0.5)},
+                       {"p95_ms", quantile(elapsed.samples_ms, 0.95)}};
+  }
+  return timings;
+}
+
+json run_summary(const RunOutcome& o) {
+  const auto log = o.slam.session_log();
+  const uint32_t component = o.slam.component();
+  const auto tracked = std::count_if(
+      log.begin(), log.end(), [&](const auto& f) { return is_tracked_in(component, f, o.slam.map()); });
+  const auto not_lost =
+      std::count_if(log.begin(), log.end(), [](const auto& f) { return f.status != TrackStatus::kLost; });
+  const auto dense_only = std::count_if(log.begin(), log.end(),
+                                        [](const auto& f) { return f.status == TrackStatus::kDenseOnly; });
+  const ProcessUse use = process_use();
+  json summary;
+  summary["version"] = version_text();
+  summary["input"] = lasting_name(o.source.info().name);
+  summary["frames"] = log.size();
+  summary["tracked"] = tracked;
+  summary["tracked_densely"] = dense_only;
+  summary["tracked_apart"] = not_lost - tracked;  // in components that no recognised place has joined
+  summary["skipped"] = skipped_json(o.source);
+  summary["dropped"] = o.dropped;
+  summary["interrupted"] = o.interrupted;
+  summary["keyframes"] = o.slam.map().keyframes().size();
+  summary["landmarks"] = o.slam.map().landmark_count();
+  summary["loops"] = loops_json(o.slam.map());
+  summary["sensor"] = sensor_json(o.slam.sensor());
+  summary["wall_s"] = o.wall_s;
+  summary["cpu_s"] = use.cpu_s;
+  summary["threads"] = o.threads;
+  summary["timings"] = timings_json(o.slam.timings());
+  summary["frame_ms"] = {{"median", quantile(o.slam.timings().frame_ms, 0.5)},
+                         {"p95", quantile(o.slam.timings().frame_ms, 0.95)}};
+  summary["peak_memory_mib"] = use.peak_memory_mib;
+  if (o.map_points) summary["map"] = {{"points", *o.map_points}, {"voxel_m", o.options.dense.voxel_m}};
+  const auto poses = poses_with_covariance(o.slam, component);
+  summary["keyframe_covariances"] = covariances_json(poses);
+  if (o.evaluation) {
+    summary["evaluation"] = to_json(*o.evaluation);
+    summary["evaluation"]["consistency"] = consistency_json(poses, o.source.info().ground_truth);
+  }
+  summary["options"] = options_json(o.options);
+  return summary;
+}
+
+std::string summary_text(const json& s) {
+  std::string map;
+  if (s.contains("map")) {
+    map = fmt::format("map        {} points, voxels of {} m\n", s["map"]["points"].get<long>(),
+                      s["map"]["voxel_m"].get<double>());
+  }
+  std::string text = fmt::format(
+      "frames     {} tracked of {} ({} in other map components, {} damaged, {} dropped)\n"
+      "keyframes  {}, landmarks {}, loops {}\n"
+      "{}"
+      "time       {:.1f} s, {:.1f} ms per frame (median), {:.1f} ms (95th percentile)\n"
+      "memory     {:.0f} MiB peak\n",
+      s["tracked"].get<long>(), s["frames"].get<long>(), s["tracked_apart"].get<long>(), s["skipped"].size(),
+      s["dropped"].get<long>(), s["keyframes"].get<long>(), s["landmarks"].get<long>(), s["loops"].size(),
+      map, s["wall_s"].get<double>(), s["frame_ms"]["median"].get<double>(),
+      s["frame_ms"]["p95"].get<double>(), s["peak_memory_mib"].get<double>());
+  if (!s.contains("evaluation")) return text;
+  const json& e = s["evaluation"];
+  return text + fmt::format("error      ATE {:.4f} m\n", e["ate"]["rmse_m"].get<double>());
+}
+
+}  // namespace kinloop

@@ -1,0 +1,94 @@
+#include "apps/run/run_viewer.hpp"
+
+#include <chrono>
+#include <thread>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "apps/shared/interrupt.hpp"
+#include "apps/shared/map_store.hpp"
+#include "kinloop/base/log.hpp"
+#include "kinloop/io/point_cloud/ply.hpp"
+#include "viewer/report/report.hpp"
+#include "viewer/saved_run.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Long enough for a browser on the same machine to get what is left.
+constexpr std::chrono::seconds kFarewell{1};
+
+/// PORT, HOST:PORT or [IPv6]:PORT, and not a file of that name, or sim:room:7.
+bool looks_like_address(const std::string& word) {
+  constexpr const char* kDigits = "0123456789";
+  const size_t port = word.find_last_not_of(kDigits);
+  if (port == std::string::npos) return !word.empty();
+  if (word[port] != ':' || port + 1 == word.size()) return false;
+  const std::string host = word.substr(0, port);
+  const bool bracketed = host.starts_with('[') && host.ends_with(']');
+  return bracketed || (!host.empty() && host != "sim" && host.find_first_of(":/") == std::string::npos);
+}
+
+void handle_pause_and_save(LiveViewer& viewer, const std::function<void()>& save_now) {
+  while (viewer.control().next_action(interrupted) == RunControl::Action::kSaveMap) {
+    viewer.set_stage("mapping", "saving map");
+    save_now();
+    viewer.set_stage("mapping", "map saved");
+  }
+}
+
+}  // namespace
+
+CLI::Option* add_viewer_option(CLI::App& command, std::string& listen) {
+  return command
+      .add_flag("--viewer{8080}", listen,
+                "show the run in a browser; PORT selects the port (0 = any free port),\n"
+                "ADDRESS:PORT allows other machines, which need the token in the printed URL")
+      ->option_text("[[ADDRESS:]PORT]");
+}
+
+std::vector<std::string> join_viewer_address(std::vector<std::string> words) {
+  for (size_t i = 0; i + 1 < words.size() && words[i] != "--"; ++i) {
+    if (words[i] != "--viewer" || !looks_like_address(words[i + 1])) continue;
+    words[i] += "=" + words[i + 1];
+    words.erase(words.begin() + static_cast<long>(i) + 1);
+  }
+  return words;
+}
+
+std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const FrameSource& source,
+                                            const ViewerOptions& options, Slam& slam,
+                                            const std::function<void()>& save_now) {
+  if (listen.empty()) return nullptr;
+  const SourceInfo& info = source.info();
+  auto shown = std::make_unique<RunViewer>(
+      parse_listen_address(listen),
+      RunInfo{input_name(info.name), info.frames, source.camera(), info.ground_truth, options});
+  slam.add_listener(shown->viewer.listener());
+  shown->wait_until_resumed = [&viewer = shown->viewer, save_now] {
+    handle_pause_and_save(viewer, save_now);
+  };
+  log::info("viewer at {}", shown->viewer.url());
+  return shown;
+}
+
+void save_map(const RunFolder& folder, const Slam& slam, DenseRecorder& recorder, const std::string& frame,
+              int threads) {
+  write_tum_trajectory(folder.trajectory(), slam.trajectory());
+  const ColoredCloud cloud = recorder.fuse(slam, threads, {});
+  write_ply(folder.map(), cloud, file_frame(frame, recorder.up(slam), recorder.views(slam)));
+}
+
+void serve_until_interrupted(LiveViewer& viewer) {
+  viewer.set_stage("finished");
+  const bool somebody_there = isatty(STDIN_FILENO) != 0 && isatty(STDERR_FILENO) != 0;
+  if (!somebody_there || interrupted()) {
+    if (viewer.browsers() > 0) std::this_thread::sleep_for(kFarewell);
+    return;
+  }
+  log::info("run finished; viewer stays at {} until Ctrl-C", viewer.url());
+  wait_for_interrupt();
+}
+
+}  // namespace kinloop

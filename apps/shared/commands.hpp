@@ -1,0 +1,33 @@
+#pragma once
+// Each command of the program registers itself as a subcommand; its callback does the work, prints its result
+// on standard output and throws InputError or UsageError, which main turns into exit codes.
+
+#include <CLI/CLI.hpp>
+
+namespace kinloop {
+
+/// Exit codes of the command line contract.
+enum class ExitCode : int { kDone = 0, kWrongUse = 2, kBadInput = 3, kTrackingLost = 4 };
+
+/// What `kinloop` alone prints: the commands to know first.
+void print_quick_start();
+
+void add_help_command(CLI::App& app);
+void add_version_command(CLI::App& app);
+void add_run_command(CLI::App& app, ExitCode& exit_code);
+void add_eval_command(CLI::App& app);
+void add_report_command(CLI::App& app);
+void add_vocab_command(CLI::App& app);
+void add_optimize_command(CLI::App& app);
+void add_simulate_command(CLI::App& app);
+void add_bench_command(CLI::App& app);
+void add_features_command(CLI::App& app);
+void add_calibrate_command(CLI::App& app);
+void add_record_command(CLI::App& app);
+void add_fetch_command(CLI::App& app);
+void add_view_command(CLI::App& app);
+void add_map_command(CLI::App& app);
+void add_export_command(CLI::App& app);
+void add_mesh_command(CLI::App& app);
+
+}  // namespace kinloop

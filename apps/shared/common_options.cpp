@@ -1,0 +1,84 @@
+#include "apps/shared/common_options.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "kinloop/base/did_you_mean.hpp"
+
+namespace kinloop {
+namespace {
+
+template <class Number>
+CLI::Validator in_range(Number low, Number high, const char* kind) {
+  const auto check = [=](const std::string& text) -> std::string {
+    Number value = 0;
+    if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return {};
+    return fmt::format("'{}' is not {} from {} to {}", text, kind, low, high);
+  };
+  return {check, fmt::format("from {} to {}", low, high)};
+}
+
+}  // namespace
+
+void add_map_argument(CLI::App& command, std::filesystem::path& map) {
+  command.add_option("MAP", map, "a map file, or the folder of a run")->required();
+}
+
+void add_poses_option(CLI::App& command, std::filesystem::path& poses) {
+  command.add_option("--poses", poses, "read the image poses from this file (TUM format) instead of the map");
+}
+
+void add_set_option(CLI::App& command, std::vector<std::string>& assignments, const std::string& what) {
+  command.add_option("--set", assignments, what + "; may be repeated")
+      ->allow_extra_args(false)
+      ->option_text("KEY=VALUE");
+}
+
+void add_frame_option(CLI::App& command, std::string& frame) {
+  command
+      .add_option("--frame", frame,
+                  "axes of the cloud or mesh: z-up, or camera (the first camera's, y down), the frame of\n"
+                  "the trajectory")
+      ->check(one_of({"z-up", "camera"}))
+      ->capture_default_str();
+}
+
+CLI::Validator whole_number(int low, int high) {
+  return in_range(low, high, "a whole number");
+}
+
+CLI::Validator number(double low, double high) {
+  return in_range(low, high, "a number");
+}
+
+CLI::Validator one_of(std::vector<std::string> words) {
+  const std::string list = fmt::format("{}", fmt::join(words, ", "));
+  const auto check = [words = std::move(words), list](const std::string& text) -> std::string {
+    if (std::find(words.begin(), words.end(), text) != words.end()) return {};
+    return fmt::format("'{}' is not one of {}{}", text, list, did_you_mean(text, words));
+  };
+  return {check, list};
+}
+
+void add_threads_option(CLI::App& command, int& threads, const std::string& what) {
+  constexpr int kMostThreads = 1024;
+  command.add_option("--threads", threads, what)->check(whole_number(1, kMostThreads));
+}
+
+CLI::Validator positive_number() {
+  const auto check = [](const std::string& text) -> std::string {
+    double value = 0;
+    if (CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value)) return {};
+    return fmt::format("'{}' must be a positive number", text);
+  };
+  return {check, "POSITIVE"};
+}
+
+void add_quiet_option(CLI::App& command, bool& quiet) {
+  command.add_flag("-q,--quiet", quiet, "print only warnings and errors");
+}
+
+}  // namespace kinloop

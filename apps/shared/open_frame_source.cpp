@@ -1,0 +1,59 @@
+#include "apps/shared/open_frame_source.hpp"
+
+#include <fmt/format.h>
+
+#include "drivers/datasets/camera_selection.hpp"
+#include "drivers/datasets/tum_source.hpp"
+#include "drivers/kinect1/kinect1_source.hpp"
+#include "drivers/kinect2/kinect2_source.hpp"
+#include "drivers/ros/bag_source.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/place/vocabulary_file.hpp"
+
+namespace kinloop {
+
+bool is_live(const std::string& sequence) {
+  return sequence == "kinect1" || sequence == "kinect2";
+}
+
+std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
+  const std::string& sequence = request.sequence;
+  if (sequence.starts_with("sim:")) {
+    if (request.camera)
+      throw UsageError("--camera cannot be used with a simulated sequence, which has its own camera");
+    return make_simulated_source(sequence, request.simulation, request.threads);
+  }
+  const auto given_camera = [&]() -> std::optional<RgbdCamera> {
+    if (!request.camera) return std::nullopt;
+    return choose_camera({}, request.camera);
+  };
+  if (sequence == "kinect1") return open_kinect1(request.kinect, given_camera());
+  if (sequence == "kinect2") return open_kinect2(request.kinect, given_camera(), request.kinect2_frames);
+  if (sequence.ends_with(".bag") && !std::filesystem::exists(sequence))
+    throw InputError(fmt::format("{}: no such file; check the path", sequence));
+  if (sequence.ends_with(".bag")) return open_bag(sequence, given_camera(), request.topics);
+  return std::make_unique<TumSource>(sequence, choose_camera(sequence, request.camera));
+}
+
+Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features) {
+  if (!file.empty()) {
+    Vocabulary vocabulary = read_vocabulary(file);
+    if (vocabulary.tree().kind == descriptor_kind(features, Metric::kHamming)) return vocabulary;
+    throw UsageError(
+        fmt::format("{}: a vocabulary of {}, but features.kind={} requires one of 256 bits; "
+                    "train it with "
+                    "`kinloop vocab train IMAGES... --feature {} -o FILE`",
+                    file, vocabulary.descriptors().name, features.kind, features.kind));
+  }
+  if (features.kind != "orb") {
+    throw UsageError(
+        fmt::format("features.kind={0}: the built-in vocabulary is for ORB; train one with `kinloop vocab "
+                    "train IMAGES... "
+                    "--feature {0} -o FILE` and pass --vocabulary FILE",
+                    features.kind));
+  }
+  return load_default_vocabulary();
+}
+
+}  // namespace kinloop

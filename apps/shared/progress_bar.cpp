@@ -1,0 +1,152 @@
+#include "apps/shared/progress_bar.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "kinloop/base/stopwatch.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr double kRedrawS = 0.1;        ///< faster than anyone reads
+constexpr double kFirstLineS = 1;       ///< without a terminal: a stage that is over sooner needs no word
+constexpr double kLineS = 5;            ///< and from then on
+constexpr size_t kDefaultColumns = 80;  ///< where the terminal does not tell
+constexpr const char* kClearRest = "\033[K";
+
+size_t terminal_columns() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : kDefaultColumns;
+}
+
+/// "17 s", "3 min 05 s", "2 h 10 min".
+std::string duration_text(double seconds) {
+  constexpr long kMinute = 60, kHour = 3600;
+  const long s = std::lround(std::ceil(seconds));
+  if (s < kMinute) return fmt::format("{} s", s);
+  if (s < kHour) return fmt::format("{} min {:02} s", s / kMinute, s % kMinute);
+  return fmt::format("{} h {:02} min", s / kHour, s % kHour / kMinute);
+}
+
+/// Draws over its own line, a new stage begins a new one; without a terminal, writes a line now and then.
+class Bar {
+ public:
+  explicit Bar(bool terminal) : terminal_(terminal) {}
+  ~Bar() { end_line(); }
+  Bar(const Bar&) = delete;
+  Bar& operator=(const Bar&) = delete;
+
+  void draw(const ProgressReport& now) {
+    const std::lock_guard lock(mutex_);
+    const bool finished = now.total > 0 && now.done >= now.total;
+    if (now.stage != stage_ || (finished_ && !finished)) begin_stage(now);
+    if (finished_) return;
+    finished_ = finished;
+    const StageTime time{stage_time_.wall_s(), done_at_start_};
+    if (terminal_) {
+      draw_over(now, time);
+    } else {
+      write_line(now, time);
+    }
+  }
+
+ private:
+  void begin_stage(const ProgressReport& now) {
+    end_line();
+    stage_ = now.stage;
+    stage_time_ = Stopwatch();
+    done_at_start_ = now.done;
+    last_drawn_s_ = terminal_ ? -kRedrawS : kFirstLineS - kLineS;
+    lines_ = 0;
+    finished_ = false;
+  }
+
+  void draw_over(const ProgressReport& now, const StageTime& time) {
+    if (time.elapsed_s - last_drawn_s_ < kRedrawS && !finished_) return;
+    last_drawn_s_ = time.elapsed_s;
+    // One column is left free: some terminals wrap when the last one is written.
+    fmt::print(stderr, "\r{}{}", progress_line(now, time, terminal_columns() - 1), kClearRest);
+    std::fflush(stderr);
+    line_open_ = true;
+    if (finished_) end_line();  // results may follow
+  }
+
+  /// The end is told where the stage was told of before.
+  void write_line(const ProgressReport& now, const StageTime& time) {
+    if (time.elapsed_s - last_drawn_s_ < kLineS && !(finished_ && lines_ > 0)) return;
+    last_drawn_s_ = time.elapsed_s;
+    ++lines_;
+    fmt::print(stderr, "{}\n", progress_line(now, time, kDefaultColumns));
+    std::fflush(stderr);
+  }
+
+  void end_line() {
+    if (line_open_) fmt::print(stderr, "\n");
+    line_open_ = false;
+  }
+
+  const bool terminal_;
+  std::mutex mutex_;
+  std::string stage_;
+  Stopwatch stage_time_;
+  size_t done_at_start_ = 0, lines_ = 0;
+  double last_drawn_s_ = 0;
+  bool line_open_ = false, finished_ = false;
+};
+
+}  // namespace
+
+Progress make_progress_bar(bool quiet) {
+  if (quiet) return {};
+  return [bar = std::make_shared<Bar>(isatty(STDERR_FILENO) != 0)](const ProgressReport& now) {
+    bar->draw(now);
+    return true;
+  };
+}
+
+std::string progress_line(const ProgressReport& now, const StageTime& stage, size_t width) {
+  constexpr double kEnoughS = 0.5;  // before, a rate is chance
+  const auto done = static_cast<double>(now.done - std::min(now.done, stage.done_at_start));
+  const double per_second = stage.elapsed_s >= kEnoughS ? done / stage.elapsed_s : 0;
+  const std::string rate = per_second > 0 ? fmt::format("{:7.1f}/s", per_second) : std::string(9, ' ');
+  if (now.total == 0) {
+    const std::string note = now.note.empty() ? "" : "   " + now.note;
+    return fmt::format("{:<10} {} {}{}", now.stage, now.done, rate, note).substr(0, width);
+  }
+
+  const auto total = static_cast<double>(now.total);
+  const double share = std::min(1.0, static_cast<double>(now.done) / total);
+  std::string time;
+  if (share >= 1) {
+    time = fmt::format("   {} total", duration_text(stage.elapsed_s));
+  } else if (per_second > 0) {
+    time = fmt::format("   {} left", duration_text((total - static_cast<double>(now.done)) / per_second));
+  }
+  const std::string total_text = std::to_string(now.total);
+  const std::string counts = fmt::format("  {:>{}}/{}", now.done, total_text.size(), total_text);
+  if (!now.note.empty()) time += "   " + now.note;
+  const std::string head = fmt::format("{:<10} ", now.stage);
+
+  constexpr size_t kLongestBar = 30, kShortBar = 10, kShortestBar = 5, kBrackets = 2, kTimeColumns = 20;
+  const size_t note_columns = now.note.empty() ? 0 : now.note.size() + 3;
+  const size_t others = head.size() + counts.size() + rate.size() + kTimeColumns + kBrackets;
+  size_t cells = width > others + note_columns ? std::min(kLongestBar, width - others - note_columns) : 0;
+  // Of bar and note, the end of the note goes first.
+  if (cells < kShortBar) cells = width > others ? std::min(kShortBar, width - others) : 0;
+  if (cells < kShortestBar) return (head + counts + rate + time).substr(0, width);
+  const auto full = static_cast<size_t>(share * static_cast<double>(cells));
+  std::string bar(full, '=');
+  if (full < cells) bar += '>';
+  bar.resize(cells, ' ');
+  return (head + '[' + bar + ']' + counts + rate + time).substr(0, width);
+}
+
+}  // namespace kinloop

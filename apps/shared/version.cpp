@@ -1,0 +1,48 @@
+#include "apps/shared/version.hpp"
+
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/shared/download.hpp"
+#include "drivers/kinect1/kinect1_source.hpp"
+#include "drivers/kinect2/kinect2_source.hpp"
+#include "drivers/ros/bag_source.hpp"
+#include "kinloop/dense/mesh/tsdf_volume.hpp"
+#include "kinloop/dense/occupancy.hpp"
+#include "kinloop/features/surf.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph.hpp"
+#include "tools/calibration/charuco.hpp"
+#include "tools/feature_comparison/detectors.hpp"
+#include "tools/vocabulary_training/mpi_communicator.hpp"
+
+namespace kinloop {
+
+std::string program_name() {
+  return "kinloop " KINLOOP_VERSION;
+}
+
+std::string version_text() {
+  const auto part = [](bool in, const char* what) {
+    return in ? std::string("yes") : fmt::format("no ({} not found at build time)", what);
+  };
+  const std::vector<std::pair<const char*, std::string>> parts{
+      {"g2o solver", part(pose_graph_solver_available("g2o"), "g2o")},
+      {"SURF", part(surf_available(), "dlib")},
+      {"ChArUco boards", part(charuco_available(), "OpenCV's aruco")},
+      {"Kinect 1", part(kinect1_available(), "libfreenect")},
+      {"Kinect 2", part(kinect2_available(), "libfreenect2")},
+      {"ROS bags", part(bags_available(), "librosbag-storage")},
+      {"ROS node", part(KINLOOP_ROS_FOUND, "roscpp")},
+      {"downloads", part(download_available(), "curl or libarchive")},
+      {"distributed training", part(mpi_available(), "MPI")},
+      {"meshes", part(tsdf_available(), "OpenVDB")},
+      {"occupancy maps", part(occupancy_available(), "OctoMap")},
+      {"viewer and report pages", part(KINLOOP_PAGES_FOUND, "npm or network access")}};
+  std::string text = program_name();
+  for (const auto& [name, state] : parts) text += fmt::format("\n{}: {}", name, state);
+  return text;
+}
+
+}  // namespace kinloop

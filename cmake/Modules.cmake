@@ -1,0 +1,56 @@
+# How the project's libraries and tests are declared. layers.txt says what each module may include; modules link
+# exactly that.
+file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/../layers.txt KINLOOP_LAYERS REGEX "^[a-z]")
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/../layers.txt)
+
+# kinloop_module([LIBRARIES target...])
+#
+# The static library kinloop_<name>, alias kinloop::<name>, from all sources in the current folder, whose last part is
+# the name. It links the modules that layers.txt names and LIBRARIES from outside.
+function(kinloop_module)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  get_filename_component(name ${folder} NAME)
+  set(row ${KINLOOP_LAYERS})
+  list(FILTER row INCLUDE REGEX "^${folder}:")
+  if(NOT row)
+    message(FATAL_ERROR "${folder} has no row in layers.txt")
+  endif()
+  string(REGEX REPLACE "^[^:]*: *" "" modules "${row}")
+  string(REPLACE " " ";" modules "${modules}")
+  list(TRANSFORM modules PREPEND kinloop_)
+
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  set(kernels ${sources})
+  list(FILTER kernels INCLUDE REGEX "/kernels/")  # each includes itself, once for each instruction set
+  set_source_files_properties(${kernels} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  add_library(kinloop_${name} STATIC ${sources})
+  add_library(kinloop::${name} ALIAS kinloop_${name})
+  set_target_properties(kinloop_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(kinloop_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/kinloop>)
+  target_link_libraries(kinloop_${name} PUBLIC ${modules} ${ARG_LIBRARIES})
+  kinloop_compile_options(kinloop_${name})
+  set_property(GLOBAL APPEND PROPERTY KINLOOP_MODULES kinloop_${name})
+endfunction()
+
+# kinloop_program(NAME SOURCES source... [LIBRARIES target...]): a program of the project, by the same rules.
+function(kinloop_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES})
+  kinloop_compile_options(${name})
+endfunction()
+
+# kinloop_test(NAME [LIBRARIES target...])
+#
+# One GoogleTest program test_<NAME> from tests/<NAME>/*.cpp, each of its tests known to CTest by itself.
+function(kinloop_test name)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
+  kinloop_program(test_${name} SOURCES ${sources} LIBRARIES ${ARG_LIBRARIES} kinloop_test_support GTest::gmock
+                                                            GTest::gtest_main)
+  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # half the time to compile; the library is at -O3
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+endfunction()

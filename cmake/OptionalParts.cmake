@@ -1,0 +1,116 @@
+# Parts that are built where their packages are installed. Each sets PART_FOUND.
+find_package(g2o QUIET)
+# dlib's own CMake file asks for all that dlib can draw and solve with; its SURF needs the library alone.
+find_path(DLIB_INCLUDE_DIR dlib/image_keypoint.h)
+find_library(DLIB_LIBRARY dlib)
+set(dlib_FOUND 0)
+if(DLIB_INCLUDE_DIR AND DLIB_LIBRARY)
+  set(dlib_FOUND 1)
+  add_library(kinloop_dlib INTERFACE)
+  target_include_directories(kinloop_dlib SYSTEM INTERFACE $<BUILD_INTERFACE:${DLIB_INCLUDE_DIR}>)
+  target_link_libraries(kinloop_dlib INTERFACE ${DLIB_LIBRARY})
+  find_library(BLAS_LIBRARY blas)  # which the package's dlib is built with
+  if(BLAS_LIBRARY)
+    target_link_libraries(kinloop_dlib INTERFACE ${BLAS_LIBRARY})
+  endif()
+endif()
+
+# kinloop_optional(PART HEADER LIBRARY...)
+#
+# Sets PART_FOUND, and makes the target kinloop_PART where the header and all libraries are there. For packages
+# that bring no CMake files, or such as need their whole build system.
+function(kinloop_optional part header)
+  find_path(${part}_INCLUDE_DIR ${header})
+  set(found ${${part}_INCLUDE_DIR})
+  set(libraries)
+  foreach(library ${ARGN})
+    find_library(${part}_${library}_LIBRARY ${library})
+    list(APPEND libraries ${${part}_${library}_LIBRARY})
+    if(NOT ${part}_${library}_LIBRARY)
+      set(found 0)
+    endif()
+  endforeach()
+  set(${part}_FOUND 0 PARENT_SCOPE)
+  if(found)
+    set(${part}_FOUND 1 PARENT_SCOPE)
+    add_library(kinloop_${part} INTERFACE)
+    target_include_directories(kinloop_${part} SYSTEM INTERFACE $<BUILD_INTERFACE:${${part}_INCLUDE_DIR}>)
+    target_link_libraries(kinloop_${part} INTERFACE ${libraries})
+    set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_${part})
+  endif()
+endfunction()
+kinloop_optional(rosbag rosbag/bag.h rosbag_storage roscpp_serialization rostime cpp_common console_bridge
+                 boost_filesystem)
+# Debian pairs ROS 1's bags with ROS 2's plugins, whose headers lie in folders of their own.
+if(rosbag_FOUND)
+  foreach(folder pluginlib class_loader ament_index_cpp rcpputils rcutils)
+    if(EXISTS ${rosbag_INCLUDE_DIR}/${folder}/${folder})
+      target_include_directories(kinloop_rosbag SYSTEM INTERFACE $<BUILD_INTERFACE:${rosbag_INCLUDE_DIR}/${folder}>)
+    endif()
+  endforeach()
+endif()
+
+# The node.
+find_package(PkgConfig QUIET)
+set(ros_FOUND 0)
+if(rosbag_FOUND AND PkgConfig_FOUND)
+  pkg_check_modules(roscpp QUIET IMPORTED_TARGET roscpp nav_msgs tf2_msgs geometry_msgs)
+  if(roscpp_FOUND)
+    set(ros_FOUND 1)
+  endif()
+endif()
+
+kinloop_optional(freenect libfreenect.h freenect)  # Kinect 1
+
+# ChArUco boards: OpenCV's aruco as it was before 4.7, part of its contributed modules.
+set(aruco_FOUND 0)
+if(OpenCV_VERSION VERSION_LESS 4.7)
+  find_path(aruco_INCLUDE_DIR opencv2/aruco/charuco.hpp PATHS ${OpenCV_INCLUDE_DIRS})
+  kinloop_optional(aruco opencv2/aruco/charuco.hpp opencv_aruco)
+endif()
+
+# Kinect 2: libfreenect2's own file sets variables instead of a target.
+find_package(freenect2 QUIET)
+if(freenect2_FOUND)
+  add_library(kinloop_freenect2 INTERFACE)
+  target_include_directories(kinloop_freenect2 SYSTEM INTERFACE $<BUILD_INTERFACE:${freenect2_INCLUDE_DIRS}>)
+  target_link_libraries(kinloop_freenect2 INTERFACE ${freenect2_LIBRARIES})
+  set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_freenect2)
+endif()
+
+# Many machines that train one dictionary. The C interface alone, which all of MPI's makers have.
+find_package(MPI QUIET COMPONENTS CXX)
+set(mpi_FOUND 0)
+if(MPI_CXX_FOUND)
+  set(mpi_FOUND 1)
+  add_library(kinloop_mpi INTERFACE)
+  target_include_directories(kinloop_mpi SYSTEM INTERFACE "$<BUILD_INTERFACE:${MPI_CXX_INCLUDE_DIRS}>")
+  target_compile_definitions(kinloop_mpi INTERFACE OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
+  target_link_libraries(kinloop_mpi INTERFACE ${MPI_CXX_LIBRARIES})
+  set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_mpi)
+endif()
+
+# Downloads: curl fetches, archive unpacks.
+find_package(CURL QUIET)
+find_package(LibArchive QUIET)
+set(download_FOUND 0)
+if(CURL_FOUND AND LibArchive_FOUND)
+  set(download_FOUND 1)
+endif()
+
+# OpenVDB's find module is not where CMake looks, and asks for all that OpenVDB can be built with.
+find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h)
+find_library(OPENVDB_LIBRARY openvdb)
+find_library(TBB_LIBRARY tbb)
+find_library(HALF_LIBRARY NAMES Imath Imath-3_1 Half)  # whose half-precision numbers OpenVDB uses
+set(openvdb_FOUND 0)
+if(OPENVDB_INCLUDE_DIR AND OPENVDB_LIBRARY AND TBB_LIBRARY)
+  set(openvdb_FOUND 1)
+  add_library(kinloop_openvdb INTERFACE)
+  target_include_directories(kinloop_openvdb SYSTEM INTERFACE $<BUILD_INTERFACE:${OPENVDB_INCLUDE_DIR}>)
+  target_link_libraries(kinloop_openvdb INTERFACE ${OPENVDB_LIBRARY} ${TBB_LIBRARY})
+  if(HALF_LIBRARY)
+    target_link_libraries(kinloop_openvdb INTERFACE ${HALF_LIBRARY})
+  endif()
+endif()
+find_package(octomap QUIET)

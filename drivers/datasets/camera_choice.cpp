@@ -1,0 +1,53 @@
+#include <array>
+
+#include <fmt/format.h>
+
+#include "drivers/datasets/camera_selection.hpp"
+#include "drivers/datasets/sequence_layout.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera_presets.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr std::array<std::string_view, 3> kTumPresets = {"freiburg1", "freiburg2", "freiburg3"};
+constexpr const char* kPresetNames = "freiburg1, freiburg2, freiburg3, icl";
+
+/// The last part of the path, also of "folder/" and ".".
+std::string folder_name(const std::filesystem::path& folder) {
+  const auto normal = std::filesystem::absolute(folder).lexically_normal();
+  return (normal.has_filename() ? normal : normal.parent_path()).filename().string();
+}
+
+/// The one TUM preset that `name` contains; nothing where it contains none or several.
+std::optional<RgbdCamera> preset_in_name(const std::string& name) {
+  std::optional<RgbdCamera> found;
+  for (const auto preset : kTumPresets) {
+    if (name.find(preset) == std::string::npos) continue;
+    if (found) return std::nullopt;
+    found = camera_preset(preset);
+  }
+  return found;
+}
+
+}  // namespace
+
+RgbdCamera choose_camera(const std::filesystem::path& folder,
+                         const std::optional<std::string>& camera_argument) {
+  if (camera_argument) {
+    if (const auto preset = camera_preset(*camera_argument)) return *preset;
+    if (!std::filesystem::exists(*camera_argument)) {
+      throw InputError(
+          fmt::format("--camera {}: neither a file nor a preset ({})", *camera_argument, kPresetNames));
+    }
+    return read_camera_file(*camera_argument);
+  }
+  constexpr bool kCameraKnown = false;
+  const auto file = folder / "camera.yaml";
+  if (std::filesystem::exists(file)) return read_camera_file(file);
+  if (const auto preset = preset_in_name(folder_name(folder))) return *preset;
+  reject_sequence(folder, kCameraKnown);
+}
+
+}  // namespace kinloop

@@ -1,0 +1,193 @@
+#include "drivers/datasets/sequence_layout.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "drivers/datasets/folder_contents.hpp"
+#include "kinloop/base/did_you_mean.hpp"
+#include "kinloop/base/input_error_with_hint.hpp"
+
+namespace kinloop {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCannotYet = "which kinloop cannot read yet; convert it to TUM layout";
+
+constexpr const char* kCameraToCopy =
+    "A camera.yaml template; replace the values with those of your camera (see kinloop calibrate):\n"
+    "  width: 640\n"
+    "  height: 480\n"
+    "  fx: 525\n"
+    "  fy: 525\n"
+    "  cx: 319.5\n"
+    "  cy: 239.5\n"
+    "  distortion: [0, 0, 0, 0, 0]  # k1 k2 p1 p2 k3\n"
+    "  depth_scale: 5000            # units of the depth images per metre; 1000 for millimetres\n"
+    "  fps: 30\n";
+
+/// A file of the layout that may be missing.
+struct RequiredFile {
+  const char* name;
+  const char* meaning;
+};
+constexpr RequiredFile kLists[] = {
+    {"rgb.txt", "a line 'timestamp file' for each colour image (8-bit PNG or JPEG)"},
+    {"depth.txt", "a line 'timestamp file' for each depth image (16-bit PNG)"},
+};
+constexpr RequiredFile kCamera = {"camera.yaml", "the camera; or specify --camera"};
+constexpr const char* kPresets = "freiburg1, freiburg2, freiburg3, icl";
+
+std::vector<RequiredFile> missing_in(const fs::path& folder, bool camera_known) {
+  std::vector<RequiredFile> missing;
+  std::error_code absent;
+  for (const RequiredFile& list : kLists) {
+    if (!has_tum_lists(folder) && !fs::exists(folder / list.name, absent)) missing.push_back(list);
+  }
+  if (!camera_known) missing.push_back(kCamera);
+  return missing;
+}
+
+std::string names_of(const std::vector<RequiredFile>& files) {
+  std::vector<std::string> names;
+  for (const RequiredFile& file : files) names.emplace_back(file.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// What to add to the folder to make it a sequence.
+std::string hint_for(const std::vector<RequiredFile>& missing, bool camera_known) {
+  std::string hint = "Missing for a sequence in TUM layout:\n";
+  for (const RequiredFile& file : missing) hint += fmt::format("  {:<12} {}\n", file.name, file.meaning);
+  return camera_known ? hint : hint + kCameraToCopy;
+}
+
+/// Of a path that is not there: a sequence to be downloaded, or a slip in a name.
+[[noreturn]] void reject_absent(const fs::path& path) {
+  constexpr std::string_view kTum = "rgbd_dataset_freiburg";
+  const fs::path normal = path.has_filename() ? path : path.parent_path();
+  const std::string name = normal.filename().string();
+  if (name.starts_with(kTum)) {
+    throw InputError(fmt::format("{}: no such folder; check the path, or download it: kinloop fetch tum/fr{}",
+                                 path.string(), name.substr(kTum.size())));
+  }
+  const FolderContents beside(normal.has_parent_path() ? normal.parent_path() : fs::path("."));
+  auto names = beside.folders();
+  for (const char* source : {"sim:room", "kinect1", "kinect2"}) names.emplace_back(source);
+  const std::string guess = did_you_mean(name, names);
+  throw InputError(
+      fmt::format("{}: no such folder{}", path.string(), guess.empty() ? "; check the path" : guess));
+}
+
+/// What to do with a file that was given for a folder.
+std::string advice_for_file(const fs::path& file) {
+  struct Kind {
+    std::vector<const char*> endings;
+    const char* remedy;
+  };
+  static const std::vector<Kind> kKinds = {
+      {{".kinmap"}, "a map; continue it with --load-map or open it with kinloop view"},
+      {{".ply", ".pcd"}, "a cloud; open it with kinloop view"},
+      {{".mp4", ".mkv", ".avi", ".mov", ".webm"},
+       "a video, which kinloop cannot read yet; colour and depth images are needed, in a folder in TUM "
+       "layout"},
+      {{".sens", ".oni", ".klg", ".svo", ".db3", ".mcap"},
+       "a recording of another program, which kinloop cannot read yet; convert it to TUM layout"},
+      {{".tgz", ".gz", ".tar", ".zip", ".7z", ".bz2", ".xz"}, "an archive; unpack it and give the folder"},
+      {{".png", ".jpg", ".jpeg"}, "one image; give the folder of the sequence"},
+      {{".txt", ".yaml"}, "a text file; give the folder of the sequence"},
+  };
+  for (const Kind& kind : kKinds) {
+    for (const char* ending : kind.endings) {
+      if (file.extension() == ending) return kind.remedy;
+    }
+  }
+  return "not a folder; give the folder of a sequence, or a ROS bag (.bag)";
+}
+
+/// Folders below that are sequences; a few.
+std::vector<std::string> sequences_below(const fs::path& folder) {
+  constexpr size_t kMost = 3;
+  std::vector<std::string> found;
+  const FolderContents contents(folder);
+  for (const std::string& name : contents.folders()) {
+    if (found.size() < kMost && has_tum_lists(folder / name)) found.push_back((folder / name).string());
+  }
+  return found;
+}
+
+/// The layout of another data set, in the folder or in one below it; empty where it is in none.
+std::string foreign_layout_around(const fs::path& folder) {
+  if (std::string layout = detect_dataset_layout(folder); !layout.empty()) return layout;
+  constexpr size_t kMostFolders = 16;
+  const FolderContents contents(folder);
+  const auto& below = contents.folders();
+  for (size_t i = 0; i < std::min(below.size(), kMostFolders); ++i) {
+    const std::string layout = detect_dataset_layout(folder / below[i]);
+    if (!layout.empty()) return fmt::format("{}, in {}/", layout, below[i]);
+  }
+  return {};
+}
+
+/// What the folder is, or lacks; empty where it is like nothing known.
+std::string description_of(const fs::path& folder) {
+  const FolderContents contents(folder);
+  if (contents.empty()) return "an empty folder";
+  if (contents.has_folder("rgb") && contents.has_folder("depth"))
+    return "rgb/ and depth/ without their lists";
+  const std::string image = contents.first_image();
+  if (!image.empty() && contents.folders().empty()) {
+    return fmt::format("a folder of images ({}, ...); each colour image needs a depth image", image);
+  }
+  return {};
+}
+
+}  // namespace
+
+bool has_tum_lists(const fs::path& folder) {
+  std::error_code absent;
+  return fs::exists(folder / "associations.txt", absent) ||
+         (fs::exists(folder / "rgb.txt", absent) && fs::exists(folder / "depth.txt", absent));
+}
+
+void reject_sequence(const fs::path& path, bool camera_known) {
+  std::error_code absent;
+  const std::string name = path.string();
+  if (!fs::exists(path, absent)) reject_absent(path);
+  if (!fs::is_directory(path, absent)) throw InputError(fmt::format("{}: {}", name, advice_for_file(path)));
+  const auto missing = missing_in(path, camera_known);
+  if (has_tum_lists(path)) {
+    throw InputErrorWithHint(
+        fmt::format("{}: no camera: add a camera.yaml, or use --camera FILE or one of {}", name, kPresets),
+        kCameraToCopy);
+  }
+  const std::string hint = hint_for(missing, camera_known);
+  const FolderContents contents(path);
+  if (contents.has_file("rgb.txt") || contents.has_file("depth.txt")) {
+    throw InputErrorWithHint(
+        fmt::format("{}: not a complete sequence in TUM layout: no {}", name, names_of(missing)), hint);
+  }
+  if (contents.has_file("run.json") && contents.has_file("trajectory.txt")) {
+    throw InputError(
+        fmt::format("{}: the results of a run, not a sequence; open them with kinloop view {}", name, name));
+  }
+  const auto below = sequences_below(path);
+  if (!below.empty()) {
+    throw InputError(fmt::format("{}: not a sequence, but it contains: {}; specify that folder", name,
+                                 fmt::join(below, ", ")));
+  }
+  const std::string layout = foreign_layout_around(path);
+  if (!layout.empty()) {
+    throw InputErrorWithHint(fmt::format("{}: looks like {}, {}", name, layout, kCannotYet), hint);
+  }
+  const std::string description = description_of(path);
+  throw InputErrorWithHint(
+      fmt::format("{}: not a sequence in TUM layout: {}", name,
+                  description.empty() ? fmt::format("no {}", names_of(missing)) : description),
+      hint);
+}
+
+}  // namespace kinloop

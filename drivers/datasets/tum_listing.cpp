@@ -1,0 +1,131 @@
+#include "drivers/datasets/tum_listing.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "drivers/datasets/sequence_layout.hpp"
+#include "kinloop/base/association.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/base/time.hpp"
+
+namespace kinloop {
+namespace {
+
+/// The rows of one text file with their first column as time, and what was left out of it.
+struct StampedRows {
+  std::vector<int64_t> stamps_ns;
+  std::vector<TextLine> lines;
+  std::vector<SkippedFrame> skipped;
+};
+
+int64_t stamp_of(const std::filesystem::path& file, const TextLine& line, size_t column) {
+  const auto stamp_ns = parse_stamp_ns(line.fields[column]);
+  if (!stamp_ns) {
+    throw_parse_error(
+        file, line.number,
+        fmt::format("'{}' is not a timestamp in seconds; correct or delete the line", line.fields[column]));
+  }
+  return *stamp_ns;
+}
+
+int64_t row_stamp(const std::filesystem::path& file, const TextLine& line, const std::string& columns) {
+  const size_t expected = static_cast<size_t>(std::count(columns.begin(), columns.end(), ' ')) + 1;
+  if (line.fields.size() != expected) {
+    throw_parse_error(
+        file, line.number,
+        fmt::format("expected '{}' separated by blanks, found {} fields", columns, line.fields.size()));
+  }
+  return stamp_of(file, line, 0);
+}
+
+/// Rows whose time increases. `columns` names what a row holds, separated by blanks.
+StampedRows read_stamped_rows(const std::filesystem::path& file, const std::string& columns) {
+  constexpr size_t kMaxDisorder = 2;  // one row in so many may be out of order
+  StampedRows rows;
+  size_t first_skipped_line = 0;
+  for (TextLine& line : read_table(file)) {
+    const int64_t stamp_ns = row_stamp(file, line, columns);
+    if (rows.stamps_ns.empty() || stamp_ns > rows.stamps_ns.back()) {
+      rows.stamps_ns.push_back(stamp_ns);
+      rows.lines.push_back(std::move(line));
+      continue;
+    }
+    if (rows.skipped.empty()) first_skipped_line = line.number;
+    const char* what = stamp_ns == rows.stamps_ns.back() ? "repeats" : "is earlier than";
+    rows.skipped.push_back(
+        {line.fields[1], fmt::format("{}:{}: timestamp {} {} that of line {}", file.string(), line.number,
+                                     line.fields[0], what, rows.lines.back().number)});
+  }
+  const size_t count = rows.lines.size() + rows.skipped.size();
+  if (count == 0) {
+    throw InputError(fmt::format("{}: empty; expected lines '{}'", file.string(), columns));
+  }
+  if (rows.skipped.size() * kMaxDisorder > count) {
+    throw_parse_error(file, first_skipped_line,
+                      fmt::format("timestamps do not increase in {} of {} lines: sort the file "
+                                  "by time or correct the timestamps",
+                                  rows.skipped.size(), count));
+  }
+  return rows;
+}
+
+/// Pairs chosen by hand are taken as they are, but a column of another clock must not go unnoticed.
+void warn_of_pairs_apart(const std::filesystem::path& file, const StampedRows& rows) {
+  size_t apart = 0, first_line = 0;
+  for (size_t i = 0; i < rows.lines.size(); ++i) {
+    const int64_t color_ns = rows.stamps_ns[i], depth_ns = stamp_of(file, rows.lines[i], 2);
+    if (depth_ns >= color_ns - kMaxAssociationNs && depth_ns <= color_ns + kMaxAssociationNs) continue;
+    if (apart++ == 0) first_line = rows.lines[i].number;
+  }
+  if (apart == 0) return;
+  log::warn("{}:{}: colour and depth are more than {} s apart in {} of {} pairs; used anyway", file.string(),
+            first_line, to_seconds(kMaxAssociationNs), apart, rows.lines.size());
+}
+
+TumListing read_associated(const std::filesystem::path& folder) {
+  const auto file = folder / "associations.txt";
+  StampedRows rows = read_stamped_rows(file, "timestamp colour_file timestamp depth_file");
+  warn_of_pairs_apart(file, rows);
+  TumListing listing;
+  listing.skipped = std::move(rows.skipped);
+  for (size_t i = 0; i < rows.lines.size(); ++i) {
+    const auto& fields = rows.lines[i].fields;
+    listing.frames.push_back({rows.stamps_ns[i], folder / fields[1], folder / fields[3]});
+  }
+  return listing;
+}
+
+TumListing associate_lists(const std::filesystem::path& folder) {
+  const StampedRows color = read_stamped_rows(folder / "rgb.txt", "timestamp colour_file");
+  const StampedRows depth = read_stamped_rows(folder / "depth.txt", "timestamp depth_file");
+  TumListing listing;
+  listing.skipped = color.skipped;
+  listing.skipped.insert(listing.skipped.end(), depth.skipped.begin(), depth.skipped.end());
+  for (const auto& [c, d] : associate_stamps(color.stamps_ns, depth.stamps_ns)) {
+    listing.frames.push_back(
+        {color.stamps_ns[c], folder / color.lines[c].fields[1], folder / depth.lines[d].fields[1]});
+  }
+  if (listing.frames.empty()) {
+    throw InputError(
+        fmt::format("{}: no colour image of rgb.txt has a depth image in depth.txt within {} s; check that "
+                    "both use the same clock, or write associations.txt",
+                    folder.string(), to_seconds(kMaxAssociationNs)));
+  }
+  return listing;
+}
+
+}  // namespace
+
+TumListing read_tum_listing(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  constexpr bool kCameraKnown = true;  // to the caller
+  if (!has_tum_lists(folder)) reject_sequence(folder, kCameraKnown);
+  if (fs::exists(folder / "associations.txt")) return read_associated(folder);
+  return associate_lists(folder);
+}
+
+}  // namespace kinloop

@@ -1,0 +1,79 @@
+#include "drivers/datasets/tum_writer.hpp"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/base/time.hpp"
+#include "kinloop/base/writable_check.hpp"
+#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/image_file.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr const char* kWrittenLists[] = {"rgb.txt", "depth.txt", "associations.txt", "groundtruth.txt"};
+
+std::string color_name(int64_t stamp_ns) {
+  return fmt::format("rgb/{}.png", format_stamp(stamp_ns));
+}
+
+std::string depth_name(int64_t stamp_ns) {
+  return fmt::format("depth/{}.png", format_stamp(stamp_ns));
+}
+
+}  // namespace
+
+void require_no_sequence(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (const char* list : kWrittenLists) {
+    if (!std::filesystem::exists(folder / list, error)) continue;
+    throw InputError(fmt::format("{}: already contains {}; choose another folder, or remove this one first",
+                                 folder.string(), list));
+  }
+  require_writable_folder(folder);
+}
+
+TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
+    : folder_(std::move(folder)),
+      depth_scale_(camera.depth_scale),
+      newest_ns_(std::numeric_limits<int64_t>::min()),
+      color_list_("# timestamp filename\n"),
+      depth_list_(color_list_),
+      pair_list_("# colour timestamp, colour filename, depth timestamp, depth filename\n") {
+  require_no_sequence(folder_);
+  for (const char* images : {"rgb", "depth"}) require_writable_folder(folder_ / images);
+  write_camera_file(folder_ / "camera.yaml", camera);
+}
+
+void TumWriter::append(const RgbdFrame& frame, int64_t depth_stamp_ns) {
+  require(frame.stamp_ns > newest_ns_, "TumWriter: timestamps must increase");
+  write_images(frame, depth_stamp_ns);
+  add_to_lists(frame.stamp_ns, depth_stamp_ns);
+}
+
+void TumWriter::write_images(const RgbdFrame& frame, int64_t depth_stamp_ns) const {
+  write_png(folder_ / color_name(frame.stamp_ns), frame.color);
+  write_depth_png(folder_ / depth_name(depth_stamp_ns), frame.depth_m, depth_scale_);
+}
+
+void TumWriter::add_to_lists(int64_t stamp_ns, int64_t depth_stamp_ns) {
+  require(stamp_ns > newest_ns_, "TumWriter: timestamps must increase");
+  newest_ns_ = stamp_ns;
+  const std::string color = fmt::format("{} {}", format_stamp(stamp_ns), color_name(stamp_ns));
+  const std::string depth = fmt::format("{} {}", format_stamp(depth_stamp_ns), depth_name(depth_stamp_ns));
+  color_list_ += color + "\n";
+  depth_list_ += depth + "\n";
+  pair_list_ += fmt::format("{} {}\n", color, depth);
+}
+
+void TumWriter::finish(const Trajectory& ground_truth) {
+  if (!ground_truth.empty()) write_tum_trajectory(folder_ / "groundtruth.txt", ground_truth);
+  write_file(folder_ / "associations.txt", pair_list_);
+  write_file(folder_ / "depth.txt", depth_list_);
+  write_file(folder_ / "rgb.txt", color_list_);
+}
+
+}  // namespace kinloop

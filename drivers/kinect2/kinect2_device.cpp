@@ -1,0 +1,83 @@
+#ifdef KINLOOP_WITH_FREENECT2
+
+#include "drivers/kinect2/kinect2_device.hpp"
+
+#include <fmt/format.h>
+#include <libfreenect2/config.h>
+#include <libfreenect2/logger.h>
+#include <libfreenect2/packet_pipeline.h>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+libfreenect2::PacketPipeline* pipeline_named(const std::string& name) {
+#ifdef LIBFREENECT2_WITH_OPENGL_SUPPORT
+  if (name == "opengl") return new libfreenect2::OpenGLPacketPipeline;
+#endif
+#ifdef LIBFREENECT2_WITH_OPENCL_SUPPORT
+  if (name == "opencl") return new libfreenect2::OpenCLPacketPipeline;
+#endif
+#ifdef LIBFREENECT2_WITH_CUDA_SUPPORT
+  if (name == "cuda") return new libfreenect2::CudaPacketPipeline;
+#endif
+  if (name == "cpu") return new libfreenect2::CpuPacketPipeline;
+  throw UsageError(fmt::format("kinect.pipeline={}: not in this libfreenect2; try auto or cpu", name));
+}
+
+}  // namespace
+
+Kinect2Handle open_kinect2_device(const KinectOptions& options, const MakePipeline& make_pipeline) {
+  // libfreenect2 writes to the terminal of its own accord; what matters is said here.
+  libfreenect2::setGlobalLogger(libfreenect2::createConsoleLogger(libfreenect2::Logger::Error));
+  const auto context = std::make_shared<libfreenect2::Freenect2>();
+  const int count = context->enumerateDevices();
+  if (count == 0) {
+    throw InputError(
+        "kinect2: no Kinect 2 found; connect USB 3 and power, and check the access rights "
+        "(libfreenect2's udev rules)");
+  }
+  std::string known;
+  for (int i = 0; i < count; ++i) known += (i == 0 ? "" : ", ") + context->getDeviceSerialNumber(i);
+  const std::string serial = options.serial.empty() ? context->getDeviceSerialNumber(0) : options.serial;
+  if (known.find(serial) == std::string::npos) {
+    throw InputError(
+        fmt::format("kinect2: no Kinect 2 with the serial number {}; there are: {}", serial, known));
+  }
+  libfreenect2::Freenect2Device* device = nullptr;
+  if (make_pipeline) {
+    device = context->openDevice(serial, make_pipeline());
+  } else if (options.pipeline == "auto") {
+    device = context->openDevice(serial);
+  } else {
+    device = context->openDevice(serial, pipeline_named(options.pipeline));
+  }
+  if (device == nullptr) {
+    throw InputError(fmt::format("kinect2: {} cannot be opened; another program may be using it", serial));
+  }
+  return {context, device};
+}
+
+void start_kinect2(const Kinect2Handle& handle, libfreenect2::FrameListener& listener,
+                   const KinectOptions& options) {
+  libfreenect2::Freenect2Device::Config config;
+  config.MinDepth = static_cast<float>(options.min_depth_m);
+  config.MaxDepth = static_cast<float>(options.max_depth_m);
+  handle.device->setConfiguration(config);
+  handle.device->setColorFrameListener(&listener);
+  handle.device->setIrAndDepthFrameListener(&listener);
+  if (!handle.device->start())
+    throw InputError("kinect2: the device does not start; unplug it and plug it in again");
+}
+
+void close_kinect2(Kinect2Handle& handle) {
+  if (handle.device == nullptr) return;
+  handle.device->stop();
+  handle.device->close();
+  handle = {};
+}
+
+}  // namespace kinloop
+
+#endif

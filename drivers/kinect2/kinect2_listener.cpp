@@ -1,0 +1,68 @@
+#ifdef KINLOOP_WITH_FREENECT2
+
+#include "drivers/kinect2/kinect2_listener.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+namespace kinloop {
+namespace {
+
+using libfreenect2::Frame;
+
+constexpr double kMillimetresPerMetre = 1000;
+
+/// The frame's memory as an image.
+cv::Mat image_of(const Frame& frame, int type) {
+  return {static_cast<int>(frame.height), static_cast<int>(frame.width), type, frame.data};
+}
+
+}  // namespace
+
+bool Kinect2Listener::onNewFrame(Frame::Type type, Frame* frame) {
+  constexpr bool kTaken = false;  // libfreenect2 keeps its frame
+  if (frame->status != 0) {
+    ++faulty_;
+    return kTaken;
+  }
+  const int64_t stamp = clock_.stamp_ns(frame->timestamp);
+  if (type == Frame::Color) on_color(stamp, *frame);
+  if (type == Frame::Ir) on_infrared(*frame);
+  if (type == Frame::Depth) on_depth(stamp, *frame);
+  return kTaken;
+}
+
+void Kinect2Listener::on_color(int64_t stamp_ns, const Frame& frame) {
+  cv::Mat color;
+  cv::cvtColor(image_of(frame, CV_8UC4), color,
+               frame.format == Frame::RGBX ? cv::COLOR_RGBA2BGR : cv::COLOR_BGRA2BGR);
+  if (color_width_ < color.cols) {
+    const int height =
+        static_cast<int>(std::lround(static_cast<double>(color.rows) * color_width_ / color.cols));
+    cv::resize(color, color, {color_width_, height}, 0, 0, cv::INTER_AREA);
+  }
+  cv::flip(color, color, 1);
+  frames_.add_color(stamp_ns, color);
+}
+
+void Kinect2Listener::on_infrared(const Frame& frame) {
+  if (!with_infrared_) return;
+  cv::Mat infrared;
+  image_of(frame, CV_32FC1).convertTo(infrared, CV_16UC1);
+  cv::flip(infrared, infrared, 1);
+  infrared_ = infrared;
+}
+
+void Kinect2Listener::on_depth(int64_t stamp_ns, const Frame& frame) {
+  cv::Mat depth_m;
+  image_of(frame, CV_32FC1).convertTo(depth_m, CV_32FC1, 1 / kMillimetresPerMetre);
+  depth_m.setTo(0, ~(depth_m > 0));  // not a number, too
+  cv::flip(depth_m, depth_m, 1);
+  frames_.add_depth(stamp_ns, depth_m, std::exchange(infrared_, {}));
+}
+
+}  // namespace kinloop
+
+#endif

@@ -1,0 +1,46 @@
+#pragma once
+// The Kinect 2's source. Needs libfreenect2's headers: for the Kinect 2's own files and their tests only.
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "drivers/kinect2/kinect2_device.hpp"
+#include "drivers/kinect2/kinect2_listener.hpp"
+#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/registration.hpp"
+
+namespace kinloop {
+
+/// A Kinect 2 that `open` opens: for open_kinect2 and for tests with a device of their own.
+class Kinect2Source : public FrameSource {
+ public:
+  /// `open` is called to begin and after the camera was unplugged; it throws InputError when there is none.
+  Kinect2Source(std::function<Kinect2Handle()> open, const KinectOptions& options,
+                const std::optional<RgbdCamera>& calibration,
+                Kinect2Frames frames = Kinect2Frames::kRegistered);
+  ~Kinect2Source() override;
+  Kinect2Source(const Kinect2Source&) = delete;
+  Kinect2Source& operator=(const Kinect2Source&) = delete;
+
+  std::optional<RgbdFrame> next() override;
+  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] std::vector<SkippedFrame> skipped() const override;
+
+ private:
+  void reopen();
+
+  std::function<Kinect2Handle()> open_;
+  KinectOptions options_;
+  SourceInfo info_;
+  RgbdCamera camera_;                              ///< of the frames
+  double shift_m_ = 0;                             ///< of the measured depth
+  std::optional<DepthRegistration> registration_;  ///< not where depth is kept separate
+  cv::Mat color_remap_;  ///< where each pixel of the frames lies in the received colour image; empty: itself
+  LiveFrameBuffer frames_;
+  Kinect2Listener listener_;
+  Kinect2Handle handle_;  // last: it uses the listener
+};
+
+}  // namespace kinloop

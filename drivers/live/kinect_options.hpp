@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+
+#include "kinloop/base/options.hpp"
+
+namespace kinloop {
+
+/// What a Kinect 2's frames hold.
+enum class Kinect2Frames {
+  kRegistered,  ///< depth at each pixel of colour
+  kSeparate     ///< for calibration: depth as its camera sees it, and the infrared image
+};
+
+/// How a live Kinect is opened.
+struct KinectOptions {
+  std::string serial;
+  std::string pipeline = "auto";
+  int width = 960;
+  double min_depth_m = 0.5;
+  double max_depth_m = 8;
+  double reconnect_s = 10;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("serial", self.serial, "serial number of the Kinect 2; empty: the first one");
+    visit("pipeline", self.pipeline, "depth decoder of the Kinect 2",
+          Choices{{"auto", "cpu", "opengl", "opencl", "cuda"}});
+    visit("width", self.width,
+          "width of a Kinect 2's frames, px: 1920, 960 or 512 (512 x 424, as the depth camera sees)",
+          Range{512, 1920});
+    visit("min_depth_m", self.min_depth_m, "depth below this is unknown, m", Range{0, 10});
+    visit("max_depth_m", self.max_depth_m, "depth above this is unknown, m", Range{0.1, 20});
+    visit("reconnect_s", self.reconnect_s, "time to wait for an unplugged camera, s", Range{0, 3600});
+  }
+};
+
+}  // namespace kinloop

@@ -1,0 +1,54 @@
+#include "drivers/live/live_frames.hpp"
+
+namespace kinloop {
+
+void LiveFrameBuffer::add_color(int64_t stamp_ns, cv::Mat image) {
+  const std::lock_guard lock(mutex_);
+  pairer_.add_color(stamp_ns, std::move(image));
+  collect_ready();
+}
+
+void LiveFrameBuffer::add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared) {
+  const std::lock_guard lock(mutex_);
+  pairer_.add_depth(stamp_ns, std::move(depth_m), std::move(infrared));
+  collect_ready();
+}
+
+void LiveFrameBuffer::collect_ready() {
+  while (auto frame = pairer_.next()) {
+    ready_.push_back(std::move(*frame));
+    if (ready_.size() <= capacity_) continue;
+    ready_.pop_front();
+    ++dropped_;
+  }
+  if (!ready_.empty()) frame_ready_.notify_one();
+}
+
+std::optional<RgbdFrame> LiveFrameBuffer::wait(std::chrono::milliseconds timeout) {
+  std::unique_lock lock(mutex_);
+  if (!frame_ready_.wait_for(lock, timeout, [&] { return !ready_.empty(); })) return std::nullopt;
+  RgbdFrame frame = std::move(ready_.front());
+  ready_.pop_front();
+  ++delivered_;
+  return frame;
+}
+
+size_t LiveFrameBuffer::delivered() const {
+  const std::lock_guard lock(mutex_);
+  return delivered_;
+}
+
+LostImageCounts LiveFrameBuffer::counts() const {
+  const std::lock_guard lock(mutex_);
+  return {dropped_, pairer_.unpaired(), pairer_.out_of_order()};
+}
+
+std::vector<SkippedFrame> to_skipped_frames(const LostImageCounts& counts) {
+  std::vector<SkippedFrame> skipped;
+  skipped.insert(skipped.end(), counts.dropped, {"frame", "dropped: the consumer was too slow"});
+  skipped.insert(skipped.end(), counts.unpaired, {"image", "no image of the other camera at that time"});
+  skipped.insert(skipped.end(), counts.out_of_order, {"image", "its timestamp does not increase"});
+  return skipped;
+}
+
+}  // namespace kinloop

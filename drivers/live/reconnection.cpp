@@ -1,0 +1,42 @@
+#include "drivers/live/reconnection.hpp"
+
+#include <thread>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+
+namespace kinloop {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+bool reopened(const Reconnection& camera) {
+  camera.close();
+  try {
+    camera.open();
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+std::optional<RgbdFrame> next_or_reconnect(LiveFrameBuffer& frames, const Reconnection& camera) {
+  if (auto frame = frames.wait(camera.timeout)) return frame;
+  log::warn("{}: no frames for {} s; waiting up to {} s for the camera to return", camera.name,
+            std::chrono::duration<double>(camera.timeout).count(), camera.max_wait_s);
+  const auto until = Clock::now() + std::chrono::duration<double>(camera.max_wait_s);
+  while (Clock::now() < until) {
+    if (!reopened(camera)) {
+      std::this_thread::sleep_for(camera.timeout / 2);
+    } else if (auto frame = frames.wait(camera.timeout)) {
+      log::warn("{}: reconnected", camera.name);
+      return frame;
+    }
+  }
+  log::error("{}: the camera did not return; finishing with the frames received", camera.name);
+  return std::nullopt;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,39 @@
+// Recognises places: for each image, prints the earlier images that look most like it.
+//
+//   example_detect_place IMAGE...
+
+#include <cstdio>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "kinloop/features/extractor.hpp"
+#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/place/place_index.hpp"
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: example_detect_place IMAGE IMAGE...\n");
+    return 2;
+  }
+  const kinloop::Vocabulary vocabulary = kinloop::load_default_vocabulary();
+  kinloop::PlaceIndex places;
+  for (int i = 1; i < argc; ++i) {
+    const cv::Mat gray = cv::imread(argv[i], cv::IMREAD_GRAYSCALE);
+    if (gray.empty()) {
+      std::fprintf(stderr, "error: %s is not an image\n", argv[i]);
+      return 3;
+    }
+    kinloop::PinholeCamera camera;  // without distortion; descriptors do not depend on the rest
+    camera.width = gray.cols;
+    camera.height = gray.rows;
+    camera.fx = camera.fy = gray.cols;
+
+    const auto features = kinloop::extract_features(gray, {}, camera, {});
+    const auto bow = vocabulary.bow_of(vocabulary.quantize(features.descriptors).words);
+    std::printf("%s\n", argv[i]);
+    for (const auto& candidate : places.query(bow, 3)) {
+      std::printf("  %.3f  %s\n", candidate.score, argv[candidate.keyframe.value]);
+    }
+    places.add(kinloop::KeyframeId{static_cast<uint32_t>(i)}, bow);
+  }
+}

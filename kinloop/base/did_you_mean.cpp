@@ -1,0 +1,58 @@
+#include "kinloop/base/did_you_mean.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace kinloop {
+namespace {
+
+/// Levenshtein's distance, with two neighbours swapped as one edit.
+size_t edit_distance(std::string_view a, std::string_view b) {
+  // Rows i - 2, i - 1 and i of the table of distances between the first i and the first j letters.
+  std::vector<size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    before.swap(last);
+    last.swap(row);
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t replaced = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({replaced, last[j] + 1, row[j - 1] + 1});
+      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+  }
+  return row.back();
+}
+
+/// The words that end in ".text"; a few at most.
+std::vector<std::string> words_ending_in(std::string_view text, std::span<const std::string> words) {
+  constexpr size_t kMost = 4;
+  std::vector<std::string> found;
+  const std::string ending = fmt::format(".{}", text);
+  for (const std::string& word : words) {
+    if (found.size() < kMost && word.ends_with(ending)) found.push_back(fmt::format("'{}'", word));
+  }
+  return found;
+}
+
+}  // namespace
+
+std::string did_you_mean(std::string_view text, std::span<const std::string> words) {
+  constexpr size_t kLettersPerEdit = 3;
+  const auto distance = [&](const std::string& word) { return edit_distance(word, text); };
+  const auto nearest = std::min_element(
+      words.begin(), words.end(), [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+  if (!text.empty() && nearest != words.end() &&
+      distance(*nearest) * kLettersPerEdit <= std::max(text.size(), kLettersPerEdit)) {
+    return fmt::format("; did you mean '{}'?", *nearest);
+  }
+  const auto endings = words_ending_in(text, words);
+  if (text.empty() || endings.empty()) return {};
+  return fmt::format("; did you mean {}?", fmt::join(endings, " or "));
+}
+
+}  // namespace kinloop

@@ -1,0 +1,53 @@
+#include "kinloop/base/writable_check.hpp"
+
+#include <cerrno>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "kinloop/base/anonymous_temp_file.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Why no file can be written into `folder`; 0 when one can. Some disks take an empty file when they are
+/// full.
+int try_to_write_in(const std::filesystem::path& folder) {
+  constexpr char kContent[512] = {};
+  const int descriptor = open_anonymous_temp_file(folder);
+  if (descriptor < 0) return errno;
+  const bool written = write(descriptor, kContent, sizeof kContent) == static_cast<ssize_t>(sizeof kContent);
+  const int error = written ? 0 : errno;
+  close(descriptor);
+  return error;
+}
+
+}  // namespace
+
+void require_writable_file(const std::filesystem::path& path) {
+  if (path.empty()) return;
+  std::error_code absent;
+  const auto status = std::filesystem::status(path, absent);
+  if (!path.has_filename() || std::filesystem::is_directory(status)) {
+    throw InputError(fmt::format("{}: is a folder; give the name of a file in it", path.string()));
+  }
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw InputError(
+        fmt::format("{}: is not a regular file and cannot be replaced; give another name", path.string()));
+  }
+  const auto folder = path.parent_path();
+  require_writable_folder(folder.empty() ? "." : folder);
+}
+
+void require_writable_folder(const std::filesystem::path& folder) {
+  make_folder(folder);
+  if (const int error = try_to_write_in(folder); error != 0) {
+    throw InputError(fmt::format("{}: cannot write into this folder ({}); choose another output folder",
+                                 folder.string(), std::generic_category().message(error)));
+  }
+}
+
+}  // namespace kinloop

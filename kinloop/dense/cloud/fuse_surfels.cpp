@@ -1,0 +1,165 @@
+#include "kinloop/dense/cloud/fuse_surfels.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/quantile.hpp"
+#include "kinloop/dense/cloud/space_carving.hpp"
+#include "kinloop/dense/cloud/surface_points.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr int kFirstSlice = -static_cast<int>(kVoxelOrigin);
+constexpr int kLastSlice = static_cast<int>(kVoxelOrigin);
+
+/// The samples of one view, by grid.
+using BinnedSamples = std::array<std::vector<VoxelSample>, kShards>;
+
+size_t voxel_count(const VoxelShards& grids) {
+  size_t count = 0;
+  for (const VoxelGrid& grid : grids) count += grid.voxels().size();
+  return count;
+}
+
+/// The slice of every voxel.
+std::vector<int> slices_of(const VoxelShards& grids) {
+  std::vector<int> slices;
+  for (const VoxelGrid& grid : grids) {
+    for (const Voxel& voxel : grid.voxels()) slices.push_back(voxel_of(voxel.key).z());
+  }
+  return slices;
+}
+
+class Fusion {
+ public:
+  Fusion(const SurfelLoader& load_surfels, std::span<const PosedImage> views, const DenseCamera& camera,
+         const DenseOptions& options, int threads, const Progress& progress)
+      : load_surfels_(load_surfels),
+        views_(views),
+        camera_(camera),
+        options_(options),
+        threads_(threads),
+        progress_(progress),
+        rays_(ray_table(camera.color)) {}
+
+  ColoredCloud run() {
+    ColoredCloud cloud;
+    for (int begin = kFirstSlice; begin < kLastSlice && !stopped_;) {
+      Slab slab{begin, kLastSlice};
+      auto points = fill(slab);
+      count_violations(points);
+      for (const SurfacePoint& point : points) {
+        if (!stays(point)) continue;
+        cloud.points.push_back(point.p_world);
+        cloud.colors.push_back(point.color);
+        cloud.normals.push_back(point.normal);
+      }
+      begin = slab.end;
+    }
+    return cloud;
+  }
+
+ private:
+  /// The points of the slab, whose end comes nearer when there is not enough memory for all of it.
+  std::vector<SurfacePoint> fill(Slab& slab) {
+    VoxelShards grids;
+    for_each_batch("fusing", [&](size_t first, const std::vector<ImageSurfels>& batch) {
+      std::vector<BinnedSamples> binned(batch.size());
+      parallel_for(batch.size(), threads_, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) binned[i] = bin_samples(batch[i], views_[first + i], slab);
+      });
+      parallel_for(kShards, threads_, [&](size_t begin, size_t end) {
+        for (size_t grid = begin; grid < end; ++grid) {
+          for (size_t i = 0; i < binned.size(); ++i) {
+            for (const VoxelSample& sample : binned[i][grid]) {
+              grids[grid].add(sample, static_cast<uint32_t>(first + i));
+            }
+          }
+        }
+      });
+      shrink_to_budget(grids, slab);
+    });
+    return surface_points(std::move(grids), slab, options_, threads_);
+  }
+
+  [[nodiscard]] BinnedSamples bin_samples(const ImageSurfels& surfels, const PosedImage& view,
+                                          const Slab& slab) const {
+    BinnedSamples binned;
+    for (auto& part : binned) part.reserve(surfels.points.size() / kShards * 5 / 4);
+    for (const VoxelSample& sample : voxel_samples(surfels, view, camera_, rays_, options_.voxel_m)) {
+      if (slab.contains(sample.key, kHaloSlices)) binned[shard_of(sample.key)].push_back(sample);
+    }
+    return binned;
+  }
+
+  /// Puts the farther half off to a later slab while there are too many voxels.
+  void shrink_to_budget(VoxelShards& grids, Slab& slab) const {
+    // Beside the voxel itself: its place in the table, room to grow, the point that is made of it.
+    constexpr size_t kBytesPerVoxel = 4 * sizeof(Voxel);
+    const size_t most = (static_cast<size_t>(options_.fusion_memory_mib) << 20) / kBytesPerVoxel;
+    while (voxel_count(grids) > most) {
+      // Whole blocks, so that the order of points does not depend on where a slab ends.
+      constexpr int kBlock = 1 << kBlockBits;
+      const int end = std::max(median(slices_of(grids)), slab.begin + kBlock) & ~(kBlock - 1);
+      if (end <= slab.begin || end >= slab.end) return;
+      slab.end = end;
+      for (VoxelGrid& grid : grids) grid.erase_from(voxel_key(kFirstSlice, kFirstSlice, end + kHaloSlices));
+    }
+  }
+
+  /// What few images looked at cannot have been seen by many.
+  [[nodiscard]] bool stays(const SurfacePoint& point) const {
+    if (options_.carve && point.free_space_violations > point.views) return false;
+    return point.views >= std::min(options_.min_observations, std::max(point.unoccluded_views, 1));
+  }
+
+  void count_violations(std::vector<SurfacePoint>& points) {
+    for_each_batch("carving", [&](size_t first, const std::vector<ImageSurfels>& batch) {
+      std::vector<FreeSpaceView> free;
+      for (size_t i = 0; i < batch.size(); ++i) {
+        const PosedImage& view = views_[first + i];
+        free.push_back({view.T_world_camera.inverse(), view.velocity, batch[i].nearest});
+      }
+      count_free_space_violations(points, free, camera_, options_.voxel_m, threads_);
+    });
+  }
+
+  template <class Use>
+  void for_each_batch(const char* what, const Use& use) {
+    const auto batch_size = static_cast<size_t>(std::max(threads_, 1));
+    for (size_t first = 0; first < views_.size(); first += batch_size) {
+      if (!report(progress_, what, first, views_.size())) {
+        stopped_ = true;
+        return;
+      }
+      std::vector<ImageSurfels> batch(std::min(batch_size, views_.size() - first));
+      parallel_for(batch.size(), threads_, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) batch[i] = load_surfels_(views_[first + i].image);
+      });
+      use(first, batch);
+    }
+    report(progress_, what, views_.size(), views_.size());
+  }
+
+  const SurfelLoader& load_surfels_;
+  std::span<const PosedImage> views_;
+  const DenseCamera& camera_;
+  const DenseOptions& options_;
+  int threads_;
+  const Progress& progress_;
+  RayTable rays_;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+ColoredCloud fuse_surfels(const SurfelLoader& load_surfels, std::span<const PosedImage> views,
+                          const DenseCamera& camera, const DenseOptions& options, int threads,
+                          const Progress& progress) {
+  return Fusion(load_surfels, views, camera, options, threads, progress).run();
+}
+
+}  // namespace kinloop

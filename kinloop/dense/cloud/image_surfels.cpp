@@ -1,0 +1,205 @@
+#include "kinloop/dense/cloud/image_surfels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/dense/sharpness.hpp"
+#include "kinloop/dense/usable_depth.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Pixels between which the slope of a surface is measured: near enough for things, far enough for the noise.
+constexpr int kSlopeReachPx = 6;
+
+cv::Mat inverse(const cv::Mat& depth_m) {
+  cv::Mat result(depth_m.size(), CV_32FC1);
+  for (int row = 0; row < depth_m.rows; ++row) {
+    const auto* depths = depth_m.ptr<float>(row);
+    auto* inverses = result.ptr<float>(row);
+    for (int col = 0; col < depth_m.cols; ++col) inverses[col] = depths[col] > 0 ? 1 / depths[col] : 0;
+  }
+  return result;
+}
+
+/// A structured-light camera's noise is the same everywhere in inverse depth (see DepthNoise), and a plane is
+/// linear there: a bilateral filter (Tomasi and Manduchi 1998) takes the noise and leaves planes and edges.
+cv::Mat smoothed(const cv::Mat& inverse_depth) {
+  constexpr int kDiameterPx = 5;
+  constexpr double kSigmaPx = 2;
+  const double noise_per_m = DepthNoise().coefficient_per_m;
+  cv::Mat result;
+  cv::bilateralFilter(inverse_depth, result, kDiameterPx, 2.5 * noise_per_m, kSigmaPx, cv::BORDER_REPLICATE);
+  return result;
+}
+
+/// Makes the points of one image.
+class SurfelExtractor {
+ public:
+  SurfelExtractor(const RgbdImages& images, const cv::Mat& inverse_depth, double focal_px,
+                  const DenseOptions& options)
+      : color_(images.color),
+        focal_px_(focal_px),
+        voxel_m_(options.voxel_m),
+        max_slope_(
+            static_cast<float>(std::tan(options.max_incidence_deg * M_PI / 180) * kSlopeReachPx / focal_px)),
+        inverse_depth_(smoothed(inverse_depth)),
+        usable_(usable_pixels(images.depth_m, focal_px,
+                              {options.min_depth_m, options.max_depth_m, options.max_incidence_deg})) {}
+
+  std::vector<Surfel> run() {
+    for (int row = 0; row + kTilePx <= color_.rows; row += kTilePx) {
+      for (int col = 0; col + kTilePx <= color_.cols; col += kTilePx) add_tile(row, col);
+    }
+    return std::move(points_);
+  }
+
+ private:
+  /// Splits a tile so that a point is not wider than a voxel: else voxels between would stay empty.
+  void add_tile(int row, int col) {
+    const float nearest = nearest_in(row, col);
+    if (!(nearest > 0)) return;
+    const double z = 1 / static_cast<double>(nearest);
+    const double most_px = voxel_m_ * focal_px_ / z;
+    const int side = most_px >= 4 ? 4 : most_px >= 2 ? 2 : 1;
+    for (int r = row; r < row + kTilePx; r += side) {
+      for (int c = col; c < col + kTilePx; c += side) add_block(r, c, side);
+    }
+  }
+
+  [[nodiscard]] float nearest_in(int row, int col) const {
+    float nearest = 0;
+    for (int r = row; r < row + kTilePx; ++r) {
+      for (int c = col; c < col + kTilePx; ++c) {
+        if (usable_.at<uint8_t>(r, c) != 0) nearest = std::max(nearest, inverse_depth_.at<float>(r, c));
+      }
+    }
+    return nearest;
+  }
+
+  void add_block(int row, int col, int side) {
+    float inverse_depth = 0;
+    int count = 0, rows = 0, cols = 0;
+    cv::Vec3i bgr(0, 0, 0);
+    for (int r = row; r < row + side; ++r) {
+      for (int c = col; c < col + side; ++c) {
+        if (usable_.at<uint8_t>(r, c) == 0) continue;
+        inverse_depth += inverse_depth_.at<float>(r, c);
+        bgr += cv::Vec3i(color_.at<cv::Vec3b>(r, c));
+        rows += r, cols += c, ++count;
+      }
+    }
+    if (count == 0) return;
+    inverse_depth /= static_cast<float>(count);
+    const auto place = [&](int sum) {
+      return static_cast<uint16_t>((sum * kPixelSteps + count / 2) / count);
+    };
+    const auto channel = [&](int i) { return static_cast<uint8_t>((bgr[i] + count / 2) / count); };
+    const int r = rows / count, c = cols / count;
+    points_.push_back({inverse_depth,
+                       place(cols),
+                       place(rows),
+                       {channel(2), channel(1), channel(0)},
+                       static_cast<uint8_t>(count),
+                       slope(r, c, 0, 1),
+                       slope(r, c, 1, 0)});
+  }
+
+  /// Change of inverse depth along a direction of the image, relative to itself, on the same surface.
+  [[nodiscard]] int8_t slope(int row, int col, int down, int right) const {
+    const float here = inverse_depth_.at<float>(row, col);
+    if (!(here > 0)) return 0;
+    float change = 0;
+    int steps = 0;
+    for (const int side : {-1, 1}) {
+      const int r = row + side * down * kSlopeReachPx, c = col + side * right * kSlopeReachPx;
+      if (r < 0 || c < 0 || r >= usable_.rows || c >= usable_.cols || usable_.at<uint8_t>(r, c) == 0)
+        continue;
+      const float other = inverse_depth_.at<float>(r, c);
+      if (std::abs(other - here) > max_slope_ * here) continue;
+      change += static_cast<float>(side) * (other - here);
+      steps += kSlopeReachPx;
+    }
+    if (steps == 0) return 0;
+    const float relative = change / static_cast<float>(steps) * static_cast<float>(focal_px_) / here;
+    constexpr auto kMost = static_cast<float>(std::numeric_limits<int8_t>::max());
+    return static_cast<int8_t>(std::lround(std::clamp(relative * kSlopeSteps, -kMost, kMost)));
+  }
+
+  const cv::Mat& color_;
+  double focal_px_, voxel_m_;
+  float max_slope_;
+  cv::Mat inverse_depth_, usable_;
+  std::vector<Surfel> points_;
+};
+
+/// The nearest depth of every tile, as ImageSurfels keeps it.
+std::vector<uint16_t> nearest_depths(const cv::Mat& inverse_depth) {
+  constexpr auto kMost = static_cast<float>(std::numeric_limits<uint16_t>::max());
+  std::vector<uint16_t> nearest;
+  for (int row = 0; row + kTilePx <= inverse_depth.rows; row += kTilePx) {
+    for (int col = 0; col + kTilePx <= inverse_depth.cols; col += kTilePx) {
+      float most = 0, least = kMost;
+      for (int r = row; r < row + kTilePx; ++r) {
+        const auto* values = inverse_depth.ptr<float>(r) + col;
+        most = std::max(most, *std::max_element(values, values + kTilePx));
+        least = std::min(least, *std::min_element(values, values + kTilePx));
+      }
+      const float steps = most / static_cast<float>(kTileStep_per_m);
+      nearest.push_back(least > 0 && steps < kMost ? static_cast<uint16_t>(steps) : uint16_t{0});
+    }
+  }
+  return nearest;
+}
+
+/// Header of the serialised surfels.
+struct Header {
+  float sharpness = 0;
+  uint32_t points = 0, tiles = 0;
+};
+
+}  // namespace
+
+ImageSurfels extract_surfels(const RgbdImages& images, double focal_px, const DenseOptions& options) {
+  require(images.color.type() == CV_8UC3 && images.depth_m.type() == CV_32FC1 &&
+              images.color.size() == images.depth_m.size(),
+          "extract_surfels: colour 8UC3 and depth 32FC1 of the same size");
+  const cv::Mat inverse_depth = inverse(images.depth_m);
+  return {image_sharpness(images.color), SurfelExtractor(images, inverse_depth, focal_px, options).run(),
+          nearest_depths(inverse_depth)};
+}
+
+std::vector<uint8_t> to_bytes(const ImageSurfels& surfels) {
+  const Header header{surfels.sharpness, static_cast<uint32_t>(surfels.points.size()),
+                      static_cast<uint32_t>(surfels.nearest.size())};
+  const size_t point_bytes = surfels.points.size() * sizeof(Surfel);
+  const size_t tile_bytes = surfels.nearest.size() * sizeof(uint16_t);
+  std::vector<uint8_t> bytes(sizeof(Header) + point_bytes + tile_bytes);
+  std::memcpy(bytes.data(), &header, sizeof(Header));
+  std::memcpy(bytes.data() + sizeof(Header), surfels.points.data(), point_bytes);
+  std::memcpy(bytes.data() + sizeof(Header) + point_bytes, surfels.nearest.data(), tile_bytes);
+  return bytes;
+}
+
+ImageSurfels surfels_from_bytes(std::span<const uint8_t> bytes) {
+  Header header;
+  require(bytes.size() >= sizeof(Header), "surfels_from_bytes: too short");
+  std::memcpy(&header, bytes.data(), sizeof(Header));
+  ImageSurfels surfels{header.sharpness, std::vector<Surfel>(header.points),
+                       std::vector<uint16_t>(header.tiles)};
+  const size_t point_bytes = surfels.points.size() * sizeof(Surfel);
+  const size_t tile_bytes = surfels.nearest.size() * sizeof(uint16_t);
+  require(bytes.size() == sizeof(Header) + point_bytes + tile_bytes,
+          "surfels_from_bytes: not what to_bytes gave");
+  std::memcpy(surfels.points.data(), bytes.data() + sizeof(Header), point_bytes);
+  std::memcpy(surfels.nearest.data(), bytes.data() + sizeof(Header) + point_bytes, tile_bytes);
+  return surfels;
+}
+
+}  // namespace kinloop

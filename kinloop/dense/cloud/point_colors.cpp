@@ -1,0 +1,109 @@
+#include "kinloop/dense/cloud/point_colors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/dense/sharpness.hpp"
+
+namespace kinloop {
+namespace {
+
+/// How far a point may lie from the depth that is measured where it shows, relative to that depth: more, and
+/// it is hidden or something else.
+constexpr float kSameSurface = 0.02F;
+
+/// An image to take colours from.
+struct ColorView {
+  RgbdImages images;
+  SE3 T_camera_world;
+  float sharpness = 0;
+  Eigen::Vector3f gain_bgr = Eigen::Vector3f::Ones();
+};
+
+/// Sum of colours (blue, green, red) and of their weights.
+using ColorSum = Eigen::Vector4f;
+
+/// The colour between four pixels.
+Eigen::Vector3f sample(const cv::Mat& color, const Eigen::Vector2d& pixel) {
+  const int col = static_cast<int>(pixel.x()), row = static_cast<int>(pixel.y());
+  const auto right = static_cast<float>(pixel.x() - col), down = static_cast<float>(pixel.y() - row);
+  const auto at = [&](int r, int c) {
+    const auto& bgr = color.at<cv::Vec3b>(r, c);
+    return Eigen::Vector3f(bgr[0], bgr[1], bgr[2]);
+  };
+  return (1 - down) * ((1 - right) * at(row, col) + right * at(row, col + 1)) +
+         down * ((1 - right) * at(row + 1, col) + right * at(row + 1, col + 1));
+}
+
+/// What one image says of the colour of one point: nothing (weight 0) where it does not see it.
+ColorSum observe_color(const ColorView& photo, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
+                       const PinholeCamera& camera) {
+  const Eigen::Vector3d p = photo.T_camera_world * point.cast<double>();
+  if (!(p.z() > 0)) return ColorSum::Zero();
+  const Eigen::Vector2d ideal = camera.project(p);
+  if (!camera.contains(ideal)) return ColorSum::Zero();
+  const Eigen::Vector2d pixel = camera.has_distortion() ? camera.distort(ideal) : ideal;
+  if (!camera.contains(pixel, 2)) return ColorSum::Zero();
+  const auto z = static_cast<float>(p.z());
+  const float depth_m = photo.images.depth_m.at<float>(static_cast<int>(std::lround(pixel.y())),
+                                                       static_cast<int>(std::lround(pixel.x())));
+  if (!(std::abs(depth_m - z) < kSameSurface * z)) return ColorSum::Zero();
+  const Eigen::Vector3d n = photo.T_camera_world.rotation * normal.cast<double>();
+  const auto frontal = static_cast<float>(-n.dot(p.normalized()));
+  if (!(frontal > 0)) return ColorSum::Zero();
+  // Pixels per square metre of surface, and the fourth power: the best few images make the colour.
+  const float detail = photo.sharpness * frontal / (z * z);
+  const Eigen::Vector3f measured = sample(photo.images.color, pixel);
+  // What is clipped has lost its colour: it counts only where no image does better.
+  const float exposed = measured.maxCoeff() < kSaturatedIntensity ? 1 : 1e-3F;
+  const float weight = exposed * detail * detail * detail * detail;
+  const Eigen::Vector3f color = weight * measured.cwiseProduct(photo.gain_bgr);
+  return {color.x(), color.y(), color.z(), weight};
+}
+
+Rgb color_of(const ColorSum& sum) {
+  constexpr uint8_t kGrey = 128;
+  if (!(sum.w() > 0)) return {kGrey, kGrey, kGrey};
+  const auto channel = [&](int i) {
+    return static_cast<uint8_t>(std::clamp(std::lround(sum(i) / sum.w()), 0L, 255L));
+  };
+  return {channel(2), channel(1), channel(0)};
+}
+
+}  // namespace
+
+std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
+                              std::span<const Eigen::Vector3f> normals, const ImageStore& images,
+                              std::span<const PosedImage> views, const PinholeCamera& camera, int threads,
+                              const Progress& progress) {
+  require(points.size() == normals.size(), "color_points: one normal per point");
+  std::vector<ColorSum> sums(points.size(), ColorSum::Zero());
+  const auto batch_size = static_cast<size_t>(std::max(threads, 1));
+  std::vector<ColorView> batch(batch_size);
+  for (size_t first = 0; first < views.size(); first += batch_size) {
+    if (!report(progress, "colouring", first, views.size())) break;
+    const size_t count = std::min(batch_size, views.size() - first);
+    parallel_for(count, threads, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        const PosedImage& view = views[first + i];
+        const float gain = view.color_gain.mean();
+        batch[i] = {images.load(view.image), view.T_world_camera.inverse(), 0, view.color_gain.reverse()};
+        batch[i].sharpness = gain * gain * image_sharpness(batch[i].images.color);
+      }
+    });
+    parallel_for(points.size(), threads, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        for (size_t k = 0; k < count; ++k) sums[i] += observe_color(batch[k], points[i], normals[i], camera);
+      }
+    });
+  }
+  report(progress, "colouring", views.size(), views.size());
+  std::vector<Rgb> colors;
+  colors.reserve(sums.size());
+  for (const ColorSum& sum : sums) colors.push_back(color_of(sum));
+  return colors;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,20 @@
+#pragma once
+// In: points of surfaces and the images that may show them. Out: a colour for each, mostly of the images that
+// see it best: sharp ones, from near, from the front.
+
+#include <span>
+
+#include "kinloop/base/progress.hpp"
+#include "kinloop/dense/cloud/colored_cloud.hpp"
+#include "kinloop/dense/image_store.hpp"
+#include "kinloop/dense/posed_image.hpp"
+
+namespace kinloop {
+
+/// Grey for a point that no image sees. The result does not depend on `threads`.
+std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
+                              std::span<const Eigen::Vector3f> normals, const ImageStore& images,
+                              std::span<const PosedImage> views, const PinholeCamera& camera, int threads,
+                              const Progress& progress = {});
+
+}  // namespace kinloop

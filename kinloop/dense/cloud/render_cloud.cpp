@@ -1,0 +1,185 @@
+#include "kinloop/dense/cloud/render_cloud.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/quantile.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr int kSupersampling = 2;         ///< drawn larger, then averaged: smooth edges
+constexpr double kOutlierShare = 0.002;   ///< of the points at either end may lie outside the picture
+constexpr double kMarginShare = 0.02;     ///< of the width, left free on each side
+constexpr double kMostHeightShare = 1.2;  ///< a picture no taller than this times its width
+
+/// The cloud in the axes of the picture: x right, y down, z away from the eye, metres.
+using ViewPoints = std::vector<Eigen::Vector3f>;
+
+/// Indices of the points that are not cut off.
+std::vector<size_t> points_below(const ColoredCloud& cloud, const CloudView& view) {
+  const Eigen::Vector3f up = view.up.normalized().cast<float>();
+  std::vector<size_t> kept;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    if (static_cast<double>(up.dot(cloud.points[i])) <= view.cut_above_m) kept.push_back(i);
+  }
+  return kept;
+}
+
+/// Rows: right, away and up, where `right` is the horizontal direction in which the points extend most.
+Eigen::Matrix3d level_axes(const ColoredCloud& cloud, const std::vector<size_t>& kept,
+                           const CloudView& view) {
+  const Eigen::Vector3d up = view.up.normalized();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const size_t i : kept) mean += cloud.points[i].cast<double>();
+  mean /= static_cast<double>(kept.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const size_t i : kept) {
+    Eigen::Vector3d d = cloud.points[i].cast<double>() - mean;
+    d -= up * up.dot(d);
+    spread += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  Eigen::Vector3d right = solver.eigenvectors().col(2);
+  right = (right - up * up.dot(right)).normalized();
+  Eigen::Vector3d away = up.cross(right);
+
+  // High things belong to the back, where they hide nothing.
+  double lean = 0;
+  for (const size_t i : kept) {
+    const Eigen::Vector3d d = cloud.points[i].cast<double>() - mean;
+    lean += away.dot(d) * up.dot(d);
+  }
+  if (lean < 0) {
+    right = -right;
+    away = -away;
+  }
+  Eigen::Matrix3d axes;
+  axes << right.transpose(), away.transpose(), up.transpose();
+  return axes;
+}
+
+ViewPoints to_view(const ColoredCloud& cloud, const std::vector<size_t>& kept, const CloudView& view) {
+  const Eigen::Matrix3d axes = level_axes(cloud, kept, view);
+  const double elevation_rad = view.elevation_deg * std::numbers::pi / 180;
+  const double s = std::sin(elevation_rad), c = std::cos(elevation_rad);
+  Eigen::Matrix3d tilt;  // level axes to picture axes
+  tilt << 1, 0, 0, 0, -s, -c, 0, c, -s;
+  const Eigen::Matrix3f R = (tilt * axes).cast<float>();
+  ViewPoints points;
+  points.reserve(kept.size());
+  for (const size_t i : kept) points.emplace_back(R * cloud.points[i]);
+  return points;
+}
+
+/// Where nearly all values of one axis lie.
+std::pair<double, double> inlier_range(const ViewPoints& points, int axis) {
+  std::vector<float> values;
+  for (const auto& p : points) values.push_back(p[axis]);
+  return {quantile(values, kOutlierShare), quantile(values, 1 - kOutlierShare)};
+}
+
+struct Canvas {
+  cv::Mat color;    // 8UC3, BGR
+  cv::Mat depth_m;  // 32FC1, away from the eye; infinity = nothing there
+};
+
+/// Draws every point as a square of `point_m`, near before far.
+Canvas splat(const ColoredCloud& cloud, const std::vector<size_t>& kept, const ViewPoints& points,
+             const CloudView& view) {
+  const auto [left, right] = inlier_range(points, 0);
+  const auto [top, bottom] = inlier_range(points, 1);
+  const double shown_m = std::max({right - left, (bottom - top) / kMostHeightShare, view.point_m});
+  const int width = view.width_px * kSupersampling;
+  const double scale = width * (1 - 2 * kMarginShare) / shown_m;  // px per metre
+  const double margin = width * kMarginShare;
+  const int height = std::max(1, static_cast<int>(std::lround((bottom - top) * scale + 2 * margin)));
+  const double x0 = margin + (width - 2 * margin - (right - left) * scale) / 2 - left * scale;
+  const double y0 = margin - top * scale;
+
+  Canvas canvas{cv::Mat(height, width, CV_8UC3, cv::Scalar::all(0)),
+                cv::Mat(height, width, CV_32FC1, cv::Scalar(std::numeric_limits<float>::infinity()))};
+  // A little larger than the points are apart, so that surfaces are closed.
+  constexpr double kOverlap = 1.3;
+  const int half = std::max(1, static_cast<int>(std::ceil(kOverlap * view.point_m * scale / 2)));
+  for (size_t k = 0; k < points.size(); ++k) {
+    const auto& p = points[k];
+    const double x = x0 + static_cast<double>(p.x()) * scale, y = y0 + static_cast<double>(p.y()) * scale;
+    if (!(x >= 0 && y >= 0 && x < width && y < height)) continue;
+    const Rgb& rgb = cloud.colors[kept[k]];
+    const int col = static_cast<int>(x), row = static_cast<int>(y);
+    for (int r = std::max(0, row - half); r < std::min(height, row + half); ++r) {
+      for (int q = std::max(0, col - half); q < std::min(width, col + half); ++q) {
+        if (p.z() >= canvas.depth_m.at<float>(r, q)) continue;
+        canvas.depth_m.at<float>(r, q) = p.z();
+        canvas.color.at<cv::Vec3b>(r, q) = {rgb[2], rgb[1], rgb[0]};
+      }
+    }
+  }
+  return canvas;
+}
+
+/// Darkens what lies behind its surroundings (Boucheny 2009, "eye-dome lighting"): shape without normals.
+void shade(Canvas& canvas) {
+  constexpr int kReachPx = 3 * kSupersampling;
+  constexpr float kStrengthPerM = 1.2F, kMostStepM = 0.5F;
+  constexpr int kAround[4][2] = {{0, kReachPx}, {0, -kReachPx}, {kReachPx, 0}, {-kReachPx, 0}};
+  const cv::Rect all(0, 0, canvas.color.cols, canvas.color.rows);
+  for (int row = 0; row < canvas.color.rows; ++row) {
+    for (int col = 0; col < canvas.color.cols; ++col) {
+      const float z = canvas.depth_m.at<float>(row, col);
+      if (std::isinf(z)) continue;
+      float behind_m = 0;
+      for (const auto& step : kAround) {
+        const cv::Point other(col + step[1], row + step[0]);
+        if (all.contains(other)) {
+          behind_m += std::clamp(z - canvas.depth_m.at<float>(other), 0.0F, kMostStepM);
+        }
+      }
+      canvas.color.at<cv::Vec3b>(row, col) *= static_cast<double>(std::exp(-kStrengthPerM * behind_m));
+    }
+  }
+}
+
+/// The drawing at its final size, transparent where nothing was drawn.
+cv::Mat finish(const Canvas& canvas) {
+  cv::Mat drawn = canvas.depth_m < std::numeric_limits<float>::infinity();
+  cv::Mat color, alpha;
+  const cv::Size size(canvas.color.cols / kSupersampling, std::max(1, canvas.color.rows / kSupersampling));
+  cv::resize(canvas.color, color, size, 0, 0, cv::INTER_AREA);
+  cv::resize(drawn, alpha, size, 0, 0, cv::INTER_AREA);
+  cv::Mat picture(size, CV_8UC4);
+  constexpr int kOpaque = 255;
+  for (int row = 0; row < size.height; ++row) {
+    for (int col = 0; col < size.width; ++col) {
+      const int a = alpha.at<uint8_t>(row, col);
+      const auto& bgr = color.at<cv::Vec3b>(row, col);
+      // The average took in the black around the edges; the colour itself is that of the drawn part.
+      const auto whole = [&](int i) { return cv::saturate_cast<uint8_t>(a == 0 ? 0 : bgr[i] * kOpaque / a); };
+      picture.at<cv::Vec4b>(row, col) = {whole(0), whole(1), whole(2), static_cast<uint8_t>(a)};
+    }
+  }
+  return picture;
+}
+
+}  // namespace
+
+cv::Mat render_cloud(const ColoredCloud& cloud, const CloudView& view) {
+  require(view.up.norm() > 0 && view.width_px > 0 && view.point_m > 0,
+          "render_cloud: a view with up and size");
+  const auto kept = points_below(cloud, view);
+  if (kept.empty()) return {};
+  Canvas canvas = splat(cloud, kept, to_view(cloud, kept, view), view);
+  shade(canvas);
+  return finish(canvas);
+}
+
+}  // namespace kinloop

@@ -1,0 +1,66 @@
+#pragma once
+// In: the surfels of one image and its pose. Out: what it says about the voxels that it sees.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "kinloop/dense/cloud/image_surfels.hpp"
+#include "kinloop/dense/posed_image.hpp"
+
+namespace kinloop {
+
+/// Which voxel a point lies in: 21 bits an axis, z highest, counted from kVoxelOrigin below the origin.
+using VoxelKey = uint64_t;
+constexpr int kVoxelAxisBits = 21;
+constexpr int64_t kVoxelOrigin = int64_t{1} << (kVoxelAxisBits - 1);
+
+/// The key of the voxel at whole voxel coordinates, each from -kVoxelOrigin to kVoxelOrigin - 1.
+constexpr VoxelKey voxel_key(int64_t x, int64_t y, int64_t z) {
+  const auto part = [](int64_t v) { return static_cast<VoxelKey>(v + kVoxelOrigin); };
+  return part(z) << (2 * kVoxelAxisBits) | part(y) << kVoxelAxisBits | part(x);
+}
+
+/// The same of the corner of a voxel, whose coordinates are whole.
+inline VoxelKey voxel_key(const Eigen::Vector3d& corner) {
+  return voxel_key(static_cast<int64_t>(corner.x()), static_cast<int64_t>(corner.y()),
+                   static_cast<int64_t>(corner.z()));
+}
+
+/// The voxel coordinates of a key.
+Eigen::Vector3i voxel_of(VoxelKey key);
+
+/// Scatters keys evenly over 64 bits; the highest bits are scattered best.
+constexpr uint64_t hash_key(VoxelKey key) {
+  constexpr uint64_t kGolden = 0x9e3779b97f4a7c15ULL;  // 2^64 / golden ratio (Knuth, TAOCP 6.4)
+  return (key ^ key >> 29) * kGolden;
+}
+
+/// A surfel in the world.
+struct VoxelSample {
+  VoxelKey key = 0;
+  Eigen::Vector3f offset;  ///< of the point from the voxel's corner, voxels
+  Eigen::Vector3f normal;  ///< towards the camera
+  float pixels = 0;        ///< of the surfel
+  float variance_m2 = 0;   ///< of one pixel along the ray
+  float color_weight = 0;  ///< how well the colour shows: sharp, near, from the front
+  Rgb color{};
+};
+
+/// For every pixel of the raw (distorted) image the direction in which it looks, as (x / z, y / z).
+struct RayTable {
+  int width = 0, height = 0;  // px
+  double focal_px = 0;
+  std::vector<Eigen::Vector2f> rays;  // row by row
+};
+
+RayTable ray_table(const PinholeCamera& camera);
+
+/// The points of `surfels`, taken by `camera` as `view` says, where the camera would have seen them at the
+/// stamp. `rays` are those of `camera.color`.
+std::vector<VoxelSample> voxel_samples(const ImageSurfels& surfels, const PosedImage& view,
+                                       const DenseCamera& camera, const RayTable& rays, double voxel_m);
+
+}  // namespace kinloop

@@ -1,0 +1,73 @@
+#pragma once
+// In: colour and depth images of a run, one after the other. Out: the same images again, at the end, when
+// their poses are known for good. In between they are kept small: colour as JPEG, depth packed without loss,
+// and beyond a limit in a temporary file instead of memory.
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "kinloop/dense/byte_store.hpp"
+
+namespace kinloop {
+
+struct ImageStoreOptions {
+  double depth_scale = 5000;  ///< units per metre in which depth is kept, as those of the camera
+  int jpeg_quality = 95;
+  size_t memory_limit_bytes = size_t{64} << 20;
+};
+
+/// A colour image and its depth.
+struct RgbdImages {
+  cv::Mat color;    ///< 8UC3, BGR
+  cv::Mat depth_m;  ///< 32FC1, 0 = unknown
+};
+
+/// The same made small: colour as JPEG, depth as `pack_depth` gives it.
+struct EncodedImages {
+  int rows = 0, cols = 0;
+  std::vector<uint8_t> color;
+  std::vector<uint8_t> depth;
+
+  bool operator==(const EncodedImages&) const = default;
+};
+
+/// Depth is rounded to the units of `options.depth_scale`; what they cannot hold becomes unknown.
+EncodedImages encode_images(const RgbdImages& images, const ImageStoreOptions& options);
+RgbdImages decode_images(const EncodedImages& images, const ImageStoreOptions& options);
+
+class ImageStore {
+ public:
+  explicit ImageStore(const ImageStoreOptions& options = {})
+      : options_(options), bytes_(options.memory_limit_bytes) {}
+
+  /// Keeps images and returns their index, counted from 0. Their depth must be in the units of this store.
+  /// Throws InputError when the temporary file cannot be written.
+  size_t add(const EncodedImages& images);
+  size_t add(const RgbdImages& images) { return add(encode_images(images, options_)); }
+
+  /// The images at `index`; may be called from several threads at once while nothing is added.
+  [[nodiscard]] RgbdImages load(size_t index) const { return decode_images(encoded(index), options_); }
+
+  /// The same as they are kept.
+  [[nodiscard]] EncodedImages encoded(size_t index) const;
+
+  [[nodiscard]] const ImageStoreOptions& options() const { return options_; }
+
+  [[nodiscard]] size_t size() const { return sizes_.size(); }
+  [[nodiscard]] size_t bytes_in_memory() const { return bytes_.bytes_in_memory(); }
+  [[nodiscard]] size_t bytes_on_disk() const { return bytes_.bytes_on_disk(); }
+
+ private:
+  struct Size {
+    int rows = 0, cols = 0;
+    size_t color_bytes = 0;
+  };
+
+  ImageStoreOptions options_;
+  std::vector<Size> sizes_;
+  ByteStore bytes_;  // of each colour, then depth
+};
+
+}  // namespace kinloop

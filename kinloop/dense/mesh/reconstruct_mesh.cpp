@@ -1,0 +1,95 @@
+#include "kinloop/dense/mesh/reconstruct_mesh.hpp"
+
+#include <algorithm>
+#include <functional>
+
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/dense/cloud/point_colors.hpp"
+#include "kinloop/dense/usable_depth.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Where each pixel of an ideal camera lies in the raw image, for cv::remap.
+cv::Mat undistortion_of(const PinholeCamera& camera) {
+  cv::Mat raw_pixels(camera.height, camera.width, CV_32FC2);
+  for (int row = 0; row < camera.height; ++row) {
+    for (int col = 0; col < camera.width; ++col) {
+      const Eigen::Vector2d raw = camera.distort(Eigen::Vector2d(col, row));
+      raw_pixels.at<cv::Vec2f>(row, col) = {static_cast<float>(raw.x()), static_cast<float>(raw.y())};
+    }
+  }
+  return raw_pixels;
+}
+
+/// Depth between two surfaces is the depth of neither: the nearest pixel is taken, not a mean.
+cv::Mat undistorted(const cv::Mat& image, const cv::Mat& raw_pixels) {
+  cv::Mat result;
+  cv::remap(image, result, raw_pixels, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT);
+  return result;
+}
+
+/// Takes the deformation away from an undistorted depth image.
+cv::Mat corrected_depth(cv::Mat depth_m, const DenseCamera& camera) {
+  if (camera.inverse_depth_correction.isZero(0)) return depth_m;
+  for (int row = 0; row < depth_m.rows; ++row) {
+    for (int col = 0; col < depth_m.cols; ++col) {
+      auto& z = depth_m.at<float>(row, col);
+      if (!(z > 0)) continue;
+      const Eigen::Vector3d ray = camera.color.unproject(Eigen::Vector2d(col, row), 1);
+      const double inverse_depth = camera.correct_inverse_depth(1 / static_cast<double>(z), ray.x(), ray.y());
+      z = inverse_depth > 0 ? static_cast<float>(1 / inverse_depth) : 0.0F;
+    }
+  }
+  return depth_m;
+}
+
+/// Calls `use` with every view in order; they are decoded ahead by `threads` threads.
+void for_each_view(const ImageStore& images, std::span<const PosedImage> views, const DenseCamera& camera,
+                   const MeshOptions& options, int threads,
+                   const std::function<bool(size_t index, const TsdfView& view)>& use) {
+  const cv::Mat raw_pixels = undistortion_of(camera.color);
+  const DepthLimits limits{options.min_depth_m, options.max_depth_m, options.max_incidence_deg};
+  const auto batch_size = static_cast<size_t>(std::max(threads, 1));
+  std::vector<TsdfView> batch(batch_size);
+  for (size_t first = 0; first < views.size(); first += batch_size) {
+    const size_t count = std::min(batch_size, views.size() - first);
+    parallel_for(count, threads, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        const cv::Mat depth_m = images.load(views[first + i].image).depth_m;
+        batch[i] = {corrected_depth(undistorted(depth_m, raw_pixels), camera),
+                    undistorted(usable_pixels(depth_m, camera.color.fx, limits), raw_pixels),
+                    views[first + i].T_world_camera, views[first + i].velocity};
+      }
+    });
+    for (size_t i = 0; i < count; ++i) {
+      if (!use(first + i, batch[i])) return;
+    }
+  }
+}
+
+}  // namespace
+
+ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImage> views,
+                             const DenseCamera& camera, const MeshOptions& options, int threads,
+                             const Progress& progress) {
+  TsdfVolume volume(camera, options);
+  // Twice over the images: what was seen for a moment is carved away by views before it, too.
+  for_each_view(images, views, camera, options, threads, [&](size_t, const TsdfView& view) {
+    volume.allocate_blocks(view);
+    return true;
+  });
+  for_each_view(images, views, camera, options, threads, [&](size_t index, const TsdfView& view) {
+    volume.integrate(view, threads);
+    return report(progress, "meshing", index + 1, views.size());
+  });
+  ColoredMesh mesh =
+      remove_small_components(volume.surface(), static_cast<size_t>(options.min_component_triangles));
+  mesh.colors =
+      color_points(mesh.points, vertex_normals(mesh), images, views, camera.color, threads, progress);
+  return mesh;
+}
+
+}  // namespace kinloop

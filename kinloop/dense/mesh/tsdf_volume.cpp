@@ -1,0 +1,301 @@
+// The only place that includes OpenVDB: it is slow to compile.
+
+#include "kinloop/dense/mesh/tsdf_volume.hpp"
+
+#include "kinloop/base/errors.hpp"
+
+#ifdef KINLOOP_WITH_OPENVDB
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#include <openvdb/Grid.h>
+#include <openvdb/openvdb.h>
+#pragma GCC diagnostic pop
+
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
+
+namespace kinloop {
+namespace {
+
+using openvdb::Coord;
+using openvdb::FloatTree;
+using Leaf = FloatTree::LeafNodeType;
+
+constexpr int kLeafVoxels = Leaf::DIM;  // along an edge
+
+Coord along(int axis, int steps = 1) {
+  Coord c(0, 0, 0);
+  c[axis] = steps;
+  return c;
+}
+
+/// The point between two voxel centres where the distance is zero.
+double crossing(float a, float b) {
+  return static_cast<double>(a) / (static_cast<double>(a) - static_cast<double>(b));
+}
+
+}  // namespace
+
+/// Distances and their weights, leaf by leaf the same shape.
+struct TsdfVolume::Volume {
+  struct Block {
+    Leaf* distance;
+    Leaf* weight;
+  };
+
+  explicit Volume(float truncation_m) : distance(truncation_m), weight(0) {}
+
+  void touch(const Coord& voxel) {
+    Leaf* existing = distance.probeLeaf(voxel);
+    if (existing != nullptr) return;
+    blocks.push_back({distance.touchLeaf(voxel), weight.touchLeaf(voxel)});
+  }
+
+  FloatTree distance;
+  FloatTree weight;
+  std::vector<Block> blocks;  // in the order in which they were first seen
+};
+
+namespace {
+
+/// Updates the voxels of one block by projecting them into a view.
+class BlockUpdate {
+ public:
+  BlockUpdate(const TsdfView& view, const DenseCamera& camera, const MeshOptions& options)
+      : view_(view), camera_(camera), options_(options), T_camera_world_(view.T_world_camera.inverse()) {
+    const Eigen::Matrix3d R = T_camera_world_.R() * options.voxel_m;
+    for (int axis = 0; axis < 3; ++axis) step_[static_cast<size_t>(axis)] = R.col(axis);
+  }
+
+  void operator()(Leaf& distance, Leaf& weight) const {
+    if (!in_view(distance.origin())) return;
+    const Eigen::Vector3d p_corner = in_camera(distance.origin());
+    for (unsigned i = 0; i < Leaf::SIZE; ++i) {
+      const Coord c = Leaf::offsetToLocalCoord(i);
+      update(distance, weight, i, p_corner + c.x() * step_[0] + c.y() * step_[1] + c.z() * step_[2]);
+    }
+  }
+
+ private:
+  [[nodiscard]] Eigen::Vector3d in_camera(const Coord& voxel) const {
+    return T_camera_world_ * (Eigen::Vector3d(voxel.x(), voxel.y(), voxel.z()) * options_.voxel_m);
+  }
+
+  /// Whether the block may show in the image, nearer than the farthest depth used.
+  [[nodiscard]] bool in_view(const Coord& origin) const {
+    const double radius_m = std::sqrt(3.0) / 2 * kLeafVoxels * options_.voxel_m;
+    const Eigen::Vector3d center = in_camera(origin) + kLeafVoxels / 2.0 * (step_[0] + step_[1] + step_[2]);
+    if (center.z() < options_.min_depth_m || center.z() > options_.max_depth_m + radius_m) return false;
+    const double margin_px = radius_m * camera_.color.fx / center.z();
+    return camera_.color.contains(camera_.color.project(center), -margin_px);
+  }
+
+  void update(Leaf& distance, Leaf& weight, unsigned i, const Eigen::Vector3d& p_stamp) const {
+    const double nearest_m = options_.min_depth_m / 2;
+    if (p_stamp.z() < nearest_m) return;
+    const Eigen::Vector3d p_camera = camera_.undo_deskew(p_stamp, view_.velocity);
+    if (p_camera.z() < nearest_m) return;
+    const Eigen::Vector2d pixel = camera_.color.project(p_camera);
+    const int col = static_cast<int>(std::lround(pixel.x())), row = static_cast<int>(std::lround(pixel.y()));
+    if (col < 0 || row < 0 || col >= camera_.color.width || row >= camera_.color.height) return;
+    const double depth_m = view_.depth_m.at<float>(row, col);
+    if (!(depth_m > 0)) return;
+    const double truncation_m = options_.truncation_voxels * options_.voxel_m;
+    const double ahead_m = depth_m - p_camera.z();
+    if (ahead_m < -truncation_m) return;  // behind the surface nothing is known
+    // A pixel at the edge of something says where there is nothing, not where there is something; and it may
+    // be of a flying pixel's making.
+    if (ahead_m < truncation_m && view_.usable.at<uint8_t>(row, col) == 0) return;
+    // By the noise of depth here: that there is nothing far in front of a wall is as sure as the wall is far.
+    const double sigma_ratio = DepthNoise().sigma_m(1.0) / DepthNoise().sigma_m(p_camera.z());
+    const auto w = static_cast<float>(sigma_ratio * sigma_ratio);
+    float* values = distance.buffer().data();
+    float* weights = weight.buffer().data();
+    const auto measured = static_cast<float>(std::min(ahead_m, truncation_m));
+    values[i] = (values[i] * weights[i] + measured * w) / (weights[i] + w);
+    weights[i] += w;
+  }
+
+  const TsdfView& view_;
+  const DenseCamera& camera_;
+  const MeshOptions& options_;
+  SE3 T_camera_world_;
+  std::array<Eigen::Vector3d, 3> step_;  // of one voxel, in the camera's frame
+};
+
+/// Surface nets (Gibson 1998): a vertex in every cell of eight voxels that a surface passes, at the mean of
+/// where it cuts the cell's edges, and two triangles across every edge between voxels that it cuts.
+class SurfaceNets {
+ public:
+  SurfaceNets(const FloatTree& distance, const FloatTree& weight, const MeshOptions& options)
+      : distance_(distance), weight_(weight), options_(options), vertex_of_(-1), vertices_(vertex_of_) {}
+
+  ColoredMesh run() {
+    for (auto leaf = distance_tree().cbeginLeaf(); leaf; ++leaf) {
+      for (unsigned i = 0; i < Leaf::SIZE; ++i) add_vertex(leaf->offsetToGlobalCoord(i));
+    }
+    for (auto leaf = distance_tree().cbeginLeaf(); leaf; ++leaf) {
+      for (unsigned i = 0; i < Leaf::SIZE; ++i) add_faces(leaf->offsetToGlobalCoord(i));
+    }
+    mesh_.colors.resize(mesh_.points.size());
+    return std::move(mesh_);
+  }
+
+ private:
+  using ConstAccessor = openvdb::tree::ValueAccessor<const FloatTree>;
+
+  [[nodiscard]] const FloatTree& distance_tree() const { return distance_.tree(); }
+
+  [[nodiscard]] bool known(const Coord& voxel) const {
+    return weight_.getValue(voxel) >= static_cast<float>(options_.min_weight);
+  }
+
+  void add_vertex(const Coord& cell) {
+    std::array<float, 8> corners{};
+    for (int k = 0; k < 8; ++k) {
+      const Coord voxel = cell.offsetBy(k & 1, k >> 1 & 1, k >> 2);
+      if (!known(voxel)) return;
+      corners[static_cast<size_t>(k)] = distance_.getValue(voxel);
+    }
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int cuts = 0;
+    for (int k = 0; k < 8; ++k) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const int other = k | 1 << axis;
+        if (other == k) continue;
+        const float a = corners[static_cast<size_t>(k)], b = corners[static_cast<size_t>(other)];
+        if ((a < 0) == (b < 0)) continue;
+        Eigen::Vector3d cut(k & 1, k >> 1 & 1, k >> 2);
+        cut(axis) += crossing(a, b);
+        sum += cut;
+        ++cuts;
+      }
+    }
+    if (cuts == 0) return;
+    vertices_.setValue(cell, static_cast<int>(mesh_.points.size()));
+    const Eigen::Vector3d p = (Eigen::Vector3d(cell.x(), cell.y(), cell.z()) + sum / cuts) * options_.voxel_m;
+    mesh_.points.push_back(p.cast<float>());
+  }
+
+  void add_faces(const Coord& voxel) {
+    if (!known(voxel)) return;
+    const float here = distance_.getValue(voxel);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Coord next = voxel + along(axis);
+      if (!known(next)) continue;
+      const float there = distance_.getValue(next);
+      if ((here < 0) != (there < 0)) add_quad(voxel, axis, here < 0);
+    }
+  }
+
+  /// Across the edge from `voxel` along `axis`, between the four cells around it.
+  void add_quad(const Coord& voxel, int axis, bool solid_first) {
+    const Coord u = along((axis + 1) % 3, -1), v = along((axis + 2) % 3, -1);
+    std::array<uint32_t, 4> corners{};
+    const std::array<Coord, 4> cells = {voxel + u + v, voxel + v, voxel, voxel + u};
+    for (size_t k = 0; k < 4; ++k) {
+      const int vertex = vertices_.getValue(cells[k]);
+      if (vertex < 0) return;
+      corners[k] = static_cast<uint32_t>(vertex);
+    }
+    if (!solid_first) std::swap(corners[1], corners[3]);
+    mesh_.triangles.push_back({corners[0], corners[1], corners[2]});
+    mesh_.triangles.push_back({corners[0], corners[2], corners[3]});
+  }
+
+  ConstAccessor distance_;
+  ConstAccessor weight_;
+  const MeshOptions& options_;
+  openvdb::Int32Tree vertex_of_;
+  openvdb::tree::ValueAccessor<openvdb::Int32Tree> vertices_;
+  ColoredMesh mesh_;
+};
+
+}  // namespace
+
+bool tsdf_available() {
+  return true;
+}
+
+TsdfVolume::TsdfVolume(const DenseCamera& camera, const MeshOptions& options)
+    : camera_(camera),
+      options_(options),
+      volume_(std::make_unique<Volume>(static_cast<float>(options.truncation_voxels * options.voxel_m))) {}
+
+TsdfVolume::~TsdfVolume() = default;
+
+void TsdfVolume::allocate_blocks(const TsdfView& view) {
+  // Blocks are touched along the rays of every few pixels: closer than a block's edge, as far as depth goes.
+  constexpr int kStridePx = 4;
+  const double reach_m = options_.truncation_voxels * options_.voxel_m;
+  const double step_m = kLeafVoxels * options_.voxel_m / 2;
+  std::vector<Coord> touched;
+  for (int row = 0; row < camera_.color.height; row += kStridePx) {
+    for (int col = 0; col < camera_.color.width; col += kStridePx) {
+      if (view.usable.at<uint8_t>(row, col) == 0) continue;
+      const double depth_m = view.depth_m.at<float>(row, col);
+      for (double z = depth_m - reach_m; z <= depth_m + reach_m; z += step_m) {
+        const Eigen::Vector3d p_camera =
+            camera_.deskew(camera_.color.unproject(Eigen::Vector2d(col, row), z), row, view.velocity);
+        const Eigen::Vector3d p = view.T_world_camera * p_camera / options_.voxel_m;
+        const auto origin = [](double x) { return static_cast<int>(std::floor(x)) & ~(kLeafVoxels - 1); };
+        touched.emplace_back(origin(p.x()), origin(p.y()), origin(p.z()));
+      }
+    }
+  }
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  for (const Coord& origin : touched) volume_->touch(origin);
+}
+
+void TsdfVolume::integrate(const TsdfView& view, int threads) {
+  const BlockUpdate update(view, camera_, options_);
+  parallel_for(volume_->blocks.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) update(*volume_->blocks[i].distance, *volume_->blocks[i].weight);
+  });
+}
+
+ColoredMesh TsdfVolume::surface() const {
+  return SurfaceNets(volume_->distance, volume_->weight, options_).run();
+}
+
+size_t TsdfVolume::bytes() const {
+  return volume_->distance.memUsage() + volume_->weight.memUsage();
+}
+
+}  // namespace kinloop
+
+#else
+
+namespace kinloop {
+
+struct TsdfVolume::Volume {};
+
+bool tsdf_available() {
+  return false;
+}
+
+TsdfVolume::TsdfVolume(const DenseCamera& camera, const MeshOptions& options)
+    : camera_(camera), options_(options) {
+  throw UsageError("meshes: this build has no OpenVDB; install libopenvdb-dev and build kinloop again");
+}
+
+TsdfVolume::~TsdfVolume() = default;
+void TsdfVolume::allocate_blocks(const TsdfView&) {}
+void TsdfVolume::integrate(const TsdfView&, int) {}
+ColoredMesh TsdfVolume::surface() const {
+  return {};
+}
+size_t TsdfVolume::bytes() const {
+  return 0;
+}
+
+}  // namespace kinloop
+
+#endif

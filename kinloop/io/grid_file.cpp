@@ -1,0 +1,43 @@
+#include "kinloop/io/grid_file.hpp"
+
+#include <fmt/format.h>
+
+#include "kinloop/base/text_file.hpp"
+
+namespace kinloop {
+namespace {
+
+/// The intensities that map_server uses itself.
+char grey_of(Occupancy occupancy) {
+  constexpr unsigned char kFree = 254, kUnknown = 205, kOccupied = 0;
+  switch (occupancy) {
+    case Occupancy::kFree:
+      return static_cast<char>(kFree);
+    case Occupancy::kOccupied:
+      return static_cast<char>(kOccupied);
+    default:
+      return static_cast<char>(kUnknown);
+  }
+}
+
+}  // namespace
+
+void write_grid(const std::filesystem::path& path, const OccupancyGrid& grid) {
+  std::string picture =
+      fmt::format("P5\n# kinloop, {} m a cell\n{} {}\n255\n", grid.cell_m, grid.width, grid.height);
+  for (int row = grid.height - 1; row >= 0; --row) {  // the picture's first row has the largest y
+    for (int col = 0; col < grid.width; ++col) {
+      picture += grey_of(
+          grid.cells[static_cast<size_t>(row) * static_cast<size_t>(grid.width) + static_cast<size_t>(col)]);
+    }
+  }
+  write_file(path, picture);
+  auto description = path;
+  description.replace_extension(".yaml");
+  write_file(description,
+             fmt::format("image: {}\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\n"
+                         "occupied_thresh: 0.65\nfree_thresh: 0.196\n",
+                         path.filename().string(), grid.cell_m, grid.origin_x_m, grid.origin_y_m));
+}
+
+}  // namespace kinloop

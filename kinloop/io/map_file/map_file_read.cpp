@@ -1,0 +1,300 @@
+#include <algorithm>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/io/map_file/byte_stream.hpp"
+#include "kinloop/io/map_file/feature_serialization.hpp"
+#include "kinloop/io/map_file/map_file.hpp"
+#include "kinloop/io/map_file/map_tables.hpp"
+
+namespace kinloop {
+namespace {
+
+namespace tables = map_tables;
+
+uint32_t take_id(RowReader& row) {
+  return static_cast<uint32_t>(row.take<int64_t>());
+}
+
+SE3 take_pose(RowReader& row) {
+  SE3 pose;
+  for (int i = 0; i < 3; ++i) pose.translation(i) = row.take<double>();
+  for (int i = 0; i < 4; ++i) pose.rotation.coeffs()(i) = row.take<double>();
+  return pose;
+}
+
+std::map<std::string, double> read_camera(const DatabaseReader& file) {
+  std::map<std::string, double> camera;
+  file.read(tables::kCamera, [&](int64_t, const Row& cells) {
+    RowReader row(cells);
+    const auto name = row.take<std::string>();
+    camera[name] = row.take<double>();
+    return row.exhausted();
+  });
+  return camera;
+}
+
+PinholeCamera lens_from(const std::map<std::string, double>& values, const std::string& prefix) {
+  const auto at = [&](const char* name) { return values.at(prefix + name); };
+  PinholeCamera c;
+  c.width = static_cast<int>(at("width")), c.height = static_cast<int>(at("height"));
+  c.fx = at("fx"), c.fy = at("fy"), c.cx = at("cx"), c.cy = at("cy");
+  c.k1 = at("k1"), c.k2 = at("k2"), c.p1 = at("p1"), c.p2 = at("p2"), c.k3 = at("k3");
+  return c;
+}
+
+RgbdCamera camera_from(const std::map<std::string, double>& values) {
+  RgbdCamera camera;
+  camera.color = lens_from(values, "");
+  camera.depth_scale = values.at("depth_scale");
+  camera.fps = values.at("fps");
+  camera.rolling_shutter_s = values.at("rolling_shutter_s");
+  camera.depth_offset_s = values.at("depth_offset_s");
+  if (!values.contains("depth.fx")) return camera;
+  camera.depth = lens_from(values, "depth.");
+  const auto at = [&](const char* name) { return values.at(std::string("T_color_depth.") + name); };
+  camera.T_color_depth = {Eigen::Quaterniond(at("qw"), at("qx"), at("qy"), at("qz")),
+                          {at("x"), at("y"), at("z")}};
+  return camera;
+}
+
+std::map<std::string, Cell> read_about(const DatabaseReader& file) {
+  std::map<std::string, Cell> about;
+  file.read(tables::kAbout, [&](int64_t, const Row& row) {
+    if (row.size() == 2 && std::holds_alternative<std::string>(row[0]))
+      about[std::get<std::string>(row[0])] = row[1];
+    return true;
+  });
+  return about;
+}
+
+/// Options, sessions and sensor; whether all of them are whole.
+bool read_settings(const DatabaseReader& file, SavedMap& map) {
+  const auto sessions = file.read(tables::kSession, [&](int64_t, const Row& cells) {
+    RowReader row(cells);
+    auto input = row.take<std::string>();
+    map.sessions.push_back({std::move(input), FrameId{take_id(row)}});
+    return row.exhausted();
+  });
+  const auto options = file.read(tables::kOption, [&](int64_t, const Row& cells) {
+    RowReader row(cells);
+    auto key = row.take<std::string>();
+    map.options.emplace_back(std::move(key), row.take<std::string>());
+    return row.exhausted();
+  });
+  const auto sensor = file.read(tables::kSensor, [&](int64_t, const Row& cells) {
+    RowReader row(cells);
+    const auto value = row.take<double>(), sigma = row.take<double>();
+    map.sensor.push_back({value, sigma, row.take<int64_t>() != 0});
+    return row.exhausted();
+  });
+  return !sessions.any() && !options.any() && !sensor.any();
+}
+
+std::map<uint32_t, Keyframe> read_keyframes(const DatabaseReader& file) {
+  std::map<uint32_t, Keyframe> keyframes;
+  file.read(tables::kKeyframe, [&](int64_t id, const Row& cells) {
+    RowReader row(cells);
+    Keyframe keyframe;
+    keyframe.frame = FrameId{take_id(row)};
+    keyframe.stamp_ns = row.take<int64_t>();
+    keyframe.component = take_id(row);
+    keyframe.begins_component = row.take<int64_t>() != 0;
+    keyframe.T_world_camera = take_pose(row);
+    auto features = deserialize_features(row.take<Blob>().bytes);
+    if (!features || !row.exhausted() || !keyframe.T_world_camera.is_finite()) return false;
+    keyframe.features = std::make_shared<const Features>(std::move(*features));
+    keyframes.emplace(static_cast<uint32_t>(id), std::move(keyframe));
+    return true;
+  });
+  return keyframes;
+}
+
+/// The new ids of keyframes that are there, by the ids they had.
+using Renumbered = std::unordered_map<uint32_t, uint32_t>;
+
+KeyframeId new_id(const Renumbered& ids, KeyframeId old) {
+  const auto found = ids.find(old.value);
+  return found == ids.end() ? KeyframeId{} : KeyframeId{found->second};
+}
+
+/// Without gaps; where the keyframe that began a component is lost, the next one begins it.
+Renumbered take_keyframes(const std::map<uint32_t, Keyframe>& raw, MapData& map) {
+  Renumbered ids;
+  std::set<uint32_t> begun;
+  for (const auto& [id, as_read] : raw) {
+    Keyframe keyframe = as_read;
+    ids[id] = static_cast<uint32_t>(map.keyframes.size());
+    keyframe.id = KeyframeId{ids[id]};
+    if (begun.insert(keyframe.component).second) keyframe.begins_component = true;
+    map.component_count = std::max(map.component_count, keyframe.component + 1);
+    map.keyframes.push_back(std::move(keyframe));
+  }
+  return ids;
+}
+
+/// Keypoints that show a landmark.
+using Claims = std::set<Observation>;
+
+/// The landmark with those observations that stand; nothing where its anchor is lost.
+std::optional<Landmark> sound(Landmark landmark, const Renumbered& ids, const MapData& map, Claims& claims) {
+  std::vector<Observation> kept;
+  std::set<KeyframeId> observers;
+  landmark.anchor = new_id(ids, landmark.anchor);
+  for (Observation seen : landmark.observations) {
+    seen.keyframe = new_id(ids, seen.keyframe);
+    if (!seen.keyframe.valid() || seen.feature >= map.keyframes[seen.keyframe.value].features->size())
+      continue;
+    if (claims.contains(seen) || !observers.insert(seen.keyframe).second) continue;
+    kept.push_back(seen);
+  }
+  if (!observers.contains(landmark.anchor) || !landmark.p_anchor.allFinite()) return std::nullopt;
+  claims.insert(kept.begin(), kept.end());
+  landmark.observations = std::move(kept);
+  return landmark;
+}
+
+size_t read_landmarks(const DatabaseReader& file, const Renumbered& ids, MapData& map) {
+  Claims claims;
+  size_t count = 0;
+  file.read(tables::kLandmark, [&](int64_t id, const Row& cells) {
+    RowReader row(cells);
+    Landmark landmark;
+    landmark.id = LandmarkId{static_cast<uint32_t>(id)};
+    landmark.anchor = KeyframeId{take_id(row)};
+    for (int i = 0; i < 3; ++i) landmark.p_anchor(i) = row.take<double>();
+    const Blob observations = row.take<Blob>();
+    ByteReader reader(observations.bytes);
+    landmark.observations = reader.list<Observation>();
+    if (!reader.exhausted() || !row.exhausted()) return false;
+    auto whole = sound(std::move(landmark), ids, map, claims);
+    if (!whole) return false;
+    map.landmarks.resize(static_cast<size_t>(id) + 1);
+    map.landmarks.back() = std::move(whole);
+    ++count;
+    return true;
+  });
+  return count;
+}
+
+void read_loop_edges(const DatabaseReader& file, const Renumbered& ids, MapData& map) {
+  file.read(tables::kLoopEdge, [&](int64_t, const Row& cells) {
+    RowReader row(cells);
+    LoopEdge edge;
+    edge.a = new_id(ids, KeyframeId{take_id(row)});
+    edge.b = new_id(ids, KeyframeId{take_id(row)});
+    edge.T_a_b = take_pose(row);
+    const Blob information = row.take<Blob>();
+    ByteReader reader(information.bytes);
+    reader.copy(edge.information.data(), static_cast<size_t>(edge.information.size()));
+    edge.inliers = static_cast<int>(row.take<int64_t>());
+    const bool whole = reader.exhausted() && row.exhausted() && edge.T_a_b.is_finite();
+    if (!whole || !edge.a.valid() || !edge.b.valid()) return false;
+    map.loop_edges.push_back(edge);
+    return true;
+  });
+}
+
+std::vector<SavedFrame> read_frames(const DatabaseReader& file, const Renumbered& ids) {
+  std::vector<SavedFrame> frames;
+  file.read(tables::kFrame, [&](int64_t, const Row& cells) {
+    RowReader row(cells);
+    SavedFrame frame;
+    frame.frame = FrameId{take_id(row)};
+    frame.stamp_ns = row.take<int64_t>();
+    frame.status = static_cast<int>(row.take<int64_t>());
+    frame.reference = new_id(ids, KeyframeId{take_id(row)});
+    frame.keyframe = new_id(ids, KeyframeId{take_id(row)});
+    frame.repeat = row.take<int64_t>() != 0;
+    frame.T_reference_camera = take_pose(row);
+    if (!row.exhausted() || !frame.T_reference_camera.is_finite()) return false;
+    frames.push_back(frame);
+    return true;
+  });
+  return frames;
+}
+
+/// How many rows the file once had beyond `found`.
+size_t missing(const std::map<std::string, Cell>& about, const char* table, size_t found) {
+  const auto count = about.find(table);
+  if (count == about.end() || !std::holds_alternative<int64_t>(count->second)) return 0;
+  const auto written = static_cast<size_t>(std::get<int64_t>(count->second));
+  return written > found ? written - found : 0;
+}
+
+}  // namespace
+
+std::string describe(const MapDamage& damage) {
+  std::vector<std::string> lost;
+  const auto add = [&](size_t count, const char* what) {
+    if (count > 0) lost.push_back(fmt::format("{} {}", count, what));
+  };
+  add(damage.keyframes, "keyframes");
+  add(damage.landmarks, "landmarks");
+  add(damage.loop_edges, "loops");
+  add(damage.frames, "frames");
+  add(damage.images, "images");
+  if (damage.settings) lost.emplace_back("settings");
+  return fmt::format("{}", fmt::join(lost, ", "));
+}
+
+MapReader::MapReader(std::filesystem::path path) : path_(path), database_(std::move(path), tables::kKind) {}
+
+std::pair<SavedMap, MapDamage> MapReader::read() const {
+  SavedMap saved;
+  MapDamage damage;
+  const auto about = read_about(database_);
+  damage.settings = !read_settings(database_, saved) || about.empty();
+  try {
+    saved.camera = camera_from(read_camera(database_));
+  } catch (const std::out_of_range&) {
+    throw InputError(
+        fmt::format("{}: damaged: the camera could not be read; create the map again", path_.string()));
+  }
+  const Renumbered ids = take_keyframes(read_keyframes(database_), saved.map);
+  if (ids.empty() && missing(about, tables::kKeyframe, 0) > 0) {
+    throw InputError(
+        fmt::format("{}: damaged: no keyframe could be read; create the map again", path_.string()));
+  }
+  const size_t landmarks = read_landmarks(database_, ids, saved.map);
+  read_loop_edges(database_, ids, saved.map);
+  saved.frames = read_frames(database_, ids);
+  if (const auto program = about.find("program"); program != about.end()) {
+    if (const auto* text = std::get_if<std::string>(&program->second)) saved.program = *text;
+  }
+  if (const auto components = about.find("components"); components != about.end()) {
+    if (const auto* n = std::get_if<int64_t>(&components->second))
+      saved.map.component_count = std::max(saved.map.component_count, static_cast<uint32_t>(*n));
+  }
+  damage.keyframes = missing(about, tables::kKeyframe, ids.size());
+  damage.landmarks = missing(about, tables::kLandmark, landmarks);
+  damage.loop_edges = missing(about, tables::kLoopEdge, saved.map.loop_edges.size());
+  damage.frames = missing(about, tables::kFrame, saved.frames.size());
+  return {std::move(saved), damage};
+}
+
+size_t MapReader::read_images(const std::function<void(SavedImages)>& take) const {
+  size_t count = 0;
+  database_.read(tables::kImage, [&](int64_t, const Row& cells) {
+    RowReader row(cells);
+    SavedImages saved;
+    saved.frame = FrameId{take_id(row)};
+    saved.images.rows = static_cast<int>(row.take<int64_t>());
+    saved.images.cols = static_cast<int>(row.take<int64_t>());
+    const auto color = row.take<Blob>().bytes, depth = row.take<Blob>().bytes;
+    if (!row.exhausted()) return false;
+    saved.images.color.assign(color.begin(), color.end());
+    saved.images.depth.assign(depth.begin(), depth.end());
+    take(std::move(saved));
+    ++count;
+    return true;
+  });
+  return missing(read_about(database_), tables::kImage, count);
+}
+
+}  // namespace kinloop

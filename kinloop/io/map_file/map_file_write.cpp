@@ -1,0 +1,165 @@
+#include <fmt/format.h>
+
+#include "kinloop/io/map_file/byte_stream.hpp"
+#include "kinloop/io/map_file/feature_serialization.hpp"
+#include "kinloop/io/map_file/map_file.hpp"
+#include "kinloop/io/map_file/map_tables.hpp"
+
+namespace kinloop {
+namespace {
+
+namespace tables = map_tables;
+
+const std::vector<std::string> kPoseColumns = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+
+std::vector<std::string> with_pose(std::vector<std::string> columns,
+                                   const std::vector<std::string>& after = {}) {
+  columns.insert(columns.end(), kPoseColumns.begin(), kPoseColumns.end());
+  columns.insert(columns.end(), after.begin(), after.end());
+  return columns;
+}
+
+void add_pose(Row& row, const SE3& pose) {
+  for (int i = 0; i < 3; ++i) row.emplace_back(pose.translation(i));
+  for (int i = 0; i < 4; ++i) row.emplace_back(pose.rotation.coeffs()(i));
+}
+
+void write_about(DatabaseWriter& file, const SavedMap& map, size_t image_count) {
+  const auto landmarks = std::count_if(map.map.landmarks.begin(), map.map.landmarks.end(),
+                                       [](const auto& landmark) { return landmark.has_value(); });
+  const auto count = [](size_t n) { return Cell(static_cast<int64_t>(n)); };
+  const std::vector<std::pair<std::string, Cell>> about = {
+      {"program", map.program},
+      {"components", int64_t{map.map.component_count}},
+      {tables::kKeyframe, count(map.map.keyframes.size())},
+      {tables::kLoopEdge, count(map.map.loop_edges.size())},
+      {tables::kLandmark, int64_t{landmarks}},
+      {tables::kFrame, count(map.frames.size())},
+      {tables::kImage, count(image_count)},
+  };
+  file.create(tables::kAbout, {"key", "value"});
+  int64_t id = 0;
+  for (const auto& [key, value] : about) file.insert(tables::kAbout, id++, {key, value});
+}
+
+void write_settings(DatabaseWriter& file, const SavedMap& map) {
+  int64_t id = 0;
+  file.create(tables::kSession, {"input", "first_frame"});
+  for (const SavedSession& session : map.sessions) {
+    file.insert(tables::kSession, id++, {session.input, int64_t{session.first_frame.value}});
+  }
+  id = 0;
+  file.create(tables::kOption, {"key", "value"});
+  for (const auto& [key, value] : map.options) file.insert(tables::kOption, id++, {key, value});
+  id = 0;
+  file.create(tables::kSensor, {"value", "sigma", "used"});
+  for (const SavedParameter& p : map.sensor)
+    file.insert(tables::kSensor, id++, {p.value, p.sigma, int64_t{p.used}});
+}
+
+void write_camera(DatabaseWriter& file, const RgbdCamera& camera) {
+  file.create(tables::kCamera, {"name", "value"});
+  int64_t id = 0;
+  const auto add = [&](const std::string& name, double value) {
+    file.insert(tables::kCamera, id++, {name, value});
+  };
+  const auto add_lens = [&](const std::string& prefix, const PinholeCamera& c) {
+    add(prefix + "width", c.width), add(prefix + "height", c.height);
+    add(prefix + "fx", c.fx), add(prefix + "fy", c.fy), add(prefix + "cx", c.cx), add(prefix + "cy", c.cy);
+    add(prefix + "k1", c.k1), add(prefix + "k2", c.k2), add(prefix + "p1", c.p1), add(prefix + "p2", c.p2);
+    add(prefix + "k3", c.k3);
+  };
+  add_lens("", camera.color);
+  add("depth_scale", camera.depth_scale), add("fps", camera.fps);
+  add("rolling_shutter_s", camera.rolling_shutter_s), add("depth_offset_s", camera.depth_offset_s);
+  if (!camera.depth) return;
+  add_lens("depth.", *camera.depth);
+  Row pose;
+  add_pose(pose, camera.T_color_depth);
+  for (size_t i = 0; i < pose.size(); ++i) add("T_color_depth." + kPoseColumns[i], std::get<double>(pose[i]));
+}
+
+void write_keyframes(DatabaseWriter& file, const MapData& map) {
+  file.create(tables::kKeyframe,
+              with_pose({"frame", "stamp_ns", "component", "begins_component"}, {"features"}));
+  for (size_t i = 0; i < map.keyframes.size(); ++i) {
+    const Keyframe& keyframe = map.keyframes[i];
+    Row row = {int64_t{keyframe.frame.value}, keyframe.stamp_ns, int64_t{keyframe.component},
+               int64_t{keyframe.begins_component}};
+    add_pose(row, keyframe.T_world_camera);
+    row.emplace_back(Blob{serialize_features(*keyframe.features)});
+    file.insert(tables::kKeyframe, static_cast<int64_t>(i), row);
+  }
+}
+
+void write_loop_edges(DatabaseWriter& file, const MapData& map) {
+  file.create(tables::kLoopEdge, with_pose({"a", "b"}, {"information", "inliers"}));
+  int64_t id = 0;
+  for (const LoopEdge& edge : map.loop_edges) {
+    Row row = {int64_t{edge.a.value}, int64_t{edge.b.value}};
+    add_pose(row, edge.T_a_b);
+    Blob information;
+    put_values(information.bytes, edge.information.data(), static_cast<size_t>(edge.information.size()));
+    row.emplace_back(std::move(information));
+    row.emplace_back(int64_t{edge.inliers});
+    file.insert(tables::kLoopEdge, id++, row);
+  }
+}
+
+void write_landmarks(DatabaseWriter& file, const MapData& map) {
+  file.create(tables::kLandmark, {"anchor", "x", "y", "z", "observations"});
+  for (size_t i = 0; i < map.landmarks.size(); ++i) {
+    if (!map.landmarks[i]) continue;
+    const Landmark& landmark = *map.landmarks[i];
+    Blob observations;
+    put_list(observations.bytes, landmark.observations);
+    file.insert(tables::kLandmark, static_cast<int64_t>(i),
+                {int64_t{landmark.anchor.value}, landmark.p_anchor.x(), landmark.p_anchor.y(),
+                 landmark.p_anchor.z(), std::move(observations)});
+  }
+}
+
+void write_frames(DatabaseWriter& file, const std::vector<SavedFrame>& frames) {
+  file.create(tables::kFrame, with_pose({"frame", "stamp_ns", "status", "reference", "keyframe", "repeat"}));
+  int64_t id = 0;
+  for (const SavedFrame& frame : frames) {
+    Row row = {int64_t{frame.frame.value},    frame.stamp_ns,
+               int64_t{frame.status},         int64_t{frame.reference.value},
+               int64_t{frame.keyframe.value}, int64_t{frame.repeat}};
+    add_pose(row, frame.T_reference_camera);
+    file.insert(tables::kFrame, id++, row);
+  }
+}
+
+Blob blob_of(const std::vector<uint8_t>& bytes) {
+  return {std::string(bytes.begin(), bytes.end())};
+}
+
+void write_images(DatabaseWriter& file, size_t count, const ImageLoader& images) {
+  file.create(tables::kImage, {"frame", "rows", "cols", "color", "depth"});
+  for (size_t i = 0; i < count; ++i) {
+    const auto [frame, image] = images(i);
+    file.insert(tables::kImage, static_cast<int64_t>(i),
+                {int64_t{frame.value}, int64_t{image.rows}, int64_t{image.cols}, blob_of(image.color),
+                 blob_of(image.depth)});
+  }
+}
+
+}  // namespace
+
+void write_map(const std::filesystem::path& path, const SavedMap& map, size_t image_count,
+               const ImageLoader& images) {
+  DatabaseWriter file(path, tables::kKind);
+  // What costs most to lose comes first: damage mostly takes the end of a file.
+  write_about(file, map, image_count);
+  write_settings(file, map);
+  write_camera(file, map.camera);
+  write_keyframes(file, map.map);
+  write_loop_edges(file, map.map);
+  write_landmarks(file, map.map);
+  write_frames(file, map.frames);
+  write_images(file, image_count, images);
+  file.commit();
+}
+
+}  // namespace kinloop

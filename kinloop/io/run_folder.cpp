@@ -1,0 +1,53 @@
+#include "kinloop/io/run_folder.hpp"
+
+#include <fmt/format.h>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/base/writable_check.hpp"
+#include "kinloop/io/point_cloud/ply.hpp"
+
+namespace kinloop {
+
+RunFolder::RunFolder(std::filesystem::path path) : path_(std::move(path)) {
+  std::error_code error;
+  for (const char* list : {"rgb.txt", "associations.txt"}) {
+    if (!std::filesystem::exists(path_ / list, error)) continue;
+    throw InputError(
+        fmt::format("{}: holds a sequence ({}), which would be partly overwritten; choose "
+                    "another folder with -o",
+                    path_.string(), list));
+  }
+  require_writable_folder(path_);
+}
+
+RunFolder RunFolder::open_existing(std::filesystem::path path) {
+  RunFolder folder;
+  folder.path_ = std::move(path);
+  return folder;
+}
+
+void write_run_files(const RunFolder& folder, const RunFiles& files) {
+  write_tum_trajectory(folder.trajectory(), files.trajectory);
+  write_tum_trajectory(folder.keyframes(), files.keyframes);
+  if (files.ground_truth.empty()) {
+    std::error_code ignored;
+    if (std::filesystem::exists(folder.run_json(), ignored)) {  // else it is not an earlier run's
+      std::filesystem::remove(folder.ground_truth(), ignored);
+    }
+  } else {
+    write_tum_trajectory(folder.ground_truth(), files.ground_truth);
+  }
+  write_ply(folder.map(), files.map, files.frame);
+  write_file(folder.run_json(), files.metrics.dump(2) + "\n");
+}
+
+nlohmann::json read_run_json(const std::filesystem::path& path) {
+  auto metrics = nlohmann::json::parse(read_file(path), nullptr, false);
+  if (!metrics.is_object()) {
+    throw InputError(fmt::format("{}: not a JSON object; run kinloop again", path.string()));
+  }
+  return metrics;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,58 @@
+#include "kinloop/loop/recognize_place.hpp"
+
+#include "kinloop/loop/appearance_check.hpp"
+#include "kinloop/loop/depth_check.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Pairs (landmark of the local map, keypoint) that are each other's nearest by descriptor.
+std::vector<Match> match_descriptors(const Features& features, const LocalMap& local_map,
+                                     const LoopOptions& options) {
+  std::vector<Match> kept;
+  for (const Match& match : match_brute_force(local_map.descriptors, features.descriptors, true)) {
+    if (match.distance <= options.max_hamming_distance) kept.push_back(match);
+  }
+  return kept;
+}
+
+bool is_verified(const TrackResult& result, const Features& features, const LocalMap& local_map,
+                 const PinholeCamera& camera, const LoopOptions& options) {
+  if (result.status != TrackStatus::kTracked || result.stats.inliers < options.min_inliers) return false;
+  if (!has_sufficient_inlier_ratio(result, features, options.min_inlier_ratio)) return false;
+  const SE3& T_reference_camera = result.T_reference_camera;
+  const auto depths =
+      compare_depths(*local_map.features, features, T_reference_camera, camera, options.landmark_sigma_m);
+  return !violates_free_space(depths, options.max_free_space_violation_ratio) &&
+         appearance_p_value(*local_map.features, features, T_reference_camera, camera) >= options.min_p_value;
+}
+
+}  // namespace
+
+std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const LocalMap& local_map,
+                                           const PinholeCamera& camera, const LoopOptions& options,
+                                           const TrackingOptions& tracking, uint64_t seed) {
+  const Features& features = *frame.features;
+  const auto matches = match_descriptors(features, local_map, options);
+  if (static_cast<int>(matches.size()) < options.min_matches) return std::nullopt;
+  std::vector<PoseObservation> observations;
+  for (const Match& match : matches) {
+    observations.push_back({local_map.p_reference[match.a], features.pixels[match.b].cast<double>(),
+                            static_cast<double>(features.depths_m[match.b]),
+                            static_cast<double>(features.sigmas_px[match.b])});
+  }
+  const auto initial = solve_pnp_ransac(camera, observations, tracking.pnp, seed);
+  if (!initial) return std::nullopt;
+
+  const FeatureGrid grid(features, camera.width, camera.height);
+  TrackResult result = track_local_map(frame, grid, local_map, initial->T_reference_camera, options.window_px,
+                                       camera, tracking);
+  if (result.status != TrackStatus::kTracked) return std::nullopt;
+  // Once more from the better pose: the windows now fall where they belong.
+  result = track_local_map(frame, grid, local_map, result.T_reference_camera, tracking.local_map_window_px,
+                           camera, tracking);
+  if (!is_verified(result, features, local_map, camera, options)) return std::nullopt;
+  return result;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,90 @@
+#include "kinloop/map/local_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace kinloop {
+namespace {
+
+constexpr double kMinViewingCosine = 0.5;  // descriptors hardly survive a change of view of 60 degrees
+
+/// Pyramid level on which a point seen on `observed_levels` from `observed_distances_m` appears from
+/// `distance_m`.
+int predict_level(int observed_levels, double observed_distances_m, double distance_m,
+                  const Features& features) {
+  const double level =
+      observed_levels + std::log(observed_distances_m / distance_m) / std::log(features.scale_factor);
+  return std::clamp(static_cast<int>(std::lround(level)), 0, features.level_count - 1);
+}
+
+/// Landmarks of `reference` and its covisible keyframes, each once, nearest keyframes first.
+std::vector<LandmarkId> collect_landmarks(const Map& map, KeyframeId reference,
+                                          const LocalMapOptions& options) {
+  std::vector<KeyframeId> keyframes{reference};
+  for (const auto& [neighbour, shared] : map.covisible_keyframes(reference, options.min_shared_landmarks)) {
+    if (keyframes.size() > static_cast<size_t>(options.max_keyframes)) break;
+    keyframes.push_back(neighbour);
+  }
+  std::vector<LandmarkId> ids;
+  std::vector<bool> taken;
+  for (const KeyframeId id : keyframes) {
+    for (const LandmarkId landmark : map.keyframe(id).landmark_of) {
+      if (!landmark.valid() || ids.size() >= static_cast<size_t>(options.max_landmarks)) continue;
+      if (landmark.value >= taken.size()) taken.resize(landmark.value + 1, false);
+      if (taken[landmark.value]) continue;
+      taken[landmark.value] = true;
+      ids.push_back(landmark);
+    }
+  }
+  return ids;
+}
+
+}  // namespace
+
+LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOptions& options) {
+  LocalMap local_map;
+  local_map.reference = reference;
+  local_map.features = map.keyframe(reference).features;
+  local_map.ids = collect_landmarks(map, reference, options);
+  const SE3 T_reference_world = map.keyframe(reference).T_world_camera.inverse();
+  const cv::Mat& like = local_map.features->descriptors;
+  local_map.descriptors.create(static_cast<int>(local_map.size()), like.cols, like.type());
+  for (size_t i = 0; i < local_map.size(); ++i) {
+    const Landmark& landmark = map.landmark(local_map.ids[i]);
+    // The latest observation is the one most like what comes next.
+    const Observation& seen = landmark.observations.back();
+    const Keyframe& observer = map.keyframe(seen.keyframe);
+    const Eigen::Vector3d p_reference = T_reference_world * map.p_world(landmark.id);
+    const Eigen::Vector3d towards_observer =
+        T_reference_world * observer.T_world_camera.translation - p_reference;
+    local_map.p_reference.push_back(p_reference);
+    local_map.viewing_directions.push_back(towards_observer.normalized());
+    local_map.observed_distances_m.push_back(towards_observer.norm());
+    local_map.observed_levels.push_back(observer.features->levels[seen.feature]);
+    std::memcpy(local_map.descriptors.ptr(static_cast<int>(i)),
+                observer.features->descriptors.ptr(static_cast<int>(seen.feature)),
+                local_map.descriptors.step);
+  }
+  return local_map;
+}
+
+std::optional<ProjectedPoint> project_landmark(const LocalMap& local_map, uint32_t index,
+                                               const Features& features, const SE3& T_reference_camera,
+                                               double window_px, const PinholeCamera& camera) {
+  const Eigen::Vector3d from_camera = local_map.p_reference[index] - T_reference_camera.translation;
+  const Eigen::Vector3d p_camera = T_reference_camera.rotation.conjugate() * from_camera;
+  if (!(p_camera.z() > 0)) return std::nullopt;
+  const Eigen::Vector2d pixel = camera.project(p_camera);
+  if (!camera.contains(pixel)) return std::nullopt;
+  const double distance_m = from_camera.norm();
+  if (-local_map.viewing_directions[index].dot(from_camera) < kMinViewingCosine * distance_m)
+    return std::nullopt;
+  const int level = predict_level(local_map.observed_levels[index], local_map.observed_distances_m[index],
+                                  distance_m, features);
+  return ProjectedPoint{pixel,        window_px * std::pow(features.scale_factor, level),
+                        p_camera.z(), level - 1,
+                        level + 1,    local_map.descriptors.ptr<uint8_t>(static_cast<int>(index))};
+}
+
+}  // namespace kinloop

@@ -1,0 +1,57 @@
+#pragma once
+// What the tracker sees of the map: landmarks around a reference keyframe, copied out.
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "kinloop/base/options.hpp"
+#include "kinloop/features/matcher.hpp"
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/map/map.hpp"
+
+namespace kinloop {
+
+struct LocalMapOptions {
+  int max_keyframes = 20;
+  int max_landmarks = 4000;
+  int min_shared_landmarks = 15;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("max_keyframes", self.max_keyframes, "maximum number of keyframes in the local map", Range{1, 200});
+    visit("max_landmarks", self.max_landmarks, "maximum number of landmarks in the local map",
+          Range{100, 100000});
+    visit("min_shared_landmarks", self.min_shared_landmarks,
+          "minimum shared landmarks for two keyframes to be covisible", Range{1, 1000});
+  }
+};
+
+/// Landmarks in the frame of `reference`; structure of arrays.
+struct LocalMap {
+  KeyframeId reference;
+  std::shared_ptr<const Features> features;  ///< all keypoints of the reference
+  std::vector<LandmarkId> ids;
+  std::vector<Eigen::Vector3d> p_reference;  ///< m
+  std::vector<Eigen::Vector3d>
+      viewing_directions;                    ///< unit vectors from the landmark towards a camera that saw it
+  std::vector<double> observed_distances_m;  ///< distance from that camera
+  std::vector<int> observed_levels;          ///< pyramid level on which that camera saw it
+  cv::Mat descriptors;                       ///< one row per landmark, as that camera saw it
+
+  [[nodiscard]] size_t size() const { return ids.size(); }
+};
+
+/// The landmarks of `reference` and of the keyframes that share most landmarks with it.
+LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOptions& options);
+
+/// Where landmark `index` of the local map should appear to a camera at `T_reference_camera`, with a search
+/// window of `window_px` (half side) on level 0; nothing where it is out of sight or seen from too different
+/// a side.
+std::optional<ProjectedPoint> project_landmark(const LocalMap& local_map, uint32_t index,
+                                               const Features& features, const SE3& T_reference_camera,
+                                               double window_px, const PinholeCamera& camera);
+
+}  // namespace kinloop

@@ -1,0 +1,149 @@
+#include "kinloop/mapping/bundle_adjustment.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace kinloop {
+namespace {
+
+/// Landmarks that the keyframes see and at least two keyframes confirm, in order of id.
+std::vector<LandmarkId> confirmed_landmarks(const Map& map, const std::vector<KeyframeId>& keyframes) {
+  std::set<LandmarkId> ids;
+  for (const KeyframeId keyframe : keyframes) {
+    for (const LandmarkId id : map.keyframe(keyframe).landmark_of) {
+      if (id.valid() && map.landmark(id).observations.size() >= 2) ids.insert(id);
+    }
+  }
+  return {ids.begin(), ids.end()};
+}
+
+/// Keyframes outside `window` that see `landmarks`, those that see most first, at most `max_count`.
+std::vector<KeyframeId> observers_outside(const Map& map, const std::vector<KeyframeId>& window,
+                                          const std::vector<LandmarkId>& landmarks, int max_count) {
+  std::vector<std::pair<int, KeyframeId>> counts;
+  for (const Keyframe& keyframe : map.keyframes()) counts.emplace_back(0, keyframe.id);
+  for (const LandmarkId id : landmarks) {
+    for (const auto& observation : map.landmark(id).observations) --counts[observation.keyframe.value].first;
+  }
+  for (const KeyframeId id : window) counts[id.value].first = 0;
+  std::sort(counts.begin(), counts.end());
+  std::vector<KeyframeId> observers;
+  for (const auto& [negative_count, id] : counts) {
+    if (negative_count == 0 || static_cast<int>(observers.size()) >= max_count) break;
+    observers.push_back(id);
+  }
+  return observers;
+}
+
+BundleObservation observation_of(const Features& features, uint32_t feature, uint32_t pose, uint32_t point,
+                                 const PinholeCamera& camera, MeasurementKind measured) {
+  const bool motion_compensated = measured == MeasurementKind::kMotionCompensated;
+  BundleObservation observation;
+  observation.pose = pose;
+  observation.point = point;
+  observation.pixel =
+      (motion_compensated ? features.pixels : features.measured_pixels)[feature].cast<double>();
+  observation.depth_m =
+      static_cast<double>((motion_compensated ? features.depths_m : features.measured_depths_m)[feature]);
+  observation.sigma_px = static_cast<double>(features.sigmas_px[feature]);
+  if (motion_compensated) return observation;
+  observation.row = static_cast<double>(features.raw_pixels[feature].y()) / camera.height - 0.5;
+  if (!features.inverse_depth_gradients.empty()) {
+    observation.inverse_depth_gradient = features.inverse_depth_gradients[feature].cast<double>();
+  }
+  return observation;
+}
+
+/// Where no pose of a component is held its oldest is, so that nothing can float away.
+void fix_gauge(BundleAdjustmentProblem& problem, const Map& map) {
+  auto& fixed = problem.bundle.fixed;
+  std::map<uint32_t, size_t> anchor_of;  // component -> index of its held or oldest pose
+  for (size_t i = 0; i < problem.keyframes.size(); ++i) {
+    const auto [anchor, first] = anchor_of.try_emplace(map.keyframe(problem.keyframes[i]).component, i);
+    if (first || fixed[anchor->second] != 0) continue;
+    if (fixed[i] != 0 || problem.keyframes[i] < problem.keyframes[anchor->second]) anchor->second = i;
+  }
+  for (const auto& [component, anchor] : anchor_of) fixed[anchor] = 1;
+}
+
+/// Copies poses, points and observations of the given keyframes and landmarks.
+BundleAdjustmentProblem make_problem(const Map& map, const std::vector<KeyframeId>& keyframes,
+                                     size_t free_keyframes, const std::vector<LandmarkId>& landmarks,
+                                     const PinholeCamera& camera, MeasurementKind measured) {
+  BundleAdjustmentProblem problem;
+  problem.bundle.camera = camera;
+  problem.keyframes = keyframes;
+  problem.landmarks = landmarks;
+  problem.newest_keyframe = map.keyframes().back().id;
+  problem.epoch = map.epoch();
+  std::map<KeyframeId, uint32_t> pose_of;
+  for (uint32_t i = 0; i < keyframes.size(); ++i) {
+    const Keyframe& keyframe = map.keyframe(keyframes[i]);
+    pose_of[keyframe.id] = i;
+    problem.bundle.T_world_camera.push_back(keyframe.T_world_camera);
+    problem.bundle.fixed.push_back(i >= free_keyframes || keyframe.id.value == 0 ? 1 : 0);
+  }
+  fix_gauge(problem, map);
+  for (uint32_t point = 0; point < landmarks.size(); ++point) {
+    problem.bundle.p_world.push_back(map.p_world(landmarks[point]));
+    for (const Observation& seen : map.landmark(landmarks[point]).observations) {
+      const auto pose = pose_of.find(seen.keyframe);
+      if (pose == pose_of.end()) continue;
+      const Features& features = *map.keyframe(seen.keyframe).features;
+      problem.bundle.observations.push_back(
+          observation_of(features, seen.feature, pose->second, point, camera, measured));
+      problem.observations.emplace_back(landmarks[point], seen);
+    }
+  }
+  return problem;
+}
+
+}  // namespace
+
+BundleAdjustmentProblem make_local_ba_problem(const Map& map, KeyframeId newest, const PinholeCamera& camera,
+                                              const MappingOptions& options) {
+  std::vector<KeyframeId> keyframes{newest};
+  for (const auto& [neighbour, shared] :
+       map.covisible_keyframes(newest, options.local_ba_min_shared_landmarks)) {
+    if (static_cast<int>(keyframes.size()) >= options.local_ba_keyframes) break;
+    keyframes.push_back(neighbour);
+  }
+  const auto landmarks = confirmed_landmarks(map, keyframes);
+  const size_t free_keyframes = keyframes.size();
+  const auto fixed = observers_outside(map, keyframes, landmarks, options.local_ba_max_fixed_keyframes);
+  keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
+  return make_problem(map, keyframes, free_keyframes, landmarks, camera, MeasurementKind::kMotionCompensated);
+}
+
+BundleAdjustmentProblem make_global_ba_problem(const Map& map, const PinholeCamera& camera,
+                                               MeasurementKind measured) {
+  std::vector<KeyframeId> keyframes;
+  for (const Keyframe& keyframe : map.keyframes()) keyframes.push_back(keyframe.id);
+  return make_problem(map, keyframes, keyframes.size(), confirmed_landmarks(map, keyframes), camera,
+                      measured);
+}
+
+MapUpdate make_map_update(const BundleAdjustmentProblem& problem, const BundleSolution& solution) {
+  MapUpdate update;
+  update.newest_keyframe = problem.newest_keyframe;
+  update.epoch = problem.epoch;
+  for (size_t i = 0; i < problem.keyframes.size(); ++i) {
+    if (problem.bundle.fixed[i] == 0) {
+      update.T_world_camera.emplace_back(problem.keyframes[i], solution.T_world_camera[i]);
+    }
+  }
+  for (size_t i = 0; i < problem.landmarks.size(); ++i) {
+    if (solution.point_used[i] != 0) update.p_world.emplace_back(problem.landmarks[i], solution.p_world[i]);
+  }
+  for (size_t i = 0; i < problem.observations.size(); ++i) {
+    if (solution.outliers[i] != 0) update.outliers.push_back(problem.observations[i]);
+  }
+  return update;
+}
+
+MapUpdate run_bundle_adjustment(const BundleAdjustmentProblem& problem, const BundleOptions& options) {
+  return make_map_update(problem, solve_bundle(problem.bundle, options));
+}
+
+}  // namespace kinloop

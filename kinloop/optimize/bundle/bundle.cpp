@@ -1,0 +1,170 @@
+#include "kinloop/optimize/bundle/bundle.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/optimize/bundle/bundle_model.hpp"
+#include "kinloop/optimize/pose/camera_observations.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr double kMinParallax_rad = 0.003;  // two rays closer than this do not tell where a point is
+
+void check(const BundleProblem& problem) {
+  const size_t poses = problem.T_world_camera.size();
+  require(problem.fixed.empty() || problem.fixed.size() == poses,
+          "solve_bundle: expected one `fixed` flag per pose");
+  require(problem.velocities.empty() || problem.velocities.size() == poses,
+          "solve_bundle: expected one velocity per pose");
+  for (const BundleObservation& o : problem.observations) {
+    require(o.pose < poses && o.point < problem.p_world.size(),
+            "solve_bundle: observation index out of range");
+  }
+  for (const BundleEdge& edge : problem.edges) {
+    require(edge.a < poses && edge.b < poses, "solve_bundle: edge index out of range");
+  }
+}
+
+/// What an observation could be used for, were it an inlier.
+BundleUse initial_use(const BundleProblem& problem, const BundleObservation& o) {
+  const bool finite = o.pixel.allFinite() && o.sigma_px > 0 && std::isfinite(o.row) &&
+                      problem.p_world[o.point].allFinite() && problem.T_world_camera[o.pose].is_finite();
+  if (!finite) return BundleUse::kNothing;
+  return o.depth_m > 0 && std::isfinite(o.depth_m) ? BundleUse::kPixelAndDepth : BundleUse::kPixel;
+}
+
+/// Whether the observations of a point (all in use) tell where it is: by a depth, or by two rays apart.
+bool is_constrained(const BundleTask& task, const BundleState& state, const Eigen::Vector3d& p_world,
+                    const std::vector<uint32_t>& observations) {
+  if (observations.empty()) return false;
+  const auto& all = task.problem.observations;
+  const auto ray = [&](uint32_t i) -> Eigen::Vector3d {
+    return (p_world - state.T_world_camera[all[i].pose].translation).normalized();
+  };
+  const Eigen::Vector3d first = ray(observations.front());
+  for (const uint32_t i : observations) {
+    if (task.uses[i] == BundleUse::kPixelAndDepth) return true;
+    if (first.cross(ray(i)).norm() > kMinParallax_rad) return true;
+  }
+  return false;
+}
+
+/// Leaves out all observations of points that they do not hold.
+void drop_unconstrained_points(BundleTask& task, const BundleState& state) {
+  std::vector<std::vector<uint32_t>> seen(state.p_world.size());
+  for (uint32_t i = 0; i < task.uses.size(); ++i) {
+    if (task.uses[i] != BundleUse::kNothing) seen[task.problem.observations[i].point].push_back(i);
+  }
+  for (size_t point = 0; point < seen.size(); ++point) {
+    if (is_constrained(task, state, state.p_world[point], seen[point])) continue;
+    for (const uint32_t i : seen[point]) task.uses[i] = BundleUse::kNothing;
+  }
+}
+
+/// 1 where points have any observation in use.
+std::vector<uint8_t> used_points(const BundleTask& task) {
+  std::vector<uint8_t> used(task.problem.p_world.size(), 0);
+  for (size_t i = 0; i < task.uses.size(); ++i) {
+    if (task.uses[i] != BundleUse::kNothing) used[task.problem.observations[i].point] = 1;
+  }
+  return used;
+}
+
+/// How an observation that could be used agrees with its residuals.
+BundleUse inlier_use(const BundleOptions& options, const BundleBlock& block, const BlockResiduals& r,
+                     size_t lane) {
+  if (!r.is_pixel_inlier(lane, options.inlier_chi2_pixel)) return BundleUse::kNothing;
+  const bool has_depth = block.measured.inverse_depth_per_m[lane] > 0;
+  return has_depth && r.is_depth_inlier(lane, options.inlier_chi2_depth) ? BundleUse::kPixelAndDepth
+                                                                         : BundleUse::kPixel;
+}
+
+/// Decides anew what is used of the observations of adjusted points; those of others keep their mark.
+std::vector<uint8_t> classify(BundleTask& task, const BundleState& state, std::vector<uint8_t> outliers) {
+  const auto views = views_of(state);
+  const auto adjusted = used_points(task);
+  const MeasurementModel model = measurement_model(task, state.sensor);
+  for (size_t pose = 0; pose < views.size(); ++pose) {
+    for (const BundleBlock& block : task.blocks_of_pose[pose]) {
+      const BlockResiduals r = block_residuals(block_at(task, block, state), views[pose], model);
+      for (size_t lane = 0; lane < block.count; ++lane) {
+        const uint32_t i = block.observations[lane];
+        if (adjusted[task.problem.observations[i].point] == 0) continue;
+        task.uses[i] = inlier_use(task.options, block, r, lane);
+        outliers[i] = task.uses[i] == BundleUse::kNothing;
+      }
+    }
+  }
+  drop_unconstrained_points(task, state);
+  return outliers;
+}
+
+/// The observations of each pose that could be used, in the order of the problem.
+std::vector<std::vector<BundleBlock>> make_blocks(const BundleTask& task) {
+  std::vector<std::vector<BundleBlock>> blocks_of_pose(task.problem.T_world_camera.size());
+  for (uint32_t i = 0; i < task.uses.size(); ++i) {
+    if (task.uses[i] == BundleUse::kNothing) continue;
+    auto& blocks = blocks_of_pose[task.problem.observations[i].pose];
+    if (blocks.empty() || blocks.back().count == ObservationBlock::kSize) blocks.emplace_back();
+    BundleBlock& block = blocks.back();
+    set_measurement(block.measured, block.count, task.problem.observations[i]);
+    block.observations[block.count++] = i;
+  }
+  return blocks_of_pose;
+}
+
+BundleTask make_task(const BundleProblem& problem, const BundleOptions& options) {
+  const size_t poses = problem.T_world_camera.size();
+  BundleTask task{problem, options, problem.fixed, problem.velocities, {}, {}};
+  task.fixed.resize(poses, 0);
+  for (size_t i = 0; i < poses; ++i) {
+    if (!problem.T_world_camera[i].is_finite()) task.fixed[i] = 1;
+  }
+  const bool held = std::any_of(task.fixed.begin(), task.fixed.end(), [](uint8_t f) { return f != 0; });
+  if (!held && poses > 0) task.fixed[0] = 1;
+  task.velocities.resize(poses, Velocity::Zero());
+  for (const BundleObservation& o : problem.observations) task.uses.push_back(initial_use(problem, o));
+  task.blocks_of_pose = make_blocks(task);
+  return task;
+}
+
+}  // namespace
+
+BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& options) {
+  check(problem);
+  BundleTask task = make_task(problem, options);
+  const BundleState start{problem.T_world_camera, task.velocities, problem.p_world, problem.sensor.value};
+  drop_unconstrained_points(task, start);
+
+  BundleSolution solution;
+  for (const BundleObservation& o : problem.observations) {
+    solution.outliers.push_back(initial_use(problem, o) == BundleUse::kNothing);
+  }
+  BundleState state = start;
+  for (int round = 0; round < options.rounds; ++round) {
+    const BundleRoundResult result =
+        options.solver == "ceres" ? minimize_with_ceres(task, state) : minimize_builtin(task, state);
+    state = result.state;
+    solution.iterations += result.iterations;
+    solution.converged = result.converged;
+    solution.outliers = classify(task, state, std::move(solution.outliers));
+  }
+  solution.chi2_before = bundle_cost(task, start);
+  solution.chi2_after = bundle_cost(task, state);
+  const bool wants_covariance = options.pose_covariances || !free_sensor_parameters(problem.sensor).empty();
+  if (wants_covariance) {
+    BundleCovariance covariance = bundle_covariance(task, state);
+    solution.sensor_covariance = covariance.sensor;
+    solution.pose_covariance = std::move(covariance.poses);
+  }
+  solution.point_used = used_points(task);
+  solution.T_world_camera = std::move(state.T_world_camera);
+  solution.velocities = std::move(state.velocities);
+  solution.p_world = std::move(state.p_world);
+  solution.sensor = state.sensor;
+  return solution;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,122 @@
+#pragma once
+// In: keyframe poses, points, and where the keyframes see the points. Out: the poses, points and, where
+// asked, corrections of the sensor under which the observations agree best. See Triggs et al. 2000, "Bundle
+// adjustment - a modern synthesis".
+//
+// A camera row is exposed at its own time, so the pose that sees a pixel is propagate_pose(T_world_camera,
+// velocity, t) with t = row * rolling shutter, and the pose that measured its depth is the same with the time
+// of the depth image.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "kinloop/base/options.hpp"
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/se3.hpp"
+#include "kinloop/optimize/bundle/sensor_model.hpp"
+
+namespace kinloop {
+
+/// Point `point` seen by keyframe `pose`.
+struct BundleObservation {
+  uint32_t pose = 0;
+  uint32_t point = 0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< undistorted
+  double depth_m = 0;                               ///< measured z, 0 = unknown
+  double sigma_px = 1;                              ///< standard deviation of `pixel`
+  double row = 0;  ///< its raw image row as a share of the height, -0.5 (first) to 0.5 (last)
+  /// How the inverse depth changes over the image around `pixel`, 1/m per px: depth is measured a little
+  /// later than colour, when another spot of the surface lies under that pixel. NaN where unknown:
+  /// depth is then taken to be of the time of its row.
+  Eigen::Vector2d inverse_depth_gradient = Eigen::Vector2d::Zero();
+};
+
+/// A measured motion between two keyframes, with information of its error's (translation; rotation vector).
+struct BundleEdge {
+  uint32_t a = 0;
+  uint32_t b = 0;
+  SE3 T_a_b;
+  Matrix6d information = Matrix6d::Identity();
+};
+
+/// Everything that adjustment needs, as plain values.
+struct BundleProblem {
+  PinholeCamera camera;              ///< its distortion is not used: pixels are undistorted
+  std::vector<SE3> T_world_camera;   ///< at the time of the middle row
+  std::vector<uint8_t> fixed;        ///< 1 = the pose (and velocity) is held; may be empty: the first is held
+  std::vector<Velocity> velocities;  ///< of each pose; may be empty: zero
+  std::vector<Eigen::Vector3d> p_world;
+  std::vector<BundleObservation> observations;
+  std::vector<BundleEdge> edges;
+  SensorCalibration sensor;
+};
+
+struct BundleOptions {
+  std::string solver = "builtin";
+  int rounds = 2;
+  int max_iterations = 10;
+  double tolerance = 1e-5;
+  double robust_width = 0.5;
+  double inlier_chi2_pixel = 5.991;
+  double inlier_chi2_depth = 3.841;
+  double inverse_depth_sigma_per_m = 6e-3;
+  bool free_velocities = false;
+  double velocity_sigma_m_s = 0.1;
+  double velocity_sigma_rad_s = 0.1;
+  bool pose_covariances = false;
+  int threads = 1;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("solver", self.solver, "solver", Choices{{"builtin", "ceres"}});
+    visit("rounds", self.rounds, "rounds of outlier reclassification", Range{1, 20});
+    visit("max_iterations", self.max_iterations, "maximum Levenberg-Marquardt iterations per round",
+          Range{1, 1000});
+    visit("tolerance", self.tolerance, "function tolerance: relative cost decrease that ends a round",
+          Range{0, 1});
+    visit("robust_width", self.robust_width, "scale of the Huber loss, standard deviations", Range{0.1, 1e9});
+    visit("inlier_chi2_pixel", self.inlier_chi2_pixel,
+          "maximum squared pixel residual of an inlier (95 % of chi2, 2 DoF)", Range{0.1, 1e12});
+    visit("inlier_chi2_depth", self.inlier_chi2_depth,
+          "maximum squared depth residual; beyond it only the pixel is used (95 % of chi2, 1 DoF)",
+          Range{0.1, 1e12});
+    visit("inverse_depth_sigma_per_m", self.inverse_depth_sigma_per_m,
+          "standard deviation of the inverse depth at keypoints, 1/m", Range{1e-6, 1});
+    visit("free_velocities", self.free_velocities, "estimate keyframe velocities around the given ones");
+    visit("velocity_sigma_m_s", self.velocity_sigma_m_s, "standard deviation of a given velocity, m/s",
+          Range{1e-6, 100});
+    visit("velocity_sigma_rad_s", self.velocity_sigma_rad_s, "standard deviation of a given turn rate, rad/s",
+          Range{1e-6, 100});
+    visit("pose_covariances", self.pose_covariances, "compute the covariance of every pose");
+    visit("threads", self.threads, "number of threads; the result does not depend on it", Range{1, 256});
+  }
+};
+
+/// What adjustment found.
+struct BundleSolution {
+  std::vector<SE3> T_world_camera;
+  std::vector<Velocity> velocities;
+  std::vector<Eigen::Vector3d> p_world;
+  std::vector<uint8_t> point_used;  ///< 0 = too little was seen of it (once without depth, or only outliers)
+  std::vector<uint8_t> outliers;    ///< 1 = the pixel disagrees (or a number of it is not finite)
+  SensorVector sensor = SensorVector::Zero();
+  SensorMatrix sensor_covariance = SensorMatrix::Zero();  ///< zero rows for parameters held fixed
+  /// Of each pose T * exp(x), x = (translation; rotation) in its own axes, with everything else that is free
+  /// (poses, points, velocities, sensor) unknown and the fixed poses exact: zero for these, an infinite
+  /// diagonal for what nothing observes. Empty unless `pose_covariances` asks for it.
+  std::vector<Matrix6d> pose_covariance;
+  double chi2_before = 0;  ///< robust cost of what counts in the end (no outliers), at the start
+  double chi2_after = 0;   ///< and at the end
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Adjusts poses, points and the free sensor parameters. A degenerate problem is answered by what is given:
+/// points that nothing constrains and observations with numbers that are not finite are left out.
+/// Throws std::logic_error when indices point outside or vectors disagree in size.
+BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& options);
+
+}  // namespace kinloop

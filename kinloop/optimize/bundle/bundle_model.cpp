@@ -1,0 +1,139 @@
+#include "kinloop/optimize/bundle/bundle_model.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/optimize/pose/camera_observations.hpp"
+
+namespace kinloop {
+std::vector<BundleView> views_of(const BundleState& state) {
+  std::vector<BundleView> views;
+  views.reserve(state.T_world_camera.size());
+  for (size_t i = 0; i < state.T_world_camera.size(); ++i) {
+    views.emplace_back(state.T_world_camera[i], state.velocities[i]);
+  }
+  return views;
+}
+
+MeasurementModel measurement_model(const BundleTask& task, const SensorVector& sensor) {
+  return {task.problem.camera, sensor, task.options.inverse_depth_sigma_per_m, task.options.robust_width};
+}
+
+ObservationBlock block_at(const BundleTask& task, const BundleBlock& block, const BundleState& state) {
+  ObservationBlock placed = block.measured;
+  for (size_t lane = 0; lane < block.count; ++lane) {
+    const uint32_t i = block.observations[lane];
+    const Eigen::Vector3d& p_world = state.p_world[task.problem.observations[i].point];
+    placed.x[lane] = p_world.x();
+    placed.y[lane] = p_world.y();
+    placed.z[lane] = p_world.z();
+    placed.uses_pixel[lane] = task.uses[i] != BundleUse::kNothing ? 1 : 0;
+    placed.uses_depth[lane] = task.uses[i] == BundleUse::kPixelAndDepth ? 1 : 0;
+  }
+  return placed;
+}
+
+LinearizedObservation linearize_observation(const BundleTask& task, const BundleObservation& observation,
+                                            BundleUse use, const BundleView& view,
+                                            const Eigen::Vector3d& p_world, const SensorVector& sensor) {
+  ObservationBlock block;
+  set_measurement(block, 0, observation);
+  block.x[0] = p_world.x();
+  block.y[0] = p_world.y();
+  block.z[0] = p_world.z();
+  block.uses_pixel[0] = use != BundleUse::kNothing ? 1 : 0;
+  block.uses_depth[0] = use == BundleUse::kPixelAndDepth ? 1 : 0;
+  if (use != BundleUse::kPixelAndDepth) block.inverse_depth_per_m[0] = 0;
+  MeasurementModel model = measurement_model(task, sensor);
+  model.robust_width = std::numeric_limits<double>::infinity();  // without weights
+
+  constexpr size_t kRows = kRowsPerObservation * ObservationBlock::kSize;
+  const RowLayout layout(true, true);
+  std::array<double, kRows * kMaxGramWidth> rows{};
+  std::array<double, kRows * 3> by_point{};
+  linearize_block(block, view, model, layout, rows.data(), by_point.data());
+  const Eigen::Map<const Eigen::Matrix<double, 3, kMaxGramWidth, Eigen::RowMajor>> row(rows.data());
+  LinearizedObservation linear;
+  linear.seen = block_residuals(block, view, model).seen[0] > 0;
+  linear.e = row.col(static_cast<Eigen::Index>(layout.residual));
+  linear.J_pose = row.leftCols<6>();
+  linear.J_velocity = row.middleCols<6>(static_cast<Eigen::Index>(*layout.velocity));
+  linear.J_point = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(by_point.data());
+  linear.J_sensor = row.middleCols<kSensorParameterCount>(static_cast<Eigen::Index>(*layout.sensor));
+  return linear;
+}
+
+LinearizedEdge linearize_bundle_edge(const BundleEdge& edge, const SE3& T_world_a, const SE3& T_world_b) {
+  const SE3 T_a_b = T_world_a.inverse() * T_world_b;
+  const SE3 error = edge.T_a_b.inverse() * T_a_b;
+  const Eigen::Vector3d phi = log_so3(error.rotation);
+  // Inverse right Jacobian of SO(3) (Barfoot 2017, Eq. 7.77): log(exp(phi) exp(w)) = phi + J_r^-1(phi) w.
+  const double angle = phi.norm();
+  const Eigen::Matrix3d W = skew(phi);
+  constexpr double kSmallAngle = 1e-4;
+  const double b = angle < kSmallAngle ? 1.0 / 12
+                                       : (1.0 - 0.5 * angle * std::cos(0.5 * angle) / std::sin(0.5 * angle)) /
+                                             (angle * angle);
+  LinearizedEdge linear;
+  linear.e << error.translation, phi;
+  linear.J_b.setZero();
+  linear.J_b.topLeftCorner<3, 3>() = error.R();
+  linear.J_b.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity() + 0.5 * W + b * W * W;
+  linear.J_a = -linear.J_b * T_a_b.inverse().adjoint();
+  return linear;
+}
+
+Vector6d velocity_information(const BundleOptions& options) {
+  Vector6d information;
+  information << Eigen::Vector3d::Constant(std::pow(options.velocity_sigma_m_s, -2)),
+      Eigen::Vector3d::Constant(std::pow(options.velocity_sigma_rad_s, -2));
+  return information;
+}
+
+std::vector<int> free_sensor_parameters(const SensorCalibration& sensor) {
+  std::vector<int> free;
+  for (int i = 0; i < kSensorParameterCount; ++i) {
+    if (sensor.prior_sigma(i) > 0) free.push_back(i);
+  }
+  return free;
+}
+
+double sensor_information(const SensorCalibration& sensor, int parameter) {
+  const double sigma = sensor.prior_sigma(parameter);
+  return std::isfinite(sigma) ? 1.0 / (sigma * sigma) : 0.0;
+}
+
+double bundle_cost(const BundleTask& task, const BundleState& state) {
+  const auto views = views_of(state);
+  const MeasurementModel model = measurement_model(task, state.sensor);
+  std::vector<double> cost_of_pose(views.size(), 0);
+  parallel_for(views.size(), task.options.threads, [&](size_t begin, size_t end) {
+    for (size_t pose = begin; pose < end; ++pose) {
+      for (const BundleBlock& block : task.blocks_of_pose[pose]) {
+        for (const double cost : block_cost(block_at(task, block, state), views[pose], model)) {
+          cost_of_pose[pose] += cost;
+        }
+      }
+    }
+  });
+  double cost = std::accumulate(cost_of_pose.begin(), cost_of_pose.end(), 0.0);
+  for (const BundleEdge& edge : task.problem.edges) {
+    const auto e = linearize_bundle_edge(edge, state.T_world_camera[edge.a], state.T_world_camera[edge.b]).e;
+    cost += e.dot(edge.information * e);
+  }
+  const Vector6d velocity = velocity_information(task.options);
+  for (size_t i = 0; i < state.velocities.size() && task.options.free_velocities; ++i) {
+    cost += (state.velocities[i] - task.velocities[i]).cwiseAbs2().dot(velocity);
+  }
+  const SensorVector moved = state.sensor - task.problem.sensor.prior_mean;
+  for (const int i : free_sensor_parameters(task.problem.sensor)) {
+    cost += moved(i) * moved(i) * sensor_information(task.problem.sensor, i);
+  }
+  return cost;
+}
+
+}  // namespace kinloop

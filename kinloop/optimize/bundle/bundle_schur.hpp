@@ -1,0 +1,66 @@
+#pragma once
+// Steps of bundle adjustment: points are eliminated from the normal equations (Schur complement; Triggs et
+// al. 2000, section 6.1), the small rest is solved, and the points follow.
+
+#include <optional>
+#include <vector>
+
+#include "kinloop/optimize/bundle/bundle_normal.hpp"
+
+namespace kinloop {
+
+/// One step of all unknowns.
+struct BundleStep {
+  Eigen::VectorXd cameras;  ///< blocks of C
+  SensorVector sensor = SensorVector::Zero();
+  std::vector<Eigen::Vector3d> points;
+};
+
+template <int C>
+class BundleSchur {
+ public:
+  explicit BundleSchur(const BundleTask& task);
+
+  /// Residuals and derivatives at `state`.
+  void linearize(const BundleState& state) { normal_.linearize(state); }
+
+  /// The damped Gauss-Newton step from there; nothing where the equations have no solution.
+  std::optional<BundleStep> solve(double damping);
+
+  [[nodiscard]] BundleState apply(const BundleState& state, const BundleStep& step) const;
+
+  /// Covariance of the sensor, and of the poses if the options ask for it, at the linearised state.
+  BundleCovariance covariance();
+
+ private:
+  using Normal = BundleNormalEquations<C>;
+  using CameraSensor = typename Normal::CameraSensor;
+
+  /// The equations of cameras c and sensor s once the points are eliminated: [A B; B' S] (c; s) = (a; b).
+  struct Reduced {
+    BlockMatrix<C> A;
+    CameraSensor B;
+    SensorMatrix S;
+    Eigen::VectorXd a;
+    SensorVector b;
+  };
+
+  void invert_points(double damping);
+  [[nodiscard]] Reduced reduce(double damping);
+  [[nodiscard]] BundleCovariance unconstrained_covariance() const;
+  [[nodiscard]] BundleCovariance covariance_of(const Reduced& system) const;
+  void reduce_column(size_t camera, Reduced& system) const;
+  void reduce_sensor(Reduced& system) const;
+  [[nodiscard]] std::vector<Eigen::Vector3d> point_steps(const BundleStep& step) const;
+
+  Normal normal_;
+  EliminationPlan plan_;
+  SparseCholesky<C> cholesky_;
+  std::vector<Eigen::Matrix3d> H_point_inverse_;  // damped
+  std::vector<Eigen::Matrix<double, C, 3>> Y_;    // of each slot: H_camera_point H_point^-1
+};
+
+extern template class BundleSchur<6>;
+extern template class BundleSchur<12>;
+
+}  // namespace kinloop

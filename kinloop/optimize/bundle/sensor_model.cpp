@@ -1,0 +1,105 @@
+#include "kinloop/optimize/bundle/sensor_model.hpp"
+
+#include <Eigen/Cholesky>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+
+const char* sensor_parameter_name(SensorParameter parameter) {
+  static constexpr std::array<const char*, kSensorParameterCount> kNames = {
+      "focal_x_px",      "focal_y_px",      "center_x_px",       "center_y_px",
+      "radial_1",        "radial_2",        "rolling_shutter_s", "depth_time_s",
+      "depth_shutter_s", "depth_scale",     "depth_offset",      "depth_offset_x",
+      "depth_offset_y",  "depth_offset_xx", "depth_offset_xy",   "depth_offset_yy"};
+  return kNames.at(static_cast<size_t>(parameter));
+}
+
+SE3 propagate_pose(const SE3& T_world_camera, const Velocity& velocity, double dt_s) {
+  return T_world_camera * SE3{exp_so3(velocity.tail<3>() * dt_s), velocity.head<3>() * dt_s};
+}
+
+Eigen::Vector3d point_in_later_camera(const Eigen::Vector3d& p_camera, const Velocity& velocity,
+                                      double dt_s) {
+  return exp_so3(-dt_s * velocity.tail<3>()) * (p_camera - dt_s * velocity.head<3>());
+}
+
+Eigen::Vector3d point_in_earlier_camera(const Eigen::Vector3d& p_camera_later, const Velocity& velocity,
+                                        double dt_s) {
+  return exp_so3(dt_s * velocity.tail<3>()) * p_camera_later + dt_s * velocity.head<3>();
+}
+
+Eigen::Vector2d corrected_pixel(const PinholeCamera& camera, const SensorVector& sensor,
+                                const Eigen::Vector2d& ray) {
+  const double r2 = ray.squaredNorm();
+  const Eigen::Vector2d bent = ray * (1 + r2 * (sensor(kRadial1) + r2 * sensor(kRadial2)));
+  return {(camera.fx + sensor(kFocalX)) * bent.x() + camera.cx + sensor(kCenterX),
+          (camera.fy + sensor(kFocalY)) * bent.y() + camera.cy + sensor(kCenterY)};
+}
+
+Eigen::Vector2d corrected_ray(const PinholeCamera& camera, const SensorVector& sensor,
+                              const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d bent((pixel.x() - camera.cx - sensor(kCenterX)) / (camera.fx + sensor(kFocalX)),
+                             (pixel.y() - camera.cy - sensor(kCenterY)) / (camera.fy + sensor(kFocalY)));
+  constexpr int kRounds = 10;  // corrections are small: each round wins more than a digit
+  Eigen::Vector2d ray = bent;
+  for (int round = 0; round < kRounds && !ray.isZero(0); ++round) {
+    const double r2 = ray.squaredNorm();
+    const Eigen::Vector2d next = bent / (1 + r2 * (sensor(kRadial1) + r2 * sensor(kRadial2)));
+    if (next == ray) break;
+    ray = next;
+  }
+  return ray;
+}
+
+Eigen::Matrix<double, 6, 1> depth_offset_basis(const PinholeCamera& camera, const Eigen::Vector2d& pixel) {
+  const double x = (pixel.x() - camera.cx) / camera.fx, y = (pixel.y() - camera.cy) / camera.fy;
+  Eigen::Matrix<double, 6, 1> basis;
+  basis << 1, x, y, x * x, x * y, y * y;
+  return basis;
+}
+
+Velocity velocity_between(const SE3& T_world_before, const SE3& T_world_after, double dt_s) {
+  require(dt_s != 0, "velocity_between: dt_s must not be zero");
+  const SE3 T_before_after = T_world_before.inverse() * T_world_after;
+  Velocity velocity;
+  velocity << T_before_after.translation / dt_s, log_so3(T_before_after.rotation) / dt_s;
+  return velocity;
+}
+
+PinholeCamera corrected_camera(const PinholeCamera& camera, const SensorVector& correction) {
+  PinholeCamera corrected = camera;
+  corrected.fx += correction(kFocalX);
+  corrected.fy += correction(kFocalY);
+  corrected.cx += correction(kCenterX);
+  corrected.cy += correction(kCenterY);
+  // With focal length and centre given, distortion is linear in its five coefficients.
+  using Vector5d = Eigen::Matrix<double, 5, 1>;
+  Eigen::Matrix<double, 5, 5> H = Eigen::Matrix<double, 5, 5>::Zero();
+  Vector5d g = Vector5d::Zero();
+  constexpr int kSteps = 24;  // of the fitting grid, along each side
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int j = 0; j <= kSteps; ++j) {
+      const Eigen::Vector2d pixel((camera.width - 1) * i / static_cast<double>(kSteps),
+                                  (camera.height - 1) * j / static_cast<double>(kSteps));
+      const Eigen::Vector3d ray = camera.unproject(pixel, 1.0);
+      const double x = ray.x(), y = ray.y(), r2 = x * x + y * y;
+      const Eigen::Vector2d raw = camera.distort(corrected_pixel(camera, correction, {x, y}));
+      Vector5d along_x, along_y;
+      along_x << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x, x * r2 * r2 * r2;
+      along_y << y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y, y * r2 * r2 * r2;
+      H += along_x * along_x.transpose() + along_y * along_y.transpose();
+      g += along_x * ((raw.x() - corrected.cx) / corrected.fx - x);
+      g += along_y * ((raw.y() - corrected.cy) / corrected.fy - y);
+    }
+  }
+  const Vector5d k = H.ldlt().solve(g);
+  corrected.k1 = k(0);
+  corrected.k2 = k(1);
+  corrected.p1 = k(2);
+  corrected.p2 = k(3);
+  corrected.k3 = k(4);
+  return corrected;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,181 @@
+#include "kinloop/optimize/pose/absolute_pose.hpp"
+
+#include <limits>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "kinloop/geometry/robust_loss.hpp"
+#include "kinloop/optimize/bundle/bundle.hpp"
+#include "kinloop/optimize/pose/camera_observations.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr double kStepConverged = 1e-7;  // m and rad
+constexpr double kCostConverged = 1e-6;  // relative: far below what one of hundreds of observations says
+constexpr double kMinRelativeStiffness = 1e-9;  // smallest eigenvalue of the scaled information matrix
+
+const SensorVector kIdealSensor = SensorVector::Zero();
+
+BundleView static_view(const SE3& T_reference_camera) {
+  return {T_reference_camera, Velocity::Zero()};
+}
+
+CameraObservations blocks_of(std::span<const PoseObservation> observations) {
+  CameraObservations blocks(observations.size());
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const PoseObservation& o = observations[i];
+    if (!o.p_reference.allFinite() || !o.pixel.allFinite() || !(o.sigma_px > 0)) continue;
+    BundleObservation measured;
+    measured.pixel = o.pixel;
+    measured.depth_m = o.depth_m;
+    measured.sigma_px = o.sigma_px;
+    blocks.set(i, o.p_reference, measured);
+  }
+  return blocks;
+}
+
+/// Normal equations of the robust cost at one pose.
+struct Normal {
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();
+  double cost = 0;
+};
+
+class Solver {
+ public:
+  Solver(const PinholeCamera& camera, std::span<const PoseObservation> observations,
+         const AbsolutePoseOptions& options, const std::optional<PosePrior>& prior)
+      : model_{camera, kIdealSensor, options.inverse_depth_sigma_per_m, options.robust_width},
+        observations_(blocks_of(observations)),
+        options_(options),
+        prior_(prior) {}
+
+  /// Moves the pose to the least cost of what is in use now.
+  SE3 minimize(SE3 T) const {
+    Normal normal = linearize(T);
+    double damping = kFirstDamping;
+    for (int i = 0; i < options_.max_iterations; ++i) {
+      Matrix6d H = normal.H;
+      H.diagonal() *= 1 + damping;
+      const Vector6d step = -H.ldlt().solve(normal.g);
+      if (!step.allFinite()) break;
+      const SE3 candidate = T * SE3::exp(step);
+      const Normal next = linearize(candidate);
+      if (next.cost > normal.cost) {
+        if (step.norm() < kStepConverged) break;
+        damping *= 10 * 10;
+        continue;
+      }
+      const bool done =
+          step.norm() < kStepConverged || normal.cost - next.cost < kCostConverged * normal.cost;
+      T = candidate;
+      normal = next;
+      damping /= 10;
+      if (done) break;
+    }
+    return T;
+  }
+
+  /// Tells inliers from outliers at a pose; true when anything changed.
+  bool classify(const SE3& T) { return observations_.classify(static_view(T), model_, options_); }
+
+  [[nodiscard]] AbsolutePoseSolution solution(const SE3& T) const {
+    AbsolutePoseSolution s;
+    s.T_reference_camera = T;
+    s.inliers = observations_.inliers();
+    s.inlier_count = observations_.inlier_count();
+    // What inliers tell is what they measure, not the weights they were found with; a robust estimate uses
+    // the share of it that its efficiency says.
+    MeasurementModel unweighted = model_;
+    unweighted.robust_width = std::numeric_limits<double>::infinity();
+    Normal normal = evidence(T, unweighted);
+    s.chi2 = normal.cost;
+    if (prior_) add_prior(T, normal);
+    s.information = huber_efficiency(options_.robust_width) * normal.H;
+    return s;
+  }
+
+ private:
+  static constexpr double kFirstDamping = 1e-6;
+
+  [[nodiscard]] Normal linearize(const SE3& T) const {
+    Normal normal = evidence(T, model_);
+    if (prior_) add_prior(T, normal);
+    return normal;
+  }
+
+  /// What the observations say, without the prior.
+  [[nodiscard]] Normal evidence(const SE3& T, const MeasurementModel& model) const {
+    const RowLayout layout(false, false);
+    const auto observed = observations_.linearize(static_view(T), model, layout);
+    Normal normal;
+    normal.H = observed.gram.topLeftCorner<6, 6>().selfadjointView<Eigen::Upper>();
+    normal.g = observed.gram.col(static_cast<Eigen::Index>(layout.residual)).head<6>();
+    normal.cost = observed.cost;
+    return normal;
+  }
+
+  /// A prior near the pose: its error moves with the pose one to one.
+  void add_prior(const SE3& T, Normal& normal) const {
+    const Vector6d error = (prior_->T_reference_camera.inverse() * T).log();
+    const Vector6d weighted = prior_->information * error;
+    normal.H += prior_->information;
+    normal.g += weighted;
+    normal.cost += error.dot(weighted);
+  }
+
+  MeasurementModel model_;
+  CameraObservations observations_;
+  const AbsolutePoseOptions& options_;
+  const std::optional<PosePrior>& prior_;
+};
+
+/// Whether every direction of the pose is held, judged with each coordinate scaled to one.
+bool is_constrained(const Matrix6d& information) {
+  const Vector6d diagonal = information.diagonal();
+  if (!(diagonal.minCoeff() > 0) || !information.allFinite()) return false;
+  const Vector6d scale = diagonal.cwiseSqrt().cwiseInverse();
+  const Matrix6d scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled, Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues()(0) > kMinRelativeStiffness;
+}
+
+}  // namespace
+
+std::optional<AbsolutePoseSolution> solve_absolute_pose(const PinholeCamera& camera,
+                                                        std::span<const PoseObservation> observations,
+                                                        const SE3& T_reference_camera_guess,
+                                                        const AbsolutePoseOptions& options,
+                                                        const std::optional<PosePrior>& prior) {
+  if (!T_reference_camera_guess.is_finite()) return std::nullopt;
+  Solver solver(camera, observations, options, prior);
+  SE3 T = T_reference_camera_guess;
+  for (int round = 0; round < options.rounds; ++round) {
+    T = solver.minimize(T);
+    if (!solver.classify(T)) break;
+  }
+  AbsolutePoseSolution solution = solver.solution(T);
+  if (solution.inlier_count < options.min_inliers || !is_constrained(solution.information)) {
+    return std::nullopt;
+  }
+  return solution;
+}
+
+std::vector<uint8_t> pixel_inliers(const PinholeCamera& camera, std::span<const PoseObservation> observations,
+                                   const SE3& T_reference_camera, const AbsolutePoseOptions& options) {
+  const Eigen::Matrix3d R_camera_reference = T_reference_camera.R().transpose();
+  const Eigen::Vector2d focal(camera.fx, camera.fy), center(camera.cx, camera.cy);
+  std::vector<uint8_t> agree;
+  agree.reserve(observations.size());
+  for (const PoseObservation& o : observations) {
+    const Eigen::Vector3d p = R_camera_reference * (o.p_reference - T_reference_camera.translation);
+    const Eigen::Vector2d pixel = focal.cwiseProduct(p.head<2>()) / p.z() + center;
+    const double squared = (pixel - o.pixel).squaredNorm() / (o.sigma_px * o.sigma_px);
+    agree.push_back(p.z() > kMinObservedDepth_m && squared <= options.inlier_chi2_pixel);  // false for NaN
+  }
+  return agree;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,83 @@
+#pragma once
+// In: points of a reference frame, each with the pixel (and perhaps the depth) at which a camera sees it, and
+// a guess of the camera's pose. Out: the pose, which observations agree with it, and how well it is known.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "kinloop/base/options.hpp"
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/se3.hpp"
+
+namespace kinloop {
+
+/// One point seen in the image.
+struct PoseObservation {
+  Eigen::Vector3d p_reference = Eigen::Vector3d::Zero();  ///< m
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();        ///< undistorted
+  double depth_m = 0;                                     ///< measured z, 0 = unknown
+  double sigma_px = 1;                                    ///< standard deviation of `pixel`
+};
+
+/// What is believed of the pose before looking, e.g. by a motion model.
+struct PosePrior {
+  SE3 T_reference_camera;
+  Matrix6d information = Matrix6d::Zero();  ///< of T * exp(x), x = (translation; rotation), per m^2 and rad^2
+};
+
+struct AbsolutePoseOptions {
+  int rounds = 4;
+  int max_iterations = 8;
+  double robust_width = 0.5;
+  double inlier_chi2_pixel = 5.991;
+  double inlier_chi2_depth = 3.841;
+  double inverse_depth_sigma_per_m = 6e-3;
+  int min_inliers = 6;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("rounds", self.rounds, "rounds of outlier reclassification", Range{1, 20});
+    visit("max_iterations", self.max_iterations, "maximum Gauss-Newton iterations per round", Range{1, 100});
+    visit("robust_width", self.robust_width, "scale of the Huber loss, standard deviations", Range{0.1, 100});
+    visit("inlier_chi2_pixel", self.inlier_chi2_pixel,
+          "maximum squared pixel residual of an inlier (95 % of chi2, 2 DoF)", Range{0.1, 1000});
+    visit("inlier_chi2_depth", self.inlier_chi2_depth,
+          "maximum squared depth residual; beyond it only the pixel is used (95 % of chi2, 1 DoF)",
+          Range{0.1, 1000});
+    visit("inverse_depth_sigma_per_m", self.inverse_depth_sigma_per_m,
+          "standard deviation of the inverse depth at keypoints, 1/m (four times that of the sensor: they "
+          "lie on "
+          "edges)",
+          Range{1e-6, 1});
+    visit("min_inliers", self.min_inliers, "minimum number of inliers", Range{3, 1000});
+  }
+};
+
+/// A camera pose with its support.
+struct AbsolutePoseSolution {
+  SE3 T_reference_camera;
+  std::vector<uint8_t> inliers;  ///< 1 where the observation agrees
+  int inlier_count = 0;
+  Matrix6d information = Matrix6d::Zero();  ///< of T * exp(x), x = (translation; rotation)
+  double chi2 = 0;                          ///< sum of squared normalised residuals of the inliers
+};
+
+/// The pose near `T_reference_camera_guess` that agrees best with the observations (robust Gauss-Newton).
+/// Nothing where fewer than `min_inliers` agree or they leave some direction of the pose open. Observations
+/// with a number that is not finite are outliers. Pixel and depth are robust each for itself: a keypoint at
+/// the edge of a surface has a good pixel and may have the depth of the wrong side.
+std::optional<AbsolutePoseSolution> solve_absolute_pose(const PinholeCamera& camera,
+                                                        std::span<const PoseObservation> observations,
+                                                        const SE3& T_reference_camera_guess,
+                                                        const AbsolutePoseOptions& options,
+                                                        const std::optional<PosePrior>& prior = std::nullopt);
+
+/// 1 where an observation's pixel agrees with the pose; depth is not asked.
+std::vector<uint8_t> pixel_inliers(const PinholeCamera& camera, std::span<const PoseObservation> observations,
+                                   const SE3& T_reference_camera, const AbsolutePoseOptions& options);
+
+}  // namespace kinloop

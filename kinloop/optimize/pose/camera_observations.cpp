@@ -1,0 +1,94 @@
+#include "kinloop/optimize/pose/camera_observations.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kinloop/optimize/bundle/bundle.hpp"
+#include "kinloop/optimize/pose/absolute_pose.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr size_t kSize = ObservationBlock::kSize;
+
+bool is_filled(const ObservationBlock& block, size_t lane) {
+  return block.inverse_sigma_px[lane] > 0;
+}
+
+}  // namespace
+
+void set_measurement(ObservationBlock& block, size_t lane, const BundleObservation& measured) {
+  const bool has_depth = measured.depth_m > 0 && std::isfinite(measured.depth_m);
+  const bool has_gradient = measured.inverse_depth_gradient.allFinite();
+  block.pixel_x[lane] = measured.pixel.x();
+  block.pixel_y[lane] = measured.pixel.y();
+  block.inverse_sigma_px[lane] = 1 / measured.sigma_px;
+  block.row[lane] = measured.row;
+  block.inverse_depth_per_m[lane] = has_depth ? 1 / measured.depth_m : 0;
+  block.gradient_x[lane] = has_gradient ? measured.inverse_depth_gradient.x() : 0;
+  block.gradient_y[lane] = has_gradient ? measured.inverse_depth_gradient.y() : 0;
+  block.has_gradient[lane] = has_gradient ? 1 : 0;
+}
+
+void CameraObservations::set(size_t index, const Eigen::Vector3d& p_world,
+                             const BundleObservation& measured) {
+  ObservationBlock& block = blocks_[index / kSize];
+  const size_t lane = index % kSize;
+  set_measurement(block, lane, measured);
+  block.x[lane] = p_world.x();
+  block.y[lane] = p_world.y();
+  block.z[lane] = p_world.z();
+  block.uses_pixel[lane] = 1;
+  block.uses_depth[lane] = block.inverse_depth_per_m[lane] > 0 ? 1 : 0;
+}
+
+bool CameraObservations::classify(const BundleView& view, const MeasurementModel& model,
+                                  const AbsolutePoseOptions& options) {
+  bool changed = false;
+  for (ObservationBlock& block : blocks_) {
+    const BlockResiduals r = block_residuals(block, view, model);
+    for (size_t lane = 0; lane < kSize; ++lane) {
+      const bool agrees = is_filled(block, lane) && r.is_pixel_inlier(lane, options.inlier_chi2_pixel);
+      const bool is_depth_inlier =
+          agrees && block.inverse_depth_per_m[lane] > 0 && r.is_depth_inlier(lane, options.inlier_chi2_depth);
+      const double uses_pixel = agrees ? 1 : 0, uses_depth = is_depth_inlier ? 1 : 0;
+      changed = changed || uses_pixel != block.uses_pixel[lane] || uses_depth != block.uses_depth[lane];
+      block.uses_pixel[lane] = uses_pixel;
+      block.uses_depth[lane] = uses_depth;
+    }
+  }
+  return changed;
+}
+
+std::vector<uint8_t> CameraObservations::inliers() const {
+  std::vector<uint8_t> inliers(count_);
+  for (size_t i = 0; i < count_; ++i) inliers[i] = blocks_[i / kSize].uses_pixel[i % kSize] > 0 ? 1 : 0;
+  return inliers;
+}
+
+int CameraObservations::inlier_count() const {
+  int count = 0;
+  for (const ObservationBlock& block : blocks_) {
+    count += static_cast<int>(std::count(block.uses_pixel.begin(), block.uses_pixel.end(), 1.0));
+  }
+  return count;
+}
+
+CameraObservations::Normal CameraObservations::linearize(const BundleView& view,
+                                                         const MeasurementModel& model,
+                                                         const RowLayout& layout) const {
+  constexpr size_t kRows = kSize * kRowsPerObservation;
+  std::array<double, kRows * kMaxGramWidth> rows{};
+  const auto width = static_cast<Eigen::Index>(layout.width);
+  Normal normal;
+  normal.gram.setZero(width, width);
+  for (const ObservationBlock& block : blocks_) {
+    const auto costs = linearize_block(block, view, model, layout, rows.data(), nullptr);
+    add_gram(rows.data(), kRows, layout.width, normal.gram.data());
+    for (const double cost : costs) normal.cost += cost;
+  }
+  return normal;
+}
+
+}  // namespace kinloop

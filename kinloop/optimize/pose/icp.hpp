@@ -1,0 +1,112 @@
+#pragma once
+// In: two depth images (and perhaps their grey images) and a guess of the motion between them. Out: the
+// motion that lays one surface onto the other (point to plane), with an information matrix whose small
+// eigenvalues show what the surfaces leave open.
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "kinloop/base/options.hpp"
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/se3.hpp"
+
+namespace kinloop {
+
+struct IcpOptions {
+  int finest_width = 160;
+  int levels = 3;
+  int iterations = 7;
+  double max_distance_m = 0.15;
+  double max_normal_angle_rad = 0.7;
+  double robust_width = 1.5;
+  double inverse_depth_sigma_per_m = 1.425e-3;
+  double correlation_length_px = 64;
+  double photometric_weight = 1;
+  double intensity_sigma = 6;
+  double min_overlap = 0.2;
+  double prior_sigma_m = 0.1;
+  double prior_sigma_rad = 0.1;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("finest_width", self.finest_width, "width of the finest grid of surface points, px",
+          Range{20, 1280});
+    visit("levels", self.levels, "pyramid levels", Range{1, 6});
+    visit("iterations", self.iterations, "Gauss-Newton iterations per level", Range{1, 100});
+    visit("max_distance_m", self.max_distance_m, "maximum correspondence distance, m", Range{1e-3, 2});
+    visit("max_normal_angle_rad", self.max_normal_angle_rad,
+          "maximum angle between corresponding normals, rad", Range{0.05, 1.6});
+    visit("robust_width", self.robust_width, "scale of the Huber loss, standard deviations", Range{0.1, 100});
+    visit("inverse_depth_sigma_per_m", self.inverse_depth_sigma_per_m,
+          "standard deviation of the inverse depth, 1/m", Range{1e-6, 1});
+    visit("correlation_length_px", self.correlation_length_px, "correlation length of the depth error, px",
+          Range{1, 1000});
+    visit("photometric_weight", self.photometric_weight, "weight of the photometric term, 0 = depth only",
+          Range{0, 100});
+    visit("intensity_sigma", self.intensity_sigma, "standard deviation of the intensity, 0 to 255",
+          Range{0.1, 100});
+    visit("min_overlap", self.min_overlap, "minimum fraction of points with a correspondence", Range{0, 1});
+    visit("prior_sigma_m", self.prior_sigma_m,
+          "prior on the initial translation (1 sigma): constrains what the geometry leaves free, m",
+          Range{1e-4, 10});
+    visit("prior_sigma_rad", self.prior_sigma_rad, "prior on the initial rotation (1 sigma), rad",
+          Range{1e-4, 10});
+  }
+};
+
+/// Index of a grid point in row-major order.
+inline size_t grid_index(int width, int x, int y) {
+  return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+}
+
+/// What a camera's grids have in common for all its frames. Grids are those of an ideal pinhole camera; each
+/// point of the finest takes a block of pixels of the (distorted) depth image, each point of the others four
+/// of the grid before.
+struct IcpCamera {
+  struct Level {
+    PinholeCamera camera;               ///< ideal, scaled to the grid
+    std::vector<Eigen::Vector2f> rays;  ///< (x / z, y / z) of each grid point
+    cv::Mat map_x, map_y;               ///< grid point to grey image, for cv::remap; empty if undistorted
+  };
+  int width = 0, height = 0;          ///< of the images, px
+  int block = 1;                      ///< side of the block that makes a point of the finest grid, px
+  std::vector<int32_t> block_corner;  ///< its first pixel, y * width + x, -1 = outside the image
+  std::vector<Level> levels;          ///< finest first
+};
+
+/// Grids for `camera`, whose images are distorted as its coefficients say.
+IcpCamera make_icp_camera(const PinholeCamera& camera, const IcpOptions& options);
+
+/// The surface that a frame shows, on each grid.
+struct IcpFrame {
+  struct Level {
+    int width = 0, height = 0;
+    std::vector<Eigen::Vector3f> points;   ///< camera frame, m; z = 0 where unknown
+    std::vector<Eigen::Vector3f> normals;  ///< towards the camera; zero where unknown
+    cv::Mat gray;                          ///< 32FC1, empty without a grey image
+  };
+  std::vector<Level> levels;  ///< finest first
+};
+
+/// Prepares a frame. `depth_m` is 32FC1 with 0 (or NaN) = unknown; `gray` is 8UC1 of the same size or empty.
+IcpFrame make_icp_frame(const IcpCamera& camera, const cv::Mat& depth_m, const cv::Mat& gray = {});
+
+/// A motion found on surfaces.
+struct IcpSolution {
+  SE3 T_reference_camera;
+  Matrix6d information = Matrix6d::Zero();  ///< of T * exp(x), x = (translation; rotation)
+  double overlap = 0;                       ///< share of the frame's points that found a partner
+  double rmse_m = 0;                        ///< of the distances from point to plane
+};
+
+/// Aligns `frame` with `reference`, starting from the guess. Directions that the surfaces leave open (along a
+/// wall) stay at the guess and show as small eigenvalues of the information, in which the guess is not
+/// counted. Nothing where less than `min_overlap` of the points find a partner.
+std::optional<IcpSolution> align_icp(const IcpCamera& camera, const IcpFrame& reference,
+                                     const IcpFrame& frame, const SE3& T_reference_camera_guess,
+                                     const IcpOptions& options);
+
+}  // namespace kinloop

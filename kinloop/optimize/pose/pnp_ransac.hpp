@@ -1,0 +1,31 @@
+#pragma once
+// In: points of a reference frame with the pixels at which a camera may have seen them, many of them wrong,
+// and no guess. Out: the camera's pose with its inliers.
+
+#include "kinloop/optimize/pose/absolute_pose.hpp"
+
+namespace kinloop {
+
+struct PnpRansacOptions {
+  int max_iterations = 1000;
+  double confidence = 0.999;
+  int min_inliers = 12;
+  AbsolutePoseOptions pose;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("max_iterations", self.max_iterations, "maximum number of RANSAC iterations", Range{1, 100000});
+    visit("confidence", self.confidence, "probability that at least one sample is free of outliers",
+          Range{0.5, 0.999999});
+    visit("min_inliers", self.min_inliers, "minimum number of inliers", Range{4, 1000});
+    visit("pose", self.pose);
+  }
+};
+
+/// The pose that most observations agree with: P3P (Gao 2003 in the form of Ke and Roumeliotis 2017) inside
+/// RANSAC, each new best refined on its inliers (Chum 2003). The same seed gives the same result.
+std::optional<AbsolutePoseSolution> solve_pnp_ransac(const PinholeCamera& camera,
+                                                     std::span<const PoseObservation> observations,
+                                                     const PnpRansacOptions& options, uint64_t seed);
+
+}  // namespace kinloop

@@ -1,0 +1,146 @@
+#include "kinloop/optimize/pose_graph/pose_graph.hpp"
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/optimize/pose_graph/chordal_initialization.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_error.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_solvers.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_structure.hpp"
+
+namespace kinloop {
+namespace {
+
+template <class Pose>
+void check(const BasicPoseGraph<Pose>& graph) {
+  const size_t count = graph.T_world_vertex.size();
+  require(graph.fixed.empty() || graph.fixed.size() == count,
+          "pose graph: one `fixed` flag per vertex, or none");
+  for (const Pose& T : graph.T_world_vertex) require(T.is_finite(), "pose graph: a pose is not finite");
+  for (const auto& edge : graph.edges) {
+    require((edge.a < count || edge.a == kWorld) && edge.b < count,
+            "pose graph: edge refers to an unknown vertex");
+    require(edge.a != edge.b, "pose graph: edge connects a vertex to itself");
+    require(edge.T_a_b.is_finite() && edge.information.allFinite(), "pose graph: an edge is not finite");
+  }
+}
+
+/// Throws UsageError for values that `--set` would not take.
+void check(PoseGraphOptions options) {
+  for (const OptionEntry& entry : option_entries(options)) entry.set(to_text(entry.value));
+  if (pose_graph_solver_available(options.solver)) return;
+  throw UsageError("this build has no g2o; choose solver builtin or ceres, or install g2o and build again");
+}
+
+template <class Pose>
+SolvedPoses<Pose> solve_with(const std::string& solver, const BasicPoseGraph<Pose>& graph,
+                             const std::vector<bool>& held, const PoseGraphOptions& options,
+                             const PoseGraphEliminationOrder& earlier) {
+#ifdef KINLOOP_WITH_G2O
+  if (solver == "g2o") return solve_with_g2o(graph, held, options);
+#endif
+  if (solver == "ceres") return solve_with_ceres(graph, held, options);
+  return solve_with_builtin(graph, held, options, earlier);
+}
+
+/// Whether any vertex with an edge may move.
+template <class Pose>
+bool has_free_vertices(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held) {
+  for (const auto& edge : graph.edges) {
+    if (!held[edge.b] || (edge.a != kWorld && !held[edge.a])) return true;
+  }
+  return false;
+}
+
+/// The starting poses by a method that the solver itself does not have.
+template <class Pose>
+std::vector<Pose> initial_poses(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held,
+                                const PoseGraphOptions& options) {
+  if (options.start == "tree") return spanning_tree_poses(graph);
+  if (options.start != "chordal") return graph.T_world_vertex;
+  const PoseGraphLayout layout = make_pose_graph_layout(graph, held);
+  const auto chordal = chordal_initialization(graph, layout, plan_elimination(layout.pattern));
+  return chordal ? *chordal : graph.T_world_vertex;
+}
+
+template <class Pose>
+BasicPoseGraphSolution<Pose> solve_with_order(const PoseGraphEliminationOrder& earlier,
+                                              const BasicPoseGraph<Pose>& graph,
+                                              const PoseGraphOptions& options) {
+  check(graph);
+  check(options);
+  BasicPoseGraphSolution<Pose> solution;
+  solution.solver = options.solver == "auto" ? "builtin" : options.solver;
+  solution.chi2_before = chi2(graph);
+  solution.converged = true;
+
+  BasicPoseGraph<Pose> working = graph;
+  const std::vector<bool> held = fixed_vertices(graph);
+  if (has_free_vertices(graph, held)) {
+    const Stopwatch stopwatch;
+    if (solution.solver != "builtin") working.T_world_vertex = initial_poses(graph, held, options);
+    solution.seconds = stopwatch.wall_s();
+    SolvedPoses<Pose> solved = solve_with(solution.solver, working, held, options, earlier);
+    working.T_world_vertex = std::move(solved.T_world_vertex);
+    solution.iterations = solved.iterations;
+    solution.seconds += solved.seconds;
+    solution.converged = solved.converged;
+    solution.elimination = std::move(solved.elimination);
+  }
+  solution.chi2_after = chi2(working);
+  solution.T_world_vertex = std::move(working.T_world_vertex);
+  return solution;
+}
+
+}  // namespace
+
+template <class Pose>
+BasicPoseGraphSolution<Pose> solve_pose_graph(const BasicPoseGraph<Pose>& graph,
+                                              const PoseGraphOptions& options) {
+  return solve_with_order({}, graph, options);
+}
+
+template <class Pose>
+BasicPoseGraphSolution<Pose> update_pose_graph_solution(const BasicPoseGraph<Pose>& graph,
+                                                        const BasicPoseGraphSolution<Pose>& earlier,
+                                                        const PoseGraphOptions& options) {
+  const size_t count = earlier.T_world_vertex.size();
+  require(count <= graph.T_world_vertex.size(),
+          "pose graph: a grown graph must contain all earlier vertices");
+  check(graph);
+  BasicPoseGraph<Pose> warm = graph;
+  const std::vector<bool> held = fixed_vertices(graph);
+  std::vector<uint32_t> known;
+  for (uint32_t vertex = 0; vertex < held.size(); ++vertex) {
+    if (vertex < count || held[vertex]) known.push_back(vertex);
+    if (vertex < count && !held[vertex]) warm.T_world_vertex[vertex] = earlier.T_world_vertex[vertex];
+  }
+  warm.T_world_vertex = propagate_poses(graph, std::move(warm.T_world_vertex), known);
+  auto solution = solve_with_order(earlier.elimination, warm, options);
+  solution.chi2_before = chi2(graph);
+  return solution;
+}
+
+bool pose_graph_solver_available(const std::string& name) {
+#ifdef KINLOOP_WITH_G2O
+  if (name == "g2o") return true;
+#endif
+  return name == "auto" || name == "builtin" || name == "ceres";
+}
+
+template <class Pose>
+double chi2(const BasicPoseGraph<Pose>& graph) {
+  double sum = 0;
+  for (const auto& edge : graph.edges) sum += edge_chi2(graph.T_world_vertex, edge);
+  return sum;
+}
+
+template BasicPoseGraphSolution<SE3> solve_pose_graph(const PoseGraph&, const PoseGraphOptions&);
+template BasicPoseGraphSolution<SE2> solve_pose_graph(const PoseGraph2d&, const PoseGraphOptions&);
+template PoseGraphSolution update_pose_graph_solution(const PoseGraph&, const PoseGraphSolution&,
+                                                      const PoseGraphOptions&);
+template PoseGraphSolution2d update_pose_graph_solution(const PoseGraph2d&, const PoseGraphSolution2d&,
+                                                        const PoseGraphOptions&);
+template double chi2(const PoseGraph&);
+template double chi2(const PoseGraph2d&);
+
+}  // namespace kinloop

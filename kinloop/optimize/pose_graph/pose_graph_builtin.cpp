@@ -1,0 +1,123 @@
+// The built-in solver: a start that needs no starting values, Gauss-Newton steps within a trust region, and
+// sparse systems that are factorised as seldom as possible.
+
+#include <algorithm>
+#include <cmath>
+
+#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/optimize/pose_graph/chordal_initialization.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_error.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_minimizer.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_solvers.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr double kNonConvexityStep = 1.4;  // as Yang et al. 2020
+// An order of elimination that was kept while the graph grew is given up when it costs this much more.
+constexpr double kMaxGrowthOfProducts = 1.5;
+
+/// The earlier order with the new vertices last, or a new one where that has become too dear.
+EliminationPlan reuse_or_plan_elimination(const PoseGraphEliminationOrder& earlier,
+                                          const PoseGraphLayout& layout) {
+  if (earlier.vertices.empty()) return plan_elimination(layout.pattern);
+  std::vector<uint32_t> order;
+  std::vector<bool> placed(layout.pattern.size, false);
+  for (const uint32_t vertex : earlier.vertices) {
+    const uint32_t block = layout.block_of_vertex[vertex];
+    if (block == kNoBlock) continue;
+    order.push_back(block);
+    placed[block] = true;
+  }
+  for (uint32_t block = 0; block < placed.size(); ++block) {
+    if (!placed[block]) order.push_back(block);
+  }
+  EliminationPlan kept = plan_elimination(layout.pattern, order);
+  if (kept.factor_products <= kMaxGrowthOfProducts * earlier.planned_products) return kept;
+  return plan_elimination(layout.pattern);
+}
+
+/// What the next solution needs to know of this one's plan.
+PoseGraphEliminationOrder elimination_of(const EliminationPlan& plan, const PoseGraphLayout& layout,
+                                         const PoseGraphEliminationOrder& earlier) {
+  PoseGraphEliminationOrder elimination;
+  elimination.vertices.resize(layout.pattern.size);
+  for (uint32_t vertex = 0; vertex < layout.block_of_vertex.size(); ++vertex) {
+    const uint32_t block = layout.block_of_vertex[vertex];
+    if (block != kNoBlock) elimination.vertices[plan.position[block]] = vertex;
+  }
+  const bool was_kept = !earlier.vertices.empty() && !plan.is_fresh;
+  elimination.planned_products = was_kept ? earlier.planned_products : plan.factor_products;
+  return elimination;
+}
+
+/// Where to start; "auto": the graph's own poses, or the chordal ones where they cost less.
+template <class Pose>
+std::vector<Pose> initial_poses(const BasicPoseGraph<Pose>& graph, const PoseGraphLayout& layout,
+                                const EliminationPlan& plan, const PoseGraphKernel& kernel,
+                                const std::string& start) {
+  if (start == "given") return graph.T_world_vertex;
+  if (start == "tree") return spanning_tree_poses(graph);
+  auto chordal = chordal_initialization(graph, layout, plan);
+  if (!chordal) return graph.T_world_vertex;
+  const bool better = robust_cost(graph, kernel, *chordal) < robust_cost(graph, kernel, graph.T_world_vertex);
+  return better || start == "chordal" ? *std::move(chordal) : graph.T_world_vertex;
+}
+
+/// Graduated non-convexity (Yang et al. 2020): a kernel so wide that the cost is nearly that of least squares
+/// narrows step by step to the one that is wanted, so that the minimum found hangs less on the start.
+template <class Pose>
+MinimizerState<Pose> graduated_non_convexity(const MinimizerProblem<Pose>& problem,
+                                             const PoseGraphKernel& kernel, MinimizerState<Pose> at,
+                                             NewtonSolver<Pose::kDof>& newton) {
+  double largest = 0;
+  for (const auto& edge : problem.graph.edges) {
+    if (!edge.trusted) largest = std::max(largest, edge_chi2(at.T_world_vertex, edge));
+  }
+  MinimizerProblem<Pose> one_step = problem;
+  for (double wide = 2 * largest / (kernel.width * kernel.width); wide > 1; wide /= kNonConvexityStep) {
+    one_step.max_iterations = std::min(at.iterations + 1, problem.max_iterations);
+    at = minimize_pose_graph(one_step, {kernel.kind, kernel.width * std::sqrt(wide)}, std::move(at), newton);
+  }
+  return minimize_pose_graph(problem, kernel, std::move(at), newton);
+}
+
+/// The lower of two minima: by graduated non-convexity, which needs no good start but can twist a chain of
+/// trusted edges before it lets go of false ones, and direct from the start, which does not.
+template <class Pose>
+MinimizerState<Pose> minimize_robust(const MinimizerProblem<Pose>& problem, const PoseGraphKernel& kernel,
+                                     const MinimizerState<Pose>& start, NewtonSolver<Pose::kDof>& newton) {
+  if (kernel.kind != PoseGraphKernel::Kind::kGemanMcClure)
+    return minimize_pose_graph(problem, kernel, start, newton);
+  MinimizerState<Pose> direct = minimize_pose_graph(problem, kernel, start, newton);
+  MinimizerState<Pose> graduated = graduated_non_convexity(problem, kernel, start, newton);
+  const int iterations = direct.iterations + graduated.iterations;
+  MinimizerState<Pose> lower = direct.cost < graduated.cost ? std::move(direct) : std::move(graduated);
+  lower.iterations = iterations;
+  return lower;
+}
+
+}  // namespace
+
+template <class Pose>
+SolvedPoses<Pose> solve_with_builtin(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held,
+                                     const PoseGraphOptions& options,
+                                     const PoseGraphEliminationOrder& earlier) {
+  const Stopwatch stopwatch;
+  const PoseGraphKernel kernel = pose_graph_kernel(options.robust_kernel, options.robust_width);
+  const PoseGraphLayout layout = make_pose_graph_layout(graph, held);
+  const EliminationPlan plan = reuse_or_plan_elimination(earlier, layout);
+  const MinimizerProblem<Pose> problem{graph, layout, options.method, options.max_iterations};
+  NewtonSolver<Pose::kDof> newton(layout.pattern, plan);
+  MinimizerState<Pose> at{initial_poses(graph, layout, plan, kernel, options.start), 0, 0, false};
+  at = minimize_robust(problem, kernel, at, newton);
+  return {std::move(at.T_world_vertex), at.iterations, stopwatch.wall_s(), at.converged,
+          elimination_of(plan, layout, earlier)};
+}
+
+template SolvedPoses<SE3> solve_with_builtin(const PoseGraph&, const std::vector<bool>&,
+                                             const PoseGraphOptions&, const PoseGraphEliminationOrder&);
+template SolvedPoses<SE2> solve_with_builtin(const PoseGraph2d&, const std::vector<bool>&,
+                                             const PoseGraphOptions&, const PoseGraphEliminationOrder&);
+
+}  // namespace kinloop

@@ -1,0 +1,185 @@
+#include "kinloop/optimize/pose_graph/pose_graph_minimizer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kinloop/optimize/pose_graph/pose_graph_solvers.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr double kNegligibleChi2 = 1e-12;  // a cost this small is zero but for rounding
+constexpr double kMinGainRatio = 1e-4;  // of the decrease of the cost to the decrease that the model predicts
+constexpr double kGoodGainRatio = 0.75, kPoorGainRatio = 0.25;
+constexpr double kRadiusGrowth = 3.0, kRadiusCut = 0.3;
+constexpr double kInitialDamping = 1e-4;  // Levenberg's, relative to the diagonal
+constexpr double kDampingCut = 1.0 / 3;
+constexpr double kWatchdogRise = 10;  // of the cost, at most, before the step that must make up for it
+constexpr int kMaxTrials = 20;        // shorter and shorter steps before giving up
+
+/// One walk: the three methods differ in how they choose a step.
+template <class Pose>
+class PoseGraphMinimizer {
+ public:
+  PoseGraphMinimizer(const MinimizerProblem<Pose>& problem, const PoseGraphKernel& kernel,
+                     MinimizerState<Pose> from, NewtonSolver<Pose::kDof>& newton)
+      : problem_(problem),
+        kernel_(kernel),
+        at_(std::move(from)),
+        newton_(newton),
+        system_(problem.layout.pattern) {
+    at_.cost = robust_cost(problem_.graph, kernel_, at_.T_world_vertex);
+    at_.converged = false;
+  }
+
+  MinimizerState<Pose> run() {
+    while (!at_.converged && at_.iterations < problem_.max_iterations) {
+      linearize(problem_.graph, problem_.layout, kernel_, at_.T_world_vertex, system_);
+      ++at_.iterations;
+      const bool step_taken = problem_.method == "levenberg"      ? levenberg_step()
+                              : problem_.method == "gauss-newton" ? gauss_newton_step()
+                                                                  : dogleg_step();
+      if (!step_taken) break;
+    }
+    return std::move(at_);
+  }
+
+ private:
+  /// A step that is expected to lower the cost by no more is not worth taking.
+  [[nodiscard]] double negligible_decrease() const {
+    return std::max(kCostTolerance * at_.cost, kNegligibleChi2);
+  }
+
+  [[nodiscard]] double predicted_decrease(const Eigen::VectorXd& d) const {
+    return 2 * system_.minus_g.dot(d) - d.dot(multiply(problem_.layout.pattern, system_.H, d));
+  }
+
+  struct Trial {
+    MinimizerState<Pose> to;
+    double gain_ratio;
+  };
+
+  [[nodiscard]] Trial attempt(const Eigen::VectorXd& d) const {
+    Trial trial{{apply_step(at_.T_world_vertex, problem_.layout, d), 0, at_.iterations, false}, 0};
+    trial.to.cost = robust_cost(problem_.graph, kernel_, trial.to.T_world_vertex);
+    trial.gain_ratio = (at_.cost - trial.to.cost) / predicted_decrease(d);
+    if (!std::isfinite(trial.gain_ratio)) trial.gain_ratio = 0;
+    return trial;
+  }
+
+  bool gauss_newton_step() {
+    const auto d = newton_.solve(system_.H, system_.minus_g, negligible_decrease());
+    if (!d) return false;
+    if (predicted_decrease(*d) <= negligible_decrease()) return at_.converged = true;
+    Trial trial = attempt(*d);
+    if (!std::isfinite(trial.to.cost)) return false;
+    at_ = std::move(trial.to);
+    return true;
+  }
+
+  /// Levenberg and Marquardt with Nielsen's update of the damping (Madsen et al. 2004).
+  bool levenberg_step() {
+    double growth = 2;
+    for (int i = 0; i < kMaxTrials; ++i) {
+      const auto d = newton_.solve_damped(system_.H, system_.minus_g, damping_);
+      if (d) {
+        if (predicted_decrease(*d) <= negligible_decrease()) return at_.converged = true;
+        Trial trial = attempt(*d);
+        if (trial.gain_ratio > kMinGainRatio) {
+          at_ = std::move(trial.to);
+          damping_ *= std::max(kDampingCut, 1 - std::pow(2 * trial.gain_ratio - 1, 3));
+          return true;
+        }
+      }
+      damping_ *= growth;
+      growth *= 2;
+    }
+    return false;
+  }
+
+  /// Powell's dogleg (Nocedal and Wright 2006, section 4.1), lengths in units of the diagonal of H.
+  bool dogleg_step() {
+    const auto newton = newton_.solve(system_.H, system_.minus_g, negligible_decrease());
+    if (!newton) return false;
+    if (predicted_decrease(*newton) <= negligible_decrease()) return at_.converged = true;
+    const Eigen::VectorXd scale = diagonal_scale(system_.H).cwiseSqrt();
+    const double newton_length = newton->cwiseProduct(scale).norm();
+    for (int i = 0; i < kMaxTrials; ++i) {
+      const Eigen::VectorXd d = within_radius(*newton, scale);
+      const double length = d.cwiseProduct(scale).norm();
+      Trial trial = attempt(d);
+      if (trial.gain_ratio < kPoorGainRatio) radius_ = kRadiusCut * length;
+      if (trial.gain_ratio > kGoodGainRatio) radius_ = std::max(radius_, kRadiusGrowth * length);
+      if (trial.gain_ratio > kMinGainRatio) {
+        const double decrease = at_.cost - trial.to.cost;
+        at_ = std::move(trial.to);
+        // Newton's steps decrease by a constant factor or better each: the next is not worth working out.
+        at_.converged =
+            length >= newton_length && decrease * decrease <= negligible_decrease() * last_decrease_;
+        last_decrease_ = decrease;
+        return true;
+      }
+      if (i == 0 && length >= newton_length && watchdog_step(trial.to)) return true;
+    }
+    return at_.converged = true;  // no step this short lowers the cost: it is as low as rounding lets it be
+  }
+
+  /// Newton's step often overshoots along a curved valley, and the next one falls below where both began (the
+  /// watchdog of Chamberlain et al. 1982). Takes both if so.
+  bool watchdog_step(const MinimizerState<Pose>& overshot) {
+    if (!(overshot.cost < kWatchdogRise * at_.cost) || at_.iterations >= problem_.max_iterations)
+      return false;
+    PoseGraphSystem<Pose> there(problem_.layout.pattern);
+    linearize(problem_.graph, problem_.layout, kernel_, overshot.T_world_vertex, there);
+    const auto d = newton_.solve(there.H, there.minus_g, negligible_decrease());
+    if (!d) return false;
+    MinimizerState<Pose> second{apply_step(overshot.T_world_vertex, problem_.layout, *d), 0,
+                                at_.iterations + 1, false};
+    second.cost = robust_cost(problem_.graph, kernel_, second.T_world_vertex);
+    if (!(second.cost < at_.cost)) return false;
+    at_ = std::move(second);
+    radius_ = std::numeric_limits<double>::infinity();
+    return true;
+  }
+
+  /// The step within the radius: Newton's, steepest descent, or one in between.
+  [[nodiscard]] Eigen::VectorXd within_radius(const Eigen::VectorXd& newton,
+                                              const Eigen::VectorXd& scale) const {
+    const Eigen::VectorXd to_newton = newton.cwiseProduct(scale);
+    if (to_newton.norm() <= radius_) return newton;
+    const Eigen::VectorXd descent = system_.minus_g.cwiseQuotient(scale);
+    const Eigen::VectorXd unscaled = descent.cwiseQuotient(scale);
+    const double curvature = unscaled.dot(multiply(problem_.layout.pattern, system_.H, unscaled));
+    const Eigen::VectorXd cauchy = descent.squaredNorm() / curvature * descent;
+    if (!(cauchy.norm() < radius_)) return (radius_ / descent.norm() * descent).cwiseQuotient(scale);
+    // |cauchy + s (newton - cauchy)| = radius
+    const Eigen::VectorXd leg = to_newton - cauchy;
+    const double a = leg.squaredNorm(), b = cauchy.dot(leg), c = radius_ * radius_ - cauchy.squaredNorm();
+    const double s = c / (b + std::sqrt(b * b + a * c));
+    return (cauchy + s * leg).cwiseQuotient(scale);
+  }
+
+  const MinimizerProblem<Pose>& problem_;
+  const PoseGraphKernel kernel_;
+  MinimizerState<Pose> at_;
+  NewtonSolver<Pose::kDof>& newton_;
+  PoseGraphSystem<Pose> system_;
+  double radius_ = std::numeric_limits<double>::infinity();
+  double last_decrease_ = 0;  ///< of the cost in the last step
+  double damping_ = kInitialDamping;
+};
+
+}  // namespace
+
+template <class Pose>
+MinimizerState<Pose> minimize_pose_graph(const MinimizerProblem<Pose>& problem, const PoseGraphKernel& kernel,
+                                         MinimizerState<Pose> from, NewtonSolver<Pose::kDof>& newton) {
+  return PoseGraphMinimizer<Pose>(problem, kernel, std::move(from), newton).run();
+}
+
+template MinimizerState<SE3> minimize_pose_graph(const MinimizerProblem<SE3>&, const PoseGraphKernel&,
+                                                 MinimizerState<SE3>, NewtonSolver<SE3::kDof>&);
+template MinimizerState<SE2> minimize_pose_graph(const MinimizerProblem<SE2>&, const PoseGraphKernel&,
+                                                 MinimizerState<SE2>, NewtonSolver<SE2::kDof>&);
+
+}  // namespace kinloop

@@ -1,0 +1,52 @@
+#pragma once
+// In: a pose graph, the vertices that are held, and where its poses are now. Out: the sparse linear system
+// that a step solves, H d = -g with H = sum J' w Omega J and g = sum J' w Omega e, w being the robust
+// kernel's weight.
+
+#include <limits>
+#include <vector>
+
+#include "kinloop/optimize/pose_graph/pose_graph.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph_kernel.hpp"
+#include "kinloop/optimize/pose_graph/sparse_cholesky.hpp"
+
+namespace kinloop {
+
+/// No place in the system: held vertices, and edges that join no two free ones.
+inline constexpr uint32_t kNoBlock = std::numeric_limits<uint32_t>::max();
+
+/// Where vertices and edges enter the system.
+struct PoseGraphLayout {
+  std::vector<uint32_t> block_of_vertex;
+  std::vector<uint32_t> slot_of_edge;  ///< in pattern.off_diagonal
+  BlockPattern pattern;
+};
+
+template <class Pose>
+PoseGraphLayout make_pose_graph_layout(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held);
+
+template <class Pose>
+struct PoseGraphSystem {
+  BlockMatrix<Pose::kDof> H;
+  Eigen::VectorXd minus_g;
+
+  explicit PoseGraphSystem(const BlockPattern& pattern);
+};
+
+/// The system at `T_world_vertex`.
+template <class Pose>
+void linearize(const BasicPoseGraph<Pose>& graph, const PoseGraphLayout& layout,
+               const PoseGraphKernel& kernel, const std::vector<Pose>& T_world_vertex,
+               PoseGraphSystem<Pose>& system);
+
+/// Sum over edges of rho(e' Omega e).
+template <class Pose>
+double robust_cost(const BasicPoseGraph<Pose>& graph, const PoseGraphKernel& kernel,
+                   const std::vector<Pose>& T_world_vertex);
+
+/// The poses moved by the step `d` of the system.
+template <class Pose>
+std::vector<Pose> apply_step(const std::vector<Pose>& T_world_vertex, const PoseGraphLayout& layout,
+                             const Eigen::VectorXd& d);
+
+}  // namespace kinloop

@@ -1,0 +1,116 @@
+#include "kinloop/slam/final_bundle_adjustment.hpp"
+
+#include <algorithm>
+
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/mapping/complete_tracks.hpp"
+#include "kinloop/optimize/pose/rolling_shutter_pose.hpp"
+
+namespace kinloop {
+namespace {
+
+BundleObservation bundle_observation(const LoggedObservation& seen) {
+  BundleObservation o;
+  o.pixel = seen.pixel.cast<double>();
+  o.depth_m = static_cast<double>(seen.depth_m);
+  o.sigma_px = static_cast<double>(seen.sigma_px);
+  o.row = static_cast<double>(seen.row);
+  o.inverse_depth_gradient = seen.inverse_depth_gradient.cast<double>();
+  return o;
+}
+
+SE3 refined_pose(const LoggedFrame& entry, const RollingShutterPose& guess, const Map& map,
+                 const PinholeCamera& camera, const SensorVector& sensor,
+                 const AbsolutePoseOptions& options) {
+  // A frame whose landmarks are mostly gone, or were moved apart when the map bent, keeps what tracking
+  // found.
+  constexpr size_t kMinInliers = 20;
+  const size_t majority = entry.observations.size() / 2 + 1;
+  std::vector<RollingShutterObservation> observations;
+  for (const LoggedObservation& seen : entry.observations) {
+    const LandmarkId landmark = map.resolve_merged(seen.landmark);
+    if (map.contains(landmark)) observations.push_back({map.p_world(landmark), bundle_observation(seen)});
+  }
+  AbsolutePoseOptions strict = options;
+  strict.min_inliers = static_cast<int>(std::max(kMinInliers, majority));
+  const auto found = solve_rolling_shutter_pose(camera, sensor, observations, guess, {}, strict);
+  return found ? found->T_world_camera : guess.T_world_camera;
+}
+
+/// Whether the velocity of a keyframe is made of this frame's pose.
+bool near_keyframe(const FrameLog& log, size_t index) {
+  constexpr size_t kMaxNeighborFrames = 3;  // the neighbour may be behind a repeated image
+  const size_t begin = index - std::min(index, kMaxNeighborFrames),
+               end = std::min(index + kMaxNeighborFrames + 1, log.size());
+  return std::any_of(log.begin() + static_cast<long>(begin), log.begin() + static_cast<long>(end),
+                     [](const LoggedFrame& entry) { return entry.keyframe.valid(); });
+}
+
+}  // namespace
+
+FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera, const SensorVector& sensor,
+                       const AbsolutePoseOptions& options, FrameSelection which, int threads) {
+  const auto velocities = frame_velocities(log, map);
+  std::vector<SE3> T_reference_camera(log.size());
+  parallel_for(log.size(), threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const LoggedFrame& entry = log[i];
+      T_reference_camera[i] = entry.T_reference_camera;
+      if (entry.keyframe.valid() || entry.repeat || entry.observations.empty()) continue;
+      if (entry.status != TrackStatus::kTracked) continue;
+      if (which == FrameSelection::kNearKeyframes && !near_keyframe(log, i)) continue;
+      const SE3 T_world_camera =
+          refined_pose(entry, {world_pose(entry, map), velocities[i]}, map, camera, sensor, options);
+      T_reference_camera[i] = map.keyframe(entry.reference).T_world_camera.inverse() * T_world_camera;
+    }
+  });
+  for (size_t i = 0; i < log.size(); ++i) {
+    LoggedFrame& entry = log[i];
+    entry.T_reference_camera = T_reference_camera[i];
+    if (entry.keyframe.valid()) {
+      entry.reference = entry.keyframe;
+      entry.T_reference_camera = SE3{};
+    } else if (entry.repeat) {
+      entry.reference = log[i - 1].reference;
+      entry.T_reference_camera = log[i - 1].T_reference_camera;
+    }
+  }
+  return log;
+}
+
+FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const RgbdCamera& camera,
+                                              const SensorEstimate& known, const SlamOptions& options,
+                                              const Progress& progress) {
+  FinalBundleAdjustment result{known, std::vector<Matrix6d>(map.keyframes().size(), Matrix6d::Zero())};
+  if (map.keyframes().size() < 2) return result;
+  const SelfCalibrationOptions& calibration = options.self_calibration;
+  constexpr int kPassesWithoutSensor = 2;  // before and after tracks are completed
+  const int passes = calibration.enabled ? calibration.passes : kPassesWithoutSensor;
+  BundleOptions bundle = options.global_ba;
+  SensorVector expected = prior_sigmas(camera.color, calibration);
+  for (int pass = 1; pass <= passes; ++pass) {
+    bundle.pose_covariances = pass == passes;
+    auto problem =
+        make_self_calibration_problem(map, camera, keyframe_velocities(log, map), result.sensor.value);
+    auto adjusted = run_self_calibration(std::move(problem), expected, calibration, bundle);
+    map.apply(adjusted.update);
+    result = {with_fixed_from(adjusted.sensor, result.sensor), std::move(adjusted.pose_covariance)};
+    // What the data did not narrow down at first they will not later: it stays held.
+    for (int k = 0; k < kSensorParameterCount; ++k) {
+      if (!result.sensor.used[static_cast<size_t>(k)]) expected(k) = 0;
+    }
+    const bool last =
+        !report(progress, "bundle adjustment", static_cast<size_t>(pass), static_cast<size_t>(passes)) ||
+        pass == passes;
+    // The next pass needs velocities of keyframes alone.
+    log = refine_frames(std::move(log), map, camera.color, result.sensor.value, options.tracking.pose,
+                        last ? FrameSelection::kAll : FrameSelection::kNearKeyframes, bundle.threads);
+    if (last) break;
+    if (pass == 1 && options.mapping.complete_tracks) {
+      complete_tracks(map, camera.color, options.local_map, options.mapping);
+    }
+  }
+  return result;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,74 @@
+#include "kinloop/tracking/motion_compensation.hpp"
+
+#include <Eigen/Geometry>
+
+namespace kinloop {
+namespace {
+
+/// What one keypoint measured.
+struct Measured {
+  Eigen::Vector2d pixel;
+  double depth_m = 0;  // 0 = unknown
+  double row = 0;      // share of the height, -0.5 to 0.5
+  Eigen::Vector2d inverse_depth_gradient = Eigen::Vector2d::Zero();
+};
+
+Measured measured(const Features& features, size_t i, int image_height_px) {
+  Measured m;
+  m.pixel = features.measured_pixels[i].cast<double>();
+  m.depth_m = static_cast<double>(features.measured_depths_m[i]);
+  m.row = static_cast<double>(features.raw_pixels[i].y()) / image_height_px - 0.5;
+  if (!features.inverse_depth_gradients.empty()) {
+    m.inverse_depth_gradient = features.inverse_depth_gradients[i].cast<double>();
+  }
+  return m;
+}
+
+/// Where the point was at the stamp, in camera axes. The point lies on the ray of its pixel at the time of
+/// its row, at the distance that makes it agree with the depth measured at the time of the depth image.
+Eigen::Vector3d deskew_point(const Measured& m, const PinholeCamera& camera, const SensorVector& sensor,
+                             const Velocity& velocity) {
+  const double color_time_s = sensor(kRollingShutter) * m.row;
+  const bool has_slope = m.inverse_depth_gradient.allFinite();
+  const double depth_time_s = sensor(kDepthDelay) + sensor(kDepthShutter) * m.row;
+  const Eigen::Vector3d ray = corrected_ray(camera, sensor, m.pixel).homogeneous();
+  const double inverse_depth = (1 + sensor(kDepthScale)) / m.depth_m +
+                               sensor.segment<6>(kDepthOffset).dot(depth_offset_basis(camera, m.pixel));
+  constexpr int kRounds = 3;  // the two times differ by a fraction of a frame: it converges at once
+  double z = 1 / inverse_depth;
+  Eigen::Vector3d p = point_in_earlier_camera(z * ray, velocity, color_time_s);
+  if (!has_slope) return p;
+  for (int round = 0; round < kRounds; ++round) {
+    const Eigen::Vector3d p_at_depth = point_in_later_camera(p, velocity, depth_time_s);
+    if (!(p_at_depth.z() > 0)) break;
+    const Eigen::Vector2d pixel_at_depth = corrected_pixel(camera, sensor, p_at_depth.hnormalized());
+    const double expected = inverse_depth + m.inverse_depth_gradient.dot(pixel_at_depth - m.pixel);
+    if (!(expected > 0)) break;
+    z += 1 / expected - p_at_depth.z();
+    p = point_in_earlier_camera(z * ray, velocity, color_time_s);
+  }
+  return p;
+}
+
+}  // namespace
+
+Features deskew_features(const Features& features, const PinholeCamera& camera, const SensorVector& sensor,
+                         const Velocity& velocity) {
+  Features deskewed = features;
+  Velocity turning = velocity;
+  turning.head<3>().setZero();
+  for (size_t i = 0; i < features.size(); ++i) {
+    const Measured m = measured(features, i, camera.height);
+    const bool has_depth = m.depth_m > 0;
+    const Eigen::Vector3d p =
+        has_depth ? deskew_point(m, camera, sensor, velocity)
+                  : point_in_earlier_camera(corrected_ray(camera, sensor, m.pixel).homogeneous(), turning,
+                                            sensor(kRollingShutter) * m.row);
+    if (!(p.z() > 0)) continue;
+    deskewed.pixels[i] = camera.project(p).cast<float>();
+    deskewed.depths_m[i] = has_depth ? static_cast<float>(p.z()) : 0.0F;
+  }
+  return deskewed;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,143 @@
+#include "simulator/kinect_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/random.hpp"
+
+namespace kinloop {
+
+KinectNoise KinectNoise::none() {
+  KinectNoise ideal;
+  ideal.rolling_shutter_s = ideal.exposure_s = ideal.depth_delay_s = 0;
+  ideal.depth_noise_per_m = ideal.disparity_step_px = 0;
+  ideal.holes = false;
+  ideal.min_depth_m = 0;
+  ideal.max_depth_m = 5;
+  ideal.image_noise = ideal.gain_change = 0;
+  return ideal;
+}
+
+namespace sim {
+namespace {
+
+/// Sum of the four 16-bit parts of a word, as a deviate of mean 0 and variance 1: close to normal, and cheap
+/// (Irwin and Hall 1927).
+double roughly_normal(uint64_t bits) {
+  const uint64_t sum = (bits & 0xffff) + ((bits >> 16) & 0xffff) + ((bits >> 32) & 0xffff) + (bits >> 48);
+  constexpr double kMean = 2 * 65535.0;
+  constexpr double kInverseSigma = 1.7320508075688772 / 65536;  // sqrt(12 / 4) / range
+  return (static_cast<double>(sum) - kMean) * kInverseSigma;
+}
+
+double uniform(uint64_t bits) {
+  return static_cast<double>(bits >> 11) * 0x1.0p-53;
+}
+
+/// Surfaces seen at less than the first angle are always measured, beyond the second never.
+double grazing_loss(float cosine) {
+  constexpr double kSafeCosine = 0.31, kLostCosine = 0.12;  // 72 and 83 degrees off the normal
+  return std::clamp((kSafeCosine - static_cast<double>(cosine)) / (kSafeCosine - kLostCosine), 0.0, 1.0);
+}
+
+/// Whether depth jumps between neighbours: the correlation window then sees two surfaces.
+bool at_edge(const cv::Mat& depth_m, int y, int x) {
+  constexpr float kJump = 0.04F;
+  const float here = depth_m.at<float>(y, x);
+  for (const auto& [dy, dx] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+    const int ny = std::clamp(y + dy, 0, depth_m.rows - 1), nx = std::clamp(x + dx, 0, depth_m.cols - 1);
+    if (std::abs(depth_m.at<float>(ny, nx) - here) > kJump * here) return true;
+  }
+  return false;
+}
+
+/// Marks the pixels of a row that the projector, right of the camera, cannot reach: scanning leftwards, a
+/// point is in shadow if its projector column x - d is not left of all those before it.
+void cast_shadow(const float* depth_m, int width, std::vector<uint8_t>& shadow) {
+  const double scale = kDisparityScale * width / 640.0;
+  double leftmost = std::numeric_limits<double>::infinity();
+  for (int x = width - 1; x >= 0; --x) {
+    const double column = x - scale / static_cast<double>(depth_m[x]);
+    shadow[static_cast<size_t>(x)] = column >= leftmost ? 1 : 0;
+    leftmost = std::min(leftmost, column);
+  }
+}
+
+/// A smooth warp over the image, -1 to 1, as residual lens errors of the infrared camera leave it.
+double warp_at(int x, int y, const cv::Size& size) {
+  const double u = 2.0 * x / size.width - 1, v = 2.0 * y / size.height - 1;
+  return 1.2 * (u * u + v * v) / 2 - 0.5 + 0.3 * u * v;
+}
+
+double measured(double depth_m, const KinectNoise& noise, double noise_px, uint64_t bits) {
+  if (noise_px > 0 || noise.disparity_step_px > 0) {
+    double disparity = kDisparityScale / depth_m + noise_px * roughly_normal(bits);
+    if (noise.disparity_step_px > 0) {
+      disparity = std::round(disparity / noise.disparity_step_px) * noise.disparity_step_px;
+    }
+    depth_m = disparity > 0 ? kDisparityScale / disparity : 0;
+  }
+  return depth_m < noise.min_depth_m || depth_m > noise.max_depth_m ? 0 : depth_m;
+}
+
+}  // namespace
+
+double disparity_noise_px(const KinectNoise& noise) {
+  // sigma_d = sigma_z scale / z^2; uniform quantisation adds step^2 / 12.
+  const double total = noise.depth_noise_per_m * kDisparityScale;
+  return std::sqrt(std::max(0.0, total * total - noise.disparity_step_px * noise.disparity_step_px / 12));
+}
+
+cv::Mat measured_depth(const ExactDepth& exact, const KinectNoise& noise, uint64_t seed, int threads) {
+  const cv::Size size = exact.depth_m.size();
+  cv::Mat result(size, CV_32FC1);
+  const double noise_px = noise.depth_noise_per_m > 0 ? disparity_noise_px(noise) : 0;
+  parallel_for(static_cast<size_t>(size.height), threads, [&](size_t begin, size_t end) {
+    std::vector<uint8_t> shadow(static_cast<size_t>(size.width), 0);
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      const auto* depth_m = exact.depth_m.ptr<float>(y);
+      const auto* cosine = exact.cosine.ptr<float>(y);
+      if (noise.holes) cast_shadow(depth_m, size.width, shadow);
+      for (int x = 0; x < size.width; ++x) {
+        const uint64_t bits = hash(
+            seed, static_cast<uint64_t>(y) * static_cast<uint64_t>(size.width) + static_cast<uint64_t>(x));
+        double z = static_cast<double>(depth_m[x]);
+        if (noise.depth_distortion > 0) z *= 1 + noise.depth_distortion * warp_at(x, y, size);
+        z = measured(z, noise, noise_px, bits);
+        if (noise.holes && z > 0) {
+          constexpr double kEdgeLoss = 0.7;  // part of the edge pixels that are lost
+          const double chance = uniform(hash(bits, 1));
+          const bool lost = shadow[static_cast<size_t>(x)] != 0 || cosine[x] <= 0 ||
+                            chance < grazing_loss(cosine[x]) ||
+                            (chance < kEdgeLoss && at_edge(exact.depth_m, y, x));
+          if (lost) z = 0;
+        }
+        result.at<float>(y, x) = static_cast<float>(z);
+      }
+    }
+  });
+  return result;
+}
+
+double gain_at(const KinectNoise& noise, double time_s) {
+  constexpr double kSlow_s = 7.3, kFast_s = 3.1;
+  constexpr double kTurn = 2 * std::numbers::pi;
+  return 1 + noise.gain_change *
+                 (0.6 * std::sin(kTurn * time_s / kSlow_s) + 0.4 * std::sin(kTurn * time_s / kFast_s));
+}
+
+float noisy_level(float level, const KinectNoise& noise, uint32_t random_bits) {
+  // Half of the variance at mid grey is readout noise, half shot noise.
+  constexpr float kMidGrey = 128;
+  const float sigma = static_cast<float>(noise.image_noise) * std::sqrt(0.5F + 0.5F * level / kMidGrey);
+  // Sum of two 16-bit parts: a triangular deviate of variance 1.
+  const float sum = static_cast<float>(random_bits & 0xffff) + static_cast<float>(random_bits >> 16);
+  constexpr float kMean = 65535, kInverseSigma = 2.4494897F / 65536;
+  return level + sigma * (sum - kMean) * kInverseSigma;
+}
+
+}  // namespace sim
+}  // namespace kinloop

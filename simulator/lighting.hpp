@@ -1,0 +1,37 @@
+#pragma once
+// In: solids and lamps. Out: how bright every part of every surface is, computed once, so that rendering
+// looks light up instead of casting shadow rays.
+
+#include <vector>
+
+#include "simulator/bvh.hpp"
+
+namespace kinloop::sim {
+
+/// A rectangular light source.
+struct Light {
+  Eigen::Vector3f center, half_u, half_v;  ///< room frame, metres
+  Eigen::Vector3f bgr;                     ///< brightness at 1 m
+};
+
+/// Brightness on a grid over every face: ambient light darkened where surroundings are close, and lamps with
+/// soft shadows.
+class LightMap {
+ public:
+  LightMap() = default;
+  LightMap(const std::vector<Primitive>& primitives, const Bvh& bvh, const std::vector<Light>& lights,
+           int threads);
+
+  /// BGR factors for a surface point.
+  [[nodiscard]] Lanes at(int primitive, const SurfacePoint& point) const;
+
+ private:
+  struct Grid {
+    uint32_t first = 0;
+    int32_t columns = 0, rows = 0;
+  };
+  std::vector<Grid> grids_;  ///< kFaces for every primitive
+  std::vector<Lanes> values_;
+};
+
+}  // namespace kinloop::sim

@@ -1,0 +1,64 @@
+#pragma once
+// In: a seed. Out: every texture of a room, by what it is.
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "kinloop/base/random.hpp"
+#include "simulator/primitive.hpp"
+#include "simulator/texture.hpp"
+
+namespace kinloop::sim {
+
+enum class Kind {
+  kPlaster,
+  kAccentWall,
+  kFloor,
+  kWood,
+  kFabric,
+  kPlain,
+  kMetal,
+  kCardboard,
+  kLeaf,
+  kRug,
+  kPicture,
+  kWhiteboard,
+  kWindowView,
+  kPaper,
+  kScreen,
+  kKeyboard,
+  kLabel,
+  kSpines,
+  kDrawers,
+  kDoor,
+  kClock,
+  kBall,
+  kCount
+};
+
+/// The textures of one room. Some kinds come in several versions.
+class Palette {
+ public:
+  Palette(uint64_t seed, int threads);
+
+  /// One version of a kind, fitted to the face it is put on.
+  [[nodiscard]] FaceTexture fitted(Kind kind, Random& random) const;
+
+  /// One version of a kind, at its natural size (`period_m` metres to a picture), beginning anywhere.
+  [[nodiscard]] FaceTexture metric(Kind kind, double period_m, Random& random) const;
+
+  /// One cell of an atlas of the kind.
+  [[nodiscard]] FaceTexture cell(Kind kind, int columns, int rows, Random& random) const;
+
+  /// The textures, by the indices that face textures hold; the palette is used up.
+  std::vector<Texture> release_textures() { return std::move(textures_); }
+
+ private:
+  [[nodiscard]] int pick(Kind kind, Random& random) const;
+
+  std::vector<Texture> textures_;
+  std::vector<std::vector<int>> versions_;  ///< texture indices by kind
+};
+
+}  // namespace kinloop::sim

@@ -1,0 +1,69 @@
+#pragma once
+// In: rays in the frame of a solid. Out: where they enter and leave it.
+
+#include "simulator/lanes.hpp"
+
+namespace kinloop::sim {
+
+/// The two ends of each ray's stay in an infinite slab |coordinate| <= half.
+struct Span {
+  Lanes enter, leave;
+};
+
+inline Span slab(Lanes origin, Lanes inverse, float low, float high) {
+  const Lanes a = (low - origin) * inverse;
+  const Lanes b = (high - origin) * inverse;
+  return {min(a, b), max(a, b)};
+}
+
+/// 1 / d without infinities, whose products with 0 would not be numbers.
+inline Lanes safe_inverse(Lanes d) {
+  constexpr float kTiny = 1e-12F;
+  const Lanes tiny = all_lanes(kTiny);
+  const LaneMask too_small = (d < tiny) & (d > -tiny);
+  return 1.0F / (too_small ? tiny : d);
+}
+
+inline Lanes3 safe_inverse(const Lanes3& d) {
+  return {safe_inverse(d.x), safe_inverse(d.y), safe_inverse(d.z)};
+}
+
+inline Span box_span(const Lanes3& o, const Lanes3& inverse, const float half[3]) {
+  const Span x = slab(o.x, inverse.x, -half[0], half[0]);
+  const Span y = slab(o.y, inverse.y, -half[1], half[1]);
+  const Span z = slab(o.z, inverse.z, -half[2], half[2]);
+  return {max(max(x.enter, y.enter), z.enter), min(min(x.leave, y.leave), z.leave)};
+}
+
+/// Ends around the closest approach, which keeps the digits that the textbook quadratic loses (Haines et al.
+/// 2019, "Precision improvements for ray/sphere intersection"). An empty span where the ray passes by.
+inline Span round_span(Lanes along, Lanes direction_squared, Lanes miss_squared, float radius) {
+  constexpr float kTiny = 1e-20F;
+  const Lanes inverse = 1.0F / max(direction_squared, all_lanes(kTiny));
+  const Lanes discriminant = (radius * radius - miss_squared) * inverse;
+  const Lanes half_chord = sqrt(max(discriminant, all_lanes(0)));
+  const Lanes none = all_lanes(-1);
+  return {discriminant > 0 ? along - half_chord : -none, discriminant > 0 ? along + half_chord : none};
+}
+
+inline Span cylinder_span(const Lanes3& o, const Lanes3& d, const float half[3]) {
+  constexpr float kTiny = 1e-20F;
+  const Lanes dd = d.x * d.x + d.y * d.y;
+  const Lanes along = -(o.x * d.x + o.y * d.y) / max(dd, all_lanes(kTiny));
+  const Lanes x = o.x + along * d.x;
+  const Lanes y = o.y + along * d.y;
+  const Span side = round_span(along, dd, x * x + y * y, half[0]);
+  const Span caps = slab(o.z, safe_inverse(d.z), -half[2], half[2]);
+  return {max(side.enter, caps.enter), min(side.leave, caps.leave)};
+}
+
+inline Span sphere_span(const Lanes3& o, const Lanes3& d, const float half[3]) {
+  const Lanes dd = d.x * d.x + d.y * d.y + d.z * d.z;
+  const Lanes along = -(o.x * d.x + o.y * d.y + o.z * d.z) / dd;
+  const Lanes x = o.x + along * d.x;
+  const Lanes y = o.y + along * d.y;
+  const Lanes z = o.z + along * d.z;
+  return round_span(along, dd, x * x + y * y + z * z, half[0]);
+}
+
+}  // namespace kinloop::sim

@@ -1,0 +1,212 @@
+#include "simulator/renderer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/random.hpp"
+#include "kinloop/base/time.hpp"
+
+namespace kinloop::sim {
+namespace {
+
+constexpr float kSight_m = 50;  // no ray need go farther
+constexpr int kMaxPackets = 2;  // of kLanes sub-exposures
+constexpr int kTile = 16;       // pixels of a row that share a list of candidates
+
+/// Places within a pixel (px from its centre) at which the sub-exposures look: no two in one row or column.
+struct Offset {
+  float x, y;
+};
+constexpr std::array<Offset, kLanes> kFourPlaces{
+    {{-0.125F, -0.375F}, {0.375F, -0.125F}, {-0.375F, 0.125F}, {0.125F, 0.375F}}};
+constexpr std::array<Offset, 2 * kLanes> kEightPlaces{{{-0.0625F, -0.4375F},
+                                                       {0.3125F, -0.3125F},
+                                                       {-0.3125F, -0.1875F},
+                                                       {0.4375F, -0.0625F},
+                                                       {-0.4375F, 0.0625F},
+                                                       {0.1875F, 0.1875F},
+                                                       {-0.1875F, 0.3125F},
+                                                       {0.0625F, 0.4375F}}};
+
+/// Four poses, one a lane, and where in the pixel each of them looks.
+struct PosePacket {
+  Lanes R[9];
+  Lanes3 origin;
+  Lanes shift_x, shift_y;  ///< in ray coordinates
+
+  void set(int lane, const SE3& T_room_camera, float x, float y) {
+    const Eigen::Matrix3f rotation = T_room_camera.R().cast<float>();
+    const Eigen::Vector3f t = T_room_camera.translation.cast<float>();
+    for (int i = 0; i < 9; ++i) R[i][lane] = rotation(i / 3, i % 3);
+    origin.x[lane] = t.x();
+    origin.y[lane] = t.y();
+    origin.z[lane] = t.z();
+    shift_x[lane] = x;
+    shift_y[lane] = y;
+  }
+
+  [[nodiscard]] RayPacket rays(Lanes x, Lanes y) const {
+    x += shift_x;
+    y += shift_y;
+    return {origin, {R[0] * x + R[1] * y + R[2], R[3] * x + R[4] * y + R[5], R[6] * x + R[7] * y + R[8]}};
+  }
+};
+
+}  // namespace
+
+/// The images of a frame before the depth sensor has had its say.
+struct Renderer::RowImages {
+  cv::Mat* color;
+  ExactDepth* exact;
+};
+
+/// Where the camera is while one row is taken.
+struct Renderer::RowPoses {
+  int packets = 0;
+  PosePacket color[kMaxPackets]{};
+  PosePacket depth{};
+};
+
+/// The rays of neighbouring pixels of a row.
+struct Renderer::Tile {
+  int row, begin, end, packets;
+  RayPacket color[kTile * kMaxPackets];  ///< sub-exposures of each pixel
+  RayPacket depth[kTile / kLanes];       ///< four pixels each
+  RayBundle bundle;
+};
+
+Renderer::Renderer(const Scene& scene, const PinholeCamera& camera, const KinectNoise& noise, int threads)
+    : scene_(&scene), camera_(camera), noise_(noise), threads_(threads) {
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const Eigen::Vector2d pixel = camera.undistort(Eigen::Vector2d(x, y));
+      ray_x_.push_back(static_cast<float>((pixel.x() - camera.cx) / camera.fx));
+      ray_y_.push_back(static_cast<float>((pixel.y() - camera.cy) / camera.fy));
+    }
+  }
+}
+
+int64_t Renderer::row_stamp_ns(int64_t stamp_ns, int row) const {
+  const double part = camera_.height > 1 ? static_cast<double>(row) / (camera_.height - 1) - 0.5 : 0;
+  return stamp_ns + to_ns(part * noise_.rolling_shutter_s);
+}
+
+/// Four sub-exposures smooth edges and moderate blur; a fast camera needs more, or the blur falls apart into
+/// single pictures.
+int Renderer::color_packets(const CameraPath& path, int64_t stamp_ns) const {
+  constexpr double kWideBlur_px = 9, kTypicalDepth_m = 1.5;
+  const int64_t half_ns = to_ns(noise_.exposure_s / 2);
+  const SE3 motion = path.at(stamp_ns - half_ns).inverse() * path.at(stamp_ns + half_ns);
+  const double blur_px = camera_.fx * (motion.angle_rad() + motion.translation.norm() / kTypicalDepth_m);
+  return blur_px > kWideBlur_px ? kMaxPackets : 1;
+}
+
+Renderer::RowPoses Renderer::row_poses(const CameraPath& path, int64_t row_ns, int packets) const {
+  const Offset* places = packets == 1 ? kFourPlaces.data() : kEightPlaces.data();
+  const auto inverse_fx = static_cast<float>(1 / camera_.fx), inverse_fy = static_cast<float>(1 / camera_.fy);
+  const int count = packets * kLanes;
+  RowPoses poses;
+  poses.packets = packets;
+  for (int i = 0; i < count; ++i) {
+    const double when_s = ((i + 0.5) / count - 0.5) * noise_.exposure_s;
+    poses.color[i / kLanes].set(i % kLanes, path.at(row_ns + to_ns(when_s)), places[i].x * inverse_fx,
+                                places[i].y * inverse_fy);
+  }
+  const SE3 T_room_depth = path.at(row_ns + to_ns(noise_.depth_delay_s));
+  for (int lane = 0; lane < kLanes; ++lane) poses.depth.set(lane, T_room_depth, 0, 0);
+  return poses;
+}
+
+Renderer::Tile Renderer::tile_rays(const RowPoses& poses, int row, int begin) const {
+  Tile tile{};
+  tile.row = row;
+  tile.begin = begin;
+  tile.end = std::min(begin + kTile, camera_.width);
+  tile.packets = poses.packets;
+  const size_t first = static_cast<size_t>(row) * static_cast<size_t>(camera_.width);
+  for (int x = begin; x < tile.end; ++x) {
+    const size_t pixel = first + static_cast<size_t>(x);
+    for (int p = 0; p < poses.packets; ++p) {
+      RayPacket& rays = tile.color[(x - begin) * poses.packets + p];
+      rays = poses.color[p].rays(all_lanes(ray_x_[pixel]), all_lanes(ray_y_[pixel]));
+      tile.bundle.extend(rays);
+    }
+  }
+  for (int x = begin; x < tile.end; x += kLanes) {
+    Lanes ray_x{}, ray_y{};
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const size_t pixel = first + static_cast<size_t>(std::min(x + lane, camera_.width - 1));
+      ray_x[lane] = ray_x_[pixel];
+      ray_y[lane] = ray_y_[pixel];
+    }
+    RayPacket& rays = tile.depth[(x - begin) / kLanes];
+    rays = poses.depth.rays(ray_x, ray_y);
+    tile.bundle.extend(rays);
+  }
+  return tile;
+}
+
+/// The grey levels that the sensor gives for an exposure.
+cv::Vec3b Renderer::to_bgr8(Lanes bgr, float gain, uint64_t bits) const {
+  const uint32_t draws[3] = {static_cast<uint32_t>(bits), static_cast<uint32_t>(bits >> 32),
+                             static_cast<uint32_t>(hash(bits, 2))};
+  cv::Vec3b pixel;
+  for (int c = 0; c < 3; ++c) {
+    float level = std::min(gain * bgr[c], 255.0F);
+    if (noise_.image_noise > 0) level = noisy_level(level, noise_, draws[c]);
+    pixel[c] = static_cast<uint8_t>(std::clamp(level + 0.5F, 0.0F, 255.0F));
+  }
+  return pixel;
+}
+
+void Renderer::render_tile(const Tile& tile, float gain, uint64_t seed, const RowImages& out) const {
+  // Samples overlap into each other's part of the pixel: each stands for about half its width.
+  constexpr float kSampleWidth = 0.6F;
+  const auto sample_angle = static_cast<float>(kSampleWidth / camera_.fx);
+  const Bvh& bvh = scene_->bvh();
+  const std::vector<Candidate> candidates = bvh.candidates(tile.bundle);
+  auto* color = out.color->ptr<cv::Vec3b>(tile.row);
+  for (int x = tile.begin; x < tile.end; ++x) {
+    Lanes sum = all_lanes(0);
+    for (int p = 0; p < tile.packets; ++p) {
+      const RayPacket& rays = tile.color[(x - tile.begin) * tile.packets + p];
+      sum += scene_->mean_color(rays, bvh.nearest(rays, kSight_m, candidates), sample_angle);
+    }
+    const uint64_t bits = hash(seed, static_cast<uint64_t>(tile.row) * static_cast<uint64_t>(camera_.width) +
+                                         static_cast<uint64_t>(x));
+    color[x] = to_bgr8(sum, gain / static_cast<float>(tile.packets), bits);
+  }
+  auto* depth_m = out.exact->depth_m.ptr<float>(tile.row);
+  auto* cosine = out.exact->cosine.ptr<float>(tile.row);
+  for (int x = tile.begin; x < tile.end; x += kLanes) {
+    const RayPacket& rays = tile.depth[(x - tile.begin) / kLanes];
+    const HitPacket hits = bvh.nearest(rays, kSight_m, candidates);
+    for (int lane = 0; lane < std::min(kLanes, tile.end - x); ++lane) {
+      depth_m[x + lane] = hits.t[lane];  // z, as the rays are (x, y, 1) in the camera frame
+      if (noise_.holes) cosine[x + lane] = scene_->infrared_cosine(rays, hits, lane);
+    }
+  }
+}
+
+RenderedFrame Renderer::render(const CameraPath& path, int64_t stamp_ns, uint64_t frame_seed) const {
+  const cv::Size size(camera_.width, camera_.height);
+  RenderedFrame frame;
+  frame.color.create(size, CV_8UC3);
+  ExactDepth exact{cv::Mat(size, CV_32FC1), cv::Mat(size, CV_32FC1, cv::Scalar(1))};
+  const int packets = color_packets(path, stamp_ns);
+  const auto gain = static_cast<float>(gain_at(noise_, to_seconds(stamp_ns)));
+  parallel_for(static_cast<size_t>(size.height), threads_, [&](size_t begin, size_t end) {
+    for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
+      const RowPoses poses = row_poses(path, row_stamp_ns(stamp_ns, row), packets);
+      for (int x = 0; x < size.width; x += kTile) {
+        render_tile(tile_rays(poses, row, x), gain, hash(frame_seed, 1), {&frame.color, &exact});
+      }
+    }
+  });
+  frame.depth_m = measured_depth(exact, noise_, hash(frame_seed, 2), threads_);
+  return frame;
+}
+
+}  // namespace kinloop::sim

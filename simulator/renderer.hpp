@@ -1,0 +1,46 @@
+#pragma once
+// In: a scene, a camera and its path. Out: the two images of a frame, each row seen from where the camera was
+// when that row was read out.
+
+#include <vector>
+
+#include "kinloop/geometry/camera.hpp"
+#include "simulator/camera_path.hpp"
+#include "simulator/kinect_model.hpp"
+#include "simulator/scene.hpp"
+
+namespace kinloop::sim {
+
+struct RenderedFrame {
+  cv::Mat color;    ///< 8UC3, BGR
+  cv::Mat depth_m;  ///< 32FC1, as measured, 0 = unknown
+};
+
+/// Renders frames of one scene. Rows are independent: the result is the same for any number of threads.
+class Renderer {
+ public:
+  Renderer(const Scene& scene, const PinholeCamera& camera, const KinectNoise& noise, int threads);
+
+  /// `path` in the room frame; `stamp_ns` is the time of the middle row, in the middle of its exposure.
+  [[nodiscard]] RenderedFrame render(const CameraPath& path, int64_t stamp_ns, uint64_t frame_seed) const;
+
+ private:
+  struct RowImages;
+  struct RowPoses;
+  struct Tile;
+
+  [[nodiscard]] int64_t row_stamp_ns(int64_t stamp_ns, int row) const;
+  [[nodiscard]] int color_packets(const CameraPath& path, int64_t stamp_ns) const;
+  [[nodiscard]] RowPoses row_poses(const CameraPath& path, int64_t row_ns, int packets) const;
+  [[nodiscard]] Tile tile_rays(const RowPoses& poses, int row, int begin) const;
+  [[nodiscard]] cv::Vec3b to_bgr8(Lanes bgr, float gain, uint64_t bits) const;
+  void render_tile(const Tile& tile, float gain, uint64_t seed, const RowImages& out) const;
+
+  const Scene* scene_;
+  PinholeCamera camera_;
+  KinectNoise noise_;
+  int threads_;
+  std::vector<float> ray_x_, ray_y_;  ///< direction (x, y, 1) of every pixel's centre
+};
+
+}  // namespace kinloop::sim

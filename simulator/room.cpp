@@ -1,0 +1,74 @@
+#include "simulator/room.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/quantile.hpp"
+#include "kinloop/base/random.hpp"
+#include "simulator/camera_path.hpp"
+#include "simulator/room_layout.hpp"
+
+namespace kinloop::sim {
+namespace {
+
+constexpr double kWallMargin_m = 1.45;  // between the path's bounding box and the walls
+constexpr double kMinSide_m = 3.6, kMinHeight_m = 2.8;
+constexpr double kCameraHeight_m = 1.45;
+constexpr double kMaxPath_m = 25;
+constexpr double kMinCameraHeight_m = 0.45, kHeadRoom_m = 0.45;
+
+/// Where the room stands: z along `up`, walls along the world's other axes as far as they are level.
+SE3 place_room(const Trajectory& path, Eigen::Vector3d& size_m) {
+  const Eigen::Quaterniond R_world_room =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), estimate_up_direction(path));
+  Eigen::AlignedBox3d box;
+  std::vector<double> heights;
+  for (const StampedPose& pose : path) {
+    const Eigen::Vector3d p = R_world_room.inverse() * pose.T_world_camera.translation;
+    box.extend(p);
+    heights.push_back(p.z());
+  }
+  if (box.sizes().maxCoeff() > kMaxPath_m) {
+    throw InputError(fmt::format("the path spans {:.0f} m; the limit for simulated rooms is {:.0f} m",
+                                 box.sizes().maxCoeff(), kMaxPath_m));
+  }
+  const double floor = std::min(median(heights) - kCameraHeight_m, box.min().z() - kMinCameraHeight_m);
+  size_m = (box.sizes().array() + 2 * kWallMargin_m).max(kMinSide_m);
+  size_m.z() = std::max(kMinHeight_m, box.max().z() + kHeadRoom_m - floor);
+  const Eigen::Vector3d origin(box.center().x(), box.center().y(), floor);
+  return {R_world_room, R_world_room * origin};
+}
+
+/// The path in the room frame, thinned out to steps that clearance and views can be judged by.
+Trajectory thinned(const Trajectory& path, const SE3& T_room_world) {
+  constexpr double kStep_m = 0.02, kStep_rad = 0.03;
+  Trajectory samples;
+  for (const StampedPose& pose : path) {
+    const SE3 T_room_camera = T_room_world * pose.T_world_camera;
+    if (!samples.empty()) {
+      const SE3 step = samples.back().T_world_camera.inverse() * T_room_camera;
+      if (step.translation.norm() < kStep_m && step.angle_rad() < kStep_rad) continue;
+    }
+    samples.push_back({pose.stamp_ns, T_room_camera});
+  }
+  return samples;
+}
+
+}  // namespace
+
+Room build_room(const Trajectory& path, uint64_t seed, int threads) {
+  require(!path.empty(), "a room is built around a path");
+  Room room;
+  room.T_world_room = place_room(path, room.size_m);
+  Palette palette(hash(seed, 1), threads);
+  RoomLayout layout(palette, room.size_m.cast<float>(), thinned(path, room.T_world_room.inverse()),
+                    hash(seed, 2));
+  room.scene =
+      std::make_unique<Scene>(layout.release_parts(), palette.release_textures(), layout.lights(), threads);
+  return room;
+}
+
+}  // namespace kinloop::sim

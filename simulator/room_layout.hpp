@@ -1,0 +1,65 @@
+#pragma once
+// In: the size of a room, a palette and the path of the camera in it. Out: walls, furniture and lamps, with
+// nothing in the way of the camera.
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "kinloop/geometry/trajectory.hpp"
+#include "simulator/furniture.hpp"
+#include "simulator/lighting.hpp"
+
+namespace kinloop::sim {
+
+/// No part of a room comes closer to the camera than this.
+constexpr double kPathClearance_m = 0.3;
+
+/// Furnishes one room.
+class RoomLayout {
+ public:
+  /// `path`: camera poses in the room frame.
+  RoomLayout(const Palette& palette, const Eigen::Vector3f& size_m, const Trajectory& path, uint64_t seed);
+
+  Parts release_parts() { return std::move(parts_); }
+  [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
+
+ private:
+  /// A wall seen from inside: `along` runs to the right, furniture backs stand at its foot.
+  struct Wall {
+    float yaw_rad;
+    float length_m;
+    float distance_m;                          ///< from the middle of the room
+    std::vector<Eigen::AlignedBox2f> covered;  ///< (along, z) taken by furniture and pictures
+  };
+
+  [[nodiscard]] size_t least_viewed_wall() const;
+  void build_shell();
+  void add_ceiling_lamps();
+  void add_window(Wall& wall);
+  void add_door(Wall& wall);
+  void furnish_wall(Wall& wall);
+  void hang_pictures(Wall& wall);
+  void furnish_viewed_areas();
+  void scatter_on_floor();
+
+  [[nodiscard]] Parts place_at_wall(const Wall& wall, Parts piece, float along_m, float z) const;
+  [[nodiscard]] bool is_free(const Parts& piece, double margin_m = kPathClearance_m) const;
+  [[nodiscard]] bool clear_of_path(const Parts& piece, double margin_m = kPathClearance_m) const;
+  bool try_place_at_wall(Wall& wall, const Parts& piece, float along_m);
+  void add_floor_piece(const Parts& piece);
+  [[nodiscard]] cv::Mat view_count_integral() const;
+  [[nodiscard]] Parts place_where_most_viewed(const Parts& piece, const cv::Mat& sums) const;
+  Parts wall_piece();
+
+  Random random_;
+  FurnitureBuilder builder_;
+  Eigen::Vector3f size_m_;
+  std::vector<Eigen::Vector3f> path_, view_;  ///< camera positions and optical axes
+  std::vector<Wall> walls_;
+  std::vector<Eigen::AlignedBox2f> footprints_;
+  Parts parts_;
+  std::vector<Light> lights_;
+};
+
+}  // namespace kinloop::sim

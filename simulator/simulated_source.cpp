@@ -1,0 +1,137 @@
+#include "simulator/simulated_source.hpp"
+
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/random.hpp"
+#include "kinloop/base/time.hpp"
+#include "kinloop/sensor/camera_presets.hpp"
+#include "simulator/renderer.hpp"
+#include "simulator/room.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr double kDefaultFps = 30;
+constexpr uint64_t kDefaultSeed = 1;
+
+RgbdCamera simulated_camera(const SimulationOptions& options) {
+  RgbdCamera camera = camera_preset("freiburg1").value();
+  PinholeCamera& c = camera.color;
+  const double sx = static_cast<double>(options.width) / c.width;
+  const double sy = static_cast<double>(options.height) / c.height;
+  c = {options.width,
+       options.height,
+       sx * c.fx,
+       sy * c.fy,
+       sx * (c.cx + 0.5) - 0.5,
+       sy * (c.cy + 0.5) - 0.5,
+       c.k1,
+       c.k2,
+       c.p1,
+       c.p2,
+       c.k3};
+  if (sx == 1 && sy == 1) c = camera_preset("freiburg1").value().color;  // to the last digit
+  if (!options.lens_distortion) c.k1 = c.k2 = c.p1 = c.p2 = c.k3 = 0;
+  if (options.fps > 0) camera.fps = options.fps;
+  return camera;
+}
+
+Trajectory in_room(Trajectory path, const SE3& T_room_world) {
+  for (StampedPose& pose : path) pose.T_world_camera = T_room_world * pose.T_world_camera;
+  return path;
+}
+
+/// To the steps of a depth image and back, exactly as a file would do it.
+cv::Mat as_stored(const cv::Mat& depth_m, double depth_scale) {
+  cv::Mat units, stored_m;
+  depth_m.convertTo(units, CV_16UC1, depth_scale);
+  units.convertTo(stored_m, CV_32FC1, 1.0 / depth_scale);
+  return stored_m;
+}
+
+uint64_t parse_seed(const std::string& spec, const std::string& text) {
+  uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw UsageError(
+        fmt::format("'{}': '{}' is not a seed; expected a whole number, e.g. sim:room:7", spec, text));
+  }
+  return seed;
+}
+
+}  // namespace
+
+struct SimulatedSource::RenderSetup {
+  RenderSetup(const Trajectory& path, const PinholeCamera& camera, const KinectNoise& noise, uint64_t seed,
+              int threads)
+      : room(sim::build_room(path, seed, threads)),
+        path_in_room(in_room(path, room.T_world_room.inverse())),
+        renderer(*room.scene, camera, noise, threads) {}
+
+  sim::Room room;
+  sim::CameraPath path_in_room;
+  sim::Renderer renderer;
+};
+
+SimulatedSource::SimulatedSource(std::string name, uint64_t seed, const SimulationOptions& options,
+                                 int threads, std::optional<Trajectory> path)
+    : camera_(simulated_camera(options)), seed_(seed) {
+  const bool own_path = !path.has_value();
+  if (own_path) path = sim::handheld_path(seed);
+  truth_ = {options.noise.rolling_shutter_s, options.noise.depth_delay_s};
+  std::vector<int64_t> stamps =
+      sim::frame_stamps(*path, own_path && options.fps <= 0 ? kDefaultFps : options.fps);
+  const auto wanted = static_cast<size_t>(options.frames);
+  if (wanted > 0 && wanted < stamps.size()) stamps.resize(wanted);
+  setup_ = std::make_unique<const RenderSetup>(*path, camera_.color, options.noise, seed, threads);
+  info_.name = std::move(name);
+  info_.frames = stamps.size();
+  for (const int64_t stamp_ns : stamps) {
+    info_.ground_truth.push_back({stamp_ns, setup_->room.T_world_room * setup_->path_in_room.at(stamp_ns)});
+  }
+}
+
+SimulatedSource::~SimulatedSource() = default;
+
+RgbdFrame SimulatedSource::frame(size_t index) const {
+  require(index < info_.frames, "a frame of the simulated sequence");
+  const int64_t stamp_ns = info_.ground_truth[index].stamp_ns;
+  const auto rendered = setup_->renderer.render(setup_->path_in_room, stamp_ns, hash(seed_, index));
+  return {FrameId{static_cast<uint32_t>(index)}, stamp_ns, rendered.color,
+          as_stored(rendered.depth_m, camera_.depth_scale)};
+}
+
+std::optional<RgbdFrame> SimulatedSource::next() {
+  if (next_ == info_.frames) return std::nullopt;
+  return frame(next_++);
+}
+
+double SimulatedSource::distance_to_surface(const Eigen::Vector3d& p_world) const {
+  return setup_->room.scene->distance_to_surface(setup_->room.T_world_room.inverse() * p_world);
+}
+
+std::unique_ptr<SimulatedSource> make_simulated_source(
+    const std::string& spec, const SimulationOptions& options, int threads,
+    const std::optional<std::filesystem::path>& path_file) {
+  const std::string kRoom = "sim:room";
+  uint64_t seed = kDefaultSeed;
+  if (spec.starts_with(kRoom + ":")) {
+    seed = parse_seed(spec, spec.substr(kRoom.size() + 1));
+  } else if (spec != kRoom) {
+    throw UsageError(fmt::format("'{}' is not a simulated scene; expected sim:room or sim:room:SEED", spec));
+  }
+  std::optional<Trajectory> path;
+  if (path_file) {
+    path = read_tum_trajectory(*path_file);
+    if (path->empty())
+      throw InputError(fmt::format("{}: contains no pose; expected lines 'timestamp tx ty tz qx qy qz qw'",
+                                   path_file->string()));
+  }
+  return std::make_unique<SimulatedSource>(spec, seed, options, threads, std::move(path));
+}
+
+}  // namespace kinloop

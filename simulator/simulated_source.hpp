@@ -1,0 +1,84 @@
+#pragma once
+// In: "sim:room" or "sim:room:SEED", optionally a recorded path. Out: the frames that a Kinect would give on
+// that path through a furnished room, with the true poses.
+//
+// Time: the stamp of a frame is that of the middle row of its colour image, in the middle of its exposure,
+// and the ground truth is the pose of the colour camera at that moment. Depth is registered to the
+// (distorted) colour image, z along the colour camera's optical axis, and rounded to the units of a depth
+// file, so that a written sequence reads back as the very same frames.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "kinloop/sensor/frame_source.hpp"
+#include "simulator/kinect_model.hpp"
+
+namespace kinloop {
+
+struct SimulationOptions {
+  double fps = 0;
+  int frames = 0;
+  int width = 640;
+  int height = 480;
+  bool lens_distortion = true;
+  KinectNoise noise;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("fps", self.fps, "frames per second, 0 = the timestamps of the given path, else 30", Range{0, 240});
+    visit("frames", self.frames, "number of frames, 0 = the whole path", Range{0, 10'000'000});
+    visit("width", self.width, "image width in px", Range{16, 4096});
+    visit("height", self.height, "image height in px", Range{16, 4096});
+    visit("lens_distortion", self.lens_distortion, "use the lens distortion of the freiburg1 camera");
+    visit("noise", self.noise);
+  }
+};
+
+/// What a user of the sensor has to find out: not part of camera(), as no real camera says it either.
+struct SensorGroundTruth {
+  double rolling_shutter_s = 0;
+  double depth_offset_s = 0;
+};
+
+/// Renders a room on the fly.
+class SimulatedSource : public FrameSource {
+ public:
+  /// The room of `seed` along the built-in path, or along `path` (its stamps, its world).
+  SimulatedSource(std::string name, uint64_t seed, const SimulationOptions& options, int threads,
+                  std::optional<Trajectory> path = {});
+  ~SimulatedSource() override;
+  SimulatedSource(const SimulatedSource&) = delete;
+  SimulatedSource& operator=(const SimulatedSource&) = delete;
+
+  std::optional<RgbdFrame> next() override;
+  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return {}; }
+
+  /// Frame `index` without advancing.
+  [[nodiscard]] RgbdFrame frame(size_t index) const;
+
+  [[nodiscard]] const SensorGroundTruth& truth() const { return truth_; }
+
+  /// Distance from a point in the world of the ground truth to the nearest surface, unsigned.
+  [[nodiscard]] double distance_to_surface(const Eigen::Vector3d& p_world) const;
+
+ private:
+  struct RenderSetup;  ///< room, path and renderer
+
+  RgbdCamera camera_;
+  SourceInfo info_;
+  SensorGroundTruth truth_;
+  uint64_t seed_;
+  std::unique_ptr<const RenderSetup> setup_;
+  size_t next_ = 0;
+};
+
+/// Opens "sim:room" or "sim:room:SEED". Throws UsageError for any other text.
+std::unique_ptr<SimulatedSource> make_simulated_source(
+    const std::string& spec, const SimulationOptions& options, int threads,
+    const std::optional<std::filesystem::path>& path_file = {});
+
+}  // namespace kinloop

@@ -1,0 +1,128 @@
+// What the browser tests stand on: kinloop runs, a headless Chromium, and questions that are asked until the answer is
+// right. Exit code 77 tells CTest that a test was skipped.
+
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { existsSync, mkdtempSync, mkdirSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+const SKIPPED = 77;
+const PATIENCE_MS = 120_000;
+const CHROMIUM = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
+const { KINLOOP_PROGRAM, KINLOOP_PAGES_SOURCE, KINLOOP_SCREENSHOTS } = process.env;
+
+function skip(why) {
+  console.log(`SKIPPED: ${why}`);
+  process.exit(SKIPPED);
+}
+
+async function launch() {
+  if (!CHROMIUM) skip('there is no chromium; scripts/install_dependencies.sh --checks installs it');
+  const library = join(KINLOOP_PAGES_SOURCE, 'node_modules/playwright-core/index.mjs');
+  if (!existsSync(library)) skip('playwright-core is not there; the pages are off in this build');
+  const { chromium } = await import(library);
+  const args = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+  return chromium.launch({ executablePath: CHROMIUM, args });
+}
+
+// What a browser says of itself, and of a run that is over: the page goes on asking whether it is back.
+const NO_FAULT = /GPU stall|GL Driver Message|ERR_CONNECTION_REFUSED/;
+
+/** Runs a test with { open, kinloop, folder, shoot }; everything is cleared away afterwards, whatever happens. */
+export async function withBrowser(test) {
+  const browser = await launch();
+  const folder = mkdtempSync(join(tmpdir(), 'kinloop-browser-'));
+  const running = [];
+  const complaints = [];
+
+  /** A page without a complaint on its console. */
+  const open = async (url, options = {}) => {
+    const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, ...options });
+    page.on('console', (message) => ['error', 'warning'].includes(message.type()) && complaints.push(message.text()));
+    page.on('pageerror', (error) => complaints.push(error.message));
+    await page.goto(url);
+    return page;
+  };
+  /** Begins `kinloop ARGUMENTS...`. */
+  const kinloop = (...args) => {
+    const child = start(args);
+    running.push(child);
+    return child;
+  };
+  const shoot = async (page, name, options = {}) => {
+    if (!KINLOOP_SCREENSHOTS) return;
+    mkdirSync(KINLOOP_SCREENSHOTS, { recursive: true });
+    await page.screenshot({ path: join(KINLOOP_SCREENSHOTS, `${name}.png`), ...options });
+  };
+  try {
+    await test({ open, kinloop, folder, shoot });
+    assert.deepEqual(complaints.filter((text) => !NO_FAULT.test(text)), [], 'the console is quiet');
+  } finally {
+    await browser.close();
+    running.forEach((child) => child.process.kill('SIGKILL'));
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
+function start(args) {
+  const process_ = spawn(KINLOOP_PROGRAM, args, { stdio: ['ignore', 'pipe', 'pipe'] });
+  const child = { process: process_, text: '' };
+  process_.stdout.on('data', (data) => (child.text += data));
+  process_.stderr.on('data', (data) => (child.text += data));
+  child.ended = new Promise((resolve) => process_.on('exit', resolve));
+  child.url = () => until(() => child.text.match(/http:\S+\//)?.[0], () => `kinloop tells where to look: ${child.text}`);
+  return child;
+}
+
+/** Asks until the answer is true, and gives it. */
+export async function until(question, what) {
+  const end = Date.now() + PATIENCE_MS;
+  while (Date.now() < end) {
+    const answer = await question();
+    if (answer) return answer;
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+  return assert.fail(`never came true: ${typeof what === 'function' ? what() : what}`);
+}
+
+/** What is to be seen on a viewer's page, in figures. */
+export function seen(page) {
+  return page.evaluate(() => {
+    const { world, view, connection } = window.kinloop;
+    const camera = world.cameraPose?.elements.slice(12, 15);
+    const eye = view.eye.camera.position.toArray();
+    return {
+      points: world.pointCount,
+      keyframes: world.poses.count,
+      loops: world.loops.length / 2,
+      path: world.lines.path.object.geometry.drawRange.count,
+      truth: world.truth.length / 3,
+      camera,
+      eye,
+      run: connection.run,
+      bytes: connection.bytes,
+      flash: document.getElementById('flash').className,
+      facts: document.getElementById('facts').innerText,
+      badge: document.getElementById('tracking').textContent,
+      message: document.getElementById('message').textContent,
+      cutAtM: view.cutAtM,
+      cut: document.getElementById('cutAt').textContent,
+    };
+  });
+}
+
+/** How many pixels of a canvas are not empty. */
+export function paintedPixels(page, selector) {
+  return page.evaluate(async (canvas) => {
+    const source = document.querySelector(canvas);
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [source.width, source.height];
+    const paint = copy.getContext('2d');
+    paint.drawImage(source, 0, 0);
+    const { data } = paint.getImageData(0, 0, copy.width, copy.height);
+    let painted = 0;
+    for (let i = 3; i < data.length; i += 4) painted += data[i] > 0;
+    return painted;
+  }, selector);
+}

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Builds and runs a small program that uses kinloop as a library, in one of three ways.
+# Usage: consumer_test.sh find_package|add_subdirectory|fetch_content SOURCE_FOLDER BUILD_FOLDER
+set -euo pipefail
+
+way="$1" source="$2" kinloop_build="$3"
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+arguments=()
+
+case "$way" in
+find_package)
+  cmake --install "$kinloop_build" --prefix "$work/installed" >"$work/install.log"
+  arguments+=("-DCMAKE_PREFIX_PATH=$work/installed")
+  ;;
+add_subdirectory) arguments+=("-DKINLOOP_SOURCE=$source") ;;
+fetch_content)
+  # What a release's archive holds: the tracked files as they are now, without the tests.
+  tar -cf "$work/kinloop.tar" -C "$source" --exclude=node_modules CMakeLists.txt LICENSE layers.txt cmake data kinloop \
+    drivers simulator tools viewer
+  arguments+=("-DKINLOOP_SOURCE=$work/kinloop.tar")
+  ;;
+*)
+  echo "unknown way: $way" >&2
+  exit 2
+  ;;
+esac
+
+# A consumer's own warnings and language level must not disturb the library's headers.
+cmake -S "$source/tests/consumers/$way" -B "$work/build" -G Ninja -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" \
+  -DCMAKE_BUILD_TYPE=Debug "${arguments[@]}" >"$work/configure.log" 2>&1 || { cat "$work/configure.log"; exit 1; }
+cmake --build "$work/build" --target consumer >"$work/build.log" 2>&1 || { tail -n 40 "$work/build.log"; exit 1; }
+"$work/build/consumer"

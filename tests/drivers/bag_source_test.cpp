@@ -1,0 +1,175 @@
+#include "drivers/ros/bag_source.hpp"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "tests/drivers/sequence_folder.hpp"
+#include "tests/support/expect_error.hpp"
+
+#ifdef KINLOOP_WITH_ROSBAG
+
+#include <rosbag/bag.h>
+
+#include "drivers/datasets/tum_source.hpp"
+#include "drivers/ros/ros_messages.hpp"
+#include "drivers/ros/ros_topics.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::input_error;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kColor = "/kinect2/qhd/image_color_rect";
+constexpr const char* kDepth = "/kinect2/qhd/image_depth_rect";
+constexpr const char* kInfo = "/kinect2/qhd/camera_info";
+
+ros::Time time_of(int64_t stamp_ns) {
+  ros::Time time;
+  time.fromNSec(static_cast<uint64_t>(stamp_ns));
+  return time;
+}
+
+ros1::Image message_of(int64_t stamp_ns, const cv::Mat& image, const char* encoding) {
+  ros1::Image message;
+  message.header.stamp = time_of(stamp_ns);
+  message.width = static_cast<uint32_t>(image.cols);
+  message.height = static_cast<uint32_t>(image.rows);
+  message.step = static_cast<uint32_t>(image.step);
+  message.encoding = encoding;
+  message.data.assign(image.data, image.data + image.step * static_cast<size_t>(image.rows));
+  return message;
+}
+
+ros1::CameraInfo camera_message() {
+  ros1::CameraInfo info;
+  info.width = test::kWidth, info.height = test::kHeight;
+  info.distortion_model = "plumb_bob";
+  info.K[0] = 25, info.K[2] = 15.5, info.K[4] = 25, info.K[5] = 11.5, info.K[8] = 1;
+  info.P[0] = 25, info.P[2] = 15.5, info.P[5] = 25, info.P[6] = 11.5, info.P[10] = 1;
+  return info;
+}
+
+class BagTest : public testing::Test {
+ protected:
+  [[nodiscard]] std::filesystem::path path() const { return folder.path() / "test.bag"; }
+
+  /// A bag with what `fill` writes into it.
+  template <class Fill>
+  void write(const Fill& fill) {
+    rosbag::Bag bag(path().string(), rosbag::bagmode::Write);
+    bag.write(kInfo, time_of(1), camera_message());
+    fill(bag);
+    bag.close();
+  }
+  static void add(rosbag::Bag& bag, const char* topic, int64_t stamp_ns, const cv::Mat& image,
+                  const char* encoding) {
+    bag.write(topic, time_of(stamp_ns), message_of(stamp_ns, image, encoding));
+  }
+
+  test::TempFolder folder;
+};
+
+TEST_F(BagTest, GivesTheFramesThatAFolderWithTheSameImagesGives) {
+  const test::SequenceFolder sequence(8);
+  TumSource expected(sequence.path());
+  write([&](rosbag::Bag& bag) {
+    TumSource source(sequence.path());
+    while (const auto frame = source.next()) {
+      cv::Mat millimetres;
+      frame->depth_m.convertTo(millimetres, CV_16UC1, 1000);
+      add(bag, kColor, frame->stamp_ns, frame->color, "bgr8");
+      add(bag, kDepth, frame->stamp_ns, millimetres, "16UC1");
+    }
+  });
+  const auto source = open_bag(path(), {});
+  EXPECT_EQ(source->info().frames, 8U);
+  EXPECT_EQ(source->camera().color.fx, 25);
+  while (const auto frame = expected.next()) {
+    const auto from_bag = source->next();
+    ASSERT_TRUE(from_bag);
+    EXPECT_EQ(from_bag->id, frame->id);
+    EXPECT_EQ(from_bag->stamp_ns, frame->stamp_ns);
+    EXPECT_EQ(cv::norm(from_bag->color, frame->color, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(from_bag->depth_m, frame->depth_m, cv::NORM_INF), 0);
+  }
+  EXPECT_FALSE(source->next());
+  EXPECT_TRUE(source->skipped().empty());
+}
+
+TEST_F(BagTest, SkipsAndCountsWhatItCannotUse) {
+  write([&](rosbag::Bag& bag) {
+    for (int64_t i = 1; i <= 5; ++i) {
+      const int64_t stamp = i * 100'000'000;
+      add(bag, kColor, stamp, test::make_color(1), i == 2 ? "yuv422" : "bgr8");
+      add(bag, kDepth, stamp, test::make_depth(1000), "16UC1");
+    }
+    add(bag, kColor, 300'000'000, test::make_color(2), "bgr8");  // time goes backwards
+    add(bag, kColor, 600'000'000, test::make_color(3, CV_8UC3, {16, 12}), "bgr8");
+  });
+  const auto source = open_bag(path(), {});
+  size_t frames = 0;
+  while (source->next()) ++frames;
+  EXPECT_EQ(frames, 4U);
+  std::string reasons;
+  for (const auto& skipped : source->skipped()) reasons += skipped.reason + "\n";
+  EXPECT_THAT(reasons, AllOf(HasSubstr("yuv422"), HasSubstr("does not increase"), HasSubstr("16 x 12"),
+                             HasSubstr("no image of the other")));
+}
+
+TEST_F(BagTest, RejectsBagsWithoutACamera) {
+  EXPECT_THAT(input_error([&] { open_bag(folder.path() / "absent.bag", {}); }), HasSubstr("absent.bag"));
+  folder.write("text.bag", "no bag");
+  EXPECT_THAT(input_error([&] { open_bag(folder.path() / "text.bag", {}); }), HasSubstr("text.bag"));
+  write([](rosbag::Bag&) {});
+  EXPECT_THAT(input_error([&] { open_bag(path(), {}); }), AllOf(HasSubstr("--topics"), HasSubstr(kInfo)));
+  write([](rosbag::Bag& bag) {
+    add(bag, kColor, 100, test::make_color(1), "bgr8");
+    add(bag, kDepth, 100, test::make_color(1), "bgr8");
+  });
+  EXPECT_THAT(input_error([&] { open_bag(path(), {})->next(); }),
+              AllOf(HasSubstr("no usable frame"), HasSubstr("16UC1")));
+}
+
+TEST_F(BagTest, SaysWhatToDoWithABagCutShort) {
+  write([&](rosbag::Bag& bag) {
+    for (int64_t i = 1; i <= 20; ++i) {
+      add(bag, kColor, i * 100'000'000, test::make_color(static_cast<int>(i)), "bgr8");
+      add(bag, kDepth, i * 100'000'000, test::make_depth(1000), "16UC1");
+    }
+  });
+  std::filesystem::resize_file(path(), std::filesystem::file_size(path()) / 2);
+  EXPECT_THAT(input_error([&] { open_bag(path(), {}); }), HasSubstr(path().string()));
+}
+
+TEST_F(BagTest, TakesOtherTopicsAndAnotherCamera) {
+  write([&](rosbag::Bag& bag) {
+    add(bag, "/my/color", 100, test::make_color(1), "bgr8");
+    add(bag, "/my/depth", 100, test::make_depth(1000), "16UC1");
+  });
+  RgbdCamera camera;
+  camera.color.width = test::kWidth, camera.color.height = test::kHeight;
+  camera.color.fx = camera.color.fy = 33;
+  const auto source = open_bag(path(), camera, "/my/color,/my/depth");
+  EXPECT_EQ(source->camera().color.fx, 33);
+  EXPECT_TRUE(source->next());
+  EXPECT_THAT(input_error([&] { open_bag(path(), {}, "/my/color,/my/depth"); }),
+              HasSubstr("/my/camera_info"));
+}
+
+}  // namespace
+}  // namespace kinloop
+
+#else
+
+TEST(BagSource, ReportsABuildWithoutBagSupport) {
+  EXPECT_FALSE(kinloop::bags_available());
+  EXPECT_THAT(kinloop::test::usage_error([] { kinloop::open_bag("x.bag", {}); }),
+              testing::HasSubstr("librosbag-storage-dev"));
+}
+
+#endif

@@ -1,0 +1,50 @@
+#include "drivers/live/live_frames.hpp"
+
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+namespace kinloop {
+namespace {
+
+using std::chrono::milliseconds;
+
+cv::Mat image() {
+  return {2, 2, CV_32FC1, cv::Scalar(1)};
+}
+
+TEST(LiveFrameBuffer, GivesFramesInOrderAndLosesTheOldest) {
+  LiveFrameBuffer frames;
+  EXPECT_FALSE(frames.wait(milliseconds(1)));
+  for (int64_t i = 1; i <= 10; ++i) {
+    frames.add_color(i * 33'000'000, image());
+    frames.add_depth(i * 33'000'000, image());
+  }
+  EXPECT_EQ(frames.counts().dropped, 10 - LiveFrameBuffer::kBuffered);
+  int64_t expected = 10 - static_cast<int64_t>(LiveFrameBuffer::kBuffered);
+  while (const auto frame = frames.wait(milliseconds(1))) EXPECT_EQ(frame->stamp_ns, ++expected * 33'000'000);
+  EXPECT_EQ(expected, 10);
+}
+
+TEST(LiveFrameBuffer, WaitsForAnotherThread) {
+  LiveFrameBuffer frames;
+  const std::jthread driver([&] {
+    frames.add_depth(5, image());
+    frames.add_color(5, image());
+  });
+  EXPECT_TRUE(frames.wait(milliseconds(10'000)));
+}
+
+TEST(LiveFrameBuffer, SaysWhatWasLost) {
+  LiveFrameBuffer frames;
+  frames.add_color(100, image());
+  frames.add_color(50, image());
+  const auto skipped = to_skipped_frames(frames.counts());
+  ASSERT_EQ(skipped.size(), 1U);
+  EXPECT_THAT(skipped[0].reason, testing::HasSubstr("does not increase"));
+}
+
+}  // namespace
+}  // namespace kinloop

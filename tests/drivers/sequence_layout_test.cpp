@@ -1,0 +1,74 @@
+#include "drivers/datasets/sequence_layout.hpp"
+
+#include <gmock/gmock.h>
+
+#include "drivers/datasets/folder_contents.hpp"
+#include "kinloop/base/input_error_with_hint.hpp"
+#include "kinloop/sensor/camera_file.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::input_error;
+using test::TempFolder;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+std::string hint_of(const std::filesystem::path& path, bool camera_known) {
+  try {
+    reject_sequence(path, camera_known);
+  } catch (const InputErrorWithHint& error) {
+    return error.hint();
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+TEST(ForeignLayout, IsRecognisedByTheFolderContents) {
+  const TempFolder folder;
+  const auto layout_with = [&](const char* name, std::vector<const char*> files) {
+    for (const char* file : files) folder.write(std::filesystem::path(name) / file, "");
+    return detect_dataset_layout(folder.path() / name);
+  };
+  EXPECT_EQ(layout_with("open3d", {"color/0.jpg", "depth/0.png", "camera.json"}),
+            "Redwood or Open3D (color/ depth/ camera.json)");
+  EXPECT_EQ(layout_with("scannet", {"color/0.jpg", "depth/0.png", "pose/0.txt", "intrinsic/a.txt"}),
+            "ScanNet (color/ depth/ pose/ intrinsic/)");
+  EXPECT_EQ(layout_with("replica", {"results/frame000000.jpg", "traj.txt"}),
+            "Replica (results/frame000000.jpg, traj.txt)");
+  EXPECT_THAT(layout_with("results_only", {"results/other.jpg", "traj.txt"}), IsEmpty());
+  EXPECT_THAT(layout_with("tum", {"rgb/0.png", "depth/0.png", "rgb.txt", "depth.txt"}), IsEmpty());
+  EXPECT_THAT(detect_dataset_layout(folder.path() / "absent"), IsEmpty());
+}
+
+TEST(RejectSequence, LooksIntoTheFoldersBelow) {
+  const TempFolder folder;
+  folder.write("chess/seq-01/frame-000000.color.png", "");
+  EXPECT_THAT(
+      input_error([&] { reject_sequence(folder.path() / "chess", false); }),
+      HasSubstr("looks like 7-Scenes (frame-000000.color.png), in seq-01/, which kinloop cannot read yet"));
+}
+
+TEST(RejectSequence, AllThatIsMissingIsInOneAnswer) {
+  const TempFolder folder;
+  folder.write("rgb.txt", "1 a.png\n");
+  EXPECT_THAT(input_error([&] { reject_sequence(folder.path(), false); }),
+              HasSubstr("no depth.txt, camera.yaml"));
+  EXPECT_THAT(hint_of(folder.path(), false),
+              AllOf(Not(HasSubstr("rgb.txt ")), HasSubstr("depth.txt "), HasSubstr("fx: 525")));
+  EXPECT_THAT(hint_of(folder.path(), true), AllOf(HasSubstr("depth.txt "), Not(HasSubstr("camera.yaml"))));
+}
+
+TEST(RejectSequence, TheCameraToCopyIsOne) {
+  const TempFolder folder;
+  const std::string hint = hint_of(folder.path(), false);
+  const auto file = folder.write("camera.yaml", hint.substr(hint.find("  width:")));
+  EXPECT_EQ(read_camera_file(file).color.fx, 525);
+}
+
+}  // namespace
+}  // namespace kinloop

@@ -1,0 +1,245 @@
+#include "kinloop/io/map_file/map_file.hpp"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "kinloop/base/random.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/io/map_file/feature_serialization.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace kinloop {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr size_t kKeyframes = 12, kKeypoints = 60, kImages = 5;
+
+Features some_features(Random& random) {
+  Features features;
+  for (size_t i = 0; i < kKeypoints; ++i) {
+    const auto number = [&] { return static_cast<float>(random.uniform(-1, 1) * 600); };
+    features.pixels.emplace_back(number(), number());
+    features.depths_m.push_back(i % 3 == 0 ? 0 : number());
+    features.raw_pixels.emplace_back(number(), number());
+    features.measured_pixels.emplace_back(number(), number());
+    features.measured_depths_m.push_back(number());
+    features.inverse_depth_gradients.emplace_back(number(), std::numeric_limits<float>::quiet_NaN());
+    features.levels.push_back(static_cast<int>(i % 8));
+    features.angles_rad.push_back(number());
+    features.sigmas_px.push_back(number());
+  }
+  features.descriptors = cv::Mat(static_cast<int>(kKeypoints), 32, CV_8UC1);
+  for (int row = 0; row < features.descriptors.rows; ++row) {
+    for (int col = 0; col < 32; ++col)
+      features.descriptors.at<uint8_t>(row, col) = static_cast<uint8_t>(random.uniform(0, 255));
+  }
+  return features;
+}
+
+SE3 some_pose(Random& random) {
+  Vector6d twist;
+  for (int i = 0; i < 6; ++i) twist(i) = random.uniform(-1, 1);
+  return SE3::exp(twist);
+}
+
+/// Two components, joined by nothing; keypoint i of every keyframe of a component shows landmark i of it.
+Map some_map(Random& random) {
+  Map map;
+  std::vector<LandmarkId> landmarks;
+  for (uint32_t k = 0; k < kKeyframes; ++k) {
+    const bool begins = k % (kKeyframes / 2) == 0;
+    const uint32_t component = begins ? map.component_count() : map.component_count() - 1;
+    const auto features = std::make_shared<const Features>(some_features(random));
+    const KeyframeId id = map.add_keyframe(FrameId{3 * k}, 100 * k, some_pose(random), features, component);
+    if (begins) landmarks.clear();
+    for (uint32_t i = 0; i < kKeypoints; ++i) {
+      if (begins) {
+        landmarks.push_back(map.add_landmark(id, i, {random.uniform(-1, 1), -0.0, random.uniform(1, 2)}));
+      } else {
+        map.add_observation(landmarks[i], {id, i});
+      }
+    }
+  }
+  map.erase(LandmarkId{5});
+  map.add_loop_edge({KeyframeId{0}, KeyframeId{4}, some_pose(random), 3.5 * Matrix6d::Identity(), 77});
+  return map;
+}
+
+SavedMap some_saved_map() {
+  Random random(7);
+  SavedMap saved;
+  saved.program = "kinloop test";
+  saved.sessions = {{"a folder/with ümlaut", FrameId{0}}, {"another", FrameId{20}}};
+  saved.options = {{"features.count", "1000"}, {"seed", "1"}};
+  saved.camera.color = {640, 480, 517.3, 516.5, 318.6, 255.3, 0.26, -0.95, -0.005, 0.0026, 1.16};
+  saved.camera.depth = PinholeCamera{640, 480, 585, 585, 320, 240};
+  saved.camera.T_color_depth = some_pose(random);
+  saved.camera.rolling_shutter_s = 0.1 + 0.2;  // no short number
+  saved.sensor = {{1e-300, 0.1, true}, {-0.0, 0, false}};
+  saved.map = some_map(random).data();
+  for (uint32_t i = 0; i < 3 * kKeyframes; ++i) {
+    saved.frames.push_back({FrameId{i}, 33 * i, 0, KeyframeId{i / 3}, some_pose(random),
+                            i % 3 == 0 ? KeyframeId{i / 3} : KeyframeId{}, i % 3 == 1});
+  }
+  return saved;
+}
+
+SavedImages some_images(size_t index) {
+  Random random(index);
+  SavedImages saved{FrameId{static_cast<uint32_t>(3 * index)}, {480, 640, {}, {}}};
+  for (int i = 0; i < 30000; ++i) {
+    saved.images.color.push_back(static_cast<uint8_t>(random.uniform(0, 255)));
+    saved.images.depth.push_back(static_cast<uint8_t>(random.uniform(0, 255)));
+  }
+  return saved;
+}
+
+void write_some_map(const std::filesystem::path& path) {
+  write_map(path, some_saved_map(), kImages, some_images);
+}
+
+TEST(MapFile, RoundTripIsBitExact) {
+  const test::TempFolder folder;
+  const auto a = folder.path() / "a ?#%.kinmap", b = folder.path() / "b.kinmap";
+  write_some_map(a);
+  const MapReader reader(a);
+  const auto [again, damage] = reader.read();
+  EXPECT_FALSE(damage.any()) << describe(damage);
+  std::vector<SavedImages> images;
+  EXPECT_EQ(reader.read_images([&](SavedImages image) { images.push_back(std::move(image)); }), 0U);
+  ASSERT_EQ(images.size(), kImages);
+
+  const SavedMap saved = some_saved_map();
+  EXPECT_EQ(again.camera.T_color_depth.rotation.coeffs(), saved.camera.T_color_depth.rotation.coeffs());
+  EXPECT_EQ(again.camera.rolling_shutter_s, saved.camera.rolling_shutter_s);
+  EXPECT_EQ(again.sessions[0].input, saved.sessions[0].input);
+  EXPECT_EQ(again.map.keyframes[3].T_world_camera.matrix(), saved.map.keyframes[3].T_world_camera.matrix());
+  EXPECT_EQ(again.map.loop_edges[0].information, saved.map.loop_edges[0].information);
+
+  // All the rest: saved again, the file is the same byte for byte.
+  write_map(b, again, images.size(), [&](size_t i) { return images[i]; });
+  EXPECT_TRUE(read_file(a) == read_file(b));
+}
+
+TEST(MapFile, LeavesTheOldFileUntilTheNewOneIsWhole) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "map.kinmap";
+  write_some_map(path);
+  const std::string before = read_file(path);
+  const auto broken = [](size_t index) -> SavedImages {
+    if (index == 2) throw InputError("the camera is on fire");
+    return some_images(index);
+  };
+  EXPECT_THROW(write_map(path, some_saved_map(), kImages, broken), InputError);
+  EXPECT_TRUE(read_file(path) == before);
+  EXPECT_FALSE(std::filesystem::exists(path.string() + ".tmp"));
+}
+
+TEST(MapFile, SaysWhatIsWrongWithAFileThatIsNone) {
+  const test::TempFolder folder;
+  const auto message = [&](const std::filesystem::path& path) {
+    return test::input_error([&] { static_cast<void>(MapReader(path).read()); });
+  };
+  EXPECT_THAT(message(folder.path() / "absent"), HasSubstr("no such file"));
+  EXPECT_THAT(message(folder.path()), HasSubstr("no such file"));
+  EXPECT_THAT(message(folder.write("empty", "")), HasSubstr("not a kinloop map"));
+  EXPECT_THAT(message(folder.write("text", std::string(5000, 'x'))), HasSubstr("not a kinloop map"));
+  EXPECT_THAT(test::input_error([&] { write_some_map(folder.path() / "no" / "such.kinmap"); }),
+              HasSubstr("cannot be written"));
+  write_some_map(folder.path() / "newer");
+  std::string bytes = read_file(folder.path() / "newer");
+  bytes[63] = 9;  // the user version of the SQLite header, high byte first
+  EXPECT_THAT(message(folder.write("newer", bytes)), HasSubstr("use a newer kinloop"));
+}
+
+/// What is left is a map without contradictions that says what it lost; or there is a clear error.
+void expect_sound(const std::filesystem::path& path) {
+  try {
+    const MapReader reader(path);
+    auto [saved, damage] = reader.read();
+    const size_t read = saved.map.keyframes.size();
+    for (const Keyframe& keyframe : saved.map.keyframes) ASSERT_EQ(keyframe.features->size(), kKeypoints);
+    EXPECT_EQ(read + damage.keyframes, kKeyframes);
+    Map map;
+    map.append(std::move(saved.map));
+    map.check_invariants();
+    reader.read_images([](const SavedImages&) {});
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), StartsWith(path.string()));
+  }
+}
+
+TEST(MapFile, TruncationLosesOnlyTheEnd) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "map.kinmap";
+  write_some_map(path);
+  const std::string bytes = read_file(path);
+  // The images are the last third of this file and more.
+  const auto cut = folder.write("cut", bytes.substr(0, bytes.size() * 2 / 3));
+  const MapReader reader(cut);
+  const auto [saved, damage] = reader.read();
+  EXPECT_EQ(saved.map.keyframes.size(), kKeyframes);
+  EXPECT_EQ(damage.keyframes + damage.landmarks + damage.frames, 0U);
+  size_t whole = 0;
+  const size_t lost = reader.read_images([&](const SavedImages& saved_images) {
+    EXPECT_EQ(saved_images.images, some_images(whole).images);
+    ++whole;
+  });
+  EXPECT_EQ(whole + lost, kImages);
+  EXPECT_GT(lost, 0U);
+  EXPECT_GT(whole, 0U);
+}
+
+TEST(MapFile, ALostKeyframeLosesOnlyItsObservations) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "map.kinmap";
+  write_some_map(path);
+  std::string bytes = read_file(path);
+  const std::string features = serialize_features(*some_saved_map().map.keyframes[6].features);
+  const size_t at = bytes.find(features.substr(0, 64));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 20] = static_cast<char>(bytes[at + 20] ^ 1);
+  const auto [saved, damage] = MapReader(folder.write("map.kinmap", bytes)).read();
+  EXPECT_EQ(damage.keyframes, 1U);
+  EXPECT_EQ(damage.landmarks, kKeypoints);  // all that it was the anchor of
+  ASSERT_EQ(saved.map.keyframes.size(), kKeyframes - 1);
+  EXPECT_TRUE(saved.map.keyframes[6].begins_component);  // in the place of the lost one
+  EXPECT_EQ(saved.map.loop_edges.size(), 1U);
+}
+
+TEST(MapFile, NoTruncationCrashes) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "map.kinmap";
+  write_some_map(path);
+  const std::string bytes = read_file(path);
+  Random random(11);
+  for (int i = 0; i < 1000; ++i) {
+    const auto length = static_cast<size_t>(random.uniform(0, static_cast<double>(bytes.size())));
+    expect_sound(folder.write("cut", bytes.substr(0, length)));
+  }
+}
+
+TEST(MapFile, NoFlippedBytesCrash) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "map.kinmap";
+  write_some_map(path);
+  const std::string bytes = read_file(path);
+  Random random(12);
+  for (int i = 0; i < 1000; ++i) {
+    std::string flipped = bytes;
+    // Half of the time near the beginning, where the structure of the file is.
+    const double reach = i % 2 == 0 ? 40000 : static_cast<double>(bytes.size());
+    const int count = 1 + i % 10;
+    for (int k = 0; k < count; ++k) {
+      flipped[static_cast<size_t>(random.uniform(0, reach))] = static_cast<char>(random.uniform(0, 256));
+    }
+    expect_sound(folder.write("flipped", flipped));
+  }
+}
+
+}  // namespace
+}  // namespace kinloop

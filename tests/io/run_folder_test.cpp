@@ -1,0 +1,94 @@
+#include "kinloop/io/run_folder.hpp"
+
+#include <gmock/gmock.h>
+
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/io/point_cloud/ply.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace kinloop {
+namespace {
+
+using testing::HasSubstr;
+
+RunFiles some_files() {
+  RunFiles files;
+  for (int i = 0; i < 5; ++i) {
+    files.trajectory.push_back({i * 1'000'000'000LL, {Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}}});
+  }
+  files.keyframes = {files.trajectory[0], files.trajectory[3]};
+  files.ground_truth = files.trajectory;
+  files.map.points.emplace_back(1, 2, 3);
+  files.map.colors.push_back({1, 2, 3});
+  files.metrics = {{"frames", 5}};
+  return files;
+}
+
+TEST(RunFolder, OpeningAnExistingRunWritesNothing) {
+  const test::TempFolder temp;
+  const auto folder = RunFolder::open_existing(temp.path() / "none");
+  EXPECT_EQ(folder.trajectory(), temp.path() / "none" / "trajectory.txt");
+  EXPECT_FALSE(std::filesystem::exists(folder.path()));
+}
+
+TEST(RunFolder, HoldsEverythingUnderItsName) {
+  const test::TempFolder temp;
+  const RunFolder folder(temp.path() / "deep" / "out");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  write_run_files(folder, some_files());
+  EXPECT_EQ(read_tum_trajectory(temp.path() / "deep/out/trajectory.txt").size(), 5U);
+  EXPECT_EQ(read_tum_trajectory(temp.path() / "deep/out/keyframes.txt").size(), 2U);
+  EXPECT_EQ(read_tum_trajectory(temp.path() / "deep/out/groundtruth.txt").size(), 5U);
+  EXPECT_EQ(read_ply(temp.path() / "deep/out/map.ply").size(), 1U);
+  EXPECT_EQ(read_run_json(temp.path() / "deep/out/run.json").at("frames"), 5);
+}
+
+TEST(RunFolder, AnOlderRunsGroundTruthDoesNotStay) {
+  const test::TempFolder temp;
+  const RunFolder folder(temp.path());
+  auto files = some_files();
+  write_run_files(folder, files);
+  files.ground_truth.clear();
+  write_run_files(folder, files);
+  EXPECT_FALSE(std::filesystem::exists(folder.ground_truth()));
+}
+
+TEST(RunFolder, ForeignFilesAreKept) {
+  const test::TempFolder temp;
+  temp.write("groundtruth.txt", "measured by somebody");
+  auto files = some_files();
+  files.ground_truth.clear();
+  write_run_files(RunFolder(temp.path()), files);
+  EXPECT_EQ(read_file(temp.path() / "groundtruth.txt"), "measured by somebody");
+  temp.write("associations.txt", "");
+  EXPECT_THAT(test::input_error([&] { const RunFolder folder(temp.path()); }), HasSubstr("holds a sequence"));
+}
+
+TEST(RunFolder, AFileInItsPlaceIsAnError) {
+  const test::TempFolder temp;
+  temp.write("out", "a file");
+  EXPECT_THAT(test::input_error([&] { const RunFolder folder(temp.path() / "out"); }),
+              HasSubstr("cannot make the folder"));
+  EXPECT_THAT(test::input_error([&] { const RunFolder folder(temp.path() / "out" / "deeper"); }),
+              HasSubstr("choose another output folder"));
+}
+
+TEST(RunFolder, AFolderThatCannotBeWrittenToIsAnErrorAtOnce) {
+  // Root may write anywhere but into the file systems of the kernel.
+  for (const char* path : {"/proc", "/proc/kinloop"}) {
+    if (!std::filesystem::exists("/proc")) GTEST_SKIP() << "no /proc here";
+    EXPECT_THAT(test::input_error([&] { const RunFolder folder(path); }),
+                HasSubstr("choose another output folder"))
+        << path;
+  }
+}
+
+TEST(RunFolder, FiguresThatAreNotJsonAreAnError) {
+  const test::TempFolder temp;
+  const auto path = temp.write("run.json", "{\"frames\": 5");
+  EXPECT_THAT(test::input_error([&] { read_run_json(path); }), HasSubstr("run.json: not a JSON object"));
+}
+
+}  // namespace
+}  // namespace kinloop

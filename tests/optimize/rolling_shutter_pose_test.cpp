@@ -1,0 +1,116 @@
+#include "kinloop/optimize/pose/rolling_shutter_pose.hpp"
+
+#include <gtest/gtest.h>
+
+#include "kinloop/base/random.hpp"
+#include "tests/optimize/synthetic_view.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::error_of;
+using test::kinect;
+using test::make_view;
+using test::random_motion;
+
+SensorVector rolling_sensor() {
+  SensorVector sensor = SensorVector::Zero();
+  sensor(kRollingShutter) = 0.03;
+  sensor(kDepthDelay) = 0.015;
+  sensor(kDepthShutter) = 0.03;
+  return sensor;
+}
+
+/// Points as a rolling camera measures them in motion.
+std::vector<RollingShutterObservation> observe(const RollingShutterPose& truth, const SensorVector& sensor,
+                                               int count, double sigma_px, Random& random) {
+  std::vector<RollingShutterObservation> observations;
+  for (const auto& still : make_view(truth.T_world_camera, count, {}, random)) {
+    RollingShutterObservation o;
+    o.p_world = still.p_reference;
+    o.seen.row = still.pixel.y() / kinect().height - 0.5;
+    const SE3 T_color =
+        propagate_pose(truth.T_world_camera, truth.velocity, sensor(kRollingShutter) * o.seen.row);
+    const double depth_s = sensor(kDepthDelay) + sensor(kDepthShutter) * o.seen.row;
+    const SE3 T_depth = propagate_pose(truth.T_world_camera, truth.velocity, depth_s);
+    o.seen.pixel = kinect().project(T_color.inverse() * o.p_world) +
+                   sigma_px * Eigen::Vector2d(random.gaussian(), random.gaussian());
+    if (still.depth_m > 0) o.seen.depth_m = (T_depth.inverse() * o.p_world).z();
+    observations.push_back(o);
+  }
+  return observations;
+}
+
+RollingShutterPose random_moving_pose(Random& random) {
+  RollingShutterPose pose{random_motion(random, 1.0, 1.0), {}};
+  pose.velocity << test::random_vector(random, 0.5), test::random_vector(random, 1.0);
+  return pose;
+}
+
+TEST(RollingShutterPose, FindsPoseAndVelocityWithoutNoise) {
+  Random random(1);
+  for (int trial = 0; trial < 10; ++trial) {
+    const RollingShutterPose truth = random_moving_pose(random);
+    const auto observations = observe(truth, rolling_sensor(), 150, 0, random);
+    const RollingShutterPose guess{truth.T_world_camera * random_motion(random, 0.02, 0.01),
+                                   Velocity::Zero()};
+    const VelocitySigma unknown{100, 100};
+    const auto found =
+        solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, guess, unknown, {});
+    ASSERT_TRUE(found.has_value());
+    EXPECT_LT(error_of(found->T_world_camera, truth.T_world_camera).norm(), 1e-4);
+    EXPECT_LT((found->velocity - truth.velocity).norm(), 1e-2);
+  }
+}
+
+TEST(RollingShutterPose, RefinesAnApproximateVelocity) {
+  Random random(2);
+  double before = 0, after = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const RollingShutterPose truth = random_moving_pose(random);
+    const auto observations = observe(truth, rolling_sensor(), 200, 0.7, random);
+    RollingShutterPose guess = truth;
+    for (int i = 0; i < 6; ++i) guess.velocity(i) += 0.1 * random.gaussian();
+    const auto found = solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, guess, {}, {});
+    ASSERT_TRUE(found.has_value());
+    before += (guess.velocity - truth.velocity).tail<3>().norm();
+    after += (found->velocity - truth.velocity).tail<3>().norm();
+  }
+  EXPECT_LT(after, 0.7 * before);
+}
+
+TEST(RollingShutterPose, OutliersDoNotMoveIt) {
+  Random random(3);
+  const RollingShutterPose truth = random_moving_pose(random);
+  auto observations = observe(truth, rolling_sensor(), 200, 0, random);
+  for (size_t i = 0; i < 60; ++i) observations[i].seen.pixel += Eigen::Vector2d(40 + random.uniform(), -25);
+  const auto found = solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, truth, {}, {});
+  ASSERT_TRUE(found.has_value());
+  EXPECT_LT(error_of(found->T_world_camera, truth.T_world_camera).norm(), 1e-3);
+}
+
+TEST(RollingShutterPose, VelocityIsUnobservableWithAnIdealSensor) {
+  Random random(4);
+  const RollingShutterPose truth{random_motion(random, 1.0, 1.0), Velocity::Zero()};
+  const auto observations = observe(truth, SensorVector::Zero(), 100, 0.5, random);
+  RollingShutterPose guess = truth;
+  guess.velocity.setConstant(0.3);
+  const auto found = solve_rolling_shutter_pose(kinect(), SensorVector::Zero(), observations, guess, {}, {});
+  ASSERT_TRUE(found.has_value());
+  EXPECT_LT((found->velocity - guess.velocity).norm(), 1e-9);
+}
+
+TEST(RollingShutterPose, TooFewInliersGiveNoSolution) {
+  Random random(5);
+  const RollingShutterPose truth = random_moving_pose(random);
+  auto observations = observe(truth, rolling_sensor(), 10, 0, random);
+  for (size_t i = 0; i < 6; ++i) {
+    observations[i].seen.pixel = Eigen::Vector2d(640 * random.uniform(), 480 * random.uniform());
+  }
+  EXPECT_FALSE(
+      solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, truth, {}, {}).has_value());
+  EXPECT_FALSE(solve_rolling_shutter_pose(kinect(), rolling_sensor(), {}, truth, {}, {}).has_value());
+}
+
+}  // namespace
+}  // namespace kinloop

@@ -1,0 +1,206 @@
+#include "tools/calibration/lens.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/quantile.hpp"
+#include "tools/calibration/homography.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr size_t kFewestViews = 3;
+
+/// Views with the homography of each; those without one (all corners on a line) are left out.
+struct PlanarViews {
+  std::vector<BoardView> views;
+  std::vector<Eigen::Matrix3d> homographies;
+};
+
+PlanarViews planar(const std::vector<BoardView>& views, std::vector<RejectedView>& rejected) {
+  PlanarViews planar;
+  for (const BoardView& view : views) {
+    const auto H = fit_homography(view.board_m, view.pixels);
+    if (!H) {
+      rejected.push_back({view.name, "its corners are collinear"});
+      continue;
+    }
+    planar.views.push_back(view);
+    planar.homographies.push_back(*H);
+  }
+  return planar;
+}
+
+void require_enough_views(size_t views) {
+  if (views >= kFewestViews) return;
+  throw InputError(
+      fmt::format("only {} usable views of the board; calibration needs at least {}, better about "
+                  "twenty, with the "
+                  "board tilted differently in each",
+                  views, kFewestViews));
+}
+
+RigProblem rig_of(const PinholeCamera& lens, const PlanarViews& planar) {
+  RigProblem problem;
+  problem.cameras.push_back({lens, {}, 1, false});
+  for (size_t i = 0; i < planar.views.size(); ++i) {
+    problem.T_rig_board.push_back(pose_from_homography(lens, planar.homographies[i]));
+    problem.observations.push_back({0, i, planar.views[i]});
+  }
+  return problem;
+}
+
+std::vector<FittedView> fitted(const PinholeCamera& lens, const std::vector<SE3>& poses,
+                               const std::vector<BoardView>& views) {
+  std::vector<FittedView> fits;
+  for (size_t i = 0; i < views.size(); ++i) {
+    auto errors = reprojection_errors(lens, poses[i], views[i]);
+    const double rms = rms_px(errors);
+    fits.push_back({views[i], poses[i], std::move(errors), rms});
+  }
+  return fits;
+}
+
+double rms_of_all(const std::vector<FittedView>& fits) {
+  std::vector<Eigen::Vector2d> all;
+  for (const auto& fit : fits) all.insert(all.end(), fit.errors_px.begin(), fit.errors_px.end());
+  return rms_px(all);
+}
+
+/// The view that agrees least with the rest, where it does not agree at all.
+std::optional<size_t> outlier(const std::vector<FittedView>& fits, double factor) {
+  std::vector<double> rms;
+  for (const auto& fit : fits) rms.push_back(fit.rms_px);
+  const auto worst = std::max_element(rms.begin(), rms.end());
+  constexpr double kExactPx = 1e-6;  // below, all views are without error
+  if (*worst <= factor * median(rms) || *worst < kExactPx) return std::nullopt;
+  return static_cast<size_t>(worst - rms.begin());
+}
+
+/// How many boards there are no two of which are tilted alike, found greedily.
+size_t distinct_tilts(const std::vector<FittedView>& fits, double alike_deg) {
+  const double alike_cos = std::cos(alike_deg * std::numbers::pi / 180);
+  std::vector<Eigen::Vector3d> normals;
+  for (const auto& fit : fits) {
+    const Eigen::Vector3d normal = fit.T_camera_board.R().col(2);
+    const bool fresh = std::none_of(normals.begin(), normals.end(), [&](const auto& other) {
+      return std::abs(normal.dot(other)) > alike_cos;
+    });
+    if (fresh) normals.push_back(normal);
+  }
+  return normals.size();
+}
+
+ImageCoverage compute_coverage(const std::vector<FittedView>& fits) {
+  std::array<bool, static_cast<size_t>(ImageCoverage::kColumns) * ImageCoverage::kRows> seen{};
+  ImageCoverage coverage;
+  for (const auto& [view, T, errors, rms] : fits) {
+    const Eigen::Vector2d size(view.width, view.height), middle = (size.array() - 1) / 2;
+    for (const auto& pixel : view.pixels) {
+      const int column = std::clamp(static_cast<int>(pixel.x() / size.x() * ImageCoverage::kColumns), 0,
+                                    ImageCoverage::kColumns - 1);
+      const int row = std::clamp(static_cast<int>(pixel.y() / size.y() * ImageCoverage::kRows), 0,
+                                 ImageCoverage::kRows - 1);
+      seen[static_cast<size_t>(row) * ImageCoverage::kColumns + static_cast<size_t>(column)] = true;
+      coverage.radius_share = std::max(coverage.radius_share, (pixel - middle).norm() / middle.norm());
+    }
+  }
+  coverage.cells_share =
+      static_cast<double>(std::count(seen.begin(), seen.end(), true)) / static_cast<double>(seen.size());
+  return coverage;
+}
+
+std::vector<std::string> warnings_of(const LensCalibration& c, const CalibrationOptions& options) {
+  constexpr size_t kGoodTilts = 4, kGoodViews = 10;
+  constexpr double kGoodShare = 0.6, kGoodFocal = 0.01;
+  std::vector<std::string> warnings;
+  if (c.distinct_tilts < kGoodTilts) {
+    warnings.push_back(
+        fmt::format("the views are too alike: only {} tilts of the board differ by {} degrees or more; "
+                    "tilt it more, to all sides",
+                    c.distinct_tilts, options.min_tilt_difference_deg));
+  }
+  if (c.views.size() < kGoodViews) {
+    warnings.push_back(fmt::format("only {} views; take at least {}", c.views.size(), kGoodViews));
+  }
+  if (c.coverage.cells_share < kGoodShare) {
+    warnings.push_back(
+        fmt::format("corners cover only {:.0f} % of the image; hold the board closer and into its "
+                    "corners",
+                    100 * c.coverage.cells_share));
+  }
+  const double focal_share =
+      std::max(c.std_deviations()(0) / c.camera.fx, c.std_deviations()(1) / c.camera.fy);
+  if (focal_share > kGoodFocal) {
+    warnings.push_back(
+        fmt::format("the stills do not constrain the focal length: its standard deviation is {:.1f} %",
+                    100 * focal_share));
+  }
+  return warnings;
+}
+
+/// Standard deviation of one coordinate: errors over degrees of freedom.
+double sigma_of(const std::vector<FittedView>& fits, int lens_parameters) {
+  double sum = 0, freedom = -lens_parameters;
+  for (const auto& fit : fits) {
+    for (const auto& e : fit.errors_px) sum += e.squaredNorm();
+    freedom += 2 * static_cast<double>(fit.errors_px.size()) - SE3::kDof;
+  }
+  return freedom > 0 ? std::sqrt(sum / freedom) : 0;
+}
+
+/// Closed form and refinement of the views there are.
+void solve(LensCalibration& c, const PlanarViews& planar, const CalibrationOptions& options) {
+  const BoardView& first = planar.views.front();
+  const auto closed = camera_from_homographies(planar.homographies, first.width, first.height);
+  if (!closed) {
+    throw InputError(fmt::format(
+        "the {} views do not determine the camera: the boards are parallel to each other or to the "
+        "image; tilt the board "
+        "by 20 to 45 degrees, in a different direction in each view",
+        planar.views.size()));
+  }
+  const RigProblem problem = rig_of(*closed, planar);
+  const RigSolution solution = adjust_rig(problem, options.distortion_terms);
+  if (!solution.converged) {
+    throw InputError("the optimisation did not converge; take more views with the board tilted differently");
+  }
+  c.closed_form = *closed;
+  c.closed_form_rms_px = rms_of_all(fitted(*closed, problem.T_rig_board, planar.views));
+  c.camera = solution.cameras.front().lens;
+  c.views = fitted(c.camera, solution.T_rig_board, planar.views);
+  c.rms_px = rms_of_all(c.views);
+  c.sigma_px = sigma_of(c.views, 4 + options.distortion_terms);
+  c.sigma_inflation = c.sigma_px > 0 ? std::max(1.0, std::sqrt(solution.dispersion) / c.sigma_px) : 1;
+  c.covariance = solution.covariance.topLeftCorner<kLensParameters, kLensParameters>() *
+                 std::pow(c.sigma_px * c.sigma_inflation, 2);
+}
+
+}  // namespace
+
+LensCalibration calibrate_lens(const std::vector<BoardView>& views, const CalibrationOptions& options) {
+  LensCalibration c;
+  PlanarViews used = planar(views, c.rejected);
+  while (true) {
+    require_enough_views(used.views.size());
+    solve(c, used, options);
+    const auto worst = outlier(c.views, options.outlier_factor);
+    if (!worst || used.views.size() == kFewestViews) break;
+    const FittedView& view = c.views[*worst];
+    c.rejected.push_back(
+        {view.view.name, fmt::format("RMS {:.2f} px, overall {:.2f} px", view.rms_px, c.rms_px)});
+    used.views.erase(used.views.begin() + static_cast<std::ptrdiff_t>(*worst));
+    used.homographies.erase(used.homographies.begin() + static_cast<std::ptrdiff_t>(*worst));
+  }
+  c.distinct_tilts = distinct_tilts(c.views, options.min_tilt_difference_deg);
+  c.coverage = compute_coverage(c.views);
+  c.warnings = warnings_of(c, options);
+  return c;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "kinloop/base/options.hpp"
+
+namespace kinloop {
+
+struct CalibrationOptions {
+  int distortion_terms = 5;
+  double outlier_factor = 3;
+  double min_tilt_difference_deg = 10;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("distortion_terms", self.distortion_terms,
+          "number of terms of k1 k2 p1 p2 k3 to estimate: 0, 2, 4 or 5; the others are 0", Range{0, 5});
+    visit("outlier_factor", self.outlier_factor,
+          "reject a view whose RMS exceeds this multiple of the median", Range{1.5, 100});
+    visit("alike_deg", self.min_tilt_difference_deg, "tilts closer than this count as one", Range{0, 90});
+  }
+};
+
+}  // namespace kinloop

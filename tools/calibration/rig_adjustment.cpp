@@ -1,0 +1,280 @@
+#include "tools/calibration/rig_adjustment.hpp"
+
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+// Parameter blocks of a sighting: fx fy cx cy | k1 k2 | p1 p2 | k3 | T_camera_rig | T_rig_board. The lens is
+// in four blocks so that each number of distortion terms holds whole blocks. A motion is translation, then
+// rotation vector: the boards of a calibration are never turned by a full turn, where the vector is singular.
+constexpr std::array<int, 6> kBlockSizes = {4, 2, 2, 1, 6, 6};
+constexpr int kSharedBlocks = 5, kLensBlocks = 4;
+constexpr std::array<int, kSharedBlocks> kBlockStarts = {0, 4, 6, 8, kLensParameters};
+
+using CameraNumbers = std::array<double, kRigCameraParameters>;
+using PoseNumbers = std::array<double, 6>;
+using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+template <class T>
+Eigen::Matrix<T, 3, 1> moved(const T* motion, const Eigen::Matrix<T, 3, 1>& point) {
+  Eigen::Matrix<T, 3, 1> rotated;
+  ceres::AngleAxisRotatePoint(motion + 3, point.data(), rotated.data());
+  return rotated + Eigen::Map<const Eigen::Matrix<T, 3, 1>>(motion);
+}
+
+/// All corners of one sighting, in standard deviations.
+struct BoardResidual {
+  const BoardView* view;
+  double sigma_px;
+
+  template <class T>
+  bool operator()(const T* pinhole, const T* radial, const T* tangential, const T* radial6, const T* camera,
+                  const T* board, T* residuals) const {
+    for (size_t i = 0; i < view->pixels.size(); ++i) {
+      const auto on_board = view->board_m[i].cast<T>();
+      const Eigen::Matrix<T, 3, 1> in_rig =
+          moved(board, Eigen::Matrix<T, 3, 1>(on_board.x(), on_board.y(), T(0)));
+      const Eigen::Matrix<T, 3, 1> p = moved(camera, in_rig);
+      const T x = p.x() / p.z(), y = p.y() / p.z(), r2 = x * x + y * y;
+      const T scale = T(1) + r2 * (radial[0] + r2 * (radial[1] + r2 * radial6[0]));
+      const T &p1 = tangential[0], &p2 = tangential[1];
+      const T u = x * scale + T(2) * p1 * x * y + p2 * (r2 + T(2) * x * x);
+      const T v = y * scale + p1 * (r2 + T(2) * y * y) + T(2) * p2 * x * y;
+      residuals[2 * i] = (pinhole[0] * u + pinhole[2] - view->pixels[i].x()) / sigma_px;
+      residuals[2 * i + 1] = (pinhole[1] * v + pinhole[3] - view->pixels[i].y()) / sigma_px;
+    }
+    return true;
+  }
+};
+
+using BoardCost = ceres::AutoDiffCostFunction<BoardResidual, ceres::DYNAMIC, 4, 2, 2, 1, 6, 6>;
+
+PoseNumbers pack(const SE3& T) {
+  const Eigen::Vector3d r = log_so3(T.rotation);
+  return {T.translation.x(), T.translation.y(), T.translation.z(), r.x(), r.y(), r.z()};
+}
+
+SE3 unpack_pose(const double* x) {
+  return {exp_so3({x[3], x[4], x[5]}), {x[0], x[1], x[2]}};
+}
+
+CameraNumbers pack(const RigCamera& camera) {
+  CameraNumbers numbers{};
+  Eigen::Map<Eigen::Matrix<double, kLensParameters, 1>>(numbers.data()) = lens_parameters(camera.lens);
+  const PoseNumbers motion = pack(camera.T_camera_rig);
+  std::copy(motion.begin(), motion.end(), numbers.begin() + kLensParameters);
+  return numbers;
+}
+
+void unpack(const CameraNumbers& x, RigCamera& camera) {
+  PinholeCamera& lens = camera.lens;
+  lens.fx = x[0], lens.fy = x[1], lens.cx = x[2], lens.cy = x[3];
+  lens.k1 = x[4], lens.k2 = x[5], lens.p1 = x[6], lens.p2 = x[7], lens.k3 = x[8];
+  camera.T_camera_rig = unpack_pose(x.data() + kLensParameters);
+}
+
+/// The numbers that are estimated, and who is held.
+struct RigState {
+  std::vector<CameraNumbers> cameras;
+  std::vector<PoseNumbers> boards;
+  std::vector<std::array<bool, kSharedBlocks>> held;
+
+  [[nodiscard]] std::vector<double*> blocks(const BoardObservation& s) {
+    double* camera = cameras[s.camera].data();
+    std::vector<double*> all;
+    for (const int start : kBlockStarts) all.push_back(camera + start);
+    all.push_back(boards[s.shot].data());
+    return all;
+  }
+};
+
+RigState make_state(const RigProblem& problem, int distortion_terms) {
+  RigState state;
+  for (size_t c = 0; c < problem.cameras.size(); ++c) {
+    const bool known = problem.cameras[c].lens_fixed;
+    state.cameras.push_back(pack(problem.cameras[c]));
+    state.held.push_back({known, known || distortion_terms < 2, known || distortion_terms < 4,
+                          known || distortion_terms < 5, c == 0 || problem.cameras[c].pose_fixed});
+  }
+  for (const SE3& T : problem.T_rig_board) state.boards.push_back(pack(T));
+  return state;
+}
+
+std::unique_ptr<BoardCost> make_cost(const RigProblem& problem, const BoardObservation& sighting) {
+  return std::make_unique<BoardCost>(
+      new BoardResidual{&sighting.view, problem.cameras[sighting.camera].sigma_px},
+      static_cast<int>(2 * sighting.view.pixels.size()));
+}
+
+bool minimize(const RigProblem& problem, RigState& state) {
+  ceres::Problem least_squares;
+  auto* order = new ceres::ParameterBlockOrdering;  // owned by the solver's options below
+  for (const BoardObservation& s : problem.observations) {
+    const auto blocks = state.blocks(s);
+    least_squares.AddResidualBlock(make_cost(problem, s).release(), nullptr, blocks);
+    for (int b = 0; b < kSharedBlocks; ++b) {
+      if (state.held[s.camera][static_cast<size_t>(b)])
+        least_squares.SetParameterBlockConstant(blocks[static_cast<size_t>(b)]);
+      order->AddElementToGroup(blocks[static_cast<size_t>(b)], 1);
+    }
+    order->AddElementToGroup(blocks.back(), 0);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.linear_solver_ordering.reset(order);
+  options.max_num_iterations = 200;
+  options.function_tolerance = 1e-14;
+  options.parameter_tolerance = 1e-12;
+  options.gradient_tolerance = 1e-12;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &least_squares, &summary);
+  return summary.IsSolutionUsable() && summary.termination_type == ceres::CONVERGENCE;
+}
+
+/// One sighting's residuals, and their derivatives by all cameras' parameters (held ones zero) and by its
+/// board.
+struct ObservationRows {
+  Eigen::VectorXd residuals;
+  Columns shared, board;
+};
+
+ObservationRows rows_of(const RigProblem& problem, RigState& state, const BoardObservation& s) {
+  const auto cost = make_cost(problem, s);
+  const auto count = static_cast<Eigen::Index>(2 * s.view.pixels.size());
+  std::array<Columns, kBlockSizes.size()> columns;
+  std::array<double*, kBlockSizes.size()> places{};
+  for (size_t b = 0; b < columns.size(); ++b) {
+    columns[b].resize(count, kBlockSizes[b]);
+    places[b] = columns[b].data();
+  }
+  ObservationRows rows;
+  rows.residuals.resize(count);
+  const auto blocks = state.blocks(s);
+  cost->Evaluate(blocks.data(), rows.residuals.data(), places.data());
+  rows.board = columns.back();
+  rows.shared.setZero(count, static_cast<Eigen::Index>(state.cameras.size()) * kRigCameraParameters);
+  const auto first = static_cast<Eigen::Index>(s.camera) * kRigCameraParameters;
+  for (size_t b = 0; b < kSharedBlocks; ++b) {
+    if (!state.held[s.camera][b]) {
+      rows.shared.middleCols(first + kBlockStarts[b], kBlockSizes[b]) = columns[b];
+    }
+  }
+  return rows;
+}
+
+/// What one shot says about the cameras' parameters, with the board's pose marginalised (Schur complement).
+struct ShotInformation {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+};
+
+std::vector<ShotInformation> shot_informations(const RigProblem& problem, RigState& state) {
+  const auto count = static_cast<Eigen::Index>(state.cameras.size()) * kRigCameraParameters;
+  std::vector<ShotInformation> shots(state.boards.size(),
+                                     {Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)});
+  std::vector<Eigen::MatrixXd> mixed(shots.size(), Eigen::MatrixXd::Zero(count, SE3::kDof));
+  std::vector<Matrix6d> boards(shots.size(), Matrix6d::Zero());
+  std::vector<Vector6d> board_gradients(shots.size(), Vector6d::Zero());
+  for (const BoardObservation& s : problem.observations) {
+    const ObservationRows rows = rows_of(problem, state, s);
+    shots[s.shot].information += rows.shared.transpose() * rows.shared;
+    shots[s.shot].gradient += rows.shared.transpose() * rows.residuals;
+    mixed[s.shot] += rows.shared.transpose() * rows.board;
+    boards[s.shot] += rows.board.transpose() * rows.board;
+    board_gradients[s.shot] += rows.board.transpose() * rows.residuals;
+  }
+  for (size_t i = 0; i < shots.size(); ++i) {
+    const auto board = boards[i].ldlt();
+    shots[i].information -= mixed[i] * board.solve(mixed[i].transpose());
+    shots[i].gradient -= mixed[i] * board.solve(board_gradients[i]);
+  }
+  return shots;
+}
+
+/// The inverse over the parameters that are estimated, zero for those held. Scaled before it is inverted: the
+/// parameters have units from pixels to 1. What the observations do not fix gets a very large variance, not
+/// none.
+Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information) {
+  constexpr double kLeast = 1e-12;  // eigenvalue, of the scaled matrix
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index i = 0; i < information.rows(); ++i) {
+    if (information(i, i) > 0) free.push_back(i);
+  }
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(information.rows(), information.cols());
+  if (free.empty()) return covariance;
+  const Eigen::VectorXd scale = information.diagonal()(free).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * information(free, free) * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(kLeast).cwiseInverse();
+  const Eigen::MatrixXd axes = scale.asDiagonal() * eigen.eigenvectors();
+  covariance(free, free) = axes * inverse.asDiagonal() * axes.transpose();
+  return covariance;
+}
+
+/// Were all errors independent and of the deviation they were given, a shot's gradient g would have the
+/// covariance A_s - A_s C A_s (A_s its information, C the inverse of their sum). How much larger g^T C g is
+/// than that says, over all shots.
+double dispersion_of(const std::vector<ShotInformation>& shots, const Eigen::MatrixXd& C) {
+  double found = 0, expected = 0;
+  for (const auto& shot : shots) {
+    const Eigen::MatrixXd share = C * shot.information;
+    found += shot.gradient.dot(C * shot.gradient);
+    expected += share.trace() - (share * share).trace();
+  }
+  return expected > 0 ? found / expected : 0;
+}
+
+}  // namespace
+
+Eigen::Matrix<double, kLensParameters, 1> lens_parameters(const PinholeCamera& c) {
+  Eigen::Matrix<double, kLensParameters, 1> numbers;
+  numbers << c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3;
+  return numbers;
+}
+
+std::vector<Eigen::Vector2d> reprojection_errors(const PinholeCamera& camera, const SE3& T_camera_board,
+                                                 const BoardView& view) {
+  std::vector<Eigen::Vector2d> errors;
+  for (size_t i = 0; i < view.pixels.size(); ++i) {
+    const Eigen::Vector3d p = T_camera_board * Eigen::Vector3d(view.board_m[i].x(), view.board_m[i].y(), 0);
+    errors.emplace_back(camera.distort(camera.project(p)) - view.pixels[i]);
+  }
+  return errors;
+}
+
+double rms_px(const std::vector<Eigen::Vector2d>& errors) {
+  double sum = 0;
+  for (const auto& e : errors) sum += e.squaredNorm();
+  return errors.empty() ? 0 : std::sqrt(sum / static_cast<double>(errors.size()));
+}
+
+RigSolution adjust_rig(const RigProblem& problem, int distortion_terms) {
+  require(!problem.cameras.empty() && !problem.observations.empty(), "adjust_rig: a camera and a sighting");
+  RigState state = make_state(problem, distortion_terms);
+  RigSolution solution;
+  solution.cameras = problem.cameras;
+  solution.converged = minimize(problem, state);
+  for (size_t c = 0; c < state.cameras.size(); ++c) unpack(state.cameras[c], solution.cameras[c]);
+  for (const PoseNumbers& board : state.boards) solution.T_rig_board.push_back(unpack_pose(board.data()));
+  const auto shots = shot_informations(problem, state);
+  Eigen::MatrixXd information =
+      Eigen::MatrixXd::Zero(shots.front().information.rows(), shots.front().information.cols());
+  for (const auto& shot : shots) information += shot.information;
+  solution.covariance = covariance_of(information);
+  solution.dispersion = dispersion_of(shots, solution.covariance);
+  return solution;
+}
+
+}  // namespace kinloop

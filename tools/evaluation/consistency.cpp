@@ -1,0 +1,42 @@
+#include "tools/evaluation/consistency.hpp"
+
+#include <Eigen/Cholesky>
+
+namespace kinloop {
+namespace {
+
+constexpr int64_t kMaxTruthGapNs = 100'000'000;
+
+/// Nothing where the covariance is not that of a measured quantity.
+std::optional<double> normalised_squared(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
+  const Eigen::LLT<Eigen::Matrix3d> factor(covariance);
+  if (!covariance.allFinite() || factor.info() != Eigen::Success) return std::nullopt;
+  return error.dot(factor.solve(error));
+}
+
+}  // namespace
+
+std::optional<Consistency> evaluate_consistency(const std::vector<PoseWithCovariance>& poses,
+                                                const Trajectory& truth) {
+  if (poses.empty()) return std::nullopt;
+  const auto T_truth_first = pose_at(truth, poses[0].stamp_ns, kMaxTruthGapNs);
+  if (!T_truth_first) return std::nullopt;
+  const SE3 T_world_truth = poses[0].T_world_camera * T_truth_first->inverse();
+  Consistency sum;
+  for (size_t i = 1; i < poses.size(); ++i) {
+    const auto T_truth_camera = pose_at(truth, poses[i].stamp_ns, kMaxTruthGapNs);
+    if (!T_truth_camera) continue;
+    const Vector6d error = (poses[i].T_world_camera.inverse() * T_world_truth * *T_truth_camera).log();
+    const auto translation = normalised_squared(error.head<3>(), poses[i].covariance.topLeftCorner<3, 3>());
+    const auto rotation = normalised_squared(error.tail<3>(), poses[i].covariance.bottomRightCorner<3, 3>());
+    if (!translation || !rotation) continue;
+    ++sum.poses;
+    sum.nees_translation += *translation;
+    sum.nees_rotation += *rotation;
+  }
+  if (sum.poses == 0) return std::nullopt;
+  const auto count = static_cast<double>(sum.poses);
+  return Consistency{sum.poses, sum.nees_translation / count, sum.nees_rotation / count};
+}
+
+}  // namespace kinloop

@@ -1,0 +1,103 @@
+#include "tools/evaluation/evaluate.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "kinloop/base/time.hpp"
+#include "kinloop/geometry/rigid_alignment.hpp"
+
+namespace kinloop {
+namespace {
+
+std::vector<int64_t> stamps_of(const Trajectory& trajectory) {
+  std::vector<int64_t> stamps_ns;
+  for (const StampedPose& pose : trajectory) stamps_ns.push_back(pose.stamp_ns);
+  return stamps_ns;
+}
+
+std::string span_text(const Trajectory& trajectory) {
+  if (trajectory.empty()) return "is empty";
+  return fmt::format("lasts from {} to {}", format_stamp(trajectory.front().stamp_ns),
+                     format_stamp(trajectory.back().stamp_ns));
+}
+
+nlohmann::json to_json(const ErrorStatistics& s, const std::string& unit) {
+  return {{"rmse_" + unit, s.rmse}, {"mean_" + unit, s.mean}, {"median_" + unit, s.median},
+          {"std_" + unit, s.std},   {"min_" + unit, s.min},   {"max_" + unit, s.max}};
+}
+
+nlohmann::json to_json(const std::optional<RpeResult>& rpe) {
+  if (!rpe) return nullptr;
+  return {{"pairs", rpe->translation_m.count},
+          {"translation", to_json(rpe->translation_m, "m")},
+          {"rotation", to_json(rpe->rotation_deg, "deg")}};
+}
+
+}  // namespace
+
+std::optional<AteResult> absolute_trajectory_error(const Trajectory& estimate, const Trajectory& truth,
+                                                   int64_t max_difference_ns) {
+  const auto pairs = associate_stamps(stamps_of(truth), stamps_of(estimate), max_difference_ns);
+  std::vector<Eigen::Vector3d> truth_points, estimate_points;
+  for (const StampPair& pair : pairs) {
+    truth_points.push_back(truth[pair.a].T_world_camera.translation);
+    estimate_points.push_back(estimate[pair.b].T_world_camera.translation);
+  }
+  const auto T_truth_estimate = align_rigid(truth_points, estimate_points);
+  if (!T_truth_estimate) return std::nullopt;
+
+  AteResult result;
+  result.T_truth_estimate = *T_truth_estimate;
+  std::vector<double> errors_m;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    errors_m.push_back((*T_truth_estimate * estimate_points[i] - truth_points[i]).norm());
+    result.poses.push_back({estimate[pairs[i].b].stamp_ns, errors_m.back()});
+  }
+  result.error_m = compute_statistics(errors_m);
+  return result;
+}
+
+Coverage compute_coverage(const Trajectory& estimate, const Trajectory& truth, int64_t max_gap_ns) {
+  if (estimate.empty() || truth.empty()) return {};
+  const int64_t begin_ns = truth.front().stamp_ns, end_ns = truth.back().stamp_ns;
+  int64_t covered_ns = 0;
+  for (size_t i = 1; i < estimate.size(); ++i) {
+    const int64_t from_ns = estimate[i - 1].stamp_ns, to_ns = estimate[i].stamp_ns;
+    if (to_ns - from_ns > max_gap_ns) continue;
+    covered_ns += std::max<int64_t>(0, std::min(to_ns, end_ns) - std::max(from_ns, begin_ns));
+  }
+  const auto matched = associate_stamps(stamps_of(truth), stamps_of(estimate)).size();
+  const auto share = [](auto part, auto whole) {
+    return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+  };
+  return {share(covered_ns, end_ns - begin_ns), share(matched, estimate.size())};
+}
+
+std::optional<Evaluation> evaluate(const Trajectory& estimate, const Trajectory& truth) {
+  const auto ate = absolute_trajectory_error(estimate, truth);
+  if (!ate) return std::nullopt;
+  return Evaluation{.ate = *ate,
+                    .rpe_second = relative_pose_error(estimate, truth, {1, RpeDelta::Unit::kSeconds}),
+                    .rpe_frame = relative_pose_error(estimate, truth, {1, RpeDelta::Unit::kFrames}),
+                    .coverage = compute_coverage(estimate, truth)};
+}
+
+std::string evaluation_failure(const Trajectory& estimate, const Trajectory& truth) {
+  return fmt::format(
+      "fewer than three poses have ground truth within {} s, or all lie on one line: the estimate {}, the "
+      "truth {}",
+      to_seconds(kMaxAssociationNs), span_text(estimate), span_text(truth));
+}
+
+nlohmann::json to_json(const Evaluation& evaluation) {
+  nlohmann::json ate = to_json(evaluation.ate.error_m, "m");
+  ate["pairs"] = evaluation.ate.error_m.count;
+  return {{"ate", ate},
+          {"rpe_1s", to_json(evaluation.rpe_second)},
+          {"rpe_1frame", to_json(evaluation.rpe_frame)},
+          {"coverage",
+           {{"time", evaluation.coverage.time_fraction}, {"matched", evaluation.coverage.matched_fraction}}}};
+}
+
+}  // namespace kinloop

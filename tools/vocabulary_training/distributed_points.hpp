@@ -1,0 +1,109 @@
+#pragma once
+// Points of which each process has some: the first of them the first process, and so on.
+
+#include <algorithm>
+#include <numeric>
+
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/random.hpp"
+#include "tools/vocabulary_training/clustering.hpp"
+
+namespace kinloop {
+
+/// One number per point of this process.
+using PointValues = std::pmr::vector<uint32_t>;
+
+template <class Space>
+class DistributedPoints {
+ public:
+  using Point = typename Space::Point;
+
+  /// `weights` (one per local point, or none: all 1) say how many points each stands for.
+  DistributedPoints(std::span<const Point> local, const ClusterOptions& options,
+                    const Communicator& communicator, std::span<const uint64_t> weights = {})
+      : local_(local),
+        weights_(weights),
+        threads_(options.threads),
+        memory_(options.memory),
+        communicator_(communicator),
+        counts_(communicator.all_gather(local.size())) {}
+
+  [[nodiscard]] std::span<const Point> local() const { return local_; }
+  [[nodiscard]] const Communicator& communicator() const { return communicator_; }
+  [[nodiscard]] int threads() const { return threads_; }
+  [[nodiscard]] uint64_t total() const {
+    return std::accumulate(counts_.begin(), counts_.end(), uint64_t{0});
+  }
+  /// The number of this process's first point.
+  [[nodiscard]] uint64_t first() const {
+    return std::accumulate(counts_.begin(), counts_.begin() + communicator_.rank(), uint64_t{0});
+  }
+
+  [[nodiscard]] PointValues make_point_values(uint32_t value) const {
+    return PointValues(local_.size(), value, memory_);
+  }
+
+  /// Point `number`, wherever it is.
+  [[nodiscard]] Point at(uint64_t number) const {
+    const uint64_t begin = first();
+    return fetch(number >= begin && number - begin < local_.size(), number - begin);
+  }
+
+  /// Sum of `distances`, each as often as its point counts, over all points.
+  [[nodiscard]] uint64_t sum(const PointValues& distances) const {
+    return communicator_.all_reduce_sum(local_sum(distances));
+  }
+
+  /// A point drawn with probability proportional to its distance; `sum` is sum(distances), above 0.
+  [[nodiscard]] Point draw(const PointValues& distances, uint64_t sum, Random& random) const {
+    auto left = static_cast<uint64_t>(random.uniform() * static_cast<double>(sum));
+    const auto sums = communicator_.all_gather(local_sum(distances));
+    int owner = 0;
+    while (left >= sums[static_cast<size_t>(owner)]) left -= sums[static_cast<size_t>(owner++)];
+    size_t drawn = 0;
+    if (owner == communicator_.rank()) {
+      while (left >= weight(drawn) * distances[drawn]) left -= weight(drawn) * distances[drawn], ++drawn;
+    }
+    return fetch(owner == communicator_.rank(), drawn);
+  }
+
+  /// The distances with one more centre.
+  [[nodiscard]] PointValues update_distances(const PointValues& distances, const Point& centre) const {
+    PointValues lowered = make_point_values(0), nearest = make_point_values(0);
+    parallel_for(local_.size(), threads_, [&](size_t begin, size_t end) {
+      assign_to_nearest<Space>(local_.subspan(begin, end - begin), {&centre, 1}, &nearest[begin],
+                               &lowered[begin]);
+      for (size_t i = begin; i < end; ++i) lowered[i] = std::min(lowered[i], distances[i]);
+    });
+    return lowered;
+  }
+
+ private:
+  [[nodiscard]] uint64_t weight(size_t i) const { return weights_.empty() ? 1 : weights_[i]; }
+
+  [[nodiscard]] uint64_t local_sum(const PointValues& distances) const {
+    uint64_t sum = 0;
+    for (size_t i = 0; i < distances.size(); ++i) sum += weight(i) * distances[i];
+    return sum;
+  }
+
+  /// The point with `index` of the one process that says it is `mine`.
+  [[nodiscard]] Point fetch(bool mine, uint64_t index) const {
+    std::array<uint64_t, std::tuple_size_v<Point>> bytes{};
+    if (mine) std::copy(local_[index].begin(), local_[index].end(), bytes.begin());
+    communicator_.sum(bytes);
+    Point point;
+    std::transform(bytes.begin(), bytes.end(), point.begin(),
+                   [](uint64_t byte) { return static_cast<uint8_t>(byte); });
+    return point;
+  }
+
+  std::span<const Point> local_;
+  std::span<const uint64_t> weights_;
+  int threads_;
+  std::pmr::memory_resource* memory_;
+  const Communicator& communicator_;
+  std::vector<uint64_t> counts_;  ///< per process
+};
+
+}  // namespace kinloop

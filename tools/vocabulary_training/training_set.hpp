@@ -1,0 +1,36 @@
+#pragma once
+// The descriptors that a vocabulary is trained on; of several processes each has those of its own images.
+
+#include <cstdint>
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "kinloop/place/descriptor_kind.hpp"
+
+namespace kinloop {
+
+struct TrainingSet {
+  explicit TrainingSet(DescriptorKind kind_of_all,
+                       std::pmr::memory_resource* memory = std::pmr::get_default_resource())
+      : kind(kind_of_all), rows(memory), image_of(memory) {}
+
+  /// Appends the descriptors (N x bytes of 8UC1, N may be 0) of one more image.
+  void append(const cv::Mat& descriptors);
+
+  [[nodiscard]] size_t size() const { return image_of.size(); }
+  [[nodiscard]] std::pmr::memory_resource* memory() const { return rows.get_allocator().resource(); }
+
+  DescriptorKind kind;
+  uint32_t images = 0;                  ///< that have descriptors
+  std::pmr::vector<uint8_t> rows;       ///< one descriptor after the other, one image after the other
+  std::pmr::vector<uint32_t> image_of;  ///< per descriptor; images are told apart within a process
+};
+
+/// The descriptors of each image, all of the same kind.
+TrainingSet to_training_set(std::span<const cv::Mat> descriptors_of_images,
+                            DescriptorKind kind = DescriptorKind::kOrb);
+
+}  // namespace kinloop

@@ -1,0 +1,124 @@
+// The eye: it shows the whole map until somebody moves it, or follows the camera.
+
+import { Matrix4, PerspectiveCamera, Vector3 } from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+
+import { frame } from './framing.js';
+
+const FIELD_OF_VIEW_DEG = 50;
+const BEHIND = new Vector3(0, -0.5, -1.4); // the following eye, in the camera's frame (x right, y down, z ahead)
+const AHEAD = new Vector3(0, 0, 1.5);
+const FOLLOW_S = 0.4; // time constants
+const GLIDE_S = 0.15;
+const ARRIVED = 1e-3; // of the distance
+const MARGIN = 1.08;
+const MIN_DISTANCE_M = 1e-3;
+const MUCH_CLOSER = 0.85;
+
+/** Where the eye is, from the middle of the map; the second where the map is much larger from there. */
+const DIRECTIONS = {
+  oblique: [[0.35, 0.8, 0.65], [0.65, 0.8, -0.35]],
+  top: [[0, 1, 1e-3], [1e-3, 1, 0]],
+  side: [[0, 0.12, 1], [1, 0.12, 0]],
+};
+
+export class CameraControls {
+  /** Looks at `world` in `canvas`; `onChange()` is called where the eye has moved. */
+  constructor(canvas, world, onChange) {
+    this.world = world;
+    this.onChange = onChange;
+    this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.02, 200);
+    this.camera.position.set(2, 3, 4);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = true;
+    this.controls.addEventListener('start', () => this.letGo());
+    this.controls.addEventListener('change', onChange);
+    this.mode = 'orbit';
+    this.direction = 'oblique';
+    this.touched = false; // nobody has turned the view yet: it may show the whole map as it grows
+    this.goal = undefined; // where the eye glides to
+    this.places = []; // what shall be in sight
+  }
+
+  setMode(mode) {
+    this.mode = mode;
+    this.controls.enabled = mode === 'orbit';
+    this.letGo();
+  }
+
+  /** The eye is moved by hand from here on. */
+  letGo() {
+    this.touched = true;
+    this.goal = undefined;
+  }
+
+  /** The whole map from 'oblique', 'top' or 'side', also while it grows. */
+  show(direction) {
+    this.direction = direction;
+    this.touched = false;
+    this.fit();
+  }
+
+  /** Goes, in the direction in which it is, to where all of these places are in sight. */
+  fit(places = this.places) {
+    this.places = places;
+    if (places.length === 0 || this.mode !== 'orbit') return;
+    const { camera, controls } = this;
+    const own = [camera.position.clone().sub(controls.target)];
+    const directions = this.touched ? own : DIRECTIONS[this.direction].map((direction) => new Vector3(...direction));
+    directions.forEach((direction) => direction.normalize());
+    const tall = Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360) / MARGIN;
+    const [first, second] = directions.map((direction) => frame(places, direction, [tall * camera.aspect, tall]));
+    const turned = second && second.distance < MUCH_CLOSER * first.distance;
+    const { position, distance } = turned ? second : first;
+    const target = position.clone().addScaledVector(directions[turned ? 1 : 0], -Math.max(distance, MIN_DISTANCE_M));
+    this.goal = { target, position };
+    if (!this.placed) this.glide(1);
+    this.placed = true;
+    this.onChange();
+  }
+
+  /** Lets the lens see things from a hundredth to a hundred times as large. */
+  setScale(radiusM) {
+    this.camera.near = Math.min(0.02, radiusM / 50);
+    this.camera.far = Math.max(200, 50 * radiusM);
+    this.camera.updateProjectionMatrix();
+  }
+
+  advance(seconds) {
+    if (this.mode === 'follow') return this.follow(1 - Math.exp(-seconds / FOLLOW_S));
+    if (this.goal) this.glide(1 - Math.exp(-seconds / GLIDE_S));
+    this.controls.update();
+  }
+
+  glide(share) {
+    const { target, position } = this.goal;
+    this.controls.target.lerp(target, share);
+    this.camera.position.lerp(position, share);
+    if (this.camera.position.distanceTo(position) < ARRIVED * position.distanceTo(target)) this.goal = undefined;
+    this.onChange();
+  }
+
+  /** The eye goes where the camera goes, a little behind and above it. */
+  follow(share) {
+    const pose = this.world.cameraPose;
+    if (!pose) return;
+    const inWorld = new Matrix4().multiplyMatrices(this.world.group.matrixWorld, pose);
+    const from = BEHIND.clone().applyMatrix4(inWorld);
+    if (this.camera.position.distanceTo(from) < 1e-3) return;
+    this.camera.position.lerp(from, share);
+    this.controls.target.lerp(AHEAD.clone().applyMatrix4(inWorld), share);
+    this.camera.lookAt(this.controls.target);
+    this.onChange();
+  }
+
+  /** How many pixels of a picture of that height show what is 1 m wide and 1 m away. */
+  pixelsPerRadian(heightPx) {
+    return heightPx / (2 * Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360));
+  }
+
+  /** How far it is to the centre of the view. */
+  get distanceM() {
+    return this.camera.position.distanceTo(this.controls.target);
+  }
+}

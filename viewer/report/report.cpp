@@ -1,0 +1,202 @@
+#include "viewer/report/report.hpp"
+
+#include <cmath>
+#include <set>
+
+#include <Eigen/Eigenvalues>
+
+#include "kinloop/base/embedded_file.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/time.hpp"
+#include "tools/evaluation/evaluate.hpp"
+#include "viewer/report/report_text.hpp"
+#include "viewer/report/run_up_direction.hpp"
+
+KINLOOP_EMBED_FILE(embedded_report_page, KINLOOP_PAGE)
+
+namespace kinloop {
+namespace {
+
+using nlohmann::json;
+
+/// Enough digits for a plot, and no more in the file.
+double rounded(double value) {
+  constexpr double kSteps = 1e4;
+  return std::round(kSteps * value) / kSteps;
+}
+
+/// Rows: along the path's longest level extent, across it, up.
+Eigen::Matrix3d plot_axes(const Trajectory& path, const Eigen::Vector3d& up) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& pose : path) mean += pose.T_world_camera.translation / static_cast<double>(path.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const auto& pose : path) {
+    Eigen::Vector3d d = pose.T_world_camera.translation - mean;
+    d -= up * up.dot(d);
+    spread += d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  Eigen::Vector3d along = solver.eigenvectors().col(2);
+  along -= up * up.dot(along);
+  // A path without level extent has no direction of its own.
+  if (along.norm() < 0.5) along = up.unitOrthogonal();
+  along.normalize();
+  Eigen::Matrix3d axes;
+  axes << along.transpose(), up.cross(along).transpose(), up.transpose();
+  return axes;
+}
+
+/// Columns t (seconds since `start_ns`), x, y, z of positions in the axes of the plots.
+json path_json(const Trajectory& path, const SE3& T_plot_world, int64_t start_ns) {
+  json columns = {{"t", json::array()}, {"x", json::array()}, {"y", json::array()}, {"z", json::array()}};
+  for (const StampedPose& pose : path) {
+    const Eigen::Vector3d p = T_plot_world * pose.T_world_camera.translation;
+    columns["t"].push_back(rounded(to_seconds(pose.stamp_ns - start_ns)));
+    columns["x"].push_back(rounded(p.x()));
+    columns["y"].push_back(rounded(p.y()));
+    columns["z"].push_back(rounded(p.z()));
+  }
+  return columns;
+}
+
+json errors_json(const AteResult& ate, int64_t start_ns) {
+  constexpr double kMmPerM = 1000;
+  json columns = {{"t", json::array()}, {"mm", json::array()}};
+  for (const PoseError& pose : ate.poses) {
+    columns["t"].push_back(rounded(to_seconds(pose.stamp_ns - start_ns)));
+    columns["mm"].push_back(rounded(kMmPerM * pose.error_m));
+  }
+  return columns;
+}
+
+json frames_json(const FrameTable& frames, int64_t start_ns) {
+  json columns = {{"t", json::array()},
+                  {"status", json::array()},
+                  {"features", json::array()},
+                  {"tracked", json::array()},
+                  {"ms", json::array()}};
+  for (const FrameRow& row : frames) {
+    columns["t"].push_back(rounded(to_seconds(row.stamp_ns - start_ns)));
+    columns["status"].push_back(row.status);
+    columns["features"].push_back(row.features);
+    columns["tracked"].push_back(row.tracked);
+    columns["ms"].push_back(rounded(row.ms));
+  }
+  return columns;
+}
+
+/// Pairs of indices into the keyframes.
+json loops_json(const RunReport& run) {
+  const auto index_of = [&](const json& loop, const char* key) {
+    if (!loop.contains(key) || !loop[key].is_string()) return run.keyframes.size();
+    const auto stamp_ns = parse_stamp_ns(loop[key].get<std::string>());
+    size_t index = 0;
+    while (index < run.keyframes.size() && run.keyframes[index].stamp_ns != stamp_ns) ++index;
+    return index;
+  };
+  json pairs = json::array();
+  if (!run.metrics.contains("loops") || !run.metrics["loops"].is_array()) return pairs;
+  for (const json& loop : run.metrics["loops"]) {
+    const size_t a = index_of(loop, "stamp_a"), b = index_of(loop, "stamp_b");
+    if (a < run.keyframes.size() && b < run.keyframes.size()) pairs.push_back({a, b});
+  }
+  return pairs;
+}
+
+json images_json(const std::vector<ReportImage>& pictures) {
+  json list = json::array();
+  for (const auto& [caption, jpeg] : pictures) list.push_back({{"caption", caption}, {"jpeg", base64(jpeg)}});
+  return list;
+}
+
+/// The last `count` components of a path.
+std::string last_components(std::string_view path, size_t count) {
+  while (path.size() > 1 && path.ends_with('/')) path.remove_suffix(1);
+  size_t from = path.size();
+  for (size_t i = 0; i < count && from != std::string_view::npos && from > 0; ++i)
+    from = path.rfind('/', from - 1);
+  const bool whole = from == std::string_view::npos || path.empty() || path == "/";
+  return std::string(whole ? path : path.substr(from + 1));
+}
+
+/// `T_plot_world` for a run without ground truth, and `T_plot_truth` for the others: so all lie on each
+/// other.
+json run_json(const RunReport& run, const SE3& T_plot_world, const SE3& T_plot_truth) {
+  const auto evaluation = evaluate(run.estimate, run.truth);
+  const int64_t start_ns = start_stamp_ns(run);
+  const SE3 T_plot_estimate = evaluation ? T_plot_truth * evaluation->ate.T_truth_estimate : T_plot_world;
+  json data = {{"name", run.name},
+               {"figures", run.metrics.is_object() ? run.metrics : json::object()},
+               {"path", path_json(run.estimate, T_plot_estimate, start_ns)},
+               {"keyframes", path_json(run.keyframes, T_plot_estimate, start_ns)},
+               {"loops", loops_json(run)},
+               {"frames", frames_json(run.frames, start_ns)},
+               {"mapPictures", images_json(run.map_images)},
+               {"loopPictures", images_json(run.loop_images)},
+               {"cloud", base64(run.cloud)}};
+  data["figures"].erase("keyframe_covariances");  // long, and not shown
+  const Eigen::Vector3d up = read_up_direction(run.metrics, run.estimate);
+  data["up"] = {up.x(), up.y(), up.z()};
+  if (evaluation) {
+    data["truth"] = path_json(run.truth, T_plot_truth, start_ns);
+    data["errors"] = errors_json(evaluation->ate, start_ns);
+    data["evaluation"] = to_json(*evaluation);
+  }
+  return data;
+}
+
+}  // namespace
+
+int64_t start_stamp_ns(const RunReport& run) {
+  if (!run.frames.empty()) return run.frames.front().stamp_ns;
+  return run.estimate.empty() ? 0 : run.estimate.front().stamp_ns;
+}
+
+std::string input_name(std::string_view input) {
+  return last_components(input, 1);
+}
+
+std::vector<std::string> unique_short_names(std::span<const std::string> paths) {
+  constexpr size_t kMost = 20;  // a path given twice cannot be told apart
+  std::vector<std::string> names;
+  for (size_t count = 1; count <= kMost; ++count) {
+    names.clear();
+    for (const std::string& path : paths) names.push_back(last_components(path, count));
+    if (std::set<std::string>(names.begin(), names.end()).size() == paths.size()) break;
+  }
+  return names;
+}
+
+json report_data(std::span<const RunReport> runs) {
+  json data = {{"runs", json::array()}};
+  if (runs.empty()) return data;
+  // Drawn in the first estimate's world, whose up is known.
+  const RunReport& first = runs.front();
+  const SE3 T_plot_world{
+      Eigen::Quaterniond(plot_axes(first.estimate, read_up_direction(first.metrics, first.estimate))),
+      Eigen::Vector3d::Zero()};
+  const auto ate = absolute_trajectory_error(first.estimate, first.truth);
+  const SE3 T_plot_truth = ate ? T_plot_world * ate->T_truth_estimate.inverse() : T_plot_world;
+  for (size_t i = 0; i < runs.size(); ++i) {
+    data["runs"].push_back(run_json(runs[i], T_plot_world, T_plot_truth));
+    if (i > 0) {
+      data["runs"].back()["cloud"] = "";
+      data["runs"].back()["mapPictures"] = data["runs"].back()["loopPictures"] = json::array();
+    }
+  }
+  return data;
+}
+
+std::string render_report(std::span<const RunReport> runs) {
+  constexpr std::string_view kSlot = "{\"runs\":[]}";
+  std::string text = report_data(runs).dump(-1, ' ', true, json::error_handler_t::replace);
+  // "</script>" in a name would end the element that holds the data.
+  for (size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at))
+    text.replace(at, 1, "\\u003c");
+  std::string page(embedded_report_page());
+  const size_t slot = page.find(kSlot);
+  require(slot != std::string::npos, "render_report: the page has a place for its data");
+  return page.replace(slot, kSlot.size(), text);
+}
+
+}  // namespace kinloop

@@ -1,0 +1,142 @@
+#include "viewer/scene/wire_format.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace kinloop {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the wire is little-endian");
+
+/// Puts numbers one after the other.
+class Writer {
+ public:
+  explicit Writer(size_t bytes) { bytes_.reserve(bytes); }
+
+  template <class T>
+  void put(T value) {
+    const auto* at = reinterpret_cast<const uint8_t*>(&value);
+    bytes_.insert(bytes_.end(), at, at + sizeof value);
+  }
+  void put(const Eigen::Vector3f& v) {
+    for (const float x : v) put(x);
+  }
+  [[nodiscard]] Bytes take() { return std::move(bytes_); }
+
+ private:
+  Bytes bytes_;
+};
+
+}  // namespace
+
+Bytes encode_json(const nlohmann::json& json) {
+  const std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return {text.begin(), text.end()};
+}
+
+Bytes encode_poses(std::span<const SE3> poses) {
+  Writer body(poses.size() * 7 * sizeof(float));
+  for (const SE3& pose : poses) {
+    body.put(Eigen::Vector3f(pose.translation.cast<float>()));
+    for (const double x : pose.rotation.coeffs()) body.put(static_cast<float>(x));
+  }
+  return body.take();
+}
+
+Bytes encode_path(std::span<const PathPoint> points) {
+  Writer body(points.size() * sizeof(PathPoint));
+  for (const PathPoint& point : points) {
+    body.put(point.reference.value);
+    body.put(point.position);
+  }
+  return body.take();
+}
+
+Bytes encode_pairs(std::span<const std::pair<KeyframeId, KeyframeId>> pairs) {
+  Writer body(pairs.size() * 2 * sizeof(uint32_t));
+  for (const auto& [a, b] : pairs) {
+    body.put(a.value);
+    body.put(b.value);
+  }
+  return body.take();
+}
+
+Bytes encode_points(std::span<const Eigen::Vector3f> points) {
+  Writer body(points.size() * sizeof(Eigen::Vector3f));
+  for (const auto& point : points) body.put(point);
+  return body.take();
+}
+
+Bytes encode_features(std::span<const ShownFeature> features) {
+  constexpr float kUnits = std::numeric_limits<uint16_t>::max();
+  const auto units = [](float share) {
+    return static_cast<uint16_t>(std::lround(kUnits * std::clamp(share, 0.F, 1.F)));
+  };
+  Writer body(features.size() * 4 * sizeof(uint16_t));
+  for (const ShownFeature& feature : features) {
+    body.put(units(feature.position.x()));
+    body.put(units(feature.position.y()));
+    body.put(static_cast<uint16_t>(feature.tracked ? 1 : 0));
+    body.put(uint16_t{0});
+  }
+  return body.take();
+}
+
+Bytes encode_cloud(const CloudPiece& piece) {
+  constexpr float kMostUnits = std::numeric_limits<int16_t>::max();
+  constexpr float kFinestM = 1e-4F;
+  const auto& points = piece.cloud.points;
+  Eigen::Vector3f low = Eigen::Vector3f::Zero(), high = Eigen::Vector3f::Zero();
+  if (!points.empty()) low = high = points.front();
+  for (const auto& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Eigen::Vector3f origin = (low + high) / 2;
+  const float unit_m = std::max(kFinestM, (high - low).maxCoeff() / 2 / kMostUnits);
+
+  constexpr size_t kBytesPerPoint = 12, kBeforePoints = 24;
+  Writer body(kBeforePoints + points.size() * kBytesPerPoint);
+  body.put(piece.anchor.value);
+  body.put(static_cast<uint32_t>(points.size()));
+  body.put(unit_m);
+  body.put(origin);
+  for (const auto& p : points) {
+    const Eigen::Vector3f units = ((p - origin) / unit_m).array().round().max(-kMostUnits).min(kMostUnits);
+    for (const float x : units) body.put(static_cast<int16_t>(x));
+    body.put(int16_t{0});
+  }
+  for (const Rgb& color : piece.cloud.colors) {
+    for (const uint8_t x : color) body.put(x);
+    body.put(uint8_t{0});
+  }
+  return body.take();
+}
+
+Bytes encode_mesh(const ColoredMesh& mesh) {
+  constexpr size_t kMostBytesPerVertex = 16;
+  Writer body(3 * sizeof(uint32_t) + mesh.points.size() * kMostBytesPerVertex +
+              mesh.triangles.size() * sizeof(Triangle));
+  body.put(static_cast<uint32_t>(mesh.points.size()));
+  body.put(static_cast<uint32_t>(mesh.triangles.size()));
+  body.put(static_cast<uint32_t>(mesh.colors.empty() ? 0 : 1));
+  for (const auto& point : mesh.points) body.put(point);
+  for (const Triangle& triangle : mesh.triangles) body.put(triangle);
+  for (const auto& [red, green, blue] : mesh.colors) body.put(std::array<uint8_t, 4>{red, green, blue, 0});
+  return body.take();
+}
+
+std::array<uint8_t, kHeaderBytes> encode_header(PartKind kind, uint32_t index, uint64_t version) {
+  std::array<uint8_t, kHeaderBytes> header{};
+  const auto number = static_cast<uint32_t>(kind);
+  const auto version_f64 = static_cast<double>(version);
+  std::memcpy(header.data(), &number, sizeof number);
+  std::memcpy(header.data() + sizeof number, &index, sizeof index);
+  std::memcpy(header.data() + 2 * sizeof number, &version_f64, sizeof version_f64);
+  return header;
+}
+
+}  // namespace kinloop

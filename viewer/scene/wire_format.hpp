@@ -1,0 +1,95 @@
+#pragma once
+// What travels to a browser. Every message is one binary WebSocket frame: a header of 16 bytes, then a body;
+// all numbers little-endian, every array aligned to its elements, so that a page reads them where they lie.
+//
+//   header   u32 kind, u32 index (which part of that kind), f64 version (see scene.hpp)
+//
+// viewer/pages/src/viewer/messages.js is the other side of this file.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "kinloop/base/ids.hpp"
+#include "kinloop/dense/mesh/colored_mesh.hpp"
+#include "kinloop/geometry/se3.hpp"
+
+namespace kinloop {
+
+using Bytes = std::vector<uint8_t>;
+
+/// What a message is about, and what its body holds.
+enum class PartKind : uint32_t {
+  kHello = 0,         ///< JSON: what is shown; sent first to every browser
+  kStatus = 1,        ///< JSON: how the run goes
+  kCamera = 2,        ///< one pose: where the camera is now
+  kKeyframes = 3,     ///< poses of kPartLength keyframes, part i from keyframe i * kPartLength on
+  kPath = 4,          ///< kPartLength frames: u32 reference keyframe, 3 f32 place in its camera frame
+  kCovisibility = 5,  ///< kPartLength pairs of u32: keyframes that share landmarks
+  kLoops = 6,         ///< pairs of u32: keyframes that a loop edge joins
+  kCloud = 7,         ///< a piece of the cloud, see `encode_cloud`
+  kColorImage = 8,    ///< a JPEG file
+  kDepthImage = 9,    ///< a JPEG file, depth as colours
+  kFeatures = 10,     ///< per keypoint of the colour image: u16 x, u16 y, u16 tracked (0 or 1), u16 0
+  kTruth = 11,        ///< 3 f32 each: the true path, in a world of its own
+  kTruthPose = 12,    ///< one pose: where that world lies in the map's
+  kMesh = 13,         ///< see `encode_mesh`
+  kModel = 14,        ///< a GLB file
+};
+
+/// Keyframes, or frames, in one part: what is sent again when one of them changes.
+constexpr uint32_t kPartLength = 64;
+
+constexpr size_t kHeaderBytes = 16;
+
+/// One point of the path: relative to a keyframe, so that it follows when the map bends.
+struct PathPoint {
+  KeyframeId reference;      ///< invalid: `position` is in the world
+  Eigen::Vector3f position;  ///< NaN where tracking was lost
+};
+
+/// A piece of the cloud, in the camera frame of a keyframe with which it moves, or in the world.
+struct CloudPiece {
+  KeyframeId anchor;  ///< invalid: in the world
+  ColoredCloud cloud;
+};
+
+/// A keypoint of the colour image, as a share of its width and height, and whether it shows a known
+/// landmark.
+struct ShownFeature {
+  Eigen::Vector2f position;
+  bool tracked = false;
+};
+
+// Bodies.
+
+Bytes encode_json(const nlohmann::json& json);
+
+/// 7 f32: translation, then the quaternion x, y, z, w.
+Bytes encode_poses(std::span<const SE3> poses);
+
+Bytes encode_path(std::span<const PathPoint> points);
+
+Bytes encode_pairs(std::span<const std::pair<KeyframeId, KeyframeId>> pairs);
+
+Bytes encode_points(std::span<const Eigen::Vector3f> points);
+
+Bytes encode_features(std::span<const ShownFeature> features);
+
+/// u32 anchor (all bits set: the world), u32 n, f32 metres per unit, 3 f32 origin; n times 4 i16 (x, y, z in
+/// units from the origin, 0), n times 4 u8 (red, green, blue, 0). The units are chosen so that the piece
+/// fits: a tenth of a millimetre for what a camera sees from one place.
+Bytes encode_cloud(const CloudPiece& piece);
+
+/// u32 n vertices, u32 m triangles, u32 whether there are colours; n times 3 f32 (x, y, z in the world), m
+/// times 3 u32 (numbers of vertices), n times 4 u8 (red, green, blue, 0) where there are colours.
+Bytes encode_mesh(const ColoredMesh& mesh);
+
+/// The header of a message, to be put before its body.
+std::array<uint8_t, kHeaderBytes> encode_header(PartKind kind, uint32_t index, uint64_t version);
+
+}  // namespace kinloop

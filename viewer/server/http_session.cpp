@@ -1,0 +1,87 @@
+#include "viewer/server/http_session.hpp"
+
+#include <chrono>
+
+#include "viewer/server/viewer_page.hpp"
+
+namespace kinloop {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+
+constexpr std::chrono::seconds kTimeout{10};  // for the whole request, and for its answer
+constexpr uint32_t kMaxHeaderBytes = 8192;
+
+// The page is one file: nothing may be loaded into it, and no other page may hold it in a frame. The referrer
+// could carry the token to others. (blob: and data: are textures inside a mesh.)
+constexpr const char* kContentPolicy =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self' blob: "
+    "data:; "
+    "img-src blob: data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+
+std::string_view view_of(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+RequestIdentity identity_of(const Request& request, const RequestTarget& target) {
+  RequestIdentity identity{view_of(request[http::field::host]), std::nullopt, target.value("token")};
+  const auto origin = request.find(http::field::origin);
+  if (origin != request.end()) identity.origin = view_of(origin->value());
+  return identity;
+}
+
+}  // namespace
+
+HttpSession::HttpSession(boost::asio::ip::tcp::socket socket, ConnectionSlot slot, const AccessPolicy& rules,
+                         UpgradeHandler on_upgrade)
+    : stream_(std::move(socket)), slot_(std::move(slot)), rules_(rules), on_upgrade_(std::move(on_upgrade)) {
+  parser_.header_limit(kMaxHeaderBytes);
+  parser_.body_limit(0);
+}
+
+void HttpSession::start() {
+  stream_.expires_after(kTimeout);
+  http::async_read(stream_, buffer_, parser_, [self = shared_from_this()](beast::error_code error, size_t) {
+    if (!error) return self->handle();
+    if (error == http::error::header_limit || error == http::error::body_limit) {
+      self->respond(http::status::request_header_fields_too_large, "text/plain",
+                    "request header too large\n");
+    }
+  });
+}
+
+void HttpSession::handle() {
+  const Request& request = parser_.get();
+  const RequestTarget target = parse_target(view_of(request.target()));
+  if (!is_authorized(identity_of(request, target), rules_)) {
+    return respond(http::status::forbidden, "text/plain", "open the URL that kinloop printed\n");
+  }
+  if (request.method() != http::verb::get) return respond(http::status::method_not_allowed, "text/plain", "");
+  if (target.path == "/") return respond(http::status::ok, "text/html; charset=utf-8", viewer_page());
+  if (target.path == "/feed" && beast::websocket::is_upgrade(request)) {
+    return on_upgrade_(std::move(stream_), std::move(slot_), request, target);
+  }
+  respond(http::status::not_found, "text/plain", "not found; the only page is /\n");
+}
+
+void HttpSession::respond(http::status status, std::string_view type, std::string_view body) {
+  using Response = http::response<http::span_body<const char>>;
+  auto response = std::make_shared<Response>();
+  response->result(status);
+  response->set(http::field::content_type, beast::string_view(type.data(), type.size()));
+  response->set(http::field::cache_control, "no-store");
+  response->set("Content-Security-Policy", kContentPolicy);
+  response->set("X-Content-Type-Options", "nosniff");
+  response->set("Referrer-Policy", "no-referrer");
+  response->body() = beast::span<const char>(body.data(), body.size());
+  response->keep_alive(false);
+  response->prepare_payload();
+  stream_.expires_after(kTimeout);
+  http::async_write(stream_, *response, [self = shared_from_this(), response](beast::error_code, size_t) {
+    beast::error_code ignored;
+    self->stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);
+  });
+}
+
+}  // namespace kinloop

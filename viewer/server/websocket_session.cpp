@@ -1,0 +1,73 @@
+#include "viewer/server/websocket_session.hpp"
+
+#include <chrono>
+
+namespace kinloop {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+
+constexpr size_t kLongestCommandBytes = 1024;
+constexpr int kSendBufferBytes = 1 << 18;  // what the kernel may hold for a browser that does not read
+constexpr std::chrono::seconds kHandshakeTimeout{10};
+constexpr std::chrono::seconds kIdleTimeout{30};  // a ping is sent after half of it
+
+}  // namespace
+
+WebSocketSession::WebSocketSession(beast::tcp_stream stream, ConnectionSlot slot, const Scene& scene,
+                                   uint64_t seen, std::function<void(Command)> on_command)
+    : socket_(std::move(stream)),
+      slot_(std::move(slot)),
+      scene_(scene),
+      seen_(seen),
+      on_command_(std::move(on_command)) {}
+
+void WebSocketSession::start(const Request& request) {
+  auto& stream = beast::get_lowest_layer(socket_);
+  beast::error_code ignored;
+  stream.socket().set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
+  stream.socket().set_option(asio::ip::tcp::no_delay(true), ignored);
+  stream.expires_never();  // from here on the WebSocket keeps the time
+  socket_.set_option(websocket::stream_base::timeout{kHandshakeTimeout, kIdleTimeout, true});
+  socket_.read_message_max(kLongestCommandBytes);
+  socket_.binary(true);
+  socket_.auto_fragment(false);  // else every 4 KiB would be a frame, copied
+  socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
+    if (error) return;
+    self->idle_ = true;
+    self->send_next();
+    self->read_next();
+  });
+}
+
+void WebSocketSession::send_next() {
+  if (!idle_) return;
+  auto part = scene_.next_after(seen_);
+  if (!part) return;
+  idle_ = false;
+  sending_ = std::move(*part);
+  header_ = encode_header(sending_.kind, sending_.index, sending_.version);
+  const std::array<asio::const_buffer, 2> message = {asio::buffer(header_), asio::buffer(*sending_.body)};
+  socket_.async_write(message, [self = shared_from_this()](beast::error_code error, size_t) {
+    if (error) return;
+    self->seen_ = self->sending_.version;
+    self->idle_ = true;
+    self->send_next();
+  });
+}
+
+void WebSocketSession::read_next() {
+  socket_.async_read(received_, [self = shared_from_this()](beast::error_code error, size_t) {
+    if (error) return;  // gone, or its frame was malformed or too long: the stream has closed itself
+    const auto bytes = self->received_.cdata();
+    const auto command = parse_command({static_cast<const char*>(bytes.data()), bytes.size()});
+    self->received_.clear();
+    if (!command) return beast::get_lowest_layer(self->socket_).close();
+    self->on_command_(*command);
+    self->read_next();
+  });
+}
+
+}  // namespace kinloop
