@@ -75,7 +75,7 @@ function glb() {
 function cornersOnScreen(page) {
   return page.evaluate((size) => {
     const { world, view } = window.kinloop;
-    const { camera } = view.eye;
+    const { camera } = view.cameraControls;
     const canvas = view.renderer.domElement;
     const places = [0, 1, 2, 3, 4, 5, 6, 7].map((bits) =>
       camera.position.clone().fromArray(size.map((s, k) => (bits & (1 << k) ? s : 0))).applyMatrix4(world.group.matrixWorld).project(camera),
@@ -112,7 +112,7 @@ function brightness(page) {
   });
 }
 
-const settled = (page) => until(() => page.evaluate(() => !window.kinloop.view.eye.goal && !window.kinloop.view.stale), 'the eye has arrived');
+const settled = (page) => until(() => page.evaluate(() => !window.kinloop.view.cameraControls.goal && !window.kinloop.view.stale), 'the eye has arrived');
 
 await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const write = (name, content) => {

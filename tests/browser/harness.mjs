@@ -91,7 +91,7 @@ export function seen(page) {
   return page.evaluate(() => {
     const { world, view, connection } = window.kinloop;
     const camera = world.cameraPose?.elements.slice(12, 15);
-    const eye = view.eye.camera.position.toArray();
+    const eye = view.cameraControls.camera.position.toArray();
     return {
       points: world.pointCount,
       keyframes: world.poses.count,
