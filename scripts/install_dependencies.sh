@@ -3,7 +3,7 @@
 # Usage: scripts/install_dependencies.sh [--minimal] [--tests | --checks]
 #   --minimal  required packages only
 #   --tests    also a browser for the tests of the pages
-#   --checks   and the tools of the format and tidy checks
+#   --checks   and the tools of the format, tidy and documentation checks
 set -euo pipefail
 
 required=(
@@ -40,7 +40,7 @@ for argument in "$@"; do
     --tests) optional+=("tests of the pages: chromium") ;;
     --checks)
       optional+=("tests of the pages: chromium")
-      required+=(clang-format clang-tidy python3)
+      required+=(clang-format clang-tidy doxygen python3)
       ;;
     *)
       echo "usage: $0 [--minimal] [--tests | --checks]" >&2

@@ -28,7 +28,9 @@ using WordId = Id<struct WordTag>;
 
 }  // namespace kinloop
 
+/// @cond
 template <class Tag>
 struct std::hash<kinloop::Id<Tag>> {
   size_t operator()(const kinloop::Id<Tag>& id) const noexcept { return std::hash<uint32_t>{}(id.value); }
 };
+/// @endcond
