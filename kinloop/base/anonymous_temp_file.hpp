@@ -1,12 +1,11 @@
 #pragma once
-// Room on disk that nobody else can see and that is freed whatever happens to the program.
+// Temporary disk space that no other process sees and that the system frees when the program ends.
 
 #include <filesystem>
 
 namespace kinloop {
 
-/// The descriptor of a new file in `folder` that no longer has a name; -1, with errno set, when there can be
-/// none.
+/// Returns the descriptor of a new, already unlinked file in `folder`, or -1 with errno set on failure.
 int open_anonymous_temp_file(const std::filesystem::path& folder);
 
 }  // namespace kinloop

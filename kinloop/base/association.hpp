@@ -1,5 +1,5 @@
 #pragma once
-// Which entries of two time-stamped lists belong together: colour with depth, an estimate with ground truth.
+// Association of two time-stamped lists: colour with depth, an estimate with ground truth.
 
 #include <cstddef>
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace kinloop {
 
-/// Two stamps that belong together, as indices into the two lists.
+/// A pair of associated stamps, as indices into the two lists.
 struct StampPair {
   size_t a = 0;
   size_t b = 0;
@@ -16,11 +16,12 @@ struct StampPair {
   auto operator<=>(const StampPair&) const = default;
 };
 
-/// The largest difference that the TUM tools let pass.
+/// Default tolerance of the TUM tools.
 constexpr int64_t kMaxAssociationNs = 20'000'000;
 
-/// Pairs stamps that differ by at most `max_difference_ns`, closest pairs first, each entry used once (the
-/// algorithm of the TUM benchmark's associate.py); in order of time. The lists may be in any order.
+/// Pairs stamps that differ by at most `max_difference_ns`, closest pairs first, using each entry once (the
+/// algorithm of the TUM benchmark's associate.py). The result is sorted by time; the input lists may be in
+/// any order.
 std::vector<StampPair> associate_stamps(std::span<const int64_t> a_ns, std::span<const int64_t> b_ns,
                                         int64_t max_difference_ns = kMaxAssociationNs);
 

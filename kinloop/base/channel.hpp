@@ -9,13 +9,13 @@
 
 namespace kinloop {
 
-/// Blocks the producer when full and the consumer when empty; `close()` wakes both for good.
+/// Blocks the producer when full and the consumer when empty; `close()` releases both permanently.
 template <class T>
 class Channel {
  public:
   explicit Channel(size_t capacity) : capacity_(capacity) {}
 
-  /// False when the channel was closed before there was room.
+  /// Returns false if the channel was closed before the value could be queued.
   bool push(T value) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return closed_ || queue_.size() < capacity_; });
@@ -25,7 +25,7 @@ class Channel {
     return true;
   }
 
-  /// The next value; nothing once the channel is closed and drained.
+  /// Returns the next value, or nullopt once the channel is closed and drained.
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return closed_ || !queue_.empty(); });

@@ -9,9 +9,9 @@
 namespace kinloop {
 namespace {
 
-/// Levenshtein's distance, with two neighbours swapped as one edit.
+/// Levenshtein distance, counting a transposition of neighbours as one edit.
 size_t edit_distance(std::string_view a, std::string_view b) {
-  // Rows i - 2, i - 1 and i of the table of distances between the first i and the first j letters.
+  // Rows i - 2, i - 1 and i of the table of distances between the first i and the first j letters of a and b.
   std::vector<size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
   for (size_t i = 1; i <= a.size(); ++i) {
@@ -28,7 +28,7 @@ size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// The words that end in ".text"; a few at most.
+/// Words that end in ".text"; a few at most.
 std::vector<std::string> words_ending_in(std::string_view text, std::span<const std::string> words) {
   constexpr size_t kMost = 4;
   std::vector<std::string> found;

@@ -1,5 +1,5 @@
 #pragma once
-// Which word was meant by one that nothing has as its name.
+// Suggestions for misspelt words.
 
 #include <span>
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace kinloop {
 
-/// "; did you mean 'WORD'?" with the nearest of the words by edit distance (letters added, left out, replaced
-/// or swapped with their neighbour), or the words of which `text` is the last part ("count" of
-/// "features.count"). Empty where none is near: at most one edit for every three letters.
+/// Returns "; did you mean 'WORD'?" with the nearest words by edit distance (insertion, deletion,
+/// substitution or transposition), or with the words whose last component is `text` ("count" for
+/// "features.count"). Empty if no word is near: at most one edit per three letters.
 std::string did_you_mean(std::string_view text, std::span<const std::string> words);
 
 }  // namespace kinloop

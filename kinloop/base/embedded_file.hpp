@@ -1,12 +1,12 @@
 #pragma once
-// Files that become part of the program: nothing to find at run time, and no array of a million numbers for
-// the compiler to read, since the assembler copies the file into the library's read-only data.
+// Files embedded in the program, so that there is nothing to find at run time. The assembler copies the file
+// into read-only data, which spares the compiler an array of a million numbers.
 
 #include <cstddef>
 #include <string_view>
 
-/// Defines `std::string_view NAME()`, the bytes of the file `PATH` (a string literal). For a .cpp, outside of
-/// all functions; CMake must be told that the object depends on the file.
+/// Defines `std::string_view NAME()`, which returns the bytes of the file `PATH` (a string literal). Use it
+/// at namespace scope in a .cpp file; CMake must be told that the object depends on the file.
 // NOLINTBEGIN(bugprone-macro-parentheses): names and string literals to be pasted
 #define KINLOOP_EMBED_FILE(NAME, PATH)                                                             \
   __asm__(                                                                                         \

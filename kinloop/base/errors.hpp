@@ -1,26 +1,26 @@
 #pragma once
-// The three kinds of failure. A broken promise between functions throws std::logic_error (`require`); a bad
-// file or option throws one of the two below, and `main` prints it; an expected failure of an estimate is a
-// value.
+// The three kinds of failure. A violated contract between functions throws std::logic_error (`require`); a
+// bad file or option throws one of the two exceptions below, which `main` prints; an estimate that is
+// expected to fail at times returns an optional value.
 
 #include <stdexcept>
 #include <string>
 
 namespace kinloop {
 
-/// A file, folder or device that cannot be used as given (exit code 3). The message names it and the remedy.
+/// A file, folder or device that cannot be used (exit code 3). The message names it and the remedy.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A command line or option that makes no sense (exit code 2). The message names it and what was expected.
+/// An invalid command line or option (exit code 2). The message names it and what was expected.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Throws std::logic_error unless `condition` holds; stays on in release builds.
+/// Throws std::logic_error unless `condition` holds, in release builds too.
 inline void require(bool condition, const char* what) {
   if (!condition) throw std::logic_error(what);
 }

@@ -1,5 +1,5 @@
-// Vectors of at most N lanes. Included after hwy/highway.h, once for each instruction set (as the toggle does
-// for Highway's own headers).
+// Vectors of at most N lanes. Included after hwy/highway.h, once per instruction set (hence the toggle, as in
+// Highway's own headers).
 #if defined(KINLOOP_BASE_HIGHWAY_COMPAT) == defined(HWY_TARGET_TOGGLE)
 #ifdef KINLOOP_BASE_HIGHWAY_COMPAT
 #undef KINLOOP_BASE_HIGHWAY_COMPAT
@@ -10,7 +10,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
 
-#if HWY_TARGET == HWY_SCALAR  // whose one lane the CappedTag of Highway 0.16 (Ubuntu 22.04) forgets
+#if HWY_TARGET == HWY_SCALAR  // CappedTag of Highway 0.16 (Ubuntu 22.04) lacks the scalar case
 template <class T, size_t kMaxLanes>
 using CappedLanes = hwy::HWY_NAMESPACE::ScalableTag<T>;
 #else

@@ -1,6 +1,6 @@
 #pragma once
-// Typed ids. Everything in kinloop refers to everything else by id, never by pointer; a KeyframeId cannot be
-// passed where a LandmarkId is expected.
+// Typed ids. Objects in kinloop refer to each other by id, never by pointer; a KeyframeId cannot be passed
+// where a LandmarkId is expected.
 
 #include <compare>
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace kinloop {
 
-/// An index that remembers what it counts. A default id names nothing (`valid()` is false).
+/// A strongly typed index. A default-constructed id is invalid (`valid()` is false).
 template <class Tag>
 struct Id {
   static constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();

@@ -7,13 +7,13 @@
 
 namespace kinloop {
 
-/// An InputError whose remedy takes more than its one line, such as a file to copy.
+/// An InputError whose remedy needs more than one line, such as a file to copy.
 class InputErrorWithHint : public InputError {
  public:
   InputErrorWithHint(const std::string& message, std::string hint)
       : InputError(message), hint_(std::move(hint)) {}
 
-  /// The further lines, each ended.
+  /// Further lines of the remedy, each ending in a newline.
   [[nodiscard]] const std::string& hint() const { return hint_; }
 
  private:

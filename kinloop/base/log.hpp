@@ -1,5 +1,5 @@
 #pragma once
-// Messages for the person who runs the program: spdlog, on standard error, levels set by the application.
+// User-facing log messages: spdlog on standard error; the application sets the level.
 
 #include <spdlog/spdlog.h>
 

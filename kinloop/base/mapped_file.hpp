@@ -1,5 +1,5 @@
 #pragma once
-// A file as memory: opened at once whatever its size, read page by page when it is looked at.
+// A memory-mapped file: opens instantly whatever its size and reads pages on demand.
 
 #include <cstddef>
 #include <filesystem>
@@ -7,10 +7,10 @@
 
 namespace kinloop {
 
-/// Read only. The file may be replaced by another meanwhile (AtomicFile), but must not be cut.
+/// Read-only. The file may be replaced while it is mapped (AtomicFile), but must not be truncated.
 class MappedFile {
  public:
-  /// Throws InputError when it cannot be read.
+  /// Throws InputError if the file cannot be read.
   explicit MappedFile(const std::filesystem::path& path);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;

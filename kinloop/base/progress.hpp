@@ -1,6 +1,5 @@
 #pragma once
-// Long work reports how far it is and can be asked to stop; what is shown, and where, is the caller's
-// business.
+// Progress and cancellation of long operations. The caller decides what is shown and where.
 
 #include <cstddef>
 #include <functional>
@@ -9,16 +8,16 @@
 namespace kinloop {
 
 struct ProgressReport {
-  std::string stage;  ///< what is being done, e.g. "mapping"
+  std::string stage;  ///< current step, e.g. "mapping"
   size_t done = 0;
-  size_t total = 0;  ///< 0 when it is not known
-  std::string note;  ///< how it goes, e.g. "tracking, 44 keyframes"
+  size_t total = 0;  ///< 0 if unknown
+  std::string note;  ///< details, e.g. "tracking, 44 keyframes"
 };
 
-/// Called now and then from the working thread; returns false to ask the work to stop with what there is.
+/// Called regularly from the working thread; returns false to stop early with the result so far.
 using Progress = std::function<bool(const ProgressReport&)>;
 
-/// Tells an optional `progress` where the work is; true when it shall go on.
+/// Reports to an optional `progress`; returns true if the work should continue.
 inline bool report(const Progress& progress, const std::string& stage, size_t done, size_t total) {
   return !progress || progress({stage, done, total, {}});
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Values of which a given share is not larger, without sorting all.
+// Quantiles by partial sorting.
 
 #include <algorithm>
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace kinloop {
 
-/// The value at place `rank` of the sorted values; T{} of none.
+/// Returns the element at index `rank` of the sorted values; T{} if there are none.
 template <class T>
 T nth_smallest(std::vector<T> values, size_t rank) {
   if (values.empty()) return {};
@@ -17,8 +17,7 @@ T nth_smallest(std::vector<T> values, size_t rank) {
   return *at;
 }
 
-/// The value at `share` (0 to 1) of the way from the smallest to the largest, the smaller of two; T{} of
-/// none.
+/// Returns the quantile at `share` (0 to 1), rounding down to an element; T{} if there are no values.
 template <class T>
 T quantile(std::vector<T> values, double share) {
   if (values.empty()) return {};
@@ -26,7 +25,7 @@ T quantile(std::vector<T> values, double share) {
   return nth_smallest(std::move(values), rank);
 }
 
-/// The middle value, the larger of the two where their number is even; T{} of none.
+/// Returns the median, the larger middle element if their number is even; T{} if there are no values.
 template <class T>
 T median(std::vector<T> values) {
   const size_t middle = values.size() / 2;

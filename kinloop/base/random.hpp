@@ -1,6 +1,6 @@
 #pragma once
-// Seeded random numbers. A seed is made from what the numbers are for (`hash(seed, frame id)`), so that
-// results do not depend on the order in which jobs run.
+// Seeded random numbers. The seed is derived from the purpose (`hash(seed, frame id)`), so that results do
+// not depend on the order in which jobs run.
 
 #include <cmath>
 #include <cstdint>
@@ -19,7 +19,7 @@ constexpr uint64_t hash(uint64_t a, uint64_t b) {
   return x ^ (x >> 31);
 }
 
-/// SplitMix64: small, fast, and the same numbers with every standard library.
+/// SplitMix64: small, fast, and identical with every standard library.
 class Random {
  public:
   explicit Random(uint64_t seed) : state_(hash(seed, 0)) {}
@@ -38,7 +38,7 @@ class Random {
   /// Uniform in {0, ..., count - 1}.
   uint32_t index(uint32_t count) { return static_cast<uint32_t>(((next() >> 32) * count) >> 32); }
 
-  /// Normal with mean 0 and deviation 1 (Box and Muller 1958).
+  /// Normal with mean 0 and standard deviation 1 (Box and Muller 1958).
   double gaussian() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     return radius * std::cos(2.0 * std::numbers::pi * uniform());
@@ -48,9 +48,9 @@ class Random {
   uint64_t state_;
 };
 
-/// `size` different indices below `count`, in random order; `size` must not exceed `count`.
+/// Returns `size` distinct indices below `count` in random order; `size` must not exceed `count`.
 inline std::vector<uint32_t> sample_without_replacement(Random& random, uint32_t count, uint32_t size) {
-  require(size <= count, "sample_without_replacement: more asked for than there are");
+  require(size <= count, "sample_without_replacement: size exceeds count");
   std::vector<uint32_t> chosen;
   while (chosen.size() < size) {
     const uint32_t candidate = random.index(count);

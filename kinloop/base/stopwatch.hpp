@@ -1,18 +1,18 @@
 #pragma once
-// Wall and CPU time, for figures only: no decision may depend on them.
+// Wall and CPU time, for reporting only: no decision may depend on them.
 
 #include <chrono>
 #include <ctime>
 
 namespace kinloop {
 
-/// Seconds that work took.
+/// Elapsed time, s.
 struct ElapsedTime {
   double wall_s = 0;
   double cpu_s = 0;
 };
 
-/// Wall and own-thread CPU seconds spent since it was made.
+/// Measures wall and own-thread CPU seconds since its construction.
 class Stopwatch {
  public:
   [[nodiscard]] double wall_s() const {

@@ -24,14 +24,14 @@ void make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) {
-    throw InputError(fmt::format("{}: cannot make the folder ({}); choose another output folder",
+    throw InputError(fmt::format("{}: cannot create the folder ({}); choose another output folder",
                                  folder.string(), error.message()));
   }
 }
 
 std::vector<TextLine> read_table(const std::filesystem::path& path) {
   std::string bytes = read_file(path);
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // as Windows' editors begin files in UTF-8
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // written by Windows editors
   if (bytes.starts_with(kByteOrderMark)) bytes.erase(0, kByteOrderMark.size());
   std::istringstream content(std::move(bytes));
   std::vector<TextLine> lines;

@@ -1,5 +1,6 @@
 #pragma once
-// Text files read line by line with errors that name file and line, and files written beside and renamed.
+// Text files, read line by line with errors that name file and line, and output files that are written beside
+// their target and renamed.
 
 #include <filesystem>
 #include <fstream>
@@ -9,36 +10,36 @@
 
 namespace kinloop {
 
-/// One line of a table: its number (from 1) and its fields, split at white space.
+/// One line of a table: its number (from 1) and its whitespace-separated fields.
 struct TextLine {
   size_t number = 0;
   std::vector<std::string> fields;
 };
 
-/// Throws InputError unless `folder` is a folder that exists.
+/// Throws InputError unless `folder` exists and is a folder.
 void require_folder(const std::filesystem::path& folder);
 
-/// Makes the folder, and those above it, where they are not there. Throws InputError when it cannot be made.
+/// Creates the folder and its missing parents. Throws InputError on failure.
 void make_folder(const std::filesystem::path& folder);
 
-/// The lines of a white-space table; blank lines, lines that begin with '#' and a byte-order mark are left
-/// out. Throws InputError when the file cannot be read.
+/// Returns the lines of a whitespace-separated table without blank lines, lines that begin with '#' and the
+/// byte-order mark. Throws InputError if the file cannot be read.
 std::vector<TextLine> read_table(const std::filesystem::path& path);
 
-/// The whole file as bytes. Throws InputError when it cannot be read.
+/// Returns the whole file as bytes. Throws InputError if it cannot be read.
 std::string read_file(const std::filesystem::path& path);
 
-/// A finite number from all of `text`. Throws InputError naming file, line and text otherwise.
+/// Parses all of `text` as a finite number; throws InputError naming file, line and text otherwise.
 double parse_double(const std::string& text, const std::filesystem::path& path, size_t line);
 
-/// "FILE:LINE: what", thrown as InputError.
+/// Throws InputError with the message "FILE:LINE: what".
 [[noreturn]] void throw_parse_error(const std::filesystem::path& path, size_t line, const std::string& what);
 
-/// An output file that appears under its name only when it is complete: written as "NAME.tmp", renamed by
-/// `commit()`. Without a commit (an exception, a kill) an older file of that name stays as it was.
+/// An output file that appears under its name only when complete: written as "NAME.tmp" and renamed by
+/// `commit()`. Without a commit (an exception, a kill) an existing file of that name stays unchanged.
 class AtomicFile {
  public:
-  /// Throws InputError when the file cannot be created.
+  /// Throws InputError if the file cannot be created.
   explicit AtomicFile(std::filesystem::path path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;

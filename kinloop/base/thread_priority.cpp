@@ -8,8 +8,8 @@
 namespace kinloop {
 
 void lower_thread_priority(ThreadPriority priority) {
-  // On Linux the "process" of a thread's number is that thread alone. Where the system refuses, nothing but
-  // speed is lost.
+  // On Linux, PRIO_PROCESS with a thread id applies to that thread alone. If the system refuses, only speed
+  // is lost.
   const auto thread = static_cast<id_t>(gettid());
   constexpr int kLowestPriority = 19;
   const int lower = priority == ThreadPriority::kLow ? 10 : 15;

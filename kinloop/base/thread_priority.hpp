@@ -1,15 +1,15 @@
 #pragma once
-// How threads share a processor that is too small for all of them.
+// Scheduling priority of background threads on slow CPUs.
 
 namespace kinloop {
 
-/// How much of the processor a thread leaves to others that want it.
+/// How much CPU time a thread yields to others.
 enum class ThreadPriority {
-  kLow,     ///< nine tenths: it still answers soon
-  kLowest,  ///< all but a thirtieth
+  kLow,     ///< yields nine tenths, but still responds soon
+  kLowest,  ///< yields all but a thirtieth
 };
 
-/// From now on the calling thread, and those it starts, work only as far as others leave it time.
+/// Lowers the priority of the calling thread and of the threads it starts from now on.
 void lower_thread_priority(ThreadPriority priority);
 
 }  // namespace kinloop

@@ -15,7 +15,7 @@ std::optional<int64_t> parse_digits(std::string_view digits) {
   return value;
 }
 
-/// Numbers with an exponent ("1.3e9") are legal in text files though rare; they go through double.
+/// Exponents ("1.3e9") are legal in text files but rare; they go through double.
 std::optional<int64_t> parse_scientific(std::string_view text) {
   double seconds = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);

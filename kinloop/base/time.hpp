@@ -10,16 +10,16 @@ namespace kinloop {
 
 constexpr int64_t kNsPerSecond = 1'000'000'000;
 
-/// Reads decimal seconds ("1305031910.765238") exactly; nothing when the text is not a finite decimal number.
+/// Parses decimal seconds ("1305031910.765238") exactly; nullopt if the text is not a finite decimal number.
 std::optional<int64_t> parse_stamp_ns(std::string_view seconds);
 
-/// Writes seconds with six decimals, as the TUM files have them; more only where the stamp needs them.
+/// Formats a stamp as seconds with six decimals, as in TUM files; with more only if the stamp needs them.
 std::string format_stamp(int64_t stamp_ns);
 
-/// Nanoseconds of a duration in seconds, rounded.
+/// Converts seconds to nanoseconds, rounded.
 int64_t to_ns(double seconds);
 
-/// Seconds of a duration in nanoseconds.
+/// Converts nanoseconds to seconds.
 inline double to_seconds(int64_t duration_ns) {
   return 1e-9 * static_cast<double>(duration_ns);
 }

@@ -13,8 +13,8 @@
 namespace kinloop {
 namespace {
 
-/// Why no file can be written into `folder`; 0 when one can. Some disks take an empty file when they are
-/// full.
+/// Returns the errno of a failed attempt to write a file in `folder`, or 0 on success. Writes data, since
+/// some full disks still accept an empty file.
 int try_to_write_in(const std::filesystem::path& folder) {
   constexpr char kContent[512] = {};
   const int descriptor = open_anonymous_temp_file(folder);

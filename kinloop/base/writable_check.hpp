@@ -1,15 +1,15 @@
 #pragma once
-// Whether results can be written, found out before the work that makes them.
+// Checks that results can be written before the work that makes them begins.
 
 #include <filesystem>
 
 namespace kinloop {
 
-/// Throws InputError unless a file can be written at `path`: makes the folders above it that are missing, and
-/// writes and removes a temporary file beside it. An empty path, an output that nobody asked for, passes.
+/// Throws InputError unless a file can be written at `path`: creates missing parent folders, then writes and
+/// removes a temporary file beside it. An empty path (output not requested) passes.
 void require_writable_file(const std::filesystem::path& path);
 
-/// The same for files in `folder`, which is made where it is missing.
+/// Same for files in `folder`, which is created if missing.
 void require_writable_folder(const std::filesystem::path& folder);
 
 }  // namespace kinloop

@@ -17,11 +17,11 @@
 namespace kinloop {
 namespace {
 
-/// What is read around a corner must lie inside the level: the compared pixels, where they are smoothed, and
-/// the disc of its direction.
+/// All pixels read around a corner must lie inside the level: the compared pixels including the radius of the
+/// blur, and the disc that gives the orientation.
 constexpr int kBorder = std::max(kBriefMarginPx + kBlurRadius, kDiscMarginPx);
 
-/// Keypoints of each level: in proportion to the level's side length, as in ORB.
+/// Keypoints per level, in proportion to the level's side length, as in ORB.
 std::vector<int> quota_per_level(const FeatureOptions& options) {
   std::vector<double> share(static_cast<size_t>(options.levels));
   for (size_t level = 0; level < share.size(); ++level) {
@@ -33,10 +33,10 @@ std::vector<int> quota_per_level(const FeatureOptions& options) {
   return quota;
 }
 
-/// The corners from the highest contrast down; equal ones stay in reading order.
+/// Sorts the corners by falling contrast; equal ones stay in reading order.
 std::vector<RawCorner> sort_by_score(std::span<const RawCorner> corners) {
   constexpr size_t kContrasts = 256;
-  std::array<size_t, kContrasts + 1> next{};  // counting sort: where the next one of each contrast goes
+  std::array<size_t, kContrasts + 1> next{};  // counting sort: next output index of each contrast
   const auto bin = [](const RawCorner& corner) {
     return kContrasts - 1 - static_cast<size_t>(corner.contrast);
   };
@@ -47,9 +47,9 @@ std::vector<RawCorner> sort_by_score(std::span<const RawCorner> corners) {
   return sorted;
 }
 
-/// The corners of a level that are kept, at most `quota`. The strongest alone would crowd where the contrast
-/// is high, the same number from every cell would take many that the next image does not show again: the n-th
-/// corner of a cell counts with its contrast / n.
+/// Selects at most `quota` corners of a level. Choosing the strongest alone would crowd them where contrast
+/// is high; choosing the same number from every cell would keep many weak ones that the next image does not
+/// show again. So the n-th corner of a cell counts with its contrast / n.
 std::vector<RawCorner> distribute_evenly(std::span<const RawCorner> corners, const cv::Size& size,
                                          size_t quota, int cell_px) {
   const int columns = size.width / cell_px + 1, rows = size.height / cell_px + 1;
@@ -68,7 +68,7 @@ std::vector<RawCorner> distribute_evenly(std::span<const RawCorner> corners, con
   std::vector<float> highest = priorities;
   std::nth_element(highest.begin(), highest.begin() + static_cast<long>(quota), highest.end(),
                    std::greater<>());
-  const float limit = highest[quota];  // the first that is too many
+  const float limit = highest[quota];  // first one beyond the quota
   std::vector<RawCorner> picked;
   for (size_t i = 0; i < sorted.size(); ++i) {
     if (priorities[i] > limit) picked.push_back(sorted[i]);

@@ -1,5 +1,5 @@
 #pragma once
-// In: a grey image. Out: its pyramid, and FAST corners over the pyramid, spread evenly, with directions.
+// In: a grey image. Out: its pyramid, and evenly spread FAST corners with orientations on all levels.
 
 #include <vector>
 
@@ -10,22 +10,22 @@
 
 namespace kinloop {
 
-/// A corner of one level of the pyramid.
+/// A corner on one pyramid level.
 struct Corner {
   int level = 0;
   int x = 0;  ///< whole pixels of the level
   int y = 0;
-  float dx = 0;  ///< from there to where it lies more exactly, pixels of the level
+  float dx = 0;  ///< subpixel offset from (x, y), pixels of the level
   float dy = 0;
   float angle_deg = 0;  ///< [0, 360), clockwise as y points down
 };
 
-/// The pyramid of a grey image, level 0 first, each level `scale_factor` smaller than the one before. It ends
-/// early where a level would be too small for corners.
+/// Returns the pyramid of a grey image, level 0 first, each level `scale_factor` smaller than the previous
+/// one. Levels too small for corners are left out.
 std::vector<cv::Mat> build_pyramid(const cv::Mat& gray, const FeatureOptions& options);
 
-/// Oriented corners of the pyramid; at most about `options.count`, each level with its share by side length.
-/// The strongest come first, but each further corner of a cell of the image counts for less.
+/// Detects oriented corners on all levels, about `options.count` at most, distributed over the levels by side
+/// length. Stronger corners are preferred, but each further corner in an image cell counts for less.
 std::vector<Corner> detect_corners(const std::vector<cv::Mat>& pyramid, const FeatureOptions& options);
 
 }  // namespace kinloop

@@ -13,9 +13,9 @@
 namespace kinloop {
 namespace {
 
-/// Random planes as columns: their normals, with mean zero over the components of each kind.
+/// Random planes as columns: their normals, with zero mean over the components of each kind.
 cv::Mat random_planes(int dimensions, int count, int kinds) {
-  constexpr uint64_t kSeed = 256;  // vocabularies depend on it
+  constexpr uint64_t kSeed = 256;  // vocabularies depend on this value
   Random random(hash(kSeed, static_cast<uint64_t>(dimensions)));
   cv::Mat planes(dimensions, count, CV_32FC1);
   for (int plane = 0; plane < count; ++plane) {
@@ -32,10 +32,10 @@ cv::Mat random_planes(int dimensions, int count, int kinds) {
   return planes;
 }
 
-/// Sizes as levels of a pyramid that begins at `smallest_px`.
+/// Assigns sizes to the levels of a pyramid that begins at `smallest_px`.
 DetectedKeypoints on_levels(const std::vector<cv::KeyPoint>& keypoints, float smallest_px,
                             const FeatureOptions& options) {
-  constexpr double kLargestShare = 32;  // larger keypoints are where the largest level is
+  constexpr double kLargestShare = 32;  // larger keypoints go to the top level
   const double step = std::log(options.scale_factor);
   DetectedKeypoints image;
   image.level_count = static_cast<int>(std::ceil(std::log(kLargestShare) / step)) + 1;
@@ -55,7 +55,7 @@ cv::Mat binarize_descriptors(const cv::Mat& descriptors, int kinds) {
   cv::Mat bits(descriptors.rows, kOrbBytes, CV_8UC1, cv::Scalar(0));
   if (descriptors.empty()) return bits;
   require(descriptors.type() == CV_32FC1 && descriptors.cols % kinds == 0,
-          "binarize_descriptors: floats, as many of each kind");
+          "binarize_descriptors: expected floats, equally many of each kind");
   const cv::Mat sides = descriptors * random_planes(descriptors.cols, kBits, kinds);
   for (int i = 0; i < bits.rows; ++i) {
     const float* side = sides.ptr<float>(i);
@@ -70,7 +70,7 @@ DetectedKeypoints detect_float_keypoints(const cv::Mat& gray, const FeatureOptio
   std::vector<cv::KeyPoint> keypoints;
   if (options.kind == "sift") {
     constexpr float kSmallestPx = 2;  // diameter
-    constexpr int kKinds = 1;         // a histogram is a histogram
+    constexpr int kKinds = 1;         // all components are histogram bins
     cv::Mat descriptors;
     cv::SIFT::create(options.count)->detectAndCompute(gray, cv::noArray(), keypoints, descriptors);
     DetectedKeypoints image = on_levels(keypoints, kSmallestPx, options);

@@ -1,6 +1,6 @@
 #pragma once
-// In: a grey image. Out: keypoints of one kind with descriptors of 256 bits, whatever the kind, so that all
-// that matches and recognises works alike.
+// In: a grey image. Out: keypoints of one type, always with 256-bit descriptors, so that matching and place
+// recognition work with every type.
 
 #include <vector>
 
@@ -11,10 +11,10 @@
 
 namespace kinloop {
 
-/// A keypoint where the full image shows it.
+/// A keypoint in full-resolution pixels.
 struct DetectedKeypoint {
   Eigen::Vector2f raw_pixel;
-  int level = 0;  ///< of a pyramid whose levels are `scale_factor` apart
+  int level = 0;  ///< of a pyramid with ratio `scale_factor`
   float angle_deg = 0;
 };
 
@@ -24,15 +24,14 @@ struct DetectedKeypoints {
   cv::Mat descriptors;  ///< N x 32 of 8UC1
 };
 
-/// SIFT by OpenCV (Lowe 2004) or SURF by dlib (Bay et al. 2006), as `options.kind` says, the descriptors made
-/// binary. Throws UsageError where the build has no SURF.
+/// Detects SIFT by OpenCV (Lowe 2004) or SURF by dlib (Bay et al. 2006), as chosen by `options.kind`, and
+/// binarises the descriptors. Throws UsageError if the build has no SURF.
 DetectedKeypoints detect_float_keypoints(const cv::Mat& gray, const FeatureOptions& options);
 
-/// 256 bits of each row of N x D floats: on which side of 256 random planes it lies. The share of bits in
-/// which two rows differ estimates the angle between them, over pi (Charikar 2002, "Similarity estimation
-/// techniques from rounding algorithms", section 3). Components come in `kinds`, one after the other; the
-/// planes are blind to what all components of a kind have in common, which hardly differs from keypoint to
-/// keypoint.
+/// Returns 256 bits per row of an N x D float matrix: the sides of 256 random planes on which the row lies.
+/// The fraction of differing bits estimates the angle between two rows, over pi (Charikar 2002, "Similarity
+/// estimation techniques from rounding algorithms", section 3). Components come in `kinds` consecutive
+/// groups; the planes ignore the mean of each group, which hardly differs between keypoints.
 cv::Mat binarize_descriptors(const cv::Mat& descriptors, int kinds);
 
 }  // namespace kinloop

@@ -20,7 +20,7 @@ namespace {
 
 const Eigen::Vector2f kUnknownSlope = Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
 
-/// One row of descriptors per corner.
+/// Returns one row of descriptors per corner.
 cv::Mat describe(const std::vector<cv::Mat>& pyramid, std::span<const Corner> corners) {
   std::vector<cv::Mat> blurred;
   for (const cv::Mat& level : pyramid) blurred.push_back(gaussian_blur(level));
@@ -33,8 +33,8 @@ cv::Mat describe(const std::vector<cv::Mat>& pyramid, std::span<const Corner> co
   return descriptors;
 }
 
-/// Where a corner of a pyramid level lies on the full image. Resizing leaves the outer corner of the first
-/// pixel at rest, which is half a pixel from its centre, and level sizes are whole numbers.
+/// Maps a corner on a pyramid level to the full image. Resizing keeps the outer corner of the first pixel
+/// fixed, which is half a pixel from its centre, and level sizes are rounded to whole pixels.
 Eigen::Vector2f to_full_resolution(const Corner& corner, const std::vector<cv::Mat>& pyramid) {
   const cv::Mat& full = pyramid.front();
   const cv::Mat& level = pyramid[static_cast<size_t>(corner.level)];
@@ -44,7 +44,7 @@ Eigen::Vector2f to_full_resolution(const Corner& corner, const std::vector<cv::M
           (static_cast<float>(corner.y) + corner.dy + 0.5F) * scale_y - 0.5F};
 }
 
-/// Our own ORB.
+/// kinloop's ORB.
 DetectedKeypoints detect_orb_keypoints(const cv::Mat& gray, const FeatureOptions& options) {
   const auto pyramid = build_pyramid(gray, options);
   const auto corners = detect_corners(pyramid, options);
@@ -81,16 +81,16 @@ float average_depth(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, do
 
 std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
                                                       const Eigen::Vector2f& raw_pixel) {
-  // The slope over a few pixels is smaller than the steps in which the sensor quantises disparity: a wide
-  // window, sparsely sampled, sees through them.
+  // The depth slope over a few pixels is smaller than the sensor's disparity quantisation; a wide, sparsely
+  // sampled window averages it out.
   constexpr int kReach = 8, kStep = 2;
   constexpr int kMinValid = 60;           // of 81
-  constexpr double kMaxRms_per_m = 4e-3;  // of a plane; three times the sensor's noise
+  constexpr double kMaxRms_per_m = 4e-3;  // deviation from a plane: three times the sensor noise
   const int x = cvRound(raw_pixel.x()), y = cvRound(raw_pixel.y());
   if (x < kReach || y < kReach || x + kReach >= depth_m.cols || y + kReach >= depth_m.rows) {
     return std::nullopt;
   }
-  // Least squares of inverse depth = a + b dx + c dy. The sums of the known pixels' places are whole numbers.
+  // Least squares fit of inverse depth = a + b dx + c dy. The sums over pixel offsets are integers.
   int valid = 0, x1 = 0, y1 = 0, xx = 0, xy = 0, yy = 0;
   double squares = 0, g0 = 0, gx = 0, gy = 0;
   for (int dy = -kReach; dy <= kReach; dy += kStep) {
@@ -116,7 +116,7 @@ std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
   const Eigen::Vector3d g(g0, gx, gy);
   const Eigen::Vector3d plane = H.ldlt().solve(g);
   const double rms = std::sqrt(std::max(squares - plane.dot(g), 0.0) / valid);
-  // A slope across an edge would be that of no surface, and far too steep.
+  // Across an edge the slope would belong to no surface and be far too steep.
   if (!(rms < kMaxRms_per_m)) return std::nullopt;
   return plane.tail<2>().cast<float>();
 }
@@ -125,7 +125,7 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
                           const FeatureOptions& options) {
   require(gray.type() == CV_8UC1, "extract_features: the image must be 8-bit grey");
   require(depth_m.empty() || (depth_m.type() == CV_32FC1 && depth_m.size() == gray.size()),
-          "extract_features: depth must be float metres, of the image's size");
+          "extract_features: depth must be float metres and of the image's size");
   const DetectedKeypoints image =
       options.kind == "orb" ? detect_orb_keypoints(gray, options) : detect_float_keypoints(gray, options);
   Features features;

@@ -1,5 +1,5 @@
 #pragma once
-// Distance of binary descriptors.
+// Hamming distance of binary descriptors.
 
 #include <bit>
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace kinloop {
 
 constexpr int kOrbBytes = 32;  ///< an ORB descriptor has 256 bits
 
-/// Number of different bits of two ORB descriptors (32 bytes each).
+/// Returns the number of differing bits of two ORB descriptors (32 bytes each).
 inline int hamming_distance(const uint8_t* a, const uint8_t* b) {
   int distance = 0;
   for (int i = 0; i < kOrbBytes; i += 8) {
@@ -23,8 +23,8 @@ inline int hamming_distance(const uint8_t* a, const uint8_t* b) {
 
 }  // namespace kinloop
 
-/// Marks a function whose hot loop is Hamming distances: compiled also for CPUs that count bits in one
-/// instruction, chosen at run time. Integer arithmetic: the results are the same.
+/// Marks a function dominated by Hamming distances: it is also compiled for CPUs with a popcount instruction
+/// and dispatched at run time. Integer arithmetic, so the results are identical.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define KINLOOP_POPCOUNT_CLONES __attribute__((target_clones("default", "popcnt", "avx2")))

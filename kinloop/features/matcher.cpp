@@ -14,7 +14,7 @@ namespace {
 constexpr int kFar = std::numeric_limits<int>::max();
 constexpr int kCellPx = 16;
 
-/// For each row of `a` the key of the nearest row of `b`, and for each row of `b` that of the nearest of `a`.
+/// For each row of `a` the key of its nearest row in `b`, and vice versa.
 struct MutualNearest {
   std::vector<uint32_t> of_a, of_b;
 };
@@ -30,7 +30,7 @@ MutualNearest find_nearest(const cv::Mat& a, const cv::Mat& b) {
   return nearest;
 }
 
-/// The nearest and the second nearest keypoint of a search window.
+/// The best and second-best keypoint in a search window.
 struct TwoBestMatches {
   uint32_t index = 0;
   int distance = kFar, second_distance = kFar;
@@ -49,7 +49,7 @@ struct TwoBestMatches {
     }
   }
 
-  /// A look-alike on the same level makes the choice ambiguous.
+  /// A similar keypoint on the same level makes the match ambiguous.
   [[nodiscard]] bool distinct(double max_ratio) const {
     return second_distance == kFar || level != second_level || distance <= max_ratio * second_distance;
   }

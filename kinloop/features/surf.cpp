@@ -21,7 +21,7 @@ bool surf_available() {
 
 SurfFeatures detect_surf(const cv::Mat& gray, int count) {
   constexpr int kDimensions = 64;
-  constexpr double kThreshold = 3.0;  // of the Hessian's determinant: low, so that `count` decides
+  constexpr double kThreshold = 3.0;  // on the determinant of the Hessian; low, so that `count` decides
   constexpr double kSigmaOfScaleOne = 1.2;
   dlib::array2d<unsigned char> image(gray.rows, gray.cols);
   for (int y = 0; y < gray.rows; ++y) {
@@ -50,7 +50,7 @@ bool surf_available() {
 }
 
 SurfFeatures detect_surf(const cv::Mat&, int) {
-  throw UsageError("SURF: this build has no dlib; install libdlib-dev and build kinloop again");
+  throw UsageError("SURF: this build has no dlib; install libdlib-dev and rebuild kinloop");
 }
 
 #endif

@@ -6,17 +6,17 @@
 
 namespace kinloop {
 
-/// Keypoints (level 0 pixels, size and angle as OpenCV has them) with a 64-vector each, N x 64 of 32FC1.
+/// Keypoints (level 0 pixels, size and angle in OpenCV's convention) with a 64-vector each, N x 64 of 32FC1.
 struct SurfFeatures {
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
 };
 
-/// Whether this build has SURF.
+/// Returns whether this build has SURF.
 bool surf_available();
 
-/// dlib's SURF: the `count` strongest points of an 8-bit grey image. Throws UsageError in a build without
-/// dlib.
+/// Detects the `count` strongest SURF keypoints of an 8-bit grey image with dlib. Throws UsageError in a
+/// build without dlib.
 SurfFeatures detect_surf(const cv::Mat& gray, int count);
 
 }  // namespace kinloop

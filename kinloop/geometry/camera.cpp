@@ -5,7 +5,7 @@
 namespace kinloop {
 namespace {
 
-/// Distorted normalised coordinates and their 2x2 derivative by the undistorted ones.
+/// Distorted normalised coordinates and their 2x2 Jacobian with respect to the undistorted ones.
 struct Distortion {
   Eigen::Vector2d point;
   Eigen::Matrix2d jacobian;

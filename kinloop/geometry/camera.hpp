@@ -1,8 +1,7 @@
 #pragma once
-// In: points in the camera frame (x right, y down, z forward, metres). Out: pixels (x right, y down, the
-// centre of the top left pixel is (0, 0)), and back. "Undistorted" pixels are those an ideal pinhole camera
-// with the same fx, fy, cx, cy would see; keypoints are undistorted once, and all estimation happens in
-// undistorted pixels.
+// In: points in the camera frame (x right, y down, z forward, metres). Out: pixels (x right, y down, (0, 0)
+// is the centre of the top left pixel), and back. "Undistorted" pixels are those of an ideal pinhole camera
+// with the same fx, fy, cx, cy; keypoints are undistorted once, and all estimation uses undistorted pixels.
 
 #include <optional>
 
@@ -23,43 +22,43 @@ struct PinholeCamera {
 
   [[nodiscard]] bool has_distortion() const { return k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0 || k3 != 0; }
 
-  /// Undistorted pixel of a point with z > 0.
+  /// Returns the undistorted pixel of a point with z > 0.
   [[nodiscard]] Eigen::Vector2d project(const Eigen::Vector3d& p_camera) const {
     return {fx * p_camera.x() / p_camera.z() + cx, fy * p_camera.y() / p_camera.z() + cy};
   }
 
-  /// Point at depth `depth_m` (z) that the undistorted pixel sees.
+  /// Returns the point at depth `depth_m` (z) on the ray of the undistorted pixel.
   [[nodiscard]] Eigen::Vector3d unproject(const Eigen::Vector2d& pixel, double depth_m) const {
     return {(pixel.x() - cx) / fx * depth_m, (pixel.y() - cy) / fy * depth_m, depth_m};
   }
 
-  /// 2x3 derivative of `project`.
+  /// 2x3 Jacobian of `project`.
   [[nodiscard]] Eigen::Matrix<double, 2, 3> project_jacobian(const Eigen::Vector3d& p_camera) const;
 
-  /// Raw (distorted) pixel of an undistorted one.
+  /// Returns the raw (distorted) pixel of an undistorted one.
   [[nodiscard]] Eigen::Vector2d distort(const Eigen::Vector2d& undistorted) const;
 
-  /// Undistorted pixel of a raw one (Newton's method on `distort`).
+  /// Returns the undistorted pixel of a raw one (Newton's method on `distort`).
   [[nodiscard]] Eigen::Vector2d undistort(const Eigen::Vector2d& raw) const;
 
-  /// Whether the pixel lies inside the image, at least `margin_px` from its border.
+  /// Returns whether the pixel lies inside the image, at least `margin_px` from its border.
   [[nodiscard]] bool contains(const Eigen::Vector2d& pixel, double margin_px = 0) const {
     return pixel.x() >= margin_px && pixel.y() >= margin_px && pixel.x() <= width - 1 - margin_px &&
            pixel.y() <= height - 1 - margin_px;
   }
 };
 
-/// What is known of an RGB-D camera: `camera.yaml` holds exactly this.
+/// The calibration of an RGB-D camera, the content of `camera.yaml`.
 struct RgbdCamera {
   PinholeCamera color;
   double depth_scale = 5000;     ///< units of the depth image per metre
-  double depth_shift_m = 0;      ///< to be added to depth as measured
+  double depth_shift_m = 0;      ///< added to measured depth
   double fps = 30;               ///< frames per second
   double rolling_shutter_s = 0;  ///< readout time from the first colour row to the last
-  double depth_offset_s = 0;     ///< time of the depth measurement minus time of its colour image
-  /// The depth camera, where depth is not registered to colour.
+  double depth_offset_s = 0;     ///< time of the depth image minus time of its colour image
+  /// The depth camera, if depth is not registered to colour.
   std::optional<PinholeCamera> depth;
-  SE3 T_color_depth;  ///< used with `depth` alone
+  SE3 T_color_depth;  ///< used only with `depth`
 };
 
 }  // namespace kinloop

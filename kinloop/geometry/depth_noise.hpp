@@ -1,5 +1,5 @@
 #pragma once
-// How far a measured depth may be off.
+// Standard deviation of measured depth.
 
 namespace kinloop {
 

@@ -8,8 +8,8 @@ namespace kinloop {
 
 std::optional<SE3> align_rigid(std::span<const Eigen::Vector3d> points_a,
                                std::span<const Eigen::Vector3d> points_b, std::span<const double> weights) {
-  require(points_a.size() == points_b.size(), "align_rigid: point sets of different size");
-  require(weights.empty() || weights.size() == points_a.size(), "align_rigid: one weight per pair");
+  require(points_a.size() == points_b.size(), "align_rigid: point sets differ in size");
+  require(weights.empty() || weights.size() == points_a.size(), "align_rigid: expected one weight per pair");
   if (points_a.size() < 3) return std::nullopt;
 
   const auto weight = [&](size_t i) { return weights.empty() ? 1.0 : weights[i]; };
@@ -31,7 +31,7 @@ std::optional<SE3> align_rigid(std::span<const Eigen::Vector3d> points_a,
   if (!covariance.allFinite()) return std::nullopt;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   constexpr double kRankTolerance = 1e-12;
-  // A line of points leaves the turn about it free.
+  // Collinear points leave the rotation about their line free.
   if (svd.singularValues()(1) <= kRankTolerance * svd.singularValues()(0)) return std::nullopt;
 
   Eigen::Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);

@@ -1,5 +1,5 @@
 #pragma once
-// The rigid motion that best maps one point set onto another.
+// Rigid alignment of two point sets.
 
 #include <optional>
 #include <span>
@@ -10,8 +10,9 @@
 
 namespace kinloop {
 
-/// T_a_b minimising sum w_i |a_i - T_a_b b_i|^2 (Horn 1987, by SVD as in Umeyama 1991, no scale). `weights`
-/// may be empty (all 1). Nothing when fewer than three pairs are given or they do not fix the rotation.
+/// Returns the T_a_b that minimises sum w_i |a_i - T_a_b b_i|^2 (Horn 1987, by SVD as in Umeyama 1991, no
+/// scale). `weights` may be empty (all 1). Returns nullopt for fewer than three pairs or if they do not
+/// determine the rotation.
 std::optional<SE3> align_rigid(std::span<const Eigen::Vector3d> points_a,
                                std::span<const Eigen::Vector3d> points_b,
                                std::span<const double> weights = {});

@@ -1,6 +1,7 @@
 #pragma once
 // Robust losses for iteratively reweighted least squares. `squared` is a squared normalised residual (e'
-// Omega e); `rho` replaces it in the cost, `weight` = d rho / d squared multiplies its normal equations.
+// Omega e); `rho` replaces it in the cost, and `weight` = d rho / d squared scales its terms in the normal
+// equations.
 
 #include <cmath>
 #include <numbers>
@@ -19,17 +20,17 @@ struct HuberLoss {
   }
 };
 
-/// How much of the information of a normally distributed sample Huber's estimate of its mean uses: 0.64 (that
-/// of the median) for width 0, 1 for an infinite width (Huber 1964, Eq. 2.9).
+/// Statistical efficiency of Huber's estimate of the mean of a normal distribution: 0.64 (that of the median)
+/// for width 0, 1 for an infinite width (Huber 1964, Eq. 2.9).
 inline double huber_efficiency(double width) {
   if (!(width > 0)) return 2 / std::numbers::pi;
   if (std::isinf(width)) return 1;
-  const double inside = std::erf(width / std::numbers::sqrt2);  // share of the sample within the width
+  const double inside = std::erf(width / std::numbers::sqrt2);  // fraction of the samples within the width
   const double density = std::exp(-width * width / 2) / std::sqrt(2 * std::numbers::pi);
   return inside * inside / (inside - 2 * width * density + width * width * (1 - inside));
 }
 
-/// Cauchy's loss: grows with the logarithm, so that far outliers hardly pull.
+/// Cauchy's loss: grows logarithmically, so that gross outliers have little influence.
 struct CauchyLoss {
   double width = 1.0;
 

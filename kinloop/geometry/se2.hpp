@@ -1,5 +1,5 @@
 #pragma once
-// Rigid motions of the plane. `T_a_b` maps points of frame b to frame a, as in se3.hpp.
+// Rigid motions in the plane. `T_a_b` maps points of frame b to frame a, as in se3.hpp.
 
 #include <cmath>
 
@@ -7,12 +7,12 @@
 
 namespace kinloop {
 
-/// The same angle in [-pi, pi].
+/// Returns the angle wrapped to [-pi, pi].
 inline double normalized_angle(double angle_rad) {
   return std::remainder(angle_rad, 2 * M_PI);
 }
 
-/// A rigid motion of the plane. Tangent vectors are (translation; angle), metres and radians.
+/// A rigid motion in the plane. Tangent vectors are (translation; angle), metres and radians.
 struct SE2 {
   static constexpr int kDof = 3;
 

@@ -5,7 +5,7 @@
 namespace kinloop {
 namespace {
 
-constexpr double kSmallAngle = 1e-5;  // below it, series to second order are exact in double precision
+constexpr double kSmallAngle = 1e-5;  // below it, second-order series are exact in double precision
 
 /// Left Jacobian of SO(3): V with exp((rho; omega)).translation = V * rho.
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& omega) {
@@ -13,7 +13,7 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& omega) {
   const Eigen::Matrix3d W = skew(omega);
   if (angle < kSmallAngle) return Eigen::Matrix3d::Identity() + 0.5 * W + W * W / 6.0;
   const double s = std::sin(0.5 * angle) / angle;
-  const double a = 2.0 * s * s;  // (1 - cos) / angle^2 without its cancellation at small angles
+  const double a = 2.0 * s * s;  // (1 - cos) / angle^2 without cancellation at small angles
   const double b = (angle - std::sin(angle)) / (angle * angle * angle);
   return Eigen::Matrix3d::Identity() + a * W + b * W * W;
 }

@@ -9,10 +9,10 @@ namespace kinloop {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// The matrix with skew(a) * b = a x b.
+/// Returns the matrix with skew(a) * b = a x b.
 Eigen::Matrix3d skew(const Eigen::Vector3d& a);
 
-/// Rotation of |omega| radians about omega.
+/// Returns the rotation by |omega| radians about omega.
 Eigen::Quaterniond exp_so3(const Eigen::Vector3d& omega);
 
 /// Inverse of exp_so3, with an angle in [0, pi].
@@ -34,10 +34,10 @@ struct SE3 {
   [[nodiscard]] Eigen::Matrix3d R() const { return rotation.toRotationMatrix(); }
   [[nodiscard]] Eigen::Matrix4d matrix() const;
 
-  /// Ad with T * exp(x) = exp(Ad * x) * T.
+  /// Returns Ad with T * exp(x) = exp(Ad * x) * T.
   [[nodiscard]] Matrix6d adjoint() const;
 
-  /// Angle of the rotation, in [0, pi].
+  /// Rotation angle, in [0, pi].
   [[nodiscard]] double angle_rad() const { return log_so3(rotation).norm(); }
   [[nodiscard]] bool is_finite() const { return rotation.coeffs().allFinite() && translation.allFinite(); }
 };
@@ -45,8 +45,7 @@ struct SE3 {
 SE3 operator*(const SE3& a, const SE3& b);
 Eigen::Vector3d operator*(const SE3& T, const Eigen::Vector3d& point);
 
-/// The motion a fraction `s` of the way from `a` (s = 0) to `b` (s = 1), at constant twist; s may lie
-/// outside.
+/// Interpolates at constant twist from `a` (s = 0) to `b` (s = 1); s may lie outside [0, 1].
 SE3 interpolate(const SE3& a, const SE3& b, double s);
 
 }  // namespace kinloop

@@ -12,28 +12,28 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// How far a normal may be from level or upright to count as such: several times the noise of normals.
+/// How far a normal may deviate from horizontal or vertical: several times the noise of normals.
 constexpr double kBand_rad = 10 * kDegree;
 
 using Normals = std::vector<Eigen::Vector3d>;
 
-/// Shares of all surface, if `up` is up.
+/// Fractions of the total surface, given `up`.
 struct Shares {
-  double above = 0;    ///< level, seen from above
-  double below = 0;    ///< level, seen from below
+  double above = 0;    ///< horizontal, seen from above
+  double below = 0;    ///< horizontal, seen from below
   double upright = 0;  ///< walls
 
   [[nodiscard]] double explained() const { return above + below + upright; }
 };
 
-/// A direction that may be up, and the logarithm of how well all else agrees, but for a constant.
+/// A candidate for the up direction and its log likelihood, up to a constant.
 struct Candidate {
   Eigen::Vector3d up;
   double log_likelihood = 0;
-  bool determined = false;  ///< the surfaces hold it in both directions
+  bool determined = false;  ///< the surfaces constrain both degrees of freedom
 };
 
-/// An even choice of the normals, so that the work is bounded.
+/// An evenly spaced subset of the normals, to bound the work.
 Normals chosen(std::span<const Eigen::Vector3f> normals) {
   constexpr size_t kMost = 20'000;
   const size_t step = normals.size() / kMost + 1;
@@ -59,7 +59,7 @@ Shares shares_of(const Eigen::Vector3d& up, const Normals& normals) {
           static_cast<double>(walls) / all};
 }
 
-/// Directions spread evenly over half a sphere (a Fibonacci lattice), 4 degrees apart.
+/// Directions spread evenly over a half sphere (Fibonacci lattice), 4 degrees apart.
 std::vector<Eigen::Vector3d> half_sphere() {
   constexpr int kCount = 1500;
   const double golden_rad = std::numbers::pi * (3 - std::sqrt(5));
@@ -71,8 +71,8 @@ std::vector<Eigen::Vector3d> half_sphere() {
   return directions;
 }
 
-/// The direction near `up` that level surfaces lie most nearly square to and walls most nearly along, by
-/// least squares over those within the band (tightened as the direction gets better).
+/// Refines `up` by least squares so that horizontal surfaces are perpendicular to it and walls parallel,
+/// using the surfaces within the band (which is tightened as the estimate improves).
 Candidate refined(Eigen::Vector3d up, const Normals& normals) {
   Candidate candidate;
   for (const double band_rad : {1.5 * kBand_rad, kBand_rad, kBand_rad, kBand_rad / 2, kBand_rad / 2}) {
@@ -86,7 +86,8 @@ Candidate refined(Eigen::Vector3d up, const Normals& normals) {
       }
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(cost / static_cast<double>(normals.size()));
-    constexpr double kMinCurvature = 0.05;  // the share of surface that must hold it in its weaker direction
+    constexpr double kMinCurvature =
+        0.05;  // share of the surface that must constrain the weaker degree of freedom
     candidate.determined = solver.eigenvalues()(1) - solver.eigenvalues()(0) > kMinCurvature;
     if (!candidate.determined) break;
     const Eigen::Vector3d axis = solver.eigenvectors().col(0);
@@ -96,7 +97,7 @@ Candidate refined(Eigen::Vector3d up, const Normals& normals) {
   return candidate;
 }
 
-/// The axes that explain most of the surface, well apart from each other.
+/// The axes that explain most of the surface, well separated from each other.
 std::vector<Candidate> best_axes(const Normals& normals) {
   constexpr size_t kMost = 12;
   constexpr double kApart_rad = 20 * kDegree;
@@ -129,7 +130,7 @@ std::vector<Candidate> best_axes(const Normals& normals) {
   return axes;
 }
 
-/// A mean and how far values are spread around it.
+/// Mean and spread of a sample.
 struct Spread {
   double mean = 0, sigma = 0;
 };
@@ -143,19 +144,20 @@ Spread spread_of(const std::vector<double>& values) {
   return spread;
 }
 
-/// The logarithm of a bell curve with heavy tails: nothing that people do with cameras is impossible.
+/// Log density of a heavy-tailed distribution: no camera motion is impossible.
 double log_bell(double value, double sigma) {
   constexpr double kTail = 0.05;
   return std::log(std::exp(-value * value / (2 * sigma * sigma)) + kTail);
 }
 
-/// How people carry cameras: they look a little down, turn and walk sideways more than they nod and stoop,
-/// and hold them upright. Frames of one path are far from independent, so each of these counts once for all.
+/// How people carry cameras: they look slightly down, pan and walk sideways more than they pitch and crouch,
+/// and hold the camera without roll. The frames of a path are far from independent, so each cue counts once
+/// for all frames.
 double camera_evidence(const Eigen::Vector3d& up, std::span<const SE3> cameras) {
   constexpr double kPitch = -20 * kDegree, kPitchSigma = 30 * kDegree, kNodSigma = 20 * kDegree;
   constexpr double kRollSigma = 20 * kDegree;
   constexpr double kStoopSigma = 0.3;  // of the path's extent
-  constexpr double kNoPath_m = 0.1;    // a path of less extent is a hand at rest
+  constexpr double kNoPath_m = 0.1;    // a shorter path means a camera held still
   constexpr double kPitchWeight = 2, kNodWeight = 1.5;
   if (cameras.empty()) return 0;
   std::vector<double> pitches, heights, rolls;
@@ -165,7 +167,7 @@ double camera_evidence(const Eigen::Vector3d& up, std::span<const SE3> cameras) 
     pitches.push_back(std::asin(std::clamp(in_camera.z(), -1.0, 1.0)));
     heights.push_back(up.dot(T_world_camera.translation));
     for (int i = 0; i < 3; ++i) axes[static_cast<size_t>(i)].push_back(T_world_camera.translation[i]);
-    // The image of what is upright shrinks as the camera looks up or down, and roll means less and less.
+    // The vertical's image shrinks as the camera looks up or down, and roll becomes less meaningful.
     const double seen = in_camera.head<2>().norm();
     rolls.push_back(seen * log_bell(std::atan2(in_camera.x(), -in_camera.y()), kRollSigma));
   }
@@ -178,8 +180,8 @@ double camera_evidence(const Eigen::Vector3d& up, std::span<const SE3> cameras) 
   return sum;
 }
 
-/// Level surfaces are mostly seen from above: floors, tables, seats. Walls are seen from both sides, or by
-/// cameras that look along their normal, which people who look at floors seldom do for long.
+/// Horizontal surfaces are mostly seen from above: floors, tables, seats. Walls are seen from both sides, or
+/// by cameras that look along their normal, which rarely happens for long if the surface is a floor.
 double surface_evidence(const Shares& shares) {
   constexpr double kNetWeight = 6, kNegligible = 0.1, kExplainedWeight = 10;
   const double net = (shares.above - shares.below) / (shares.above + shares.below + kNegligible);
@@ -204,9 +206,9 @@ UpEstimate mean_camera_up(std::span<const SE3> T_world_cameras) {
 
 UpEstimate estimate_up_direction(std::span<const Eigen::Vector3f> normals,
                                  std::span<const SE3> T_world_cameras) {
-  constexpr size_t kMinNormals = 300;     // fewer are a corner of something
-  constexpr double kMinExplained = 0.35;  // twice what directions at random would give
-  constexpr double kMinUpright = 0.1;     // a plane alone may as well be a wall
+  constexpr size_t kMinNormals = 300;     // with fewer, only part of an object was seen
+  constexpr double kMinExplained = 0.35;  // twice the value of random directions
+  constexpr double kMinUpright = 0.1;     // a single plane may as well be a wall
   constexpr double kMinConfidence = 0.6;
   UpEstimate fallback = mean_camera_up(T_world_cameras);
   const Normals some = chosen(normals);
@@ -242,7 +244,7 @@ Eigen::Quaterniond upright_rotation(const Eigen::Vector3d& up, const SE3& T_worl
   const Eigen::Vector3d z = up.normalized();
   const Eigen::Matrix3d R = T_world_first.R();
   const auto along_floor = [&](const Eigen::Vector3d& v) { return Eigen::Vector3d(v - z * z.dot(v)); };
-  constexpr double kTooSteep = 0.2;  // sine of the angle between the view and the vertical
+  constexpr double kTooSteep = 0.2;  // sine of the angle between viewing direction and vertical
   Eigen::Vector3d y = along_floor(R.col(2));
   if (y.norm() < kTooSteep) y = along_floor(-R.col(1));
   y.normalize();

@@ -24,7 +24,7 @@ size_t line_of(const YAML::Mark& mark) {
   return mark.is_null() ? 1 : static_cast<size_t>(mark.line) + 1;
 }
 
-/// One block "key: value" of the file, with errors that name file, line and key.
+/// One block "key: value" of the file; errors name file, line and key.
 class Block {
  public:
   /// `prefix` names the block in messages, e.g. "depth.".
@@ -97,7 +97,7 @@ class Block {
   }
   [[noreturn]] void reject(const YAML::Node& value, const std::string& key,
                            const std::string& expected) const {
-    // The line of the key: yaml-cpp places a value that is missing on the line after it.
+    // Line of the key: yaml-cpp places a missing value on the line after it.
     const std::string text = value.IsScalar() ? fmt::format("'{}'", value.Scalar()) : "the value";
     throw_parse_error(path_, lines_.at(key),
                       fmt::format("key '{}{}': {} is not {}", prefix_, key, text, expected));
@@ -106,7 +106,7 @@ class Block {
                                  Range range) const {
     double number = 0;
     const bool is_number = value.IsScalar() && YAML::convert<double>::decode(value, number);
-    // Written so that what is no number fails, too.
+    // Written so that NaN fails, too.
     if (!is_number || !(number >= range.low && number <= range.high)) reject(value, key, expected);
     return number;
   }
@@ -117,11 +117,11 @@ class Block {
   std::filesystem::path path_;
   std::string prefix_;
   YAML::Node node_;
-  std::map<std::string, size_t> lines_;  ///< of the keys that are there
+  std::map<std::string, size_t> lines_;  ///< of the keys present
 };
 
-/// A pinhole camera whose image has the given size; ranges are wide enough for any lens, from fish-eye to
-/// telescope, and for images cut out of larger ones.
+/// Reads a pinhole camera for the given image size; the ranges admit any lens, from fish-eye to telephoto,
+/// and crops of larger images.
 PinholeCamera read_lens(const Block& block, int width, int height) {
   constexpr double kFocalRange = 10, kMaxDistortion = 100;
   const double extent_px = width + height;
@@ -186,10 +186,9 @@ RgbdCamera read_camera_file(const std::filesystem::path& path) {
     camera.depth = read_depth_camera(depth, camera.color);
     camera.T_color_depth = read_motion(motion);
   } else if (block.has("T_color_depth")) {
-    throw_parse_error(
-        path, line_of(block.at("T_color_depth", "").Mark()),
-        "key 'T_color_depth' without 'depth'; add the depth camera, or leave both out where depth is "
-        "registered to colour");
+    throw_parse_error(path, line_of(block.at("T_color_depth", "").Mark()),
+                      "key 'T_color_depth' without 'depth'; add the depth camera, or remove the key if depth "
+                      "is registered to colour");
   }
   return camera;
 }

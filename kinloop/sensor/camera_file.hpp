@@ -24,12 +24,12 @@
 
 namespace kinloop {
 
-/// Reads camera.yaml. Throws InputError naming file, line, key and remedy for a key that is unknown, missing,
-/// given twice or has a value that no camera has.
+/// Reads camera.yaml. Throws InputError naming file, line, key and remedy if a key is unknown, missing,
+/// duplicate or out of range.
 RgbdCamera read_camera_file(const std::filesystem::path& path);
 
-/// Writes camera.yaml, atomically; reading it gives the same camera to the last bit but for the rotation of
-/// T_color_depth, which passes through a rotation vector.
+/// Writes camera.yaml atomically; reading it back gives the same camera to the last bit, except for the
+/// rotation of T_color_depth, which passes through a rotation vector.
 void write_camera_file(const std::filesystem::path& path, const RgbdCamera& camera);
 
 }  // namespace kinloop

@@ -42,7 +42,7 @@ std::optional<RgbdCamera> camera_preset(std::string_view name) {
                       5208);
   }
   if (name == "freiburg3") return vga_camera(pinhole(535.4, 539.2, 320.1, 247.6), 5000);
-  // ICL-NUIM (Handa et al. 2014); its fy is -480 for images with y up, ours has y down.
+  // ICL-NUIM (Handa et al. 2014); published with fy = -480 for y up, here y points down.
   if (name == "icl") return vga_camera(pinhole(481.2, 480.0, 319.5, 239.5), 5000);
   return std::nullopt;
 }

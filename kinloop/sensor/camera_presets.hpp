@@ -1,5 +1,5 @@
 #pragma once
-// The published cameras of the standard data sets.
+// Published calibrations of standard datasets.
 
 #include <optional>
 #include <string_view>
@@ -8,8 +8,8 @@
 
 namespace kinloop {
 
-/// The camera called `name`: freiburg1, freiburg2, freiburg3 (TUM RGB-D) or icl (ICL-NUIM); nothing for any
-/// other name.
+/// Returns the camera called `name`: freiburg1, freiburg2, freiburg3 (TUM RGB-D) or icl (ICL-NUIM); nullopt
+/// for any other name.
 std::optional<RgbdCamera> camera_preset(std::string_view name);
 
 }  // namespace kinloop

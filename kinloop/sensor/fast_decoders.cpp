@@ -16,23 +16,24 @@ namespace {
 
 using namespace std::string_view_literals;
 
-/// A big-endian number of four bytes.
+/// Reads a big-endian 32-bit number.
 uint32_t number_at(std::string_view bytes, size_t position) {
   uint32_t value = 0;
   for (size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<uint8_t>(bytes[position + i]);
   return value;
 }
 
-/// What a PNG file says: its size, and its filtered rows, still deflated.
+/// The content of a PNG file: its size and its filtered rows, still deflated.
 struct PngContent {
   int width = 0, height = 0;
   std::string deflated;
 };
 
-/// The content of a PNG file of 16-bit grey without interlacing (PNG specification, sections 5.3 and 11.2.2).
+/// Returns the content of a non-interlaced 16-bit grey PNG file (PNG specification, sections 5.3 and 11.2.2).
 std::optional<PngContent> depth_png_content(std::string_view bytes) {
-  constexpr size_t kSignature = 8, kFrame = 12;       // a chunk has length, type and checksum beside its data
-  constexpr auto kSixteenBitGrey = "\x10\0\0\0\0"sv;  // depth, colour type, compression, filter, interlace
+  constexpr size_t kSignature = 8, kFrame = 12;  // a chunk adds length, type and checksum to its data
+  constexpr auto kSixteenBitGrey =
+      "\x10\0\0\0\0"sv;  // bit depth, colour type, compression, filter, interlace
   constexpr uint32_t kHeaderBytes = 13, kMaxSide = 1U << 15;
   PngContent content;
   for (size_t at = kSignature; at + kFrame <= bytes.size();) {
@@ -58,12 +59,12 @@ std::optional<PngContent> depth_png_content(std::string_view bytes) {
 
 constexpr size_t kPixelBytes = 2;
 
-/// Undoes one of the four filters on one row; `predict` gives the filter's prediction of a byte from that a
-/// pixel to the left, the one above, and the one a pixel to the left of that.
+/// Undoes one of the four filters on one row; `predict` predicts a byte from the bytes of the pixels to the
+/// left, above, and above left.
 template <class Predict>
 void unfilter(uint8_t* row, const uint8_t* above, size_t size, const Predict& predict) {
   static_assert(kPixelBytes == 2);
-  int left_high = 0, left_low = 0, corner_high = 0, corner_low = 0;  // in registers: rows may alias
+  int left_high = 0, left_low = 0, corner_high = 0, corner_low = 0;  // in registers, since rows may alias
   for (size_t i = 0; i + 1 < size; i += kPixelBytes) {
     const int up_high = above[i], up_low = above[i + 1];
     left_high = (row[i] + predict(left_high, up_high, corner_high)) & 0xFF;
@@ -83,7 +84,8 @@ int paeth(int left, int above, int corner) {
   return to_left <= std::min(to_above, to_corner) ? left : nearer;
 }
 
-/// Undoes the filter of number `filter` (PNG specification, section 9.2); false where there is no such.
+/// Undoes the filter with number `filter` (PNG specification, section 9.2); returns false for an unknown
+/// filter.
 bool unfilter(int filter, uint8_t* row, const uint8_t* above, size_t size) {
   switch (filter) {
     case 0:
@@ -127,7 +129,7 @@ cv::Mat decode_jpeg(std::string_view bytes) {
                                       &color_space) != 0) {
     return {};
   }
-  constexpr int64_t kMostPixels = int64_t{1} << 28;  // more is a damaged header
+  constexpr int64_t kMostPixels = int64_t{1} << 28;  // more means a damaged header
   if (int64_t{width} * height > kMostPixels) return {};
   cv::Mat image(height, width, CV_8UC3);
   const int failed = tjDecompress2(decoder.get(), data, bytes.size(), image.data, width,
@@ -138,7 +140,8 @@ cv::Mat decode_jpeg(std::string_view bytes) {
 cv::Mat decode_depth_png(std::string_view bytes) {
   const auto content = depth_png_content(bytes);
   if (!content || content->width == 0 || content->height == 0) return {};
-  constexpr size_t kMostInflation = 1032;  // of any deflated stream: more is a damaged header
+  constexpr size_t kMostInflation =
+      1032;  // highest ratio of any deflated stream; more means a damaged header
   const size_t row_bytes = kPixelBytes * static_cast<size_t>(content->width);
   const size_t size = (1 + row_bytes) * static_cast<size_t>(content->height);
   if (size > kMostInflation * content->deflated.size()) return {};
@@ -148,7 +151,7 @@ cv::Mat decode_depth_png(std::string_view bytes) {
   const std::vector<uint8_t> nothing(row_bytes, 0);
   const uint8_t* above = nothing.data();
   for (int y = 0; y < image.rows; ++y) {
-    uint8_t* row = rows->data() + static_cast<size_t>(y) * (1 + row_bytes) + 1;  // behind its filter's number
+    uint8_t* row = rows->data() + static_cast<size_t>(y) * (1 + row_bytes) + 1;  // skips the filter byte
     if (!unfilter(row[-1], row, above, row_bytes)) return {};
     above = row;
     auto* pixels = image.ptr<uint16_t>(y);

@@ -26,7 +26,7 @@ std::string chunk(std::string_view name, std::string_view data) {
          big_endian(libdeflate_crc32(0, body.data(), body.size()));
 }
 
-/// Samples as PNG has them: red before blue, 16 bits with the high byte first.
+/// Converts samples to PNG order: red before blue, 16 bits with the high byte first.
 cv::Mat in_png_order(const cv::Mat& image) {
   cv::Mat ordered;
   if (image.type() == CV_8UC3) {
@@ -42,7 +42,7 @@ cv::Mat in_png_order(const cv::Mat& image) {
   return ordered;
 }
 
-/// Each row led by its filter: "sub", the difference from the pixel to the left.
+/// Applies the filter "sub" to each row (difference to the pixel on the left) and prepends its number.
 std::vector<uint8_t> filtered(const cv::Mat& ordered) {
   constexpr uint8_t kSub = 1;
   const size_t pixel = ordered.elemSize(), row = pixel * static_cast<size_t>(ordered.cols);

@@ -1,5 +1,5 @@
 #pragma once
-// Where frames come from: a recorded sequence, the simulator, a camera.
+// Frame sources: recorded sequences, the simulator, cameras.
 
 #include <cstddef>
 #include <optional>
@@ -12,31 +12,31 @@
 
 namespace kinloop {
 
-/// A frame that could not be used: which, and why.
+/// A frame that was skipped, and why.
 struct SkippedFrame {
   std::string name;
   std::string reason;
 };
 
-/// What a source knows about itself. `frames` is 0 for a live camera.
+/// Properties of a source. `frames` is 0 for a live camera.
 struct SourceInfo {
-  std::string name;         ///< as the user wrote it
-  size_t frames = 0;        ///< number of frames that `next` will give or skip
-  bool live = false;        ///< frames come at their own pace and are lost if not taken
-  Trajectory ground_truth;  ///< empty where there is none
+  std::string name;         ///< as given by the user
+  size_t frames = 0;        ///< number of frames that `next` will return or skip
+  bool live = false;        ///< frames arrive in real time and are lost if not taken
+  Trajectory ground_truth;  ///< empty if there is none
 };
 
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
-  /// The next frame in order of time; nothing at the end. Damaged frames are skipped and counted.
+  /// Returns the next frame in order of time; nullopt at the end. Damaged frames are skipped and counted.
   virtual std::optional<RgbdFrame> next() = 0;
 
   [[nodiscard]] virtual const RgbdCamera& camera() const = 0;
   [[nodiscard]] virtual const SourceInfo& info() const = 0;
 
-  /// The frames skipped so far.
+  /// Returns the frames skipped so far.
   [[nodiscard]] virtual std::vector<SkippedFrame> skipped() const = 0;
 };
 

@@ -23,7 +23,7 @@ constexpr auto kJpegSignature = "\xff\xd8\xff"sv;
 constexpr auto kCutShort = "the file is truncated; copy it again"sv;
 constexpr auto kDamaged = "the file is damaged; copy it again"sv;
 
-/// A big-endian number of `size` bytes.
+/// Reads a big-endian number of `size` bytes.
 size_t big_endian(std::string_view bytes, size_t position, size_t size) {
   size_t value = 0;
   for (size_t i = 0; i < size; ++i) value = (value << 8) | static_cast<uint8_t>(bytes[position + i]);
@@ -48,7 +48,7 @@ std::string_view png_damage(std::string_view bytes) {
 std::string_view jpeg_damage(std::string_view bytes) {
   constexpr uint8_t kFirstRestart = 0xd0, kLastRestart = 0xd7, kEndOfImage = 0xd9, kTemporary = 0x01,
                     kFill = 0xff;
-  size_t position = 2;  // behind the start-of-image marker
+  size_t position = 2;  // after the start-of-image marker
   while (true) {
     position = bytes.find('\xff', position);
     if (position == std::string_view::npos || position + 1 >= bytes.size()) return kCutShort;
@@ -58,7 +58,7 @@ std::string_view jpeg_damage(std::string_view bytes) {
       position += 1;
     } else if (marker == 0 || marker == kTemporary || (marker >= kFirstRestart && marker <= kLastRestart)) {
       position += 2;
-    } else {  // a segment with its length, which counts itself
+    } else {  // a segment with a length, which includes the length field
       if (position + 4 > bytes.size()) return kCutShort;
       const size_t length = big_endian(bytes, position + 2, 2);
       if (length < 2) return kDamaged;
@@ -68,7 +68,7 @@ std::string_view jpeg_damage(std::string_view bytes) {
   }
 }
 
-/// By the fast decoders; by OpenCV what these leave: other kinds of image, and damaged ones.
+/// Tries the fast decoders first, then OpenCV for other or damaged images.
 cv::Mat decode_any(const std::string& bytes) {
   cv::Mat image = bytes.starts_with(kPngSignature) ? decode_depth_png(bytes) : decode_jpeg(bytes);
   if (!image.empty()) return image;

@@ -9,19 +9,19 @@
 namespace kinloop {
 namespace {
 
-/// Neighbours whose depths differ by more than this share belong to different things. A wall seen at 80
-/// degrees changes by 1 % from pixel to pixel, an edge in a room by much more.
+/// Neighbours whose depths differ by more than this share belong to different objects. On a wall seen at 80
+/// degrees depth changes by 1 % per pixel, at an edge by much more.
 constexpr float kJumpShare = 0.03F;
 
-/// Shares of a triangle's corners below this are outside; a little below 0, so that rounding leaves no gap
-/// between neighbours.
+/// A point with a barycentric coordinate below this is outside; slightly below 0, so that rounding leaves no
+/// gap between neighbours.
 constexpr float kOutside = -1e-3F;
 
-/// Neighbours lie about as far apart in the colour image as its focal length is longer. Where they lie so
-/// many times farther, the lens's polynomial has folded over: no surface is made of that.
+/// The distance of neighbours in the colour image should scale with the ratio of the focal lengths. If it is
+/// this many times larger, the distortion polynomial has folded over.
 constexpr double kMostStretch = 8;
 
-/// Twice the area of the triangle, with sign.
+/// Twice the signed area of the triangle.
 float edge(float ax, float ay, float bx, float by, float px, float py) {
   return (bx - ax) * (py - ay) - (by - ay) * (px - ax);
 }
@@ -32,7 +32,7 @@ DepthRegistration::DepthRegistration(const RgbdCamera& camera)
     : color_(camera.color),
       R_color_depth_(camera.T_color_depth.R().cast<float>()),
       t_color_depth_(camera.T_color_depth.translation.cast<float>()) {
-  require(camera.depth.has_value(), "DepthRegistration: a camera whose depth is not registered");
+  require(camera.depth.has_value(), "DepthRegistration: the camera's depth is already registered");
   depth_ = *camera.depth;
   longest_side_px_ = static_cast<float>(kMostStretch * std::max(1.0, color_.fx / depth_.fx));
   rays_.reserve(static_cast<size_t>(depth_.width) * static_cast<size_t>(depth_.height));
@@ -45,7 +45,7 @@ DepthRegistration::DepthRegistration(const RgbdCamera& camera)
 }
 
 DepthRegistration::Vertex DepthRegistration::vertex(const Eigen::Vector2f& ray, float depth_m) const {
-  constexpr double kMargin = 0.25;  // of the image: farther out, a lens's polynomial means nothing
+  constexpr double kMargin = 0.25;  // of the image size; farther out the distortion polynomial is meaningless
   constexpr float kLeastDepthM = 1e-3F;
   if (!(depth_m > 0)) return {};
   const Eigen::Vector3f p = depth_m * (R_color_depth_ * ray.homogeneous()) + t_color_depth_;
@@ -76,7 +76,7 @@ void DepthRegistration::draw(cv::Mat& image, const Vertex& a, const Vertex& b, c
       const float share_b = edge(c.x, c.y, a.x, a.y, px, py) / area;
       const float share_c = 1 - share_a - share_b;
       if (share_a < kOutside || share_b < kOutside || share_c < kOutside) continue;
-      // A plane's inverse depth is linear in the image.
+      // The inverse depth of a plane is linear in the image.
       const float depth_m =
           1 / (share_a * a.inverse_depth + share_b * b.inverse_depth + share_c * c.inverse_depth);
       if (row[x] == 0 || depth_m < row[x]) row[x] = depth_m;
@@ -86,7 +86,7 @@ void DepthRegistration::draw(cv::Mat& image, const Vertex& a, const Vertex& b, c
 
 cv::Mat DepthRegistration::operator()(const cv::Mat& depth_m) const {
   require(depth_m.type() == CV_32FC1 && depth_m.cols == depth_.width && depth_m.rows == depth_.height,
-          "DepthRegistration: depth of the depth camera's size");
+          "DepthRegistration: expected depth of the depth camera's size");
   const auto width = static_cast<size_t>(depth_.width);
   const auto vertices_of = [&](int y) {
     std::vector<Vertex> row(width);
@@ -128,7 +128,7 @@ PinholeCamera resized(const PinholeCamera& camera, int width) {
   small.height = static_cast<int>(std::lround(camera.height * scale));
   small.fx *= scale;
   small.fy *= scale;
-  // Pixel centres are whole numbers: an image begins half a pixel before its first centre.
+  // Pixel centres are integers: an image begins half a pixel before its first centre.
   small.cx = (camera.cx + 0.5) * scale - 0.5;
   small.cy = (camera.cy + 0.5) * scale - 0.5;
   return small;

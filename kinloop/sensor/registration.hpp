@@ -1,5 +1,5 @@
 #pragma once
-// In: depth as the depth camera measured it. Out: the depth that each pixel of the colour camera sees.
+// In: depth as measured by the depth camera. Out: depth per pixel of the colour camera.
 
 #include <vector>
 
@@ -10,19 +10,19 @@
 
 namespace kinloop {
 
-/// Registers depth to colour: the surface through neighbouring depth pixels is drawn into the colour image,
-/// the nearest wins (z-buffer). Neighbours whose depths jump are not joined, so that an edge stays an edge;
-/// what the depth camera does not see, because something is before it, stays unknown.
+/// Registers depth to colour: renders the surface through neighbouring depth pixels into the colour image
+/// with a z-buffer. Neighbours across a depth jump are not joined, so edges stay sharp; pixels occluded from
+/// the depth camera stay unknown.
 class DepthRegistration {
  public:
-  /// The camera must have a depth camera of its own.
+  /// Requires `camera.depth`.
   explicit DepthRegistration(const RgbdCamera& camera);
 
-  /// 32FC1 of the colour camera's size from 32FC1 of the depth camera's; 0 = unknown in both.
+  /// Returns 32FC1 of the colour camera's size from 32FC1 of the depth camera's; 0 = unknown in both.
   [[nodiscard]] cv::Mat operator()(const cv::Mat& depth_m) const;
 
  private:
-  /// A depth pixel in the colour image; inverse_depth is 0 where it is unknown or not in view.
+  /// A depth pixel in the colour image; inverse_depth is 0 if unknown or out of view.
   struct Vertex {
     float x = 0, y = 0;  ///< px
     float inverse_depth = 0;
@@ -35,15 +35,14 @@ class DepthRegistration {
   PinholeCamera color_, depth_;
   Eigen::Matrix3f R_color_depth_;
   Eigen::Vector3f t_color_depth_;
-  float longest_side_px_;              ///< of a triangle in the colour image
+  float longest_side_px_;              ///< limit for a triangle in the colour image
   std::vector<Eigen::Vector2f> rays_;  ///< of each depth pixel, x/z and y/z
 };
 
-/// The camera of frames that have been registered (and shifted) on the way in: without a depth camera of its
-/// own.
+/// Returns the camera of frames whose depth is already registered and shifted: no depth camera of its own.
 RgbdCamera registered(RgbdCamera camera);
 
-/// The camera of an image enlarged or made smaller to `width` pixels.
+/// Returns the camera of an image scaled to a width of `width` pixels.
 PinholeCamera resized(const PinholeCamera& camera, int width);
 
 }  // namespace kinloop

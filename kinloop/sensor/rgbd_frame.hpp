@@ -1,5 +1,5 @@
 #pragma once
-// What a camera gives: colour and depth at one moment.
+// An RGB-D frame: colour and depth at one moment.
 
 #include <cstdint>
 
@@ -10,11 +10,11 @@
 namespace kinloop {
 
 struct RgbdFrame {
-  FrameId id;             ///< counts the frames of a source from 0
+  FrameId id;             ///< index of the frame in its source, from 0
   int64_t stamp_ns = 0;   ///< of the colour image
   cv::Mat color;          ///< 8UC3, BGR
   cv::Mat depth_m;        ///< 32FC1, z in metres at each pixel of `color`, 0 = unknown
-  cv::Mat infrared = {};  ///< 16UC1, as the depth camera sees it; empty unless it was asked for
+  cv::Mat infrared = {};  ///< 16UC1, as seen by the depth camera; empty unless requested
 };
 
 }  // namespace kinloop

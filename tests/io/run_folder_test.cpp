@@ -69,7 +69,7 @@ TEST(RunFolder, AFileInItsPlaceIsAnError) {
   const test::TempFolder temp;
   temp.write("out", "a file");
   EXPECT_THAT(test::input_error([&] { const RunFolder folder(temp.path() / "out"); }),
-              HasSubstr("cannot make the folder"));
+              HasSubstr("cannot create the folder"));
   EXPECT_THAT(test::input_error([&] { const RunFolder folder(temp.path() / "out" / "deeper"); }),
               HasSubstr("choose another output folder"));
 }

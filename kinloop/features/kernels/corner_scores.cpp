@@ -10,7 +10,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kinloop/features/kernels/corner_scores.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
-// after it
+// must come after highway.h
 #include <hwy/highway.h>
 
 #include "kinloop/base/highway_compat-inl.hpp"
@@ -23,12 +23,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = CappedLanes<uint8_t, kMinCornerWidth>;
 using ByteVector = hn::Vec<Bytes>;
 
-/// The best over all arcs of 9 of the 16 values around the circle of the worst value within the arc, where
-/// `Worst` and `Best` are minimum and maximum or the other way round.
+/// The best, over all arcs of 9 of the 16 circle values, of the worst value within the arc; `Worst` and
+/// `Best` are minimum and maximum or vice versa.
 template <class Worst, class Best>
 HWY_INLINE ByteVector best_arc(const ByteVector* circle, Worst worst, Best best) {
-  // Runs of 2, 4 and 8 pixels that begin at odd places. The arcs that begin just before and at such a place
-  // share its run of 8 and differ in one pixel at either end.
+  // Runs of 2, 4 and 8 pixels that begin at odd positions. The arcs that begin just before and at such a
+  // position share its run of 8 and differ in one pixel at either end.
   ByteVector two[8], four[8];
   for (size_t i = 0; i < 8; ++i) two[i] = worst(circle[2 * i + 1], circle[(2 * i + 2) % 16]);
   for (size_t i = 0; i < 8; ++i) four[i] = worst(two[i], two[(i + 1) % 8]);
@@ -41,10 +41,10 @@ HWY_INLINE ByteVector best_arc(const ByteVector* circle, Worst worst, Best best)
   return result;
 }
 
-/// By how much the contrast of each of `width` pixels from `centre` on exceeds `threshold`, else 0.
+/// Scores `width` pixels from `centre` on: contrast minus `threshold`, clamped at 0.
 void score_row(const uint8_t* centre, const ptrdiff_t* circle, int width, int threshold, uint8_t* scores) {
   const Bytes d;
-  const int last = width - static_cast<int>(hn::Lanes(d));  // the last vector overlaps the one before
+  const int last = width - static_cast<int>(hn::Lanes(d));  // the last vector overlaps the previous one
   const auto lower = [](auto a, auto b) HWY_ATTR { return hn::Min(a, b); };
   const auto higher = [](auto a, auto b) HWY_ATTR { return hn::Max(a, b); };
   const auto limit = hn::Set(d, static_cast<uint8_t>(threshold));
@@ -59,7 +59,7 @@ void score_row(const uint8_t* centre, const ptrdiff_t* circle, int width, int th
   }
 }
 
-/// Keeps the scores of `here` that none of the eight neighbours beats, and zeroes the others.
+/// Keeps the scores of `here` that are maxima among their eight neighbours and zeroes the others.
 void maxima_of_row(const uint8_t* above, const uint8_t* here, const uint8_t* below, int width,
                    uint8_t* maxima) {
   const Bytes d;
@@ -90,7 +90,7 @@ HWY_EXPORT(maxima_of_row);
 
 constexpr int kRadius = 3;
 
-/// Steps from a pixel to the 16 of its circle, in order around it.
+/// Memory offsets from a pixel to the 16 pixels of its circle, in circular order.
 std::array<ptrdiff_t, 16> circle_steps(ptrdiff_t stride) {
   constexpr std::array<std::array<int, 2>, 16> kCircle{{{0, 3},
                                                         {1, 3},
@@ -113,27 +113,27 @@ std::array<ptrdiff_t, 16> circle_steps(ptrdiff_t stride) {
   return steps;
 }
 
-/// Where the parabola through three neighbouring scores has its peak, relative to the middle one.
+/// Offset of the peak of the parabola through three neighbouring scores, relative to the middle one.
 float peak_offset(int before, int middle, int after) {
   const int bend = 2 * middle - before - after;
   return bend > 0 ? 0.5F * static_cast<float>(after - before) / static_cast<float>(bend) : 0;
 }
 
-/// Scores of three rows, one more to either side being there; zero where there is no corner.
+/// Scores of three rows, padded by one element on either side; zero where there is no corner.
 struct ScoreRows {
   const uint8_t* above;
   const uint8_t* here;
   const uint8_t* below;
 };
 
-/// Appends the places of a row that are not zero in `maxima`; x and y begin at `x0` and `y`.
+/// Appends the nonzero positions of `maxima` as corners; x and y start at `x0` and `y`.
 void append_corners(const ScoreRows& scores, std::span<const uint8_t> maxima, int x0, int y, int threshold,
                     std::vector<RawCorner>& corners) {
   const auto width = static_cast<int>(maxima.size());
   for (int x = 0; x < width; ++x) {
     uint64_t eight = 1;
     if (x + 8 <= width) std::memcpy(&eight, maxima.data() + x, sizeof eight);
-    if (eight == 0) {  // most are
+    if (eight == 0) {  // true for most
       x += 7;
       continue;
     }
@@ -149,15 +149,16 @@ void append_corners(const ScoreRows& scores, std::span<const uint8_t> maxima, in
 
 std::vector<RawCorner> find_corners(const cv::Mat& image, int threshold, int border) {
   require(image.type() == CV_8UC1, "find_corners: the image must be 8-bit grey");
-  require(border >= kRadius && threshold >= 0 && threshold < 256, "find_corners: border or threshold");
+  require(border >= kRadius && threshold >= 0 && threshold < 256,
+          "find_corners: invalid border or threshold");
   const int width = image.cols - 2 * border, height = image.rows - 2 * border;
   if (width < kMinCornerWidth || height <= 0) return {};
-  std::array<std::vector<uint8_t>, 3> scores;  // of three rows, and one more to either side
+  std::array<std::vector<uint8_t>, 3> scores;  // three rows, padded by one element on either side
   scores.fill(std::vector<uint8_t>(static_cast<size_t>(width) + 2));
   std::vector<uint8_t> maxima(static_cast<size_t>(width));
   const auto circle = circle_steps(static_cast<ptrdiff_t>(image.step));
   std::vector<RawCorner> corners;
-  for (int row = 0; row <= height; ++row) {  // one row ahead of the row whose maxima are sought
+  for (int row = 0; row <= height; ++row) {  // scores run one row ahead of the maxima
     auto& ahead = scores[static_cast<size_t>((row + 1) % 3)];
     if (row < height) {
       HWY_DYNAMIC_DISPATCH(score_row)

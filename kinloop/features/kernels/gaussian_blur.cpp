@@ -10,7 +10,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kinloop/features/kernels/gaussian_blur.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
-// after it
+// must come after highway.h
 #include <hwy/highway.h>
 
 #include "kinloop/base/highway_compat-inl.hpp"
@@ -24,7 +24,7 @@ using Floats = CappedLanes<float, 16>;
 using Ints = hn::Rebind<int32_t, Floats>;
 using Bytes = hn::Rebind<uint8_t, Floats>;
 
-/// Weighs seven neighbours of which those equally far from the middle come already added.
+/// Weighted sum of seven neighbours; those at equal distance from the middle are already added in pairs.
 template <class V>
 HWY_INLINE V weigh(const float* weights, V middle, V next, V second, V third) {
   const Floats d;
@@ -33,12 +33,12 @@ HWY_INLINE V weigh(const float* weights, V middle, V next, V second, V third) {
                  hn::Add(hn::Mul(second, hn::Set(d, weights[2])), hn::Mul(third, hn::Set(d, weights[3]))));
 }
 
-/// Blurs a row along itself: `width` pixels from `row` on, three more on either side being read.
+/// Blurs a row horizontally: `width` pixels from `row` on; reads three more on either side.
 void blur_along(const uint8_t* row, int width, const float* weights, float* blurred) {
   const Floats d;
   const Ints ints;
   const Bytes bytes;
-  const int last = width - static_cast<int>(hn::Lanes(d));  // the last vector overlaps the one before
+  const int last = width - static_cast<int>(hn::Lanes(d));  // the last vector overlaps the previous one
   for (int begin = 0; begin < width; begin += static_cast<int>(hn::Lanes(d))) {
     const uint8_t* at = row + std::min(begin, last);
     const auto load = [&](int offset) HWY_ATTR { return hn::PromoteTo(ints, hn::LoadU(bytes, at + offset)); };
@@ -48,12 +48,12 @@ void blur_along(const uint8_t* row, int width, const float* weights, float* blur
   }
 }
 
-/// Blurs seven rows across, the middle one being rows[3], and rounds to the nearest, ties to even.
+/// Blurs seven rows vertically, centred on rows[3], and rounds to nearest, ties to even.
 void blur_across(const float* const* rows, int width, const float* weights, uint8_t* blurred) {
   const Floats d;
   const Ints ints;
   const Bytes bytes;
-  // Adding 1.5 * 2^23 leaves the nearest integer in the low bits of the float, on every instruction set.
+  // Adding 1.5 * 2^23 leaves the nearest integer in the low bits of the float on every instruction set.
   const auto shift = hn::Set(d, 12582912.0F);
   const int last = width - static_cast<int>(hn::Lanes(d));
   for (int begin = 0; begin < width; begin += static_cast<int>(hn::Lanes(d))) {
@@ -77,10 +77,10 @@ namespace {
 HWY_EXPORT(blur_along);
 HWY_EXPORT(blur_across);
 
-constexpr int kMinWidth = 16;  // of the part that is computed: the widest vector
+constexpr int kMinWidth = 16;  // of the computed part: the widest vector
 constexpr int kTaps = 2 * kBlurRadius + 1;
 
-/// The middle weight and those at 1, 2 and 3 pixels; the seven sum to 1.
+/// Weights of the centre and of the pixels at distance 1, 2 and 3; all seven sum to 1.
 std::array<float, kBlurRadius + 1> gaussian_weights() {
   constexpr double kSigma = 2;
   std::array<double, kBlurRadius + 1> weights;
@@ -109,7 +109,7 @@ cv::Mat gaussian_blur(const cv::Mat& image) {
     image.row(y).copyTo(blurred.row(y));
     image.row(image.rows - 1 - y).copyTo(blurred.row(image.rows - 1 - y));
   }
-  // Rows blurred along themselves, the newest seven.
+  // Horizontally blurred rows, the latest seven.
   std::array<std::vector<float>, kTaps> ring;
   ring.fill(std::vector<float>(static_cast<size_t>(width)));
   for (int y = 0; y < image.rows; ++y) {

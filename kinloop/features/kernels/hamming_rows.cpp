@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kinloop/features/kernels/hamming_rows.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
-// after it
+// must come after highway.h
 #include <hwy/highway.h>
 
 #include "kinloop/base/highway_compat-inl.hpp"
@@ -37,16 +37,16 @@ void to_rows(const uint8_t* query, const uint8_t* rows, const uint32_t* indices,
 using Bytes = CappedLanes<uint8_t, 64>;
 using ByteVector = hn::Vec<Bytes>;
 
-/// Adds three bits in each place: `sum` gets the low digit of the result; the high one is returned.
+/// Bitwise full adder: `sum` gets the low bits of the result; returns the carries.
 HWY_INLINE ByteVector add_bits(ByteVector& sum, ByteVector b, ByteVector c) {
   const ByteVector a = sum, differ = hn::Xor(a, b);
   sum = hn::Xor(differ, c);
   return hn::Or(hn::And(a, b), hn::And(differ, c));
 }
 
-/// Distances from a query to transposed descriptors, those of a whole vector at a time. Counting bits is dear
-/// and adding them in binary is cheap: adders turn eight vectors into one to count and three that stay in the
-/// adders (Harley and Seal, in Warren 2012, section 5-1).
+/// Distances from a query to transposed descriptors, a whole vector at a time. Counting bits is expensive and
+/// bitwise addition is cheap: carry-save adders reduce eight vectors to one that is counted and three that
+/// stay in the adders (Harley and Seal, in Warren 2012, section 5-1).
 void to_transposed(const uint8_t* query, const uint8_t* transposed, size_t stride, uint16_t* distances) {
   const Bytes d;
   const CappedLanes<uint16_t, 32> words;
@@ -56,7 +56,7 @@ void to_transposed(const uint8_t* query, const uint8_t* transposed, size_t strid
     const auto differ = [&](size_t byte) HWY_ATTR {
       return hn::Xor(hn::Set(d, query[byte]), hn::LoadU(d, transposed + byte * stride + begin));
     };
-    ByteVector ones = hn::Zero(d), twos = ones, fours = ones, eights = ones;  // the last is a count already
+    ByteVector ones = hn::Zero(d), twos = ones, fours = ones, eights = ones;  // `eights` ends up as a count
     for (size_t byte = 0; byte < kOrbBytes; byte += 8) {
       const auto four_bytes = [&](size_t from) HWY_ATTR {
         const ByteVector low = add_bits(ones, differ(from), differ(from + 1));
@@ -66,7 +66,7 @@ void to_transposed(const uint8_t* query, const uint8_t* transposed, size_t strid
       const ByteVector low = four_bytes(byte), high = four_bytes(byte + 4);
       eights = hn::Add(eights, hn::PopulationCount(add_bits(fours, low, high)));
     }
-    // All 256 bits would overflow a byte, so the last digit is added in words.
+    // All 256 bits would overflow a byte, so the last sum uses 16-bit words.
     const ByteVector pairs =
         hn::Add(twice(hn::Add(twice(eights), hn::PopulationCount(fours))), hn::PopulationCount(twos));
     HWY_ALIGN uint8_t pair_counts[64], single_counts[64];
@@ -80,7 +80,7 @@ void to_transposed(const uint8_t* query, const uint8_t* transposed, size_t strid
   }
 }
 
-/// nearest_key in the header.
+/// See nearest_key in the header.
 uint32_t lower_keys(const uint16_t* distances, size_t count, uint32_t index, uint32_t* keys) {
   const CappedLanes<uint32_t, 16> d;
   const hn::Rebind<uint16_t, decltype(d)> words;

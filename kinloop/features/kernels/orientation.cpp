@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kinloop/features/kernels/orientation.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
-// after it
+// must come after highway.h
 #include <hwy/highway.h>
 
 #include "kinloop/base/highway_compat-inl.hpp"
@@ -31,7 +31,7 @@ void sum_columns(const uint8_t* corner, ptrdiff_t stride, const uint8_t* rows_in
       return hn::PromoteTo(words, hn::And(hn::LoadU(bytes, from + y * stride), inside));
     };
     auto sum = load(0);
-    auto moment = hn::Zero(words);  // at most 255 * (1 + .. + 15) = 30600: 16 bits are enough
+    auto moment = hn::Zero(words);  // at most 255 * (1 + .. + 15) = 30600, which fits 16 bits
     for (ptrdiff_t y = 1; y <= 15; ++y) {
       const auto below = load(y), above = load(-y);
       sum = hn::Add(sum, hn::Add(below, above));
@@ -57,7 +57,7 @@ HWY_EXPORT(sum_columns);
 constexpr size_t kColumns = 2 * kDiscMarginPx;
 using RowsInside = std::array<uint8_t, (kDiscRadius + 1) * kColumns>;
 
-/// For each row of the disc from its middle down: all ones in the columns that are inside.
+/// Masks of the rows of the disc from the middle down: all ones in the columns inside it.
 RowsInside make_rows_inside() {
   RowsInside inside{};
   for (int y = 0; y <= kDiscRadius; ++y) {

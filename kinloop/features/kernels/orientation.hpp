@@ -1,16 +1,16 @@
 #pragma once
-// The direction of a corner.
+// The orientation of a corner.
 
 #include <opencv2/core/mat.hpp>
 
 namespace kinloop {
 
-constexpr int kDiscRadius = 15;    ///< of the disc whose centroid gives the direction, px
-constexpr int kDiscMarginPx = 16;  ///< how far from the corner pixels are read
+constexpr int kDiscRadius = 15;    ///< radius of the disc whose centroid gives the orientation, px
+constexpr int kDiscMarginPx = 16;  ///< distance from the corner up to which pixels are read
 
-/// First moments of the intensities of a disc around a pixel that is at least kDiscMarginPx from the edge.
+/// First moments of the intensities of a disc around a pixel at least kDiscMarginPx from the edge.
 struct DiscMoments {
-  int m10 = 0;  ///< sum of x * intensity, x from the centre to the right
+  int m10 = 0;  ///< sum of x * intensity, x to the right of the centre
   int m01 = 0;  ///< sum of y * intensity, y downwards
 
   bool operator==(const DiscMoments&) const = default;

@@ -9,7 +9,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kinloop/features/kernels/steered_brief.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
-// after it
+// must come after highway.h
 #include <hwy/highway.h>
 
 #include "kinloop/base/highway_compat-inl.hpp"
@@ -20,12 +20,12 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Steps in memory from the corner to the points (x, y) turned by an angle, rounded to whole pixels.
+/// Memory offsets from the corner to the points (x, y) rotated by an angle and rounded to whole pixels.
 void rotate_points(const float* x, const float* y, float cosine, float sine, int stride, int32_t* steps) {
   const CappedLanes<float, 16> d;
   const hn::Rebind<int32_t, decltype(d)> ints;
   const auto c = hn::Set(d, cosine), s = hn::Set(d, sine);
-  // Adding 1.5 * 2^23 leaves the nearest integer in the low bits of the float, on every instruction set.
+  // Adding 1.5 * 2^23 leaves the nearest integer in the low bits of the float on every instruction set.
   const auto shift = hn::Set(d, 12582912.0F);
   const auto round = [&](auto value) HWY_ATTR {
     return hn::Sub(hn::BitCast(ints, hn::Add(value, shift)), hn::BitCast(ints, shift));
