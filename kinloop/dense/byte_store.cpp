@@ -12,7 +12,7 @@
 namespace kinloop {
 namespace {
 
-/// TMPDIR, else /tmp; the system's answer throws where TMPDIR is no folder.
+/// TMPDIR, else /tmp; std::filesystem::temp_directory_path throws if TMPDIR is not a folder.
 std::filesystem::path temporary_folder() {
   std::error_code error;
   const auto folder = std::filesystem::temp_directory_path(error);
@@ -26,7 +26,7 @@ std::filesystem::path temporary_folder() {
                   temporary_folder().string()));
 }
 
-/// A file without a name in the temporary folder; null when there can be none.
+/// Opens an unnamed file in the temporary folder; null on failure.
 std::FILE* open_spill_file() {
   const int descriptor = open_anonymous_temp_file(temporary_folder());
   return descriptor < 0 ? nullptr : fdopen(descriptor, "w+b");
@@ -53,7 +53,7 @@ std::vector<uint8_t> ByteStore::load(size_t index) const {
   const Entry& entry = entries_[index];
   if (!entry.bytes.empty()) return entry.bytes;
   std::vector<uint8_t> bytes(entry.file_bytes);
-  // pread leaves the position of the file alone, so that threads do not disturb each other.
+  // pread does not move the file position, so threads do not disturb each other.
   for (size_t done = 0; done < bytes.size();) {
     const ssize_t got = pread(fileno(file_.get()), bytes.data() + done, bytes.size() - done,
                               static_cast<off_t>(entry.file_offset + done));

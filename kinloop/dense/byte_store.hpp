@@ -1,6 +1,6 @@
 #pragma once
-// In: pieces of bytes that are needed again later. Out: the same. Beyond a limit they wait in a temporary
-// file instead of memory.
+// In: blobs of bytes that are needed again later. Out: the same bytes. Beyond a memory limit they are spilled
+// to a temporary file.
 
 #include <cstdint>
 #include <cstdio>
@@ -13,11 +13,11 @@ class ByteStore {
  public:
   explicit ByteStore(size_t memory_limit_bytes) : memory_limit_bytes_(memory_limit_bytes) {}
 
-  /// Keeps a piece and returns its index, counted from 0. Throws InputError when the temporary file cannot be
+  /// Stores a blob and returns its index, counted from 0. Throws InputError if the temporary file cannot be
   /// written.
   size_t add(std::vector<uint8_t> bytes);
 
-  /// The piece at `index`; may be called from several threads at once while nothing is added.
+  /// Returns the blob at `index`; may be called from several threads at once while nothing is added.
   [[nodiscard]] std::vector<uint8_t> load(size_t index) const;
 
   [[nodiscard]] size_t size() const { return entries_.size(); }
@@ -29,7 +29,7 @@ class ByteStore {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   struct Entry {
-    std::vector<uint8_t> bytes;  // empty: in the file
+    std::vector<uint8_t> bytes;  // empty if spilled to the file
     size_t file_offset = 0, file_bytes = 0;
   };
 
@@ -37,8 +37,7 @@ class ByteStore {
 
   size_t memory_limit_bytes_;
   std::vector<Entry> entries_;
-  std::unique_ptr<std::FILE, CloseFile>
-      file_;  // has no name: it is gone when the program is, however it ends
+  std::unique_ptr<std::FILE, CloseFile> file_;  // unnamed: the system removes it when the program ends
   size_t bytes_in_memory_ = 0;
   size_t bytes_on_disk_ = 0;
 };

@@ -7,7 +7,7 @@
 namespace kinloop {
 namespace {
 
-// A number is written as nibbles, lowest three bits first; the fourth bit tells that more follow.
+// A number is written in nibbles, lowest three bits first; the fourth bit marks a continuation.
 constexpr uint32_t kPayloadBits = 3;
 constexpr uint32_t kPayloadMask = 7;
 constexpr uint32_t kMoreBit = 8;
@@ -50,7 +50,7 @@ class NibbleReader {
       number |= (nibble & kPayloadMask) << shift;
       if ((nibble & kMoreBit) == 0) return number;
     }
-    throw std::logic_error("unpack_depth: a number without end");
+    throw std::logic_error("unpack_depth: unterminated number");
   }
 
  private:
@@ -64,7 +64,7 @@ class NibbleReader {
   size_t position_ = 0;  // in nibbles
 };
 
-/// Small numbers for small differences of either sign: 0, -1, 1, -2, ... become 0, 1, 2, 3, ...
+/// Maps differences of either sign to small unsigned numbers: 0, -1, 1, -2, ... become 0, 1, 2, 3, ...
 uint32_t zigzag(int32_t difference) {
   return (static_cast<uint32_t>(difference) << 1) ^ static_cast<uint32_t>(difference >> 31);
 }

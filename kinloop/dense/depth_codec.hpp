@@ -1,5 +1,5 @@
 #pragma once
-// Depth images made small without loss, fast enough to be done while tracking.
+// Fast lossless compression of depth images.
 
 #include <cstdint>
 #include <span>
@@ -8,11 +8,10 @@
 namespace kinloop {
 
 /// Packs depth values, 0 = unknown, as in Wilson 2017, "Fast Lossless Depth Image Compression": runs of zeros
-/// and differences of successive values, as numbers of three bits a piece.
+/// and differences of successive values as variable-length numbers of three bits per nibble.
 std::vector<uint8_t> pack_depth(std::span<const uint16_t> values);
 
-/// The `count` values that were packed. Throws std::logic_error when the bytes are not what `pack_depth`
-/// gave.
+/// Unpacks `count` values. Throws std::logic_error if `pack_depth` did not produce the bytes.
 std::vector<uint16_t> unpack_depth(std::span<const uint8_t> bytes, size_t count);
 
 }  // namespace kinloop

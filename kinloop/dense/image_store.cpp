@@ -38,7 +38,7 @@ cv::Mat to_metres(const std::vector<uint16_t>& units, int rows, int cols, double
 EncodedImages encode_images(const RgbdImages& images, const ImageStoreOptions& options) {
   require(images.color.type() == CV_8UC3 && images.depth_m.type() == CV_32FC1 &&
               images.color.size() == images.depth_m.size(),
-          "encode_images: colour 8UC3 and depth 32FC1 of the same size");
+          "encode_images: expected colour 8UC3 and depth 32FC1 of the same size");
   EncodedImages encoded{images.color.rows, images.color.cols, {}, {}};
   encoded.depth = pack_depth(to_units(images.depth_m, options.depth_scale));
   cv::imencode(".jpg", images.color, encoded.color, {cv::IMWRITE_JPEG_QUALITY, options.jpeg_quality});

@@ -1,7 +1,7 @@
 #pragma once
-// In: colour and depth images of a run, one after the other. Out: the same images again, at the end, when
-// their poses are known for good. In between they are kept small: colour as JPEG, depth packed without loss,
-// and beyond a limit in a temporary file instead of memory.
+// In: colour and depth images of a run. Out: the same images at the end, when their final poses are known. In
+// between they are stored compressed, colour as JPEG and depth losslessly, and spilled to a temporary file
+// beyond a memory limit.
 
 #include <cstdint>
 #include <vector>
@@ -13,7 +13,7 @@
 namespace kinloop {
 
 struct ImageStoreOptions {
-  double depth_scale = 5000;  ///< units per metre in which depth is kept, as those of the camera
+  double depth_scale = 5000;  ///< units per metre of stored depth, as those of the camera
   int jpeg_quality = 95;
   size_t memory_limit_bytes = size_t{64} << 20;
 };
@@ -24,7 +24,7 @@ struct RgbdImages {
   cv::Mat depth_m;  ///< 32FC1, 0 = unknown
 };
 
-/// The same made small: colour as JPEG, depth as `pack_depth` gives it.
+/// Compressed images: colour as JPEG, depth by `pack_depth`.
 struct EncodedImages {
   int rows = 0, cols = 0;
   std::vector<uint8_t> color;
@@ -33,7 +33,8 @@ struct EncodedImages {
   bool operator==(const EncodedImages&) const = default;
 };
 
-/// Depth is rounded to the units of `options.depth_scale`; what they cannot hold becomes unknown.
+/// Compresses images. Depth is rounded to the units of `options.depth_scale`; values out of their range
+/// become unknown.
 EncodedImages encode_images(const RgbdImages& images, const ImageStoreOptions& options);
 RgbdImages decode_images(const EncodedImages& images, const ImageStoreOptions& options);
 
@@ -42,15 +43,15 @@ class ImageStore {
   explicit ImageStore(const ImageStoreOptions& options = {})
       : options_(options), bytes_(options.memory_limit_bytes) {}
 
-  /// Keeps images and returns their index, counted from 0. Their depth must be in the units of this store.
-  /// Throws InputError when the temporary file cannot be written.
+  /// Stores images and returns their index, counted from 0. Their depth must be in the units of this store.
+  /// Throws InputError if the temporary file cannot be written.
   size_t add(const EncodedImages& images);
   size_t add(const RgbdImages& images) { return add(encode_images(images, options_)); }
 
-  /// The images at `index`; may be called from several threads at once while nothing is added.
+  /// Returns the images at `index`; may be called from several threads at once while nothing is added.
   [[nodiscard]] RgbdImages load(size_t index) const { return decode_images(encoded(index), options_); }
 
-  /// The same as they are kept.
+  /// Returns the compressed images.
   [[nodiscard]] EncodedImages encoded(size_t index) const;
 
   [[nodiscard]] const ImageStoreOptions& options() const { return options_; }
@@ -67,7 +68,7 @@ class ImageStore {
 
   ImageStoreOptions options_;
   std::vector<Size> sizes_;
-  ByteStore bytes_;  // of each colour, then depth
+  ByteStore bytes_;  // alternating colour and depth
 };
 
 }  // namespace kinloop

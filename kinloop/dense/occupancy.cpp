@@ -20,7 +20,7 @@
 namespace kinloop {
 namespace {
 
-/// Points of every few usable pixels of an image, in the camera's frame.
+/// Points of every few usable pixels of an image, in the camera frame.
 std::vector<Eigen::Vector3d> points_of(const cv::Mat& depth_m, const RayTable& rays,
                                        const OccupancyOptions& options) {
   const cv::Mat usable = usable_pixels(depth_m, rays.focal_px,
@@ -152,7 +152,7 @@ bool occupancy_available() {
 OccupancyMap::OccupancyMap(const ImageStore&, std::span<const PosedImage>, const PinholeCamera&, const Floor&,
                            const OccupancyOptions& options, const Progress&)
     : options_(options) {
-  throw UsageError("occupancy: this build has no OctoMap; install liboctomap-dev and build kinloop again");
+  throw UsageError("occupancy: this build has no OctoMap; install liboctomap-dev and rebuild kinloop");
 }
 
 OccupancyMap::~OccupancyMap() = default;

@@ -4,8 +4,8 @@
 
 namespace kinloop {
 
-/// How sharp a colour image is: the mean square of its Laplacian, in thousands of squared intensities; motion
-/// blur takes it away.
+/// Returns the sharpness of a colour image: the mean square of its Laplacian, in thousands of squared
+/// intensities; low under motion blur.
 float image_sharpness(const cv::Mat& color);
 
 }  // namespace kinloop

@@ -12,7 +12,7 @@ void mark_usable(const cv::Mat& depth_m, int row, double focal_px, const DepthLi
   const float* below = depth_m.ptr<float>(row + kDepthMarginPx);
   const auto min_depth_m = static_cast<float>(limits.min_depth_m),
              max_depth_m = static_cast<float>(limits.max_depth_m);
-  // A surface turned by an angle a from facing the ray changes depth by tan(a) z / f from pixel to pixel.
+  // On a surface inclined by angle a to the ray, depth changes by tan(a) z / f per pixel.
   const auto max_change = static_cast<float>(std::tan(limits.max_incidence_deg * std::numbers::pi / 180) *
                                              kDepthMarginPx / focal_px);
   for (int col = kDepthMarginPx; col < depth_m.cols - kDepthMarginPx; ++col) {

@@ -1,6 +1,6 @@
 #pragma once
-// The frame in which clouds and meshes are written. Inside kinloop everything is in the map's world, which is
-// the first camera's (y down); files are upright, so that other programs show them so.
+// The frame of exported clouds and meshes. Internally everything is in the world frame, which is the first
+// camera's (y down); files are upright, as other programs expect.
 
 #include <string>
 #include <vector>
@@ -12,9 +12,9 @@
 
 namespace kinloop {
 
-/// What a file's coordinates are: those of the world, turned.
+/// The rotation of a file's coordinates relative to the world frame.
 struct FileFrame {
-  bool z_up = false;  ///< else the world itself
+  bool z_up = false;  ///< false: the world frame itself
   Eigen::Quaterniond R_file_world = Eigen::Quaterniond::Identity();
 
   [[nodiscard]] Eigen::Vector3f to_file(const Eigen::Vector3f& v_world) const {
@@ -22,16 +22,16 @@ struct FileFrame {
   }
 };
 
-/// The frame with z along `up` in which the first camera looks along y.
+/// Returns the frame with z along `up` in which the first camera looks along y.
 FileFrame z_up_frame(const Eigen::Vector3d& up, const SE3& T_world_first);
 
-/// What a file says of its frame, line by line: readers who want the world back turn by the inverse.
+/// Describes the frame in comment lines; readers recover the world frame by the inverse rotation.
 std::vector<std::string> format_frame_comments(const FileFrame& frame);
 
-/// The frame that such lines tell of; the world where they do not.
+/// Parses such comment lines; returns the world frame if there are none.
 FileFrame parse_frame_comments(const std::vector<std::string>& comments);
 
-/// "frame" and, where it is not the world, "rotation_xyzw": the quaternion from the world to the file.
+/// "frame" and, unless it is the world, "rotation_xyzw": the quaternion from the world to the file.
 nlohmann::json to_json(const FileFrame& frame);
 
 }  // namespace kinloop

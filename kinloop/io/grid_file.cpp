@@ -7,7 +7,7 @@
 namespace kinloop {
 namespace {
 
-/// The intensities that map_server uses itself.
+/// The intensities of map_server.
 char grey_of(Occupancy occupancy) {
   constexpr unsigned char kFree = 254, kUnknown = 205, kOccupied = 0;
   switch (occupancy) {

@@ -1,5 +1,5 @@
 #pragma once
-// A grid of the floor as ROS map_server reads it: FILE.pgm and beside it FILE.yaml.
+// A floor grid for ROS map_server: FILE.pgm with FILE.yaml beside it.
 
 #include <filesystem>
 
@@ -7,8 +7,7 @@
 
 namespace kinloop {
 
-/// Writes both files atomically, the picture first; `path` names the picture. Throws InputError when it
-/// cannot.
+/// Writes both files atomically, the picture first; `path` names the picture. Throws InputError on failure.
 void write_grid(const std::filesystem::path& path, const OccupancyGrid& grid);
 
 }  // namespace kinloop

@@ -69,16 +69,16 @@ std::string obj_text(const FileMesh& file) {
   return text;
 }
 
-// Numbers of the glTF 2.0 specification.
+// Constants of the glTF 2.0 specification.
 constexpr int kUnsignedByte = 5121, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 
-/// The part of the buffer from `begin` to its end so far.
+/// The buffer view from `begin` to the current end.
 json buffer_view(const std::string& buffer, size_t begin, int target) {
   return {{"buffer", 0}, {"byteOffset", begin}, {"byteLength", buffer.size() - begin}, {"target", target}};
 }
 
-/// Least and greatest coordinates, which glTF asks for.
+/// Minimum and maximum coordinates, which glTF requires.
 std::pair<json, json> bounds(const std::vector<Eigen::Vector3f>& points) {
   Eigen::AlignedBox3f box;
   for (const auto& point : points) box.extend(point);
@@ -86,7 +86,7 @@ std::pair<json, json> bounds(const std::vector<Eigen::Vector3f>& points) {
   return {list(box.min()), list(box.max())};
 }
 
-/// glTF's colours are light, not pixel values (the sRGB curve, IEC 61966-2-1).
+/// glTF colours are linear, not sRGB-encoded (IEC 61966-2-1).
 uint8_t linear(uint8_t pixel) {
   constexpr double kFull = 255;
   const double s = pixel / kFull;
@@ -94,14 +94,14 @@ uint8_t linear(uint8_t pixel) {
   return static_cast<uint8_t>(std::lround(kFull * light));
 }
 
-/// In glTF y is up. The quaternion (x, y, z, w) that turns the file's frame so: from z up a quarter turn
-/// about x, from the first camera's y down half a turn.
+/// Quaternion (x, y, z, w) from the file's frame to glTF's y up: a quarter turn about x from z up, or half a
+/// turn from the first camera's y down.
 std::array<double, 4> turn_to_y_up(const FileFrame& frame) {
   if (frame.z_up) return {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
   return {1, 0, 0, 0};
 }
 
-/// The vertices and triangles as bytes, and where each part of them lies.
+/// The vertices and triangles as bytes, with the offsets of each part.
 struct GlbBuffer {
   std::string bytes;
   json views = json::array();
@@ -184,8 +184,8 @@ bool is_mesh_file(const std::filesystem::path& path) {
 }
 
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const FileFrame& frame) {
-  require(mesh.points.size() == mesh.colors.size(), "write_mesh: one colour per vertex");
-  require(is_mesh_file(path), "write_mesh: .ply, .obj or .glb");
+  require(mesh.points.size() == mesh.colors.size(), "write_mesh: expected one colour per vertex");
+  require(is_mesh_file(path), "write_mesh: expected .ply, .obj or .glb");
   const FileMesh file{mesh, frame, vertex_normals(mesh)};
   if (path.extension() == ".ply") return write_file(path, ply_bytes(file));
   if (path.extension() == ".obj") return write_file(path, obj_text(file));

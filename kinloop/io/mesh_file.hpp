@@ -1,6 +1,6 @@
 #pragma once
-// Coloured meshes as files: PLY (binary), OBJ (vertex colours as most programs read them) and glTF 2.0 (one
-// binary .glb).
+// Coloured mesh files: PLY (binary), OBJ (with the common vertex colour extension) and glTF 2.0 (binary
+// .glb).
 
 #include <filesystem>
 
@@ -9,12 +9,12 @@
 
 namespace kinloop {
 
-/// Whether `write_mesh` knows the extension of this name.
+/// Returns whether `write_mesh` supports the extension of this name.
 bool is_mesh_file(const std::filesystem::path& path);
 
-/// Writes the file atomically, with normals, in the form that its extension names: .ply, .obj or .glb, and in
-/// `frame`, which its comments tell; glTF's y is up, so its node turns the vertices that way. Throws
-/// InputError when it cannot.
+/// Writes the file atomically, with normals, in the format given by its extension (.ply, .obj or .glb) and in
+/// `frame`, which is noted in a comment; in glTF, where y is up, a node rotates the vertices. Throws
+/// InputError on failure.
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const FileFrame& frame = {});
 
 }  // namespace kinloop

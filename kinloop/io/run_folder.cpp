@@ -32,7 +32,7 @@ void write_run_files(const RunFolder& folder, const RunFiles& files) {
   write_tum_trajectory(folder.keyframes(), files.keyframes);
   if (files.ground_truth.empty()) {
     std::error_code ignored;
-    if (std::filesystem::exists(folder.run_json(), ignored)) {  // else it is not an earlier run's
+    if (std::filesystem::exists(folder.run_json(), ignored)) {  // otherwise it is not from an earlier run
       std::filesystem::remove(folder.ground_truth(), ignored);
     }
   } else {

@@ -1,5 +1,5 @@
 #pragma once
-// What a run leaves behind: a folder of files under fixed names, each written completely or not at all.
+// The output folder of a run: files under fixed names, each written atomically.
 
 #include <filesystem>
 
@@ -11,18 +11,18 @@
 
 namespace kinloop {
 
-/// The name of the map file in a run's folder.
+/// Name of the map file in a run folder.
 constexpr const char* kMapFileName = "map.kinmap";
 
-/// A folder that exists and can be written to, and the names in it, which scripts rely on.
+/// A writable folder and the file names in it, which scripts rely on.
 class RunFolder {
  public:
-  /// Makes the folder where it is missing and tries whether files can be written into it, so that a run does
-  /// not find out at its end. A folder that holds a sequence is refused: its camera.yaml and groundtruth.txt
-  /// would be written over. Throws InputError naming the folder and the remedy.
+  /// Creates the folder if missing and checks that it is writable, so that a run does not fail at its end.
+  /// Refuses a folder that holds a sequence, whose camera.yaml and groundtruth.txt would be overwritten.
+  /// Throws InputError naming the folder and the remedy.
   explicit RunFolder(std::filesystem::path path);
 
-  /// The folder of an earlier run, that is only read: it may be on a disk that cannot be written to.
+  /// Opens the folder of an earlier run read-only; it may be on a read-only disk.
   static RunFolder open_existing(std::filesystem::path path);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -48,16 +48,17 @@ class RunFolder {
 struct RunFiles {
   Trajectory trajectory;
   Trajectory keyframes;
-  Trajectory ground_truth;  ///< empty where there is none; no file is written then, and an old one removed
-  ColoredCloud map;         ///< in the world
+  Trajectory ground_truth;  ///< if empty, no file is written and an old one is removed
+  ColoredCloud map;         ///< in the world frame
   FileFrame frame;          ///< of map.ply
   nlohmann::json metrics;   ///< run.json
 };
 
-/// Writes all of them (camera.yaml, graph.g2o, frames.txt, loops and report.html are others' work).
+/// Writes all of these files (camera.yaml, graph.g2o, frames.txt, loops and report.html are written
+/// elsewhere).
 void write_run_files(const RunFolder& folder, const RunFiles& files);
 
-/// Reads a run.json. Throws InputError naming the file when it is not JSON with an object.
+/// Reads a run.json. Throws InputError naming the file if it is not a JSON object.
 nlohmann::json read_run_json(const std::filesystem::path& path);
 
 }  // namespace kinloop

@@ -9,14 +9,14 @@
 
 namespace kinloop {
 
-/// A frame that the map keeps. `landmark_of` has one entry per keypoint; an invalid id where it shows no
+/// A frame kept in the map. `landmark_of` has one entry per keypoint, an invalid id if it observes no
 /// landmark.
 struct Keyframe {
   KeyframeId id;
   FrameId frame;
   int64_t stamp_ns = 0;
-  uint32_t component = 0;         ///< poses of different components cannot be compared
-  bool begins_component = false;  ///< nothing is known of how the camera came here
+  uint32_t component = 0;         ///< poses of different components are not comparable
+  bool begins_component = false;  ///< its motion from earlier keyframes is unknown
   SE3 T_world_camera;
   std::shared_ptr<const Features> features;
   std::vector<LandmarkId> landmark_of;
@@ -30,20 +30,21 @@ struct Observation {
   auto operator<=>(const Observation&) const = default;  // NOLINT(modernize-use-nullptr): as in ids.hpp
 };
 
-/// A point of the map, fixed to the keyframe that first saw it: it follows when that keyframe is corrected.
+/// A 3D point, stored relative to the keyframe that first saw it, so that it follows when that keyframe is
+/// corrected.
 struct Landmark {
   LandmarkId id;
   KeyframeId anchor;
   Eigen::Vector3d p_anchor = Eigen::Vector3d::Zero();  ///< in the anchor's camera frame, m
-  std::vector<Observation> observations;               ///< in the order they were made
+  std::vector<Observation> observations;               ///< in order of insertion
 };
 
-/// Two keyframes far apart in time, found to show the same place.
+/// A relative pose between two keyframes of the same place.
 struct LoopEdge {
   KeyframeId a;
   KeyframeId b;
   SE3 T_a_b;
-  Matrix6d information = Matrix6d::Identity();  ///< of (translation; rotation), per m^2 and rad^2
+  Matrix6d information = Matrix6d::Identity();  ///< of (translation; rotation), in 1/m^2 and 1/rad^2
   int inliers = 0;
 };
 

@@ -7,10 +7,10 @@
 namespace kinloop {
 namespace {
 
-constexpr double kMinViewingCosine = 0.5;  // descriptors hardly survive a change of view of 60 degrees
+constexpr double kMinViewingCosine = 0.5;  // descriptors rarely match across a viewpoint change of 60 degrees
 
-/// Pyramid level on which a point seen on `observed_levels` from `observed_distances_m` appears from
-/// `distance_m`.
+/// Predicts the pyramid level of a point at `distance_m` that was seen on level `observed_levels` from
+/// `observed_distances_m`.
 int predict_level(int observed_levels, double observed_distances_m, double distance_m,
                   const Features& features) {
   const double level =
@@ -18,7 +18,7 @@ int predict_level(int observed_levels, double observed_distances_m, double dista
   return std::clamp(static_cast<int>(std::lround(level)), 0, features.level_count - 1);
 }
 
-/// Landmarks of `reference` and its covisible keyframes, each once, nearest keyframes first.
+/// Landmarks of `reference` and its covisible keyframes, each once, closest keyframes first.
 std::vector<LandmarkId> collect_landmarks(const Map& map, KeyframeId reference,
                                           const LocalMapOptions& options) {
   std::vector<KeyframeId> keyframes{reference};
@@ -52,7 +52,7 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
   local_map.descriptors.create(static_cast<int>(local_map.size()), like.cols, like.type());
   for (size_t i = 0; i < local_map.size(); ++i) {
     const Landmark& landmark = map.landmark(local_map.ids[i]);
-    // The latest observation is the one most like what comes next.
+    // The latest observation is the most similar to the next view.
     const Observation& seen = landmark.observations.back();
     const Keyframe& observer = map.keyframe(seen.keyframe);
     const Eigen::Vector3d p_reference = T_reference_world * map.p_world(landmark.id);

@@ -1,5 +1,5 @@
 #pragma once
-// What the tracker sees of the map: landmarks around a reference keyframe, copied out.
+// The tracker's copy of the map: landmarks around a reference keyframe.
 
 #include <memory>
 #include <optional>
@@ -29,27 +29,26 @@ struct LocalMapOptions {
   }
 };
 
-/// Landmarks in the frame of `reference`; structure of arrays.
+/// Landmarks in the frame of `reference`, as a structure of arrays.
 struct LocalMap {
   KeyframeId reference;
   std::shared_ptr<const Features> features;  ///< all keypoints of the reference
   std::vector<LandmarkId> ids;
   std::vector<Eigen::Vector3d> p_reference;  ///< m
   std::vector<Eigen::Vector3d>
-      viewing_directions;                    ///< unit vectors from the landmark towards a camera that saw it
+      viewing_directions;                    ///< unit vectors from the landmark towards an observing camera
   std::vector<double> observed_distances_m;  ///< distance from that camera
-  std::vector<int> observed_levels;          ///< pyramid level on which that camera saw it
-  cv::Mat descriptors;                       ///< one row per landmark, as that camera saw it
+  std::vector<int> observed_levels;          ///< pyramid level in that camera
+  cv::Mat descriptors;                       ///< one row per landmark, from that camera
 
   [[nodiscard]] size_t size() const { return ids.size(); }
 };
 
-/// The landmarks of `reference` and of the keyframes that share most landmarks with it.
+/// Copies the landmarks of `reference` and of the keyframes that share the most landmarks with it.
 LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOptions& options);
 
-/// Where landmark `index` of the local map should appear to a camera at `T_reference_camera`, with a search
-/// window of `window_px` (half side) on level 0; nothing where it is out of sight or seen from too different
-/// a side.
+/// Projects landmark `index` into a camera at `T_reference_camera`, with a search window of half side
+/// `window_px` on level 0; nullopt if it is out of view or the viewing direction differs too much.
 std::optional<ProjectedPoint> project_landmark(const LocalMap& local_map, uint32_t index,
                                                const Features& features, const SE3& T_reference_camera,
                                                double window_px, const PinholeCamera& camera);

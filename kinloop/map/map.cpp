@@ -36,10 +36,10 @@ void Map::append(MapData parts) {
   }
   component_count_ += parts.component_count;
   check_appended(first_keyframe, first_landmark);
-  advance_epoch();  // work in flight knows nothing of it
+  advance_epoch();  // work in flight does not include it
 }
 
-/// Parts that contradict each other are refused.
+/// Throws if the parts are inconsistent.
 void Map::check_appended(size_t first_keyframe, size_t first_landmark) const {
   for (size_t i = first_landmark; i < landmarks_.size(); ++i) {
     if (landmarks_[i]) check_landmark(*landmarks_[i]);
@@ -110,7 +110,7 @@ void Map::merge_components(const LoopEdge& edge) {
     moved.component = into;
     moved.T_world_camera = correction * moved.T_world_camera;
   }
-  advance_epoch();  // work in flight still believes in two components
+  advance_epoch();  // work in flight still assumes two components
 }
 
 void Map::remove_observation(LandmarkId id, Observation observation) {
@@ -171,12 +171,12 @@ bool Map::apply(const MapUpdate& update) {
   return true;
 }
 
-/// Keyframes from `first` on follow the last one before them of their component.
+/// Keyframes from `first` on follow the correction of the last earlier keyframe in their component.
 void Map::propagate_correction(size_t first, const std::vector<SE3>& T_world_camera_before) {
   for (size_t i = first; i < keyframes_.size(); ++i) {
     size_t leader = first;
     while (leader > 0 && keyframes_[leader - 1].component != keyframes_[i].component) --leader;
-    if (leader == 0) continue;  // its component is younger than the problem
+    if (leader == 0) continue;  // its component is newer than the problem
     const SE3 correction =
         keyframes_[leader - 1].T_world_camera * T_world_camera_before[leader - 1].inverse();
     keyframes_[i].T_world_camera = correction * keyframes_[i].T_world_camera;

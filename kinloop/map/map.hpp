@@ -1,9 +1,8 @@
 #pragma once
-// The one owner of keyframes, landmarks and loop edges. It is touched by one thread and holds no mutex; all
-// change goes through the verbs below, which keep both sides of every observation in step.
-//
-// Where tracking was lost and began anew, the map falls into components whose places relative to each other
-// are not known, until a loop edge joins them.
+// The single owner of keyframes, landmarks and loop edges. It is used by one thread and has no mutex; all
+// changes go through the functions below, which keep both directions of every observation consistent.
+// After tracking loss the map consists of several components whose relative poses are unknown until a loop
+// edge joins them.
 
 #include <map>
 #include <optional>
@@ -15,11 +14,11 @@
 
 namespace kinloop {
 
-/// All that a map consists of, e.g. as a file gave it. The index of keyframes and landmarks is their id;
-/// `Keyframe::landmark_of` follows from the observations and is not looked at.
+/// The whole content of a map, e.g. as read from a file. Keyframes and landmarks are indexed by id;
+/// `Keyframe::landmark_of` is rebuilt from the observations and ignored.
 struct MapData {
   std::vector<Keyframe> keyframes;
-  std::vector<std::optional<Landmark>> landmarks;  ///< empty where erased
+  std::vector<std::optional<Landmark>> landmarks;  ///< nullopt if erased
   std::vector<LoopEdge> loop_edges;
   uint32_t component_count = 0;
 };
@@ -28,78 +27,79 @@ class Map {
  public:
   // Growing.
 
-  /// Adds all of another map behind what is there, as components of their own: its ids, and the numbers of
-  /// its components, shift by how many there were.
+  /// Appends another map as separate components: its ids and component numbers are offset by the current
+  /// counts.
   void append(MapData parts);
 
-  /// Adds a keyframe that observes nothing yet to a component; `component_count()` begins a new one.
+  /// Adds a keyframe without observations to a component; `component_count()` begins a new component.
   KeyframeId add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world_camera,
                           std::shared_ptr<const Features> features, uint32_t component = 0);
 
-  /// Adds a landmark first seen as keypoint `feature` of `anchor`, at `p_anchor` in its camera frame.
+  /// Adds a landmark at `p_anchor` in the camera frame of `anchor`, first observed as its keypoint `feature`.
   LandmarkId add_landmark(KeyframeId anchor, uint32_t feature, const Eigen::Vector3d& p_anchor);
 
-  /// Notes that a keyframe sees a landmark. False, and nothing changes, where the keypoint already shows a
-  /// landmark or the keyframe already sees this one.
+  /// Adds an observation. Returns false and changes nothing if the keypoint already observes a landmark or
+  /// the keyframe already observes this one.
   bool add_observation(LandmarkId landmark, const Observation& observation);
 
-  /// Adds a loop edge between two keyframes. Where it ties two components together they become one, the
-  /// older, and the keyframes of the younger move with their landmarks to where the edge says.
+  /// Adds a loop edge between two keyframes. If it connects two components, they are merged into the older
+  /// one, and the keyframes and landmarks of the newer one are moved according to the edge.
   void add_loop_edge(const LoopEdge& edge);
 
   // Shrinking.
 
-  /// Forgets one observation; a landmark that is left with none is erased.
+  /// Removes an observation; erases a landmark left without any.
   void remove_observation(LandmarkId landmark, Observation observation);
 
   void erase(LandmarkId landmark);
 
-  /// `from` turns out to be `into`: its observations are moved where they fit, the rest is forgotten.
+  /// Merges `from` into `into`: moves its observations where possible and drops the others.
   void merge(LandmarkId from, LandmarkId into);
 
   // Correcting.
 
-  /// Applies an update and says whether it did: one with an older epoch than the map's is stale and dropped.
+  /// Applies an update and returns true, unless its epoch is older than the map's; such an update is stale
+  /// and dropped.
   bool apply(const MapUpdate& update);
 
-  /// Replaces what is known of a keyframe's keypoints, e.g. where a camera at rest would have seen them;
-  /// they stay the same keypoints in the same order.
+  /// Replaces a keyframe's keypoint measurements, e.g. after motion compensation; number and order must stay
+  /// the same.
   void set_features(KeyframeId id, std::shared_ptr<const Features> features);
 
-  /// Raised after what bends the whole map (loop correction, full adjustment, self-calibration), so that
-  /// updates computed before it are dropped.
+  /// Increments the epoch after a correction of the whole map (loop correction, global bundle adjustment,
+  /// self-calibration), so that updates computed before it are dropped.
   void advance_epoch() { ++epoch_; }
 
   // Looking.
 
   [[nodiscard]] uint32_t epoch() const { return epoch_; }
 
-  /// How many components were ever begun.
+  /// Number of components ever created.
   [[nodiscard]] uint32_t component_count() const { return component_count_; }
 
   [[nodiscard]] bool contains(LandmarkId id) const;
   [[nodiscard]] bool contains(KeyframeId id) const { return id.value < keyframes_.size(); }
-  /// The landmark that `id` was merged into, or `id` itself. It may have been erased since.
+  /// Returns the landmark that `id` was merged into, or `id` itself. It may have been erased since.
   [[nodiscard]] LandmarkId resolve_merged(LandmarkId id) const;
   [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const;
   [[nodiscard]] const Landmark& landmark(LandmarkId id) const;
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::vector<LoopEdge>& loop_edges() const { return loop_edges_; }
-  /// A copy of everything; `append` to an empty map gives the map back.
+  /// Returns a copy of everything; `append` to an empty map restores the map.
   [[nodiscard]] MapData data() const { return {keyframes_, landmarks_, loop_edges_, component_count_}; }
 
   [[nodiscard]] std::vector<LandmarkId> landmark_ids() const;
   [[nodiscard]] size_t landmark_count() const { return landmark_count_; }
 
-  /// Where a landmark is in the world, m.
+  /// Returns the position of a landmark in the world frame, m.
   [[nodiscard]] Eigen::Vector3d p_world(LandmarkId id) const;
 
-  /// Keyframes that share at least `min_shared` landmarks with `id`, most shared first (then lower id), with
-  /// counts.
+  /// Returns the keyframes that share at least `min_shared` landmarks with `id`, with counts, most shared
+  /// first (ties by lower id).
   [[nodiscard]] std::vector<std::pair<KeyframeId, int>> covisible_keyframes(KeyframeId id,
                                                                             int min_shared) const;
 
-  /// Throws std::logic_error when the two sides of any observation disagree, for tests.
+  /// Throws std::logic_error if the two directions of any observation disagree; for tests.
   void check_invariants() const;
 
  private:
@@ -112,7 +112,7 @@ class Map {
   void check_landmark(const Landmark& landmark) const;
 
   std::vector<Keyframe> keyframes_;                 // index = id
-  std::vector<std::optional<Landmark>> landmarks_;  // index = id; empty where erased
+  std::vector<std::optional<Landmark>> landmarks_;  // index = id; nullopt if erased
   std::map<LandmarkId, LandmarkId> merged_into_;
   std::vector<LoopEdge> loop_edges_;
   size_t landmark_count_ = 0;

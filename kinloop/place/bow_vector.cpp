@@ -5,8 +5,8 @@
 namespace kinloop {
 
 double similarity(const BowVector& a, const BowVector& b) {
-  // |x - y| = x + y - 2 min(x, y), and the weights of each vector sum to 1: so the score is the sum of
-  // min(x, y) over the common words. PlaceIndex::query adds the same terms in the same order.
+  // |x - y| = x + y - 2 min(x, y), and the weights of each vector sum to 1, so the score is the sum of min(x,
+  // y) over the common words. PlaceIndex::query adds the same terms in the same order.
   double score = 0;
   auto in_a = a.begin();
   auto in_b = b.begin();
@@ -21,7 +21,7 @@ double similarity(const BowVector& a, const BowVector& b) {
       ++in_b;
     }
   }
-  return std::min(score, 1.0);  // the weights are rounded: their sum may exceed 1 in the last digits
+  return std::min(score, 1.0);  // the weights are rounded, so their sum may exceed 1 in the last digits
 }
 
 }  // namespace kinloop

@@ -1,11 +1,11 @@
 #pragma once
-// The vocabulary that is part of the library.
+// The vocabulary embedded in the library.
 
 #include "kinloop/place/vocabulary.hpp"
 
 namespace kinloop {
 
-/// The default ORB vocabulary, data/orb.kinvoc as it was when the library was built.
+/// Returns the default ORB vocabulary: data/orb.kinvoc at build time.
 Vocabulary load_default_vocabulary();
 
 }  // namespace kinloop

@@ -21,7 +21,7 @@ constexpr std::array<DescriptorTraits, 5> kKinds{{
 const DescriptorTraits& descriptor_traits(DescriptorKind kind) {
   const auto found =
       std::find_if(kKinds.begin(), kKinds.end(), [&](const auto& k) { return k.kind == kind; });
-  require(found != kKinds.end(), "descriptor_traits: no such kind of descriptor");
+  require(found != kKinds.end(), "descriptor_traits: unknown kind of descriptor");
   return *found;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What kind of descriptors a vocabulary is made of, and files say so.
+// The descriptor type of a vocabulary, as recorded in its file.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace kinloop {
 
-/// The numbers stand in files. Runs use the kinds of 256 bits; the others are SIFT and SURF as they are.
+/// The numbers are used in files. Runs use the 256-bit kinds; the others are the original SIFT and SURF.
 enum class DescriptorKind : uint32_t { kOrb = 1, kSiftBinary = 2, kSurfBinary = 3, kSift = 4, kSurf = 5 };
 
-/// How two descriptors are compared.
+/// Distance measure of descriptors.
 enum class Metric { kHamming, kEuclidean };
 
 struct DescriptorTraits {
@@ -22,17 +22,18 @@ struct DescriptorTraits {
   Metric metric;
   size_t bytes;               ///< of one descriptor
   std::string_view feature;   ///< "orb", "sift" or "surf", as in FeatureOptions
-  std::string_view name;      ///< for people
-  std::string_view distance;  ///< its unit
+  std::string_view name;      ///< for display
+  std::string_view distance;  ///< unit of the distance
 };
 
-/// What is known of a kind.
+/// Returns the properties of a kind.
 const DescriptorTraits& descriptor_traits(DescriptorKind kind);
 
-/// The kind with this number in a file; nothing where there is none.
+/// Returns the kind with this number in a file; nullopt if unknown.
 std::optional<DescriptorKind> descriptor_kind(uint32_t number);
 
-/// What features of `options` give under `metric`; of ORB there are bits alone: nothing for Euclid.
+/// Returns the kind that extraction with `options` gives under `metric`; nullopt for ORB with Euclidean
+/// distance.
 std::optional<DescriptorKind> descriptor_kind(const FeatureOptions& options, Metric metric);
 
 }  // namespace kinloop

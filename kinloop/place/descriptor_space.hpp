@@ -1,6 +1,6 @@
 #pragma once
-// In: descriptors as plain values. Out: their distance and their mean, in whole numbers: sums do not depend
-// on the order in which threads and machines add.
+// In: descriptors as plain values. Out: their distances and means, in integers, so that sums do not depend on
+// the order of summation across threads and processes.
 
 #include <array>
 #include <cstdint>
@@ -13,11 +13,11 @@
 
 namespace kinloop {
 
-/// 256 bits; the distance is the number of different ones, which is also the squared Euclidean distance.
+/// 256 bits; the distance is the number of differing bits, which equals the squared Euclidean distance.
 struct HammingSpace {
   using Point = BinaryDescriptor;
   static constexpr uint32_t kMaxDistance = kOrbBytes * 8;
-  static constexpr size_t kCounts = kOrbBytes * 8;  ///< that `add` keeps: how many points have each bit set
+  static constexpr size_t kCounts = kOrbBytes * 8;  ///< counters of `add`: points with each bit set
 
   static uint32_t distance(const Point& a, const Point& b) {
     return static_cast<uint32_t>(hamming_distance(a.data(), b.data()));
@@ -27,7 +27,7 @@ struct HammingSpace {
       for (size_t bit = 0; bit < 8; ++bit) counts[8 * byte + bit] += (uint32_t{point[byte]} >> bit) & 1U;
     }
   }
-  /// The bitwise majority, which minimises the sum of distances; ties keep the bit of `current`.
+  /// The bitwise majority, which minimises the sum of distances; on ties keeps the bit of `current`.
   static Point mean(const uint64_t* counts, uint64_t points, const Point& current) {
     Point centre{};
     for (size_t bit = 0; bit < kCounts; ++bit) {
@@ -44,7 +44,7 @@ template <size_t N>
 struct EuclideanSpace {
   using Point = std::array<uint8_t, N>;
   static constexpr uint32_t kMaxDistance = N * 255 * 255;
-  static constexpr size_t kCounts = N;  ///< that `add` keeps: the sum of each component
+  static constexpr size_t kCounts = N;  ///< counters of `add`: sum of each component
 
   static uint32_t distance(const Point& a, const Point& b) {
     int sum = 0;
@@ -54,7 +54,7 @@ struct EuclideanSpace {
   static void add(const Point& point, uint64_t* counts) {
     for (size_t i = 0; i < N; ++i) counts[i] += point[i];
   }
-  /// The mean to the nearest step, which of all points of the grid minimises the sum of squared distances.
+  /// The rounded mean, which minimises the sum of squared distances over all integer points.
   static Point mean(const uint64_t* counts, uint64_t points, const Point& /*current*/) {
     Point centre{};
     for (size_t i = 0; i < N; ++i) centre[i] = static_cast<uint8_t>((2 * counts[i] + points) / (2 * points));
@@ -78,7 +78,7 @@ auto dispatch_space(DescriptorKind kind, Work&& work) {
   }
 }
 
-/// Rows of bytes as points; a whole number of them.
+/// Reinterprets bytes as points; their number must be a multiple of the point size.
 template <class Space>
 std::span<const typename Space::Point> as_points(std::span<const uint8_t> rows) {
   using Point = typename Space::Point;
@@ -87,8 +87,8 @@ std::span<const typename Space::Point> as_points(std::span<const uint8_t> rows) 
   return {reinterpret_cast<const Point*>(rows.data()), rows.size() / sizeof(Point)};
 }
 
-/// Writes to `nearest[i]` and `distance[i]` the centre nearest to point i, ties to the first, and how far it
-/// is.
+/// Writes to `nearest[i]` and `distance[i]` the centre nearest to point i (ties to the first) and its
+/// distance.
 template <class Space>
 void assign_to_nearest(std::span<const typename Space::Point> points,
                        std::span<const typename Space::Point> centres, uint32_t* nearest, uint32_t* distance);

@@ -11,12 +11,12 @@ bool better(const PlaceCandidate& a, const PlaceCandidate& b) {
   return a.score != b.score ? a.score > b.score : a.keyframe < b.keyframe;
 }
 
-/// Keeps the best of what it is shown; of 200,000 images hardly any is ever among them.
+/// Keeps the best candidates in a bounded heap; of 200,000 images few ever enter it.
 class Best {
  public:
   explicit Best(size_t most) : most_(most) {}
 
-  /// What scores less is not wanted.
+  /// Lower scores are rejected.
   [[nodiscard]] double floor() const {
     return heap_.size() < most_ || heap_.empty() ? 0 : heap_.front().score;
   }
@@ -42,13 +42,13 @@ class Best {
 
  private:
   size_t most_;
-  std::vector<PlaceCandidate> heap_;  // the worst in front
+  std::vector<PlaceCandidate> heap_;  // worst at the front
 };
 
 }  // namespace
 
 void PlaceIndex::add(KeyframeId keyframe, BowVector bow) {
-  require(keyframe.valid() && !contains(keyframe), "PlaceIndex::add: the keyframe is in the index already");
+  require(keyframe.valid() && !contains(keyframe), "PlaceIndex::add: the keyframe is already in the index");
   if (free_slots_.empty()) {
     free_slots_.push_back(static_cast<uint32_t>(entries_.size()));
     entries_.emplace_back();
@@ -80,7 +80,8 @@ std::vector<PlaceCandidate> PlaceIndex::query(const BowVector& bow, size_t max_r
                                               const std::function<bool(KeyframeId)>& accept) const {
   const BowVector telling = without_stop_words(bow);
   if (telling.size() == bow.size()) return top_candidates(bow, max_results, accept);
-  constexpr size_t kLookedAt = 10;  // candidates for each result: the order is not yet that of the scores
+  constexpr size_t kLookedAt =
+      10;  // candidates per result, since their order may differ from that of the scores
   Best best(max_results);
   for (const auto& found : top_candidates(telling, kLookedAt * std::min(max_results, size()), accept)) {
     const PlaceCandidate candidate{found.keyframe, similarity(bow, bow_of(found.keyframe))};
@@ -108,7 +109,7 @@ BowVector PlaceIndex::without_stop_words(const BowVector& bow) const {
 
 std::vector<PlaceCandidate> PlaceIndex::top_candidates(const BowVector& words, size_t max_results,
                                                        const std::function<bool(KeyframeId)>& accept) const {
-  // The same terms in the same order of words as in `similarity`: the same scores to the last bit.
+  // The same terms in the same order of words as in `similarity`, so scores are identical to the last bit.
   std::vector<double> scores(entries_.size(), 0);
   for (const auto& [word, weight] : words) {
     if (word.value >= postings_.size()) continue;

@@ -11,14 +11,15 @@
 namespace kinloop {
 namespace {
 
-/// Nodes are breadth first: the children of a node begin where those of the nodes before it end.
+/// Nodes are in breadth-first order: a node's children follow those of the preceding nodes.
 std::vector<uint32_t> first_children(std::span<const uint32_t> child_counts) {
   std::vector<uint32_t> first(child_counts.size());
   std::exclusive_scan(child_counts.begin(), child_counts.end(), first.begin(), uint32_t{1});
   return first;
 }
 
-/// Whether the child counts describe one tree with all nodes in it and at most `depth` levels below the root.
+/// Returns whether the child counts describe one tree that contains all nodes and has at most `depth` levels
+/// below the root.
 bool is_tree(std::span<const uint32_t> child_counts, int depth) {
   size_t level_begin = 0, level_end = 1;
   for (int level = 0; level <= depth; ++level) {
@@ -34,10 +35,10 @@ bool is_tree(std::span<const uint32_t> child_counts, int depth) {
 
 struct MinimizerState {
   uint32_t node;   ///< the leaf
-  uint32_t above;  ///< its ancestor at the level asked for
+  uint32_t above;  ///< ancestor at the requested level
 };
 
-/// What greedy descent looks at.
+/// The data used by greedy descent.
 struct DescentTree {
   const uint32_t* child_counts;
   const uint32_t* first_child;
@@ -105,7 +106,7 @@ Vocabulary::Vocabulary(VocabularyTree tree)
 
 Vocabulary::Vocabulary(const VocabularyView& view, std::shared_ptr<const void> owner)
     : owner_(std::move(owner)), tree_(view) {
-  require(!find_defect(tree_), "a vocabulary must be a sound tree");
+  require(!find_defect(tree_), "a vocabulary must be a valid tree");
   first_child_ = first_children(tree_.child_counts);
   word_of_node_.resize(tree_.child_counts.size());
   for (uint32_t node = 0; node < tree_.child_counts.size(); ++node) {
@@ -119,7 +120,7 @@ QuantizedFeatures Vocabulary::quantize(const cv::Mat& descriptors, int levels_up
   if (descriptors.empty()) return {};
   require(descriptors.type() == CV_8UC1 &&
               static_cast<size_t>(descriptors.cols) == descriptor_traits(tree_.kind).bytes,
-          "the descriptors are of another kind than the vocabulary's");
+          "the descriptors are not of the vocabulary's kind");
   std::vector<MinimizerState> found(static_cast<size_t>(descriptors.rows));
   const DescentTree tree{tree_.child_counts.data(), first_child_.data(), tree_.depth - levels_up};
   dispatch_space(tree_.kind, [&]<class Space>(Space) {

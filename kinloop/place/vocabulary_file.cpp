@@ -16,10 +16,9 @@
 namespace kinloop {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "vocabularies are looked at as they lie in the file");
+static_assert(std::endian::native == std::endian::little, "vocabularies are used as they lie in the file");
 
-constexpr std::string_view kMagic("KINVOC\r\n", 8);  // the line end shows a transfer in text mode
+constexpr std::string_view kMagic("KINVOC\r\n", 8);  // the line end reveals a transfer in text mode
 constexpr uint32_t kVersion = 2;
 constexpr const char* kRemedy = "train it again with 'kinloop vocab train', or copy it again";
 
@@ -33,9 +32,9 @@ struct Header {
   uint32_t nodes = 0;
   uint32_t words = 0;
   uint32_t descriptor_bytes = 0;
-  uint64_t checksum = 0;  ///< of everything else
+  uint64_t checksum = 0;  ///< over everything else
 
-  /// Whole file: header, centres, child counts, idf, uses, zeros up to a multiple of 8.
+  /// Whole file: header, centres, child counts, idf, use counts, zero padding to a multiple of 8.
   [[nodiscard]] uint64_t file_bytes() const {
     const uint64_t bytes =
         sizeof(Header) + uint64_t{nodes} * (uint64_t{descriptor_bytes} + 4) + uint64_t{words} * 8;
@@ -45,14 +44,14 @@ struct Header {
 static_assert(sizeof(Header) == 48);
 
 /// FNV-1a (Fowler, Noll, Vo) over 64-bit words instead of bytes, for speed; the rotation lets the top bits of
-/// a word, too, reach all later ones. Each step is a bijection: an altered word always alters the sum.
+/// a word affect all later ones, too. Each step is a bijection, so an altered word always alters the sum.
 uint64_t with_word(uint64_t sum, uint64_t word) {
   constexpr uint64_t kPrime = 0x100000001b3;
   constexpr int kRotation = 29;
   return std::rotl((sum ^ word) * kPrime, kRotation);
 }
 
-/// Word i goes into sum i mod 4: four steps at a time.
+/// Word i goes into sum i mod 4, so that four steps run in parallel.
 using Sums = std::array<uint64_t, 4>;
 
 void add_words(Sums& sums, std::string_view bytes) {
@@ -71,7 +70,7 @@ void add_words(Sums& sums, std::string_view bytes) {
   sums = now;
 }
 
-/// Of everything but the sum itself, which ends the header.
+/// Covers everything but the checksum itself, which ends the header.
 uint64_t file_checksum(std::string_view bytes) {
   constexpr uint64_t kOffsetBasis = 0xcbf29ce484222325;
   Sums sums;
@@ -85,7 +84,7 @@ uint64_t file_checksum(std::string_view bytes) {
   throw InputError(fmt::format("{}: {}; {}", name, what, kRemedy));
 }
 
-/// The header, once all that can be told without reading on is as it should be.
+/// Returns the header after checking everything that can be checked without the body.
 Header checked_header(std::string_view bytes, const std::string& name) {
   if (bytes.substr(0, kMagic.size()) != kMagic) fail(name, "not a kinloop vocabulary");
   if (bytes.size() < sizeof(Header)) fail(name, "truncated within its header");
@@ -115,7 +114,7 @@ void append(std::string& bytes, std::span<const T> values) {
   bytes.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
 }
 
-/// Takes `count` values off the front of `bytes`.
+/// Removes and returns `count` values from the front of `bytes`.
 template <class T>
 std::span<const T> take(std::string_view& bytes, size_t count) {
   const std::span values(reinterpret_cast<const T*>(bytes.data()), count);

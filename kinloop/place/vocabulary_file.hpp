@@ -1,5 +1,5 @@
 #pragma once
-// In: a vocabulary. Out: its file, and back. The format (.kinvoc) is described in docs/place.md.
+// In: a vocabulary. Out: its file, and back. docs/place.md describes the format (.kinvoc).
 
 #include <filesystem>
 #include <memory>
@@ -10,19 +10,19 @@
 
 namespace kinloop {
 
-/// The bytes of a vocabulary file.
+/// Returns the bytes of a vocabulary file.
 std::string serialize_vocabulary(const Vocabulary& vocabulary);
 
-/// The vocabulary in `bytes` (aligned to 4), which it looks at and does not copy: `owner` keeps them, or they
-/// never go. Throws InputError that begins with `name` for anything but a whole, unaltered file.
+/// Parses the vocabulary in `bytes` (aligned to 4) without copying: `owner` keeps them alive, or they have
+/// static lifetime. Throws InputError beginning with `name` unless the file is complete and unaltered.
 Vocabulary parse_vocabulary(std::string_view bytes, const std::string& name,
                             std::shared_ptr<const void> owner);
 
-/// Writes the file, atomically.
+/// Writes the file atomically.
 void write_vocabulary(const std::filesystem::path& path, const Vocabulary& vocabulary);
 
-/// Maps the file into memory: pages are read when words are looked up. Throws InputError as
-/// `parse_vocabulary` does, or when it cannot be read.
+/// Memory-maps the file: pages are read when words are looked up. Throws InputError as `parse_vocabulary`
+/// does, or if the file cannot be read.
 Vocabulary read_vocabulary(const std::filesystem::path& path);
 
 }  // namespace kinloop

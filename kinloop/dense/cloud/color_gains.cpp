@@ -10,21 +10,21 @@
 namespace kinloop {
 namespace {
 
-/// Views are compared in voxels of this size: large enough that a few points of each view fall into one.
+/// Size of the voxels in which views are compared: large enough to hold several points of each view.
 constexpr double kVoxel_m = 0.03;
 
-/// That many points of a view, and of all views together, tell enough.
+/// Sample sizes per view and in total.
 constexpr size_t kPointsPerView = 5000, kPointsInAll = 300'000;
 
-/// Intensities that exposure multiplies: brighter ones are clipped; to darker ones black level, stray light
-/// and compression add a few levels, which would be taken for a change of colour.
+/// Intensity range in which exposure acts as a factor: brighter values are clipped; black level, stray light
+/// and compression add a few levels to darker ones, which would look like a change of colour.
 constexpr uint8_t kDarkest = 50, kBrightest = 245;
 
-/// Deviations of a logarithm of a colour: of what differs between views of a voxel, and of gains before
-/// anything was seen (weak: a factor of 1.6).
+/// Standard deviations of log colour: between views of a voxel, and of the prior on gains (weak: a factor of
+/// 1.6).
 constexpr double kColorSigma = 0.1, kGainSigma = 0.5;
 
-/// The mean colour that one view gives to one voxel.
+/// Mean colour of one voxel in one view.
 struct ColorObservation {
   VoxelKey voxel = 0;
   uint32_t view = 0;
@@ -32,7 +32,7 @@ struct ColorObservation {
   Eigen::Array3f log_color = Eigen::Array3f::Zero();
 };
 
-/// A column per view: the logarithms of its gains.
+/// One column per view: the logarithms of its gains.
 using LogGains = Eigen::Array3Xd;
 
 bool well_exposed(const Rgb& color) {
@@ -44,7 +44,7 @@ bool precedes(const ColorObservation& a, const ColorObservation& b) {
   return std::tie(a.voxel, a.view) < std::tie(b.voxel, b.view);
 }
 
-/// Makes one of all that one view saw of one voxel; they must stand together.
+/// Merges the observations of each voxel by the same view; they must be adjacent.
 std::vector<ColorObservation> merged(const std::vector<ColorObservation>& all) {
   std::vector<ColorObservation> means;
   for (const ColorObservation& seen : all) {
@@ -59,7 +59,7 @@ std::vector<ColorObservation> merged(const std::vector<ColorObservation>& all) {
   return means;
 }
 
-/// What one view saw, by voxels; of the voxels only a part, where there are many views.
+/// The observations of one view by voxel; subsampled by voxel if there are many views.
 std::vector<ColorObservation> observe(const ImageSurfels& surfels, uint32_t number, const PosedImage& view,
                                       const DenseCamera& camera, const RayTable& rays,
                                       uint64_t last_scattered) {
@@ -78,8 +78,8 @@ std::vector<ColorObservation> observe(const ImageSurfels& surfels, uint32_t numb
   return merged(seen);
 }
 
-/// Least squares over g_i and a_v of log color_iv + g_i - a_v, where view i saw voxel v, with the weights of
-/// a Cauchy distribution; a_v, the voxel's own colour, is eliminated.
+/// Least squares over g_i and a_v of log color_iv + g_i - a_v, where view i saw voxel v, with Cauchy weights;
+/// a_v, the voxel's own log colour, is eliminated.
 class GainSolver {
  public:
   GainSolver(std::vector<ColorObservation> seen, size_t views)
@@ -95,7 +95,7 @@ class GainSolver {
   }
 
  private:
-  /// Calls `use` with the range of what was seen of each voxel that several views saw.
+  /// Calls `use` with the range of observations of each voxel that several views saw.
   template <class Use>
   void for_each_voxel(const Use& use) const {
     for (size_t begin = 0; begin < seen_.size();) {
@@ -106,7 +106,7 @@ class GainSolver {
     }
   }
 
-  /// Per view the weighted sum of what `value(i)` lies above the weighted mean of its voxel.
+  /// Per view, the weighted sum of the differences between `value(i)` and the weighted mean of its voxel.
   template <class Value>
   [[nodiscard]] LogGains above_mean(const Value& value) const {
     LogGains sums = LogGains::Zero(3, gains_.cols());
@@ -120,16 +120,16 @@ class GainSolver {
     return sums;
   }
 
-  /// The normal equations' matrix times `x`; the same for each colour.
+  /// The matrix of the normal equations times `x`; the same for each colour channel.
   [[nodiscard]] LogGains times(const LogGains& x) const {
     constexpr double kPrior = (kColorSigma / kGainSigma) * (kColorSigma / kGainSigma);
     return above_mean([&](size_t i) -> Eigen::Array3d { return x.col(seen_[i].view); }) + kPrior * x;
   }
 
-  /// Conjugate gradients, for the three colours side by side, from where the gains are.
+  /// Conjugate gradients for all three channels at once, starting from the current gains.
   void solve() {
     constexpr int kMostSteps = 50;
-    constexpr double kEnough = 1e-6;  // of the first residual, squared
+    constexpr double kEnough = 1e-6;  // relative to the first residual, squared
     const LogGains right =
         -above_mean([&](size_t i) -> Eigen::Array3d { return seen_[i].log_color.cast<double>(); });
     LogGains residual = right - times(gains_);

@@ -1,6 +1,6 @@
 #pragma once
-// In: the surfels of images and the pose of each. Out: factors that make all images show a surface in the
-// same colours: automatic exposure and white balance change them while the camera moves.
+// In: the surfels of images and the pose of each. Out: gains that compensate automatic exposure and white
+// balance, so that all images show a surface in the same colours.
 
 #include <span>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace kinloop {
 
-/// Factors for the red, green and blue of every view, with a geometric mean of 1; 1 where a view shares no
-/// surface with others. The result does not depend on `threads`.
+/// Returns gains for red, green and blue of every view, with a geometric mean of 1; 1 for a view that shares
+/// no surface with others. The result does not depend on `threads`.
 std::vector<Eigen::Vector3f> color_gains(const SurfelLoader& load_surfels, std::span<const PosedImage> views,
                                          const DenseCamera& camera, int threads);
 

@@ -1,5 +1,5 @@
 #pragma once
-// A cloud of coloured points: what the dense map is, whoever shows or writes it.
+// A coloured point cloud, the format of the dense map.
 
 #include <array>
 #include <cstdint>
@@ -12,8 +12,8 @@ namespace kinloop {
 /// Red, green, blue.
 using Rgb = std::array<uint8_t, 3>;
 
-/// Points in the world, metres, and the colour of each. Where the surfaces are known, unit normals too,
-/// towards the cameras that saw them; else there are none.
+/// Points in the world frame, metres, with colours. If the surfaces are known, also unit normals towards the
+/// observing cameras; otherwise `normals` is empty.
 struct ColoredCloud {
   std::vector<Eigen::Vector3f> points;
   std::vector<Rgb> colors;

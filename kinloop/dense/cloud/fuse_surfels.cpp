@@ -15,7 +15,7 @@ namespace {
 constexpr int kFirstSlice = -static_cast<int>(kVoxelOrigin);
 constexpr int kLastSlice = static_cast<int>(kVoxelOrigin);
 
-/// The samples of one view, by grid.
+/// The samples of one view, by shard.
 using BinnedSamples = std::array<std::vector<VoxelSample>, kShards>;
 
 size_t voxel_count(const VoxelShards& grids) {
@@ -24,7 +24,7 @@ size_t voxel_count(const VoxelShards& grids) {
   return count;
 }
 
-/// The slice of every voxel.
+/// The z slice of every voxel.
 std::vector<int> slices_of(const VoxelShards& grids) {
   std::vector<int> slices;
   for (const VoxelGrid& grid : grids) {
@@ -63,7 +63,7 @@ class Fusion {
   }
 
  private:
-  /// The points of the slab, whose end comes nearer when there is not enough memory for all of it.
+  /// Returns the points of the slab, whose end is lowered if memory does not suffice for all of it.
   std::vector<SurfacePoint> fill(Slab& slab) {
     VoxelShards grids;
     for_each_batch("fusing", [&](size_t first, const std::vector<ImageSurfels>& batch) {
@@ -95,13 +95,13 @@ class Fusion {
     return binned;
   }
 
-  /// Puts the farther half off to a later slab while there are too many voxels.
+  /// Defers the farther half to a later slab while there are too many voxels.
   void shrink_to_budget(VoxelShards& grids, Slab& slab) const {
-    // Beside the voxel itself: its place in the table, room to grow, the point that is made of it.
+    // The voxel itself, its table entry, spare capacity and the point made from it.
     constexpr size_t kBytesPerVoxel = 4 * sizeof(Voxel);
     const size_t most = (static_cast<size_t>(options_.fusion_memory_mib) << 20) / kBytesPerVoxel;
     while (voxel_count(grids) > most) {
-      // Whole blocks, so that the order of points does not depend on where a slab ends.
+      // Whole blocks, so that the order of points does not depend on slab boundaries.
       constexpr int kBlock = 1 << kBlockBits;
       const int end = std::max(median(slices_of(grids)), slab.begin + kBlock) & ~(kBlock - 1);
       if (end <= slab.begin || end >= slab.end) return;
@@ -110,7 +110,7 @@ class Fusion {
     }
   }
 
-  /// What few images looked at cannot have been seen by many.
+  /// A place that few images could see cannot have been observed by many.
   [[nodiscard]] bool stays(const SurfacePoint& point) const {
     if (options_.carve && point.free_space_violations > point.views) return false;
     return point.views >= std::min(options_.min_observations, std::max(point.unoccluded_views, 1));

@@ -1,5 +1,5 @@
 #pragma once
-// In: the surfels of images, the pose of each, the camera. Out: one coloured cloud in the world.
+// In: the surfels and pose of each image, and the camera. Out: one coloured cloud in the world frame.
 
 #include <functional>
 #include <span>
@@ -15,9 +15,9 @@ namespace kinloop {
 /// Loads the surfels of a stored image; called from several threads at once, and more than once per image.
 using SurfelLoader = std::function<ImageSurfels(size_t image)>;
 
-/// One point per voxel of surface that at least `options.min_observations` of `views` saw and that not more
-/// saw through, corrected for the motion of the camera. However little `options.fusion_memory_mib` is, the
-/// result is the same: space is then gone through in several slabs. Nor does it depend on `threads`.
+/// Returns one point per surface voxel that at least `options.min_observations` of `views` saw and that not
+/// more views contradict by a free-space violation; motion-compensated. The result does not depend on
+/// `options.fusion_memory_mib` (with less memory, space is processed in more slabs) nor on `threads`.
 ColoredCloud fuse_surfels(const SurfelLoader& load_surfels, std::span<const PosedImage> views,
                           const DenseCamera& camera, const DenseOptions& options, int threads,
                           const Progress& progress = {});

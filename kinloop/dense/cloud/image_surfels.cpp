@@ -15,7 +15,8 @@
 namespace kinloop {
 namespace {
 
-/// Pixels between which the slope of a surface is measured: near enough for things, far enough for the noise.
+/// Distance of the pixels from which a slope is measured: short enough for small objects, long enough to
+/// suppress noise.
 constexpr int kSlopeReachPx = 6;
 
 cv::Mat inverse(const cv::Mat& depth_m) {
@@ -28,8 +29,8 @@ cv::Mat inverse(const cv::Mat& depth_m) {
   return result;
 }
 
-/// A structured-light camera's noise is the same everywhere in inverse depth (see DepthNoise), and a plane is
-/// linear there: a bilateral filter (Tomasi and Manduchi 1998) takes the noise and leaves planes and edges.
+/// The noise of a structured-light camera is constant in inverse depth (see DepthNoise), and a plane is
+/// linear there: a bilateral filter (Tomasi and Manduchi 1998) removes noise and preserves planes and edges.
 cv::Mat smoothed(const cv::Mat& inverse_depth) {
   constexpr int kDiameterPx = 5;
   constexpr double kSigmaPx = 2;
@@ -39,7 +40,7 @@ cv::Mat smoothed(const cv::Mat& inverse_depth) {
   return result;
 }
 
-/// Makes the points of one image.
+/// Extracts the surfels of one image.
 class SurfelExtractor {
  public:
   SurfelExtractor(const RgbdImages& images, const cv::Mat& inverse_depth, double focal_px,
@@ -61,7 +62,7 @@ class SurfelExtractor {
   }
 
  private:
-  /// Splits a tile so that a point is not wider than a voxel: else voxels between would stay empty.
+  /// Splits a tile if its surfel would be wider than a voxel, which would leave voxels between surfels empty.
   void add_tile(int row, int col) {
     const float nearest = nearest_in(row, col);
     if (!(nearest > 0)) return;
@@ -111,7 +112,7 @@ class SurfelExtractor {
                        slope(r, c, 1, 0)});
   }
 
-  /// Change of inverse depth along a direction of the image, relative to itself, on the same surface.
+  /// Relative change of inverse depth along a direction in the image, on the same surface.
   [[nodiscard]] int8_t slope(int row, int col, int down, int right) const {
     const float here = inverse_depth_.at<float>(row, col);
     if (!(here > 0)) return 0;
@@ -139,7 +140,7 @@ class SurfelExtractor {
   std::vector<Surfel> points_;
 };
 
-/// The nearest depth of every tile, as ImageSurfels keeps it.
+/// The nearest depth of every tile, in the units of ImageSurfels.
 std::vector<uint16_t> nearest_depths(const cv::Mat& inverse_depth) {
   constexpr auto kMost = static_cast<float>(std::numeric_limits<uint16_t>::max());
   std::vector<uint16_t> nearest;
@@ -169,7 +170,7 @@ struct Header {
 ImageSurfels extract_surfels(const RgbdImages& images, double focal_px, const DenseOptions& options) {
   require(images.color.type() == CV_8UC3 && images.depth_m.type() == CV_32FC1 &&
               images.color.size() == images.depth_m.size(),
-          "extract_surfels: colour 8UC3 and depth 32FC1 of the same size");
+          "extract_surfels: expected colour 8UC3 and depth 32FC1 of the same size");
   const cv::Mat inverse_depth = inverse(images.depth_m);
   return {image_sharpness(images.color), SurfelExtractor(images, inverse_depth, focal_px, options).run(),
           nearest_depths(inverse_depth)};
@@ -195,8 +196,7 @@ ImageSurfels surfels_from_bytes(std::span<const uint8_t> bytes) {
                        std::vector<uint16_t>(header.tiles)};
   const size_t point_bytes = surfels.points.size() * sizeof(Surfel);
   const size_t tile_bytes = surfels.nearest.size() * sizeof(uint16_t);
-  require(bytes.size() == sizeof(Header) + point_bytes + tile_bytes,
-          "surfels_from_bytes: not what to_bytes gave");
+  require(bytes.size() == sizeof(Header) + point_bytes + tile_bytes, "surfels_from_bytes: invalid data");
   std::memcpy(surfels.points.data(), bytes.data() + sizeof(Header), point_bytes);
   std::memcpy(surfels.nearest.data(), bytes.data() + sizeof(Header) + point_bytes, tile_bytes);
   return surfels;

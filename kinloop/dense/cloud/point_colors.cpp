@@ -10,11 +10,11 @@
 namespace kinloop {
 namespace {
 
-/// How far a point may lie from the depth that is measured where it shows, relative to that depth: more, and
-/// it is hidden or something else.
+/// Largest difference between a point and the measured depth at its pixel, relative to that depth; beyond it
+/// the point is occluded or another surface.
 constexpr float kSameSurface = 0.02F;
 
-/// An image to take colours from.
+/// An image used for colouring.
 struct ColorView {
   RgbdImages images;
   SE3 T_camera_world;
@@ -25,7 +25,7 @@ struct ColorView {
 /// Sum of colours (blue, green, red) and of their weights.
 using ColorSum = Eigen::Vector4f;
 
-/// The colour between four pixels.
+/// Bilinear interpolation of colour.
 Eigen::Vector3f sample(const cv::Mat& color, const Eigen::Vector2d& pixel) {
   const int col = static_cast<int>(pixel.x()), row = static_cast<int>(pixel.y());
   const auto right = static_cast<float>(pixel.x() - col), down = static_cast<float>(pixel.y() - row);
@@ -37,7 +37,7 @@ Eigen::Vector3f sample(const cv::Mat& color, const Eigen::Vector2d& pixel) {
          down * ((1 - right) * at(row + 1, col) + right * at(row + 1, col + 1));
 }
 
-/// What one image says of the colour of one point: nothing (weight 0) where it does not see it.
+/// Weighted colour of a point in one image; weight 0 if the point is not visible.
 ColorSum observe_color(const ColorView& photo, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
                        const PinholeCamera& camera) {
   const Eigen::Vector3d p = photo.T_camera_world * point.cast<double>();
@@ -53,10 +53,10 @@ ColorSum observe_color(const ColorView& photo, const Eigen::Vector3f& point, con
   const Eigen::Vector3d n = photo.T_camera_world.rotation * normal.cast<double>();
   const auto frontal = static_cast<float>(-n.dot(p.normalized()));
   if (!(frontal > 0)) return ColorSum::Zero();
-  // Pixels per square metre of surface, and the fourth power: the best few images make the colour.
+  // Pixels per square metre of surface. The fourth power makes the best few images dominate.
   const float detail = photo.sharpness * frontal / (z * z);
   const Eigen::Vector3f measured = sample(photo.images.color, pixel);
-  // What is clipped has lost its colour: it counts only where no image does better.
+  // Clipped intensities have lost their colour; they count only if no image is better.
   const float exposed = measured.maxCoeff() < kSaturatedIntensity ? 1 : 1e-3F;
   const float weight = exposed * detail * detail * detail * detail;
   const Eigen::Vector3f color = weight * measured.cwiseProduct(photo.gain_bgr);
@@ -78,7 +78,7 @@ std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
                               std::span<const Eigen::Vector3f> normals, const ImageStore& images,
                               std::span<const PosedImage> views, const PinholeCamera& camera, int threads,
                               const Progress& progress) {
-  require(points.size() == normals.size(), "color_points: one normal per point");
+  require(points.size() == normals.size(), "color_points: expected one normal per point");
   std::vector<ColorSum> sums(points.size(), ColorSum::Zero());
   const auto batch_size = static_cast<size_t>(std::max(threads, 1));
   std::vector<ColorView> batch(batch_size);

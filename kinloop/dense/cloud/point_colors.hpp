@@ -1,6 +1,6 @@
 #pragma once
-// In: points of surfaces and the images that may show them. Out: a colour for each, mostly of the images that
-// see it best: sharp ones, from near, from the front.
+// In: surface points and images. Out: a colour for each point, dominated by the images that see it best:
+// sharp, close and frontal.
 
 #include <span>
 
@@ -11,7 +11,7 @@
 
 namespace kinloop {
 
-/// Grey for a point that no image sees. The result does not depend on `threads`.
+/// Returns grey for a point that no image sees. The result does not depend on `threads`.
 std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
                               std::span<const Eigen::Vector3f> normals, const ImageStore& images,
                               std::span<const PosedImage> views, const PinholeCamera& camera, int threads,

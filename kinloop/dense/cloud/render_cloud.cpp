@@ -16,15 +16,15 @@
 namespace kinloop {
 namespace {
 
-constexpr int kSupersampling = 2;         ///< drawn larger, then averaged: smooth edges
-constexpr double kOutlierShare = 0.002;   ///< of the points at either end may lie outside the picture
-constexpr double kMarginShare = 0.02;     ///< of the width, left free on each side
-constexpr double kMostHeightShare = 1.2;  ///< a picture no taller than this times its width
+constexpr int kSupersampling = 2;         ///< drawn larger, then averaged, for smooth edges
+constexpr double kOutlierShare = 0.002;   ///< of the points may lie outside the picture at either end
+constexpr double kMarginShare = 0.02;     ///< of the width, left empty on each side
+constexpr double kMostHeightShare = 1.2;  ///< maximum height of the picture relative to its width
 
-/// The cloud in the axes of the picture: x right, y down, z away from the eye, metres.
+/// The cloud in picture axes: x right, y down, z away from the viewer, metres.
 using ViewPoints = std::vector<Eigen::Vector3f>;
 
-/// Indices of the points that are not cut off.
+/// Indices of the points below the cut.
 std::vector<size_t> points_below(const ColoredCloud& cloud, const CloudView& view) {
   const Eigen::Vector3f up = view.up.normalized().cast<float>();
   std::vector<size_t> kept;
@@ -34,7 +34,7 @@ std::vector<size_t> points_below(const ColoredCloud& cloud, const CloudView& vie
   return kept;
 }
 
-/// Rows: right, away and up, where `right` is the horizontal direction in which the points extend most.
+/// Rows: right, away and up, where `right` is the horizontal direction of largest extent.
 Eigen::Matrix3d level_axes(const ColoredCloud& cloud, const std::vector<size_t>& kept,
                            const CloudView& view) {
   const Eigen::Vector3d up = view.up.normalized();
@@ -52,7 +52,7 @@ Eigen::Matrix3d level_axes(const ColoredCloud& cloud, const std::vector<size_t>&
   right = (right - up * up.dot(right)).normalized();
   Eigen::Vector3d away = up.cross(right);
 
-  // High things belong to the back, where they hide nothing.
+  // Tall objects go to the back, where they occlude nothing.
   double lean = 0;
   for (const size_t i : kept) {
     const Eigen::Vector3d d = cloud.points[i].cast<double>() - mean;
@@ -80,7 +80,7 @@ ViewPoints to_view(const ColoredCloud& cloud, const std::vector<size_t>& kept, c
   return points;
 }
 
-/// Where nearly all values of one axis lie.
+/// Range of nearly all values of one axis.
 std::pair<double, double> inlier_range(const ViewPoints& points, int axis) {
   std::vector<float> values;
   for (const auto& p : points) values.push_back(p[axis]);
@@ -89,10 +89,10 @@ std::pair<double, double> inlier_range(const ViewPoints& points, int axis) {
 
 struct Canvas {
   cv::Mat color;    // 8UC3, BGR
-  cv::Mat depth_m;  // 32FC1, away from the eye; infinity = nothing there
+  cv::Mat depth_m;  // 32FC1, distance from the viewer; infinity = empty
 };
 
-/// Draws every point as a square of `point_m`, near before far.
+/// Draws every point as a square of size `point_m` with a z-buffer.
 Canvas splat(const ColoredCloud& cloud, const std::vector<size_t>& kept, const ViewPoints& points,
              const CloudView& view) {
   const auto [left, right] = inlier_range(points, 0);
@@ -107,7 +107,7 @@ Canvas splat(const ColoredCloud& cloud, const std::vector<size_t>& kept, const V
 
   Canvas canvas{cv::Mat(height, width, CV_8UC3, cv::Scalar::all(0)),
                 cv::Mat(height, width, CV_32FC1, cv::Scalar(std::numeric_limits<float>::infinity()))};
-  // A little larger than the points are apart, so that surfaces are closed.
+  // Slightly larger than the spacing of the points, so that surfaces have no gaps.
   constexpr double kOverlap = 1.3;
   const int half = std::max(1, static_cast<int>(std::ceil(kOverlap * view.point_m * scale / 2)));
   for (size_t k = 0; k < points.size(); ++k) {
@@ -127,7 +127,8 @@ Canvas splat(const ColoredCloud& cloud, const std::vector<size_t>& kept, const V
   return canvas;
 }
 
-/// Darkens what lies behind its surroundings (Boucheny 2009, "eye-dome lighting"): shape without normals.
+/// Darkens pixels that lie behind their surroundings (Boucheny 2009, "eye-dome lighting"): shows shape
+/// without normals.
 void shade(Canvas& canvas) {
   constexpr int kReachPx = 3 * kSupersampling;
   constexpr float kStrengthPerM = 1.2F, kMostStepM = 0.5F;
@@ -149,7 +150,7 @@ void shade(Canvas& canvas) {
   }
 }
 
-/// The drawing at its final size, transparent where nothing was drawn.
+/// The drawing at its final size, transparent where empty.
 cv::Mat finish(const Canvas& canvas) {
   cv::Mat drawn = canvas.depth_m < std::numeric_limits<float>::infinity();
   cv::Mat color, alpha;
@@ -162,7 +163,8 @@ cv::Mat finish(const Canvas& canvas) {
     for (int col = 0; col < size.width; ++col) {
       const int a = alpha.at<uint8_t>(row, col);
       const auto& bgr = color.at<cv::Vec3b>(row, col);
-      // The average took in the black around the edges; the colour itself is that of the drawn part.
+      // The average includes black background pixels; divide by alpha to recover the colour of the drawn
+      // part.
       const auto whole = [&](int i) { return cv::saturate_cast<uint8_t>(a == 0 ? 0 : bgr[i] * kOpaque / a); };
       picture.at<cv::Vec4b>(row, col) = {whole(0), whole(1), whole(2), static_cast<uint8_t>(a)};
     }
@@ -174,7 +176,7 @@ cv::Mat finish(const Canvas& canvas) {
 
 cv::Mat render_cloud(const ColoredCloud& cloud, const CloudView& view) {
   require(view.up.norm() > 0 && view.width_px > 0 && view.point_m > 0,
-          "render_cloud: a view with up and size");
+          "render_cloud: the view needs an up direction and a size");
   const auto kept = points_below(cloud, view);
   if (kept.empty()) return {};
   Canvas canvas = splat(cloud, kept, to_view(cloud, kept, view), view);

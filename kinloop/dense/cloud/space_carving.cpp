@@ -9,13 +9,14 @@
 namespace kinloop {
 namespace {
 
-/// By how much more a view must have seen than where the point is: this many deviations of depth and voxels.
+/// A free-space violation requires a measured depth beyond the point by this many standard deviations and
+/// voxels.
 constexpr double kMarginSigmas = 4, kMarginVoxels = 2;
 
-/// Pixels around a point that must all have been seen through. Of so many along the border nothing is said.
+/// All pixels within this distance of a point must agree; pixels this close to the border are not judged.
 constexpr int kAroundPx = 2;
 
-/// Points that stand together, and a ball around them.
+/// Neighbouring points and their bounding sphere.
 struct Block {
   std::span<SurfacePoint> points;
   Eigen::Vector3d center;
@@ -37,17 +38,17 @@ std::vector<Block> blocks_of(std::span<SurfacePoint> points, double voxel_m) {
   return blocks;
 }
 
-/// Whether any of the block may show in the view.
+/// Returns whether any part of the block may be visible in the view.
 bool in_view(const Block& block, const FreeSpaceView& view, const PinholeCamera& camera) {
   const Eigen::Vector3d p = view.T_camera_world * block.center;
   if (p.z() < -block.radius_m) return false;
   if (p.z() < 2 * block.radius_m) return true;
-  // The edge of the ball that is nearest to the camera may show farther out, and so may what moves.
+  // The nearest side of the sphere may project farther out, and so may motion compensation.
   const double margin_px = 2 * block.radius_m * camera.fx / (p.z() - block.radius_m);
   return camera.contains(camera.project(p), -margin_px);
 }
 
-/// The nearest inverse depth around a pixel; 0 where it is not known.
+/// The largest inverse depth around a pixel; 0 if any is unknown.
 double nearest_around(const Eigen::Vector2d& pixel, const FreeSpaceView& view, const PinholeCamera& camera) {
   if (!camera.contains(pixel, kAroundPx)) return 0;
   const int cols = camera.width / kTilePx, rows = camera.height / kTilePx;
@@ -65,7 +66,7 @@ double nearest_around(const Eigen::Vector2d& pixel, const FreeSpaceView& view, c
   return nearest * kTileStep_per_m;
 }
 
-/// What a view says of a point.
+/// How a view relates to a point.
 enum class Visibility { kNotVisible, kConsistent, kFreeSpace };
 
 Visibility classify_visibility(const Eigen::Vector3f& p_world, const FreeSpaceView& view,

@@ -1,6 +1,6 @@
 #pragma once
-// In: points of surfaces, and views. Out: how many of the views looked at the place of each point, and how
-// many saw through it: a passer-by that is gone, flying pixels at the edge of things.
+// In: surface points and views. Out: for each point, how many views could see its place and how many of them
+// measured free space there. Such points are people who passed by or flying pixels at depth edges.
 
 #include <span>
 
@@ -8,15 +8,15 @@
 
 namespace kinloop {
 
-/// What a view saw through.
+/// The free space that a view observed.
 struct FreeSpaceView {
   SE3 T_camera_world;
   Vector6d velocity = Vector6d::Zero();
   std::vector<uint16_t> nearest;  ///< see ImageSurfels
 };
 
-/// Counts for every point the views that looked at its place, nothing before it and depth known or not, and
-/// of these the ones that saw through it. The points of a block must stand together.
+/// Counts for every point the views with its place in sight (unoccluded, whether depth is known or not) and,
+/// among them, free-space violations. The points of a block must be adjacent.
 void count_free_space_violations(std::span<SurfacePoint> points, std::span<const FreeSpaceView> views,
                                  const DenseCamera& camera, double voxel_m, int threads);
 

@@ -1,6 +1,5 @@
 #pragma once
-// In: the surfels of images and the pose of each. Out: the normals of what they saw, by which one can tell
-// which way is up.
+// In: the surfels of images and the pose of each. Out: surface normals, for estimating the up direction.
 
 #include <span>
 #include <vector>
@@ -9,8 +8,8 @@
 
 namespace kinloop {
 
-/// One unit normal, towards the cameras, per voxel of surface of some 5 cm; edges, where normals differ, are
-/// left out. At most a few dozen of the views are looked at, spread evenly.
+/// Returns one unit normal, towards the cameras, per surface voxel of about 5 cm; edges, where normals
+/// disagree, are left out. Uses at most a few dozen views, evenly spread.
 std::vector<Eigen::Vector3f> surface_normals(const SurfelLoader& load_surfels,
                                              std::span<const PosedImage> views, const DenseCamera& camera);
 

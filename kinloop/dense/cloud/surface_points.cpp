@@ -10,18 +10,18 @@
 namespace kinloop {
 namespace {
 
-/// Noise spreads a surface over this many of its standard deviations, either way.
+/// Noise spreads a surface over this many standard deviations in either direction.
 constexpr float kSpreadSigmas = 2;
 
-/// A voxel that is this much less sure than another of its surface is nothing but noise.
+/// A voxel whose weight is below this share of another's on the same surface is only noise.
 constexpr float kSureShare = 0.5F;
 
-/// The key of the voxel that a point lies in.
+/// Key of the voxel that contains the point.
 VoxelKey key_at(const Eigen::Vector3d& p_voxels) {
   return voxel_key(Eigen::Vector3d(p_voxels.array().floor()));
 }
 
-/// The voxels along a surface's normal that noise may have spread it over.
+/// The voxels along a surface normal over which noise may have spread the surface.
 class Column {
  public:
   void add(const Voxel& voxel) {
@@ -29,7 +29,7 @@ class Column {
     sum_ += weight * voxel_of(voxel.key).cast<double>() + voxel.offset_sum.cast<double>();
     weight_ += weight;
     surest_ = std::max(surest_, voxel.weight);
-    // Two voxels that saw one image each were seen by two, if it was not the same one.
+    // Two voxels with one view each have two views in total unless the view is the same.
     const bool another = views_ > 0 && voxel.last_view != last_view_;
     views_ = std::max<int>({views_, voxel.views, another ? 2 : 1});
     last_view_ = voxel.last_view;
@@ -66,7 +66,7 @@ Column column_through(const Voxel& voxel, const VoxelShards& grids, double voxel
   return column;
 }
 
-/// The point that a voxel stands for; nothing where it is noise.
+/// Returns the surface point of a voxel; nullopt if the voxel is noise.
 std::optional<SurfacePoint> point_of(const Voxel& voxel, const VoxelShards& grids,
                                      const DenseOptions& options) {
   const Column column = column_through(voxel, grids, options.voxel_m);
@@ -83,7 +83,7 @@ std::optional<SurfacePoint> point_of(const Voxel& voxel, const VoxelShards& grid
   return point;
 }
 
-/// By blocks, then voxels; of one voxel those that enough images saw first, then the surest.
+/// Orders by block, then voxel; within a voxel, points with enough observations first, then by weight.
 bool precedes(const SurfacePoint& a, const SurfacePoint& b, int enough) {
   return std::tuple(block_of(a.key), a.key, a.views < enough, -a.weight, a.origin) <
          std::tuple(block_of(b.key), b.key, b.views < enough, -b.weight, b.origin);
@@ -102,7 +102,7 @@ std::vector<SurfacePoint> surface_points(VoxelShards grids, const Slab& slab, co
       }
     }
   });
-  grids = {};  // their memory is needed for what follows
+  grids = {};  // frees memory for the next step
   std::vector<SurfacePoint> points;
   for (auto& part : parts) {
     points.insert(points.end(), part.begin(), part.end());

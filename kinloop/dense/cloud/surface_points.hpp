@@ -1,6 +1,6 @@
 #pragma once
-// In: what all images said about the voxels of one region. Out: one point per voxel of surface. Noise spreads
-// a surface over several voxels in depth; they are drawn together to its mean.
+// In: the fused samples of all images in one region. Out: one point per surface voxel. Noise spreads a
+// surface over several voxels in depth; they are merged into their mean.
 
 #include <array>
 #include <vector>
@@ -10,59 +10,59 @@
 
 namespace kinloop {
 
-/// Space is binned out to this many grids by the voxels' scattered keys. Each grid takes the images in their
-/// order whichever thread fills it, so that nothing depends on threads.
+/// Voxels are distributed over this many grids by their hash. Each grid takes the images in order, whichever
+/// thread fills it, so the result does not depend on threads.
 constexpr int kShardBits = 4;
 constexpr size_t kShards = 1 << kShardBits;
 using VoxelShards = std::array<VoxelGrid, kShards>;
 
-/// The grid that a voxel belongs to.
+/// The grid of a voxel.
 constexpr size_t shard_of(VoxelKey key) {
   constexpr int kKeyBits = 64;
   return hash_key(key) >> (kKeyBits - kShardBits);
 }
 
-/// How far a surface may be spread by noise at most, voxels either way.
+/// Maximum spread of a surface by noise, voxels in either direction.
 constexpr int kMaxSpreadVoxels = 8;
 
-/// How far from a slab voxels have a say in its points: one may come from kMaxSpreadVoxels away, and be the
-/// mean of what is as far away again.
+/// Margin around a slab whose voxels affect its points: a point may be kMaxSpreadVoxels away from its voxel
+/// and be the mean of voxels as far away again.
 constexpr int kHaloSlices = 2 * (kMaxSpreadVoxels + 1);
 
-/// Slices of voxels of one z: from `begin` to before `end`.
+/// Voxel slices along z, from `begin` to `end` (exclusive).
 struct Slab {
   int begin = 0, end = 0;
 
-  /// Whether a voxel lies in it, or at most `margin` slices beside.
+  /// Returns whether the voxel lies in the slab or at most `margin` slices outside.
   [[nodiscard]] bool contains(VoxelKey key, int margin = 0) const {
     const int z = voxel_of(key).z();
     return z >= begin - margin && z < end + margin;
   }
 };
 
-/// A point of the cloud to be.
+/// A candidate point of the cloud.
 struct SurfacePoint {
-  VoxelKey key = 0;  ///< of the voxel it lies in
+  VoxelKey key = 0;  ///< voxel that contains it
   Eigen::Vector3f p_world;
   Eigen::Vector3f normal;  ///< unit, towards the cameras
   Rgb color{};
-  int views = 0;                  ///< images that saw it
-  int unoccluded_views = 0;       ///< images that could see its place, occupied or not
-  int free_space_violations = 0;  ///< images that saw through it
-  float weight = 0;               ///< how sure the voxel was that it comes from, 1/m^2
-  VoxelKey origin = 0;            ///< that voxel
+  int views = 0;                  ///< images that observed it
+  int unoccluded_views = 0;       ///< images in which its place is in the field of view and not occluded
+  int free_space_violations = 0;  ///< images that measured free space there
+  float weight = 0;               ///< weight of its source voxel, 1/m^2
+  VoxelKey origin = 0;            ///< source voxel
 };
 
-/// The points of the surfaces in `slab`, one per voxel, in an order that depends on the voxels alone: those
-/// of a block (see block_of) stand together. Of one voxel a point that `options.min_observations` images saw
+/// Returns the surface points in `slab`, one per voxel, in an order that depends on the voxels alone; those
+/// of a block (see block_of) are adjacent. Within a voxel, a point that `options.min_observations` images saw
 /// is preferred. The grids must hold kHaloSlices more on either side.
 std::vector<SurfacePoint> surface_points(VoxelShards grids, const Slab& slab, const DenseOptions& options,
                                          int threads);
 
-/// Voxels along the edge of a block.
+/// Edge length of a block as a power of two, in voxels.
 constexpr int kBlockBits = 4;
 
-/// The block of voxels that a voxel lies in, in the order of keys.
+/// Key of the block that contains a voxel.
 constexpr VoxelKey block_of(VoxelKey key) {
   constexpr VoxelKey kAxis = ((VoxelKey{1} << kVoxelAxisBits) - 1) >> kBlockBits << kBlockBits;
   return key & (kAxis | kAxis << kVoxelAxisBits | kAxis << (2 * kVoxelAxisBits));

@@ -10,13 +10,13 @@ namespace {
 constexpr size_t kFirstTable = 1024;
 constexpr float kColorSteps = 256;
 
-/// Makes room for one more; a quarter more at a time, since memory counts for more here than copying.
+/// Reserves one more element, growing by a quarter: memory matters more here than copying.
 void reserve_one(std::vector<Voxel>& voxels) {
   if (voxels.size() == voxels.capacity()) voxels.reserve(kFirstTable + voxels.size() + voxels.size() / 4);
 }
 
 void mix_color(Voxel& voxel, const VoxelSample& sample) {
-  // A colour seen with no weight at all is better than none.
+  // A colour with zero weight is better than none.
   const float weight = std::max(sample.color_weight * sample.pixels, std::numeric_limits<float>::min());
   voxel.color_weight += weight;
   const float share = weight / voxel.color_weight;
@@ -56,7 +56,7 @@ void VoxelGrid::erase_from(VoxelKey key) {
 }
 
 Voxel& VoxelGrid::find_or_insert(VoxelKey key) {
-  // At most two thirds full, so that probing stays short.
+  // At most two thirds full, to keep probing short.
   if (3 * (voxels_.size() + 1) > 2 * table_.size()) rebuild_table(std::max(kFirstTable, 2 * table_.size()));
   const size_t slot = slot_of(key);
   if (table_[slot] != 0) return voxels_[table_[slot] - 1];
@@ -66,9 +66,9 @@ Voxel& VoxelGrid::find_or_insert(VoxelKey key) {
   return voxels_.back();
 }
 
-/// Where the voxel is, or would be put.
+/// Slot of the voxel, or the free slot where it would be inserted.
 size_t VoxelGrid::slot_of(VoxelKey key) const {
-  constexpr int kLowBits = 28;  // the lowest bits are scattered least, the highest chose the grid
+  constexpr int kLowBits = 28;  // the lowest bits are hashed least, the highest select the grid
   const size_t mask = table_.size() - 1;
   size_t slot = (hash_key(key) >> kLowBits) & mask;
   while (table_[slot] != 0 && voxels_[table_[slot] - 1].key != key) slot = (slot + 1) & mask;

@@ -1,5 +1,5 @@
 #pragma once
-// In: samples of voxels, image after image. Out: what all images together say about each voxel.
+// In: voxel samples of successive images. Out: their fusion per voxel.
 
 #include <array>
 #include <cstdint>
@@ -9,32 +9,32 @@
 
 namespace kinloop {
 
-/// What all images said about one voxel. Sums are weighted by how sure depth is there.
+/// Fused samples of one voxel. Sums are weighted by the information of depth.
 struct Voxel {
   VoxelKey key = 0;
   float weight = 0;                                      ///< 1/m^2
-  float pixels = 0;                                      ///< all that fell into it
-  Eigen::Vector3f offset_sum = Eigen::Vector3f::Zero();  ///< from the voxel's corner, voxels
+  float pixels = 0;                                      ///< total pixels of its samples
+  Eigen::Vector3f offset_sum = Eigen::Vector3f::Zero();  ///< from the voxel's corner, in voxels
   Eigen::Vector3f normal_sum = Eigen::Vector3f::Zero();
   float color_weight = 0;
-  std::array<uint16_t, 3> color{};  ///< weighted mean, 1/256 of a intensity
-  uint16_t views = 0;               ///< images that saw it; stays at the most it can hold
-  uint16_t last_view = 0;           ///< low bits of the latest one's number
+  std::array<uint16_t, 3> color{};  ///< weighted mean, in 1/256 of an intensity
+  uint16_t views = 0;               ///< images that saw it; saturates
+  uint16_t last_view = 0;           ///< low bits of the number of the latest image
 };
 
-/// Voxels found by key: a table of indices with linear probing over a plain list.
+/// Hash map from voxel key to voxel: linear probing over indices into a plain vector.
 class VoxelGrid {
  public:
-  /// Adds a sample of image number `view`; images come one after the other, each with a number of its own.
+  /// Adds a sample of image number `view`; the samples of an image must be added consecutively.
   void add(const VoxelSample& sample, uint32_t view);
 
-  /// The voxel, or null where nothing was seen.
+  /// Returns the voxel, or null if it has no sample.
   [[nodiscard]] const Voxel* find(VoxelKey key) const;
 
-  /// The voxels in the order in which they were first seen.
+  /// The voxels in order of first insertion.
   [[nodiscard]] const std::vector<Voxel>& voxels() const { return voxels_; }
 
-  /// Forgets all voxels from `key` on.
+  /// Removes all voxels with keys from `key` on.
   void erase_from(VoxelKey key);
 
  private:

@@ -9,7 +9,7 @@
 namespace kinloop {
 namespace {
 
-/// The ray between four pixels.
+/// Bilinear interpolation of the ray.
 Eigen::Vector2f ray_at(const RayTable& rays, const Surfel& point) {
   constexpr float kStep = 1.0F / kPixelSteps;
   const int col = std::min(point.col / kPixelSteps, rays.width - 2);
@@ -24,7 +24,7 @@ Eigen::Vector2f ray_at(const RayTable& rays, const Surfel& point) {
 }
 
 /// Normal, towards the camera, of the plane whose inverse depth changes by `slope` (relative to itself) along
-/// the ray: n p = d with p = z (x, y, 1) makes 1 / z = n (x, y, 1) / d.
+/// the ray: n p = d with p = z (x, y, 1) gives 1 / z = n (x, y, 1) / d.
 Eigen::Vector3f normal_of(const Eigen::Vector2f& ray, const Eigen::Vector2f& slope) {
   return -Eigen::Vector3f(slope.x(), slope.y(), 1 - slope.dot(ray)).normalized();
 }
@@ -42,7 +42,7 @@ Rgb apply_gain(const Rgb& color, const Eigen::Vector3f& gain) {
   return {channel(0), channel(1), channel(2)};
 }
 
-/// What is clipped has lost its colour: it counts only where no view does better.
+/// Clipped intensities have lost their colour; they count only if no view is better.
 float exposure_weight(const Rgb& color) {
   constexpr float kLost = 1e-3F;
   return *std::max_element(color.begin(), color.end()) < kSaturatedIntensity ? 1 : kLost;
@@ -74,11 +74,11 @@ std::vector<VoxelSample> voxel_samples(const ImageSurfels& surfels, const PosedI
                                        const DenseCamera& camera, const RayTable& rays, double voxel_m) {
   require(rays.width == camera.color.width && rays.height == camera.color.height && rays.width > 1 &&
               rays.height > 1,
-          "voxel_samples: rays of the camera");
+          "voxel_samples: the rays do not match the camera");
   const Eigen::Matrix3d R = view.T_world_camera.R();
   const Eigen::Matrix3f R_float = R.cast<float>();
   constexpr auto kEnd = static_cast<double>(kVoxelOrigin - 1);
-  // Sharpness is the energy of edges, which grows with the square of the exposure.
+  // Sharpness is edge energy, which grows with the square of the exposure.
   const float gain = view.color_gain.mean();
   const float sharpness = surfels.sharpness * gain * gain;
 
@@ -105,7 +105,7 @@ std::vector<VoxelSample> voxel_samples(const ImageSurfels& surfels, const PosedI
     sample.normal = R_float * normal;
     sample.pixels = point.pixels;
     sample.variance_m2 = static_cast<float>(sigma_m * sigma_m);
-    // Pixels per square metre of surface, and the fourth power: the best few images make the colour.
+    // Pixels per square metre of surface. The fourth power makes the best few images dominate.
     sample.color_weight =
         exposure_weight(point.color) *
         fourth_power(sharpness * frontal * static_cast<float>(inverse_depth * inverse_depth));

@@ -1,5 +1,5 @@
 #pragma once
-// In: the surfels of one image and its pose. Out: what it says about the voxels that it sees.
+// In: the surfels of one image and its pose. Out: one sample per surfel with its voxel.
 
 #include <array>
 #include <cstdint>
@@ -12,44 +12,44 @@
 
 namespace kinloop {
 
-/// Which voxel a point lies in: 21 bits an axis, z highest, counted from kVoxelOrigin below the origin.
+/// Voxel coordinates packed as 21 bits per axis, z highest, offset by kVoxelOrigin.
 using VoxelKey = uint64_t;
 constexpr int kVoxelAxisBits = 21;
 constexpr int64_t kVoxelOrigin = int64_t{1} << (kVoxelAxisBits - 1);
 
-/// The key of the voxel at whole voxel coordinates, each from -kVoxelOrigin to kVoxelOrigin - 1.
+/// Returns the key of integer voxel coordinates, each from -kVoxelOrigin to kVoxelOrigin - 1.
 constexpr VoxelKey voxel_key(int64_t x, int64_t y, int64_t z) {
   const auto part = [](int64_t v) { return static_cast<VoxelKey>(v + kVoxelOrigin); };
   return part(z) << (2 * kVoxelAxisBits) | part(y) << kVoxelAxisBits | part(x);
 }
 
-/// The same of the corner of a voxel, whose coordinates are whole.
+/// Same for the corner of a voxel, given as integer-valued doubles.
 inline VoxelKey voxel_key(const Eigen::Vector3d& corner) {
   return voxel_key(static_cast<int64_t>(corner.x()), static_cast<int64_t>(corner.y()),
                    static_cast<int64_t>(corner.z()));
 }
 
-/// The voxel coordinates of a key.
+/// Returns the voxel coordinates of a key.
 Eigen::Vector3i voxel_of(VoxelKey key);
 
-/// Scatters keys evenly over 64 bits; the highest bits are scattered best.
+/// Hashes keys evenly over 64 bits; the highest bits are mixed best.
 constexpr uint64_t hash_key(VoxelKey key) {
   constexpr uint64_t kGolden = 0x9e3779b97f4a7c15ULL;  // 2^64 / golden ratio (Knuth, TAOCP 6.4)
   return (key ^ key >> 29) * kGolden;
 }
 
-/// A surfel in the world.
+/// A surfel in the world frame.
 struct VoxelSample {
   VoxelKey key = 0;
-  Eigen::Vector3f offset;  ///< of the point from the voxel's corner, voxels
+  Eigen::Vector3f offset;  ///< from the voxel's corner, in voxels
   Eigen::Vector3f normal;  ///< towards the camera
   float pixels = 0;        ///< of the surfel
-  float variance_m2 = 0;   ///< of one pixel along the ray
-  float color_weight = 0;  ///< how well the colour shows: sharp, near, from the front
+  float variance_m2 = 0;   ///< of one pixel's depth, along the ray
+  float color_weight = 0;  ///< quality of the colour: sharp, close, frontal
   Rgb color{};
 };
 
-/// For every pixel of the raw (distorted) image the direction in which it looks, as (x / z, y / z).
+/// Viewing ray (x / z, y / z) of every pixel of the raw (distorted) image.
 struct RayTable {
   int width = 0, height = 0;  // px
   double focal_px = 0;
@@ -58,8 +58,8 @@ struct RayTable {
 
 RayTable ray_table(const PinholeCamera& camera);
 
-/// The points of `surfels`, taken by `camera` as `view` says, where the camera would have seen them at the
-/// stamp. `rays` are those of `camera.color`.
+/// Transforms `surfels` to the world frame, motion-compensated to the stamp of `view`. `rays` must be those
+/// of `camera.color`.
 std::vector<VoxelSample> voxel_samples(const ImageSurfels& surfels, const PosedImage& view,
                                        const DenseCamera& camera, const RayTable& rays, double voxel_m);
 

@@ -7,7 +7,7 @@
 namespace kinloop {
 namespace {
 
-/// Sets that are joined, each known by its lowest member (Tarjan 1975, with path halving).
+/// Union-find; a set is represented by its lowest member (Tarjan 1975, with path halving).
 class DisjointSets {
  public:
   explicit DisjointSets(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }

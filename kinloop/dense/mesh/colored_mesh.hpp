@@ -1,5 +1,5 @@
 #pragma once
-// A mesh of coloured triangles: the surfaces of the dense map.
+// A coloured triangle mesh of the dense map.
 
 #include <array>
 #include <cstdint>
@@ -12,17 +12,17 @@ namespace kinloop {
 /// Corners of a triangle, counterclockwise as seen from the free side.
 using Triangle = std::array<uint32_t, 3>;
 
-/// Vertices in the world, metres, each with a colour; triangles by index of vertex.
+/// Vertices in the world frame, metres, with colours; triangles as vertex indices.
 struct ColoredMesh {
   std::vector<Eigen::Vector3f> points;
   std::vector<Rgb> colors;
   std::vector<Triangle> triangles;
 };
 
-/// Unit normal of every vertex, towards the free side: the mean of its triangles', weighted by area.
+/// Returns a unit normal per vertex, towards the free side: the area-weighted mean of its triangles' normals.
 std::vector<Eigen::Vector3f> vertex_normals(const ColoredMesh& mesh);
 
-/// The mesh without its pieces of fewer than `min_triangles` connected triangles.
+/// Removes connected components of fewer than `min_triangles` triangles.
 ColoredMesh remove_small_components(const ColoredMesh& mesh, size_t min_triangles);
 
 }  // namespace kinloop

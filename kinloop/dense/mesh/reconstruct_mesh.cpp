@@ -12,7 +12,7 @@
 namespace kinloop {
 namespace {
 
-/// Where each pixel of an ideal camera lies in the raw image, for cv::remap.
+/// Raw image position of each pixel of an ideal camera, for cv::remap.
 cv::Mat undistortion_of(const PinholeCamera& camera) {
   cv::Mat raw_pixels(camera.height, camera.width, CV_32FC2);
   for (int row = 0; row < camera.height; ++row) {
@@ -24,14 +24,14 @@ cv::Mat undistortion_of(const PinholeCamera& camera) {
   return raw_pixels;
 }
 
-/// Depth between two surfaces is the depth of neither: the nearest pixel is taken, not a mean.
+/// Interpolating depth between two surfaces would give a depth of neither, so use the nearest pixel.
 cv::Mat undistorted(const cv::Mat& image, const cv::Mat& raw_pixels) {
   cv::Mat result;
   cv::remap(image, result, raw_pixels, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT);
   return result;
 }
 
-/// Takes the deformation away from an undistorted depth image.
+/// Removes the depth deformation from an undistorted depth image.
 cv::Mat corrected_depth(cv::Mat depth_m, const DenseCamera& camera) {
   if (camera.inverse_depth_correction.isZero(0)) return depth_m;
   for (int row = 0; row < depth_m.rows; ++row) {
@@ -46,7 +46,7 @@ cv::Mat corrected_depth(cv::Mat depth_m, const DenseCamera& camera) {
   return depth_m;
 }
 
-/// Calls `use` with every view in order; they are decoded ahead by `threads` threads.
+/// Calls `use` with every view in order; `threads` threads decode ahead.
 void for_each_view(const ImageStore& images, std::span<const PosedImage> views, const DenseCamera& camera,
                    const MeshOptions& options, int threads,
                    const std::function<bool(size_t index, const TsdfView& view)>& use) {
@@ -76,7 +76,7 @@ ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImag
                              const DenseCamera& camera, const MeshOptions& options, int threads,
                              const Progress& progress) {
   TsdfVolume volume(camera, options);
-  // Twice over the images: what was seen for a moment is carved away by views before it, too.
+  // Two passes over the images, so that earlier views can also carve away what later ones saw only briefly.
   for_each_view(images, views, camera, options, threads, [&](size_t, const TsdfView& view) {
     volume.allocate_blocks(view);
     return true;

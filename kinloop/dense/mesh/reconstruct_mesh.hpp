@@ -1,5 +1,5 @@
 #pragma once
-// In: stored images, where each was taken, the camera. Out: one coloured mesh in the world.
+// In: stored images, their poses, the camera. Out: one coloured mesh in the world frame.
 
 #include <span>
 
@@ -10,8 +10,8 @@
 
 namespace kinloop {
 
-/// The surfaces that the views saw, what passed through and was gone left out. The result does not depend on
-/// `threads`. Throws UsageError where this build cannot make meshes.
+/// Returns the surfaces that the views saw, without moving objects. The result does not depend on `threads`.
+/// Throws UsageError if the build has no OpenVDB.
 ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImage> views,
                              const DenseCamera& camera, const MeshOptions& options, int threads,
                              const Progress& progress = {});

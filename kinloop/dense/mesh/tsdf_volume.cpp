@@ -1,4 +1,4 @@
-// The only place that includes OpenVDB: it is slow to compile.
+// The only file that includes OpenVDB, which is slow to compile.
 
 #include "kinloop/dense/mesh/tsdf_volume.hpp"
 
@@ -27,7 +27,7 @@ using openvdb::Coord;
 using openvdb::FloatTree;
 using Leaf = FloatTree::LeafNodeType;
 
-constexpr int kLeafVoxels = Leaf::DIM;  // along an edge
+constexpr int kLeafVoxels = Leaf::DIM;  // along an edge of a leaf
 
 Coord along(int axis, int steps = 1) {
   Coord c(0, 0, 0);
@@ -35,14 +35,14 @@ Coord along(int axis, int steps = 1) {
   return c;
 }
 
-/// The point between two voxel centres where the distance is zero.
+/// Position of the zero crossing between two voxel centres.
 double crossing(float a, float b) {
   return static_cast<double>(a) / (static_cast<double>(a) - static_cast<double>(b));
 }
 
 }  // namespace
 
-/// Distances and their weights, leaf by leaf the same shape.
+/// Distances and their weights, as two grids with identical leaves.
 struct TsdfVolume::Volume {
   struct Block {
     Leaf* distance;
@@ -59,7 +59,7 @@ struct TsdfVolume::Volume {
 
   FloatTree distance;
   FloatTree weight;
-  std::vector<Block> blocks;  // in the order in which they were first seen
+  std::vector<Block> blocks;  // in order of first allocation
 };
 
 namespace {
@@ -87,7 +87,7 @@ class BlockUpdate {
     return T_camera_world_ * (Eigen::Vector3d(voxel.x(), voxel.y(), voxel.z()) * options_.voxel_m);
   }
 
-  /// Whether the block may show in the image, nearer than the farthest depth used.
+  /// Returns whether the block may be visible, within the depth limit.
   [[nodiscard]] bool in_view(const Coord& origin) const {
     const double radius_m = std::sqrt(3.0) / 2 * kLeafVoxels * options_.voxel_m;
     const Eigen::Vector3d center = in_camera(origin) + kLeafVoxels / 2.0 * (step_[0] + step_[1] + step_[2]);
@@ -108,11 +108,11 @@ class BlockUpdate {
     if (!(depth_m > 0)) return;
     const double truncation_m = options_.truncation_voxels * options_.voxel_m;
     const double ahead_m = depth_m - p_camera.z();
-    if (ahead_m < -truncation_m) return;  // behind the surface nothing is known
-    // A pixel at the edge of something says where there is nothing, not where there is something; and it may
-    // be of a flying pixel's making.
+    if (ahead_m < -truncation_m) return;  // unknown behind the surface
+    // A pixel at a depth edge may be a flying pixel: use it for free space only, not for a surface.
     if (ahead_m < truncation_m && view_.usable.at<uint8_t>(row, col) == 0) return;
-    // By the noise of depth here: that there is nothing far in front of a wall is as sure as the wall is far.
+    // Weight by the noise of depth here: free space far in front of a wall is as uncertain as the wall's
+    // distance.
     const double sigma_ratio = DepthNoise().sigma_m(1.0) / DepthNoise().sigma_m(p_camera.z());
     const auto w = static_cast<float>(sigma_ratio * sigma_ratio);
     float* values = distance.buffer().data();
@@ -126,11 +126,12 @@ class BlockUpdate {
   const DenseCamera& camera_;
   const MeshOptions& options_;
   SE3 T_camera_world_;
-  std::array<Eigen::Vector3d, 3> step_;  // of one voxel, in the camera's frame
+  std::array<Eigen::Vector3d, 3> step_;  // one voxel along each axis, in the camera frame
 };
 
-/// Surface nets (Gibson 1998): a vertex in every cell of eight voxels that a surface passes, at the mean of
-/// where it cuts the cell's edges, and two triangles across every edge between voxels that it cuts.
+/// Surface nets (Gibson 1998): one vertex in every cell of eight voxels that the surface crosses, at the mean
+/// of its intersections with the cell's edges, and two triangles across every intersected edge between
+/// voxels.
 class SurfaceNets {
  public:
   SurfaceNets(const FloatTree& distance, const FloatTree& weight, const MeshOptions& options)
@@ -194,7 +195,7 @@ class SurfaceNets {
     }
   }
 
-  /// Across the edge from `voxel` along `axis`, between the four cells around it.
+  /// Adds the quad of the four cells around the edge from `voxel` along `axis`.
   void add_quad(const Coord& voxel, int axis, bool solid_first) {
     const Coord u = along((axis + 1) % 3, -1), v = along((axis + 2) % 3, -1);
     std::array<uint32_t, 4> corners{};
@@ -231,7 +232,8 @@ TsdfVolume::TsdfVolume(const DenseCamera& camera, const MeshOptions& options)
 TsdfVolume::~TsdfVolume() = default;
 
 void TsdfVolume::allocate_blocks(const TsdfView& view) {
-  // Blocks are touched along the rays of every few pixels: closer than a block's edge, as far as depth goes.
+  // Allocates blocks along the rays of every few pixels, which at the maximum depth are closer than a block's
+  // edge.
   constexpr int kStridePx = 4;
   const double reach_m = options_.truncation_voxels * options_.voxel_m;
   const double step_m = kLeafVoxels * options_.voxel_m / 2;
@@ -283,7 +285,7 @@ bool tsdf_available() {
 
 TsdfVolume::TsdfVolume(const DenseCamera& camera, const MeshOptions& options)
     : camera_(camera), options_(options) {
-  throw UsageError("meshes: this build has no OpenVDB; install libopenvdb-dev and build kinloop again");
+  throw UsageError("meshes: this build has no OpenVDB; install libopenvdb-dev and rebuild kinloop");
 }
 
 TsdfVolume::~TsdfVolume() = default;

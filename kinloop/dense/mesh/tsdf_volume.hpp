@@ -1,7 +1,6 @@
 #pragma once
-// In: posed depth images. Out: the surfaces between what they saw as free and what they saw as solid, as
-// triangles. A truncated signed distance field (Curless and Levoy 1996) in a sparse OpenVDB volume, where
-// OpenVDB was there when the library was built.
+// In: posed depth images. Out: a triangle mesh of the observed surfaces. A truncated signed distance field
+// (Curless and Levoy 1996) in a sparse OpenVDB volume; OpenVDB is an optional dependency.
 
 #include <memory>
 
@@ -13,34 +12,33 @@
 
 namespace kinloop {
 
-/// Whether this build has OpenVDB.
+/// Returns whether this build has OpenVDB.
 bool tsdf_available();
 
-/// A depth image, undistorted, with what each pixel may be used for.
+/// An undistorted depth image and the use of its pixels.
 struct TsdfView {
   cv::Mat depth_m;  ///< 32FC1, of an ideal camera; 0 = unknown
-  cv::Mat usable;   ///< 8UC1: not at a depth edge, in range: may say where a surface is
+  cv::Mat usable;   ///< 8UC1: nonzero if in range and not at a depth edge, i.e. may define a surface
   SE3 T_world_camera;
   Vector6d velocity = Vector6d::Zero();  ///< see PosedImage
 };
 
 class TsdfVolume {
  public:
-  /// Throws UsageError where this build has no OpenVDB.
+  /// Throws UsageError if the build has no OpenVDB.
   TsdfVolume(const DenseCamera& camera, const MeshOptions& options);
   ~TsdfVolume();
   TsdfVolume(const TsdfVolume&) = delete;
   TsdfVolume& operator=(const TsdfVolume&) = delete;
 
-  /// Makes room for the surfaces that the view saw.
+  /// Allocates blocks for the surfaces that the view saw.
   void allocate_blocks(const TsdfView& view);
 
-  /// Adds what the view saw, where there is room: surfaces, and that there is nothing in front of them. With
-  /// room made for all views before, their order does not matter but for rounding. The result does not depend
-  /// on `threads`.
+  /// Integrates a view, surfaces and free space, into the allocated blocks. If the blocks of all views were
+  /// allocated before, the order of views matters only for rounding. The result does not depend on `threads`.
   void integrate(const TsdfView& view, int threads);
 
-  /// The surfaces as triangles, without colours.
+  /// Extracts the surfaces as triangles without colours.
   [[nodiscard]] ColoredMesh surface() const;
 
   [[nodiscard]] size_t bytes() const;

@@ -1,5 +1,5 @@
 #pragma once
-// Plain values as bytes, one after the other, and back.
+// Serialisation of plain values as consecutive bytes.
 
 #include <bit>
 #include <cstring>
@@ -19,7 +19,7 @@ void put_values(std::string& bytes, const T* values, size_t count) {
   bytes.append(reinterpret_cast<const char*>(values), count * sizeof(T));
 }
 
-/// Appends a list with its length.
+/// Appends a list preceded by its length.
 template <class T>
 void put_list(std::string& bytes, const std::vector<T>& values) {
   const uint64_t count = values.size();
@@ -27,7 +27,7 @@ void put_list(std::string& bytes, const std::vector<T>& values) {
   put_values(bytes, values.data(), values.size());
 }
 
-/// Takes values off the front; once bytes are missing, nothing but zeros.
+/// Reads values from the front; returns zeros once the bytes are exhausted.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : rest_(bytes) {}
@@ -56,7 +56,7 @@ class ByteReader {
     rest_.remove_prefix(count * sizeof(T));
   }
 
-  /// Whether everything was there and nothing is left.
+  /// Returns whether all values were present and none is left.
   [[nodiscard]] bool exhausted() const { return !truncated_ && rest_.empty(); }
 
  private:

@@ -19,7 +19,7 @@ uint32_t extend(uint32_t sum, uint64_t number) {
   return extend(sum, &number, sizeof number);
 }
 
-/// CRC-32 of all that a row says, its place included.
+/// CRC-32 over a row, including its table and id.
 int64_t checksum(const std::string& table, int64_t id, const Row& row) {
   uint32_t sum = extend(0, table.data(), table.size());
   sum = extend(sum, static_cast<uint64_t>(id));
@@ -39,7 +39,7 @@ int64_t checksum(const std::string& table, int64_t id, const Row& row) {
 }
 
 void bind(sqlite3_stmt* statement, int place, const Cell& cell) {
-  // The row outlives the step that reads what is bound: nothing need be copied.
+  // The row outlives the step that reads the bound values, so nothing is copied.
   if (const auto* integer = std::get_if<int64_t>(&cell)) {
     sqlite3_bind_int64(statement, place, *integer);
   } else if (const auto* real = std::get_if<double>(&cell)) {
@@ -71,7 +71,7 @@ Cell cell_of(sqlite3_stmt* statement, int column) {
   }
 }
 
-/// A path as SQLite's URIs want it.
+/// Formats a path as an SQLite URI.
 std::string uri_of(const std::filesystem::path& path) {
   std::string uri = "file:";
   for (const char c : path.string()) {
@@ -99,7 +99,7 @@ DatabaseWriter::DatabaseWriter(std::filesystem::path path, const DatabaseFormat&
   const int opened = sqlite3_open(temporary_.c_str(), &database);
   database_.reset(database);
   if (opened != SQLITE_OK) fail();
-  // What is cut off by a crash is a temporary file: no journal is needed.
+  // A crash only leaves a temporary file behind, so no journal is needed.
   execute("PRAGMA page_size=16384; PRAGMA journal_mode=OFF; PRAGMA locking_mode=EXCLUSIVE");
   execute(fmt::format("PRAGMA application_id={}; PRAGMA user_version={}", kind.application, kind.version));
   execute("BEGIN");
@@ -114,7 +114,7 @@ DatabaseWriter::~DatabaseWriter() {
 }
 
 void DatabaseWriter::create(const std::string& table, const std::vector<std::string>& columns) {
-  // Columns without a type keep every value as it is given.
+  // Columns without a type keep values as given.
   std::string names, places = "?";
   for (const std::string& column : columns) {
     names += ", " + column;
@@ -166,7 +166,7 @@ DatabaseReader::DatabaseReader(std::filesystem::path path, const DatabaseFormat&
       sqlite3_open_v2(uri_of(path_).c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
   database_.reset(database);
   if (opened != SQLITE_OK) throw InputError(fmt::format("{}: cannot be opened", path_.string()));
-  // With a writable schema SQLite reads a file that is shorter than its header says, as far as it goes.
+  // With a writable schema SQLite reads a file that is shorter than its header says, as far as possible.
   sqlite3_exec(database, "PRAGMA writable_schema=ON; PRAGMA cell_size_check=ON; PRAGMA trusted_schema=OFF",
                nullptr, nullptr, nullptr);
   if (pragma("application_id") != kind.application) {
@@ -190,7 +190,7 @@ TableDamage DatabaseReader::read(const std::string& table,
   int state = SQLITE_ROW;
   while ((state = sqlite3_step(statement.get())) == SQLITE_ROW) {
     const int64_t id = sqlite3_column_int64(statement.get(), 0);
-    // Damaged pages can lead in circles; ids then fall back.
+    // Damaged pages can form a cycle; ids then decrease.
     if (id <= last_id) return {damage.rows, true};
     last_id = id;
     Row row;

@@ -1,6 +1,6 @@
 #pragma once
-// Tables in one SQLite file that notices damage: every row carries a checksum, and a file that lost its end,
-// or whose bytes were altered, still gives the rows that are whole.
+// SQLite tables with damage detection: every row carries a checksum, and the intact rows of a truncated or
+// altered file can still be read.
 
 #include <cstdint>
 #include <filesystem>
@@ -16,18 +16,18 @@ struct sqlite3_stmt;
 
 namespace kinloop {
 
-/// Bytes that are not text.
+/// Binary data.
 struct Blob {
   std::string bytes;
 
   bool operator==(const Blob&) const = default;
 };
 
-/// One value of a row; numbers come back to the last bit, but must not be NaN.
+/// One value of a row. Numbers are stored exactly but must not be NaN.
 using Cell = std::variant<int64_t, double, std::string, Blob>;
 using Row = std::vector<Cell>;
 
-/// Takes the cells of a row one by one; once one is missing or of another kind, nothing but zeros.
+/// Reads the cells of a row one by one; returns zeros once one is missing or of another type.
 class RowReader {
  public:
   explicit RowReader(const Row& row) : row_(row) {}
@@ -40,7 +40,7 @@ class RowReader {
     return cell != nullptr ? *cell : T{};
   }
 
-  /// Whether every cell was there and none is left.
+  /// Returns whether every cell was present and none is left.
   [[nodiscard]] bool exhausted() const { return !type_mismatch_ && next_ == row_.size(); }
 
  private:
@@ -49,10 +49,10 @@ class RowReader {
   bool type_mismatch_ = false;
 };
 
-/// What a file says it is.
+/// Application id and version in a file's header.
 struct DatabaseFormat {
-  int32_t application = 0;  ///< four letters that tell this kind of file from others
-  int32_t version = 0;      ///< of its format
+  int32_t application = 0;  ///< four letters that identify this type of file
+  int32_t version = 0;      ///< format version
 };
 
 struct CloseDatabase {
@@ -63,22 +63,22 @@ struct FinalizeStatement {
 };
 using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 
-/// Writes a file beside `path` that takes its name only when it is complete.
+/// Writes a file beside `path` that is renamed once complete.
 class DatabaseWriter {
  public:
-  /// Throws InputError when the file cannot be made.
+  /// Throws InputError if the file cannot be created.
   DatabaseWriter(std::filesystem::path path, const DatabaseFormat& kind);
   ~DatabaseWriter();
   DatabaseWriter(const DatabaseWriter&) = delete;
   DatabaseWriter& operator=(const DatabaseWriter&) = delete;
 
-  /// Makes a table with these columns, beside an id and the checksum.
+  /// Creates a table with these columns, an id and the checksum.
   void create(const std::string& table, const std::vector<std::string>& columns);
 
-  /// Adds a row. The ids of a table must grow.
+  /// Adds a row. Ids must increase within a table.
   void insert(const std::string& table, int64_t id, const Row& row);
 
-  /// Brings everything to the disk and renames. Throws InputError when that fails.
+  /// Flushes everything to disk and renames. Throws InputError on failure.
   void commit();
 
  private:
@@ -92,22 +92,21 @@ class DatabaseWriter {
   bool committed_ = false;
 };
 
-/// What was not found whole.
+/// The damage found in a table.
 struct TableDamage {
-  size_t rows = 0;         ///< whose checksum is wrong, or which are not what they should be
-  bool truncated = false;  ///< the rest of the table cannot be reached
+  size_t rows = 0;         ///< rows with a wrong checksum or invalid content
+  bool truncated = false;  ///< the rest of the table is unreadable
 
   [[nodiscard]] bool any() const { return rows > 0 || truncated; }
 };
 
-/// Reads such a file; changes nothing, not even beside it.
+/// Reads such a file without modifying it or its folder.
 class DatabaseReader {
  public:
-  /// Throws InputError, which begins with the path, for what is no such file, or one of a newer version.
+  /// Throws InputError, beginning with the path, if the file is of another type or of a newer version.
   DatabaseReader(std::filesystem::path path, const DatabaseFormat& kind);
 
-  /// Gives the whole rows of a table in the order of their ids to `take`, which says whether a row is what it
-  /// should be.
+  /// Passes the intact rows of a table to `take` in order of id; `take` returns whether the row is valid.
   TableDamage read(const std::string& table,
                    const std::function<bool(int64_t id, const Row& row)>& take) const;
 

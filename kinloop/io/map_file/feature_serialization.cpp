@@ -5,7 +5,7 @@
 namespace kinloop {
 namespace {
 
-/// Every list that has an entry per keypoint; `visit` takes each.
+/// Visits every list with one entry per keypoint.
 template <class Self, class Visit>
 void for_each_list(Self& features, Visit&& visit) {
   visit(features.pixels);
@@ -19,7 +19,7 @@ void for_each_list(Self& features, Visit&& visit) {
   visit(features.sigmas_px);
 }
 
-/// A list that is not known may be empty.
+/// Optional lists may be empty.
 bool consistent(const Features& features) {
   bool same = features.level_count > 0 && features.scale_factor > 1;
   for_each_list(features,

@@ -1,5 +1,5 @@
 #pragma once
-// Keypoints as bytes and back, to the last bit.
+// Exact serialisation of keypoints.
 
 #include <optional>
 #include <string>
@@ -10,7 +10,7 @@ namespace kinloop {
 
 std::string serialize_features(const Features& features);
 
-/// Nothing where the bytes are not what `serialize_features` gave.
+/// Returns nullopt if `serialize_features` did not produce the bytes.
 std::optional<Features> deserialize_features(const std::string& bytes);
 
 }  // namespace kinloop

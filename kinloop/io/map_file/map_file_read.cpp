@@ -73,7 +73,7 @@ std::map<std::string, Cell> read_about(const DatabaseReader& file) {
   return about;
 }
 
-/// Options, sessions and sensor; whether all of them are whole.
+/// Reads options, sessions and sensor parameters; returns whether all are intact.
 bool read_settings(const DatabaseReader& file, SavedMap& map) {
   const auto sessions = file.read(tables::kSession, [&](int64_t, const Row& cells) {
     RowReader row(cells);
@@ -115,7 +115,7 @@ std::map<uint32_t, Keyframe> read_keyframes(const DatabaseReader& file) {
   return keyframes;
 }
 
-/// The new ids of keyframes that are there, by the ids they had.
+/// New ids of the keyframes that could be read, by their old ids.
 using Renumbered = std::unordered_map<uint32_t, uint32_t>;
 
 KeyframeId new_id(const Renumbered& ids, KeyframeId old) {
@@ -123,7 +123,7 @@ KeyframeId new_id(const Renumbered& ids, KeyframeId old) {
   return found == ids.end() ? KeyframeId{} : KeyframeId{found->second};
 }
 
-/// Without gaps; where the keyframe that began a component is lost, the next one begins it.
+/// Renumbers without gaps; if the first keyframe of a component is lost, the next one begins it.
 Renumbered take_keyframes(const std::map<uint32_t, Keyframe>& raw, MapData& map) {
   Renumbered ids;
   std::set<uint32_t> begun;
@@ -138,10 +138,10 @@ Renumbered take_keyframes(const std::map<uint32_t, Keyframe>& raw, MapData& map)
   return ids;
 }
 
-/// Keypoints that show a landmark.
+/// Keypoints assigned to a landmark.
 using Claims = std::set<Observation>;
 
-/// The landmark with those observations that stand; nothing where its anchor is lost.
+/// The landmark with its valid observations; nullopt if its anchor is lost.
 std::optional<Landmark> sound(Landmark landmark, const Renumbered& ids, const MapData& map, Claims& claims) {
   std::vector<Observation> kept;
   std::set<KeyframeId> observers;
@@ -219,7 +219,7 @@ std::vector<SavedFrame> read_frames(const DatabaseReader& file, const Renumbered
   return frames;
 }
 
-/// How many rows the file once had beyond `found`.
+/// Number of rows that the file once had beyond `found`.
 size_t missing(const std::map<std::string, Cell>& about, const char* table, size_t found) {
   const auto count = about.find(table);
   if (count == about.end() || !std::holds_alternative<int64_t>(count->second)) return 0;

@@ -150,7 +150,7 @@ void write_images(DatabaseWriter& file, size_t count, const ImageLoader& images)
 void write_map(const std::filesystem::path& path, const SavedMap& map, size_t image_count,
                const ImageLoader& images) {
   DatabaseWriter file(path, tables::kKind);
-  // What costs most to lose comes first: damage mostly takes the end of a file.
+  // The most valuable data comes first, since damage mostly affects the end of a file.
   write_about(file, map, image_count);
   write_settings(file, map);
   write_camera(file, map.camera);

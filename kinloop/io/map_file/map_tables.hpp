@@ -1,21 +1,21 @@
 #pragma once
-// The tables of a map file, as its writer makes and its reader expects them.
+// The tables of a map file, shared by writer and reader.
 
 #include "kinloop/io/map_file/checked_database.hpp"
 
 namespace kinloop::map_tables {
 
-constexpr DatabaseFormat kKind{0x4b4c4d50, 1};  ///< "KLMP"; the version grows when an older reader would fail
+constexpr DatabaseFormat kKind{0x4b4c4d50, 1};  ///< "KLMP"; increment the version if older readers would fail
 
 // Pose columns: p_world = R(q) * p + t.
-constexpr const char* kAbout = "about";         ///< key, value: counts of rows, by table, and the like
+constexpr const char* kAbout = "about";         ///< key, value: row counts per table, etc.
 constexpr const char* kSession = "session";     ///< input, first_frame
 constexpr const char* kOption = "option";       ///< key, value
 constexpr const char* kCamera = "camera";       ///< name, value
 constexpr const char* kSensor = "sensor";       ///< value, sigma, used
 constexpr const char* kKeyframe = "keyframe";   ///< frame, stamp, component, pose, features
 constexpr const char* kLoopEdge = "loop_edge";  ///< a, b, motion, information, inliers
-constexpr const char* kLandmark = "landmark";   ///< anchor, place in its frame, observations
+constexpr const char* kLandmark = "landmark";   ///< anchor, position in its frame, observations
 constexpr const char* kFrame = "frame";         ///< frame, stamp, status, reference, keyframe, repeat, pose
 constexpr const char* kImage = "image";         ///< frame, rows, cols, colour, depth
 

@@ -5,7 +5,7 @@
 namespace kinloop {
 
 std::optional<std::string> decompress_lzf(std::string_view compressed, size_t size) {
-  constexpr size_t kMostExpansion = 88;  // three bytes stand for at most 264: no memory is taken for a lie
+  constexpr size_t kMostExpansion = 88;  // three bytes encode at most 264; limits memory for a corrupt size
   if (size / kMostExpansion > compressed.size()) return std::nullopt;
   constexpr size_t kLiterals = 32, kLongMatch = 7, kShortestMatch = 2;
   std::string bytes;
@@ -14,14 +14,14 @@ std::optional<std::string> decompress_lzf(std::string_view compressed, size_t si
   const auto next = [&] { return at < compressed.size() ? static_cast<uint8_t>(compressed[at++]) : 0U; };
   while (at < compressed.size()) {
     const size_t control = next();
-    if (control < kLiterals) {  // that many bytes, and one, as they are
+    if (control < kLiterals) {  // control + 1 literal bytes
       const size_t count = control + 1;
       if (count > compressed.size() - at || count > size - bytes.size()) return std::nullopt;
       bytes.append(compressed.substr(at, count));
       at += count;
       continue;
     }
-    size_t length = control >> 5;  // bytes that were there before, and how far back
+    size_t length = control >> 5;  // back reference: length and distance
     if (length == kLongMatch) length += next();
     length += kShortestMatch;
     const size_t back = ((control & 31) << 8) + next() + 1;

@@ -1,5 +1,5 @@
 #pragma once
-// The compression of PCD files: LZF (Lehmann, liblzf).
+// LZF compression, as used by PCD files (Lehmann, liblzf).
 
 #include <optional>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace kinloop {
 
-/// What was compressed, `size` bytes; nothing where the bytes are no such stream.
+/// Decompresses to `size` bytes; nullopt if the data is invalid.
 std::optional<std::string> decompress_lzf(std::string_view compressed, size_t size);
 
 }  // namespace kinloop

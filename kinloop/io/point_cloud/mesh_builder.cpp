@@ -14,13 +14,13 @@ namespace {
 
 constexpr uint32_t kLeftOut = std::numeric_limits<uint32_t>::max();
 
-/// From here on a float resolves less than a millimetre: map projections, which count from the equator.
+/// From here on a float resolves less than a millimetre; typical of map projections.
 constexpr double kFarM = 1e4;
 
 }  // namespace
 
 void MeshBuilder::add(const Eigen::Vector3d& point, const Rgb& color) {
-  constexpr double kLargest = 1e30;  // squares of it are still floats
+  constexpr double kLargest = 1e30;  // its square still fits a float
   const bool usable = point.allFinite() && point.cwiseAbs().maxCoeff() < kLargest;
   index_of_.push_back(usable ? static_cast<uint32_t>(mesh_.points.size()) : kLeftOut);
   if (!usable) return;

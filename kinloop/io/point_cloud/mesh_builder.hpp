@@ -1,5 +1,5 @@
 #pragma once
-// In: points, colours and faces as a file lists them. Out: a mesh of what can be shown of them.
+// In: points, colours and faces as listed in a file. Out: a mesh of the valid ones.
 
 #include <filesystem>
 #include <optional>
@@ -12,25 +12,25 @@ class MeshBuilder {
  public:
   explicit MeshBuilder(bool colored) : colored_(colored) {}
 
-  /// The next point of the file; `color` is ignored where there are no colours.
+  /// Adds the next point of the file; `color` is ignored if the file has no colours.
   void add(const Eigen::Vector3d& point, const Rgb& color);
 
-  /// A polygon, by numbers of points; they may be points that are added later.
+  /// Adds a polygon of point indices, which may refer to points added later.
   void add_face(const std::vector<size_t>& corners);
 
-  /// What there is, without points that are not finite. Throws InputError where a face names a point that
-  /// there is not, or where no point is left.
+  /// Returns the mesh without non-finite points. Throws InputError if a face refers to a nonexistent point or
+  /// if no point is left.
   ColoredMesh finish(const std::filesystem::path& path);
 
  private:
   bool colored_;
   std::optional<Eigen::Vector3d> origin_;  // subtracted from all points
-  std::vector<uint32_t> index_of_;         // in the mesh, by number in the file
+  std::vector<uint32_t> index_of_;         // mesh index by number in the file
   std::vector<std::array<size_t, 3>> triangles_;
   ColoredMesh mesh_;
 };
 
-/// A colour channel of which `full` is the greatest value, as a byte.
+/// Converts a colour channel with maximum `full` to a byte.
 uint8_t to_color_byte(double value, double full);
 
 }  // namespace kinloop

@@ -9,9 +9,9 @@
 namespace kinloop {
 
 void write_pcd(const std::filesystem::path& path, const ColoredCloud& cloud, const FileFrame& frame) {
-  require(cloud.points.size() == cloud.colors.size(), "write_pcd: one colour per point");
+  require(cloud.points.size() == cloud.colors.size(), "write_pcd: expected one colour per point");
   const bool normals = !cloud.normals.empty();
-  require(!normals || cloud.normals.size() == cloud.size(), "write_pcd: a normal for each point");
+  require(!normals || cloud.normals.size() == cloud.size(), "write_pcd: expected one normal per point");
   std::string bytes = "# .PCD v0.7 - Point Cloud Data file format\n";
   for (const std::string& comment : format_frame_comments(frame)) bytes += "# " + comment + "\n";
   fmt::format_to(std::back_inserter(bytes),

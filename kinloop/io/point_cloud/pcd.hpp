@@ -1,5 +1,5 @@
 #pragma once
-// Coloured clouds as binary PCD files, which the Point Cloud Library reads.
+// Writer of coloured clouds as binary PCD files (Point Cloud Library).
 
 #include <filesystem>
 
@@ -8,8 +8,8 @@
 
 namespace kinloop {
 
-/// Writes the file atomically, in `frame`, which its comments tell; with normals where the cloud has them.
-/// Throws InputError when it cannot.
+/// Writes the file atomically in `frame`, which is noted in a comment, with normals if the cloud has them.
+/// Throws InputError on failure.
 void write_pcd(const std::filesystem::path& path, const ColoredCloud& cloud, const FileFrame& frame = {});
 
 }  // namespace kinloop

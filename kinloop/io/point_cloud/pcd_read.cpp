@@ -17,7 +17,7 @@
 namespace kinloop {
 namespace {
 
-/// One number of a point, or `count` of them.
+/// A field of a point: one number, or `count` of them.
 struct Field {
   std::string name;
   NumberType type = NumberType::kFloat;
@@ -45,7 +45,7 @@ struct Header {
 using Words = std::vector<std::string>;
 
 size_t count_of(const std::string& word, const std::filesystem::path& path) {
-  constexpr size_t kMost = 4'000'000'000;  // products of two still fit
+  constexpr size_t kMost = 4'000'000'000;  // the product of two still fits
   const auto count = parse_count(word);
   if (!count || *count > kMost) fail(path, fmt::format("'{}' in the header is not a count", word));
   return *count;
@@ -62,7 +62,7 @@ NumberType number_type(const std::string& type, const std::string& size, const s
   return found->second;
 }
 
-/// The lines of the header: comments, and the others by their keyword. DATA is the last: the body follows.
+/// The lines of the header: comments, and others by keyword. DATA comes last, then the body.
 struct Lines {
   std::map<std::string, Words> by_keyword;
   std::vector<std::string> comments;
@@ -73,7 +73,7 @@ Lines take_lines(std::string_view& content, const std::filesystem::path& path) {
   while (!lines.by_keyword.contains("DATA")) {
     const size_t end = content.find('\n');
     constexpr size_t kLongestLine = 1 << 16;
-    if (end > kLongestLine) {  // or there is no end
+    if (end > kLongestLine) {  // also if there is no line end
       fail(path, "not a PCD file, whose header ends with a line DATA");
     }
     std::string_view text = content.substr(0, end);
@@ -118,7 +118,7 @@ Header take_header(std::string_view& content, const std::filesystem::path& path)
   return header;
 }
 
-/// Where the numbers of one field are: those of point i at `first + i * step`.
+/// Layout of one field: its value for point i is at `first + i * step`.
 struct Column {
   const char* first = nullptr;
   size_t step = 0;
@@ -127,13 +127,13 @@ struct Column {
   [[nodiscard]] double at(size_t i) const { return number_at(first + i * step, type); }
 };
 
-/// The columns that are wanted; a colour is four bytes: blue, green, red and something else.
+/// The columns used; a colour is four bytes: blue, green, red and an unused one.
 struct Columns {
   std::array<Column, 3> place;
   std::optional<Column> color;
 };
 
-/// In a compressed body all numbers of the first field come first, else all of the first point.
+/// A compressed body is ordered by field, others by point.
 Columns columns_of(const Header& header, const char* bytes, const std::filesystem::path& path) {
   const bool by_field = header.data == "binary_compressed";
   const size_t point_bytes = header.point_bytes();
@@ -158,7 +158,7 @@ Columns columns_of(const Header& header, const char* bytes, const std::filesyste
   return columns;
 }
 
-/// The numbers of an ascii body as a binary one would hold them.
+/// Converts an ascii body to a binary one.
 std::string binary_from_text(std::string_view text, const Header& header, const std::filesystem::path& path) {
   std::string bytes;
   const auto put = [&bytes](auto value, size_t size) {

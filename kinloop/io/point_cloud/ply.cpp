@@ -42,10 +42,10 @@ std::string text_of(const KinloopHeader& header) {
 }
 
 [[noreturn]] void throw_bad(const std::filesystem::path& path, const char* what) {
-  throw InputError(fmt::format("{}: {}; give a map.ply that kinloop wrote", path.string(), what));
+  throw InputError(fmt::format("{}: {}; give a map.ply written by kinloop", path.string(), what));
 }
 
-/// Takes the first line off `text`.
+/// Removes and returns the first line of `text`.
 std::string take_line(std::string_view& text) {
   const size_t end = std::min(text.find('\n'), text.size());
   std::string line(text.substr(0, end));
@@ -57,7 +57,7 @@ std::string take_line(std::string_view& text) {
 KinloopHeader parse_header(std::string_view content, const std::filesystem::path& path) {
   constexpr std::string_view kComment = "comment ";
   constexpr const char* kWanted =
-      "not a binary PLY cloud with float x y z, perhaps nx ny nz, and uchar red green blue";
+      "not a binary PLY cloud with float x y z, optional nx ny nz, and uchar red green blue";
   KinloopHeader header;
   std::string_view rest = content;
   if (take_line(rest) != "ply" || take_line(rest) != "format binary_little_endian 1.0")
@@ -85,9 +85,10 @@ KinloopHeader parse_header(std::string_view content, const std::filesystem::path
 }  // namespace
 
 void write_ply(const std::filesystem::path& path, const ColoredCloud& cloud, const FileFrame& frame) {
-  require(cloud.points.size() == cloud.colors.size(), "write_ply: one colour per point");
+  require(cloud.points.size() == cloud.colors.size(), "write_ply: expected one colour per point");
   const KinloopHeader header{frame, cloud.size(), !cloud.normals.empty()};
-  require(!header.normals || cloud.normals.size() == cloud.size(), "write_ply: a normal for each point");
+  require(!header.normals || cloud.normals.size() == cloud.size(),
+          "write_ply: expected one normal per point");
   AtomicFile file(path);
   file.stream() << text_of(header);
   constexpr size_t kAtOnce = 4096;

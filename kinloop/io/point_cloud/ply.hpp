@@ -1,5 +1,5 @@
 #pragma once
-// Coloured clouds as binary little-endian PLY files, which MeshLab and CloudCompare open.
+// Coloured clouds as binary little-endian PLY files, readable by MeshLab and CloudCompare.
 
 #include <filesystem>
 
@@ -8,16 +8,16 @@
 
 namespace kinloop {
 
-/// Writes the file atomically, in `frame`, which its comments tell; with normals where the cloud has them.
-/// Throws InputError when it cannot.
+/// Writes the file atomically in `frame`, which is noted in a comment, with normals if the cloud has them.
+/// Throws InputError on failure.
 void write_ply(const std::filesystem::path& path, const ColoredCloud& cloud, const FileFrame& frame = {});
 
-/// Reads a file that `write_ply` wrote: float x, y, z, with or without nx, ny, nz, and uchar red, green,
-/// blue. The cloud is in the world again, whatever the frame of the file. Throws InputError naming the file
-/// and what is wrong with it.
+/// Reads a file written by `write_ply`: float x, y, z, optional nx, ny, nz, and uchar red, green, blue.
+/// Returns the cloud in the world frame, whatever the frame of the file. Throws InputError naming the file
+/// and the problem.
 ColoredCloud read_ply(const std::filesystem::path& path);
 
-/// The frame that such a file is written in.
+/// Returns the frame of such a file.
 FileFrame read_ply_frame(const std::filesystem::path& path);
 
 }  // namespace kinloop

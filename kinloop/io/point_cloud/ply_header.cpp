@@ -11,7 +11,7 @@
 namespace kinloop {
 namespace {
 
-/// A line of the header, word by word.
+/// A header line, read word by word.
 struct Line {
   std::string_view text;
   size_t number = 0;
@@ -19,7 +19,7 @@ struct Line {
 
   std::string word() { return std::string(next_word(text)); }
 
-  /// What is left of it.
+  /// The rest of the line.
   std::string rest() {
     const std::string_view first = next_word(text);
     return first.empty() ? std::string() : std::string(first.data(), text.data() + text.size());
@@ -73,7 +73,7 @@ PlyProperty property_of(Line& line) {
   return property;
 }
 
-/// Takes a line without its end: "\n", "\r\n", or the "\r" of old programs.
+/// Removes and returns a line without its end: "\n", "\r\n", or "\r" of old programs.
 std::string_view take_header_line(std::string_view& content) {
   const size_t end = std::min(content.size(), content.find_first_of("\r\n"));
   const std::string_view text = content.substr(0, end);

@@ -1,5 +1,5 @@
 #pragma once
-// In: the beginning of a PLY file (Turk 1994). Out: what its body holds.
+// In: the beginning of a PLY file (Turk 1994). Out: the layout of its body.
 
 #include <filesystem>
 #include <string>
@@ -11,14 +11,14 @@ namespace kinloop {
 
 enum class PlyFormat { kAscii, kLittleEndian, kBigEndian };
 
-/// One number of an element, or a list of them.
+/// A property of an element: a number or a list of numbers.
 struct PlyProperty {
   std::string name;
   NumberType type = NumberType::kFloat;
-  std::optional<NumberType> count_type;  ///< of a list: its length comes first
+  std::optional<NumberType> count_type;  ///< of a list: type of its length, which comes first
 };
 
-/// "vertex", "face" or another: how many there are, and what each holds.
+/// An element ("vertex", "face" or another), its count and properties.
 struct PlyElement {
   std::string name;
   size_t count = 0;
@@ -31,8 +31,8 @@ struct PlyHeader {
   std::vector<std::string> comments;
 };
 
-/// Takes the header off the front of `content`. Throws InputError naming the file, the line and what is wrong
-/// with it.
+/// Parses and removes the header at the front of `content`. Throws InputError naming the file, the line and
+/// the problem.
 PlyHeader parse_ply_header(std::string_view& content, const std::filesystem::path& path);
 
 }  // namespace kinloop

@@ -1,5 +1,5 @@
-// Reads PLY files (Turk 1994) however they were written: ascii or binary in either byte order, properties of
-// any type in any order, elements of others among them.
+// Reads PLY files (Turk 1994) of any layout: ascii or binary in either byte order, properties of any type in
+// any order, with unknown elements in between.
 
 #include <algorithm>
 #include <limits>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr size_t kNone = std::numeric_limits<size_t>::max();
 
-/// The numbers of the body, one after the other.
+/// Reads the numbers of the body in sequence.
 class Body {
  public:
   Body(std::string_view rest, PlyFormat format, const std::filesystem::path& path)
@@ -33,7 +33,7 @@ class Body {
     return value;
   }
 
-  /// A list's length, or an index.
+  /// Reads a list length or an index.
   size_t next_count(NumberType type) {
     constexpr double kMost = 4e9;
     const double value = next(type);
@@ -41,11 +41,11 @@ class Body {
     return static_cast<size_t>(value);
   }
 
-  /// Throws where the rest of the file cannot hold that many elements, before memory is taken for them.
+  /// Throws if the rest of the file is too short for the elements, before memory is allocated for them.
   void require_room(const PlyElement& element) {
     size_t least = 0;
     for (const PlyProperty& property : element.properties) {
-      // A number of text is a digit and a space; that of the last line may be missing.
+      // A number in text takes a digit and a space; the last space may be missing.
       least += format_ == PlyFormat::kAscii ? 2 : size_of(property.count_type.value_or(property.type));
     }
     if (least > 0 && element.count > (rest_.size() + 1) / least) fail_short();
@@ -76,7 +76,7 @@ class Body {
   const std::filesystem::path& path_;
 };
 
-/// The number of the property, or kNone.
+/// Index of the property, or kNone.
 size_t find_property(const PlyElement& element, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     for (size_t i = 0; i < element.properties.size(); ++i) {
@@ -86,7 +86,7 @@ size_t find_property(const PlyElement& element, std::initializer_list<const char
   return kNone;
 }
 
-/// Where the properties of a vertex are that are wanted.
+/// Indices of the vertex properties used.
 struct VertexFields {
   std::array<size_t, 3> place{}, color{};
   double full_color = 1;
@@ -111,7 +111,7 @@ VertexFields vertex_fields(const PlyElement& element, const Body& body) {
   return fields;
 }
 
-/// Reads past a property, or its number.
+/// Reads a number, or skips a list.
 double next_value(Body& body, const PlyProperty& property) {
   if (!property.count_type) return body.next(property.type);
   for (size_t left = body.next_count(*property.count_type); left > 0; --left) body.next(property.type);

@@ -1,5 +1,5 @@
 #pragma once
-// Clouds and meshes in PLY and PCD files, however other programs wrote them.
+// Readers of PLY and PCD clouds and meshes from any program.
 
 #include <filesystem>
 #include <string>
@@ -9,18 +9,18 @@
 
 namespace kinloop {
 
-/// What such a file holds. Points that are not finite, and faces with one of them, are left out.
+/// The content of such a file, without non-finite points and faces that use them.
 struct PointFile {
-  ColoredMesh mesh;                   ///< without colours where the file has none; faces as triangles
-  std::vector<std::string> comments;  ///< of its header
+  ColoredMesh mesh;                   ///< no colours if the file has none; polygons are triangulated
+  std::vector<std::string> comments;  ///< comments of the header
 };
 
 /// Reads any PLY file: ascii, or binary in either byte order, with properties of any type in any order.
-/// Throws InputError naming the file and what is wrong with it.
+/// Throws InputError naming the file and the problem.
 PointFile read_any_ply(const std::filesystem::path& path);
 
 /// Reads any PCD file: ascii, binary or binary_compressed, with fields of any type in any order. Throws
-/// InputError naming the file and what is wrong with it.
+/// InputError naming the file and the problem.
 PointFile read_any_pcd(const std::filesystem::path& path);
 
 }  // namespace kinloop
