@@ -78,7 +78,7 @@ struct Intervals {
 };
 
 /// Bounds on when rays with origins and directions in intervals stay within [low, high] of one axis: earliest
-/// entry and latest leave (interval arithmetic as in Boulos et al. 2006, "Geometric and arithmetic culling
+/// entry and latest exit (interval arithmetic as in Boulos et al. 2006, "Geometric and arithmetic culling
 /// methods for entire ray packets").
 struct RayInterval {
   float enter, leave;
@@ -88,13 +88,13 @@ RayInterval axis_interval(Interval origin, Interval d, float low, float high) {
   if (d.high < 0) return axis_interval({-origin.high, -origin.low}, {-d.high, -d.low}, -high, -low);
   const float near = low - origin.high, far = high - origin.low;
   if (d.low > 0) return {near / (near > 0 ? d.high : d.low), far / (far > 0 ? d.low : d.high)};
-  // Some rays go forwards, some backwards, and one that goes along the axis never leaves.
+  // Directions of both signs: a ray parallel to the slab never leaves it.
   if (near > 0) return {near / d.high, kMissed};
   const float below = origin.low - high;
   return {below > 0 ? below / -d.low : 0, kMissed};
 }
 
-/// The least t at which a ray of the bundle may be in a box; kMissed when none can.
+/// The least t at which a ray of the bundle may be in a box; kMissed if none can.
 float min_entry(const Intervals& bundle, const float low[3], const float high[3]) {
   RayInterval all{0, kMissed};
   for (int i = 0; i < 3; ++i) {
@@ -123,7 +123,7 @@ Bvh::Solid Bvh::packed(const Primitive& primitive, int32_t index) {
   Eigen::Map<Eigen::Vector3f>(solid.half) = primitive.half;
   solid.shape = primitive.shape;
   solid.primitive = index;
-  // Quarter turns leave a hair of rounding; it is far below what a depth image resolves.
+  // Quarter turns leave tiny rounding errors, far below the resolution of a depth image.
   constexpr float kRounding = 1e-6F;
   const Eigen::Matrix3f axes = R.cwiseAbs().array().round();
   solid.aligned = primitive.shape == Shape::kBox && (R.cwiseAbs() - axes).cwiseAbs().maxCoeff() < kRounding;
@@ -137,7 +137,8 @@ int32_t Bvh::build(std::vector<int32_t>& order, size_t begin, size_t end, const 
   Eigen::AlignedBox3f box;
   for (size_t i = begin; i < end; ++i) box.extend(boxes[static_cast<size_t>(order[i])]);
   Node node{};
-  // A hair wider than the solids: the slab test rounds, and must not lose a ray that just touches.
+  // Slightly larger than the solids, so that the rounding of the slab test does not lose a ray that just
+  // touches.
   constexpr float kSlack = 1e-5F;
   Eigen::Map<Eigen::Vector3f>(node.low) = box.min().array() - kSlack;
   Eigen::Map<Eigen::Vector3f>(node.high) = box.max().array() + kSlack;
@@ -246,7 +247,7 @@ HitPacket Bvh::nearest(const RayPacket& rays, float max_t, const std::vector<Can
   HitPacket hits{all_lanes(max_t), LaneMask{} - 1};
   const Lanes3 inverse = safe_inverse(rays.direction);
   for (const Candidate& candidate : candidates) {
-    if (!any(hits.t >= candidate.min_t)) break;  // all others lie behind
+    if (!any(hits.t >= candidate.min_t)) break;  // all others are farther
     intersect(solids_[static_cast<size_t>(candidate.solid)], rays, inverse, hits);
   }
   return hits;

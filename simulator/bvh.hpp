@@ -1,5 +1,5 @@
 #pragma once
-// In: the solids of a scene. Out: the nearest entry of each ray of a packet into any of them.
+// In: the solids of a scene. Out: the first hit of each ray of a packet.
 
 #include <cstdint>
 #include <vector>
@@ -35,25 +35,25 @@ struct RayBundle {
   static constexpr float kFar = 1e30F;
 };
 
-/// A primitive that a bundle may meet, from `min_t` on.
+/// A primitive that a bundle may hit, from `min_t` on.
 struct Candidate {
   float min_t;
   int32_t solid;
 };
 
-/// A tree of boxes over primitives (surface area heuristic of Goldsmith and Salmon 1987).
+/// Bounding volume hierarchy of boxes (surface area heuristic of Goldsmith and Salmon 1987).
 class Bvh {
  public:
   Bvh() = default;
   explicit Bvh(const std::vector<Primitive>& primitives);
 
-  /// First entry of every ray with `kMinT` < t < `max_t`.
+  /// Returns the first hit of every ray with `kMinT` < t < `max_t`.
   [[nodiscard]] HitPacket nearest(const RayPacket& rays, float max_t) const;
 
-  /// The primitives that any ray of the bundle may meet, by the least t at which it may.
+  /// Returns the primitives that any ray of the bundle may hit, sorted by least possible t.
   [[nodiscard]] std::vector<Candidate> candidates(const RayBundle& bundle) const;
 
-  /// As above, for rays of the bundle whose candidates are given.
+  /// Same for rays of the bundle, given its candidates.
   [[nodiscard]] HitPacket nearest(const RayPacket& rays, float max_t,
                                   const std::vector<Candidate>& candidates) const;
 
@@ -64,14 +64,14 @@ class Bvh {
     float low[3], high[3];
     int32_t first = 0;  ///< first solid of a leaf, else the right child (the left one follows the node)
     int32_t count = 0;  ///< solids of a leaf, 0 for an inner node
-    int32_t axis = 0;   ///< along which the children are ordered
+    int32_t axis = 0;   ///< by which the children are ordered
   };
-  /// What the ray test needs of a primitive, packed.
+  /// The data of a primitive for the ray test, packed.
   struct Solid {
     float R_local_room[9];
     float center[3], half[3];
     Shape shape;
-    bool aligned;  ///< a box whose faces lie along the axes: its half extents are those in the room
+    bool aligned;  ///< an axis-aligned box; its half extents are in the room frame
     int32_t primitive;
   };
 

@@ -17,12 +17,12 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
 
-/// 3 s^2 - 2 s^3: from 0 to 1 with level ends.
+/// 3 s^2 - 2 s^3: from 0 to 1 with zero slope at the ends.
 double smooth_step(double s) {
   return s * s * (3 - 2 * s);
 }
 
-/// A sum of slow swings, as a hand makes them: amplitude falls faster than frequency rises.
+/// A sum of slow sine waves that imitates a hand: amplitude falls faster than frequency rises.
 class SmoothNoise {
  public:
   SmoothNoise(double amplitude, Random& random) {
@@ -46,7 +46,7 @@ class SmoothNoise {
   std::vector<Swing> swings_;
 };
 
-/// Camera at `position` looking along `forward`, turned by `roll_rad` about it; z is up.
+/// Camera at `position` looking along `forward`, rolled by `roll_rad`; z is up.
 SE3 looking(const Eigen::Vector3d& position, const Eigen::Vector3d& forward, double roll_rad) {
   Eigen::Matrix3d R;
   R.col(2) = forward.normalized();
@@ -56,8 +56,8 @@ SE3 looking(const Eigen::Vector3d& position, const Eigen::Vector3d& forward, dou
   return {Eigen::Quaterniond(R * roll.toRotationMatrix()).normalized(), position};
 }
 
-/// Whether the cameras look neither up nor straight down if z is up, as it is in the worlds of motion
-/// capture; not where the world is the first camera's own.
+/// Returns whether the cameras look neither up nor straight down if z is up, as in motion-capture worlds;
+/// false if the world is the first camera's frame.
 bool z_is_plausibly_up(const Trajectory& poses) {
   constexpr double kMostDown = -0.9, kMostUp = 0.5, kFirst_rad = 1e-3;
   double mean = 0;
@@ -96,7 +96,7 @@ SE3 CameraPath::at(int64_t stamp_ns) const {
   const auto after = static_cast<size_t>(later - poses_.begin());
   const int64_t begin = poses_[after - 1].stamp_ns, end = poses_[after].stamp_ns;
   const double s = static_cast<double>(stamp_ns - begin) / static_cast<double>(end - begin);
-  // Both neighbours' motions, blended: each end keeps its pose and its velocity.
+  // Blends the motions at both neighbours; each end keeps its pose and velocity.
   return interpolate(extrapolated(after - 1, stamp_ns), extrapolated(after, stamp_ns), smooth_step(s));
 }
 
@@ -115,7 +115,7 @@ Trajectory handheld_path(uint64_t seed) {
     const double turn = start_rad + (2 * kPi + kOverlap_rad) * t / kDuration_s;
     const Eigen::Vector3d position(kRadius_x_m * std::cos(turn) + x.at(t),
                                    kRadius_y_m * std::sin(turn) + y.at(t), kHeight_m + z.at(t));
-    // Outwards and a little ahead, slightly down, now and then up to the walls and down to the floor.
+    // Looks outwards and slightly ahead and down, at times up the walls and down to the floor.
     const double heading = turn + 20 * kDegree + yaw.at(t) + 9 * kDegree * std::sin(4.3 * (turn - start_rad));
     const double slope = -13 * kDegree + pitch.at(t) + 7 * kDegree * std::sin(3 * (turn - start_rad));
     const Eigen::Vector3d forward(std::cos(slope) * std::cos(heading), std::cos(slope) * std::sin(heading),
@@ -143,7 +143,7 @@ Eigen::Vector3d estimate_up_direction(const Trajectory& poses) {
   if (level.dot(up) < 0) level = -level;
   const bool told = axes.eigenvalues()(0) < kMaxRoll && axes.eigenvalues()(1) > kMinSpread &&
                     level.dot(up) > std::cos(kMaxTilt_rad);
-  // A camera may be held sideways, upside down or now this way, now that, but z seldom points down.
+  // A camera may be rolled by any angle, even a changing one, but z rarely points down.
   if (told ? level.z() < -std::cos(kSnap_rad) : z_is_plausibly_up(poses)) return Eigen::Vector3d::UnitZ();
   int axis = 0;
   (told ? level : up).cwiseAbs().maxCoeff(&axis);
@@ -166,7 +166,7 @@ std::vector<int64_t> frame_stamps(const Trajectory& poses, double fps) {
         format_stamp(poses.front().stamp_ns), format_stamp(poses.back().stamp_ns)));
   }
   const double duration_s = to_seconds(poses.back().stamp_ns - poses.front().stamp_ns);
-  constexpr int64_t kMicrosecond_ns = 1000;  // what the files of a sequence resolve
+  constexpr int64_t kMicrosecond_ns = 1000;  // time resolution of sequence files
   for (int i = 0; i / fps <= duration_s; ++i) {
     const int64_t since_ns = to_ns(i / fps);
     stamps.push_back(poses.front().stamp_ns +

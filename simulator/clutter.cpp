@@ -192,7 +192,7 @@ Parts FurnitureBuilder::wall_picture(float width_m, float height_m) {
     const float radius = std::min(width_m, height_m) / 2;
     Primitive clock = with_picture(make_cylinder({0, 0, 0}, radius, 0.03F, plain()), kTop,
                                    palette_->fitted(Kind::kClock, *random_));
-    // Its top cap turned to the room, twelve o'clock up.
+    // Turns the top cap to the room with twelve o'clock up.
     clock.R_room_local = Eigen::AngleAxisf(kTurn / 4, Eigen::Vector3f::UnitX()).toRotationMatrix();
     clock.center.y() = -0.015F;
     return {clock};

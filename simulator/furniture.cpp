@@ -11,7 +11,7 @@ void append(Parts& parts, const Parts& more) {
   parts.insert(parts.end(), more.begin(), more.end());
 }
 
-/// Four legs under a rectangle of the given outer size, from the floor to `height_m`.
+/// Adds four legs under a rectangle of the given outer size, from the floor to `height_m`.
 void add_legs(Parts& parts, float width_m, float depth_m, float height_m, float thickness_m,
               const FaceTexture& face_texture) {
   for (const float side : {-1.0F, 1.0F}) {

@@ -1,6 +1,6 @@
 #pragma once
-// In: a palette and random numbers. Out: pieces of furniture and clutter as groups of solids. A piece stands
-// at z = 0 with its back at y = 0 and its front towards -y, centred in x.
+// In: a palette and random numbers. Out: furniture and clutter as groups of solids. A piece stands at z = 0
+// with its back at y = 0 and its front towards -y, centred in x.
 
 #include <vector>
 
@@ -21,7 +21,7 @@ Primitive with_picture(Primitive primitive, int face, const FaceTexture& picture
 Parts moved(Parts parts, float yaw_rad, const Eigen::Vector3f& translation);
 Eigen::AlignedBox3f bounds(const Parts& parts);
 
-/// Builds furniture from one palette, drawing on one stream of random numbers.
+/// Builds furniture from one palette and one random number stream.
 class FurnitureBuilder {
  public:
   FurnitureBuilder(const Palette& palette, Random& random) : palette_(&palette), random_(&random) {}
@@ -40,10 +40,10 @@ class FurnitureBuilder {
   Parts ball();
   Parts radiator();
   Parts wall_shelf();
-  /// A framed picture, poster, clock or whiteboard of the given size, hung with its centre at z = 0.
+  /// A framed picture, poster, clock or whiteboard of the given size, with its centre at z = 0.
   Parts wall_picture(float width_m, float height_m);
 
-  /// Everyday things spread over the rectangle `area` (x, y) at height z.
+  /// Everyday objects spread over the rectangle `area` (x, y) at height z.
   Parts clutter(const Eigen::AlignedBox2f& area, float z, float spacing_m);
 
   float uniform(float low, float high) { return static_cast<float>(random_->uniform(low, high)); }

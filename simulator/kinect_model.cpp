@@ -24,7 +24,7 @@ KinectNoise KinectNoise::none() {
 namespace sim {
 namespace {
 
-/// Sum of the four 16-bit parts of a word, as a deviate of mean 0 and variance 1: close to normal, and cheap
+/// Sum of the four 16-bit parts of a word as a deviate of mean 0 and variance 1: close to normal, and cheap
 /// (Irwin and Hall 1927).
 double roughly_normal(uint64_t bits) {
   const uint64_t sum = (bits & 0xffff) + ((bits >> 16) & 0xffff) + ((bits >> 32) & 0xffff) + (bits >> 48);
@@ -37,13 +37,13 @@ double uniform(uint64_t bits) {
   return static_cast<double>(bits >> 11) * 0x1.0p-53;
 }
 
-/// Surfaces seen at less than the first angle are always measured, beyond the second never.
+/// Probability of losing depth by incidence angle: 0 below the first angle, 1 beyond the second.
 double grazing_loss(float cosine) {
   constexpr double kSafeCosine = 0.31, kLostCosine = 0.12;  // 72 and 83 degrees off the normal
   return std::clamp((kSafeCosine - static_cast<double>(cosine)) / (kSafeCosine - kLostCosine), 0.0, 1.0);
 }
 
-/// Whether depth jumps between neighbours: the correlation window then sees two surfaces.
+/// Whether depth jumps between neighbours, so that the correlation window covers two surfaces.
 bool at_edge(const cv::Mat& depth_m, int y, int x) {
   constexpr float kJump = 0.04F;
   const float here = depth_m.at<float>(y, x);
@@ -55,7 +55,7 @@ bool at_edge(const cv::Mat& depth_m, int y, int x) {
 }
 
 /// Marks the pixels of a row that the projector, right of the camera, cannot reach: scanning leftwards, a
-/// point is in shadow if its projector column x - d is not left of all those before it.
+/// point is in shadow if its projector column x - d is not left of all previous ones.
 void cast_shadow(const float* depth_m, int width, std::vector<uint8_t>& shadow) {
   const double scale = kDisparityScale * width / 640.0;
   double leftmost = std::numeric_limits<double>::infinity();
@@ -66,7 +66,7 @@ void cast_shadow(const float* depth_m, int width, std::vector<uint8_t>& shadow) 
   }
 }
 
-/// A smooth warp over the image, -1 to 1, as residual lens errors of the infrared camera leave it.
+/// A smooth warp over the image, -1 to 1, that models residual lens errors of the infrared camera.
 double warp_at(int x, int y, const cv::Size& size) {
   const double u = 2.0 * x / size.width - 1, v = 2.0 * y / size.height - 1;
   return 1.2 * (u * u + v * v) / 2 - 0.5 + 0.3 * u * v;
@@ -108,7 +108,7 @@ cv::Mat measured_depth(const ExactDepth& exact, const KinectNoise& noise, uint64
         if (noise.depth_distortion > 0) z *= 1 + noise.depth_distortion * warp_at(x, y, size);
         z = measured(z, noise, noise_px, bits);
         if (noise.holes && z > 0) {
-          constexpr double kEdgeLoss = 0.7;  // part of the edge pixels that are lost
+          constexpr double kEdgeLoss = 0.7;  // fraction of edge pixels lost
           const double chance = uniform(hash(bits, 1));
           const bool lost = shadow[static_cast<size_t>(x)] != 0 || cosine[x] <= 0 ||
                             chance < grazing_loss(cosine[x]) ||
@@ -130,7 +130,7 @@ double gain_at(const KinectNoise& noise, double time_s) {
 }
 
 float noisy_level(float level, const KinectNoise& noise, uint32_t random_bits) {
-  // Half of the variance at mid grey is readout noise, half shot noise.
+  // Half of the variance at mid grey is read-out noise, half shot noise.
   constexpr float kMidGrey = 128;
   const float sigma = static_cast<float>(noise.image_noise) * std::sqrt(0.5F + 0.5F * level / kMidGrey);
   // Sum of two 16-bit parts: a triangular deviate of variance 1.

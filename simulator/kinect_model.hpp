@@ -1,5 +1,5 @@
 #pragma once
-// In: exact depth and colour. Out: what a first-generation Kinect makes of them.
+// In: exact depth and colour. Out: the measurements of a first-generation Kinect.
 
 #include <cstdint>
 
@@ -9,7 +9,7 @@
 
 namespace kinloop {
 
-/// How the simulated sensor falls short of an ideal one. Every part can be switched off alone.
+/// Imperfections of the simulated sensor. Each can be switched off separately.
 struct KinectNoise {
   double rolling_shutter_s = 0.030;
   double exposure_s = 0.015;
@@ -23,7 +23,7 @@ struct KinectNoise {
   double image_noise = 2.4;
   double gain_change = 0.08;
 
-  /// A sensor without any fault: global shutter, exact depth up to 5 m.
+  /// An ideal sensor: global shutter, exact depth up to 5 m.
   static KinectNoise none();
 
   template <class Self, class Visit>
@@ -51,23 +51,23 @@ namespace sim {
 /// Focal length times baseline of the Kinect's infrared pair, pixels times metres: disparity = this / z.
 constexpr double kDisparityScale = 0.075 * 525;
 
-/// Deviation of the disparity noise before quantisation, such that both together give the depth noise of the
-/// model; px.
+/// Returns the standard deviation of disparity noise before quantisation such that both together give the
+/// depth noise of the model; px.
 double disparity_noise_px(const KinectNoise& noise);
 
-/// Exact depth of every pixel and the cosine between its ray and the surface (0 where the surface gives
-/// no depth at all), both 32FC1.
+/// Exact depth of every pixel and the cosine of its incidence angle (0 if the surface returns no depth), both
+/// 32FC1.
 struct ExactDepth {
   cv::Mat depth_m, cosine;
 };
 
-/// Depth as measured: 32FC1 metres, 0 = unknown. `seed` is that of the frame.
+/// Returns measured depth: 32FC1 metres, 0 = unknown. `seed` is that of the frame.
 cv::Mat measured_depth(const ExactDepth& exact, const KinectNoise& noise, uint64_t seed, int threads);
 
-/// Brightness factor at a time.
+/// Returns the brightness factor at a time.
 double gain_at(const KinectNoise& noise, double time_s);
 
-/// Adds image noise to one grey level: shot noise grows with the root of the brightness.
+/// Adds image noise to an intensity: shot noise grows with the square root of the brightness.
 float noisy_level(float level, const KinectNoise& noise, uint32_t random_bits);
 
 }  // namespace sim

@@ -1,6 +1,6 @@
 #pragma once
-// Four floats side by side (GCC and Clang vector extensions): one packet carries the sub-exposures of one
-// pixel, or four neighbouring pixels. Plain IEEE arithmetic, so the bytes do not depend on the machine.
+// SIMD vectors of four floats (GCC and Clang vector extensions): one packet holds the sub-exposures of one
+// pixel, or four neighbouring pixels. Plain IEEE arithmetic, so results do not depend on the machine.
 
 #include <array>
 #include <bit>
@@ -45,15 +45,15 @@ inline Lanes3 max(const Lanes3& a, const Lanes3& b) {
   return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
 }
 
-/// Points `origin + t * direction`; `t` counts in lengths of the direction, which need not be 1.
+/// Points `origin + t * direction`; t is in units of the direction's length, which need not be 1.
 struct RayPacket {
   Lanes3 origin, direction;
 };
 
-/// Where the rays of a packet enter a solid first.
+/// First hits of the rays of a packet.
 struct HitPacket {
-  Lanes t;             ///< the given limit where nothing was hit
-  LaneMask primitive;  ///< index of the primitive, -1 where nothing was hit
+  Lanes t;             ///< the limit if nothing was hit
+  LaneMask primitive;  ///< index of the primitive, -1 if nothing was hit
 };
 
 }  // namespace kinloop::sim

@@ -13,22 +13,21 @@ namespace {
 constexpr float kSpacing_m = 0.09F;  // of grid points
 constexpr int kMaxPoints = 96;       // along one side of a face
 constexpr int kMinRoundPoints = 7;   // around a cylinder or sphere
-constexpr float kLift_m = 0.02F;     // rays begin this far off the surface: past pictures, into clutter
-constexpr float kReach_m = 1.3F;     // how far surroundings take ambient light away
+constexpr float kLift_m = 0.02F;     // offset of ray origins from the surface: past pictures, into clutter
+constexpr float kReach_m = 1.3F;     // range of ambient occlusion
 constexpr float kAmbient[3] = {0.44F, 0.42F, 0.41F};
 constexpr int kAmbientPackets = 8;
-constexpr int kLightPackets = 4;  // of kLanes rays to each light
+constexpr int kLightPackets = 4;  // packets of kLanes rays to each light
 constexpr float kGamma = 1.0F / 2.2F;
 
-/// Rays of one packet leave the same point.
+/// The rays of a packet share their origin.
 RayPacket packet(const Eigen::Vector3f& origin, const std::array<Eigen::Vector3f, kLanes>& d) {
   const auto gather = [&](int axis) { return Lanes{d[0][axis], d[1][axis], d[2][axis], d[3][axis]}; };
   return {{all_lanes(origin.x()), all_lanes(origin.y()), all_lanes(origin.z())},
           {gather(0), gather(1), gather(2)}};
 }
 
-/// The part of the half space above a surface that is open, cosine-weighted; a hit takes the less away the
-/// farther it is.
+/// Cosine-weighted open fraction of the half space above a surface; farther hits occlude less.
 float openness(const Bvh& bvh, const Eigen::Vector3f& origin, const Eigen::Vector3f& normal) {
   const Eigen::Vector3f side = normal.unitOrthogonal(), other = normal.cross(side);
   constexpr int kRays = kAmbientPackets * kLanes;
@@ -48,7 +47,7 @@ float openness(const Bvh& bvh, const Eigen::Vector3f& origin, const Eigen::Vecto
   return 1 - closed / kRays;
 }
 
-/// Lambert's cosine times falloff times the visible part of a light.
+/// Lambert's cosine times falloff times the visible fraction of a light.
 float exposure(const Bvh& bvh, const Eigen::Vector3f& origin, const Eigen::Vector3f& normal,
                const Light& light) {
   float sum = 0;
@@ -88,7 +87,7 @@ int points_along(float size_m, bool round) {
   return std::clamp(points, round ? kMinRoundPoints : 2, kMaxPoints);
 }
 
-/// Grid points lie a little inside the face, off the seams with its neighbours.
+/// Grid points lie slightly inside the face, off the seams with its neighbours.
 float inset(int index, int count) {
   constexpr float kInset = 0.02F;
   return kInset + (1 - 2 * kInset) * static_cast<float>(index) / static_cast<float>(count - 1);

@@ -1,6 +1,6 @@
 #pragma once
-// In: solids and lamps. Out: how bright every part of every surface is, computed once, so that rendering
-// looks light up instead of casting shadow rays.
+// In: solids and lamps. Out: the brightness of every surface, precomputed so that rendering needs no shadow
+// rays.
 
 #include <vector>
 
@@ -14,15 +14,14 @@ struct Light {
   Eigen::Vector3f bgr;                     ///< brightness at 1 m
 };
 
-/// Brightness on a grid over every face: ambient light darkened where surroundings are close, and lamps with
-/// soft shadows.
+/// Brightness on a grid over every face: ambient light with occlusion, and lamps with soft shadows.
 class LightMap {
  public:
   LightMap() = default;
   LightMap(const std::vector<Primitive>& primitives, const Bvh& bvh, const std::vector<Light>& lights,
            int threads);
 
-  /// BGR factors for a surface point.
+  /// Returns BGR factors for a surface point.
   [[nodiscard]] Lanes at(int primitive, const SurfacePoint& point) const;
 
  private:

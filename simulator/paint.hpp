@@ -1,6 +1,6 @@
 #pragma once
-// In: a seed. Out: textures painted for it: materials, pictures, and the faces of everyday things. Every
-// painter gives an 8UC3 BGR image whose sides are powers of two.
+// In: a seed. Out: procedural textures: materials, pictures, and the faces of everyday objects. Every
+// function returns an 8UC3 BGR image whose sides are powers of two.
 
 #include <cstdint>
 
@@ -16,18 +16,17 @@ cv::Scalar hsv(double hue_deg, double saturation, double value);
 cv::Scalar random_color(Random& random, double max_saturation, double min_value, double max_value);
 cv::Point random_point(Random& random, cv::Size size);
 
-/// Sum of octaves of smooth noise, about -1 to 1, CV_32F; it repeats at the borders of power-of-two sizes.
-/// The first octave has `cells` cells over the image, each further one twice as many at `gain` times the
-/// height.
+/// Sum of octaves of smooth noise, about -1 to 1, CV_32F; periodic for power-of-two sizes. The first octave
+/// has `cells` cells over the image, each further one twice as many at `gain` times the amplitude.
 cv::Mat fractal_noise(cv::Size size, cv::Size cells, int octaves, double gain, Random& random);
 
 /// Multiplies an image by (1 + contrast * noise), pixel by pixel.
 void shade(cv::Mat& image, const cv::Mat& noise, double contrast);
 
-/// `color` times (1 + contrast * noise).
+/// Returns `color` times (1 + contrast * noise).
 cv::Mat shaded(const cv::Scalar& color, const cv::Mat& noise, double contrast);
 
-/// Lines of made-up words from `top_left`, `line_px` apart, down to the lower right corner of `area`.
+/// Writes lines of pseudo words from `top_left`, `line_px` apart, down to the lower right corner of `area`.
 void write_lines(cv::Mat& image, const cv::Rect& area, double line_px, const cv::Scalar& ink, Random& random);
 
 // Materials.
@@ -53,7 +52,7 @@ cv::Mat paint_map(Random& random);
 cv::Mat paint_whiteboard(Random& random);
 cv::Mat paint_window_view(Random& random);
 
-// Faces of things.
+// Faces of objects.
 cv::Mat paint_paper(Random& random);
 cv::Mat paint_screen(Random& random);
 cv::Mat paint_keyboard(Random& random);

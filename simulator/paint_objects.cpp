@@ -92,7 +92,7 @@ cv::Mat paint_book_spines(Random& random) {
     const cv::Scalar base = random_color(random, 0.8, 0.15, 0.9);
     const bool light = base[0] + base[1] + base[2] > 330;
     const cv::Scalar ink = light ? random_color(random, 0.8, 0.0, 0.3) : random_color(random, 0.4, 0.75, 1.0);
-    // Written lying down, then turned to run along the spine.
+    // Drawn horizontally, then rotated to run along the spine.
     cv::Mat spine = shaded(base, fractal_noise({cell.height, cell.width}, {4, 2}, 5, 0.8, random), 0.06);
     write_lines(spine, {24, -6 + random_below(random, 4), 150, 30}, 26 - random_below(random, 8), ink,
                 random);

@@ -78,7 +78,7 @@ void scatter_shapes(cv::Mat& image, int count, int largest, Random& random) {
   for (int i = 0; i < count; ++i) {
     const cv::Point p = random_point(random, image.size());
     const cv::Scalar color = random_color(random, 0.9, 0.1, 1.0);
-    // Sizes spread evenly in octaves, as details in photographs do.
+    // Sizes uniform in octaves, like details in photographs.
     const int size = std::max(3, static_cast<int>(largest * std::exp2(-random.uniform(0, 4))));
     switch (random.index(4)) {
       case 0:

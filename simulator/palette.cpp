@@ -20,7 +20,7 @@ std::vector<Painting> paintings(Random& random) {
   };
   constexpr cv::Mat (*kFloors[])(Random&) = {paint_planks, paint_carpet, paint_tiles};
   constexpr cv::Mat (*kAccents[])(Random&) = {paint_wallpaper, paint_bricks};
-  add(1, Kind::kFloor, kFloors[random.index(3)]);  // the largest first, so that threads share the work well
+  add(1, Kind::kFloor, kFloors[random.index(3)]);  // largest first, for even load across threads
   add(1, Kind::kAccentWall, kAccents[random.index(2)]);
   add(1, Kind::kRug, paint_rug);
   add(2, Kind::kPlaster, paint_plaster);
@@ -58,7 +58,7 @@ Palette::Palette(uint64_t seed, int threads) : versions_(static_cast<size_t>(Kin
   Random random(seed);
   const std::vector<Painting> list = paintings(random);
   std::vector<std::optional<Texture>> painted(list.size());
-  // Every other painting: neighbours in the list take about the same time.
+  // Interleaved, since neighbours in the list take about the same time.
   const auto workers = static_cast<size_t>(std::max(threads, 1));
   parallel_for(workers, threads, [&](size_t begin, size_t end) {
     for (size_t worker = begin; worker < end; ++worker) {

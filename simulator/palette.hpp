@@ -1,5 +1,5 @@
 #pragma once
-// In: a seed. Out: every texture of a room, by what it is.
+// In: a seed. Out: every texture of a room, by kind.
 
 #include <cstdint>
 #include <utility>
@@ -37,21 +37,22 @@ enum class Kind {
   kCount
 };
 
-/// The textures of one room. Some kinds come in several versions.
+/// The textures of one room, several versions of some kinds.
 class Palette {
  public:
   Palette(uint64_t seed, int threads);
 
-  /// One version of a kind, fitted to the face it is put on.
+  /// Returns a version of a kind, fitted to the face it is put on.
   [[nodiscard]] FaceTexture fitted(Kind kind, Random& random) const;
 
-  /// One version of a kind, at its natural size (`period_m` metres to a picture), beginning anywhere.
+  /// Returns a version of a kind at its natural size (`period_m` metres per repetition), with a random
+  /// offset.
   [[nodiscard]] FaceTexture metric(Kind kind, double period_m, Random& random) const;
 
-  /// One cell of an atlas of the kind.
+  /// Returns one cell of an atlas of the kind.
   [[nodiscard]] FaceTexture cell(Kind kind, int columns, int rows, Random& random) const;
 
-  /// The textures, by the indices that face textures hold; the palette is used up.
+  /// Returns the textures, by the indices that face textures hold, and leaves the palette empty.
   std::vector<Texture> release_textures() { return std::move(textures_); }
 
  private:

@@ -27,7 +27,7 @@ int box_face(const Primitive& primitive, const Eigen::Vector3f& p) {
   return 2 * axis + (p[axis] > 0 ? 1 : 0);
 }
 
-/// The round side is face 0; the caps are those of a box.
+/// The round side is face 0; the caps are numbered as for a box.
 int cylinder_face(const Primitive& primitive, const Eigen::Vector3f& p) {
   const float from_side = std::hypot(p.x(), p.y()) - primitive.half.x();
   const float from_cap = std::abs(p.z()) - primitive.half.z();

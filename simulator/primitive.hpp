@@ -1,6 +1,6 @@
 #pragma once
-// In: solids in the room frame (z up, floor at z = 0, metres). Out: bounds, exact surface distance, and the
-// surface coordinates by which pictures and light are looked up.
+// In: solids in the room frame (z up, floor at z = 0, metres). Out: bounds, exact surface distance, and
+// surface coordinates for texture and light lookup.
 
 #include <vector>
 
@@ -10,7 +10,7 @@ namespace kinloop::sim {
 
 enum class Shape { kBox, kCylinder, kSphere };
 
-/// How a texture lies on a face: fitted (fractions of the face) or metric (metres times 1 / period).
+/// Mapping of a texture to a face: fitted (fractions of the face) or metric (metres times 1 / period).
 struct FaceTexture {
   int texture = 0;
   bool fitted = false;
@@ -18,7 +18,7 @@ struct FaceTexture {
   float u_scale = 1, v_scale = 1;  ///< texture widths per face (fitted) or per metre (metric)
 };
 
-/// Faces of a solid: those of a box by axis and sign; a cylinder has the round side (as 0) and two caps, a
+/// Faces of a solid: those of a box by axis and sign; a cylinder has the round side (0) and two caps, a
 /// sphere only face 0.
 constexpr int kFaces = 6;
 constexpr int kNoFace = -1;
@@ -44,7 +44,7 @@ struct SurfacePoint {
   float width_m = 0, height_m = 0;
 };
 
-/// Surface coordinates of a local point on (or near) the surface.
+/// Returns the surface coordinates of a local point on (or near) the surface.
 SurfacePoint locate(const Primitive& primitive, const Eigen::Vector3f& p_local);
 
 /// The inverse of `locate`: local point and outward normal at fractions (u, v) of a face.
@@ -53,19 +53,19 @@ struct SurfaceFrame {
 };
 SurfaceFrame surface_frame(const Primitive& primitive, int face, float u, float v);
 
-/// Outward local normal at a local surface point.
+/// Returns the outward local normal at a local surface point.
 Eigen::Vector3f normal_at(const Primitive& primitive, const Eigen::Vector3f& p_local);
 
-/// Width and height of a face, zero where the shape has no such face.
+/// Returns width and height of a face, zero if the shape has no such face.
 Eigen::Vector2f face_size_m(const Primitive& primitive, int face);
 
-/// Signed distance from a point in the room to the surface, negative inside.
+/// Returns the signed distance from a point in the room to the surface, negative inside.
 double signed_distance_m(const Primitive& primitive, const Eigen::Vector3d& p_room);
 
-/// The axis-aligned box around a primitive.
+/// Returns the axis-aligned bounding box of a primitive.
 Eigen::AlignedBox3f bounds(const Primitive& primitive);
 
-/// The primitive moved by a rotation about z and a translation.
+/// Returns the primitive rotated about z and translated.
 Primitive moved(Primitive primitive, float yaw_rad, const Eigen::Vector3f& translation);
 
 }  // namespace kinloop::sim

@@ -5,7 +5,7 @@
 
 namespace kinloop::sim {
 
-/// The two ends of each ray's stay in an infinite slab |coordinate| <= half.
+/// Entry and exit of each ray in an infinite slab |coordinate| <= half.
 struct Span {
   Lanes enter, leave;
 };
@@ -16,7 +16,7 @@ inline Span slab(Lanes origin, Lanes inverse, float low, float high) {
   return {min(a, b), max(a, b)};
 }
 
-/// 1 / d without infinities, whose products with 0 would not be numbers.
+/// 1 / d without infinities, whose products with 0 would be NaN.
 inline Lanes safe_inverse(Lanes d) {
   constexpr float kTiny = 1e-12F;
   const Lanes tiny = all_lanes(kTiny);
@@ -35,8 +35,8 @@ inline Span box_span(const Lanes3& o, const Lanes3& inverse, const float half[3]
   return {max(max(x.enter, y.enter), z.enter), min(min(x.leave, y.leave), z.leave)};
 }
 
-/// Ends around the closest approach, which keeps the digits that the textbook quadratic loses (Haines et al.
-/// 2019, "Precision improvements for ray/sphere intersection"). An empty span where the ray passes by.
+/// Intersection around the closest approach, which keeps digits that the textbook quadratic loses (Haines et
+/// al. 2019, "Precision improvements for ray/sphere intersection"). Empty span if the ray misses.
 inline Span round_span(Lanes along, Lanes direction_squared, Lanes miss_squared, float radius) {
   constexpr float kTiny = 1e-20F;
   const Lanes inverse = 1.0F / max(direction_squared, all_lanes(kTiny));

@@ -11,11 +11,11 @@
 namespace kinloop::sim {
 namespace {
 
-constexpr float kSight_m = 50;  // no ray need go farther
+constexpr float kSight_m = 50;  // maximum ray length
 constexpr int kMaxPackets = 2;  // of kLanes sub-exposures
 constexpr int kTile = 16;       // pixels of a row that share a list of candidates
 
-/// Places within a pixel (px from its centre) at which the sub-exposures look: no two in one row or column.
+/// Subpixel positions of the sub-exposures (px from the centre): no two in one row or column.
 struct Offset {
   float x, y;
 };
@@ -30,7 +30,7 @@ constexpr std::array<Offset, 2 * kLanes> kEightPlaces{{{-0.0625F, -0.4375F},
                                                        {-0.1875F, 0.3125F},
                                                        {0.0625F, 0.4375F}}};
 
-/// Four poses, one a lane, and where in the pixel each of them looks.
+/// Four poses, one per lane, with their subpixel offsets.
 struct PosePacket {
   Lanes R[9];
   Lanes3 origin;
@@ -56,13 +56,13 @@ struct PosePacket {
 
 }  // namespace
 
-/// The images of a frame before the depth sensor has had its say.
+/// The images of a frame before the depth sensor model.
 struct Renderer::RowImages {
   cv::Mat* color;
   ExactDepth* exact;
 };
 
-/// Where the camera is while one row is taken.
+/// The camera poses during one row.
 struct Renderer::RowPoses {
   int packets = 0;
   PosePacket color[kMaxPackets]{};
@@ -93,8 +93,8 @@ int64_t Renderer::row_stamp_ns(int64_t stamp_ns, int row) const {
   return stamp_ns + to_ns(part * noise_.rolling_shutter_s);
 }
 
-/// Four sub-exposures smooth edges and moderate blur; a fast camera needs more, or the blur falls apart into
-/// single pictures.
+/// Four sub-exposures smooth edges and moderate blur; fast motion needs more, or the blur breaks up into
+/// separate images.
 int Renderer::color_packets(const CameraPath& path, int64_t stamp_ns) const {
   constexpr double kWideBlur_px = 9, kTypicalDepth_m = 1.5;
   const int64_t half_ns = to_ns(noise_.exposure_s / 2);
@@ -148,7 +148,7 @@ Renderer::Tile Renderer::tile_rays(const RowPoses& poses, int row, int begin) co
   return tile;
 }
 
-/// The grey levels that the sensor gives for an exposure.
+/// Converts an exposure to the sensor's intensities.
 cv::Vec3b Renderer::to_bgr8(Lanes bgr, float gain, uint64_t bits) const {
   const uint32_t draws[3] = {static_cast<uint32_t>(bits), static_cast<uint32_t>(bits >> 32),
                              static_cast<uint32_t>(hash(bits, 2))};
@@ -162,7 +162,7 @@ cv::Vec3b Renderer::to_bgr8(Lanes bgr, float gain, uint64_t bits) const {
 }
 
 void Renderer::render_tile(const Tile& tile, float gain, uint64_t seed, const RowImages& out) const {
-  // Samples overlap into each other's part of the pixel: each stands for about half its width.
+  // The footprints of samples overlap: each covers about half the pixel's width.
   constexpr float kSampleWidth = 0.6F;
   const auto sample_angle = static_cast<float>(kSampleWidth / camera_.fx);
   const Bvh& bvh = scene_->bvh();
@@ -184,7 +184,7 @@ void Renderer::render_tile(const Tile& tile, float gain, uint64_t seed, const Ro
     const RayPacket& rays = tile.depth[(x - tile.begin) / kLanes];
     const HitPacket hits = bvh.nearest(rays, kSight_m, candidates);
     for (int lane = 0; lane < std::min(kLanes, tile.end - x); ++lane) {
-      depth_m[x + lane] = hits.t[lane];  // z, as the rays are (x, y, 1) in the camera frame
+      depth_m[x + lane] = hits.t[lane];  // z, since the rays are (x, y, 1) in the camera frame
       if (noise_.holes) cosine[x + lane] = scene_->infrared_cosine(rays, hits, lane);
     }
   }

@@ -1,6 +1,6 @@
 #pragma once
-// In: a scene, a camera and its path. Out: the two images of a frame, each row seen from where the camera was
-// when that row was read out.
+// In: a scene, a camera and its path. Out: the two images of a frame, each row rendered from the camera pose
+// at its readout time.
 
 #include <vector>
 
@@ -16,12 +16,12 @@ struct RenderedFrame {
   cv::Mat depth_m;  ///< 32FC1, as measured, 0 = unknown
 };
 
-/// Renders frames of one scene. Rows are independent: the result is the same for any number of threads.
+/// Renders frames of one scene. Rows are independent, so the result is the same for any number of threads.
 class Renderer {
  public:
   Renderer(const Scene& scene, const PinholeCamera& camera, const KinectNoise& noise, int threads);
 
-  /// `path` in the room frame; `stamp_ns` is the time of the middle row, in the middle of its exposure.
+  /// `path` is in the room frame; `stamp_ns` is the middle of the exposure of the middle row.
   [[nodiscard]] RenderedFrame render(const CameraPath& path, int64_t stamp_ns, uint64_t frame_seed) const;
 
  private:
@@ -40,7 +40,7 @@ class Renderer {
   PinholeCamera camera_;
   KinectNoise noise_;
   int threads_;
-  std::vector<float> ray_x_, ray_y_;  ///< direction (x, y, 1) of every pixel's centre
+  std::vector<float> ray_x_, ray_y_;  ///< ray (x, y, 1) of every pixel centre
 };
 
 }  // namespace kinloop::sim

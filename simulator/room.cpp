@@ -20,7 +20,7 @@ constexpr double kCameraHeight_m = 1.45;
 constexpr double kMaxPath_m = 25;
 constexpr double kMinCameraHeight_m = 0.45, kHeadRoom_m = 0.45;
 
-/// Where the room stands: z along `up`, walls along the world's other axes as far as they are level.
+/// Pose of the room: z along `up`, walls along the world's other axes as far as these are horizontal.
 SE3 place_room(const Trajectory& path, Eigen::Vector3d& size_m) {
   const Eigen::Quaterniond R_world_room =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), estimate_up_direction(path));
@@ -42,7 +42,7 @@ SE3 place_room(const Trajectory& path, Eigen::Vector3d& size_m) {
   return {R_world_room, R_world_room * origin};
 }
 
-/// The path in the room frame, thinned out to steps that clearance and views can be judged by.
+/// The path in the room frame, thinned to the resolution needed for clearance and visibility.
 Trajectory thinned(const Trajectory& path, const SE3& T_room_world) {
   constexpr double kStep_m = 0.02, kStep_rad = 0.03;
   Trajectory samples;
@@ -60,7 +60,7 @@ Trajectory thinned(const Trajectory& path, const SE3& T_room_world) {
 }  // namespace
 
 Room build_room(const Trajectory& path, uint64_t seed, int threads) {
-  require(!path.empty(), "a room is built around a path");
+  require(!path.empty(), "a room needs a path to be built around");
   Room room;
   room.T_world_room = place_room(path, room.size_m);
   Palette palette(hash(seed, 1), threads);

@@ -8,7 +8,7 @@
 
 namespace kinloop::sim {
 
-/// A room and where it stands in the path's world. Room frame: z up, origin in the middle of the floor.
+/// A room and its pose in the path's world. Room frame: z up, origin in the middle of the floor.
 struct Room {
   std::unique_ptr<const Scene> scene;
   Eigen::Vector3d size_m;
@@ -17,8 +17,8 @@ struct Room {
 
 /// Builds the room of `seed` around a path: walls some distance outside the path's bounding box, furniture
 /// along the walls and where the camera looks, nothing within `kPathClearance_m` (room_layout.hpp) of the
-/// path. The floor lies so that the camera is mostly at the height of a standing person's hands. Throws
-/// InputError for a path that no room would hold.
+/// path. The floor is placed so that the camera is mostly at the height of a standing person's hands. Throws
+/// InputError for a path too large for a room.
 Room build_room(const Trajectory& path, uint64_t seed, int threads);
 
 }  // namespace kinloop::sim

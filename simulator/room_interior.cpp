@@ -1,4 +1,4 @@
-// What stands away from the walls.
+// Furniture away from the walls.
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +20,8 @@ int cells(float length_m) {
 
 }  // namespace
 
-/// How often the optical axis passes over every cell of the floor, at a distance where depth is good and low
-/// enough for furniture to be met; summed over all cells above and left, so that rectangles add up at once.
+/// How often the optical axis passes over every cell of the floor, within the range of good depth and low
+/// enough to hit furniture, as an integral image, so that rectangles are summed at once.
 cv::Mat RoomLayout::view_count_integral() const {
   constexpr float kNear_m = 0.8F, kFar_m = 2.6F, kHighest_m = 1.2F;
   cv::Mat counts = cv::Mat::zeros(cells(size_m_.y()), cells(size_m_.x()), CV_32FC1);
@@ -37,10 +37,11 @@ cv::Mat RoomLayout::view_count_integral() const {
   return sums;
 }
 
-/// The free place for `piece`, in any of four turns, that is seen most often; empty when none is seen enough.
+/// The free place for `piece`, in any of four orientations, that is viewed most often; empty if none is
+/// viewed enough.
 Parts RoomLayout::place_where_most_viewed(const Parts& piece, const cv::Mat& sums) const {
   constexpr float kStride_m = 2 * kCell_m, kMinViews = 60;
-  constexpr double kComfort_m = 0.5;  // nearer than a sensor measures is no use
+  constexpr double kComfort_m = 0.5;  // nearer than the sensor's range
   float best_views = kMinViews;
   Parts best;
   const Eigen::Vector2f half = size_m_.head<2>() / 2;
@@ -67,7 +68,7 @@ Parts RoomLayout::place_where_most_viewed(const Parts& piece, const cv::Mat& sum
   return best;
 }
 
-/// Puts desks and tables where the camera looks most, until there is no more room or nothing left to see.
+/// Puts desks and tables where the camera looks most, until there is no free place or nothing left to view.
 void RoomLayout::furnish_viewed_areas() {
   const cv::Mat sums = view_count_integral();
   constexpr int kMaxPieces = 14;

@@ -50,7 +50,7 @@ RoomLayout::RoomLayout(const Palette& palette, const Eigen::Vector3f& size_m, co
   scatter_on_floor();
 }
 
-/// The place for the window, which shows no depth.
+/// The wall for the window, which returns no depth.
 size_t RoomLayout::least_viewed_wall() const {
   std::vector<float> looks(walls_.size(), 0);
   for (size_t i = 0; i < walls_.size(); ++i) {
@@ -178,7 +178,7 @@ void RoomLayout::add_door(Wall& wall) {
                     kFront, palette.fitted(Kind::kDoor, random_))},
       along, 0);
   parts_.insert(parts_.end(), door.begin(), door.end());
-  // Somebody has put up a poster, and a note by the handle.
+  // A poster, and a note by the handle.
   const Parts poster =
       moved(builder_.wall_picture(0.5F, 0.62F), 0, {builder_.uniform(-0.1F, 0.1F), -kDoorThickness, 1.5F});
   const Parts note =
@@ -188,7 +188,7 @@ void RoomLayout::add_door(Wall& wall) {
   }
   wall.covered.push_back(
       {Eigen::Vector2f(along - kWidth / 2, 0), Eigen::Vector2f(along + kWidth / 2, kHeight)});
-  // Room to open it.
+  // Clearance for opening the door.
   footprints_.push_back(
       footprint(place_at_wall(wall, {make_box({0, -0.35F, 1}, {kWidth, 0.7F, 2}, {})}, along, 0)));
 }

@@ -1,6 +1,6 @@
 #pragma once
-// In: the size of a room, a palette and the path of the camera in it. Out: walls, furniture and lamps, with
-// nothing in the way of the camera.
+// In: the size of a room, a palette and the path of the camera in it. Out: walls, furniture and lamps that
+// keep clear of the path.
 
 #include <vector>
 
@@ -12,7 +12,7 @@
 
 namespace kinloop::sim {
 
-/// No part of a room comes closer to the camera than this.
+/// Minimum distance of any part of a room from the camera.
 constexpr double kPathClearance_m = 0.3;
 
 /// Furnishes one room.
@@ -25,12 +25,12 @@ class RoomLayout {
   [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
 
  private:
-  /// A wall seen from inside: `along` runs to the right, furniture backs stand at its foot.
+  /// A wall seen from inside: `along` points right; furniture backs stand against it.
   struct Wall {
     float yaw_rad;
     float length_m;
     float distance_m;                          ///< from the middle of the room
-    std::vector<Eigen::AlignedBox2f> covered;  ///< (along, z) taken by furniture and pictures
+    std::vector<Eigen::AlignedBox2f> covered;  ///< (along, z) occupied by furniture and pictures
   };
 
   [[nodiscard]] size_t least_viewed_wall() const;

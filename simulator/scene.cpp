@@ -8,14 +8,14 @@
 namespace kinloop::sim {
 namespace {
 
-/// Where four rays meet the same face of a box.
+/// Four rays that hit the same face of a box.
 struct CommonFace {
   SurfacePoint middle;
   Lanes u, v;
   float cosine;
 };
 
-/// Nothing when the four points lie on different faces.
+/// Returns nullopt if the four points lie on different faces.
 std::optional<CommonFace> common_face(const Primitive& box, const RayPacket& rays, Lanes t) {
   const Lanes3 p{rays.origin.x + t * rays.direction.x - box.center.x(),
                  rays.origin.y + t * rays.direction.y - box.center.y(),
@@ -38,7 +38,7 @@ std::optional<CommonFace> common_face(const Primitive& box, const RayPacket& ray
   return face;
 }
 
-/// Cosine between a ray and the surface it hits, at least 0.
+/// Cosine of the incidence angle, at least 0.
 float incidence(const Primitive& solid, const LaneRay& ray) {
   const Eigen::Vector3f p_local = solid.R_room_local.transpose() * (ray.point - solid.center);
   const Eigen::Vector3f normal = solid.R_room_local * normal_at(solid, p_local);
@@ -63,11 +63,11 @@ Scene::FaceLookup Scene::look_up_face(const Primitive& solid, const SurfacePoint
   lookup.u_span = lookup.face_texture->u_scale * (lookup.face_texture->fitted ? 1 : point.width_m);
   lookup.v_span = lookup.face_texture->v_scale * (lookup.face_texture->fitted ? 1 : point.height_m);
   lookup.emissive = solid.emissive && (picture || solid.picture_face == kNoFace);
-  // Texture pixels per metre, the denser of the two directions.
+  // Texture pixels per metre, in the denser of the two directions.
   const float density =
       std::max(lookup.u_span * static_cast<float>(lookup.texture->width()) / point.width_m,
                lookup.v_span * static_cast<float>(lookup.texture->height()) / point.height_m);
-  // A slanted surface stretches the footprint in one direction only: widening it by the square root is the
+  // A slanted surface stretches the footprint in one direction only; scaling it by the square root is a
   // compromise between blur along and aliasing across.
   constexpr float kMinCosine = 0.04F;
   lookup.footprint_px = density * footprint_m / std::sqrt(std::max(cosine, kMinCosine));
@@ -94,7 +94,7 @@ Lanes Scene::mean_color(const RayPacket& rays, const HitPacket& hits, float pixe
     const Primitive& solid = primitives_[static_cast<size_t>(primitive)];
     if (solid.shape == Shape::kBox) {
       if (const auto face = common_face(solid, rays, hits.t)) {
-        // All four on one face of a box, as nearly always: one look, one light, four texture pixels.
+        // All four on one face of a box, the common case: one texture and light lookup for all.
         const SurfacePoint& point = face->middle;
         const FaceLookup lookup = look_up_face(solid, point, face->cosine, hits.t[0] * pixel_angle);
         const Lanes u = lookup.face_texture->u0 + lookup.u_span * face->u,

@@ -1,5 +1,5 @@
 #pragma once
-// In: solids, textures and lamps. Out: what a ray meets, its colour, and exact distances to the surface.
+// In: solids, textures and lamps. Out: ray hits, their colour, and exact distances to the surface.
 
 #include <vector>
 
@@ -9,7 +9,7 @@
 
 namespace kinloop::sim {
 
-/// A furnished room, ready to be looked at. Coordinates: z up, metres.
+/// A furnished room ready for rendering. Coordinates: z up, metres.
 class Scene {
  public:
   Scene(std::vector<Primitive> primitives, std::vector<Texture> textures, const std::vector<Light>& lights,
@@ -18,18 +18,18 @@ class Scene {
   [[nodiscard]] const Bvh& bvh() const { return bvh_; }
   [[nodiscard]] const std::vector<Primitive>& primitives() const { return primitives_; }
 
-  /// Mean colour (BGR, 0 to 255) that the rays of a packet bring back. `pixel_angle` is the width, at
-  /// distance 1, that each of them stands for.
+  /// Returns the mean colour (BGR, 0 to 255) of the rays of a packet. `pixel_angle` is the width, at distance
+  /// 1, that each of them represents.
   [[nodiscard]] Lanes mean_color(const RayPacket& rays, const HitPacket& hits, float pixel_angle) const;
 
-  /// Cosine between a ray and the surface it hits; 0 where an infrared camera would see nothing there.
+  /// Returns the cosine of the incidence angle; 0 if the surface returns no infrared light.
   [[nodiscard]] float infrared_cosine(const RayPacket& rays, const HitPacket& hits, int lane) const;
 
-  /// Distance from a point to the nearest surface, unsigned.
+  /// Returns the unsigned distance from a point to the nearest surface.
   [[nodiscard]] double distance_to_surface(const Eigen::Vector3d& p_room) const;
 
  private:
-  /// How one face is looked up: its texture, and the footprint of a ray in pixels of it.
+  /// Lookup data of one face: its texture, and the footprint of a ray in texture pixels.
   struct FaceLookup {
     const FaceTexture* face_texture;
     const Texture* texture;

@@ -34,7 +34,7 @@ RgbdCamera simulated_camera(const SimulationOptions& options) {
        c.p1,
        c.p2,
        c.k3};
-  if (sx == 1 && sy == 1) c = camera_preset("freiburg1").value().color;  // to the last digit
+  if (sx == 1 && sy == 1) c = camera_preset("freiburg1").value().color;  // exactly
   if (!options.lens_distortion) c.k1 = c.k2 = c.p1 = c.p2 = c.k3 = 0;
   if (options.fps > 0) camera.fps = options.fps;
   return camera;
@@ -45,7 +45,7 @@ Trajectory in_room(Trajectory path, const SE3& T_room_world) {
   return path;
 }
 
-/// To the steps of a depth image and back, exactly as a file would do it.
+/// Rounds to the steps of a depth image, exactly as writing and reading a file would.
 cv::Mat as_stored(const cv::Mat& depth_m, double depth_scale) {
   cv::Mat units, stored_m;
   depth_m.convertTo(units, CV_16UC1, depth_scale);

@@ -1,11 +1,10 @@
 #pragma once
-// In: "sim:room" or "sim:room:SEED", optionally a recorded path. Out: the frames that a Kinect would give on
-// that path through a furnished room, with the true poses.
-//
-// Time: the stamp of a frame is that of the middle row of its colour image, in the middle of its exposure,
-// and the ground truth is the pose of the colour camera at that moment. Depth is registered to the
-// (distorted) colour image, z along the colour camera's optical axis, and rounded to the units of a depth
-// file, so that a written sequence reads back as the very same frames.
+// In: "sim:room" or "sim:room:SEED", optionally a recorded path. Out: the frames of a Kinect on that path
+// through a furnished room, with ground truth.
+// Time: the stamp of a frame is the middle of the exposure of the middle row of its colour image, and the
+// ground truth is the pose of the colour camera at that moment. Depth is registered to the (distorted) colour
+// image, z along the colour camera's optical axis, and rounded to the units of a depth file, so that a
+// written sequence reads back identically.
 
 #include <filesystem>
 #include <memory>
@@ -36,7 +35,7 @@ struct SimulationOptions {
   }
 };
 
-/// What a user of the sensor has to find out: not part of camera(), as no real camera says it either.
+/// Sensor parameters that kinloop has to estimate; not part of camera(), since no real camera reports them.
 struct SensorGroundTruth {
   double rolling_shutter_s = 0;
   double depth_offset_s = 0;
@@ -45,7 +44,7 @@ struct SensorGroundTruth {
 /// Renders a room on the fly.
 class SimulatedSource : public FrameSource {
  public:
-  /// The room of `seed` along the built-in path, or along `path` (its stamps, its world).
+  /// The room of `seed` along the built-in path, or along `path` (in its stamps and world).
   SimulatedSource(std::string name, uint64_t seed, const SimulationOptions& options, int threads,
                   std::optional<Trajectory> path = {});
   ~SimulatedSource() override;
@@ -57,12 +56,12 @@ class SimulatedSource : public FrameSource {
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return {}; }
 
-  /// Frame `index` without advancing.
+  /// Returns frame `index` without advancing.
   [[nodiscard]] RgbdFrame frame(size_t index) const;
 
   [[nodiscard]] const SensorGroundTruth& truth() const { return truth_; }
 
-  /// Distance from a point in the world of the ground truth to the nearest surface, unsigned.
+  /// Returns the unsigned distance from a point in the ground truth's world to the nearest surface.
   [[nodiscard]] double distance_to_surface(const Eigen::Vector3d& p_world) const;
 
  private:

@@ -17,7 +17,7 @@ Lanes to_lanes(uint32_t pixel) {
   return __builtin_convertvector(std::bit_cast<Bytes>(pixel), Lanes);
 }
 
-/// Base 2 logarithm, linear between the powers of two: exact enough to choose a level.
+/// Base-2 logarithm, piecewise linear: accurate enough to choose a pyramid level.
 float rough_log2(float x) {
   const auto bits = static_cast<float>(std::bit_cast<int32_t>(x));
   constexpr float kMantissaSteps = 1 << 23;
@@ -25,7 +25,7 @@ float rough_log2(float x) {
   return bits / kMantissaSteps - kBias;
 }
 
-/// Floor for moderate values; std::floor is a call without SSE4.
+/// Floor for moderate values; std::floor is a function call without SSE4.
 int floor_int(float x) {
   const int truncated = static_cast<int>(x);
   return truncated - (static_cast<float>(truncated) > x ? 1 : 0);
@@ -34,10 +34,10 @@ int floor_int(float x) {
 }  // namespace
 
 Texture::Texture(const cv::Mat& image) {
-  require(image.type() == CV_8UC3, "a texture is made of an 8-bit BGR image");
+  require(image.type() == CV_8UC3, "a texture needs an 8-bit BGR image");
   require(std::has_single_bit(static_cast<unsigned>(image.cols)) &&
               std::has_single_bit(static_cast<unsigned>(image.rows)),
-          "texture sizes are powers of two");
+          "texture sizes must be powers of two");
   cv::Mat current = image;
   while (true) {
     Level level{current.cols, current.rows, {}};
@@ -62,7 +62,7 @@ Lanes Texture::bilinear(const Level& level, float u, float v) {
   const float y = v * static_cast<float>(level.height) - 0.5F;
   const int x0 = floor_int(x), y0 = floor_int(y);
   const float ax = x - static_cast<float>(x0), ay = y - static_cast<float>(y0);
-  // Sizes are powers of two: masking wraps.
+  // Sizes are powers of two, so masking wraps.
   const auto left = static_cast<size_t>(x0 & (level.width - 1));
   const auto right = static_cast<size_t>((x0 + 1) & (level.width - 1));
   const uint32_t* upper =

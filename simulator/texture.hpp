@@ -1,5 +1,5 @@
 #pragma once
-// In: painted pictures. Out: colours filtered over the footprint of a pixel, so that nothing shimmers.
+// In: images. Out: colours filtered over the footprint of a pixel, to avoid aliasing.
 
 #include <vector>
 
@@ -9,8 +9,8 @@
 
 namespace kinloop::sim {
 
-/// A picture that repeats in both directions, with its pyramid of halved versions (Williams 1983, "Pyramidal
-/// parametrics"). Width and height are powers of two.
+/// A periodic texture with its mipmap pyramid (Williams 1983, "Pyramidal parametrics"). Width and height are
+/// powers of two.
 class Texture {
  public:
   /// `image`: 8UC3, BGR.
@@ -19,12 +19,12 @@ class Texture {
   [[nodiscard]] int width() const { return levels_.front().width; }
   [[nodiscard]] int height() const { return levels_.front().height; }
 
-  /// BGR (0 to 255, fourth lane unused) at (u, v), where the picture spans [0, 1), averaged over about
-  /// `footprint_px` pixels of the full picture.
+  /// Returns BGR (0 to 255, fourth lane unused) at (u, v), where the image spans [0, 1), averaged over about
+  /// `footprint_px` pixels of the full image.
   [[nodiscard]] Lanes sample(float u, float v, float footprint_px) const;
 
-  /// The sum of four samples. Between two levels, some samples come from the finer and some from the coarser
-  /// one, in the right proportion: half the work of blending each.
+  /// Returns the sum of four samples. Between two levels, some samples are taken from the finer and some from
+  /// the coarser one, in proportion: half the work of blending each.
   [[nodiscard]] Lanes sample_sum(Lanes u, Lanes v, float footprint_px) const;
 
  private:

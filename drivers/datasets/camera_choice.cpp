@@ -14,13 +14,13 @@ namespace {
 constexpr std::array<std::string_view, 3> kTumPresets = {"freiburg1", "freiburg2", "freiburg3"};
 constexpr const char* kPresetNames = "freiburg1, freiburg2, freiburg3, icl";
 
-/// The last part of the path, also of "folder/" and ".".
+/// The last path component, also of "folder/" and ".".
 std::string folder_name(const std::filesystem::path& folder) {
   const auto normal = std::filesystem::absolute(folder).lexically_normal();
   return (normal.has_filename() ? normal : normal.parent_path()).filename().string();
 }
 
-/// The one TUM preset that `name` contains; nothing where it contains none or several.
+/// The TUM preset contained in `name`; nullopt if there is none or several.
 std::optional<RgbdCamera> preset_in_name(const std::string& name) {
   std::optional<RgbdCamera> found;
   for (const auto preset : kTumPresets) {

@@ -1,5 +1,5 @@
 #pragma once
-// In: a sequence folder and what the user gave as --camera. Out: the camera; never a silent guess.
+// In: a sequence folder and the --camera argument. Out: the camera; never guessed silently.
 
 #include <filesystem>
 #include <optional>
@@ -9,9 +9,9 @@
 
 namespace kinloop {
 
-/// The camera of a sequence: `camera_argument` (a preset's name or a file) where given, else camera.yaml in
-/// the folder, else the TUM preset that the folder's name contains ("rgbd_dataset_freiburg1_desk"). Throws
-/// InputError that says what to do when there is none.
+/// Returns the camera of a sequence: `camera_argument` (a preset name or a file) if given, else camera.yaml
+/// in the folder, else the TUM preset contained in the folder's name ("rgbd_dataset_freiburg1_desk"). Throws
+/// InputError with the remedy if there is none.
 RgbdCamera choose_camera(const std::filesystem::path& folder,
                          const std::optional<std::string>& camera_argument = {});
 

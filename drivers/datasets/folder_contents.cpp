@@ -13,7 +13,7 @@ bool contains(const std::vector<std::string>& names, std::string_view name) {
   return std::binary_search(names.begin(), names.end(), name, std::less<>());
 }
 
-/// A layout, and the file or folder that tells it; empty where the folder does not have it.
+/// A layout, and the file or folder it is recognised by; empty if the folder does not have it.
 struct KnownLayout {
   const char* name;
   std::string (*evidence)(const fs::path& folder, const FolderContents& contents);
@@ -57,7 +57,7 @@ std::string ros2_bag(const fs::path&, const FolderContents& c) {
   return "metadata.yaml";
 }
 
-/// Those with more to tell them by come first.
+/// Layouts with more evidence come first.
 constexpr KnownLayout kLayouts[] = {
     {"7-Scenes",
      [](const fs::path&, const FolderContents& c) { return c.find_file("frame-", ".color.png"); }},

@@ -1,5 +1,5 @@
 #pragma once
-// The names in a folder, to tell by what it holds.
+// Recognises the content of a folder by its names.
 
 #include <filesystem>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace kinloop {
 
-/// Names of the files and folders in a folder, sorted; of a very large folder, some thousands of them.
+/// Sorted names of the files and folders in a folder; of a very large folder only some thousands.
 class FolderContents {
  public:
   explicit FolderContents(const std::filesystem::path& folder);
@@ -19,18 +19,18 @@ class FolderContents {
   [[nodiscard]] bool has_file(std::string_view name) const;
   [[nodiscard]] bool has_folder(std::string_view name) const;
 
-  /// The first file with this beginning and end; empty where there is none.
+  /// Returns the first file with this prefix and suffix; empty if there is none.
   [[nodiscard]] std::string find_file(std::string_view beginning, std::string_view end) const;
 
-  /// The first PNG or JPEG; empty where there is none.
+  /// Returns the first PNG or JPEG; empty if there is none.
   [[nodiscard]] std::string first_image() const;
 
  private:
   std::vector<std::string> files_, folders_;
 };
 
-/// What the layout of another data set is called and what tells it, "7-Scenes (frame-000000.color.png)";
-/// empty for a folder in no layout known.
+/// Returns the name of another dataset's layout with the evidence, "7-Scenes (frame-000000.color.png)"; empty
+/// for an unknown layout.
 std::string detect_dataset_layout(const std::filesystem::path& folder);
 
 }  // namespace kinloop

@@ -30,7 +30,7 @@ constexpr const char* kCameraToCopy =
     "  depth_scale: 5000            # units of the depth images per metre; 1000 for millimetres\n"
     "  fps: 30\n";
 
-/// A file of the layout that may be missing.
+/// A required file of the layout.
 struct RequiredFile {
   const char* name;
   const char* meaning;
@@ -58,14 +58,14 @@ std::string names_of(const std::vector<RequiredFile>& files) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// What to add to the folder to make it a sequence.
+/// Lists what to add to the folder to make it a sequence.
 std::string hint_for(const std::vector<RequiredFile>& missing, bool camera_known) {
   std::string hint = "Missing for a sequence in TUM layout:\n";
   for (const RequiredFile& file : missing) hint += fmt::format("  {:<12} {}\n", file.name, file.meaning);
   return camera_known ? hint : hint + kCameraToCopy;
 }
 
-/// Of a path that is not there: a sequence to be downloaded, or a slip in a name.
+/// Nonexistent path: a sequence to be downloaded, or a misspelt name.
 [[noreturn]] void reject_absent(const fs::path& path) {
   constexpr std::string_view kTum = "rgbd_dataset_freiburg";
   const fs::path normal = path.has_filename() ? path : path.parent_path();
@@ -82,7 +82,7 @@ std::string hint_for(const std::vector<RequiredFile>& missing, bool camera_known
       fmt::format("{}: no such folder{}", path.string(), guess.empty() ? "; check the path" : guess));
 }
 
-/// What to do with a file that was given for a folder.
+/// Remedy if a file was given instead of a folder.
 std::string advice_for_file(const fs::path& file) {
   struct Kind {
     std::vector<const char*> endings;
@@ -108,7 +108,7 @@ std::string advice_for_file(const fs::path& file) {
   return "not a folder; give the folder of a sequence, or a ROS bag (.bag)";
 }
 
-/// Folders below that are sequences; a few.
+/// Names of a few sequences below this folder.
 std::vector<std::string> sequences_below(const fs::path& folder) {
   constexpr size_t kMost = 3;
   std::vector<std::string> found;
@@ -119,7 +119,7 @@ std::vector<std::string> sequences_below(const fs::path& folder) {
   return found;
 }
 
-/// The layout of another data set, in the folder or in one below it; empty where it is in none.
+/// The layout of another dataset, in the folder or one level below; empty if none is recognised.
 std::string foreign_layout_around(const fs::path& folder) {
   if (std::string layout = detect_dataset_layout(folder); !layout.empty()) return layout;
   constexpr size_t kMostFolders = 16;
@@ -132,7 +132,7 @@ std::string foreign_layout_around(const fs::path& folder) {
   return {};
 }
 
-/// What the folder is, or lacks; empty where it is like nothing known.
+/// What the folder is or lacks; empty if nothing is recognised.
 std::string description_of(const fs::path& folder) {
   const FolderContents contents(folder);
   if (contents.empty()) return "an empty folder";

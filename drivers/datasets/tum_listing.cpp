@@ -15,7 +15,7 @@
 namespace kinloop {
 namespace {
 
-/// The rows of one text file with their first column as time, and what was left out of it.
+/// The rows of a text file whose first column is a time stamp, and the rows skipped.
 struct StampedRows {
   std::vector<int64_t> stamps_ns;
   std::vector<TextLine> lines;
@@ -42,9 +42,9 @@ int64_t row_stamp(const std::filesystem::path& file, const TextLine& line, const
   return stamp_of(file, line, 0);
 }
 
-/// Rows whose time increases. `columns` names what a row holds, separated by blanks.
+/// Reads rows with increasing time stamps. `columns` names the columns, separated by blanks.
 StampedRows read_stamped_rows(const std::filesystem::path& file, const std::string& columns) {
-  constexpr size_t kMaxDisorder = 2;  // one row in so many may be out of order
+  constexpr size_t kMaxDisorder = 2;  // tolerates one row out of order in this many
   StampedRows rows;
   size_t first_skipped_line = 0;
   for (TextLine& line : read_table(file)) {
@@ -73,7 +73,7 @@ StampedRows read_stamped_rows(const std::filesystem::path& file, const std::stri
   return rows;
 }
 
-/// Pairs chosen by hand are taken as they are, but a column of another clock must not go unnoticed.
+/// Pairs made by the user are kept, but warn if they suggest different clocks.
 void warn_of_pairs_apart(const std::filesystem::path& file, const StampedRows& rows) {
   size_t apart = 0, first_line = 0;
   for (size_t i = 0; i < rows.lines.size(); ++i) {
@@ -122,7 +122,7 @@ TumListing associate_lists(const std::filesystem::path& folder) {
 
 TumListing read_tum_listing(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
-  constexpr bool kCameraKnown = true;  // to the caller
+  constexpr bool kCameraKnown = true;  // the caller knows it
   if (!has_tum_lists(folder)) reject_sequence(folder, kCameraKnown);
   if (fs::exists(folder / "associations.txt")) return read_associated(folder);
   return associate_lists(folder);

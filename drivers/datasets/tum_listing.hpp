@@ -1,5 +1,5 @@
 #pragma once
-// In: the text files of a sequence in TUM layout. Out: which images make up its frames, nothing read yet.
+// In: the text files of a sequence in TUM layout. Out: the image files of each frame; no image is read.
 
 #include <cstdint>
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace kinloop {
 
-/// One frame of a sequence: its two images.
+/// The two images of a frame.
 struct FrameFiles {
   int64_t stamp_ns = 0;  ///< of the colour image
   std::filesystem::path color;
@@ -18,14 +18,14 @@ struct FrameFiles {
 
 struct TumListing {
   std::vector<FrameFiles> frames;     ///< in order of time
-  std::vector<SkippedFrame> skipped;  ///< rows whose time stamp repeats an earlier one or goes back
+  std::vector<SkippedFrame> skipped;  ///< rows whose time stamp repeats or precedes an earlier one
 };
 
-/// Reads associations.txt ("stamp colour stamp depth" a line), or rgb.txt and depth.txt ("stamp file" a line)
-/// and pairs them by time stamp. Time stamps must increase from row to row; a row whose stamp does not is
-/// skipped, and an InputError where that is most of the rows. Throws InputError naming file, line and remedy
-/// for a folder or file that is missing, a row that cannot be read, and a sequence without a frame. Warns of
-/// pairs in associations.txt that are farther apart in time than lists would be paired.
+/// Reads associations.txt ("stamp colour stamp depth" per line), or rgb.txt and depth.txt ("stamp file" per
+/// line), which are associated by time stamp. Rows whose stamp does not increase are skipped; if these are
+/// most of the rows, an InputError is thrown. Throws InputError naming file, line and remedy for a missing
+/// folder or file, an unreadable row, and a sequence without frames. Warns of pairs in associations.txt that
+/// exceed the association tolerance.
 TumListing read_tum_listing(const std::filesystem::path& folder);
 
 }  // namespace kinloop

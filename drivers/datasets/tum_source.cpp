@@ -22,7 +22,7 @@ void require_size(const cv::Mat& image, const std::filesystem::path& path, const
                                      image.cols, image.rows, camera.width, camera.height, remedy));
 }
 
-/// Throws InputError where a list names only files that are not there.
+/// Throws InputError if all files named in a list are missing.
 void require_some_there(const std::vector<FrameFiles>& frames, std::filesystem::path FrameFiles::*file,
                         const std::filesystem::path& folder) {
   for (const FrameFiles& files : frames) {
@@ -57,7 +57,7 @@ TumSource::TumSource(const std::filesystem::path& folder, const RgbdCamera& came
 }
 
 void TumSource::require_expected_format() const {
-  constexpr int kBelieved = 3;  // a wrong camera or kind of image spoils every frame, damage only its own
+  constexpr int kBelieved = 3;  // a wrong camera or image format affects every frame, damage only its own
   int wrong = 0;
   std::string first;
   for (const FrameFiles& files : frames_) {
@@ -68,7 +68,7 @@ void TumSource::require_expected_format() const {
       if (wrong == 0) first = error.what();
       if (++wrong == kBelieved) throw InputError(first);
     } catch (const InputError&) {
-      continue;  // next() will count it
+      continue;  // next() counts it
     }
   }
 }
@@ -85,7 +85,7 @@ std::optional<RgbdFrame> TumSource::next() {
     }
   }
   if (next_id_ == 0) {
-    const SkippedFrame& first = skipped_[skipped_.size() - frames_.size()];  // after the rows of the lists
+    const SkippedFrame& first = skipped_[skipped_.size() - frames_.size()];  // after those of the lists
     throw InputError(fmt::format("{}: none of the {} frames is usable; the first: {}", info_.name,
                                  info_.frames, first.reason));
   }

@@ -1,6 +1,6 @@
 #pragma once
-// In: frames, one after the other. Out: a folder in the layout of the TUM RGB-D benchmark that `TumSource`
-// reads back as the very same frames.
+// In: frames. Out: a folder in the layout of the TUM RGB-D benchmark from which `TumSource` reads back
+// identical frames.
 
 #include <cstdint>
 #include <filesystem>
@@ -12,28 +12,28 @@
 
 namespace kinloop {
 
-/// Throws InputError where `folder` holds a sequence already, or cannot be written into.
+/// Throws InputError if `folder` already holds a sequence or is not writable.
 void require_no_sequence(const std::filesystem::path& folder);
 
-/// Writes a sequence. The images come one by one, each complete under its name; the lists that make a
-/// sequence of them (rgb.txt, depth.txt, associations.txt) only with `finish`.
+/// Writes a sequence. Each image is written atomically; `finish` writes the lists that complete the sequence
+/// (rgb.txt, depth.txt, associations.txt).
 class TumWriter {
  public:
-  /// Makes the folder where needed, takes away the lists of an older sequence in it and writes camera.yaml.
-  /// Throws InputError when the folder cannot be written.
+  /// Creates the folder if needed, removes the lists of an older sequence and writes camera.yaml. Throws
+  /// InputError if the folder is not writable.
   TumWriter(std::filesystem::path folder, const RgbdCamera& camera);
 
-  /// Adds a frame; its stamp must be later than that of the frame before. Depth is rounded to the camera's
-  /// units per metre; what does not fit into 16 bits is written as unknown.
+  /// Adds a frame; its stamp must be later than the previous one. Depth is rounded to the camera's units per
+  /// metre; values out of the 16-bit range are written as unknown.
   void append(const RgbdFrame& frame, int64_t depth_stamp_ns);
   void append(const RgbdFrame& frame) { append(frame, frame.stamp_ns); }
 
-  /// The two halves of `append`: the images alone, which several threads may do at once, and the lists'
-  /// lines.
+  /// The two halves of `append`: the images alone, which several threads may write at once, and the lines of
+  /// the lists.
   void write_images(const RgbdFrame& frame, int64_t depth_stamp_ns) const;
   void add_to_lists(int64_t stamp_ns, int64_t depth_stamp_ns);
 
-  /// Writes the lists, and groundtruth.txt where there is a ground truth.
+  /// Writes the lists, and groundtruth.txt unless `ground_truth` is empty.
   void finish(const Trajectory& ground_truth = {});
 
  private:

@@ -24,7 +24,7 @@ constexpr double kMillimetresPerMetre = 1000;
 constexpr double kNsPerTick = 1e9 / 60e6;  ///< the device counts at 60 MHz
 constexpr std::chrono::milliseconds kPatience(2000);
 
-/// Published for the Kinect 1 by several groups; a camera of one's own is some per cent off.
+/// Published for the Kinect 1 by several groups; an individual camera may differ by some per cent.
 RgbdCamera typical_camera() {
   RgbdCamera camera;
   camera.color.width = kWidth, camera.color.height = kHeight;
@@ -129,7 +129,7 @@ class Kinect1Source : public FrameSource {
           fmt::format("kinect1: the --camera file is for {} x {} pixels; the Kinect 1 gives {} x {}",
                       camera_.color.width, camera_.color.height, kWidth, kHeight));
     }
-    camera_.depth.reset();  // the device registers
+    camera_.depth.reset();  // registered by the device
     info_.name = "kinect1";
     info_.live = true;
     device_ = std::make_unique<Device>(frames_);
@@ -157,7 +157,7 @@ class Kinect1Source : public FrameSource {
   RgbdCamera camera_;
   SourceInfo info_;
   LiveFrameBuffer frames_;
-  std::unique_ptr<Device> device_;  // last: it fills the frames
+  std::unique_ptr<Device> device_;  // declared last: it fills the frames
 };
 
 }  // namespace

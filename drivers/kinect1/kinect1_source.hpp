@@ -1,5 +1,5 @@
 #pragma once
-// A Kinect 1 on USB, through libfreenect. Only where the build found it.
+// A Kinect 1 on USB, via libfreenect (optional dependency).
 
 #include <memory>
 #include <optional>
@@ -9,12 +9,12 @@
 
 namespace kinloop {
 
-/// Whether this build knows the Kinect 1.
+/// Returns whether this build supports the Kinect 1.
 bool kinect1_available();
 
-/// Opens the first one and starts its streams: colour and depth of 640 x 480, which the device's own
-/// calibration registers to colour. The camera is `calibration` where given, else the usual one of a Kinect
-/// 1, with a warning. Throws InputError where there is none, and UsageError in a build without libfreenect.
+/// Opens the first device and starts its streams: colour and depth of 640 x 480, registered to colour by the
+/// device's own calibration. The camera is `calibration` if given, else typical Kinect 1 intrinsics, with a
+/// warning. Throws InputError if there is no device, and UsageError in a build without libfreenect.
 std::unique_ptr<FrameSource> open_kinect1(const KinectOptions& options,
                                           const std::optional<RgbdCamera>& calibration);
 

@@ -29,7 +29,7 @@ libfreenect2::PacketPipeline* pipeline_named(const std::string& name) {
 }  // namespace
 
 Kinect2Handle open_kinect2_device(const KinectOptions& options, const MakePipeline& make_pipeline) {
-  // libfreenect2 writes to the terminal of its own accord; what matters is said here.
+  // Silences libfreenect2 except for errors; kinloop logs what matters.
   libfreenect2::setGlobalLogger(libfreenect2::createConsoleLogger(libfreenect2::Logger::Error));
   const auto context = std::make_shared<libfreenect2::Freenect2>();
   const int count = context->enumerateDevices();

@@ -1,6 +1,6 @@
 #pragma once
-// In: which Kinect 2. Out: libfreenect2's device. Needs its headers: for the Kinect 2's own files and their
-// tests only.
+// In: the selection of a Kinect 2. Out: libfreenect2's device. Requires its headers; internal to the Kinect 2
+// driver and its tests.
 
 #include <functional>
 #include <memory>
@@ -11,28 +11,28 @@
 
 namespace kinloop {
 
-/// Sizes of a Kinect 2's images, px.
+/// Image sizes of a Kinect 2, px.
 constexpr int kKinect2ColorWidth = 1920, kKinect2ColorHeight = 1080, kKinect2DepthWidth = 512,
               kKinect2DepthHeight = 424;
 
-/// An open device and what must live as long as it; the context deletes the device.
+/// An open device and the objects that must outlive it; the context deletes the device.
 struct Kinect2Handle {
   std::shared_ptr<void> context;
   libfreenect2::Freenect2Device* device = nullptr;
 };
 
-/// Makes what decodes packets; the device that it is made for deletes it.
+/// Creates the packet decoder; the device deletes it.
 using MakePipeline = std::function<libfreenect2::PacketPipeline*()>;
 
-/// Opens the device that the options name, with the pipeline that they name or a given one. Throws InputError
-/// where there is none.
+/// Opens the device selected by the options, with the pipeline they select or the given one. Throws
+/// InputError if there is none.
 Kinect2Handle open_kinect2_device(const KinectOptions& options, const MakePipeline& make_pipeline = {});
 
-/// Starts its streams into `listener`. Throws InputError where it does not start.
+/// Starts streaming into `listener`. Throws InputError on failure.
 void start_kinect2(const Kinect2Handle& handle, libfreenect2::FrameListener& listener,
                    const KinectOptions& options);
 
-/// Stops and forgets it, where there is one.
+/// Stops and releases the device, if any.
 void close_kinect2(Kinect2Handle& handle);
 
 }  // namespace kinloop

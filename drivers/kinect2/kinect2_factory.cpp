@@ -41,7 +41,8 @@ RgbdCamera factory_camera(const libfreenect2::Freenect2Device::ColorCameraParams
                           const libfreenect2::Freenect2Device::IrCameraParams& infrared) {
   const libfreenect2::Registration mapping(infrared, color);
   const PinholeCamera depth = depth_lens(infrared);
-  // Where libfreenect2 sees points of the depth camera in the colour image, over the image and near and far.
+  // Where libfreenect2 maps points of the depth camera into the colour image, over the image and the depth
+  // range.
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> pixels;
   constexpr int kStep = 32;
@@ -49,7 +50,7 @@ RgbdCamera factory_camera(const libfreenect2::Freenect2Device::ColorCameraParams
     for (int x = kStep / 2; x < kKinect2DepthWidth; x += kStep) {
       for (const double z : {0.7, 1.5, 4.0}) {
         float u = 0, v = 0;
-        // The mapping takes pixels with their distortion.
+        // The mapping expects distorted pixels.
         mapping.apply(x, y, static_cast<float>(z * kMillimetresPerMetre), u, v);
         const bool inside = u >= 0 && v >= 0 && u < kKinect2ColorWidth && v < kKinect2ColorHeight;
         if (!inside) continue;
@@ -67,7 +68,7 @@ RgbdCamera factory_camera(const libfreenect2::Freenect2Device::ColorCameraParams
   const cv::Matx33d K(lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1);
   cv::Vec3d rotation, translation;
   cv::solvePnP(points, pixels, K, cv::noArray(), rotation, translation);
-  // Out of the mirror: x changes its sign, and with it the rotations about y and z.
+  // Undoes the mirroring: x changes its sign, and with it the rotations about y and z.
   RgbdCamera camera;
   camera.color = mirrored(lens);
   camera.depth = mirrored(depth);

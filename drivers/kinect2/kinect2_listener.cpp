@@ -14,7 +14,7 @@ using libfreenect2::Frame;
 
 constexpr double kMillimetresPerMetre = 1000;
 
-/// The frame's memory as an image.
+/// Wraps the frame's memory as an image.
 cv::Mat image_of(const Frame& frame, int type) {
   return {static_cast<int>(frame.height), static_cast<int>(frame.width), type, frame.data};
 }
@@ -22,7 +22,7 @@ cv::Mat image_of(const Frame& frame, int type) {
 }  // namespace
 
 bool Kinect2Listener::onNewFrame(Frame::Type type, Frame* frame) {
-  constexpr bool kTaken = false;  // libfreenect2 keeps its frame
+  constexpr bool kTaken = false;  // return value: libfreenect2 keeps the frame
   if (frame->status != 0) {
     ++faulty_;
     return kTaken;
@@ -58,7 +58,7 @@ void Kinect2Listener::on_infrared(const Frame& frame) {
 void Kinect2Listener::on_depth(int64_t stamp_ns, const Frame& frame) {
   cv::Mat depth_m;
   image_of(frame, CV_32FC1).convertTo(depth_m, CV_32FC1, 1 / kMillimetresPerMetre);
-  depth_m.setTo(0, ~(depth_m > 0));  // not a number, too
+  depth_m.setTo(0, ~(depth_m > 0));  // includes NaN
   cv::flip(depth_m, depth_m, 1);
   frames_.add_depth(stamp_ns, depth_m, std::exchange(infrared_, {}));
 }

@@ -1,6 +1,6 @@
 #pragma once
-// In: images as libfreenect2 gives them. Out: images as the world is. Needs libfreenect2's headers: for the
-// Kinect 2's own files and their tests only.
+// In: libfreenect2's mirrored images. Out: unmirrored images. Requires libfreenect2's headers; internal to
+// the Kinect 2 driver and its tests.
 
 #include <atomic>
 
@@ -11,16 +11,15 @@
 
 namespace kinloop {
 
-/// Takes libfreenect2's frames, which are mirrored, and hands on copies of them that are not. Colour is made
-/// smaller to `color_width`; infrared is handed on with the depth image where it is `wanted`; frames that the
-/// driver marks as faulty are counted.
+/// Copies and unmirrors libfreenect2's frames. Colour is scaled down to `color_width`; infrared is passed on
+/// with the depth image if `wanted`; frames that the driver marks as faulty are counted.
 class Kinect2Listener : public libfreenect2::FrameListener {
  public:
   Kinect2Listener(LiveFrameBuffer& frames, int color_width, bool with_infrared = false)
       : frames_(frames), color_width_(color_width), with_infrared_(with_infrared) {}
   bool onNewFrame(libfreenect2::Frame::Type type, libfreenect2::Frame* frame) override;
 
-  /// Before a device opened anew is started: it counts its time from somewhere else.
+  /// Must be called before a reopened device starts, since its clock starts anew.
   void restart_clock() { clock_.restart(); }
 
   [[nodiscard]] size_t faulty() const { return faulty_; }
@@ -35,7 +34,7 @@ class Kinect2Listener : public libfreenect2::FrameListener {
   LiveFrameBuffer& frames_;
   int color_width_;
   bool with_infrared_;
-  cv::Mat infrared_;  ///< of the depth image that comes next, on the same thread
+  cv::Mat infrared_;  ///< of the next depth image, which arrives on the same thread
   DeviceClock clock_{kNsPerTick};
   std::atomic<size_t> faulty_ = 0;
 };

@@ -1,6 +1,6 @@
 #pragma once
-// In: a Kinect 2's packets as they come over USB. Out: a file for each, named as libfreenect2's replay device
-// reads them. Needs libfreenect2's headers: for the Kinect 2's own files and their tests only.
+// In: a Kinect 2's raw USB packets. Out: one file per packet, named as libfreenect2's replay device expects.
+// Requires libfreenect2's headers; internal to the Kinect 2 driver and its tests.
 
 #include <filesystem>
 #include <functional>
@@ -15,16 +15,16 @@
 
 namespace kinloop {
 
-/// Writes what libfreenect2's dump pipeline gives: TICKS_packet_NUMBER.depth and .jpg. Packets that it had to
-/// skip are known by their numbers.
+/// Writes the output of libfreenect2's dump pipeline: TICKS_packet_NUMBER.depth and .jpg. Gaps in the numbers
+/// reveal dropped packets.
 class Kinect2PacketWriter : public libfreenect2::FrameListener {
  public:
-  /// Makes the folder. Throws InputError where that cannot be.
+  /// Creates the folder. Throws InputError on failure.
   explicit Kinect2PacketWriter(std::filesystem::path folder);
 
   bool onNewFrame(libfreenect2::Frame::Type type, libfreenect2::Frame* frame) override;
 
-  /// What was written so far. Throws InputError where a file could not be written.
+  /// Returns the counts so far. Throws InputError if a file could not be written.
   [[nodiscard]] RawPacketCounts written() const;
 
  private:
@@ -35,10 +35,10 @@ class Kinect2PacketWriter : public libfreenect2::FrameListener {
   mutable std::mutex mutex_;
   RawPacketCounts written_;
   std::optional<uint32_t> last_depth_, last_color_;
-  std::string error_;  ///< the first; an exception must not go through libfreenect2
+  std::string error_;  ///< first error; exceptions must not propagate through libfreenect2
 };
 
-/// Records this device until `should_stop`, or until it gives nothing more for a second.
+/// Records this device until `should_stop`, or until it sends nothing for a second.
 RawPacketCounts record_packets(Kinect2Handle handle, const KinectOptions& options,
                                const std::filesystem::path& folder,
                                const std::function<bool(const RawPacketCounts&)>& should_stop);

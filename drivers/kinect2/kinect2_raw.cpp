@@ -27,11 +27,11 @@ using Clock = std::chrono::steady_clock;
 
 template <class T>
 void write_table(const std::filesystem::path& path, const T* values, size_t count) {
-  if (values == nullptr) return;  // the device did not tell it
+  if (values == nullptr) return;  // not sent by the device
   write_file(path, std::string_view(reinterpret_cast<const char*>(values), count * sizeof(T)));
 }
 
-/// What the device told for decoding its depth.
+/// Writes the tables from the device that depth decoding requires.
 void write_tables(const std::filesystem::path& folder, libfreenect2::DumpPacketPipeline& pipeline) {
   size_t count = 0;
   const auto* p0 = pipeline.getDepthP0Tables(&count);
@@ -74,7 +74,7 @@ Kinect2PacketWriter::Kinect2PacketWriter(std::filesystem::path folder) : folder_
 }
 
 bool Kinect2PacketWriter::onNewFrame(Frame::Type type, Frame* frame) {
-  constexpr bool kTaken = false;  // libfreenect2 keeps its frame
+  constexpr bool kTaken = false;  // return value: libfreenect2 keeps the frame
   const std::lock_guard lock(mutex_);
   try {
     if (type == Frame::Depth) {
@@ -92,7 +92,7 @@ bool Kinect2PacketWriter::onNewFrame(Frame::Type type, Frame* frame) {
 
 void Kinect2PacketWriter::write(const Frame& frame, const char* ending) {
   const auto file = folder_ / fmt::format("{}_packet_{}{}", frame.timestamp, frame.sequence, ending);
-  // Of a raw frame this is the size of all of it.
+  // For a raw frame this is its total size.
   write_file(file, std::string_view(reinterpret_cast<const char*>(frame.data), frame.bytes_per_pixel));
 }
 
@@ -134,12 +134,12 @@ RawPacketCounts record_packets(Kinect2Handle handle, const KinectOptions& option
 
 RawPacketCounts record_kinect2_raw(const KinectOptions& options, const std::filesystem::path& folder,
                                    const std::function<bool(const RawPacketCounts&)>& should_stop) {
-  libfreenect2::DumpPacketPipeline* pipeline = nullptr;  // the device's
+  libfreenect2::DumpPacketPipeline* pipeline = nullptr;  // owned by the device
   const Kinect2Handle handle =
       open_kinect2_device(options, [&] { return pipeline = new libfreenect2::DumpPacketPipeline; });
   bool tables_written = false;
   return record_packets(handle, options, folder, [&](const RawPacketCounts& recording) {
-    // The device tells its tables when it is started.
+    // The tables are available once the device has started.
     if (!tables_written) write_tables(folder, *pipeline);
     tables_written = true;
     return should_stop(recording);

@@ -15,9 +15,10 @@
 namespace kinloop {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience(1000);  ///< thirty frames: the camera is gone
+constexpr std::chrono::milliseconds kPatience(1000);  ///< thirty frames without data: the camera is gone
 
-/// Width in which colour is kept: as asked for, or twice the depth camera's to be turned into its view.
+/// Width of the stored colour image: as requested, or twice the depth camera's if it is resampled to that
+/// view.
 int received_width(const KinectOptions& options) {
   constexpr int kHalf = 960;
   if (options.width != kKinect2ColorWidth && options.width != kHalf && options.width != kKinect2DepthWidth) {
@@ -26,8 +27,7 @@ int received_width(const KinectOptions& options) {
   return options.width == kKinect2DepthWidth ? kHalf : options.width;
 }
 
-/// A camera without distortion that sees as much as the depth camera, and from where the colour camera
-/// stands.
+/// An undistorted camera with the depth camera's field of view at the colour camera's position.
 PinholeCamera view_of_depth_camera(const PinholeCamera& depth) {
   PinholeCamera view = depth;
   view.k1 = view.k2 = view.p1 = view.p2 = view.k3 = 0;

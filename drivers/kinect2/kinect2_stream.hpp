@@ -1,5 +1,6 @@
 #pragma once
-// The Kinect 2's source. Needs libfreenect2's headers: for the Kinect 2's own files and their tests only.
+// The Kinect 2's frame source. Requires libfreenect2's headers; internal to the Kinect 2 driver and its
+// tests.
 
 #include <functional>
 #include <optional>
@@ -12,10 +13,10 @@
 
 namespace kinloop {
 
-/// A Kinect 2 that `open` opens: for open_kinect2 and for tests with a device of their own.
+/// A Kinect 2 opened by `open`, which tests replace by their own device.
 class Kinect2Source : public FrameSource {
  public:
-  /// `open` is called to begin and after the camera was unplugged; it throws InputError when there is none.
+  /// `open` is called at the start and after the camera was unplugged; it throws InputError if there is none.
   Kinect2Source(std::function<Kinect2Handle()> open, const KinectOptions& options,
                 const std::optional<RgbdCamera>& calibration,
                 Kinect2Frames frames = Kinect2Frames::kRegistered);
@@ -35,12 +36,12 @@ class Kinect2Source : public FrameSource {
   KinectOptions options_;
   SourceInfo info_;
   RgbdCamera camera_;                              ///< of the frames
-  double shift_m_ = 0;                             ///< of the measured depth
-  std::optional<DepthRegistration> registration_;  ///< not where depth is kept separate
-  cv::Mat color_remap_;  ///< where each pixel of the frames lies in the received colour image; empty: itself
+  double shift_m_ = 0;                             ///< added to measured depth
+  std::optional<DepthRegistration> registration_;  ///< empty if depth is kept separate
+  cv::Mat color_remap_;  ///< position of each output pixel in the received colour image; empty: identity
   LiveFrameBuffer frames_;
   Kinect2Listener listener_;
-  Kinect2Handle handle_;  // last: it uses the listener
+  Kinect2Handle handle_;  // declared last: it uses the listener
 };
 
 }  // namespace kinloop

@@ -11,7 +11,7 @@ int64_t DeviceClock::stamp_ns(uint32_t ticks) {
     start_ns_ = std::chrono::system_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
     ticks_since_ = 0;
   } else {
-    // The nearer way round the counter: images of two streams come in either order.
+    // The shorter way round the counter, since images of two streams arrive in either order.
     ticks_since_ += static_cast<int32_t>(ticks - *last_ticks_);
   }
   last_ticks_ = ticks;

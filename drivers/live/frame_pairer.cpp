@@ -13,7 +13,7 @@ void FramePairer::add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared)
 }
 
 void FramePairer::add(Queue& queue, std::optional<int64_t>& newest_ns, Stamped image) {
-  constexpr size_t kMaxQueued = 30;  // a second: the other stream has ended, or never began
+  constexpr size_t kMaxQueued = 30;  // one second: the other stream has ended or never began
   if (newest_ns && image.stamp_ns <= *newest_ns) {
     ++out_of_order_;
     return;
@@ -33,8 +33,8 @@ std::optional<RgbdFrame> FramePairer::next() {
     const int64_t stamp_ns = colors_.front().stamp_ns;
     const auto distance = [&](size_t i) { return std::abs(depths_[i].stamp_ns - stamp_ns); };
     while (depths_.size() > 1 && distance(1) <= distance(0)) drop_front(depths_);
-    // The nearest so far stands first; a later one could be nearer until one past it, or past the colour,
-    // came.
+    // The nearest so far is at the front; a later one could be nearer until one later than it, or than the
+    // colour image, has arrived.
     const bool settled =
         finished_ || depths_.size() > 1 || (newest_depth_ns_ && *newest_depth_ns_ >= stamp_ns);
     if (!settled) return std::nullopt;
@@ -42,7 +42,7 @@ std::optional<RgbdFrame> FramePairer::next() {
       drop_front(colors_);
       continue;
     }
-    // The next colour image may be nearer to this depth still.
+    // The next colour image may be nearer to this depth image.
     const bool rival = colors_.size() > 1;
     if (!rival && !finished_ && depths_.front().stamp_ns > stamp_ns) return std::nullopt;
     if (rival && std::abs(depths_.front().stamp_ns - colors_[1].stamp_ns) < distance(0)) {

@@ -1,6 +1,5 @@
 #pragma once
-// In: colour and depth images that come one by one, each in order of time. Out: frames of those that belong
-// together.
+// In: colour and depth images that arrive one by one, each in order of time. Out: associated frames.
 
 #include <cstdint>
 #include <deque>
@@ -13,9 +12,9 @@
 
 namespace kinloop {
 
-/// Gives each colour image the depth image nearest in time, each used once. A frame is ready when no depth
-/// that could still come is nearer. Images that come late (a stamp not after the one before of their kind) or
-/// find no partner are counted and forgotten.
+/// Pairs each colour image with the depth image nearest in time, each used once. A frame is ready when no
+/// depth image still to come can be nearer. Images that arrive out of order (a stamp not after the previous
+/// one of their kind) or find no partner are counted and dropped.
 class FramePairer {
  public:
   explicit FramePairer(int64_t max_difference_ns = kMaxAssociationNs)
@@ -24,22 +23,22 @@ class FramePairer {
   void add_color(int64_t stamp_ns, cv::Mat image);
   void add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared = {});
 
-  /// No more images will come: what is left is paired as well as it can be.
+  /// No more images will arrive: pairs the remaining ones as far as possible.
   void finish() { finished_ = true; }
 
-  /// The next frame in order of time, numbered from 0; nothing while none is ready.
+  /// Returns the next frame in order of time, numbered from 0; nullopt if none is ready.
   std::optional<RgbdFrame> next();
 
-  /// Images without a partner so far.
+  /// Number of images without a partner so far.
   [[nodiscard]] size_t unpaired() const { return unpaired_; }
-  /// Images that came with a stamp not after the one before.
+  /// Number of images with a stamp not after the previous one.
   [[nodiscard]] size_t out_of_order() const { return out_of_order_; }
 
  private:
   struct Stamped {
     int64_t stamp_ns = 0;
     cv::Mat image;
-    cv::Mat infrared = {};  ///< of depth, where there is one
+    cv::Mat infrared = {};  ///< of the depth image, if available
   };
   using Queue = std::deque<Stamped>;
 

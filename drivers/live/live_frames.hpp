@@ -1,6 +1,6 @@
 #pragma once
-// In: images from a driver's thread. Out: frames for the thread that maps; the oldest are lost where it is
-// too slow.
+// In: images from a driver's thread. Out: frames for the mapping thread; the oldest are dropped if it is too
+// slow.
 
 #include <chrono>
 #include <condition_variable>
@@ -12,14 +12,14 @@
 
 namespace kinloop {
 
-/// Images that a live camera lost, by how.
+/// Images that a live camera lost, by cause.
 struct LostImageCounts {
-  size_t dropped = 0;       ///< frames that nobody took in time
-  size_t unpaired = 0;      ///< images without one of the other camera
-  size_t out_of_order = 0;  ///< images whose stamp was not after the one before
+  size_t dropped = 0;       ///< frames not taken in time
+  size_t unpaired = 0;      ///< images without a partner from the other camera
+  size_t out_of_order = 0;  ///< images with a stamp not after the previous one
 };
 
-/// Safe to fill from one thread and to empty from another.
+/// One thread may fill it while another empties it.
 class LiveFrameBuffer {
  public:
   static constexpr size_t kBuffered = 4;
@@ -29,12 +29,12 @@ class LiveFrameBuffer {
   void add_color(int64_t stamp_ns, cv::Mat image);
   void add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared = {});
 
-  /// The oldest frame there is; waits for one, nothing when `timeout` has passed.
+  /// Returns the oldest frame, waiting for one if necessary; nullopt after `timeout`.
   std::optional<RgbdFrame> wait(std::chrono::milliseconds timeout);
 
   [[nodiscard]] LostImageCounts counts() const;
 
-  /// Frames that `wait` gave.
+  /// Number of frames that `wait` returned.
   [[nodiscard]] size_t delivered() const;
 
  private:
@@ -48,7 +48,7 @@ class LiveFrameBuffer {
   size_t dropped_ = 0, delivered_ = 0;
 };
 
-/// What `FrameSource::skipped` says of the images that were lost.
+/// Converts the lost images to the form of `FrameSource::skipped`.
 std::vector<SkippedFrame> to_skipped_frames(const LostImageCounts& counts);
 
 }  // namespace kinloop

@@ -19,7 +19,7 @@ PaceClock PaceClock::steady() {
 
 PacedSource::PacedSource(std::unique_ptr<FrameSource> source, double rate_hz, PaceClock clock)
     : source_(std::move(source)), rate_hz_(rate_hz), clock_(std::move(clock)) {
-  require(source_ != nullptr && rate_hz > 0, "PacedSource: a source and a rate");
+  require(source_ != nullptr && rate_hz > 0, "PacedSource: needs a source and a rate");
   info_ = source_->info();
   info_.live = true;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// In: a recorded sequence. Out: its frames at the pace of a camera: none before its time, and those that
-// nobody took in time are lost. For measuring what a run keeps up with.
+// In: a recorded sequence. Out: its frames at the rate of a camera: none before its time, and frames not
+// taken in time are lost. Used to measure which rate a run keeps up with.
 
 #include <functional>
 #include <memory>
@@ -9,18 +9,17 @@
 
 namespace kinloop {
 
-/// The clock that frames are paced by, seconds.
+/// The clock that paces the frames, seconds.
 struct PaceClock {
   std::function<double()> now_s;
   std::function<void(double)> sleep_until_s;
 
-  /// The clock on the wall.
+  /// The steady wall clock.
   static PaceClock steady();
 };
 
-/// Frame n comes n / rate_hz after the first was asked for. Like a driver it holds the latest kBuffered
-/// frames that have come and drops those before them. (Dropped frames are decoded all the same: a little
-/// harder than life.)
+/// Frame n arrives n / rate_hz after the first request. Like a driver it buffers the latest kBuffered frames
+/// and drops older ones. (Dropped frames are decoded all the same, slightly more load than a real camera.)
 class PacedSource : public FrameSource {
  public:
   static constexpr size_t kBuffered = 4;
@@ -32,7 +31,7 @@ class PacedSource : public FrameSource {
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return source_->skipped(); }
 
-  /// Frames that came and were not taken.
+  /// Number of frames that arrived but were not taken.
   [[nodiscard]] size_t dropped() const { return dropped_; }
 
  private:

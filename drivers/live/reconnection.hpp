@@ -1,5 +1,5 @@
 #pragma once
-// In: a camera that may be unplugged. Out: its frames, also after it was plugged in again.
+// In: a camera that may be unplugged. Out: its frames, also after it is plugged in again.
 
 #include <chrono>
 #include <functional>
@@ -10,17 +10,17 @@
 
 namespace kinloop {
 
-/// How a camera is opened again that gives no frames any more.
+/// How to reopen a camera that no longer sends frames.
 struct Reconnection {
   std::string name;                     ///< in messages
-  std::chrono::milliseconds timeout{};  ///< without a frame: then it counts as unplugged
-  double max_wait_s = 0;                ///< how long to wait for it
+  std::chrono::milliseconds timeout{};  ///< without a frame, after which the camera counts as unplugged
+  double max_wait_s = 0;                ///< maximum time to wait for its return
   std::function<void()> close;
-  std::function<void()> open;  ///< throws InputError where there is none
+  std::function<void()> open;  ///< throws InputError if there is no camera
 };
 
-/// The next frame of the camera that fills `frames`. When none comes it is closed and opened until one does;
-/// nothing when it did not come back.
+/// Returns the next frame of the camera that fills `frames`. If none arrives, closes and reopens the camera
+/// until one does; nullopt if it did not return.
 std::optional<RgbdFrame> next_or_reconnect(LiveFrameBuffer& frames, const Reconnection& camera);
 
 }  // namespace kinloop

@@ -79,7 +79,7 @@ class BagSource : public FrameSource {
     return text;
   }
 
-  /// The topic as it is in the bag, raw or compressed; empty where it is not.
+  /// The topic as named in the bag, raw or compressed; empty if absent.
   [[nodiscard]] std::string in_bag(const std::string& topic, const char* compressed) const {
     if (topics_.contains(topic)) return topic;
     return topics_.contains(topic + compressed) ? topic + compressed : "";
@@ -118,7 +118,7 @@ class BagSource : public FrameSource {
         fmt::format("{}: no camera: no message on topic {}; use --camera FILE", info_.name, chosen_.info));
   }
 
-  /// Hands the next message to the pairer, or finds that there is none.
+  /// Passes the next message to the pairer, or detects the end.
   void read_message() {
     if (next_message_ == view_.end()) return finish();
     std::string topic;
@@ -133,7 +133,7 @@ class BagSource : public FrameSource {
     } catch (const InputError& error) {
       skipped_.push_back({topic, error.what()});
       ++next_message_;
-    } catch (const std::exception& error) {  // of rosbag: the rest of the file cannot be read
+    } catch (const std::exception& error) {  // thrown by rosbag: the rest of the file is unreadable
       skipped_.push_back({topic, fmt::format("the bag is damaged from here on: {}", one_line(error.what()))});
       finish();
     }
@@ -164,7 +164,7 @@ class BagSource : public FrameSource {
     }
   }
 
-  /// The image, which must have the camera's size.
+  /// Returns the image after checking that it has the camera's size.
   [[nodiscard]] cv::Mat sized(cv::Mat image) const {
     if (image.cols == camera_.color.width && image.rows == camera_.color.height) return image;
     throw InputError(

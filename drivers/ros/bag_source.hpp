@@ -1,6 +1,6 @@
 #pragma once
-// In: a ROS bag with the topics of an RGB-D camera. Out: its frames, without a ROS master. Only where the
-// build found librosbag-storage.
+// In: a ROS bag with the topics of an RGB-D camera. Out: its frames, without a ROS master, via
+// librosbag-storage (optional dependency).
 
 #include <filesystem>
 #include <memory>
@@ -10,14 +10,14 @@
 
 namespace kinloop {
 
-/// Whether this build reads bags.
+/// Returns whether this build reads bags.
 bool bags_available();
 
-/// The frames of a bag on the topics of iai_kinect2 (/kinect2/{qhd,hd,sd}), of the usual drivers
-/// (/camera/...) or on `topics` ("COLOR,DEPTH[,CAMERA_INFO]"). The camera is `camera` where given, else that
-/// of camera_info. Images of unknown encoding, without partner or with time going backwards are skipped and
-/// counted. Throws InputError for a file that is no bag, is truncated or has none of these topics, and
-/// UsageError in a build without ROS.
+/// Opens a bag on the topics of iai_kinect2 (/kinect2/{qhd,hd,sd}), of the usual drivers (/camera/...) or on
+/// `topics` ("COLOR,DEPTH[,CAMERA_INFO]"). The camera is `camera` if given, else that of camera_info. Images
+/// with an unknown encoding, without partner or with decreasing time are skipped and counted. Throws
+/// InputError if the file is not a bag, is truncated or has none of these topics, and UsageError in a build
+/// without ROS.
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& path,
                                       const std::optional<RgbdCamera>& camera,
                                       const std::optional<std::string>& topics = {});

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMillimetresPerMetre = 1000;
 
-/// A view of the message's pixels. `type` is of OpenCV.
+/// Wraps the message's pixels. `type` is an OpenCV type.
 cv::Mat pixels_of(const RosImage& image, int type) {
   const size_t row = static_cast<size_t>(image.width) * CV_ELEM_SIZE(type);
   const bool fits = image.width > 0 && image.height > 0 && image.step >= row &&
@@ -84,7 +84,7 @@ cv::Mat color_from_compressed(std::span<const uint8_t> data) {
 
 cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data) {
   constexpr size_t kHeaderBytes =
-      12;  // compressed_depth_image_transport: format and two quantisation numbers
+      12;  // compressed_depth_image_transport: format and two quantisation parameters
   const bool has_header = format.find("compressedDepth") != std::string::npos;
   if (has_header && data.size() < kHeaderBytes) throw InputError("a compressed depth message is truncated");
   const cv::Mat image = decoded(has_header ? data.subspan(kHeaderBytes) : data);
@@ -103,7 +103,7 @@ PinholeCamera camera_from(const RosCameraInfo& info, bool rectified) {
     camera.fx = info.K[0], camera.fy = info.K[4], camera.cx = info.K[2], camera.cy = info.K[5];
   }
   if (!(camera.fx > 0) || !(camera.fy > 0) || camera.width <= 0 || camera.height <= 0) {
-    throw InputError("the camera_info message is of a camera that is not calibrated; use --camera FILE");
+    throw InputError("the camera_info message is of an uncalibrated camera; use --camera FILE");
   }
   if (rectified || info.D.empty()) return camera;
   constexpr size_t kPlumbBobSize = 5;

@@ -1,6 +1,6 @@
 #pragma once
-// In: the content of ROS image messages (sensor_msgs), whoever read them: a bag or a node. Out: colour and
-// depth as the rest of kinloop expects them. Nothing here needs ROS.
+// In: the content of ROS image messages (sensor_msgs), from a bag or a node. Out: colour and depth in
+// kinloop's formats. Independent of ROS headers.
 
 #include <array>
 #include <cstdint>
@@ -14,24 +14,24 @@
 
 namespace kinloop {
 
-/// sensor_msgs/Image; the data is not owned.
+/// sensor_msgs/Image; does not own the data.
 struct RosImage {
   int width = 0, height = 0;
-  size_t step = 0;  ///< bytes of a row
+  size_t step = 0;  ///< bytes per row
   std::string encoding;
   bool big_endian = false;
   std::span<const uint8_t> data;
 };
 
-/// 8UC3 BGR from bgr8, rgb8, bgra8, rgba8, mono8, 8UC1 or 8UC3. Throws InputError for other encodings and for
-/// data that is not as long as it says.
+/// Converts bgr8, rgb8, bgra8, rgba8, mono8, 8UC1 or 8UC3 to 8UC3 BGR. Throws InputError for other encodings
+/// and for truncated data.
 cv::Mat color_from(const RosImage& image);
 
-/// 32FC1 metres from 16UC1 or mono16 (millimetres) and 32FC1 (metres; not a number = unknown), as in REP 118.
+/// Converts 16UC1 or mono16 (millimetres) and 32FC1 (metres; NaN = unknown) to 32FC1 metres, as in REP 118.
 cv::Mat depth_from(const RosImage& image);
 
-/// The same from sensor_msgs/CompressedImage: JPEG or PNG; depth as 16-bit PNG behind the header of
-/// compressed_depth_image_transport where `format` names it.
+/// Same for sensor_msgs/CompressedImage: JPEG or PNG; depth as 16-bit PNG, preceded by the header of
+/// compressed_depth_image_transport if `format` says so.
 cv::Mat color_from_compressed(std::span<const uint8_t> data);
 cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data);
 
@@ -44,8 +44,8 @@ struct RosCameraInfo {
   std::array<double, 12> P{};
 };
 
-/// The camera of a raw image, or of a rectified one (projection matrix, no distortion). Throws InputError for
-/// a camera that is not calibrated or has a distortion that is not plumb_bob.
+/// Returns the camera of a raw image, or of a rectified one (projection matrix, no distortion). Throws
+/// InputError if the camera is uncalibrated or its distortion model is not plumb_bob.
 PinholeCamera camera_from(const RosCameraInfo& info, bool rectified);
 
 }  // namespace kinloop

@@ -1,6 +1,6 @@
 #pragma once
-// ROS 1's message classes for C++20, and their content as `RosImage` and `RosCameraInfo`. Needs ROS's
-// headers; for the bag reader, the node and their tests.
+// ROS 1 message classes for C++20, and conversion to `RosImage` and `RosCameraInfo`. Requires ROS headers;
+// for the bag reader, the node and their tests.
 
 #include <algorithm>
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace kinloop::ros1 {
 
-/// std::allocator with the member that C++20 took away and ROS 1's messages still name.
+/// std::allocator with the member that C++20 removed and ROS 1 messages still use.
 template <class T>
 struct Allocator : std::allocator<T> {
   template <class U>
@@ -53,7 +53,7 @@ inline RosCameraInfo from_message(const CameraInfo& m) {
   return info;
 }
 
-/// Nanoseconds since the epoch of a message's header.
+/// Stamp of a message's header, nanoseconds since the epoch.
 template <class Message>
 int64_t stamp_ns(const Message& message) {
   return static_cast<int64_t>(message.header.stamp.toNSec());

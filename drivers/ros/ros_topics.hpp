@@ -1,5 +1,5 @@
 #pragma once
-// The topics on which RGB-D cameras publish, by driver.
+// The topics of RGB-D cameras, by driver.
 
 #include <array>
 #include <string>
@@ -7,15 +7,15 @@
 
 namespace kinloop {
 
-/// Where colour, depth registered to it and the camera's calibration are published.
+/// Topics of colour, registered depth and camera calibration.
 struct RosTopics {
   std::string color, depth, info;
 
-  /// Rectified images have no distortion left; by their names, as everywhere in ROS.
+  /// Returns whether the images are rectified (undistorted), judged by topic name as is usual in ROS.
   [[nodiscard]] bool rectified() const { return color.find("rect") != std::string::npos; }
 };
 
-/// Known ones, tried in this order.
+/// Returns the known topics in the order in which they are tried.
 inline const std::array<RosTopics, 8>& known_topics() {
   static const std::array<RosTopics, 8> topics = {{
       {"/kinect2/qhd/image_color_rect", "/kinect2/qhd/image_depth_rect", "/kinect2/qhd/camera_info"},
@@ -25,12 +25,12 @@ inline const std::array<RosTopics, 8>& known_topics() {
       {"/camera/rgb/image_rect_color", "/camera/depth_registered/image", "/camera/rgb/camera_info"},
       {"/camera/color/image_raw", "/camera/aligned_depth_to_color/image_raw", "/camera/color/camera_info"},
       {"/camera/rgb/image_raw", "/camera/depth_registered/image_raw", "/camera/rgb/camera_info"},
-      {"/camera/rgb/image_color", "/camera/depth/image", "/camera/rgb/camera_info"},  // TUM RGB-D's bags
+      {"/camera/rgb/image_color", "/camera/depth/image", "/camera/rgb/camera_info"},  // bags of TUM RGB-D
   }};
   return topics;
 }
 
-/// Reads "COLOR,DEPTH[,CAMERA_INFO]"; the last is beside the colour topic where it is left out. Throws
+/// Parses "COLOR,DEPTH[,CAMERA_INFO]"; CAMERA_INFO defaults to the one next to the colour topic. Throws
 /// UsageError for anything else.
 RosTopics parse_topics(std::string_view text);
 

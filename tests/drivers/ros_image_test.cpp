@@ -101,7 +101,7 @@ TEST(RosCameraInfo, BecomesACamera) {
   EXPECT_FALSE(rectified.has_distortion());
   info.distortion_model = "equidistant";
   EXPECT_THAT(input_error([&] { camera_from(info, false); }), HasSubstr("equidistant"));
-  EXPECT_THAT(input_error([&] { camera_from({}, false); }), HasSubstr("not calibrated"));
+  EXPECT_THAT(input_error([&] { camera_from({}, false); }), HasSubstr("uncalibrated"));
 }
 
 TEST(RosTopics, AreReadFromText) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kCharuco = "charuco:";
 
-/// The numbers of "5x7"; zeros where it is not like that.
+/// Parses "5x7"; zeros on failure.
 std::pair<int, int> parse_size(std::string_view text) {
   const auto number = [](std::string_view digits) {
     int value = 0;
@@ -26,7 +26,8 @@ std::pair<int, int> parse_size(std::string_view text) {
   return {number(text.substr(0, times)), number(text.substr(times + 1))};
 }
 
-/// Refuses squares of a metre and more: they were given in millimetres, or small numbers in centimetres.
+/// Rejects squares of a metre and more, which were probably given in millimetres (small numbers: in
+/// centimetres).
 void require_metres(double square) {
   constexpr double kMost = 1, kFewestMm = 10;
   if (square < kMost) return;
@@ -58,7 +59,7 @@ Board parse_board(std::string_view text, double square_m, double marker_m) {
     const std::string_view of_board = text.substr(kCharuco.size());
     const size_t colon = std::min(of_board.find(':'), of_board.size());
     std::tie(board.columns, board.rows) = parse_size(of_board.substr(0, colon));
-    --board.columns, --board.rows;  // corners are between squares
+    --board.columns, --board.rows;  // the corners lie between squares
     board.dictionary = of_board.substr(std::min(colon + 1, of_board.size()));
     board.marker_m = marker_m;
   } else {

@@ -16,7 +16,7 @@ BoardSize size_of(int columns, int rows) {
   return {std::min(columns, rows), std::max(columns, rows)};
 }
 
-/// Every image at about one size: the time that looking takes goes by its pixels.
+/// Scales every image to about one size, since search time grows with the number of pixels.
 cv::Mat at_search_size(const cv::Mat& gray) {
   constexpr double kWidthPx = 960, kMostEnlarged = 2;
   const double scale = std::min(kWidthPx / gray.cols, kMostEnlarged);
@@ -25,7 +25,7 @@ cv::Mat at_search_size(const cv::Mat& gray) {
   return resized;
 }
 
-/// Grows a board of `least` x `least` corners as far as it goes (Duda and Frese 2018).
+/// Grows a board from `least` x `least` corners as far as possible (Duda and Frese 2018).
 std::optional<BoardSize> grown_from(const cv::Mat& gray, int least) {
   std::vector<cv::Point2f> corners;
   cv::Mat layout;  // one element per corner
@@ -39,9 +39,9 @@ bool shows(const cv::Mat& gray, const BoardSize& size) {
   return cv::findChessboardCorners(gray, {size.shorter, size.longer}, corners);
 }
 
-/// The same as `detect_board_size` for an image at the size for searching.
+/// Same as `detect_board_size` for an image already scaled for the search.
 std::optional<BoardSize> seen_size(const cv::Mat& image) {
-  // From 3 x 3 it may stop early, e.g. with 3 x 7 corners of 5 x 7.
+  // Growing from 3 x 3 may stop early, e.g. at 3 x 7 corners of 5 x 7.
   constexpr int kSure = 4, kLeast = 3;
   const auto found = grown_from(image, kSure);
   return found ? found : grown_from(image, kLeast);
@@ -81,7 +81,7 @@ std::optional<BoardSize> detect_other_board_size(const std::vector<std::filesyst
   });
   const auto& [size, agreeing] = *most;
   if (agreeing.size() < std::min<size_t>(2, images.size())) return std::nullopt;
-  // The detector that calibration goes by must see it the same way.
+  // The detector used for calibration must confirm the size.
   const cv::Mat& image = images[agreeing.front()];
   const bool part_of_it = wanted.shorter <= size.shorter && wanted.longer <= size.longer;
   if (!shows(image, size) || (!part_of_it && shows(image, wanted))) return std::nullopt;

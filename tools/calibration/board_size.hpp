@@ -1,5 +1,5 @@
 #pragma once
-// In: stills of a chessboard. Out: how many inner corners it has, for those who counted them wrongly.
+// In: images of a chessboard. Out: its number of inner corners, in case the user miscounted.
 
 #include <filesystem>
 #include <optional>
@@ -11,19 +11,19 @@
 
 namespace kinloop {
 
-/// Inner corners of a chessboard; an image does not tell its rows from its columns.
+/// Inner corners of a chessboard; rows and columns are interchangeable.
 struct BoardSize {
   int shorter = 0, longer = 0;
 
   auto operator<=>(const BoardSize&) const = default;  // NOLINT(modernize-use-nullptr): as in ids.hpp
 };
 
-/// The size of the largest chessboard that an 8-bit grey image shows; nothing where it shows none. It takes
-/// about 0.15 s whatever the image's size, which is reduced first.
+/// Detects the size of the largest chessboard in an 8-bit grey image; nullopt if there is none. Takes about
+/// 0.15 s for any image size, since the image is scaled first.
 std::optional<BoardSize> detect_board_size(const cv::Mat& gray);
 
-/// The size of the board in the stills where it is not `board`: judged by a few of them, spread over all.
-/// Nothing where they do not agree, and for boards with markers.
+/// Detects the size of the board in the images if it differs from `board`, judged by a few images spread over
+/// all. nullopt if they disagree, and for boards with markers.
 std::optional<BoardSize> detect_other_board_size(const std::vector<std::filesystem::path>& stills,
                                                  const Board& board, int threads);
 

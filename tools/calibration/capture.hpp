@@ -1,5 +1,5 @@
 #pragma once
-// In: frames of a live camera. Out: a folder of stills to calibrate from, and hints on the way.
+// In: frames of a live camera. Out: a folder of images to calibrate from, and hints for the user.
 
 #include <filesystem>
 #include <optional>
@@ -10,13 +10,13 @@
 
 namespace kinloop {
 
-/// Whose stills are wanted.
+/// What to capture.
 enum class StillKind {
-  kColor,  ///< 0001.png: colour alone
-  kPairs   ///< 0001_color.png, 0001_ir.png, 0001_depth.png (mm): what both cameras saw
+  kColor,  ///< 0001.png: colour only
+  kPairs   ///< 0001_color.png, 0001_ir.png, 0001_depth.png (mm): both cameras
 };
 
-/// What became of a frame.
+/// The result of processing a frame.
 struct CaptureFeedback {
   bool kept = false;
   std::string hint;
@@ -25,11 +25,11 @@ struct CaptureFeedback {
 
 class StillCapture {
  public:
-  /// Makes the folder. Throws InputError where there are images in it.
+  /// Creates the folder. Throws InputError if it contains images.
   StillCapture(std::filesystem::path folder, const Board& board, StillKind kind, size_t wanted);
 
-  /// Looks at the next frame and keeps it where it is of use. Throws InputError for pairs where the frame has
-  /// no infrared image.
+  /// Processes the next frame and saves it if useful. Throws InputError for pairs if the frame has no
+  /// infrared image.
   CaptureFeedback process(const RgbdFrame& frame);
 
   [[nodiscard]] bool finished() const { return guide_.finished(); }

@@ -11,7 +11,7 @@
 namespace kinloop {
 namespace {
 
-/// Stills of one kind that a calibration needs.
+/// A kind of view that a calibration needs.
 struct Goal {
   const char* hint;
   size_t wanted;
@@ -47,7 +47,7 @@ constexpr Goal kGoals[] = {
        return placement.box_max.x() > 1 - kNearRim && placement.box_max.y() > 1 - kNearRim;
      }}};
 
-/// The first goal that the stills do not meet; nullptr where all are met.
+/// The first goal that the images do not meet yet; nullptr if all are met.
 const Goal* first_unmet_goal(const std::vector<BoardPlacement>& stills) {
   for (const Goal& goal : kGoals) {
     if (static_cast<size_t>(std::count_if(stills.begin(), stills.end(), goal.met)) < goal.wanted)
@@ -56,9 +56,9 @@ const Goal* first_unmet_goal(const std::vector<BoardPlacement>& stills) {
   return nullptr;
 }
 
-/// Far enough from any camera's for tilts to within some degrees.
+/// Accurate enough to measure tilts to within some degrees with any camera.
 PinholeCamera typical_camera(int width, int height) {
-  constexpr double kFocalShare = 0.7;  // of the width: a view of 71 degrees
+  constexpr double kFocalShare = 0.7;  // of the width: a field of view of 71 degrees
   PinholeCamera camera;
   camera.width = width, camera.height = height;
   camera.fx = camera.fy = kFocalShare * width;
@@ -66,7 +66,7 @@ PinholeCamera typical_camera(int width, int height) {
   return camera;
 }
 
-/// Whether the board lies where it lay in the image before, to a thousandth of the image's width.
+/// Whether the board moved less than a thousandth of the image width since the previous image.
 bool held_still(const BoardView& now, const std::optional<BoardView>& before) {
   constexpr double kMostMovement = 0.001;
   if (!before || before->board_m != now.board_m) return false;

@@ -1,6 +1,6 @@
 #pragma once
-// In: what a live image shows of the board, one after the other. Out: which to keep for the calibration, and
-// what to do next.
+// In: board detections in successive live images. Out: which images to keep for calibration, and instructions
+// for the user.
 
 #include <optional>
 #include <string>
@@ -10,35 +10,35 @@
 
 namespace kinloop {
 
-/// How a board lies before a camera that is not known yet, roughly.
+/// Approximate placement of a board in front of an uncalibrated camera.
 struct BoardPlacement {
-  Eigen::Vector2d tilt_deg;          ///< where its face looks: to the right, downwards
-  Eigen::Vector2d center;            ///< of its corners, as a fraction of the image
-  Eigen::Vector2d box_min, box_max;  ///< their bounding box, as shares of the image
-  double size = 0;                   ///< of the box: its larger share
+  Eigen::Vector2d tilt_deg;          ///< direction of its normal: to the right, downwards
+  Eigen::Vector2d center;            ///< mean of its corners, as a fraction of the image
+  Eigen::Vector2d box_min, box_max;  ///< their bounding box, as a fraction of the image
+  double size = 0;                   ///< the larger side of the box
 };
 
-/// The placement of a view; nothing where its corners fix none.
+/// Returns the placement of a view; nullopt if its corners do not determine one.
 std::optional<BoardPlacement> placement_of(const BoardView& view);
 
-/// What to do with an image, and what to say.
+/// Whether to keep an image, and the hint for the user.
 struct CaptureAdvice {
   bool keep = false;
   std::string hint;  ///< one line
 };
 
-/// Leads to stills that tell a camera: the board tilted to all sides, near, and in the corners of the image,
-/// each still sharp, held still and unlike those before.
+/// Guides the user to images that determine a camera: the board tilted in all directions, close, and in the
+/// corners of the image; each image sharp, still and different from the previous ones.
 class CaptureGuide {
  public:
   explicit CaptureGuide(size_t wanted) : wanted_(wanted) {}
 
-  /// The next image: the board in it, and over how many pixels its edges run.
+  /// Processes the next image, given its detection and the width of its edges in pixels.
   CaptureAdvice advise(const std::optional<BoardView>& view, double edge_width_px);
 
   [[nodiscard]] size_t kept() const { return kept_.size(); }
 
-  /// Whether there are as many stills as wanted, and of every kind.
+  /// Returns whether there are enough images, with every kind of view.
   [[nodiscard]] bool finished() const;
 
  private:

@@ -37,7 +37,7 @@ constexpr NamedDictionary kDictionaries[] = {{"DICT_4X4_50", cv::aruco::DICT_4X4
                                              {"DICT_7X7_1000", cv::aruco::DICT_7X7_1000},
                                              {"DICT_ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL}};
 
-/// The dictionary of that name; nothing where there is none.
+/// The dictionary of that name; null if unknown.
 cv::Ptr<cv::aruco::Dictionary> dictionary_named(const std::string& name) {
   for (const auto& known : kDictionaries) {
     if (name == known.name) return cv::aruco::getPredefinedDictionary(known.id);
@@ -51,7 +51,7 @@ cv::Ptr<cv::aruco::CharucoBoard> opencv_board(const Board& board) {
       static_cast<float>(board.marker_m), dictionary_named(board.dictionary));
 }
 
-/// Whether these corners fix a plane: enough of them, in more than one row and column.
+/// Whether these corners determine a plane: enough of them, in more than one row and column.
 bool fix_a_plane(const std::vector<int>& corner_ids, const Board& board) {
   constexpr size_t kFewest = 6;
   std::set<int> rows, columns;

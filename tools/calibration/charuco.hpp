@@ -1,6 +1,6 @@
 #pragma once
-// In: a grey image. Out: the corners of a ChArUco board in it, also of a part of the board. Only where the
-// build found OpenCV's aruco.
+// In: a grey image. Out: the corners of a fully or partly visible ChArUco board, via OpenCV's aruco (optional
+// dependency).
 
 #include <vector>
 
@@ -10,16 +10,15 @@
 
 namespace kinloop {
 
-/// Whether this build knows ChArUco boards.
+/// Returns whether this build supports ChArUco boards.
 bool charuco_available();
 
-/// Throws UsageError unless this build knows ChArUco boards, the board's dictionary, and the dictionary has
-/// enough markers for it.
+/// Throws UsageError unless this build supports ChArUco, the board's dictionary exists and has enough
+/// markers.
 void require_charuco(const Board& board);
 
-/// Corners of the board, by their place in `Board::corners_m`, to about a pixel. Each has a marker beside it
-/// that was read, so that a part of the board is enough. Empty where there are fewer than some, or all in a
-/// row.
+/// Board corners by their index in `Board::corners_m`, accurate to about a pixel. Each was identified by an
+/// adjacent marker, so part of the board suffices. Empty if there are too few or all are collinear.
 struct DetectedCorners {
   std::vector<int> corner_ids;
   std::vector<cv::Point2f> pixels;

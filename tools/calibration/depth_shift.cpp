@@ -10,7 +10,7 @@
 namespace kinloop {
 namespace {
 
-/// Standard deviations in a median absolute deviation of normal errors.
+/// Standard deviations per median absolute deviation of normal errors.
 constexpr double kPerMad = 1.4826;
 
 double robust_deviation(const std::vector<double>& values, double center) {
@@ -19,7 +19,7 @@ double robust_deviation(const std::vector<double>& values, double center) {
   return kPerMad * median(std::move(distances));
 }
 
-/// Straight line through the boards' shifts over their distance, by least squares.
+/// Least squares line through the boards' shifts over their distance.
 void fit_slope(DepthShift& shift) {
   const auto count = static_cast<double>(shift.boards.size());
   constexpr double kFewest = 3;

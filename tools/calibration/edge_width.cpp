@@ -12,9 +12,9 @@
 namespace kinloop {
 namespace {
 
-/// A window around a corner in which nothing but its four squares is seen.
+/// A window around a corner that contains only its four squares.
 cv::Rect surroundings(const BoardView& view, size_t corner) {
-  constexpr double kReach = 0.4;  // of the way to the nearest corner
+  constexpr double kReach = 0.4;  // of the distance to the nearest corner
   double nearest = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < view.pixels.size(); ++i) {
     if (i != corner) nearest = std::min(nearest, (view.pixels[i] - view.pixels[corner]).norm());
@@ -32,7 +32,7 @@ double edge_width_px(const cv::Mat& image, const BoardView& view) {
   require(view.pixels.size() > 1, "a board has corners");
   cv::Mat gray, along_x, along_y, slope;
   to_gray_8bit(image).convertTo(gray, CV_32FC1);
-  constexpr double kPerPixel = 0.5;  // the difference of the pixels before and behind
+  constexpr double kPerPixel = 0.5;  // the central difference spans two pixels
   cv::Sobel(gray, along_x, CV_32F, 1, 0, 1, kPerPixel);
   cv::Sobel(gray, along_y, CV_32F, 0, 1, 1, kPerPixel);
   cv::magnitude(along_x, along_y, slope);

@@ -1,5 +1,5 @@
 #pragma once
-// In: an image and the board in it. Out: how sharp it is.
+// In: an image and its board detection. Out: its sharpness.
 
 #include <opencv2/core/mat.hpp>
 
@@ -7,8 +7,8 @@
 
 namespace kinloop {
 
-/// Over how many pixels black turns into white at the board's edges, in the middle of all corners: 2 at a
-/// perfect step, 2.5 sigma where the image is blurred by sigma.
+/// Returns the median width of the board's black-to-white edges in pixels: 2 for a perfect step, 2.5 sigma if
+/// the image is blurred by sigma.
 double edge_width_px(const cv::Mat& image, const BoardView& view);
 
 }  // namespace kinloop

@@ -39,13 +39,13 @@ cv::Mat visible_infrared(const cv::Mat& infrared) {
   return gray;
 }
 
-/// Small images are enlarged before corners are sought: the detector wants squares of some ten pixels.
+/// Factor by which small images are enlarged before detection, which needs squares of some ten pixels.
 int enlargement(const cv::Mat& gray) {
   constexpr int kSmallWidth = 800;
   return gray.cols < kSmallWidth ? 2 : 1;
 }
 
-/// The shortest way between neighbouring corners, px: how far a corner's surroundings reach.
+/// The shortest distance between neighbouring corners, px, which bounds the refinement window.
 double shortest_side_px(const DetectedCorners& corners, const Board& board) {
   double shortest = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < corners.corner_ids.size(); ++i) {
@@ -59,15 +59,15 @@ double shortest_side_px(const DetectedCorners& corners, const Board& board) {
   return shortest;
 }
 
-/// How much of a side around a corner shows nothing but its four squares: markers stand in the white ones.
+/// Fraction of a square's side around a corner without markers, which lie in the white squares.
 double free_share(const Board& board) {
   constexpr double kReach = 0.4, kInsideRim = 0.9;
   if (!board.has_markers()) return kReach;
   return std::min(kReach, kInsideRim * (1 - board.marker_m / board.square_m) / 2);
 }
 
-/// Corners to a fraction of a pixel: where all grey gradients around are at right angles to the way there
-/// (Foerstner and Guelch 1987).
+/// Refines corners to subpixel accuracy: all intensity gradients around are perpendicular to the direction of
+/// the corner (Foerstner and Guelch 1987).
 void refine(DetectedCorners& corners, const cv::Mat& gray, const Board& board) {
   constexpr double kLeast = 2, kMost = 11;  // px
   constexpr int kIterations = 100;
@@ -78,16 +78,16 @@ void refine(DetectedCorners& corners, const cv::Mat& gray, const Board& board) {
                    {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, kIterations, kConverged});
 }
 
-/// Contrast stretched in each part of the image by itself: shows a board through a reflection.
+/// Local contrast stretching, which reveals a board through a reflection.
 cv::Mat locally_stretched(const cv::Mat& gray) {
   constexpr double kMostStretch = 4;
-  constexpr int kParts = 8;  // a side
+  constexpr int kParts = 8;  // per side
   cv::Mat stretched;
   cv::createCLAHE(kMostStretch, {kParts, kParts})->apply(gray, stretched);
   return stretched;
 }
 
-/// Every corner of a chessboard to about a pixel, or none.
+/// All corners of a chessboard to about a pixel, or none.
 DetectedCorners find_chessboard(const cv::Mat& gray, const Board& board) {
   DetectedCorners corners;
   if (!cv::findChessboardCorners(gray, {board.columns, board.rows}, corners.pixels)) return {};
@@ -96,8 +96,8 @@ DetectedCorners find_chessboard(const cv::Mat& gray, const Board& board) {
   return corners;
 }
 
-/// Found in `gray`, where everything can be seen; made exact in `light`, whose values are in proportion to
-/// the light: any other curve moves an edge that is a pixel wide.
+/// Detects in `gray`, which is enhanced for visibility, and refines in `light`, which is linear in light: a
+/// nonlinear curve would shift edges that are a pixel wide.
 DetectedCorners corners_in(const cv::Mat& gray, const cv::Mat& light, const Board& board) {
   const auto find = board.has_markers() ? find_charuco : find_chessboard;
   DetectedCorners corners = find(gray, board);
@@ -155,7 +155,7 @@ std::optional<BoardView> find_board(const cv::Mat& image, const Board& board) {
   view.width = image.cols;
   view.height = image.rows;
   const auto corners_m = board.corners_m();
-  // Pixel centres are whole numbers: the enlarged image begins half a pixel further out than the small one.
+  // Pixel centres are integers: the enlarged image begins half a pixel further out than the small one.
   const double shift = 0.5 - 0.5 / times;
   for (size_t i = 0; i < corners.corner_ids.size(); ++i) {
     view.board_m.push_back(corners_m[static_cast<size_t>(corners.corner_ids[i])]);
@@ -197,10 +197,10 @@ cv::Mat read_still(const std::filesystem::path& path) {
 
 BoardSearch find_boards(const std::vector<std::filesystem::path>& stills, const Board& board, int threads,
                         const Progress& progress) {
-  // Looking for a board that is not there takes seconds an image.
+  // Searching for an absent board takes seconds per image.
   report(progress, "looking for boards", 0, stills.size());
   require_size(stills, board, threads);
-  constexpr size_t kStillsPerThread = 4;  // and report of progress
+  constexpr size_t kStillsPerThread = 4;  // between progress reports
   const size_t batch = kStillsPerThread * static_cast<size_t>(std::max(threads, 1));
   std::vector<std::optional<BoardView>> found(stills.size());
   for (size_t first = 0; first < stills.size(); first += batch) {

@@ -24,7 +24,7 @@ Eigen::Matrix3d normalizing(std::span<const Eigen::Vector2d> points) {
   return N;
 }
 
-/// v_ij of Zhang 2000, Eq. (7), without the skew's entry B12.
+/// v_ij of Zhang 2000, Eq. (7), without the skew entry B12.
 Eigen::Matrix<double, 1, 5> constraint(const Eigen::Matrix3d& H, int i, int j) {
   const Eigen::Vector3d a = H.col(i), b = H.col(j);
   Eigen::Matrix<double, 1, 5> v;
@@ -37,8 +37,8 @@ Eigen::Matrix<double, 1, 5> constraint(const Eigen::Matrix3d& H, int i, int j) {
 
 std::optional<Eigen::Matrix3d> fit_homography(std::span<const Eigen::Vector2d> plane,
                                               std::span<const Eigen::Vector2d> pixels) {
-  require(plane.size() == pixels.size(), "fit_homography: as many pixels as points");
-  constexpr double kDegenerate = 1e-9;  // of the second smallest singular value to the largest
+  require(plane.size() == pixels.size(), "fit_homography: the numbers of pixels and points differ");
+  constexpr double kDegenerate = 1e-9;  // ratio of the second smallest singular value to the largest
   if (plane.size() < 4) return std::nullopt;
   const Eigen::Matrix3d N_plane = normalizing(plane), N_pixels = normalizing(pixels);
   if (!N_plane.allFinite() || !N_pixels.allFinite()) return std::nullopt;
@@ -61,8 +61,8 @@ std::optional<Eigen::Matrix3d> fit_homography(std::span<const Eigen::Vector2d> p
 
 std::optional<PinholeCamera> camera_from_homographies(std::span<const Eigen::Matrix3d> homographies,
                                                       int width, int height) {
-  constexpr double kDegenerate = 1e-6;  // of the second smallest singular value to the largest
-  // Pixels go to about [-1, 1], which keeps the equations' columns of one size; skew stays 0.
+  constexpr double kDegenerate = 1e-6;  // ratio of the second smallest singular value to the largest
+  // Maps pixels to about [-1, 1], which balances the columns of the equations; skew stays 0.
   const double scale = 2.0 / (width + height);
   Eigen::Matrix3d N;
   N << scale, 0, -scale * width / 2, 0, scale, -scale * height / 2, 0, 0, 1;

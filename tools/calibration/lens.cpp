@@ -16,7 +16,7 @@ namespace {
 
 constexpr size_t kFewestViews = 3;
 
-/// Views with the homography of each; those without one (all corners on a line) are left out.
+/// Views with the homography of each; views without one (all corners collinear) are left out.
 struct PlanarViews {
   std::vector<BoardView> views;
   std::vector<Eigen::Matrix3d> homographies;
@@ -72,17 +72,17 @@ double rms_of_all(const std::vector<FittedView>& fits) {
   return rms_px(all);
 }
 
-/// The view that agrees least with the rest, where it does not agree at all.
+/// The view that agrees least with the rest, if it is an outlier.
 std::optional<size_t> outlier(const std::vector<FittedView>& fits, double factor) {
   std::vector<double> rms;
   for (const auto& fit : fits) rms.push_back(fit.rms_px);
   const auto worst = std::max_element(rms.begin(), rms.end());
-  constexpr double kExactPx = 1e-6;  // below, all views are without error
+  constexpr double kExactPx = 1e-6;  // below, all views are error-free
   if (*worst <= factor * median(rms) || *worst < kExactPx) return std::nullopt;
   return static_cast<size_t>(worst - rms.begin());
 }
 
-/// How many boards there are no two of which are tilted alike, found greedily.
+/// Size of a set of boards in which no two tilts are alike, found greedily.
 size_t distinct_tilts(const std::vector<FittedView>& fits, double alike_deg) {
   const double alike_cos = std::cos(alike_deg * std::numbers::pi / 180);
   std::vector<Eigen::Vector3d> normals;
@@ -144,7 +144,7 @@ std::vector<std::string> warnings_of(const LensCalibration& c, const Calibration
   return warnings;
 }
 
-/// Standard deviation of one coordinate: errors over degrees of freedom.
+/// Standard deviation of one coordinate: squared errors over degrees of freedom.
 double sigma_of(const std::vector<FittedView>& fits, int lens_parameters) {
   double sum = 0, freedom = -lens_parameters;
   for (const auto& fit : fits) {
@@ -154,7 +154,7 @@ double sigma_of(const std::vector<FittedView>& fits, int lens_parameters) {
   return freedom > 0 ? std::sqrt(sum / freedom) : 0;
 }
 
-/// Closed form and refinement of the views there are.
+/// Closed-form solution and refinement for the current views.
 void solve(LensCalibration& c, const PlanarViews& planar, const CalibrationOptions& options) {
   const BoardView& first = planar.views.front();
   const auto closed = camera_from_homographies(planar.homographies, first.width, first.height);

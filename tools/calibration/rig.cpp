@@ -15,7 +15,7 @@ namespace {
 constexpr size_t kInfrared = 0, kColor = 1;  // cameras of the rig; the first is its origin
 constexpr size_t kFewestPairs = 2;
 
-/// A camera before the joint adjustment: its lens, and which of its images can be used.
+/// A camera before the joint adjustment: its lens, and which of its images are usable.
 struct InitialLens {
   PinholeCamera lens;
   bool known = false;
@@ -48,7 +48,8 @@ InitialLens start_of(const LensSource& source, std::vector<BoardView> paired,
   return start;
 }
 
-/// The colour view read so that the motion between the cameras turns least, and that motion.
+/// The colour view in the board orientation that minimises the rotation between the cameras, and the
+/// resulting motion.
 struct ReadPair {
   BoardView color, infrared;
   SE3 T_infrared_board, T_color_infrared;
@@ -71,7 +72,7 @@ std::optional<ReadPair> read_pair(const PairedView& pair, const InitialLens& col
   return best;
 }
 
-/// The motion of one pair that is nearest to those of all others; a metre counts as much as a radian.
+/// The motion of the pair that is closest to those of all others; a metre counts as much as a radian.
 SE3 medoid(const std::vector<ReadPair>& pairs) {
   const auto distance_to_all = [&](const SE3& T) {
     double sum = 0;
@@ -94,7 +95,7 @@ void add_stills(RigProblem& problem, const InitialLens& start, size_t camera) {
   }
 }
 
-/// Pairs first: shot i is pair i.
+/// Pairs come first: shot i is pair i.
 RigProblem make_problem(const std::vector<ReadPair>& pairs, const InitialLens& color,
                         const InitialLens& infrared, const std::optional<SE3>& T_color_infrared) {
   RigProblem problem;
@@ -124,13 +125,13 @@ std::vector<FittedPair> fitted(const std::vector<ReadPair>& pairs, const RigSolu
   return fits;
 }
 
-/// Errors of both images in units of their cameras' deviation.
+/// Normalised error of both images.
 double misfit(const FittedPair& pair, const RigProblem& problem) {
   return std::hypot(pair.color_rms_px / problem.cameras[kColor].sigma_px,
                     pair.infrared_rms_px / problem.cameras[kInfrared].sigma_px);
 }
 
-/// The pair that agrees least with the rest, where it does not agree at all.
+/// The pair that agrees least with the rest, if it is an outlier.
 std::optional<size_t> outlier(const std::vector<FittedPair>& fits, const RigProblem& problem, double factor) {
   std::vector<double> misfits;
   for (const FittedPair& fit : fits) misfits.push_back(misfit(fit, problem));
@@ -148,8 +149,8 @@ void require_enough_pairs(size_t pairs) {
                   pairs, kFewestPairs));
 }
 
-/// Takes the result out of the adjustment. With a known lens its sigma is a guess, so that the overall level
-/// of the errors is always taken from the errors themselves.
+/// Copies the result of the adjustment. With a known lens its sigma is a guess, so the overall error level is
+/// always estimated from the errors.
 void take(RigCalibration& rig, const RigSolution& solution, const RigProblem& problem) {
   rig.infrared = solution.cameras[kInfrared].lens;
   rig.color = solution.cameras[kColor].lens;

@@ -14,9 +14,10 @@
 namespace kinloop {
 namespace {
 
-// Parameter blocks of a sighting: fx fy cx cy | k1 k2 | p1 p2 | k3 | T_camera_rig | T_rig_board. The lens is
-// in four blocks so that each number of distortion terms holds whole blocks. A motion is translation, then
-// rotation vector: the boards of a calibration are never turned by a full turn, where the vector is singular.
+// Parameter blocks of an observation: fx fy cx cy | k1 k2 | p1 p2 | k3 | T_camera_rig | T_rig_board. The lens
+// has four blocks, so that every number of distortion terms consists of whole blocks. A motion is a
+// translation and a rotation vector; calibration boards never turn by a full turn, where the vector is
+// singular.
 constexpr std::array<int, 6> kBlockSizes = {4, 2, 2, 1, 6, 6};
 constexpr int kSharedBlocks = 5, kLensBlocks = 4;
 constexpr std::array<int, kSharedBlocks> kBlockStarts = {0, 4, 6, 8, kLensParameters};
@@ -32,7 +33,7 @@ Eigen::Matrix<T, 3, 1> moved(const T* motion, const Eigen::Matrix<T, 3, 1>& poin
   return rotated + Eigen::Map<const Eigen::Matrix<T, 3, 1>>(motion);
 }
 
-/// All corners of one sighting, in standard deviations.
+/// All corners of one observation, in standard deviations.
 struct BoardResidual {
   const BoardView* view;
   double sigma_px;
@@ -83,7 +84,7 @@ void unpack(const CameraNumbers& x, RigCamera& camera) {
   camera.T_camera_rig = unpack_pose(x.data() + kLensParameters);
 }
 
-/// The numbers that are estimated, and who is held.
+/// The estimated parameters, and which blocks are constant.
 struct RigState {
   std::vector<CameraNumbers> cameras;
   std::vector<PoseNumbers> boards;
@@ -143,8 +144,8 @@ bool minimize(const RigProblem& problem, RigState& state) {
   return summary.IsSolutionUsable() && summary.termination_type == ceres::CONVERGENCE;
 }
 
-/// One sighting's residuals, and their derivatives by all cameras' parameters (held ones zero) and by its
-/// board.
+/// Residuals of an observation, and their Jacobians with respect to all camera parameters (zero for constant
+/// ones) and to its board pose.
 struct ObservationRows {
   Eigen::VectorXd residuals;
   Columns shared, board;
@@ -174,7 +175,7 @@ ObservationRows rows_of(const RigProblem& problem, RigState& state, const BoardO
   return rows;
 }
 
-/// What one shot says about the cameras' parameters, with the board's pose marginalised (Schur complement).
+/// Information of one shot about the camera parameters, with the board pose marginalised (Schur complement).
 struct ShotInformation {
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
@@ -203,11 +204,10 @@ std::vector<ShotInformation> shot_informations(const RigProblem& problem, RigSta
   return shots;
 }
 
-/// The inverse over the parameters that are estimated, zero for those held. Scaled before it is inverted: the
-/// parameters have units from pixels to 1. What the observations do not fix gets a very large variance, not
-/// none.
+/// Inverse over the estimated parameters, zero for constant ones. Scaled before inversion, since the units of
+/// the parameters range from pixels to 1. Undetermined directions get a very large variance.
 Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information) {
-  constexpr double kLeast = 1e-12;  // eigenvalue, of the scaled matrix
+  constexpr double kLeast = 1e-12;  // eigenvalue of the scaled matrix
   std::vector<Eigen::Index> free;
   for (Eigen::Index i = 0; i < information.rows(); ++i) {
     if (information(i, i) > 0) free.push_back(i);
@@ -223,9 +223,9 @@ Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information) {
   return covariance;
 }
 
-/// Were all errors independent and of the deviation they were given, a shot's gradient g would have the
-/// covariance A_s - A_s C A_s (A_s its information, C the inverse of their sum). How much larger g^T C g is
-/// than that says, over all shots.
+/// If all errors were independent with the assumed deviation, a shot's gradient g would have the covariance
+/// A_s - A_s C A_s (A_s its information, C the inverse of their sum). Returns how much larger g^T C g is,
+/// over all shots.
 double dispersion_of(const std::vector<ShotInformation>& shots, const Eigen::MatrixXd& C) {
   double found = 0, expected = 0;
   for (const auto& shot : shots) {
@@ -261,7 +261,8 @@ double rms_px(const std::vector<Eigen::Vector2d>& errors) {
 }
 
 RigSolution adjust_rig(const RigProblem& problem, int distortion_terms) {
-  require(!problem.cameras.empty() && !problem.observations.empty(), "adjust_rig: a camera and a sighting");
+  require(!problem.cameras.empty() && !problem.observations.empty(),
+          "adjust_rig: needs a camera and an observation");
   RigState state = make_state(problem, distortion_terms);
   RigSolution solution;
   solution.cameras = problem.cameras;

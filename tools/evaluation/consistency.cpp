@@ -7,7 +7,7 @@ namespace {
 
 constexpr int64_t kMaxTruthGapNs = 100'000'000;
 
-/// Nothing where the covariance is not that of a measured quantity.
+/// nullopt if the covariance is singular.
 std::optional<double> normalised_squared(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
   const Eigen::LLT<Eigen::Matrix3d> factor(covariance);
   if (!covariance.allFinite() || factor.info() != Eigen::Success) return std::nullopt;

@@ -9,16 +9,16 @@
 namespace kinloop {
 namespace {
 
-/// Seconds as the TUM tools hold them: a double resolves 0.24 us of Unix time.
+/// Seconds as the TUM tools store them: a double resolves 0.24 us of Unix time.
 double rounded_seconds(int64_t stamp_ns) {
   const int64_t whole_s = stamp_ns / kNsPerSecond;
   const auto fraction = static_cast<double>(stamp_ns % kNsPerSecond) / static_cast<double>(kNsPerSecond);
   return static_cast<double>(whole_s) + fraction;
 }
 
-/// Index of the pose closest in time, the earlier of two equally close; `trajectory` must not be empty.
-/// Distances are compared in rounded seconds: stamps of four decimals often lie exactly midway, and there the
-/// tool lets the rounding decide (0.455005 deg on fr2_desk_orbslam2 hangs on one such pose).
+/// Index of the pose closest in time, the earlier on ties; `trajectory` must not be empty. Distances are
+/// compared in rounded seconds: stamps of four decimals often lie exactly midway, where the tool's result
+/// depends on rounding (0.455005 deg on fr2_desk_orbslam2 depends on one such pair).
 size_t closest_index(const Trajectory& trajectory, int64_t stamp_ns) {
   const auto after =
       std::lower_bound(trajectory.begin(), trajectory.end(), stamp_ns,
@@ -31,8 +31,8 @@ size_t closest_index(const Trajectory& trajectory, int64_t stamp_ns) {
   return before_s <= rounded_seconds(trajectory[index].stamp_ns) - stamp_s ? index - 1 : index;
 }
 
-/// The pose that closes the interval which opens at pose `from`; nothing when that would be the last pose:
-/// the TUM tool leaves it out, since it is also the closest one to every time after the end.
+/// The pose that closes the interval starting at pose `from`; nullopt if that is the last pose: the TUM tool
+/// omits it, since it is also the closest one to every time after the end.
 std::optional<size_t> interval_end(const Trajectory& estimate, size_t from, const RpeDelta& delta) {
   const size_t to = delta.unit == RpeDelta::Unit::kSeconds
                         ? closest_index(estimate, estimate[from].stamp_ns + to_ns(delta.amount))
@@ -40,7 +40,7 @@ std::optional<size_t> interval_end(const Trajectory& estimate, size_t from, cons
   return to + 1 < estimate.size() ? std::optional(to) : std::nullopt;
 }
 
-/// Truth further away than twice its usual interval does not count as truth for a pose.
+/// Ground truth farther away than twice its usual interval is not used for a pose.
 int64_t max_truth_distance_ns(const Trajectory& truth) {
   std::vector<double> intervals_ns;
   for (size_t i = 1; i < truth.size(); ++i) {
@@ -69,8 +69,8 @@ std::optional<RpeResult> relative_pose_error(const Trajectory& estimate, const T
     const auto truth_to = truth_at(truth, estimate[*to].stamp_ns, max_distance_ns);
     if (!truth_from || !truth_to) continue;
 
-    // Eq. (1) of Sturm et al. 2012, with the motion taken backwards as the tool does: its translation is seen
-    // from the other end, and so differs.
+    // Eq. (1) of Sturm et al. 2012, with the inverse motion as in the tool: its translation is expressed at
+    // the other end, and so differs.
     const SE3 motion = estimate[*to].T_world_camera.inverse() * estimate[from].T_world_camera;
     const SE3 true_motion = truth_to->inverse() * *truth_from;
     const SE3 error = motion.inverse() * true_motion;

@@ -1,12 +1,12 @@
 #pragma once
-// In: a list of errors. Out: the figures that the TUM tools print of it.
+// In: a list of errors. Out: the statistics that the TUM tools print.
 
 #include <cstddef>
 #include <span>
 
 namespace kinloop {
 
-/// Summary of errors, in their unit; all zero when there are none.
+/// Statistics of errors, in their unit; all zero if there are none.
 struct ErrorStatistics {
   size_t count = 0;
   double rmse = 0;
@@ -17,7 +17,7 @@ struct ErrorStatistics {
   double max = 0;
 };
 
-/// The figures of `errors`, which may be in any order.
+/// Computes the statistics of `errors`, in any order.
 ErrorStatistics compute_statistics(std::span<const double> errors);
 
 }  // namespace kinloop

@@ -10,7 +10,8 @@
 namespace kinloop {
 namespace {
 
-/// OpenCV's and dlib's keypoints as ours. One level: their scales are no levels of a pyramid of ours.
+/// Converts OpenCV's and dlib's keypoints. A single level, since their scales are not levels of kinloop's
+/// pyramid.
 Features to_features(const std::vector<cv::KeyPoint>& keypoints, const cv::Mat& descriptors,
                      const PinholeCamera& camera) {
   Features features;

@@ -10,7 +10,7 @@
 namespace kinloop {
 namespace {
 
-/// At least `rows` high; what is added below is black.
+/// Pads at the bottom with black to at least `rows`.
 cv::Mat with_height(const cv::Mat& gray, int rows) {
   cv::Mat padded;
   cv::copyMakeBorder(gray, padded, 0, std::max(0, rows - gray.rows), 0, 0, cv::BORDER_CONSTANT);
@@ -21,7 +21,7 @@ cv::Mat with_height(const cv::Mat& gray, int rows) {
 
 cv::Mat draw_matches(const cv::Mat& gray_a, const Features& a, const cv::Mat& gray_b, const Features& b,
                      const std::vector<DescriptorMatch>& matches) {
-  require(gray_a.type() == CV_8UC1 && gray_b.type() == CV_8UC1, "draw_matches: two grey images");
+  require(gray_a.type() == CV_8UC1 && gray_b.type() == CV_8UC1, "draw_matches: expected two grey images");
   constexpr int kCircleRadius = 3;
   cv::Mat side_by_side, picture;
   cv::hconcat(with_height(gray_a, gray_b.rows), with_height(gray_b, gray_a.rows), side_by_side);
@@ -31,7 +31,7 @@ cv::Mat draw_matches(const cv::Mat& gray_a, const Features& a, const cv::Mat& gr
     const Eigen::Vector2f from = a.raw_pixels[match.a], to = b.raw_pixels[match.b];
     const cv::Point start(cvRound(from.x()), cvRound(from.y()));
     const cv::Point end(gray_a.cols + cvRound(to.x()), cvRound(to.y()));
-    const double hue = random.uniform(0, 1);  // bright colours, far apart
+    const double hue = random.uniform(0, 1);  // saturated colours, well apart
     const cv::Scalar color(255 * std::abs(1 - 2 * hue), 255 * (1 - std::abs(1 - 2 * hue)),
                            255 * random.uniform(0, 1));
     cv::line(picture, start, end, color, 1, cv::LINE_AA);

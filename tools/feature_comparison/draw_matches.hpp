@@ -1,5 +1,5 @@
 #pragma once
-// In: two images and the matches between them. Out: a picture, as Fig. 3 and 4 of the founding paper.
+// In: two images and the matches between them. Out: a picture like Figs. 3 and 4 of the founding paper.
 
 #include <string>
 #include <vector>
@@ -10,12 +10,12 @@
 
 namespace kinloop {
 
-/// Both grey images side by side, the tops of both at the top, each match a line of a colour of its own
-/// (8UC3, BGR).
+/// Draws both grey images side by side, aligned at the top, each match as a line in its own colour (8UC3,
+/// BGR).
 cv::Mat draw_matches(const cv::Mat& gray_a, const Features& a, const cv::Mat& gray_b, const Features& b,
                      const std::vector<DescriptorMatch>& matches);
 
-/// The picture with lines of text below it (ASCII, as OpenCV's letters).
+/// Returns the picture with lines of text below it (ASCII, as required by OpenCV's fonts).
 cv::Mat add_caption(const cv::Mat& picture, const std::vector<std::string>& lines);
 
 }  // namespace kinloop

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kScreenFactor = 4;
 constexpr double kMaxDepthStep = 0.04;  // relative, around a keypoint
-constexpr double kHiddenShare = 0.05;   // a surface nearer by this share hides what is behind it
+constexpr double kHiddenShare = 0.05;   // a surface nearer by this fraction occludes what is behind it
 
 Eigen::Vector2d pixel_of(const Features& features, uint32_t index) {
   return features.pixels[index].cast<double>();
@@ -34,7 +34,7 @@ double distance_to_nearest(const Features& features, const Eigen::Vector2d& pixe
   return std::sqrt(nearest);
 }
 
-/// Those of the matches that `inliers` is not 0 for.
+/// The matches with nonzero `inliers`.
 std::vector<DescriptorMatch> chosen(const std::vector<DescriptorMatch>& matches,
                                     const std::vector<uint8_t>& inliers) {
   std::vector<DescriptorMatch> kept;
@@ -44,7 +44,7 @@ std::vector<DescriptorMatch> chosen(const std::vector<DescriptorMatch>& matches,
   return kept;
 }
 
-/// In an order of the seed's own: OpenCV's RANSAC draws the same places in the list every time.
+/// Shuffled by seed: OpenCV's RANSAC draws the same list positions every time.
 std::vector<DescriptorMatch> in_random_order(const std::vector<DescriptorMatch>& matches, uint64_t seed) {
   Random random(seed);
   const auto count = static_cast<uint32_t>(matches.size());
@@ -53,7 +53,7 @@ std::vector<DescriptorMatch> in_random_order(const std::vector<DescriptorMatch>&
   return mixed;
 }
 
-/// What `find`, one of OpenCV's RANSACs, calls inliers.
+/// The inliers of `find`, one of OpenCV's RANSACs.
 template <class Find>
 std::vector<DescriptorMatch> inliers_of(const MatchedFeatures& pair, uint64_t seed, size_t fewest,
                                         const Find& find) {
@@ -141,7 +141,7 @@ std::vector<DescriptorMatch> motion_inliers(const MatchedFeatures& pair, const c
     PoseObservation observation;
     observation.p_reference = camera.unproject(pixel_of(pair.a, match.a), depth_m);
     observation.pixel = pixel_of(pair.b, match.b);
-    // The same for all levels and detectors, so that all are judged alike.
+    // The same for all levels and detectors, for a fair comparison.
     observation.sigma_px = kRepeatabilityRadiusPx / std::sqrt(AbsolutePoseOptions().inlier_chi2_pixel);
     observations.push_back(observation);
     with_depth.push_back(match);
@@ -158,7 +158,7 @@ std::vector<DescriptorMatch> homography_inliers(const MatchedFeatures& pair, uin
 }
 
 std::vector<DescriptorMatch> epipolar_inliers(const MatchedFeatures& pair, uint64_t seed) {
-  constexpr size_t kFewest = 15;  // with fewer, OpenCV takes another method than RANSAC or none
+  constexpr size_t kFewest = 15;  // with fewer, OpenCV uses another method than RANSAC or none
   return inliers_of(pair, seed, kFewest, [](const auto& from, const auto& to, cv::Mat& inliers) {
     constexpr double kConfidence = 0.999;
     cv::findFundamentalMat(from, to, cv::FM_RANSAC, kRepeatabilityRadiusPx, kConfidence, inliers);

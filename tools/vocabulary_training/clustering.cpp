@@ -5,7 +5,7 @@
 namespace kinloop {
 namespace {
 
-/// The nearest centre of each point and how far it is.
+/// The nearest centre of each point and its distance.
 struct Assignment {
   PointValues cluster_of;
   PointValues distance;
@@ -24,9 +24,9 @@ Assignment assign(const DistributedPoints<Space>& points, const Centres<Space>& 
   return result;
 }
 
-/// Per cluster its number of points and their counts, of all threads and processes.
+/// Per cluster its number of points and their counts, over all threads and processes.
 struct Votes {
-  size_t stride;  ///< numbers of a cluster
+  size_t stride;  ///< numbers per cluster
   std::vector<uint64_t> numbers;
 
   [[nodiscard]] uint64_t points(size_t cluster) const { return numbers[cluster * stride]; }
@@ -66,11 +66,11 @@ std::vector<uint64_t> cluster_sizes(const DistributedPoints<Space>& points, cons
   return sizes;
 }
 
-/// The point farthest from its own centre, the first of them: who has it, its index there, its cluster.
+/// The point farthest from its own centre, the first on ties: its owner, its index there, its cluster.
 struct Farthest {
   int owner = 0;
   uint64_t distance = 0;
-  size_t index = 0;  ///< means something to the owner alone
+  size_t index = 0;  ///< meaningful only to the owner
   uint64_t cluster = 0;
 };
 
@@ -88,7 +88,7 @@ Farthest farthest_point(const Assignment& assignment, const Communicator& commun
   return result;
 }
 
-/// Gives each empty cluster the point farthest from its own centre, as long as there is one away from it.
+/// Moves the point farthest from its own centre into each empty cluster, as long as one has nonzero distance.
 template <class Space>
 void fill_empty_clusters(const DistributedPoints<Space>& points, Assignment& assignment, size_t clusters) {
   auto sizes = cluster_sizes(points, assignment.cluster_of, clusters);
@@ -96,7 +96,7 @@ void fill_empty_clusters(const DistributedPoints<Space>& points, Assignment& ass
     if (sizes[cluster] > 0) continue;
     const Farthest farthest = farthest_point(assignment, points.communicator());
     if (farthest.distance == 0) return;
-    if (sizes[farthest.cluster] == 1) return;  // alone in its cluster: the coming vote makes it the centre
+    if (sizes[farthest.cluster] == 1) return;  // alone in its cluster: the next update makes it the centre
     --sizes[farthest.cluster];
     sizes[cluster] = 1;
     if (farthest.owner != points.communicator().rank()) continue;

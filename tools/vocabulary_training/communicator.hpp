@@ -1,6 +1,6 @@
 #pragma once
-// The processes that train one vocabulary together, on one machine or many. Each calls the same functions in
-// the same order.
+// The processes that jointly train one vocabulary, on one machine or several. Each calls the same functions
+// in the same order.
 
 #include <cstdint>
 #include <span>
@@ -8,10 +8,10 @@
 
 namespace kinloop {
 
-/// Bytes on their way from one process to another.
+/// Bytes sent from one process to another.
 using Message = std::vector<uint8_t>;
 
-/// One process alone, unless a derived class says otherwise (mpi_ranks.hpp).
+/// A single process, unless a derived class says otherwise (mpi_communicator.hpp).
 class Communicator {
  public:
   Communicator() = default;
@@ -19,30 +19,30 @@ class Communicator {
   Communicator(const Communicator&) = delete;
   Communicator& operator=(const Communicator&) = delete;
 
-  /// This process's number, below `size()`.
+  /// Number of this process, below `size()`.
   [[nodiscard]] virtual int rank() const { return 0; }
   [[nodiscard]] virtual int size() const { return 1; }
 
   /// Replaces each number by its sum over all processes.
   virtual void sum(std::span<uint64_t> /*numbers*/) const {}
 
-  /// Sends `outgoing[r]` to process r; gives what each process sent here.
+  /// Sends `outgoing[r]` to process r; returns what each process sent here.
   [[nodiscard]] virtual std::vector<Message> exchange(std::vector<Message> outgoing) const {
     return outgoing;
   }
 
-  /// What each process says, to all.
+  /// Sends a message from each process to all.
   [[nodiscard]] std::vector<Message> gather(const Message& message) const {
     return exchange(std::vector<Message>(static_cast<size_t>(size()), message));
   }
 
-  /// The sum of one number.
+  /// Returns the sum of a number over all processes.
   [[nodiscard]] uint64_t all_reduce_sum(uint64_t number) const {
     sum({&number, 1});
     return number;
   }
 
-  /// Each process's number.
+  /// Returns each process's number.
   [[nodiscard]] std::vector<uint64_t> all_gather(uint64_t number) const {
     std::vector<uint64_t> numbers(static_cast<size_t>(size()), 0);
     numbers[static_cast<size_t>(rank())] = number;

@@ -14,9 +14,9 @@
 namespace kinloop {
 namespace {
 
-constexpr int kL1Norm = 0, kTfIdf = 0;  ///< the scoring and weighting that this program has
+constexpr int kL1Norm = 0, kTfIdf = 0;  ///< the scoring and weighting that kinloop supports
 
-/// Numbers of one line.
+/// Parses the numbers of one line.
 class LineReader {
  public:
   LineReader(const std::string& line, const std::filesystem::path& path, size_t number)
@@ -59,7 +59,7 @@ void read_node(LineReader& line, TextNodes& nodes) {
   nodes.weights.push_back(line.next(0.0F, 1e6F, "a weight"));
 }
 
-/// The nodes of the file, breadth first, children in the order of lines.
+/// The nodes of the file in breadth-first order, children in the order of lines.
 std::vector<uint32_t> breadth_first(const std::vector<uint32_t>& parents,
                                     const std::vector<uint32_t>& child_counts) {
   std::vector<uint32_t> slot(parents.size());
@@ -115,7 +115,7 @@ Vocabulary read_dbow2(const std::filesystem::path& path) {
   for (size_t node = 0; node < has_children.size(); ++node) {
     if (nodes.is_word[node] != has_children[node]) continue;
     throw InputError(
-        fmt::format("{}: node {} is {}; is the file whole?", path.string(), node,
+        fmt::format("{}: node {} is {}; is the file complete?", path.string(), node,
                     has_children[node] ? "a word with children" : "no word and has no children"));
   }
   tree = to_tree(nodes, std::move(tree));
@@ -128,13 +128,13 @@ Vocabulary read_dbow2(const std::filesystem::path& path) {
 void write_dbow2(const std::filesystem::path& path, const Vocabulary& vocabulary) {
   const VocabularyView& tree = vocabulary.tree();
   if (vocabulary.descriptors().metric != Metric::kHamming) {
-    throw InputError(fmt::format("{}: the text format has words of 256 bits, not of {}", path.string(),
+    throw InputError(fmt::format("{}: the text format requires words of 256 bits, not of {}", path.string(),
                                  vocabulary.descriptors().name));
   }
   AtomicFile file(path);
   file.stream() << fmt::format("{} {} {} {}\n", tree.branching, tree.depth, kL1Norm, kTfIdf);
   size_t node = 1, word = 0;
-  // Breadth first: the children of each node follow those of the nodes before it.
+  // Breadth first: the children of each node follow those of the preceding nodes.
   for (size_t parent = 0; parent < tree.child_counts.size(); ++parent) {
     for (uint32_t child = 0; child < tree.child_counts[parent]; ++child, ++node) {
       const bool is_word = tree.child_counts[node] == 0;

@@ -84,13 +84,13 @@ DescriptorFile::DescriptorFile(const std::filesystem::path& path) : file_(path) 
   }
   first_row_.resize(counts.size() + 1, 0);
   std::inclusive_scan(counts.begin(), counts.end(), first_row_.begin() + 1, std::plus<>(), size_t{0});
-  if (rows() != header.rows) fail("its images do not have as many descriptors as it has");
+  if (rows() != header.rows) fail("the descriptor counts of its images do not add up");
 }
 
 cv::Mat DescriptorFile::descriptors_of_image(size_t image) const {
   require(image < images(), "DescriptorFile: no such image");
   const size_t row_bytes = descriptor_traits(kind_).bytes, begin = first_row_[image];
-  // OpenCV has no matrix of constants; the mapping is read only, and nobody writes to it.
+  // OpenCV has no const matrix; the mapping is read-only, and nobody writes to it.
   auto* rows = const_cast<char*>(file_.bytes().data() + sizeof(Header) + begin * row_bytes);
   return {static_cast<int>(first_row_[image + 1] - begin), static_cast<int>(row_bytes), CV_8UC1, rows};
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Descriptors of many images in one file (.kindesc), to be described once and trained on often, or in more
-// pieces than fit into memory. The format is described in docs/place.md.
+// Descriptors of many images in one file (.kindesc), computed once and used for several trainings, or for
+// more data than fits into memory. docs/place.md describes the format.
 
 #include <filesystem>
 #include <vector>
@@ -14,10 +14,10 @@ namespace kinloop {
 /// Writes one image after the other; the file appears with `commit()`.
 class DescriptorFileWriter {
  public:
-  /// Throws InputError when the file cannot be created.
+  /// Throws InputError if the file cannot be created.
   DescriptorFileWriter(const std::filesystem::path& path, DescriptorKind kind);
 
-  /// One more image (N x bytes of 8UC1, N may be 0).
+  /// Appends the descriptors of an image (N x bytes of 8UC1, N may be 0).
   void append(const cv::Mat& descriptors);
 
   void commit();
@@ -25,26 +25,26 @@ class DescriptorFileWriter {
  private:
   AtomicFile file_;
   DescriptorKind kind_;
-  std::vector<uint32_t> counts_;  ///< descriptors of each image
+  std::vector<uint32_t> counts_;  ///< number of descriptors per image
 };
 
-/// Such a file, mapped into memory.
+/// Such a file, memory-mapped.
 class DescriptorFile {
  public:
-  /// Throws InputError for anything but a whole file of this format.
+  /// Throws InputError unless the file is complete and of this format.
   explicit DescriptorFile(const std::filesystem::path& path);
 
   [[nodiscard]] DescriptorKind kind() const { return kind_; }
   [[nodiscard]] size_t images() const { return first_row_.size() - 1; }
   [[nodiscard]] size_t rows() const { return first_row_.back(); }
 
-  /// The descriptors of an image, which live as long as this file.
+  /// Returns the descriptors of an image, valid as long as this file.
   [[nodiscard]] cv::Mat descriptors_of_image(size_t image) const;
 
  private:
   MappedFile file_;
   DescriptorKind kind_ = DescriptorKind::kOrb;
-  std::vector<size_t> first_row_;  ///< per image, and one more
+  std::vector<size_t> first_row_;  ///< per image, plus an end entry
 };
 
 }  // namespace kinloop

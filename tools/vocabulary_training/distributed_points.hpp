@@ -1,5 +1,5 @@
 #pragma once
-// Points of which each process has some: the first of them the first process, and so on.
+// Points distributed over processes: process 0 holds the first ones, and so on.
 
 #include <algorithm>
 #include <numeric>
@@ -10,7 +10,7 @@
 
 namespace kinloop {
 
-/// One number per point of this process.
+/// One number per local point.
 using PointValues = std::pmr::vector<uint32_t>;
 
 template <class Space>
@@ -18,7 +18,7 @@ class DistributedPoints {
  public:
   using Point = typename Space::Point;
 
-  /// `weights` (one per local point, or none: all 1) say how many points each stands for.
+  /// `weights` (one per local point, or none: all 1) give the multiplicity of each point.
   DistributedPoints(std::span<const Point> local, const ClusterOptions& options,
                     const Communicator& communicator, std::span<const uint64_t> weights = {})
       : local_(local),
@@ -34,7 +34,7 @@ class DistributedPoints {
   [[nodiscard]] uint64_t total() const {
     return std::accumulate(counts_.begin(), counts_.end(), uint64_t{0});
   }
-  /// The number of this process's first point.
+  /// Number of this process's first point.
   [[nodiscard]] uint64_t first() const {
     return std::accumulate(counts_.begin(), counts_.begin() + communicator_.rank(), uint64_t{0});
   }
@@ -43,18 +43,18 @@ class DistributedPoints {
     return PointValues(local_.size(), value, memory_);
   }
 
-  /// Point `number`, wherever it is.
+  /// Returns point `number`, wherever it is stored.
   [[nodiscard]] Point at(uint64_t number) const {
     const uint64_t begin = first();
     return fetch(number >= begin && number - begin < local_.size(), number - begin);
   }
 
-  /// Sum of `distances`, each as often as its point counts, over all points.
+  /// Returns the sum of `distances`, weighted by multiplicity, over all points.
   [[nodiscard]] uint64_t sum(const PointValues& distances) const {
     return communicator_.all_reduce_sum(local_sum(distances));
   }
 
-  /// A point drawn with probability proportional to its distance; `sum` is sum(distances), above 0.
+  /// Draws a point with probability proportional to its distance; `sum` is sum(distances), above 0.
   [[nodiscard]] Point draw(const PointValues& distances, uint64_t sum, Random& random) const {
     auto left = static_cast<uint64_t>(random.uniform() * static_cast<double>(sum));
     const auto sums = communicator_.all_gather(local_sum(distances));
@@ -67,7 +67,7 @@ class DistributedPoints {
     return fetch(owner == communicator_.rank(), drawn);
   }
 
-  /// The distances with one more centre.
+  /// Returns the distances after adding a centre.
   [[nodiscard]] PointValues update_distances(const PointValues& distances, const Point& centre) const {
     PointValues lowered = make_point_values(0), nearest = make_point_values(0);
     parallel_for(local_.size(), threads_, [&](size_t begin, size_t end) {
@@ -87,7 +87,7 @@ class DistributedPoints {
     return sum;
   }
 
-  /// The point with `index` of the one process that says it is `mine`.
+  /// Returns the point with `index` from the one process with `mine` set.
   [[nodiscard]] Point fetch(bool mine, uint64_t index) const {
     std::array<uint64_t, std::tuple_size_v<Point>> bytes{};
     if (mine) std::copy(local_[index].begin(), local_[index].end(), bytes.begin());

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers into messages and out again, in the same order.
+// Serialisation of numbers into messages, read back in the same order.
 
 #include <cstring>
 #include <span>
@@ -25,14 +25,14 @@ void put(Message& message, const T& value) {
   put(message, std::span<const T>(&value, 1));
 }
 
-/// Reads a message from its beginning on.
+/// Reads a message from the beginning.
 class MessageReader {
  public:
   explicit MessageReader(const Message& message) : left_(message) {}
 
   template <class T>
   std::vector<T> read(size_t count) {
-    require(count * sizeof(T) <= left_.size(), "MessageReader: more asked for than was sent");
+    require(count * sizeof(T) <= left_.size(), "MessageReader: read past the end of the message");
     std::vector<T> values(count);
     if (count > 0) std::memcpy(values.data(), left_.data(), count * sizeof(T));
     left_ = left_.subspan(count * sizeof(T));

@@ -18,7 +18,7 @@
 namespace kinloop {
 namespace {
 
-/// Whether a starter of many processes started this one: what Open MPI, MPICH and Slurm tell their children.
+/// Whether a launcher of several processes started this one: variables set by Open MPI, MPICH and Slurm.
 bool started_as_one_of_many() {
   constexpr std::array kNames = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"};
   return std::any_of(kNames.begin(), kNames.end(),
@@ -31,7 +31,7 @@ bool started_as_one_of_many() {
 
 namespace {
 
-/// MPI's default is to end all processes on an error, with a message: no return value needs a look.
+/// By default MPI ends all processes with a message on an error, so return values need no check.
 class MpiCommunicator : public Communicator {
  public:
   MpiCommunicator() {
@@ -57,7 +57,7 @@ class MpiCommunicator : public Communicator {
     }
   }
 
-  /// In pieces: MPI counts in int.
+  /// In chunks, since MPI counts in int.
   [[nodiscard]] std::vector<Message> exchange(std::vector<Message> outgoing) const override {
     const auto process_count = static_cast<size_t>(size_);
     const size_t piece = kMostAtOnce / process_count;
@@ -90,7 +90,7 @@ class MpiCommunicator : public Communicator {
  private:
   static constexpr size_t kMostAtOnce = size_t{1} << 30;
 
-  /// Where the pieces [begin, begin + piece) of messages stand in one buffer.
+  /// Layout of the chunks [begin, begin + piece) of messages in one buffer.
   struct Layout {
     Layout(const std::vector<uint64_t>& sizes, uint64_t begin, uint64_t piece)
         : counts(sizes.size()), begins(sizes.size()) {
@@ -131,7 +131,7 @@ std::unique_ptr<Communicator> join_mpi() {
   if (started_as_one_of_many()) {
     throw UsageError(
         "this kinloop was built without MPI and cannot share its work with other processes; install "
-        "libopenmpi-dev and build again, or start it without mpirun");
+        "libopenmpi-dev and rebuild, or start it without mpirun");
   }
   return std::make_unique<Communicator>();
 }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr size_t kSmallBlock = 1 << 16;  ///< never worth a file
 
-/// A mapped file that nobody else can see and that goes with the mapping.
+/// Maps an unnamed file, which disappears with the mapping.
 void* map_new_file(const std::filesystem::path& folder, size_t bytes) {
   const auto fail = [&](const char* what) {
     throw InputError(fmt::format(
@@ -26,7 +26,7 @@ void* map_new_file(const std::filesystem::path& folder, size_t bytes) {
   };
   const int file = open_anonymous_temp_file(folder);
   if (file < 0) fail("cannot create a file");
-  // Space is taken now: a full disk is an error here and not a crash later.
+  // Allocates the space now, so that a full disk is an error here and not a crash later.
   errno = posix_fallocate(file, 0, static_cast<off_t>(bytes));
   const bool full = errno != 0;
   void* block = full ? MAP_FAILED : mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);

@@ -1,6 +1,6 @@
 #pragma once
-// Memory for more descriptors than the machine has memory for: beyond a limit, blocks are files without a
-// name mapped into memory, of which the system keeps what fits.
+// Memory for descriptors beyond the machine's RAM: above a limit, blocks are memory-mapped unnamed files,
+// which the system caches as far as possible.
 
 #include <filesystem>
 #include <map>
@@ -11,11 +11,11 @@ namespace kinloop {
 
 class ScratchMemory : public std::pmr::memory_resource {
  public:
-  /// Large blocks that would take more than `limit_bytes` together lie in `folder`.
+  /// Large blocks that exceed `limit_bytes` in total are placed in `folder`.
   ScratchMemory(size_t limit_bytes, std::filesystem::path folder)
       : limit_bytes_(limit_bytes), folder_(std::move(folder)) {}
 
-  /// What lies in files now.
+  /// Bytes currently in files.
   [[nodiscard]] size_t bytes_in_files() const;
 
  private:
@@ -27,7 +27,7 @@ class ScratchMemory : public std::pmr::memory_resource {
 
   size_t limit_bytes_;
   std::filesystem::path folder_;
-  mutable std::mutex mutex_;  ///< threads allocate
+  mutable std::mutex mutex_;  ///< several threads allocate
   size_t in_memory_ = 0;
   std::map<void*, size_t> files_;  ///< mapped blocks
 };

@@ -53,14 +53,14 @@ Points<Space> seed_kmeans_plus_plus(const DistributedPoints<Space>& points, cons
   return centres;
 }
 
-/// Every point's nearest candidate so far.
+/// The nearest candidate of every point so far.
 struct Nearest {
   PointValues candidate;
   PointValues distance;
 };
 
-/// The points that become candidates in this round, in order, of all processes. What decides is the number of
-/// a point, not who has it.
+/// The points selected as candidates in this round, in order, over all processes. The selection depends on a
+/// point's number, not on its process.
 template <class Space>
 Points<Space> sample_candidates(const DistributedPoints<Space>& points, const PointValues& distance,
                                 double factor, uint64_t seed) {
@@ -95,7 +95,7 @@ void update_nearest(const DistributedPoints<Space>& points, const Points<Space>&
 
 template <class Space>
 Points<Space> seed_kmeans_parallel(const DistributedPoints<Space>& points, const ClusterOptions& options) {
-  constexpr int kRounds = 5;           // Bahmani et al. 2012, section 5: as good as more
+  constexpr int kRounds = 5;           // Bahmani et al. 2012, section 5: more do not help
   constexpr double kOversampling = 2;  // l = 2 k, ibid.
   Random random(options.seed);
   Points<Space> candidates = {any_point(points, random)};
@@ -104,7 +104,7 @@ Points<Space> seed_kmeans_parallel(const DistributedPoints<Space>& points, const
   const auto enough = static_cast<size_t>(options.clusters);
   for (int round = 0; round < kRounds || candidates.size() < enough; ++round) {
     const uint64_t sum = points.sum(nearest.distance);
-    if (sum == 0) break;  // every point is a candidate already
+    if (sum == 0) break;  // every point is already a candidate
     const double factor = kOversampling * options.clusters / static_cast<double>(sum);
     const auto new_centres = sample_candidates(points, nearest.distance, factor, random.next());
     update_nearest(points, new_centres, candidates.size(), nearest);

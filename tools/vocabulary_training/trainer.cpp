@@ -16,7 +16,7 @@
 namespace kinloop {
 namespace {
 
-/// A node with more points is clustered by all threads and processes together, smaller ones side by side.
+/// Nodes with more points are clustered by all threads and processes together, smaller ones in parallel.
 constexpr size_t kLargeNode = 20'000;
 
 Seeding seeding_of(const std::string& name) {
@@ -25,27 +25,27 @@ Seeding seeding_of(const std::string& name) {
 }
 
 void require_enough(uint64_t descriptors, uint64_t images, const TrainOptions& options) {
-  // What one level more than all but the last can split: less, and the tree would not reach its depth.
+  // More than all levels but the last can split; otherwise the tree would not reach its depth.
   const double nodes = std::pow(options.branching, options.depth - 1);
   const double least = std::max<double>(options.branching, options.min_split * nodes);
   if (static_cast<double>(descriptors) < least) {
-    throw InputError(fmt::format(
-        "{} descriptors are too few for a vocabulary of up to {}^{} words, which takes {:.0f}; give "
-        "more images, or a smaller -k or -L",
-        descriptors, options.branching, options.depth, least));
+    throw InputError(
+        fmt::format("{} descriptors are too few for a vocabulary of up to {}^{} words, which needs {:.0f}; "
+                    "give more images, or a smaller -k or -L",
+                    descriptors, options.branching, options.depth, least));
   }
   if (images < 2) {
     throw InputError("IDF weights require at least two images; give more images");
   }
 }
 
-/// What became of a node: its children, or a word.
+/// The result of splitting a node: its children, or a word.
 template <class Space>
 struct Split {
-  std::vector<typename Space::Point> centres;  ///< of its children; none for a word
-  std::vector<size_t> sizes;                   ///< points of each child here
+  std::vector<typename Space::Point> centres;  ///< of its children; empty for a word
+  std::vector<size_t> sizes;                   ///< number of local points of each child
   uint64_t uses = 0;                           ///< of a word: its descriptors ...
-  uint64_t images = 0;                         ///< ... and the images they are of
+  uint64_t images = 0;                         ///< ... and their images
 
   [[nodiscard]] bool is_word() const { return centres.empty(); }
 };
@@ -79,7 +79,7 @@ class Grower {
   using Point = typename Space::Point;
   using Splits = std::vector<Split<Space>>;
 
-  /// Splits the shared nodes together with the other processes, then those that are this one's own.
+  /// Splits the shared nodes together with the other processes, then the nodes owned by this one.
   Splits split_level(const std::vector<TreeLevelNode>& level, bool deep_enough) {
     Splits splits(level.size());
     std::vector<size_t> own;
@@ -119,7 +119,7 @@ class Grower {
       options.seeding = seeding_of(options_.seeding);
       options.iterations = options_.iterations;
       options.candidates = options_.candidates;
-      // Nodes before this level, and those before this one in it: the node's own number, whoever splits it.
+      // Nodes in previous levels and earlier in this one: the node's number, whichever process splits it.
       options.seed = hash(static_cast<uint64_t>(options_.seed), tree_.child_counts.size() + index_in_level);
       options.threads = threads;
       if (node.size() > kLargeNode) options.memory = set_.memory();
@@ -147,7 +147,7 @@ class Grower {
     return images;
   }
 
-  /// Sorts the node's points by cluster, keeping the order of images; gives the size of each cluster.
+  /// Sorts the node's points by cluster, keeping the order of images; returns the size of each cluster.
   std::vector<size_t> sort_points(const TreeLevelNode& node, const Clusters<Space>& clusters) {
     std::vector<size_t> sizes(clusters.centres.size(), 0);
     for (const uint32_t cluster : clusters.cluster_of) ++sizes[cluster];
@@ -168,7 +168,8 @@ class Grower {
     return sizes;
   }
 
-  /// Every process gets to know what became of all nodes; of those it does not own it has no points.
+  /// Shares the results of all nodes with all processes; a process has no points of nodes that it does not
+  /// own.
   [[nodiscard]] Splits told_to_all(const std::vector<TreeLevelNode>& level, Splits splits) const {
     if (communicator_.size() == 1) return splits;
     Message own;
@@ -192,7 +193,7 @@ class Grower {
     return splits;
   }
 
-  /// Adds the nodes of the level to the tree; gives the next level.
+  /// Adds the nodes of the level to the tree; returns the next level.
   std::vector<TreeLevelNode> append(const std::vector<TreeLevelNode>& level, const Splits& splits) {
     std::vector<TreeLevelNode> next;
     for (size_t i = 0; i < level.size(); ++i) {

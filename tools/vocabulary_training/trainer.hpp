@@ -1,6 +1,6 @@
 #pragma once
-// In: the descriptors of many images. Out: a vocabulary: hierarchical k-means (Nister and Stewenius 2006), or
-// with one level a flat one.
+// In: the descriptors of many images. Out: a vocabulary, by hierarchical k-means (Nister and Stewenius 2006),
+// or with one level a flat one.
 
 #include <span>
 #include <string>
@@ -43,10 +43,10 @@ struct TrainOptions {
   }
 };
 
-/// Trains on the descriptors that the processes of `communicator` have. The same input and seed give the same
-/// vocabulary whatever the number of threads and of processes; each process gets it. When `progress` asks to
-/// stop, nodes not yet split stay words. Throws InputError, on each process, when there are too few
-/// descriptors for the last level to have something to split, or fewer than two images.
+/// Trains on the descriptors of all processes of `communicator`. The same input and seed give the same
+/// vocabulary, in each process, for any number of threads and processes. If `progress` asks to stop, nodes
+/// not yet split stay words. Throws InputError, in each process, if there are too few descriptors to reach
+/// the last level, or fewer than two images.
 Vocabulary train_vocabulary(TrainingSet set, const TrainOptions& options, const Progress& progress = {},
                             const Communicator& communicator = Communicator());
 

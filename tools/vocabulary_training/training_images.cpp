@@ -49,7 +49,7 @@ std::vector<fs::path> images_below(const fs::path& folder) {
   return images;
 }
 
-/// Components of SIFT are whole numbers up to 255; those of SURF, of length 1 in all, are mostly below 0.5.
+/// SIFT components are integers up to 255; SURF vectors have length 1, with components mostly below 0.5.
 cv::Mat float_descriptors_as_bytes(const cv::Mat& gray, const DescribeOptions& description) {
   cv::Mat descriptors, bytes;
   if (description.kind == DescriptorKind::kSift) {
@@ -64,7 +64,7 @@ cv::Mat float_descriptors_as_bytes(const cv::Mat& gray, const DescribeOptions& d
   return bytes;
 }
 
-/// The share of `count` things that is this process's: [first, second).
+/// This process's share [first, second) of `count` items.
 std::pair<size_t, size_t> share_of(size_t count, const Communicator& communicator) {
   const auto rank = static_cast<size_t>(communicator.rank()), size = static_cast<size_t>(communicator.size());
   return {count * rank / size, count * (rank + 1) / size};
@@ -98,14 +98,14 @@ std::optional<cv::Mat> describe_image(const fs::path& path, const DescribeOption
   cv::Mat gray;
   try {
     gray = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
-  } catch (const cv::Exception&) {  // a header that claims an absurd size
+  } catch (const cv::Exception&) {  // a header with an absurd size
     return std::nullopt;
   }
   if (gray.empty()) return std::nullopt;
   if (descriptor_traits(description.kind).metric == Metric::kEuclidean) {
     return float_descriptors_as_bytes(gray, description);
   }
-  PinholeCamera camera;  // pixels alone matter here: any camera without distortion will do
+  PinholeCamera camera;  // only pixels matter here; any undistorted camera will do
   camera.width = gray.cols;
   camera.height = gray.rows;
   camera.fx = camera.fy = gray.cols;
@@ -117,7 +117,7 @@ std::optional<cv::Mat> describe_image(const fs::path& path, const DescribeOption
 void describe_images(std::span<const fs::path> images, const DescribeOptions& description,
                      const Progress& progress,
                      const std::function<void(const fs::path&, const std::optional<cv::Mat>&)>& visit) {
-  constexpr size_t kBatch = 16;  // images between two reports
+  constexpr size_t kBatch = 16;  // images between progress reports
   for (size_t begin = 0; begin < images.size(); begin += kBatch) {
     if (!report(progress, "describing", begin, images.size())) return;
     const auto batch = images.subspan(begin, std::min(kBatch, images.size() - begin));

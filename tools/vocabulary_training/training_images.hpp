@@ -1,5 +1,5 @@
 #pragma once
-// In: folders, image files, sequences and files of descriptors. Out: the descriptors in them.
+// In: folders, image files, sequences and descriptor files. Out: their descriptors.
 
 #include <filesystem>
 #include <functional>
@@ -17,42 +17,42 @@
 
 namespace kinloop {
 
-/// What there is to train on.
+/// The inputs of a training.
 struct TrainingInput {
   std::vector<std::filesystem::path> images;
   std::vector<std::filesystem::path> descriptor_files;  ///< .kindesc
 };
 
-/// What is named by `inputs`: a file stands for itself, a folder with an rgb.txt (TUM layout) for the images
-/// listed there, any other folder for every image file in it and below, in the order of their names. Throws
-/// InputError when an input does not exist or a folder holds no image.
+/// Lists the training data named by `inputs`: a file stands for itself, a folder with an rgb.txt (TUM layout)
+/// for the images listed there, any other folder for all image files in it and below, sorted by name. Throws
+/// InputError if an input does not exist or a folder holds no image.
 TrainingInput list_training_input(std::span<const std::filesystem::path> inputs);
 
-/// How images are described.
+/// How descriptors are computed.
 struct DescribeOptions {
   FeatureOptions features = {};
   DescriptorKind kind = DescriptorKind::kOrb;  ///< of `features`
   int threads = 1;
 };
 
-/// The descriptors of a file, nothing when it is not an image.
+/// Returns the descriptors of an image file; nullopt if it is not an image.
 std::optional<cv::Mat> describe_image(const std::filesystem::path& path, const DescribeOptions& description);
 
-/// Calls `visit` for each image in order, with nothing for those that cannot be read. Stops early when
-/// `progress` says so.
+/// Calls `visit` for each image in order, with nullopt for unreadable ones. Stops early if `progress` says
+/// so.
 void describe_images(
     std::span<const std::filesystem::path> images, const DescribeOptions& description,
     const Progress& progress,
     const std::function<void(const std::filesystem::path&, const std::optional<cv::Mat>&)>& visit);
 
-/// A training set, and what was left out of it.
+/// A training set, and the images skipped.
 struct LoadedTrainingSet {
   TrainingSet set;
   std::vector<std::filesystem::path> unreadable;
 };
 
-/// The descriptors of this process's share of the images, which follows that of the process before it. Throws
-/// InputError for a file of descriptors of another kind.
+/// Reads the descriptors of this process's share of the images, which follows that of the previous process.
+/// Throws InputError if a descriptor file is of another kind.
 LoadedTrainingSet read_training_set(const TrainingInput& input, const DescribeOptions& description,
                                     const Progress& progress = {},
                                     const Communicator& communicator = Communicator(),

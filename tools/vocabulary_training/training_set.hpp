@@ -1,5 +1,5 @@
 #pragma once
-// The descriptors that a vocabulary is trained on; of several processes each has those of its own images.
+// The descriptors for training a vocabulary; each of several processes holds those of its own images.
 
 #include <cstdint>
 #include <memory_resource>
@@ -17,19 +17,19 @@ struct TrainingSet {
                        std::pmr::memory_resource* memory = std::pmr::get_default_resource())
       : kind(kind_of_all), rows(memory), image_of(memory) {}
 
-  /// Appends the descriptors (N x bytes of 8UC1, N may be 0) of one more image.
+  /// Appends the descriptors of an image (N x bytes of 8UC1, N may be 0).
   void append(const cv::Mat& descriptors);
 
   [[nodiscard]] size_t size() const { return image_of.size(); }
   [[nodiscard]] std::pmr::memory_resource* memory() const { return rows.get_allocator().resource(); }
 
   DescriptorKind kind;
-  uint32_t images = 0;                  ///< that have descriptors
-  std::pmr::vector<uint8_t> rows;       ///< one descriptor after the other, one image after the other
-  std::pmr::vector<uint32_t> image_of;  ///< per descriptor; images are told apart within a process
+  uint32_t images = 0;                  ///< number of images with descriptors
+  std::pmr::vector<uint8_t> rows;       ///< all descriptors, image by image
+  std::pmr::vector<uint32_t> image_of;  ///< per descriptor; unique within a process
 };
 
-/// The descriptors of each image, all of the same kind.
+/// Collects the descriptors of each image, all of the same kind.
 TrainingSet to_training_set(std::span<const cv::Mat> descriptors_of_images,
                             DescriptorKind kind = DescriptorKind::kOrb);
 

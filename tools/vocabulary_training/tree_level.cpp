@@ -21,7 +21,8 @@ std::span<const uint32_t> images_of(const TrainingSet& set, const TreeLevelNode&
   return std::span(set.image_of).subspan(node.begin, node.size());
 }
 
-/// Marks the nodes that get an owner now, as evenly as their order allows.
+/// Assigns owners to nodes that have become small, as evenly as their order allows; returns which nodes these
+/// are.
 std::vector<bool> choose_owners(std::vector<TreeLevelNode>& level, uint64_t small, int process_count) {
   std::vector<bool> fresh(level.size());
   uint64_t points = 0, before = 0;
@@ -43,7 +44,7 @@ std::vector<bool> choose_owners(std::vector<TreeLevelNode>& level, uint64_t smal
 void distribute_nodes(TrainingSet& set, std::vector<TreeLevelNode>& level, uint64_t small,
                       const Communicator& communicator) {
   const auto fresh = choose_owners(level, small, communicator.size());
-  if (communicator.size() == 1) return;  // all points are here
+  if (communicator.size() == 1) return;  // all points are local
   std::vector<Message> outgoing(static_cast<size_t>(communicator.size()));
   for (size_t i = 0; i < level.size(); ++i) {
     if (!fresh[i]) continue;
