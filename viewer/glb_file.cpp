@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Numbers of the glTF 2.0 specification.
+/// Constants of the glTF 2.0 specification.
 const std::map<int, NumberType> kComponents = {{5120, NumberType::kInt8},   {5121, NumberType::kUint8},
                                                {5122, NumberType::kInt16},  {5123, NumberType::kUint16},
                                                {5125, NumberType::kUint32}, {5126, NumberType::kFloat}};
@@ -26,7 +26,7 @@ const std::map<std::string, size_t> kWidths = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC
 
 constexpr size_t kWord = sizeof(uint32_t);
 
-/// The two chunks of a file, and errors that name it.
+/// The two chunks of a file, with errors that name it.
 class GlbCheck {
  public:
   GlbCheck(std::string_view bytes, const std::filesystem::path& path) : path_(path) { split(bytes); }
@@ -107,7 +107,7 @@ class GlbCheck {
     }
   }
 
-  /// Bytes from one element to the next, and of one.
+  /// Stride and size of an element, in bytes.
   std::pair<size_t, size_t> step_and_size(const json& accessor, const json& view) const {
     const size_t size = size_of(kComponents.at(accessor.at("componentType").get<int>())) *
                         kWidths.at(accessor.at("type").get<std::string>());
@@ -175,7 +175,7 @@ std::string read_glb(const std::filesystem::path& path) {
     file.check();
   } catch (const json::exception&) {
     file.fail("its JSON part is not glTF");
-  } catch (const std::out_of_range&) {  // of the tables above
+  } catch (const std::out_of_range&) {  // unknown key of the tables above
     file.fail("its JSON part is not glTF");
   }
   return bytes;

@@ -1,14 +1,14 @@
 #pragma once
-// Meshes in GLB files (glTF 2.0), which the page reads; here they are checked, so that a damaged one is told
-// of on the terminal.
+// GLB files (glTF 2.0). The page reads them; they are checked here, so that damage is reported on the
+// terminal.
 
 #include <filesystem>
 #include <string>
 
 namespace kinloop {
 
-/// The bytes of the file. Throws InputError naming the file and what is wrong with it: where it is damaged,
-/// holds nothing to draw, or needs what the page does not have (other files, compressed meshes).
+/// Returns the bytes of the file. Throws InputError naming the file and the problem if it is damaged, holds
+/// nothing to draw, or needs features that the page lacks (other files, compressed meshes).
 std::string read_glb(const std::filesystem::path& path);
 
 }  // namespace kinloop

@@ -1,6 +1,6 @@
 #pragma once
-// Shows a run while it goes on: listens to Slam, serves browsers, takes their commands. What browsers get is
-// made on one thread, which gives way to those that track.
+// Shows a run in progress: listens to Slam, serves browsers, receives their commands. A low-priority thread
+// prepares the data for browsers, so that tracking is not slowed down.
 
 #include <mutex>
 #include <optional>
@@ -14,25 +14,25 @@ namespace kinloop {
 
 class LiveViewer {
  public:
-  /// Begins to serve at once. Throws InputError where the address cannot be had.
+  /// Starts serving immediately. Throws InputError if the address is not available.
   LiveViewer(const ListenAddress& listen, RunInfo info);
 
-  /// Where to look.
+  /// URL of the page.
   [[nodiscard]] const std::string& url() const { return service_.url(); }
 
-  /// To be told of every frame and change of the map.
+  /// The listener for frames and map changes.
   Listener& listener() { return feed_; }
 
-  /// What browsers asked of the run.
+  /// The commands from browsers.
   RunControl& control() { return control_; }
 
-  /// What the run is doing, and a message for those who watch.
+  /// Sets the stage of the run, with an optional message for viewers.
   void set_stage(const std::string& stage, const std::string& message = "");
 
-  /// The path as it is known at the end.
+  /// Shows the final path.
   void finish(std::span<const LoggedFrame> log, const Map& map) { feed_.on_finish(log, map); }
 
-  /// Browsers that watch now.
+  /// Number of connected browsers.
   [[nodiscard]] size_t browsers() const { return service_.browsers(); }
 
  private:
@@ -45,7 +45,7 @@ class LiveViewer {
   std::mutex mutex_;
   RunState state_;  // guarded by the mutex
   std::optional<RunScene> run_scene_;
-  ViewerService service_;  // the last: its thread uses all the others
+  ViewerService service_;  // declared last: its thread uses all the others
 };
 
 }  // namespace kinloop

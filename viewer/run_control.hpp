@@ -1,6 +1,6 @@
 #pragma once
-// What those who watch may ask of a run: to pause, to go on, to go one frame on, to save the map. The run
-// asks what to do before every frame.
+// Commands from viewers to a run: pause, resume, single step, save the map. The run asks for the next action
+// before every frame.
 
 #include <condition_variable>
 #include <functional>
@@ -21,8 +21,8 @@ class RunControl {
 
   enum class Action { kProcessFrame, kSaveMap };
 
-  /// What the run shall do next: take a frame, or save the map and ask again. Waits while it is paused, until
-  /// `stop` (asked now and then) says that it shall end.
+  /// Returns the next action of the run: process a frame, or save the map and ask again. Blocks while paused,
+  /// until `stop` (polled) returns true.
   Action next_action(const std::function<bool()>& stop);
 
  private:

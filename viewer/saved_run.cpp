@@ -72,7 +72,7 @@ std::optional<AteResult> show_truth(Scene& scene, const SavedRun& run) {
   return ate;
 }
 
-/// Kinloop's own files tell their axes; in those of most other programs z is up.
+/// Kinloop's own files state their frame; in those of most other programs z is up.
 void take_up(const std::vector<std::string>& comments, SavedRun& run) {
   const auto says = [&](const char* text) {
     return std::any_of(comments.begin(), comments.end(),
@@ -128,7 +128,7 @@ SavedRun read_folder(const fs::path& path) {
   return run;
 }
 
-/// By what the page may colour; without times and places of cameras, not by them.
+/// Available colour modes; without times and camera positions, those modes are left out.
 json colorings_of(const SavedRun& run) {
   const bool points = run.cloud.size() > 0;
   json colorings = json::array();

@@ -1,5 +1,5 @@
 #pragma once
-// Shows what a run left behind: its folder, or any cloud or mesh alone.
+// Shows the results of a run, or any single cloud or mesh file.
 
 #include <filesystem>
 #include <string>
@@ -17,20 +17,20 @@ struct SavedRun {
   Trajectory path, keyframes, truth;                     ///< each may be empty
   std::vector<std::pair<KeyframeId, KeyframeId>> loops;  ///< indices into `keyframes`
   nlohmann::json metrics;                                ///< run.json
-  Eigen::Vector3d up = {0, -1, 0};                       ///< in the world
+  Eigen::Vector3d up = {0, -1, 0};                       ///< in the world frame
 
-  // What a file alone may hold instead.
+  // Alternative content of a single file.
   ColoredMesh mesh;
-  std::string model;     ///< the bytes of a GLB file
+  std::string model;     ///< bytes of a GLB file
   bool colored = true;   ///< whether the points have colours
-  bool up_known = true;  ///< else `up` is a guess
+  bool up_known = true;  ///< false: `up` is a guess
 };
 
-/// Reads the folder of a run, of which only trajectory.txt must be there, or a file: PLY, PCD or GLB. Throws
+/// Reads the folder of a run, in which only trajectory.txt is required, or a PLY, PCD or GLB file. Throws
 /// InputError naming what is missing or damaged.
 SavedRun read_saved_run(const std::filesystem::path& path);
 
-/// The scene of it.
+/// Fills the scene with it.
 void show_saved_run(Scene& scene, const SavedRun& run);
 
 }  // namespace kinloop

@@ -1,8 +1,7 @@
-// Builds one page (--mode viewer or --mode report) into one HTML file that needs no other: its scripts and styles
-// stand in it, so that kinloop can serve it from memory and a report opens from a disk without network.
-//
-// Vite 2 is the last that runs on the Node.js of every system kinloop supports (Ubuntu 22.04 has 12.22). It only
-// builds here; its development server, which newer versions repaired, is never started.
+// Builds one page (--mode viewer or --mode report) into one self-contained HTML file with inline scripts and
+// styles, so that kinloop can serve it from memory and a report opens from disk without a network.
+// Vite 2 is the last version for the Node.js of every supported system (Ubuntu 22.04 has 12.22). It is used
+// only to build; its development server, in which newer versions fixed vulnerabilities, is never started.
 import { defineConfig } from 'vite';
 
 /** Moves every script and style of the bundle into the page. */
@@ -18,7 +17,7 @@ function inlineEverything() {
       const page = Object.values(bundle).find((file) => file.fileName.endsWith('.html'));
       for (const { fileName, type, code, source } of Object.values(bundle)) {
         if (fileName.endsWith('.html')) continue;
-        // "</script" inside a string of the code would end the element that holds it.
+        // "</script" inside a string of the code would end the enclosing element.
         const tag =
           type === 'chunk'
             ? `<script type="module">${code.replace(/<\/script/g, '<\\/script')}</script>`

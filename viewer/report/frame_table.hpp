@@ -1,5 +1,5 @@
 #pragma once
-// What is known of every frame of a run, as frames.txt holds it: rows "stamp status features tracked ms".
+// The frame table of a run, frames.txt: rows "stamp status features tracked ms".
 
 #include <cstdint>
 #include <filesystem>
@@ -8,21 +8,21 @@
 
 namespace kinloop {
 
-/// One frame.
+/// One row per frame.
 struct FrameRow {
   int64_t stamp_ns = 0;
   std::string status;  ///< tracked, dense or lost
-  int features = 0;    ///< keypoints found
-  int tracked = 0;     ///< of them, those that show landmarks of the map
-  double ms = 0;       ///< wall time spent on it
+  int features = 0;    ///< keypoints detected
+  int tracked = 0;     ///< of these, keypoints matched to landmarks
+  double ms = 0;       ///< wall time
 };
 
 using FrameTable = std::vector<FrameRow>;
 
-/// Writes the file, atomically.
+/// Writes the file atomically.
 void write_frame_table(const std::filesystem::path& path, const FrameTable& table);
 
-/// Throws InputError naming file and line for a row that is not one.
+/// Throws InputError naming file and line for an invalid row.
 FrameTable read_frame_table(const std::filesystem::path& path);
 
 }  // namespace kinloop

@@ -15,9 +15,9 @@ namespace {
 using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
 using Axes = Eigen::Matrix<double, 2, 3>;
 
-constexpr size_t kMostStrokes = 10000;  // of a kind: more cannot be told apart
+constexpr size_t kMostStrokes = 10000;  // per kind: more are indistinguishable
 
-/// Rows: the directions of the largest and the second largest extent; x and y where the graph lies in their
+/// Rows: the directions of the largest and the second largest extent; x and y if the graph lies in their
 /// plane.
 Axes picture_axes(const std::vector<Eigen::Vector3d>& points) {
   const bool is_flat = std::all_of(points.begin(), points.end(), [](const auto& p) { return p.z() == 0; });
@@ -32,7 +32,7 @@ Axes picture_axes(const std::vector<Eigen::Vector3d>& points) {
   return axes;
 }
 
-/// The ends of the edges, one pair after the other; every so many where there are too many to see.
+/// End points of the edges, pair by pair; thinned out if there are too many.
 PlotSeries strokes(const char* style, const char* name, const Pairs& edges, const Axes& axes,
                    const std::vector<Eigen::Vector3d>& points) {
   PlotSeries series{style, edges.empty() ? "" : name, SeriesKind::kSegments, {}};

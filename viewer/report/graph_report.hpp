@@ -1,6 +1,6 @@
 #pragma once
-// In: the places of a pose graph's vertices before and after it was solved. Out: one HTML page with both
-// pictures side by side, which needs nothing else: no network, no other file.
+// In: the positions of a pose graph's vertices before and after optimisation. Out: one self-contained HTML
+// page with both pictures side by side.
 
 #include <cstdint>
 #include <string>
@@ -11,17 +11,17 @@
 
 namespace kinloop {
 
-/// What the page shows.
+/// Content of the page.
 struct GraphReport {
   std::string title;
   std::string subtitle;
-  std::vector<std::pair<std::string, std::string>> tiles;  ///< figure, meaning
+  std::vector<std::pair<std::string, std::string>> tiles;  ///< figure, label
   std::vector<Eigen::Vector3d> before, after;              ///< of each vertex, metres
-  std::vector<std::pair<uint32_t, uint32_t>> steps;        ///< vertices joined by odometry
-  std::vector<std::pair<uint32_t, uint32_t>> loops;        ///< vertices joined by all other edges
+  std::vector<std::pair<uint32_t, uint32_t>> steps;        ///< vertices connected by odometry
+  std::vector<std::pair<uint32_t, uint32_t>> loops;        ///< vertices connected by other edges
 };
 
-/// The page; both pictures look along the direction in which the solved graph extends least.
+/// Returns the page; both pictures look along the direction of least extent of the optimised graph.
 std::string render_graph_report(const GraphReport& report);
 
 }  // namespace kinloop

@@ -1,10 +1,10 @@
 #pragma once
-// A page of figures and tables without a program in it: of a pose graph, of a calibration. (The report of a
-// run is a page of its own, in viewer/.)
+// A static page of figures and tables without scripts, for pose graphs and calibrations. (The report of a run
+// is a separate page, in viewer/.)
 
 namespace kinloop {
 
-/// {{title}}, {{subtitle}} and {{body}} stand for what is filled in.
+/// Template with the placeholders {{title}}, {{subtitle}} and {{body}}.
 extern const char* const kHtmlPage;
 
 }  // namespace kinloop

@@ -19,13 +19,13 @@ namespace {
 
 using nlohmann::json;
 
-/// Enough digits for a plot, and no more in the file.
+/// Keeps enough digits for a plot, to reduce the file size.
 double rounded(double value) {
   constexpr double kSteps = 1e4;
   return std::round(kSteps * value) / kSteps;
 }
 
-/// Rows: along the path's longest level extent, across it, up.
+/// Rows: the direction of largest horizontal extent, across it, up.
 Eigen::Matrix3d plot_axes(const Trajectory& path, const Eigen::Vector3d& up) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& pose : path) mean += pose.T_world_camera.translation / static_cast<double>(path.size());
@@ -38,7 +38,7 @@ Eigen::Matrix3d plot_axes(const Trajectory& path, const Eigen::Vector3d& up) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
   Eigen::Vector3d along = solver.eigenvectors().col(2);
   along -= up * up.dot(along);
-  // A path without level extent has no direction of its own.
+  // A path without horizontal extent has no direction of its own.
   if (along.norm() < 0.5) along = up.unitOrthogonal();
   along.normalize();
   Eigen::Matrix3d axes;
@@ -46,7 +46,7 @@ Eigen::Matrix3d plot_axes(const Trajectory& path, const Eigen::Vector3d& up) {
   return axes;
 }
 
-/// Columns t (seconds since `start_ns`), x, y, z of positions in the axes of the plots.
+/// Columns t (seconds since `start_ns`), x, y, z of positions in plot axes.
 json path_json(const Trajectory& path, const SE3& T_plot_world, int64_t start_ns) {
   json columns = {{"t", json::array()}, {"x", json::array()}, {"y", json::array()}, {"z", json::array()}};
   for (const StampedPose& pose : path) {
@@ -85,7 +85,7 @@ json frames_json(const FrameTable& frames, int64_t start_ns) {
   return columns;
 }
 
-/// Pairs of indices into the keyframes.
+/// Pairs of keyframe indices.
 json loops_json(const RunReport& run) {
   const auto index_of = [&](const json& loop, const char* key) {
     if (!loop.contains(key) || !loop[key].is_string()) return run.keyframes.size();
@@ -119,8 +119,7 @@ std::string last_components(std::string_view path, size_t count) {
   return std::string(whole ? path : path.substr(from + 1));
 }
 
-/// `T_plot_world` for a run without ground truth, and `T_plot_truth` for the others: so all lie on each
-/// other.
+/// `T_plot_world` for a run without ground truth, `T_plot_truth` for the others, so that all are aligned.
 json run_json(const RunReport& run, const SE3& T_plot_world, const SE3& T_plot_truth) {
   const auto evaluation = evaluate(run.estimate, run.truth);
   const int64_t start_ns = start_stamp_ns(run);
@@ -134,7 +133,7 @@ json run_json(const RunReport& run, const SE3& T_plot_world, const SE3& T_plot_t
                {"mapPictures", images_json(run.map_images)},
                {"loopPictures", images_json(run.loop_images)},
                {"cloud", base64(run.cloud)}};
-  data["figures"].erase("keyframe_covariances");  // long, and not shown
+  data["figures"].erase("keyframe_covariances");  // large, and not shown
   const Eigen::Vector3d up = read_up_direction(run.metrics, run.estimate);
   data["up"] = {up.x(), up.y(), up.z()};
   if (evaluation) {
@@ -157,7 +156,7 @@ std::string input_name(std::string_view input) {
 }
 
 std::vector<std::string> unique_short_names(std::span<const std::string> paths) {
-  constexpr size_t kMost = 20;  // a path given twice cannot be told apart
+  constexpr size_t kMost = 20;  // a path given twice stays ambiguous
   std::vector<std::string> names;
   for (size_t count = 1; count <= kMost; ++count) {
     names.clear();
@@ -170,7 +169,7 @@ std::vector<std::string> unique_short_names(std::span<const std::string> paths) 
 json report_data(std::span<const RunReport> runs) {
   json data = {{"runs", json::array()}};
   if (runs.empty()) return data;
-  // Drawn in the first estimate's world, whose up is known.
+  // Drawn in the first estimate's world, whose up direction is known.
   const RunReport& first = runs.front();
   const SE3 T_plot_world{
       Eigen::Quaterniond(plot_axes(first.estimate, read_up_direction(first.metrics, first.estimate))),
@@ -195,7 +194,7 @@ std::string render_report(std::span<const RunReport> runs) {
     text.replace(at, 1, "\\u003c");
   std::string page(embedded_report_page());
   const size_t slot = page.find(kSlot);
-  require(slot != std::string::npos, "render_report: the page has a place for its data");
+  require(slot != std::string::npos, "render_report: the page has no placeholder for its data");
   return page.replace(slot, kSlot.size(), text);
 }
 

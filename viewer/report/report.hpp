@@ -1,9 +1,6 @@
 #pragma once
-// In: what one or several runs left behind. Out: one HTML page that needs nothing else: no network, no other
-// file.
-//
-// The page itself (viewer/pages/src/report) draws; here its data are put together: every number that it shows
-// is computed by this module, from the files of the run.
+// In: the results of one or several runs. Out: one self-contained HTML page.
+// The page itself (viewer/pages/src/report) draws; this module computes its data from the files of the run.
 
 #include <span>
 #include <string>
@@ -17,13 +14,13 @@
 
 namespace kinloop {
 
-/// A picture and what it shows.
+/// A picture and its caption.
 struct ReportImage {
   std::string caption;
-  std::string jpeg;  ///< the bytes of the file
+  std::string jpeg;  ///< bytes of the JPEG file
 };
 
-/// One run; parts that are empty are left out. `figures` is its run.json, of which nothing need be there.
+/// One run; empty parts are left out. `figures` is its run.json, in which every field is optional.
 struct RunReport {
   std::string name;
   nlohmann::json metrics;
@@ -31,22 +28,24 @@ struct RunReport {
   FrameTable frames;
   std::vector<ReportImage> map_images;
   std::vector<ReportImage> loop_images;
-  std::string cloud;  ///< a piece of the cloud as the viewer's pages read it (viewer/scene/wire_format.hpp)
+  std::string
+      cloud;  ///< a piece of the cloud in the format of the viewer's pages (viewer/scene/wire_format.hpp)
 };
 
-/// What a run of this input is called: the last component of a path, anything else ("sim:room") as it is.
+/// Returns the display name of an input: the last component of a path, anything else ("sim:room") unchanged.
 std::string input_name(std::string_view input);
 
-/// The paths by their last components, with as many of those before them as it takes to tell all apart.
+/// Returns the last components of the paths, as many as needed to distinguish them.
 std::vector<std::string> unique_short_names(std::span<const std::string> paths);
 
-/// When the run began: its first frame, else its first pose; 0 of none.
+/// Returns the stamp of the first frame, else of the first pose; 0 if there is none.
 int64_t start_stamp_ns(const RunReport& run);
 
-/// The page; of several runs it shows the figures side by side, and the cloud and the pictures of the first.
+/// Returns the page; for several runs it shows the figures side by side, and the cloud and pictures of the
+/// first.
 std::string render_report(std::span<const RunReport> runs);
 
-/// What the page reads, as JSON.
+/// Returns the page's data as JSON.
 nlohmann::json report_data(std::span<const RunReport> runs);
 
 }  // namespace kinloop

@@ -1,5 +1,5 @@
 #pragma once
-// Small pieces of text that a page is put together from.
+// Text helpers for HTML pages.
 
 #include <map>
 #include <string>
@@ -7,17 +7,16 @@
 
 namespace kinloop {
 
-/// The text with the characters that mean something in HTML written out.
+/// Escapes the special characters of HTML.
 std::string escape_html(std::string_view text);
 
-/// RFC 4648.
+/// Encodes as base64 (RFC 4648).
 std::string base64(std::string_view bytes);
 
-/// A whole number with a thin space between thousands.
+/// Formats an integer with a thin space between thousands.
 std::string format_with_thousands(double number);
 
-/// `page` with each {{name}} replaced by its value, names without one by nothing; values are taken as they
-/// are.
+/// Replaces each {{name}} in `page` by its value, unknown names by nothing; values are not escaped.
 std::string fill_template(std::string_view page,
                           const std::map<std::string, std::string, std::less<>>& values);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Which way is up in the world of a run that is over.
+// The up direction of a finished run.
 
 #include <nlohmann/json.hpp>
 
@@ -7,11 +7,11 @@
 
 namespace kinloop {
 
-/// As run.json has it: direction, source and confidence.
+/// Returns direction, source and confidence as in run.json.
 nlohmann::json to_json(const UpEstimate& up);
 
-/// The unit direction that `metrics` (a run.json) has; where it has none, as that of another program's
-/// trajectory, the mean of the cameras' own up axes.
+/// Returns the unit direction stored in `metrics` (a run.json); if there is none, as with another program's
+/// trajectory, the mean of the cameras' up axes.
 Eigen::Vector3d read_up_direction(const nlohmann::json& metrics, const Trajectory& trajectory);
 
 }  // namespace kinloop

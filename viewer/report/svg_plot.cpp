@@ -10,13 +10,13 @@
 namespace kinloop {
 namespace {
 
-// In units of the drawing; the page scales it.
+// In drawing units; the page scales it.
 constexpr double kWidth = 460, kHeight = 320;
 constexpr double kLeft = 46, kRight = 10, kTop = 30, kBottom = 40;
 constexpr double kPlotWidth = kWidth - kLeft - kRight, kPlotHeight = kHeight - kTop - kBottom;
-constexpr size_t kMostPoints = 2000;  ///< of a line: more cannot be seen
+constexpr size_t kMostPoints = 2000;  ///< per line: more are indistinguishable
 
-/// The part of the plane that is shown.
+/// The visible range.
 struct Window {
   Eigen::Vector2d low, high;
 
@@ -59,7 +59,7 @@ double round_step(double range, double count) {
   return 10 * power;
 }
 
-/// A tick's value with the decimals its step needs.
+/// Formats a tick's value with the decimals that its step needs.
 std::string tick_text(double value, double step) {
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step))));
   const double clean = std::abs(value) < step / 2 ? 0 : value;  // no "-0"
@@ -118,7 +118,7 @@ std::string draw(const PlotSeries& series, const Window& window) {
   return svg;
 }
 
-/// Names from the right end of the top row leftwards, each beside a piece of its line.
+/// Names from the right end of the top row leftwards, each with a sample of its line.
 std::string legend(std::span<const PlotSeries> series) {
   constexpr double kPerLetter = 6.6, kMark = 16, kGap = 14, kRow = 16, kHalfLetter = 4;
   std::string svg;

@@ -1,5 +1,5 @@
 #pragma once
-// In: posed images, one after the other. Out: of each the points that no image before has shown.
+// In: posed images, one after the other. Out: for each, the points that no earlier image has shown.
 
 #include <unordered_set>
 
@@ -13,14 +13,14 @@ class IncrementalCloud {
  public:
   IncrementalCloud(const PinholeCamera& camera, const ViewerOptions& options);
 
-  /// The new points, in the camera frame of the keyframe `anchor`.
+  /// Returns the new points, in the camera frame of the keyframe `anchor`.
   CloudPiece add_keyframe(KeyframeId anchor, const cv::Mat& color, const cv::Mat& depth_m,
                           const SE3& T_world_camera);
 
-  /// The normal of every point given out so far, in the world as it was at the time.
+  /// The normals of all points so far, in the world frame at the time of insertion.
   [[nodiscard]] const std::vector<Eigen::Vector3f>& normals() const { return normals_; }
 
-  /// Points given out so far.
+  /// Number of points so far.
   [[nodiscard]] size_t size() const { return seen_.size(); }
 
  private:
@@ -31,8 +31,8 @@ class IncrementalCloud {
   std::vector<Eigen::Vector3f> normals_;
 };
 
-/// The points in a random order that is the same every time: any first part of them is then a thinner cloud
-/// of the same place, which is what a browser draws when it cannot draw all.
+/// Returns the points in a deterministic random order, so that any prefix is a thinned cloud; browsers draw a
+/// prefix if they cannot draw all points.
 ColoredCloud shuffled(const ColoredCloud& cloud);
 
 }  // namespace kinloop

@@ -1,6 +1,6 @@
 #pragma once
-// In: what Slam tells, on its thread. Out: the events since they were last taken, on the viewer's. Holds the
-// latest state and small facts; never makes Slam wait.
+// In: notifications from Slam, on its thread. Out: the events since the last call of take(), on the viewer's
+// thread. Stores the latest state and small facts; never blocks Slam.
 
 #include <deque>
 #include <mutex>
@@ -15,7 +15,7 @@
 
 namespace kinloop {
 
-/// Where one frame was, and how it was found.
+/// Pose and status of a frame.
 struct FrameEvent {
   int64_t stamp_ns = 0;
   TrackStatus status = TrackStatus::kLost;
@@ -27,22 +27,23 @@ struct FrameEvent {
 
 /// The images of a frame.
 struct ImageEvent {
-  KeyframeId keyframe;  ///< where it is one
+  KeyframeId keyframe;  ///< valid if the frame is a keyframe
   cv::Mat color, depth_m;
   std::shared_ptr<const Features> features;
   std::vector<LandmarkMatch> matches;
 };
 
-/// The map in outline.
+/// Summary of the map.
 struct MapSummary {
   std::vector<SE3> T_world_keyframe;
   std::vector<std::pair<KeyframeId, KeyframeId>> loops;
   size_t landmarks = 0;
 };
 
-/// All that happened since the last time.
+/// Events since the last call.
 struct RunEvents {
-  bool replaces_all = false;  ///< `frames` are all frames of the run, refined, not those since the last time
+  bool replaces_all =
+      false;  ///< `frames` are all frames of the run with refined poses, not those since the last call
   std::vector<FrameEvent> frames;
   std::optional<ImageEvent> latest;
   std::deque<ImageEvent> keyframes;
@@ -52,7 +53,7 @@ struct RunEvents {
 
 class RunFeed : public Listener {
  public:
-  /// Images of keyframes that wait at most; the oldest is dropped, and its points with it.
+  /// Maximum number of queued keyframe images; beyond it the oldest is dropped, along with its points.
   static constexpr size_t kMaxQueuedKeyframes = 32;
 
   explicit RunFeed(const ViewerOptions& options) : options_(options) {}
@@ -60,10 +61,10 @@ class RunFeed : public Listener {
   void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
   void on_map(const Map& map) override;
 
-  /// The path as it is known at the end.
+  /// Passes on the final path.
   void on_finish(std::span<const LoggedFrame> log, const Map& map);
 
-  /// The events, which are none after that.
+  /// Returns the events and clears them.
   RunEvents take();
 
  private:

@@ -144,7 +144,7 @@ void RunScene::show_images(const ImageEvent& image) {
   scene_.put(PartKind::kFeatures, 0, encode_features(shown_features(image)));
 }
 
-/// Where the last frame was, by the map as it is now.
+/// Updates the pose of the last frame, given the current map.
 void RunScene::show_camera() {
   if (frames_.empty()) return;
   const FrameEvent& frame = frames_.back();
@@ -171,7 +171,7 @@ void RunScene::compare_with_truth() {
   scene_.put(PartKind::kTruthPose, 0, encode_poses({&T_world_truth, 1}));
 }
 
-/// Over the last second, or as long as is known.
+/// Over the last second, or as long as known.
 double RunScene::frames_per_second() {
   const auto now = Clock::now();
   counts_.emplace_back(now, frames_.size());

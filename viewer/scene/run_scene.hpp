@@ -11,19 +11,19 @@
 
 namespace kinloop {
 
-/// What is known of a run before it begins.
+/// Properties of a run known before it begins.
 struct RunInfo {
   std::string input;
-  size_t frames = 0;  ///< 0 where it is not known
+  size_t frames = 0;  ///< 0 if unknown
   RgbdCamera camera;
-  Trajectory truth;  ///< empty where there is none
+  Trajectory truth;  ///< empty if there is none
   ViewerOptions options;
 };
 
-/// How the run goes, beside what Slam tells.
+/// State of the run, in addition to Slam's events.
 struct RunState {
   std::string stage = "mapping";
-  std::string message;  ///< the last thing worth telling
+  std::string message;  ///< latest message
   bool paused = false;
 };
 
@@ -31,7 +31,7 @@ class RunScene {
  public:
   RunScene(Scene& scene, RunInfo info);
 
-  /// Images are made only while somebody `watches`.
+  /// Images are encoded only while a browser is connected (`watched`).
   void update(const RunEvents& events, const RunState& state, bool watched);
 
  private:
@@ -56,7 +56,7 @@ class RunScene {
   MapSummary map_;
   size_t relocalizations_ = 0;
   double ate_m_ = 0;
-  std::deque<std::pair<Clock::time_point, size_t>> counts_;  // frames there were, over the last second or so
+  std::deque<std::pair<Clock::time_point, size_t>> counts_;  // frame counts over the last second or so
   Eigen::Vector3d up_ = {0, -1, 0};
   Clock::time_point next_image_, next_comparison_, next_up_;
 };

@@ -9,9 +9,9 @@
 namespace kinloop {
 namespace {
 
-constexpr size_t kPiecePoints = 1 << 16;  // what a browser takes at one go
+constexpr size_t kPiecePoints = 1 << 16;  // largest piece that a browser processes at once
 
-/// Many times the box that holds nine tenths of the points in each coordinate.
+/// A multiple of the box that holds nine tenths of the points per coordinate.
 Eigen::AlignedBox3f wide_box(const ColoredCloud& mixed) {
   constexpr size_t kSample = 10000;
   constexpr float kTimes = 10;

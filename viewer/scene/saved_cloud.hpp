@@ -1,5 +1,5 @@
 #pragma once
-// In: a whole cloud. Out: the pieces in which a browser takes it.
+// In: a whole cloud. Out: the pieces sent to browsers.
 
 #include <vector>
 
@@ -7,8 +7,8 @@
 
 namespace kinloop {
 
-/// Every piece is a sample of the whole, so that thinned ones show no stripes. Points far outside are in
-/// pieces of their own: the finest step of a piece follows from its size.
+/// Splits a cloud so that every piece is a sample of the whole; thinning then shows no stripes. Points far
+/// outside get separate pieces, since the resolution of a piece follows from its size.
 std::vector<CloudPiece> split_into_pieces(const ColoredCloud& cloud);
 
 }  // namespace kinloop

@@ -1,10 +1,9 @@
 #pragma once
-// What there is to see, in parts that change one by one. Every change gives its part a new, higher version; a
-// browser that has seen version v is up to date once it has got, in their order, the parts with higher ones.
-//
-// So one number per browser is all that is kept of it. One that is slow misses what was overtaken, never the
-// last state; one that comes back says how far it was and gets the rest; and none can make the server hoard
-// messages.
+// The displayed scene as parts that change independently. Every change gives its part a new, higher version;
+// a browser that has seen version v is up to date once it has received, in order, the parts with higher ones.
+// So the server stores only one number per browser. A slow browser misses superseded states, never the last
+// one; a browser that reconnects sends its version and receives the rest; and none can make the server
+// accumulate messages.
 
 #include <algorithm>
 #include <cstdint>
@@ -28,18 +27,18 @@ struct ScenePart {
 
 class Scene {
  public:
-  /// `run` names this scene among others: versions of different runs cannot be compared.
+  /// `run` identifies this scene: versions of different runs are not comparable.
   explicit Scene(std::string run) : run_(std::move(run)) {}
 
   [[nodiscard]] const std::string& run() const { return run_; }
 
-  /// Puts a part in place of what it was; nothing happens where it is the same.
+  /// Replaces a part; does nothing if it is unchanged.
   void put(PartKind kind, uint32_t index, Bytes body);
 
-  /// The first part that changed after `version`; nothing when all is known.
+  /// Returns the first part that changed after `version`; nullopt if up to date.
   [[nodiscard]] std::optional<ScenePart> next_after(uint64_t version) const;
 
-  /// What all parts take, bytes.
+  /// Total size of all parts, bytes.
   [[nodiscard]] size_t bytes() const { return bytes_; }
 
  private:
@@ -50,8 +49,8 @@ class Scene {
   size_t bytes_ = 0;
 };
 
-/// Puts those parts of a list of `count` entries that hold entries from `first` on; `encode(begin, end)`
-/// gives the body of one.
+/// Updates the parts of a list of `count` entries that hold entries from `first` on; `encode(begin, end)`
+/// returns the body of one.
 template <class Encode>
 void put_parts(Scene& scene, PartKind kind, size_t first, size_t count, const Encode& encode) {
   for (size_t part = first / kPartLength; part * kPartLength < count; ++part) {

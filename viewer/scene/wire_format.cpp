@@ -11,7 +11,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the wire is little-endian");
 
-/// Puts numbers one after the other.
+/// Appends numbers to a buffer.
 class Writer {
  public:
   explicit Writer(size_t bytes) { bytes_.reserve(bytes); }

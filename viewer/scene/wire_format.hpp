@@ -1,10 +1,10 @@
 #pragma once
-// What travels to a browser. Every message is one binary WebSocket frame: a header of 16 bytes, then a body;
-// all numbers little-endian, every array aligned to its elements, so that a page reads them where they lie.
+// The protocol between server and browser. Every message is one binary WebSocket frame: a header of 16 bytes,
+// then a body; all numbers little-endian, every array aligned to its elements, so that a page can read them
+// in place.
 //
 //   header   u32 kind, u32 index (which part of that kind), f64 version (see scene.hpp)
-//
-// viewer/pages/src/viewer/messages.js is the other side of this file.
+// viewer/pages/src/viewer/messages.js is the counterpart of this file.
 
 #include <array>
 #include <cstdint>
@@ -22,44 +22,43 @@ namespace kinloop {
 
 using Bytes = std::vector<uint8_t>;
 
-/// What a message is about, and what its body holds.
+/// The kind of a message, with the content of its body.
 enum class PartKind : uint32_t {
-  kHello = 0,         ///< JSON: what is shown; sent first to every browser
-  kStatus = 1,        ///< JSON: how the run goes
-  kCamera = 2,        ///< one pose: where the camera is now
+  kHello = 0,         ///< JSON: properties of the scene; sent first to every browser
+  kStatus = 1,        ///< JSON: state of the run
+  kCamera = 2,        ///< one pose: the camera's current one
   kKeyframes = 3,     ///< poses of kPartLength keyframes, part i from keyframe i * kPartLength on
-  kPath = 4,          ///< kPartLength frames: u32 reference keyframe, 3 f32 place in its camera frame
+  kPath = 4,          ///< kPartLength frames: u32 reference keyframe, 3 f32 position in its camera frame
   kCovisibility = 5,  ///< kPartLength pairs of u32: keyframes that share landmarks
-  kLoops = 6,         ///< pairs of u32: keyframes that a loop edge joins
+  kLoops = 6,         ///< pairs of u32: keyframes connected by a loop edge
   kCloud = 7,         ///< a piece of the cloud, see `encode_cloud`
   kColorImage = 8,    ///< a JPEG file
   kDepthImage = 9,    ///< a JPEG file, depth as colours
   kFeatures = 10,     ///< per keypoint of the colour image: u16 x, u16 y, u16 tracked (0 or 1), u16 0
-  kTruth = 11,        ///< 3 f32 each: the true path, in a world of its own
-  kTruthPose = 12,    ///< one pose: where that world lies in the map's
+  kTruth = 11,        ///< 3 f32 each: the ground truth path, in its own world
+  kTruthPose = 12,    ///< one pose: of that world in the map's
   kMesh = 13,         ///< see `encode_mesh`
   kModel = 14,        ///< a GLB file
 };
 
-/// Keyframes, or frames, in one part: what is sent again when one of them changes.
+/// Number of keyframes, or frames, per part, the unit of updates.
 constexpr uint32_t kPartLength = 64;
 
 constexpr size_t kHeaderBytes = 16;
 
-/// One point of the path: relative to a keyframe, so that it follows when the map bends.
+/// A point of the path, relative to a keyframe, so that it follows corrections of the map.
 struct PathPoint {
-  KeyframeId reference;      ///< invalid: `position` is in the world
+  KeyframeId reference;      ///< invalid: `position` is in the world frame
   Eigen::Vector3f position;  ///< NaN where tracking was lost
 };
 
-/// A piece of the cloud, in the camera frame of a keyframe with which it moves, or in the world.
+/// A piece of the cloud, in the camera frame of its anchor keyframe or in the world frame.
 struct CloudPiece {
-  KeyframeId anchor;  ///< invalid: in the world
+  KeyframeId anchor;  ///< invalid: in the world frame
   ColoredCloud cloud;
 };
 
-/// A keypoint of the colour image, as a share of its width and height, and whether it shows a known
-/// landmark.
+/// A keypoint of the colour image, as a fraction of its width and height, and whether it matches a landmark.
 struct ShownFeature {
   Eigen::Vector2f position;
   bool tracked = false;
@@ -81,15 +80,15 @@ Bytes encode_points(std::span<const Eigen::Vector3f> points);
 Bytes encode_features(std::span<const ShownFeature> features);
 
 /// u32 anchor (all bits set: the world), u32 n, f32 metres per unit, 3 f32 origin; n times 4 i16 (x, y, z in
-/// units from the origin, 0), n times 4 u8 (red, green, blue, 0). The units are chosen so that the piece
-/// fits: a tenth of a millimetre for what a camera sees from one place.
+/// units from the origin, 0), n times 4 u8 (red, green, blue, 0). The unit is chosen so that the piece fits:
+/// a tenth of a millimetre for the view of a single camera.
 Bytes encode_cloud(const CloudPiece& piece);
 
 /// u32 n vertices, u32 m triangles, u32 whether there are colours; n times 3 f32 (x, y, z in the world), m
-/// times 3 u32 (numbers of vertices), n times 4 u8 (red, green, blue, 0) where there are colours.
+/// times 3 u32 (vertex indices), n times 4 u8 (red, green, blue, 0) if there are colours.
 Bytes encode_mesh(const ColoredMesh& mesh);
 
-/// The header of a message, to be put before its body.
+/// Returns the header that precedes a message's body.
 std::array<uint8_t, kHeaderBytes> encode_header(PartKind kind, uint32_t index, uint64_t version);
 
 }  // namespace kinloop

@@ -12,7 +12,7 @@
 namespace kinloop {
 namespace {
 
-/// In a time that does not tell how much of it was right.
+/// Comparison in constant time, which prevents timing attacks.
 bool constant_time_equal(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned difference = 0;

@@ -5,10 +5,10 @@
 
 namespace kinloop {
 
-/// What a browser may ask for; anything else ends its connection.
+/// Commands of browsers; anything else ends the connection.
 enum class Command { kPause, kResume, kStep, kSave };
 
-/// The command in a message {"command": "pause"}; nothing where it is not one.
+/// Parses a message {"command": "pause"}; nullopt if it is not a command.
 std::optional<Command> parse_command(std::string_view message);
 
 }  // namespace kinloop

@@ -10,11 +10,11 @@ namespace {
 namespace beast = boost::beast;
 namespace http = beast::http;
 
-constexpr std::chrono::seconds kTimeout{10};  // for the whole request, and for its answer
+constexpr std::chrono::seconds kTimeout{10};  // for the whole request, and for its response
 constexpr uint32_t kMaxHeaderBytes = 8192;
 
-// The page is one file: nothing may be loaded into it, and no other page may hold it in a frame. The referrer
-// could carry the token to others. (blob: and data: are textures inside a mesh.)
+// The page is one file: it may load nothing, and no other page may frame it. The referrer could leak the
+// token. (blob: and data: are textures inside a mesh.)
 constexpr const char* kContentPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self' blob: "
     "data:; "

@@ -1,5 +1,5 @@
 #pragma once
-// One HTTP connection: one request, answered with the page, or handed on as the WebSocket of a browser.
+// One HTTP connection: one request, answered with the page or upgraded to a WebSocket.
 
 #include <functional>
 #include <memory>
@@ -11,7 +11,7 @@ namespace kinloop {
 
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  /// Takes over the connection of a browser that may watch; the target says how far it was.
+  /// Takes over the connection of an authorised browser; the target contains the last version it has seen.
   using UpgradeHandler =
       std::function<void(boost::beast::tcp_stream, ConnectionSlot, const Request&, const RequestTarget&)>;
 

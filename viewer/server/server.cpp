@@ -33,7 +33,7 @@ tcp::acceptor listen_at(asio::io_context& context, const ListenAddress& listen) 
   return acceptor;
 }
 
-/// How far the browser was, if it watched this run before.
+/// The last version that the browser has seen, if of this run.
 uint64_t version_seen(const RequestTarget& target, const Scene& scene) {
   uint64_t version = 0;
   const std::string_view since = target.value("since");
@@ -74,11 +74,11 @@ void ViewerServer::accept_next() {
       };
       std::make_shared<HttpSession>(std::move(socket), slots_, rules_, accept_websocket)->start();
     }
-    accept_next();  // a socket that was not taken is closed here
+    accept_next();  // the socket is closed here if it was not handed over
   });
 }
 
-/// The process is out of descriptors, or the like: the next try would fail at once.
+/// The process is out of descriptors or the like; an immediate retry would fail, too.
 void ViewerServer::retry_accept() {
   constexpr std::chrono::milliseconds kPause{100};
   pause_.expires_after(kPause);

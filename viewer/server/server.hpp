@@ -1,6 +1,6 @@
 #pragma once
-// In: a scene. Out: a web page that shows it to whoever may see it. All of it happens on the thread that runs
-// the io_context; a browser that is slow, dead or hostile costs one small connection.
+// In: a scene. Out: a web page that shows it to authorised clients. Everything runs on the thread of the
+// io_context; a slow, dead or hostile browser costs one small connection.
 
 #include <functional>
 #include <memory>
@@ -18,20 +18,21 @@ namespace kinloop {
 
 class ViewerServer {
  public:
-  /// Connections at one time; more are closed as they come, so that the run keeps its file descriptors.
+  /// Maximum number of connections; further ones are closed at once, so that the run keeps its file
+  /// descriptors.
   static constexpr long kMaxConnections = 64;
 
-  /// Listens at once. Throws InputError where the address cannot be had. The scene must outlive this object.
+  /// Starts listening. Throws InputError if the address is not available. The scene must outlive this object.
   ViewerServer(boost::asio::io_context& context, const ListenAddress& listen, const Scene& scene,
                std::function<void(Command)> on_command);
 
-  /// Where to look, with the token if there is one.
+  /// URL of the page, with the token if there is one.
   [[nodiscard]] std::string url() const;
 
-  /// Sends every browser what is new.
+  /// Sends the changes to every browser.
   void send_changes();
 
-  /// Browsers that watch.
+  /// Number of connected browsers.
   [[nodiscard]] size_t browsers() const;
 
  private:

@@ -37,9 +37,9 @@ class ViewerService::Impl {
   [[nodiscard]] size_t browsers() const { return browsers_; }
 
  private:
-  /// A viewer that fails is a pity, not a reason to lose the run.
+  /// A failing viewer must not end the run.
   void run() {
-    lower_thread_priority(ThreadPriority::kLow);  // showing must not slow what is shown
+    lower_thread_priority(ThreadPriority::kLow);  // the viewer must not slow the run
     try {
       tick();
       context_.run();
@@ -65,7 +65,7 @@ class ViewerService::Impl {
   ViewerServer server_;
   std::string url_;
   std::atomic<size_t> browsers_ = 0;
-  std::thread thread_;  // the last: it uses all the others
+  std::thread thread_;  // declared last: it uses all the others
 };
 
 ViewerService::ViewerService(const ListenAddress& listen, std::function<void(Scene&, size_t)> update,

@@ -1,5 +1,5 @@
 #pragma once
-// A scene, its server and the thread on which both live.
+// A scene, its server and the thread that runs both.
 
 #include <functional>
 #include <memory>
@@ -13,23 +13,23 @@ namespace kinloop {
 
 class ViewerService {
  public:
-  /// `update` brings the scene up to date, some twenty times a second; `on_command` gets what browsers ask.
-  /// Both are called on the thread of the service, and nothing else touches the scene. Throws InputError
-  /// where the address cannot be had.
+  /// `update` updates the scene, about twenty times a second; `on_command` receives commands from browsers.
+  /// Both are called on the service's thread, which alone accesses the scene. Throws InputError if the
+  /// address is not available.
   ViewerService(const ListenAddress& listen, std::function<void(Scene&, size_t browsers)> update,
                 std::function<void(Command)> on_command);
   ~ViewerService();
   ViewerService(const ViewerService&) = delete;
   ViewerService& operator=(const ViewerService&) = delete;
 
-  /// Where to look.
+  /// URL of the page.
   [[nodiscard]] const std::string& url() const;
 
-  /// Browsers that watch now.
+  /// Number of connected browsers.
   [[nodiscard]] size_t browsers() const;
 
  private:
-  class Impl;  // Boost.Asio stays out of the headers
+  class Impl;  // keeps Boost.Asio out of the headers
   std::unique_ptr<Impl> impl_;
 };
 

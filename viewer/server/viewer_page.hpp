@@ -4,7 +4,7 @@
 
 namespace kinloop {
 
-/// The page that shows a run (viewer/pages), one HTML file.
+/// Returns the page that shows a run (viewer/pages), one HTML file.
 std::string_view viewer_page();
 
 }  // namespace kinloop

@@ -10,7 +10,7 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
 constexpr size_t kLongestCommandBytes = 1024;
-constexpr int kSendBufferBytes = 1 << 18;  // what the kernel may hold for a browser that does not read
+constexpr int kSendBufferBytes = 1 << 18;  // kernel buffer for a browser that does not read
 constexpr std::chrono::seconds kHandshakeTimeout{10};
 constexpr std::chrono::seconds kIdleTimeout{30};  // a ping is sent after half of it
 
@@ -29,11 +29,11 @@ void WebSocketSession::start(const Request& request) {
   beast::error_code ignored;
   stream.socket().set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
   stream.socket().set_option(asio::ip::tcp::no_delay(true), ignored);
-  stream.expires_never();  // from here on the WebSocket keeps the time
+  stream.expires_never();  // the WebSocket handles timeouts from here on
   socket_.set_option(websocket::stream_base::timeout{kHandshakeTimeout, kIdleTimeout, true});
   socket_.read_message_max(kLongestCommandBytes);
   socket_.binary(true);
-  socket_.auto_fragment(false);  // else every 4 KiB would be a frame, copied
+  socket_.auto_fragment(false);  // avoids copying into frames of 4 KiB
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
     if (error) return;
     self->idle_ = true;
@@ -60,7 +60,7 @@ void WebSocketSession::send_next() {
 
 void WebSocketSession::read_next() {
   socket_.async_read(received_, [self = shared_from_this()](beast::error_code error, size_t) {
-    if (error) return;  // gone, or its frame was malformed or too long: the stream has closed itself
+    if (error) return;  // disconnected, or a malformed or too long frame: the stream has closed itself
     const auto bytes = self->received_.cdata();
     const auto command = parse_command({static_cast<const char*>(bytes.data()), bytes.size()});
     self->received_.clear();

@@ -1,5 +1,5 @@
 #pragma once
-// One browser that watches: gets the parts of the scene that it has not seen, one at a time, and sends
+// One connected browser: receives the parts of the scene that it has not seen, one at a time, and sends
 // commands.
 
 #include <functional>
@@ -17,19 +17,19 @@ namespace kinloop {
 
 using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
-/// A slot among the connections, given back when the last holder goes.
+/// A slot among the connections, released with its last owner.
 using ConnectionSlot = std::shared_ptr<void>;
 
 class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  public:
-  /// It has seen all up to version `seen`. The scene must outlive the connection's handlers.
+  /// The browser has seen everything up to version `seen`. The scene must outlive the connection's handlers.
   WebSocketSession(boost::beast::tcp_stream stream, ConnectionSlot slot, const Scene& scene, uint64_t seen,
                    std::function<void(Command)> on_command);
 
-  /// Answers the request that asked for a WebSocket, and begins.
+  /// Accepts the upgrade request and starts sending.
   void start(const Request& request);
 
-  /// Sends what it has not seen, unless it is still busy with the part before.
+  /// Sends the next unseen part, unless one is still being sent.
   void send_next();
 
  private:
@@ -43,7 +43,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   boost::beast::flat_buffer received_;
   std::array<uint8_t, kHeaderBytes> header_{};
   ScenePart sending_;
-  bool idle_ = false;  // open, and nothing on its way
+  bool idle_ = false;  // open, with no send in progress
 };
 
 }  // namespace kinloop

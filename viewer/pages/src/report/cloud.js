@@ -1,4 +1,4 @@
-// The map as a cloud that can be rotated. Paper shows the pictures of it instead.
+// The map as a rotatable cloud. Print shows pictures of it instead.
 
 import { Box3, Matrix4, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -17,7 +17,7 @@ export function cloudSection([run]) {
   const piece = readCloud(Uint8Array.from(atob(run.cloud), (character) => character.charCodeAt(0)).buffer, 0);
   const canvas = element('canvas', { class: 'cloud', tabindex: '0', 'aria-label': '3D map' });
   const shown = figure(canvas, `${count(piece.count)} points, up to just above the highest camera position. Drag to rotate, scroll to zoom, right-drag to pan.`);
-  requestAnimationFrame(() => show(canvas, piece, run.up)); // once it has a size
+  requestAnimationFrame(() => show(canvas, piece, run.up)); // once the canvas has a size
   const made = section('3D map', shown);
   made.classList.add('screen-only');
   return made;
@@ -30,7 +30,7 @@ function show(canvas, piece, up) {
   points.updateMatrixWorld(true);
   const box = new Box3().setFromObject(points);
 
-  // The drawing is kept: a screenshot or a test may ask for it at any time.
+  // The drawing buffer is kept, since a screenshot or a test may ask for it at any time.
   const renderer = new WebGLRenderer({ canvas, alpha: true, preserveDrawingBuffer: true });
   const eye = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1 / HEIGHT_BY_WIDTH, 0.05, 500);
   const controls = new OrbitControls(eye, canvas);

@@ -1,4 +1,4 @@
-// What the run was made with: options, sensor, versions.
+// Configuration of the run: options, sensor, versions.
 
 import { element, section, table } from './page.js';
 
@@ -9,7 +9,7 @@ export function detailsSection(runs) {
   return parts.length > 0 ? section('Configuration', ...parts) : undefined;
 }
 
-/** All options of the first run; of the others those that differ. */
+/** All options of the first run; for the others only those that differ. */
 function options({ name, figures }, runs) {
   const first = runs[0].figures.options ?? {};
   const all = Object.entries(figures.options ?? {});

@@ -1,12 +1,12 @@
-// The report of one run, or of several side by side. Its data stand in the page, put there by kinloop
-// (kinloop/eval/report.cpp); every section is a function of the runs that gives its element, or nothing where there
-// is nothing to show.
+// The report of one run, or of several side by side. Its data are embedded in the page by kinloop
+// (viewer/report/report.cpp); every section is a function of the runs that returns its element, or nothing if
+// there is nothing to show.
 //
 //   summary.js  figures and comparison     tracking.js  features, inliers, time per frame     pictures.js  map, loops
 //   paths.js    top and side view          modules.js   CPU time per module                   details.js   options ...
 //   errors.js   over time, histogram       cloud.js     3D map
 //
-//   plot.js     how all plots look         page.js      how all sections look
+//   plot.js     style of all plots         page.js      style of all sections
 
 import './report.css';
 import { cloudSection } from './cloud.js';

@@ -12,7 +12,7 @@ export function moduleSection(all) {
   if (runs.length === 0) return undefined;
   const bars = figure(modulePlot(runs), 'Total CPU time');
   if (runs.length > 1) return section(TITLE, legend(runs), row(bars));
-  bars.classList.add('screen-only'); // the table says the same
+  bars.classList.add('screen-only'); // duplicates the table
   const { timings, frames } = runs[0].figures;
   const lines = Object.entries(timings).map(([name, module]) => [
     name,

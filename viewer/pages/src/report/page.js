@@ -1,6 +1,6 @@
-// The pieces that every section is put together from.
+// The building blocks of every section.
 
-/** An element with attributes and children; text is never taken for markup. */
+/** An element with attributes and children; text is never parsed as markup. */
 export function element(name, attributes = {}, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
@@ -12,7 +12,7 @@ export function section(title, ...children) {
   return element('section', {}, element('h2', {}, title), ...children);
 }
 
-/** Figures next to each other where there is room. */
+/** Figures side by side if there is space. */
 export function row(...figures) {
   return element('div', { class: 'row' }, ...figures);
 }
@@ -21,7 +21,7 @@ export function figure(content, caption) {
   return element('figure', {}, content, element('figcaption', {}, caption));
 }
 
-/** A table; `numbers` says which columns are numbers. */
+/** A table; `numbers` lists the numeric columns. */
 export function table(head, rows, numbers = []) {
   const line = (cells, name) =>
     element('tr', {}, ...cells.map((cell, i) => element(name, numbers.includes(i) ? { class: 'number' } : {}, cell)));

@@ -5,7 +5,7 @@ import { dot, line, link } from '@observablehq/plot';
 import { figure, legend, row, section } from './page.js';
 import { draw, evenRanges, rows } from './plot.js';
 
-const GAP_S = 0.5; // frames further apart are not joined
+const GAP_S = 0.5; // frames further apart are not connected
 
 export function pathSection(runs) {
   if (runs.every((run) => run.path.t.length === 0)) return undefined;
@@ -33,7 +33,7 @@ function pathPlot(name, runs, truth, up) {
   });
 }
 
-/** The rows of a path, with the piece of it that each belongs to: a loss parts them. */
+/** The rows of a path, with the index of their segment: tracking loss separates segments. */
 function pieces(path) {
   let piece = 0;
   return rows(path).map((place, i, all) => {

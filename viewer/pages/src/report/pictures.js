@@ -1,4 +1,4 @@
-// Pictures: the map (Fig. 7a of the founding paper), and the places that were recognised.
+// Pictures: the map (Fig. 7a of the founding paper), and the detected loops.
 
 import { element, figure, row, section } from './page.js';
 
@@ -22,7 +22,7 @@ export function loopSection([run]) {
   return section('Loop closures', element('p', { class: 'soft' }, what), shown);
 }
 
-/** Paper takes an even choice. */
+/** Selects evenly spaced pictures for print. */
 function isPrinted(i, count) {
   if (count <= MOST_PRINTED) return true;
   return Math.floor((i * MOST_PRINTED) / count) !== Math.floor(((i - 1) * MOST_PRINTED) / count);

@@ -7,22 +7,24 @@ MERCHANTABILITY AND FITNESS. IN NO EVENT SHALL THE AUTHOR BE LIABLE FOR ANY SPEC
 DAMAGES OR ANY DAMAGES WHATSOEVER RESULTING FROM LOSS OF USE, DATA OR PROFITS, WHETHER IN AN ACTION OF CONTRACT,
 NEGLIGENCE OR OTHER TORTIOUS ACTION, ARISING OUT OF OR IN CONNECTION WITH THE USE OR PERFORMANCE OF THIS SOFTWARE.
 */
-// How all plots look. Observable Plot draws them as SVG, which prints and scales; colours come from the style sheet.
+// The style of all plots. Observable Plot draws them as SVG, which prints and scales; colours come from the
+// style sheet.
 
 import { plot } from '@observablehq/plot';
 
-const MARGINS = 62; // of the page and a figure, left and right
-const WIDTH = Math.max(320, Math.min(560, innerWidth - MARGINS)); // no wider than a phone: letters keep their size
+const MARGINS = 62; // margins of the page and a figure, left and right
+const WIDTH = Math.max(320, Math.min(560, innerWidth - MARGINS)); // no wider than a phone, so that letters
+                                                                  // keep their size
 const STYLE = { fontSize: '13px', background: 'transparent', color: 'var(--soft)', overflow: 'visible' };
 
-/** A plot with `marks`; `title` is for those who cannot see it. */
+/** A plot with `marks`; `title` is the accessible description. */
 export function draw(title, marks, options = {}) {
   return plot({ width: WIDTH, height: 260, marginLeft: 48, grid: true, style: STYLE, ariaLabel: title, marks, ...options });
 }
 
-/** Ranges of x and y for a plot on which a metre is as long both ways and that is neither too high nor too flat. */
+/** Ranges of x and y for a plot with equal scales on both axes that is neither too high nor too flat. */
 export function evenRanges(xs, ys) {
-  const [lowest, highest] = [0.3, 0.8]; // height of the plot by its width
+  const [lowest, highest] = [0.3, 0.8]; // height relative to width
   const spread = (values) => (values.length ? [Math.min(...values), Math.max(...values)] : [0, 1]);
   const widened = ([low, high], size) => [(low + high - size) / 2, (low + high + size) / 2];
   const [x, y] = [spread(xs), spread(ys)];
@@ -38,7 +40,7 @@ export function rows(columns) {
   return columns[names[0]].map((_, i) => Object.fromEntries(names.map((name) => [name, columns[name][i]])));
 }
 
-/** The value below which that share of the values lies. */
+/** The quantile at `share` of the values. */
 export function quantile(values, share) {
   const sorted = Float64Array.from(values).sort();
   return sorted[Math.floor(share * (sorted.length - 1))];

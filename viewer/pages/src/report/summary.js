@@ -1,9 +1,9 @@
-// What the run was, and its figures; of several runs a table.
+// Summary of a run with its figures; for several runs as a table.
 
 import { count, millimetres } from '../shared/format.js';
 import { element, section, table } from './page.js';
 
-/** Every figure: its name, and its text from a run, or nothing where it is not known. */
+/** Every figure: its name, and its text for a run, or nothing if unknown. */
 const FIGURES = [
   ['tracked frames', ({ figures: f }) => f.frames && `${count(f.tracked)} of ${count(f.frames)}`],
   ['ATE RMSE', ({ evaluation: e }) => e && millimetres(e.ate.rmse_m)],

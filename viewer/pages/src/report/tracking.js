@@ -1,4 +1,4 @@
-// Frame by frame: what was seen, and how long it took.
+// Per frame: features and processing time.
 
 import { line, ruleX, ruleY } from '@observablehq/plot';
 

@@ -1,8 +1,8 @@
-// How points are drawn: their size and their colour, in one shader that the live viewer and the report share.
+// Point rendering: size and colour, in one shader shared by the live viewer and the report.
 
 import { ShaderMaterial, Vector2, Vector3 } from 'three';
 
-/** Ways to colour; their places in this list are the shader's `mode`. */
+/** Colour modes; the index in this list is the shader's `mode`. */
 export const COLOR_MODES = ['camera', 'height', 'depth', 'time'];
 
 const vertexShader = `
@@ -43,7 +43,7 @@ const fragmentShader = `
     gl_FragColor = vec4(vColor, 1.0);
   }`;
 
-/** The uniforms that all pieces of a cloud have in common. */
+/** The uniforms shared by all pieces of a cloud. */
 export function sharedUniforms() {
   return {
     pointSizeCm: { value: 1.6 },

@@ -1,10 +1,10 @@
-// A piece of the cloud as three.js draws it.
+// A piece of the cloud as a three.js object.
 
 import { BufferAttribute, BufferGeometry, Box3, Matrix4, Points, Sphere, Vector3 } from 'three';
 
 import { cloudMaterial } from './cloudMaterial.js';
 
-/** Points of { count, unitM, origin, points (4 i16 each), colors (4 u8 each) }; `place(object, pose)` puts them. */
+/** Makes points of { count, unitM, origin, points (4 i16 each), colors (4 u8 each) }; see placePiece for the pose. */
 export function cloudPiece(piece, shared) {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(piece.points, 4));
@@ -20,13 +20,13 @@ export function cloudPiece(piece, shared) {
   return object;
 }
 
-/** Puts a piece to where its anchor is. */
+/** Moves a piece to the pose of its anchor. */
 export function placePiece(object, anchor) {
   object.matrix.multiplyMatrices(anchor, object.userData.toAnchor);
   object.matrixWorldNeedsUpdate = true;
 }
 
-/** Draws that share of the points: they are in random order, so it is a thinner cloud of the same place. */
+/** Draws that share of the points; they are in random order, so the result is a thinned cloud. */
 export function thinPiece(object, share) {
   object.geometry.setDrawRange(0, Math.ceil(object.userData.count * share));
 }

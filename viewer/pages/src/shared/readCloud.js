@@ -1,8 +1,9 @@
-// A piece of the cloud as kinloop writes it (encode_cloud in viewer/scene/wire_format.hpp), read where it lies.
+// A piece of the cloud in kinloop's format (encode_cloud in viewer/scene/wire_format.hpp), read without
+// copying.
 
 const HEAD_BYTES = 24;
 
-/** { anchor, count, unitM, origin, points (4 i16 each), colors (4 u8 each) } from the bytes that begin at `at`. */
+/** { anchor, count, unitM, origin, points (4 i16 each), colors (4 u8 each) } from the bytes at offset `at`. */
 export function readCloud(buffer, at) {
   const head = new DataView(buffer, at, HEAD_BYTES);
   const count = head.getUint32(4, true);

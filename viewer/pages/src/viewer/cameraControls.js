@@ -1,4 +1,4 @@
-// The eye: it shows the whole map until somebody moves it, or follows the camera.
+// The viewpoint: shows the whole map until the user moves it, or follows the camera.
 
 import { Matrix4, PerspectiveCamera, Vector3 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -6,7 +6,8 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { frame } from './framing.js';
 
 const FIELD_OF_VIEW_DEG = 50;
-const BEHIND = new Vector3(0, -0.5, -1.4); // the following eye, in the camera's frame (x right, y down, z ahead)
+const BEHIND = new Vector3(0, -0.5, -1.4); // position when following, in the camera frame (x right, y down, z
+                                           // ahead)
 const AHEAD = new Vector3(0, 0, 1.5);
 const FOLLOW_S = 0.4; // time constants
 const GLIDE_S = 0.15;
@@ -15,7 +16,7 @@ const MARGIN = 1.08;
 const MIN_DISTANCE_M = 1e-3;
 const MUCH_CLOSER = 0.85;
 
-/** Where the eye is, from the middle of the map; the second where the map is much larger from there. */
+/** Viewing directions from the centre of the map; the second if the map appears much larger from there. */
 const DIRECTIONS = {
   oblique: [[0.35, 0.8, 0.65], [0.65, 0.8, -0.35]],
   top: [[0, 1, 1e-3], [1e-3, 1, 0]],
@@ -23,7 +24,7 @@ const DIRECTIONS = {
 };
 
 export class CameraControls {
-  /** Looks at `world` in `canvas`; `onChange()` is called where the eye has moved. */
+  /** Views `world` in `canvas`; `onChange()` is called when the viewpoint has moved. */
   constructor(canvas, world, onChange) {
     this.world = world;
     this.onChange = onChange;
@@ -35,9 +36,9 @@ export class CameraControls {
     this.controls.addEventListener('change', onChange);
     this.mode = 'orbit';
     this.direction = 'oblique';
-    this.touched = false; // nobody has turned the view yet: it may show the whole map as it grows
-    this.goal = undefined; // where the eye glides to
-    this.places = []; // what shall be in sight
+    this.touched = false; // false: the user has not moved the view, so it may adapt as the map grows
+    this.goal = undefined; // target of the animation
+    this.places = []; // points that must stay in view
   }
 
   setMode(mode) {
@@ -46,20 +47,20 @@ export class CameraControls {
     this.letGo();
   }
 
-  /** The eye is moved by hand from here on. */
+  /** The user controls the viewpoint from here on. */
   letGo() {
     this.touched = true;
     this.goal = undefined;
   }
 
-  /** The whole map from 'oblique', 'top' or 'side', also while it grows. */
+  /** Shows the whole map from 'oblique', 'top' or 'side', also while it grows. */
   show(direction) {
     this.direction = direction;
     this.touched = false;
     this.fit();
   }
 
-  /** Goes, in the direction in which it is, to where all of these places are in sight. */
+  /** Moves along the current viewing direction until all of these points are in view. */
   fit(places = this.places) {
     this.places = places;
     if (places.length === 0 || this.mode !== 'orbit') return;
@@ -78,7 +79,7 @@ export class CameraControls {
     this.onChange();
   }
 
-  /** Lets the lens see things from a hundredth to a hundred times as large. */
+  /** Sets the clipping planes for objects from a hundredth to a hundred times this size. */
   setScale(radiusM) {
     this.camera.near = Math.min(0.02, radiusM / 50);
     this.camera.far = Math.max(200, 50 * radiusM);
@@ -99,7 +100,7 @@ export class CameraControls {
     this.onChange();
   }
 
-  /** The eye goes where the camera goes, a little behind and above it. */
+  /** Follows the camera from slightly behind and above. */
   follow(share) {
     const pose = this.world.cameraPose;
     if (!pose) return;
@@ -112,12 +113,12 @@ export class CameraControls {
     this.onChange();
   }
 
-  /** How many pixels of a picture of that height show what is 1 m wide and 1 m away. */
+  /** Pixels that an object of 1 m at a distance of 1 m covers in an image of that height. */
   pixelsPerRadian(heightPx) {
     return heightPx / (2 * Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360));
   }
 
-  /** How far it is to the centre of the view. */
+  /** Distance to the centre of the view. */
   get distanceM() {
     return this.camera.position.distanceTo(this.controls.target);
   }

@@ -1,4 +1,5 @@
-// The line to kinloop. It remembers how far it has got, so that after a break only the rest is sent.
+// The connection to kinloop. It remembers the last version received, so that after an interruption only the
+// rest is sent.
 
 import { decode } from './messages.js';
 
@@ -6,7 +7,7 @@ const SHORTEST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 8000;
 
 export class Connection {
-  /** Calls onMessage({ kind, index, body }) for every message, onChange(connected) when the line comes or goes. */
+  /** Calls onMessage({ kind, index, body }) for every message, onChange(connected) on connection and disconnection. */
   constructor({ onMessage, onChange }) {
     this.onMessage = onMessage;
     this.onChange = onChange;
@@ -46,7 +47,7 @@ export class Connection {
     this.waitMs = Math.min(2 * this.waitMs, LONGEST_WAIT_MS);
   }
 
-  /** Asks something of the run: 'pause', 'resume', 'step', 'save'. */
+  /** Sends a command to the run: 'pause', 'resume', 'step', 'save'. */
   send(command) {
     if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ command }));
   }

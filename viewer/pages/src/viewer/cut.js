@@ -1,6 +1,6 @@
-// The slider that cuts off what is higher, and what it says: metres above the floor, or "off".
+// The slider that cuts off higher points, with its label: metres above the floor, or "off".
 
-const STEP_SHARE = 0.05; // of the height of the map, for the keys
+const STEP_SHARE = 0.05; // key step, as a share of the map's height
 
 export class HeightCut {
   constructor(slider, output, view) {
@@ -17,20 +17,20 @@ export class HeightCut {
     return this.view.box.isEmpty() ? 1 : Math.max(1e-6, this.view.box.max.y - this.view.box.min.y);
   }
 
-  /** Cuts that far above the floor; from the top of the map on, nowhere. */
+  /** Cuts that far above the floor; at the top of the map, not at all. */
   set(aboveFloorM) {
     this.view.cutAtM = aboveFloorM >= this.heightM ? Infinity : this.floorM + Math.max(0, aboveFloorM);
     this.view.dirty = true;
     this.show();
   }
 
-  /** Up or down, in steps. */
+  /** Moves up or down in steps. */
   move(steps) {
     const from = Math.min(this.view.cutAtM - this.floorM, this.heightM);
     this.set(from + steps * STEP_SHARE * this.heightM);
   }
 
-  /** The slider as it is; the map may have grown below it. */
+  /** Updates the slider; the map may have grown. */
   show() {
     const { slider, output, view } = this;
     const off = view.cutAtM === Infinity;

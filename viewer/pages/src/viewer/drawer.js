@@ -1,4 +1,4 @@
-// On a narrow screen the panel folds into a row of buttons; each opens one section above it.
+// On a narrow screen the panel collapses into a row of buttons; each opens one section above it.
 
 /** `row` holds buttons with data-opens="ID of a section". */
 export function makeCollapsible(row) {
@@ -13,7 +13,7 @@ export function makeCollapsible(row) {
   buttons.forEach((button) => (button.onclick = () => open(button)));
   open(undefined);
 
-  // What there is nothing in has no button.
+  // Empty sections have no button.
   const offer = () => buttons.forEach((button) => (button.hidden = section(button).hidden));
   const watcher = new MutationObserver(offer);
   buttons.forEach((button) => watcher.observe(section(button), { attributes: true, attributeFilter: ['hidden'] }));

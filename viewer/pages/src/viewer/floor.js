@@ -5,7 +5,7 @@ import { Vector3 } from 'three';
 import { roundLength } from './framing.js';
 import { Lines } from './lines.js';
 
-const CELLS = 4; // along the longer side, at least
+const CELLS = 4; // minimum along the longer side
 const MARGIN_CELLS = 1;
 
 export class Floor {
@@ -18,7 +18,7 @@ export class Floor {
     return this.lines.object;
   }
 
-  /** Puts the grid under the box. */
+  /** Places the grid under the box. */
   lay({ min, max }) {
     this.stepM = roundLength(Math.max(max.x - min.x, max.z - min.z, 1e-3) / CELLS);
     const [left, right] = this.span(min.x, max.x);
@@ -29,7 +29,7 @@ export class Floor {
     });
   }
 
-  /** Numbers of the first and the last line. */
+  /** Indices of the first and the last line. */
   span(min, max) {
     return [Math.floor(min / this.stepM) - MARGIN_CELLS, Math.ceil(max / this.stepM) + MARGIN_CELLS];
   }

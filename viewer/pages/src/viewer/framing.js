@@ -1,12 +1,13 @@
-// Which places of the map are not stray, and from where all of them are in sight.
+// The extent of the map without stray points, and the viewpoint that shows all of it.
 
 import { Box3, Vector3 } from 'three';
 
 const SAMPLES = 6000;
-const FENCE = 0.05; // quantiles that stray points, up to that share on either side, do not reach
-const EDGE = 0.003; // share of the points inside the fences that may lie beyond the map, on either side
+const FENCE = 0.05; // quantiles that determine the fences; up to this share of stray points on either side is
+                    // tolerated
+const EDGE = 0.003; // share of the points inside the fences that may still be cut off on either side
 
-/** { places, box }: a sample of the map without what is stray, and the box around it. */
+/** { places, box }: a sample of the map without stray points, and its bounding box. */
 export function sampleMap(world) {
   const all = samplePlaces(world);
   if (all.length === 0) return { places: [], box: new Box3() };
@@ -17,7 +18,7 @@ export function sampleMap(world) {
   return { places: inside.filter((place) => box.containsPoint(place)), box };
 }
 
-/** From that quantile of each coordinate to the one as far from the other end. */
+/** The range between this quantile of each coordinate and its mirror image. */
 function spread(places, quantile) {
   const box = new Box3();
   for (const axis of ['x', 'y', 'z']) {
@@ -29,7 +30,7 @@ function spread(places, quantile) {
   return box;
 }
 
-/** Some points of every piece, which holds them in random order, and some vertices of every mesh. */
+/** Samples points of every piece, which are in random order, and vertices of every mesh. */
 function samplePlaces(world) {
   const places = [];
   const share = Math.min(1, SAMPLES / Math.max(1, world.pointCount));
@@ -49,13 +50,13 @@ function samplePlaces(world) {
 }
 
 /**
- * The nearest eye that looks against `direction` and has all places in sight: { position, distance }, the distance to
- * their middle. `tan`: half the width and height of what is seen 1 m away.
+ * The nearest viewpoint that looks against `direction` with all points in view: { position, distance }, where distance
+ * is to their centre. `tan`: half the width and height of the view at 1 m.
  */
 export function frame(places, direction, tan) {
   const right = new Vector3(0, 1, 0).cross(direction).normalize();
   const up = direction.clone().cross(right);
-  // A place is in sight where |across| <= tan * (how far it lies before the eye): two straight bounds on each axis.
+  // A point is in view if |across| <= tan * (its distance along the view): two linear bounds per axis.
   const across = [right, up].map((axis, i) => {
     const reach = (sign) => Math.max(...places.map((place) => sign * place.dot(axis) + tan[i] * place.dot(direction)));
     const [high, low] = [reach(1), reach(-1)];

@@ -1,8 +1,8 @@
-// The camera's images: colour with its features on it, and depth.
+// The camera's images: colour with features, and depth.
 
 const TRACKED = '#35e07c';
 const UNTRACKED = '#ff5d5d';
-const FULL_SCALE = 65535; // of a place in the image
+const FULL_SCALE = 65535; // of an image coordinate
 
 export class Images {
   constructor(section) {
@@ -27,7 +27,7 @@ export class Images {
     this.section.hidden = false;
   }
 
-  /** An image and its features come one after the other, features that are the same not at all: each draws both. */
+  /** An image and its features arrive separately, and unchanged features not at all, so both trigger a redraw. */
   drawColor() {
     const paint = draw(this.color, this.bitmap);
     const { width, height } = this.color;

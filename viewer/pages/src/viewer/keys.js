@@ -1,6 +1,6 @@
-// The keys, and the table of them that ? shows.
+// The keyboard shortcuts and their table, shown by ?.
 
-/** Key, how it is written, what it does, and the name of the action. */
+/** Key, label, description, and name of the action. */
 const KEYS = [
   [' ', 'Space', 'pause or resume the run', 'pause'],
   ['s', 'S', 'one frame', 'step'],
@@ -11,7 +11,7 @@ const KEYS = [
   ['3', '3', 'side view', 'side'],
   ['4', '4', 'follow the camera', 'follow'],
   ['c', 'C', 'next colouring', 'nextColor'],
-  ['u', 'U', 'next up axis, of a file that does not tell it', 'nextUp'],
+  ['u', 'U', 'next up axis, for files that do not specify it', 'nextUp'],
   ['g', 'G', 'floor grid on or off', 'grid'],
   ['l', 'L', 'loop edges on or off', 'loops'],
   ['[', '[', 'lower the cut', 'lowerCut'],
@@ -36,7 +36,7 @@ export function listenToKeys(actions, table) {
   });
 }
 
-/** Letters choose in a list, and the space bar ticks a box. */
+/** Letters select in a list, and the space bar toggles a checkbox. */
 function hasOwnUse({ target, key }) {
   return target.matches('select, dialog *') || (key === ' ' && target.matches('input'));
 }

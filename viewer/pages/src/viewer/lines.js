@@ -1,9 +1,9 @@
-// Everything that is drawn with lines: frusta, paths, edges. Each is one buffer that grows by doubling and is filled
-// anew when something moves.
+// Line drawings: frusta, paths, edges. Each is one buffer that grows by doubling and is refilled when
+// something moves.
 
 import { BufferAttribute, BufferGeometry, Line, LineBasicMaterial, LineSegments } from 'three';
 
-/** Lines through points that change; `segments`: each two points are a line of their own. */
+/** Lines through changing points; `segments`: each two points form a separate line. */
 export class Lines {
   constructor({ color, segments = false, opacity = 1 }) {
     const material = new LineBasicMaterial({ color, transparent: opacity < 1, opacity });

@@ -1,11 +1,11 @@
-// The live viewer: one connection feeds one world, which one view draws; the panel is for the hands.
+// The live viewer: one connection feeds one world, which one view draws; the panel holds the controls.
 //
-//   messages.js    what travels          world.js    the map as three.js objects    panel.js     figures, buttons
-//   connection.js  the line to kinloop   poses.js    keyframes, which glide         runState.js  what the run is doing
+//   messages.js    the protocol          world.js    the map as three.js objects    panel.js     figures, buttons
+//   connection.js  the connection        poses.js    keyframe poses, animated       runState.js  state of the run
 //   images.js      the camera's images   lines.js    frusta, paths, edges           keys.js      keys and their table
-//   view.js        renderer, detail      models.js   meshes                         cut.js       what is cut off
-//   cameraControls.js  viewpoint           floor.js    the grid                       drawer.js    the panel of a phone
-//   framing.js     how large the map is                                             scaleBar.js  a length
+//   view.js        renderer, detail      models.js   meshes                         cut.js       cutting height
+//   cameraControls.js  viewpoint         floor.js    the grid                       drawer.js    the panel of a phone
+//   framing.js     extent of the map                                                scaleBar.js  a length
 
 import './viewer.css';
 import { Connection } from './connection.js';
@@ -33,7 +33,7 @@ function onMessage(message) {
 
 function onHello(hello) {
   if (run !== hello.run) {
-    world.clear(); // another run than the one before the line broke
+    world.clear(); // a different run than before the interruption
     view.cameraControls.touched = false;
     panel.cut.set(Infinity);
     loops = 0;
@@ -47,5 +47,5 @@ function showLoopBanner(count) {
   loops = count;
 }
 
-// For tests and measurements: what is there to see.
+// For tests and measurements.
 window.kinloop = { world, view, connection };

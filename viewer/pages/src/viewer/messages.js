@@ -1,4 +1,4 @@
-// The messages of viewer/scene/wire_format.hpp, read where they lie: no number is copied that need not be.
+// The messages of viewer/scene/wire_format.hpp, read in place without needless copies.
 
 import { readCloud } from '../shared/readCloud.js';
 
@@ -24,7 +24,7 @@ const readers = [
   ['model', (buffer) => buffer.slice(HEAD_BYTES)],
 ];
 
-/** A message as { kind, index, version, body }; nothing where this page does not know its kind. */
+/** A message as { kind, index, version, body }; undefined if the kind is unknown. */
 export function decode(buffer) {
   const head = new DataView(buffer, 0, HEAD_BYTES);
   const reader = readers[head.getUint32(0, true)];
@@ -45,7 +45,7 @@ function words(buffer) {
   return new Uint32Array(buffer, HEAD_BYTES);
 }
 
-/** Entry i: reference references[4 * i], place at places[4 * i + 1 ... 4 * i + 3]. */
+/** Entry i: reference references[4 * i], position places[4 * i + 1 ... 4 * i + 3]. */
 function path(buffer) {
   return { references: words(buffer), places: floats(buffer) };
 }

@@ -1,9 +1,9 @@
-// Meshes: those of kinloop's messages, and glTF files as three.js reads them.
+// Meshes: from kinloop's messages, and GLB files read by three.js.
 
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Mesh, MeshBasicMaterial, MeshStandardMaterial, SRGBColorSpace } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
-/** { points, triangles, colors }, cut by `plane`. */
+/** Mesh of { points, triangles, colors }, clipped by `plane`. */
 export function meshOf({ points, triangles, colors }, plane) {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(points, 3));
@@ -14,7 +14,7 @@ export function meshOf({ points, triangles, colors }, plane) {
   return new Mesh(geometry, new MeshBasicMaterial({ ...cut, vertexColors: true }));
 }
 
-/** three.js takes colours of vertices as light, not as pixel values. */
+/** three.js expects linear vertex colours, not sRGB. */
 function toLight(colors) {
   const light = new Float32Array((3 * colors.length) / 4);
   const color = new Color();
@@ -24,19 +24,24 @@ function toLight(colors) {
   return light;
 }
 
-/** The scene of a GLB file in kinloop's axes (y down), cut by `plane`. */
+/** The scene of a GLB file in kinloop's axes (y down), clipped by `plane`. */
 export async function readModel(buffer, plane) {
   const { scene } = await new GLTFLoader().parseAsync(buffer, '');
-  scene.rotation.x = Math.PI; // in glTF y points up
+  scene.rotation.x = Math.PI; // y is up in glTF
   scene.traverse((object) => {
     if (!object.material) return;
     object.material = asCaptured(object, object.material);
-    Object.assign(object.material, { side: DoubleSide, clippingPlanes: [plane], metalness: 0 }); // metal mirrors what is not there
+    Object.assign(object.material, { side: DoubleSide, clippingPlanes: [plane], metalness: 0 }); // metallic
+                                                                                                 // materials
+                                                                                                 // would
+                                                                                                 // reflect a
+                                                                                                 // missing
+                                                                                                 // environment
   });
   return scene;
 }
 
-/** Colours of a camera hold the light of the place; what has none is lit, so that its shape can be seen. */
+/** Captured colours already contain the lighting; uncoloured meshes are lit, to show their shape. */
 function asCaptured({ isMesh, geometry }, material) {
   if (!isMesh || !(material.map || geometry.attributes.color)) return material;
   const { map, color, vertexColors, transparent, opacity, alphaTest } = material;

@@ -1,4 +1,4 @@
-// The buttons and boxes, and what they and the keys do.
+// The buttons and checkboxes, and their actions.
 
 import { Vector3 } from 'three';
 
@@ -59,7 +59,7 @@ export class Panel {
     at('help').onclick = () => at('helpTable').showModal();
   }
 
-  /** What the keys do, by the names that keys.js gives. */
+  /** The actions of keyboard shortcuts, by the names in keys.js. */
   actions() {
     const click = (id) => () => at(id).click();
     const buttons = ['pause', 'step', 'fit', 'reset', 'grid', 'screenshot', 'help'];
@@ -93,7 +93,7 @@ export class Panel {
     this.view.cameraControls.fit(this.view.contents());
   }
 
-  /** The view as it was at first. */
+  /** Restores the initial view. */
   reset() {
     this.cut.set(Infinity);
     this.show('oblique');
@@ -122,12 +122,12 @@ export class Panel {
     if (!colors.includes(at('color').value)) select(at('color'), colors[0]);
   }
 
-  /** Tells that something happened. */
+  /** Shows a short notification. */
   flash(text) {
     const flash = at('flash');
     flash.textContent = text;
     flash.classList.remove('on');
-    void flash.offsetWidth; // so that the animation begins again
+    void flash.offsetWidth; // restarts the animation
     flash.classList.add('on');
   }
 }
@@ -137,7 +137,7 @@ function select(list, value) {
   list.onchange({ target: list });
 }
 
-/** Of those that can be chosen. */
+/** Among the enabled options. */
 function selectNext(list) {
   const possible = [...list.options].filter((option) => !option.disabled);
   const next = possible[(possible.indexOf(list.selectedOptions[0]) + 1) % possible.length];

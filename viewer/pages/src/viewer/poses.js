@@ -1,4 +1,5 @@
-// Where the keyframes are. When the map bends they glide to their new places, so that one sees it bend.
+// The keyframe poses. When the map is corrected they move smoothly to their new poses, which makes the
+// correction visible.
 
 import { Matrix4, Quaternion, Vector3 } from 'three';
 
@@ -20,12 +21,12 @@ export class Poses {
     return this.matrices.length;
   }
 
-  /** The pose of a keyframe as it is shown; nothing where it is not known yet. */
+  /** The displayed pose of a keyframe; undefined if it is not known yet. */
   at(keyframe) {
     return this.matrices[keyframe];
   }
 
-  /** Takes part `index` of the list; new keyframes appear where they are. */
+  /** Updates part `index` of the list; new keyframes appear at their final pose. */
   take(index, floats) {
     for (let i = 0; i < floats.length / FLOATS; ++i) {
       const keyframe = index * PART_LENGTH + i;
@@ -36,7 +37,7 @@ export class Poses {
     this.gliding = true;
   }
 
-  /** Glides on for a moment; true where anything moved. */
+  /** Advances the animation; returns true if anything moved. */
   advance(seconds) {
     if (!this.gliding) return false;
     this.gliding = false;

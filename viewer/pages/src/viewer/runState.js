@@ -1,4 +1,4 @@
-// What the run is doing, as far as the page knows: its badge, a line of text, and which buttons have a meaning.
+// The state of the run as known to the page: its badge, a line of text, and which buttons are enabled.
 
 import { count, millimetres } from '../shared/format.js';
 
@@ -24,7 +24,7 @@ export class RunState {
     this.show(this.status);
   }
 
-  /** Something that will not get better. */
+  /** Shows a permanent problem. */
   showProblem(text) {
     this.problem = text;
     this.show(this.status);
@@ -34,7 +34,7 @@ export class RunState {
     return this.status?.paused ?? false;
   }
 
-  /** The program takes frames, and does what it is told. */
+  /** Whether the program processes frames and accepts commands. */
   get running() {
     return this.connected && this.live && this.status?.stage === 'mapping';
   }
@@ -72,7 +72,7 @@ export class RunState {
   }
 }
 
-/** Pairs of what is told and its figure; those that are not known are left out. */
+/** Pairs of label and figure; unknown ones are left out. */
 function facts(status) {
   const frames = status.frames ? `${count(status.frame)} of ${count(status.frames)}` : count(status.frame);
   return [

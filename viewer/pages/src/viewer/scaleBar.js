@@ -1,4 +1,4 @@
-// How long a metre is at the centre of the view.
+// The scale bar: the length of a metre at the centre of the view.
 
 import { lengthText } from '../shared/format.js';
 import { roundLength } from './framing.js';

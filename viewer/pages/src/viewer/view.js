@@ -1,4 +1,4 @@
-// What one sees: the renderer, how large the map is, and how much of it is drawn so that it stays smooth.
+// The view: the renderer, the extent of the map, and how many points are drawn to keep it smooth.
 
 import { AmbientLight, Box3, DirectionalLight, Scene, Vector3, WebGLRenderer } from 'three';
 
@@ -6,12 +6,12 @@ import { CameraControls } from './cameraControls.js';
 import { Floor } from './floor.js';
 import { sampleMap } from './framing.js';
 
-const SMOOTH_MS = 33; // a frame that takes longer draws fewer points the next time
-const REST_MS = 250; // without change, after which all points are drawn
-const MEASURE_MS = 200; // between two looks at how large the map is
-const FEWEST = 0.05; // share of the points
-const LARGEST = 2.5; // times the size of a point, where few are drawn
-const ROOM_M = 0.5; // the radius of a map below which its points are drawn smaller
+const SMOOTH_MS = 33; // after a slower frame, fewer points are drawn
+const REST_MS = 250; // idle time after which all points are drawn
+const MEASURE_MS = 200; // interval of measuring the map's extent
+const FEWEST = 0.05; // minimum share of the points
+const LARGEST = 2.5; // maximum factor on the point size when few points are drawn
+const ROOM_M = 0.5; // radius of a map below which points are drawn smaller
 
 export class View {
   constructor(canvas, world) {
@@ -26,10 +26,10 @@ export class View {
     headlight.position.z = 1;
     this.cameraControls.camera.add(headlight, headlight.target);
     this.scene = new Scene().add(world.group, this.floor.object, this.cameraControls.camera, new AmbientLight(0xffffff, 1));
-    this.places = []; // some of the map, without stray points
-    this.box = new Box3(); // around them
+    this.places = []; // a sample of the map without stray points
+    this.box = new Box3(); // their bounding box
     this.pointSizeCm = 1.6;
-    this.cutAtM = Infinity; // points above that height are not drawn
+    this.cutAtM = Infinity; // points above this height are not drawn
     this.onMeasured = () => {};
     this.onDrawn = () => {};
     this.share = 1;
@@ -73,7 +73,7 @@ export class View {
     requestAnimationFrame((now) => this.frame(now));
   }
 
-  /** Draws as many points as the last frames had time for. */
+  /** Adapts the number of points to the duration of the last frames. */
   adapt(passedMs) {
     const smoothing = 0.9;
     this.framesPerSecond = smoothing * this.framesPerSecond + (1 - smoothing) * (1000 / Math.max(1, passedMs));
@@ -93,7 +93,7 @@ export class View {
     this.onDrawn();
   }
 
-  /** How large the map is: for its colours, the floor, the cut, and to show all of it. */
+  /** Measures the map's extent, for its colours, the floor, the cut, and to fit it into the view. */
   measure() {
     this.stale = false;
     Object.assign(this, sampleMap(this.world));
@@ -112,19 +112,19 @@ export class View {
     return this.box.isEmpty() ? ROOM_M : Math.max(1e-6, this.box.getSize(new Vector3()).length() / 2);
   }
 
-  /** What there is to see: places of the map up to the cut, and the keyframes. */
+  /** The visible content: points of the map up to the cut, and the keyframes. */
   contents() {
     const keyframes = this.world.poses.matrices.map((pose) => new Vector3().setFromMatrixPosition(pose));
     keyframes.forEach((place) => place.applyMatrix4(this.world.group.matrixWorld));
     return this.places.filter((place) => place.y <= this.cutAtM).concat(keyframes);
   }
 
-  /** How long a pixel of the page is at the centre of the view. */
+  /** Size of a pixel at the centre of the view. */
   get metresPerPixel() {
     return this.cameraControls.distanceM / this.cameraControls.pixelsPerRadian(this.renderer.domElement.clientHeight);
   }
 
-  /** The picture as a PNG blob, with every point. */
+  /** The view as a PNG blob, with every point. */
   screenshot() {
     this.share = 1;
     this.draw();

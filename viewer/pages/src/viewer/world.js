@@ -1,4 +1,4 @@
-// The map as three.js objects, brought up to date message by message.
+// The map as three.js objects, updated message by message.
 
 import { Group, Matrix4, Plane, Quaternion, Vector3 } from 'three';
 
@@ -17,8 +17,8 @@ const OWN_WORLD = new Matrix4();
 export class World {
   constructor() {
     this.uniforms = sharedUniforms();
-    this.cutPlane = new Plane(new Vector3(0, -1, 0)); // what is above it is cut off meshes; points have a uniform
-    this.group = new Group(); // turned so that up is up
+    this.cutPlane = new Plane(new Vector3(0, -1, 0)); // clips meshes above it; points use a uniform
+    this.group = new Group(); // rotated so that up points up
     this.layers = {};
     for (const name of ['cloud', 'path', 'keyframes', 'covisibility', 'loops', 'truth']) {
       this.layers[name] = new Group();
@@ -38,7 +38,7 @@ export class World {
     this.clear();
   }
 
-  /** Forgets a run. */
+  /** Removes everything of a run. */
   clear() {
     this.poses = new Poses();
     this.pieces = new Map(); // index -> { object, anchor }
@@ -53,7 +53,7 @@ export class World {
     this.moved = true;
   }
 
-  /** Takes in one message. */
+  /** Processes one message. */
   take({ kind, index, body }) {
     const take = {
       hello: () => (this.frustum = body.frustum),
@@ -96,7 +96,7 @@ export class World {
     this.moved = true;
   }
 
-  /** Pairs of an object of a model and its vertices. */
+  /** Pairs of a model's object and its vertices. */
   meshes() {
     const found = [];
     const take = (object) => object.geometry && found.push([object, object.geometry.attributes.position]);
@@ -104,7 +104,7 @@ export class World {
     return found;
   }
 
-  /** Turns the world so that `up` is three.js's y; small corrections would only make it sway. */
+  /** Rotates the world so that `up` is three.js's y; ignores small corrections, which would make it sway. */
   setUp(up) {
     const NOTICEABLE = 0.03; // rad
     const turn = new Quaternion().setFromUnitVectors(up, new Vector3(0, 1, 0));
@@ -112,7 +112,7 @@ export class World {
     this.moved = true;
   }
 
-  /** Brings what is drawn to where it belongs; true where anything has changed. */
+  /** Moves objects to their current poses; returns true if anything changed. */
   advance(seconds) {
     const glided = this.poses.advance(seconds);
     if (!glided && !this.moved) return false;
