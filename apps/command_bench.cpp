@@ -1,4 +1,4 @@
-// kinloop bench: floors that a run can be compared with.
+// kinloop bench: baselines to compare a run with.
 
 #include <memory>
 
@@ -19,7 +19,7 @@
 namespace kinloop {
 namespace {
 
-/// Reads and decodes every frame and does nothing else.
+/// Only reads and decodes every frame.
 void bench_decode(const std::string& sequence, const std::optional<std::string>& camera) {
   const Stopwatch watch;
   SourceRequest request;

@@ -1,4 +1,4 @@
-// kinloop calibrate: cameras from pictures of a chessboard (Zhang's method).
+// kinloop calibrate: calibrates cameras from images of a chessboard (Zhang's method).
 
 #include <filesystem>
 #include <memory>
@@ -51,7 +51,7 @@ void warn_of(const LensCalibration& calibration) {
   for (const auto& warning : calibration.warnings) log::warn("{}", warning);
 }
 
-/// With --live: the stills are taken now.
+/// Captures the images first if --live is given.
 void take_stills(const CalibrateArguments& arguments, StillKind kind) {
   if (arguments.live.source.empty()) return;
   capture_live_stills(arguments.live, arguments.folder, arguments.chosen_board(), kind);
@@ -94,8 +94,8 @@ void calibrate_extrinsics(const CalibrateArguments& arguments) {
   write_results(arguments, camera, to_json(rig), rig_section(rig));
 }
 
-/// What the camera's own calibration says about the relative deviation of the depth camera's focal length;
-/// nothing where its figures are not there.
+/// Relative standard deviation of the depth camera's focal length from the camera's calibration results;
+/// nullopt if these are missing.
 std::optional<double> relative_focal_sigma(std::filesystem::path camera_file) {
   camera_file.replace_extension(".json");
   if (!std::filesystem::exists(camera_file)) return std::nullopt;
@@ -106,7 +106,7 @@ std::optional<double> relative_focal_sigma(std::filesystem::path camera_file) {
   return value > 0 ? std::optional(figures[fx].value("deviation", 0.0) / value) : std::nullopt;
 }
 
-/// The boards of all shots with depth, posed by both cameras held as they are.
+/// The boards of all shots with depth, with poses from both cameras, which are held fixed.
 std::vector<BoardDepthView> board_depth_views(const CalibrateArguments& arguments, const RgbdCamera& camera) {
   LensSource color, infrared;
   color.known = camera.color;
@@ -197,7 +197,7 @@ void add_calibrate_command(CLI::App& app) {
           kMillimetres, calibrate_extrinsics);
   add_live_options(*extrinsics, e->live);
   extrinsics->add_option("--color", e->color,
-                         "more stills of the colour camera, or its camera.yaml to keep fixed");
+                         "more images of the colour camera, or its camera.yaml to keep fixed");
   extrinsics->add_option("--infrared", e->infrared, "the same for the infrared camera");
   const auto [depth, d] =
       add("depth", "Calibrate the constant to add to measured depth", kMillimetres, calibrate_depth);

@@ -1,4 +1,4 @@
-// kinloop eval: how far an estimated trajectory is from ground truth.
+// kinloop eval: compares an estimated trajectory with ground truth.
 
 #include <filesystem>
 #include <memory>

@@ -1,4 +1,4 @@
-// kinloop export: a map file in the forms that other programs read.
+// kinloop export: writes a map in formats that other programs read.
 
 #include <fmt/format.h>
 
@@ -37,7 +37,7 @@ struct ExportArguments {
     return paths;
   }
 
-  /// Throws before any work is done where a result could not be written in the end.
+  /// Throws before any work is done if a result could not be written.
   void require_writable() const {
     for (const auto& path : outputs()) require_writable_file(path);
   }
@@ -127,7 +127,7 @@ void add_export_command(CLI::App& app) {
   add_poses_option(*command, arguments->poses);
   command->add_option(
       "--session", arguments->session,
-      "which session, counted from 1; 0 = the last; of a disconnected map, its component is written");
+      "session number, counted from 1; 0 = the last; of a disconnected map, its component is written");
   add_frame_option(*command, arguments->frame);
   add_set_option(*command, arguments->assignments);
   add_threads_option(*command, arguments->threads);

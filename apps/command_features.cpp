@@ -1,4 +1,4 @@
-// kinloop features: SIFT, SURF and ORB side by side (Table 1 and Fig. 3 and 4 of the founding paper).
+// kinloop features: compares SIFT, SURF and ORB (Table 1 and Figs. 3 and 4 of the founding paper).
 
 #include <filesystem>
 #include <memory>
@@ -67,8 +67,9 @@ void add_features_command(CLI::App& app) {
       ->check(whole_number(1, 100000))
       ->capture_default_str();
   command
-      ->add_option("--seeds", request.seeds,
-                   "Number of random seeds for pairs and samples; they give each figure its range")
+      ->add_option(
+          "--seeds", request.seeds,
+          "Number of random seeds for pairs and samples; each figure is given with its range over the seeds")
       ->check(whole_number(1, 1000))
       ->capture_default_str();
   command->add_option("--detectors", arguments->wanted, "Run only these: sift,surf,orb-opencv,orb")

@@ -1,4 +1,4 @@
-// kinloop fetch: a sequence of a public data set, downloaded and unpacked.
+// kinloop fetch: downloads and unpacks a sequence of a public dataset.
 
 #include <filesystem>
 #include <memory>

@@ -1,4 +1,4 @@
-// kinloop map: what a map file holds, and two of them made one.
+// kinloop map: shows the content of a map file, or merges two maps.
 
 #include <set>
 

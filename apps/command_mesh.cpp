@@ -1,4 +1,4 @@
-// kinloop mesh: the surfaces of a map as coloured triangles.
+// kinloop mesh: writes the surfaces of a map as a coloured mesh.
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// kinloop optimize: solves a pose graph in a .g2o file.
+// kinloop optimize: optimises a pose graph in a .g2o file.
 
 #include <filesystem>
 #include <memory>
@@ -55,7 +55,7 @@ PoseGraphOptions pose_graph_options(const OptimizeArguments& arguments) {
   return with_assignments(PoseGraphOptions{}, assignments);
 }
 
-/// Throws before any work is done where a result could not be written in the end.
+/// Throws before any work is done if a result could not be written.
 void check_outputs(const OptimizeArguments& arguments) {
   std::error_code ignored;
   const auto is_input = [&](const std::filesystem::path& path) {
@@ -72,7 +72,7 @@ void check_outputs(const OptimizeArguments& arguments) {
   for (const auto& path : {arguments.output, arguments.report}) require_writable_file(path);
 }
 
-/// Says what the user should know about the file before believing the figures.
+/// Warns of problems of the file that affect the result.
 void warn_about(const G2oFile& file, size_t parts, const std::filesystem::path& path) {
   if (!file.repaired_lines.empty()) {
     log::warn(
@@ -82,7 +82,7 @@ void warn_about(const G2oFile& file, size_t parts, const std::filesystem::path& 
   }
   if (!file.had_vertices) log::info("{}: no vertices, starting from a spanning tree", path.string());
   if (parts > 1)
-    log::warn("{}: the graph has {} disconnected parts; each is solved on its own", path.string(), parts);
+    log::warn("{}: the graph has {} disconnected parts; each is solved separately", path.string(), parts);
 }
 
 template <class Pose>

@@ -1,4 +1,4 @@
-// kinloop record: any source, a live camera above all, to a folder in TUM layout.
+// kinloop record: records any source, usually a live camera, to a folder in TUM layout.
 
 #include <filesystem>
 #include <memory>
@@ -42,13 +42,13 @@ SourceRequest request_of(const RecordArguments& arguments) {
   return request;
 }
 
-/// Whether there are as many frames, or seconds, as the user wanted.
+/// Returns whether the requested number of frames or seconds is reached.
 bool limit_reached(const RecordArguments& arguments, size_t frames, const Stopwatch& watch) {
   return (arguments.frames > 0 && frames >= arguments.frames) ||
          (arguments.seconds > 0 && watch.wall_s() >= arguments.seconds);
 }
 
-/// A Kinect 2's packets as they come, for libfreenect2's replay.
+/// Records a Kinect 2's raw packets for libfreenect2's replay device.
 void record_raw(const RecordArguments& arguments) {
   if (arguments.source != "kinect2")
     throw UsageError("--raw requires a Kinect 2: kinloop record kinect2 --raw");

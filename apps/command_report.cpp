@@ -1,5 +1,4 @@
-// kinloop report: makes the report of a run anew from the files in its folder, or puts several runs side by
-// side.
+// kinloop report: regenerates the report of a run from its folder, or compares several runs.
 
 #include <filesystem>
 #include <memory>

@@ -1,5 +1,4 @@
-// kinloop simulate: renders a simulated Kinect's walk through a room and writes it as a sequence in TUM
-// layout.
+// kinloop simulate: renders a simulated Kinect moving through a room and writes a sequence in TUM layout.
 
 #include <filesystem>
 #include <memory>
@@ -28,7 +27,7 @@ struct SimulateArguments {
   std::filesystem::path output;
   std::string noise = "kinect";
   uint64_t seed = 1;
-  std::string frames, fps, size;      ///< as given, empty where not
+  std::string frames, fps, size;      ///< as given; empty if not given
   std::vector<std::string> settings;  ///< key=value
   int threads = hardware_threads();
   bool quiet = false;
@@ -75,10 +74,9 @@ void add_simulate_command(CLI::App& app) {
   auto arguments = std::make_shared<SimulateArguments>();
   CLI::App* command =
       app.add_subcommand("simulate",
-                         "Render what a Kinect would see on a walk through a furnished "
-                         "room, and write it as a sequence in TUM\n"
-                         "layout with ground truth. Without --path: a hand-held loop of about 18 s, "
-                         "as in `kinloop run sim:room`.");
+                         "Render what a Kinect would see when carried through a furnished room, and write it "
+                         "as a sequence in TUM\nlayout with ground truth. Without --path: a hand-held loop "
+                         "of about 18 s, as in `kinloop run sim:room`.");
   command->add_option("scene", arguments->scene, "the scene")->required()->check(one_of({"room"}));
   command->add_option("-o,--output", arguments->output, "folder for the sequence")->required();
   command->add_option("--path", arguments->path,

@@ -1,4 +1,4 @@
-// kinloop view: shows what a run left behind in a browser.
+// kinloop view: shows the results of a run in a browser.
 
 #include <filesystem>
 #include <memory>
@@ -26,7 +26,7 @@ struct ViewArguments {
   std::string listen;
 };
 
-/// A map file as it is shown: the last run's path, the keyframes of all runs, and the cloud made anew.
+/// Converts a map file for display: the last run's path, the keyframes of all runs, and a newly fused cloud.
 SavedRun shown_map(const std::filesystem::path& file) {
   OpenMap open = open_map(file, {});
   SavedRun run;
@@ -67,14 +67,14 @@ void add_view_command(CLI::App& app) {
       app.add_subcommand("view", "Show a run's folder, a map file, a cloud or a mesh in a browser");
   command
       ->add_option("DIR|FILE", arguments->path,
-                   "the output folder of kinloop run -o DIR, a map file (.kinmap), a cloud (.ply, .pcd) or\n"
-                   "a mesh (.ply, .glb), also from other programs")
+                   "the output folder of kinloop run -o DIR, a map file (.kinmap), a cloud (.ply, .pcd) "
+                   "or\na mesh (.ply, .glb), also from other programs")
       ->required();
   command
       ->add_option("--port", arguments->listen,
                    "PORT (0 = any free port), or ADDRESS:PORT to allow other machines")
       ->default_str("8080");
-  add_viewer_option(*command, arguments->listen)->group("");  // as it is written for kinloop run
+  add_viewer_option(*command, arguments->listen)->group("");  // same syntax as for kinloop run
   command->callback([arguments] { view(*arguments); });
 }
 

@@ -1,4 +1,4 @@
-// kinloop vocab: trains vocabularies for the place index, tells what is in one, and converts them.
+// kinloop vocab: trains, inspects and converts vocabularies for the place index.
 
 #include <filesystem>
 #include <memory>
@@ -17,7 +17,7 @@
 namespace kinloop {
 namespace {
 
-constexpr const char* kDefaultName = "default";  ///< the vocabulary built into the program
+constexpr const char* kDefaultName = "default";  ///< the built-in vocabulary
 
 Vocabulary open_named(const std::string& name) {
   return name == kDefaultName ? load_default_vocabulary() : read_vocabulary(name);
@@ -31,7 +31,7 @@ void info(const std::string& name) {
   fmt::print("opened in      {:.2f} ms\n", 1000 * opening_s);
 }
 
-/// A command from one file to another.
+/// Adds a command that converts one file to another.
 void add_conversion(CLI::App& vocab, const char* name, const char* help, const char* input_help,
                     void (*convert)(const std::string& input, const std::filesystem::path& output)) {
   struct Arguments {

@@ -1,5 +1,5 @@
-// The kinloop program: parses the command line, runs one command, turns exceptions into one line and an exit
-// code.
+// The kinloop program: parses the command line, runs one command, and turns exceptions into one line and an
+// exit code.
 
 #include <csignal>
 #include <cstdio>
@@ -26,7 +26,7 @@ namespace {
 using kinloop::ExitCode;
 
 void set_up_log() {
-  // Results go to standard output; what is said about the work goes to standard error.
+  // Results go to standard output, messages to standard error.
   auto logger = spdlog::stderr_color_st("kinloop");
   logger->set_pattern("%^%l:%$ %v");
   spdlog::set_default_logger(logger);
@@ -63,7 +63,7 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_version_command(app);
   const std::vector<std::string> words(argv + 1, argv + argc);
   kinloop::find_command(app,
-                        words);  // of a word that is no command CLI11 says only that a command is missing
+                        words);  // for an unknown command CLI11 only says that a command is missing
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
@@ -78,8 +78,8 @@ ExitCode run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   kinloop::retain_freed_memory();
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error like a full disk
-  cv::setNumThreads(1);           // threads are parallel_for's and the executor's to hand out
+  std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit is an error like a full disk
+  cv::setNumThreads(1);           // only parallel_for and the executor start threads
   set_up_log();
   try {
     auto words = kinloop::join_viewer_address({argv, argv + argc});

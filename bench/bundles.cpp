@@ -1,5 +1,5 @@
-// bench_bundles: bundle adjustment by the built-in Schur solver and by Ceres, side by side in one run, on
-// simulated windows from local to full adjustment.
+// bench_bundles: compares the built-in Schur solver with Ceres for bundle adjustment, in one run, on
+// simulated windows from local to global.
 
 #include <algorithm>
 #include <vector>

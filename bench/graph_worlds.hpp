@@ -1,5 +1,5 @@
 #pragma once
-// Pose graphs made up or spoilt for bench_graphs.
+// Synthetic and degraded pose graphs for bench_graphs.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace kinloop {
 
-/// The graph with every pose but the first moved by noise of that size.
+/// Perturbs every pose but the first by noise of that size.
 template <class Pose>
 BasicPoseGraph<Pose> with_noise(BasicPoseGraph<Pose> graph, double sigma) {
   Random random(1);
@@ -29,7 +29,7 @@ BasicPoseGraph<Pose> without_start(BasicPoseGraph<Pose> graph) {
   return graph;
 }
 
-/// A walk on the unit grid in space, with an edge to an earlier pose wherever it comes back to a cell.
+/// A random walk on the unit grid in space, with an edge to an earlier pose wherever it revisits a cell.
 inline PoseGraph grid_walk(uint32_t count) {
   constexpr double kSigma = 0.02;  // metres, radians
   Random random(count);
@@ -65,7 +65,7 @@ inline PoseGraph grid_walk(uint32_t count) {
   return graph;
 }
 
-/// The graph with `share` as many false loop edges added as it has loop edges.
+/// Adds `share` times the number of loop edges as false loop edges.
 template <class Pose>
 BasicPoseGraph<Pose> with_false_loops(BasicPoseGraph<Pose> graph, double share) {
   Random random(7);
@@ -77,7 +77,7 @@ BasicPoseGraph<Pose> with_false_loops(BasicPoseGraph<Pose> graph, double share) 
   const auto wanted = static_cast<size_t>(share * static_cast<double>(loops.size()));
   for (size_t i = 0; i < wanted; ++i) {
     auto edge =
-        graph.edges[loops[random.index(static_cast<uint32_t>(loops.size()))]];  // a true measurement ...
+        graph.edges[loops[random.index(static_cast<uint32_t>(loops.size()))]];  // a correct measurement ...
     do {
       edge.a = random.index(count);  // ... between the wrong poses
       edge.b = random.index(count);

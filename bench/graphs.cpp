@@ -1,8 +1,8 @@
-// bench_graphs: the three pose-graph solvers side by side in one run.
+// bench_graphs: compares the three pose graph solvers in one run.
 //
 //   bench_graphs standard [DIR]   every .g2o file in DIR: from the file's start, from none, from a noisy one
-//   bench_graphs growth [MAX]     made-up graphs of 1000 poses and more, up to MAX (100000)
-//   bench_graphs growing [DIR]    solved some 50 times as loop edges come in: from scratch, from the last
+//   bench_graphs growth [MAX]     synthetic graphs of 1000 poses and more, up to MAX (100000)
+//   bench_graphs growing [DIR]    solved about 50 times as loop edges arrive: from scratch, from the last
 //   bench_graphs outliers [DIR]   false loop edges: error against the clean solution, by robust kernel
 
 #include <algorithm>
@@ -23,21 +23,21 @@ namespace kinloop {
 namespace {
 
 constexpr int kRuns = 3;      // the median is reported ...
-constexpr double kLongS = 1;  // ... but one run is enough where it takes longer than this
+constexpr double kLongS = 1;  // ... but one run suffices if it takes longer than this
 
-/// CPU time of all threads so far: CHOLMOD and BLAS under g2o may start some.
+/// CPU time of all threads so far, since CHOLMOD and BLAS under g2o may start some.
 double process_cpu_s() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/// One way to solve a graph.
+/// A solver with its settings.
 struct SolverSetup {
   const char* solver;
   const char* method;
   const char* start;
 };
 
-// g2o's own command line starts from a spanning tree when asked to; both starts compete.
+// g2o's command line starts from a spanning tree on request; both starts are compared.
 constexpr SolverSetup kSetups[] = {
     {"builtin", "auto", "auto"},     {"ceres", "levenberg", "given"}, {"ceres", "levenberg", "tree"},
     {"g2o", "levenberg", "given"},   {"g2o", "levenberg", "tree"},    {"g2o", "gauss-newton", "given"},
@@ -73,7 +73,7 @@ Figures measure(const BasicPoseGraph<Pose>& graph, const SolverSetup& setup) {
   return figures;
 }
 
-/// The spanning tree has nothing to do with the noise, and no start is none to be given.
+/// Skips combinations that make no sense: the spanning tree ignores noise, and "none" means no given start.
 bool is_included(const SolverSetup& setup, const std::string& start) {
   const std::string own = setup.start;
   return pose_graph_solver_available(setup.solver) && !(start == "noisy" && own == "tree") &&
@@ -101,7 +101,7 @@ std::vector<std::filesystem::path> graphs_in(const std::filesystem::path& folder
   return files;
 }
 
-/// The graph as a benchmark starts from it: "file", "noisy" or "none".
+/// The graph with the initial poses of a benchmark: "file", "noisy" or "none".
 template <class Pose>
 BasicPoseGraph<Pose> with_initial_guess(const BasicPoseGraph<Pose>& graph, const std::string& start) {
   constexpr double kNoise = 0.5;  // metres, radians
@@ -126,11 +126,11 @@ double peak_memory_mib() {
 }
 
 void run_scaling(uint32_t most) {
-  // The built-in solver goes first: peak memory is that of all until then. The graph's own start is a
-  // spanning tree, which is what the others would do with none.
+  // The built-in solver goes first, since peak memory only grows. The graph's own start is a spanning tree,
+  // which the others would also use without a start.
   constexpr SolverSetup kScalingSetups[] = {
       {"builtin", "auto", "auto"}, {"g2o", "dogleg", "given"}, {"ceres", "levenberg", "given"}};
-  constexpr uint32_t kMostFromNoise = 10000;  // others than the built-in solver take many minutes beyond
+  constexpr uint32_t kMostFromNoise = 10000;  // beyond, the other solvers take many minutes
   for (uint32_t count = 1000; count <= most; count *= 10) {
     const PoseGraph graph = grid_walk(count);
     for (const SolverSetup& setup : kScalingSetups) {
@@ -148,7 +148,7 @@ void run_scaling(uint32_t most) {
   }
 }
 
-/// The graphs up to every `every`-th loop edge, each with the vertices seen until then.
+/// The subgraphs up to every `every`-th loop edge, each with the vertices seen by then.
 template <class Pose>
 std::vector<BasicPoseGraph<Pose>> stages(const BasicPoseGraph<Pose>& graph, size_t every) {
   auto edges = graph.edges;
@@ -170,7 +170,7 @@ std::vector<BasicPoseGraph<Pose>> stages(const BasicPoseGraph<Pose>& graph, size
 template <class Pose>
 void compare_growing(const std::string& name, const BasicPoseGraph<Pose>& graph) {
   constexpr size_t kSolutions = 50;
-  constexpr double kNothing = 1e-9;  // chi2 before the first loop: rounding alone
+  constexpr double kNothing = 1e-9;  // chi2 before the first loop: only rounding
   size_t loops = 0;
   for (const auto& edge : graph.edges) loops += edge.trusted ? 0 : 1;
   const auto all = stages(graph, std::max<size_t>(1, loops / kSolutions));

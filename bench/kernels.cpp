@@ -1,5 +1,4 @@
-// The hot kernels, each on input of the size that a 640x480 frame gives. Run:
-// build/release/bench/bench_kernels
+// The hot kernels, each on input of the size of a 640x480 frame. Run: build/release/bench/bench_kernels
 
 #include <benchmark/benchmark.h>
 #include <opencv2/features2d.hpp>
@@ -18,7 +17,7 @@
 namespace kinloop {
 namespace {
 
-/// Two neighbouring frames of the simulated room.
+/// Two successive frames of the simulated room.
 struct Frames {
   PinholeCamera camera;
   PreparedFrame first, second;
@@ -112,7 +111,7 @@ void track_frame(benchmark::State& state) {
 }
 BENCHMARK(track_frame)->Unit(benchmark::kMillisecond);
 
-/// A thousand keypoints as one moving camera sees them.
+/// A thousand keypoints as seen by one moving camera.
 CameraObservations thousand_observations() {
   constexpr size_t kCount = 1000;
   const PinholeCamera& camera = frames().camera;
@@ -128,8 +127,8 @@ CameraObservations thousand_observations() {
   return observations;
 }
 
-/// Residuals and derivatives of all, and their normal equations: by the pose; by pose and velocity; by these
-/// and the sensor.
+/// Residuals and Jacobians of all, and their normal equations: with respect to the pose; the pose and
+/// velocity; these and the sensor parameters.
 void linearize_thousand(benchmark::State& state) {
   const auto observations = thousand_observations();
   const SensorVector sensor = SensorVector::Zero();

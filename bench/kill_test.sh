@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# kill -9 at random moments of a run that saves its map all the time: whenever there is a map file, it must be
-# whole. Usage: bench/kill_test.sh KINLOOP [TIMES] [SEQUENCE]
+# kill -9 at random moments of a run that saves its map continuously: whenever a map file exists, it must be
+# intact.
+# Usage: bench/kill_test.sh KINLOOP [TIMES] [SEQUENCE]
 set -euo pipefail
 kinloop="$1"
 times="${2:-50}"

@@ -1,6 +1,7 @@
 #!/bin/sh
-# What kinloop says to the mistakes of tests/apps/mistakes.cpp, and after how many seconds: a Markdown table on
-# standard output.   bench/mistakes.sh [BUILD_FOLDER]
+# Prints kinloop's response to the mistakes of tests/apps/mistakes.cpp, and its duration in seconds, as a
+# Markdown table.
+#   bench/mistakes.sh [BUILD_FOLDER]
 set -eu
 build=${1:-$(dirname "$0")/../build/release}
 table=$(mktemp)

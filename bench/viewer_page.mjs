@@ -1,5 +1,5 @@
-// How smoothly the viewer's page turns a cloud: frames a second while the map is dragged, with as many points as there is
-// time for, and with all of them. Chromium draws in software here unless the machine has a GPU (--gpu).
+// Frame rate of the viewer's page while a cloud is rotated: with adaptive thinning, and with all points.
+// Chromium renders in software here unless the machine has a GPU (--gpu).
 //
 //   node bench/viewer_page.mjs MAP.ply [--kinloop PROGRAM] [--gpu]
 //   node bench/viewer_page.mjs --make 2000000 MAP.ply       writes a room of that many points first
@@ -35,7 +35,7 @@ async function writeRoom(path, count) {
   await once(file, 'finish');
 }
 
-/** CPU seconds of Chromium's process that draws: what other programs on the machine disturb least. */
+/** CPU seconds of Chromium's GPU process, the measure least affected by other programs. */
 function drawingCpuS() {
   const TICKS_PER_SECOND = 100;
   const pid = execSync('pgrep -n -f [t]ype=gpu-process').toString().trim();
@@ -43,7 +43,7 @@ function drawingCpuS() {
   return (user + system) / TICKS_PER_SECOND;
 }
 
-/** Drags for some seconds; frames a second and the share of the points that was drawn. */
+/** Drags for some seconds; returns the frame rate and the share of points drawn. */
 async function drag(page, thinned) {
   const SECONDS = 8;
   await page.evaluate((on) => {
@@ -68,7 +68,7 @@ async function drag(page, thinned) {
   const cpuS = drawingCpuS() - before.cpuS;
   const frames = (await page.evaluate(() => window.drawn.length)) - before.frames;
   const pace = await page.evaluate(() => {
-    const later = window.drawn.slice(Math.floor(window.drawn.length / 2)); // once it has found its pace
+    const later = window.drawn.slice(Math.floor(window.drawn.length / 2)); // once adaptation has settled
     const seconds = (later.at(-1).ms - later[0].ms) / 1000;
     return { framesPerSecond: (later.length - 1) / seconds, share: later.reduce((sum, { share }) => sum + share, 0) / later.length };
   });

@@ -1,4 +1,4 @@
-# How our own code is compiled. Nothing here reaches those who link kinloop.
+# Compile options of kinloop's own code. Nothing here affects projects that link kinloop.
 if(PROJECT_IS_TOP_LEVEL)
   if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
     set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
@@ -14,10 +14,10 @@ endif()
 function(kinloop_compile_options target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
-  # Fused multiply-add would make the same formula round differently in code compiled for different instruction
-  # sets; results must not depend on which one runs.
+  # Fused multiply-add would make the same formula round differently in code compiled for different
+  # instruction sets; results must not depend on which one runs.
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow -ffp-contract=off)
-  if(CMAKE_UNITY_BUILD)  # where gcc takes the anonymous namespaces of included sources for those of a header
+  if(CMAKE_UNITY_BUILD)  # gcc attributes anonymous namespaces of included sources to a header
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
   if(KINLOOP_WERROR)

@@ -1,4 +1,4 @@
-# `cmake --install` gives the program, the headers, the libraries and kinloopConfig.cmake.
+# `cmake --install` installs the program, the headers, the libraries and kinloopConfig.cmake.
 include(CMakePackageConfigHelpers)
 
 install(TARGETS kinloop ${modules} kinloop_opencv kinloop_cholmod kinloop_codecs kinloop_hwy EXPORT kinloopTargets)

@@ -1,12 +1,11 @@
-# How the project's libraries and tests are declared. layers.txt says what each module may include; modules link
+# Declaration of the project's libraries and tests. layers.txt says what each module may include; modules link
 # exactly that.
 file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/../layers.txt KINLOOP_LAYERS REGEX "^[a-z]")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/../layers.txt)
 
 # kinloop_module([LIBRARIES target...])
-#
-# The static library kinloop_<name>, alias kinloop::<name>, from all sources in the current folder, whose last part is
-# the name. It links the modules that layers.txt names and LIBRARIES from outside.
+# The static library kinloop_<name>, alias kinloop::<name>, from all sources in the current folder, whose last
+# path component is the name. It links the modules that layers.txt lists and the external LIBRARIES.
 function(kinloop_module)
   cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
@@ -22,7 +21,7 @@ function(kinloop_module)
 
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   set(kernels ${sources})
-  list(FILTER kernels INCLUDE REGEX "/kernels/")  # each includes itself, once for each instruction set
+  list(FILTER kernels INCLUDE REGEX "/kernels/")  # each includes itself once per instruction set
   set_source_files_properties(${kernels} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   add_library(kinloop_${name} STATIC ${sources})
   add_library(kinloop::${name} ALIAS kinloop_${name})
@@ -44,13 +43,12 @@ function(kinloop_program name)
 endfunction()
 
 # kinloop_test(NAME [LIBRARIES target...])
-#
-# One GoogleTest program test_<NAME> from tests/<NAME>/*.cpp, each of its tests known to CTest by itself.
+# One GoogleTest program test_<NAME> from tests/<NAME>/*.cpp; each of its tests is a separate CTest test.
 function(kinloop_test name)
   cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
   kinloop_program(test_${name} SOURCES ${sources} LIBRARIES ${ARG_LIBRARIES} kinloop_test_support GTest::gmock
                                                             GTest::gtest_main)
-  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # half the time to compile; the library is at -O3
+  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # halves the compile time; the library is at -O3
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
 endfunction()

@@ -1,10 +1,10 @@
-// kinloop_node: maps what an RGB-D camera publishes in ROS 1. Private parameters:
-//   ~topics         COLOR,DEPTH[,CAMERA_INFO]; else those of the first known camera that publishes
-//   ~camera         camera.yaml or a preset; else what camera_info says
-//   ~output         folder for trajectory.txt at the end; none where empty
+// kinloop_node: maps the images of an RGB-D camera in ROS 1. Private parameters:
+//   ~topics         COLOR,DEPTH[,CAMERA_INFO]; default: those of the first known camera that publishes
+//   ~camera         camera.yaml or a preset; default: camera_info
+//   ~output         folder for trajectory.txt at the end; empty: none
 //   ~world_frame, ~camera_frame   names of the TF frames
-//   ~keep_all       true: no frame is lost, however late, and the result is always the same; for bags
-//   ~idle_s         end after so long without a frame; 0: at Ctrl-C
+//   ~keep_all       true: drops no frame, however late, so that the result is reproducible; for bags
+//   ~idle_s         ends after this time without a frame; 0: at Ctrl-C
 //   ~set            options as of `kinloop run --set`, separated by blanks
 
 #include <filesystem>

@@ -40,7 +40,7 @@ PoseStamped pose_of(int64_t stamp_ns, const SE3& T, const std::string& frame) {
   return pose;
 }
 
-/// Point and colour as PointCloud2 holds them.
+/// A point of a PointCloud2 with colour.
 struct CloudPoint {
   float x, y, z;
   uint8_t b, g, r, unused;
@@ -101,7 +101,7 @@ void NodeOutput::publish_path(const Trajectory& trajectory) {
 }
 
 void NodeOutput::publish_cloud(const FrameResult& result, const RgbdFrame& frame) {
-  constexpr int kStep = 4;  // px: some 20,000 points of a 640 x 480 image
+  constexpr int kStep = 4;  // px: about 20,000 points of a 640 x 480 image
   if (cloud_.getNumSubscribers() == 0) return;
   PointCloud2 cloud = empty_cloud(header_of(result.stamp_ns, world_));
   for (int y = 0; y < frame.depth_m.rows; y += kStep) {

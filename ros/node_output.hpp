@@ -1,5 +1,5 @@
 #pragma once
-// In: what becomes of each frame. Out: TF, pose, path and cloud on topics.
+// In: the result of each frame. Out: TF, pose, path and cloud on topics.
 
 #include <string>
 
@@ -12,8 +12,8 @@
 
 namespace kinloop::ros1 {
 
-/// Publishes, in the frame `world`: the camera's pose as TF and on ~pose; the path so far on ~path and a
-/// coloured cloud of what the camera sees on ~cloud, both with each keyframe.
+/// Publishes, in the frame `world`: the camera's pose as TF and on ~pose; with each keyframe, the path so far
+/// on ~path and a coloured cloud of the current view on ~cloud.
 class NodeOutput {
  public:
   NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, std::string world, std::string camera_frame);

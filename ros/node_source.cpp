@@ -15,10 +15,9 @@ namespace kinloop::ros1 {
 namespace {
 
 constexpr double kPollS = 0.5;
-constexpr uint32_t kQueue =
-    1000;  ///< messages that wait in roscpp; what is too much is dropped later, and counted
+constexpr uint32_t kQueue = 1000;  ///< roscpp's queue; excess messages are dropped later, and counted
 
-/// The first known camera whose images are published; waits for one.
+/// Waits for the first known camera that publishes images.
 RosTopics wait_for_topics() {
   bool announced = false;
   while (ros::ok()) {
@@ -52,7 +51,8 @@ TopicSource::TopicSource(ros::NodeHandle node, const ListenOptions& options)
     : options_(options),
       topics_(options.topics ? *options.topics : wait_for_topics()),
       frames_(options.keep_all ? std::numeric_limits<size_t>::max() : LiveFrameBuffer::kBuffered) {
-  // First the images, which a bag that is played does not repeat; they are decoded once the camera is known.
+  // Subscribes to images first, since a playing bag does not repeat them; they are decoded once the camera is
+  // known.
   camera_ = options.camera ? *options.camera : wait_for_camera(node, topics_);
   color_ = node.subscribe(topics_.color, kQueue, &TopicSource::on_color, this);
   depth_ = node.subscribe(topics_.depth, kQueue, &TopicSource::on_depth, this);

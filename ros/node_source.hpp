@@ -13,18 +13,18 @@
 
 namespace kinloop::ros1 {
 
-/// How the node listens.
+/// Configuration of the subscription.
 struct ListenOptions {
-  std::optional<RosTopics> topics;   ///< else the first known camera that publishes
-  std::optional<RgbdCamera> camera;  ///< else that of camera_info
-  bool keep_all = false;             ///< no frame is lost, however late: for bags that are played
-  double idle_s = 0;                 ///< end after so long without a frame; 0 = only by Ctrl-C
+  std::optional<RosTopics> topics;   ///< default: the first known camera that publishes
+  std::optional<RgbdCamera> camera;  ///< default: camera_info
+  bool keep_all = false;             ///< drops no frame, however late; for playing bags
+  double idle_s = 0;                 ///< end after this time without a frame; 0 = only by Ctrl-C
 };
 
-/// Pairs colour and depth by time stamps, equal or near. Callbacks must be served by another thread.
+/// Associates colour and depth by time stamp. Another thread must serve the callbacks.
 class TopicSource : public FrameSource {
  public:
-  /// Waits for the topics and the camera. Throws InputError when ROS is shut down meanwhile.
+  /// Waits for the topics and the camera. Throws InputError if ROS is shut down meanwhile.
   TopicSource(ros::NodeHandle node, const ListenOptions& options);
 
   std::optional<RgbdFrame> next() override;

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Prints how many compilers may run at once: one a core, as far as memory allows.
+# Prints the number of parallel compile jobs: one per core, as far as memory allows.
 set -euo pipefail
 
 per_job_mib=1200  # the largest source takes about 1 GiB
 
 available_mib="$(($(sed -n 's/^MemAvailable: *\([0-9]*\) kB/\1/p' /proc/meminfo) / 1024))"
-# A container's own limit.
+# The memory limit of a container.
 limit="$(cat /sys/fs/cgroup/memory.max 2>/dev/null || echo max)"
 if [[ "$limit" != max && $((limit / 1048576)) -lt $available_mib ]]; then available_mib="$((limit / 1048576))"; fi
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Prints which parts the release build has, as a table.
+# Prints the optional parts of the release build as a table.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Trains the vocabulary that is built into the library (data/orb.kinvoc). The same images and the same feature
-# extractor give the same bytes, on any number of cores. Build again afterwards: the library embeds the file.
+# Trains the built-in vocabulary (data/orb.kinvoc). The same images and the same feature extractor give the
+# same bytes, on any number of cores. Rebuild afterwards: the library embeds the file.
 #
 #   scripts/train_default_vocabulary.sh [IMAGES] [KINLOOP]
 set -eu

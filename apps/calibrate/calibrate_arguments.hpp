@@ -1,5 +1,5 @@
 #pragma once
-// What the user says to kinloop calibrate.
+// The arguments of kinloop calibrate.
 
 #include <filesystem>
 #include <string>
@@ -17,7 +17,7 @@ struct CalibrateArguments {
   std::string board = "5x7";
   double square_m = 0, marker_m = 0;
   std::filesystem::path output = "camera.yaml";
-  std::string color, infrared;   ///< a folder of stills or a camera.yaml
+  std::string color, infrared;   ///< a folder of images or a camera.yaml
   std::filesystem::path camera;  ///< of `depth`
   double depth_scale = 0;        ///< units per metre
   LiveCaptureOptions live;
@@ -25,13 +25,13 @@ struct CalibrateArguments {
   std::vector<std::string> assignments;
   int threads = hardware_threads();
 
-  /// The board. Throws UsageError where it is none, or not for this build.
+  /// Returns the board. Throws UsageError if it is invalid or not supported by this build.
   [[nodiscard]] Board chosen_board() const;
 
-  /// The options. Throws UsageError where they do not go together.
+  /// Returns the options. Throws UsageError if they contradict each other.
   [[nodiscard]] CalibrationOptions options() const;
 
-  /// A file named like the output but for its ending.
+  /// Returns the path of the output with another extension.
   [[nodiscard]] std::filesystem::path sibling_file(const char* ending) const;
 };
 

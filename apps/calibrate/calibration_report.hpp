@@ -1,6 +1,5 @@
 #pragma once
-// In: results of calibration. Out: figures as JSON, text for the terminal, and one HTML page that needs
-// nothing else.
+// In: calibration results. Out: figures as JSON, text for the terminal, and one self-contained HTML page.
 
 #include <string>
 #include <vector>
@@ -13,22 +12,22 @@
 
 namespace kinloop {
 
-/// Parameters with their standard deviations, errors per view, what was left out, warnings.
+/// Returns parameters with standard deviations, errors per view, rejected views, warnings.
 nlohmann::json to_json(const LensCalibration& calibration);
 nlohmann::json to_json(const RigCalibration& calibration);
 nlohmann::json to_json(const DepthShift& shift);
 
-/// The same for people.
+/// Same for the terminal.
 std::string to_text(const LensCalibration& calibration);
 std::string to_text(const RigCalibration& calibration);
 std::string to_text(const DepthShift& shift);
 
-/// Sections of the page: a table of the parameters, the errors, where the corners lay, the views.
+/// Returns a section of the page: a table of the parameters, plots of the errors and the coverage, the views.
 std::string lens_section(const std::string& title, const LensCalibration& calibration);
 std::string rig_section(const RigCalibration& calibration);
 std::string depth_section(const DepthShift& shift);
 
-/// The page of these sections.
+/// Returns the page with these sections.
 std::string calibration_page(const std::string& title, const std::string& subtitle,
                              const std::string& sections);
 

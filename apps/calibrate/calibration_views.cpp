@@ -10,11 +10,11 @@
 namespace kinloop {
 namespace {
 
-/// Endings of the images of one shot; the first that a folder has is taken.
+/// Suffixes of the images of one shot; the first one found in the folder is used.
 const std::vector<std::string> kColorEndings = {"_color", "_colour", "_rgb"};
 const std::vector<std::string> kInfraredEndings = {"_ir"};
 
-/// The stem without the ending that `endings` holds; nothing where it has none of them.
+/// The stem without its suffix from `endings`; nullopt if it has none.
 std::optional<std::string> shot_of(const std::filesystem::path& still,
                                    const std::vector<std::string>& endings) {
   const std::string stem = still.stem().string();

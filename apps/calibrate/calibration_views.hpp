@@ -1,5 +1,5 @@
 #pragma once
-// In: folders of stills. Out: what they show of the board, with what was found said on the terminal.
+// In: folders of images. Out: board detections, with a summary on the terminal.
 
 #include <filesystem>
 #include <functional>
@@ -14,17 +14,17 @@
 
 namespace kinloop {
 
-/// The boards in these stills.
+/// Detects the board in these images.
 BoardSearch search_boards(const std::vector<std::filesystem::path>& stills,
                           const CalibrateArguments& arguments);
 
-/// Shots of the folder in which both cameras see the board.
+/// Returns the shots of the folder in which both cameras see the board.
 std::vector<PairedView> find_pairs(const CalibrateArguments& arguments);
 
-/// Where the depth image of a pair lies.
+/// Returns the path of a pair's depth image.
 std::filesystem::path depth_path_of(const std::string& pair_name, const CalibrateArguments& arguments);
 
-/// A camera that is known (from a file, by `pick`), or stills to estimate it from along with the pairs.
+/// Returns a known camera (read from a file by `pick`), or images to estimate it from along with the pairs.
 LensSource lens_source(const std::string& argument, const CalibrateArguments& arguments,
                        const std::function<std::optional<PinholeCamera>(const RgbdCamera&)>& pick);
 

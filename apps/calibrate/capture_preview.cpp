@@ -19,7 +19,7 @@ Bytes small_jpeg(const cv::Mat& color) {
   return bytes;
 }
 
-/// The board's corners; green once the still is kept.
+/// The board's corners; green if the image was kept.
 Bytes corners_of(const CaptureFeedback& feedback) {
   std::vector<ShownFeature> corners;
   if (feedback.view) {

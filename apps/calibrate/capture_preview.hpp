@@ -1,6 +1,6 @@
 #pragma once
-// In: what a live camera sees while stills are taken. Out: the viewer's page with its image, the board's
-// corners and a hint.
+// In: live camera images while calibration images are captured. Out: the viewer's page with the image, the
+// board's corners and a hint.
 
 #include <mutex>
 #include <optional>
@@ -15,10 +15,10 @@ namespace kinloop {
 
 class CapturePreview {
  public:
-  /// Begins to serve at once. Throws InputError where the address cannot be had.
+  /// Starts serving immediately. Throws InputError if the address is not available.
   CapturePreview(const ListenAddress& listen, std::string source);
 
-  /// Where to look.
+  /// URL of the page.
   [[nodiscard]] const std::string& url() const { return service_.url(); }
 
   void show(const cv::Mat& color, const CaptureFeedback& feedback);
@@ -34,8 +34,8 @@ class CapturePreview {
   std::string source_;
   std::mutex mutex_;
   std::optional<Picture> next_;  // guarded by the mutex
-  size_t seen_ = 0;              // of the service's thread
-  ViewerService service_;        // the last: its thread uses all the others
+  size_t seen_ = 0;              // used by the service's thread only
+  ViewerService service_;        // declared last: its thread uses all the others
 };
 
 }  // namespace kinloop

@@ -1,5 +1,6 @@
 #pragma once
-// kinloop calibrate --live: stills from a live camera, with hints on the terminal and in the browser.
+// kinloop calibrate --live: captures images from a live camera, with hints on the terminal and in the
+// browser.
 
 #include <filesystem>
 #include <string>
@@ -10,18 +11,18 @@
 
 namespace kinloop {
 
-/// What the user asked for; without a source, nothing.
+/// The options; inactive if `source` is empty.
 struct LiveCaptureOptions {
   std::string source;  ///< as for kinloop run
   size_t wanted = 20;
-  std::string viewer;  ///< where to listen; empty: no browser
+  std::string viewer;  ///< [ADDRESS:]PORT to listen on; empty: no browser
 };
 
-/// --live, --stills and --viewer.
+/// Adds --live, --stills and --viewer.
 void add_live_options(CLI::App& command, LiveCaptureOptions& live);
 
-/// Takes stills into `folder` until there are enough, the source ends or Ctrl-C is pressed. Throws InputError
-/// where the folder is not empty or the source cannot give what `kind` needs.
+/// Captures images into `folder` until there are enough, the source ends or Ctrl-C is pressed. Throws
+/// InputError if the folder is not empty or the source lacks the images that `kind` needs.
 void capture_live_stills(const LiveCaptureOptions& live, const std::filesystem::path& folder,
                          const Board& board, StillKind kind);
 

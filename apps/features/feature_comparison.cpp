@@ -22,7 +22,7 @@ GroundTruthPixels ground_truth_pixels(const ImagePair& pair, const Features& a, 
   return ground_truth_pixels_from_motion(a, pair.a.depth_m, pair.b.depth_m, camera, T_b_a);
 }
 
-/// By what is known of the pair.
+/// Chooses the geometric model by what is known of the pair.
 std::vector<DescriptorMatch> ransac_inliers(const ImagePair& pair, const MatchedFeatures& matched,
                                             const PinholeCamera& camera) {
   const uint64_t seed = hash(pair.seed, 2);
@@ -31,7 +31,7 @@ std::vector<DescriptorMatch> ransac_inliers(const ImagePair& pair, const Matched
   return motion_inliers(matched, pair.a.depth_m, camera, seed);
 }
 
-/// Keypoints of both images of a pair, with the CPU time that they took.
+/// Keypoints of both images of a pair, with the CPU time of detection.
 struct DetectedPair {
   Features a, b;
   double a_ms = 0, b_ms = 0;
@@ -48,12 +48,12 @@ DetectedPair detect(const Detector& detector, const ImagePair& pair) {
   return found;
 }
 
-/// What was matched, from step to step fewer.
+/// The matches after each step.
 struct MatchSteps {
   std::vector<DescriptorMatch> all, screened, inliers;
 };
 
-/// A picture of the matches of each step, with the figures below.
+/// Writes a picture of the matches of each step, with the figures below.
 void write_pictures(const std::filesystem::path& folder, const Detector& detector, const ImagePair& pair,
                     const DetectedPair& found, const MatchSteps& steps) {
   const std::string features = fmt::format("{}: {} and {} keypoints, {:.1f} and {:.1f} ms", detector.name,

@@ -1,5 +1,5 @@
 #pragma once
-// In: pairs of images. Out: what each detector finds, how long that takes, and how well it matches.
+// In: pairs of images. Out: keypoints, CPU time and matching quality of each detector.
 
 #include <filesystem>
 #include <string>
@@ -13,19 +13,19 @@ namespace kinloop {
 
 struct ComparisonArguments {
   PairsRequest request;
-  std::vector<std::string> wanted;  ///< ids of detectors, all where empty
-  std::filesystem::path pictures;   ///< folder of the PNGs, none where empty
+  std::vector<std::string> wanted;  ///< ids of detectors; all if empty
+  std::filesystem::path pictures;   ///< folder of the PNGs; none if empty
   FeatureOptions features;
 };
 
-/// What was measured with one seed.
+/// Measurements with one seed.
 struct SeedMetrics {
-  std::vector<double> keypoints;     ///< of each image
-  std::vector<double> milliseconds;  ///< CPU time of each image, one thread
+  std::vector<double> keypoints;     ///< per image
+  std::vector<double> milliseconds;  ///< CPU time per image, one thread
   std::vector<PairMetrics> pairs;
 };
 
-/// What was measured of one detector.
+/// Measurements of one detector.
 struct DetectorMetrics {
   std::string name, id;
   std::vector<SeedMetrics> seeds;

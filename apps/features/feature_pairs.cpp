@@ -17,7 +17,8 @@
 namespace kinloop {
 namespace {
 
-constexpr int64_t kMaxTruthGapNs = 20'000'000;  // between a frame and the true poses around it: 0.02 s
+constexpr int64_t kMaxTruthGapNs =
+    20'000'000;  // between a frame and the ground truth poses around it: 0.02 s
 
 cv::Mat to_gray(const cv::Mat& color) {
   cv::Mat gray;
@@ -25,7 +26,7 @@ cv::Mat to_gray(const cv::Mat& color) {
   return gray;
 }
 
-/// Any camera without distortion will do for image files: pixels stay what they are.
+/// Any undistorted camera will do for image files, since pixels stay unchanged.
 PinholeCamera camera_for(const cv::Mat& gray) {
   PinholeCamera camera;
   camera.width = gray.cols;
@@ -34,7 +35,7 @@ PinholeCamera camera_for(const cv::Mat& gray) {
   return camera;
 }
 
-/// An image and what a camera would see of it from a little further away, turned by 15 degrees.
+/// Pairs an image with its view from slightly farther away, turned by 15 degrees.
 ImagePair pair_of_image(const std::filesystem::path& path) {
   constexpr double kTurnDeg = 15, kScale = 0.85, kTilt = 2e-4;
   ImagePair pair;
@@ -58,7 +59,7 @@ ImagePair pair_of_images(const std::filesystem::path& first, const std::filesyst
   return pair;
 }
 
-/// Which frames begin pairs, with the seeds that chose them; one in each of `pairs` equal parts of the
+/// Start frames of the pairs, with the seeds that chose them; one in each of `pairs` equal parts of the
 /// sequence.
 std::map<size_t, std::vector<size_t>> choose_starts(const PairsRequest& request, size_t frames) {
   const size_t possible = frames - request.gap;
@@ -79,7 +80,7 @@ PairView view_of(const RgbdFrame& frame, const Trajectory& truth) {
   return {to_gray(frame.color), frame.depth_m, pose_at(truth, frame.stamp_ns, kMaxTruthGapNs)};
 }
 
-/// Goes through the sequence once, with no more frames at hand than pairs are begun.
+/// Reads the sequence once, keeping only the frames of unfinished pairs.
 void visit_frames(FrameSource& source, const std::map<size_t, std::vector<size_t>>& starts, size_t gap,
                   const std::function<void(const ImagePair&)>& visit) {
   const size_t last = starts.rbegin()->first + gap;

@@ -1,5 +1,5 @@
 #pragma once
-// In: what the user wants features compared on. Out: pairs of images of one place, one after the other.
+// In: the input of a feature comparison. Out: pairs of images of the same place, one after the other.
 
 #include <functional>
 #include <memory>
@@ -13,17 +13,17 @@
 
 namespace kinloop {
 
-/// Where pairs come from.
+/// Source of the pairs.
 struct PairsRequest {
   std::string input;        ///< an image file, a folder in TUM layout or sim:room
   std::string other_image;  ///< a second image file; empty: none
   std::string camera;       ///< of a sequence, as for kinloop run
   size_t pairs = 8;         ///< of frames, for each seed
-  size_t gap = 10;          ///< frames between the two of a pair
+  size_t gap = 10;          ///< frames between the two images of a pair
   size_t seeds = 5;
 };
 
-/// One image, and what is known of where it was taken from.
+/// An image and its viewpoint, as far as known.
 struct PairView {
   cv::Mat gray, depth_m;  ///< no depth for image files
   std::optional<SE3> T_world_camera;
@@ -32,12 +32,12 @@ struct PairView {
 /// Two images of the same place.
 struct ImagePair {
   PairView a, b;
-  std::optional<Eigen::Matrix3d> H_b_a;  ///< of an image and its picture
-  size_t seed = 0;                       ///< that chose it
-  bool shown = false;                    ///< whether it is the one that pictures are made of
+  std::optional<Eigen::Matrix3d> H_b_a;  ///< from an image to its warped copy
+  size_t seed = 0;                       ///< the seed that chose it
+  bool shown = false;                    ///< whether it is the pair to draw
 };
 
-/// Pairs that are ready to be gone through.
+/// Pairs ready for iteration.
 struct OpenPairs {
   PairsRequest request;
   PinholeCamera camera;
@@ -45,12 +45,12 @@ struct OpenPairs {
   std::unique_ptr<FrameSource> source;  ///< else
 };
 
-/// Of one image: itself and a picture of it, turned and tilted. Of two: these. Of a sequence: pairs of
-/// frames. Throws UsageError and InputError as the other commands do.
+/// Opens the pairs: of one image, itself and a warped copy; of two, these; of a sequence, pairs of frames.
+/// Throws UsageError and InputError as the other commands do.
 OpenPairs open_pairs(const PairsRequest& request);
 
-/// Goes through all pairs: images once for every seed; of a sequence, for every seed other pairs, spread over
-/// it.
+/// Iterates over all pairs: image files once for every seed; for a sequence, different pairs for every seed,
+/// spread over it.
 void for_each_pair(OpenPairs& pairs, const std::function<void(const ImagePair&)>& visit);
 
 }  // namespace kinloop

@@ -15,14 +15,14 @@ double share(double part, double whole) {
   return whole > 0 ? part / whole : 0;
 }
 
-/// A column of the table: medians over the images or pairs of one seed, shares of all its pairs together.
-/// Nothing where it needs the ground truth and there is none.
+/// A column of the table: medians over the images or pairs of one seed, ratios over all its pairs together.
+/// nullopt if it requires a ground truth that is missing.
 struct Column {
   const char* key;    ///< in JSON
   const char* title;  ///< in the table
   int width;
   int digits;
-  double unit;  ///< the value is multiplied with it in the table
+  double unit;  ///< scale factor in the table
   const char* suffix;
   std::optional<double> (*of_seed)(const SeedMetrics& seed);
 };

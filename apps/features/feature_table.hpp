@@ -1,6 +1,6 @@
 #pragma once
-// In: what was measured of detectors with several seeds. Out: the figures for people and for scripts, each
-// with its range over the seeds.
+// In: measurements of detectors with several seeds. Out: the figures as text and JSON, each with its range
+// over the seeds.
 
 #include <string>
 #include <vector>
@@ -11,10 +11,10 @@
 
 namespace kinloop {
 
-/// A row of medians for each detector, and below it the lowest and the highest figure of a seed.
+/// Returns a row of medians per detector, and below it the lowest and highest figure over the seeds.
 std::string comparison_table(const std::vector<DetectorMetrics>& figures);
 
-/// The medians, and as "ranges" the lowest and the highest figure of a seed.
+/// Returns the medians, and as "ranges" the lowest and highest figure over the seeds.
 nlohmann::json comparison_json(const std::vector<DetectorMetrics>& figures);
 
 }  // namespace kinloop

@@ -24,7 +24,7 @@ uint64_t key_of(const Eigen::Vector3i& cell) {
   return part(0) | part(1) << 21 | part(2) << 42;
 }
 
-/// Points by the cell they lie in.
+/// Points by grid cell.
 using Cells = std::unordered_map<uint64_t, std::vector<Eigen::Vector3d>>;
 
 bool has_near(const Cells& cells, const Eigen::Vector3d& p) {
@@ -39,7 +39,7 @@ bool has_near(const Cells& cells, const Eigen::Vector3d& p) {
   return false;
 }
 
-/// One point of every cell of visible surface.
+/// One point per cell of the visible surface.
 std::vector<Eigen::Vector3d> visible_surface(const SimulatedSource& room) {
   constexpr size_t kEvery = 10;
   constexpr float kMinM = 0.5F, kMaxM = 4;
@@ -64,7 +64,8 @@ std::vector<Eigen::Vector3d> visible_surface(const SimulatedSource& room) {
 }  // namespace
 
 CloudQuality cloud_quality(const ColoredCloud& cloud, const SimulatedSource& room, const SE3& T_truth_map) {
-  constexpr size_t kMostJudged = 100'000;  // the distance to a surface is searched among all of the room's
+  constexpr size_t kMostJudged =
+      100'000;  // limit, since the distance to a surface is searched among all of the room's
   const size_t step = cloud.size() / kMostJudged + 1;
   std::vector<double> distances_m((cloud.size() + step - 1) / step);
   parallel_for(distances_m.size(), hardware_threads(), [&](size_t begin, size_t end) {

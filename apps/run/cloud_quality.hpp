@@ -1,5 +1,5 @@
 #pragma once
-// How near a cloud of a simulated room is to the room's exact surfaces.
+// Accuracy of a cloud of a simulated room against the room's exact surfaces.
 
 #include "kinloop/dense/cloud/colored_cloud.hpp"
 #include "simulator/simulated_source.hpp"
@@ -13,7 +13,7 @@ struct CloudQuality {
   double completeness = 0;  ///< share of the visible surface that has a point within 1 cm
 };
 
-/// `room` must be without noise. Visible is what every tenth of its frames sees at up to 4 m.
+/// Evaluates a cloud; `room` must be noise-free. Visible is what every tenth of its frames sees at up to 4 m.
 CloudQuality cloud_quality(const ColoredCloud& cloud, const SimulatedSource& room, const SE3& T_truth_map);
 
 }  // namespace kinloop

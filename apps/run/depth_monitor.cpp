@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kLeast_m = 1e-4, kBinsPerE = 20;
 
-/// Below this share of depth that the map takes, next to nothing of what was seen is in it.
+/// Below this share of depth within the map's range, the map is almost empty.
 constexpr double kFewInRange = 0.05;
 
-/// The depth of a room: what lies on a desk before the camera to the far wall of a hall.
+/// Typical depth indoors: from a desk in front of the camera to the far wall of a hall.
 constexpr double kRoomNear_m = 0.6, kRoomFar_m = 4, kRoomMiddle_m = 1.6;
 
 size_t bin_of(double depth_m, size_t bins) {
@@ -57,7 +57,7 @@ double DepthMonitor::quantile_m(double q) const {
 }
 
 /// A scene may be far, but the noise of triangulated depth, 1.4e-3 z^2, is half a metre at 20 m; and no depth
-/// camera focuses, or separates its two images, at 0.1 m.
+/// camera works at 0.1 m, where it can neither focus nor match.
 bool DepthMonitor::impossible() const {
   constexpr double kNone_m = 0.1, kAll_m = 20, kTail = 0.1;
   return known_ > 0 && (quantile_m(kTail) > kAll_m || quantile_m(1 - kTail) < kNone_m);
@@ -71,14 +71,14 @@ std::optional<double> DepthMonitor::plausible_scale() const {
   if (known_ == 0 || (median_m() >= options_.min_depth_m && median_m() <= options_.max_depth_m))
     return std::nullopt;
   if (median_m() >= kRoomNear_m && median_m() <= kRoomFar_m)
-    return std::nullopt;  // then it is right as it is
+    return std::nullopt;  // the scale is plausible as it is
   const auto median_with = [&](double scale) { return median_m() * scale_ / scale; };
   const auto fits = [&](double scale) {
     return scale != scale_ && median_with(scale) >= kRoomNear_m && median_with(scale) <= kRoomFar_m;
   };
   const auto off = [&](double scale) { return std::abs(std::log(median_with(scale) / kRoomMiddle_m)); };
-  // Millimetres and TUM's format are what nearly all recordings have; then 0.1 mm (RealSense's close range),
-  // 1/4 mm, ICL-NUIM's variants, metres.
+  // Millimetres and the TUM format cover nearly all recordings; then 0.1 mm (RealSense close range), 1/4 mm,
+  // ICL-NUIM's variants, metres.
   std::optional<double> best;
   for (const double scale : {1000.0, 5000.0}) {
     if (fits(scale) && (!best || off(scale) < off(*best))) best = scale;

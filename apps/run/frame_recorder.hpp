@@ -1,5 +1,5 @@
 #pragma once
-// Listens to a run and keeps a row per frame, for frames.txt.
+// Records a row per frame for frames.txt.
 
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/timings.hpp"
@@ -12,7 +12,7 @@ class FrameRecorder : public Listener {
   void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
   void on_map(const Map&) override {}
 
-  /// The rows, with the time that each frame took.
+  /// Returns the rows, with the time of each frame.
   [[nodiscard]] FrameTable table(const Timings& times) const;
 
  private:

@@ -23,17 +23,17 @@ using nlohmann::json;
 using Landmarks = std::vector<ReprojectedLandmark>;
 
 constexpr size_t kMostPictures = 12;
-constexpr int kImageWidthPx = 560;  // of each of the two
+constexpr int kImageWidthPx = 560;  // width of each of the two
 constexpr int kJpegQuality = 75;
 constexpr const char* kIndexName = "loops.json";
 
-/// A loop that is shown, by the pair of keyframes that shows it best.
+/// A loop to draw, with the pair of keyframes that shows it best.
 struct ShownLoop {
   LoopEdge loop;
   KeyframePair pair;
 };
 
-/// An even choice of the loops, each with a pair of keyframes of its own.
+/// Selects evenly spaced loops, each with its own pair of keyframes.
 std::vector<ShownLoop> choose_loops(const Map& map) {
   std::vector<ShownLoop> distinct;
   for (const LoopEdge& loop : map.loop_edges()) {
@@ -49,7 +49,7 @@ std::vector<ShownLoop> choose_loops(const Map& map) {
   return chosen;
 }
 
-/// Something nearer hides the landmark from the second camera: it says nothing.
+/// Whether a nearer surface occludes the landmark in the second camera.
 bool hidden(const ReprojectedLandmark& landmark, const cv::Mat& depth_m) {
   constexpr double kNearer = 0.9;
   if (landmark.observed_in_second) return false;
@@ -58,14 +58,14 @@ bool hidden(const ReprojectedLandmark& landmark, const cv::Mat& depth_m) {
   return seen_m > 0 && seen_m < kNearer * landmark.depth_m;
 }
 
-/// The part of the first image that the landmarks lie in.
+/// Bounding box of the landmarks in the first image.
 Eigen::AlignedBox2d extent_of(const Landmarks& landmarks) {
   Eigen::AlignedBox2d extent;
   for (const auto& landmark : landmarks) extent.extend(landmark.observed);
   return extent;
 }
 
-/// A colour for each place of the extent, so that the eye finds it again in the second image.
+/// A colour by position in the extent, so that points can be recognised in the second image.
 cv::Scalar color_at(const Eigen::Vector2d& pixel, const Eigen::AlignedBox2d& extent) {
   constexpr double kRedToViolet = 150, kMost = 255, kPalest = 0.4;  // in OpenCV's units
   const Eigen::Vector2d share =
@@ -76,7 +76,7 @@ cv::Scalar color_at(const Eigen::Vector2d& pixel, const Eigen::AlignedBox2d& ext
   return color.at<cv::Vec3b>(0);
 }
 
-/// A dot with a dark rim, or a ring for what was not observed again.
+/// Draws a dot with a dark rim, or a ring for landmarks not observed again.
 void mark(cv::Mat& picture, const cv::Point2d& at, const cv::Scalar& color, bool filled) {
   constexpr int kShift = 4, kRadius = 4 << kShift, kRim = 1 << kShift;
   const cv::Point fine(cvRound(at.x * (1 << kShift)), cvRound(at.y * (1 << kShift)));
@@ -88,7 +88,7 @@ void mark(cv::Mat& picture, const cv::Point2d& at, const cv::Scalar& color, bool
   cv::circle(picture, fine, kRadius, color, cv::FILLED, cv::LINE_AA, kShift);
 }
 
-/// Some of the landmarks that both images observe, from the top to the bottom of the first.
+/// Selects some of the landmarks observed in both images, from the top to the bottom of the first.
 Landmarks some_in_both(const Landmarks& landmarks) {
   constexpr size_t kMost = 24;
   Landmarks both, some;
@@ -101,7 +101,7 @@ Landmarks some_in_both(const Landmarks& landmarks) {
   return some;
 }
 
-/// Both images side by side with the landmarks of the first in both; lines join some that both observe.
+/// Draws both images side by side with the landmarks of the first in both; lines join some that both observe.
 cv::Mat draw_loop(const cv::Mat& first, const cv::Mat& second, const Landmarks& landmarks) {
   const double scale = std::min(1.0, static_cast<double>(kImageWidthPx) / first.cols);
   cv::Mat side_by_side, picture;
@@ -164,14 +164,14 @@ LoopPicture from_json(const json& entry) {
   const auto stamp = [&](const char* key) {
     return parse_stamp_ns(entry.at(key).get_ref<const std::string&>()).value_or(0);
   };
-  // A name and no path: a report must not take in what lies elsewhere.
+  // Only a file name, not a path: a report must not include files from elsewhere.
   const std::filesystem::path file = entry.at("file").get<std::string>();
   return {file.filename().string(), stamp("stamp_a"),      stamp("stamp_b"),
           entry.at("reprojected"),  entry.at("observed"),  entry.at("median_error_px"),
           entry.at("distance_m"),   entry.at("angle_deg"), entry.at("inliers")};
 }
 
-/// Those of an earlier run; what else lies there is somebody's.
+/// Removes the pictures of an earlier run but no other files, which belong to the user.
 void remove_pictures(const std::filesystem::path& folder) {
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {

@@ -1,5 +1,5 @@
 #pragma once
-// What `kinloop run` is told on the command line.
+// The command line arguments of `kinloop run`.
 
 #include <filesystem>
 #include <string>
@@ -32,7 +32,7 @@ struct RunArguments {
   std::vector<std::string> assignments;
 };
 
-/// The options of `kinloop run`, with what --help teaches about them.
+/// Adds the options of `kinloop run`, with examples for --help.
 void add_run_arguments(CLI::App& command, RunArguments& arguments);
 
 }  // namespace kinloop

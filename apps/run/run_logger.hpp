@@ -1,6 +1,6 @@
 #pragma once
-// Listens to a run and says what happens, a line each (--verbose): the input, keyframes, losses,
-// relocalisations, loops and the stages of the work.
+// Logs the events of a run, one line each (--verbose): the input, keyframes, tracking losses,
+// relocalisations, loops and stages.
 
 #include <optional>
 #include <string>
@@ -22,13 +22,13 @@ class RunLogger : public Listener {
   size_t keyframes_logged_ = 0;
 };
 
-/// Says what a run works on.
+/// Logs the input and settings of a run.
 void log_run_start(const FrameSource& source, int threads);
 
-/// Says when a stage begins, instead of a progress bar.
+/// Logs the beginning of each stage, instead of a progress bar.
 Progress make_stage_logger();
 
-/// How a run goes, in a few words: "tracking, 44 keyframes, 5 loops".
+/// Summarises the progress of a run in a few words: "tracking, 44 keyframes, 5 loops".
 std::string progress_note(const FrameResult& result, const Map& map);
 
 }  // namespace kinloop

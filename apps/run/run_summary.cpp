@@ -31,7 +31,7 @@ ProcessUse process_use() {
   return {seconds(usage.ru_utime) + seconds(usage.ru_stime), static_cast<double>(usage.ru_maxrss) / 1024.0};
 }
 
-/// The input as it can be named later and elsewhere: "." is some other folder then.
+/// The input as an absolute path, valid in other folders and later.
 std::string lasting_name(const std::string& input) {
   const std::string name = input_name(input);
   if (name != "." && name != "..") return input;
@@ -77,7 +77,7 @@ std::vector<PoseWithCovariance> poses_with_covariance(const Slam& slam, uint32_t
   return poses;
 }
 
-/// Covariances of (translation; rotation) in the camera's axes, m and rad, row by row from the diagonal on.
+/// Covariances of (translation; rotation) in camera axes, m and rad, the upper triangles row by row.
 json covariances_json(const std::vector<PoseWithCovariance>& poses) {
   json all = json::array();
   for (const PoseWithCovariance& pose : poses) {
@@ -134,7 +134,7 @@ json run_summary(const RunOutcome& o) {
   summary["frames"] = log.size();
   summary["tracked"] = tracked;
   summary["tracked_densely"] = dense_only;
-  summary["tracked_apart"] = not_lost - tracked;  // in components that no recognised place has joined
+  summary["tracked_apart"] = not_lost - tracked;  // in components not joined by any loop
   summary["skipped"] = skipped_json(o.source);
   summary["dropped"] = o.dropped;
   summary["interrupted"] = o.interrupted;

@@ -1,5 +1,5 @@
 #pragma once
-// Every figure of a run, as run.json holds it.
+// All figures of a run, as in run.json.
 
 #include <optional>
 #include <span>
@@ -13,25 +13,25 @@
 
 namespace kinloop {
 
-/// What a run ended with.
+/// The results of a run.
 struct RunOutcome {
   const FrameSource& source;
   const Slam& slam;
   const RunOptions& options;
-  std::optional<Evaluation> evaluation;  ///< where there is ground truth
-  std::optional<size_t> map_points;      ///< of the cloud, where one was made
+  std::optional<Evaluation> evaluation;  ///< if there is ground truth
+  std::optional<size_t> map_points;      ///< of the cloud, if one was fused
   double wall_s = 0;
   int threads = 1;
   bool interrupted = false;
-  size_t dropped = 0;  ///< frames lost for want of time, live
+  size_t dropped = 0;  ///< frames dropped in live mode
 };
 
-/// What each module spent.
+/// Returns the time of each module.
 nlohmann::json timings_json(const Timings& times);
 
 nlohmann::json run_summary(const RunOutcome& outcome);
 
-/// The lines printed at the end of a run.
+/// Returns the lines printed at the end of a run.
 std::string summary_text(const nlohmann::json& summary);
 
 }  // namespace kinloop

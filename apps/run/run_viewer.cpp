@@ -16,10 +16,10 @@
 namespace kinloop {
 namespace {
 
-/// Long enough for a browser on the same machine to get what is left.
+/// Long enough for a browser on the same machine to receive the rest.
 constexpr std::chrono::seconds kFarewell{1};
 
-/// PORT, HOST:PORT or [IPv6]:PORT, and not a file of that name, or sim:room:7.
+/// Matches PORT, HOST:PORT or [IPv6]:PORT, but neither a file of that name nor sim:room:7.
 bool looks_like_address(const std::string& word) {
   constexpr const char* kDigits = "0123456789";
   const size_t port = word.find_last_not_of(kDigits);

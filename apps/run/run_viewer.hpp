@@ -1,5 +1,5 @@
 #pragma once
-// What `kinloop run --viewer` adds to a run.
+// The `--viewer` option of `kinloop run`.
 
 #include <functional>
 #include <memory>
@@ -16,33 +16,33 @@
 
 namespace kinloop {
 
-/// A run that is shown.
+/// A run with a live viewer.
 struct RunViewer {
   RunViewer(const ListenAddress& listen, RunInfo basics) : viewer(listen, std::move(basics)) {}
 
   LiveViewer viewer;
   std::function<void()>
-      wait_until_resumed;  ///< to be called before every frame: waits while paused, saves when asked to
+      wait_until_resumed;  ///< to be called before every frame: blocks while paused, saves on request
 };
 
-/// --viewer[=[ADDRESS:]PORT]; `listen` stays empty without.
+/// Adds --viewer[=[ADDRESS:]PORT]; `listen` stays empty without it.
 CLI::Option* add_viewer_option(CLI::App& command, std::string& listen);
 
-/// The words of a command line with "--viewer" "9000" joined to "--viewer=9000", where the second word is a
-/// port or an address: CLI11 would take any word after an option whose value may be left out.
+/// Joins the words "--viewer" "9000" of a command line to "--viewer=9000" if the second is a port or an
+/// address: CLI11 would take any word after an option with an optional value.
 std::vector<std::string> join_viewer_address(std::vector<std::string> words);
 
-/// Begins to show the run, if `listen` asks for it, and says where. Slam must not outlive the result.
+/// Starts the viewer, if `listen` asks for it, and prints its URL. Slam must not outlive the result.
 std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const FrameSource& source,
                                             const ViewerOptions& options, Slam& slam,
                                             const std::function<void()>& save_now);
 
-/// Writes trajectory and map as they are now, the map in the frame that `--frame` names.
+/// Writes the current trajectory and map, the map in the frame selected by `--frame`.
 void save_map(const RunFolder& folder, const Slam& slam, DenseRecorder& recorder, const std::string& frame,
               int threads);
 
-/// After the run: where somebody sits at the terminal, goes on serving until Ctrl-C; otherwise only until
-/// those who watch have the last state.
+/// After the run: on a terminal, serves until Ctrl-C; otherwise only until connected browsers have the final
+/// state.
 void serve_until_interrupted(LiveViewer& viewer);
 
 }  // namespace kinloop

@@ -8,7 +8,7 @@ namespace kinloop {
 
 namespace {
 
-/// Why a map has no point though its depth is in range.
+/// Explains why a map has no points although its depth is in range.
 std::string explain_empty_map(const RunOutcome& o) {
   if (o.slam.map().keyframes().empty()) return "no frame was located";
   const DenseOptions& dense = o.options.dense;
@@ -22,7 +22,7 @@ std::string explain_empty_map(const RunOutcome& o) {
 
 bool check_result(const RunOutcome& o, const Trajectory& trajectory, const DepthMonitor& depth) {
   const std::string problem = depth.problem();
-  const bool empty = o.map_points && *o.map_points == 0;  // else no cloud was asked for
+  const bool empty = o.map_points && *o.map_points == 0;  // otherwise no cloud was requested
   const bool useless = !problem.empty() && (depth.unusable() || empty);
   if (useless) {
     log::error("the map is unusable: {}", problem);

@@ -1,5 +1,5 @@
 #pragma once
-// What the result of a run should make its user look at.
+// Checks the result of a run for problems.
 
 #include <string>
 
@@ -8,11 +8,11 @@
 
 namespace kinloop {
 
-/// Warns of a map without points, of depth that cannot be right and of ground truth that does not belong to
-/// the frames. False where the depth is of no use: the map is not worth having.
+/// Warns of a map without points, implausible depth and ground truth that does not match the frames. Returns
+/// false if the depth is unusable, and so is the map.
 bool check_result(const RunOutcome& outcome, const Trajectory& trajectory, const DepthMonitor& depth);
 
-/// Why the run ended without knowing where the camera is.
+/// Explains why the run ended without a current pose.
 std::string describe_tracking_loss(const Map& map);
 
 }  // namespace kinloop

@@ -1,4 +1,4 @@
-// kinloop help and kinloop version; and what kinloop alone prints.
+// kinloop help and kinloop version; and the output of plain kinloop.
 
 #include <memory>
 #include <string>
@@ -39,7 +39,7 @@ void add_help_command(CLI::App& app) {
   command->add_option("COMMAND", *words, "e.g. run, or map merge (default: list all commands)");
   command->callback([&app, words] {
     const CLI::App& asked = find_command(app, *words);
-    // CLI11 would give the help of the command that was called, which is this one.
+    // CLI11 would print the help of the command that was called, which is this one.
     fmt::print("{}", asked.get_formatter()->make_help(&asked, full_name(asked), CLI::AppFormatMode::Normal));
   });
 }

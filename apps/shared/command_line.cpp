@@ -23,7 +23,7 @@ std::vector<std::string> names_of(const std::vector<const CLI::App*>& commands) 
   return names;
 }
 
-/// The options as they are written, "--output" and "-o".
+/// The options as written, "--output" and "-o".
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options()) {
@@ -44,7 +44,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
                                remedy.ends_with('?') ? " See" : "; see"));
 }
 
-/// The words that no option or argument of the command took; "--" alone is none.
+/// The words that no option or argument of the command consumed; "--" alone does not count.
 std::vector<std::string> leftovers(const CLI::App& program) {
   auto left = program.remaining(true);
   std::erase(left, "--");
@@ -54,7 +54,7 @@ std::vector<std::string> leftovers(const CLI::App& program) {
 std::string unknown_option(const std::string& left, const CLI::App& command,
                            std::span<const std::string> words) {
   std::string name = left.substr(0, left.find('='));
-  // Of "-verbose" CLI11 takes "-v" and leaves "-erbose".
+  // Of "-verbose" CLI11 consumes "-v" and leaves "-erbose".
   const auto as_written = std::find_if(words.begin(), words.end(), [&](const std::string& word) {
     return !name.starts_with("--") && word.starts_with('-') && word.ends_with(name.substr(1));
   });
@@ -62,7 +62,7 @@ std::string unknown_option(const std::string& left, const CLI::App& command,
   return fmt::format("unknown option {}{}", name, did_you_mean(name, option_names(command)));
 }
 
-/// What CLI11 says, in the words of the rest of the program.
+/// Rewrites CLI11's messages in the program's style.
 std::string reworded(std::string text) {
   constexpr std::string_view kConversion = "Could not convert: ";
   if (text.starts_with(kConversion)) {

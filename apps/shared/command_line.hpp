@@ -1,5 +1,5 @@
 #pragma once
-// What is wrong with a command line, said so that it can be put right.
+// Error messages for invalid command lines, with the remedy.
 
 #include <span>
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace kinloop {
 
-/// "kinloop map merge": a command with those above it.
+/// Returns the full name of a command, "kinloop map merge".
 std::string full_name(const CLI::App& app);
 
-/// The command that `words` begin with. Throws UsageError that names the nearest where it is none.
+/// Returns the command that `words` begin with. Throws UsageError with the nearest name if there is none.
 const CLI::App& find_command(const CLI::App& program, std::span<const std::string> words);
 
-/// The message for a command line that CLI11 rejected: the command, what is wrong with which word, and what
-/// was expected. An unknown option comes first: it is why others seem to be missing.
+/// Returns the message for a command line that CLI11 rejected: the command, the offending word, and what was
+/// expected. Unknown options come first, since they make others seem to be missing.
 std::string explain_parse_error(const CLI::ParseError& error, const CLI::App& program,
                                 std::span<const std::string> words);
 

@@ -9,7 +9,7 @@ namespace kinloop {
 /// Exit codes of the command line contract.
 enum class ExitCode : int { kDone = 0, kWrongUse = 2, kBadInput = 3, kTrackingLost = 4 };
 
-/// What `kinloop` alone prints: the commands to know first.
+/// Prints the most important commands; the output of plain `kinloop`.
 void print_quick_start();
 
 void add_help_command(CLI::App& app);

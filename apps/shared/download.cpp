@@ -16,10 +16,10 @@
 namespace kinloop {
 namespace {
 
-/// A file that is written to at its end, and what has been written.
+/// A file being appended to.
 struct Part {
   std::FILE* file = nullptr;
-  curl_off_t begin = 0;  ///< bytes that were there before
+  curl_off_t begin = 0;  ///< bytes already present
   const Progress* progress = nullptr;
 
   explicit Part(const std::filesystem::path& path) : file(std::fopen(path.c_str(), "ab")) {
@@ -31,7 +31,7 @@ struct Part {
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
 
-  /// Whether everything reached the disk.
+  /// Returns whether everything reached the disk.
   bool close() {
     const bool good = file == nullptr || std::fclose(file) == 0;
     file = nullptr;
@@ -74,7 +74,7 @@ Curl make_request(const std::string& url, Part& part) {
   return curl;
 }
 
-/// The whole file's size by a request for its head; -1 where the server does not tell.
+/// Size of the file by a HEAD request; -1 if the server does not report it.
 curl_off_t size_at(const std::string& url) {
   Curl curl(curl_easy_init(), curl_easy_cleanup);
   require(curl != nullptr, "curl_easy_init");
@@ -93,7 +93,7 @@ curl_off_t size_at(const std::string& url) {
 using Reader = std::unique_ptr<archive, decltype(&archive_read_free)>;
 using Writer = std::unique_ptr<archive, decltype(&archive_write_free)>;
 
-/// libarchive's verdict: a warning is not an error.
+/// Checks libarchive's return code; a warning is not an error.
 void require_good(int code, archive* a, const std::filesystem::path& file) {
   if (code >= ARCHIVE_WARN) return;
   const char* what = archive_error_string(a);
@@ -124,7 +124,7 @@ void download(const std::string& url, const std::filesystem::path& file, const P
   const curl_off_t size = size_at(url);
   if (std::filesystem::exists(part_path) && size >= 0 &&
       static_cast<curl_off_t>(std::filesystem::file_size(part_path)) > size) {
-    std::filesystem::remove(part_path);  // of another file
+    std::filesystem::remove(part_path);  // of another version of the file
   }
   {
     Part part(part_path);

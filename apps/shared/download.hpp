@@ -1,5 +1,5 @@
 #pragma once
-// In: an address. Out: the file, whole, and what is in it.
+// In: a URL. Out: the complete file, or its unpacked content.
 
 #include <filesystem>
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace kinloop {
 
-/// Whether this build can download (curl) and unpack (archive).
+/// Returns whether this build can download (curl) and unpack (archive).
 bool download_available();
 
-/// Downloads into `file`. What has come lies in FILE.part, from where a later call goes on; `file` appears
-/// when it has the size that the server told. Throws InputError naming the address and what went wrong.
+/// Downloads into `file`. Partial data is kept in FILE.part, from which a later call resumes; `file` appears
+/// once it has the size reported by the server. Throws InputError naming the URL and the error.
 void download(const std::string& url, const std::filesystem::path& file, const Progress& progress);
 
-/// Unpacks a .tgz, .tar or .zip into `folder`; entries that would land elsewhere are refused. Throws
-/// InputError naming the file when it is damaged or truncated.
+/// Unpacks a .tgz, .tar or .zip into `folder`; refuses entries that would land elsewhere. Throws InputError
+/// naming the file if it is damaged or truncated.
 void unpack(const std::filesystem::path& file, const std::filesystem::path& folder);
 
 }  // namespace kinloop

@@ -7,7 +7,7 @@
 namespace kinloop {
 namespace {
 
-// A signal handler can reach nothing but a global; it is the only one of the program.
+// A signal handler can only access globals; this is the only one of the program.
 volatile std::sig_atomic_t g_interrupted = 0;
 
 void on_signal(int signal) {

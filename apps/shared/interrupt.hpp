@@ -1,12 +1,12 @@
 #pragma once
-// Ctrl-C asks the run to finish with what there is; a second one ends the program at once.
+// Ctrl-C asks the run to finish with the result so far; a second one ends the program at once.
 
 namespace kinloop {
 
 /// Installs the handler for SIGINT and SIGTERM.
 void install_interrupt_handler();
 
-/// Whether one of them came.
+/// Returns whether one of them was received.
 bool interrupted();
 
 /// Waits for one.

@@ -42,7 +42,7 @@ bool MapSaver::try_save() {
 }
 
 void MapSaver::save_if_due() {
-  constexpr double kMostShare = 0.05;  // of the time, that saving may take
+  constexpr double kMostShare = 0.05;  // share of the time that saving may take
   if (interval_s_ > 0 && since_last_save_.wall_s() >= std::max(interval_s_, duration_s_ / kMostShare))
     try_save();
 }
@@ -122,7 +122,7 @@ OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<
 
 namespace {
 
-/// How the camera moved at a moment; at rest where the poses do not say.
+/// Velocity of the camera at a stamp; zero if the poses do not determine it.
 Velocity velocity_at(const Trajectory& poses, int64_t stamp_ns) {
   constexpr int64_t kStepNs = kNsPerSecond / 60;
   const auto before = pose_at(poses, stamp_ns - kStepNs, kMaxAssociationNs * 2);

@@ -8,8 +8,8 @@
 
 namespace kinloop {
 
-// Images come and go by the thousand. By default glibc gives their memory back to the system each time and
-// gets it again page by page, which costs a third of the time of decoding; and it keeps a heap for every
+// Images are allocated and freed by the thousand. By default glibc returns their memory to the system each
+// time and gets it back page by page, which costs a third of the decoding time; and it keeps a heap for every
 // thread that ever ran, which costs memory.
 void retain_freed_memory() {
 #ifdef __GLIBC__

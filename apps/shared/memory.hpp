@@ -2,10 +2,10 @@
 
 namespace kinloop {
 
-/// Has the allocator keep freed memory for what comes next; to be called once, at the start.
+/// Makes the allocator keep freed memory for reuse; call it once, at the start.
 void retain_freed_memory();
 
-/// Gives freed memory back to the system: between stages that need memory of different shapes.
+/// Returns freed memory to the system, between stages with different memory needs.
 void release_freed_memory();
 
 }  // namespace kinloop

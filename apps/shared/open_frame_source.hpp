@@ -12,7 +12,7 @@
 
 namespace kinloop {
 
-/// What the user named, and how.
+/// The source selected by the user.
 struct SourceRequest {
   std::string sequence;               ///< a folder in TUM layout, sim:room, kinect1, kinect2 or a .bag file
   std::optional<std::string> camera;  ///< camera.yaml or a preset
@@ -23,14 +23,14 @@ struct SourceRequest {
   int threads = 1;
 };
 
-/// Whether frames come at their own pace.
+/// Returns whether frames arrive in real time.
 bool is_live(const std::string& sequence);
 
-/// Opens it. Throws UsageError or InputError with the remedy.
+/// Opens the source. Throws UsageError or InputError with the remedy.
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request);
 
-/// The vocabulary in `file`, or where that is empty the one built in. Throws UsageError where that does not
-/// go with the features.
+/// Returns the vocabulary in `file`, or the built-in one if that is empty. Throws UsageError if it does not
+/// match the features.
 Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features);
 
 }  // namespace kinloop

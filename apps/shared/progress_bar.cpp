@@ -15,10 +15,10 @@
 namespace kinloop {
 namespace {
 
-constexpr double kRedrawS = 0.1;        ///< faster than anyone reads
-constexpr double kFirstLineS = 1;       ///< without a terminal: a stage that is over sooner needs no word
-constexpr double kLineS = 5;            ///< and from then on
-constexpr size_t kDefaultColumns = 80;  ///< where the terminal does not tell
+constexpr double kRedrawS = 0.1;        ///< faster than anyone can read
+constexpr double kFirstLineS = 1;       ///< without a terminal: shorter stages print nothing
+constexpr double kLineS = 5;            ///< interval of further lines
+constexpr size_t kDefaultColumns = 80;  ///< if the terminal does not report it
 constexpr const char* kClearRest = "\033[K";
 
 size_t terminal_columns() {
@@ -36,7 +36,7 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {:02} min", s / kHour, s % kHour / kMinute);
 }
 
-/// Draws over its own line, a new stage begins a new one; without a terminal, writes a line now and then.
+/// Redraws its line, and starts a new one for each stage; without a terminal, prints a line now and then.
 class Bar {
  public:
   explicit Bar(bool terminal) : terminal_(terminal) {}
@@ -76,10 +76,10 @@ class Bar {
     fmt::print(stderr, "\r{}{}", progress_line(now, time, terminal_columns() - 1), kClearRest);
     std::fflush(stderr);
     line_open_ = true;
-    if (finished_) end_line();  // results may follow
+    if (finished_) end_line();  // other output may follow
   }
 
-  /// The end is told where the stage was told of before.
+  /// Prints the end of a stage if its progress was printed.
   void write_line(const ProgressReport& now, const StageTime& time) {
     if (time.elapsed_s - last_drawn_s_ < kLineS && !(finished_ && lines_ > 0)) return;
     last_drawn_s_ = time.elapsed_s;
@@ -113,7 +113,7 @@ Progress make_progress_bar(bool quiet) {
 }
 
 std::string progress_line(const ProgressReport& now, const StageTime& stage, size_t width) {
-  constexpr double kEnoughS = 0.5;  // before, a rate is chance
+  constexpr double kEnoughS = 0.5;  // before, the rate is unreliable
   const auto done = static_cast<double>(now.done - std::min(now.done, stage.done_at_start));
   const double per_second = stage.elapsed_s >= kEnoughS ? done / stage.elapsed_s : 0;
   const std::string rate = per_second > 0 ? fmt::format("{:7.1f}/s", per_second) : std::string(9, ' ');
@@ -139,7 +139,7 @@ std::string progress_line(const ProgressReport& now, const StageTime& stage, siz
   const size_t note_columns = now.note.empty() ? 0 : now.note.size() + 3;
   const size_t others = head.size() + counts.size() + rate.size() + kTimeColumns + kBrackets;
   size_t cells = width > others + note_columns ? std::min(kLongestBar, width - others - note_columns) : 0;
-  // Of bar and note, the end of the note goes first.
+  // The end of the note is dropped first, then the bar.
   if (cells < kShortBar) cells = width > others ? std::min(kShortBar, width - others) : 0;
   if (cells < kShortestBar) return (head + counts + rate + time).substr(0, width);
   const auto full = static_cast<size_t>(share * static_cast<double>(cells));

@@ -1,6 +1,5 @@
 #pragma once
-// In: frames at a camera's pace. Out: a folder in TUM layout; images are compressed and written by several
-// threads.
+// In: frames at a camera's rate. Out: a folder in TUM layout; several threads compress and write the images.
 
 #include <condition_variable>
 #include <deque>
@@ -15,20 +14,20 @@
 
 namespace kinloop {
 
-/// Frames wait in memory while the disk is busy; `add` waits only when there are kMaxQueued of them.
+/// Frames are queued in memory while the disk is busy; `add` blocks only if kMaxQueued frames wait.
 class Recorder {
  public:
-  static constexpr size_t kMaxQueued = 120;  ///< four seconds; at 640 x 480 some 260 MB
+  static constexpr size_t kMaxQueued = 120;  ///< four seconds; about 260 MB at 640 x 480
 
   Recorder(const std::filesystem::path& folder, const RgbdCamera& camera, int threads);
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Stamps must increase. Throws what went wrong with writing an earlier frame.
+  /// Stamps must increase. Rethrows the error of writing an earlier frame.
   void add(RgbdFrame frame);
 
-  /// Waits until all frames are written, and writes the lists.
+  /// Waits until all frames are written, then writes the lists.
   void finish(const Trajectory& ground_truth);
 
   [[nodiscard]] size_t max_queued() const { return max_queued_; }
@@ -43,7 +42,7 @@ class Recorder {
   std::deque<RgbdFrame> queue_;
   size_t in_progress_ = 0, max_queued_ = 0;
   std::exception_ptr error_;
-  std::vector<std::jthread> threads_;  // last: they use all of the above
+  std::vector<std::jthread> threads_;  // declared last: they use all of the above
 };
 
 }  // namespace kinloop

@@ -29,7 +29,7 @@ Trajectory read_if_there(const fs::path& path) {
   return fs::exists(path) ? read_tum_trajectory(path) : Trajectory();
 }
 
-/// One looks into a room past its ceiling: points higher than the camera ever was, by an arm's length, are
+/// To look into rooms with a ceiling, points more than an arm's length above the highest camera position are
 /// cut off.
 double highest_shown_m(const Trajectory& path, const Eigen::Vector3d& up) {
   constexpr double kCutAboveCameraM = 0.3;
@@ -49,7 +49,7 @@ CloudView view_of(const Trajectory& path, const nlohmann::json& figures) {
   return view;
 }
 
-/// The picture on white, since it is printed too.
+/// The picture on white, suitable for print.
 ReportImage picture_of(const ColoredCloud& cloud, const CloudView& view, const char* caption) {
   const cv::Mat drawn = render_cloud(cloud, view);
   if (drawn.empty()) return {caption, {}};
@@ -67,7 +67,7 @@ ReportImage picture_of(const ColoredCloud& cloud, const CloudView& view, const c
   return {caption, {bytes.begin(), bytes.end()}};
 }
 
-/// An even choice of the points below the cut, in the order in which the page draws them.
+/// An evenly spaced selection of the points below the cut, in the order in which the page draws them.
 std::string decimated(const ColoredCloud& cloud, const CloudView& view) {
   CloudPiece piece;
   const ColoredCloud mixed = shuffled(cloud);
@@ -94,7 +94,7 @@ void add_map(RunReport& run, const fs::path& map) {
   run.map_images.push_back(picture_of(cloud, view, "Top view"));
 }
 
-/// What the picture shows, with times since the run began.
+/// The caption, with times since the start of the run.
 std::string caption_of(const LoopPicture& picture, int64_t start_ns) {
   const auto since_start = [&](int64_t stamp_ns) { return to_seconds(stamp_ns - start_ns); };
   std::string text = fmt::format(
@@ -130,7 +130,7 @@ RunReport read_run(const RunFolder& folder) {
   return run;
 }
 
-/// What is large, and shown of the first run only.
+/// Adds the large parts, which are shown for the first run only.
 void add_pictures(RunReport& run, const RunFolder& folder) {
   add_map(run, folder.map());
   add_loops(run, folder);

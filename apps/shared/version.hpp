@@ -4,10 +4,10 @@
 
 namespace kinloop {
 
-/// "kinloop" and its version.
+/// Returns "kinloop" and its version.
 std::string program_name();
 
-/// "kinloop 0.1.0" and which optional parts are in.
+/// Returns "kinloop 0.1.0" and the optional parts of this build.
 std::string version_text();
 
 }  // namespace kinloop

@@ -35,7 +35,7 @@ size_t half_of_memory_mb() {
   return pages * static_cast<size_t>(sysconf(_SC_PAGESIZE)) / 2 >> 20;
 }
 
-/// What to describe, and how.
+/// The images to describe, and how.
 struct InputArguments {
   std::vector<fs::path> inputs;
   fs::path output;
@@ -66,7 +66,7 @@ void warn_of_unreadable(const std::vector<fs::path>& unreadable) {
             unreadable.front().string());
 }
 
-/// Mean distance of the descriptors of other images to their words.
+/// Mean distance of the descriptors of held-out images to their words.
 void print_held_out_error(const Vocabulary& vocabulary, const TrainArguments& arguments,
                           const DescribeOptions& description, const Progress& progress) {
   std::vector<cv::Mat> descriptors;
@@ -133,7 +133,7 @@ void describe(const InputArguments& arguments) {
              descriptor_traits(file.kind()).name, unreadable.size(), arguments.output.string());
 }
 
-/// The options that are fields of `options`, under the flags given by their keys.
+/// Adds the fields of `options` as command line options, with flags given by their keys.
 template <class Options>
 void add_fields(CLI::App& command, Options& options, const std::map<std::string, std::string>& flags_of) {
   for (const auto& entry : option_entries(options)) {

@@ -1,5 +1,5 @@
 #pragma once
-// kinloop vocab train and describe: images into vocabularies, or into files of descriptors.
+// kinloop vocab train and describe: compute vocabularies, or descriptor files, from images.
 
 #include <CLI/CLI.hpp>
 
@@ -10,7 +10,7 @@ namespace kinloop {
 void add_train_command(CLI::App& vocab);
 void add_describe_command(CLI::App& vocab);
 
-/// What `kinloop vocab info` says of a vocabulary, on standard output.
+/// Prints the output of `kinloop vocab info`.
 void print_stats(const Vocabulary& vocabulary);
 
 }  // namespace kinloop

@@ -27,7 +27,7 @@ uint64_t signature_of(const uint8_t* descriptor, std::span<const uint8_t> centre
   return signature;
 }
 
-/// Where `point`, seen in image a, should be in image b if `from` and `to` are the same point.
+/// Predicts the position of `point` of image a in image b if `from` and `to` are the same point.
 struct Similarity {
   Similarity(const QuantizedKeypoint& from, const QuantizedKeypoint& to) : from_(from.pixel), to_(to.pixel) {
     const float turn = to.angle_rad - from.angle_rad, scale = to.scale / from.scale;
@@ -43,7 +43,7 @@ struct Similarity {
   Eigen::Vector2f from_, to_;
 };
 
-/// Indices in the order of nodes.
+/// Indices sorted by node.
 std::vector<uint32_t> by_node(std::span<const NodeId> nodes) {
   std::vector<uint32_t> order(nodes.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -53,14 +53,14 @@ std::vector<uint32_t> by_node(std::span<const NodeId> nodes) {
 
 using Indices = std::span<const uint32_t>;
 
-/// The first indices of `order`, all of the same node.
+/// The first indices of `order` that share a node.
 Indices first_node(Indices order, std::span<const NodeId> nodes) {
   size_t count = 0;
   while (count < order.size() && nodes[order[count]] == nodes[order[0]]) ++count;
   return order.first(count);
 }
 
-/// Adds pairs of rows that are each other's nearest.
+/// Adds pairs of rows that are mutual nearest neighbours.
 KINLOOP_POPCOUNT_CLONES void match_mutually(const cv::Mat& a, Indices in_a, const cv::Mat& b, Indices in_b,
                                             std::vector<Match>& matches) {
   constexpr int kNone = 8 * kOrbBytes + 1;
@@ -82,7 +82,7 @@ KINLOOP_POPCOUNT_CLONES void match_mutually(const cv::Mat& a, Indices in_a, cons
 
 ImageWords image_words(const Features& features, std::span<const WordId> words,
                        const Vocabulary& vocabulary) {
-  require(words.size() == features.size(), "image_words: one word for each keypoint");
+  require(words.size() == features.size(), "image_words: expected one word per keypoint");
   ImageWords points;
   points.reserve(words.size());
   for (size_t i = 0; i < words.size(); ++i) {
@@ -99,7 +99,7 @@ ImageWords image_words(const Features& features, std::span<const WordId> words,
 
 std::vector<Match> match_words(const ImageWords& a, const ImageWords& b, int max_signature_distance) {
   std::vector<Match> matches;
-  size_t begin = 0;  // of the points of b with the word of a[i]
+  size_t begin = 0;  // the points of b with the word of a[i]
   for (size_t i = 0; i < a.size(); ++i) {
     while (begin < b.size() && b[begin].word < a[i].word) ++begin;
     Match best{static_cast<uint32_t>(i), 0, max_signature_distance + 1};

@@ -1,16 +1,16 @@
-// bench_place: what the vocabulary is worth. Photographs come from the shared data beside the project.
+// bench_place: measures the quality of vocabularies. Photographs come from the shared data next to the
+// project.
 //
 //   bench_place compare K L FLAT STEP SEQUENCE...
-//       methods of seeding side by side over five seeds; writes the curves to place_curves.svg
+//       compares seeding methods over five seeds; writes the curves to place_curves.svg
 //   bench_place search STEP SEQUENCE...
 //       the same places without a vocabulary: brute force, FLANN's LSH and Kd trees
 //   bench_place detect STEP SEQUENCE...
-//       the detector with verification, over five dictionaries by random seeding and by k-means++
+//       the detector with verification, over five vocabularies by random seeding and by k-means++
 //   bench_place scale [IMAGES]
 //       times: opening, words, queries up to IMAGES (200000) images
-//
 // K, L: branching and depth of the trees; FLAT: 1 = also a flat vocabulary of K^L words; STEP: every STEP-th
-// frame. Sequences are scenes that share nothing.
+// frame. Sequences must be of different scenes.
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +53,7 @@ World read_world(const std::vector<std::string>& sequences, size_t step) {
   const size_t images = world.places.size();
   const auto photographs = read_distractors(kPhotographs, images);
   world.places.insert(world.places.end(), photographs.begin(), photographs.end());
-  fmt::print("{} images, of {} the place may be found, and {} photographs of other places\n\n", images,
+  fmt::print("{} images, {} of them with a findable place, and {} photographs of other places\n\n", images,
              count_findable(world.places), photographs.size());
   return world;
 }
@@ -116,7 +116,7 @@ std::vector<cv::Mat> descriptors_of(std::span<const Place> places) {
 struct TrainingMethod {
   std::string name;
   TrainOptions options;
-  std::string style = {};  ///< of its curves in the plot; empty: not among the two that are looked at closely
+  std::string style = {};  ///< of its curves in the plot; empty: not plotted
 };
 
 std::vector<TrainingMethod> training_methods(int branching, int depth, bool flat) {
@@ -193,7 +193,7 @@ void compare(int branching, int depth, bool flat, const World& world) {
   write_curves(series);
 }
 
-/// Without a vocabulary.
+/// Place recognition without a vocabulary.
 void search(const World& world) {
   fmt::print("{}", kHead);
   Row brute{"none: brute force", {}, {}, {}, {}, {}, {}, {}};

@@ -1,6 +1,6 @@
 #pragma once
-// In: the words of keyframes and where they are in the image. Out: for another image the keyframes that show
-// the same words in the same arrangement.
+// In: the words of keyframes with their image positions. Out: the keyframes that show the same words in the
+// same arrangement as a query.
 
 #include <unordered_map>
 
@@ -10,24 +10,24 @@
 namespace kinloop {
 
 struct PlaceSearchOptions {
-  size_t max_verified = 30;         ///< keyframes of the index whose arrangement is looked at
+  size_t max_verified = 30;         ///< keyframes of the index that are verified geometrically
   int max_signature_distance = 16;  ///< bits of 64 in which two points of one word may differ
-  double tolerance_px = 40;         ///< a camera that moved sees depth: no similarity fits it all
+  double tolerance_px = 40;         ///< parallax of a moving camera: no similarity fits all points
 };
 
-/// An index with a second look.
+/// An index with geometric verification.
 class PlaceSearch {
  public:
   explicit PlaceSearch(const PlaceSearchOptions& options = {}) : options_(options) {}
 
-  /// `keyframe` must not be known.
+  /// `keyframe` must not be in the index.
   void add(KeyframeId keyframe, BowVector bow, ImageWords words);
 
-  /// Takes a culled keyframe out; it must be known.
+  /// Removes a culled keyframe; it must be in the index.
   void remove(KeyframeId keyframe);
 
-  /// The keyframes whose words support each other most (PlaceCandidate::score = number of matches that
-  /// agree), best first; among equals the more alike first.
+  /// Returns the keyframes with the most geometrically consistent matches (PlaceCandidate::score), best
+  /// first; ties by similarity.
   [[nodiscard]] std::vector<PlaceCandidate> query(const BowVector& bow, const ImageWords& words,
                                                   size_t max_results,
                                                   const std::function<bool(KeyframeId)>& accept = {}) const;

@@ -19,7 +19,7 @@ constexpr double kSame_m = 0.5, kSame_rad = std::numbers::pi / 6;
 constexpr double kOther_m = 1.0, kOther_rad = std::numbers::pi / 3;
 constexpr int64_t kGapNs = 10 * kNsPerSecond;
 
-/// Every second image, from the `first` on.
+/// Every second image, starting with `first`.
 std::vector<std::filesystem::path> half_of(const std::filesystem::path& folder, size_t first) {
   const auto all = list_training_input(std::vector{folder}).images;
   std::vector<std::filesystem::path> half;

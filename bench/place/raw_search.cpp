@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kMaxDistance = 64;  ///< bits; farther descriptors do not vote
 
-constexpr int kNeighbours = 20;  // of each descriptor, of which those too recent are left out
+constexpr int kNeighbours = 20;  // per descriptor, before removing those that are too recent
 
-/// The image with most votes; its share of the query's descriptors is the score.
+/// The image with the most votes; its share of the query's descriptors is the score.
 std::vector<PlaceCandidate> most_voted(const std::vector<uint32_t>& votes, size_t descriptors) {
   const auto most = std::max_element(votes.begin(), votes.end());
   return {{id_of(static_cast<size_t>(most - votes.begin())),
@@ -25,7 +25,7 @@ std::span<const BinaryDescriptor> rows_of(const cv::Mat& descriptors) {
   return as_points<HammingSpace>(std::span(descriptors.ptr(0), descriptors.total()));
 }
 
-/// The descriptors of all images, one below the other.
+/// The descriptors of all images, concatenated.
 struct AllDescriptors {
   cv::Mat rows;
   std::vector<size_t> image_of;  ///< by row
@@ -40,7 +40,7 @@ AllDescriptors all_descriptors(std::span<const Place> places) {
   return all;
 }
 
-/// Each bit as a number.
+/// Expands each bit to a number.
 cv::Mat bits_of(const cv::Mat& descriptors) {
   cv::Mat bits(descriptors.rows, 8 * descriptors.cols, CV_32F);
   for (int row = 0; row < bits.rows; ++row) {
@@ -52,7 +52,8 @@ cv::Mat bits_of(const cv::Mat& descriptors) {
   return bits;
 }
 
-/// The nearest that may be found, of each row, has a vote. `nearest` has the rows' neighbours, nearest first.
+/// The nearest admissible neighbour of each row gets a vote. `nearest` has the rows' neighbours, nearest
+/// first.
 std::vector<PlaceCandidate> vote(std::span<const Place> places, size_t query,
                                  const std::vector<size_t>& image_of, const cv::Mat& nearest,
                                  const cv::Mat& distances) {
@@ -70,7 +71,7 @@ std::vector<PlaceCandidate> vote(std::span<const Place> places, size_t query,
   return most_voted(votes, static_cast<size_t>(nearest.rows));
 }
 
-/// Asks an index of FLANN over `all`, whose rows `form` gives for an image's descriptors.
+/// Queries a FLANN index over `all`; `form` converts an image's descriptors to its rows.
 Recognition by_flann(std::span<const Place> places, const AllDescriptors& all, cv::flann::Index& index,
                      const std::function<cv::Mat(const cv::Mat&)>& form, int checks) {
   return recognize(places, [&](size_t query) {
@@ -111,8 +112,8 @@ Recognition by_brute_force(std::span<const Place> places) {
 }
 
 Recognition by_lsh(std::span<const Place> places, uint64_t seed) {
-  // Bits of ORB depend on each other: with the 12 bits of OpenCV's examples some buckets have thousands of
-  // descriptors, and all of them are looked at.
+  // The bits of ORB are correlated: with the 12 bits of OpenCV's examples some buckets hold thousands of
+  // descriptors, all of which are searched.
   constexpr int kTables = 6, kKeyBits = 20, kProbes = 1;
   const AllDescriptors all = all_descriptors(places);
   cvflann::seed_random(static_cast<unsigned>(seed));

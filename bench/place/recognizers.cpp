@@ -15,7 +15,7 @@ BowVector bow_of(const Place& place, const Vocabulary& vocabulary) {
   return vocabulary.bow_of(vocabulary.quantize(place.features.descriptors).words);
 }
 
-/// Landmarks of one image, as seen from there.
+/// Landmarks of one image in its camera frame.
 LocalMap view_of(const Features& features, const PinholeCamera& camera) {
   LocalMap view;
   view.features = std::make_shared<const Features>(features);
@@ -33,7 +33,7 @@ LocalMap view_of(const Features& features, const PinholeCamera& camera) {
   return view;
 }
 
-/// Whether the pose that was found in the same scene is that of the truth.
+/// Returns whether the relative pose found within a scene agrees with ground truth.
 bool is_right(const Place& query, const Place& found, const SE3& T_found_query) {
   constexpr double kMost_m = 0.2, kMost_rad = 0.17;
   const SE3 error = (found.T_scene_camera->inverse() * *query.T_scene_camera).inverse() * T_found_query;

@@ -16,7 +16,7 @@
 namespace kinloop {
 namespace {
 
-/// Times `work`, which gets the number of the run.
+/// Times `work`, which receives the number of the run.
 template <class Work>
 double median_ms_of(int runs, const Work& work) {
   std::vector<double> seconds;
@@ -28,7 +28,7 @@ double median_ms_of(int runs, const Work& work) {
   return 1000 * median(seconds);
 }
 
-/// The words of an image that does not exist: drawn from those of real ones.
+/// The words of a synthetic image, drawn from those of real ones.
 BowVector shuffled_image(const std::vector<WordId>& words, const Vocabulary& vocabulary, Random& random) {
   constexpr size_t kFeatures = 1000;
   std::vector<WordId> drawn(kFeatures);
@@ -67,7 +67,7 @@ void measure_scale(const std::filesystem::path& photographs, size_t most_images)
       index.add({static_cast<uint32_t>(index.size())}, shuffled_image(words, vocabulary, random));
     }
     size_t found = 0;
-    // Half of the words of a real image, as after a step aside.
+    // Half of the words of a real image, as after a small sideways motion.
     std::vector<BowVector> queries;
     for (size_t i = 0; i < real; ++i) {
       const auto of_image = vocabulary.quantize(images[i].features.descriptors).words;

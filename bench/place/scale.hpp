@@ -4,8 +4,8 @@
 
 namespace kinloop {
 
-/// Prints what opening the default vocabulary, the words of an image, and queries cost as the index grows by
-/// images that do not exist, up to `most_images`.
+/// Prints the cost of opening the default vocabulary, of quantising an image, and of queries as the index
+/// grows by synthetic images up to `most_images`.
 void measure_scale(const std::filesystem::path& photographs, size_t most_images);
 
 }  // namespace kinloop

@@ -1,11 +1,10 @@
-// How far the estimated up is from the true one.
+// Error of the estimated up direction.
 //
 //   bench_up paths FIRST COUNT [FILE...]   simulated rooms, the camera rolled at random along the path
-//   bench_up level SEED [FILE]             the same as the path is
+//   bench_up level SEED [FILE]             same without roll
 //   bench_up sequence DIR X Y Z            a recorded sequence at its true poses; (X, Y, Z) is up there
-//   bench_up planes DIR                    the largest planes of a sequence at its true poses, to find up by
-//
-// Rendered at 160x120 with Kinect noise and the true poses. FILE: paths in TUM format, taken in turn with the
+//   bench_up planes DIR                    the largest planes of a sequence at its true poses, to find up
+// Rendered at 160x120 with Kinect noise and the true poses. FILE: paths in TUM format, used in turn with the
 // built-in one.
 
 #include <cstdlib>
@@ -35,7 +34,7 @@ double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
-/// What kinloop did before: square to the image rows of all poses.
+/// The former method: perpendicular to the image rows of all poses.
 Eigen::Vector3d square_to_rows(std::span<const SE3> cameras) {
   Eigen::Matrix3d rows = Eigen::Matrix3d::Zero();
   Eigen::Vector3d camera_up = Eigen::Vector3d::Zero();
@@ -73,7 +72,7 @@ void print(const std::string& name, const Views& views, const PinholeCamera& cam
              angle_deg(up.direction, truth), to_string(up.source), up.confidence, normals.size());
 }
 
-/// Rolled by a random angle that swings along the path, by up to half a turn either way.
+/// Rolls the cameras by a smooth random angle along the path, up to half a turn either way.
 Trajectory rolled(Trajectory path, uint64_t seed) {
   Random random(hash(seed, 0x4011));
   const double start = random.uniform(-180, 180) * kDegree, swing = random.uniform(0, 180) * kDegree;
@@ -100,7 +99,7 @@ void judge_room(const std::string& name, uint64_t seed, const Trajectory& path) 
   print(name, views, source.camera().color, sim::estimate_up_direction(path));
 }
 
-/// Of some 40 frames, at their true poses.
+/// About 40 frames at their true poses.
 Views views_of(TumSource& source) {
   Views views;
   const Trajectory& truth = source.info().ground_truth;

@@ -1,6 +1,6 @@
 #pragma once
-// In: points. Out: the largest planes among them, by RANSAC (Fischler and Bolles 1981) and least squares: a
-// way to the vertical that knows nothing of normals, cameras or what kinloop thinks of up.
+// In: points. Out: the largest planes among them, by RANSAC (Fischler and Bolles 1981) and least squares:
+// determines the vertical independently of normals, cameras and kinloop's estimate.
 
 #include <vector>
 
