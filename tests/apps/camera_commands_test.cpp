@@ -1,4 +1,4 @@
-// kinloop fetch, record, calibrate and live cameras as their user meets them.
+// kinloop fetch, record, calibrate and live cameras, end to end.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using test::kWrongUse;
 
 class CameraCommands : public test::ProgramTest {
  protected:
-  /// Whether the build has what a line of --version names.
+  /// Whether the build has the part named in a line of --version.
   [[nodiscard]] bool has(const std::string& part) const {
     return run("--version").out.find(part + ": yes") != std::string::npos;
   }
@@ -33,7 +33,7 @@ class Fetch : public CameraCommands {
   void SetUp() override {
     if (!has("downloads")) GTEST_SKIP() << "this build cannot download";
     folder_.write("made/rgbd_dataset_freiburg1_room/rgb.txt", "# colour\n");
-    // Something that does not become small.
+    // Incompressible data.
     std::string noise(300'000, '\0');
     uint32_t state = 1;
     for (char& c : noise) c = static_cast<char>((state = state * 1664525 + 1013904223) >> 24);
@@ -115,7 +115,7 @@ TEST_F(CameraCommands, CamerasThatAreNotThereAreSaidToBeAbsent) {
 }
 
 #ifdef KINLOOP_FAKE_FREENECT
-/// A library that stands in for libfreenect gives five frames and is gone.
+/// A substitute for libfreenect sends five frames and then stops.
 TEST_F(CameraCommands, Kinect1IsRecordedUntilItIsUnplugged) {
   const Run result = run("record kinect1 --set reconnect_s=0 -o '" + at("out") + "'",
                          "LD_PRELOAD='" KINLOOP_FAKE_FREENECT "'");
@@ -151,7 +151,7 @@ TEST_F(CameraCommands, CalibrateWritesACameraFiguresAndAReport) {
   EXPECT_THAT(read_file(at("camera.json")), AllOf(HasSubstr("\"deviation\""), HasSubstr("\"depth_shift\"")));
 }
 
-/// A sequence of a board, held still at each of its poses.
+/// A sequence of a board that is held still at each of its poses.
 void write_boards(const std::filesystem::path& folder) {
   RgbdCamera camera;
   camera.color = test::infrared_camera();

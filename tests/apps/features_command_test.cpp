@@ -1,4 +1,4 @@
-// kinloop features as its user meets it.
+// kinloop features, end to end.
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 class FeaturesCommand : public test::ProgramTest {
  protected:
-  /// Two pictures of one scene of rectangles: the second moved to the left, and lower.
+  /// Two images of one scene of rectangles: the second shifted to the left and down.
   void SetUp() override {
     Random random(5);
     cv::Mat scene(400, 500, CV_8UC3, cv::Scalar::all(128));

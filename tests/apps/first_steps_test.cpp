@@ -1,4 +1,4 @@
-// The first things somebody tries: help, the version, an output folder that is not there yet.
+// A new user's first steps: help, the version, a nonexistent output folder.
 
 #include <gmock/gmock.h>
 
@@ -14,7 +14,7 @@ using testing::Not;
 
 class GettingStarted : public test::ProgramTest {
  protected:
-  /// The folder of a run of a few small frames, in folders that were not there.
+  /// The folder of a run on a few small frames, in folders that did not exist before.
   [[nodiscard]] std::string ran() const {
     EXPECT_EQ(run("simulate room --frames 4 --size 160x120 -q -o '" + at("new/a/seq") + "'").exit_code,
               kDone);

@@ -1,5 +1,5 @@
 #pragma once
-// A server of one file on this machine, for tests of downloads: knows HEAD, GET and ranges, and can hang up
+// A local HTTP server of one file, for tests of downloads: supports HEAD, GET and ranges, and can hang up
 // early.
 
 #include <atomic>
@@ -41,7 +41,7 @@ class HttpServer {
 
   [[nodiscard]] std::string address() const { return fmt::format("http://127.0.0.1:{}", port_); }
 
-  std::atomic<size_t> hang_up_after = std::string::npos;  ///< bytes of content of one answer
+  std::atomic<size_t> hang_up_after = std::string::npos;  ///< bytes of content per response
   std::atomic<size_t> last_range_begin = 0;               ///< of the last GET
 
  private:

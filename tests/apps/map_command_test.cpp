@@ -1,4 +1,4 @@
-// Map files as their user meets them: run, map, export.
+// Map files, end to end: run, map, export.
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 constexpr const char* kSmall = " --set sim.frames=20 --set sim.width=160 --set sim.height=120 -q ";
 
-/// One short run for all tests, and what came of it.
+/// One short run shared by all tests, with its results.
 class MapCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() { folder_ = std::make_unique<test::TempFolder>(); }
@@ -85,7 +85,7 @@ TEST_F(MapCommand, InfoSaysWhatAMapHolds) {
   EXPECT_EQ(info["keyframes"], figures["keyframes"]);
   EXPECT_EQ(info["landmarks"], figures["landmarks"]);
   EXPECT_EQ(info["frames"], 20);
-  EXPECT_GE(info["images"], info["keyframes"]);  // of so few frames some others, too
+  EXPECT_GE(info["images"], info["keyframes"]);  // with so few frames, some non-keyframes, too
   EXPECT_EQ(info["sessions"][0]["input"], "sim:room");
   EXPECT_EQ(info["lost"], "");
   ASSERT_EQ(run("map info " + folder + "/map.kinmap"), 0);

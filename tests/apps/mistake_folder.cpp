@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A camera.yaml with `fx` for the focal length.
+/// A camera.yaml with `fx` as the focal length.
 std::string camera_with(const std::string& fx) {
   return fmt::format(
       "width: 160\nheight: 120\nfx: {}\nfy: 131\ncx: 79.5\ncy: 59.5\ndistortion: [0, 0, 0, 0, 0]\n"
@@ -19,7 +19,7 @@ std::string camera_with(const std::string& fx) {
       fx);
 }
 
-/// The sequence under another name, with its lists and without associations.txt.
+/// A copy of the sequence with its lists but without associations.txt.
 fs::path copy_of_sequence(const TempFolder& folder, const char* name) {
   fs::copy(folder.path() / "seq", folder.path() / name, fs::copy_options::recursive);
   fs::remove(folder.path() / name / "associations.txt");
@@ -57,7 +57,7 @@ void make_broken_sequences(const TempFolder& folder) {
   folder.write("nan_truth/groundtruth.txt", "1.0 0 nan 0 0 0 0 1\n");
 }
 
-/// Folders in the layouts of other data sets; names are all that counts.
+/// Folders in the layouts of other datasets; only names matter.
 void make_foreign_folders(const TempFolder& folder) {
   for (const char* file : {"7scenes/frame-000000.color.png",
                            "7scenes/frame-000000.depth.png",

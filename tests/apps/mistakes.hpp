@@ -1,6 +1,6 @@
 #pragma once
-// Command lines with a mistake that people make, and what kinloop must say to each. All run in a folder that
-// make_mistake_folder has filled.
+// Command lines with common mistakes, and the required error message for each. All run in a folder filled by
+// make_mistake_folder.
 
 #include <string>
 #include <vector>
@@ -9,21 +9,21 @@
 
 namespace kinloop::test {
 
-/// A command line and the answer to it.
+/// A command line and the expected error.
 struct Mistake {
   std::string arguments;
   int exit_code = 0;
   std::vector<std::string> said;  ///< what is wrong, where, and the remedy
-  std::string before = {};        ///< a shell command before it, e.g. a limit
+  std::string before = {};        ///< a shell command to run first, e.g. a limit
 };
 
-/// Fills `folder` with a small sequence and its run, and with what people have instead.
+/// Fills `folder` with a small sequence and its run, and with typical wrong inputs.
 void make_mistake_folder(const TempFolder& folder);
 
-/// Wrong commands, options and values.
+/// Invalid commands, options and values.
 std::vector<Mistake> command_line_mistakes();
 
-/// Inputs that are no sequence, or a broken one.
+/// Inputs that are not a sequence, or a damaged one.
 std::vector<Mistake> sequence_mistakes();
 
 /// Other inputs, and outputs that cannot be written.

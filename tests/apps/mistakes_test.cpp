@@ -1,5 +1,5 @@
-// Each mistake that people make on the command line gets an exit code, and a message with what is wrong and
-// the remedy. With KINLOOP_MISTAKES_TABLE=FILE it also writes a table of the answers (bench/mistakes.sh).
+// Each common mistake on the command line gives an exit code and a message with the problem and the remedy.
+// With KINLOOP_MISTAKES_TABLE=FILE the test also writes a table of the messages (bench/mistakes.sh).
 
 #include "tests/apps/mistakes.hpp"
 
@@ -18,7 +18,7 @@ using test::Mistake;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Rows for a Markdown table, where one was asked for.
+/// Writes rows of a Markdown table, if requested.
 class Table {
  public:
   Table() {
@@ -72,7 +72,7 @@ class Mistakes : public testing::Test {
     }
   }
 
-  /// Whatever was to be written is not there, or an empty folder that was made to see whether it can be.
+  /// The output does not exist, or is an empty folder from the check that it is writable.
   static void expect_no_output() {
     for (const char* name : {"x", "x.ply", "x.txt", "x.g2o", "x.kinvoc", "mesh.stl"}) {
       const fs::path path = folder_->path() / name;

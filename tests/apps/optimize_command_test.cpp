@@ -1,4 +1,4 @@
-// kinloop optimize as its user meets it.
+// kinloop optimize, end to end.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,12 +26,12 @@ std::string edge(int a, int b) {
 
 class OptimizeCommand : public test::ProgramTest {
  protected:
-  /// `arguments` after "kinloop optimize".
+  /// `arguments` follow "kinloop optimize".
   [[nodiscard]] Run run(const std::string& arguments) const {
     return ProgramTest::run("optimize " + arguments);
   }
 
-  /// Names of the files in the folder, but those of the streams.
+  /// Names of the files in the folder, without those of stdout and stderr.
   [[nodiscard]] std::vector<std::string> files() const {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {

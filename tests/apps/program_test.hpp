@@ -1,5 +1,5 @@
 #pragma once
-// The program, run from outside.
+// Runs the program as a black box.
 
 #include <cstdlib>
 #include <string>
@@ -15,13 +15,13 @@ namespace kinloop::test {
 /// Exit codes.
 constexpr int kDone = 0, kWrongUse = 2, kBadInput = 3, kTrackingLost = 4;
 
-/// How the program ended and what it printed.
+/// Exit code and output of the program.
 struct ProgramRun {
   int exit_code;
   std::string out, err;
 };
 
-/// Runs `command` in a shell, with files for what it prints in `folder`.
+/// Runs `command` in a shell, with its output redirected to files in `folder`.
 inline ProgramRun run_shell(const TempFolder& folder, const std::string& command) {
   const auto out = folder.path() / "stdout", err = folder.path() / "stderr";
   const int status =
@@ -29,7 +29,7 @@ inline ProgramRun run_shell(const TempFolder& folder, const std::string& command
   return {WEXITSTATUS(status), read_file(out), read_file(err)};
 }
 
-/// `arguments` after "kinloop", with `before` (e.g. variables) before it.
+/// `arguments` follow "kinloop"; `before` (e.g. variables) precedes it.
 inline ProgramRun run_program(const TempFolder& folder, const std::string& arguments,
                               const std::string& before = "") {
   return run_shell(folder, before + " '" KINLOOP_PROGRAM "' " + arguments);

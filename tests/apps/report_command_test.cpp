@@ -1,4 +1,4 @@
-// The report as its user meets it: what it is called, and its pictures of loops.
+// The report, end to end: its title, and its pictures of loops.
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -21,7 +21,7 @@ class ReportCommand : public test::ProgramTest {
     ASSERT_EQ(run("run '" + at("data/walk") + "/' -q -o '" + at("out") + "'").exit_code, kDone);
   }
 
-  /// What the page shows of its first run.
+  /// The figures of the first run on the page.
   [[nodiscard]] nlohmann::json shown(const std::string& page) const {
     const std::string text = read_file(at(page)), begin = R"(id="data">)";
     const size_t from = text.find(begin) + begin.size();

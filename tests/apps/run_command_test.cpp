@@ -1,4 +1,4 @@
-// What kinloop tells the user who gave it the wrong word, camera or ground truth.
+// The messages of kinloop run for a wrong argument, camera or ground truth.
 
 #include <filesystem>
 
@@ -27,7 +27,7 @@ class RunCommand : public test::ProgramTest {
     return at("seq");
   }
 
-  /// Its camera, with another scale of depth.
+  /// Its camera, with another depth scale.
   [[nodiscard]] std::string camera_with_scale(const std::string& scale) const {
     std::string camera = read_file(at("seq/camera.yaml"));
     const std::string right = "depth_scale: 5000";
@@ -76,7 +76,8 @@ TEST_F(RunCommand, DepthThatNoCameraMeasuresEndsTheRunAtOnce) {
 }
 
 TEST_F(RunCommand, AFarSceneIsNoMistake) {
-  // As when the camera looks down a hall: nearly all is beyond the map's range, what is not makes the map.
+  // As when the camera looks down a hall: nearly everything is out of the map's range; the rest makes the
+  // map.
   const std::string far = "run '" + sequence(12) + "' -q -o '" + at("out") + "' --set dense.max_depth_m=";
   const Run done = run(far + "1.5");
   EXPECT_EQ(done.exit_code, kDone) << done.err;

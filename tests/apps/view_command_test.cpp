@@ -1,4 +1,4 @@
-// --viewer and kinloop view, from outside.
+// --viewer and kinloop view, end to end.
 
 #include <algorithm>
 
@@ -15,7 +15,7 @@ using testing::Not;
 
 class ViewCommandTest : public ProgramTest {
  protected:
-  /// A run of a few small frames; `arguments` name the sequence.
+  /// A run on a few small frames; `arguments` give the sequence.
   [[nodiscard]] Run short_run(const std::string& arguments) const {
     return run("run " + arguments + " -o '" + at("out") +
                "' --set sim.frames=4 --set sim.width=160 --set sim.height=120");

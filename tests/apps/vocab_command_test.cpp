@@ -1,4 +1,4 @@
-// kinloop vocab as its user meets it, alone and as one of many processes.
+// kinloop vocab, end to end, as one process and as one of several.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,14 +34,14 @@ class VocabCommand : public test::ProgramTest {
  protected:
   VocabCommand() { folder_.write("some.kindesc", descriptor_file(25, 1000)); }
 
-  /// `arguments` after "kinloop vocab".
+  /// `arguments` follow "kinloop vocab".
   [[nodiscard]] Run run(const std::string& arguments) const { return ProgramTest::run("vocab " + arguments); }
 
   [[nodiscard]] std::string train_arguments(const std::string& output) const {
     return "train '" + at("some.kindesc") + "' -k 5 -L 3 --iterations 3 --threads 1 -o '" + at(output) + "'";
   }
 
-  /// What rank 1 does before it trains is in `before`; more flags for it in `flags`.
+  /// `before` is what rank 1 runs before it trains; `flags` are additional flags for it.
   [[nodiscard]] Run run_many(int ranks, const std::string& output, const std::string& before,
                              const std::string& flags) const {
     const auto script = folder_.write(

@@ -23,7 +23,7 @@ std::vector<StampPair> associate_ms(std::vector<int64_t> a_ms, std::vector<int64
   return associate_stamps(a_ms, b_ms);
 }
 
-/// associate.py, word by word: all close pairs sorted by difference, taken greedily.
+/// associate.py, verbatim: all close pairs sorted by difference, taken greedily.
 std::vector<StampPair> associate_brute_force(const std::vector<int64_t>& a, const std::vector<int64_t>& b) {
   std::set<std::tuple<int64_t, int64_t, int64_t, size_t, size_t>> candidates;
   for (size_t i = 0; i < a.size(); ++i) {
@@ -57,7 +57,7 @@ TEST(Association, TwentyMillisecondsAreCloseEnoughAndNoMore) {
 }
 
 TEST(Association, TheClosestPairIsTakenFirst) {
-  // Taking each a's nearest in order of time would pair 0 with 12 and leave 15 alone with 29.
+  // Taking each a's nearest in order of time would pair 0 with 12 and leave 15 with 29.
   EXPECT_THAT(associate_ms({0, 15}, {12, 29}), ElementsAre(StampPair{1, 0}));
 }
 

@@ -109,7 +109,7 @@ TEST(MakeFolder, MakesWhatIsMissingOrSaysWhyNot) {
   const TempFolder folder;
   const auto inner = folder.path() / "a/b";
   make_folder(inner);
-  make_folder(inner);  // it is there already
+  make_folder(inner);  // already exists
   EXPECT_TRUE(fs::is_directory(inner));
   folder.write("file", "x");
   EXPECT_THAT(input_error([&] { make_folder(folder.path() / "file/inner"); }),
@@ -128,7 +128,7 @@ TEST(AtomicFile, FullDiskIsNoticedAndLeavesTheOlderFile) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "/dev/full is absent";
   const TempFolder folder;
   const auto path = folder.write("out.txt", "old");
-  fs::create_symlink("/dev/full", folder.path() / "out.txt.tmp");  // what is written goes to a full disk
+  fs::create_symlink("/dev/full", folder.path() / "out.txt.tmp");  // writes go to a full disk
   EXPECT_THAT(input_error([&] { write_file(path, "new"); }),
               AllOf(HasSubstr("out.txt"), HasSubstr("disk full")));
   EXPECT_EQ(read_file(path), "old");

@@ -14,7 +14,7 @@ int own_nice() {
   return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
 }
 
-/// What a thread that gives way has.
+/// The nice value of a thread with lowered priority.
 int nice_of_worker(ThreadPriority priority) {
   int nice = 0;
   std::thread worker([&] {
@@ -26,7 +26,7 @@ int nice_of_worker(ThreadPriority priority) {
 }
 
 TEST(ThreadPriority, LowersOnlyTheCallingThread) {
-  const int before = own_nice();  // not 0 under nice(1)
+  const int before = own_nice();  // nonzero under nice(1)
   EXPECT_EQ(nice_of_worker(ThreadPriority::kLow), std::min(before + 10, 19));
   EXPECT_EQ(nice_of_worker(ThreadPriority::kLowest), std::min(before + 15, 19));
   EXPECT_EQ(own_nice(), before);

@@ -16,7 +16,7 @@ TEST(ParseStamp, KeepsEveryNanosecond) {
   EXPECT_EQ(parse_stamp_ns(".5"), 500000000);
   EXPECT_EQ(parse_stamp_ns("-0.25"), -250000000);
   EXPECT_EQ(parse_stamp_ns("-3.000000001"), -3000000001);
-  EXPECT_EQ(parse_stamp_ns("0.1234567899"), 123456789);  // what is below a nanosecond is cut off
+  EXPECT_EQ(parse_stamp_ns("0.1234567899"), 123456789);  // digits below a nanosecond are truncated
   EXPECT_EQ(parse_stamp_ns("9000000000"), 9000000000000000000);
 }
 

@@ -1,4 +1,4 @@
-// Stills for a calibration, watched: the camera's image and what to do next.
+// Live capture of calibration images in the viewer: the camera's image and the next instruction.
 
 import assert from 'node:assert/strict';
 import { join } from 'node:path';

@@ -1,4 +1,5 @@
-// kinloop view of files that other programs wrote, and what the page offers for them: framing, cut, colours, keys, phones.
+// kinloop view of files from other programs, and what the page offers for them: framing, cut, colours, keys,
+// phones.
 
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
@@ -8,7 +9,7 @@ import { withBrowser, paintedPixels, seen, until } from './harness.mjs';
 
 const ROOM_M = [4, 3, 2.5];
 
-/** A box of points with z up, some far off, as ascii PLY with doubles. */
+/** A box of points with z up and some outliers, as ascii PLY with doubles. */
 function cloudWithOutliers() {
   const points = [];
   for (let i = 0; i < 20_000; ++i) {
@@ -71,7 +72,7 @@ function glb() {
   return Buffer.concat([words(0x46546c67, 2, size), ...chunks]);
 }
 
-/** Where the eight corners of the room are on the screen, and its size, px. */
+/** Screen positions of the eight corners of the room, and the size of the screen, px. */
 function cornersOnScreen(page) {
   return page.evaluate((size) => {
     const { world, view } = window.kinloop;
@@ -85,7 +86,7 @@ function cornersOnScreen(page) {
   }, ROOM_M);
 }
 
-/** All in sight, and large: the corners span most of the width or of the height. */
+/** Everything is in view, and large: the corners span most of the width or of the height. */
 async function assertFramed(page, name) {
   const corners = await cornersOnScreen(page);
   const [, , width, height] = corners[0];
@@ -94,7 +95,7 @@ async function assertFramed(page, name) {
   assert.ok(Math.max(span(0) / width, span(1) / height) > 0.75, `${name}: ${span(0)} x ${span(1)} of ${width} x ${height}`);
 }
 
-/** The mean of red, green and blue over what is drawn. */
+/** The mean of red, green and blue over the drawn pixels. */
 function brightness(page) {
   return page.evaluate(() => {
     const source = document.querySelector('#scene');
@@ -127,7 +128,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     return page;
   };
 
-  // A cloud of doubles, without colours and with stray points: framed on a desk and on a phone.
+  // A cloud of doubles, without colours and with outliers: framed on a desktop and on a phone.
   const screens = { desktop: { width: 1280, height: 800 }, portrait: { width: 390, height: 844 }, landscape: { width: 844, height: 390 } };
   for (const [name, viewport] of Object.entries(screens)) {
     const page = await view('room.ply', cloudWithOutliers(), { viewport });
@@ -138,10 +139,10 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     await page.close();
   }
 
-  // Meshes and other forms.
+  // Meshes and other formats.
   for (const [name, content, facts, pixels] of [['mesh.ply', MESH, 'triangles', 20_000], ['cloud.pcd', PCD, 'points', 800], ['mesh.glb', glb(), '', 20_000]]) {
     const page = await view(name, content);
-    await page.keyboard.press('g'); // its lines would count
+    await page.keyboard.press('g'); // its lines would be counted
     await until(async () => (await paintedPixels(page, '#scene')) > pixels, `${name} is drawn`);
     await until(async () => (await brightness(page)) > 60, `${name} is not black`);
     assert.equal(await page.title(), `${name} - kinloop`);
@@ -151,7 +152,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     await page.close();
   }
 
-  // What is damaged is told on the terminal, and nothing is served.
+  // Damage is reported on the terminal, and nothing is served.
   const bad = kinloop('view', write('bad.glb', glb().subarray(0, 100)), '--port', '0');
   assert.equal(await bad.ended, 3);
   assert.match(bad.text, /bad\.glb: truncated/);
@@ -166,7 +167,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
 });
 
 async function checkDesktop(page) {
-  // Nothing is cut, and the slider says so; it says how high the cut is while there is one.
+  // Nothing is cut, and the slider says so; it shows the height while there is a cut.
   assert.deepEqual([(await seen(page)).cutAtM, (await seen(page)).cut], [Infinity, 'off']);
   const heightM = await page.evaluate(() => window.kinloop.view.box.max.y - window.kinloop.view.box.min.y);
   assert.ok(Math.abs(heightM - ROOM_M[2]) < 0.1, `${heightM} m high, without stray points`);
@@ -184,7 +185,7 @@ async function checkDesktop(page) {
   await page.locator('#cut').press('End');
   assert.deepEqual([(await seen(page)).cutAtM, (await seen(page)).cut], [Infinity, 'off']);
 
-  // Colours: a cloud without colours and times can be coloured by height alone.
+  // Colours: a cloud without colours and times can only be coloured by height.
   assert.equal(await page.inputValue('#color'), 'height');
   const possible = () => page.locator('#color option').evaluateAll((options) => options.filter((option) => !option.disabled).map(({ value }) => value));
   assert.deepEqual(await possible(), ['height']);

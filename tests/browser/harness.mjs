@@ -1,5 +1,5 @@
-// What the browser tests stand on: kinloop runs, a headless Chromium, and questions that are asked until the answer is
-// right. Exit code 77 tells CTest that a test was skipped.
+// The basis of the browser tests: running kinloop, a headless Chromium, and polling for conditions. Exit code
+// 77 tells CTest that a test was skipped.
 
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
@@ -26,17 +26,17 @@ async function launch() {
   return chromium.launch({ executablePath: CHROMIUM, args });
 }
 
-// What a browser says of itself, and of a run that is over: the page goes on asking whether it is back.
+// The browser's own messages, and those after the end of a run, when the page keeps trying to reconnect.
 const NO_FAULT = /GPU stall|GL Driver Message|ERR_CONNECTION_REFUSED/;
 
-/** Runs a test with { open, kinloop, folder, shoot }; everything is cleared away afterwards, whatever happens. */
+/** Runs a test with { open, kinloop, folder, shoot }; cleans up afterwards in any case. */
 export async function withBrowser(test) {
   const browser = await launch();
   const folder = mkdtempSync(join(tmpdir(), 'kinloop-browser-'));
   const running = [];
   const complaints = [];
 
-  /** A page without a complaint on its console. */
+  /** Opens a page and fails on console errors. */
   const open = async (url, options = {}) => {
     const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, ...options });
     page.on('console', (message) => ['error', 'warning'].includes(message.type()) && complaints.push(message.text()));
@@ -44,7 +44,7 @@ export async function withBrowser(test) {
     await page.goto(url);
     return page;
   };
-  /** Begins `kinloop ARGUMENTS...`. */
+  /** Starts `kinloop ARGUMENTS...`. */
   const kinloop = (...args) => {
     const child = start(args);
     running.push(child);
@@ -75,7 +75,7 @@ function start(args) {
   return child;
 }
 
-/** Asks until the answer is true, and gives it. */
+/** Polls until the answer is truthy, and returns it. */
 export async function until(question, what) {
   const end = Date.now() + PATIENCE_MS;
   while (Date.now() < end) {
@@ -86,7 +86,7 @@ export async function until(question, what) {
   return assert.fail(`never came true: ${typeof what === 'function' ? what() : what}`);
 }
 
-/** What is to be seen on a viewer's page, in figures. */
+/** The displayed state of a viewer page. */
 export function seen(page) {
   return page.evaluate(() => {
     const { world, view, connection } = window.kinloop;
@@ -112,7 +112,7 @@ export function seen(page) {
   });
 }
 
-/** How many pixels of a canvas are not empty. */
+/** The number of nonempty pixels of a canvas. */
 export function paintedPixels(page, selector) {
   return page.evaluate(async (canvas) => {
     const source = document.querySelector(canvas);

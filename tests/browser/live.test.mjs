@@ -1,4 +1,4 @@
-// A run of the simulated Kinect, watched from its first frame to the loop that it closes.
+// A run of the simulated Kinect in the viewer, from its first frame to its loop closure.
 
 import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
@@ -10,8 +10,8 @@ const WAITING = ['--set', 'viewer.paused=true', '--set', 'sim.width=320', '--set
 const FEW_FRAMES = 60;
 const frame = ({ facts }) => Number(facts.match(/frame\s+(\d+)/)?.[1]);
 
-// What needs a run that stands still comes first: a page may draw so slowly that a run which goes on is over before the
-// page can hold it.
+// Tests that need a paused run come first: with slow rendering, a run may be over before the page can pause
+// it.
 await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const out = join(folder, 'out');
   const run = kinloop('run', 'sim:room', '-o', out, '--viewer=0', ...WAITING);
@@ -29,7 +29,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   await until(async () => frame(await seen(other)) === FEW_FRAMES, 'the other browser sees the same');
   assert.ok((await seen(other)).badge.includes('paused'));
 
-  // The line breaks: the page comes back, keeps what it has and gets only the rest.
+  // The connection breaks: the page reconnects, keeps its data and receives only the rest.
   const whole = await seen(page);
   await page.evaluate(() => window.kinloop.connection.socket.close());
   await until(() => page.evaluate(() => window.kinloop.connection.socket.readyState === WebSocket.OPEN), 'it comes back');
@@ -38,15 +38,15 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   assert.ok(rest.points >= whole.points, 'it keeps what it has');
   assert.ok(rest.bytes - whole.bytes < whole.bytes / 4, `${rest.bytes - whole.bytes} bytes after ${whole.bytes}`);
 
-  // A browser that comes late, or back, gets all there is.
+  // A browser that connects late, or reconnects, receives everything.
   await other.reload();
   await until(async () => (await seen(other)).points === (await seen(page)).points, 'a late browser gets the whole map');
 
-  // The map is saved as it is, while the run is paused.
+  // The current map can be saved while the run is paused.
   await page.click('#save');
   await until(() => existsSync(join(out, 'map.ply')), 'the map is saved on demand');
 
-  // It goes on: the cloud grows, the camera moves, the images come.
+  // The run continues: the cloud grows, the camera moves, images arrive.
   const before = await seen(page);
   await page.keyboard.press(' ');
   await until(async () => (await seen(page)).points > 2 * before.points, 'the cloud grows');
@@ -58,7 +58,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     await until(async () => (await paintedPixels(page, picture)) > 5000, `${picture} is painted`);
   }
 
-  // The eye follows the camera, and the colours change.
+  // The viewpoint follows the camera, and the colours change.
   await page.check('[name=camera][value=follow]');
   const eye = (await seen(page)).eye;
   await until(async () => Math.hypot(...(await seen(page)).eye.map((x, i) => x - eye[i])) > 0.1, 'the eye follows');
@@ -68,7 +68,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   await page.check('[name=camera][value=orbit]');
   await page.click('#reset');
 
-  // The loop is closed, and one sees it.
+  // The loop closure is displayed.
   await until(async () => (await seen(page)).loops > 0, 'a loop is closed');
   assert.equal((await seen(page)).flash, 'on', 'the page tells of the loop');
   await shoot(page, 'live-loop');

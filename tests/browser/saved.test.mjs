@@ -1,4 +1,4 @@
-// kinloop view and the report of a run, of a simulated room.
+// kinloop view and the report of a run in a simulated room.
 
 import assert from 'node:assert/strict';
 import { readFileSync, statSync } from 'node:fs';
@@ -15,7 +15,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   assert.equal(await kinloop('run', 'sim:room', '-q', '-o', out, ...FAST).ended, 0);
   await kinloop('run', 'sim:room', '-q', '--no-loop', '-o', plain, ...FAST).ended;
 
-  // The report: from disk, without network, in the light, in the dark and on a phone.
+  // The report: from disk, without a network, in light and dark mode and on a phone.
   const report = join(out, 'report.html');
   assert.ok(statSync(report).size < MOST_BYTES, `${statSync(report).size} bytes`);
   for (const [name, options] of Object.entries({
@@ -35,7 +35,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     await page.close();
   }
 
-  // On paper: no canvas, at most four loops, four sheets.
+  // In print: no canvas, at most four loops, four sheets.
   const paper = await open(pathToFileURL(report).href, { viewport: { width: 794, height: 1123 } });
   assert.equal(await paper.locator('h1').textContent(), 'sim:room');
   assert.match(await paper.locator('.loops figcaption').first().textContent(), /cameras [\d.]+ m and [\d.]+\u00b0 apart.*median error [\d.]+ px/);
@@ -48,7 +48,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   await shoot(paper, 'report-print', { fullPage: true });
   await paper.close();
 
-  // Two runs and somebody else's trajectory, side by side.
+  // Two runs and a trajectory of another system, compared.
   const comparison = join(folder, 'comparison.html');
   assert.equal(await kinloop('report', out, plain, join(plain, 'trajectory.txt'), '-o', comparison).ended, 0);
   assert.ok(readFileSync(comparison).length < MOST_BYTES);
@@ -57,7 +57,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   assert.deepEqual(columns, ['', 'out', 'no_loop', 'trajectory.txt']);
   await shoot(side, 'comparison', { fullPage: true });
 
-  // kinloop view DIR, a map file, and a cloud alone.
+  // kinloop view DIR, a map file, and a single cloud.
   const [map, cloud] = [join(out, 'map.kinmap'), join(out, 'map.ply')];
   for (const what of [out, map, cloud]) {
     const page = await open(await kinloop('view', what, '--port', '0').url());

@@ -19,13 +19,13 @@ using test::usage_error;
 using testing::HasSubstr;
 
 cv::Mat still_of(const Board& board, const Eigen::Vector3d& tilt) {
-  PinholeCamera camera;  // without distortion it is drawn quickly
+  PinholeCamera camera;  // fast to draw without distortion
   camera.width = 512, camera.height = 424;
   camera.fx = camera.fy = 366, camera.cx = 255, camera.cy = 211;
   return test::in_8_bits(test::picture(camera, test::board_at({0.01, 0, 0.5}, tilt, board), board));
 }
 
-/// A folder with stills of a board, tilted to different sides.
+/// A folder with images of a board, tilted in different directions.
 class BoardSizes : public testing::Test {
  protected:
   void write_stills(const Board& board) {

@@ -27,7 +27,7 @@ BoardView seen_at(const SE3& T_camera_board) {
   return test::view_of(color_camera(), T_camera_board, small_board(), "");
 }
 
-/// A board in the middle, at arm's length, facing the camera but for `tilt`.
+/// A board in the centre, at arm's length, facing the camera except for `tilt`.
 SE3 tilted(double about_x, double about_y) {
   return board_at({0, 0, 0.45}, {about_x, about_y, 0}, small_board());
 }
@@ -39,7 +39,7 @@ TEST(CaptureGuide, EstimatesTheBoardPlacement) {
   EXPECT_NEAR(placement->tilt_deg.y(), 0, 8);
   const auto right_away = [](const BoardView& view) {
     const auto side = [&](size_t a, size_t b) { return (view.pixels[a] - view.pixels[b]).norm(); };
-    return side(0, 30) > side(4, 34);  // the left column of corners looks longer than the right one
+    return side(0, 30) > side(4, 34);  // the left column of corners appears longer than the right one
   };
   EXPECT_EQ(placement->tilt_deg.x() > 0, right_away(seen_at(tilted(0, 0.5))));
   EXPECT_NEAR(placement->center.x(), 0.51, 0.03);
@@ -58,7 +58,7 @@ TEST(CaptureGuide, KeepsAStationaryBoardOnce) {
   EXPECT_EQ(guide.kept(), 1U);
 }
 
-/// Does what the hint says, a little different each time.
+/// Follows the hint, slightly differently each time.
 SE3 pose_for(const std::string& hint, Random& random) {
   const double angle = random.uniform(0.35, 0.7), other = random.uniform(-0.2, 0.2);
   if (hint.find("left edge of the board") != std::string::npos) return tilted(other, angle);
@@ -99,7 +99,7 @@ TEST(CaptureGuide, FollowingItsHintsConstrainsTheIntrinsics) {
   EXPECT_NEAR(c.camera.fx, color_camera().fx, 0.005 * color_camera().fx);
 }
 
-/// A frame of both cameras, blurred as the colour camera may be.
+/// A frame of both cameras, with optional blur of the colour image.
 RgbdFrame shot(double blur_px = 0) {
   const SE3 at = board_at({0.02, -0.01, 0.5}, {0.3, -0.3, 0.2}, small_board());
   const cv::Mat drawn = test::picture(infrared_camera(), at, small_board());

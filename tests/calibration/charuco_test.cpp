@@ -23,7 +23,7 @@ Board charuco_board(const std::string& dictionary = "DICT_4X4_50") {
   return parse_board("charuco:7x5:" + dictionary, 0.04, 0.028);
 }
 
-/// The picture of the board; places for which `hidden` holds are grey.
+/// Draws the board; parts for which `hidden` returns true are grey.
 template <class Hidden>
 cv::Mat charuco_picture(const SE3& T_camera_board, const Hidden& hidden) {
   constexpr int kSquarePx = 80;

@@ -105,7 +105,7 @@ TEST(ParseBoard, TakesInnerCorners) {
   EXPECT_THAT(usage_error([] { parse_board("5x7", 0); }), HasSubstr("--square"));
 }
 
-/// The stills of a real Kinect 2 beside the other tool's result (reference_color.yaml).
+/// The images of a real Kinect 2, compared with another tool's result (reference_color.yaml).
 TEST(RealKinect2, ColorIsTheReferencesWithinItsDeviations) {
   const auto folder = test::shared_data("kinect2_checkerboard/sync");
   KINLOOP_SKIP_WITHOUT(folder);

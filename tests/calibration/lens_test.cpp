@@ -57,14 +57,15 @@ TEST(CalibrateLens, TheCovarianceIsThatOfTheErrors) {
     sum += test::squared_deviations(c, color_camera()) / kTrials;
     dependence += c.sigma_inflation / kTrials;
   }
-  // The mean of 60 chi-squares of 9 degrees has a deviation of 0.55; `dependence` only ever widens.
+  // The mean of 60 chi-squares with 9 degrees of freedom has a deviation of 0.55; `dependence` only widens
+  // it.
   EXPECT_LT(sum, kLensParameters + 2);
   EXPECT_GT(sum, kLensParameters * 0.5);
   EXPECT_LT(dependence, 1.35);
 }
 
-/// Boards that are not flat: each bent by some tenths of a millimetre along one way. All corners of a view
-/// then err together.
+/// Boards that are not flat: each bent by some tenths of a millimetre in one direction, so that the errors of
+/// all corners of a view are correlated.
 std::vector<BoardView> views_of_bent_boards(uint64_t seed, double bend_m) {
   Random random(seed);
   std::vector<BoardView> views;
@@ -128,7 +129,8 @@ TEST(CalibrateLens, AgreesWithOpenCvOnTheSameCorners) {
 TEST(CalibrateLens, LeavesOutAndNamesViewsThatDoNotAgree) {
   auto views = random_views(color_camera(), 16, 0.1, 6);
   std::swap(views[3].pixels[0], views[3].pixels[20]);
-  for (auto& pixel : views[11].pixels) pixel.x() += 1e-4 * pixel.y() * pixel.y();  // as if the shutter rolled
+  for (auto& pixel : views[11].pixels)
+    pixel.x() += 1e-4 * pixel.y() * pixel.y();  // as with a rolling shutter
   const LensCalibration c = calibrate_lens(views);
   ASSERT_EQ(c.rejected.size(), 2U);
   EXPECT_EQ(c.rejected[0].name, "view3");

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures of boards, drawn as a camera with known pose and distortion sees them.
+// Renders boards as seen by a camera with known pose and distortion.
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 
 namespace kinloop::test {
 
-/// What a camera sees of a plane: each pixel averages 4 x 4 looks at `grey`, a function of the place on the
-/// plane in metres.
+/// Renders a plane: each pixel averages 4 x 4 samples of `grey`, a function of the position on the plane in
+/// metres.
 template <class Grey>
 cv::Mat render_plane(const PinholeCamera& camera, const SE3& T_camera_board, const Grey& grey) {
   constexpr int kSamples = 4;
@@ -44,14 +44,14 @@ inline cv::Mat picture(const PinholeCamera& camera, const SE3& T_camera_board, c
   });
 }
 
-/// As a camera of 8 bits gives it.
+/// Converts to the 8 bits of a camera.
 inline cv::Mat in_8_bits(const cv::Mat& picture) {
   cv::Mat gray;
   picture.convertTo(gray, CV_8UC1, 180, 40);
   return gray;
 }
 
-/// Largest distance of a corner found from the nearest true one (a board may be read turned).
+/// Largest distance of a detected corner from the nearest true one (the board may be detected rotated).
 inline double largest_error_px(const BoardView& found, const BoardView& truth) {
   double largest = 0;
   for (const auto& pixel : found.pixels) {

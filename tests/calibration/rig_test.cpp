@@ -106,7 +106,7 @@ TEST(CalibrateRig, NeedsTwoPairs) {
               HasSubstr("only 1"));
 }
 
-/// Depth of the plane behind the board, `less_m` too near.
+/// Depth of the plane of the board, too small by `less_m`.
 cv::Mat depth_of(const SE3& T_depth_board, double less_m, double noise_m, uint64_t seed) {
   const PinholeCamera camera = infrared_camera();
   Random random(seed);

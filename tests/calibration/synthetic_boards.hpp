@@ -1,5 +1,5 @@
 #pragma once
-// Boards with known poses before known cameras.
+// Boards with known poses in front of known cameras.
 
 #include <cmath>
 #include <numbers>
@@ -34,7 +34,7 @@ inline PinholeCamera infrared_camera() {
   return c;
 }
 
-/// The board's middle at `middle`, turned by `tilt` (a rotation vector) from facing the camera.
+/// The board with its centre at `middle`, rotated by `tilt` (a rotation vector) from facing the camera.
 inline SE3 board_at(const Eigen::Vector3d& middle, const Eigen::Vector3d& tilt, const Board& board) {
   const Eigen::Quaterniond rotation = exp_so3(tilt);
   const Eigen::Vector3d own_middle((board.columns - 1) * board.square_m / 2,
@@ -42,7 +42,7 @@ inline SE3 board_at(const Eigen::Vector3d& middle, const Eigen::Vector3d& tilt, 
   return {rotation, middle - rotation * own_middle};
 }
 
-/// A pose in view of a camera, tilted by up to `max_tilt_deg` to any side.
+/// A pose in view of the camera, tilted by up to `max_tilt_deg` in any direction.
 inline SE3 random_pose(Random& random, const Board& board, double max_tilt_deg = 45) {
   const double side = random.uniform(0, 2 * std::numbers::pi);
   const double tilt = random.uniform(0, max_tilt_deg) * std::numbers::pi / 180;
@@ -80,8 +80,8 @@ inline std::vector<BoardView> random_views(const PinholeCamera& camera, int coun
   return views;
 }
 
-/// Squared distance of the estimate from the truth in units of its covariance, over the first `count`
-/// parameters; about `count` on average where the covariance is right.
+/// Squared deviation of the estimate from the truth in units of its covariance, over the first `count`
+/// parameters; about `count` on average if the covariance is right.
 inline double squared_deviations(const LensCalibration& c, const PinholeCamera& truth,
                                  int count = kLensParameters) {
   const Eigen::VectorXd error = (lens_parameters(c.camera) - lens_parameters(truth)).head(count);

@@ -15,7 +15,7 @@ using test::view_of_wall;
 
 constexpr double kPaintedWallZ_m = 1.8;
 
-/// Colours of the wall: patches of 7 cm, red, green and blue each between 60 and 140.
+/// Colours of the wall: patches of 7 cm; red, green and blue each between 60 and 140.
 cv::Vec3b wall_color(const Eigen::Vector3d& p) {
   constexpr double kPatch_m = 0.07;
   const auto cell = (p / kPatch_m).array().floor().cast<int64_t>().eval();
@@ -25,7 +25,7 @@ cv::Vec3b wall_color(const Eigen::Vector3d& p) {
   return {blue, green, red};
 }
 
-/// Views of a painted wall by a camera that passes by.
+/// Views of a painted wall by a passing camera.
 struct ExposureScene {
   std::vector<RgbdImages> images;
   std::vector<PosedImage> views;
@@ -69,7 +69,7 @@ SE3 pose(size_t i) {
   return {exp_so3({0.02 * t, 0.04 * t, 0.1 * t}), {0.15 * t, 0.02 * t, 0}};
 }
 
-/// Factors of red, green and blue of view `i`: an exposure and a white balance.
+/// Gains of red, green and blue of view `i`: an exposure and a white balance.
 Eigen::Vector3d true_gain(size_t i) {
   Random random(77 + i);
   const double exposure = std::exp(0.35 * random.gaussian());
@@ -124,7 +124,7 @@ TEST(ColorGains, ColourChangingObjectsAreDownweighted) {
   ExposureScene scene;
   for (size_t i = 0; i < 6; ++i) {
     scene.add(pose(0), {1, 1, 1});
-    // A screen, a fifth of the picture, that lights up.
+    // A screen, a fifth of the image, that lights up.
     if (i >= 3) scene.images.back().color(cv::Rect(40, 20, 64, 60)).setTo(cv::Scalar(230, 230, 230));
   }
   for (const auto& gain : scene.gains()) EXPECT_LT((gain.array() - 1).abs().maxCoeff(), 0.03F);
@@ -137,7 +137,7 @@ TEST(ColorGains, UndoExposureChanges) {
   const auto truth = steady.cloud(false);
   const auto error_of = [&](const ColoredCloud& cloud) {
     EXPECT_EQ(cloud.points, truth.points);
-    // A common factor is nobody's fault.
+    // A common factor is not observable.
     const auto count = static_cast<double>(cloud.size());
     double spread = 0;
     for (size_t k = 0; k < 3; ++k) {

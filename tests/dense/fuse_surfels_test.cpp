@@ -37,7 +37,7 @@ struct Scene {
   }
 };
 
-/// A wall that a camera passes by.
+/// A wall seen by a passing camera.
 Scene views_of_wall(size_t count) {
   Scene scene;
   for (size_t i = 0; i < count; ++i) {
@@ -48,7 +48,7 @@ Scene views_of_wall(size_t count) {
   return scene;
 }
 
-/// Puts a square of the image, 40 px wide, to another depth and colour.
+/// Replaces a square of the image, 40 px wide, by another depth and colour.
 RgbdImages with_person(const RgbdImages& seen, float depth_m) {
   RgbdImages images{seen.color.clone(), seen.depth_m.clone()};
   const cv::Rect where(60, 40, 40, 40);
@@ -153,7 +153,7 @@ TEST(FuseSurfels, CarvesAwayMovingObjectsOnly) {
     DenseOptions keep;
     keep.carve = false;
     EXPECT_GT(count_near(scene.fused(keep), 1.2F), 500U);
-    // What stood behind is there either way.
+    // The background is there either way.
     EXPECT_EQ(count_near(scene.fused(), 2.5F), count_near(scene.fused(keep), 2.5F));
   }
 }
@@ -192,7 +192,7 @@ TEST(FuseSurfels, GivesTheSameBytesWithAnyNumberOfThreads) {
 
 TEST(FuseSurfels, SlabsDoNotChangeTheBytes) {
   Scene scene = views_of_wall(9);
-  // Oblique to all axes, so that it can be divided.
+  // Oblique to all axes, so that it can be split into slabs.
   const SE3 T_new_world{exp_so3({0.5, 0.7, 0.2}), {1, 2, -3}};
   for (auto& view : scene.views) view.T_world_camera = T_new_world * view.T_world_camera;
   DenseOptions little;
@@ -222,7 +222,7 @@ TEST(FuseSurfels, TheMapOfGoodViewsIsNeverEmpty) {
 TEST(FuseSurfels, KeepsSurfacesOnlyOneViewCovered) {
   Scene scene = views_of_wall(1);
   const size_t one = scene.fused().size();
-  // A second one that looks elsewhere adds what it sees and takes nothing away.
+  // A second view in another direction adds points and removes none.
   const SE3 T_world_camera{exp_so3({0, 0, 0}), {5, 0, 0}};
   scene.add(view_of_wall(small_camera(), T_world_camera, kWallZ_m, {30, 100, 200}), T_world_camera);
   EXPECT_NEAR(static_cast<double>(scene.fused().size()), 2.0 * static_cast<double>(one),
@@ -289,7 +289,7 @@ TEST(FuseSurfels, ViewsOfARealKitchenAgree) {
   DenseOptions once;
   once.min_observations = 1;
   const auto seen = scene.fused(once, 2), again = scene.fused({}, 2);
-  // A good half of what overlapping views see falls into the same centimetres.
+  // More than half of what overlapping views see falls into the same cells of some centimetres.
   EXPECT_GT(again.size(), 10000U);
   EXPECT_GT(2.5 * static_cast<double>(again.size()), static_cast<double>(seen.size()));
 }

@@ -93,7 +93,7 @@ TEST(ImageSurfels, OutsideTheRangeThereIsNothing) {
 TEST(ImageSurfels, FlyingPixelsBetweenTwoSurfacesAreLeftOut) {
   auto images = view_of_wall(small_camera(), {}, 3, {});
   images.depth_m.colRange(0, 80).setTo(1.0F);
-  images.depth_m.col(80).setTo(2.0F);  // neither here nor there
+  images.depth_m.col(80).setTo(2.0F);  // an intermediate depth
   for (const auto& point : extract(images).points) {
     const float z = 1 / point.inverse_depth;
     EXPECT_TRUE(std::abs(z - 1) < 0.01F || std::abs(z - 3) < 0.01F) << z;
@@ -102,7 +102,7 @@ TEST(ImageSurfels, FlyingPixelsBetweenTwoSurfacesAreLeftOut) {
 
 TEST(ImageSurfels, SurfacesSeenAtAGrazingAngleAreLeftOut) {
   for (const auto& [angle_deg, seen] : {std::pair(60.0, true), std::pair(87.0, false)}) {
-    // A wall through (0, 0, 1.5) m that is turned about the image's columns.
+    // A wall through (0, 0, 1.5) m, rotated about the image's columns.
     RgbdImages images{cv::Mat(120, 160, CV_8UC3, cv::Scalar::all(9)), cv::Mat(120, 160, CV_32FC1)};
     for (int col = 0; col < 160; ++col) {
       const double x = (col - 79.5) / 130;

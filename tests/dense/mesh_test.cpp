@@ -16,8 +16,8 @@ using test::small_camera;
 constexpr double kRadiusM = 0.3;
 const Eigen::Vector3d kCenter(0, 0, 1.5);
 
-/// Looks at the ball in front of a wall (z = 2.2 in the world) from the given side. The ball is red, the
-/// wall blue.
+/// Renders the ball in front of a wall (z = 2.2 in the world) from the given pose. The ball is red, the wall
+/// blue.
 RgbdImages look(const SE3& T_world_camera, bool with_ball, double noise_share, Random& random) {
   const PinholeCamera camera = small_camera();
   RgbdImages images{cv::Mat(camera.height, camera.width, CV_8UC3, cv::Scalar(200, 30, 30)),
@@ -188,7 +188,7 @@ TEST(PointColors, TheSharpestImageMakesTheColour) {
                                          {images.add({sharp, depth_m}), {}}};
   const Eigen::Vector3f unseen(0, 0, -1);
   const Eigen::Vector3f point =
-      small_camera().unproject({76, 60}, 1.0).cast<float>();  // within a light square
+      small_camera().unproject({76, 60}, 1.0).cast<float>();  // inside a light square
   const std::vector<Eigen::Vector3f> points = {point, unseen}, normals(2, Eigen::Vector3f(0, 0, -1));
   const auto colors = color_points(points, normals, images, views, small_camera(), 1);
   EXPECT_GT(colors[0][0], 200);
@@ -207,7 +207,7 @@ TEST(UsableDepth, EdgesAndFarDepthAreNotUsed) {
   EXPECT_EQ(usable.at<uint8_t>(0, 5), 0);
 }
 
-/// A camera 1 m above a floor, looking ahead and down; a box of 0.4 m stands 1.5 m ahead. z is up here.
+/// A camera 1 m above a floor, looking ahead and down; a box of 0.4 m stands 1.5 m ahead. Here z is up.
 BallScene floor_scene() {
   BallScene scene;
   const PinholeCamera camera = small_camera();

@@ -1,5 +1,5 @@
 #pragma once
-// A camera before a wall, as truth for the dense room.
+// A camera in front of a wall: ground truth for the dense map.
 
 #include <opencv2/core.hpp>
 
@@ -12,14 +12,14 @@ inline PinholeCamera small_camera() {
   return {.width = 160, .height = 120, .fx = 130, .fy = 131, .cx = 79.5, .cy = 60.2};
 }
 
-/// A lens as bad as that of TUM's freiburg1.
+/// A lens with as much distortion as that of TUM's freiburg1.
 inline PinholeCamera distorted_camera() {
   auto camera = small_camera();
   camera.k1 = 0.26, camera.k2 = -0.95, camera.p1 = -0.005, camera.p2 = 0.003, camera.k3 = 1.16;
   return camera;
 }
 
-/// What the camera sees of the wall world z = `wall_z_m`, which is of one colour.
+/// Renders the wall world z = `wall_z_m`, in a single colour.
 inline RgbdImages view_of_wall(const PinholeCamera& camera, const SE3& T_world_camera, double wall_z_m,
                                const cv::Vec3b& bgr) {
   RgbdImages images{cv::Mat(camera.height, camera.width, CV_8UC3, cv::Scalar(bgr[0], bgr[1], bgr[2])),

@@ -58,7 +58,7 @@ class BagTest : public testing::Test {
  protected:
   [[nodiscard]] std::filesystem::path path() const { return folder.path() / "test.bag"; }
 
-  /// A bag with what `fill` writes into it.
+  /// A bag with the messages written by `fill`.
   template <class Fill>
   void write(const Fill& fill) {
     rosbag::Bag bag(path().string(), rosbag::bagmode::Write);
@@ -108,7 +108,7 @@ TEST_F(BagTest, SkipsAndCountsWhatItCannotUse) {
       add(bag, kColor, stamp, test::make_color(1), i == 2 ? "yuv422" : "bgr8");
       add(bag, kDepth, stamp, test::make_depth(1000), "16UC1");
     }
-    add(bag, kColor, 300'000'000, test::make_color(2), "bgr8");  // time goes backwards
+    add(bag, kColor, 300'000'000, test::make_color(2), "bgr8");  // time decreases
     add(bag, kColor, 600'000'000, test::make_color(3, CV_8UC3, {16, 12}), "bgr8");
   });
   const auto source = open_bag(path(), {});

@@ -35,7 +35,7 @@ TEST(DeviceClock, DoesNotGatherRoundingErrors) {
 }
 
 TEST(DeviceClock, RestartsWithTheTimeOfDay) {
-  DeviceClock clock(1e12);  // a tick lasts so long that the counter's way cannot be taken for the day's
+  DeviceClock clock(1e12);  // ticks so long that the counter cannot be confused with the time of day
   const int64_t first = clock.stamp_ns(1000);
   clock.restart();
   const int64_t second = clock.stamp_ns(5);

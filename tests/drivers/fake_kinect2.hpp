@@ -1,5 +1,5 @@
 #pragma once
-// A Kinect 2 without hardware, and libfreenect2's replay of its depth packets.
+// A fake Kinect 2, and libfreenect2's replay of its depth packets.
 
 #include <condition_variable>
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace kinloop::test {
 
-/// The parameters of a plain pinhole.
+/// The parameters of an undistorted pinhole camera.
 inline libfreenect2::Freenect2Device::IrCameraParams infrared_params() {
   libfreenect2::Freenect2Device::IrCameraParams p{};
   p.fx = p.fy = 365;
@@ -21,7 +21,7 @@ inline libfreenect2::Freenect2Device::IrCameraParams infrared_params() {
   return p;
 }
 
-/// libfreenect2's polynomial for two pinhole cameras `baseline_mm` apart, looking the same way.
+/// libfreenect2's polynomial for two parallel pinhole cameras `baseline_mm` apart.
 inline libfreenect2::Freenect2Device::ColorCameraParams color_params(float baseline_mm) {
   constexpr float kDepthQ = 0.01F, kColorQ = 0.002199F;  // its fixed-point factors
   libfreenect2::Freenect2Device::ColorCameraParams p{};
@@ -34,7 +34,7 @@ inline libfreenect2::Freenect2Device::ColorCameraParams color_params(float basel
   return p;
 }
 
-/// Gives its listener what `play` gives when it is started, and then nothing more, as if it were unplugged.
+/// Passes the frames of `play` to its listener when started, and then nothing more, as if unplugged.
 class FakeKinect2 : public libfreenect2::Freenect2Device {
  public:
   using Play = std::function<void(libfreenect2::FrameListener&)>;
@@ -70,7 +70,7 @@ class FakeKinect2 : public libfreenect2::Freenect2Device {
   libfreenect2::FrameListener* listener_ = nullptr;
 };
 
-/// Hands frames on and tells when the depth image was there.
+/// Passes frames on and signals the arrival of the depth image.
 class Arrival : public libfreenect2::FrameListener {
  public:
   explicit Arrival(libfreenect2::FrameListener& to) : to_(to) {}
@@ -93,11 +93,11 @@ class Arrival : public libfreenect2::FrameListener {
   bool arrived_ = false;
 };
 
-/// Has libfreenect2's replay decode the packet in the file, and returns when `listener` had its depth image;
-/// false when none came. libfreenect2 0.2's replay cannot be stopped after a packet: its thread waits for
-/// ever in PoolAllocatorImpl::allocate for one of two buffers, of which the stream parser has one and the
-/// packet, which nobody gives back, the other; stop() and the destructor join it. So each packet gets a
-/// replay of its own, which is left waiting.
+/// Decodes the packet in the file with libfreenect2's replay, and returns when `listener` has received its
+/// depth image; false if none came. libfreenect2 0.2's replay cannot be stopped after a packet: its thread
+/// waits for ever in PoolAllocatorImpl::allocate for one of two buffers, one of which is held by the stream
+/// parser and the other by the packet, which is never released; stop() and the destructor join the thread. So
+/// each packet gets its own replay, which is left waiting.
 inline bool replay_packet(const std::string& file, libfreenect2::FrameListener& listener) {
   struct Replay {
     explicit Replay(libfreenect2::FrameListener& to) : arrival(to) {}

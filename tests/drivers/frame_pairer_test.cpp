@@ -12,7 +12,7 @@ namespace {
 
 constexpr int64_t kMs = 1'000'000;
 
-/// An image that can be told by its number.
+/// An image that encodes its number.
 cv::Mat numbered(int64_t number) {
   return {1, 1, CV_32SC1, cv::Scalar(static_cast<double>(number))};
 }

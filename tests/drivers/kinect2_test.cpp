@@ -33,7 +33,7 @@ using testing::HasSubstr;
 
 TEST(Kinect2, TheFactorysPolynomialBecomesARigidMotion) {
   const RgbdCamera camera = factory_camera(color_params(52), infrared_params());
-  // Out of the mirror the colour camera is to the other side of the depth camera.
+  // Unmirrored, the colour camera is on the other side of the depth camera.
   EXPECT_LT((camera.T_color_depth.translation - Eigen::Vector3d(-0.052, 0, 0)).norm(), 5e-4);
   EXPECT_LT(camera.T_color_depth.angle_rad(), 5e-4);
   EXPECT_EQ(camera.color.width, 1920);
@@ -41,7 +41,7 @@ TEST(Kinect2, TheFactorysPolynomialBecomesARigidMotion) {
   EXPECT_NEAR(camera.depth->cx, 511 - 257, 1e-3);
 }
 
-/// A smooth scene with a step, as the depth camera sees it, mm.
+/// A smooth scene with a step, as seen by the depth camera, mm.
 cv::Mat scene_mm() {
   cv::Mat depth(424, 512, CV_32FC1);
   for (int y = 0; y < depth.rows; ++y) {
@@ -59,7 +59,7 @@ TEST(Kinect2, RegistrationAgreesWithLibfreenect2) {
   Frame undistorted(512, 424, 4), registered(512, 424, 4), big(1920, 1082, 4);
   const libfreenect2::Registration theirs(infrared_params(), color_params(52));
   theirs.apply(&rgb, &depth, &undistorted, &registered, true, &big);
-  // Its big image has a row above and one below colour's.
+  // Its large image has one more row than colour at the top and at the bottom.
   cv::Mat their_depth = cv::Mat(1082, 1920, CV_32FC1, big.data).rowRange(1, 1081) / 1000;
   cv::flip(their_depth, their_depth, 1);
 
@@ -103,7 +103,7 @@ TEST(Kinect2Listener, TurnsMirroredFramesRoundAndCountsFaultyOnes) {
   EXPECT_EQ(frame->depth_m.at<float>(7, 511), 0);
   EXPECT_EQ(frame->depth_m.at<float>(7, 510), 0);
 
-  color.timestamp = depth.timestamp = 10;  // 266 ticks of 0.125 ms later, past the counter's end
+  color.timestamp = depth.timestamp = 10;  // 266 ticks of 0.125 ms later, past the counter's wrap-around
   listener.onNewFrame(Frame::Depth, &depth);
   listener.onNewFrame(Frame::Color, &color);
   const auto later = frames.wait(milliseconds(10));
@@ -147,8 +147,8 @@ TEST(Kinect2Source, GivesBothCamerasApartForCalibration) {
   EXPECT_EQ(source.camera().depth->width, 512);
 }
 
-/// libfreenect2's replay takes the time stamp from the beginning of the path, so that the packets must lie in
-/// the working folder.
+/// libfreenect2's replay takes the time stamp from the beginning of the path, so the packets must be in the
+/// working folder.
 class Kinect2Replay : public testing::Test {
  protected:
   Kinect2Replay() : before_(std::filesystem::current_path()) {
@@ -156,7 +156,7 @@ class Kinect2Replay : public testing::Test {
   }
   ~Kinect2Replay() override { std::filesystem::current_path(before_); }
 
-  /// A raw depth packet, ten images of 11 bits a pixel, of the device's time `ticks`.
+  /// A raw depth packet, ten images of 11 bits per pixel, at device time `ticks`.
   [[nodiscard]] std::string packet(uint32_t ticks) const {
     constexpr size_t kBytes = 10 * 512 * 424 * 11 / 8;
     std::string bytes(kBytes, '\0');
@@ -166,7 +166,7 @@ class Kinect2Replay : public testing::Test {
     return name;
   }
 
-  /// A device that gives one colour image and the replay's depth image of the same time.
+  /// A device that sends one colour image and the replay's depth image of the same time.
   [[nodiscard]] Kinect2Handle device(uint32_t ticks) const {
     const auto fake = std::make_shared<test::FakeKinect2>([this, ticks](libfreenect2::FrameListener& to) {
       Frame color(1920, 1080, 4);
@@ -186,7 +186,7 @@ class Kinect2Replay : public testing::Test {
 
 TEST_F(Kinect2Replay, SurvivesUnpluggingAndReplugging) {
   libfreenect2::setGlobalLogger(nullptr);
-  // Plugged in again, a device counts its time from somewhere else.
+  // After plugging in again, a device's clock restarts.
   std::deque<uint32_t> plugged_in = {500'000, 1266};
   const auto open = [&]() -> Kinect2Handle {
     if (plugged_in.empty()) throw InputError("unplugged");
@@ -222,7 +222,7 @@ TEST_F(Kinect2Replay, PlaysWhatWasRecordedRaw) {
   };
   const auto fake = std::make_shared<test::FakeKinect2>([&](libfreenect2::FrameListener& to) {
     std::string depth = bytes;
-    give(to, Frame::Ir, depth, 1000, 7);  // the dump pipeline gives each depth packet twice
+    give(to, Frame::Ir, depth, 1000, 7);  // the dump pipeline sends each depth packet twice
     give(to, Frame::Depth, depth, 1000, 7);
     give(to, Frame::Color, jpeg, 1003, 40);
     give(to, Frame::Depth, depth, 1533, 9);

@@ -28,7 +28,7 @@ class NumberedSource : public FrameSource {
   int64_t at_ = 0;
 };
 
-/// A consumer that takes `work_s` for a frame, on a clock of its own.
+/// A consumer that takes `work_s` per frame, on a simulated clock.
 struct Replay {
   std::vector<int64_t> taken;
   std::vector<double> taken_at_s;
@@ -67,7 +67,7 @@ TEST(PacedSource, TheBufferAbsorbsOneSlowFrame) {
 TEST(PacedSource, ASlowConsumerLosesFramesAndStaysCurrent) {
   const Replay result = replay(30, [](int64_t) { return 0.1; });
   EXPECT_EQ(result.taken.size() + result.dropped, 90U);
-  EXPECT_NEAR(static_cast<double>(result.taken.size()), 30, 4);  // a third is all that 0.1 s a frame leaves
+  EXPECT_NEAR(static_cast<double>(result.taken.size()), 30, 4);  // 0.1 s per frame leaves a third
   for (size_t i = 0; i < result.taken.size(); ++i) {
     const double age = result.taken_at_s[i] * 30 - static_cast<double>(result.taken[i]);
     EXPECT_GE(age, -1e-9);

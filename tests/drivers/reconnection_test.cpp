@@ -12,8 +12,7 @@ namespace {
 using std::chrono::milliseconds;
 using testing::ElementsAre;
 
-/// A camera that gives as many frames each time it is opened as `plan` says; fewer than none: it is not
-/// there.
+/// A camera that sends, each time it is opened, the number of frames in `plan`; negative: no camera.
 class FakeCamera {
  public:
   explicit FakeCamera(std::vector<int> plan) : plan_(std::move(plan)) { open(); }

@@ -1,5 +1,5 @@
 #pragma once
-// Small sequences in TUM layout, written into a temporary folder.
+// Small sequences in TUM layout, in a temporary folder.
 
 #include <cstdint>
 #include <string>
@@ -18,7 +18,7 @@ constexpr const char* kSmallCamera =
     "{width: 32, height: 24, fx: 25, fy: 25, cx: 15.5, cy: 11.5, distortion: [0, 0, 0, 0, 0], "
     "depth_scale: 1000, fps: 30}\n";
 
-/// A colour image that can be told from others by `seed`.
+/// A colour image determined by `seed`.
 inline cv::Mat make_color(int seed, int type = CV_8UC3, cv::Size size = {kWidth, kHeight}) {
   cv::Mat image(size, type);
   cv::RNG rng(static_cast<uint64_t>(seed) + 1);

@@ -28,7 +28,7 @@ std::vector<RgbdFrame> read_all(FrameSource& source) {
   return frames;
 }
 
-/// Which of the frames of a SequenceFolder were given, told by their depth.
+/// The indices of the delivered frames of a SequenceFolder, recognised by their depth.
 std::vector<int> indices(const std::vector<RgbdFrame>& frames) {
   std::vector<int> found;
   for (const auto& frame : frames) found.push_back(cvRound(1000 * frame.depth_m.at<float>(0, 0)) - 1000);
@@ -103,7 +103,7 @@ TEST(TumSource, NanInTheGroundTruthIsAnError) {
   EXPECT_THAT(open_error(sequence.path()), AllOf(HasSubstr("groundtruth.txt:2:"), HasSubstr("'nan'")));
 }
 
-/// A sequence of three frames with the middle one spoilt.
+/// A sequence of three frames with the middle one damaged.
 class OneBadFrame : public testing::Test {
  protected:
   void expect_skipped(const std::string& file, const std::string& reason) {

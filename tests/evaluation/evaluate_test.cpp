@@ -17,7 +17,7 @@ namespace {
 constexpr int64_t kFrameNs = 33'000'000;
 constexpr int64_t kStartNs = 1'305'031'910 * kNsPerSecond;
 
-/// A path that winds in all three dimensions and turns.
+/// A winding path in all three dimensions, with rotation.
 SE3 pose_on_path(double t_s) {
   return {exp_so3({0.3 * std::sin(t_s), 0.5 * t_s, 0.2 * std::cos(2 * t_s)}),
           {std::cos(t_s), 0.4 * std::sin(3 * t_s), 0.2 * t_s}};
@@ -172,7 +172,7 @@ TEST(RelativeError, PosesFarFromAnyTruthAreLeftOut) {
   const auto all = relative_pose_error(truth, truth, {1, RpeDelta::Unit::kFrames});
   const auto rest = relative_pose_error(truth, gap, {1, RpeDelta::Unit::kFrames});
   ASSERT_TRUE(all && rest);
-  EXPECT_EQ(all->translation_m.count, 198U);  // the TUM tool leaves out the pair that ends at the last pose
+  EXPECT_EQ(all->translation_m.count, 198U);  // the TUM tool omits the pair that ends at the last pose
   // Truth up to two intervals away still counts: two more poses on either side of the gap.
   EXPECT_EQ(rest->translation_m.count, 198U - 37U);
 }
@@ -211,7 +211,7 @@ TEST(EvaluationJson, HoldsTheFigures) {
   EXPECT_TRUE(to_json(*brief).at("rpe_1s").is_null());
 }
 
-/// What the TUM tools print for an estimate, with the digits they print.
+/// The output of the TUM tools for an estimate, with the digits they print.
 struct KnownFigures {
   const char* estimate;
   const char* truth;

@@ -16,7 +16,7 @@ namespace {
 
 using test::ideal_camera;
 
-/// A wall of clutter 2 m away, and the same seen from 0.2 m to the right: everything moves by 52.5 px.
+/// A cluttered wall 2 m away, seen again from 0.2 m to the right: everything moves by 52.5 px.
 struct TwoViews {
   cv::Mat gray_a, gray_b, depth_m;
   SE3 T_b_a;
@@ -65,7 +65,7 @@ TEST(EvaluatePair, EveryDetectorRepeatsOnAWall) {
   }
 }
 
-/// Four keypoints at known places; only their places matter.
+/// Four keypoints at known positions; only these matter.
 Features at(const std::vector<Eigen::Vector2f>& pixels) {
   Features features;
   features.pixels = features.raw_pixels = pixels;
@@ -76,7 +76,7 @@ TEST(EvaluatePair, CountsWhatTheTruthSays) {
   const Features b = at({{100, 100}, {200, 202}, {300, 310}});
   const GroundTruthPixels true_pixels{Eigen::Vector2d(100, 100), Eigen::Vector2d(200, 200),
                                       Eigen::Vector2d(300, 300), std::nullopt};
-  // Right, 2 px off, 10 px off, and one of which nothing is known.
+  // Correct, 2 px off, 10 px off, and one without ground truth.
   const std::vector<DescriptorMatch> matches{{0, 0, 5}, {1, 1, 6}, {2, 2, 7}, {3, 0, 8}};
   const PairMetrics metrics = evaluate_pair(b, matches, matches, true_pixels);
   EXPECT_EQ(metrics.visible, 3U);
@@ -96,11 +96,10 @@ TEST(GroundTruthPixels, HiddenAndUnknownPointsHaveNone) {
   EXPECT_FALSE(
       ground_truth_pixels_from_motion(a, depth_a, depth_b, ideal_camera(), T_b_a)[2]);  // out of view
   depth_b.setTo(1.0F);
-  EXPECT_FALSE(
-      ground_truth_pixels_from_motion(a, depth_a, depth_b, ideal_camera(), T_b_a)[0]);  // behind something
+  EXPECT_FALSE(ground_truth_pixels_from_motion(a, depth_a, depth_b, ideal_camera(), T_b_a)[0]);  // occluded
   depth_a.setTo(0.0F);
   EXPECT_FALSE(
-      ground_truth_pixels_from_motion(a, depth_a, depth_b, ideal_camera(), T_b_a)[0]);  // of unknown depth
+      ground_truth_pixels_from_motion(a, depth_a, depth_b, ideal_camera(), T_b_a)[0]);  // unknown depth
 }
 
 TEST(Screen, IsFourTimesTheSmallest) {
@@ -110,7 +109,7 @@ TEST(Screen, IsFourTimesTheSmallest) {
   EXPECT_TRUE(filter_by_distance({}, true).empty());
 }
 
-/// Where a match ends, for the wall that moves by 52.5 px.
+/// Whether a match is correct, for the wall that moves by 52.5 px.
 bool is_correct(const DescriptorMatch& match, const Features& a, const Features& b) {
   const Eigen::Vector2f moved = b.pixels[match.b] - a.pixels[match.a];
   return (moved - Eigen::Vector2f(-52.5F, 0)).norm() < 4;

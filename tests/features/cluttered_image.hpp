@@ -22,7 +22,7 @@ inline cv::Mat cluttered_image(uint64_t seed) {
   return image;
 }
 
-/// A camera without distortion whose images are of that size.
+/// An undistorted camera for images of that size.
 inline PinholeCamera ideal_camera() {
   PinholeCamera camera;
   camera.width = 640;

@@ -35,7 +35,7 @@ TEST(Extractor, GivesOneEntryPerKeypoint) {
 
 TEST(Extractor, SpreadsOverDimAndBrightPartsMoreThanOpenCv) {
   cv::Mat image = cluttered_image(2);
-  cv::Mat right = image.colRange(320, 640);  // a quarter of the contrast of the left half: make it half
+  cv::Mat right = image.colRange(320, 640);  // a quarter of the contrast of the left half: double it
   right.convertTo(right, CV_8U, 2);
   const Features f = extract_features(image, cv::Mat(), ideal_camera(), {});
   const auto ours =
@@ -47,7 +47,7 @@ TEST(Extractor, SpreadsOverDimAndBrightPartsMoreThanOpenCv) {
   EXPECT_GT(ours, 2 * theirs);
 }
 
-/// Levels of the pyramid count: each is described as cv::ORB describes an image of its own.
+/// Levels are described separately, each as cv::ORB describes an independent image.
 TEST(Extractor, DescribesEveryLevelAsOpenCvDoes) {
   const cv::Mat image = cluttered_image(3);
   const FeatureOptions options;
@@ -92,7 +92,8 @@ TEST(Extractor, FindsTheSameCornersInAShiftedImage) {
   EXPECT_GT(repeated, static_cast<int>(a.size() * 7 / 10));
 }
 
-/// Corners found again within `radius_px` of where `H` takes them, of those it leaves in the image.
+/// Fraction of the corners redetected within `radius_px` of their position under `H`, among those that stay
+/// in the image.
 double repeatability(const Features& a, const Features& b, const cv::Matx33d& H, float radius_px) {
   int visible = 0, repeated = 0;
   for (const auto& pixel : a.pixels) {
@@ -122,7 +123,7 @@ TEST(Extractor, FindsTheSameCornersInATurnedAndScaledImage) {
   EXPECT_GT(repeatability(a, b, H, 2), 0.6);
 }
 
-/// A smooth spot at a place between pixels is found there, on whatever level.
+/// A smooth blob at a subpixel position is located there, on every level.
 TEST(Extractor, LocatesCornersBetweenPixels) {
   double squared_error = 0;
   int found = 0;
@@ -189,7 +190,7 @@ TEST(DepthAround, AveragesAndRefusesSteps) {
   cv::Mat depth(20, 20, CV_32FC1, cv::Scalar(1.0F));
   depth.at<float>(10, 10) = 1.009F;
   EXPECT_NEAR(average_depth(depth, {10, 10}, 0.04), 1.001F, 1e-5F);
-  depth.at<float>(10, 10) = 0;  // a hole does not spoil its surroundings
+  depth.at<float>(10, 10) = 0;  // a hole does not affect its neighbourhood
   EXPECT_NEAR(average_depth(depth, {10, 10}, 0.04), 1.0F, 1e-6F);
   depth.col(11).setTo(1.5F);
   EXPECT_EQ(average_depth(depth, {10, 10}, 0.04), 0.0F);
@@ -198,7 +199,7 @@ TEST(DepthAround, AveragesAndRefusesSteps) {
   EXPECT_EQ(average_depth(depth, {5, 5}, 0.04), 0.0F);
 }
 
-/// Every kind the build has.
+/// Every kind supported by the build.
 std::vector<std::string> float_kinds() {
   std::vector<std::string> kinds = {"sift"};
   if (surf_available()) kinds.emplace_back("surf");
@@ -250,14 +251,15 @@ TEST(FloatFeatures, DifferentBitsTellTheAngleBetweenDescriptors) {
     b.array() -= b.mean();
     angles.push_back(std::acos(a.dot(b) / (a.norm() * b.norm())));
     for (int d = 0; d < kDimensions; ++d) {
-      rows.at<float>(2 * i, d) = static_cast<float>(a(d)) + 40;  // what all have in common does not matter
+      rows.at<float>(2 * i, d) = static_cast<float>(a(d)) + 40;  // a common offset does not matter
       rows.at<float>(2 * i + 1, d) = static_cast<float>(b(d)) + 25;
     }
   }
   const cv::Mat bits = binarize_descriptors(rows, 1);
   for (int i = 0; i < kPairs; ++i) {
     const double share = hamming_distance(bits.ptr<uint8_t>(2 * i), bits.ptr<uint8_t>(2 * i + 1)) / 256.0;
-    EXPECT_NEAR(share, angles[static_cast<size_t>(i)] / std::numbers::pi, 0.14);  // 4.5 sigma of 256 coins
+    EXPECT_NEAR(share, angles[static_cast<size_t>(i)] / std::numbers::pi,
+                0.14);  // 4.5 sigma of 256 coin tosses
   }
 }
 

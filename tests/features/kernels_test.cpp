@@ -1,4 +1,4 @@
-// The kernels against plain code, on every instruction set that the machine has.
+// The kernels compared with plain code, on every instruction set of the machine.
 
 #include <set>
 
@@ -22,7 +22,7 @@ namespace {
 using test::cluttered_image;
 using test::for_each_simd_target;
 
-/// The definition: the worst pixel of the best arc.
+/// By definition: the worst pixel of the best arc.
 int slow_contrast(const cv::Mat& image, int x, int y) {
   constexpr int kCircle[16][2] = {{0, 3},  {1, 3},   {2, 2},   {3, 1},   {3, 0},  {3, -1}, {2, -2}, {1, -3},
                                   {0, -3}, {-1, -3}, {-2, -2}, {-3, -1}, {-3, 0}, {-3, 1}, {-2, 2}, {-1, 3}};
@@ -91,7 +91,7 @@ TEST(FindCorners, FindsWhatOpenCvFinds) {
   cv::FAST(image, corners, 20, true);
   std::set<std::pair<int, int>> found;
   for (const RawCorner& corner : find_corners(image, 20, 3)) found.insert({corner.x, corner.y});
-  // OpenCV leaves out both of two equal neighbours, we the second.
+  // OpenCV drops both of two equal neighbours, kinloop the second.
   for (const auto& corner : corners) {
     EXPECT_TRUE(found.contains({cvRound(corner.pt.x), cvRound(corner.pt.y)}));
   }
@@ -141,7 +141,7 @@ TEST(Orientation, PointsToTheBrightSide) {
   EXPECT_NEAR(orientation_deg(image.t(), 32, 32), 0, 1);
 }
 
-/// The same keypoints, given to cv::ORB and to us: every bit must be the same.
+/// For the same keypoints, every bit must equal cv::ORB's.
 TEST(SteeredBrief, DescribesAsOpenCvDoes) {
   for (const uint64_t seed : {21, 22, 23}) {
     const cv::Mat image = cluttered_image(seed);
@@ -200,7 +200,7 @@ TEST(NearestKey, TiesGoToTheLowerIndexOnEveryInstructionSet) {
     const uint32_t best = nearest_key(distances, 3, keys.data());
     EXPECT_EQ(index_of_key(best), 7U) << name;
     EXPECT_EQ(distance_of_key(best), 30) << name;
-    nearest_key(distances, 5, keys.data());  // equally near, later: changes nothing
+    nearest_key(distances, 5, keys.data());  // equal distance, larger index: no effect
     for (const uint32_t key : keys) EXPECT_EQ(index_of_key(key), 3U) << name;
   });
 }

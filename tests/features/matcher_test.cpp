@@ -104,7 +104,7 @@ TEST(ProjectionMatching, FindsThePointsBehindTheKeypoints) {
   EXPECT_GT(matches.size(), view.point_of.size() * 95 / 100);
   std::vector<int> uses(view.features->size(), 0);
   for (const Match& match : matches) {
-    EXPECT_EQ(match.a, match.b);  // the view lists the points in the order of its keypoints
+    EXPECT_EQ(match.a, match.b);  // the view lists the points in keypoint order
     EXPECT_EQ(++uses[match.b], 1);
   }
 }

@@ -32,7 +32,7 @@ PinholeCamera without_distortion(PinholeCamera c) {
   return c;
 }
 
-/// Brown's model as the OpenCV manual writes it, independent of the code under test.
+/// Brown's model as in the OpenCV manual, independent of the code under test.
 Eigen::Vector2d distort_by_the_book(const PinholeCamera& c, const Eigen::Vector2d& pixel) {
   const double x = (pixel.x() - c.cx) / c.fx, y = (pixel.y() - c.cy) / c.fy;
   const double r = std::hypot(x, y);
@@ -102,7 +102,8 @@ INSTANTIATE_TEST_SUITE_P(Presets, RealCamera,
                          preset_name);
 
 TEST(PinholeCamera, UndistortFindsTheNearSolution) {
-  // The undistorted image of a real lens is the raw one, slightly bent: no pixel wanders to another branch.
+  // The undistorted image of a real lens is the raw one, slightly deformed: no pixel changes to another
+  // branch.
   const PinholeCamera c = freiburg1();
   for (int v = 0; v < c.height; v += 7) {
     for (int u = 0; u < c.width; u += 7) {

@@ -50,7 +50,7 @@ TEST(HuberLoss, IsQuadraticInsideAndLinearOutside) {
 TEST(HuberLoss, EfficiencyIsThatOfTheMedianAtOneEndAndOfTheMeanAtTheOther) {
   EXPECT_NEAR(huber_efficiency(0), 2 / std::numbers::pi, 1e-12);
   EXPECT_NEAR(huber_efficiency(1e-3), 2 / std::numbers::pi, 1e-3);
-  EXPECT_NEAR(huber_efficiency(1.345), 0.95, 1e-3);  // the textbook's choice
+  EXPECT_NEAR(huber_efficiency(1.345), 0.95, 1e-3);  // the textbook value
   EXPECT_NEAR(huber_efficiency(8), 1, 1e-9);
   EXPECT_EQ(huber_efficiency(std::numeric_limits<double>::infinity()), 1);
 }

@@ -28,7 +28,7 @@ double distance(const SE3& a, const SE3& b) {
   return (a.matrix() - b.matrix()).norm();
 }
 
-/// Twists with rotations from none to just below half a turn, and the places where formulas switch.
+/// Twists with rotations from zero to just below half a turn, including those where formulas switch.
 std::vector<Vector6d> test_twists() {
   Random random(11);
   std::vector<Vector6d> twists = {Vector6d::Zero()};

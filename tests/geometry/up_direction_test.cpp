@@ -14,7 +14,7 @@ using Normals = std::vector<Eigen::Vector3f>;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// A camera in a world with z up, turned by `yaw`, looking down by `pitch`, held askew by `roll`; radians.
+/// A camera in a world with z up, turned by `yaw`, looking down by `pitch`, rolled by `roll`; radians.
 SE3 held(double yaw, double pitch, double roll) {
   Eigen::Matrix3d level;  // looks along world y
   level << 1, 0, 0, 0, 0, 1, 0, -1, 0;
@@ -40,7 +40,7 @@ void add_clutter(Normals& normals, int count, Random& random) {
   }
 }
 
-/// A room seen all around: a floor with tables, some ceiling, walls, furniture turned to the walls and not,
+/// A room seen all around: a floor with tables, some ceiling, walls, furniture aligned with the walls or not,
 /// clutter.
 Normals room(uint64_t seed) {
   Random random(seed);
@@ -57,7 +57,7 @@ Normals room(uint64_t seed) {
   return normals;
 }
 
-/// Once around, looking down a little, rolled by what `roll` gives for a share of the way.
+/// One full turn, looking slightly down, rolled by `roll` as a function of progress.
 template <class Roll>
 std::vector<SE3> once_around(const Roll& roll) {
   std::vector<SE3> cameras;
@@ -165,7 +165,7 @@ TEST(UprightRotation, PutsUpAlongZAndTheFirstViewAlongY) {
   const Vector3d view = R * first.R().col(2);
   EXPECT_NEAR(view.x(), 0, 1e-12);
   EXPECT_GT(view.y(), 0);
-  // Straight down: the top of the image lies ahead.
+  // Straight down: the top of the image points ahead.
   const SE3 down = held(0.7, std::numbers::pi / 2, 0);
   const Vector3d top = upright_rotation(Vector3d::UnitZ(), down) * Vector3d(-down.R().col(1));
   EXPECT_LT((top - Vector3d::UnitY()).norm(), 1e-9);

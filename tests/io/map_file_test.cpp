@@ -46,7 +46,7 @@ SE3 some_pose(Random& random) {
   return SE3::exp(twist);
 }
 
-/// Two components, joined by nothing; keypoint i of every keyframe of a component shows landmark i of it.
+/// Two disconnected components; keypoint i of every keyframe of a component observes its landmark i.
 Map some_map(Random& random) {
   Map map;
   std::vector<LandmarkId> landmarks;
@@ -78,7 +78,7 @@ SavedMap some_saved_map() {
   saved.camera.color = {640, 480, 517.3, 516.5, 318.6, 255.3, 0.26, -0.95, -0.005, 0.0026, 1.16};
   saved.camera.depth = PinholeCamera{640, 480, 585, 585, 320, 240};
   saved.camera.T_color_depth = some_pose(random);
-  saved.camera.rolling_shutter_s = 0.1 + 0.2;  // no short number
+  saved.camera.rolling_shutter_s = 0.1 + 0.2;  // many decimals
   saved.sensor = {{1e-300, 0.1, true}, {-0.0, 0, false}};
   saved.map = some_map(random).data();
   for (uint32_t i = 0; i < 3 * kKeyframes; ++i) {
@@ -120,7 +120,7 @@ TEST(MapFile, RoundTripIsBitExact) {
   EXPECT_EQ(again.map.keyframes[3].T_world_camera.matrix(), saved.map.keyframes[3].T_world_camera.matrix());
   EXPECT_EQ(again.map.loop_edges[0].information, saved.map.loop_edges[0].information);
 
-  // All the rest: saved again, the file is the same byte for byte.
+  // Everything else: saved again, the file is identical byte for byte.
   write_map(b, again, images.size(), [&](size_t i) { return images[i]; });
   EXPECT_TRUE(read_file(a) == read_file(b));
 }
@@ -156,7 +156,7 @@ TEST(MapFile, SaysWhatIsWrongWithAFileThatIsNone) {
   EXPECT_THAT(message(folder.write("newer", bytes)), HasSubstr("use a newer kinloop"));
 }
 
-/// What is left is a map without contradictions that says what it lost; or there is a clear error.
+/// The remaining map is consistent and reports its losses; or there is a clear error.
 void expect_sound(const std::filesystem::path& path) {
   try {
     const MapReader reader(path);
@@ -205,9 +205,9 @@ TEST(MapFile, ALostKeyframeLosesOnlyItsObservations) {
   bytes[at + 20] = static_cast<char>(bytes[at + 20] ^ 1);
   const auto [saved, damage] = MapReader(folder.write("map.kinmap", bytes)).read();
   EXPECT_EQ(damage.keyframes, 1U);
-  EXPECT_EQ(damage.landmarks, kKeypoints);  // all that it was the anchor of
+  EXPECT_EQ(damage.landmarks, kKeypoints);  // all landmarks anchored in it
   ASSERT_EQ(saved.map.keyframes.size(), kKeyframes - 1);
-  EXPECT_TRUE(saved.map.keyframes[6].begins_component);  // in the place of the lost one
+  EXPECT_TRUE(saved.map.keyframes[6].begins_component);  // in place of the lost one
   EXPECT_EQ(saved.map.loop_edges.size(), 1U);
 }
 
@@ -231,7 +231,7 @@ TEST(MapFile, NoFlippedBytesCrash) {
   Random random(12);
   for (int i = 0; i < 1000; ++i) {
     std::string flipped = bytes;
-    // Half of the time near the beginning, where the structure of the file is.
+    // Half of the time near the beginning, which holds the structure of the file.
     const double reach = i % 2 == 0 ? 40000 : static_cast<double>(bytes.size());
     const int count = 1 + i % 10;
     for (int k = 0; k < count; ++k) {

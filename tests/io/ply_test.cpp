@@ -113,7 +113,7 @@ TEST(Ply, SaysWhatIsWrongWithAFile) {
 TEST(Ply, AFullDiskIsAnErrorThatNamesTheFile) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   const test::TempFolder folder;
-  // The file is first written under a temporary name; that name leads to a disk that is always full.
+  // The file is first written under a temporary name, which is linked to a disk that is always full.
   std::filesystem::create_symlink("/dev/full", folder.path() / "map.ply.tmp");
   const auto message = test::input_error([&] { write_ply(folder.path() / "map.ply", some_cloud(20000)); });
   EXPECT_THAT(message, HasSubstr("map.ply: writing failed; is the disk full?"));

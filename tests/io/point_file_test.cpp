@@ -22,7 +22,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Numbers in either byte order, one after the other.
+/// Consecutive numbers in either byte order.
 class Binary {
  public:
   explicit Binary(std::endian order = std::endian::little) : order_(order) {}
@@ -70,7 +70,7 @@ TEST_F(PointFileTest, AsciiPlyWithPropertiesOfAnyTypeInAnyOrder) {
 TEST_F(PointFileTest, BinaryPlyOfEitherByteOrderWithFacesAndOtherElements) {
   for (const auto order : {std::endian::little, std::endian::big}) {
     Binary body(order);
-    body.put(uint8_t{2}).put(1.0F).put(2.0F);  // an element of others, with a list
+    body.put(uint8_t{2}).put(1.0F).put(2.0F);  // an unknown element with a list
     for (const double x : {0.0, 1.0, 2.0, 3.0}) body.put(x).put(-x).put(0.5).put(0.25F).put(1.0F).put(0.0F);
     body.put(uint8_t{4}).put(int32_t{0}).put(int32_t{1}).put(int32_t{2}).put(int32_t{3}).put(uint16_t{9});
     const PointFile file =
@@ -159,7 +159,7 @@ std::string pcd_header(const std::string& data, size_t points, const std::string
       color_type, points, points, data);
 }
 
-/// x 1 2 3, y 4 5 6 (double), z 7 8 9; colours 10 20 30, and a float whose bits are not a number.
+/// x 1 2 3, y 4 5 6 (double), z 7 8 9; colours 10 20 30, and a float with the bits of a NaN.
 constexpr std::array<uint32_t, 3> kColors = {0x0a141e, 0xff804020, 0x010203};
 
 TEST_F(PointFileTest, BinaryPcdWithPaddingAndDoubles) {
@@ -189,7 +189,7 @@ TEST_F(PointFileTest, AsciiPcdWithColoursAsFloatsOrIntegers) {
   }
 }
 
-/// As liblzf would, without looking for repetitions.
+/// As liblzf, without searching for repetitions.
 std::string literals(std::string_view bytes) {
   std::string packed;
   for (size_t at = 0; at < bytes.size(); at += 32) {
@@ -217,7 +217,7 @@ TEST_F(PointFileTest, CompressedPcdHoldsOneFieldAfterTheOther) {
   EXPECT_EQ(file.mesh.colors[1], (Rgb{128, 64, 32}));
   EXPECT_THAT(pcd_error(whole.substr(0, whole.size() - 1)), HasSubstr("truncated"));
   std::string damaged = whole;
-  damaged[whole.size() - packed.size()] = '\xff';  // a repetition of what has not come yet
+  damaged[whole.size() - packed.size()] = '\xff';  // a reference to data that has not come yet
   EXPECT_THAT(pcd_error(damaged), HasSubstr("compressed part is damaged"));
 }
 
@@ -240,7 +240,7 @@ TEST(Lzf, RepeatsWhatWasThere) {
       "\x02"
       "abc\xe0\x01\x02\x00"
       "d",
-      9);  // abc, 7 + 1 + 2 bytes from 3 back, d
+      9);  // abc, 7 + 1 + 2 bytes from distance 3, d
   EXPECT_EQ(decompress_lzf(packed, 14), "abcabcabcabcad");
   EXPECT_FALSE(decompress_lzf(packed, 13));
   EXPECT_FALSE(decompress_lzf(packed, 15));

@@ -75,7 +75,7 @@ TEST(RunFolder, AFileInItsPlaceIsAnError) {
 }
 
 TEST(RunFolder, AFolderThatCannotBeWrittenToIsAnErrorAtOnce) {
-  // Root may write anywhere but into the file systems of the kernel.
+  // Root may write anywhere except in the kernel's file systems.
   for (const char* path : {"/proc", "/proc/kinloop"}) {
     if (!std::filesystem::exists("/proc")) GTEST_SKIP() << "no /proc here";
     EXPECT_THAT(test::input_error([&] { const RunFolder folder(path); }),

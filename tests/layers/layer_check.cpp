@@ -32,7 +32,7 @@ std::vector<fs::path> sources_below(const fs::path& folder) {
   return found;
 }
 
-/// An #include: its opening bracket or quote, and what is between the two.
+/// An #include: its opening bracket or quote, and the path.
 struct Include {
   char bracket;
   std::string target;
@@ -50,14 +50,14 @@ std::optional<Include> parse_include(const std::string& line) {
   return Include{line[open], line.substr(open + 1, close - open - 1)};
 }
 
-/// The row of the module in which `path` (relative to the root) lies; null outside of all modules.
+/// The row of the module that contains `path` (relative to the root); null outside of all modules.
 const LayerRow* row_of(const std::vector<LayerRow>& rows, const std::string& path) {
   const auto row = std::find_if(rows.begin(), rows.end(),
                                 [&](const LayerRow& r) { return path.starts_with(r.folder + "/"); });
   return row == rows.end() ? nullptr : &*row;
 }
 
-/// What is wrong with a module including something; empty when nothing is. Quotes mean a file of the project.
+/// What is wrong with an include in a module; empty if it is allowed. Quotes mean a file of the project.
 std::string objection(const std::vector<LayerRow>& rows, const LayerRow& row, const Include& include) {
   const std::string first_folder = include.target.substr(0, include.target.find('/'));
   const bool of_project = include.bracket == '"' || contains({"kinloop", "drivers", "simulator", "tools",

@@ -22,7 +22,7 @@ TEST(Layers, ProjectHasNoViolations) {
   EXPECT_THAT(include_violations(source_folder(), rows), IsEmpty());
 }
 
-/// A small project of three modules without violations, into which each test plants one.
+/// A small project of three modules without violations, to which each test adds one.
 class LayerViolations : public testing::Test {
  protected:
   LayerViolations() {

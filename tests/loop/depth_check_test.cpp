@@ -15,14 +15,14 @@ using test::camera_at;
 constexpr double kPositionSigma_m = 0.02;
 constexpr double kMaxShare = 0.005;
 
-/// A wall across the view and a board in front of it, both facing along z.
+/// A wall across the view and a board in front of it, both perpendicular to z.
 struct Scene {
   double wall_m = 3;
   double board_m = 1.5;
   double board_half_width_m = 0.4, board_half_height_m = 0.3;
 };
 
-/// The surface that a ray from `origin` meets first: its z in the world.
+/// z of the first surface hit by a ray from `origin`, in the world.
 double surface_met(const Scene& scene, const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
   const Eigen::Vector3d at_board = origin + ray * ((scene.board_m - origin.z()) / ray.z());
   const bool on_board =
@@ -30,7 +30,7 @@ double surface_met(const Scene& scene, const Eigen::Vector3d& origin, const Eige
   return on_board ? scene.board_m : scene.wall_m;
 }
 
-/// Keypoints all over the image, with the sensor's noise and slopes as `inverse_depth_gradient` gives them.
+/// Keypoints all over the image, with the sensor's noise and slopes as in `inverse_depth_gradient`.
 Features seen(const Scene& scene, const PinholeCamera& camera, const SE3& T_world_camera, uint64_t seed) {
   constexpr int kCount = 800;
   constexpr double kReach_px = 8;
@@ -60,7 +60,7 @@ Features seen(const Scene& scene, const PinholeCamera& camera, const SE3& T_worl
 
 class DepthCheck : public testing::Test {
  protected:
-  /// Two views of two scenes, as if they were one.
+  /// Two views of two scenes, treated as one.
   DepthConsistency compare(const Scene& scene_a, const SE3& T_world_a, const Scene& scene_b,
                            const SE3& T_world_b, const SE3& error = {}) const {
     return compare_depths(seen(scene_a, camera_, T_world_a, 1), seen(scene_b, camera_, T_world_b, 2),
@@ -95,7 +95,7 @@ TEST_F(DepthCheck, AMovedWallViolatesFreeSpace) {
 }
 
 TEST_F(DepthCheck, OcclusionIsNoViolation) {
-  // Each view sees, past the board, wall that the board hides from the other.
+  // Each view sees, beside the board, wall that the board occludes from the other.
   const SE3 left = camera_at(0.3, {-0.9, 0, 0}), right = camera_at(-0.3, {0.9, 0, 0});
   const auto depths = compare(scene_, left, scene_, right);
   EXPECT_GT(depths.consistent, 100);

@@ -12,7 +12,7 @@ namespace {
 using test::camera_at;
 
 /// A camera that turns away from a wall and back to it. The ends of the loop, the first and the last
-/// keyframe, look past each other; keyframes beside them saw the same.
+/// keyframe, do not overlap; neighbouring keyframes do.
 class LoopOverlap : public testing::Test {
  protected:
   LoopOverlap() {
@@ -96,8 +96,8 @@ TEST_F(LoopOverlap, AWrongPoseShowsInTheResiduals) {
   EXPECT_GT(errors_px[errors_px.size() / 2], 10);
 }
 
-/// While the camera turns by 1 rad/s and reads its rows for 0.03 s, the rows above and below the middle are
-/// shifted against it by up to 8 px.
+/// While the camera turns by 1 rad/s with a readout time of 0.03 s, the rows above and below the middle are
+/// shifted by up to 8 px.
 TEST_F(LoopOverlap, RowsAreReadWhileTheCameraMoves) {
   RollingShutterCamera moving = still();
   moving.sensor(kRollingShutter) = 0.03;

@@ -16,13 +16,12 @@ using test::camera_at;
 
 constexpr int kKeyframes = 32;
 
-/// One turn around the room, a keyframe every 360 / 30 degrees: the last ones see again what the first ones
-/// saw.
+/// One turn around the room, a keyframe every 360 / 30 degrees: the last ones revisit the views of the first.
 SE3 true_pose(int i) {
   return camera_at(2 * std::numbers::pi / 30 * i, {0.1 * std::sin(0.2 * i), 0, 0.1 * std::cos(0.2 * i)});
 }
 
-/// Poses as odometry would give them: each step a little off in the same direction.
+/// Poses as from odometry: each step slightly off in the same direction.
 SE3 drifted_pose(int i) {
   SE3 T_world_camera = true_pose(0);
   Vector6d error;
@@ -37,7 +36,7 @@ class Loop : public testing::Test {
  protected:
   Loop() : vocabulary_(train_vocabulary(slices(world_.descriptors), train_options())) {
     for (int i = 0; i < kKeyframes; ++i) {
-      // Odometry does not know that it is back: the last keyframes make landmarks of their own.
+      // Odometry does not recognise the revisit: the last keyframes create new landmarks.
       if (i == kKeyframes - 4) built_.landmark_of_point.clear();
       const auto view = test::observe(world_, true_pose(i), {}, 10 + static_cast<uint64_t>(i));
       const KeyframeId id = test::add_view(built_, world_, view, drifted_pose(i));
@@ -51,7 +50,8 @@ class Loop : public testing::Test {
     return options;
   }
 
-  /// The vocabulary weighs words by how many images have them: as many "images" as walls have patches.
+  /// The vocabulary weights words by the number of images that contain them: as many "images" as walls have
+  /// patches.
   static std::vector<cv::Mat> slices(const cv::Mat& descriptors) {
     std::vector<cv::Mat> images;
     for (int row = 0; row < descriptors.rows; row += 40)
@@ -81,8 +81,7 @@ TEST_F(Loop, CandidatesAreFromTheStartOfTheLoop) {
     auto candidates = find_loop_candidates(built_.map, places_, KeyframeId{i}, history, {});
     history = candidates.history;
     found = candidates.keyframes;
-    if (i > 20)
-      continue;  // nothing was seen twice yet: whatever looks alike by chance must fail verification
+    if (i > 20) continue;  // no revisit yet: random similarities must fail verification
     EXPECT_FALSE(verify(KeyframeId{i}, found).has_value());
   }
   ASSERT_FALSE(found.empty());
@@ -108,7 +107,7 @@ TEST_F(Loop, AnotherPlaceIsRefused) {
   EXPECT_FALSE(verify(last_, {KeyframeId{15}}).has_value());
 }
 
-/// The same keypoints at depths `scale` times as large, each on a plane that faces the camera.
+/// The same keypoints at depths scaled by `scale`, each on a plane that faces the camera.
 std::shared_ptr<const Features> facing(const Features& features, float scale) {
   Features planes = features;
   for (float& depth_m : planes.depths_m) depth_m *= scale;
@@ -152,7 +151,7 @@ TEST_F(Loop, ALostFrameIsRelocalized) {
                                 world_.camera, {}, {}, {}, 5);
   ASSERT_TRUE(found.has_value());
   const SE3 truth = true_pose(static_cast<int>(found->reference.value)).inverse() * pose;
-  // The map around it is itself bent by a few millimetres from keyframe to keyframe.
+  // The surrounding map is itself distorted by a few millimetres between keyframes.
   EXPECT_LT(test::distance_m(found->T_reference_camera, truth), 0.05);
 }
 

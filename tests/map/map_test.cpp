@@ -26,9 +26,9 @@ TEST(Map, ObservationsHaveTwoSides) {
   EXPECT_TRUE(map.add_observation(landmark, {b, 7}));
   EXPECT_EQ(map.keyframe(b).landmark_of[7], landmark);
   EXPECT_EQ(map.landmark(landmark).observations.size(), 2U);
-  EXPECT_FALSE(map.add_observation(landmark, {b, 8}));  // b sees it already
+  EXPECT_FALSE(map.add_observation(landmark, {b, 8}));  // b already observes it
   const LandmarkId other = map.add_landmark(a, 4, {0, 0, 1});
-  EXPECT_FALSE(map.add_observation(other, {b, 7}));  // the keypoint is taken
+  EXPECT_FALSE(map.add_observation(other, {b, 7}));  // the keypoint is already used
   map.check_invariants();
 }
 

@@ -16,8 +16,7 @@ using test::pose_on_arc;
 constexpr int kFirstVisit = 4;
 constexpr int kSecondVisit = 2;
 
-/// Two visits of the same place that do not know of each other but for `shared` landmarks, as right after a
-/// loop was closed.
+/// Two visits of the same place that are connected only by `shared` landmarks, as right after a loop closure.
 class CompleteTracks : public ::testing::Test {
  protected:
   CompleteTracks() {
@@ -39,7 +38,7 @@ class CompleteTracks : public ::testing::Test {
     points_of_.push_back(view.point_of);
   }
 
-  /// Points of the world that more than one landmark stands for.
+  /// Points represented by more than one landmark.
   [[nodiscard]] size_t doubles() const {
     std::map<uint32_t, std::set<LandmarkId>> landmarks_of;
     for (const Keyframe& keyframe : map_.keyframes()) {
@@ -52,7 +51,7 @@ class CompleteTracks : public ::testing::Test {
                                              [](const auto& entry) { return entry.second.size() > 1; }));
   }
 
-  /// Share of the observations whose landmark stands for a point other than the one they show.
+  /// Fraction of the observations whose landmark represents another point than the one observed.
   [[nodiscard]] double wrong_share() const {
     std::map<LandmarkId, uint32_t> point_of;
     size_t wrong = 0, all = 0;
@@ -104,7 +103,7 @@ TEST_F(CompleteTracks, IsIdempotent) {
 }
 
 TEST_F(CompleteTracks, LandmarksSeenByTheSameKeyframeAreNotMerged) {
-  // Two keypoints of one keyframe, so close together and so alike that either landmark fits both.
+  // Two keypoints of one keyframe, so close and similar that either landmark fits both.
   Features twins = *test::observe(world_, SE3{}, {}, 3).features;
   const auto a = static_cast<uint32_t>(std::distance(
       twins.depths_m.begin(),

@@ -44,7 +44,7 @@ TEST(LandmarkCreation, MatchesLandmarksOfTheLocalMap) {
   const SE3 pose = pose_on_arc(1);
   const auto second = test::observe(world(), pose, {}, 3);
   const KeyframeId id = built.map.add_keyframe(FrameId{1}, 1, pose, second.features);
-  // The local map must be centred on the new keyframe, which sees nothing yet: borrow the first one's
+  // The local map must be centred on the new keyframe, which has no observations yet: use the first one's
   // landmarks.
   LocalMap local_map = make_local_map(built.map, KeyframeId{0}, {});
   const SE3 T_new_first = pose.inverse();
@@ -80,7 +80,7 @@ TEST(LandmarkCreation, CullsUnconfirmedLandmarks) {
   built.map.check_invariants();
 }
 
-/// Keyframes along the arc with poses that are a little off.
+/// Keyframes along the arc with slightly wrong poses.
 test::SyntheticMap disturbed_map(int keyframes) {
   test::SyntheticMap built;
   Random random(9);
@@ -128,7 +128,7 @@ TEST(BundleAdjustment, LocalProblemFixesSurroundingKeyframes) {
 
 TEST(BundleAdjustment, RemovesOutlierObservations) {
   auto built = disturbed_map(6);
-  // Swap the landmarks of two far apart keypoints in one keyframe.
+  // Swap the landmarks of two distant keypoints in one keyframe.
   const Keyframe& keyframe = built.map.keyframe(KeyframeId{3});
   const auto shows = [&](uint32_t i) { return keyframe.landmark_of[i]; };
   uint32_t a = 0;

@@ -155,11 +155,11 @@ TEST(AbsolutePose, InformationIsTheCurvatureOfTheCost) {
   const SE3 truth = random_motion(random, 1.0, 1.0);
   const auto view = make_view(truth, 40, {}, random);
   AbsolutePoseOptions options;
-  options.robust_width = 1e9;  // without a loss the estimate uses all the information there is
+  options.robust_width = 1e9;  // without a loss the estimate uses all information
   const auto solution = solve_absolute_pose(kinect(), view, truth, options);
   ASSERT_TRUE(solution.has_value());
-  // chi2 at truth * exp(x) is x' Omega x to second order; the solver itself tells chi2 of its best pose, so
-  // the cost is written down once more here.
+  // chi2 at truth * exp(x) is x' Omega x to second order; the solver only reports chi2 at its best pose, so
+  // the cost is repeated here.
   const auto chi2 = [&](const SE3& T) {
     double sum = 0;
     for (const auto& o : view) {

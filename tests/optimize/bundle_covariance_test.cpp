@@ -1,5 +1,5 @@
-// Covariances of adjusted poses and of the sensor against the inverse of the whole dense system, put together
-// here from the residuals' derivatives alone.
+// Covariances of adjusted poses and of the sensor, compared with the inverse of the dense system, assembled
+// here from the residual Jacobians alone.
 
 #include <limits>
 
@@ -18,7 +18,8 @@ using test::BundleWorld;
 using test::BundleWorldSettings;
 using test::make_bundle_world;
 
-/// H = J' J of poses (6 each), velocities (6 each), points (3 each) and the sensor, with one row a residual.
+/// H = J' J of poses (6 each), velocities (6 each), points (3 each) and the sensor, with one row per
+/// residual.
 class DenseSystem {
  public:
   DenseSystem(const BundleProblem& problem, const BundleOptions& options, const BundleSolution& solution)
@@ -41,7 +42,7 @@ class DenseSystem {
     }
   }
 
-  /// Its inverse, scaled before for the sake of its mixed units; zero for what is held.
+  /// Its inverse, scaled before because of its mixed units; zero for constant parameters.
   [[nodiscard]] Eigen::MatrixXd covariance() const {
     const Eigen::VectorXd free = (H_.diagonal().array() < kHeld).cast<double>();
     const Eigen::VectorXd scale = H_.diagonal().cwiseSqrt().cwiseInverse();
@@ -95,7 +96,7 @@ class DenseSystem {
   Eigen::MatrixXd H_;
 };
 
-/// A small world in which everything is seen well enough to be used, with sensor and velocities free.
+/// A small world in which everything is observed well enough to be used, with sensor and velocities free.
 BundleWorld free_world() {
   BundleWorldSettings settings{
       .poses = 7, .points = 60, .sigma_px = 0.7, .sigma_inverse_depth = 2e-3, .depth_fraction = 1};
@@ -168,7 +169,7 @@ TEST(BundleCovariance, IsThatOfTheWholeDenseSystem) {
 TEST(BundleCovariance, FreeParametersIncreasePoseCovariance) {
   BundleWorld world = free_world();
   BundleOptions options = with_covariances();
-  world.problem.sensor.value(kRollingShutter) = 0.02;  // the truth: nearly the same minimum each time
+  world.problem.sensor.value(kRollingShutter) = 0.02;  // at the truth, for nearly the same minimum each time
   world.problem.sensor.value(kDepthDelay) = 0.01;
   options.robust_width = 1e9;  // weights are one wherever the minimum is
   options.free_velocities = true;
@@ -185,7 +186,7 @@ TEST(BundleCovariance, UnobservedPosesHaveInfiniteCovariance) {
   BundleWorld world = free_world();
   auto& observations = world.problem.observations;
   std::erase_if(observations, [](const BundleObservation& o) { return o.pose == 3; });
-  size_t kept = 0;  // pose 4 sees one point only: singular, but for rounding
+  size_t kept = 0;  // pose 4 sees only one point: singular up to rounding
   std::erase_if(observations, [&](const BundleObservation& o) { return o.pose == 4 && kept++ > 0; });
   const BundleSolution solution = solve_bundle(world.problem, with_covariances());
   const Eigen::MatrixXd unseen = solution.pose_covariance[3];

@@ -11,7 +11,7 @@ namespace {
 using test::random_motion;
 using test::random_vector;
 
-/// A residual with everything switched on, so that no derivative is zero.
+/// A residual with every effect enabled, so that no derivative is zero.
 struct Sample {
   BundleProblem problem;
   BundleOptions options;
@@ -43,7 +43,7 @@ struct Sample {
   [[nodiscard]] Eigen::Vector3d error() const { return linear().e; }
 };
 
-/// Central difference of the residual as a change is applied to the sample.
+/// Central difference of the residual under a change of the sample.
 template <class Change>
 Eigen::Vector3d difference(const Sample& sample, double step, const Change& change) {
   Sample up = sample, down = sample;
@@ -136,8 +136,7 @@ TEST(SensorModel, CorrectedCameraSeesWhatTheCorrectionsSay) {
   correction(kCenterX) = -1.5;
   correction(kRadial1) = 0.01;
   const PinholeCamera corrected = corrected_camera(camera, correction);
-  // A ray lands on the same raw pixel by both ways: corrected pinhole then nominal lens, or the corrected
-  // lens.
+  // A ray must reach the same raw pixel both ways: corrected pinhole and nominal lens, or the corrected lens.
   for (double x = -0.5; x <= 0.5; x += 0.1) {
     for (double y = -0.4; y <= 0.4; y += 0.1) {
       const double bend = 1 + correction(kRadial1) * (x * x + y * y);

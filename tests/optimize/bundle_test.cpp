@@ -10,9 +10,9 @@ namespace {
 
 using test::BundleWorld;
 using test::BundleWorldSettings;
-using test::perturb;
 using test::kNan;
 using test::make_bundle_world;
+using test::perturb;
 using test::position_error_m;
 
 BundleOptions thorough() {
@@ -165,14 +165,14 @@ TEST(Bundle, SensorErrorsAreConsistentWithTheirCovariance) {
     const Vector6d pose = test::error_of(solution.T_world_camera[10], world.truth[10]);
     pose_sum += pose.dot(solution.pose_covariance[10].inverse() * pose);
   }
-  // Means of chi2 with 2 and 6 degrees of freedom over 16 trials: deviations 0.5 and 0.9, three of which
-  // are allowed, and a little for the information that Huber and trimming cost.
+  // Means of chi2 with 2 and 6 degrees of freedom over 16 trials: deviations 0.5 and 0.9; three of these are
+  // allowed, plus a little for the information lost by Huber and trimming.
   EXPECT_NEAR(sensor_sum / kTrials, 2, 1.6);
   EXPECT_NEAR(pose_sum / kTrials, 6, 2.7);
 }
 
 TEST(Bundle, DepthGradientCorrectsSlantedSurfaces) {
-  // A wall that slants away; depth is measured 20 ms late, so another spot of the wall lies under the pixel.
+  // A slanted wall; depth is measured 20 ms late, so another spot of the wall lies under the pixel.
   const Eigen::Vector3d normal = Eigen::Vector3d(0.6, 0.1, -1).normalized();
   const double offset = normal.dot(Eigen::Vector3d(0, 0, 2.5));
   constexpr double kDelay_s = 0.02;
@@ -269,10 +269,10 @@ TEST(Bundle, DegenerateInputsAreLeftOut) {
         {pose, static_cast<uint32_t>(problem.p_world.size()), pixel, depth_m, 1, 0, {0, 0}});
     problem.p_world.emplace_back(0.1, 0.2, 2.0);
   };
-  add(3, {100, 100}, 0);                  // seen once without depth
+  add(3, {100, 100}, 0);                  // observed once, without depth
   add(3, {kNan, 100}, 2.0);               // not a number
-  add(4, {100, 100}, kNan);               // depth alone is not: seen once
-  problem.p_world.emplace_back(0, 0, 0);  // not seen at all
+  add(4, {100, 100}, kNan);               // depth alone does not suffice: observed once
+  problem.p_world.emplace_back(0, 0, 0);  // not observed at all
   problem.observations[0].sigma_px = 0;
   const BundleSolution solution = solve_bundle(problem, thorough());
   EXPECT_LT(position_error_m(solution.T_world_camera, world.truth), 1e-6);

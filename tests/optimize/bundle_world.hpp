@@ -1,5 +1,5 @@
 #pragma once
-// A handheld camera with a Kinect's faults in a room of points: the known truth of the tests of bundle
+// A handheld camera with a Kinect's imperfections in a room of points: ground truth for the tests of bundle
 // adjustment.
 
 #include <cmath>
@@ -13,17 +13,17 @@ namespace kinloop::test {
 struct BundleWorldSettings {
   int poses = 12;
   int points = 300;
-  double spacing_s = 0.2;  // from keyframe to keyframe
+  double spacing_s = 0.2;  // between keyframes
   double sigma_px = 0;
   double sigma_inverse_depth = 0;
   double depth_fraction = 0.7;
   double outlier_fraction = 0;
-  SensorVector sensor = SensorVector::Zero();  // the truth
+  SensorVector sensor = SensorVector::Zero();  // the true parameters
   double max_depth_m = 5;
   uint64_t seed = 1;
 };
 
-/// A smooth path: a metre around, with the turn rates of a hand (about 30 degrees a second).
+/// A smooth path: a radius of a metre, with the turn rates of a hand (about 30 degrees per second).
 inline SE3 path(double t) {
   const Eigen::Vector3d p(0.5 * std::sin(0.9 * t) + 0.1 * std::sin(3.1 * t), 0.15 * std::sin(1.7 * t + 1),
                           0.5 * std::cos(0.8 * t) + 0.1 * std::sin(2.3 * t));
@@ -46,15 +46,15 @@ struct BundleWorld {
   BundleProblem problem;  // starts at the truth: see `perturb`
   std::vector<SE3> truth;
   std::vector<Eigen::Vector3d> points;
-  std::vector<uint8_t> wrong;  // observations that are not what they seem
+  std::vector<uint8_t> wrong;  // outlier observations
 };
 
-/// What the camera of the given truth sees of a point at keyframe time t.
+/// The observation of a point at keyframe time t by the camera with the given true parameters.
 inline bool observe(const BundleWorldSettings& settings, double t, const Eigen::Vector3d& p_world,
                     Random& random, BundleObservation& o) {
   const PinholeCamera camera = corrected_camera(kinect(), settings.sensor);  // distortion-free settings only
   Eigen::Vector3d p;
-  for (int i = 0; i < 8; ++i) {  // the row decides when, and when decides the row
+  for (int i = 0; i < 8; ++i) {  // the row depends on the time, and the time on the row
     p = path(t + settings.sensor(kRollingShutter) * o.row).inverse() * p_world;
     if (p.z() < 0.4) return false;
     o.row = camera.project(p).y() / camera.height - 0.5;
@@ -71,7 +71,7 @@ inline bool observe(const BundleWorldSettings& settings, double t, const Eigen::
   return true;
 }
 
-/// Points on the walls, floor and ceiling of a room 6 x 3 x 6 m.
+/// Points on the walls, floor and ceiling of a room of 6 x 3 x 6 m.
 inline Eigen::Vector3d random_wall_point(Random& random) {
   Eigen::Vector3d p(random.uniform(-3, 3), random.uniform(-1.5, 1.5), random.uniform(0.8, 3.5));
   const uint32_t side = random.index(4);
@@ -109,7 +109,7 @@ inline BundleWorld make_bundle_world(const BundleWorldSettings& settings) {
   return world;
 }
 
-/// Moves poses (but the held ones) and points away from the truth.
+/// Perturbs points and all poses that are not constant.
 inline void perturb(BundleWorld& world, double size_m, double size_rad, uint64_t seed = 7) {
   Random random(seed);
   for (size_t i = 0; i < world.truth.size(); ++i) {

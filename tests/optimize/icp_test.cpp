@@ -30,7 +30,7 @@ PinholeCamera small_camera(bool distorted) {
   return camera;
 }
 
-/// Distance along a ray to the nearest surface, infinity for none.
+/// Distance along a ray to the nearest surface, infinity if none.
 using Scene = std::function<double(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction)>;
 
 double hit_plane(const Eigen::Vector3d& o, const Eigen::Vector3d& d, int axis, double at) {

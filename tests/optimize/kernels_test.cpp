@@ -24,7 +24,7 @@ SensorVector bent_sensor() {
   return sensor;
 }
 
-/// A moving camera and eight points before it, each measured a little wrong; the fourth has no depth, the
+/// A moving camera and eight points in front of it, with measurement noise; the fourth has no depth, the
 /// sixth no known slope.
 struct ObservedPoints {
   PinholeCamera camera = test::kinect();
@@ -54,7 +54,7 @@ struct ObservedPoints {
     }
   }
 
-  /// Puts an observation into a place of the block.
+  /// Writes an observation to a lane of the block.
   void place(size_t observation, size_t lane) {
     set_measurement(block, lane, observations[observation]);
     block.x[lane] = p_world[observation].x();
@@ -77,7 +77,7 @@ struct Linear {
   explicit Linear(const ObservedPoints& scene) {
     cost = linearize_block(scene.block, scene.view(), scene.model(), layout, rows.data(), J_point.data());
   }
-  /// The numbers of one observation.
+  /// The values of one observation.
   [[nodiscard]] std::vector<double> numbers(size_t lane) const {
     const size_t size = kRowsPerObservation * layout.width, first = lane * size;
     std::vector<double> all(rows.begin() + static_cast<long>(first),
@@ -151,7 +151,7 @@ TEST(ObservationBlock, UnusedObservationsAreIgnored) {
   ObservedPoints scene(4);
   scene.block.uses_pixel[2] = scene.block.uses_depth[2] = 0;
   scene.block.uses_depth[4] = 0;
-  scene.block.x[6] = scene.block.y[6] = scene.block.z[6] = 0;  // an empty place
+  scene.block.x[6] = scene.block.y[6] = scene.block.z[6] = 0;  // an empty lane
   scene.block.inverse_sigma_px[6] = scene.block.uses_pixel[6] = scene.block.uses_depth[6] = 0;
   const Linear linear(scene);
   EXPECT_THAT(linear.numbers(2), testing::Each(0));

@@ -28,7 +28,7 @@ TEST(MarginalCovariances, OfAChainInThePlaneAddUp) {
 }
 
 TEST(MarginalCovariances, MatchTheScatterOfTheSolutions) {
-  // Solutions with fresh noise scatter as the covariance says; 3 degrees of freedom, 300 trials.
+  // Solutions with fresh noise scatter according to the covariance; 3 degrees of freedom, 300 trials.
   const auto truth = test::make_loop_world<SE2>({.sigma = 0}, 1);
   PoseGraph2d exact = truth.graph;
   exact.T_world_vertex = truth.truth;

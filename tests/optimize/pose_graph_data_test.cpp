@@ -21,7 +21,7 @@ double solved_chi2(const G2oFile& file, const PoseGraphOptions& options) {
                     file.graph);
 }
 
-/// The same graph, its starting values forgotten.
+/// The same graph without its initial values.
 G2oFile without_start(G2oFile file) {
   std::visit(
       [](auto& graph) {
@@ -54,8 +54,8 @@ INSTANTIATE_TEST_SUITE_P(Of, StandardPoseGraphs,
                          });
 
 TEST(StandardPoseGraph, Chi2IsThatOfG2o) {
-  // What g2o's libraries say of the same files. It takes a vertex's quaternion, printed with six digits, as
-  // it stands, where we normalise it first: hence the tolerance in space.
+  // Values from g2o's libraries for the same files. g2o uses a vertex's quaternion, printed with six digits,
+  // as it is, whereas kinloop normalises it first: hence the tolerance in 3D.
   const struct {
     const char* file;
     double chi2, tolerance;

@@ -1,4 +1,4 @@
-// The error and its derivatives, the kernels, and what follows from the graph's structure alone.
+// The error and its derivatives, the kernels, and properties of the graph's structure.
 
 #include "kinloop/optimize/pose_graph/pose_graph_error.hpp"
 

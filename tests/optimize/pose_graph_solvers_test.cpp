@@ -1,4 +1,4 @@
-// The solvers against known truth and against each other.
+// The solvers compared with known truth and with each other.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -136,7 +136,7 @@ TEST_P(PoseGraphSolvers, HandleUnderdeterminedGraphs) {
   auto world = make_loop_world<SE3>({.sigma = 0.01}, 7);
   for (auto& edge : world.graph.edges) {
     edge.information.setZero();
-    edge.information.diagonal().head<3>().setConstant(100);  // positions alone
+    edge.information.diagonal().head<3>().setConstant(100);  // positions only
   }
   const auto solution = solve_pose_graph(world.graph, options());
   EXPECT_LT(solution.chi2_after, solution.chi2_before);

@@ -1,4 +1,4 @@
-// The sparse linear algebra under the built-in solver, against dense.
+// The sparse linear algebra of the built-in solver, compared with dense.
 
 #include <Eigen/Dense>
 #include <gmock/gmock.h>
@@ -26,7 +26,7 @@ BlockPattern random_pattern(uint32_t size, uint32_t chords, Random& random) {
   return pattern;
 }
 
-/// J'J for one random 2B-column row block per pair, and a little on the diagonal.
+/// J'J for one random row block of 2B columns per pair, and a little on the diagonal.
 template <int B>
 BlockMatrix<B> random_matrix(const BlockPattern& pattern, Random& random) {
   BlockMatrix<B> matrix(pattern);
@@ -156,7 +156,7 @@ TEST(SparseElimination, AnEmptyPatternHasAnEmptyPlan) {
 }
 
 TEST(SparseElimination, NestedDissectionIsTriedForLargePatterns) {
-  // A square grid of this size fills in enough; the plan must solve whichever order was taken.
+  // A square grid of this size has enough fill-in; the plan must solve it with either ordering.
   constexpr uint32_t kSide = 90;
   BlockPattern pattern{kSide * kSide, {}};
   for (uint32_t i = 0; i < kSide * kSide; ++i) {

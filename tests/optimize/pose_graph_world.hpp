@@ -1,5 +1,5 @@
 #pragma once
-// Pose graphs whose truth is known: a walk round and round, with loop closings between the rounds.
+// Pose graphs with known truth: a walk in circles with loop closures between the rounds.
 
 #include <cmath>
 
@@ -39,8 +39,8 @@ struct LoopWorldOptions {
   int rounds = 3;
   int poses_per_round = 20;
   double sigma = 0.01;       // of the measurements, metres and radians
-  double false_loops = 0;    // share of the loop edges that are nonsense
-  double start_sigma = 0.1;  // of the starting values
+  double false_loops = 0;    // fraction of the loop edges that are wrong
+  double start_sigma = 0.1;  // of the initial values
 };
 
 template <class Pose>

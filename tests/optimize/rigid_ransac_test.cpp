@@ -13,7 +13,7 @@ using test::kinect;
 using test::kNan;
 using test::random_motion;
 
-/// `p` as a camera with this noise measures it.
+/// Simulates the measurement of `p` by a camera with this noise.
 Eigen::Vector3d measured(const Eigen::Vector3d& p, double sigma_px, double sigma_inverse_depth,
                          Random& random) {
   const Eigen::Vector2d noise(random.gaussian(), random.gaussian());

@@ -21,7 +21,7 @@ SensorVector rolling_sensor() {
   return sensor;
 }
 
-/// Points as a rolling camera measures them in motion.
+/// Simulates points measured by a moving rolling shutter camera.
 std::vector<RollingShutterObservation> observe(const RollingShutterPose& truth, const SensorVector& sensor,
                                                int count, double sigma_px, Random& random) {
   std::vector<RollingShutterObservation> observations;

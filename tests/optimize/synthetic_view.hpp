@@ -1,5 +1,5 @@
 #pragma once
-// A camera that looks at random points: the known truth of the estimators' tests.
+// A camera that looks at random points: ground truth for tests of the estimators.
 
 #include <cmath>
 #include <limits>
@@ -39,11 +39,11 @@ struct ViewNoise {
   double sigma_px = 0;
   double sigma_inverse_depth = 0;
   double depth_fraction = 0.7;    // of the observations that have depth
-  double outlier_fraction = 0.0;  // whose pixel is anywhere
+  double outlier_fraction = 0.0;  // with a random pixel
 };
 
-/// Observations of random points between 0.7 and 4 m by a camera at T_reference_camera. Their sigma_px is
-/// what a solver shall believe, 1 for a noiseless view.
+/// Observations of random points between 0.7 and 4 m by a camera at T_reference_camera. Their sigma_px is the
+/// value given to the solver, 1 for a noiseless view.
 inline std::vector<PoseObservation> make_view(const SE3& T_reference_camera, int count,
                                               const ViewNoise& noise, Random& random) {
   const PinholeCamera camera = kinect();

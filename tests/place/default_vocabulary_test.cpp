@@ -71,8 +71,8 @@ TEST(DefaultVocabulary, SeparatesThePlacesOfRedkitchen) {
   const fs::path sequence = test::shared_data("redkitchen");
   if (!fs::exists(sequence)) GTEST_SKIP() << sequence << " is not there";
   const auto places = places_of(sequence, 10);
-  // The same view again: within 0.5 m and 30 degrees, at least 10 s later. Another view: turned by more than
-  // the field of view (60 degrees).
+  // The same view: within 0.5 m and 30 degrees, at least 10 s later. Another view: turned by more than the
+  // field of view (60 degrees).
   std::vector<double> same, other;
   for (const Place& a : places) {
     for (const Place& b : places) {

@@ -1,4 +1,4 @@
-// SIFT and SURF as they are: the laws that hold for bits hold for bytes.
+// Raw SIFT and SURF descriptors: the properties that hold for bits must hold for bytes.
 
 #include <gmock/gmock.h>
 

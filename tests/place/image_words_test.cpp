@@ -25,7 +25,7 @@ ImageWords random_image(Random& random, uint32_t points, uint32_t words) {
   return image;
 }
 
-/// The image turned, scaled and shifted, its signatures off by some bits.
+/// The image rotated, scaled and translated, with some signature bits flipped.
 ImageWords moved(ImageWords image, double turn_rad, double scale, Random& random) {
   const double c = scale * std::cos(turn_rad), s = scale * std::sin(turn_rad);
   for (QuantizedKeypoint& point : image) {
@@ -66,7 +66,7 @@ TEST(ImageWords, OtherSignaturesDoNotMatch) {
   Random random(3);
   const ImageWords a = random_image(random, 200, 10), b = random_image(random, 200, 10);
   EXPECT_GT(match_words(a, b, 64).size(), 150U);
-  EXPECT_LT(match_words(a, b, 10).size(), 5U);  // 20 each of random bits: 32 of 64 on average
+  EXPECT_LT(match_words(a, b, 10).size(), 5U);  // 20 each of random bits: a distance of 32 of 64 on average
 }
 
 TEST(MatchWithinNodes, IsBruteForceWithinEachNode) {
@@ -95,7 +95,7 @@ TEST(MatchWithinNodes, IsBruteForceWithinEachNode) {
 }
 
 TEST(PlaceSearch, PrefersConsistentGeometryToSharedWords) {
-  // Keyframe 1 has all words of the query, elsewhere; keyframe 2 has half of them, where they belong.
+  // Keyframe 1 has all words of the query in other places; keyframe 2 has half of them in the right places.
   Random random(6);
   const ImageWords query = random_image(random, 80, 100'000);
   const auto bow_of = [](const ImageWords& image) {

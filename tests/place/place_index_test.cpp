@@ -53,13 +53,13 @@ TEST(PlaceIndex, GivesExactlyTheScoresOfBruteForce) {
       index.remove(removed->first);
       bows.erase(removed);
     } else {
-      const KeyframeId id{(step * 7919) % 1000};  // not in order, and not without gaps
+      const KeyframeId id{(step * 7919) % 1000};  // neither in order nor contiguous
       const BowVector bow = random_bow(random, 300, 1 + random.index(60));
       index.add(id, bow);
       bows.emplace(id, bow);
     }
     ASSERT_EQ(index.size(), bows.size());
-    const BowVector query = random_bow(random, 320, 40);  // words beyond those seen, too
+    const BowVector query = random_bow(random, 320, 40);  // including unseen words
     ASSERT_EQ(index.query(query, kAll), brute_force(bows, query, kAll)) << "step " << step;
     ASSERT_EQ(index.query(query, 5), brute_force(bows, query, 5));
     const auto odd = [](KeyframeId id) { return id.value % 2 == 1; };
@@ -81,8 +81,8 @@ TEST(PlaceIndex, FindsWhatWasPutIn) {
 }
 
 TEST(PlaceIndex, StopWordsDoNotHideSimilarImages) {
-  // Ten words that all have, and a few that tell. With room for 150 postings the common ones must be left
-  // out.
+  // Ten words that all images have, and a few distinctive ones. With a limit of 150 postings the common ones
+  // must be left out.
   Random random(3);
   PlaceIndex all, some(150);
   std::map<KeyframeId, BowVector> bows;
@@ -96,7 +96,7 @@ TEST(PlaceIndex, StopWordsDoNotHideSimilarImages) {
   }
   for (const auto& [id, bow] : bows) EXPECT_EQ(some.query(bow, 1), all.query(bow, 1)) << id.value;
   EXPECT_EQ(all.query(bows.at({7}), kAll).size(), 200U);
-  EXPECT_EQ(some.query(bows.at({7}), kAll).size(), 1U);  // the others have stop words in common alone
+  EXPECT_EQ(some.query(bows.at({7}), kAll).size(), 1U);  // the others have only stop words in common
 }
 
 TEST(PlaceIndex, EqualScoresComeInTheOrderOfIds) {
@@ -129,7 +129,7 @@ TEST(PlaceIndex, RemovedKeyframesAreGone) {
   EXPECT_FALSE(index.contains({1}));
   EXPECT_EQ(index.size(), 1U);
   EXPECT_THAT(index.query(bow, kAll), ElementsAre(PlaceCandidate{{2}, 1}));
-  index.add({1}, bow);  // and may come back
+  index.add({1}, bow);  // and may be added again
   EXPECT_EQ(index.query(bow, kAll).size(), 2U);
 }
 

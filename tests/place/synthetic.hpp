@@ -1,5 +1,5 @@
 #pragma once
-// Descriptors with known truth: bits drawn at random, and noisy copies of known centres.
+// Descriptors with known truth: random bits, and noisy copies of known centres.
 
 #include <cstring>
 #include <vector>

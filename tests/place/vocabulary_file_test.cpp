@@ -18,7 +18,7 @@ using test::input_error;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// The format as docs/place.md describes it, written down a second time.
+// The format as described in docs/place.md, implemented independently.
 constexpr size_t kHeaderBytes = 48;
 constexpr size_t kChecksumOffset = 40;
 
@@ -126,7 +126,7 @@ TEST(VocabularyFile, OtherKindsAndVersionsAreNamed) {
 
 TEST(VocabularyFile, NonsenseWithARightChecksumIsAnError) {
   // Any byte of the tree's shape (the child counts stand at the end), of the weights and of the counts in the
-  // header may be wrong in a file that someone made: an error or a sound tree, never a crash.
+  // header may be altered deliberately: the result is an error or a valid tree, never a crash.
   size_t errors = 0;
   for (size_t at = 16; at < bytes().size(); at += at < kHeaderBytes ? 1 : 3) {
     if (at >= kChecksumOffset && at < kHeaderBytes) continue;

@@ -32,8 +32,8 @@ BinaryDescriptor centre(const VocabularyView& tree, uint32_t node) {
   return as_points<HammingSpace>(tree.centres)[node];
 }
 
-/// The nodes from the root to the leaf, found as the definition says: at each node the nearest child by
-/// looking at all of them.
+/// The nodes from the root to the leaf by definition: at each node the nearest child, by exhaustive
+/// comparison.
 std::vector<uint32_t> exhaustive_path(const VocabularyView& tree, const BinaryDescriptor& descriptor) {
   std::vector<uint32_t> path = {0};
   while (tree.child_counts[path.back()] > 0) {
@@ -107,7 +107,7 @@ TEST(BowVector, WeighsByFrequencyAndRarity) {
   tree.idf = {1.0F, 3.0F, 0.0F, 2.0F};
   tree.use_counts = {1, 1, 1, 1};
   const std::vector<WordId> words = {{1}, {0}, {2}, {0}, {2}, {1}, {0}};
-  // Word 0 three times at 1, word 1 twice at 3, word 2 weighs nothing: 3 : 6.
+  // Word 0 three times at 1, word 1 twice at 3, word 2 has no weight: 3 : 6.
   const BowVector bow = Vocabulary(tree).bow_of(words);
   ASSERT_EQ(bow.size(), 2U);
   EXPECT_EQ(bow[0].first, WordId{0});
@@ -178,8 +178,8 @@ TEST(VocabularyTree, EveryDefectIsFound) {
   EXPECT_TRUE(defect_after([](auto& tree) { tree.idf[0] = std::numeric_limits<float>::quiet_NaN(); }));
   EXPECT_TRUE(defect_after([](auto& tree) { tree.branching = 4; }));
   EXPECT_TRUE(defect_after([](auto& tree) { tree.depth = 2; }));
-  EXPECT_TRUE(defect_after([](auto& tree) { tree.child_counts[0] = 4; }));  // nodes that no one is parent of
-  EXPECT_TRUE(defect_after([](auto& tree) { tree.child_counts.back() = 5; }));  // children that do not exist
+  EXPECT_TRUE(defect_after([](auto& tree) { tree.child_counts[0] = 4; }));      // nodes without a parent
+  EXPECT_TRUE(defect_after([](auto& tree) { tree.child_counts.back() = 5; }));  // nonexistent children
   EXPECT_TRUE(defect_after([](auto& tree) { tree.child_counts[0] = 0; }));
 }
 

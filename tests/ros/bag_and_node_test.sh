@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The same simulated frames three ways: from files, from a bag, and played to the node with roscore. The trajectories
-# must be the same to the last digit.
-# Usage: bag_and_node_test.sh KINLOOP MAKE_BAG KINLOOP_NODE        exit code 77: roscore or rosbag is not here
+# The same simulated frames from files, from a bag, and played to the node with roscore. The trajectories must
+# be identical.
+# Usage: bag_and_node_test.sh KINLOOP MAKE_BAG KINLOOP_NODE        exit code 77: no roscore or rosbag
 set -euo pipefail
 kinloop="$1" make_bag="$2" node="$3"
 command -v roscore >/dev/null && command -v rosbag >/dev/null || exit 77
@@ -15,7 +15,7 @@ clean_up() {
 }
 trap clean_up EXIT
 
-# Time stamps of the simulation begin at 0, which ROS takes for "no time": let them begin at second 10.
+# Simulation time begins at 0, which ROS takes for "no time": shift it to second 10.
 "$kinloop" simulate room --frames 45 --size 320x240 --quiet -o "$folder/frames"
 for list in rgb.txt depth.txt associations.txt; do
   sed -i -E 's/(^| )([0-9]+\.[0-9]+)( )/\11\2\3/g' "$folder/frames/$list"

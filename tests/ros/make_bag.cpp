@@ -1,4 +1,5 @@
-// make_bag FOLDER FILE.bag: a sequence in TUM layout as a bag on the topics of iai_kinect2, for tests.
+// make_bag FOLDER FILE.bag: converts a sequence in TUM layout to a bag on the topics of iai_kinect2, for
+// tests.
 
 #include <cstdio>
 

@@ -14,7 +14,7 @@ TEST(FastEncoder, IsReadBackByOpenCvToTheBit) {
     for (const cv::Size size : {cv::Size(1, 1), cv::Size(3, 2), cv::Size(640, 480)}) {
       cv::Mat wide(size.height, size.width + 5, type);
       random.fill(wide, cv::RNG::UNIFORM, 0, 70000);
-      const cv::Mat image = wide.colRange(2, size.width + 2);  // rows do not follow one another
+      const cv::Mat image = wide.colRange(2, size.width + 2);  // noncontiguous rows
       const std::string bytes = encode_png(image);
       EXPECT_EQ(image_damage(bytes), "");
       const std::vector<uint8_t> file(bytes.begin(), bytes.end());

@@ -117,8 +117,8 @@ cv::Mat rough_depth() {
 
 TEST(FastDecoders, PngOfDepthIsExactWhateverTheFilters) {
   const cv::Mat depth = rough_depth();
-  // zlib's strategies: OpenCV leaves the filters to libpng for the first, and asks for one of them by the
-  // others.
+  // zlib's strategies: for the first, OpenCV leaves the filters to libpng; for the others it requests one of
+  // them.
   for (const int strategy : {0, 1, 2, 3, 4}) {
     for (const int level : {0, 1, 9}) {
       std::vector<uint8_t> bytes;
@@ -153,7 +153,7 @@ TEST(FastDecoders, LeaveOtherAndDamagedFilesAlone) {
   }
 }
 
-/// Every way to cut or spoil a file must give an InputError, never a half-grey image or a crash.
+/// Every truncation or damage must give an InputError, never a half-grey image or a crash.
 class Truncated : public testing::TestWithParam<const char*> {};
 
 TEST_P(Truncated, EveryPrefixOfAnImageIsAnError) {

@@ -14,7 +14,7 @@
 namespace kinloop {
 namespace {
 
-/// A Kinect 2: a wide, coarse depth camera beside a fine colour camera.
+/// A Kinect 2: a wide, low-resolution depth camera next to a high-resolution colour camera.
 RgbdCamera kinect2_like(int color_width = 960) {
   RgbdCamera camera;
   PinholeCamera color;
@@ -37,7 +37,7 @@ struct Plane {
   [[nodiscard]] double depth_at(const PinholeCamera& camera, double x, double y) const {
     return distance_m / normal.dot(camera.unproject(camera.undistort({x, y}), 1));
   }
-  /// The same plane where p_other = T * p.
+  /// The same plane with p_other = T * p.
   [[nodiscard]] Plane moved(const SE3& T) const {
     const Eigen::Vector3d n = T.rotation * normal;
     return {n, distance_m + n.dot(T.translation)};
@@ -83,7 +83,8 @@ TEST(Registration, GivesTheDepthThatTheColorCameraSees) {
       }
     }
     EXPECT_LT(largest_m, 1e-3) << width;
-    // The colour camera sees wider than the depth camera; between its left and right ends there is no gap.
+    // The colour camera has a wider view than the depth camera; between the left and right ends of depth
+    // there is no gap.
     EXPECT_GT(known, 0.75 * static_cast<double>(registered.total())) << width;
     const cv::Mat middle =
         registered(cv::Rect(width / 4, registered.rows / 4, width / 2, registered.rows / 2));
@@ -109,8 +110,8 @@ TEST(Registration, TheNearerSurfaceWinsAndEdgesStayEdges) {
   }
   EXPECT_EQ(between, 0);
   EXPECT_GT(near_pixels, 80 * 400);
-  // Right of the strip's left side: what the colour camera sees there, the strip hides from the depth camera,
-  // or the strip is before it; never the wall through the strip.
+  // To the right of the strip's left edge, what the colour camera sees is either occluded from the depth
+  // camera by the strip or the strip itself, never the wall behind it.
   const auto row = registered.rows / 2;
   bool in_strip = false;
   int entered = 0;
@@ -137,7 +138,7 @@ TEST(Registration, MakesNoSheetsOfALensWhosePolynomialFoldsOver) {
   RgbdCamera camera = kinect2_like();
   const cv::Mat depth_m(camera.depth->height, camera.depth->width, CV_32FC1, cv::Scalar(1.5));
   const int seen = cv::countNonZero(DepthRegistration(camera)(depth_m));
-  camera.depth->k3 = -4;  // as ten stills may give it
+  camera.depth->k3 = -4;  // a possible result of ten images
   const int still_seen = cv::countNonZero(DepthRegistration(camera)(depth_m));
   EXPECT_LT(still_seen, seen);
   EXPECT_GT(still_seen, seen / 3) << "the middle is as it was";
@@ -172,7 +173,7 @@ TEST(Registration, FoldersWhoseDepthIsNotRegisteredAreRegisteredOnTheWayIn) {
   EXPECT_TRUE(source.camera().depth) << "so that the run's camera.yaml fits the same folder";
 }
 
-/// Frames of a Kinect 1 as recorded, beside the same frames registered by others.
+/// Frames of a Kinect 1 as recorded, compared with the same frames registered by libfreenect2.
 TEST(RealRegistration, AgreesWithLibfreenect2WithinMillimetres) {
   const auto raw = test::shared_data("redkitchen_raw"), other = test::shared_data("redkitchen");
   KINLOOP_SKIP_WITHOUT(raw);

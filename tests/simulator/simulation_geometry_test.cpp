@@ -1,4 +1,4 @@
-// Solids, the tree over them, and textures.
+// Solids, their bounding volume hierarchy, and textures.
 
 #include <cmath>
 
@@ -59,8 +59,7 @@ double distance_to_all(const std::vector<Primitive>& solids, const Eigen::Vector
   return nearest;
 }
 
-/// First hit found by walking along the ray as far as the nearest surface allows (Hart 1996, "Sphere
-/// tracing"): shares no formula with the tree.
+/// First hit by sphere tracing (Hart 1996, "Sphere tracing"): shares no formula with the hierarchy.
 double walked_distance(const std::vector<Primitive>& solids, const LaneRay& ray, double max_t) {
   const Eigen::Vector3d direction = ray.direction.cast<double>();
   double t = 0;
@@ -85,7 +84,7 @@ TEST(SimulatedSolids, TheTreeFindsWhatWalkingAlongTheRayFinds) {
     for (int lane = 0; lane < kLanes; ++lane) {
       const double walked = walked_distance(solids, lane_ray(rays, all_lanes(0), lane), kMaxT);
       const double scale = lane_ray(rays, hits.t, lane).direction.norm();
-      // A ray that grazes is a matter of rounding: there, the hit need only lie on the surface.
+      // Grazing rays depend on rounding: there, the hit only has to lie on the surface.
       if (std::abs(walked - hits.t[lane]) * scale > 1e-3) {
         EXPECT_LT(std::abs(distance_to_all(solids, lane_ray(rays, hits.t, lane).point.cast<double>())), 1e-4);
         continue;
@@ -165,7 +164,7 @@ TEST(SimulatedTexture, AWideFootprintGivesTheMeanAndNoneThePixel) {
   const cv::Scalar expected = cv::mean(image);
   for (int c = 0; c < 3; ++c) {
     EXPECT_NEAR(pixel[c], image.at<cv::Vec3b>(20, 10)[c], 1e-3);
-    EXPECT_NEAR(mean[c], expected[c], 3);  // every halving rounds to whole grey levels
+    EXPECT_NEAR(mean[c], expected[c], 3);  // every halving rounds to integers
   }
   const Lanes repeated = texture.sample(3 + 10.5F / 128, -2 + 20.5F / 64, 0);
   EXPECT_NEAR(repeated[0], pixel[0], 1e-2);

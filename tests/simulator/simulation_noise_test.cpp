@@ -1,4 +1,4 @@
-// The Kinect model against its own equations.
+// The Kinect model compared with its own equations.
 
 #include <cmath>
 
@@ -11,7 +11,7 @@
 namespace kinloop::sim {
 namespace {
 
-/// A wall straight ahead, slightly tilted so that quantisation steps are met at random.
+/// A wall straight ahead, slightly tilted, so that the quantisation error is random.
 ExactDepth wall(float depth_m, float tilt = 0.02F, cv::Size size = {200, 200}) {
   ExactDepth exact{cv::Mat(size, CV_32FC1), cv::Mat(size, CV_32FC1, cv::Scalar(1))};
   for (int y = 0; y < size.height; ++y) {

@@ -1,4 +1,4 @@
-// Camera paths: the built-in one, and recorded ones made continuous.
+// Camera paths: the built-in one, and interpolated recordings.
 
 #include <filesystem>
 
@@ -27,7 +27,7 @@ TEST(HandheldPath, ClosesItsLoopAndMovesLikeAHand) {
     const CameraPath path(poses);
     EXPECT_NEAR(static_cast<double>(frame_stamps(poses, 30).size()), 560, 10);
 
-    // Near the end it looks again at what it saw first.
+    // Near the end the camera revisits its first views.
     double nearest_m = 1e9, nearest_rad = 1e9;
     for (size_t i = poses.size() * 9 / 10; i < poses.size(); ++i) {
       nearest_m = std::min(nearest_m, between_m(poses[i].T_world_camera, poses[0].T_world_camera));
@@ -98,7 +98,7 @@ TEST(FrameStamps, RefuseAPathOfMoreThanADay) {
 TEST(EstimateUp, FindsTheVerticalInAnyWorld) {
   const Trajectory level = handheld_path(3);
   EXPECT_LT((estimate_up_direction(level) - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
-  // The world of the first camera, as visual odometry gives it: tilted as that camera was held.
+  // The world of the first camera, as in visual odometry: tilted like that camera.
   Trajectory relative = level;
   const SE3 T_first_world = level.front().T_world_camera.inverse();
   for (StampedPose& pose : relative) pose.T_world_camera = T_first_world * pose.T_world_camera;

@@ -1,4 +1,4 @@
-// The simulated Kinect as a source of frames: true geometry, repeatable bytes, a room worth looking at.
+// The simulated Kinect as a frame source: exact geometry, reproducible bytes, a well-textured room.
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +60,7 @@ TEST(SimulatedSource, DepthOfTheIdealSensorLiesOnTheSurface) {
       for (int x = 0; x < frame.depth_m.cols; x += 5) {
         if (frame.depth_m.at<float>(y, x) <= 0) continue;
         ++known;
-        // Half a depth unit, seen at a slant, and the float arithmetic of the renderer.
+        // Half a depth unit at oblique incidence, and the renderer's float arithmetic.
         ASSERT_LT(source.distance_to_surface(world_point(source, frame, x, y)), 2.5e-4);
       }
     }
@@ -75,7 +75,7 @@ TEST(SimulatedSource, NothingOccludesTheMeasuredDepth) {
   for (int y = 3; y < frame.depth_m.rows; y += 23) {
     for (int x = 3; x < frame.depth_m.cols; x += 23) {
       const Eigen::Vector3d p = world_point(source, frame, x, y);
-      // Walking along the ray as far as the nearest surface allows (Hart 1996): it must arrive.
+      // Sphere tracing (Hart 1996) along the ray must arrive.
       const double range_m = (p - center).norm();
       double walked_m = 0;
       for (int step = 0; step < 300 && walked_m < range_m - 1e-3; ++step) {
@@ -99,7 +99,7 @@ TEST(SimulatedSource, APointLooksAlikeFromTwoPlaces) {
       const Eigen::Vector2d pixel = camera.distort(camera.project(p_b));
       if (p_b.z() < 0.1 || !camera.contains(pixel, 1)) continue;
       const cv::Point at(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())));
-      if (std::abs(static_cast<double>(b.depth_m.at<float>(at)) - p_b.z()) > 0.03) continue;  // hidden
+      if (std::abs(static_cast<double>(b.depth_m.at<float>(at)) - p_b.z()) > 0.03) continue;  // occluded
       for (int c = 0; c < 3; ++c) {
         differences.push_back(std::abs(a.color.at<cv::Vec3b>(y, x)[c] - b.color.at<cv::Vec3b>(at)[c]));
       }
@@ -158,7 +158,7 @@ TEST(SimulatedSource, DepthComesLater) {
   KinectNoise late = KinectNoise::none();
   late.depth_delay_s = 1.0 / 30;
   const SimulatedSource source("late", 1, small_options(late), 2);
-  // Delayed by just one frame, depth is that of the next frame; colour stays.
+  // With a delay of exactly one frame, depth is that of the next frame; colour stays.
   const double difference =
       cv::norm(source.frame(100).depth_m, ideal_source().frame(101).depth_m, cv::NORM_L1);
   const double undelayed =

@@ -37,7 +37,7 @@ void show_wall(DenseRecorder& recorder, uint32_t frames, uint32_t step) {
   }
 }
 
-/// All that was kept, at poses that are off by `error`.
+/// All stored views, at poses that are off by `error`.
 std::vector<PosedImage> views_of(const DenseRecorder& recorder, double error) {
   std::vector<PosedImage> views;
   for (size_t i = 0; i < recorder.image_count(); ++i) {
@@ -65,7 +65,7 @@ TEST(DenseRecorder, OnlineAndOfflinePatchesAreIdentical) {
 
   DenseRecorder restored(camera(), {});
   for (size_t i = 0; i < recorder.image_count(); ++i) restored.restore(recorder.saved_images(i));
-  // The poses were corrected: the surfaces went with their keyframes.
+  // The poses were corrected, and the surfaces moved with their keyframes.
   expect_same(cloud_of(recorder, 0, 2), cloud_of(restored, 0, 1));
   expect_same(while_running, cloud_of(restored, 0.03, 1));
 }

@@ -27,7 +27,7 @@ TEST(Executor, LaggedResultsArriveAfterTheLag) {
   lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{10}, [] { return numbered(1); });
   EXPECT_TRUE(lagged->busy(JobKind::kLocalBundleAdjustment));
   EXPECT_FALSE(lagged->busy(JobKind::kLoopCorrection));
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // long done, and still not due
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // long finished, but not due yet
   EXPECT_TRUE(lagged->collect(FrameId{12}).empty());
   const auto finished = lagged->collect(FrameId{13});
   ASSERT_EQ(finished.size(), 1U);

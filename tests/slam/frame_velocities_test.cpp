@@ -22,7 +22,7 @@ struct Recorded {
   FrameLog log;
 };
 
-/// Its frames at a constant rate; the poses are in the axes of a keyframe at the origin.
+/// Its frames at a constant rate; the poses are relative to a keyframe at the origin.
 Recorded recorded_swing(double frames_per_s, int count = 60) {
   Recorded recorded;
   recorded.map.add_keyframe(FrameId{0}, 0, {}, std::make_shared<const Features>(), 0);

@@ -1,4 +1,4 @@
-// Maps that are saved, gone on with, localised in and merged.
+// Maps that are saved, continued, localised in and merged.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using test::Recording;
 
 constexpr size_t kFrames = 60, kHalf = 30;
 
-/// A simulated walk, slow enough that its second half shows much of the first.
+/// A simulated walk, slow enough that its two halves overlap.
 const Recording& walk() {
   static const Recording kRecording = record_simulation("sim:room", kFrames);
   return kRecording;
@@ -82,7 +82,7 @@ TEST(SavedMap, LocalizationFindsPosesAndKeepsTheMapUnchanged) {
   const Trajectory found = process(slam, kHalf, kFrames);
   ASSERT_GT(found.size(), (kFrames - kHalf) * 8 / 10);
 
-  // In the frame of the map: the first half tells how it lies in the world of the truth.
+  // In the frame of the map, which the first half aligns with the ground truth's world.
   Trajectory both;
   for (const SavedFrame& frame : first_half().frames) {
     const SE3& T_world_keyframe = first_half().map.keyframes[frame.reference.value].T_world_camera;

@@ -43,7 +43,7 @@ TEST(SelfCalibration, EstimatesAreAppliedToTheCamera) {
   const RgbdCamera calibrated = calibrated_camera(camera, found);
   EXPECT_EQ(calibrated.rolling_shutter_s, 0.03);
   EXPECT_EQ(calibrated.color.fx, 528);
-  // A ray falls on the same pixel whether the correction is kept apart or worked in.
+  // A ray must reach the same pixel whether the correction is kept separate or applied to the camera.
   const Eigen::Vector2d ray(0.4, -0.3);
   const Eigen::Vector2d apart = camera.color.distort(corrected_pixel(camera.color, found.value, ray));
   const Eigen::Vector2d worked_in = calibrated.color.distort(calibrated.color.project({ray.x(), ray.y(), 1}));
@@ -70,7 +70,7 @@ TEST(SelfCalibration, DisabledMeansAllParametersAreFixed) {
   EXPECT_TRUE(prior_sigmas(some_camera().color, options).isZero(0));
 }
 
-/// Points before four cameras whose principal point is `off_px` from where the calibration says.
+/// Points in front of four cameras whose principal point is off by `off_px`.
 BundleAdjustmentProblem decentred_problem(double off_px) {
   BundleAdjustmentProblem problem;
   BundleProblem& bundle = problem.bundle;

@@ -40,7 +40,7 @@ void expect_same(const Trajectory& a, const Trajectory& b) {
   }
 }
 
-/// Hands out the recorded frames, as a source.
+/// A source that returns the recorded frames.
 class ReplayedSource : public FrameSource {
  public:
   std::optional<RgbdFrame> next() override {
@@ -67,7 +67,7 @@ TEST(Slam, TracksTheSimulatedSequence) {
   EXPECT_LT(ate->error_m.rmse, 0.02);
 }
 
-/// A vocabulary of the words that the recording itself shows.
+/// A vocabulary trained on the recording itself.
 Vocabulary small_vocabulary(const FeatureOptions& features) {
   std::vector<cv::Mat> descriptors;
   for (size_t i = 0; i < recording().frames.size(); i += 10) {
@@ -143,7 +143,7 @@ TEST(Slam, TracksEveryFrameWithIcpRefinement) {
 
 TEST(Slam, ARepeatedImageKeepsItsPose) {
   auto frames = recording().frames;
-  frames[20].color = frames[19].color.clone();  // what drivers do when an image is lost
+  frames[20].color = frames[19].color.clone();  // what drivers do if an image is lost
   frames[20].depth_m = frames[19].depth_m.clone();
   Slam slam(recording().camera);
   for (const RgbdFrame& frame : frames) slam.process(frame);
@@ -184,7 +184,7 @@ TEST(Slam, RelocalizesAfterABlackout) {
   EXPECT_LT(ate->error_m.rmse, 0.02);
 }
 
-/// The frame with all but the columns [begin, end) black.
+/// The frame with everything black except the columns [begin, end).
 RgbdFrame columns_of(const RgbdFrame& frame, int begin, int end) {
   RgbdFrame part = blackened(frame);
   const cv::Range shown(begin, end);
@@ -193,8 +193,8 @@ RgbdFrame columns_of(const RgbdFrame& frame, int begin, int end) {
   return part;
 }
 
-/// One half of the view is seen first, then the other, then both: nothing but the last tells how the halves
-/// lie to each other.
+/// First one half of the view is seen, then the other, then both: only the last part determines their
+/// relative pose.
 std::vector<RgbdFrame> sides_then_whole() {
   auto frames = recording().frames;
   const int width = frames[0].color.cols, middle = width / 2;
@@ -217,7 +217,7 @@ TEST(Slam, StartsANewComponentWhenLostAndMergesIt) {
   const Trajectory estimate = slam.finish();
   EXPECT_EQ(slam.map().component_count(), 2U);
   for (const Keyframe& keyframe : slam.map().keyframes()) EXPECT_EQ(keyframe.component, 0U);
-  EXPECT_GE(estimate.size(), frames.size() - 2);  // most of those lost in between are found at the end
+  EXPECT_GE(estimate.size(), frames.size() - 2);  // most of those lost in between are relocalised at the end
   const auto ate = absolute_trajectory_error(estimate, recording().truth);
   ASSERT_TRUE(ate.has_value());
   EXPECT_LT(ate->error_m.rmse, 0.03);

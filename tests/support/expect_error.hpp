@@ -1,5 +1,5 @@
 #pragma once
-// Expectations on the one line that a user sees when something is wrong.
+// Expectations on the one-line error messages.
 
 #include <string>
 
@@ -9,7 +9,7 @@
 
 namespace kinloop::test {
 
-/// What `call` throws as `Error`; fails the test when it throws nothing or something else.
+/// Returns the `Error` that `call` throws; fails the test if it throws nothing or something else.
 template <class Error, class Call>
 std::string message_of(const Call& call) {
   try {
@@ -25,13 +25,13 @@ std::string message_of(const Call& call) {
   return {};
 }
 
-/// The message of the InputError that `call` throws.
+/// Returns the message of the InputError that `call` throws.
 template <class Call>
 std::string input_error(const Call& call) {
   return message_of<InputError>(call);
 }
 
-/// The message of the UsageError that `call` throws.
+/// Returns the message of the UsageError that `call` throws.
 template <class Call>
 std::string usage_error(const Call& call) {
   return message_of<UsageError>(call);

@@ -1,5 +1,5 @@
 #pragma once
-// Runs a test body once for every instruction set that this machine has, plain C++ among them.
+// Runs a test body once for every instruction set of this machine, including plain C++.
 
 #include <functional>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace kinloop::test {
 
-/// Takes up what SetSupportedTargetsForTest said, in the way of each Highway.
+/// Applies SetSupportedTargetsForTest, in the way of each Highway version.
 template <class ChosenTarget>
 void update_chosen_target(ChosenTarget& chosen) {
   if constexpr (requires { chosen.Update(hwy::SupportedTargets()); }) {
@@ -18,13 +18,13 @@ void update_chosen_target(ChosenTarget& chosen) {
   }
 }
 
-/// Makes Highway believe that the CPU has one instruction set only (0 = all that it has).
+/// Restricts Highway to one instruction set (0 = all that the CPU has).
 inline void force_simd_target(decltype(hwy::SupportedTargets()) target) {
   hwy::SetSupportedTargetsForTest(target);
   update_chosen_target(hwy::GetChosenTarget());
 }
 
-/// Calls `body` with the name of each instruction set while that one is in use; the CPU's own comes back.
+/// Calls `body` with the name of each instruction set while that one is active; then restores the CPU's own.
 inline void for_each_simd_target(const std::function<void(const std::string&)>& body) {
   const auto all = hwy::SupportedTargets();
   for (auto left = all; left != 0; left &= left - 1) {

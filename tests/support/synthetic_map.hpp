@@ -1,5 +1,5 @@
 #pragma once
-// A map built from the synthetic world along given poses, and frames of it: known truth for tracking,
+// A map built from the synthetic world along given poses, and frames of it: ground truth for tracking,
 // mapping, loop.
 
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace kinloop::test {
 
-/// A map whose landmark k stands for a known point of the world.
+/// A map whose landmark k represents a known point of the world.
 struct SyntheticMap {
   Map map;
   std::map<uint32_t, LandmarkId> landmark_of_point;
@@ -26,8 +26,7 @@ inline PreparedFrame make_frame(uint32_t id, const SyntheticView& view) {
   return frame;
 }
 
-/// Adds a keyframe at `T_world_camera` (which may be off the truth the view was taken from) with true
-/// associations.
+/// Adds a keyframe at `T_world_camera` (which may differ from the view's true pose) with true associations.
 inline KeyframeId add_view(SyntheticMap& built, const SyntheticWorld& world, const SyntheticView& view,
                            const SE3& T_world_camera) {
   Map& map = built.map;

@@ -50,7 +50,7 @@ struct ObservationNoise {
   double missing_depth_fraction = 0.2;
 };
 
-/// An image of the world and which point each keypoint shows.
+/// An image of the world, with the point that each keypoint observes.
 struct SyntheticView {
   std::shared_ptr<const Features> features;
   std::vector<uint32_t> point_of;
@@ -100,7 +100,7 @@ inline SE3 pose_on_arc(int i) {
   return camera_at(0.08 * i, {0.06 * i, 0.01 * (i % 3), -0.03 * i});
 }
 
-/// Largest difference of two poses, (m, rad).
+/// Distance between two poses, m.
 inline double distance_m(const SE3& a, const SE3& b) {
   return (a.translation - b.translation).norm();
 }

@@ -1,5 +1,5 @@
 #pragma once
-// A folder of one test's own, gone when the test ends.
+// A temporary folder that is removed at the end of the test.
 
 #include <cstdlib>
 #include <filesystem>
@@ -26,7 +26,7 @@ class TempFolder {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  /// Writes a file into the folder, with the folders it needs, and returns its path.
+  /// Writes a file into the folder, creating parent folders, and returns its path.
   std::filesystem::path write(const std::filesystem::path& name, std::string_view content) const {
     auto file = path_ / name;
     std::filesystem::create_directories(file.parent_path());

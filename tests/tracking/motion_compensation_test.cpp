@@ -7,15 +7,15 @@
 namespace kinloop {
 namespace {
 
-/// `still`, measured by the same camera in motion: the scene around each keypoint is a plane facing the
-/// camera, so that its depth image is flat there.
+/// Simulates `still` measured by the same camera in motion: the scene around each keypoint is a plane facing
+/// the camera, so its depth image is flat there.
 Features in_motion(const Features& still, const PinholeCamera& camera, const SensorVector& sensor,
                    const Velocity& velocity) {
   Features moving = still;
   for (size_t i = 0; i < still.size(); ++i) {
     const Eigen::Vector3d p =
         camera.unproject(still.pixels[i].cast<double>(), static_cast<double>(still.depths_m[i]));
-    // The row at which it is seen depends on when it is seen, and that on the row.
+    // The row depends on the time of observation, and the time on the row.
     Eigen::Vector2d pixel = still.pixels[i].cast<double>();
     double row = 0;
     for (int round = 0; round < 20; ++round) {
@@ -59,7 +59,7 @@ TEST_F(MotionCompensation, MotionIsCompensated) {
     EXPECT_EQ(undone.measured_pixels[i], moving.measured_pixels[i]);
     largest_shift_px = std::max<double>(largest_shift_px, (moving.pixels[i] - ideal_.pixels[i]).norm());
   }
-  EXPECT_GT(largest_shift_px, 5);  // there was something to undo
+  EXPECT_GT(largest_shift_px, 5);  // the motion is significant
 }
 
 TEST_F(MotionCompensation, LensAndDepthErrorsAreCorrected) {
@@ -102,7 +102,7 @@ TEST_F(MotionCompensation, DepthGradientIsTakenIntoAccount) {
   for (size_t i = 0; i < wall.size(); ++i) {
     const Eigen::Vector2d pixel = wall.pixels[i].cast<double>();
     truth_m.push_back(depth_at(pixel));
-    // The camera has moved along x when depth is taken: what lies under the pixel then is z = 2 + x + v t.
+    // The camera has moved along x when depth is taken: the point under the pixel then has z = 2 + x + v t.
     const double ray_x = (pixel.x() - camera.cx) / camera.fx;
     wall.measured_depths_m[i] = static_cast<float>((2 + 0.5 * 0.02) / (1 - ray_x));
   }

@@ -11,8 +11,8 @@ namespace {
 
 using test::camera_at;
 
-/// A map of one keyframe at the origin, the previous frame there, and the camera somewhere else.
-/// A prediction that may be off by a centimetre and a degree.
+/// A map of one keyframe at the origin, the previous frame there, and the camera somewhere else, with a
+/// prediction that may be off by a centimetre and a degree.
 PredictedPose uncertain(const SE3& T_reference_camera) {
   return {T_reference_camera, 0.01, 0.02};
 }
@@ -88,7 +88,7 @@ TEST_F(Tracker, IsLostOnABlackImage) {
   EXPECT_EQ(result.status, TrackStatus::kLost);
 }
 
-/// A wall 2 m ahead with a picture so soft that it has no corner, seen from `x_m` to the right.
+/// A wall 2 m ahead with a texture too soft for corners, seen from `x_m` to the right.
 PreparedFrame soft_wall(const PinholeCamera& camera, double x_m) {
   constexpr double kWall_m = 2;
   PreparedFrame frame;
@@ -131,13 +131,13 @@ TEST_F(Tracker, GivesTheSameResultTwice) {
 }
 
 TEST_F(Tracker, InformationIsConsistentWithTheErrors) {
-  // The squared error in units of the claimed information has mean 6 (chi2 with 6 degrees of freedom).
+  // The squared error in units of the reported information has mean 6 (chi2 with 6 degrees of freedom).
   double sum = 0;
   constexpr int kTrials = 40;
   for (uint64_t trial = 0; trial < kTrials; ++trial) {
     const SE3 truth = camera_at(0.01 * static_cast<double>(trial % 5), {0.02, 0, 0.01});
     const auto view = test::observe(world_, truth, {1.0, 2.85e-3, 12, 0.2}, 100 + trial);
-    // Exact landmarks: what is tested is the frame's own noise.
+    // Exact landmarks, to test the frame's own noise.
     LocalMap exact = local_map_;
     for (size_t i = 0; i < exact.size(); ++i) {
       for (const auto& [point, landmark] : built_.landmark_of_point) {
@@ -161,8 +161,9 @@ TEST(MotionModel, ExtrapolatesTheVelocity) {
   motion.update(step, 33'000'000);
   EXPECT_LT((motion.predict(33'000'000).T.inverse() * step).log().norm(), 1e-12);
   EXPECT_LT((motion.predict(66'000'000).T.inverse() * (step * step)).log().norm(), 1e-12);
-  EXPECT_LT(motion.predict(10'000'000'000).T.translation.norm(), 0.2);  // a long gap is not followed blindly
-  motion.update(step, 0);                                               // a repeated stamp teaches nothing
+  EXPECT_LT(motion.predict(10'000'000'000).T.translation.norm(),
+            0.2);          // a long gap is not extrapolated blindly
+  motion.update(step, 0);  // a repeated stamp is ignored
   EXPECT_TRUE(motion.predict(33'000'000).T.is_finite());
   motion.reset();
   EXPECT_EQ(motion.predict(33'000'000).T.translation.norm(), 0);
@@ -177,11 +178,12 @@ TEST(MotionModel, UncertaintyGrowsWithTime) {
   EXPECT_GT(late.sigma_m, 10 * soon.sigma_m);
   EXPECT_GT(late.sigma_rad, 10 * soon.sigma_rad);
   motion.reset();
-  EXPECT_GT(motion.predict(33'000'000).sigma_m, soon.sigma_m);  // nothing known is less than something
+  EXPECT_GT(motion.predict(33'000'000).sigma_m,
+            soon.sigma_m);  // an unknown motion is less certain than a known one
 }
 
 TEST(MotionModel, UncertaintyFollowsTheMotion) {
-  // Velocities that walk at random, as the model assumes them to: its claims must hold on average.
+  // Velocities that perform a random walk, as the model assumes: its uncertainty must be right on average.
   Random random(5);
   MotionModel motion;
   constexpr int64_t kStep_ns = 40'000'000;
@@ -234,7 +236,7 @@ TEST_F(KeyframePolicy, LowOverlapTriggersAKeyframeOnceTheCameraMoves) {
 
 TEST_F(KeyframePolicy, NoKeyframeNearAnExistingOne) {
   result_.status = TrackStatus::kTracked;
-  result_.stats.inliers = 100;  // of 300: the view thins out
+  result_.stats.inliers = 100;  // of 300: tracking weakens
   const SE3 far_off = camera_at(0.5, {1, 0, 0}), on_the_way = camera_at(0.15, {0, 0, 0}),
             near_by = camera_at(0.01, {0.01, 0, 0});
   EXPECT_TRUE(needs_keyframe({result_, frame_, {far_off, on_the_way}, 5, 300}, {}));
@@ -261,7 +263,7 @@ TEST(MotionsFromKeyframes, CoverTheLastAndTheCovisibleKeyframes) {
   EXPECT_LT(test::distance_m(motions[1], result.T_reference_camera), 1e-12);
   EXPECT_LT(test::distance_m(motions[2], poses[1].inverse() * result.T_reference_camera), 1e-12);
 
-  result.matches.clear();  // followed by points of the frame before: no keyframe shows the same
+  result.matches.clear();  // tracked by points of the previous frame only: no keyframe has the same
   EXPECT_EQ(motions_from_keyframes(built.map, result, KeyframeId{3}).size(), 1U);
 }
 

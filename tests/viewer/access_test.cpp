@@ -14,7 +14,7 @@ TEST(Access, LoopbackIsAuthorizedOnlyUnderLoopbackNames) {
   for (const char* host : {"localhost:8080", "127.0.0.1:8080", "[::1]:8080", "localhost", "127.0.0.2:9"}) {
     EXPECT_TRUE(is_authorized({host, std::nullopt, ""}, kHere)) << host;
   }
-  // A name that someone made to point here (DNS rebinding), and things that are no names.
+  // A name made to point here (DNS rebinding), and invalid names.
   for (const char* host : {"evil.example:8080", "localhost.evil.example:8080", "127.0.0.1.evil.example",
                            "128.0.0.1", "", ":", "]:"}) {
     EXPECT_FALSE(is_authorized({host, std::nullopt, ""}, kHere)) << host;

@@ -9,7 +9,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// A square whose last corner is off before, with one loop edge.
+/// A square whose last corner is initially off, with one loop edge.
 GraphReport square() {
   GraphReport report;
   report.title = "a <b> graph";

@@ -107,7 +107,7 @@ bool RawClient::is_closed() {
 
 std::string text_frame(const std::string& text) {
   constexpr char kFinalText = '\x81', kMasked = '\x80';
-  const std::string mask = {0, 0, 0, 0};  // as good as any other to the server
+  const std::string mask = {0, 0, 0, 0};  // any mask is valid for the server
   return std::string{kFinalText} + static_cast<char>(kMasked | static_cast<char>(text.size())) + mask + text;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A client that says exactly what a test wants, also what no browser would.
+// A client that sends exactly what a test wants, including what no browser would send.
 
 #include <cstdint>
 #include <optional>
@@ -18,31 +18,31 @@ struct ReceivedPart {
 
 class RawClient {
  public:
-  /// Connects to the port of 127.0.0.1.
+  /// Connects to a port on 127.0.0.1.
   explicit RawClient(int port);
   ~RawClient();
   RawClient(RawClient&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;
 
-  /// False when the other side has gone.
+  /// Returns false if the other side has disconnected.
   bool send(const std::string& bytes);
 
-  /// All that comes until the other side closes, or nothing has come for some seconds.
+  /// Reads until the other side closes, or nothing has come for some seconds.
   std::string read_all();
 
-  /// Sends a request for `target` and gives the whole answer. `headers` are further lines, each ended by
-  /// CRLF.
+  /// Sends a request for `target` and returns the whole response. `headers` are additional lines, each
+  /// terminated by CRLF.
   std::string get(const std::string& target, const std::string& headers = "",
                   const std::string& host = "localhost");
 
-  /// Asks for the WebSocket; true when it was granted.
+  /// Requests a WebSocket; returns true if it was granted.
   bool open_feed(const std::string& target = "/feed", const std::string& headers = "");
 
-  /// The next message; nothing when the other side closed.
+  /// Returns the next message; nullopt if the other side closed.
   std::optional<ReceivedPart> next_part();
 
-  /// Whether the other side closes within some seconds; messages are passed over.
+  /// Returns whether the other side closes within some seconds; messages are skipped.
   bool is_closed();
 
  private:
@@ -51,7 +51,7 @@ class RawClient {
   int socket_ = -1;
 };
 
-/// A frame as a browser sends it: final, text, masked.
+/// A frame as sent by a browser: final, text, masked.
 std::string text_frame(const std::string& text);
 
 /// The port in "http://host:port/...".

@@ -101,7 +101,7 @@ TEST(Report, LeavesOutWhatIsNotKnown) {
 
 TEST(Report, OfSeveralRunsAllLieOnTheSameTruth) {
   RunReport other = full_report();
-  const SE3 T_other{exp_so3({0.3, 1, -0.2}), {5, 6, 7}};  // began elsewhere
+  const SE3 T_other{exp_so3({0.3, 1, -0.2}), {5, 6, 7}};  // another start
   for (auto& pose : other.estimate) pose.T_world_camera = T_other * pose.T_world_camera;
   const std::vector<RunReport> runs = {full_report(), other};
   const auto data = report_data(runs)["runs"];
@@ -216,7 +216,7 @@ TEST(SvgPlot, OnEqualAxesACircleIsRound) {
                         &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]),
             8);
   EXPECT_NEAR(v[2] - v[6], v[1] - v[5], 0.21);  // as wide as high, up to rounding
-  EXPECT_GT(v[1], v[5]);                        // y goes up
+  EXPECT_GT(v[1], v[5]);                        // y points up
 }
 
 TEST(ReportText, Base64IsThatOfTheRfc) {

@@ -1,4 +1,4 @@
-// From what Slam tells to what a browser gets.
+// From Slam's events to the messages for a browser.
 
 #include "viewer/scene/run_scene.hpp"
 
@@ -44,7 +44,7 @@ PreparedFrame wall_frame(uint32_t id) {
   return frame;
 }
 
-/// A run of frames of which every second becomes a keyframe, 5 cm further along x each.
+/// A run of frames, each 5 cm further along x; every second becomes a keyframe.
 class FakeRun {
  public:
   explicit FakeRun(RunFeed& feed) : feed_(feed) {}
@@ -97,7 +97,7 @@ class RunSceneTest : public testing::Test {
     return nlohmann::json::parse(found->body->begin(), found->body->end());
   }
 
-  ViewerOptions options_{.voxel_m = 0.05};  // wider than the pixels of so small a camera
+  ViewerOptions options_{.voxel_m = 0.05};  // wider than the pixels of such a small camera
   RunFeed feed_{options_};
   FakeRun run_{feed_};
   Scene scene_{"run"};
@@ -108,9 +108,9 @@ TEST_F(RunSceneTest, ShowsKeyframesPathCameraImagesAndStatus) {
   for (int i = 0; i < 4; ++i) run_.frame();
   update();
   EXPECT_EQ(part(PartKind::kKeyframes)->body->size(), 2U * 28);
-  EXPECT_FLOAT_EQ(number(PartKind::kKeyframes, 0, 7), 0.05F);  // where the second keyframe is
+  EXPECT_FLOAT_EQ(number(PartKind::kKeyframes, 0, 7), 0.05F);  // x of the second keyframe
   EXPECT_EQ(part(PartKind::kPath)->body->size(), 4U * 16);
-  EXPECT_FLOAT_EQ(number(PartKind::kPath, 0, 2), 0.5F);  // in the keyframe's axes
+  EXPECT_FLOAT_EQ(number(PartKind::kPath, 0, 2), 0.5F);  // relative to the keyframe
   EXPECT_FLOAT_EQ(number(PartKind::kCamera, 0, 0), 0.05F);
   EXPECT_FLOAT_EQ(number(PartKind::kCamera, 0, 1), 0.5F);
   const auto jpeg = part(PartKind::kColorImage);
@@ -153,7 +153,7 @@ TEST_F(RunSceneTest, AMapCorrectionSendsOnlyPoses) {
   EXPECT_FLOAT_EQ(number(PartKind::kKeyframes, 0, 3 * 7 + 2), 3);
   EXPECT_EQ(part(PartKind::kCloud, 0)->version, cloud->version);
   EXPECT_EQ(part(PartKind::kPath, 0)->version, path->version);
-  EXPECT_EQ(part(PartKind::kKeyframes, 1)->version, later->version);  // 36 keyframes that stayed
+  EXPECT_EQ(part(PartKind::kKeyframes, 1)->version, later->version);  // 36 unchanged keyframes
 }
 
 TEST_F(RunSceneTest, LostFramesLeaveAGap) {
@@ -168,7 +168,7 @@ TEST_F(RunSceneTest, NoImagesAreEncodedWithoutClients) {
   run_.frame();
   update(false);
   EXPECT_FALSE(part(PartKind::kColorImage));
-  EXPECT_TRUE(part(PartKind::kCloud, 0));  // kept for those who come later
+  EXPECT_TRUE(part(PartKind::kCloud, 0));  // kept for browsers that connect later
 }
 
 TEST_F(RunSceneTest, TheSameWallIsSentOnce) {
@@ -177,7 +177,7 @@ TEST_F(RunSceneTest, TheSameWallIsSentOnce) {
   const size_t points = status()["points"];
   for (int i = 0; i < 2; ++i) run_.frame();
   update();
-  EXPECT_LT(status()["points"].get<size_t>(), points + points / 5);  // the new 5 cm at its side alone
+  EXPECT_LT(status()["points"].get<size_t>(), points + points / 5);  // only the new 5 cm at its side
 }
 
 TEST_F(RunSceneTest, TheFinalPathReplacesTheLivePath) {
@@ -216,11 +216,11 @@ TEST(Shuffled, IsTheSameCloudInAnotherOrderTheSameEveryTime) {
   for (size_t i = 0; i < 1000; ++i) {
     const auto which = static_cast<size_t>(mixed.points[i].x());
     there[which] = true;
-    EXPECT_EQ(mixed.colors[i][0], which % 256);  // colours go with their points
+    EXPECT_EQ(mixed.colors[i][0], which % 256);  // colours stay with their points
     if (i < 500) first_half += mixed.points[i].x() / 500;
   }
   EXPECT_EQ(std::count(there.begin(), there.end(), true), 1000);
-  EXPECT_NEAR(first_half, 500, 50);  // any part of it is spread over the whole
+  EXPECT_NEAR(first_half, 500, 50);  // any prefix is spread over the whole
   EXPECT_EQ(shuffled(cloud).points, mixed.points);
 }
 
@@ -233,7 +233,7 @@ TEST(RunControl, ProceedsUnlessPaused) {
   EXPECT_EQ(control.next_action(never), RunControl::Action::kProcessFrame);
   control.pause();
   EXPECT_EQ(control.next_action([] { return true; }),
-            RunControl::Action::kProcessFrame);  // the run shall end
+            RunControl::Action::kProcessFrame);  // the run is to end
 }
 
 TEST(RunControl, AStepIsOneFrameAndSavingIsNoStep) {

@@ -1,4 +1,4 @@
-// What kinloop view shows, from files to what a browser gets.
+// The content shown by kinloop view, from files to messages for a browser.
 
 #include "viewer/saved_run.hpp"
 
@@ -102,7 +102,7 @@ TEST_F(SavedRunTest, ADamagedGlbIsReportedBeforeServing) {
   EXPECT_THAT(error("a.glb", edited("\"count\":3", "\"count\":9")), HasSubstr("out of range"));
   EXPECT_THAT(error("a.glb", edited("\"bufferView\":0", "\"bufferView\":7")), HasSubstr("is not glTF"));
   std::string index = good;
-  constexpr size_t kNormalBytes = 3 * 3 * sizeof(float);     // stand behind the triangles
+  constexpr size_t kNormalBytes = 3 * 3 * sizeof(float);     // stored after the triangles
   index[good.size() - kNormalBytes - sizeof(uint32_t)] = 3;  // the last corner of the triangle
   EXPECT_THAT(error("a.glb", index), HasSubstr("refers to vertex 3 of 3"));
 }

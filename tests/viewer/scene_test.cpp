@@ -9,7 +9,7 @@ namespace {
 
 using testing::ElementsAre;
 
-/// The versions a browser gets that has seen `version` and takes all there is.
+/// The versions received by a browser that has seen `version` and takes everything.
 std::vector<uint64_t> versions_after(const Scene& scene, uint64_t version) {
   std::vector<uint64_t> versions;
   while (const auto part = scene.next_after(version)) {
@@ -61,7 +61,7 @@ TEST(Scene, ASlowBrowserEndsUpWithTheLastStateOfEverything) {
     const Bytes body = {static_cast<uint8_t>(step % 251)};
     scene.put(PartKind::kCloud, index, body);
     truth[{PartKind::kCloud, index}] = body;
-    if (step % 5 != 0) continue;  // takes one part where five change
+    if (step % 5 != 0) continue;  // takes one part for every five that change
     const auto part = scene.next_after(seen);
     ASSERT_TRUE(part);
     slow[{part->kind, part->index}] = *part->body;
@@ -98,7 +98,7 @@ TEST(Wire, APoseIsItsPlaceAndItsQuaternion) {
   EXPECT_NEAR(at<float>(bytes, 24), std::cos(0.5), 1e-7);
 }
 
-/// Reads a cloud as the page does.
+/// Decodes a cloud as the page does.
 std::vector<Eigen::Vector3f> decoded_points(const Bytes& bytes) {
   std::vector<Eigen::Vector3f> points(at<uint32_t>(bytes, 4));
   const auto unit_m = at<float>(bytes, 8);
@@ -138,7 +138,7 @@ TEST(Wire, FeaturesAreSharesOfTheImage) {
   const Bytes bytes = encode_features(features);
   ASSERT_EQ(bytes.size(), 16U);
   EXPECT_NEAR(at<uint16_t>(bytes, 0), 32768, 1);
-  EXPECT_EQ(at<uint16_t>(bytes, 2), 65535);  // held inside the image
+  EXPECT_EQ(at<uint16_t>(bytes, 2), 65535);  // clamped to the image
   EXPECT_EQ(at<uint16_t>(bytes, 4), 1);
   EXPECT_EQ(at<uint16_t>(bytes, 12), 0);
 }

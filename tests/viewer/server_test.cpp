@@ -1,4 +1,4 @@
-// The server as friends and foes meet it.
+// The server with valid and malicious clients.
 
 #include <atomic>
 #include <filesystem>
@@ -23,7 +23,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-/// Serves a scene that the test changes from outside.
+/// Serves a scene that the test modifies.
 class Served {
  public:
   explicit Served(const std::string& listen = "0")
@@ -64,7 +64,7 @@ class Served {
   ViewerService service_;
 };
 
-/// Waits until it is so, some seconds at most.
+/// Polls for a condition, some seconds at most.
 template <class Question>
 bool becomes(const Question& question) {
   for (int i = 0; i < 1000 && !question(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -149,7 +149,7 @@ TEST(ViewerServer, SendsEveryPartAndAfterABreakOnlyTheRest) {
   ASSERT_TRUE(rest);
   EXPECT_EQ(rest->index, 1U);
   EXPECT_EQ(rest->body, "\x09");
-  ASSERT_TRUE(stranger.open_feed("/feed?run=another&since=" + since));  // of a run before this one
+  ASSERT_TRUE(stranger.open_feed("/feed?run=another&since=" + since));  // of an earlier run
   EXPECT_EQ(stranger.next_part()->index, 0U);
 }
 
@@ -176,9 +176,9 @@ TEST(ViewerServer, DropsBrowsersThatSendAnythingElse) {
                              masked_2_gib,
                              "\x81\x05hello",                     // not masked
                              std::string("\x8f\x80\0\0\0\0", 6),  // no such opcode
-                             std::string("\xc1\x80\0\0\0\0", 6),  // an extension that nobody asked for
+                             std::string("\xc1\x80\0\0\0\0", 6),  // an extension that was not negotiated
                              std::string("\x89\xfe\x01\x00\0\0\0\0", 8),  // a ping that is too long
-                             std::string("\x80\x80\0\0\0\0", 6),          // goes on with nothing
+                             std::string("\x80\x80\0\0\0\0", 6),  // a continuation without a beginning
                              std::string(5000, 'x')};
   for (const std::string& bytes : bad) {
     RawClient client(served.port());
@@ -214,15 +214,15 @@ TEST(ViewerServer, AStalledBrowserDoesNotBlockOthers) {
   for (uint8_t round = 1; round <= kRounds; ++round) {
     for (uint8_t i = 0; i < kParts; ++i) served.put(PartKind::kCloud, i, Bytes(kMib, round));
     served.put(PartKind::kStatus, 0, {round});
-    while (true) {  // the reader gets this round while the others sleep
+    while (true) {  // the reader gets this round while the others are stalled
       const auto part = reader.next_part();
       ASSERT_TRUE(part);
       if (part->kind == static_cast<uint32_t>(PartKind::kStatus) && part->body[0] == static_cast<char>(round))
         break;
     }
   }
-  // Nearly a GiB went by; what is held is one scene and, per stalled browser, one part (and the sanitizers'
-  // own).
+  // Nearly a GiB was sent; only one scene and, per stalled browser, one part is held in memory (plus the
+  // sanitizers' overhead).
   EXPECT_LT(resident_mib() - before_mib, 400);
 }
 
@@ -243,7 +243,7 @@ TEST(ViewerServer, IdleConnectionsAreLimited) {
     const std::filesystem::directory_iterator open("/proc/self/fd");
     return static_cast<size_t>(std::distance(begin(open), end(open)));
   };
-  // Ours for the idle ones, and the server's for as many as it takes.
+  // The test's own for the idle ones, and the server's for its limit.
   EXPECT_TRUE(becomes([&] { return descriptors() < kIdle + 150; })) << descriptors();
   served.put(PartKind::kStatus, 0, {7});
   const auto part = friendly.next_part();

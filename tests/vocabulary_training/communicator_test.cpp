@@ -1,4 +1,4 @@
-// One vocabulary trained by many: the same bytes, however the images and the memory are spread.
+// One vocabulary trained by several processes: identical bytes, however images and memory are distributed.
 
 #include <gmock/gmock.h>
 
@@ -26,7 +26,7 @@ TrainOptions options_of(const std::string& seeding) {
   return options;
 }
 
-/// The images of `rank` of `size`: the first of them very few.
+/// The images of `rank` of `size`: the first rank has very few.
 std::span<const cv::Mat> share(const std::vector<cv::Mat>& images, const Communicator& ranks) {
   const auto begin_of = [&](int rank) {
     const auto r = static_cast<size_t>(rank), size = static_cast<size_t>(ranks.size());
@@ -39,7 +39,7 @@ std::span<const cv::Mat> share(const std::vector<cv::Mat>& images, const Communi
 class ManyProcesses : public testing::TestWithParam<std::string> {};
 
 TEST_P(ManyProcesses, TrainTheSameVocabularyAsOne) {
-  // 22,000 descriptors: a root that all cluster together, then nodes with an owner.
+  // 22,000 descriptors: a root that all processes cluster together, then nodes with an owner.
   const auto images = clustered_images(22, 1000, 50, 1);
   const auto options = options_of(GetParam());
   const std::string one = serialize_vocabulary(train_vocabulary(images, options));

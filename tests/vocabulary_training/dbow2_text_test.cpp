@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing::ElementsAreArray;
 using testing::HasSubstr;
 
-/// A line of the file, all bytes of the descriptor alike.
+/// A line of the file, with all bytes of the descriptor equal.
 std::string node(int parent, int is_word, int byte, double weight) {
   std::string line = std::to_string(parent) + " " + std::to_string(is_word) + " ";
   for (int i = 0; i < kOrbBytes; ++i) line += std::to_string(byte) + " ";

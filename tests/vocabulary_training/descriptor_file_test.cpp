@@ -71,7 +71,7 @@ TEST(DescriptorFile, AnythingElseIsAnErrorThatNamesIt) {
     error_of(altered);
   }
   std::string altered = bytes;
-  altered.back() = 1;  // one image has 2^24 descriptors more
+  altered.back() = 1;  // 2^24 more descriptors for one image
   EXPECT_THAT(error_of(altered), HasSubstr("its images"));
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Processes that are threads: what MPI promises, without MPI.
+// Threads in place of processes, with MPI's guarantees but without MPI.
 
 #include <condition_variable>
 #include <functional>
@@ -11,12 +11,12 @@
 
 namespace kinloop::test {
 
-/// Where the threads meet.
+/// The rendezvous of the threads.
 class MeetingPlace {
  public:
   explicit MeetingPlace(int size) : boxes_(static_cast<size_t>(size)) {}
 
-  /// Leaves `outgoing`, waits for all, takes what is for `rank`, waits for all.
+  /// Stores `outgoing`, waits for all, takes the messages for `rank`, waits for all.
   std::vector<Message> exchange(int rank, std::vector<Message> outgoing) {
     boxes_[static_cast<size_t>(rank)] = std::move(outgoing);
     wait_for_all();

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Squares of random grey: corners at known places.
+/// Squares of random intensity: corners at known positions.
 std::string png_of_squares(int width, int height, uint64_t seed) {
   constexpr int kSquare_px = 16;
   Random random(seed);

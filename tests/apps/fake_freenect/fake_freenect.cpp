@@ -1,6 +1,6 @@
-// A Kinect 1 that is not there: stands in for libfreenect when it is loaded before it (LD_PRELOAD).
-// Registered depth of 1 m + 10 mm a frame, colour that becomes brighter, the device's clock of 60 MHz.
-// (Debian's fakenect knows raw disparity only.)
+// A fake Kinect 1 that replaces libfreenect when preloaded (LD_PRELOAD): registered depth of 1 m + 10 mm per
+// frame, colour of increasing brightness, and the device's 60 MHz clock. (Debian's fakenect only supports raw
+// disparity.)
 
 #include <cstdint>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace {
 
-// A C library has one device of its kind and no place for it but here.
+// A C API has one global device.
 int device_token = 0;                  // NOLINT
 void* user = nullptr;                  // NOLINT
 freenect_video_cb on_video = nullptr;  // NOLINT
@@ -80,7 +80,7 @@ int freenect_stop_depth(freenect_device*) {
   return 0;
 }
 
-/// One frame a call; the clock passes its end on the way. Nothing after the fifth, as if it were unplugged.
+/// One frame per call; the clock wraps around. Nothing after the fifth, as if unplugged.
 int freenect_process_events_timeout(freenect_context*, timeval*) {
   constexpr uint32_t kFrames = 5, kTicksPerFrame = 2'000'000, kPixels = 640 * 480;
   if (frame == kFrames) return -1;
