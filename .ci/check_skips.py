@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fails when a test was skipped that allowed_skips.txt does not name: a skipped test tests nothing.
+"""Fails if a test was skipped that is not listed in allowed_skips.txt.
 
 usage: .ci/check_skips.py build/release/tests.xml"""
 
@@ -13,7 +13,7 @@ SHARED_DATA = HERE.parent.parent / "shared" / "data"
 
 
 def allowed_patterns():
-    """The patterns of allowed_skips.txt; those under [without shared data] count only where that is absent."""
+    """The patterns of allowed_skips.txt; those under [without shared data] apply only if it is missing."""
     patterns, counts = [], True
     for line in (HERE / "allowed_skips.txt").read_text().splitlines():
         line = line.split("#")[0].strip()

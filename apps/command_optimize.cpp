@@ -23,12 +23,12 @@ namespace {
 
 constexpr const char* kOptimizeFooter = R"(
 chi2 is the sum over all edges of e' Omega e, with the error e as in g2o's EDGE_SE3:QUAT and EDGE_SE2; it is
-always given without the robust kernel, so that runs can be compared. 'seconds' is the time of solving alone.
+always given without the robust kernel, so that runs can be compared. 'seconds' is the time of the solver only.
 A file without vertices starts from poses chained along a spanning tree; without a FIX line the first vertex of
-each connected part is held. Edges between successive ids are taken for odometry: no robust kernel touches them.
+each connected part is held. Edges between successive ids are treated as odometry: the robust kernel does not apply to them.
 
 Examples:
-  kinloop optimize sphere2500.g2o -o solved.g2o --report solved.html          with a picture of before and after
+  kinloop optimize sphere2500.g2o -o solved.g2o --report solved.html          with pictures before and after
   kinloop optimize out/graph.g2o -o out/robust.g2o --robust geman-mcclure      some loop edges may be false
   kinloop optimize graph.g2o -o solved.g2o --solver ceres --json               compare the solvers)";
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Fuses posed frames of a TUM folder with Open3D's TSDF, to be compared with kinloop's mesh and cloud.
+"""Fuses posed frames of a TUM folder with Open3D's TSDF, for comparison with kinloop's mesh and cloud.
 
 Usage: open3d_fusion.py SEQUENCE POSES.txt OUT.ply [VOXEL_M]
 Takes the frames whose stamps are in POSES (TUM format, camera to world), e.g. keyframes.txt of a run; writes
-the vertices of the mesh in the form of kinloop's map.ply. The camera must be without distortion."""
+the vertices of the mesh in the format of kinloop's map.ply. The camera must have no distortion."""
 import sys
 import time
 

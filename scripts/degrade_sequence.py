@@ -15,7 +15,7 @@ from PIL import Image, ImageFilter
 
 
 class Frame:
-    """One pair of images: colour as floats of 0 to 255, depth in metres."""
+    """A pair of images: colour as floats from 0 to 255, depth in metres."""
 
     def __init__(self, index, row, folder, scale):
         self.index, self.color_s, self.depth_s = index, float(row[0]), float(row[2])
@@ -29,13 +29,13 @@ def dim(frame, rng):
 
 
 def plain(frame, rng):
-    """texture nearly gone: blurred by 3 px, a third of the contrast"""
+    """hardly any texture: blurred by 3 px, a third of the contrast"""
     blurred = Image.fromarray(frame.color.astype(np.uint8)).filter(ImageFilter.GaussianBlur(3))
     frame.color = 85 + np.asarray(blurred, float) / 3
 
 
 def exposure(frame, rng):
-    """brightness jumps by up to three times every 20 frames, as automatic exposure does"""
+    """brightness jumps by up to three times every 20 frames, as with automatic exposure"""
     gain = (1.0, 0.4, 1.6, 0.55, 1.25)[frame.index // 20 % 5]
     frame.color = frame.color * gain
 
@@ -75,7 +75,7 @@ def blind(frame, rng):
 
 
 def walker(frame, rng):
-    """somebody in a chequered shirt, a third of the image wide, walks past at 1.1 m, once in 60 frames"""
+    """a person in a chequered shirt, a third of the image wide, walks past at 1.1 m every 60 frames"""
     height, width = frame.depth_m.shape
     left = int((frame.index % 60 / 60 * 1.66 - 0.33) * width)
     columns = slice(*np.clip((left, left + width // 3), 0, width))
@@ -86,12 +86,12 @@ def walker(frame, rng):
 
 
 def jitter(frame, rng):
-    """depth stamped 8 ms early, give or take 4 ms"""
+    """depth stamped 8 ms early, with 4 ms of jitter"""
     frame.depth_s += rng.normal(-0.008, 0.004)
 
 
 def dropped(frame, rng):
-    """one colour image in eight and one depth image in eight are lost"""
+    """one in eight colour images and one in eight depth images are lost"""
     if rng.random() < 1 / 8:
         frame.color = None
     if rng.random() < 1 / 8:

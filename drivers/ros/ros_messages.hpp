@@ -17,12 +17,12 @@ namespace kinloop::ros1 {
 template <class T>
 struct Allocator : std::allocator<T> {
   template <class U>
-  struct rebind {  // NOLINT(readability-identifier-naming): the name that messages ask for
+  struct rebind {  // NOLINT(readability-identifier-naming): required by the messages
     using other = Allocator<U>;
   };
   Allocator() = default;
   template <class U>
-  Allocator(const Allocator<U>&) noexcept {}  // NOLINT(google-explicit-constructor): as std::allocator has it
+  Allocator(const Allocator<U>&) noexcept {}  // NOLINT(google-explicit-constructor): as in std::allocator
 };
 template <>
 struct Allocator<void> {

@@ -7,7 +7,7 @@
 
 /// Defines `std::string_view NAME()`, which returns the bytes of the file `PATH` (a string literal). Use it
 /// at namespace scope in a .cpp file; CMake must be told that the object depends on the file.
-// NOLINTBEGIN(bugprone-macro-parentheses): names and string literals to be pasted
+// NOLINTBEGIN(bugprone-macro-parentheses): pastes names and string literals
 #define KINLOOP_EMBED_FILE(NAME, PATH)                                                             \
   __asm__(                                                                                         \
       ".pushsection .rodata\n"                                                                     \

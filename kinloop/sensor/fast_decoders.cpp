@@ -31,9 +31,8 @@ struct PngContent {
 
 /// Returns the content of a non-interlaced 16-bit grey PNG file (PNG specification, sections 5.3 and 11.2.2).
 std::optional<PngContent> depth_png_content(std::string_view bytes) {
-  constexpr size_t kSignature = 8, kFrame = 12;  // a chunk adds length, type and checksum to its data
-  constexpr auto kSixteenBitGrey =
-      "\x10\0\0\0\0"sv;  // bit depth, colour type, compression, filter, interlace
+  constexpr size_t kSignature = 8, kFrame = 12;       // a chunk adds length, type and checksum to its data
+  constexpr auto kSixteenBitGrey = "\x10\0\0\0\0"sv;  // depth, colour type, compression, filter, interlace
   constexpr uint32_t kHeaderBytes = 13, kMaxSide = 1U << 15;
   PngContent content;
   for (size_t at = kSignature; at + kFrame <= bytes.size();) {

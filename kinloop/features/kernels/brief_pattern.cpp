@@ -5,8 +5,8 @@
 namespace kinloop {
 namespace {
 
-// x, y of the first pixel and x, y of the second. Read off the answers of cv::ORB to images with a single
-// bright and a single dark pixel at each place around a keypoint: where a bit changes lies its pixel.
+// x, y of the first pixel and x, y of the second. Determined from cv::ORB's descriptors of images with a
+// single bright or dark pixel at each position around a keypoint: the bits that change compare that pixel.
 // clang-format off
 constexpr std::array<std::array<std::int8_t, 4>, kBriefTests> kPairs{{
     {8, -3, 9, 5}, {4, 2, 7, -12}, {-11, 9, -8, 2}, {7, -12, 12, -13}, {2, -13, 2, 12}, {1, -7, 1, 6},
