@@ -126,7 +126,7 @@ TEST_F(CameraCommands, Kinect1IsRecordedUntilItIsUnplugged) {
   const auto rows = read_table(at("out/associations.txt"));
   ASSERT_EQ(rows.size(), 5U);
   const double lasted_s = std::stod(rows.back().fields[0]) - std::stod(rows.front().fields[0]);
-  EXPECT_NEAR(lasted_s, 4 * 2e6 / 60e6, 1e-5) << "across the end of the device's counter";
+  EXPECT_NEAR(lasted_s, 4 * 2e6 / 60e6, 1e-5) << "across the wrap-around of the device's counter";
   EXPECT_EQ(rows.front().fields[0], rows.front().fields[2]);
 }
 #endif
@@ -146,7 +146,7 @@ TEST_F(CameraCommands, CalibrateWritesACameraFiguresAndAReport) {
   ASSERT_EQ(depth.exit_code, kDone) << depth.err;
   EXPECT_THAT(depth.out, HasSubstr("depth shift"));
   EXPECT_THAT(read_file(at("camera_depth.html")), HasSubstr("<svg"));
-  EXPECT_THAT(read_file(at("camera.html")), HasSubstr("Coverage of the image")) << "the other report stays";
+  EXPECT_THAT(read_file(at("camera.html")), HasSubstr("Coverage of the image")) << "the other report is kept";
   EXPECT_THAT(read_file(at("camera.yaml")), HasSubstr("depth_shift_m:"));
   EXPECT_THAT(read_file(at("camera.json")), AllOf(HasSubstr("\"deviation\""), HasSubstr("\"depth_shift\"")));
 }
@@ -210,7 +210,7 @@ TEST_F(CameraCommands, CalibrateSaysWhatIsWrong) {
   EXPECT_THAT(run("calibrate intrinsics '" + at("empty") + "' --square 0.03").err,
               HasSubstr("no PNG or JPEG"));
   const Run board = run("calibrate intrinsics '" + at("empty") + "' --square 0.03 --board 5");
-  EXPECT_EQ(board.exit_code, kBadInput) << "the folder is looked at first";
+  EXPECT_EQ(board.exit_code, kBadInput) << "the folder is checked first";
   EXPECT_EQ(
       run("calibrate intrinsics '" + at("empty") + "' --square 0.03 --set distortion_terms=3").exit_code,
       kWrongUse);

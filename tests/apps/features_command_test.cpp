@@ -48,7 +48,7 @@ TEST_F(FeaturesCommand, TwoImagesAreMatchedWithEachOther) {
   EXPECT_GT(orb["inliers"], 100);
   EXPECT_LE(orb["inliers"], orb["screened"]);
   EXPECT_LE(orb["screened"], orb["matches"]);
-  EXPECT_FALSE(orb.contains("repeatability")) << "nothing is known of the truth";
+  EXPECT_FALSE(orb.contains("repeatability")) << "there is no ground truth";
 }
 
 TEST_F(FeaturesCommand, EachFigureHasItsRangeOverTheSeeds) {
@@ -60,7 +60,7 @@ TEST_F(FeaturesCommand, EachFigureHasItsRangeOverTheSeeds) {
     EXPECT_LE(orb["ranges"][key][0], orb[key]) << key;
     EXPECT_GE(orb["ranges"][key][1], orb[key]) << key;
   }
-  EXPECT_EQ(orb["ranges"]["matches"][0], orb["ranges"]["matches"][1]) << "no seed takes part";
+  EXPECT_EQ(orb["ranges"]["matches"][0], orb["ranges"]["matches"][1]) << "the seed has no effect";
 }
 
 TEST_F(FeaturesCommand, OfASequenceEachSeedTakesOtherPairs) {
@@ -74,7 +74,7 @@ TEST_F(FeaturesCommand, OfASequenceEachSeedTakesOtherPairs) {
     of->erase("milliseconds");
     of->at("ranges").erase("milliseconds");
   }
-  EXPECT_EQ(orb, again) << "and the same ones every time";
+  EXPECT_EQ(orb, again) << "and the same ones with the same seed";
 }
 
 TEST_F(FeaturesCommand, ATableHasRangesBelowTheMedians) {

@@ -34,7 +34,7 @@ TEST_F(ReportCommand, IsCalledByTheNameOfTheSequence) {
   ASSERT_EQ(shell("cd '" + at("data/walk") + "' && '" KINLOOP_PROGRAM "' run . -q -o '" + at("here") + "'")
                 .exit_code,
             kDone);
-  EXPECT_EQ(shown("here/report.html")[0]["name"], "walk") << "wherever one stands";
+  EXPECT_EQ(shown("here/report.html")[0]["name"], "walk") << "independent of the working directory";
 }
 
 TEST_F(ReportCommand, ToldApartAreRunsByTheirFolders) {
@@ -56,7 +56,7 @@ TEST_F(ReportCommand, PicturesOfLoopsHaveTheirFigures) {
     "observed": 0, "median_error_px": 0, "distance_m": 0, "angle_deg": 0, "inliers": 0}])");
   ASSERT_EQ(run("report '" + at("out") + "'").exit_code, kDone);
   const auto pictures = shown("out/report.html")[0]["loopPictures"];
-  ASSERT_EQ(pictures.size(), 1U) << "what is gone is left out";
+  ASSERT_EQ(pictures.size(), 1U) << "missing pictures are left out";
   EXPECT_EQ(pictures[0]["caption"],
             "0.0 s (left) and 0.2 s (right), cameras 0.42 m and 12.3\u00b0 apart. 300 landmarks reprojected, "
             "200 of "

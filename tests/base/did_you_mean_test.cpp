@@ -13,7 +13,7 @@ const std::vector<std::string> kKeys{"features.count", "dense.voxel_m", "mesh.vo
 
 TEST(DidYouMean, NamesAWordThatIsNear) {
   EXPECT_EQ(did_you_mean("simulte", kCommands), "; did you mean 'simulate'?");
-  EXPECT_EQ(did_you_mean("rnu", kCommands), "; did you mean 'run'?") << "neighbours swapped are one edit";
+  EXPECT_EQ(did_you_mean("rnu", kCommands), "; did you mean 'run'?") << "a transposition is one edit";
   EXPECT_EQ(did_you_mean("inof", kCommands), "; did you mean 'info'?");
   EXPECT_EQ(did_you_mean("features.cuont", kKeys), "; did you mean 'features.count'?");
 }

@@ -25,7 +25,7 @@ TEST(RequireWritable, MakesTheFoldersAndLeavesNothingElse) {
   EXPECT_TRUE(fs::is_empty(folder.path() / "a/b"));
   require_writable_folder(folder.path() / "d/e");
   EXPECT_TRUE(fs::is_empty(folder.path() / "d/e"));
-  EXPECT_NO_THROW(require_writable_file("")) << "an output that nobody asked for";
+  EXPECT_NO_THROW(require_writable_file("")) << "an output that was not requested";
 }
 
 TEST(RequireWritable, KeepsAFileThatIsThere) {

@@ -10,7 +10,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const live = kinloop('calibrate', 'intrinsics', join(folder, 'stills'), '--live', 'sim:room', '--viewer=0', ...board);
   const page = await open(await live.url());
   await until(async () => (await page.textContent('#message')).includes('show the board (0 of 20)'), 'a hint');
-  await until(async () => (await paintedPixels(page, '#colorImage')) > 5000, 'the camera is seen');
+  await until(async () => (await paintedPixels(page, '#colorImage')) > 5000, 'the camera image is shown');
   await shoot(page, 'calibrate');
   live.process.kill('SIGINT');
   await live.ended;

@@ -25,22 +25,22 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   await until(async () => (await seen(page)).badge.includes('paused'), 'the run waits');
   for (let i = 0; i < FEW_FRAMES; ++i) await page.keyboard.press('s');
   await until(async () => frame(await seen(page)) === FEW_FRAMES, 'a step is one frame');
-  await until(async () => (await seen(page)).keyframes > 1, 'keyframes come');
+  await until(async () => (await seen(page)).keyframes > 1, 'keyframes arrive');
   await until(async () => frame(await seen(other)) === FEW_FRAMES, 'the other browser sees the same');
   assert.ok((await seen(other)).badge.includes('paused'));
 
   // The connection breaks: the page reconnects, keeps its data and receives only the rest.
   const whole = await seen(page);
   await page.evaluate(() => window.kinloop.connection.socket.close());
-  await until(() => page.evaluate(() => window.kinloop.connection.socket.readyState === WebSocket.OPEN), 'it comes back');
+  await until(() => page.evaluate(() => window.kinloop.connection.socket.readyState === WebSocket.OPEN), 'it reconnects');
   await page.waitForTimeout(500);
   const rest = await seen(page);
-  assert.ok(rest.points >= whole.points, 'it keeps what it has');
+  assert.ok(rest.points >= whole.points, 'it keeps its data');
   assert.ok(rest.bytes - whole.bytes < whole.bytes / 4, `${rest.bytes - whole.bytes} bytes after ${whole.bytes}`);
 
   // A browser that connects late, or reconnects, receives everything.
   await other.reload();
-  await until(async () => (await seen(other)).points === (await seen(page)).points, 'a late browser gets the whole map');
+  await until(async () => (await seen(other)).points === (await seen(page)).points, 'a late browser receives the whole map');
 
   // The current map can be saved while the run is paused.
   await page.click('#save');
@@ -61,7 +61,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   // The viewpoint follows the camera, and the colours change.
   await page.check('[name=camera][value=follow]');
   const eye = (await seen(page)).eye;
-  await until(async () => Math.hypot(...(await seen(page)).eye.map((x, i) => x - eye[i])) > 0.1, 'the eye follows');
+  await until(async () => Math.hypot(...(await seen(page)).eye.map((x, i) => x - eye[i])) > 0.1, 'the viewpoint follows');
   assert.equal(await page.locator('#color option:disabled').count(), 0, 'a run has times');
   for (const color of ['height', 'depth', 'time', 'camera']) await page.selectOption('#color', color);
   await shoot(page, 'live-follow');
@@ -70,14 +70,14 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
 
   // The loop closure is displayed.
   await until(async () => (await seen(page)).loops > 0, 'a loop is closed');
-  assert.equal((await seen(page)).flash, 'on', 'the page tells of the loop');
+  assert.equal((await seen(page)).flash, 'on', 'the page reports the loop');
   await shoot(page, 'live-loop');
 
   assert.equal(await run.ended, 0, run.text);
-  await until(async () => (await seen(page)).message.includes('closed'), 'the page tells that nobody answers');
+  await until(async () => (await seen(page)).message.includes('closed'), 'the page reports that the connection is lost');
   const ended = await seen(page);
   assert.equal(ended.badge, 'run ended');
   assert.equal(ended.message, 'The run has ended; the connection is closed.');
   for (const button of ['pause', 'step', 'save']) assert.ok(await page.isDisabled(`#${button}`), `nothing to ${button}`);
-  await until(async () => (await seen(page)).path > 150, 'the path is whole, and stays to be looked at');
+  await until(async () => (await seen(page)).path > 150, 'the path is complete and stays visible');
 });

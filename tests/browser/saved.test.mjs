@@ -72,7 +72,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     assert.equal((await seen(page)).cutAtM, Infinity, 'nothing is cut off');
     assert.equal((await seen(page)).cut, 'off');
     assert.equal(await page.locator('#color option[value=time]:disabled').count(), 1, 'a cloud has no times');
-    assert.equal(await page.locator('#run').isVisible(), false, 'nothing runs that could be paused');
+    assert.equal(await page.locator('#run').isVisible(), false, 'there is no run to pause');
     const [download] = await Promise.all([page.waitForEvent('download'), page.click('#screenshot')]);
     assert.equal(download.suggestedFilename(), 'kinloop.png');
     await page.waitForTimeout(500);

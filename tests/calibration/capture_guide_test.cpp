@@ -49,12 +49,12 @@ TEST(CaptureGuide, KeepsAStationaryBoardOnce) {
   CaptureGuide guide(20);
   EXPECT_THAT(guide.advise(std::nullopt, 0).hint, HasSubstr("show the board (0 of 20)"));
   EXPECT_THAT(guide.advise(seen_at(tilted(0, 0)), kSharpPx).hint, HasSubstr("hold the board still"));
-  EXPECT_FALSE(guide.advise(seen_at(tilted(0.3, 0)), kSharpPx).keep) << "it moves";
+  EXPECT_FALSE(guide.advise(seen_at(tilted(0.3, 0)), kSharpPx).keep) << "the board moves";
   EXPECT_FALSE(guide.advise(seen_at(tilted(0.3, 0)), 8).keep) << "blurred";
   const CaptureAdvice advice = guide.advise(seen_at(tilted(0.3, 0)), kSharpPx);
   EXPECT_TRUE(advice.keep);
   EXPECT_THAT(advice.hint, HasSubstr("1 of 20"));
-  EXPECT_FALSE(guide.advise(seen_at(tilted(0.3, 0)), kSharpPx).keep) << "the same again";
+  EXPECT_FALSE(guide.advise(seen_at(tilted(0.3, 0)), kSharpPx).keep) << "the same view again";
   EXPECT_EQ(guide.kept(), 1U);
 }
 

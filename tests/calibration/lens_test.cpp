@@ -95,7 +95,7 @@ TEST(CalibrateLens, TheCovarianceCoversCorrelatedErrors) {
     sum += squared / kTrials;
     as_if_independent += squared * c.sigma_inflation * c.sigma_inflation / kTrials;
   }
-  EXPECT_GT(as_if_independent, 2.5 * kLensParameters) << "the bend does not matter: nothing is tested";
+  EXPECT_GT(as_if_independent, 2.5 * kLensParameters) << "the bend has no effect: nothing is tested";
   EXPECT_LT(sum, 1.6 * kLensParameters);
   EXPECT_GT(sum, 0.5 * kLensParameters);
 }

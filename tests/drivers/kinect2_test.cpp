@@ -92,7 +92,7 @@ TEST(Kinect2Listener, TurnsMirroredFramesRoundAndCountsFaultyOnes) {
   depth_pixels.col(1).setTo(-1);
   color.timestamp = depth.timestamp = 0xffffff00U;
   color.status = depth.status = 0;
-  EXPECT_FALSE(listener.onNewFrame(Frame::Color, &color)) << "the frame stays libfreenect2's";
+  EXPECT_FALSE(listener.onNewFrame(Frame::Color, &color)) << "libfreenect2 keeps the frame";
   listener.onNewFrame(Frame::Depth, &depth);
   const auto frame = frames.wait(milliseconds(10));
   ASSERT_TRUE(frame);
@@ -141,7 +141,7 @@ TEST(Kinect2Source, GivesBothCamerasApartForCalibration) {
   EXPECT_EQ(frame->color.size(), cv::Size(1920, 1080));
   ASSERT_EQ(frame->infrared.type(), CV_16UC1);
   EXPECT_EQ(frame->infrared.at<uint16_t>(5, 5), 700);
-  EXPECT_EQ(frame->infrared.at<uint16_t>(5, 511), 65535) << "out of the mirror, as depth is";
+  EXPECT_EQ(frame->infrared.at<uint16_t>(5, 511), 65535) << "unmirrored, as depth";
   EXPECT_EQ(frame->depth_m.size(), cv::Size(512, 424)) << "not registered";
   ASSERT_TRUE(source.camera().depth);
   EXPECT_EQ(source.camera().depth->width, 512);
@@ -204,7 +204,7 @@ TEST_F(Kinect2Replay, SurvivesUnpluggingAndReplugging) {
   EXPECT_EQ(first->color.size(), cv::Size(960, 540));
   EXPECT_EQ(first->depth_m.size(), cv::Size(960, 540));
   EXPECT_GT(second->stamp_ns, first->stamp_ns);
-  EXPECT_FALSE(source.next()) << "it does not come back a second time";
+  EXPECT_FALSE(source.next()) << "it does not return a second time";
   EXPECT_THAT(source.skipped(), testing::IsEmpty());
 }
 

@@ -75,7 +75,7 @@ TEST(Reconnection, GivesUpInTheEnd) {
   EXPECT_THAT(camera.calls(), testing::Contains("absent"));
   FakeCamera impatient({0});
   EXPECT_FALSE(impatient.next(0));
-  EXPECT_THAT(impatient.calls(), ElementsAre("open")) << "no time to wait: not opened again";
+  EXPECT_THAT(impatient.calls(), ElementsAre("open")) << "no time to wait: not reopened";
 }
 
 }  // namespace

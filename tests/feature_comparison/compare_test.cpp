@@ -149,7 +149,7 @@ TEST(Inliers, AreTheSameForTheSameSeed) {
   EXPECT_TRUE(same(homography_inliers({a, b, matches}, 7), homography_inliers({a, b, matches}, 7)));
   EXPECT_TRUE(same(epipolar_inliers({a, b, matches}, 7), epipolar_inliers({a, b, matches}, 7)));
   EXPECT_FALSE(same(epipolar_inliers({a, b, matches}, 7), epipolar_inliers({a, b, matches}, 8)))
-      << "another seed looks at the matches in another order";
+      << "another seed orders the matches differently";
 }
 
 TEST(Inliers, OfTooFewMatchesThereAreNone) {

@@ -71,7 +71,7 @@ TEST_F(AppearanceCheck, UniformlyLowRepeatabilityIsNoDifference) {
   for (int row = 0; row < b_.descriptors.rows; ++row) {
     if (random.uniform() < 0.6) repaint(row, random);
   }
-  EXPECT_GT(chance(), kUnlikely) << "as blur does";
+  EXPECT_GT(chance(), kUnlikely) << "as with blur";
 }
 
 TEST_F(AppearanceCheck, OcclusionIsNoDifference) {

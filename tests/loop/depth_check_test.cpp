@@ -103,7 +103,7 @@ TEST_F(DepthCheck, OcclusionIsNoViolation) {
   Scene without = scene_;
   without.board_half_width_m = 0;
   const auto bare = compare(without, left, without, right);
-  EXPECT_GT(bare.consistent, depths.consistent) << "nothing was hidden: the test shows nothing";
+  EXPECT_GT(bare.consistent, depths.consistent) << "nothing was occluded: nothing is tested";
 }
 
 TEST_F(DepthCheck, AnObjectInOneViewOnlyViolatesFreeSpace) {

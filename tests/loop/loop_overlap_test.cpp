@@ -57,7 +57,7 @@ TEST_F(LoopOverlap, ChoosesThePairSharingMostLandmarks) {
 
 TEST_F(LoopOverlap, BothSidesStayApart) {
   std::swap(loop_.a, loop_.b);
-  EXPECT_EQ(most_overlapping_pair(built_.map, loop_).older, KeyframeId{2}) << "whichever end comes first";
+  EXPECT_EQ(most_overlapping_pair(built_.map, loop_).older, KeyframeId{2}) << "in either order of the ends";
   loop_ = {KeyframeId{1}, KeyframeId{2}, {}, Matrix6d::Identity(), 0};
   const KeyframePair pair = most_overlapping_pair(built_.map, loop_);
   EXPECT_EQ(pair.older, KeyframeId{1});

@@ -140,7 +140,7 @@ TEST_F(Loop, CorrectionSpreadsTheDrift) {
   const auto neighbours = built_.map.covisible_keyframes(last_, 15);
   EXPECT_TRUE(std::any_of(neighbours.begin(), neighbours.end(), [](const auto& near) {
     return near.first.value < 6;
-  })) << "landmarks of the beginning and of the end have become one";
+  })) << "landmarks of the first and last views were merged";
   built_.map.check_invariants();
 }
 

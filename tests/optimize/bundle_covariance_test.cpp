@@ -203,7 +203,7 @@ TEST(BundleCovariance, IsNotComputedUnlessRequested) {
   options.pose_covariances = false;
   const BundleSolution solution = solve_bundle(free_world().problem, options);
   EXPECT_TRUE(solution.pose_covariance.empty());
-  EXPECT_GT(solution.sensor_covariance(kDepthDelay, kDepthDelay), 0) << "always, where free";
+  EXPECT_GT(solution.sensor_covariance(kDepthDelay, kDepthDelay), 0) << "always, if free";
 }
 
 }  // namespace

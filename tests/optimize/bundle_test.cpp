@@ -138,7 +138,7 @@ TEST(Bundle, FocalLengthAndDepthOffsetAreRecovered) {
   EXPECT_NEAR(solution.sensor(kFocalY), settings.sensor(kFocalY), 0.5);
   EXPECT_NEAR(solution.sensor(kCenterX), 2, 0.5);
   EXPECT_NEAR(solution.sensor(kDepthOffset), 0.004, 0.0005);
-  EXPECT_EQ(solution.sensor(kRadial1), 0) << "held fixed";
+  EXPECT_EQ(solution.sensor(kRadial1), 0) << "constant";
   EXPECT_EQ(solution.sensor_covariance(kRadial1, kRadial1), 0);
 }
 

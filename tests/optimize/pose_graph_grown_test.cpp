@@ -58,7 +58,7 @@ TEST(GrownPoseGraph, KeepsTheOrderOfEliminationWithNewVerticesLast) {
   EXPECT_EQ(second.elimination.planned_products, first.elimination.planned_products);
   const auto last = update_pose_graph_solution(world.graph, solve_pose_graph(beginning(world.graph, 5)));
   EXPECT_EQ(last.elimination.vertices, solve_pose_graph(world.graph).elimination.vertices)
-      << "much has come since: chosen afresh";
+      << "the graph has grown a lot: ordered anew";
 }
 
 TEST(GrownPoseGraph, HandlesNewComponentsAndReleasedVertices) {

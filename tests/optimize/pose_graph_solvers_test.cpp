@@ -54,7 +54,7 @@ void expect_consistent_with_noise(const PoseGraphOptions& options) {
   BasicPoseGraph<Pose> truth = world.graph;
   truth.T_world_vertex = world.truth;
   EXPECT_TRUE(solution.converged);
-  EXPECT_LE(solution.chi2_after, chi2(truth)) << "the truth is a candidate too";
+  EXPECT_LE(solution.chi2_after, chi2(truth)) << "the truth is a candidate, too";
   EXPECT_LT(largest_difference(solution.T_world_vertex, world.truth), 0.05);
 }
 

@@ -121,7 +121,7 @@ TEST(Registration, TheNearerSurfaceWinsAndEdgesStayEdges) {
     entered += now && !in_strip ? 1 : 0;
     in_strip = now;
   }
-  EXPECT_EQ(entered, 1) << "the strip has holes through which the wall shows";
+  EXPECT_EQ(entered, 1) << "the wall is visible through holes in the strip";
 }
 
 TEST(Registration, UnknownStaysUnknown) {
@@ -141,7 +141,7 @@ TEST(Registration, MakesNoSheetsOfALensWhosePolynomialFoldsOver) {
   camera.depth->k3 = -4;  // a possible result of ten images
   const int still_seen = cv::countNonZero(DepthRegistration(camera)(depth_m));
   EXPECT_LT(still_seen, seen);
-  EXPECT_GT(still_seen, seen / 3) << "the middle is as it was";
+  EXPECT_GT(still_seen, seen / 3) << "the middle is unchanged";
 }
 
 TEST(Registration, AResizedCameraSeesTheSame) {

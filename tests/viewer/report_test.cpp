@@ -141,7 +141,7 @@ TEST(Report, SeveralAreToldApartByAsLittleAsItTakes) {
   EXPECT_THAT(names({"/runs/with", "/runs/without"}), testing::ElementsAre("with", "without"));
   EXPECT_THAT(names({"/a/out", "/b/out", "/b/other"}), testing::ElementsAre("a/out", "b/out", "b/other"));
   EXPECT_THAT(names({"out", "b/out"}), testing::ElementsAre("out", "b/out"));
-  EXPECT_THAT(names({"/out", "/out"}), testing::SizeIs(2)) << "the same one twice";
+  EXPECT_THAT(names({"/out", "/out"}), testing::SizeIs(2)) << "the same path twice";
 }
 
 TEST(Report, BeginsWithItsFirstFrame) {

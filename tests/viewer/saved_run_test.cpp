@@ -66,7 +66,7 @@ TEST_F(SavedRunTest, OfACloudWithoutColoursIsColouredByHeight) {
   const SavedRun run = read_saved_run(path);
   EXPECT_EQ(run.cloud.size(), 2U);
   EXPECT_EQ(hello(run)["colors"], (json{"height"}));
-  EXPECT_EQ(run.up, Eigen::Vector3d::UnitZ()) << "as most programs have it";
+  EXPECT_EQ(run.up, Eigen::Vector3d::UnitZ()) << "as in most programs";
 }
 
 TEST_F(SavedRunTest, OfAPlyWithFacesIsAMesh) {

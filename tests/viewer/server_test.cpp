@@ -257,7 +257,7 @@ TEST(ViewerServer, SaysThatThePortIsTaken) {
   const Served served;
   try {
     const Served second(std::to_string(served.port()));
-    FAIL() << "two servers at one port";
+    FAIL() << "two servers on one port";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("--viewer PORT"));
   }
