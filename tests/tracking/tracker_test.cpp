@@ -120,7 +120,7 @@ TEST_F(Tracker, FallsBackToDenseAlignmentWithoutKeypoints) {
       track(frame, previous_, local_map_, uncertain(SE3{}), world_.camera, options, 4);
   EXPECT_EQ(by_depth.status, TrackStatus::kDenseOnly);
   EXPECT_GT(test::distance_m(by_depth.T_reference_camera, truth), 0.015) << "a wall does not constrain it";
-  EXPECT_LT(by_depth.information(0, 0), 0.01 * result.information(0, 0)) << "and the covariance shows it";
+  EXPECT_LT(by_depth.information(0, 0), 0.01 * result.information(0, 0)) << "and the information shows it";
 }
 
 TEST_F(Tracker, GivesTheSameResultTwice) {
