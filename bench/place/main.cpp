@@ -9,6 +9,7 @@
 //       the detector with verification, over five vocabularies by random seeding and by k-means++
 //   bench_place scale [IMAGES]
 //       times: opening, words, queries up to IMAGES (200000) images
+//
 // K, L: branching and depth of the trees; FLAT: 1 = also a flat vocabulary of K^L words; STEP: every STEP-th
 // frame. Sequences must be of different scenes.
 

@@ -4,6 +4,7 @@
 //   bench_up level SEED [FILE]             same without roll
 //   bench_up sequence DIR X Y Z            a recorded sequence at its true poses; (X, Y, Z) is up there
 //   bench_up planes DIR                    the largest planes of a sequence at its true poses, to find up
+//
 // Rendered at 160x120 with Kinect noise and the true poses. FILE: paths in TUM format, used in turn with the
 // built-in one.
 

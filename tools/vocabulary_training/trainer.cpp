@@ -25,7 +25,7 @@ Seeding seeding_of(const std::string& name) {
 }
 
 void require_enough(uint64_t descriptors, uint64_t images, const TrainOptions& options) {
-  // More than all levels but the last can split; otherwise the tree would not reach its depth.
+  // Enough to split every node above the last level; with fewer the tree would not reach its depth.
   const double nodes = std::pow(options.branching, options.depth - 1);
   const double least = std::max<double>(options.branching, options.min_split * nodes);
   if (static_cast<double>(descriptors) < least) {

@@ -4,6 +4,7 @@
 // in place.
 //
 //   header   u32 kind, u32 index (which part of that kind), f64 version (see scene.hpp)
+//
 // viewer/pages/src/viewer/messages.js is the counterpart of this file.
 
 #include <array>
