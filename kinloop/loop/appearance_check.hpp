@@ -1,7 +1,6 @@
 #pragma once
-// In: the keypoints of two views and the pose between them. Out: whether one of them shows something that
-// the other one ought to show as well, and does not. An armchair before a wall looks the same in two rooms;
-// the pictures on the wall do not.
+// In: the keypoints of two views and the pose between them. Out: whether one view lacks something that it
+// should show. An armchair in front of a wall looks the same in two rooms; the pictures on the wall do not.
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/camera.hpp"
@@ -9,9 +8,10 @@
 
 namespace kinloop {
 
-/// The chance that views of one scene differ as much: of the hundred keypoints side by side of which fewest
-/// are found in the other view, each found with a third of the probability that all others are. 1 where there
-/// is too little to tell. Keypoints that the other view hides do not count.
+/// Returns the p-value of the difference between views of the same scene: among all regions of a hundred
+/// neighbouring keypoints, the one of which fewest are found in the other view, if each is found with a third
+/// of the overall probability. 1 if there are too few keypoints to decide. Keypoints occluded in the other
+/// view do not count.
 double appearance_p_value(const Features& a, const Features& b, const SE3& T_a_b,
                           const PinholeCamera& camera);
 

@@ -1,5 +1,5 @@
 #pragma once
-// In: a keyframe and the place index. Out: keyframes that look like the same place seen long before.
+// In: a keyframe and the place index. Out: keyframes that look like the same place, seen long before.
 
 #include <vector>
 
@@ -9,23 +9,25 @@
 
 namespace kinloop {
 
-/// A place some keyframes in a row have pointed to: those that show it, and how many keyframes in a row.
+/// A place to which consecutive keyframes have pointed: the keyframes that show it, and the number of
+/// consecutive keyframes.
 struct CandidateGroup {
   std::vector<KeyframeId> keyframes;  ///< in ascending order
   int consistency = 0;
 };
 
-/// What the detector remembers from one keyframe to the next.
+/// The detector's state between keyframes.
 using CandidateHistory = std::vector<CandidateGroup>;
 
 struct LoopDetection {
-  std::vector<KeyframeId> keyframes;  ///< to be verified, most alike first
+  std::vector<KeyframeId> keyframes;  ///< to be verified, most similar first
   CandidateHistory history;           ///< for the next keyframe
 };
 
-/// Keyframes at least `min_gap_keyframes` older than `keyframe` or of another component, and not covisible
-/// with it, as alike as its own neighbours are (relative score), to whose surroundings `consistent_keyframes`
-/// keyframes in a row have pointed (Galvez-Lopez and Tardos 2012; Mur-Artal and Tardos 2014).
+/// Returns keyframes at least `min_gap_keyframes` older than `keyframe` or of another component, not
+/// covisible with it, as similar to it as its own neighbours are (relative score), to whose surroundings
+/// `consistent_keyframes` consecutive keyframes have pointed (Galvez-Lopez and Tardos 2012; Mur-Artal and
+/// Tardos 2014).
 LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
                                    const CandidateHistory& history, const LoopOptions& options);
 

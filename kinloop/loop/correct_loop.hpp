@@ -1,5 +1,5 @@
 #pragma once
-// In: the map with verified loop edges. Out: the update that spreads the drift over all keyframes.
+// In: the map with verified loop edges. Out: the update that distributes the drift over all keyframes.
 
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace kinloop {
 
-/// A pose graph over all keyframes and what is to be merged once it is solved.
+/// A pose graph over all keyframes, and the landmarks to merge after it is solved.
 struct LoopProblem {
   PoseGraph graph;  ///< vertex i is keyframe i
   std::vector<std::pair<LandmarkId, LandmarkId>> merges;
@@ -16,19 +16,19 @@ struct LoopProblem {
   uint32_t epoch = 0;
 };
 
-/// Edges between successive keyframes and between keyframes that share many landmarks, as they stand now, and
-/// the loop edges as they were measured. The first keyframe of each component is held.
+/// Builds edges between successive keyframes and between keyframes that share many landmarks, from their
+/// current poses, and the loop edges as measured. The first keyframe of each component is constant.
 PoseGraph make_pose_graph(const Map& map, const LoopOptions& options);
 
-/// What `shared` landmarks tell of a relative pose, of (translation; quaternion vector part) as in
-/// pose_graph.hpp.
+/// Returns the information that `shared` landmarks give on a relative pose, of (translation; quaternion
+/// vector part) as in pose_graph.hpp.
 Matrix6d edge_information(int shared, const LoopOptions& options);
 
-/// Copies the problem; `merges` are landmarks recognised as the same by the newest loop edge.
+/// Copies the problem; `merges` are landmark pairs identified by the newest loop edge.
 LoopProblem make_loop_problem(const Map& map, std::vector<std::pair<LandmarkId, LandmarkId>> merges,
                               const LoopOptions& options);
 
-/// Solves the pose graph. Landmarks follow their anchors.
+/// Solves the pose graph. Landmarks move with their anchors.
 MapUpdate correct_loop(const LoopProblem& problem, const LoopOptions& options);
 
 }  // namespace kinloop

@@ -1,7 +1,7 @@
 #pragma once
-// In: the keypoints of two views and the pose between them. Out: whether the depths both measured can be
-// those of one scene. Furniture that looks alike makes a pose certain wherever it stands; the room around it
-// does not.
+// In: the keypoints of two views and the pose between them. Out: whether both depth measurements are
+// consistent with one scene. Similar furniture can give a confident pose in the wrong place; the room around
+// it then differs.
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/camera.hpp"
@@ -9,22 +9,21 @@
 
 namespace kinloop {
 
-/// What two views say of each other's keypoints. Those that the other view hides say nothing: something
-/// stands in between.
+/// Consistency of two views with each other's keypoints. Keypoints occluded in the other view do not count.
 struct DepthConsistency {
-  int consistent = 0;             ///< lie where the other view measured a surface
-  int free_space_violations = 0;  ///< lie clearly in front of it: the other view looks through them
+  int consistent = 0;             ///< lie on a surface measured by the other view
+  int free_space_violations = 0;  ///< lie clearly in front of it, in free space of the other view
 
   DepthConsistency& operator+=(const DepthConsistency& other);
 };
 
-/// Holds the keypoints of each view against the planes that the other one measured around its own, within
-/// the noise of both depths and `position_sigma_m` of the pose.
+/// Compares the keypoints of each view with the planes that the other one measured around its own keypoints,
+/// within the noise of both depths and `position_sigma_m` of the pose.
 DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b,
                                 const PinholeCamera& camera, double position_sigma_m);
 
-/// Whether more are seen through than one or two strays and that share of all: a scene of solid things does
-/// not allow it.
+/// Returns whether free-space violations exceed one or two outliers and the given ratio of all keypoints,
+/// which is impossible in a scene of solid objects.
 bool violates_free_space(const DepthConsistency& depths, double max_violation_ratio);
 
 }  // namespace kinloop

@@ -1,6 +1,6 @@
 #pragma once
-// In: the finished map and a loop edge. Out: what shows that the edge is true: the two keyframes around it
-// with most landmarks in common, and where the landmarks of the one should appear in the image of the other.
+// In: the finished map and a loop edge. Out: the evidence for the edge: the two keyframes around it with the
+// most common landmarks, and the landmarks of one reprojected into the image of the other.
 
 #include <optional>
 #include <vector>
@@ -11,24 +11,24 @@
 
 namespace kinloop {
 
-/// Two keyframes that saw one place, long after each other.
+/// Two keyframes of one place, far apart in time.
 struct KeyframePair {
   KeyframeId older, newer;
-  int shared = 0;  ///< landmarks that both observe
+  int shared = 0;  ///< common landmarks
 };
 
-/// Of the keyframes covisible with either end of the loop, and the ends themselves, the pair that shares most
-/// landmarks. Each stays on its side of the loop: within a third of it from its end.
+/// Returns the pair that shares the most landmarks among the ends of the loop and their covisible keyframes.
+/// Each keyframe stays on its side of the loop: within a third of its length from its end.
 KeyframePair most_overlapping_pair(const Map& map, const LoopEdge& loop);
 
-/// How a keyframe was taken.
+/// Sensor model and motion of a keyframe.
 struct RollingShutterCamera {
   PinholeCamera camera;
-  SensorVector sensor = SensorVector::Zero();  ///< how it departs from `camera`
+  SensorVector sensor = SensorVector::Zero();  ///< deviation from `camera`
   Velocity velocity = Velocity::Zero();        ///< at the keyframe's stamp
 };
 
-/// A landmark that one keyframe observes, in the image of another.
+/// A landmark observed in one keyframe, projected into another.
 struct ReprojectedLandmark {
   Eigen::Vector2d observed;                           ///< keypoint of the first keyframe, raw px
   Eigen::Vector2d predicted;                          ///< in the second image, raw px
@@ -36,8 +36,8 @@ struct ReprojectedLandmark {
   std::optional<Eigen::Vector2d> observed_in_second;  ///< keypoint of the second keyframe, raw px
 };
 
-/// The landmarks of `from` that lie in the image of `into`, by the poses of the map and by the motion of the
-/// second camera while its rows were read.
+/// Projects the landmarks of `from` into the image of `into`, given the poses of the map and the motion of
+/// the second camera during its readout.
 std::vector<ReprojectedLandmark> reproject_landmarks(const Map& map, KeyframeId from, KeyframeId into,
                                                      const RollingShutterCamera& camera_into);
 

@@ -1,6 +1,6 @@
 #pragma once
 // In: a frame and a part of the map that may show the same place. Out: the frame's pose there, if it is
-// certain. Loop closing and relocalisation both rest on it.
+// certain. Used by loop closing and relocalisation.
 
 #include <optional>
 
@@ -11,10 +11,10 @@
 
 namespace kinloop {
 
-/// The pose of `frame` relative to the reference of `local_map`: matches by descriptor alone, P3P with
-/// RANSAC, guided matching of all landmarks in sight, refinement. Nothing unless `min_inliers` landmarks and
-/// `min_inlier_ratio` of those that could be found agree, and neither the depths nor the pictures of the
-/// frame and of the reference contradict each other.
+/// Estimates the pose of `frame` relative to the reference of `local_map`: descriptor matching, P3P with
+/// RANSAC, guided matching of all visible landmarks, refinement. nullopt unless `min_inliers` landmarks and
+/// `min_inlier_ratio` of the visible ones agree, and both the depth check and the appearance check against
+/// the reference pass.
 std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const LocalMap& local_map,
                                            const PinholeCamera& camera, const LoopOptions& options,
                                            const TrackingOptions& tracking, uint64_t seed);

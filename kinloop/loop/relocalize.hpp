@@ -1,5 +1,5 @@
 #pragma once
-// In: a frame that tracking lost. Out: where it is, if the map knows the place.
+// In: a frame after tracking loss. Out: its pose, if the place is in the map.
 
 #include <optional>
 
@@ -8,8 +8,8 @@
 
 namespace kinloop {
 
-/// The pose of `frame` relative to the keyframe it resembles most among those that geometry confirms (the
-/// result's `reference`). `bow` is the frame's bag of words.
+/// Estimates the pose of `frame` relative to the most similar keyframe that passes geometric verification
+/// (the result's `reference`). `bow` is the frame's bag of words.
 std::optional<TrackResult> relocalize(const PreparedFrame& frame, const BowVector& bow, const Map& map,
                                       const PlaceIndex& index, const PinholeCamera& camera,
                                       const LocalMapOptions& local_map, const LoopOptions& options,

@@ -1,5 +1,5 @@
 #pragma once
-// Keypoints of one view as another one should see them.
+// Projection of the keypoints of one view into another.
 
 #include <optional>
 
@@ -9,15 +9,15 @@
 
 namespace kinloop {
 
-/// Where a keypoint should appear.
+/// A projected keypoint.
 struct Reprojection {
   Eigen::Vector2d pixel;
   double depth_m = 0;
-  double source_depth_m = 0;  ///< as the view measured it that the keypoint is of
+  double source_depth_m = 0;  ///< depth in the source view
 };
 
-/// Keypoint `index` of `points` in another view; nothing without depth, or out of sight or nearer than
-/// `margin_px` to the border.
+/// Projects keypoint `index` of `points` into another view; nullopt if it has no depth, is out of view or
+/// nearer than `margin_px` to the border.
 inline std::optional<Reprojection> reproject(const Features& points, uint32_t index, const SE3& T_view_points,
                                              const PinholeCamera& camera, double margin_px) {
   const auto source_depth_m = static_cast<double>(points.depths_m[index]);

@@ -1,6 +1,6 @@
 #pragma once
-// In: a new keyframe and places that look like it. Out: the loop it closes, verified by geometry. The
-// candidates is copied out of the map, so that it can be answered while tracking goes on.
+// In: a new keyframe and loop candidates. Out: the verified loop. The input is copied out of the map, so that
+// verification can run while tracking continues.
 
 #include <optional>
 
@@ -10,36 +10,36 @@
 
 namespace kinloop {
 
-/// Whether `keyframe` shows one of `local_maps`.
+/// A keyframe and the local maps around its candidates.
 struct LoopCandidates {
   KeyframeId keyframe;
   PreparedFrame frame;               ///< its features
-  std::vector<LocalMap> local_maps;  ///< around each candidate, most alike first
+  std::vector<LocalMap> local_maps;  ///< around each candidate, most similar first
   uint64_t seed = 0;
 };
 
-/// Where `keyframe` was found to be.
+/// The pose of `keyframe` relative to the place it revisits.
 struct VerifiedLoop {
   KeyframeId keyframe;
   TrackResult result;
 };
 
-/// A verified loop: the edge, and landmarks of the keyframe that turn out to be landmarks of the old place.
+/// A verified loop: the edge, and landmark pairs of the keyframe and the old place to merge.
 struct LoopConstraint {
   LoopEdge edge;
   std::vector<std::pair<LandmarkId, LandmarkId>> merges;  ///< (from, into)
 };
 
-/// Copies what it takes to verify the candidates.
+/// Copies the data needed to verify the candidates.
 LoopCandidates make_loop_candidates(const Map& map, KeyframeId keyframe,
                                     const std::vector<KeyframeId>& keyframes,
                                     const LocalMapOptions& local_map, uint64_t seed);
 
-/// Tries the places in turn and gives the first that `recognize_place` confirms.
+/// Verifies the candidates in order and returns the first that `recognize_place` confirms.
 std::optional<VerifiedLoop> verify_loop(const LoopCandidates& candidates, const PinholeCamera& camera,
                                         const LoopOptions& options, const TrackingOptions& tracking);
 
-/// What the loop means to the map as it is now.
+/// Converts a verified loop to a constraint on the current map.
 LoopConstraint make_loop_constraint(const Map& map, const VerifiedLoop& loop, const LoopOptions& options);
 
 }  // namespace kinloop

@@ -1,6 +1,6 @@
 #pragma once
 // Bundle adjustment as problem -> MapUpdate: the problem is copied out of the map, so that it can be solved
-// on another thread while the map goes on.
+// on another thread while the map changes.
 
 #include <vector>
 
@@ -10,7 +10,7 @@
 
 namespace kinloop {
 
-/// A bundle problem and which keyframe, landmark and observation each of its parts is.
+/// A bundle problem with the keyframe, landmark and observation ids of its parts.
 struct BundleAdjustmentProblem {
   BundleProblem bundle;
   std::vector<KeyframeId> keyframes;                             ///< per pose
@@ -20,26 +20,26 @@ struct BundleAdjustmentProblem {
   uint32_t epoch = 0;
 };
 
-/// The newest keyframe, those that share most landmarks with it, and all landmarks they see; other keyframes
-/// that see these hold the window in place.
+/// Copies the newest keyframe, those that share the most landmarks with it, and all landmarks they observe;
+/// other observers of these landmarks are constant.
 BundleAdjustmentProblem make_local_ba_problem(const Map& map, KeyframeId newest, const PinholeCamera& camera,
                                               const MappingOptions& options);
 
-/// Which pixels and depths enter a problem.
+/// Which measurements enter a problem.
 enum class MeasurementKind {
-  kMotionCompensated,  ///< as a camera at rest would have measured them
-  kRaw,                ///< as they were measured: velocities and sensor are to be filled in
+  kMotionCompensated,  ///< motion-compensated
+  kRaw,                ///< as measured; velocities and sensor parameters must be filled in
 };
 
-/// Every keyframe and every landmark seen twice; the first keyframe of each component is held.
+/// Copies every keyframe and every landmark observed twice; the first keyframe of each component is constant.
 BundleAdjustmentProblem make_global_ba_problem(
     const Map& map, const PinholeCamera& camera,
     MeasurementKind measured = MeasurementKind::kMotionCompensated);
 
-/// What a solution of the problem changes in the map.
+/// Converts a solution to a map update.
 MapUpdate make_map_update(const BundleAdjustmentProblem& problem, const BundleSolution& solution);
 
-/// Solves the problem and says what is to change in the map.
+/// Solves the problem and returns the map update.
 MapUpdate run_bundle_adjustment(const BundleAdjustmentProblem& problem, const BundleOptions& options);
 
 }  // namespace kinloop

@@ -1,5 +1,5 @@
 #pragma once
-// In: a map whose poses are good. Out: the map with what its keyframes see of each other's landmarks.
+// In: a map with accurate poses. Out: the map with additional observations across keyframes.
 
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/local_map.hpp"
@@ -8,10 +8,10 @@
 
 namespace kinloop {
 
-/// Looks in every keyframe for the landmarks of the keyframes around it, where these must appear now.
-/// Tracking misses many, above all where a loop was closed: a keyframe of the second visit grew landmarks of
-/// its own before it was known where it is. Two landmarks found at the same keypoint are merged, unless some
-/// keyframe tells them apart (the track completion and merging of Schoenberger and Frahm 2016, section 4.3).
+/// Searches every keyframe for the landmarks of the surrounding keyframes, at their projections. Tracking
+/// misses many, above all around a loop closure, where the keyframes of the second visit created their own
+/// landmarks before the loop was detected. Two landmarks found at the same keypoint are merged, unless some
+/// keyframe observes both (track completion and merging of Schoenberger and Frahm 2016, section 4.3).
 void complete_tracks(Map& map, const PinholeCamera& camera, const LocalMapOptions& local_map,
                      const MappingOptions& options);
 

@@ -8,25 +8,25 @@
 
 namespace kinloop {
 
-/// Notes the landmarks that the tracker matched.
+/// Adds the observations of the landmarks matched by the tracker.
 void add_observations(Map& map, KeyframeId keyframe, const std::vector<LandmarkMatch>& matches);
 
-/// Landmarks of `local_map` (whose reference is `keyframe`) that the keyframe does not see yet, at the
-/// keypoints where they must appear.
+/// Returns landmarks of `local_map` (whose reference is `keyframe`) that the keyframe does not observe yet,
+/// matched with keypoints at their projections.
 std::vector<LandmarkMatch> find_unobserved_landmarks(const Map& map, KeyframeId keyframe,
                                                      const LocalMap& local_map, const PinholeCamera& camera,
                                                      const MappingOptions& options);
 
-/// Looks for landmarks of `local_map` (whose reference is `keyframe`) at keypoints that show none yet, so
-/// that a place seen before keeps its landmarks. Returns how many were found.
+/// Matches landmarks of `local_map` (whose reference is `keyframe`) with keypoints that have no landmark yet,
+/// so that a revisited place keeps its landmarks. Returns the number of matches.
 int match_local_map(Map& map, KeyframeId keyframe, const LocalMap& local_map, const PinholeCamera& camera,
                     const MappingOptions& options);
 
-/// Makes a landmark of every keypoint with depth that shows none yet. Returns how many.
+/// Creates a landmark for every keypoint with depth that has none yet. Returns how many.
 int create_landmarks_from_depth(Map& map, KeyframeId keyframe, const PinholeCamera& camera,
                                 const MappingOptions& options);
 
-/// Erases landmarks first seen `cull_after_keyframes` ago that too few keyframes have confirmed since.
+/// Erases landmarks created `cull_after_keyframes` keyframes ago that too few keyframes have confirmed since.
 /// Returns how many.
 int cull_landmarks(Map& map, const MappingOptions& options);
 

@@ -1,5 +1,5 @@
 #pragma once
-// In: a new keyframe. Out: landmarks where no depth was measured, from two views of different places.
+// In: a new keyframe. Out: landmarks for keypoints without depth, triangulated from two views.
 
 #include <optional>
 
@@ -9,21 +9,21 @@
 
 namespace kinloop {
 
-/// A keypoint as a bearing: its ray in camera axes, and how far a pixel turns it.
+/// A keypoint as a bearing: its ray in camera axes, and the angle of its uncertainty.
 struct Bearing {
-  Eigen::Vector3d ray = Eigen::Vector3d::UnitZ();  ///< of unit length
+  Eigen::Vector3d ray = Eigen::Vector3d::UnitZ();  ///< unit vector
   double sigma_rad = 0;
 };
 
-/// The point, in the axes of camera a, between the two rays where they come nearest, as far from each as its
-/// sigma lets it be off (Lee and Civera 2019, "Triangulation: why optimize?": such a midpoint serves at the
-/// parallaxes asked for here, and adjustment does the rest). Nothing where the rays are nearly parallel, meet
-/// behind a camera, or miss each other by more than 95 % of pairs with these sigmas do.
+/// Returns, in the frame of camera a, the point between the two rays where they are closest, weighted by
+/// their sigmas (Lee and Civera 2019, "Triangulation: why optimize?": such a midpoint suffices at the
+/// parallaxes required here, and adjustment does the rest). nullopt if the rays are nearly parallel, meet
+/// behind a camera, or are farther apart than 95 % of pairs with these sigmas.
 std::optional<Eigen::Vector3d> triangulate(const Bearing& a, const Bearing& b, const SE3& T_a_b,
                                            double min_parallax_rad);
 
-/// Makes landmarks of keypoints without depth that the keyframe shares with its covisible neighbours.
-/// Returns how many.
+/// Triangulates keypoints without depth that the keyframe shares with its covisible neighbours. Returns the
+/// number of new landmarks.
 int triangulate_landmarks(Map& map, KeyframeId keyframe, const PinholeCamera& camera,
                           const MappingOptions& options);
 

@@ -1,5 +1,5 @@
 #pragma once
-// A camera image made ready for tracking, and what is remembered of it afterwards.
+// A camera image prepared for tracking, and what is kept of it afterwards.
 
 #include <memory>
 #include <vector>
@@ -13,7 +13,7 @@
 
 namespace kinloop {
 
-/// What is computed from one image alone; it may be prepared ahead on another thread.
+/// Everything computed from one image alone; it may be prepared ahead on another thread.
 struct PreparedFrame {
   FrameId id;
   int64_t stamp_ns = 0;
@@ -24,11 +24,11 @@ struct PreparedFrame {
   ElapsedTime preparing;  ///< for reports
 };
 
-/// The previous frame, as the tracker remembers it.
+/// The previous frame as kept by the tracker.
 struct TrackedFrame {
   PreparedFrame frame;
   SE3 T_reference_camera;               ///< in the frame of the reference keyframe of the local map
-  std::vector<LandmarkId> landmark_of;  ///< per keypoint; invalid where it shows no landmark
+  std::vector<LandmarkId> landmark_of;  ///< per keypoint; invalid if it has no landmark
 };
 
 }  // namespace kinloop

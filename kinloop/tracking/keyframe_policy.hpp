@@ -1,31 +1,33 @@
 #pragma once
-// Which frames become keyframes: those that show what no keyframe shows yet. A camera that comes back to a
-// mapped place makes none, so that the map is bounded by what there is to see.
+// Keyframe selection: frames that show what no keyframe shows yet. A camera that revisits a mapped place adds
+// none, so the size of the map is bounded by the size of the scene.
 
 #include "kinloop/tracking/tracker.hpp"
 
 namespace kinloop {
 
-/// What the decision to make a keyframe rests on.
+/// Input of the keyframe decision.
 struct KeyframeCriteria {
   const TrackResult& result;
   const PreparedFrame& frame;
-  std::vector<SE3> T_keyframe_camera;  ///< motion from the keyframes that show the same place
+  std::vector<SE3> T_keyframe_camera;  ///< motion relative to the keyframes that show the same place
   int frames_since_keyframe = 0;
-  int reference_landmarks = 0;  ///< landmarks that the reference keyframe shows and others confirm
+  int reference_landmarks = 0;  ///< landmarks of the reference keyframe confirmed by other keyframes
 };
 
-/// Whether the frame shows enough that is new, or too little that is known, to become a keyframe.
+/// Returns whether the frame should become a keyframe, because it shows enough new or too few known
+/// landmarks.
 bool needs_keyframe(const KeyframeCriteria& criteria, const KeyframeOptions& options);
 
-/// Motion to the camera from the last keyframe, and from those that show a fair share of its landmarks.
+/// Returns the motion to the camera from the last keyframe, and from those that observe a fair share of its
+/// landmarks.
 std::vector<SE3> motions_from_keyframes(const Map& map, const TrackResult& result, KeyframeId last);
 
-/// Landmarks of a keyframe that at least one other keyframe confirms.
+/// Returns the number of a keyframe's landmarks that at least one other keyframe observes.
 int count_confirmed_landmarks(const Map& map, KeyframeId id);
 
-/// The keyframe that shares most of the matched landmarks, which should be the reference of the local map;
-/// the lower id of equals, `fallback` where none shares any.
+/// Returns the keyframe that shares the most matched landmarks, the best reference of the local map; ties go
+/// to the lower id, `fallback` if none shares any.
 KeyframeId best_reference(const Map& map, const std::vector<LandmarkMatch>& matches, KeyframeId fallback);
 
 }  // namespace kinloop

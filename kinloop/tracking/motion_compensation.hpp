@@ -1,7 +1,7 @@
 #pragma once
-// In: keypoints as a moving, rolling camera measured them, and how it moved. Out: the same keypoints as an
-// ideal camera at rest would have seen them at the time of the middle row. Everything behind it can then
-// forget that rows are exposed one after the other and depth comes later than colour.
+// In: keypoints measured by a moving camera with a rolling shutter, and its motion. Out: the same keypoints
+// as seen by an ideal static camera at the time of the middle row. Later stages then need not model the
+// row-wise exposure and the delay of depth.
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/camera.hpp"
@@ -9,10 +9,10 @@
 
 namespace kinloop {
 
-/// `features` with `pixels` and `depths_m` worked out anew from what was measured, for a camera whose sensor
-/// departs from `camera` as `sensor` says, moving with `velocity`: the inverse of the model that bundle
-/// adjustment predicts with. Keypoints without depth are turned, not shifted: what the camera's translation
-/// does to them depends on their distance.
+/// Returns `features` with `pixels` and `depths_m` recomputed from the measurements, for a camera that
+/// deviates from `camera` by `sensor` and moves with `velocity`: the inverse of the model used by bundle
+/// adjustment. Keypoints without depth are only rotated, since the effect of translation depends on their
+/// distance.
 Features deskew_features(const Features& features, const PinholeCamera& camera, const SensorVector& sensor,
                          const Velocity& velocity);
 

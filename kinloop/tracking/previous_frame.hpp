@@ -1,6 +1,6 @@
 #pragma once
-// The pose of a frame against the frame before it: guided matching first, brute force when the motion was not
-// what was expected, the depth and grey images themselves when features fail.
+// Tracks a frame relative to the previous one: guided matching first, brute force if the motion was
+// unexpected, dense alignment of depth and grey images if features fail.
 
 #include <optional>
 
@@ -17,24 +17,24 @@ struct FramePose {
   SE3 T_reference_camera;
   Matrix6d information = Matrix6d::Zero();
   std::vector<PoseObservation> support;  ///< inliers only
-  std::vector<uint32_t> features;        ///< the keypoint of each of `support`
+  std::vector<uint32_t> features;        ///< the keypoint of each element of `support`
   int attempts = 0;
-  bool from_brute_force = false;  ///< from matches without regard to where they were expected
-  bool dense = false;             ///< from depth and grey images, without support
+  bool from_brute_force = false;  ///< from matches found without a prediction
+  bool dense = false;             ///< from dense alignment, without support
 };
 
-/// The pose of `frame` by the first of these that gives a certain one: keypoints of `previous` searched
-/// around the predicted place as far as the prediction may be off, in wider windows, by brute force with
-/// RANSAC (P3P, then rigid 3D-3D). Where none is certain, the one with most support; where there is none at
-/// all, by dense alignment. Nothing if all fail.
+/// Estimates the pose of `frame` by the first of these methods with a reliable result: matching keypoints of
+/// `previous` within the uncertainty of the prediction, in wider windows, by brute force with RANSAC (P3P,
+/// then rigid 3D-3D). If none is reliable, returns the result with the most support; if there is none, that
+/// of dense alignment; nullopt if all fail.
 std::optional<FramePose> estimate_pose_from_previous_frame(
     const PreparedFrame& frame, const FeatureGrid& grid, const TrackedFrame& previous,
     const LocalMap& local_map, const PredictedPose& predicted, const PinholeCamera& camera,
     const TrackingOptions& options, uint64_t seed);
 
-/// The pose of `frame` by laying its depth and grey images onto those of `previous`, starting from
-/// `T_reference_camera_guess`: its information is small where surfaces and intensities leave a direction
-/// open. Nothing where too little of them overlaps.
+/// Aligns depth and grey images of `frame` with those of `previous`, starting from
+/// `T_reference_camera_guess`. The information is small in directions that surfaces and intensities do not
+/// constrain. nullopt if the overlap is too small.
 std::optional<FramePose> align_to_previous_frame(const PreparedFrame& frame, const TrackedFrame& previous,
                                                  const SE3& T_reference_camera_guess,
                                                  const PinholeCamera& camera, const TrackingOptions& options);

@@ -1,7 +1,6 @@
 #pragma once
 // In: a prepared frame, the previous frame, the local map and a predicted pose. Out: the frame's pose
-// relative to the reference keyframe and the landmarks it sees. A pure function: what is remembered between
-// frames is the caller's.
+// relative to the reference keyframe and its landmark matches. A pure function: the caller keeps all state.
 
 #include <vector>
 
@@ -14,22 +13,22 @@
 namespace kinloop {
 
 enum class TrackStatus {
-  kTracked,    ///< by landmarks of the map, or by points of the frame before
-  kDenseOnly,  ///< by aligning depth and grey images: features were too few
+  kTracked,    ///< by landmarks of the map, or by points of the previous frame
+  kDenseOnly,  ///< by dense alignment, since there were too few features
   kLost,
 };
 
-/// Keypoint `feature` of the frame shows `landmark`.
+/// Keypoint `feature` of the frame observes `landmark`.
 struct LandmarkMatch {
   LandmarkId landmark;
   uint32_t feature = 0;
 };
 
 struct TrackStats {
-  int previous_frame_inliers = 0;  ///< inliers of the pose against the previous frame
-  int visible_landmarks = 0;       ///< landmarks of the local map searched in the image
-  int inliers = 0;                 ///< landmarks found and consistent
-  int attempts = 0;                ///< ways of finding the previous frame that were needed (1 = the first)
+  int previous_frame_inliers = 0;  ///< inliers of the pose relative to the previous frame
+  int visible_landmarks = 0;       ///< landmarks of the local map in view
+  int inliers = 0;                 ///< landmarks matched consistently with the pose
+  int attempts = 0;  ///< number of methods tried against the previous frame (1 = the first succeeded)
 };
 
 struct TrackResult {
@@ -47,15 +46,15 @@ TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, cons
                   const PredictedPose& predicted, const PinholeCamera& camera, const TrackingOptions& options,
                   uint64_t seed);
 
-/// Whether that share of the landmarks in sight was found; of many no more can be than the frame has
-/// keypoints. Chance matches can agree on a wrong pose, but then few of the landmarks are where they should
-/// be.
+/// Returns whether enough of the visible landmarks were matched (their number is limited by the frame's
+/// keypoints). Chance matches can agree on a wrong pose, but then few landmarks are found at their
+/// projections.
 bool has_sufficient_inlier_ratio(const TrackResult& result, const Features& features,
                                  double min_inlier_ratio);
 
-/// Finds the landmarks of `local_map` in `frame` near where `T_reference_camera_guess` puts them, and refines
-/// the pose on them. `window_px` is the half side of the search windows. Used by `track` and to verify a
-/// recognised place.
+/// Matches the landmarks of `local_map` with keypoints of `frame` near their projections under
+/// `T_reference_camera_guess`, and refines the pose on them. `window_px` is the half side of the search
+/// windows. Used by `track` and for place recognition.
 TrackResult track_local_map(const PreparedFrame& frame, const FeatureGrid& grid, const LocalMap& local_map,
                             const SE3& T_reference_camera_guess, double window_px,
                             const PinholeCamera& camera, const TrackingOptions& options);
