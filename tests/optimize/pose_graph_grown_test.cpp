@@ -1,4 +1,4 @@
-// A pose graph solved repeatedly as it grows.
+// A pose graph solved again and again as it grows.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ void expect_grown_equals_batch(const PoseGraphOptions& options) {
   const auto world = make_loop_world<Pose>({.rounds = 6, .sigma = 0.02}, 20);
   const auto all = static_cast<uint32_t>(world.truth.size());
   auto grown = solve_pose_graph(beginning(world.graph, 30), options);
-  for (uint32_t count = 37; count < all + 7; count += 7) {  // with and without loop closures in between
+  for (uint32_t count = 37; count < all + 7; count += 7) {  // with and without loop closings in between
     const auto graph = beginning(world.graph, std::min(count, all));
     grown = update_pose_graph_solution(graph, grown, options);
     const auto batch = solve_pose_graph(graph, options);
@@ -58,12 +58,12 @@ TEST(GrownPoseGraph, KeepsTheOrderOfEliminationWithNewVerticesLast) {
   EXPECT_EQ(second.elimination.planned_products, first.elimination.planned_products);
   const auto last = update_pose_graph_solution(world.graph, solve_pose_graph(beginning(world.graph, 5)));
   EXPECT_EQ(last.elimination.vertices, solve_pose_graph(world.graph).elimination.vertices)
-      << "the graph has grown a lot: ordered anew";
+      << "much has come since: chosen afresh";
 }
 
 TEST(GrownPoseGraph, HandlesNewComponentsAndReleasedVertices) {
   auto world = make_loop_world<SE3>({.sigma = 0}, 22);
-  PoseGraph apart = world.graph;  // 30 to 59 are initially a separate part
+  PoseGraph apart = world.graph;  // 30 to 59 are a part of their own at first
   std::erase_if(apart.edges, [](const auto& edge) { return edge.a < 30 && edge.b >= 30; });
   ASSERT_EQ(count_connected_components(apart), 2U);
   const auto solution = update_pose_graph_solution(world.graph, solve_pose_graph(apart));
