@@ -1,8 +1,8 @@
 // bench_graphs: compares the three pose graph solvers in one run.
 //
 //   bench_graphs standard [DIR]   every .g2o file in DIR: from the file's start, from none, from a noisy one
-//   bench_graphs growth [MAX]     synthetic graphs of 1000 poses and more, up to MAX (100000)
-//   bench_graphs growing [DIR]    solved about 50 times as loop edges arrive: from scratch, from the last
+//   bench_graphs growth [MAX]     made-up graphs of 1000 poses and more, up to MAX (100000)
+//   bench_graphs growing [DIR]    solved some 50 times as loop edges come in: from scratch, from the last
 //   bench_graphs outliers [DIR]   false loop edges: error against the clean solution, by robust kernel
 
 #include <algorithm>
@@ -148,7 +148,7 @@ void run_scaling(uint32_t most) {
   }
 }
 
-/// The subgraphs up to every `every`-th loop edge, each with the vertices seen by then.
+/// The graphs up to every `every`-th loop edge, each with the vertices seen until then.
 template <class Pose>
 std::vector<BasicPoseGraph<Pose>> stages(const BasicPoseGraph<Pose>& graph, size_t every) {
   auto edges = graph.edges;
@@ -170,7 +170,7 @@ std::vector<BasicPoseGraph<Pose>> stages(const BasicPoseGraph<Pose>& graph, size
 template <class Pose>
 void compare_growing(const std::string& name, const BasicPoseGraph<Pose>& graph) {
   constexpr size_t kSolutions = 50;
-  constexpr double kNothing = 1e-9;  // chi2 before the first loop: only rounding
+  constexpr double kNothing = 1e-9;  // chi2 before the first loop: rounding alone
   size_t loops = 0;
   for (const auto& edge : graph.edges) loops += edge.trusted ? 0 : 1;
   const auto all = stages(graph, std::max<size_t>(1, loops / kSolutions));

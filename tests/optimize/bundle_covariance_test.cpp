@@ -18,8 +18,7 @@ using test::BundleWorld;
 using test::BundleWorldSettings;
 using test::make_bundle_world;
 
-/// H = J' J of poses (6 each), velocities (6 each), points (3 each) and the sensor, with one row per
-/// residual.
+/// H = J' J of poses (6 each), velocities (6 each), points (3 each) and the sensor, with one row a residual.
 class DenseSystem {
  public:
   DenseSystem(const BundleProblem& problem, const BundleOptions& options, const BundleSolution& solution)
@@ -96,7 +95,7 @@ class DenseSystem {
   Eigen::MatrixXd H_;
 };
 
-/// A small world in which everything is observed well enough to be used, with sensor and velocities free.
+/// A small world in which everything is seen well enough to be used, with sensor and velocities free.
 BundleWorld free_world() {
   BundleWorldSettings settings{
       .poses = 7, .points = 60, .sigma_px = 0.7, .sigma_inverse_depth = 2e-3, .depth_fraction = 1};
