@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Maps a room: installs what is missing, builds kinloop and runs it on the built-in simulated Kinect, or on a sequence.
+# Maps a room: installs missing packages, builds kinloop and runs it on the built-in simulated Kinect, or on a
+# sequence.
 # Usage: ./demo.sh [--minimal] [SEQUENCE]     --minimal leaves the optional parts out
 # e.g. ./demo.sh ~/data/rgbd_dataset_freiburg1_room; the results are in out/demo
 set -euo pipefail

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds kinloop and runs all of its tests. The last line is "N passed, N failed", with ", N skipped" where some
-# could not run (those on real recordings skip where ../shared/data is absent). Exit code 0 when none failed.
+# Builds kinloop and runs all of its tests. The last line is "N passed, N failed", with ", N skipped" if some
+# could not run (those on real recordings are skipped without ../shared/data). Exit code 0 if none failed.
 # Usage: ./test.sh [--minimal]     --minimal leaves the optional parts out
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -33,7 +33,7 @@ echo
 echo "This build:"
 scripts/print_parts.sh || fail_before_tests "The program does not start."
 
-# The head of the file: <testsuite ... tests="120" failures="1" disabled="0" skipped="2" ...>
+# The first line of the file: <testsuite ... tests="120" failures="1" disabled="0" skipped="2" ...>
 count() {
   sed -n "s/^[[:space:]]*$1=\"\([0-9]*\)\".*/\1/p" "$junit" | head -n 1
 }

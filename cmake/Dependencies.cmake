@@ -8,25 +8,25 @@ find_package(nlohmann_json REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(SQLite3 REQUIRED)
 
-# yaml-cpp names its target differently before and after 0.8.
+# yaml-cpp's target has different names before and after 0.8.
 if(NOT TARGET yaml-cpp::yaml-cpp)
   add_library(yaml-cpp::yaml-cpp ALIAS yaml-cpp)
 endif()
 
-# OpenCV's config names plain libraries; one target carries them with its headers as system headers.
+# OpenCV's config lists plain libraries; one target combines them with its headers as system headers.
 add_library(kinloop_opencv INTERFACE)
 target_include_directories(kinloop_opencv SYSTEM INTERFACE $<BUILD_INTERFACE:${OpenCV_INCLUDE_DIRS}>)
 target_link_libraries(kinloop_opencv INTERFACE opencv_core opencv_imgproc opencv_imgcodecs opencv_features2d
                                                opencv_calib3d)
 
-# SuiteSparse brings CMake files of its own only from version 6 on.
+# SuiteSparse has its own CMake files only from version 6 on.
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
 add_library(kinloop_cholmod INTERFACE)
 target_include_directories(kinloop_cholmod SYSTEM INTERFACE $<BUILD_INTERFACE:${CHOLMOD_INCLUDE_DIR}>)
 target_link_libraries(kinloop_cholmod INTERFACE ${CHOLMOD_LIBRARY})
 
-# Images: libjpeg-turbo's own interface, and libdeflate; neither has CMake files in all packages.
+# Images: libjpeg-turbo's native interface, and libdeflate; not all packages have CMake files.
 find_path(TURBOJPEG_INCLUDE_DIR turbojpeg.h REQUIRED)
 find_library(TURBOJPEG_LIBRARY turbojpeg REQUIRED)
 find_path(LIBDEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)
@@ -36,14 +36,14 @@ target_include_directories(kinloop_codecs SYSTEM INTERFACE $<BUILD_INTERFACE:${T
                                                            $<BUILD_INTERFACE:${LIBDEFLATE_INCLUDE_DIR}>)
 target_link_libraries(kinloop_codecs INTERFACE ${TURBOJPEG_LIBRARY} ${LIBDEFLATE_LIBRARY})
 
-# Highway has CMake files of its own only in newer packages.
+# Only newer packages of Highway have CMake files.
 find_path(HWY_INCLUDE_DIR hwy/highway.h REQUIRED)
 find_library(HWY_LIBRARY hwy REQUIRED)
 add_library(kinloop_hwy INTERFACE)
 target_include_directories(kinloop_hwy SYSTEM INTERFACE $<BUILD_INTERFACE:${HWY_INCLUDE_DIR}>)
 target_compile_definitions(kinloop_hwy INTERFACE HWY_SHARED_DEFINE)
 target_link_libraries(kinloop_hwy INTERFACE ${HWY_LIBRARY})
-# Vectors whose size the compiler does not know cannot be kept in arrays, as kernels do: NEON instead of SVE.
+# The kernels keep vectors in arrays, which requires a size known at compile time: NEON instead of SVE.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
   set(sve_targets "HWY_SVE|HWY_SVE2")
   file(STRINGS ${HWY_INCLUDE_DIR}/hwy/detect_targets.h fixed_sve REGEX "define HWY_SVE2_128")
@@ -53,7 +53,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
   target_compile_definitions(kinloop_hwy INTERFACE "HWY_DISABLED_TARGETS=(${sve_targets})")
 endif()
 
-# The program, and the viewer's server: Boost.Beast, headers alone.
+# The program, and the viewer's server: Boost.Beast, header-only.
 if(KINLOOP_PROGRAM)
   find_package(CLI11 REQUIRED)
   find_package(Boost 1.74 REQUIRED)

@@ -1,6 +1,7 @@
-# Parts that are built where their packages are installed. Each sets PART_FOUND.
+# Optional parts, built if their packages are installed. Each sets PART_FOUND.
 find_package(g2o QUIET)
-# dlib's own CMake file asks for all that dlib can draw and solve with; its SURF needs the library alone.
+# dlib's own CMake file requires everything that dlib can draw and solve with; its SURF needs only the
+# library.
 find_path(DLIB_INCLUDE_DIR dlib/image_keypoint.h)
 find_library(DLIB_LIBRARY dlib)
 set(dlib_FOUND 0)
@@ -9,16 +10,15 @@ if(DLIB_INCLUDE_DIR AND DLIB_LIBRARY)
   add_library(kinloop_dlib INTERFACE)
   target_include_directories(kinloop_dlib SYSTEM INTERFACE $<BUILD_INTERFACE:${DLIB_INCLUDE_DIR}>)
   target_link_libraries(kinloop_dlib INTERFACE ${DLIB_LIBRARY})
-  find_library(BLAS_LIBRARY blas)  # which the package's dlib is built with
+  find_library(BLAS_LIBRARY blas)  # required by the packaged dlib
   if(BLAS_LIBRARY)
     target_link_libraries(kinloop_dlib INTERFACE ${BLAS_LIBRARY})
   endif()
 endif()
 
 # kinloop_optional(PART HEADER LIBRARY...)
-#
-# Sets PART_FOUND, and makes the target kinloop_PART where the header and all libraries are there. For packages
-# that bring no CMake files, or such as need their whole build system.
+# Sets PART_FOUND, and creates the target kinloop_PART if the header and all libraries exist. For packages
+# without CMake files, or whose CMake files need their whole build system.
 function(kinloop_optional part header)
   find_path(${part}_INCLUDE_DIR ${header})
   set(found ${${part}_INCLUDE_DIR})
@@ -41,7 +41,7 @@ function(kinloop_optional part header)
 endfunction()
 kinloop_optional(rosbag rosbag/bag.h rosbag_storage roscpp_serialization rostime cpp_common console_bridge
                  boost_filesystem)
-# Debian pairs ROS 1's bags with ROS 2's plugins, whose headers lie in folders of their own.
+# Debian combines ROS 1's bags with ROS 2's plugins, whose headers are in separate folders.
 if(rosbag_FOUND)
   foreach(folder pluginlib class_loader ament_index_cpp rcpputils rcutils)
     if(EXISTS ${rosbag_INCLUDE_DIR}/${folder}/${folder})
@@ -50,7 +50,7 @@ if(rosbag_FOUND)
   endforeach()
 endif()
 
-# The node.
+# The ROS node.
 find_package(PkgConfig QUIET)
 set(ros_FOUND 0)
 if(rosbag_FOUND AND PkgConfig_FOUND)
@@ -62,7 +62,7 @@ endif()
 
 kinloop_optional(freenect libfreenect.h freenect)  # Kinect 1
 
-# ChArUco boards: OpenCV's aruco as it was before 4.7, part of its contributed modules.
+# ChArUco boards: OpenCV's aruco from before 4.7, part of the contributed modules.
 set(aruco_FOUND 0)
 if(OpenCV_VERSION VERSION_LESS 4.7)
   find_path(aruco_INCLUDE_DIR opencv2/aruco/charuco.hpp PATHS ${OpenCV_INCLUDE_DIRS})
@@ -78,7 +78,7 @@ if(freenect2_FOUND)
   set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_freenect2)
 endif()
 
-# Many machines that train one dictionary. The C interface alone, which all of MPI's makers have.
+# Vocabulary training on several machines. Only the C interface, which every MPI implementation has.
 find_package(MPI QUIET COMPONENTS CXX)
 set(mpi_FOUND 0)
 if(MPI_CXX_FOUND)
@@ -98,11 +98,11 @@ if(CURL_FOUND AND LibArchive_FOUND)
   set(download_FOUND 1)
 endif()
 
-# OpenVDB's find module is not where CMake looks, and asks for all that OpenVDB can be built with.
+# OpenVDB's find module is not in CMake's search path, and requires every optional dependency.
 find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h)
 find_library(OPENVDB_LIBRARY openvdb)
 find_library(TBB_LIBRARY tbb)
-find_library(HALF_LIBRARY NAMES Imath Imath-3_1 Half)  # whose half-precision numbers OpenVDB uses
+find_library(HALF_LIBRARY NAMES Imath Imath-3_1 Half)  # OpenVDB uses its half-precision numbers
 set(openvdb_FOUND 0)
 if(OPENVDB_INCLUDE_DIR AND OPENVDB_LIBRARY AND TBB_LIBRARY)
   set(openvdb_FOUND 1)

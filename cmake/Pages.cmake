@@ -1,15 +1,14 @@
-# The two pages (viewer/pages): the live viewer and the run report, each built by npm into one HTML file that becomes
-# part of the program. Where npm is missing or cannot fetch what it needs, the plain pages of viewer/pages/plain take
-# their places: everything else works, and `kinloop --version` tells.
-#
-# Gives KINLOOP_PAGES (the folder that holds viewer.html and report.html), KINLOOP_PAGES_FOUND, target kinloop_pages.
+# The two pages (viewer/pages): the live viewer and the run report, each built by npm into one HTML file that
+# is embedded in the program. If npm is missing or cannot fetch its packages, the plain pages of
+# viewer/pages/plain replace them: everything else works, and `kinloop --version` reports it.
+# Sets KINLOOP_PAGES (the folder of viewer.html and report.html), KINLOOP_PAGES_FOUND, target kinloop_pages.
 set(KINLOOP_PAGES_SOURCE ${PROJECT_SOURCE_DIR}/viewer/pages)
 set(KINLOOP_PAGES ${PROJECT_BINARY_DIR}/pages)
 set(KINLOOP_PAGES_FOUND 0)
 find_program(NODE_PROGRAM NAMES node nodejs)
 find_program(NPM_PROGRAM npm)
 
-# What package-lock.json names is fetched once, and again when that file changes.
+# The packages of package-lock.json are fetched once, and again when that file changes.
 if(NPM_PROGRAM AND NODE_PROGRAM AND NOT KINLOOP_MINIMAL)
   set(installed ${KINLOOP_PAGES_SOURCE}/node_modules/.package-lock.json)
   set(KINLOOP_PAGES_FOUND 1)

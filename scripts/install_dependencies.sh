@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what kinloop is built from: packages of Debian 12 or Ubuntu 22.04 and newer, only those that are missing.
+# Installs kinloop's build dependencies: packages of Debian 12 or Ubuntu 22.04 and newer, only those that are
+# missing.
 # Usage: scripts/install_dependencies.sh [--minimal] [--tests | --checks]
 #   --minimal  required packages only
 #   --tests    also a browser for the tests of the pages
@@ -13,8 +14,8 @@ required=(
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev libbenchmark-dev libboost-dev
 )
-# Parts that are built where their packages are there, as `kinloop --version` names them. A part whose packages the
-# distribution does not have is left out.
+# Optional parts, named as in `kinloop --version`, with their packages. A part whose packages the distribution
+# does not have is left out.
 optional=(
   "SURF: libdlib-dev"
   "meshes: libopenvdb-dev"
@@ -26,13 +27,13 @@ optional=(
   "ROS bags: librosbag-storage-dev libsensor-msgs-dev"
   "ROS node: libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev python3-roslaunch python3-rosbag"
 )
-# npm may also have come with a Node.js from elsewhere.
+# npm may also come with a Node.js from elsewhere.
 if command -v npm >/dev/null; then
   optional+=("viewer and report pages:")
 else
   optional+=("viewer and report pages: nodejs npm")
 fi
-# Ubuntu has chromium as a snap alone: the tests that need it skip there.
+# Ubuntu has chromium only as a snap: the tests that need it are skipped there.
 minimal=false
 for argument in "$@"; do
   case "$argument" in
@@ -60,7 +61,8 @@ is_installed() {
 }
 
 is_available() {
-  # No pipe into grep -q: it closes the pipe early, apt-cache dies of SIGPIPE, and pipefail makes that a "no".
+  # No pipe into grep -q: it closes the pipe early, apt-cache dies of SIGPIPE, and pipefail turns that into a
+  # "no".
   [[ "$(LC_ALL=C apt-cache policy "$1" 2>/dev/null)" =~ Candidate:\ [0-9] ]]
 }
 
@@ -128,7 +130,7 @@ if [[ ${#missing[@]} -gt 0 ]] && ! may_install; then
   echo "Not root and no sudo. As root, run: apt-get install ${missing[*]}" >&2
   exit 3
 fi
-# A new machine may know no package at all; one that knows cmake has had its lists before.
+# A fresh machine may have no package lists; one that knows cmake has them.
 if may_install && { [[ ${#missing[@]} -gt 0 ]] || ! is_available cmake; }; then as_root apt-get update -q; fi
 
 available=()
@@ -138,7 +140,7 @@ done
 
 if may_install && [[ $((${#missing[@]} + ${#available[@]})) -gt 0 ]]; then
   if ! install "${missing[@]}" "${available[@]}"; then
-    # One optional package must not keep the others out.
+    # A failing optional package must not block the others.
     if [[ ${#missing[@]} -gt 0 ]]; then install "${missing[@]}"; fi
     for package in "${available[@]}"; do install "$package" || true; done
   fi

@@ -113,7 +113,7 @@ function brightness(page) {
   });
 }
 
-const settled = (page) => until(() => page.evaluate(() => !window.kinloop.view.cameraControls.goal && !window.kinloop.view.stale), 'the eye has arrived');
+const settled = (page) => until(() => page.evaluate(() => !window.kinloop.view.cameraControls.goal && !window.kinloop.view.stale), 'the viewpoint has arrived');
 
 await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const write = (name, content) => {
@@ -171,7 +171,7 @@ async function checkDesktop(page) {
   assert.deepEqual([(await seen(page)).cutAtM, (await seen(page)).cut], [Infinity, 'off']);
   const heightM = await page.evaluate(() => window.kinloop.view.box.max.y - window.kinloop.view.box.min.y);
   assert.ok(Math.abs(heightM - ROOM_M[2]) < 0.1, `${heightM} m high, without stray points`);
-  assert.equal(await page.inputValue('#cut'), '200', 'the slider stands at its end');
+  assert.equal(await page.inputValue('#cut'), '200', 'the slider is at its end');
   await page.keyboard.press('[');
   await page.keyboard.press('[');
   const { cut, cutAtM } = await seen(page);
