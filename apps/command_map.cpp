@@ -109,9 +109,9 @@ void merge(const MergeArguments& arguments) {
 
   Slam slam(a.camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
   DenseRecorder recorder(a.camera, options.dense);
-  restore_images(reader_a, path_a, slam.add_map(std::move(a)), recorder);
+  load_images(reader_a, path_a, slam.add_map(std::move(a)), recorder);
   const size_t before = slam.map().loop_edges().size() + b.map.loop_edges.size();
-  restore_images(reader_b, path_b, slam.add_map(std::move(b)), recorder);
+  load_images(reader_b, path_b, slam.add_map(std::move(b)), recorder);
   const size_t found = slam.map().loop_edges().size() - before;
   slam.finish(make_progress_bar(arguments.quiet));
   MapSaver(arguments.output, {slam, recorder, options, {}}, 0).save();

@@ -118,7 +118,7 @@ bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progres
 void apply_initial_map(InitialMap& start, const std::filesystem::path& path, Slam& slam,
                        DenseRecorder* recorder) {
   const uint32_t shift = slam.add_map(std::move(start.saved));
-  if (recorder != nullptr) restore_images(start.reader, path, shift, *recorder);
+  if (recorder != nullptr) load_images(start.reader, path, shift, *recorder);
 }
 
 /// Whether tracking was lost at the end, or never began: what the exit code tells scripts.

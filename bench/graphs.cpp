@@ -130,14 +130,14 @@ void run_scaling(uint32_t most) {
   // which the others would also use without a start.
   constexpr SolverSetup kScalingSetups[] = {
       {"builtin", "auto", "auto"}, {"g2o", "dogleg", "given"}, {"ceres", "levenberg", "given"}};
-  constexpr uint32_t kMostFromNoise = 10000;  // beyond, the other solvers take many minutes
+  constexpr uint32_t kMaxFromNoise = 10000;  // beyond, the other solvers take many minutes
   for (uint32_t count = 1000; count <= most; count *= 10) {
     const PoseGraph graph = grid_walk(count);
     for (const SolverSetup& setup : kScalingSetups) {
       if (!pose_graph_solver_available(setup.solver)) continue;
       const bool is_builtin = &setup == &kScalingSetups[0];
       for (const std::string start : {"file", "noisy", "none"}) {
-        if (!is_builtin && (start == "none" || (start == "noisy" && count > kMostFromNoise))) continue;
+        if (!is_builtin && (start == "none" || (start == "noisy" && count > kMaxFromNoise))) continue;
         const Figures figures = measure(with_initial_guess(graph, start), setup);
         fmt::print(
             "{:7} poses {:7} edges, {:5} {:8} chi2 {:.8g}, {} iterations, {:.3f} s of CPU, peak {:.0f} MiB\n",

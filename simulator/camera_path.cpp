@@ -18,7 +18,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
 
 /// 3 s^2 - 2 s^3: from 0 to 1 with zero slope at the ends.
-double smooth_step(double s) {
+double smoothstep(double s) {
   return s * s * (3 - 2 * s);
 }
 
@@ -59,12 +59,12 @@ SE3 looking(const Eigen::Vector3d& position, const Eigen::Vector3d& forward, dou
 /// Returns whether the cameras look neither up nor straight down if z is up, as in motion-capture worlds;
 /// false if the world is the first camera's frame.
 bool z_is_plausibly_up(const Trajectory& poses) {
-  constexpr double kMostDown = -0.9, kMostUp = 0.5, kFirst_rad = 1e-3;
+  constexpr double kMaxDown = -0.9, kMaxUp = 0.5, kFirst_rad = 1e-3;
   double mean = 0;
   for (const StampedPose& pose : poses) {
     mean += pose.T_world_camera.R()(2, 2) / static_cast<double>(poses.size());
   }
-  return mean > kMostDown && mean < kMostUp && poses.front().T_world_camera.angle_rad() > kFirst_rad;
+  return mean > kMaxDown && mean < kMaxUp && poses.front().T_world_camera.angle_rad() > kFirst_rad;
 }
 
 }  // namespace
@@ -97,7 +97,7 @@ SE3 CameraPath::at(int64_t stamp_ns) const {
   const int64_t begin = poses_[after - 1].stamp_ns, end = poses_[after].stamp_ns;
   const double s = static_cast<double>(stamp_ns - begin) / static_cast<double>(end - begin);
   // Blends the motions at both neighbours; each end keeps its pose and velocity.
-  return interpolate(extrapolated(after - 1, stamp_ns), extrapolated(after, stamp_ns), smooth_step(s));
+  return interpolate(extrapolated(after - 1, stamp_ns), extrapolated(after, stamp_ns), smoothstep(s));
 }
 
 Trajectory handheld_path(uint64_t seed) {

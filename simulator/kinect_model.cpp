@@ -26,7 +26,7 @@ namespace {
 
 /// Sum of the four 16-bit parts of a word as a deviate of mean 0 and variance 1: close to normal, and cheap
 /// (Irwin and Hall 1927).
-double roughly_normal(uint64_t bits) {
+double approximate_normal(uint64_t bits) {
   const uint64_t sum = (bits & 0xffff) + ((bits >> 16) & 0xffff) + ((bits >> 32) & 0xffff) + (bits >> 48);
   constexpr double kMean = 2 * 65535.0;
   constexpr double kInverseSigma = 1.7320508075688772 / 65536;  // sqrt(12 / 4) / range
@@ -74,7 +74,7 @@ double warp_at(int x, int y, const cv::Size& size) {
 
 double measured(double depth_m, const KinectNoise& noise, double noise_px, uint64_t bits) {
   if (noise_px > 0 || noise.disparity_step_px > 0) {
-    double disparity = kDisparityScale / depth_m + noise_px * roughly_normal(bits);
+    double disparity = kDisparityScale / depth_m + noise_px * approximate_normal(bits);
     if (noise.disparity_step_px > 0) {
       disparity = std::round(disparity / noise.disparity_step_px) * noise.disparity_step_px;
     }

@@ -10,11 +10,11 @@
 namespace kinloop::sim {
 namespace {
 
-constexpr float kSpacing_m = 0.09F;  // of grid points
-constexpr int kMaxPoints = 96;       // along one side of a face
-constexpr int kMinRoundPoints = 7;   // around a cylinder or sphere
-constexpr float kLift_m = 0.02F;     // offset of ray origins from the surface: past pictures, into clutter
-constexpr float kReach_m = 1.3F;     // range of ambient occlusion
+constexpr float kSpacing_m = 0.09F;    // of grid points
+constexpr int kMaxPoints = 96;         // along one side of a face
+constexpr int kMinRoundPoints = 7;     // around a cylinder or sphere
+constexpr float kRayOffset_m = 0.02F;  // offset of ray origins from the surface: past pictures, into clutter
+constexpr float kReach_m = 1.3F;       // range of ambient occlusion
 constexpr float kAmbient[3] = {0.44F, 0.42F, 0.41F};
 constexpr int kAmbientPackets = 8;
 constexpr int kLightPackets = 4;  // packets of kLanes rays to each light
@@ -75,7 +75,8 @@ Lanes brightness(const Primitive& primitive, const Bvh& bvh, const std::vector<L
                  float u, float v) {
   const SurfaceFrame frame = surface_frame(primitive, face, u, v);
   const Eigen::Vector3f normal = primitive.R_room_local * frame.normal_local;
-  const Eigen::Vector3f origin = primitive.R_room_local * frame.p_local + primitive.center + kLift_m * normal;
+  const Eigen::Vector3f origin =
+      primitive.R_room_local * frame.p_local + primitive.center + kRayOffset_m * normal;
   const float open = openness(bvh, origin, normal);
   Eigen::Vector3f sum(kAmbient[0] * open, kAmbient[1] * open, kAmbient[2] * open);
   for (const Light& light : lights) sum += exposure(bvh, origin, normal, light) * light.bgr;

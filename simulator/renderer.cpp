@@ -11,9 +11,9 @@
 namespace kinloop::sim {
 namespace {
 
-constexpr float kSight_m = 50;  // maximum ray length
-constexpr int kMaxPackets = 2;  // of kLanes sub-exposures
-constexpr int kTile = 16;       // pixels of a row that share a list of candidates
+constexpr float kMaxRange_m = 50;  // maximum ray length
+constexpr int kMaxPackets = 2;     // of kLanes sub-exposures
+constexpr int kTile = 16;          // pixels of a row that share a list of candidates
 
 /// Subpixel positions of the sub-exposures (px from the centre): no two in one row or column.
 struct Offset {
@@ -172,7 +172,7 @@ void Renderer::render_tile(const Tile& tile, float gain, uint64_t seed, const Ro
     Lanes sum = all_lanes(0);
     for (int p = 0; p < tile.packets; ++p) {
       const RayPacket& rays = tile.color[(x - tile.begin) * tile.packets + p];
-      sum += scene_->mean_color(rays, bvh.nearest(rays, kSight_m, candidates), sample_angle);
+      sum += scene_->mean_color(rays, bvh.nearest(rays, kMaxRange_m, candidates), sample_angle);
     }
     const uint64_t bits = hash(seed, static_cast<uint64_t>(tile.row) * static_cast<uint64_t>(camera_.width) +
                                          static_cast<uint64_t>(x));
@@ -182,7 +182,7 @@ void Renderer::render_tile(const Tile& tile, float gain, uint64_t seed, const Ro
   auto* cosine = out.exact->cosine.ptr<float>(tile.row);
   for (int x = tile.begin; x < tile.end; x += kLanes) {
     const RayPacket& rays = tile.depth[(x - tile.begin) / kLanes];
-    const HitPacket hits = bvh.nearest(rays, kSight_m, candidates);
+    const HitPacket hits = bvh.nearest(rays, kMaxRange_m, candidates);
     for (int lane = 0; lane < std::min(kLanes, tile.end - x); ++lane) {
       depth_m[x + lane] = hits.t[lane];  // z, since the rays are (x, y, 1) in the camera frame
       if (noise_.holes) cosine[x + lane] = scene_->infrared_cosine(rays, hits, lane);

@@ -41,7 +41,7 @@ cv::Mat RoomLayout::view_count_integral() const {
 /// viewed enough.
 Parts RoomLayout::place_where_most_viewed(const Parts& piece, const cv::Mat& sums) const {
   constexpr float kStride_m = 2 * kCell_m, kMinViews = 60;
-  constexpr double kComfort_m = 0.5;  // nearer than the sensor's range
+  constexpr double kMinViewingDistance_m = 0.5;  // nearer than the sensor's range
   float best_views = kMinViews;
   Parts best;
   const Eigen::Vector2f half = size_m_.head<2>() / 2;
@@ -59,7 +59,7 @@ Parts RoomLayout::place_where_most_viewed(const Parts& piece, const cv::Mat& sum
         const float views = sum_at(x1, y1) - sum_at(x0, y1) - sum_at(x1, y0) + sum_at(x0, y0);
         if (views <= best_views) continue;
         Parts candidate = moved(turned, 0, {x, y, 0});
-        if (!is_free(candidate, kComfort_m)) continue;
+        if (!is_free(candidate, kMinViewingDistance_m)) continue;
         best_views = views;
         best = std::move(candidate);
       }

@@ -18,7 +18,7 @@ Lanes to_lanes(uint32_t pixel) {
 }
 
 /// Base-2 logarithm, piecewise linear: accurate enough to choose a pyramid level.
-float rough_log2(float x) {
+float approximate_log2(float x) {
   const auto bits = static_cast<float>(std::bit_cast<int32_t>(x));
   constexpr float kMantissaSteps = 1 << 23;
   constexpr float kBias = 127;
@@ -78,7 +78,7 @@ Lanes Texture::bilinear(const Level& level, float u, float v) {
 
 float Texture::level_of(float footprint_px) const {
   const auto last = static_cast<float>(levels_.size() - 1);
-  return std::clamp(rough_log2(std::max(footprint_px, 1.0F)), 0.0F, last);
+  return std::clamp(approximate_log2(std::max(footprint_px, 1.0F)), 0.0F, last);
 }
 
 Lanes Texture::sample_sum(Lanes u, Lanes v, float footprint_px) const {

@@ -27,9 +27,9 @@ const std::map<std::string, size_t> kWidths = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC
 constexpr size_t kWord = sizeof(uint32_t);
 
 /// The two chunks of a file, with errors that name it.
-class GlbCheck {
+class GlbValidator {
  public:
-  GlbCheck(std::string_view bytes, const std::filesystem::path& path) : path_(path) { split(bytes); }
+  GlbValidator(std::string_view bytes, const std::filesystem::path& path) : path_(path) { split(bytes); }
 
   void check() const {
     check_extensions();
@@ -170,7 +170,7 @@ class GlbCheck {
 
 std::string read_glb(const std::filesystem::path& path) {
   std::string bytes = read_file(path);
-  const GlbCheck file(bytes, path);
+  const GlbValidator file(bytes, path);
   try {
     file.check();
   } catch (const json::exception&) {

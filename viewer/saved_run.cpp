@@ -73,7 +73,7 @@ std::optional<AteResult> show_truth(Scene& scene, const SavedRun& run) {
 }
 
 /// Kinloop's own files state their frame; in those of most other programs z is up.
-void take_up(const std::vector<std::string>& comments, SavedRun& run) {
+void read_up_direction_comment(const std::vector<std::string>& comments, SavedRun& run) {
   const auto says = [&](const char* text) {
     return std::any_of(comments.begin(), comments.end(),
                        [&](const std::string& comment) { return comment.starts_with(text); });
@@ -85,7 +85,7 @@ void take_up(const std::vector<std::string>& comments, SavedRun& run) {
 
 SavedRun of_points(PointFile file, const fs::path& path) {
   SavedRun run;
-  take_up(file.comments, run);
+  read_up_direction_comment(file.comments, run);
   ColoredMesh& mesh = file.mesh;
   if (mesh.points.empty()) throw InputError(fmt::format("{}: holds no points", path.string()));
   if (!mesh.triangles.empty()) {

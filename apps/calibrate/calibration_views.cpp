@@ -15,8 +15,8 @@ const std::vector<std::string> kColorEndings = {"_color", "_colour", "_rgb"};
 const std::vector<std::string> kInfraredEndings = {"_ir"};
 
 /// The stem without its suffix from `endings`; nullopt if it has none.
-std::optional<std::string> shot_of(const std::filesystem::path& still,
-                                   const std::vector<std::string>& endings) {
+std::optional<std::string> shot_name(const std::filesystem::path& still,
+                                     const std::vector<std::string>& endings) {
   const std::string stem = still.stem().string();
   for (const std::string& ending : endings) {
     if (stem.ends_with(ending)) return stem.substr(0, stem.size() - ending.size());
@@ -28,7 +28,7 @@ std::vector<std::filesystem::path> stills_of(const std::filesystem::path& folder
                                              const std::vector<std::string>& endings) {
   std::vector<std::filesystem::path> stills;
   for (const auto& still : list_stills(folder)) {
-    if (shot_of(still, endings)) stills.push_back(still);
+    if (shot_name(still, endings)) stills.push_back(still);
   }
   if (stills.empty()) {
     throw InputError(fmt::format("{}: no image is named like 0001{}.png", folder.string(), endings.front()));
@@ -52,14 +52,14 @@ std::vector<PairedView> find_pairs(const CalibrateArguments& arguments) {
   std::vector<PairedView> pairs;
   for (const BoardView& c : color.views) {
     for (const BoardView& i : infrared.views) {
-      if (shot_of(c.name, kColorEndings) == shot_of(i.name, kInfraredEndings)) pairs.push_back({c, i});
+      if (shot_name(c.name, kColorEndings) == shot_name(i.name, kInfraredEndings)) pairs.push_back({c, i});
     }
   }
   return pairs;
 }
 
 std::filesystem::path depth_path_of(const std::string& pair_name, const CalibrateArguments& arguments) {
-  return arguments.folder / (*shot_of(pair_name, kColorEndings) + "_depth.png");
+  return arguments.folder / (*shot_name(pair_name, kColorEndings) + "_depth.png");
 }
 
 LensSource lens_source(const std::string& argument, const CalibrateArguments& arguments,

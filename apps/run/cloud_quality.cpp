@@ -64,9 +64,9 @@ std::vector<Eigen::Vector3d> visible_surface(const SimulatedSource& room) {
 }  // namespace
 
 CloudQuality cloud_quality(const ColoredCloud& cloud, const SimulatedSource& room, const SE3& T_truth_map) {
-  constexpr size_t kMostJudged =
+  constexpr size_t kMaxJudged =
       100'000;  // limit, since the distance to a surface is searched among all of the room's
-  const size_t step = cloud.size() / kMostJudged + 1;
+  const size_t step = cloud.size() / kMaxJudged + 1;
   std::vector<double> distances_m((cloud.size() + step - 1) / step);
   parallel_for(distances_m.size(), hardware_threads(), [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {

@@ -11,16 +11,16 @@
 namespace kinloop {
 namespace {
 
-constexpr double kLeast_m = 1e-4, kBinsPerE = 20;
+constexpr double kMin_m = 1e-4, kBinsPerE = 20;
 
 /// Below this share of depth within the map's range, the map is almost empty.
-constexpr double kFewInRange = 0.05;
+constexpr double kMinInRangeRatio = 0.05;
 
 /// Typical depth indoors: from a desk in front of the camera to the far wall of a hall.
 constexpr double kRoomNear_m = 0.6, kRoomFar_m = 4, kRoomMiddle_m = 1.6;
 
 size_t bin_of(double depth_m, size_t bins) {
-  const double bin = kBinsPerE * std::log(std::max(depth_m, kLeast_m) / kLeast_m);
+  const double bin = kBinsPerE * std::log(std::max(depth_m, kMin_m) / kMin_m);
   return std::min(static_cast<size_t>(bin), bins - 1);
 }
 
@@ -53,7 +53,7 @@ double DepthMonitor::quantile_m(double q) const {
   const double wanted = q * static_cast<double>(known_);
   size_t below = 0, bin = 0;
   while (bin + 1 < kBins && static_cast<double>(below + counts_[bin]) <= wanted) below += counts_[bin++];
-  return kLeast_m * std::exp((static_cast<double>(bin) + 0.5) / kBinsPerE);
+  return kMin_m * std::exp((static_cast<double>(bin) + 0.5) / kBinsPerE);
 }
 
 /// A scene may be far, but the noise of triangulated depth, 1.4e-3 z^2, is half a metre at 20 m; and no depth
@@ -64,7 +64,7 @@ bool DepthMonitor::impossible() const {
 }
 
 bool DepthMonitor::unusable() const {
-  return frames_ > 0 && (share_in_range() < kFewInRange || median_m() < options_.min_depth_m);
+  return frames_ > 0 && (share_in_range() < kMinInRangeRatio || median_m() < options_.min_depth_m);
 }
 
 std::optional<double> DepthMonitor::plausible_scale() const {
@@ -92,7 +92,7 @@ std::optional<double> DepthMonitor::plausible_scale() const {
 std::string DepthMonitor::problem() const {
   if (frames_ == 0) return {};
   if (known_ == 0) return "all pixels of the depth images are empty";
-  const bool few = share_in_range() < kFewInRange;
+  const bool few = share_in_range() < kMinInRangeRatio;
   const bool far = far_ > near_;
   const double median = median_m();
   if (!few && median >= options_.min_depth_m && median <= options_.max_depth_m) return {};

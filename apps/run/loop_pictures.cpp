@@ -22,7 +22,7 @@ namespace {
 using nlohmann::json;
 using Landmarks = std::vector<ReprojectedLandmark>;
 
-constexpr size_t kMostPictures = 12;
+constexpr size_t kMaxPictures = 12;
 constexpr int kImageWidthPx = 560;  // width of each of the two
 constexpr int kJpegQuality = 75;
 constexpr const char* kIndexName = "loops.json";
@@ -43,7 +43,7 @@ std::vector<ShownLoop> choose_loops(const Map& map) {
     });
     if (!shown) distinct.push_back({loop, pair});
   }
-  const size_t count = std::min(kMostPictures, distinct.size());
+  const size_t count = std::min(kMaxPictures, distinct.size());
   std::vector<ShownLoop> chosen;
   for (size_t i = 0; i < count; ++i) chosen.push_back(distinct[i * distinct.size() / count]);
   return chosen;
@@ -59,7 +59,7 @@ bool hidden(const ReprojectedLandmark& landmark, const cv::Mat& depth_m) {
 }
 
 /// Bounding box of the landmarks in the first image.
-Eigen::AlignedBox2d extent_of(const Landmarks& landmarks) {
+Eigen::AlignedBox2d bounding_box(const Landmarks& landmarks) {
   Eigen::AlignedBox2d extent;
   for (const auto& landmark : landmarks) extent.extend(landmark.observed);
   return extent;
@@ -67,10 +67,11 @@ Eigen::AlignedBox2d extent_of(const Landmarks& landmarks) {
 
 /// A colour by position in the extent, so that points can be recognised in the second image.
 cv::Scalar color_at(const Eigen::Vector2d& pixel, const Eigen::AlignedBox2d& extent) {
-  constexpr double kRedToViolet = 150, kMost = 255, kPalest = 0.4;  // in OpenCV's units
+  constexpr double kRedToViolet = 150, kMaxCount = 255, kMinSaturation = 0.4;  // in OpenCV's units
   const Eigen::Vector2d share =
       (pixel - extent.min()).cwiseQuotient(extent.sizes().cwiseMax(1)).cwiseMax(0).cwiseMin(1);
-  const cv::Scalar hsv(kRedToViolet * share.x(), kMost * (1 - (1 - kPalest) * share.y()), kMost);
+  const cv::Scalar hsv(kRedToViolet * share.x(), kMaxCount * (1 - (1 - kMinSaturation) * share.y()),
+                       kMaxCount);
   cv::Mat color(1, 1, CV_8UC3, hsv);
   cv::cvtColor(color, color, cv::COLOR_HSV2BGR);
   return color.at<cv::Vec3b>(0);
@@ -89,14 +90,14 @@ void mark(cv::Mat& picture, const cv::Point2d& at, const cv::Scalar& color, bool
 }
 
 /// Selects some of the landmarks observed in both images, from the top to the bottom of the first.
-Landmarks some_in_both(const Landmarks& landmarks) {
-  constexpr size_t kMost = 24;
+Landmarks sample_common_landmarks(const Landmarks& landmarks) {
+  constexpr size_t kMaxCount = 24;
   Landmarks both, some;
   std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(both),
                [](const auto& landmark) { return landmark.observed_in_second.has_value(); });
   std::stable_sort(both.begin(), both.end(),
                    [](const auto& a, const auto& b) { return a.observed.y() < b.observed.y(); });
-  const size_t count = std::min(kMost, both.size());
+  const size_t count = std::min(kMaxCount, both.size());
   for (size_t i = 0; i < count; ++i) some.push_back(both[i * both.size() / count]);
   return some;
 }
@@ -110,8 +111,8 @@ cv::Mat draw_loop(const cv::Mat& first, const cv::Mat& second, const Landmarks& 
   const auto in_picture = [&](const Eigen::Vector2d& raw, int columns_before) {
     return cv::Point2d((raw.x() + columns_before + 0.5) * scale - 0.5, (raw.y() + 0.5) * scale - 0.5);
   };
-  const auto extent = extent_of(landmarks);
-  for (const auto& landmark : some_in_both(landmarks)) {
+  const auto extent = bounding_box(landmarks);
+  for (const auto& landmark : sample_common_landmarks(landmarks)) {
     cv::line(picture, in_picture(landmark.observed, 0), in_picture(landmark.predicted, first.cols),
              color_at(landmark.observed, extent), 1, cv::LINE_AA);
   }

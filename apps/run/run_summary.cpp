@@ -32,7 +32,7 @@ ProcessUse process_use() {
 }
 
 /// The input as an absolute path, valid in other folders and later.
-std::string lasting_name(const std::string& input) {
+std::string absolute_input_name(const std::string& input) {
   const std::string name = input_name(input);
   if (name != "." && name != "..") return input;
   return std::filesystem::weakly_canonical(input).string();
@@ -130,11 +130,11 @@ json run_summary(const RunOutcome& o) {
   const ProcessUse use = process_use();
   json summary;
   summary["version"] = version_text();
-  summary["input"] = lasting_name(o.source.info().name);
+  summary["input"] = absolute_input_name(o.source.info().name);
   summary["frames"] = log.size();
   summary["tracked"] = tracked;
   summary["tracked_densely"] = dense_only;
-  summary["tracked_apart"] = not_lost - tracked;  // in components not joined by any loop
+  summary["tracked_in_other_components"] = not_lost - tracked;  // in components not joined by any loop
   summary["skipped"] = skipped_json(o.source);
   summary["dropped"] = o.dropped;
   summary["interrupted"] = o.interrupted;
@@ -172,9 +172,9 @@ std::string summary_text(const json& s) {
       "{}"
       "time       {:.1f} s, {:.1f} ms per frame (median), {:.1f} ms (95th percentile)\n"
       "memory     {:.0f} MiB peak\n",
-      s["tracked"].get<long>(), s["frames"].get<long>(), s["tracked_apart"].get<long>(), s["skipped"].size(),
-      s["dropped"].get<long>(), s["keyframes"].get<long>(), s["landmarks"].get<long>(), s["loops"].size(),
-      map, s["wall_s"].get<double>(), s["frame_ms"]["median"].get<double>(),
+      s["tracked"].get<long>(), s["frames"].get<long>(), s["tracked_in_other_components"].get<long>(),
+      s["skipped"].size(), s["dropped"].get<long>(), s["keyframes"].get<long>(), s["landmarks"].get<long>(),
+      s["loops"].size(), map, s["wall_s"].get<double>(), s["frame_ms"]["median"].get<double>(),
       s["frame_ms"]["p95"].get<double>(), s["peak_memory_mib"].get<double>());
   if (!s.contains("evaluation")) return text;
   const json& e = s["evaluation"];

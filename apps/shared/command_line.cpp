@@ -63,7 +63,7 @@ std::string unknown_option(const std::string& left, const CLI::App& command,
 }
 
 /// Rewrites CLI11's messages in the program's style.
-std::string reworded(std::string text) {
+std::string rewrite_cli11_message(std::string text) {
   constexpr std::string_view kConversion = "Could not convert: ";
   if (text.starts_with(kConversion)) {
     text.erase(0, kConversion.size());
@@ -89,7 +89,7 @@ std::string what_is_wrong(const CLI::ParseError& error, const CLI::App& program,
   const auto commands = commands_of(command);
   if (!commands.empty())
     return fmt::format("expected one of the commands {}", fmt::join(names_of(commands), ", "));
-  return reworded(error.what());
+  return rewrite_cli11_message(error.what());
 }
 
 }  // namespace

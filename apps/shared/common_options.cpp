@@ -64,8 +64,8 @@ CLI::Validator one_of(std::vector<std::string> words) {
 }
 
 void add_threads_option(CLI::App& command, int& threads, const std::string& what) {
-  constexpr int kMostThreads = 1024;
-  command.add_option("--threads", threads, what)->check(whole_number(1, kMostThreads));
+  constexpr int kMaxThreads = 1024;
+  command.add_option("--threads", threads, what)->check(whole_number(1, kMaxThreads));
 }
 
 CLI::Validator positive_number() {

@@ -94,7 +94,7 @@ using Reader = std::unique_ptr<archive, decltype(&archive_read_free)>;
 using Writer = std::unique_ptr<archive, decltype(&archive_write_free)>;
 
 /// Checks libarchive's return code; a warning is not an error.
-void require_good(int code, archive* a, const std::filesystem::path& file) {
+void check_archive_result(int code, archive* a, const std::filesystem::path& file) {
   if (code >= ARCHIVE_WARN) return;
   const char* what = archive_error_string(a);
   throw InputError(fmt::format("cannot unpack {}: {}; delete it and fetch it again", file.string(),
@@ -108,8 +108,8 @@ void copy_data(archive* from, archive* to, const std::filesystem::path& file) {
   while (true) {
     const int code = archive_read_data_block(from, &block, &size, &offset);
     if (code == ARCHIVE_EOF) return;
-    require_good(code, from, file);
-    require_good(static_cast<int>(archive_write_data_block(to, block, size, offset)), to, file);
+    check_archive_result(code, from, file);
+    check_archive_result(static_cast<int>(archive_write_data_block(to, block, size, offset)), to, file);
   }
 }
 
@@ -155,21 +155,22 @@ void unpack(const std::filesystem::path& file, const std::filesystem::path& fold
   archive_read_support_filter_all(reader.get());
   archive_read_support_format_all(reader.get());
   archive_write_disk_set_options(writer.get(), kFlags);
-  require_good(archive_read_open_filename(reader.get(), file.c_str(), kBlockBytes), reader.get(), file);
+  check_archive_result(archive_read_open_filename(reader.get(), file.c_str(), kBlockBytes), reader.get(),
+                       file);
   archive_entry* entry = nullptr;
   while (true) {
     const int code = archive_read_next_header(reader.get(), &entry);
     if (code == ARCHIVE_EOF) return;
-    require_good(code, reader.get(), file);
+    check_archive_result(code, reader.get(), file);
     const std::filesystem::path name = std::filesystem::path(archive_entry_pathname(entry)).relative_path();
     archive_entry_set_pathname(entry, (folder / name).c_str());
     if (archive_entry_hardlink(entry) != nullptr) {
       throw InputError(fmt::format("{}: contains a link, {}, which a sequence never has; not unpacked",
                                    file.string(), name.string()));
     }
-    require_good(archive_write_header(writer.get(), entry), writer.get(), file);
+    check_archive_result(archive_write_header(writer.get(), entry), writer.get(), file);
     copy_data(reader.get(), writer.get(), file);
-    require_good(archive_write_finish_entry(writer.get()), writer.get(), file);
+    check_archive_result(archive_write_finish_entry(writer.get()), writer.get(), file);
   }
 }
 

@@ -42,8 +42,8 @@ bool MapSaver::try_save() {
 }
 
 void MapSaver::save_if_due() {
-  constexpr double kMostShare = 0.05;  // share of the time that saving may take
-  if (interval_s_ > 0 && since_last_save_.wall_s() >= std::max(interval_s_, duration_s_ / kMostShare))
+  constexpr double kMaxShare = 0.05;  // share of the time that saving may take
+  if (interval_s_ > 0 && since_last_save_.wall_s() >= std::max(interval_s_, duration_s_ / kMaxShare))
     try_save();
 }
 
@@ -71,8 +71,8 @@ SavedMap read_map_with_warnings(const MapReader& reader, const std::filesystem::
   return std::move(saved);
 }
 
-void restore_images(const MapReader& reader, const std::filesystem::path& path, uint32_t shift,
-                    DenseRecorder& recorder) {
+void load_images(const MapReader& reader, const std::filesystem::path& path, uint32_t shift,
+                 DenseRecorder& recorder) {
   MapDamage damage;
   damage.images = reader.read_images([&](SavedImages images) {
     images.frame.value += shift;
@@ -115,7 +115,7 @@ OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<
   OpenMap open{{}, options, {}, logged_frames(saved, 0, 0), DenseRecorder(saved.camera, options.dense), {}};
   open.map.append(std::move(saved.map));
   open.saved = std::move(saved);
-  restore_images(reader, path, 0, open.recorder);
+  load_images(reader, path, 0, open.recorder);
   if (!poses.empty()) open.poses = read_tum_trajectory(poses);
   return open;
 }

@@ -54,8 +54,8 @@ std::filesystem::path map_file_of(const std::filesystem::path& file_or_folder);
 SavedMap read_map_with_warnings(const MapReader& reader, const std::filesystem::path& path);
 
 /// Reads the images and warns of damage; `shift` is added to the ids of their frames.
-void restore_images(const MapReader& reader, const std::filesystem::path& path, uint32_t shift,
-                    DenseRecorder& recorder);
+void load_images(const MapReader& reader, const std::filesystem::path& path, uint32_t shift,
+                 DenseRecorder& recorder);
 
 /// Returns `options` with the values that a map was made with; only those whose key begins with `prefix`.
 RunOptions restore_options(const SavedMap& saved, const RunOptions& options, const std::string& prefix = {});

@@ -24,15 +24,15 @@ std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
       throw UsageError("--camera cannot be used with a simulated sequence, which has its own camera");
     return make_simulated_source(sequence, request.simulation, request.threads);
   }
-  const auto given_camera = [&]() -> std::optional<RgbdCamera> {
+  const auto explicit_camera = [&]() -> std::optional<RgbdCamera> {
     if (!request.camera) return std::nullopt;
     return choose_camera({}, request.camera);
   };
-  if (sequence == "kinect1") return open_kinect1(request.kinect, given_camera());
-  if (sequence == "kinect2") return open_kinect2(request.kinect, given_camera(), request.kinect2_frames);
+  if (sequence == "kinect1") return open_kinect1(request.kinect, explicit_camera());
+  if (sequence == "kinect2") return open_kinect2(request.kinect, explicit_camera(), request.kinect2_frames);
   if (sequence.ends_with(".bag") && !std::filesystem::exists(sequence))
     throw InputError(fmt::format("{}: no such file; check the path", sequence));
-  if (sequence.ends_with(".bag")) return open_bag(sequence, given_camera(), request.topics);
+  if (sequence.ends_with(".bag")) return open_bag(sequence, explicit_camera(), request.topics);
   return std::make_unique<TumSource>(sequence, choose_camera(sequence, request.camera));
 }
 

@@ -113,9 +113,9 @@ Progress make_progress_bar(bool quiet) {
 }
 
 std::string progress_line(const ProgressReport& now, const StageTime& stage, size_t width) {
-  constexpr double kEnoughS = 0.5;  // before, the rate is unreliable
+  constexpr double kMinRateTimeS = 0.5;  // before, the rate is unreliable
   const auto done = static_cast<double>(now.done - std::min(now.done, stage.done_at_start));
-  const double per_second = stage.elapsed_s >= kEnoughS ? done / stage.elapsed_s : 0;
+  const double per_second = stage.elapsed_s >= kMinRateTimeS ? done / stage.elapsed_s : 0;
   const std::string rate = per_second > 0 ? fmt::format("{:7.1f}/s", per_second) : std::string(9, ' ');
   if (now.total == 0) {
     const std::string note = now.note.empty() ? "" : "   " + now.note;

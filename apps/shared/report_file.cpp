@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostCloudPoints = 100000;  // 1.6 MB of the page
+constexpr size_t kMaxCloudPoints = 100000;  // 1.6 MB of the page
 constexpr int kJpegQuality = 85;
 
 Trajectory read_if_there(const fs::path& path) {
@@ -72,7 +72,7 @@ std::string decimated(const ColoredCloud& cloud, const CloudView& view) {
   CloudPiece piece;
   const ColoredCloud mixed = shuffled(cloud);
   const Eigen::Vector3f up = view.up.cast<float>();
-  for (size_t i = 0; i < mixed.size() && piece.cloud.size() < kMostCloudPoints; ++i) {
+  for (size_t i = 0; i < mixed.size() && piece.cloud.size() < kMaxCloudPoints; ++i) {
     if (up.dot(mixed.points[i]) > view.cut_above_m) continue;
     piece.cloud.points.push_back(mixed.points[i]);
     piece.cloud.colors.push_back(mixed.colors[i]);

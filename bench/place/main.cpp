@@ -55,7 +55,7 @@ World read_world(const std::vector<std::string>& sequences, size_t step) {
   const auto photographs = read_distractors(kPhotographs, images);
   world.places.insert(world.places.end(), photographs.begin(), photographs.end());
   fmt::print("{} images, {} of them with a findable place, and {} photographs of other places\n\n", images,
-             count_findable(world.places), photographs.size());
+             count_queries_with_answer(world.places), photographs.size());
   return world;
 }
 
@@ -222,10 +222,11 @@ void run_detector(const World& world) {
       options.seed = seed;
       options.threads = hardware_threads();
       const auto detection = detect(world.places, train_vocabulary(training, options), world.camera);
-      fmt::print("| {} | {} | {} | {} of {} = {:.3f} | {} | {} |\n", method.name, seed, detection.confirmed,
-                 detection.same, count_findable(world.places),
-                 static_cast<double>(detection.same) / static_cast<double>(count_findable(world.places)),
-                 detection.off, detection.other_scene);
+      fmt::print(
+          "| {} | {} | {} | {} of {} = {:.3f} | {} | {} |\n", method.name, seed, detection.confirmed,
+          detection.same, count_queries_with_answer(world.places),
+          static_cast<double>(detection.same) / static_cast<double>(count_queries_with_answer(world.places)),
+          detection.off, detection.other_scene);
       std::fflush(stdout);
     }
   }

@@ -20,7 +20,7 @@ constexpr double kOther_m = 1.0, kOther_rad = std::numbers::pi / 3;
 constexpr int64_t kGapNs = 10 * kNsPerSecond;
 
 /// Every second image, starting with `first`.
-std::vector<std::filesystem::path> half_of(const std::filesystem::path& folder, size_t first) {
+std::vector<std::filesystem::path> every_second_image(const std::filesystem::path& folder, size_t first) {
   const auto all = list_training_input(std::vector{folder}).images;
   std::vector<std::filesystem::path> half;
   for (size_t i = first; i < all.size(); i += 2) half.push_back(all[i]);
@@ -28,14 +28,15 @@ std::vector<std::filesystem::path> half_of(const std::filesystem::path& folder, 
 }
 
 /// Recall at the last score before an error.
-double recall_without(std::span<const Place> places, std::span<const Answer> sorted, bool near_is_error) {
+double recall_at_threshold(std::span<const Place> places, std::span<const Answer> sorted,
+                           bool near_is_error) {
   size_t right = 0;
   for (const Answer& answer : sorted) {
     const Relation is = relation(places[answer.query], places[answer.found]);
     if (is == Relation::kOther || (near_is_error && is == Relation::kNear)) break;
     if (is == Relation::kSame) ++right;
   }
-  return static_cast<double>(right) / static_cast<double>(count_findable(places));
+  return static_cast<double>(right) / static_cast<double>(count_queries_with_answer(places));
 }
 
 }  // namespace
@@ -57,18 +58,19 @@ std::vector<Place> read_places(const std::filesystem::path& sequence, size_t sce
 
 std::vector<Place> read_distractors(const std::filesystem::path& folder, size_t scene) {
   std::vector<Place> places;
-  describe_images(half_of(folder, 1), {}, {}, [&](const auto&, const std::optional<cv::Mat>& descriptors) {
-    if (!descriptors || descriptors->empty()) return;
-    Place place;
-    place.scene = scene;
-    place.features.descriptors = *descriptors;
-    const auto size = static_cast<size_t>(descriptors->rows);
-    place.features.pixels.resize(size, Eigen::Vector2f::Zero());
-    place.features.levels.resize(size, 0);
-    place.features.angles_rad.resize(size, 0);
-    place.features.depths_m.resize(size, 0);
-    places.push_back(std::move(place));
-  });
+  describe_images(every_second_image(folder, 1), {}, {},
+                  [&](const auto&, const std::optional<cv::Mat>& descriptors) {
+                    if (!descriptors || descriptors->empty()) return;
+                    Place place;
+                    place.scene = scene;
+                    place.features.descriptors = *descriptors;
+                    const auto size = static_cast<size_t>(descriptors->rows);
+                    place.features.pixels.resize(size, Eigen::Vector2f::Zero());
+                    place.features.levels.resize(size, 0);
+                    place.features.angles_rad.resize(size, 0);
+                    place.features.depths_m.resize(size, 0);
+                    places.push_back(std::move(place));
+                  });
   return places;
 }
 
@@ -77,14 +79,14 @@ std::vector<cv::Mat> read_training_images(const std::filesystem::path& folder) {
   description.features.count = 2000;
   description.threads = hardware_threads();
   std::vector<cv::Mat> images;
-  describe_images(half_of(folder, 0), description, {},
+  describe_images(every_second_image(folder, 0), description, {},
                   [&](const auto&, const std::optional<cv::Mat>& descriptors) {
                     if (descriptors) images.push_back(*descriptors);
                   });
   return images;
 }
 
-bool may_be_found(const Place& query, const Place& candidate) {
+bool is_admissible(const Place& query, const Place& candidate) {
   return query.scene != candidate.scene || candidate.stamp_ns + kGapNs <= query.stamp_ns;
 }
 
@@ -101,7 +103,7 @@ Curve curve_of(std::span<const Place> places, std::vector<Answer> answers) {
   std::stable_sort(answers.begin(), answers.end(),
                    [](const Answer& a, const Answer& b) { return a.score > b.score; });
   Curve curve;
-  const auto findable_count = static_cast<double>(count_findable(places));
+  const auto findable_count = static_cast<double>(count_queries_with_answer(places));
   double right = 0, wrong = 0;
   for (const Answer& answer : answers) {
     const Relation is = relation(places[answer.query], places[answer.found]);
@@ -110,15 +112,15 @@ Curve curve_of(std::span<const Place> places, std::vector<Answer> answers) {
     curve.recall.push_back(right / findable_count);
     curve.precision.push_back(right / (right + wrong));
   }
-  curve.recall_without_error = recall_without(places, answers, false);
-  curve.strict_recall = recall_without(places, answers, true);
+  curve.recall_without_error = recall_at_threshold(places, answers, false);
+  curve.strict_recall = recall_at_threshold(places, answers, true);
   return curve;
 }
 
-size_t count_findable(std::span<const Place> places) {
+size_t count_queries_with_answer(std::span<const Place> places) {
   return static_cast<size_t>(std::count_if(places.begin(), places.end(), [&](const Place& query) {
     return query.T_scene_camera && std::any_of(places.begin(), places.end(), [&](const Place& other) {
-             return may_be_found(query, other) && relation(query, other) == Relation::kSame;
+             return is_admissible(query, other) && relation(query, other) == Relation::kSame;
            });
   }));
 }

@@ -41,7 +41,7 @@ std::vector<cv::Mat> read_training_images(const std::filesystem::path& folder);
 
 /// Returns whether `candidate` is admissible for `query`: any image of other scenes; in its own scene only if
 /// at least 10 s older.
-bool may_be_found(const Place& query, const Place& candidate);
+bool is_admissible(const Place& query, const Place& candidate);
 
 /// Classifies `b` as an answer to `a`.
 Relation relation(const Place& a, const Place& b);
@@ -65,6 +65,6 @@ struct Curve {
 Curve curve_of(std::span<const Place> places, std::vector<Answer> answers);
 
 /// Returns the number of images of `places` with an admissible kSame.
-size_t count_findable(std::span<const Place> places);
+size_t count_queries_with_answer(std::span<const Place> places);
 
 }  // namespace kinloop

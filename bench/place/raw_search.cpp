@@ -15,7 +15,7 @@ constexpr int kMaxDistance = 64;  ///< bits; farther descriptors do not vote
 constexpr int kNeighbours = 20;  // per descriptor, before removing those that are too recent
 
 /// The image with the most votes; its share of the query's descriptors is the score.
-std::vector<PlaceCandidate> most_voted(const std::vector<uint32_t>& votes, size_t descriptors) {
+std::vector<PlaceCandidate> top_voted(const std::vector<uint32_t>& votes, size_t descriptors) {
   const auto most = std::max_element(votes.begin(), votes.end());
   return {{id_of(static_cast<size_t>(most - votes.begin())),
            static_cast<double>(*most) / static_cast<double>(descriptors)}};
@@ -63,12 +63,12 @@ std::vector<PlaceCandidate> vote(std::span<const Place> places, size_t query,
       const int found = nearest.at<int>(row, i);
       if (found < 0 || distances.at<float>(row, i) > kMaxDistance) break;
       const size_t image = image_of[static_cast<size_t>(found)];
-      if (image == query || !may_be_found(places[query], places[image])) continue;
+      if (image == query || !is_admissible(places[query], places[image])) continue;
       ++votes[image];
       break;
     }
   }
-  return most_voted(votes, static_cast<size_t>(nearest.rows));
+  return top_voted(votes, static_cast<size_t>(nearest.rows));
 }
 
 /// Queries a FLANN index over `all`; `form` converts an image's descriptors to its rows.
@@ -93,7 +93,7 @@ Recognition by_brute_force(std::span<const Place> places) {
       std::vector<uint32_t> nearest(end - begin), distance(end - begin);
       std::vector<uint32_t> best(end - begin, kMaxDistance + 1);
       for (size_t i = 0; i < places.size(); ++i) {
-        if (i == query || !may_be_found(places[query], places[i])) continue;
+        if (i == query || !is_admissible(places[query], places[i])) continue;
         assign_to_nearest<HammingSpace>(rows.subspan(begin, end - begin),
                                         rows_of(places[i].features.descriptors), nearest.data(),
                                         distance.data());
@@ -107,7 +107,7 @@ Recognition by_brute_force(std::span<const Place> places) {
     for (const uint32_t image : winner) {
       if (image > 0) ++votes[image - 1];
     }
-    return most_voted(votes, rows.size());
+    return top_voted(votes, rows.size());
   });
 }
 

@@ -35,9 +35,9 @@ LocalMap view_of(const Features& features, const PinholeCamera& camera) {
 
 /// Returns whether the relative pose found within a scene agrees with ground truth.
 bool is_right(const Place& query, const Place& found, const SE3& T_found_query) {
-  constexpr double kMost_m = 0.2, kMost_rad = 0.17;
+  constexpr double kMax_m = 0.2, kMax_rad = 0.17;
   const SE3 error = (found.T_scene_camera->inverse() * *query.T_scene_camera).inverse() * T_found_query;
-  return error.translation.norm() <= kMost_m && Eigen::AngleAxisd(error.rotation).angle() <= kMost_rad;
+  return error.translation.norm() <= kMax_m && Eigen::AngleAxisd(error.rotation).angle() <= kMax_rad;
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ Recognition by_words(std::span<const Place> places, const Vocabulary& vocabulary
   for (size_t i = 0; i < places.size(); ++i) index.add(id_of(i), bow_of(places[i], vocabulary));
   return recognize(places, [&](size_t query) {
     return index.query(index.bow_of(id_of(query)), 1,
-                       [&](KeyframeId id) { return may_be_found(places[query], places[id.value]); });
+                       [&](KeyframeId id) { return is_admissible(places[query], places[id.value]); });
   });
 }
 
@@ -77,7 +77,7 @@ Recognition by_geometric_verification(std::span<const Place> places, const Vocab
   }
   return recognize(places, [&](size_t query) {
     return search.query(search.index().bow_of(id_of(query)), words[query], 1,
-                        [&](KeyframeId id) { return may_be_found(places[query], places[id.value]); });
+                        [&](KeyframeId id) { return is_admissible(places[query], places[id.value]); });
   });
 }
 
@@ -90,7 +90,7 @@ Detection detect(std::span<const Place> places, const Vocabulary& vocabulary, co
   for (size_t query = 0; query < places.size(); ++query) {
     const Place& place = places[query];
     if (!place.T_scene_camera) continue;
-    const auto allowed = [&](KeyframeId id) { return may_be_found(place, places[id.value]); };
+    const auto allowed = [&](KeyframeId id) { return is_admissible(place, places[id.value]); };
     PreparedFrame frame;
     frame.features = std::make_shared<const Features>(place.features);
     for (const auto& candidate : index.query(index.bow_of(id_of(query)), 5, allowed)) {
@@ -105,7 +105,7 @@ Detection detect(std::span<const Place> places, const Vocabulary& vocabulary, co
         ++detection.off;
       }
       const bool has_same = std::any_of(places.begin(), places.end(), [&](const Place& other) {
-        return may_be_found(place, other) && relation(place, other) == Relation::kSame;
+        return is_admissible(place, other) && relation(place, other) == Relation::kSame;
       });
       if (has_same) ++detection.same;
       break;

@@ -36,7 +36,7 @@ double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 }
 
 /// The former method: perpendicular to the image rows of all poses.
-Eigen::Vector3d square_to_rows(std::span<const SE3> cameras) {
+Eigen::Vector3d up_from_image_rows(std::span<const SE3> cameras) {
   Eigen::Matrix3d rows = Eigen::Matrix3d::Zero();
   Eigen::Vector3d camera_up = Eigen::Vector3d::Zero();
   for (const SE3& pose : cameras) {
@@ -69,8 +69,9 @@ void print(const std::string& name, const Views& views, const PinholeCamera& cam
       surface_normals([&](size_t i) { return views.surfels[i]; }, views.posed, {.color = camera});
   const UpEstimate up = estimate_up_direction(normals, cameras);
   fmt::print("{:40} {:6.1f} {:6.1f} {:7.2f}  {:7} {:.3f}  {} normals\n", name,
-             angle_deg(square_to_rows(cameras), truth), angle_deg(mean_camera_up(cameras).direction, truth),
-             angle_deg(up.direction, truth), to_string(up.source), up.confidence, normals.size());
+             angle_deg(up_from_image_rows(cameras), truth),
+             angle_deg(mean_camera_up(cameras).direction, truth), angle_deg(up.direction, truth),
+             to_string(up.source), up.confidence, normals.size());
 }
 
 /// Rolls the cameras by a smooth random angle along the path, up to half a turn either way.

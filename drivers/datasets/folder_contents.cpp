@@ -74,13 +74,13 @@ constexpr KnownLayout kLayouts[] = {
 }  // namespace
 
 FolderContents::FolderContents(const fs::path& folder) {
-  constexpr size_t kMost = 4096;
+  constexpr size_t kMaxCount = 4096;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     std::error_code broken_link;
     auto& names = entry->is_directory(broken_link) ? folders_ : files_;
     names.push_back(entry->path().filename().string());
-    if (files_.size() + folders_.size() >= kMost) break;
+    if (files_.size() + folders_.size() >= kMaxCount) break;
   }
   std::sort(files_.begin(), files_.end());
   std::sort(folders_.begin(), folders_.end());

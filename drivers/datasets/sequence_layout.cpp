@@ -110,11 +110,11 @@ std::string advice_for_file(const fs::path& file) {
 
 /// Names of a few sequences below this folder.
 std::vector<std::string> sequences_below(const fs::path& folder) {
-  constexpr size_t kMost = 3;
+  constexpr size_t kMaxCount = 3;
   std::vector<std::string> found;
   const FolderContents contents(folder);
   for (const std::string& name : contents.folders()) {
-    if (found.size() < kMost && has_tum_lists(folder / name)) found.push_back((folder / name).string());
+    if (found.size() < kMaxCount && has_tum_lists(folder / name)) found.push_back((folder / name).string());
   }
   return found;
 }
@@ -122,10 +122,10 @@ std::vector<std::string> sequences_below(const fs::path& folder) {
 /// The layout of another dataset, in the folder or one level below; empty if none is recognised.
 std::string foreign_layout_around(const fs::path& folder) {
   if (std::string layout = detect_dataset_layout(folder); !layout.empty()) return layout;
-  constexpr size_t kMostFolders = 16;
+  constexpr size_t kMaxFolders = 16;
   const FolderContents contents(folder);
   const auto& below = contents.folders();
-  for (size_t i = 0; i < std::min(below.size(), kMostFolders); ++i) {
+  for (size_t i = 0; i < std::min(below.size(), kMaxFolders); ++i) {
     const std::string layout = detect_dataset_layout(folder / below[i]);
     if (!layout.empty()) return fmt::format("{}, in {}/", layout, below[i]);
   }

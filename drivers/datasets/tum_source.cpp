@@ -57,7 +57,8 @@ TumSource::TumSource(const std::filesystem::path& folder, const RgbdCamera& came
 }
 
 void TumSource::require_expected_format() const {
-  constexpr int kBelieved = 3;  // a wrong camera or image format affects every frame, damage only its own
+  constexpr int kFormatCheckFrames =
+      3;  // a wrong camera or image format affects every frame, damage only its own
   int wrong = 0;
   std::string first;
   for (const FrameFiles& files : frames_) {
@@ -66,7 +67,7 @@ void TumSource::require_expected_format() const {
       return;
     } catch (const ImageFormatError& error) {
       if (wrong == 0) first = error.what();
-      if (++wrong == kBelieved) throw InputError(first);
+      if (++wrong == kFormatCheckFrames) throw InputError(first);
     } catch (const InputError&) {
       continue;  // next() counts it
     }

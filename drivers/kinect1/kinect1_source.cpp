@@ -22,7 +22,7 @@ namespace {
 constexpr int kWidth = 640, kHeight = 480;
 constexpr double kMillimetresPerMetre = 1000;
 constexpr double kNsPerTick = 1e9 / 60e6;  ///< the device counts at 60 MHz
-constexpr std::chrono::milliseconds kPatience(2000);
+constexpr std::chrono::milliseconds kFrameTimeout(2000);
 
 /// Published for the Kinect 1 by several groups; an individual camera may differ by some per cent.
 RgbdCamera typical_camera() {
@@ -138,9 +138,9 @@ class Kinect1Source : public FrameSource {
   }
 
   std::optional<RgbdFrame> next() override {
-    auto frame =
-        next_or_reconnect(frames_, {info_.name, kPatience, options_.reconnect_s, [this] { device_.reset(); },
-                                    [this] { device_ = std::make_unique<Device>(frames_); }});
+    auto frame = next_or_reconnect(
+        frames_, {info_.name, kFrameTimeout, options_.reconnect_s, [this] { device_.reset(); },
+                  [this] { device_ = std::make_unique<Device>(frames_); }});
     if (!frame) return frame;
     if (camera_.depth_shift_m != 0)
       cv::add(frame->depth_m, camera_.depth_shift_m, frame->depth_m, frame->depth_m > 0);

@@ -60,8 +60,8 @@ RgbdCamera factory_camera(const libfreenect2::Freenect2Device::ColorCameraParams
       }
     }
   }
-  constexpr size_t kFewest = 20;
-  if (points.size() < kFewest) {
+  constexpr size_t kMinCount = 20;
+  if (points.size() < kMinCount) {
     throw InputError("kinect2: the device's factory calibration cannot be read; give --camera FILE");
   }
   const PinholeCamera lens = color_lens(color);

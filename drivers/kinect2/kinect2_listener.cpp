@@ -22,16 +22,16 @@ cv::Mat image_of(const Frame& frame, int type) {
 }  // namespace
 
 bool Kinect2Listener::onNewFrame(Frame::Type type, Frame* frame) {
-  constexpr bool kTaken = false;  // return value: libfreenect2 keeps the frame
+  constexpr bool kTakesOwnership = false;  // return value: libfreenect2 keeps the frame
   if (frame->status != 0) {
     ++faulty_;
-    return kTaken;
+    return kTakesOwnership;
   }
   const int64_t stamp = clock_.stamp_ns(frame->timestamp);
   if (type == Frame::Color) on_color(stamp, *frame);
   if (type == Frame::Ir) on_infrared(*frame);
   if (type == Frame::Depth) on_depth(stamp, *frame);
-  return kTaken;
+  return kTakesOwnership;
 }
 
 void Kinect2Listener::on_color(int64_t stamp_ns, const Frame& frame) {

@@ -74,7 +74,7 @@ Kinect2PacketWriter::Kinect2PacketWriter(std::filesystem::path folder) : folder_
 }
 
 bool Kinect2PacketWriter::onNewFrame(Frame::Type type, Frame* frame) {
-  constexpr bool kTaken = false;  // return value: libfreenect2 keeps the frame
+  constexpr bool kTakesOwnership = false;  // return value: libfreenect2 keeps the frame
   const std::lock_guard lock(mutex_);
   try {
     if (type == Frame::Depth) {
@@ -87,7 +87,7 @@ bool Kinect2PacketWriter::onNewFrame(Frame::Type type, Frame* frame) {
   } catch (const InputError& error) {
     if (error_.empty()) error_ = error.what();
   }
-  return kTaken;
+  return kTakesOwnership;
 }
 
 void Kinect2PacketWriter::write(const Frame& frame, const char* ending) {
@@ -111,7 +111,7 @@ RawPacketCounts Kinect2PacketWriter::written() const {
 RawPacketCounts record_packets(Kinect2Handle handle, const KinectOptions& options,
                                const std::filesystem::path& folder,
                                const std::function<bool(const RawPacketCounts&)>& should_stop) {
-  constexpr std::chrono::milliseconds kBetweenLooks(10), kPatience(1000);
+  constexpr std::chrono::milliseconds kBetweenLooks(10), kFrameTimeout(1000);
   Kinect2PacketWriter writer(folder);
   start_kinect2(handle, writer, options);
   const auto infrared = handle.device->getIrCameraParams();
@@ -120,7 +120,7 @@ RawPacketCounts record_packets(Kinect2Handle handle, const KinectOptions& option
   write_camera_file(folder / "camera.yaml", factory_camera(color, infrared));
   RawPacketCounts written = writer.written();
   auto last_news = Clock::now();
-  while (!should_stop(written) && Clock::now() - last_news < kPatience) {
+  while (!should_stop(written) && Clock::now() - last_news < kFrameTimeout) {
     std::this_thread::sleep_for(kBetweenLooks);
     const RawPacketCounts now = writer.written();
     if (packets(now) > packets(written)) last_news = Clock::now();

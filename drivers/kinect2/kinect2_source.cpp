@@ -15,7 +15,7 @@
 namespace kinloop {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience(1000);  ///< thirty frames without data: the camera is gone
+constexpr std::chrono::milliseconds kFrameTimeout(1000);  ///< thirty frames without data: the camera is gone
 
 /// Width of the stored colour image: as requested, or twice the depth camera's if it is resampled to that
 /// view.
@@ -92,7 +92,7 @@ void Kinect2Source::reopen() {
 }
 
 std::optional<RgbdFrame> Kinect2Source::next() {
-  auto frame = next_or_reconnect(frames_, {info_.name, kPatience, options_.reconnect_s,
+  auto frame = next_or_reconnect(frames_, {info_.name, kFrameTimeout, options_.reconnect_s,
                                            [this] { close_kinect2(handle_); }, [this] { reopen(); }});
   if (!frame) return frame;
   if (shift_m_ != 0) cv::add(frame->depth_m, shift_m_, frame->depth_m, frame->depth_m > 0);

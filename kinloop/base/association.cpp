@@ -9,7 +9,7 @@ namespace kinloop {
 namespace {
 
 /// Indices sorted by time; equal stamps keep their order in the list.
-std::vector<size_t> order_of_time(std::span<const int64_t> stamps_ns) {
+std::vector<size_t> sort_by_time(std::span<const int64_t> stamps_ns) {
   std::vector<size_t> order(stamps_ns.size());
   std::iota(order.begin(), order.end(), size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -20,10 +20,10 @@ std::vector<size_t> order_of_time(std::span<const int64_t> stamps_ns) {
 /// All pairs within the tolerance, sorted by a's time, then b's.
 std::vector<StampPair> close_pairs(std::span<const int64_t> a_ns, std::span<const int64_t> b_ns,
                                    int64_t max_difference_ns) {
-  const auto order_b = order_of_time(b_ns);
+  const auto order_b = sort_by_time(b_ns);
   std::vector<StampPair> pairs;
   size_t first = 0;  // first b that is not too early for this a; later ones cannot need an earlier b
-  for (const size_t a : order_of_time(a_ns)) {
+  for (const size_t a : sort_by_time(a_ns)) {
     while (first < order_b.size() && b_ns[order_b[first]] < a_ns[a] - max_difference_ns) ++first;
     for (size_t k = first; k < order_b.size() && b_ns[order_b[k]] <= a_ns[a] + max_difference_ns; ++k) {
       pairs.push_back({a, order_b[k]});

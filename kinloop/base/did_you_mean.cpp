@@ -30,11 +30,11 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 
 /// Words that end in ".text"; a few at most.
 std::vector<std::string> words_ending_in(std::string_view text, std::span<const std::string> words) {
-  constexpr size_t kMost = 4;
+  constexpr size_t kMaxCount = 4;
   std::vector<std::string> found;
   const std::string ending = fmt::format(".{}", text);
   for (const std::string& word : words) {
-    if (found.size() < kMost && word.ends_with(ending)) found.push_back(fmt::format("'{}'", word));
+    if (found.size() < kMaxCount && word.ends_with(ending)) found.push_back(fmt::format("'{}'", word));
   }
   return found;
 }

@@ -15,12 +15,12 @@ std::vector<uint16_t> to_units(const cv::Mat& depth_m, double units_per_m) {
   std::vector<uint16_t> units;
   units.reserve(depth_m.total());
   const auto scale = static_cast<float>(units_per_m);
-  constexpr auto kMost = static_cast<float>(std::numeric_limits<uint16_t>::max());
+  constexpr auto kMaxCount = static_cast<float>(std::numeric_limits<uint16_t>::max());
   for (int row = 0; row < depth_m.rows; ++row) {
     const auto* depths = depth_m.ptr<float>(row);
     for (int col = 0; col < depth_m.cols; ++col) {
       const float value = depths[col] * scale + 0.5F;
-      units.push_back(value >= 1 && value < kMost ? static_cast<uint16_t>(value) : uint16_t{0});
+      units.push_back(value >= 1 && value < kMaxCount ? static_cast<uint16_t>(value) : uint16_t{0});
     }
   }
   return units;

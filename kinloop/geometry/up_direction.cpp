@@ -35,8 +35,8 @@ struct Candidate {
 
 /// An evenly spaced subset of the normals, to bound the work.
 Normals chosen(std::span<const Eigen::Vector3f> normals) {
-  constexpr size_t kMost = 20'000;
-  const size_t step = normals.size() / kMost + 1;
+  constexpr size_t kMaxCount = 20'000;
+  const size_t step = normals.size() / kMaxCount + 1;
   Normals some;
   for (size_t i = 0; i < normals.size(); i += step) {
     const Eigen::Vector3d normal = normals[i].cast<double>();
@@ -60,7 +60,7 @@ Shares shares_of(const Eigen::Vector3d& up, const Normals& normals) {
 }
 
 /// Directions spread evenly over a half sphere (Fibonacci lattice), 4 degrees apart.
-std::vector<Eigen::Vector3d> half_sphere() {
+std::vector<Eigen::Vector3d> hemisphere_directions() {
   constexpr int kCount = 1500;
   const double golden_rad = std::numbers::pi * (3 - std::sqrt(5));
   std::vector<Eigen::Vector3d> directions;
@@ -99,14 +99,14 @@ Candidate refined(Eigen::Vector3d up, const Normals& normals) {
 
 /// The axes that explain most of the surface, well separated from each other.
 std::vector<Candidate> best_axes(const Normals& normals) {
-  constexpr size_t kMost = 12;
+  constexpr size_t kMaxCount = 12;
   constexpr double kApart_rad = 20 * kDegree;
   struct Rated {
     double explained;
     Eigen::Vector3d axis;
   };
   std::vector<Rated> rated;
-  for (const Eigen::Vector3d& axis : half_sphere()) {
+  for (const Eigen::Vector3d& axis : hemisphere_directions()) {
     rated.push_back({shares_of(axis, normals).explained(), axis});
   }
   std::stable_sort(rated.begin(), rated.end(),
@@ -117,7 +117,7 @@ std::vector<Candidate> best_axes(const Normals& normals) {
       return std::abs(other.dot(r.axis)) < std::cos(kApart_rad);
     });
     if (apart) starts.push_back(r.axis);
-    if (starts.size() == kMost) break;
+    if (starts.size() == kMaxCount) break;
   }
   std::vector<Candidate> axes;
   for (const Eigen::Vector3d& start : starts) {
@@ -145,7 +145,7 @@ Spread spread_of(const std::vector<double>& values) {
 }
 
 /// Log density of a heavy-tailed distribution: no camera motion is impossible.
-double log_bell(double value, double sigma) {
+double heavy_tailed_log_density(double value, double sigma) {
   constexpr double kTail = 0.05;
   return std::log(std::exp(-value * value / (2 * sigma * sigma)) + kTail);
 }
@@ -169,14 +169,15 @@ double camera_evidence(const Eigen::Vector3d& up, std::span<const SE3> cameras) 
     for (int i = 0; i < 3; ++i) axes[static_cast<size_t>(i)].push_back(T_world_camera.translation[i]);
     // The vertical's image shrinks as the camera looks up or down, and roll becomes less meaningful.
     const double seen = in_camera.head<2>().norm();
-    rolls.push_back(seen * log_bell(std::atan2(in_camera.x(), -in_camera.y()), kRollSigma));
+    rolls.push_back(seen * heavy_tailed_log_density(std::atan2(in_camera.x(), -in_camera.y()), kRollSigma));
   }
   const Spread pitch = spread_of(pitches);
-  double sum = spread_of(rolls).mean + kPitchWeight * log_bell(pitch.mean - kPitch, kPitchSigma) +
-               kNodWeight * log_bell(pitch.sigma, kNodSigma);
+  double sum = spread_of(rolls).mean +
+               kPitchWeight * heavy_tailed_log_density(pitch.mean - kPitch, kPitchSigma) +
+               kNodWeight * heavy_tailed_log_density(pitch.sigma, kNodSigma);
   double extent = 0;
   for (const auto& axis : axes) extent = std::hypot(extent, spread_of(axis).sigma);
-  if (extent > kNoPath_m) sum += log_bell(spread_of(heights).sigma / extent, kStoopSigma);
+  if (extent > kNoPath_m) sum += heavy_tailed_log_density(spread_of(heights).sigma / extent, kStoopSigma);
   return sum;
 }
 

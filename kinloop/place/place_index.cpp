@@ -80,10 +80,11 @@ std::vector<PlaceCandidate> PlaceIndex::query(const BowVector& bow, size_t max_r
                                               const std::function<bool(KeyframeId)>& accept) const {
   const BowVector telling = without_stop_words(bow);
   if (telling.size() == bow.size()) return top_candidates(bow, max_results, accept);
-  constexpr size_t kLookedAt =
+  constexpr size_t kCandidatesPerResult =
       10;  // candidates per result, since their order may differ from that of the scores
   Best best(max_results);
-  for (const auto& found : top_candidates(telling, kLookedAt * std::min(max_results, size()), accept)) {
+  for (const auto& found :
+       top_candidates(telling, kCandidatesPerResult * std::min(max_results, size()), accept)) {
     const PlaceCandidate candidate{found.keyframe, similarity(bow, bow_of(found.keyframe))};
     if (best.wants(candidate)) best.add(candidate);
   }

@@ -128,8 +128,8 @@ cv::Mat decode_jpeg(std::string_view bytes) {
                                       &color_space) != 0) {
     return {};
   }
-  constexpr int64_t kMostPixels = int64_t{1} << 28;  // more means a damaged header
-  if (int64_t{width} * height > kMostPixels) return {};
+  constexpr int64_t kMaxPixels = int64_t{1} << 28;  // more means a damaged header
+  if (int64_t{width} * height > kMaxPixels) return {};
   cv::Mat image(height, width, CV_8UC3);
   const int failed = tjDecompress2(decoder.get(), data, bytes.size(), image.data, width,
                                    static_cast<int>(image.step), height, TJPF_BGR, 0);
@@ -139,11 +139,10 @@ cv::Mat decode_jpeg(std::string_view bytes) {
 cv::Mat decode_depth_png(std::string_view bytes) {
   const auto content = depth_png_content(bytes);
   if (!content || content->width == 0 || content->height == 0) return {};
-  constexpr size_t kMostInflation =
-      1032;  // highest ratio of any deflated stream; more means a damaged header
+  constexpr size_t kMaxInflation = 1032;  // highest ratio of any deflated stream; more means a damaged header
   const size_t row_bytes = kPixelBytes * static_cast<size_t>(content->width);
   const size_t size = (1 + row_bytes) * static_cast<size_t>(content->height);
-  if (size > kMostInflation * content->deflated.size()) return {};
+  if (size > kMaxInflation * content->deflated.size()) return {};
   auto rows = inflate(content->deflated, size);
   if (!rows) return {};
   cv::Mat image(content->height, content->width, CV_16UC1);

@@ -19,7 +19,7 @@ constexpr float kOutside = -1e-3F;
 
 /// The distance of neighbours in the colour image should scale with the ratio of the focal lengths. If it is
 /// this many times larger, the distortion polynomial has folded over.
-constexpr double kMostStretch = 8;
+constexpr double kMaxStretch = 8;
 
 /// Twice the signed area of the triangle.
 float edge(float ax, float ay, float bx, float by, float px, float py) {
@@ -34,7 +34,7 @@ DepthRegistration::DepthRegistration(const RgbdCamera& camera)
       t_color_depth_(camera.T_color_depth.translation.cast<float>()) {
   require(camera.depth.has_value(), "DepthRegistration: the camera's depth is already registered");
   depth_ = *camera.depth;
-  longest_side_px_ = static_cast<float>(kMostStretch * std::max(1.0, color_.fx / depth_.fx));
+  longest_side_px_ = static_cast<float>(kMaxStretch * std::max(1.0, color_.fx / depth_.fx));
   rays_.reserve(static_cast<size_t>(depth_.width) * static_cast<size_t>(depth_.height));
   for (int y = 0; y < depth_.height; ++y) {
     for (int x = 0; x < depth_.width; ++x) {
@@ -46,10 +46,10 @@ DepthRegistration::DepthRegistration(const RgbdCamera& camera)
 
 DepthRegistration::Vertex DepthRegistration::vertex(const Eigen::Vector2f& ray, float depth_m) const {
   constexpr double kMargin = 0.25;  // of the image size; farther out the distortion polynomial is meaningless
-  constexpr float kLeastDepthM = 1e-3F;
+  constexpr float kMinDepthM = 1e-3F;
   if (!(depth_m > 0)) return {};
   const Eigen::Vector3f p = depth_m * (R_color_depth_ * ray.homogeneous()) + t_color_depth_;
-  if (p.z() < kLeastDepthM) return {};
+  if (p.z() < kMinDepthM) return {};
   const Eigen::Vector2d undistorted = color_.project(p.cast<double>());
   const double margin_x = kMargin * color_.width, margin_y = kMargin * color_.height;
   const bool near_image = undistorted.x() > -margin_x && undistorted.x() < color_.width + margin_x &&

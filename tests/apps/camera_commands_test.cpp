@@ -65,7 +65,7 @@ TEST_F(Fetch, DownloadsAndUnpacksAndNamesTheLicence) {
   EXPECT_THAT(fetch(server).out, HasSubstr("already exists"));
 }
 
-TEST_F(Fetch, GoesOnWhereItWasInterrupted) {
+TEST_F(Fetch, ResumesAnInterruptedDownload) {
   test::HttpServer server(kPath, archive_);
   server.hang_up_after = 100'000;
   const Run first = fetch(server);
@@ -105,7 +105,7 @@ TEST_F(CameraCommands, RecordGivesTheSameSequenceBack) {
   }
 }
 
-TEST_F(CameraCommands, CamerasThatAreNotThereAreSaidToBeAbsent) {
+TEST_F(CameraCommands, ReportsMissingCameras) {
   for (const char* camera : {"kinect1", "kinect2"}) {
     const bool known = has(std::string(camera) == "kinect1" ? "Kinect 1" : "Kinect 2");
     const Run result = run(std::string("run ") + camera + " -o '" + at("out") + "'");
@@ -192,7 +192,7 @@ TEST_F(CameraCommands, CalibrateTakesStillsFromALiveCamera) {
   EXPECT_THAT(pairs.err, HasSubstr("no infrared"));
 }
 
-TEST_F(CameraCommands, CalibrateNamesTheBoardThatIsThere) {
+TEST_F(CameraCommands, CalibrateSuggestsTheDetectedBoardSize) {
   const auto stills = test::shared_data("kinect2_checkerboard/colour");
   KINLOOP_SKIP_WITHOUT(stills);
   const std::string start = "calibrate intrinsics '" + stills.string() + "' -o '" + at("camera.yaml") + "' ";

@@ -63,7 +63,7 @@ TEST_F(FeaturesCommand, EachFigureHasItsRangeOverTheSeeds) {
   EXPECT_EQ(orb["ranges"]["matches"][0], orb["ranges"]["matches"][1]) << "the seed has no effect";
 }
 
-TEST_F(FeaturesCommand, OfASequenceEachSeedTakesOtherPairs) {
+TEST_F(FeaturesCommand, SeedsSelectDifferentPairsOfASequence) {
   ASSERT_EQ(run("simulate room --frames 30 --size 160x120 -q -o '" + at("seq") + "'").exit_code, kDone);
   const std::string arguments = "features '" + at("seq") + "' --pairs 2 --gap 3 --set count=300";
   auto orb = figures(arguments), again = figures(arguments);
@@ -77,7 +77,7 @@ TEST_F(FeaturesCommand, OfASequenceEachSeedTakesOtherPairs) {
   EXPECT_EQ(orb, again) << "and the same ones with the same seed";
 }
 
-TEST_F(FeaturesCommand, ATableHasRangesBelowTheMedians) {
+TEST_F(FeaturesCommand, TableShowsRangesBelowMedians) {
   const Run done = run(both() + "--detectors orb");
   EXPECT_THAT(done.out, AllOf(HasSubstr("ORB (ours)"), HasSubstr("5 seeds"), HasSubstr("same")));
 }
@@ -91,7 +91,7 @@ TEST_F(FeaturesCommand, PicturesShowBothImagesAndTheFigures) {
   }
 }
 
-TEST_F(FeaturesCommand, AnImageThatIsNotThereIsNamed) {
+TEST_F(FeaturesCommand, ReportsAMissingImage) {
   const Run absent = run("features '" + at("a.png") + "' '" + at("c.png") + "'");
   EXPECT_EQ(absent.exit_code, kBadInput);
   EXPECT_THAT(absent.err, HasSubstr("c.png"));

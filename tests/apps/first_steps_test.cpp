@@ -23,7 +23,7 @@ class GettingStarted : public test::ProgramTest {
   }
 };
 
-TEST_F(GettingStarted, TheProgramAloneNamesTheCommandsToKnowFirst) {
+TEST_F(GettingStarted, PlainProgramPrintsQuickStart) {
   const Run alone = run("");
   EXPECT_EQ(alone.exit_code, kDone);
   EXPECT_THAT(alone.out, AllOf(HasSubstr("kinloop run sim:room -o out"), HasSubstr("kinloop view"),
@@ -38,13 +38,13 @@ TEST_F(GettingStarted, HelpIsTheSameInBothOrders) {
   EXPECT_EQ(run("version").out, run("--version").out);
 }
 
-TEST_F(GettingStarted, NoHelpNamesFilesThatOnlyWeHave) {
+TEST_F(GettingStarted, HelpMentionsNoInternalFiles) {
   for (const char* command : {"run", "eval", "features", "calibrate", "export", "simulate", "record"}) {
     EXPECT_THAT(run(std::string("help ") + command).out, Not(HasSubstr("shared/data"))) << command;
   }
 }
 
-TEST_F(GettingStarted, OutputFoldersAreMade) {
+TEST_F(GettingStarted, CreatesOutputFolders) {
   const std::string out = ran();
   const std::vector<std::pair<std::string, std::string>> outputs = {
       {"export '" + out + "' --cloud", "c/1/cloud.ply"},
@@ -62,7 +62,7 @@ TEST_F(GettingStarted, OutputFoldersAreMade) {
   }
 }
 
-TEST_F(GettingStarted, VerboseSaysMoreOfAShortRunToo) {
+TEST_F(GettingStarted, VerboseLogsMore) {
   const std::string out = ran();
   const Run verbose = run("run '" + at("new/a/seq") + "' -v -o '" + at("v") + "'");
   EXPECT_THAT(verbose.err, AllOf(HasSubstr("4 frames"), HasSubstr("160 x 120"), HasSubstr("frame 0 "),

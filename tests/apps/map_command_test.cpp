@@ -44,7 +44,7 @@ class MapCommand : public testing::Test {
 std::unique_ptr<test::TempFolder> MapCommand::folder_;
 std::string MapCommand::out_, MapCommand::err_;
 
-TEST_F(MapCommand, ARunLeavesAMapThatGivesItsFilesAgainByteForByte) {
+TEST_F(MapCommand, ExportReproducesTheFilesOfTheRun) {
   const std::string folder = ran();
   ASSERT_EQ(run("export " + folder + " -q --trajectory " + at("t.txt") + " --keyframes " + at("k.txt") +
                 " --graph " + at("g.g2o") + " --cloud " + at("c.ply")),
@@ -56,7 +56,7 @@ TEST_F(MapCommand, ARunLeavesAMapThatGivesItsFilesAgainByteForByte) {
   EXPECT_TRUE(read_file(at("c.ply")) == read_file(folder + "/map.ply"));
 }
 
-TEST_F(MapCommand, CloudsAreUprightAndSayHowTheyWereTurned) {
+TEST_F(MapCommand, CloudsAreUprightAndStoreTheirRotation) {
   const std::string folder = ran();
   const auto figures = nlohmann::json::parse(read_file(folder + "/run.json"));
   const auto& up = figures["up"]["direction"];
@@ -92,7 +92,7 @@ TEST_F(MapCommand, InfoSaysWhatAMapHolds) {
   EXPECT_THAT(out_, HasSubstr("damage     none"));
 }
 
-TEST_F(MapCommand, GoesOnWithAMapAndLocalisesInIt) {
+TEST_F(MapCommand, ContinuesAMapAndLocalisesInIt) {
   const std::string map = ran() + "/map.kinmap";
   const std::string before = read_file(map);
   ASSERT_EQ(
@@ -138,7 +138,7 @@ TEST_F(MapCommand, MergesMaps) {
   EXPECT_GE(info["images"], info["keyframes"]);
 }
 
-TEST_F(MapCommand, AMapThatCannotBeSavedCostsNothingElse) {
+TEST_F(MapCommand, FailureToSaveTheMapDoesNotEndTheRun) {
   // Files above 50 KiB cannot be written, as on a disk that is nearly full.
   const std::string in_memory = "--set dense.image_memory_mib=64 --set dense.surfel_memory_mib=64 ";
   EXPECT_EQ(run("run sim:room" + (kSmall + in_memory) + "-o " + at("full"), "ulimit -f 100; "), kBadInput);

@@ -2,7 +2,7 @@
 
 namespace kinloop::test {
 
-std::vector<Mistake> command_line_mistakes() {
+std::vector<MisuseCase> command_line_mistakes() {
   return {
       {"simulte room -o x", kWrongUse, {"unknown command 'simulte'", "did you mean 'simulate'?"}},
       {"foo", kWrongUse, {"unknown command 'foo'; see kinloop --help"}},
@@ -44,11 +44,11 @@ std::vector<Mistake> command_line_mistakes() {
   };
 }
 
-std::vector<Mistake> sequence_mistakes() {
+std::vector<MisuseCase> sequence_mistakes() {
   const auto looks_like = [](const std::string& folder, std::vector<std::string> said) {
     said.insert(said.end(),
                 {"cannot read yet", "convert it to TUM layout", "rgb.txt", "depth.txt", "fx: 525"});
-    return Mistake{"run " + folder, kBadInput, said, ""};
+    return MisuseCase{"run " + folder, kBadInput, said, ""};
   };
   return {
       {"run nowhere", kBadInput, {"nowhere: no such folder", "check the path"}},
@@ -97,7 +97,7 @@ std::vector<Mistake> sequence_mistakes() {
   };
 }
 
-std::vector<Mistake> file_mistakes() {
+std::vector<MisuseCase> file_mistakes() {
   return {
       {"run seq -o seq/rgb.txt", kBadInput, {"seq/rgb.txt", "choose another output folder"}},
       {"run seq -o /proc/kinloop/out", kBadInput, {"/proc/kinloop/out", "choose another output folder"}},

@@ -10,7 +10,7 @@
 namespace kinloop::test {
 
 /// A command line and the expected error.
-struct Mistake {
+struct MisuseCase {
   std::string arguments;
   int exit_code = 0;
   std::vector<std::string> said;  ///< what is wrong, where, and the remedy
@@ -21,12 +21,12 @@ struct Mistake {
 void make_mistake_folder(const TempFolder& folder);
 
 /// Invalid commands, options and values.
-std::vector<Mistake> command_line_mistakes();
+std::vector<MisuseCase> command_line_mistakes();
 
 /// Inputs that are not a sequence, or a damaged one.
-std::vector<Mistake> sequence_mistakes();
+std::vector<MisuseCase> sequence_mistakes();
 
 /// Other inputs, and outputs that cannot be written.
-std::vector<Mistake> file_mistakes();
+std::vector<MisuseCase> file_mistakes();
 
 }  // namespace kinloop::test

@@ -14,7 +14,7 @@ namespace kinloop {
 namespace {
 
 namespace fs = std::filesystem;
-using test::Mistake;
+using test::MisuseCase;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -27,7 +27,7 @@ class Table {
     file_.open(path, std::ios::app);
   }
 
-  void add(const Mistake& mistake, const test::ProgramRun& run, double seconds) {
+  void add(const MisuseCase& mistake, const test::ProgramRun& run, double seconds) {
     if (!file_.is_open()) return;
     std::string line = run.err.substr(0, run.err.find('\n'));
     if (line.starts_with("error: ")) line.erase(0, std::string("error: ").size());
@@ -48,9 +48,9 @@ class Mistakes : public testing::Test {
   }
   static void TearDownTestSuite() { delete folder_; }
 
-  static void expect_answers(const std::vector<Mistake>& mistakes) {
+  static void expect_answers(const std::vector<MisuseCase>& mistakes) {
     Table table;
-    for (const Mistake& mistake : mistakes) {
+    for (const MisuseCase& mistake : mistakes) {
       SCOPED_TRACE("kinloop " + mistake.arguments);
       const Stopwatch watch;
       const auto run = test::run_program(

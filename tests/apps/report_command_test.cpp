@@ -37,7 +37,7 @@ TEST_F(ReportCommand, IsCalledByTheNameOfTheSequence) {
   EXPECT_EQ(shown("here/report.html")[0]["name"], "walk") << "independent of the working directory";
 }
 
-TEST_F(ReportCommand, ToldApartAreRunsByTheirFolders) {
+TEST_F(ReportCommand, RunsAreLabelledByTheirFolders) {
   ASSERT_EQ(shell("cp -r '" + at("out") + "' '" + at("data/out") + "'").exit_code, kDone);
   const Run done = run("report '" + at("out") + "' '" + at("data/out") + "' '" + at("out/trajectory.txt") +
                        "' -o '" + at("both.html") + "'");
@@ -63,7 +63,7 @@ TEST_F(ReportCommand, PicturesOfLoopsHaveTheirFigures) {
             "them observed in both images, median error 0.82 px. Loop closure: 77 inliers.");
 }
 
-TEST_F(ReportCommand, TakesNoFileFromElsewhere) {
+TEST_F(ReportCommand, IncludesNoFilesFromOutsideTheFolder) {
   folder_.write("secret.jpg", "secret");
   folder_.write("out/loops/loops.json", R"([{"file": "../../secret.jpg", "stamp_a": "1", "stamp_b": "2",
     "reprojected": 1, "observed": 0, "median_error_px": 0, "distance_m": 0, "angle_deg": 0, "inliers": 0}])");

@@ -44,14 +44,14 @@ TEST_F(RunCommand, UnknownCommandsAreNamedWithTheNearest) {
   EXPECT_THAT(run("map inof x").err, HasSubstr("map: unknown command 'inof'; did you mean 'info'?"));
 }
 
-TEST_F(RunCommand, ASetTakesOneOption) {
+TEST_F(RunCommand, EachSetTakesOneAssignment) {
   EXPECT_THAT(run("run --help").out, HasSubstr("--set KEY=VALUE "));
   const Run two = run("run sim:room --set sim.frames=2 sim.fps=5");
   EXPECT_EQ(two.exit_code, kWrongUse);
   EXPECT_THAT(two.err, HasSubstr("sim.fps=5"));
 }
 
-TEST_F(RunCommand, DepthInTheWrongUnitsIsRefusedWithTheLikelyScale) {
+TEST_F(RunCommand, WrongDepthScaleIsRejectedWithASuggestion) {
   const std::string folder = sequence(12);
   for (const char* scale : {"1000", "50000"}) {
     const Run done =
@@ -66,7 +66,7 @@ TEST_F(RunCommand, DepthInTheWrongUnitsIsRefusedWithTheLikelyScale) {
   }
 }
 
-TEST_F(RunCommand, DepthThatNoCameraMeasuresEndsTheRunAtOnce) {
+TEST_F(RunCommand, ImplausibleDepthEndsTheRun) {
   const std::string folder = sequence(40);
   const Run done =
       run("run '" + folder + "' --camera '" + camera_with_scale("1") + "' -o '" + at("out") + "'");
@@ -75,7 +75,7 @@ TEST_F(RunCommand, DepthThatNoCameraMeasuresEndsTheRunAtOnce) {
   EXPECT_FALSE(std::filesystem::exists(at("out/trajectory.txt")));
 }
 
-TEST_F(RunCommand, AFarSceneIsNoMistake) {
+TEST_F(RunCommand, DistantSceneIsAccepted) {
   // As when the camera looks down a hall: nearly everything is out of the map's range; the rest makes the
   // map.
   const std::string far = "run '" + sequence(12) + "' -q -o '" + at("out") + "' --set dense.max_depth_m=";
@@ -91,14 +91,14 @@ TEST_F(RunCommand, OneFrameGivesItsSurface) {
   EXPECT_THAT(done.err, Not(HasSubstr("depth_scale")));
 }
 
-TEST_F(RunCommand, ARunThatNeverBeganSaysSo) {
+TEST_F(RunCommand, ReportsAMapThatWasNeverInitialised) {
   const Run lost =
       run("run '" + sequence() + "' -q --set min_initial_keypoints=10000 -o '" + at("out") + "'");
   EXPECT_EQ(lost.exit_code, kTrackingLost);
   EXPECT_THAT(lost.err, AllOf(HasSubstr("the map has no point"), HasSubstr("no frame had enough keypoints")));
 }
 
-TEST_F(RunCommand, GroundTruthOfAnotherTimeIsSaid) {
+TEST_F(RunCommand, ReportsGroundTruthWithoutOverlapInTime) {
   const std::string folder = sequence();
   folder_.write("seq/groundtruth.txt", "9000 0 0 0 0 0 0 1\n9001 1 0 0 0 0 0 1\n9002 0 1 0 0 0 0 1\n");
   const Run done = run("run '" + folder + "' -q -o '" + at("out") + "'");

@@ -27,14 +27,14 @@ class ViewCommandTest : public ProgramTest {
   }
 };
 
-TEST_F(ViewCommandTest, ThePortOfTheViewerMayBeAWordOfItsOwnBeforeAndAfterTheSequence) {
+TEST_F(ViewCommandTest, ViewerPortMayBeASeparateArgument) {
   for (const char* arguments : {"--viewer 0 sim:room", "sim:room --viewer 0", "--viewer=0 sim:room",
                                 "--viewer 127.0.0.1:0 sim:room", "sim:room --viewer localhost:0"}) {
     EXPECT_THAT(short_run(arguments).err, HasSubstr("viewer at http://127.0.0.1:")) << arguments;
   }
 }
 
-TEST_F(ViewCommandTest, WhatIsNoPortIsTheSequence) {
+TEST_F(ViewCommandTest, NonPortArgumentIsTheSequence) {
   for (const char* arguments : {"--viewer sim:room:7", "--viewer -q no_such_folder", "--viewer no/such:7"}) {
     const Run done = short_run(arguments);
     EXPECT_THAT(done.err, Not(HasSubstr("expected PORT"))) << arguments;
@@ -42,7 +42,7 @@ TEST_F(ViewCommandTest, WhatIsNoPortIsTheSequence) {
   }
 }
 
-TEST_F(ViewCommandTest, APortThatCannotBeIsWrongUse) {
+TEST_F(ViewCommandTest, InvalidPortIsAUsageError) {
   for (const char* arguments :
        {"sim:room --viewer 99999", "sim:room --viewer=abc", "sim:room --viewer myhost:80"}) {
     const Run done = short_run(arguments);
@@ -65,7 +65,7 @@ TEST_F(ViewCommandTest, ADamagedFileIsOneLineAndNoBrowser) {
   }
 }
 
-TEST_F(ViewCommandTest, TakesItsPortInTheSameWays) {
+TEST_F(ViewCommandTest, AcceptsTheSamePortSyntax) {
   const auto file =
       folder_.write("good.ply",
                     "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"

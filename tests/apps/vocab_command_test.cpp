@@ -60,7 +60,7 @@ class VocabCommand : public test::ProgramTest {
   }
 };
 
-TEST_F(VocabCommand, TrainsAndTellsWhatIsInIt) {
+TEST_F(VocabCommand, TrainsAndPrintsStatistics) {
   const Run trained = run(train_arguments("a.kinvoc") + " --init 'kmeans||'");
   ASSERT_EQ(trained.exit_code, 0) << trained.err;
   EXPECT_THAT(trained.out, AllOf(HasSubstr("words          125"), HasSubstr("25000 descriptors of 25 images"),
@@ -78,7 +78,7 @@ TEST_F(VocabCommand, ExportsAndImports) {
   EXPECT_THAT(imported.out, AllOf(HasSubstr("words          125"), HasSubstr("imported vocabulary")));
 }
 
-TEST_F(VocabCommand, WhatCannotBeUsedIsAnErrorThatSaysWhatToDo) {
+TEST_F(VocabCommand, UnusableInputGivesAnErrorWithRemedy) {
   Run failed = run("train '" + at("some.kindesc") + "' -k 10 -L 6 -o '" + at("a.kinvoc") + "'");
   EXPECT_EQ(failed.exit_code, kBadInput);
   EXPECT_THAT(failed.err, HasSubstr("25000 descriptors are too few for a vocabulary of up to 10^6 words"));
@@ -100,7 +100,7 @@ TEST_F(VocabCommand, RunsRejectAVocabularyOfAnotherKind) {
   EXPECT_THAT(failed.err, AllOf(HasSubstr("a.kinvoc: a vocabulary of ORB"), HasSubstr("--feature sift")));
 }
 
-TEST_F(VocabCommand, ManyProcessesGiveTheBytesOfOne) {
+TEST_F(VocabCommand, SeveralProcessesGiveIdenticalBytes) {
   if (!has_mpi()) GTEST_SKIP() << "no mpirun, or built without MPI";
   ASSERT_EQ(run(train_arguments("one.kinvoc")).exit_code, 0);
   const Run many = run_many(2, "many.kinvoc", "", "");

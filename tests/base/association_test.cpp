@@ -50,7 +50,7 @@ TEST(Association, PairsEqualStamps) {
               ElementsAre(StampPair{0, 0}, StampPair{1, 1}, StampPair{2, 2}));
 }
 
-TEST(Association, TwentyMillisecondsAreCloseEnoughAndNoMore) {
+TEST(Association, DefaultToleranceIsTwentyMilliseconds) {
   EXPECT_THAT(associate_stamps(std::vector<int64_t>{0}, std::vector<int64_t>{20 * kMs}),
               ElementsAre(StampPair{0, 0}));
   EXPECT_THAT(associate_stamps(std::vector<int64_t>{0}, std::vector<int64_t>{20 * kMs + 1}), IsEmpty());
@@ -71,7 +71,7 @@ TEST(Association, TheResultIsInOrderOfTimeWhateverTheOrderOfTheLists) {
               ElementsAre(StampPair{1, 2}, StampPair{2, 0}, StampPair{0, 1}));
 }
 
-TEST(Association, NothingGoesWithNothing) {
+TEST(Association, EmptyListsGiveNoPairs) {
   EXPECT_THAT(associate_ms({}, {1, 2}), IsEmpty());
   EXPECT_THAT(associate_ms({1, 2}, {}), IsEmpty());
 }

@@ -18,7 +18,7 @@ TEST(DidYouMean, NamesAWordThatIsNear) {
   EXPECT_EQ(did_you_mean("features.cuont", kKeys), "; did you mean 'features.count'?");
 }
 
-TEST(DidYouMean, SaysNothingWhereNoneIs) {
+TEST(DidYouMean, SuggestsNothingIfNoWordIsNear) {
   for (const char* far : {"foo", "x", "go", "render", "emulation", ""}) {
     EXPECT_THAT(did_you_mean(far, kCommands), IsEmpty()) << far;
   }

@@ -11,7 +11,7 @@ TEST(Progress, WithoutAListenerWorkGoesOn) {
   EXPECT_TRUE(report({}, "mapping", 1, 2));
 }
 
-TEST(Progress, TheListenerHearsAllAndDecides) {
+TEST(Progress, ListenerReceivesAllReportsAndDecides) {
   ProgressReport heard;
   const Progress stop = [&](const ProgressReport& now) {
     heard = now;

@@ -18,7 +18,7 @@ TEST(Quantile, TheMedianOfAnEvenNumberIsTheLargerOfTheMiddleTwo) {
   EXPECT_EQ(median(std::vector<int>{9, 1, 5}), 5);
 }
 
-TEST(Quantile, OfNothingIsZero) {
+TEST(Quantile, EmptyInputGivesZero) {
   EXPECT_EQ(median(std::vector<float>{}), 0);
   EXPECT_EQ(quantile(std::vector<float>{}, 0.5), 0);
 }

@@ -91,7 +91,7 @@ TEST(Sample, OfEverythingIsAPermutation) {
   EXPECT_EQ(chosen, (std::vector<uint32_t>{0, 1, 2, 3, 4}));
 }
 
-TEST(Sample, MoreThanThereAreIsABrokenPromise) {
+TEST(Sample, TooLargeSizeThrows) {
   Random random(4);
   EXPECT_THROW(sample_without_replacement(random, 3, 4), std::logic_error);
 }

@@ -7,7 +7,7 @@
 namespace kinloop {
 namespace {
 
-TEST(ParseStamp, KeepsEveryNanosecond) {
+TEST(ParseStamp, ParsesExactly) {
   EXPECT_EQ(parse_stamp_ns("1305031910.765238"), 1305031910765238000);
   EXPECT_EQ(parse_stamp_ns("1305031910.765238001"), 1305031910765238001);
   EXPECT_EQ(parse_stamp_ns("0.1"), 100000000);

@@ -81,7 +81,7 @@ TEST(CalibrateRig, TheCovarianceIsThatOfTheErrors) {
   EXPECT_GT(sum, 6 * 0.4);
 }
 
-TEST(CalibrateRig, ReadsATurnedBoardTheRightWay) {
+TEST(CalibrateRig, ResolvesBoardSymmetry) {
   auto pairs = random_pairs(8, 0.1, 5);
   for (size_t i = 0; i < pairs.size(); i += 2) {
     std::reverse(pairs[i].color.pixels.begin(), pairs[i].color.pixels.end());

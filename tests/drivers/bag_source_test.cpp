@@ -135,7 +135,7 @@ TEST_F(BagTest, RejectsBagsWithoutACamera) {
               AllOf(HasSubstr("no usable frame"), HasSubstr("16UC1")));
 }
 
-TEST_F(BagTest, SaysWhatToDoWithABagCutShort) {
+TEST_F(BagTest, ReportsATruncatedBag) {
   write([&](rosbag::Bag& bag) {
     for (int64_t i = 1; i <= 20; ++i) {
       add(bag, kColor, i * 100'000'000, test::make_color(static_cast<int>(i)), "bgr8");

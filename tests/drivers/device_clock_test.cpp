@@ -18,7 +18,7 @@ TEST(DeviceClock, BeginsWithTheTimeOfDay) {
   EXPECT_LE(stamp, after);
 }
 
-TEST(DeviceClock, FollowsTheCounterPastItsEndAndBack) {
+TEST(DeviceClock, FollowsTheCounterAcrossWrapAround) {
   DeviceClock clock(125'000);
   const int64_t start = clock.stamp_ns(0xffffff00U);
   EXPECT_EQ(clock.stamp_ns(10) - start, 266 * 125'000);
@@ -26,7 +26,7 @@ TEST(DeviceClock, FollowsTheCounterPastItsEndAndBack) {
   EXPECT_EQ(clock.stamp_ns(20) - start, 276 * 125'000);
 }
 
-TEST(DeviceClock, DoesNotGatherRoundingErrors) {
+TEST(DeviceClock, DoesNotAccumulateRoundingErrors) {
   DeviceClock clock(1e9 / 60e6);
   const int64_t start = clock.stamp_ns(0);
   int64_t stamp = start;

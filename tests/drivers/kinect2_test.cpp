@@ -79,7 +79,7 @@ TEST(Kinect2, RegistrationAgreesWithLibfreenect2) {
   EXPECT_GT(agree, 0.98 * both);
 }
 
-TEST(Kinect2Listener, TurnsMirroredFramesRoundAndCountsFaultyOnes) {
+TEST(Kinect2Listener, UnmirrorsFramesAndCountsFaultyOnes) {
   LiveFrameBuffer frames;
   Kinect2Listener listener(frames, 960);
   Frame color(1920, 1080, 4), depth(512, 424, 4);

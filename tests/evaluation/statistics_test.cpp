@@ -23,7 +23,7 @@ TEST(Statistics, TheMedianOfAnOddNumberIsTheMiddleOne) {
   EXPECT_DOUBLE_EQ(compute_statistics(std::vector<double>{9, 1, 2}).median, 2);
 }
 
-TEST(Statistics, OfNothingIsZero) {
+TEST(Statistics, EmptyInputGivesZero) {
   const auto s = compute_statistics({});
   EXPECT_EQ(s.count, 0U);
   EXPECT_EQ(s.rmse, 0);

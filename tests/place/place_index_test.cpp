@@ -68,7 +68,7 @@ TEST(PlaceIndex, GivesExactlyTheScoresOfBruteForce) {
   for (const auto& [id, bow] : bows) EXPECT_EQ(index.bow_of(id), bow);
 }
 
-TEST(PlaceIndex, FindsWhatWasPutIn) {
+TEST(PlaceIndex, FindsIndexedImages) {
   Random random(2);
   PlaceIndex index;
   for (uint32_t id = 0; id < 50; ++id) index.add({id}, random_bow(random, 500, 50));

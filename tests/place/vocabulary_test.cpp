@@ -141,7 +141,7 @@ double similarity_by_definition(const BowVector& a, const BowVector& b) {
   return 1 - 0.5 * sum;
 }
 
-TEST(Similarity, ObeysItsLaws) {
+TEST(Similarity, SimilarityIsSymmetricAndBounded) {
   for (uint64_t i = 1; i < 8; ++i) {
     const BowVector a = bow_of_image(i);
     EXPECT_NEAR(similarity(a, a), 1, 1e-6);

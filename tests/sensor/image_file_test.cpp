@@ -61,7 +61,7 @@ TEST(ColorImage, TransparencyIsLeftOut) {
   EXPECT_EQ(read_color_image(folder.write("a.png", encoded(make_color(3, CV_8UC4), ".png"))).type(), CV_8UC3);
 }
 
-TEST(ColorImage, SixteenBitsAreTakenForDepthThatGotIntoTheWrongColumn) {
+TEST(ColorImage, SixteenBitColourSuggestsSwappedColumns) {
   const TempFolder folder;
   const auto path = folder.write("a.png", encoded(make_depth(7), ".png"));
   EXPECT_THAT(input_error([&] { read_color_image(path); }), HasSubstr("colour comes first"));
@@ -200,7 +200,7 @@ TEST(ImageDamage, OtherFilesAreNoImages) {
   EXPECT_THAT(input_error([&] { read_color_image(folder.path()); }), HasSubstr("not a regular file"));
 }
 
-TEST(ImageDamage, HeaderThatPromisesTooMuchIsAnError) {
+TEST(ImageDamage, HeaderWithAbsurdSizeIsAnError) {
   const TempFolder folder;
   std::string bytes = encoded(make_color(5), ".png");
   bytes[16] = bytes[20] = '\x7f';  // the most significant bytes of width and height

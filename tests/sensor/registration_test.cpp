@@ -57,7 +57,7 @@ Plane wall() {
   return {Eigen::Vector3d(0.5, -0.2, -1).normalized(), -2.0};
 }
 
-TEST(Registration, ChangesNothingBetweenCamerasThatAreOne) {
+TEST(Registration, IdentityForCoincidentCameras) {
   RgbdCamera camera = kinect2_like(640);
   camera.depth = camera.color;
   camera.T_color_depth = {};
@@ -134,7 +134,7 @@ TEST(Registration, UnknownStaysUnknown) {
   EXPECT_EQ(cv::countNonZero(registered), 0);
 }
 
-TEST(Registration, MakesNoSheetsOfALensWhosePolynomialFoldsOver) {
+TEST(Registration, IgnoresFoldedDistortion) {
   RgbdCamera camera = kinect2_like();
   const cv::Mat depth_m(camera.depth->height, camera.depth->width, CV_32FC1, cv::Scalar(1.5));
   const int seen = cv::countNonZero(DepthRegistration(camera)(depth_m));

@@ -60,7 +60,7 @@ double distance_to_all(const std::vector<Primitive>& solids, const Eigen::Vector
 }
 
 /// First hit by sphere tracing (Hart 1996, "Sphere tracing"): shares no formula with the hierarchy.
-double walked_distance(const std::vector<Primitive>& solids, const LaneRay& ray, double max_t) {
+double sphere_traced_distance(const std::vector<Primitive>& solids, const LaneRay& ray, double max_t) {
   const Eigen::Vector3d direction = ray.direction.cast<double>();
   double t = 0;
   for (int step = 0; step < 10000 && t < max_t; ++step) {
@@ -71,7 +71,7 @@ double walked_distance(const std::vector<Primitive>& solids, const LaneRay& ray,
   return max_t;
 }
 
-TEST(SimulatedSolids, TheTreeFindsWhatWalkingAlongTheRayFinds) {
+TEST(SimulatedSolids, HierarchyAgreesWithSphereTracing) {
   std::vector<Primitive> solids = random_solids(60, 5);
   std::erase_if(solids, [](const Primitive& s) { return signed_distance_m(s, {0, 0, 0}) < 0.15; });
   const Bvh bvh(solids);
@@ -82,7 +82,7 @@ TEST(SimulatedSolids, TheTreeFindsWhatWalkingAlongTheRayFinds) {
     const RayPacket rays = random_rays(random);
     const HitPacket hits = bvh.nearest(rays, kMaxT);
     for (int lane = 0; lane < kLanes; ++lane) {
-      const double walked = walked_distance(solids, lane_ray(rays, all_lanes(0), lane), kMaxT);
+      const double walked = sphere_traced_distance(solids, lane_ray(rays, all_lanes(0), lane), kMaxT);
       const double scale = lane_ray(rays, hits.t, lane).direction.norm();
       // Grazing rays depend on rounding: there, the hit only has to lie on the surface.
       if (std::abs(walked - hits.t[lane]) * scale > 1e-3) {
@@ -170,14 +170,14 @@ TEST(SimulatedTexture, AWideFootprintGivesTheMeanAndNoneThePixel) {
   EXPECT_NEAR(repeated[0], pixel[0], 1e-2);
 }
 
-TEST(SimulatedTexture, FinePatternsFadeInsteadOfShimmering) {
+TEST(SimulatedTexture, FinePatternsAreFilteredWithoutAliasing) {
   cv::Mat stripes(64, 64, CV_8UC3, cv::Scalar::all(0));
   for (int x = 0; x < 64; x += 2) stripes.col(x).setTo(cv::Scalar::all(255));
   const Texture texture(stripes);
   for (float u = 0; u < 1; u += 0.013F) EXPECT_NEAR(texture.sample(u, 0.5F, 4)[0], 127.5, 2);
 }
 
-TEST(SimulatedTexture, OddSizesAreABrokenPromise) {
+TEST(SimulatedTexture, NonPowerOfTwoSizesThrow) {
   EXPECT_THROW(Texture(cv::Mat(60, 64, CV_8UC3)), std::logic_error);
 }
 

@@ -113,7 +113,7 @@ TEST(KinectModel, TheWarpIsOffByDefaultAndBoundedOtherwise) {
   EXPECT_LE(largest, 1.05 * 0.01 * 2);
 }
 
-TEST(KinectModel, ImageNoiseHasTheDeviationThatIsAskedFor) {
+TEST(KinectModel, ImageNoiseHasTheRequestedDeviation) {
   KinectNoise noise;
   noise.image_noise = 3;
   for (const float level : {10.0F, 128.0F, 220.0F}) {
@@ -131,7 +131,7 @@ TEST(KinectModel, ImageNoiseHasTheDeviationThatIsAskedFor) {
   }
 }
 
-TEST(KinectModel, GainStaysWithinWhatIsAskedFor) {
+TEST(KinectModel, GainStaysWithinTheRequestedRange) {
   KinectNoise noise;
   noise.gain_change = 0.1;
   double low = 2, high = 0;

@@ -52,7 +52,7 @@ TEST(HandheldPath, ClosesItsLoopAndMovesLikeAHand) {
   }
 }
 
-TEST(CameraPath, PassesThroughItsPosesWithoutKinks) {
+TEST(CameraPath, PassesSmoothlyThroughItsPoses) {
   Random random(4);
   Trajectory poses;
   for (int i = 0; i < 20; ++i) {

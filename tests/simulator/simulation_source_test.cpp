@@ -267,7 +267,7 @@ TEST(TumWriter, LeavesAnOlderSequenceAlone) {
   EXPECT_EQ(read_file(folder.path() / "camera.yaml"), "old");
 }
 
-TEST(TumWriter, RefusesFramesOutOfOrderAndFoldersThatCannotBe) {
+TEST(TumWriter, RejectsFramesOutOfOrderAndInvalidFolders) {
   const test::TempFolder folder;
   TumWriter writer(folder.path(), ideal_source().camera());
   const RgbdFrame frame = ideal_source().frame(0);

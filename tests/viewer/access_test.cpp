@@ -55,7 +55,7 @@ TEST(RequestTarget, IsAPathAndItsQuery) {
   EXPECT_EQ(parse_target("").path, "");
 }
 
-TEST(ListenAddress, HasADefaultForWhatIsNotSaid) {
+TEST(ListenAddress, OmittedPartsHaveDefaults) {
   EXPECT_EQ(parse_listen_address("").port, 8080);
   EXPECT_EQ(parse_listen_address("0").port, 0);
   EXPECT_EQ(parse_listen_address("9000").address, "127.0.0.1");
@@ -66,7 +66,7 @@ TEST(ListenAddress, HasADefaultForWhatIsNotSaid) {
   EXPECT_FALSE(is_loopback_address(parse_listen_address("0.0.0.0:1")));
 }
 
-TEST(ListenAddress, SaysWhatItWants) {
+TEST(ListenAddress, InvalidAddressGivesTheExpectedSyntax) {
   for (const char* text :
        {"port", "65536", "-1", "80x", "host:80", "1.2.3:80", ":80", "127.0.0.1:", "8080:127.0.0.1"}) {
     EXPECT_THROW(parse_listen_address(text), UsageError) << text;

@@ -44,7 +44,7 @@ TEST(GraphReport, IsOneWholePageWithItsTextEscaped) {
   EXPECT_THAT(page, Not(HasSubstr("http://")));
 }
 
-TEST(GraphReport, LooksAtAnUprightGraphFromItsBroadSide) {
+TEST(GraphReport, ViewsAGraphAlongItsLeastExtent) {
   GraphReport upright = square();
   for (auto* points : {&upright.before, &upright.after}) {
     for (auto& p : *points) p = {0.5, 2 * p.x(), p.y()};
@@ -63,7 +63,7 @@ TEST(GraphReport, SurvivesAGraphWithoutEdgesOrVertices) {
   EXPECT_THAT(render_graph_report(empty), HasSubstr("<svg"));
 }
 
-TEST(GraphReport, KeepsLargeGraphsToAPageThatABrowserTakes) {
+TEST(GraphReport, LimitsThePageSizeOfLargeGraphs) {
   GraphReport large = square();
   large.loops.assign(1000000, {3, 0});
   EXPECT_LT(render_graph_report(large).size(), 3000000U);

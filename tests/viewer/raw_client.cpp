@@ -12,13 +12,13 @@
 namespace kinloop::test {
 namespace {
 
-constexpr int kPatienceS = 15;
+constexpr int kTimeoutS = 15;
 
 }  // namespace
 
 RawClient::RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
   require(socket_ >= 0, "RawClient: a socket");
-  const timeval timeout{kPatienceS, 0};
+  const timeval timeout{kTimeoutS, 0};
   ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
   sockaddr_in address{};
   address.sin_family = AF_INET;

@@ -65,7 +65,7 @@ TEST(Report, HoldsPathsErrorsAndFigures) {
   EXPECT_FALSE(data["figures"].contains("keyframe_covariances"));
 }
 
-TEST(Report, DrawsTheEstimateWhereTheTruthIs) {
+TEST(Report, AlignsTheEstimateWithGroundTruth) {
   const auto data = data_of(full_report());
   for (size_t i = 0; i < 300; ++i) {
     for (const char* axis : {"x", "y", "z"}) {
@@ -113,7 +113,7 @@ TEST(Report, OfSeveralRunsAllLieOnTheSameTruth) {
   EXPECT_EQ(data[1]["loopPictures"].size(), 0U);
 }
 
-TEST(Report, IsOnePageThatHoldsItsDataAndTakesNoTextForMarkup) {
+TEST(Report, IsSelfContainedAndEscapesText) {
   RunReport run = full_report();
   run.name = "</script><b>bold</b>";
   const std::string page = render_report({&run, 1});
@@ -136,7 +136,7 @@ TEST(Report, IsCalledByItsSequence) {
   EXPECT_EQ(input_name(""), "");
 }
 
-TEST(Report, SeveralAreToldApartByAsLittleAsItTakes) {
+TEST(Report, SeveralRunsGetShortestUniqueNames) {
   const auto names = [](const std::vector<std::string>& paths) { return unique_short_names(paths); };
   EXPECT_THAT(names({"/runs/with", "/runs/without"}), testing::ElementsAre("with", "without"));
   EXPECT_THAT(names({"/a/out", "/b/out", "/b/other"}), testing::ElementsAre("a/out", "b/out", "b/other"));
@@ -170,7 +170,7 @@ TEST(Report, ToleratesFiguresOfTheWrongKind) {
   EXPECT_TRUE(data_of(run)["figures"].is_object());
 }
 
-TEST(Report, OfACameraThatStoodStillHasNumbers) {
+TEST(Report, StationaryCameraGivesFiniteNumbers) {
   RunReport run;
   run.estimate.assign(5, {0, {Eigen::Quaterniond::Identity(), {1, 2, 3}}});
   for (const auto& x : data_of(run)["path"]["x"]) EXPECT_TRUE(x.is_number());

@@ -81,7 +81,7 @@ T at(const Bytes& bytes, size_t offset) {
   return value;
 }
 
-TEST(Wire, TheHeadTellsKindIndexAndVersion) {
+TEST(Wire, HeaderHoldsKindIndexAndVersion) {
   const auto head = encode_header(PartKind::kCloud, 7, 123456789012345);
   const Bytes bytes(head.begin(), head.end());
   EXPECT_EQ(at<uint32_t>(bytes, 0), 7U);

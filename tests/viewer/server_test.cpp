@@ -71,7 +71,7 @@ bool becomes(const Question& question) {
   return question();
 }
 
-TEST(ViewerServer, ServesOnePageThatNothingCanBeLoadedInto) {
+TEST(ViewerServer, PageForbidsExternalContent) {
   const Served served;
   const std::string answer = RawClient(served.port()).get("/");
   EXPECT_THAT(answer, AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("</html>")));

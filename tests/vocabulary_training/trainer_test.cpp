@@ -101,7 +101,7 @@ TEST(Trainer, SmallNodesStayWhole) {
   EXPECT_EQ(vocabulary_stats(pruned).descriptors, 1000U);
 }
 
-TEST(Trainer, StopsWithWhatThereIs) {
+TEST(Trainer, StopsWithAPartialTree) {
   const auto images = clustered_images(10, 100, 100, 7);
   size_t reports = 0, last = 0;
   const auto whole = train_vocabulary(images, tree_of(4, 3), [&](const ProgressReport& now) {

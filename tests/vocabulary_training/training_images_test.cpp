@@ -66,7 +66,7 @@ TEST(ListTrainingInput, FilesFoldersAndSequences) {
                   root / "photos/more/c.jpeg", root / "sequence/rgb/2.png", root / "sequence/rgb/1.png"));
 }
 
-TEST(ListTrainingInput, WhatIsNotThereIsNamed) {
+TEST(ListTrainingInput, ReportsMissingInputs) {
   const test::TempFolder folder;
   const auto error_of = [](const fs::path& path) {
     return test::input_error([&] { list_training_input(std::vector{path}); });

@@ -29,9 +29,9 @@ std::pair<int, int> parse_size(std::string_view text) {
 /// Rejects squares of a metre and more, which were probably given in millimetres (small numbers: in
 /// centimetres).
 void require_metres(double square) {
-  constexpr double kMost = 1, kFewestMm = 10;
-  if (square < kMost) return;
-  const auto [unit, per_metre] = square < kFewestMm ? std::pair("cm", 100) : std::pair("mm", 1000);
+  constexpr double kMaxCount = 1, kMinMm = 10;
+  if (square < kMaxCount) return;
+  const auto [unit, per_metre] = square < kMinMm ? std::pair("cm", 100) : std::pair("mm", 1000);
   throw UsageError(
       fmt::format("--square {0:g}: must be in metres; {0:g} {1} is {2:g}", square, unit, square / per_metre));
 }
@@ -65,9 +65,9 @@ Board parse_board(std::string_view text, double square_m, double marker_m) {
   } else {
     std::tie(board.columns, board.rows) = parse_size(text);
   }
-  constexpr int kFewest = 3, kMost = 100;
+  constexpr int kMinCount = 3, kMaxCount = 100;
   const bool size_fits =
-      std::min(board.columns, board.rows) >= kFewest && std::max(board.columns, board.rows) <= kMost;
+      std::min(board.columns, board.rows) >= kMinCount && std::max(board.columns, board.rows) <= kMaxCount;
   if (!size_fits || (text.starts_with(kCharuco) && !board.has_markers())) {
     throw UsageError(fmt::format(
         "--board: '{}' is not a board; specify the inner corners of a chessboard, e.g. 5x7 (at least "

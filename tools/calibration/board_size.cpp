@@ -18,8 +18,8 @@ BoardSize size_of(int columns, int rows) {
 
 /// Scales every image to about one size, since search time grows with the number of pixels.
 cv::Mat at_search_size(const cv::Mat& gray) {
-  constexpr double kWidthPx = 960, kMostEnlarged = 2;
-  const double scale = std::min(kWidthPx / gray.cols, kMostEnlarged);
+  constexpr double kWidthPx = 960, kMaxEnlarged = 2;
+  const double scale = std::min(kWidthPx / gray.cols, kMaxEnlarged);
   cv::Mat resized;
   cv::resize(gray, resized, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
   return resized;
@@ -42,14 +42,14 @@ bool shows(const cv::Mat& gray, const BoardSize& size) {
 /// Same as `detect_board_size` for an image already scaled for the search.
 std::optional<BoardSize> seen_size(const cv::Mat& image) {
   // Growing from 3 x 3 may stop early, e.g. at 3 x 7 corners of 5 x 7.
-  constexpr int kSure = 4, kLeast = 3;
-  const auto found = grown_from(image, kSure);
-  return found ? found : grown_from(image, kLeast);
+  constexpr int kReliableSize = 4, kMinValue = 3;
+  const auto found = grown_from(image, kReliableSize);
+  return found ? found : grown_from(image, kMinValue);
 }
 
 std::vector<cv::Mat> some_of(const std::vector<std::filesystem::path>& stills) {
-  constexpr size_t kMost = 4;
-  const size_t count = std::min(kMost, stills.size());
+  constexpr size_t kMaxCount = 4;
+  const size_t count = std::min(kMaxCount, stills.size());
   std::vector<cv::Mat> images;
   for (size_t i = 0; i < count; ++i)
     images.push_back(at_search_size(to_gray_8bit(read_still(stills[i * stills.size() / count]))));

@@ -67,12 +67,12 @@ PinholeCamera typical_camera(int width, int height) {
 }
 
 /// Whether the board moved less than a thousandth of the image width since the previous image.
-bool held_still(const BoardView& now, const std::optional<BoardView>& before) {
-  constexpr double kMostMovement = 0.001;
+bool is_stationary(const BoardView& now, const std::optional<BoardView>& before) {
+  constexpr double kMaxMovement = 0.001;
   if (!before || before->board_m != now.board_m) return false;
   double sum = 0;
   for (size_t i = 0; i < now.pixels.size(); ++i) sum += (now.pixels[i] - before->pixels[i]).norm();
-  return sum <= kMostMovement * now.width * static_cast<double>(now.pixels.size());
+  return sum <= kMaxMovement * now.width * static_cast<double>(now.pixels.size());
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ std::optional<BoardPlacement> placement_of(const BoardView& view) {
 CaptureAdvice CaptureGuide::advise(const std::optional<BoardView>& view, double edge_width_px) {
   constexpr double kBlurredPx = 4;
   const auto placement = view ? placement_of(*view) : std::nullopt;
-  const bool still = view && held_still(*view, previous_);
+  const bool still = view && is_stationary(*view, previous_);
   previous_ = view;
   if (!placement) return {false, fmt::format("show the board ({} of {})", kept(), wanted_)};
   if (edge_width_px > kBlurredPx) return {false, "blurred: hold the board still or add light"};

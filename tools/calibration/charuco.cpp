@@ -53,13 +53,13 @@ cv::Ptr<cv::aruco::CharucoBoard> opencv_board(const Board& board) {
 
 /// Whether these corners determine a plane: enough of them, in more than one row and column.
 bool fix_a_plane(const std::vector<int>& corner_ids, const Board& board) {
-  constexpr size_t kFewest = 6;
+  constexpr size_t kMinCount = 6;
   std::set<int> rows, columns;
   for (const int place : corner_ids) {
     rows.insert(place / board.columns);
     columns.insert(place % board.columns);
   }
-  return corner_ids.size() >= kFewest && rows.size() > 1 && columns.size() > 1;
+  return corner_ids.size() >= kMinCount && rows.size() > 1 && columns.size() > 1;
 }
 
 }  // namespace

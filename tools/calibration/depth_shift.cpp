@@ -22,8 +22,8 @@ double robust_deviation(const std::vector<double>& values, double center) {
 /// Least squares line through the boards' shifts over their distance.
 void fit_slope(DepthShift& shift) {
   const auto count = static_cast<double>(shift.boards.size());
-  constexpr double kFewest = 3;
-  if (count < kFewest) return;
+  constexpr double kMinCount = 3;
+  if (count < kMinCount) return;
   double mean_z = 0, mean_shift = 0, zz = 0, zs = 0;
   for (const auto& b : shift.boards) mean_z += b.distance_m / count, mean_shift += b.shift_m / count;
   for (const auto& b : shift.boards) {
@@ -43,7 +43,7 @@ void fit_slope(DepthShift& shift) {
 
 std::optional<DepthResidual> plane_residual(const BoardDepthView& in_depth, const PinholeCamera& camera,
                                             const Board& board) {
-  constexpr size_t kFewestPixels = 100;
+  constexpr size_t kMinPixels = 100;
   const SE3 T_board_depth = in_depth.T_depth_board.inverse();
   const Eigen::Vector3d normal = in_depth.T_depth_board.R().col(2);
   const double offset = normal.dot(in_depth.T_depth_board.translation);
@@ -62,7 +62,7 @@ std::optional<DepthResidual> plane_residual(const BoardDepthView& in_depth, cons
       differences.push_back(plane_m - measured_m);
     }
   }
-  if (distances.size() < kFewestPixels) return std::nullopt;
+  if (distances.size() < kMinPixels) return std::nullopt;
   DepthResidual residual{in_depth.name, median(distances), median(differences), 0, distances.size()};
   residual.spread_m = robust_deviation(differences, residual.shift_m);
   return residual;

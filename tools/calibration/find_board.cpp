@@ -69,21 +69,21 @@ double free_share(const Board& board) {
 /// Refines corners to subpixel accuracy: all intensity gradients around are perpendicular to the direction of
 /// the corner (Foerstner and Guelch 1987).
 void refine(DetectedCorners& corners, const cv::Mat& gray, const Board& board) {
-  constexpr double kLeast = 2, kMost = 11;  // px
+  constexpr double kMinValue = 2, kMaxCount = 11;  // px
   constexpr int kIterations = 100;
   constexpr double kConverged = 1e-3;  // px
-  const int half =
-      static_cast<int>(std::clamp(free_share(board) * shortest_side_px(corners, board), kLeast, kMost));
+  const int half = static_cast<int>(
+      std::clamp(free_share(board) * shortest_side_px(corners, board), kMinValue, kMaxCount));
   cv::cornerSubPix(gray, corners.pixels, {half, half}, {-1, -1},
                    {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, kIterations, kConverged});
 }
 
 /// Local contrast stretching, which reveals a board through a reflection.
 cv::Mat locally_stretched(const cv::Mat& gray) {
-  constexpr double kMostStretch = 4;
+  constexpr double kMaxStretch = 4;
   constexpr int kParts = 8;  // per side
   cv::Mat stretched;
-  cv::createCLAHE(kMostStretch, {kParts, kParts})->apply(gray, stretched);
+  cv::createCLAHE(kMaxStretch, {kParts, kParts})->apply(gray, stretched);
   return stretched;
 }
 

@@ -14,7 +14,7 @@
 namespace kinloop {
 namespace {
 
-constexpr size_t kFewestViews = 3;
+constexpr size_t kMinViews = 3;
 
 /// Views with the homography of each; views without one (all corners collinear) are left out.
 struct PlanarViews {
@@ -37,12 +37,12 @@ PlanarViews planar(const std::vector<BoardView>& views, std::vector<RejectedView
 }
 
 void require_enough_views(size_t views) {
-  if (views >= kFewestViews) return;
+  if (views >= kMinViews) return;
   throw InputError(
       fmt::format("only {} usable views of the board; calibration needs at least {}, better about "
                   "twenty, with the "
                   "board tilted differently in each",
-                  views, kFewestViews));
+                  views, kMinViews));
 }
 
 RigProblem rig_of(const PinholeCamera& lens, const PlanarViews& planar) {
@@ -190,7 +190,7 @@ LensCalibration calibrate_lens(const std::vector<BoardView>& views, const Calibr
     require_enough_views(used.views.size());
     solve(c, used, options);
     const auto worst = outlier(c.views, options.outlier_factor);
-    if (!worst || used.views.size() == kFewestViews) break;
+    if (!worst || used.views.size() == kMinViews) break;
     const FittedView& view = c.views[*worst];
     c.rejected.push_back(
         {view.view.name, fmt::format("RMS {:.2f} px, overall {:.2f} px", view.rms_px, c.rms_px)});

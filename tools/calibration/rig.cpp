@@ -13,7 +13,7 @@ namespace kinloop {
 namespace {
 
 constexpr size_t kInfrared = 0, kColor = 1;  // cameras of the rig; the first is its origin
-constexpr size_t kFewestPairs = 2;
+constexpr size_t kMinPairs = 2;
 
 /// A camera before the joint adjustment: its lens, and which of its images are usable.
 struct InitialLens {
@@ -50,16 +50,16 @@ InitialLens start_of(const LensSource& source, std::vector<BoardView> paired,
 
 /// The colour view in the board orientation that minimises the rotation between the cameras, and the
 /// resulting motion.
-struct ReadPair {
+struct OrientedPair {
   BoardView color, infrared;
   SE3 T_infrared_board, T_color_infrared;
 };
 
-std::optional<ReadPair> read_pair(const PairedView& pair, const InitialLens& color,
-                                  const InitialLens& infrared, const Board& board) {
+std::optional<OrientedPair> read_pair(const PairedView& pair, const InitialLens& color,
+                                      const InitialLens& infrared, const Board& board) {
   const auto T_infrared_board = board_pose(infrared.lens, pair.infrared);
   if (!T_infrared_board) return std::nullopt;
-  std::optional<ReadPair> best;
+  std::optional<OrientedPair> best;
   for (const bool turned : {false, true}) {
     if (turned && !board.has_180_degree_symmetry()) continue;
     const BoardView view = turned ? rotated_180(pair.color, board) : pair.color;
@@ -67,20 +67,20 @@ std::optional<ReadPair> read_pair(const PairedView& pair, const InitialLens& col
     if (!T_color_board) continue;
     const SE3 T_color_infrared = *T_color_board * T_infrared_board->inverse();
     if (best && best->T_color_infrared.angle_rad() <= T_color_infrared.angle_rad()) continue;
-    best = ReadPair{view, pair.infrared, *T_infrared_board, T_color_infrared};
+    best = OrientedPair{view, pair.infrared, *T_infrared_board, T_color_infrared};
   }
   return best;
 }
 
 /// The motion of the pair that is closest to those of all others; a metre counts as much as a radian.
-SE3 medoid(const std::vector<ReadPair>& pairs) {
+SE3 medoid(const std::vector<OrientedPair>& pairs) {
   const auto distance_to_all = [&](const SE3& T) {
     double sum = 0;
-    for (const ReadPair& other : pairs) sum += (T.inverse() * other.T_color_infrared).log().norm();
+    for (const OrientedPair& other : pairs) sum += (T.inverse() * other.T_color_infrared).log().norm();
     return sum;
   };
   return std::min_element(pairs.begin(), pairs.end(),
-                          [&](const ReadPair& a, const ReadPair& b) {
+                          [&](const OrientedPair& a, const OrientedPair& b) {
                             return distance_to_all(a.T_color_infrared) < distance_to_all(b.T_color_infrared);
                           })
       ->T_color_infrared;
@@ -96,7 +96,7 @@ void add_stills(RigProblem& problem, const InitialLens& start, size_t camera) {
 }
 
 /// Pairs come first: shot i is pair i.
-RigProblem make_problem(const std::vector<ReadPair>& pairs, const InitialLens& color,
+RigProblem make_problem(const std::vector<OrientedPair>& pairs, const InitialLens& color,
                         const InitialLens& infrared, const std::optional<SE3>& T_color_infrared) {
   RigProblem problem;
   problem.cameras.push_back({infrared.lens, {}, infrared.sigma_px, infrared.known, true});
@@ -112,7 +112,7 @@ RigProblem make_problem(const std::vector<ReadPair>& pairs, const InitialLens& c
   return problem;
 }
 
-std::vector<FittedPair> fitted(const std::vector<ReadPair>& pairs, const RigSolution& solution) {
+std::vector<FittedPair> fitted(const std::vector<OrientedPair>& pairs, const RigSolution& solution) {
   std::vector<FittedPair> fits;
   for (size_t i = 0; i < pairs.size(); ++i) {
     const SE3& T_infrared_board = solution.T_rig_board[i];
@@ -142,11 +142,11 @@ std::optional<size_t> outlier(const std::vector<FittedPair>& fits, const RigProb
 }
 
 void require_enough_pairs(size_t pairs) {
-  if (pairs >= kFewestPairs) return;
+  if (pairs >= kMinPairs) return;
   throw InputError(
       fmt::format("only {} usable pairs; the transform between the cameras needs at least {} shots in which "
                   "both see the whole board",
-                  pairs, kFewestPairs));
+                  pairs, kMinPairs));
 }
 
 /// Copies the result of the adjustment. With a known lens its sigma is a guess, so the overall error level is
@@ -189,7 +189,7 @@ RigCalibration calibrate_rig(const std::vector<PairedView>& pairs, const LensSou
   const InitialLens color_start = start_of(color, color_views, options, rig.color_alone, rig.rejected);
   const InitialLens infrared_start =
       start_of(infrared, infrared_views, options, rig.infrared_alone, rig.rejected);
-  std::vector<ReadPair> used;
+  std::vector<OrientedPair> used;
   for (const PairedView& pair : pairs) {
     if (color_start.rejected.contains(pair.color.name) ||
         infrared_start.rejected.contains(pair.infrared.name))
@@ -205,7 +205,7 @@ RigCalibration calibrate_rig(const std::vector<PairedView>& pairs, const LensSou
     rig.pairs = fitted(used, solution);
     take(rig, solution, problem);
     const auto worst = outlier(rig.pairs, problem, options.outlier_factor);
-    if (!worst || used.size() == kFewestPairs) return rig;
+    if (!worst || used.size() == kMinPairs) return rig;
     rig.rejected.push_back(
         {rig.pairs[*worst].name,
          fmt::format("disagrees with the transform of the other pairs: RMS {:.2f} px in colour, "

@@ -207,7 +207,7 @@ std::vector<ShotInformation> shot_informations(const RigProblem& problem, RigSta
 /// Inverse over the estimated parameters, zero for constant ones. Scaled before inversion, since the units of
 /// the parameters range from pixels to 1. Undetermined directions get a very large variance.
 Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information) {
-  constexpr double kLeast = 1e-12;  // eigenvalue of the scaled matrix
+  constexpr double kMinValue = 1e-12;  // eigenvalue of the scaled matrix
   std::vector<Eigen::Index> free;
   for (Eigen::Index i = 0; i < information.rows(); ++i) {
     if (information(i, i) > 0) free.push_back(i);
@@ -217,7 +217,7 @@ Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information) {
   const Eigen::VectorXd scale = information.diagonal()(free).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information(free, free) * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(kLeast).cwiseInverse();
+  const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(kMinValue).cwiseInverse();
   const Eigen::MatrixXd axes = scale.asDiagonal() * eigen.eigenvectors();
   covariance(free, free) = axes * inverse.asDiagonal() * axes.transpose();
   return covariance;

@@ -77,8 +77,8 @@ std::optional<RpeResult> relative_pose_error(const Trajectory& estimate, const T
     translations_m.push_back(error.translation.norm());
     rotations_deg.push_back(error.angle_rad() * 180 / std::numbers::pi);
   }
-  constexpr size_t kFewestPairs = 2;
-  if (translations_m.size() < kFewestPairs) return std::nullopt;
+  constexpr size_t kMinPairs = 2;
+  if (translations_m.size() < kMinPairs) return std::nullopt;
   return RpeResult{compute_statistics(translations_m), compute_statistics(rotations_deg)};
 }
 

@@ -151,15 +151,15 @@ std::vector<DescriptorMatch> motion_inliers(const MatchedFeatures& pair, const c
 }
 
 std::vector<DescriptorMatch> homography_inliers(const MatchedFeatures& pair, uint64_t seed) {
-  constexpr size_t kFewest = 4;
-  return inliers_of(pair, seed, kFewest, [](const auto& from, const auto& to, cv::Mat& inliers) {
+  constexpr size_t kMinCount = 4;
+  return inliers_of(pair, seed, kMinCount, [](const auto& from, const auto& to, cv::Mat& inliers) {
     cv::findHomography(from, to, cv::RANSAC, kRepeatabilityRadiusPx, inliers);
   });
 }
 
 std::vector<DescriptorMatch> epipolar_inliers(const MatchedFeatures& pair, uint64_t seed) {
-  constexpr size_t kFewest = 15;  // with fewer, OpenCV uses another method than RANSAC or none
-  return inliers_of(pair, seed, kFewest, [](const auto& from, const auto& to, cv::Mat& inliers) {
+  constexpr size_t kMinCount = 15;  // with fewer, OpenCV uses another method than RANSAC or none
+  return inliers_of(pair, seed, kMinCount, [](const auto& from, const auto& to, cv::Mat& inliers) {
     constexpr double kConfidence = 0.999;
     cv::findFundamentalMat(from, to, cv::FM_RANSAC, kRepeatabilityRadiusPx, kConfidence, inliers);
   });

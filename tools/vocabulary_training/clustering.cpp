@@ -25,7 +25,7 @@ Assignment assign(const DistributedPoints<Space>& points, const Centres<Space>& 
 }
 
 /// Per cluster its number of points and their counts, over all threads and processes.
-struct Votes {
+struct ClusterSums {
   size_t stride;  ///< numbers per cluster
   std::vector<uint64_t> numbers;
 
@@ -34,7 +34,8 @@ struct Votes {
 };
 
 template <class Space>
-Votes count_votes(const DistributedPoints<Space>& points, const PointValues& cluster_of, size_t clusters) {
+ClusterSums count_votes(const DistributedPoints<Space>& points, const PointValues& cluster_of,
+                        size_t clusters) {
   constexpr size_t kStride = Space::kCounts + 1;
   const auto pieces = static_cast<size_t>(std::max(points.threads(), 1));
   std::vector<std::vector<uint64_t>> of_piece(pieces, std::vector<uint64_t>(clusters * kStride, 0));
@@ -130,7 +131,7 @@ Clusters<Space> cluster(std::span<const typename Space::Point> local, const Clus
   auto assignment = assign(points, centres);
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     fill_empty_clusters(points, assignment, centres.size());
-    const Votes votes = count_votes(points, assignment.cluster_of, centres.size());
+    const ClusterSums votes = count_votes(points, assignment.cluster_of, centres.size());
     const auto before = centres;
     for (size_t j = 0; j < centres.size(); ++j) {
       if (votes.points(j) > 0) centres[j] = Space::mean(votes.counts(j), votes.points(j), centres[j]);

@@ -96,10 +96,10 @@ Vocabulary read_dbow2(const std::filesystem::path& path) {
     throw InputError(fmt::format("{}: cannot be read, or is empty", path.string()));
   }
   LineReader first(text, path, 1);
-  constexpr int kMostChildren = 1'000'000, kMostLevels = 20;
+  constexpr int kMaxChildren = 1'000'000, kMaxLevels = 20;
   VocabularyTree tree;
-  tree.branching = first.next(2, kMostChildren, "'branching depth scoring weighting', branching");
-  tree.depth = first.next(1, kMostLevels, "the depth");
+  tree.branching = first.next(2, kMaxChildren, "'branching depth scoring weighting', branching");
+  tree.depth = first.next(1, kMaxLevels, "the depth");
   first.next(kL1Norm, kL1Norm, "L1 scoring,");
   first.next(kTfIdf, kTfIdf, "TF-IDF weighting,");
 

@@ -50,8 +50,8 @@ class MpiCommunicator : public Communicator {
   [[nodiscard]] int size() const override { return size_; }
 
   void sum(std::span<uint64_t> numbers) const override {
-    for (size_t begin = 0; begin < numbers.size(); begin += kMostAtOnce) {
-      const size_t count = std::min(kMostAtOnce, numbers.size() - begin);
+    for (size_t begin = 0; begin < numbers.size(); begin += kMaxAtOnce) {
+      const size_t count = std::min(kMaxAtOnce, numbers.size() - begin);
       MPI_Allreduce(MPI_IN_PLACE, numbers.data() + begin, static_cast<int>(count), MPI_UINT64_T, MPI_SUM,
                     MPI_COMM_WORLD);
     }
@@ -60,7 +60,7 @@ class MpiCommunicator : public Communicator {
   /// In chunks, since MPI counts in int.
   [[nodiscard]] std::vector<Message> exchange(std::vector<Message> outgoing) const override {
     const auto process_count = static_cast<size_t>(size_);
-    const size_t piece = kMostAtOnce / process_count;
+    const size_t piece = kMaxAtOnce / process_count;
     std::vector<uint64_t> sending(process_count), receiving(process_count);
     std::transform(outgoing.begin(), outgoing.end(), sending.begin(),
                    [](const Message& m) { return m.size(); });
@@ -88,7 +88,7 @@ class MpiCommunicator : public Communicator {
   }
 
  private:
-  static constexpr size_t kMostAtOnce = size_t{1} << 30;
+  static constexpr size_t kMaxAtOnce = size_t{1} << 30;
 
   /// Layout of the chunks [begin, begin + piece) of messages in one buffer.
   struct Layout {

@@ -52,10 +52,10 @@ struct Split {
 
 /// Grows the tree level by level.
 template <class Space>
-class Grower {
+class TreeBuilder {
  public:
-  Grower(TrainingSet set, uint32_t images, const TrainOptions& options, const Progress& progress,
-         const Communicator& communicator)
+  TreeBuilder(TrainingSet set, uint32_t images, const TrainOptions& options, const Progress& progress,
+              const Communicator& communicator)
       : set_(std::move(set)), options_(options), progress_(progress), communicator_(communicator) {
     tree_.kind = set_.kind;
     tree_.branching = options.branching;
@@ -69,7 +69,7 @@ class Grower {
     total_ = level[0].size() * static_cast<size_t>(options_.depth);
     for (int depth = 0; !level.empty(); ++depth) {
       distribute_nodes(set_, level, kLargeNode, communicator_);
-      const auto splits = told_to_all(level, split_level(level, depth < options_.depth));
+      const auto splits = share_splits(level, split_level(level, depth < options_.depth));
       level = append(level, splits);
     }
     return std::move(tree_);
@@ -170,7 +170,7 @@ class Grower {
 
   /// Shares the results of all nodes with all processes; a process has no points of nodes that it does not
   /// own.
-  [[nodiscard]] Splits told_to_all(const std::vector<TreeLevelNode>& level, Splits splits) const {
+  [[nodiscard]] Splits share_splits(const std::vector<TreeLevelNode>& level, Splits splits) const {
     if (communicator_.size() == 1) return splits;
     Message own;
     for (size_t i = 0; i < level.size(); ++i) {
@@ -240,7 +240,7 @@ Vocabulary train_vocabulary(TrainingSet set, const TrainOptions& options, const 
   require_enough(communicator.all_reduce_sum(set.size()), images, options);
   return dispatch_space(set.kind, [&]<class Space>(Space) {
     return Vocabulary(
-        Grower<Space>(std::move(set), static_cast<uint32_t>(images), options, progress, communicator)
+        TreeBuilder<Space>(std::move(set), static_cast<uint32_t>(images), options, progress, communicator)
             .build_tree());
   });
 }

@@ -15,7 +15,7 @@ namespace {
 using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
 using Axes = Eigen::Matrix<double, 2, 3>;
 
-constexpr size_t kMostStrokes = 10000;  // per kind: more are indistinguishable
+constexpr size_t kMaxStrokes = 10000;  // per kind: more are indistinguishable
 
 /// Rows: the directions of the largest and the second largest extent; x and y if the graph lies in their
 /// plane.
@@ -33,10 +33,10 @@ Axes picture_axes(const std::vector<Eigen::Vector3d>& points) {
 }
 
 /// End points of the edges, pair by pair; thinned out if there are too many.
-PlotSeries strokes(const char* style, const char* name, const Pairs& edges, const Axes& axes,
-                   const std::vector<Eigen::Vector3d>& points) {
+PlotSeries edge_segments(const char* style, const char* name, const Pairs& edges, const Axes& axes,
+                         const std::vector<Eigen::Vector3d>& points) {
   PlotSeries series{style, edges.empty() ? "" : name, SeriesKind::kSegments, {}};
-  const size_t stride = 1 + edges.size() / kMostStrokes;
+  const size_t stride = 1 + edges.size() / kMaxStrokes;
   for (size_t i = 0; i < edges.size(); i += stride) {
     series.points.emplace_back(axes * points[edges[i].first]);
     series.points.emplace_back(axes * points[edges[i].second]);
@@ -46,8 +46,8 @@ PlotSeries strokes(const char* style, const char* name, const Pairs& edges, cons
 
 std::string figure(const char* caption, const GraphReport& report, const Axes& axes,
                    const std::vector<Eigen::Vector3d>& points) {
-  const PlotSeries series[] = {strokes("loop", "loop edges", report.loops, axes, points),
-                               strokes("estimate", "odometry", report.steps, axes, points)};
+  const PlotSeries series[] = {edge_segments("loop", "loop edges", report.loops, axes, points),
+                               edge_segments("estimate", "odometry", report.steps, axes, points)};
   const PlotAxes frame{caption, "m", "m", true, false};
   return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", svg_plot(frame, series), caption);
 }

@@ -156,9 +156,9 @@ std::string input_name(std::string_view input) {
 }
 
 std::vector<std::string> unique_short_names(std::span<const std::string> paths) {
-  constexpr size_t kMost = 20;  // a path given twice stays ambiguous
+  constexpr size_t kMaxCount = 20;  // a path given twice stays ambiguous
   std::vector<std::string> names;
-  for (size_t count = 1; count <= kMost; ++count) {
+  for (size_t count = 1; count <= kMaxCount; ++count) {
     names.clear();
     for (const std::string& path : paths) names.push_back(last_components(path, count));
     if (std::set<std::string>(names.begin(), names.end()).size() == paths.size()) break;

@@ -14,7 +14,7 @@ namespace {
 constexpr double kWidth = 460, kHeight = 320;
 constexpr double kLeft = 46, kRight = 10, kTop = 30, kBottom = 40;
 constexpr double kPlotWidth = kWidth - kLeft - kRight, kPlotHeight = kHeight - kTop - kBottom;
-constexpr size_t kMostPoints = 2000;  ///< per line: more are indistinguishable
+constexpr size_t kMaxPoints = 2000;  ///< per line: more are indistinguishable
 
 /// The visible range.
 struct Window {
@@ -89,7 +89,7 @@ std::string grid(const PlotAxes& frame, const Window& window) {
 }
 
 std::string line_path(const PlotSeries& series, const Window& window) {
-  const size_t stride = std::max<size_t>(1, series.points.size() / kMostPoints);
+  const size_t stride = std::max<size_t>(1, series.points.size() / kMaxPoints);
   std::string path;
   for (size_t i = 0; i < series.points.size(); i += stride) {
     const auto& p = series.points[i];

@@ -12,7 +12,7 @@ namespace {
 constexpr size_t kPiecePoints = 1 << 16;  // largest piece that a browser processes at once
 
 /// A multiple of the box that holds nine tenths of the points per coordinate.
-Eigen::AlignedBox3f wide_box(const ColoredCloud& mixed) {
+Eigen::AlignedBox3f outlier_fence(const ColoredCloud& mixed) {
   constexpr size_t kSample = 10000;
   constexpr float kTimes = 10;
   const size_t count = std::min(kSample, mixed.size());
@@ -45,7 +45,7 @@ std::vector<CloudPiece> split_into_pieces(const ColoredCloud& cloud) {
   std::vector<CloudPiece> pieces;
   if (cloud.size() == 0) return pieces;
   const ColoredCloud mixed = shuffled(cloud);
-  const Eigen::AlignedBox3f box = wide_box(mixed);
+  const Eigen::AlignedBox3f box = outlier_fence(mixed);
   ColoredCloud near, far;
   for (size_t i = 0; i < mixed.size(); ++i) {
     ColoredCloud& part = box.contains(mixed.points[i]) ? near : far;

@@ -86,7 +86,7 @@ Bytes encode_features(std::span<const ShownFeature> features) {
 }
 
 Bytes encode_cloud(const CloudPiece& piece) {
-  constexpr float kMostUnits = std::numeric_limits<int16_t>::max();
+  constexpr float kMaxUnits = std::numeric_limits<int16_t>::max();
   constexpr float kFinestM = 1e-4F;
   const auto& points = piece.cloud.points;
   Eigen::Vector3f low = Eigen::Vector3f::Zero(), high = Eigen::Vector3f::Zero();
@@ -96,7 +96,7 @@ Bytes encode_cloud(const CloudPiece& piece) {
     high = high.cwiseMax(p);
   }
   const Eigen::Vector3f origin = (low + high) / 2;
-  const float unit_m = std::max(kFinestM, (high - low).maxCoeff() / 2 / kMostUnits);
+  const float unit_m = std::max(kFinestM, (high - low).maxCoeff() / 2 / kMaxUnits);
 
   constexpr size_t kBytesPerPoint = 12, kBeforePoints = 24;
   Writer body(kBeforePoints + points.size() * kBytesPerPoint);
@@ -105,7 +105,7 @@ Bytes encode_cloud(const CloudPiece& piece) {
   body.put(unit_m);
   body.put(origin);
   for (const auto& p : points) {
-    const Eigen::Vector3f units = ((p - origin) / unit_m).array().round().max(-kMostUnits).min(kMostUnits);
+    const Eigen::Vector3f units = ((p - origin) / unit_m).array().round().max(-kMaxUnits).min(kMaxUnits);
     for (const float x : units) body.put(static_cast<int16_t>(x));
     body.put(int16_t{0});
   }
@@ -117,8 +117,8 @@ Bytes encode_cloud(const CloudPiece& piece) {
 }
 
 Bytes encode_mesh(const ColoredMesh& mesh) {
-  constexpr size_t kMostBytesPerVertex = 16;
-  Writer body(3 * sizeof(uint32_t) + mesh.points.size() * kMostBytesPerVertex +
+  constexpr size_t kMaxBytesPerVertex = 16;
+  Writer body(3 * sizeof(uint32_t) + mesh.points.size() * kMaxBytesPerVertex +
               mesh.triangles.size() * sizeof(Triangle));
   body.put(static_cast<uint32_t>(mesh.points.size()));
   body.put(static_cast<uint32_t>(mesh.triangles.size()));

@@ -128,7 +128,7 @@ class GainSolver {
 
   /// Conjugate gradients for all three channels at once, starting from the current gains.
   void solve() {
-    constexpr int kMostSteps = 50;
+    constexpr int kMaxSteps = 50;
     constexpr double kEnough = 1e-6;  // relative to the first residual, squared
     const LogGains right =
         -above_mean([&](size_t i) -> Eigen::Array3d { return seen_[i].log_color.cast<double>(); });
@@ -136,7 +136,7 @@ class GainSolver {
     LogGains direction = residual;
     Eigen::Array3d norm = residual.square().rowwise().sum();
     const Eigen::Array3d enough = kEnough * right.square().rowwise().sum();
-    for (int step = 0; step < kMostSteps && (norm > enough).any(); ++step) {
+    for (int step = 0; step < kMaxSteps && (norm > enough).any(); ++step) {
       const LogGains product = times(direction);
       const Eigen::Array3d along = (direction * product).rowwise().sum();
       const Eigen::Array3d length = (along > 0).select(norm / along, 0);

@@ -129,8 +129,8 @@ class SurfelExtractor {
     }
     if (steps == 0) return 0;
     const float relative = change / static_cast<float>(steps) * static_cast<float>(focal_px_) / here;
-    constexpr auto kMost = static_cast<float>(std::numeric_limits<int8_t>::max());
-    return static_cast<int8_t>(std::lround(std::clamp(relative * kSlopeSteps, -kMost, kMost)));
+    constexpr auto kMaxCount = static_cast<float>(std::numeric_limits<int8_t>::max());
+    return static_cast<int8_t>(std::lround(std::clamp(relative * kSlopeSteps, -kMaxCount, kMaxCount)));
   }
 
   const cv::Mat& color_;
@@ -142,18 +142,18 @@ class SurfelExtractor {
 
 /// The nearest depth of every tile, in the units of ImageSurfels.
 std::vector<uint16_t> nearest_depths(const cv::Mat& inverse_depth) {
-  constexpr auto kMost = static_cast<float>(std::numeric_limits<uint16_t>::max());
+  constexpr auto kMaxCount = static_cast<float>(std::numeric_limits<uint16_t>::max());
   std::vector<uint16_t> nearest;
   for (int row = 0; row + kTilePx <= inverse_depth.rows; row += kTilePx) {
     for (int col = 0; col + kTilePx <= inverse_depth.cols; col += kTilePx) {
-      float most = 0, least = kMost;
+      float most = 0, least = kMaxCount;
       for (int r = row; r < row + kTilePx; ++r) {
         const auto* values = inverse_depth.ptr<float>(r) + col;
         most = std::max(most, *std::max_element(values, values + kTilePx));
         least = std::min(least, *std::min_element(values, values + kTilePx));
       }
       const float steps = most / static_cast<float>(kTileStep_per_m);
-      nearest.push_back(least > 0 && steps < kMost ? static_cast<uint16_t>(steps) : uint16_t{0});
+      nearest.push_back(least > 0 && steps < kMaxCount ? static_cast<uint16_t>(steps) : uint16_t{0});
     }
   }
   return nearest;

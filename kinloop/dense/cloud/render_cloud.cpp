@@ -16,10 +16,10 @@
 namespace kinloop {
 namespace {
 
-constexpr int kSupersampling = 2;         ///< drawn larger, then averaged, for smooth edges
-constexpr double kOutlierShare = 0.002;   ///< of the points may lie outside the picture at either end
-constexpr double kMarginShare = 0.02;     ///< of the width, left empty on each side
-constexpr double kMostHeightShare = 1.2;  ///< maximum height of the picture relative to its width
+constexpr int kSupersampling = 2;        ///< drawn larger, then averaged, for smooth edges
+constexpr double kOutlierShare = 0.002;  ///< of the points may lie outside the picture at either end
+constexpr double kMarginShare = 0.02;    ///< of the width, left empty on each side
+constexpr double kMaxHeightShare = 1.2;  ///< maximum height of the picture relative to its width
 
 /// The cloud in picture axes: x right, y down, z away from the viewer, metres.
 using ViewPoints = std::vector<Eigen::Vector3f>;
@@ -97,7 +97,7 @@ Canvas splat(const ColoredCloud& cloud, const std::vector<size_t>& kept, const V
              const CloudView& view) {
   const auto [left, right] = inlier_range(points, 0);
   const auto [top, bottom] = inlier_range(points, 1);
-  const double shown_m = std::max({right - left, (bottom - top) / kMostHeightShare, view.point_m});
+  const double shown_m = std::max({right - left, (bottom - top) / kMaxHeightShare, view.point_m});
   const int width = view.width_px * kSupersampling;
   const double scale = width * (1 - 2 * kMarginShare) / shown_m;  // px per metre
   const double margin = width * kMarginShare;
@@ -131,7 +131,7 @@ Canvas splat(const ColoredCloud& cloud, const std::vector<size_t>& kept, const V
 /// without normals.
 void shade(Canvas& canvas) {
   constexpr int kReachPx = 3 * kSupersampling;
-  constexpr float kStrengthPerM = 1.2F, kMostStepM = 0.5F;
+  constexpr float kStrengthPerM = 1.2F, kMaxStepM = 0.5F;
   constexpr int kAround[4][2] = {{0, kReachPx}, {0, -kReachPx}, {kReachPx, 0}, {-kReachPx, 0}};
   const cv::Rect all(0, 0, canvas.color.cols, canvas.color.rows);
   for (int row = 0; row < canvas.color.rows; ++row) {
@@ -142,7 +142,7 @@ void shade(Canvas& canvas) {
       for (const auto& step : kAround) {
         const cv::Point other(col + step[1], row + step[0]);
         if (all.contains(other)) {
-          behind_m += std::clamp(z - canvas.depth_m.at<float>(other), 0.0F, kMostStepM);
+          behind_m += std::clamp(z - canvas.depth_m.at<float>(other), 0.0F, kMaxStepM);
         }
       }
       canvas.color.at<cv::Vec3b>(row, col) *= static_cast<double>(std::exp(-kStrengthPerM * behind_m));

@@ -49,7 +49,8 @@ bool in_view(const Block& block, const FreeSpaceView& view, const PinholeCamera&
 }
 
 /// The largest inverse depth around a pixel; 0 if any is unknown.
-double nearest_around(const Eigen::Vector2d& pixel, const FreeSpaceView& view, const PinholeCamera& camera) {
+double max_inverse_depth_around(const Eigen::Vector2d& pixel, const FreeSpaceView& view,
+                                const PinholeCamera& camera) {
   if (!camera.contains(pixel, kAroundPx)) return 0;
   const int cols = camera.width / kTilePx, rows = camera.height / kTilePx;
   const auto tile = [](double px, int around) { return (static_cast<int>(px) + around) / kTilePx; };
@@ -79,7 +80,7 @@ Visibility classify_visibility(const Eigen::Vector3f& p_world, const FreeSpaceVi
   if (!camera.color.contains(ideal)) return Visibility::kNotVisible;
   const Eigen::Vector2d pixel = camera.color.has_distortion() ? camera.color.distort(ideal) : ideal;
   if (!camera.color.contains(pixel, kAroundPx)) return Visibility::kNotVisible;
-  const double nearest = nearest_around(pixel, view, camera.color);
+  const double nearest = max_inverse_depth_around(pixel, view, camera.color);
   if (!(nearest > 0)) return Visibility::kConsistent;
   const double here = 1 / p.z();
   const double margin =

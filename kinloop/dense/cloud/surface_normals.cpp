@@ -6,12 +6,12 @@ namespace kinloop {
 
 std::vector<Eigen::Vector3f> surface_normals(const SurfelLoader& load_surfels,
                                              std::span<const PosedImage> views, const DenseCamera& camera) {
-  constexpr size_t kMostViews = 60;
+  constexpr size_t kMaxViews = 60;
   constexpr double kVoxelM = 0.05;
   constexpr float kMinAgreement = 0.95F;  // length of the mean of a voxel's normals
   const RayTable rays = ray_table(camera.color);
   VoxelGrid grid;
-  const size_t step = views.size() / kMostViews + 1;
+  const size_t step = views.size() / kMaxViews + 1;
   for (size_t i = 0; i < views.size(); i += step) {
     for (const VoxelSample& sample :
          voxel_samples(load_surfels(views[i].image), views[i], camera, rays, kVoxelM)) {

@@ -14,7 +14,7 @@ namespace {
 constexpr float kSpreadSigmas = 2;
 
 /// A voxel whose weight is below this share of another's on the same surface is only noise.
-constexpr float kSureShare = 0.5F;
+constexpr float kMinWeightRatio = 0.5F;
 
 /// Key of the voxel that contains the point.
 VoxelKey key_at(const Eigen::Vector3d& p_voxels) {
@@ -70,7 +70,7 @@ Column column_through(const Voxel& voxel, const VoxelShards& grids, double voxel
 std::optional<SurfacePoint> point_of(const Voxel& voxel, const VoxelShards& grids,
                                      const DenseOptions& options) {
   const Column column = column_through(voxel, grids, options.voxel_m);
-  if (voxel.weight < kSureShare * column.surest()) return std::nullopt;
+  if (voxel.weight < kMinWeightRatio * column.surest()) return std::nullopt;
   const Eigen::Vector3d mean = column.mean_voxels();
   SurfacePoint point;
   point.key = key_at(mean);

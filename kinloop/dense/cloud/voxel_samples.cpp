@@ -34,10 +34,10 @@ float fourth_power(float x) {
 }
 
 Rgb apply_gain(const Rgb& color, const Eigen::Vector3f& gain) {
-  constexpr float kMost = 255;
+  constexpr float kMaxCount = 255;
   const auto channel = [&](size_t i) {
     const float value = static_cast<float>(color[i]) * gain(static_cast<Eigen::Index>(i));
-    return static_cast<uint8_t>(std::min(value + 0.5F, kMost));
+    return static_cast<uint8_t>(std::min(value + 0.5F, kMaxCount));
   };
   return {channel(0), channel(1), channel(2)};
 }

@@ -46,8 +46,8 @@ ColoredMesh remove_small_components(const ColoredMesh& mesh, size_t min_triangle
   for (const Triangle& triangle : mesh.triangles) ++size[pieces.find(triangle[0])];
 
   ColoredMesh kept;
-  constexpr uint32_t kGone = ~uint32_t{0};
-  std::vector<uint32_t> new_index(mesh.points.size(), kGone);
+  constexpr uint32_t kClosed = ~uint32_t{0};
+  std::vector<uint32_t> new_index(mesh.points.size(), kClosed);
   for (uint32_t i = 0; i < mesh.points.size(); ++i) {
     if (size[pieces.find(i)] < min_triangles) continue;
     new_index[i] = static_cast<uint32_t>(kept.points.size());
@@ -55,7 +55,7 @@ ColoredMesh remove_small_components(const ColoredMesh& mesh, size_t min_triangle
     kept.colors.push_back(mesh.colors[i]);
   }
   for (const auto& [a, b, c] : mesh.triangles) {
-    if (new_index[a] != kGone) kept.triangles.push_back({new_index[a], new_index[b], new_index[c]});
+    if (new_index[a] != kClosed) kept.triangles.push_back({new_index[a], new_index[b], new_index[c]});
   }
   return kept;
 }

@@ -5,8 +5,8 @@
 namespace kinloop {
 
 std::optional<std::string> decompress_lzf(std::string_view compressed, size_t size) {
-  constexpr size_t kMostExpansion = 88;  // three bytes encode at most 264; limits memory for a corrupt size
-  if (size / kMostExpansion > compressed.size()) return std::nullopt;
+  constexpr size_t kMaxExpansion = 88;  // three bytes encode at most 264; limits memory for a corrupt size
+  if (size / kMaxExpansion > compressed.size()) return std::nullopt;
   constexpr size_t kLiterals = 32, kLongMatch = 7, kShortestMatch = 2;
   std::string bytes;
   bytes.reserve(size);

@@ -15,7 +15,7 @@ namespace {
 constexpr uint32_t kLeftOut = std::numeric_limits<uint32_t>::max();
 
 /// From here on a float resolves less than a millimetre; typical of map projections.
-constexpr double kFarM = 1e4;
+constexpr double kOriginShiftThresholdM = 1e4;
 
 }  // namespace
 
@@ -25,7 +25,7 @@ void MeshBuilder::add(const Eigen::Vector3d& point, const Rgb& color) {
   index_of_.push_back(usable ? static_cast<uint32_t>(mesh_.points.size()) : kLeftOut);
   if (!usable) return;
   if (!origin_) {
-    const bool far = point.cwiseAbs().maxCoeff() > kFarM;
+    const bool far = point.cwiseAbs().maxCoeff() > kOriginShiftThresholdM;
     origin_ = far ? Eigen::Vector3d(point.array().round()) : Eigen::Vector3d::Zero();
   }
   mesh_.points.emplace_back((point - *origin_).cast<float>());

@@ -45,9 +45,9 @@ struct Header {
 using Words = std::vector<std::string>;
 
 size_t count_of(const std::string& word, const std::filesystem::path& path) {
-  constexpr size_t kMost = 4'000'000'000;  // the product of two still fits
+  constexpr size_t kMaxCount = 4'000'000'000;  // the product of two still fits
   const auto count = parse_count(word);
-  if (!count || *count > kMost) fail(path, fmt::format("'{}' in the header is not a count", word));
+  if (!count || *count > kMaxCount) fail(path, fmt::format("'{}' in the header is not a count", word));
   return *count;
 }
 

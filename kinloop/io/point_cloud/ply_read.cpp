@@ -35,9 +35,9 @@ class Body {
 
   /// Reads a list length or an index.
   size_t next_count(NumberType type) {
-    constexpr double kMost = 4e9;
+    constexpr double kMaxCount = 4e9;
     const double value = next(type);
-    if (!(value >= 0 && value < kMost)) fail(fmt::format("{} is not a valid vertex index", value));
+    if (!(value >= 0 && value < kMaxCount)) fail(fmt::format("{} is not a valid vertex index", value));
     return static_cast<size_t>(value);
   }
 

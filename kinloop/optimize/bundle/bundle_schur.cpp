@@ -9,8 +9,8 @@
 namespace kinloop {
 namespace {
 
-constexpr double kMinDiagonal = 1e-9;  // so that unknowns nothing depends on stay where they are
-constexpr double kSmallestDamping = 1e-9;   // makes a singular system solvable and hardly changes any other
+constexpr double kMinDiagonal = 1e-9;      // so that unknowns nothing depends on stay where they are
+constexpr double kSmallestDamping = 1e-9;  // makes a singular system solvable and hardly changes any other
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Marquardt's damping: in proportion to each unknown's own stiffness.

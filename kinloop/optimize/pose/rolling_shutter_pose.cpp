@@ -24,7 +24,8 @@ struct MovingNormal {
 class RollingShutterSolver {
  public:
   RollingShutterSolver(const MeasurementModel& model, std::span<const RollingShutterObservation> observations,
-         const Velocity& expected, const VelocitySigma& sigma, const AbsolutePoseOptions& options)
+                       const Velocity& expected, const VelocitySigma& sigma,
+                       const AbsolutePoseOptions& options)
       : model_(model), observations_(observations.size()), expected_(expected), options_(options) {
     information_ << Eigen::Vector3d::Constant(1 / (sigma.m_s * sigma.m_s)),
         Eigen::Vector3d::Constant(1 / (sigma.rad_s * sigma.rad_s));

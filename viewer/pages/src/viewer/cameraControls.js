@@ -32,7 +32,7 @@ export class CameraControls {
     this.camera.position.set(2, 3, 4);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = true;
-    this.controls.addEventListener('start', () => this.letGo());
+    this.controls.addEventListener('start', () => this.setManualControl());
     this.controls.addEventListener('change', onChange);
     this.mode = 'orbit';
     this.direction = 'oblique';
@@ -44,11 +44,11 @@ export class CameraControls {
   setMode(mode) {
     this.mode = mode;
     this.controls.enabled = mode === 'orbit';
-    this.letGo();
+    this.setManualControl();
   }
 
   /** The user controls the viewpoint from here on. */
-  letGo() {
+  setManualControl() {
     this.touched = true;
     this.goal = undefined;
   }

@@ -27,7 +27,7 @@ const OTHER_NAMES = { h: 'f', '=': '+', Home: 'f' };
 export function listenToKeys(actions, table) {
   table.replaceChildren(...KEYS.map(([, written, what]) => row(written, what)));
   addEventListener('keydown', (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || hasOwnUse(event)) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || isHandledByElement(event)) return;
     const key = OTHER_NAMES[event.key] ?? (event.key.length === 1 ? event.key.toLowerCase() : event.key);
     const known = KEYS.find(([own]) => own === key);
     if (!known) return;
@@ -37,7 +37,7 @@ export function listenToKeys(actions, table) {
 }
 
 /** Letters select in a list, and the space bar toggles a checkbox. */
-function hasOwnUse({ target, key }) {
+function isHandledByElement({ target, key }) {
   return target.matches('select, dialog *') || (key === ' ' && target.matches('input'));
 }
 

@@ -10,12 +10,12 @@ export function meshOf({ points, triangles, colors }, plane) {
   geometry.setIndex(new BufferAttribute(triangles, 1));
   const cut = { side: DoubleSide, clippingPlanes: [plane] };
   if (!colors) return new Mesh(geometry, new MeshStandardMaterial({ ...cut, flatShading: true }));
-  geometry.setAttribute('color', new BufferAttribute(toLight(colors), 3));
+  geometry.setAttribute('color', new BufferAttribute(toLinearColors(colors), 3));
   return new Mesh(geometry, new MeshBasicMaterial({ ...cut, vertexColors: true }));
 }
 
 /** three.js expects linear vertex colours, not sRGB. */
-function toLight(colors) {
+function toLinearColors(colors) {
   const light = new Float32Array((3 * colors.length) / 4);
   const color = new Color();
   for (let i = 0; i < colors.length / 4; ++i) {
@@ -30,7 +30,7 @@ export async function readModel(buffer, plane) {
   scene.rotation.x = Math.PI; // y is up in glTF
   scene.traverse((object) => {
     if (!object.material) return;
-    object.material = asCaptured(object, object.material);
+    object.material = toUnlitMaterial(object, object.material);
     Object.assign(object.material, { side: DoubleSide, clippingPlanes: [plane], metalness: 0 }); // metallic
                                                                                                  // materials
                                                                                                  // would
@@ -42,7 +42,7 @@ export async function readModel(buffer, plane) {
 }
 
 /** Captured colours already contain the lighting; uncoloured meshes are lit, to show their shape. */
-function asCaptured({ isMesh, geometry }, material) {
+function toUnlitMaterial({ isMesh, geometry }, material) {
   if (!isMesh || !(material.map || geometry.attributes.color)) return material;
   const { map, color, vertexColors, transparent, opacity, alphaTest } = material;
   return new MeshBasicMaterial({ map, color, vertexColors, transparent, opacity, alphaTest });
