@@ -97,7 +97,7 @@ const PacedSource* pace(std::unique_ptr<FrameSource>& source, double hz) {
 /// early.
 bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progress& progress,
                  const std::function<void()>& wait_until_resumed) {
-  FramePipeline pipeline(source, slam);
+  FramePipeline pipeline(source, slam.front_end());
   size_t done = 0;
   while (const auto frame = pipeline.next()) {
     if (wait_until_resumed) wait_until_resumed();

@@ -11,6 +11,7 @@ namespace kinloop {
 namespace {
 
 constexpr size_t kMebibyte = size_t{1} << 20;
+constexpr const char* kJobKind = "dense keyframes";
 
 ImageStoreOptions store_options(const RgbdCamera& camera, const DenseOptions& options) {
   ImageStoreOptions store;
@@ -34,10 +35,11 @@ DenseRecorder::DenseRecorder(const RgbdCamera& camera, const DenseOptions& optio
       options_(options),
       images_(store_options(camera, options)),
       surfel_store_(static_cast<size_t>(options.surfel_memory_mib) * kMebibyte),
+      lag_frames_(executor.dense_lag_frames),
       executor_(make_executor(executor)) {}
 
 void DenseRecorder::on_frame(const FrameResult& result, const PreparedFrame& frame) {
-  apply_results(executor_->collect(frame.id));
+  complete(executor_->collect(frame.id));
   if (result.status != TrackStatus::kLost) {
     ++frames_, ++frames_since_recorded_;
     if (should_record(result)) {
@@ -46,7 +48,7 @@ void DenseRecorder::on_frame(const FrameResult& result, const PreparedFrame& fra
     }
   }
   constexpr size_t kMaxPending = 8;  // a slow machine waits rather than fill its memory with images
-  if (pending_.size() >= kMaxPending) apply_results(executor_->drain());
+  if (pending_.size() >= kMaxPending) complete(executor_->drain());
   submit(frame.id);
 }
 
@@ -63,34 +65,38 @@ bool DenseRecorder::should_record(const FrameResult& result) const {
 }
 
 void DenseRecorder::submit(FrameId now) {
-  if (pending_.empty() || executor_->busy(JobKind::kDenseKeyframes)) return;
-  executor_->submit(JobKind::kDenseKeyframes, now,
-                    [pending = std::exchange(pending_, {}), store = images_.options(),
-                     focal_px = camera_.color.fx, options = options_] {
-                      std::vector<DenseKeyframe> done;
-                      for (const PendingFrame& keyframe : pending) {
-                        EncodedImages images = encode_images(keyframe.images, store);
-                        auto surfels = encode_patch(images, store, focal_px, options);
-                        done.push_back({keyframe.frame, std::move(images), std::move(surfels)});
-                      }
-                      return done;
-                    });
+  if (pending_.empty() || executor_->busy(kJobKind)) return;
+  auto encode = [this, pending = std::exchange(pending_, {}), store = images_.options(),
+                 focal_px = camera_.color.fx, options = options_]() -> Completion {
+    std::vector<EncodedFrame> done;
+    for (const PendingFrame& keyframe : pending) {
+      EncodedImages images = encode_images(keyframe.images, store);
+      auto surfels = encode_patch(images, store, focal_px, options);
+      done.push_back({keyframe.frame, std::move(images), std::move(surfels)});
+    }
+    return [this, done = std::move(done)]() mutable { add(std::move(done)); };
+  };
+  executor_->submit(now, {kJobKind, lag_frames_, std::move(encode)});
 }
 
-void DenseRecorder::apply_results(std::vector<FinishedJob> jobs) {
-  for (FinishedJob& job : jobs) {
-    timings_.add(to_string(job.kind), job.elapsed);
-    for (DenseKeyframe& keyframe : job.result.dense) {
-      images_.add(keyframe.images);
-      recorded_.push_back({keyframe.frame, surfel_store_.add(std::move(keyframe.surfels))});
-    }
+void DenseRecorder::add(std::vector<EncodedFrame> frames) {
+  for (EncodedFrame& frame : frames) {
+    images_.add(frame.images);
+    recorded_.push_back({frame.frame, surfel_store_.add(std::move(frame.surfels))});
+  }
+}
+
+void DenseRecorder::complete(const std::vector<FinishedJob>& jobs) {
+  for (const FinishedJob& job : jobs) {
+    timings_.add(std::string(job.kind), job.elapsed);
+    job.complete();
   }
 }
 
 void DenseRecorder::wait_for_jobs() {
-  apply_results(executor_->drain());
+  complete(executor_->drain());
   submit({});
-  apply_results(executor_->drain());
+  complete(executor_->drain());
 }
 
 void DenseRecorder::restore(const SavedImages& saved) {

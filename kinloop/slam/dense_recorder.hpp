@@ -86,6 +86,12 @@ class DenseRecorder : public Listener {
     FrameId frame;
     RgbdImages images;
   };
+  /// What is worked out of a frame's images in the background.
+  struct EncodedFrame {
+    FrameId frame;
+    EncodedImages images;
+    std::vector<uint8_t> surfels;  // as `to_bytes` gives it
+  };
   struct RecordedImage {
     FrameId frame;
     std::optional<size_t> surfels;  // index into surfel_store_; not yet made of images that were restored
@@ -93,7 +99,8 @@ class DenseRecorder : public Listener {
 
   [[nodiscard]] bool should_record(const FrameResult& result) const;
   void submit(FrameId now);
-  void apply_results(std::vector<FinishedJob> jobs);
+  void add(std::vector<EncodedFrame> frames);
+  void complete(const std::vector<FinishedJob>& jobs);
   void make_missing_patches(int threads);
   [[nodiscard]] ImageSurfels surfels(size_t image) const {
     return surfels_from_bytes(surfel_store_.load(*recorded_[image].surfels));
@@ -108,6 +115,7 @@ class DenseRecorder : public Listener {
   uint32_t frames_ = 0;                 // that were located
   uint32_t frames_since_recorded_ = 0;  // of these
   Timings timings_;
+  int lag_frames_;
   std::unique_ptr<Executor> executor_;  // last: its jobs end first
 };
 

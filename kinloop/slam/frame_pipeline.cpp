@@ -4,8 +4,8 @@
 
 namespace kinloop {
 
-FramePipeline::FramePipeline(FrameSource& source, const Slam& slam)
-    : source_(source), slam_(slam), frames_(kFramesAhead), thread_([this] { run_ahead(); }) {}
+FramePipeline::FramePipeline(FrameSource& source, const FrontEnd& front_end)
+    : source_(source), front_end_(front_end), frames_(kFramesAhead), thread_([this] { run_ahead(); }) {}
 
 FramePipeline::~FramePipeline() {
   frames_.close();
@@ -14,7 +14,7 @@ FramePipeline::~FramePipeline() {
 void FramePipeline::run_ahead() {
   try {
     while (const auto frame = source_.next()) {
-      if (!frames_.push(slam_.prepare(*frame))) break;
+      if (!frames_.push(front_end_.prepare(*frame))) break;
     }
   } catch (...) {
     error_ = std::current_exception();

@@ -7,18 +7,18 @@
 
 #include "kinloop/base/channel.hpp"
 #include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/slam/slam.hpp"
+#include "kinloop/slam/front_end.hpp"
 
 namespace kinloop {
 
-/// Runs `source.next()` and `slam.prepare()` ahead of `Slam::process()`, so that the two overlap. The frames
-/// and their order are those of the source; its exceptions reach the caller of `next`.
+/// Runs `source.next()` and `FrontEnd::prepare()` ahead of `Slam::process()`, so that the two overlap. The
+/// frames and their order are those of the source; its exceptions reach the caller of `next`.
 class FramePipeline {
  public:
   static constexpr size_t kFramesAhead = 4;
 
-  /// Both must outlive this object, and `source` must not be used elsewhere meanwhile.
-  FramePipeline(FrameSource& source, const Slam& slam);
+  /// `source` must outlive this object, and must not be used elsewhere meanwhile.
+  FramePipeline(FrameSource& source, const FrontEnd& front_end);
   ~FramePipeline();
   FramePipeline(const FramePipeline&) = delete;
   FramePipeline& operator=(const FramePipeline&) = delete;
@@ -30,7 +30,7 @@ class FramePipeline {
   void run_ahead();
 
   FrameSource& source_;
-  const Slam& slam_;
+  const FrontEnd front_end_;
   Channel<PreparedFrame> frames_;
   std::exception_ptr error_;  // written before the channel is closed, read after it is drained
   std::jthread thread_;

@@ -14,24 +14,32 @@
 #include "kinloop/base/progress.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
-#include "kinloop/loop/candidates.hpp"
 #include "kinloop/place/vocabulary.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
-#include "kinloop/slam/back_end.hpp"
+#include "kinloop/slam/back_end/back_end.hpp"
 #include "kinloop/slam/frame_log.hpp"
+#include "kinloop/slam/front_end.hpp"
 #include "kinloop/slam/listener.hpp"
+#include "kinloop/slam/mapper.hpp"
 #include "kinloop/slam/options.hpp"
+#include "kinloop/slam/place_recognition.hpp"
 #include "kinloop/slam/timings.hpp"
-#include "kinloop/tracking/motion_model.hpp"
+#include "kinloop/slam/tracker.hpp"
 
 namespace kinloop {
+
+/// What maps of earlier sessions brought into this one.
+struct EarlierSessions {
+  std::vector<SavedSession> sessions;
+  size_t frame_count = 0;  ///< their frames are the first of the log
+};
 
 class Slam {
  public:
   /// With the default vocabulary.
   explicit Slam(const RgbdCamera& camera, const SlamOptions& options = {});
   Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary);
-  ~Slam();
+  ~Slam() = default;
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
@@ -44,9 +52,10 @@ class Slam {
   /// what the frames of this run came from.
   [[nodiscard]] SavedMap saved_map(const std::string& input) const;
 
-  /// What can be computed from a frame alone. Touches nothing of this object: it may run ahead on another
-  /// thread.
-  [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const;
+  /// What prepares frames for `process`. It may run ahead on another thread (FramePipeline); maps must be
+  /// added before.
+  [[nodiscard]] const FrontEnd& front_end() const { return front_end_; }
+  [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const { return front_end_.prepare(frame); }
 
   /// Takes the frames in order of time.
   FrameResult process(const PreparedFrame& measured);
@@ -64,7 +73,7 @@ class Slam {
 
   /// The frames of this run; in `log()` those of loaded maps stand before them.
   [[nodiscard]] std::span<const LoggedFrame> session_log() const {
-    return std::span(log_).subspan(session_begin_);
+    return std::span(log_).subspan(earlier_.frame_count);
   }
 
   /// The component of the map in which most of them were tracked.
@@ -83,57 +92,32 @@ class Slam {
   void add_listener(Listener& listener) { listeners_.push_back(&listener); }
 
  private:
-  void apply_results(const AppliedResults& work);
-  TrackResult initialize_map(const PreparedFrame& frame);
-  [[nodiscard]] bool repeats_previous_image(const PreparedFrame& frame) const;
-  [[nodiscard]] TrackResult previous_result() const;
-  TrackResult track_or_relocalize(const PreparedFrame& frame, bool& relocalized);
-  [[nodiscard]] BowVector bow_of(const Features& features) const;
-  void finish_localization();
-  [[nodiscard]] bool is_localized(const TrackResult& result, const PreparedFrame& frame) const;
-  [[nodiscard]] std::optional<TrackResult> relocalize(const PreparedFrame& frame) const;
-  [[nodiscard]] PreparedFrame motion_compensated(const PreparedFrame& frame) const;
+  void apply_results(const AppliedResults& results);
   void apply_sensor_estimate(const SensorEstimate& sensor);
-  [[nodiscard]] bool previous_frame_lost() const {
-    return !session_log().empty() && session_log().back().status == TrackStatus::kLost;
-  }
-  [[nodiscard]] bool should_start_component() const;
-  void update_motion_model(const PreparedFrame& frame, const TrackResult& result);
-  void store_previous_frame(const PreparedFrame& frame, const TrackResult& result);
-  [[nodiscard]] bool should_insert_keyframe(const PreparedFrame& frame, const TrackResult& result) const;
-  KeyframeId add_keyframe(const PreparedFrame& frame, const TrackResult& result);
-  KeyframeId insert_keyframe(const PreparedFrame& frame, const TrackResult& result);
-  void detect_loops(KeyframeId keyframe);
-  void set_reference_keyframe(KeyframeId reference);
+  KeyframeId insert_keyframe(const FrameTracking& tracking);
+  void find_loops(KeyframeId keyframe);
+  void finish_localization();
   void notify_listeners(const FrameResult& result, const PreparedFrame& frame);
-  [[nodiscard]] KeyframeId next_keyframe_id() const {
-    return KeyframeId{static_cast<uint32_t>(map_.keyframes().size())};
+  [[nodiscard]] JobContext job_context(KeyframeId new_keyframe = {}) const {
+    return {map_, log_, sensor_.value, new_keyframe};
   }
-  [[nodiscard]] uint64_t seed_of(FrameId frame) const;
 
   RgbdCamera camera_;
   SlamOptions options_;
-  Vocabulary vocabulary_;
   Map map_;
-  PlaceIndex places_;
-  CandidateHistory loop_history_;
+  FrontEnd front_end_;
+  Tracker tracker_;
+  Mapper mapper_;
+  PlaceRecognition places_;
   BackEnd back_end_;
-  bool map_changed_ = false;  // since the listeners were told
-
-  LocalMap local_map_;
-  std::optional<TrackedFrame> previous_;  // the last that was located; none before the start
-  MotionModel motion_;
-  KeyframeId last_keyframe_;
-  int frames_since_keyframe_ = 0;
 
   FrameLog log_;
-  size_t session_begin_ = 0;            // of this run in the log
-  std::vector<SavedSession> sessions_;  // of the maps that were loaded
-  uint32_t first_frame_ = 0;            // added to the ids of this run's frames
+  EarlierSessions earlier_;
   SensorEstimate sensor_;
   std::vector<Matrix6d> keyframe_covariance_;
   Timings timings_;
   std::vector<Listener*> listeners_;
+  bool map_changed_ = false;  // since the listeners were told
 };
 
 }  // namespace kinloop

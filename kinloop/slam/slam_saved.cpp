@@ -10,34 +10,33 @@ namespace kinloop {
 uint32_t Slam::add_map(SavedMap saved) {
   require(session_log().empty(), "add_map: must be called before the first frame");
   const bool first = map_.keyframes().empty();
-  const KeyframeId begin = next_keyframe_id();
-  const uint32_t shift = first_frame_;
-  const FrameLog log = logged_frames(saved, begin.value, shift);
+  const auto begin = static_cast<uint32_t>(map_.keyframes().size());
+  const uint32_t shift = front_end_.first_frame();
+  const FrameLog log = logged_frames(saved, begin, shift);
   for (const SavedSession& session : saved.sessions) {
-    sessions_.push_back({session.input, FrameId{session.first_frame.value + shift}});
+    earlier_.sessions.push_back({session.input, FrameId{session.first_frame.value + shift}});
   }
   log_.insert(log_.end(), log.begin(), log.end());
-  session_begin_ = log_.size();
-  first_frame_ = log_.empty() ? 0 : log_.back().frame.value + 1;
+  earlier_.frame_count = log_.size();
+  front_end_ = FrontEnd(camera_.color, options_.features, log_.empty() ? 0 : log_.back().frame.value + 1);
   if (first) sensor_ = sensor_estimate(saved.sensor, nominal_sensor(camera_));
   map_.append(std::move(saved.map));
-  if (map_.keyframes().empty()) return shift;
-  last_keyframe_ = map_.keyframes().back().id;
-  for (KeyframeId id = begin; id < next_keyframe_id(); ++id.value) {
-    places_.add(id, bow_of(*map_.keyframe(id).features));
+  const auto end = static_cast<uint32_t>(map_.keyframes().size());
+  if (end == 0) return shift;
+  mapper_.continue_from(KeyframeId{end - 1});
+  for (uint32_t id = begin; id < end; ++id) places_.add(map_.keyframe(KeyframeId{id}));
+  for (uint32_t id = begin; !first && id < end; ++id) {
+    find_loops(KeyframeId{id});
+    apply_results(back_end_.apply_remaining(job_context()));
   }
-  for (KeyframeId id = begin; !first && id < next_keyframe_id(); ++id.value) {
-    detect_loops(id);
-    apply_results(back_end_.apply_remaining(map_));
-  }
-  loop_history_.clear();
+  places_.forget_history();
   return shift;
 }
 
 SavedMap Slam::saved_map(const std::string& input) const {
   SavedMap saved;
-  saved.sessions = sessions_;
-  if (!session_log().empty()) saved.sessions.push_back({input, FrameId{first_frame_}});
+  saved.sessions = earlier_.sessions;
+  if (!session_log().empty()) saved.sessions.push_back({input, FrameId{front_end_.first_frame()}});
   saved.camera = camera_;
   saved.sensor = saved_sensor(sensor_);
   saved.map = map_.data();
@@ -45,17 +44,11 @@ SavedMap Slam::saved_map(const std::string& input) const {
   return saved;
 }
 
-/// Whether the frame shows enough of the map to say where it is, without the frames before it.
-bool Slam::is_localized(const TrackResult& result, const PreparedFrame& frame) const {
-  return result.stats.inliers >= options_.tracking.min_inliers &&
-         has_sufficient_inlier_ratio(result, *frame.features, options_.tracking.min_inlier_ratio);
-}
-
 /// Refines the frames that rest on the map; of the others it is not known where they are.
 void Slam::finish_localization() {
   log_ = refine_frames(std::move(log_), map_, camera_.color, sensor_.value, options_.tracking.pose,
                        FrameSelection::kAll, options_.global_ba.threads);
-  for (size_t i = session_begin_; i < log_.size(); ++i) {
+  for (size_t i = earlier_.frame_count; i < log_.size(); ++i) {
     if (log_[i].observations.empty()) log_[i].status = TrackStatus::kLost;
   }
 }

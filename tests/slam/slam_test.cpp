@@ -102,7 +102,7 @@ TEST(Slam, GivesTheSameBitsEveryRun) {
 TEST(Slam, PipelineGivesIdenticalResults) {
   ReplayedSource source;
   Slam slam(source.camera());
-  FramePipeline pipeline(source, slam);
+  FramePipeline pipeline(source, slam.front_end());
   while (const auto frame = pipeline.next()) slam.process(*frame);
   expect_same(slam.finish(), run(recording().frames, {}));
 }
@@ -111,7 +111,7 @@ TEST(Slam, PipelinePropagatesExceptions) {
   ReplayedSource source;
   source.fail_at = 3;
   Slam slam(source.camera());
-  FramePipeline pipeline(source, slam);
+  FramePipeline pipeline(source, slam.front_end());
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(pipeline.next().has_value());
   EXPECT_THROW(pipeline.next(), std::runtime_error);
 }
@@ -119,7 +119,7 @@ TEST(Slam, PipelinePropagatesExceptions) {
 TEST(Slam, PipelineStopsWhenDestroyedEarly) {
   ReplayedSource source;
   Slam slam(source.camera());
-  FramePipeline pipeline(source, slam);
+  FramePipeline pipeline(source, slam.front_end());
   EXPECT_TRUE(pipeline.next().has_value());
 }
 

@@ -1,0 +1,36 @@
+#pragma once
+// Bundle adjustment around each new keyframe.
+
+#include "kinloop/mapping/bundle_adjustment.hpp"
+#include "kinloop/slam/back_end/job_context.hpp"
+
+namespace kinloop {
+
+class LocalBaJob {
+ public:
+  static constexpr const char* kName = "local bundle adjustment";
+  static constexpr bool kWaitsForGlobalCorrection = false;
+  struct Problem {
+    BundleAdjustmentProblem problem;
+    BundleOptions options;
+  };
+  using Solution = MapUpdate;
+
+  LocalBaJob(const RgbdCamera& camera, const SlamOptions& options)
+      : camera_(camera.color), options_(options.mapping), lag_frames_(options.executor.local_ba_lag_frames) {}
+
+  [[nodiscard]] int lag_frames() const { return lag_frames_; }
+  [[nodiscard]] bool is_due(const JobContext& context) const;
+  [[nodiscard]] Problem make_problem(const JobContext& context);
+  [[nodiscard]] static Solution solve(const Problem& problem);
+  [[nodiscard]] static std::optional<AppliedSolution> apply(Map& map, const Solution& update);
+  void on_stale(Solution /*update*/) {}
+
+ private:
+  PinholeCamera camera_;
+  MappingOptions options_;
+  int lag_frames_;
+  KeyframeId center_;  // of the latest problem
+};
+
+}  // namespace kinloop

@@ -1,0 +1,42 @@
+#pragma once
+// Estimates the times of the sensor, with the map adjusted to them, while frames come.
+
+#include "kinloop/slam/back_end/job_context.hpp"
+#include "kinloop/slam/self_calibration.hpp"
+
+namespace kinloop {
+
+class SelfCalibrationJob {
+ public:
+  static constexpr const char* kName = "self-calibration";
+  static constexpr bool kWaitsForGlobalCorrection = true;
+  struct Problem {
+    BundleAdjustmentProblem problem;
+    SelfCalibrationOptions calibration;
+    BundleOptions options;
+  };
+  using Solution = SelfCalibrationResult;
+
+  SelfCalibrationJob(const RgbdCamera& camera, const SlamOptions& options)
+      : camera_(camera),
+        calibration_(options.self_calibration),
+        options_(options.global_ba),
+        lag_frames_(options.executor.global_ba_lag_frames),
+        min_keyframes_(static_cast<size_t>(options.self_calibration.min_keyframes)) {}
+
+  [[nodiscard]] int lag_frames() const { return lag_frames_; }
+  [[nodiscard]] bool is_due(const JobContext& context) const;
+  [[nodiscard]] Problem make_problem(const JobContext& context) const;
+  [[nodiscard]] static Solution solve(const Problem& problem);
+  [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& result);
+  void on_stale(Solution /*result*/) {}
+
+ private:
+  RgbdCamera camera_;
+  SelfCalibrationOptions calibration_;
+  BundleOptions options_;
+  int lag_frames_;
+  size_t min_keyframes_;  // that the next one waits for
+};
+
+}  // namespace kinloop

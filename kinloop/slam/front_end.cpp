@@ -1,0 +1,29 @@
+#include "kinloop/slam/front_end.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/features/extractor.hpp"
+
+namespace kinloop {
+
+PreparedFrame FrontEnd::prepare(const RgbdFrame& frame) const {
+  const cv::Size size(camera_.width, camera_.height);
+  require(frame.color.type() == CV_8UC3 && frame.color.size() == size,
+          "prepare: color image must be 8UC3 BGR of the camera's size");
+  require(frame.depth_m.type() == CV_32FC1 && frame.depth_m.size() == size,
+          "prepare: depth image must be 32FC1 in metres, of the camera's size");
+  const Stopwatch watch;
+  PreparedFrame prepared;
+  prepared.id = FrameId{first_frame_ + frame.id.value};
+  prepared.stamp_ns = frame.stamp_ns;
+  prepared.color = frame.color;
+  prepared.depth_m = frame.depth_m;
+  cv::cvtColor(frame.color, prepared.gray, cv::COLOR_BGR2GRAY);
+  prepared.features =
+      std::make_shared<const Features>(extract_features(prepared.gray, prepared.depth_m, camera_, options_));
+  prepared.preparing = watch.elapsed();
+  return prepared;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,164 @@
+#include "kinloop/slam/tracker.hpp"
+
+#include <algorithm>
+
+#include "kinloop/tracking/motion_compensation.hpp"
+
+namespace kinloop {
+namespace {
+
+int count_with_depth(const Features& features) {
+  return static_cast<int>(std::count_if(features.depths_m.begin(), features.depths_m.end(),
+                                        [](float depth_m) { return depth_m > 0; }));
+}
+
+/// Whether the frame shows enough of the map to say where it is, without the frames before it.
+bool is_localized(const TrackResult& result, const PreparedFrame& frame, const TrackingOptions& options) {
+  return result.stats.inliers >= options.min_inliers &&
+         has_sufficient_inlier_ratio(result, *frame.features, options.min_inlier_ratio);
+}
+
+TrackResult* located(TrackOutcome& outcome) {
+  if (auto* tracked = std::get_if<Tracked>(&outcome)) return &tracked->result;
+  if (auto* relocalized = std::get_if<Relocalized>(&outcome)) return &relocalized->result;
+  return nullptr;
+}
+
+}  // namespace
+
+const TrackResult* located(const TrackOutcome& outcome) {
+  if (const auto* tracked = std::get_if<Tracked>(&outcome)) return &tracked->result;
+  if (const auto* relocalized = std::get_if<Relocalized>(&outcome)) return &relocalized->result;
+  return nullptr;
+}
+
+FrameTracking Tracker::track(const PreparedFrame& measured, const TrackingContext& context,
+                             Timings& timings) const {
+  if (repeats_previous_image(measured)) return {Tracked{previous_result()}, measured, motion_, true};
+  TrackOutcome outcome = locate(deskewed(measured, context.sensor, motion_), context, timings);
+  TrackResult* result = located(outcome);
+  if (options_.localize_only && result != nullptr && !is_localized(*result, measured, options_.tracking)) {
+    result->matches.clear();
+  }
+  MotionModel motion = motion_after(measured, outcome);
+  PreparedFrame frame = deskewed(measured, context.sensor, motion);  // now that its own motion is known
+  return {std::move(outcome), std::move(frame), motion, false};
+}
+
+TrackOutcome Tracker::locate(const PreparedFrame& frame, const TrackingContext& context,
+                             Timings& timings) const {
+  if (context.map.keyframes().empty()) return start_map_or_lose(frame);
+  const Stopwatch watch;
+  TrackResult tracked = previous_ ? track_previous(frame) : TrackResult{};
+  timings.add("tracking", watch.elapsed());
+  // Depth images alone tell the motion from one frame to the next, not across a gap.
+  if (lost_frames_ > 0 && tracked.status == TrackStatus::kDenseOnly) tracked = {};
+  const bool as_predicted = tracked.stats.attempts == 1 &&
+                            (!options_.localize_only || is_localized(tracked, frame, options_.tracking));
+  if (tracked.status == TrackStatus::kTracked && as_predicted) return Tracked{std::move(tracked)};
+
+  // Where the camera is not where it was going, it may have been carried elsewhere: what the map says counts
+  // more than a handful of chance matches.
+  const Stopwatch relocalization_watch;
+  auto found = context.places.relocalize(frame, context.map);
+  timings.add("relocalization", relocalization_watch.elapsed());
+  if (found && found->stats.inliers > tracked.stats.inliers) return Relocalized{std::move(*found)};
+  if (tracked.status != TrackStatus::kLost) return Tracked{std::move(tracked)};
+  // After so many lost frames the camera may be where it has never been.
+  const int max_lost = options_.lost_frames_before_new_component;
+  if (max_lost > 0 && lost_frames_ >= max_lost) return start_map_or_lose(frame);
+  return Lost{tracked.stats};
+}
+
+TrackResult Tracker::track_previous(const PreparedFrame& frame) const {
+  PredictedPose predicted = motion_.predict(frame.stamp_ns - previous_->frame.stamp_ns);
+  predicted.T = previous_->T_reference_camera * predicted.T;
+  return kinloop::track(frame, *previous_, local_map_, predicted, camera_, options_.tracking,
+                        seed_of(options_, frame.id));
+}
+
+/// A map begins with a frame that shows enough.
+TrackOutcome Tracker::start_map_or_lose(const PreparedFrame& frame) const {
+  const bool enough = count_with_depth(*frame.features) >= options_.min_initial_keypoints;
+  if (options_.localize_only || !enough) return Lost{};
+  return NewMap{};
+}
+
+/// Drivers fill the gap of a lost image with the one before: the camera has moved on, its picture has not.
+bool Tracker::repeats_previous_image(const PreparedFrame& frame) const {
+  if (!previous_ || lost_frames_ > 0) return false;
+  const cv::Mat& a = previous_->frame.gray;
+  const cv::Mat& b = frame.gray;
+  return !a.empty() && a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;
+}
+
+TrackResult Tracker::previous_result() const {
+  TrackResult result;
+  result.status = TrackStatus::kTracked;
+  result.reference = local_map_.reference;
+  result.T_reference_camera = previous_->T_reference_camera;
+  for (uint32_t i = 0; i < previous_->landmark_of.size(); ++i) {
+    if (previous_->landmark_of[i].valid()) result.matches.push_back({previous_->landmark_of[i], i});
+  }
+  result.stats.inliers = static_cast<int>(result.matches.size());
+  return result;
+}
+
+/// Learns from two frames tracked one after the other; after anything else the velocity is unknown.
+MotionModel Tracker::motion_after(const PreparedFrame& frame, const TrackOutcome& outcome) const {
+  MotionModel motion = motion_;
+  const auto* tracked = std::get_if<Tracked>(&outcome);
+  if (tracked != nullptr && previous_ && lost_frames_ == 0) {
+    motion.update(previous_->T_reference_camera.inverse() * tracked->result.T_reference_camera,
+                  frame.stamp_ns - previous_->frame.stamp_ns);
+  } else {
+    motion.reset();
+  }
+  return motion;
+}
+
+/// The frame as an ideal camera at rest would have taken it, going by its motion.
+PreparedFrame Tracker::deskewed(const PreparedFrame& measured, const SensorVector& sensor,
+                                const MotionModel& motion) const {
+  PreparedFrame frame = measured;
+  if (!sensor.isZero(0)) {
+    frame.features = std::make_shared<const Features>(
+        deskew_features(*measured.features, camera_, sensor, motion.velocity()));
+  }
+  return frame;
+}
+
+void Tracker::update(const Map& map, KeyframeId reference, const FrameTracking* latest) {
+  KeyframeId previous_reference = local_map_.reference;  // that the previous frame's pose is relative to
+  if (latest != nullptr && !latest->repeat) {
+    remember(*latest);
+    const TrackResult* result = located(latest->outcome);
+    if (result != nullptr) previous_reference = result->reference;
+    if (std::holds_alternative<NewMap>(latest->outcome)) previous_reference = reference;
+  }
+  if (!reference.valid()) return;
+  if (previous_ && previous_reference.valid() && previous_reference != reference) {
+    previous_->T_reference_camera = map.keyframe(reference).T_world_camera.inverse() *
+                                    map.keyframe(previous_reference).T_world_camera *
+                                    previous_->T_reference_camera;
+  }
+  const bool map_unchanged = latest != nullptr && reference == local_map_.reference;
+  if (!map_unchanged) local_map_ = make_local_map(map, reference, options_.local_map);
+}
+
+/// Keeps what the next frame needs; after a loss that is the last frame whose place is known.
+void Tracker::remember(const FrameTracking& latest) {
+  motion_ = latest.motion;
+  if (std::holds_alternative<Lost>(latest.outcome)) {
+    ++lost_frames_;
+    return;
+  }
+  lost_frames_ = 0;
+  const TrackResult* result = located(latest.outcome);
+  previous_ = TrackedFrame{latest.frame, result != nullptr ? result->T_reference_camera : SE3{},
+                           std::vector<LandmarkId>(latest.frame.features->size())};
+  if (result == nullptr) return;
+  for (const LandmarkMatch& match : result->matches) previous_->landmark_of[match.feature] = match.landmark;
+}
+
+}  // namespace kinloop
