@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# Regenerates the pictures of README and docs (docs/images) with the release build.
+# Makes the pictures of README and docs (docs/images) anew from the release build.
 # Usage: scripts/make_pictures.sh            the simulated room: map, viewer, reports; after ./test.sh, a few minutes
-#        scripts/make_pictures.sh --curves   the precision-recall curves of docs/place.md, from ../shared/data; 20 CPU minutes
+#        scripts/make_pictures.sh --curves   the curves of docs/place.md, from ../shared/data; 20 CPU minutes
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 export KINLOOP_PROGRAM="$PWD/build/release/apps/kinloop"
 images="$PWD/docs/images"
 
-draw_curves() {  # as in docs/place.md: every 6th pose of a handheld path, in two rooms
+draw_curves() {  # as docs/place.md has it: every 6th pose of a handheld path through two rooms
   local work data="$PWD/../shared/data" bench="$PWD/build/release/bench/bench_place"
   work="$(mktemp -d)"
   trap 'rm -rf "$work"' EXIT
