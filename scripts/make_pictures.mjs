@@ -1,4 +1,4 @@
-// The pictures of README and docs, taken of a simulated room; see make_pictures.sh.
+// Makes the pictures of README and docs from a simulated room; see make_pictures.sh.
 
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
@@ -10,9 +10,9 @@ import { withBrowser, seen, until } from '../tests/browser/harness.mjs';
 const images = process.env.KINLOOP_SCREENSHOTS;
 const JPEG = { type: 'jpeg', quality: 78 };
 
-/** The page as it is drawn; of a long one the top. */
+/** Screenshot of the page; of a long one, the top. */
 async function shoot(page, name, heightPx) {
-  await page.waitForTimeout(1500); // what glides comes to rest, and all points are drawn
+  await page.waitForTimeout(1500); // wait until animations have ended and all points are drawn
   const top = heightPx ? { fullPage: true, clip: { x: 0, y: 0, width: 960, height: heightPx } } : {};
   await page.screenshot({ path: join(images, `${name}.jpg`), ...JPEG, ...top });
 }
@@ -21,7 +21,7 @@ await withBrowser(async ({ open, kinloop, folder }) => {
   const [sequence, out, plain] = ['simulated_room', 'with_loops', 'without_loops'].map((name) => join(folder, name));
   assert.equal(await kinloop('simulate', 'room', '-q', '-o', sequence).ended, 0);
 
-  // The live page, when a loop has just been closed.
+  // The live page, just after a loop closure.
   const run = kinloop('run', sequence, '-o', out, '--viewer=0', '--set', 'viewer.paused=true');
   const live = await open(await run.url());
   await until(async () => (await seen(live)).badge.includes('paused'), 'the run waits');
@@ -31,7 +31,7 @@ await withBrowser(async ({ open, kinloop, folder }) => {
   await shoot(live, 'viewer_live');
   await run.ended;
 
-  // What the runs left behind: the figures of README and docs are those of these commands.
+  // The results of the runs: the figures of README and docs are those of these commands.
   assert.equal(await kinloop('run', sequence, '-q', '-o', out).ended, 0);
   assert.equal(await kinloop('run', sequence, '-q', '--no-loop', '-o', plain).ended, 0);
   const saved = await open(await kinloop('view', out, '--port', '0').url());

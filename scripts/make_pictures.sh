@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of README and docs (docs/images) anew from the release build.
+# Regenerates the pictures of README and docs (docs/images) from the release build.
 # Usage: scripts/make_pictures.sh            the simulated room: map, viewer, reports; after ./test.sh, a few minutes
 #        scripts/make_pictures.sh --curves   the curves of docs/place.md, from ../shared/data; 20 CPU minutes
 set -euo pipefail
@@ -8,7 +8,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export KINLOOP_PROGRAM="$PWD/build/release/apps/kinloop"
 images="$PWD/docs/images"
 
-draw_curves() {  # as docs/place.md has it: every 6th pose of a handheld path through two rooms
+draw_curves() {  # as in docs/place.md: every 6th pose of a handheld path through two rooms
   local work data="$PWD/../shared/data" bench="$PWD/build/release/bench/bench_place"
   work="$(mktemp -d)"
   trap 'rm -rf "$work"' EXIT
