@@ -29,8 +29,7 @@
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/pose_graph/g2o_file.hpp"
 #include "kinloop/sensor/camera_file.hpp"
-#include "kinloop/slam/dense_recorder.hpp"
-#include "kinloop/slam/frame_pipeline.hpp"
+#include "kinloop/slam/session.hpp"
 #include "viewer/report/run_up_direction.hpp"
 
 namespace kinloop {
@@ -95,30 +94,30 @@ const PacedSource* pace(std::unique_ptr<FrameSource>& source, double hz) {
 
 /// Feeds all frames, each when the run is not paused (`wait_until_resumed`); false when Ctrl-C ended it
 /// early.
-bool process_all(FrameSource& source, Slam& slam, MapSaver* saver, const Progress& progress,
+bool process_all(Session& session, MapSaver* saver, const Progress& progress,
                  const std::function<void()>& wait_until_resumed) {
-  FramePipeline pipeline(source, slam.front_end());
+  const size_t frames = session.source().info().frames;
   size_t done = 0;
-  while (const auto frame = pipeline.next()) {
+  while (const auto frame = session.next()) {
     if (wait_until_resumed) wait_until_resumed();
-    const FrameResult result = slam.process(*frame);
+    const FrameResult result = session.process(*frame);
     ++done;
-    if (progress) progress({"mapping", done, source.info().frames, progress_note(result, slam.map())});
+    if (progress) progress({"mapping", done, frames, progress_note(result, session.slam().map())});
     if (saver != nullptr) saver->save_if_due();
     if (!interrupted()) continue;
     // A second Ctrl-C ends the program before the map is finished.
     if (saver != nullptr) saver->try_save();
-    log::warn("interrupted: finishing with {} frames", slam.session_log().size());
+    log::warn("interrupted: finishing with {} frames", session.slam().session_log().size());
     return false;
   }
   return true;
 }
 
-/// Puts the map that the run goes on with in its place; its images only where there is a `recorder` for them.
-void apply_initial_map(InitialMap& start, const std::filesystem::path& path, Slam& slam,
-                       DenseRecorder* recorder) {
-  const uint32_t shift = slam.add_map(std::move(start.saved));
-  if (recorder != nullptr) load_images(start.reader, path, shift, *recorder);
+/// Puts the map that the run goes on with in its place; its images only where they are wanted.
+void apply_initial_map(InitialMap& start, const std::filesystem::path& path, Session& session,
+                       bool with_images) {
+  const uint32_t shift = session.add_map(std::move(start.saved));
+  if (with_images) restore_images(start.reader, path, shift, session.recorder());
 }
 
 /// Whether tracking was lost at the end, or never began: what the exit code tells scripts.
@@ -161,23 +160,16 @@ nlohmann::json map_file_json(const MapSaver& saver) {
           {"save_s", saver.seconds()}};
 }
 
-/// The cloud, and how it is written.
-struct UprightMap {
-  ColoredCloud cloud;
-  UpEstimate up;
-  FileFrame frame;
-};
-
-UprightMap upright_map(const Slam& slam, DenseRecorder& recorder, const std::string& frame, int threads,
-                       const Progress& progress) {
-  UprightMap map{recorder.fuse(slam, threads, progress), recorder.up(slam), {}};
-  map.frame = file_frame(frame, map.up, recorder.views(slam));
+/// The cloud in the frame that `--frame` names.
+MapCloud map_cloud(Session& session, const std::string& frame, const Progress& progress) {
+  MapCloud map = session.cloud(progress);
+  if (frame == "camera") map.frame = {};
   return map;
 }
 
 /// What run.json holds; `map` is missing where only poses were asked for.
 nlohmann::json summary_of(const RunOutcome& outcome, const DenseRecorder& recorder,
-                          const std::optional<UprightMap>& map) {
+                          const std::optional<MapCloud>& map) {
   auto summary = run_summary(outcome);
   summary["timings"].update(timings_json(recorder.timings()));
   if (!map) return summary;
@@ -195,8 +187,8 @@ void write_poses(const RunFolder& folder, const Trajectory& trajectory, const Fr
 }
 
 void write_results(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
-                   const std::optional<UprightMap>& map, const DenseRecorder& images,
-                   const FrameTable& frames, const nlohmann::json& summary) {
+                   const std::optional<MapCloud>& map, const DenseRecorder& images, const FrameTable& frames,
+                   const nlohmann::json& summary) {
   if (!map) return write_poses(folder, trajectory, frames, summary);
   const Slam& slam = outcome.slam;
   write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), slam.component()),
@@ -214,6 +206,10 @@ void print_summary(const nlohmann::json& summary, const RunFolder& folder, bool 
                         : "trajectory.txt, map.ply, report.html");
 }
 
+SessionOptions session_options(const RunOptions& options, int threads, bool poses_only) {
+  return {options.slam, options.dense, !poses_only, threads};
+}
+
 ExitCode run(const RunArguments& arguments) {
   const Stopwatch watch;
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
@@ -223,38 +219,38 @@ ExitCode run(const RunArguments& arguments) {
   const RunFolder folder(arguments.output);
   const PacedSource* paced = arguments.pace_hz > 0 ? pace(source, arguments.pace_hz) : nullptr;
   const Progress progress = arguments.verbose ? make_stage_logger() : make_progress_bar(arguments.quiet);
-  const RgbdCamera camera = camera_of(*source, start, arguments);
-  Slam slam(camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
-  DenseRecorder recorder(camera, options.dense, options.slam.executor);
+  const bool poses_only = arguments.localize && !arguments.report;
+  Session session(*source, session_options(options, threads, poses_only),
+                  camera_of(*source, start, arguments),
+                  open_vocabulary(arguments.vocabulary, options.slam.features));
+  const Slam& slam = session.slam();
   FrameRecorder frames;
   DepthMonitor depth(options.dense, source->camera().depth_scale);
-  const bool poses_only = arguments.localize && !arguments.report;
-  if (!poses_only) slam.add_listener(recorder);
-  slam.add_listener(frames);
-  slam.add_listener(depth);
+  session.add_listener(frames);
+  session.add_listener(depth);
   RunLogger run_logger;
   if (arguments.verbose) {
     log_run_start(*source, threads);
-    slam.add_listener(run_logger);
+    session.add_listener(run_logger);
   }
-  if (start) apply_initial_map(*start, arguments.load_map, slam, poses_only ? nullptr : &recorder);
-  const auto saver = saver_of(arguments, folder, {slam, recorder, options, arguments.sequence});
+  if (start) apply_initial_map(*start, arguments.load_map, session, !poses_only);
+  const auto saver = saver_of(arguments, folder, {slam, session.recorder(), options, arguments.sequence});
   install_interrupt_handler();
   const auto save_now = [&] {
-    if (poses_only) return write_tum_trajectory(folder.trajectory(), slam.trajectory());
-    save_map(folder, slam, recorder, arguments.frame, threads);
+    if (poses_only) return write_tum_trajectory(folder.trajectory(), session.trajectory());
+    save_map(folder, slam, session.recorder(), arguments.frame, threads);
     if (saver) saver->try_save();
   };
-  const auto shown = start_run_viewer(arguments.viewer, *source, options.viewer, slam, save_now);
+  const auto shown = start_run_viewer(arguments.viewer, options.viewer, session, save_now);
   const bool complete =
-      process_all(*source, slam, saver.get(), progress, shown ? shown->wait_until_resumed : nullptr);
+      process_all(session, saver.get(), progress, shown ? shown->wait_until_resumed : nullptr);
   if (shown) shown->viewer.set_stage("final bundle adjustment");
-  const Trajectory trajectory = slam.finish(progress);
+  const Trajectory& trajectory = session.finish(progress);
   if (shown) shown->viewer.finish(slam.session_log(), slam.map());
   const bool saved = saver != nullptr && saver->try_save();
   release_freed_memory();
-  std::optional<UprightMap> map;
-  if (!poses_only) map = upright_map(slam, recorder, arguments.frame, threads, progress);
+  std::optional<MapCloud> map;
+  if (!poses_only) map = map_cloud(session, arguments.frame, progress);
   release_freed_memory();
   warn_of_skipped(*source);
 
@@ -263,9 +259,9 @@ ExitCode run(const RunArguments& arguments) {
   const auto points = map ? std::optional(map->cloud.size()) : std::nullopt;
   const RunOutcome outcome{*source,        slam,    options,   evaluation, points,
                            watch.wall_s(), threads, !complete, dropped};
-  auto summary = summary_of(outcome, recorder, map);
+  auto summary = summary_of(outcome, session.recorder(), map);
   if (saved) summary["map_file"] = map_file_json(*saver);
-  write_results(folder, outcome, trajectory, map, recorder, frames.table(slam.timings()), summary);
+  write_results(folder, outcome, trajectory, map, session.recorder(), frames.table(slam.timings()), summary);
   if (!arguments.quiet) print_summary(summary, folder, poses_only);
   const bool useful = check_result(outcome, trajectory, depth);
   if (shown) serve_until_interrupted(shown->viewer);

@@ -17,7 +17,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/options.hpp"
-#include "kinloop/slam/slam.hpp"
+#include "kinloop/slam/session.hpp"
 #include "ros/node_output.hpp"
 #include "ros/node_source.hpp"
 
@@ -50,29 +50,31 @@ void run(const ros::NodeHandle& node) {
   const ListenOptions listen = listen_options(node);
   const SlamOptions options = slam_options(node, listen.keep_all);
   TopicSource source(node, listen);
-  Slam slam(source.camera(), options);
+  SessionOptions session_options;
+  session_options.slam = options;
+  session_options.record_images = false;  // the cloud goes out frame by frame
+  Session session(source, session_options);
   NodeOutput output(node, source.camera().color, text_parameter(node, "world_frame", "map"),
                     text_parameter(node, "camera_frame", "kinloop_camera"));
   size_t frames = 0, tracked = 0;
-  while (const auto frame = source.next()) {
-    const FrameResult result = slam.process(*frame);
+  while (const auto frame = session.next()) {
+    const FrameResult result = session.process(*frame);
     ++frames;
     if (result.status == TrackStatus::kLost) continue;
     ++tracked;
     output.publish_pose(result);
     if (!result.keyframe.valid()) continue;
-    output.publish_path(slam.trajectory());
+    output.publish_path(session.trajectory());
     output.publish_cloud(result, *frame);
   }
-  const Trajectory trajectory = slam.finish();
-  output.publish_path(trajectory);
+  output.publish_path(session.finish());
   const auto skipped = source.skipped();
   log::info("{} of {} frames tracked, {} images lost{}", tracked, frames, skipped.size(),
             skipped.empty() ? "" : "; the first: " + skipped.front().reason);
   const std::filesystem::path folder = text_parameter(node, "output");
   if (folder.empty()) return;
   std::filesystem::create_directories(folder);
-  write_tum_trajectory(folder / "trajectory.txt", trajectory);
+  session.write_trajectory(folder / "trajectory.txt");
   log::info("written: {}", (folder / "trajectory.txt").string());
 }
 

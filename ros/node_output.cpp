@@ -100,8 +100,8 @@ void NodeOutput::publish_path(const Trajectory& trajectory) {
   path_.publish(path);
 }
 
-void NodeOutput::publish_cloud(const FrameResult& result, const RgbdFrame& frame) {
-  constexpr int kStep = 4;  // px: about 20,000 points of a 640 x 480 image
+void NodeOutput::publish_cloud(const FrameResult& result, const PreparedFrame& frame) {
+  constexpr int kStep = 4;  // px: some 20,000 points of a 640 x 480 image
   if (cloud_.getNumSubscribers() == 0) return;
   PointCloud2 cloud = empty_cloud(header_of(result.stamp_ns, world_));
   for (int y = 0; y < frame.depth_m.rows; y += kStep) {

@@ -7,7 +7,6 @@
 
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/trajectory.hpp"
-#include "kinloop/sensor/rgbd_frame.hpp"
 #include "kinloop/slam/listener.hpp"
 
 namespace kinloop::ros1 {
@@ -20,7 +19,7 @@ class NodeOutput {
 
   void publish_pose(const FrameResult& result);
   void publish_path(const Trajectory& trajectory);
-  void publish_cloud(const FrameResult& result, const RgbdFrame& frame);
+  void publish_cloud(const FrameResult& result, const PreparedFrame& frame);
 
  private:
   PinholeCamera camera_;

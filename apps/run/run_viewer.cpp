@@ -57,15 +57,15 @@ std::vector<std::string> join_viewer_address(std::vector<std::string> words) {
   return words;
 }
 
-std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const FrameSource& source,
-                                            const ViewerOptions& options, Slam& slam,
-                                            const std::function<void()>& save_now) {
+std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const ViewerOptions& options,
+                                            Session& session, const std::function<void()>& save_now) {
   if (listen.empty()) return nullptr;
+  const FrameSource& source = session.source();
   const SourceInfo& info = source.info();
   auto shown = std::make_unique<RunViewer>(
       parse_listen_address(listen),
       RunInfo{input_name(info.name), info.frames, source.camera(), info.ground_truth, options});
-  slam.add_listener(shown->viewer.listener());
+  session.add_listener(shown->viewer.listener());
   shown->wait_until_resumed = [&viewer = shown->viewer, save_now] {
     handle_pause_and_save(viewer, save_now);
   };

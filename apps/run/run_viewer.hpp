@@ -9,9 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "kinloop/io/run_folder.hpp"
-#include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/slam/dense_recorder.hpp"
-#include "kinloop/slam/slam.hpp"
+#include "kinloop/slam/session.hpp"
 #include "viewer/live_viewer.hpp"
 
 namespace kinloop {
@@ -32,10 +30,9 @@ CLI::Option* add_viewer_option(CLI::App& command, std::string& listen);
 /// address: CLI11 would take any word after an option with an optional value.
 std::vector<std::string> join_viewer_address(std::vector<std::string> words);
 
-/// Starts the viewer, if `listen` asks for it, and prints its URL. Slam must not outlive the result.
-std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const FrameSource& source,
-                                            const ViewerOptions& options, Slam& slam,
-                                            const std::function<void()>& save_now);
+/// Begins to show the run, if `listen` asks for it, and says where. The session must not outlive the result.
+std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const ViewerOptions& options,
+                                            Session& session, const std::function<void()>& save_now);
 
 /// Writes the current trajectory and map, the map in the frame selected by `--frame`.
 void save_map(const RunFolder& folder, const Slam& slam, DenseRecorder& recorder, const std::string& frame,
