@@ -105,7 +105,7 @@ void merge(const MergeArguments& arguments) {
   RunOptions options = restore_options(a, {});
   options.slam.global_ba.threads = hardware_threads();
   options.slam.localize_only = false;
-  options = with_assignments(options, arguments.assignments);
+  options = run_options_with(options, arguments.assignments);
 
   Slam slam(a.camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
   DenseRecorder recorder(a.camera, options.dense);

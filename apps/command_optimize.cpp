@@ -102,10 +102,11 @@ std::string page(const std::string& title, const std::vector<Pose>& before, cons
   GraphReport report;
   report.title = title;
   report.subtitle = fmt::format("{} vertices, {} edges", graph.T_world_vertex.size(), graph.edges.size());
-  report.tiles = {{fmt::format("{:.4g}", solution.chi2_before), "chi2 before"},
-                  {fmt::format("{:.4g}", solution.chi2_after), "chi2 after"},
-                  {std::to_string(solution.iterations), "iterations by " + solution.solver},
-                  {fmt::format("{:.3f} s", solution.seconds), "solving"}};
+  report.tiles = {
+      {fmt::format("{:.4g}", solution.chi2_before), "chi2 before"},
+      {fmt::format("{:.4g}", solution.chi2_after), "chi2 after"},
+      {std::to_string(solution.iterations), fmt::format("iterations by {}", name_of(solution.solver))},
+      {fmt::format("{:.3f} s", solution.seconds), "solving"}};
   report.before = positions(before);
   report.after = positions(solution.T_world_vertex);
   for (const auto& edge : graph.edges) {
@@ -125,7 +126,7 @@ void print(const BasicPoseGraph<Pose>& graph, const BasicPoseGraphSolution<Pose>
         {"iterations", solution.iterations},
         {"seconds", solution.seconds},
         {"converged", solution.converged},
-        {"solver", solution.solver},
+        {"solver", name_of(solution.solver)},
         {"vertices", graph.T_world_vertex.size()},
         {"edges", graph.edges.size()},
         {"parts", parts},
@@ -135,7 +136,7 @@ void print(const BasicPoseGraph<Pose>& graph, const BasicPoseGraphSolution<Pose>
     return;
   }
   fmt::print("graph       {} vertices, {} edges\n", graph.T_world_vertex.size(), graph.edges.size());
-  fmt::print("solver      {}: {} iterations, {:.3f} s{}\n", solution.solver, solution.iterations,
+  fmt::print("solver      {}: {} iterations, {:.3f} s{}\n", name_of(solution.solver), solution.iterations,
              solution.seconds, solution.converged ? "" : ", not converged");
   fmt::print("chi2        {} -> {}\n", solution.chi2_before, solution.chi2_after);
 }

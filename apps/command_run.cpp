@@ -56,19 +56,20 @@ RunOptions options_of(const RunArguments& arguments, const std::optional<Initial
   RunOptions options;
   // What a map was made of is looked for in the frames, too.
   if (start) options = restore_options(start->saved, options, "features.");
-  const std::string features = options.slam.features.kind;
+  const FeatureKind features = options.slam.features.kind;
   options.slam.global_ba.threads = threads;
   options.slam.localize_only = arguments.localize;
-  if (arguments.pace_hz > 0 || is_live(arguments.sequence)) options.slam.executor.mode = "live";
-  options = with_assignments(options, arguments.assignments);
+  if (arguments.pace_hz > 0 || is_live(arguments.sequence)) options.slam.executor.mode = ExecutorMode::kLive;
+  options = run_options_with(options, arguments.assignments);
   if (start && options.slam.features.kind != features)
-    throw UsageError(fmt::format("features.kind: must be {}, as in the loaded map", features));
+    throw UsageError(fmt::format("features.kind: must be {}, as in the loaded map", name_of(features)));
   if (arguments.no_loop) options.slam.loop.enabled = false;
-  if (arguments.solver != "auto") options.slam.loop.pose_graph.solver = arguments.solver;
+  if (!arguments.solver.empty())
+    options = run_options_with(options, std::vector{"loop.pose_graph.solver=" + arguments.solver});
   if (!pose_graph_solver_available(options.slam.loop.pose_graph.solver)) {
     throw UsageError(
         fmt::format("solver {}: not available in this build; use builtin or ceres, or omit --solver",
-                    options.slam.loop.pose_graph.solver));
+                    name_of(options.slam.loop.pose_graph.solver)));
   }
   return options;
 }
@@ -269,9 +270,17 @@ ExitCode run(const RunArguments& arguments) {
   return tracking_exit_code(slam, map ? folder.report() : folder.frames());
 }
 
-void print_options() {
+void print_options(const std::string& which) {
+  if (which != "true" && which != "all")
+    throw UsageError(fmt::format("--options: '{}' is not all; expected --options or --options=all", which));
+  const bool all = which == "all";
   RunOptions options;
-  fmt::print("Options for --set key=value, with their defaults:\n{}", options_help(option_entries(options)));
+  fmt::print(
+      "Options for --set key=value, with their defaults:\n{}",
+      options_help(option_entries(options), all ? OptionSelection::kAll : OptionSelection::kDocumented));
+  if (!all)
+    fmt::print(
+        "Expert options, among them those of sim:room (sim.*), are listed by kinloop run --options=all.\n");
 }
 
 }  // namespace
@@ -281,7 +290,7 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
   CLI::App* command = app.add_subcommand("run", "Map a sequence: trajectory, coloured map, report");
   add_run_arguments(*command, *arguments);
   command->callback([arguments, &exit_code] {
-    if (arguments->list_options) return print_options();
+    if (!arguments->list_options.empty()) return print_options(arguments->list_options);
     if (arguments->sequence.empty())
       throw UsageError(
           "kinloop run: SEQUENCE is missing, for example: kinloop run sim:room -o out; see kinloop run "

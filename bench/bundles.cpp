@@ -32,7 +32,7 @@ BundleProblem window(Size size) {
 }
 
 void compare(const BundleProblem& problem, bool free_velocities) {
-  for (const char* solver : {"builtin", "ceres"}) {
+  for (const auto solver : {BundleSolver::kBuiltin, BundleSolver::kCeres}) {
     BundleOptions options;
     options.solver = solver;
     options.free_velocities = free_velocities;
@@ -47,7 +47,7 @@ void compare(const BundleProblem& problem, bool free_velocities) {
     fmt::print(
         "{:4} keyframes {:6} observations {:10} {:8} cost {:<12.8g} {:3} iterations {:9.4f} s of CPU\n",
         problem.T_world_camera.size(), problem.observations.size(), free_velocities ? "velocities" : "poses",
-        solver, solution.chi2_after, solution.iterations, cpus_s[kRuns / 2]);
+        name_of(solver), solution.chi2_after, solution.iterations, cpus_s[kRuns / 2]);
   }
 }
 

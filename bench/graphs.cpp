@@ -32,16 +32,22 @@ double process_cpu_s() {
 
 /// A solver with its settings.
 struct SolverSetup {
-  const char* solver;
-  const char* method;
-  const char* start;
+  PoseGraphSolver solver;
+  PoseGraphMethod method;
+  PoseGraphStart start;
 };
 
 // g2o's command line starts from a spanning tree on request; both starts are compared.
 constexpr SolverSetup kSetups[] = {
-    {"builtin", "auto", "auto"},     {"ceres", "levenberg", "given"}, {"ceres", "levenberg", "tree"},
-    {"g2o", "levenberg", "given"},   {"g2o", "levenberg", "tree"},    {"g2o", "gauss-newton", "given"},
-    {"g2o", "gauss-newton", "tree"}, {"g2o", "dogleg", "given"},      {"g2o", "dogleg", "tree"},
+    {PoseGraphSolver::kBuiltin, PoseGraphMethod::kAuto, PoseGraphStart::kAuto},
+    {PoseGraphSolver::kCeres, PoseGraphMethod::kLevenberg, PoseGraphStart::kGiven},
+    {PoseGraphSolver::kCeres, PoseGraphMethod::kLevenberg, PoseGraphStart::kTree},
+    {PoseGraphSolver::kG2o, PoseGraphMethod::kLevenberg, PoseGraphStart::kGiven},
+    {PoseGraphSolver::kG2o, PoseGraphMethod::kLevenberg, PoseGraphStart::kTree},
+    {PoseGraphSolver::kG2o, PoseGraphMethod::kGaussNewton, PoseGraphStart::kGiven},
+    {PoseGraphSolver::kG2o, PoseGraphMethod::kGaussNewton, PoseGraphStart::kTree},
+    {PoseGraphSolver::kG2o, PoseGraphMethod::kDogleg, PoseGraphStart::kGiven},
+    {PoseGraphSolver::kG2o, PoseGraphMethod::kDogleg, PoseGraphStart::kTree},
 };
 
 struct Figures {
@@ -75,9 +81,9 @@ Figures measure(const BasicPoseGraph<Pose>& graph, const SolverSetup& setup) {
 
 /// Skips combinations that make no sense: the spanning tree ignores noise, and "none" means no given start.
 bool is_included(const SolverSetup& setup, const std::string& start) {
-  const std::string own = setup.start;
-  return pose_graph_solver_available(setup.solver) && !(start == "noisy" && own == "tree") &&
-         !(start == "none" && own == "given");
+  return pose_graph_solver_available(setup.solver) &&
+         !(start == "noisy" && setup.start == PoseGraphStart::kTree) &&
+         !(start == "none" && setup.start == PoseGraphStart::kGiven);
 }
 
 template <class Pose>
@@ -86,8 +92,8 @@ void compare(const std::string& name, const BasicPoseGraph<Pose>& graph, const s
     if (!is_included(setup, start)) continue;
     const Figures figures = measure(graph, setup);
     fmt::print("{:26} {:5} {:8} {:13} {:6} chi2 {:<18.10g} {:4} iterations {:8.4f} s, {:8.4f} s of CPU\n",
-               name, start, setup.solver, setup.method, setup.start, figures.chi2, figures.iterations,
-               figures.wall_s, figures.cpu_s);
+               name, start, name_of(setup.solver), name_of(setup.method), name_of(setup.start), figures.chi2,
+               figures.iterations, figures.wall_s, figures.cpu_s);
     std::fflush(stdout);
   }
 }
@@ -129,7 +135,9 @@ void run_scaling(uint32_t most) {
   // The built-in solver goes first, since peak memory only grows. The graph's own start is a spanning tree,
   // which the others would also use without a start.
   constexpr SolverSetup kScalingSetups[] = {
-      {"builtin", "auto", "auto"}, {"g2o", "dogleg", "given"}, {"ceres", "levenberg", "given"}};
+      {PoseGraphSolver::kBuiltin, PoseGraphMethod::kAuto, PoseGraphStart::kAuto},
+      {PoseGraphSolver::kG2o, PoseGraphMethod::kDogleg, PoseGraphStart::kGiven},
+      {PoseGraphSolver::kCeres, PoseGraphMethod::kLevenberg, PoseGraphStart::kGiven}};
   constexpr uint32_t kMaxFromNoise = 10000;  // beyond, the other solvers take many minutes
   for (uint32_t count = 1000; count <= most; count *= 10) {
     const PoseGraph graph = grid_walk(count);
@@ -141,8 +149,8 @@ void run_scaling(uint32_t most) {
         const Figures figures = measure(with_initial_guess(graph, start), setup);
         fmt::print(
             "{:7} poses {:7} edges, {:5} {:8} chi2 {:.8g}, {} iterations, {:.3f} s of CPU, peak {:.0f} MiB\n",
-            count, graph.edges.size(), start, setup.solver, figures.chi2, figures.iterations, figures.cpu_s,
-            peak_memory_mib());
+            count, graph.edges.size(), start, name_of(setup.solver), figures.chi2, figures.iterations,
+            figures.cpu_s, peak_memory_mib());
       }
     }
   }
@@ -184,7 +192,7 @@ void compare_growing(const std::string& name, const BasicPoseGraph<Pose>& graph)
     batch_iterations += batch.iterations;
     start_s = process_cpu_s();
     PoseGraphOptions options;
-    options.start = "given";
+    options.start = PoseGraphStart::kGiven;
     last = update_pose_graph_solution(part, last, options);
     warm_s += process_cpu_s() - start_s;
     warm_iterations += last.iterations;
@@ -215,14 +223,14 @@ void compare_kernels(const std::string& name, const BasicPoseGraph<Pose>& graph)
   const auto clean = solve_pose_graph(graph).T_world_vertex;
   for (const double share : {0.1, 0.3}) {
     const auto spoilt = with_false_loops(graph, share);
-    for (const char* kernel : {"none", "huber", "cauchy", "geman-mcclure", "dcs"}) {
+    for (const auto& [kernel, kernel_name] : option_names(RobustKernel{})) {
       PoseGraphOptions options;
       options.robust_kernel = kernel;
       const auto solution = solve_pose_graph(spoilt, options);
       fmt::print(
           "{:12} {:3.0f} % false loops {:14} {:10.4f} m from the clean solution, {:4} iterations, {:.3f} s\n",
-          name, 100 * share, kernel, translation_rmse(solution.T_world_vertex, clean), solution.iterations,
-          solution.seconds);
+          name, 100 * share, kernel_name, translation_rmse(solution.T_world_vertex, clean),
+          solution.iterations, solution.seconds);
     }
   }
 }

@@ -40,7 +40,7 @@ ListenOptions listen_options(const ros::NodeHandle& node) {
 
 SlamOptions slam_options(const ros::NodeHandle& node, bool keep_all) {
   SlamOptions options;
-  if (!keep_all) options.executor.mode = "live";
+  if (!keep_all) options.executor.mode = ExecutorMode::kLive;
   std::istringstream words(text_parameter(node, "set"));
   const std::vector<std::string> assignments{std::istream_iterator<std::string>(words), {}};
   return with_assignments(options, assignments);

@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/base/options.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
 
 namespace kinloop {
 
@@ -14,7 +15,7 @@ struct KinectNoise {
   double rolling_shutter_s = 0.030;
   double exposure_s = 0.015;
   double depth_delay_s = 0.015;
-  double depth_noise_per_m = 1.425e-3;
+  double depth_noise_per_m = kSensorInverseDepthSigmaPerM;
   double disparity_step_px = 0.125;
   bool holes = true;
   double min_depth_m = 0.5;

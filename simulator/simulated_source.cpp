@@ -80,6 +80,7 @@ struct SimulatedSource::RenderSetup {
 SimulatedSource::SimulatedSource(std::string name, uint64_t seed, const SimulationOptions& options,
                                  int threads, std::optional<Trajectory> path)
     : camera_(simulated_camera(options)), seed_(seed) {
+  validate(options, "sim.");
   const bool own_path = !path.has_value();
   if (own_path) path = sim::handheld_path(seed);
   truth_ = {options.noise.rolling_shutter_s, options.noise.depth_delay_s};

@@ -5,7 +5,6 @@ namespace kinloop {
 LiveViewer::LiveViewer(const ListenAddress& listen, RunInfo info)
     : info_(std::move(info)),
       control_(info_.options.paused),
-      feed_(info_.options),
       service_(
           listen, [this](Scene& scene, size_t browsers) { update(scene, browsers); },
           [this](Command command) { dispatch(command); }) {}

@@ -14,9 +14,7 @@ Board CalibrateArguments::chosen_board() const {
 
 CalibrationOptions CalibrateArguments::options() const {
   const auto chosen = with_assignments(CalibrationOptions{}, assignments);
-  if (chosen.distortion_terms == 1 || chosen.distortion_terms == 3) {
-    throw UsageError("distortion_terms: expected 0, 2 (k1 k2), 4 (+ p1 p2) or 5 (+ k3)");
-  }
+  check_options(chosen);
   return chosen;
 }
 

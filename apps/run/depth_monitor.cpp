@@ -34,8 +34,8 @@ void DepthMonitor::on_frame(const FrameResult&, const PreparedFrame& frame) {
       if (!(depth_m > 0)) continue;
       ++known_;
       ++counts_[bin_of(depth_m, kBins)];
-      near_ += depth_m < options_.min_depth_m ? 1 : 0;
-      far_ += depth_m > options_.max_depth_m ? 1 : 0;
+      near_ += depth_m < limits_.min_depth_m ? 1 : 0;
+      far_ += depth_m > limits_.max_depth_m ? 1 : 0;
     }
   }
   constexpr size_t kFirst = 10, kEnough = 30;  // a third of a second, and a second
@@ -64,11 +64,11 @@ bool DepthMonitor::impossible() const {
 }
 
 bool DepthMonitor::unusable() const {
-  return frames_ > 0 && (share_in_range() < kMinInRangeRatio || median_m() < options_.min_depth_m);
+  return frames_ > 0 && (share_in_range() < kMinInRangeRatio || median_m() < limits_.min_depth_m);
 }
 
 std::optional<double> DepthMonitor::plausible_scale() const {
-  if (known_ == 0 || (median_m() >= options_.min_depth_m && median_m() <= options_.max_depth_m))
+  if (known_ == 0 || (median_m() >= limits_.min_depth_m && median_m() <= limits_.max_depth_m))
     return std::nullopt;
   if (median_m() >= kRoomNear_m && median_m() <= kRoomFar_m)
     return std::nullopt;  // the scale is plausible as it is
@@ -95,12 +95,12 @@ std::string DepthMonitor::problem() const {
   const bool few = share_in_range() < kMinInRangeRatio;
   const bool far = far_ > near_;
   const double median = median_m();
-  if (!few && median >= options_.min_depth_m && median <= options_.max_depth_m) return {};
+  if (!few && median >= limits_.min_depth_m && median <= limits_.max_depth_m) return {};
   const auto likely = plausible_scale();
   const double share = static_cast<double>(far ? far_ : near_) / static_cast<double>(known_);
   std::string text = fmt::format(
       "{:.0f} % of the depth lies {} {} m (median {:.2g} m), which the map ignores; ", 100 * share,
-      far ? "beyond" : "nearer than", far ? options_.max_depth_m : options_.min_depth_m, median);
+      far ? "beyond" : "nearer than", far ? limits_.max_depth_m : limits_.min_depth_m, median);
   text += likely ? fmt::format(
                        "with depth_scale: {} instead of {} the median would be {:.1f} m: set that in "
                        "camera.yaml, or",

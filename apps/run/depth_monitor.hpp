@@ -14,7 +14,8 @@ namespace kinloop {
 class DepthMonitor : public Listener {
  public:
   /// `depth_scale` is that of the frames, units per metre.
-  DepthMonitor(const DenseOptions& options, double depth_scale) : options_(options), scale_(depth_scale) {}
+  DepthMonitor(const DenseOptions& options, double depth_scale)
+      : limits_(options.limits), scale_(depth_scale) {}
 
   /// Warns after the first frames. Throws InputError if no camera can have measured such depth.
   void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
@@ -41,7 +42,7 @@ class DepthMonitor : public Listener {
   // Histogram of log depth, from 0.1 mm to 100 km in steps of 5 %.
   static constexpr size_t kBins = 425;
 
-  DenseOptions options_;
+  DepthLimits limits_;
   double scale_;
   std::array<size_t, kBins> counts_{};
   size_t frames_ = 0, known_ = 0, near_ = 0,

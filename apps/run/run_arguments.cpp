@@ -2,6 +2,7 @@
 
 #include "apps/run/run_viewer.hpp"
 #include "apps/shared/common_options.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph.hpp"
 
 namespace kinloop {
 
@@ -39,9 +40,10 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
       ->capture_default_str();
   command.add_flag("--no-loop", arguments.no_loop, "do not close loops");
   command.add_option("--solver", arguments.solver, "pose graph solver: auto, builtin, ceres, g2o")
-      ->check(one_of({"auto", "builtin", "ceres", "g2o"}));
+      ->check(one_of(names_of<PoseGraphSolver>()));
   add_set_option(command, arguments.assignments, "set an option, key=value; see --options");
-  command.add_flag("--options", arguments.list_options, "list all options of --set and exit");
+  command.add_flag("--options", arguments.list_options,
+                   "list the options of --set and exit; --options=all: list the expert options, too");
   command
       .add_option("--threads", arguments.threads, "number of threads, 0 = all; does not affect the results")
       ->check(whole_number(0, 1024));

@@ -14,11 +14,11 @@ struct RunArguments {
   std::filesystem::path output = "out";
   std::string camera;
   std::string topics;
-  std::string solver = "auto";
+  std::string solver;  ///< empty: that of the options
   std::string vocabulary;
   std::string frame = "z-up";
   bool no_loop = false;
-  bool list_options = false;
+  std::string list_options;  ///< "true": the documented ones; "all"; empty: none
   bool quiet = false;
   bool verbose = false;
   int threads = 0;

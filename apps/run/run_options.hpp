@@ -27,10 +27,16 @@ struct RunOptions {
     visit("dense", self.dense);
     visit("mesh", self.mesh);
     visit("occupancy", self.occupancy);
-    visit("sim", self.sim);
+    visit("sim", self.sim, Expert{});  // kinloop simulate --help lists them
     visit("kinect", self.kinect);
     visit("viewer", self.viewer);
   }
+
+  static OptionHistory history();
 };
+
+/// `options` with the assignments ("key=value") applied in order. The limits of depth are those of the dense
+/// map for everything made of depth: mesh, occupancy map, viewer.
+RunOptions run_options_with(RunOptions options, std::span<const std::string> assignments);
 
 }  // namespace kinloop

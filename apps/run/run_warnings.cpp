@@ -15,7 +15,7 @@ std::string explain_empty_map(const RunOutcome& o) {
   return fmt::format(
       "no surface was observed by {} images (dense.min_observations) at less than {} degrees "
       "(dense.max_incidence_deg) without free-space violation (dense.carve)",
-      dense.min_observations, dense.max_incidence_deg);
+      dense.min_observations, dense.limits.max_incidence_deg);
 }
 
 }  // namespace

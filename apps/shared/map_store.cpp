@@ -1,6 +1,7 @@
 #include "apps/shared/map_store.hpp"
 
 #include <algorithm>
+#include <set>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -82,15 +83,22 @@ void load_images(const MapReader& reader, const std::filesystem::path& path, uin
 }
 
 RunOptions restore_options(const SavedMap& saved, const RunOptions& options, const std::string& prefix) {
-  RunOptions known = options;
-  const auto entries = option_entries(known);
-  for (const auto& [key, value] : saved.options) {
-    const auto is_key = [&key = key](const OptionEntry& entry) { return entry.key == key; };
-    // Another version of the program may have had other options.
-    if (!key.starts_with(prefix) || std::none_of(entries.begin(), entries.end(), is_key)) continue;
-    apply_assignment(entries, fmt::format("{}={}", key, value));
+  using Kind = ResolvedKey::Kind;
+  RunOptions restored = options;
+  const auto entries = option_entries(restored);
+  const OptionHistory history = RunOptions::history();
+  std::set<std::string> applied;
+  // Where several former options are one now, its own name comes first, then the first of theirs. Other
+  // versions of the program may have options that this one does not have.
+  for (const Kind kind : {Kind::kCurrent, Kind::kRenamed}) {
+    for (const auto& [name, value] : saved.options) {
+      const ResolvedKey resolved = resolve_key(entries, name, history);
+      if (resolved.kind != kind || !resolved.key.starts_with(prefix)) continue;
+      if (applied.insert(resolved.key).second)
+        apply_assignment(entries, fmt::format("{}={}", resolved.key, value));
+    }
   }
-  return known;
+  return restored;
 }
 
 void require_same_camera(const SavedMap& saved, const std::filesystem::path& path, const RgbdCamera& camera) {
@@ -111,7 +119,7 @@ OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<
   const auto path = map_file_of(file_or_folder);
   const MapReader reader(path);
   SavedMap saved = read_map_with_warnings(reader, path);
-  const RunOptions options = with_assignments(restore_options(saved, {}), assignments);
+  const RunOptions options = run_options_with(restore_options(saved, {}), assignments);
   OpenMap open{{}, options, {}, logged_frames(saved, 0, 0), DenseRecorder(saved.camera, options.dense), {}};
   open.map.append(std::move(saved.map));
   open.saved = std::move(saved);

@@ -44,14 +44,14 @@ Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& featur
         fmt::format("{}: a vocabulary of {}, but features.kind={} requires one of 256 bits; "
                     "train it with "
                     "`kinloop vocab train IMAGES... --feature {} -o FILE`",
-                    file, vocabulary.descriptors().name, features.kind, features.kind));
+                    file, vocabulary.descriptors().name, name_of(features.kind), name_of(features.kind)));
   }
-  if (features.kind != "orb") {
+  if (features.kind != FeatureKind::kOrb) {
     throw UsageError(
         fmt::format("features.kind={0}: the built-in vocabulary is for ORB; train one with `kinloop vocab "
                     "train IMAGES... "
                     "--feature {0} -o FILE` and pass --vocabulary FILE",
-                    features.kind));
+                    name_of(features.kind)));
   }
   return load_default_vocabulary();
 }

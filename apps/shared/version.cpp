@@ -28,7 +28,7 @@ std::string version_text() {
     return in ? std::string("yes") : fmt::format("no ({} not found at build time)", what);
   };
   const std::vector<std::pair<const char*, std::string>> parts{
-      {"g2o solver", part(pose_graph_solver_available("g2o"), "g2o")},
+      {"g2o solver", part(pose_graph_solver_available(PoseGraphSolver::kG2o), "g2o")},
       {"SURF", part(surf_available(), "dlib")},
       {"ChArUco boards", part(charuco_available(), "OpenCV's aruco")},
       {"Kinect 1", part(kinect1_available(), "libfreenect")},

@@ -124,18 +124,18 @@ std::vector<TrainingMethod> training_methods(int branching, int depth, bool flat
   TrainOptions tree;
   tree.branching = branching;
   tree.depth = depth;
-  const auto seeded = [&](const std::string& seeding, int candidates) {
+  const auto seeded = [&](Seeding seeding, int candidates) {
     TrainOptions options = tree;
     options.seeding = seeding;
     options.candidates = candidates;
     return options;
   };
-  std::vector<TrainingMethod> methods = {{"random", seeded("random", 0), "random"},
-                                         {"k-means++, plain", seeded("kmeans++", 1)},
-                                         {"k-means++, greedy", seeded("kmeans++", 0), "greedy"},
-                                         {"k-means\\|\\|", seeded("kmeans||", 0)}};
+  std::vector<TrainingMethod> methods = {{"random", seeded(Seeding::kRandom, 0), "random"},
+                                         {"k-means++, plain", seeded(Seeding::kKmeansPlusPlus, 1)},
+                                         {"k-means++, greedy", seeded(Seeding::kKmeansPlusPlus, 0), "greedy"},
+                                         {"k-means\\|\\|", seeded(Seeding::kKmeansParallel, 0)}};
   if (flat) {
-    TrainOptions options = seeded("kmeans||", 1);
+    TrainOptions options = seeded(Seeding::kKmeansParallel, 1);
     options.branching = static_cast<int>(std::lround(std::pow(branching, depth)));
     options.depth = 1;
     methods.push_back({"flat, k-means\\|\\|", options});

@@ -12,18 +12,19 @@
 namespace kinloop {
 namespace {
 
-libfreenect2::PacketPipeline* pipeline_named(const std::string& name) {
+libfreenect2::PacketPipeline* make_packet_pipeline(KinectPipeline pipeline) {
 #ifdef LIBFREENECT2_WITH_OPENGL_SUPPORT
-  if (name == "opengl") return new libfreenect2::OpenGLPacketPipeline;
+  if (pipeline == KinectPipeline::kOpenGl) return new libfreenect2::OpenGLPacketPipeline;
 #endif
 #ifdef LIBFREENECT2_WITH_OPENCL_SUPPORT
-  if (name == "opencl") return new libfreenect2::OpenCLPacketPipeline;
+  if (pipeline == KinectPipeline::kOpenCl) return new libfreenect2::OpenCLPacketPipeline;
 #endif
 #ifdef LIBFREENECT2_WITH_CUDA_SUPPORT
-  if (name == "cuda") return new libfreenect2::CudaPacketPipeline;
+  if (pipeline == KinectPipeline::kCuda) return new libfreenect2::CudaPacketPipeline;
 #endif
-  if (name == "cpu") return new libfreenect2::CpuPacketPipeline;
-  throw UsageError(fmt::format("kinect.pipeline={}: not in this libfreenect2; try auto or cpu", name));
+  if (pipeline == KinectPipeline::kCpu) return new libfreenect2::CpuPacketPipeline;
+  throw UsageError(
+      fmt::format("kinect.pipeline={}: not in this libfreenect2; try auto or cpu", name_of(pipeline)));
 }
 
 }  // namespace
@@ -48,10 +49,10 @@ Kinect2Handle open_kinect2_device(const KinectOptions& options, const MakePipeli
   libfreenect2::Freenect2Device* device = nullptr;
   if (make_pipeline) {
     device = context->openDevice(serial, make_pipeline());
-  } else if (options.pipeline == "auto") {
+  } else if (options.pipeline == KinectPipeline::kAuto) {
     device = context->openDevice(serial);
   } else {
-    device = context->openDevice(serial, pipeline_named(options.pipeline));
+    device = context->openDevice(serial, make_packet_pipeline(options.pipeline));
   }
   if (device == nullptr) {
     throw InputError(fmt::format("kinect2: {} cannot be opened; another program may be using it", serial));

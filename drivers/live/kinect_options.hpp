@@ -12,10 +12,19 @@ enum class Kinect2Frames {
   kSeparate     ///< for calibration: depth as its camera sees it, and the infrared image
 };
 
+/// What decodes the depth of a Kinect 2.
+enum class KinectPipeline { kAuto, kCpu, kOpenGl, kOpenCl, kCuda };
+
+constexpr auto option_names(KinectPipeline) {
+  using enum KinectPipeline;
+  return std::to_array<EnumName<KinectPipeline>>(
+      {{kAuto, "auto"}, {kCpu, "cpu"}, {kOpenGl, "opengl"}, {kOpenCl, "opencl"}, {kCuda, "cuda"}});
+}
+
 /// How a live Kinect is opened.
 struct KinectOptions {
   std::string serial;
-  std::string pipeline = "auto";
+  KinectPipeline pipeline = KinectPipeline::kAuto;
   int width = 960;
   double min_depth_m = 0.5;
   double max_depth_m = 8;
@@ -24,8 +33,7 @@ struct KinectOptions {
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit("serial", self.serial, "serial number of the Kinect 2; empty: the first one");
-    visit("pipeline", self.pipeline, "depth decoder of the Kinect 2",
-          Choices{{"auto", "cpu", "opengl", "opencl", "cuda"}});
+    visit("pipeline", self.pipeline, "depth decoder of the Kinect 2");
     visit("width", self.width,
           "width of a Kinect 2's frames, px: 1920, 960 or 512 (512 x 424, as the depth camera sees)",
           Range{512, 1920});

@@ -23,8 +23,7 @@ namespace {
 /// Points of every few usable pixels of an image, in the camera frame.
 std::vector<Eigen::Vector3d> points_of(const cv::Mat& depth_m, const RayTable& rays,
                                        const OccupancyOptions& options) {
-  const cv::Mat usable = usable_pixels(depth_m, rays.focal_px,
-                                       {options.min_depth_m, options.max_depth_m, options.max_incidence_deg});
+  const cv::Mat usable = usable_pixels(depth_m, rays.focal_px, options.limits);
   std::vector<Eigen::Vector3d> points;
   for (int row = 0; row < depth_m.rows; row += options.stride_px) {
     for (int col = 0; col < depth_m.cols; col += options.stride_px) {
@@ -76,6 +75,8 @@ OccupancyMap::OccupancyMap(const ImageStore& images, std::span<const PosedImage>
                            const PinholeCamera& camera, const Floor& floor, const OccupancyOptions& options,
                            const Progress& progress)
     : options_(options), tree_(std::make_unique<Tree>(options.voxel_m)) {
+  validate(options, "occupancy.");
+  validate(options.limits, "occupancy.");
   const RayTable rays = ray_table(camera);
   for (size_t i = 0; i < views.size(); ++i) {
     if (!report(progress, "occupancy", i, views.size())) break;
@@ -87,7 +88,7 @@ OccupancyMap::OccupancyMap(const ImageStore& images, std::span<const PosedImage>
     }
     const Eigen::Vector3f eye = T_floor_camera.translation.cast<float>();
     constexpr bool kAllBranchesLater = true, kOneRayPerVoxel = true;
-    tree_->tree.insertPointCloud(points, {eye.x(), eye.y(), eye.z()}, options.max_depth_m * 2,
+    tree_->tree.insertPointCloud(points, {eye.x(), eye.y(), eye.z()}, options.limits.max_depth_m * 2,
                                  kAllBranchesLater, kOneRayPerVoxel);
   }
   report(progress, "occupancy", views.size(), views.size());

@@ -4,12 +4,30 @@
 
 namespace kinloop {
 
+/// The depths that a dense map is made of.
+struct DepthLimits {
+  double min_depth_m = 0.4;
+  double max_depth_m = 4.0;       ///< beyond, the noise of a Kinect 1 exceeds 2 cm
+  double max_incidence_deg = 78;  ///< between a ray and the normal of the surface
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("min_depth_m", self.min_depth_m, "minimum depth, metres; also of meshes and occupancy maps",
+          Range{0.05, 10});
+    visit("max_depth_m", self.max_depth_m,
+          "maximum depth, metres; also of meshes, occupancy maps and the live view", Range{0.1, 13});
+    visit(
+        "max_incidence_deg", self.max_incidence_deg,
+        "maximum incidence angle of a surface; steeper ones, and flying pixels at depth edges, are dropped, "
+        "degrees",
+        Range{10, 89.9}, Expert{});
+  }
+};
+
 /// How posed depth images become one coloured cloud.
 struct DenseOptions {
   double voxel_m = 0.01;
-  double min_depth_m = 0.4;
-  double max_depth_m = 4.0;
-  double max_incidence_deg = 78;
+  DepthLimits limits;
   int min_observations = 2;
   bool carve = true;
   bool compensate_exposure = true;
@@ -22,12 +40,7 @@ struct DenseOptions {
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit("voxel_m", self.voxel_m, "voxel size, metres", Range{0.001, 0.5});
-    visit("min_depth_m", self.min_depth_m, "minimum depth, metres", Range{0.05, 10});
-    visit("max_depth_m", self.max_depth_m, "maximum depth, metres", Range{0.1, 13});
-    visit("max_incidence_deg", self.max_incidence_deg,
-          "maximum incidence angle of a surface; steeper ones, and flying pixels at depth "
-          "edges, are dropped, degrees",
-          Range{10, 89.9});
+    DepthLimits::fields(self.limits, visit);
     visit("min_observations", self.min_observations,
           "minimum images that observe a voxel, or all images that cover it if fewer", Range{1, 100});
     visit("carve", self.carve,
@@ -36,7 +49,8 @@ struct DenseOptions {
           "compensate changes of exposure and white balance between images");
     visit("frame_step", self.frame_step, "also fuse every n-th frame; 0: only where keyframes are sparse",
           Range{0, 10000});
-    visit("jpeg_quality", self.jpeg_quality, "JPEG quality of the stored colour images", Range{50, 100});
+    visit("jpeg_quality", self.jpeg_quality, "JPEG quality of the stored colour images", Range{50, 100},
+          Expert{});
     visit("image_memory_mib", self.image_memory_mib,
           "memory for stored images before spilling to a temporary file, MiB", Range{0, 1e6});
     visit("surfel_memory_mib", self.surfel_memory_mib,
@@ -50,22 +64,17 @@ struct DenseOptions {
 struct MeshOptions {
   double voxel_m = 0.01;
   double truncation_voxels = 4;
-  double min_depth_m = 0.4;
-  double max_depth_m = 4.0;
-  double max_incidence_deg = 78;
+  DepthLimits limits;  ///< not options of their own: the program takes those of the dense map
   double min_weight = 0.02;
   int min_component_triangles = 200;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit("voxel_m", self.voxel_m, "voxel size, metres", Range{0.001, 0.5});
-    visit("truncation_voxels", self.truncation_voxels, "TSDF truncation distance, voxels", Range{1, 20});
-    visit("min_depth_m", self.min_depth_m, "minimum depth, metres", Range{0.05, 10});
-    visit("max_depth_m", self.max_depth_m, "maximum depth, metres", Range{0.1, 13});
-    visit("max_incidence_deg", self.max_incidence_deg, "maximum incidence angle of a surface, degrees",
-          Range{10, 89.9});
+    visit("truncation_voxels", self.truncation_voxels, "TSDF truncation distance, voxels", Range{1, 20},
+          Expert{});
     visit("min_weight", self.min_weight, "minimum TSDF weight of a voxel; one image at z m weighs 1 / z^4",
-          Range{0, 1e6});
+          Range{0, 1e6}, Expert{});
     visit("min_component_triangles", self.min_component_triangles,
           "minimum triangles of a connected component", Range{0, 1e9});
   }
@@ -75,20 +84,14 @@ struct MeshOptions {
 struct OccupancyOptions {
   double voxel_m = 0.05;
   int stride_px = 4;
-  double min_depth_m = 0.4;
-  double max_depth_m = 4.0;
-  double max_incidence_deg = 78;
+  DepthLimits limits;  ///< not options of their own: the program takes those of the dense map
   double grid_min_height_m = 0.1;
   double grid_max_height_m = 1.5;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit("voxel_m", self.voxel_m, "voxel size, metres", Range{0.005, 1});
-    visit("stride_px", self.stride_px, "use every n-th pixel of every n-th row", Range{1, 64});
-    visit("min_depth_m", self.min_depth_m, "minimum depth, metres", Range{0.05, 10});
-    visit("max_depth_m", self.max_depth_m, "maximum depth, metres", Range{0.1, 13});
-    visit("max_incidence_deg", self.max_incidence_deg, "maximum incidence angle of a surface, degrees",
-          Range{10, 89.9});
+    visit("stride_px", self.stride_px, "use every n-th pixel of every n-th row", Range{1, 64}, Expert{});
     visit("grid_min_height_m", self.grid_min_height_m,
           "minimum height of an obstacle above the floor, metres", Range{-10, 10});
     visit("grid_max_height_m", self.grid_max_height_m,

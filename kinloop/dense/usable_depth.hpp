@@ -6,13 +6,9 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace kinloop {
+#include "kinloop/dense/options.hpp"
 
-/// Limits on usable depth.
-struct DepthLimits {
-  double min_depth_m = 0, max_depth_m = 0;
-  double max_incidence_deg = 0;  ///< angle between ray and surface normal
-};
+namespace kinloop {
 
 /// Depth is compared with that of pixels at this distance: one pixel further would miss thin objects; one
 /// pixel nearer would mistake disparity steps at 4 m for edges. Pixels nearer to the border are not judged.

@@ -68,7 +68,7 @@ cv::Mat binarize_descriptors(const cv::Mat& descriptors, int kinds) {
 
 DetectedKeypoints detect_float_keypoints(const cv::Mat& gray, const FeatureOptions& options) {
   std::vector<cv::KeyPoint> keypoints;
-  if (options.kind == "sift") {
+  if (options.kind == FeatureKind::kSift) {
     constexpr float kSmallestPx = 2;  // diameter
     constexpr int kKinds = 1;         // all components are histogram bins
     cv::Mat descriptors;

@@ -126,8 +126,8 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
   require(gray.type() == CV_8UC1, "extract_features: the image must be 8-bit grey");
   require(depth_m.empty() || (depth_m.type() == CV_32FC1 && depth_m.size() == gray.size()),
           "extract_features: depth must be float metres and of the image's size");
-  const DetectedKeypoints image =
-      options.kind == "orb" ? detect_orb_keypoints(gray, options) : detect_float_keypoints(gray, options);
+  const DetectedKeypoints image = options.kind == FeatureKind::kOrb ? detect_orb_keypoints(gray, options)
+                                                                    : detect_float_keypoints(gray, options);
   Features features;
   features.scale_factor = options.scale_factor;
   features.level_count = image.level_count;

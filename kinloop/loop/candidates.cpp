@@ -5,8 +5,6 @@
 namespace kinloop {
 namespace {
 
-constexpr int kMinSharedLandmarks = 15;  // shared landmarks that make two keyframes neighbours
-
 /// Likeness of the keyframe to the least alike of its neighbours: what "the same place" means here and now.
 double min_covisible_score(const PlaceIndex& index, KeyframeId keyframe,
                            const std::vector<std::pair<KeyframeId, int>>& neighbours) {
@@ -19,7 +17,7 @@ double min_covisible_score(const PlaceIndex& index, KeyframeId keyframe,
 
 std::vector<KeyframeId> covisible_group(const Map& map, KeyframeId keyframe) {
   std::vector<KeyframeId> group{keyframe};
-  for (const auto& [neighbour, shared] : map.covisible_keyframes(keyframe, kMinSharedLandmarks))
+  for (const auto& [neighbour, shared] : map.covisible_keyframes(keyframe, kMinCovisibleLandmarks))
     group.push_back(neighbour);
   std::sort(group.begin(), group.end());
   return group;
@@ -35,7 +33,7 @@ bool overlap(const std::vector<KeyframeId>& a, const std::vector<KeyframeId>& b)
 
 LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
                                    const CandidateHistory& history, const LoopOptions& options) {
-  const auto neighbours = map.covisible_keyframes(keyframe, kMinSharedLandmarks);
+  const auto neighbours = map.covisible_keyframes(keyframe, kMinCovisibleLandmarks);
   const double min_score = options.min_score_ratio * min_covisible_score(index, keyframe, neighbours);
   std::vector<bool> excluded(map.keyframes().size(), false);
   for (const auto& [neighbour, shared] : neighbours) excluded[neighbour.value] = true;

@@ -30,33 +30,36 @@ struct LoopOptions {
     visit("enabled", self.enabled, "detect and close loops");
     visit("min_gap_keyframes", self.min_gap_keyframes,
           "minimum number of keyframes between the two ends of a loop", Range{1, 100000});
-    visit("max_candidates", self.max_candidates, "maximum number of loop candidates to verify",
-          Range{1, 100});
+    visit("max_candidates", self.max_candidates, "maximum number of loop candidates to verify", Range{1, 100},
+          Expert{});
     visit("min_score_ratio", self.min_score_ratio,
           "minimum similarity score of a candidate relative to the lowest score of a covisible keyframe",
-          Range{0, 10});
+          Range{0, 10}, Expert{});
     visit("consistent_keyframes", self.consistent_keyframes,
-          "consecutive keyframes that must agree on a candidate (temporal consistency)", Range{1, 20});
+          "consecutive keyframes that must agree on a candidate (temporal consistency)", Range{1, 20},
+          Expert{});
     visit("max_hamming_distance", self.max_hamming_distance, "maximum Hamming distance of a match, bits",
-          Range{1, 256});
-    visit("min_matches", self.min_matches, "minimum descriptor matches of a candidate", Range{4, 1000});
+          Range{1, 256}, Expert{});
+    visit("min_matches", self.min_matches, "minimum descriptor matches of a candidate", Range{4, 1000},
+          Expert{});
     visit("min_inliers", self.min_inliers, "minimum inlier landmarks of a verified loop", Range{10, 1000});
     visit("min_inlier_ratio", self.min_inlier_ratio,
           "minimum inlier fraction of the visible landmarks, or of the keypoints if there are "
           "fewer",
-          Range{0, 1});
+          Range{0, 1}, Expert{});
     visit("max_free_space_violation_ratio", self.max_free_space_violation_ratio,
-          "maximum fraction of keypoints that violate free space observed by the other view", Range{0, 1});
+          "maximum fraction of keypoints that violate free space observed by the other view", Range{0, 1},
+          Expert{});
     visit("min_p_value", self.min_p_value,
           "minimum p-value of the appearance check; lower means the two views show different scenes",
-          Range{0, 1});
-    visit("window_px", self.window_px, "search radius of guided matching, px", Range{1, 100});
+          Range{0, 1}, Expert{});
+    visit("window_px", self.window_px, "search radius of guided matching, px", Range{1, 100}, Expert{});
     visit("covisibility_edge_min_landmarks", self.covisibility_edge_min_landmarks,
-          "minimum shared landmarks for a covisibility edge in the pose graph", Range{1, 10000});
+          "minimum shared landmarks for a covisibility edge in the pose graph", Range{1, 10000}, Expert{});
     visit("landmark_sigma_m", self.landmark_sigma_m,
-          "relative position uncertainty per shared landmark (1 sigma), m", Range{1e-6, 10});
+          "relative position uncertainty per shared landmark (1 sigma), m", Range{1e-6, 10}, Expert{});
     visit("landmark_sigma_rad", self.landmark_sigma_rad,
-          "relative rotation uncertainty per shared landmark (1 sigma), rad", Range{1e-6, 10});
+          "relative rotation uncertainty per shared landmark (1 sigma), rad", Range{1e-6, 10}, Expert{});
     visit("pose_graph", self.pose_graph);
   }
 };

@@ -22,7 +22,7 @@ int predict_level(int observed_levels, double observed_distances_m, double dista
 std::vector<LandmarkId> collect_landmarks(const Map& map, KeyframeId reference,
                                           const LocalMapOptions& options) {
   std::vector<KeyframeId> keyframes{reference};
-  for (const auto& [neighbour, shared] : map.covisible_keyframes(reference, options.min_shared_landmarks)) {
+  for (const auto& [neighbour, shared] : map.covisible_keyframes(reference, kMinCovisibleLandmarks)) {
     if (keyframes.size() > static_cast<size_t>(options.max_keyframes)) break;
     keyframes.push_back(neighbour);
   }

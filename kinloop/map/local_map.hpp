@@ -17,15 +17,12 @@ namespace kinloop {
 struct LocalMapOptions {
   int max_keyframes = 20;
   int max_landmarks = 4000;
-  int min_shared_landmarks = 15;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit("max_keyframes", self.max_keyframes, "maximum number of keyframes in the local map", Range{1, 200});
     visit("max_landmarks", self.max_landmarks, "maximum number of landmarks in the local map",
           Range{100, 100000});
-    visit("min_shared_landmarks", self.min_shared_landmarks,
-          "minimum shared landmarks for two keyframes to be covisible", Range{1, 1000});
   }
 };
 

@@ -23,6 +23,9 @@ struct MapData {
   uint32_t component_count = 0;
 };
 
+/// Landmarks that two keyframes must share to be covisible.
+inline constexpr int kMinCovisibleLandmarks = 15;
+
 class Map {
  public:
   // Growing.

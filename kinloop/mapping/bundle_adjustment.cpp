@@ -103,15 +103,15 @@ BundleAdjustmentProblem make_problem(const Map& map, const std::vector<KeyframeI
 
 BundleAdjustmentProblem make_local_ba_problem(const Map& map, KeyframeId newest, const PinholeCamera& camera,
                                               const MappingOptions& options) {
+  constexpr int kMaxFixedKeyframes = 20;
   std::vector<KeyframeId> keyframes{newest};
-  for (const auto& [neighbour, shared] :
-       map.covisible_keyframes(newest, options.local_ba_min_shared_landmarks)) {
+  for (const auto& [neighbour, shared] : map.covisible_keyframes(newest, kMinCovisibleLandmarks)) {
     if (static_cast<int>(keyframes.size()) >= options.local_ba_keyframes) break;
     keyframes.push_back(neighbour);
   }
   const auto landmarks = confirmed_landmarks(map, keyframes);
   const size_t free_keyframes = keyframes.size();
-  const auto fixed = observers_outside(map, keyframes, landmarks, options.local_ba_max_fixed_keyframes);
+  const auto fixed = observers_outside(map, keyframes, landmarks, kMaxFixedKeyframes);
   keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
   return make_problem(map, keyframes, free_keyframes, landmarks, camera, MeasurementKind::kMotionCompensated);
 }

@@ -11,13 +11,9 @@ struct MappingOptions {
   int cull_min_observations = 2;
   double local_map_window_px = 4;
   int triangulation_keyframes = 4;
-  double min_parallax_rad = 0.03;
-  int triangulation_max_hamming_distance = 50;
   bool complete_tracks = true;
   bool local_ba_enabled = true;
   int local_ba_keyframes = 12;
-  int local_ba_min_shared_landmarks = 15;
-  int local_ba_max_fixed_keyframes = 20;
   // The next keyframe goes on from there.
   BundleOptions local_ba = {.rounds = 1, .max_iterations = 4, .tolerance = 1e-3};
 
@@ -25,27 +21,20 @@ struct MappingOptions {
   static void fields(Self& self, Visit&& visit) {
     visit("max_depth_m", self.max_depth_m, "maximum depth of new landmarks, m", Range{0.5, 100});
     visit("cull_after_keyframes", self.cull_after_keyframes,
-          "keyframes after which a new landmark is checked for culling", Range{1, 100});
+          "keyframes after which a new landmark is checked for culling", Range{1, 100}, Expert{});
     visit("cull_min_observations", self.cull_min_observations,
-          "minimum observations for a landmark to be kept", Range{1, 100});
+          "minimum observations for a landmark to be kept", Range{1, 100}, Expert{});
     visit("local_map_window_px", self.local_map_window_px,
-          "search radius when matching local map landmarks to a new keyframe, px", Range{0.5, 50});
+          "search radius when matching local map landmarks to a new keyframe, px", Range{0.5, 50}, Expert{});
     visit("triangulation_keyframes", self.triangulation_keyframes,
-          "covisible keyframes used to triangulate keypoints without depth; 0 = off", Range{0, 100});
-    visit("min_parallax_rad", self.min_parallax_rad, "minimum parallax of a triangulated landmark, rad",
-          Range{0.001, 1});
-    visit("triangulation_max_hamming_distance", self.triangulation_max_hamming_distance,
-          "maximum Hamming distance of a triangulated match, bits", Range{1, 256});
+          "covisible keyframes used to triangulate keypoints without depth; 0 = off", Range{0, 100},
+          Expert{});
     visit("complete_tracks", self.complete_tracks,
-          "complete and merge landmark tracks before the final bundle adjustment");
+          "complete and merge landmark tracks before the final bundle adjustment", Expert{});
     visit("local_ba_enabled", self.local_ba_enabled, "run local bundle adjustment after each keyframe");
     visit("local_ba_keyframes", self.local_ba_keyframes, "free keyframes in local bundle adjustment",
           Range{2, 200});
-    visit("local_ba_min_shared_landmarks", self.local_ba_min_shared_landmarks,
-          "minimum shared landmarks for a keyframe to join local bundle adjustment", Range{1, 1000});
-    visit("local_ba_max_fixed_keyframes", self.local_ba_max_fixed_keyframes,
-          "maximum number of fixed keyframes in local bundle adjustment", Range{1, 1000});
-    visit("local_ba", self.local_ba);
+    visit("local_ba", self.local_ba, Expert{});
   }
 };
 

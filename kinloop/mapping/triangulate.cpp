@@ -43,6 +43,8 @@ bool consistent_scale(const Features& a, uint32_t i, double distance_a_m, const 
 
 int triangulate_pair(Map& map, KeyframeId id, KeyframeId neighbour_id, const PinholeCamera& camera,
                      const MappingOptions& options) {
+  constexpr double kMinParallaxRad = 0.03;  // below, depth along the rays is open
+  constexpr int kMaxHammingDistance = 50;   // bits of 256
   const auto a = collect_unmapped(map.keyframe(id), options.max_depth_m);
   const auto b = collect_unmapped(map.keyframe(neighbour_id), options.max_depth_m);
   if (a.features.empty() || b.features.empty()) return 0;
@@ -50,10 +52,10 @@ int triangulate_pair(Map& map, KeyframeId id, KeyframeId neighbour_id, const Pin
   const SE3 T_a_b = map.keyframe(id).T_world_camera.inverse() * map.keyframe(neighbour_id).T_world_camera;
   int created = 0;
   for (const Match& match : match_brute_force(a.descriptors, b.descriptors, true)) {
-    if (match.distance > options.triangulation_max_hamming_distance) continue;
+    if (match.distance > kMaxHammingDistance) continue;
     const uint32_t i = a.features[match.a], j = b.features[match.b];
     const auto point = triangulate(make_bearing(*features_a, i, camera), make_bearing(*features_b, j, camera),
-                                   T_a_b, options.min_parallax_rad);
+                                   T_a_b, kMinParallaxRad);
     if (!point) continue;
     if (!consistent_scale(*features_a, i, point->norm(), *features_b, j, (*point - T_a_b.translation).norm()))
       continue;
@@ -88,7 +90,7 @@ std::optional<Eigen::Vector3d> triangulate(const Bearing& a, const Bearing& b, c
 
 int triangulate_landmarks(Map& map, KeyframeId id, const PinholeCamera& camera,
                           const MappingOptions& options) {
-  const auto neighbours = map.covisible_keyframes(id, options.local_ba_min_shared_landmarks);
+  const auto neighbours = map.covisible_keyframes(id, kMinCovisibleLandmarks);
   const size_t count = std::min(neighbours.size(), static_cast<size_t>(options.triangulation_keyframes));
   int created = 0;
   for (size_t i = 0; i < count; ++i)

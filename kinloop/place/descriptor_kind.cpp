@@ -9,11 +9,13 @@ namespace kinloop {
 namespace {
 
 constexpr std::array<DescriptorTraits, 5> kKinds{{
-    {DescriptorKind::kOrb, Metric::kHamming, 32, "orb", "ORB, 256 bits", "bits"},
-    {DescriptorKind::kSiftBinary, Metric::kHamming, 32, "sift", "SIFT, 256 bits by random planes", "bits"},
-    {DescriptorKind::kSurfBinary, Metric::kHamming, 32, "surf", "SURF, 256 bits by random planes", "bits"},
-    {DescriptorKind::kSift, Metric::kEuclidean, 128, "sift", "SIFT, 128 bytes", "squared steps"},
-    {DescriptorKind::kSurf, Metric::kEuclidean, 64, "surf", "SURF, 64 bytes", "squared steps"},
+    {DescriptorKind::kOrb, Metric::kHamming, 32, FeatureKind::kOrb, "ORB, 256 bits", "bits"},
+    {DescriptorKind::kSiftBinary, Metric::kHamming, 32, FeatureKind::kSift, "SIFT, 256 bits by random planes",
+     "bits"},
+    {DescriptorKind::kSurfBinary, Metric::kHamming, 32, FeatureKind::kSurf, "SURF, 256 bits by random planes",
+     "bits"},
+    {DescriptorKind::kSift, Metric::kEuclidean, 128, FeatureKind::kSift, "SIFT, 128 bytes", "squared steps"},
+    {DescriptorKind::kSurf, Metric::kEuclidean, 64, FeatureKind::kSurf, "SURF, 64 bytes", "squared steps"},
 }};
 
 }  // namespace

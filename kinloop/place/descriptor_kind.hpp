@@ -21,7 +21,7 @@ struct DescriptorTraits {
   DescriptorKind kind;
   Metric metric;
   size_t bytes;               ///< of one descriptor
-  std::string_view feature;   ///< "orb", "sift" or "surf", as in FeatureOptions
+  FeatureKind feature;        ///< the detector that computes them
   std::string_view name;      ///< for display
   std::string_view distance;  ///< unit of the distance
 };

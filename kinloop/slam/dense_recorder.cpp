@@ -36,7 +36,9 @@ DenseRecorder::DenseRecorder(const RgbdCamera& camera, const DenseOptions& optio
       images_(store_options(camera, options)),
       surfel_store_(static_cast<size_t>(options.surfel_memory_mib) * kMebibyte),
       lag_frames_(executor.dense_lag_frames),
-      executor_(make_executor(executor)) {}
+      executor_(make_executor(executor)) {
+  validate(options, "dense.");
+}
 
 void DenseRecorder::on_frame(const FrameResult& result, const PreparedFrame& frame) {
   complete(executor_->collect(frame.id));

@@ -23,11 +23,11 @@ class ModalExecutor : public Executor {
 
   void submit(FrameId now, Job job) override {
     require(!busy(job.kind), "submit: a job of this kind is in flight");
-    const bool synchronous = mode_ == "inline";
+    const bool synchronous = mode_ == ExecutorMode::kInline;
     const std::string_view kind = job.kind;
     const FrameId due{now.value + (synchronous ? 1 : static_cast<uint32_t>(job.lag_frames))};
     // A camera does not wait: whatever tracking leaves of the processor is enough for the rest.
-    const bool low_priority = mode_ == "live";
+    const bool low_priority = mode_ == ExecutorMode::kLive;
     auto result = std::async(synchronous ? std::launch::deferred : std::launch::async,
                              [kind, low_priority, work = std::move(job.work)] {
                                if (low_priority) lower_thread_priority(ThreadPriority::kLowest);
@@ -45,7 +45,7 @@ class ModalExecutor : public Executor {
 
   std::vector<FinishedJob> collect(FrameId now) override {
     return collect_if([&](const JobInFlight& job) {
-      if (mode_ != "live") return job.due <= now;
+      if (mode_ != ExecutorMode::kLive) return job.due <= now;
       return job.result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     });
   }
@@ -69,13 +69,14 @@ class ModalExecutor : public Executor {
     return finished;
   }
 
-  std::string mode_;
+  ExecutorMode mode_;
   std::vector<JobInFlight> jobs_;  // in the order they were handed in
 };
 
 }  // namespace
 
 std::unique_ptr<Executor> make_executor(const ExecutorOptions& options) {
+  validate(options, "executor.");
   return std::make_unique<ModalExecutor>(options);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "kinloop/features/options.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/loop/options.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/mapping/options.hpp"
@@ -9,9 +10,17 @@
 
 namespace kinloop {
 
+/// When background jobs run and when their results are applied.
+enum class ExecutorMode { kInline, kLagged, kLive };
+
+constexpr auto option_names(ExecutorMode) {
+  return std::to_array<EnumName<ExecutorMode>>(
+      {{ExecutorMode::kInline, "inline"}, {ExecutorMode::kLagged, "lagged"}, {ExecutorMode::kLive, "live"}});
+}
+
 /// How slow work runs beside tracking.
 struct ExecutorOptions {
-  std::string mode = "lagged";
+  ExecutorMode mode = ExecutorMode::kLagged;
   int local_ba_lag_frames = 5;
   int loop_verification_lag_frames = 3;
   int loop_correction_lag_frames = 8;
@@ -22,29 +31,51 @@ struct ExecutorOptions {
   static void fields(Self& self, Visit&& visit) {
     visit("mode", self.mode,
           "inline: run background jobs synchronously; lagged: run them in parallel and apply results a fixed "
-          "number of frames "
-          "later (same "
-          "result every run); live: apply results when ready",
-          Choices{{"inline", "lagged", "live"}});
+          "number of frames later (same result every run); live: apply results when ready");
     visit("local_ba_lag_frames", self.local_ba_lag_frames,
-          "frames until a local bundle adjustment is applied", Range{1, 1000});
+          "frames until a local bundle adjustment is applied", Range{1, 1000}, Expert{});
     visit("loop_verification_lag_frames", self.loop_verification_lag_frames,
-          "frames until a loop verification is applied", Range{1, 1000});
+          "frames until a loop verification is applied", Range{1, 1000}, Expert{});
     visit("loop_correction_lag_frames", self.loop_correction_lag_frames,
-          "frames until a loop correction is applied", Range{1, 1000});
+          "frames until a loop correction is applied", Range{1, 1000}, Expert{});
     visit("global_ba_lag_frames", self.global_ba_lag_frames,
-          "frames until a global bundle adjustment is applied", Range{1, 1000});
+          "frames until a global bundle adjustment is applied", Range{1, 1000}, Expert{});
     visit("dense_lag_frames", self.dense_lag_frames, "frames until a keyframe's depth patch is applied",
-          Range{1, 1000});
+          Range{1, 1000}, Expert{});
   }
 };
 
+/// How precise the measurements are, for everything that weighs them: tracking, loops and bundle adjustment.
+struct NoiseOptions {
+  double inverse_depth_sigma_per_m = kKeypointInverseDepthSigmaPerM;
+  double robust_width = kKeypointRobustWidth;
+  double inlier_chi2_pixel = kChi2At95With2Dof;
+  double inlier_chi2_depth = kChi2At95With1Dof;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("inverse_depth_sigma_per_m", self.inverse_depth_sigma_per_m,
+          "standard deviation of the inverse depth at keypoints, 1/m; about four times that of the sensor, "
+          "because keypoints lie on edges",
+          Range{1e-6, 1});
+    visit("robust_width", self.robust_width, "scale of the Huber loss, standard deviations", Range{0.1, 1e9});
+    visit("inlier_chi2_pixel", self.inlier_chi2_pixel,
+          "maximum squared pixel residual of an inlier (95 % of chi2, 2 DoF)", Range{0.1, 1e12}, Expert{});
+    visit("inlier_chi2_depth", self.inlier_chi2_depth,
+          "maximum squared depth residual; beyond it only the pixel is used (95 % of chi2, 1 DoF)",
+          Range{0.1, 1e12}, Expert{});
+  }
+};
+
+/// `noise` is the one home of its numbers: Slam hands it to the solvers, whatever these hold
+/// (`resolve_options`).
 struct SlamOptions {
   int seed = 1;
   int min_initial_keypoints = 60;
   int lost_frames_before_new_component = 5;
   bool global_ba_enabled = true;
   bool localize_only = false;
+  NoiseOptions noise;
   FeatureOptions features;
   TrackingOptions tracking;
   LocalMapOptions local_map;
@@ -65,7 +96,8 @@ struct SlamOptions {
           Range{0, 100000});
     visit("global_ba_enabled", self.global_ba_enabled,
           "run global bundle adjustment after loop closures and at the end");
-    visit("localize_only", self.localize_only, "localize in a loaded map without changing it");
+    visit("localize_only", self.localize_only, "localize in a loaded map without changing it", Expert{});
+    visit("noise", self.noise);
     visit("features", self.features);
     visit("tracking", self.tracking);
     visit("local_map", self.local_map);
@@ -75,6 +107,12 @@ struct SlamOptions {
     visit("self_calibration", self.self_calibration);
     visit("executor", self.executor);
   }
+
+  static OptionHistory history();
 };
+
+/// `options` as the modules take them: `noise` handed to every solver, the pose solver of RANSAC that of
+/// tracking. Throws UsageError, naming key, value and expectation, where a value is not allowed.
+SlamOptions resolve_options(SlamOptions options);
 
 }  // namespace kinloop

@@ -30,21 +30,23 @@ struct SelfCalibrationOptions {
           "doubling",
           Range{2, 100000});
     visit("passes", self.passes, "alternating passes over sensor, map and frame poses at the end",
-          Range{1, 10});
-    visit("focal_sigma", self.focal_sigma, "prior on the focal length (1 sigma), relative", Range{0, 1});
+          Range{1, 10}, Expert{});
+    visit("focal_sigma", self.focal_sigma, "prior on the focal length (1 sigma), relative", Range{0, 1},
+          Expert{});
     visit("center_sigma_px", self.center_sigma_px, "prior on the principal point (1 sigma), px",
-          Range{0, 1000});
+          Range{0, 1000}, Expert{});
     visit("radial_sigma", self.radial_sigma, "prior on the radial distortion coefficients (1 sigma)",
-          Range{0, 10});
+          Range{0, 10}, Expert{});
     visit("time_sigma_s", self.time_sigma_s, "prior on readout times and depth delay (1 sigma), s",
-          Range{0, 1});
+          Range{0, 1}, Expert{});
     visit("depth_offset_sigma_per_m", self.depth_offset_sigma_per_m,
-          "prior on the inverse depth distortion (1 sigma), 1/m", Range{0, 1});
+          "prior on the inverse depth distortion (1 sigma), 1/m", Range{0, 1}, Expert{});
     visit("max_sigma_ratio", self.max_sigma_ratio,
-          "accept a parameter if its posterior sigma is below this fraction of its prior sigma", Range{0, 1});
+          "accept a parameter if its posterior sigma is below this fraction of its prior sigma", Range{0, 1},
+          Expert{});
     visit("min_sigmas", self.min_sigmas,
           "... and if it differs from the nominal value by at least this many standard deviations",
-          Range{0, 100});
+          Range{0, 100}, Expert{});
   }
 };
 

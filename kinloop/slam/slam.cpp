@@ -45,12 +45,12 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
 
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary)
     : camera_(camera),
-      options_(options),
-      front_end_(camera.color, options.features),
-      tracker_(camera.color, options),
-      mapper_(camera.color, options),
-      places_(camera.color, options, std::move(vocabulary)),
-      back_end_(map_, camera, options) {
+      options_(resolve_options(options)),
+      front_end_(camera.color, options_.features),
+      tracker_(camera.color, options_),
+      mapper_(camera.color, options_),
+      places_(camera.color, options_, std::move(vocabulary)),
+      back_end_(map_, camera, options_) {
   sensor_.value = nominal_sensor(camera);
 }
 

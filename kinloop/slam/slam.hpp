@@ -36,7 +36,7 @@ struct EarlierSessions {
 
 class Slam {
  public:
-  /// With the default vocabulary.
+  /// With the default vocabulary. Throws UsageError where an option has a value that is not allowed.
   explicit Slam(const RgbdCamera& camera, const SlamOptions& options = {});
   Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary);
   ~Slam() = default;

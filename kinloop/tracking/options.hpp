@@ -21,7 +21,7 @@ struct KeyframeOptions {
     visit(
         "min_tracked_ratio", self.min_tracked_ratio,
         "insert a keyframe when the tracked fraction of the reference keyframe's landmarks falls below this",
-        Range{0.05, 1});
+        Range{0.05, 1}, Expert{});
     visit("max_rotation_rad", self.max_rotation_rad,
           "rotation since the nearest keyframe that triggers a new one, rad", Range{0.01, 3.2});
     visit("max_relative_translation", self.max_relative_translation,
@@ -29,9 +29,9 @@ struct KeyframeOptions {
           Range{0.005, 10});
     visit("min_landmarks", self.min_landmarks,
           "insert a keyframe when fewer landmarks are tracked and enough keypoints are unmapped",
-          Range{0, 10000});
+          Range{0, 10000}, Expert{});
     visit("min_unmapped_keypoints", self.min_unmapped_keypoints,
-          "unmapped keypoints with depth required for that", Range{0, 10000});
+          "unmapped keypoints with depth required for that", Range{0, 10000}, Expert{});
     visit("max_interval_frames", self.max_interval_frames,
           "maximum number of frames between keyframes while the camera moves", Range{1, 100000});
   }
@@ -39,7 +39,6 @@ struct KeyframeOptions {
 
 struct TrackingOptions {
   double window_px = 6;
-  double window_sigmas = 3;
   double wide_window_px = 60;
   double local_map_window_px = 5;
   int min_matches = 20;
@@ -48,7 +47,6 @@ struct TrackingOptions {
   int sufficient_landmarks = 60;
   double min_inlier_ratio = 0.1;
   bool refine_with_icp = false;
-  double min_icp_overlap = 0.4;
   KeyframeOptions keyframe;
   AbsolutePoseOptions pose;
   PnpRansacOptions pnp;
@@ -59,33 +57,32 @@ struct TrackingOptions {
   static void fields(Self& self, Visit&& visit) {
     visit("window_px", self.window_px, "minimum search radius around a predicted keypoint, px",
           Range{2, 200});
-    visit("window_sigmas", self.window_sigmas,
-          "standard deviations of the predicted position added to the search radius", Range{0, 10});
     visit("wide_window_px", self.wide_window_px,
           "search radius of the second attempt and upper limit of the first, px", Range{2, 400});
     visit("local_map_window_px", self.local_map_window_px, "search radius for local map landmarks, px",
-          Range{1, 100});
-    visit("min_matches", self.min_matches, "minimum number of matches for a tracking attempt",
-          Range{4, 1000});
+          Range{1, 100}, Expert{});
+    visit("min_matches", self.min_matches, "minimum number of matches for a tracking attempt", Range{4, 1000},
+          Expert{});
     visit("min_inliers", self.min_inliers, "minimum number of inliers for a valid pose", Range{4, 1000});
     visit("min_confident_inliers", self.min_confident_inliers,
-          "inliers against the previous frame below which wider searches are attempted", Range{4, 10000});
+          "inliers against the previous frame below which wider searches are attempted", Range{4, 10000},
+          Expert{});
     visit("sufficient_landmarks", self.sufficient_landmarks,
-          "with fewer tracked landmarks, also use unmapped points of the previous frame", Range{0, 10000});
+          "with fewer tracked landmarks, also use unmapped points of the previous frame", Range{0, 10000},
+          Expert{});
     visit("min_inlier_ratio", self.min_inlier_ratio,
           "minimum fraction of the visible landmarks (or keypoints, if fewer) that must be inliers for a "
           "pose found by brute-force matching or from the map alone",
-          Range{0, 1});
+          Range{0, 1}, Expert{});
     visit("refine_with_icp", self.refine_with_icp,
           "align each depth and grayscale image with the previous frame (ICP) and use the result as "
-          "a pose prior");
-    visit("min_icp_overlap", self.min_icp_overlap, "minimum overlap of depth pixels in dense alignment",
-          Range{0, 1});
+          "a pose prior",
+          Expert{});
     visit("keyframe", self.keyframe);
-    visit("pose", self.pose);
-    visit("pnp", self.pnp);
-    visit("rigid", self.rigid);
-    visit("icp", self.icp);
+    visit("pose", self.pose, Expert{});
+    visit("pnp", self.pnp, Expert{});
+    visit("rigid", self.rigid, Expert{});
+    visit("icp", self.icp, Expert{});
   }
 };
 

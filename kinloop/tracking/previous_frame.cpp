@@ -89,9 +89,10 @@ using SearchRadius = std::function<double(double depth_m)>;
 /// As far as the prediction may be off.
 SearchRadius predicted_window(const PredictedPose& predicted, const PinholeCamera& camera,
                               const TrackingOptions& options) {
+  constexpr double kWindowSigmas = 3;
   return [=, fx = camera.fx](double depth_m) {
     const double sigma_px = fx * std::hypot(predicted.sigma_rad, predicted.sigma_m / depth_m);
-    return std::min(options.window_px + options.window_sigmas * sigma_px, options.wide_window_px);
+    return std::min(options.window_px + kWindowSigmas * sigma_px, options.wide_window_px);
   };
 }
 
@@ -182,12 +183,13 @@ std::optional<FramePose> align_to_previous_frame(const PreparedFrame& frame, con
                                                  const SE3& T_reference_camera_guess,
                                                  const PinholeCamera& camera,
                                                  const TrackingOptions& options) {
+  constexpr double kMinOverlap = 0.4;  // of the depth pixels: less may be another place
   const IcpCamera grids = make_icp_camera(camera, options.icp);
   const auto aligned =
       align_icp(grids, make_icp_frame(grids, previous.frame.depth_m, previous.frame.gray),
                 make_icp_frame(grids, frame.depth_m, frame.gray),
                 previous.T_reference_camera.inverse() * T_reference_camera_guess, options.icp);
-  if (!aligned || aligned->overlap < options.min_icp_overlap) return std::nullopt;
+  if (!aligned || aligned->overlap < kMinOverlap) return std::nullopt;
   FramePose pose;
   pose.T_reference_camera = previous.T_reference_camera * aligned->T_reference_camera;
   pose.information = aligned->information;

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "kinloop/io/map_file/map_file.hpp"
 #include "tests/apps/program_test.hpp"
 
 namespace kinloop {
@@ -54,6 +55,37 @@ TEST_F(MapCommand, ExportReproducesTheFilesOfTheRun) {
   EXPECT_TRUE(read_file(at("k.txt")) == read_file(folder + "/keyframes.txt"));
   EXPECT_TRUE(read_file(at("g.g2o")) == read_file(folder + "/graph.g2o"));
   EXPECT_TRUE(read_file(at("c.ply")) == read_file(folder + "/map.ply"));
+}
+
+/// The map of `input` as the version before would have written it, which knew `options` alone.
+void write_with_options(const std::filesystem::path& input, const std::filesystem::path& output,
+                        std::vector<std::pair<std::string, std::string>> options) {
+  const MapReader reader(input);
+  SavedMap saved = reader.read().first;
+  saved.options = std::move(options);
+  std::vector<SavedImages> images;
+  reader.read_images([&](SavedImages image) { images.push_back(std::move(image)); });
+  write_map(output, saved, images.size(), [&](size_t index) { return images[index]; });
+}
+
+TEST_F(MapCommand, AMapOfTheVersionBeforeKeepsItsOptions) {
+  const std::string map = ran() + "/map.kinmap";
+  // Limits of depth were options of the mesh, too: they must not change the cloud.
+  write_with_options(map, at("old.kinmap"),
+                     {{"mapping.parallax_max_distance", "40"}, {"dense.max_m", "2"}, {"mesh.max_m", "3"}});
+  write_with_options(map, at("new.kinmap"), {{"mesh.max_depth_m", "3"}, {"dense.max_depth_m", "2"}});
+  write_with_options(map, at("reference.kinmap"), {{"dense.max_depth_m", "2"}});
+  write_with_options(map, at("default.kinmap"), {});
+  const auto cloud_of = [](const std::string& name) {
+    const std::string cloud = at(name + ".ply");
+    EXPECT_EQ(run("export " + at(name + ".kinmap") + " -q --cloud " + cloud), 0) << err_;
+    EXPECT_EQ(err_, "") << name;
+    return read_file(cloud);
+  };
+  const std::string reference = cloud_of("reference");
+  EXPECT_FALSE(cloud_of("default") == reference) << "the option makes no difference here";
+  EXPECT_TRUE(cloud_of("new") == reference);
+  EXPECT_TRUE(cloud_of("old") == reference);
 }
 
 TEST_F(MapCommand, CloudsAreUprightAndStoreTheirRotation) {

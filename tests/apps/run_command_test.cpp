@@ -1,6 +1,9 @@
 // The messages of kinloop run for a wrong argument, camera or ground truth.
 
+#include <algorithm>
 #include <filesystem>
+#include <set>
+#include <sstream>
 
 #include <gmock/gmock.h>
 
@@ -49,6 +52,60 @@ TEST_F(RunCommand, EachSetTakesOneAssignment) {
   const Run two = run("run sim:room --set sim.frames=2 sim.fps=5");
   EXPECT_EQ(two.exit_code, kWrongUse);
   EXPECT_THAT(two.err, HasSubstr("sim.fps=5"));
+}
+
+/// The keys that a list of options shows.
+std::set<std::string> keys_of(const std::string& list) {
+  std::set<std::string> keys;
+  std::istringstream lines(list);
+  for (std::string line; std::getline(lines, line);) {
+    const size_t equals = line.find('=');
+    if (line.starts_with("  ") && line[2] != ' ' && equals != std::string::npos)
+      keys.insert(line.substr(2, equals - 2));
+  }
+  return keys;
+}
+
+TEST_F(RunCommand, OptionsListsFewKeysAndAllOnRequest) {
+  const Run documented = run("run --options"), all = run("run --options=all");
+  EXPECT_EQ(documented.exit_code, kDone);
+  EXPECT_EQ(all.exit_code, kDone);
+  const auto few = keys_of(documented.out), many = keys_of(all.out);
+  EXPECT_THAT(few, AllOf(testing::SizeIs(testing::Le(60U)), testing::Contains("dense.voxel_m")));
+  EXPECT_THAT(few, Not(testing::Contains("tracking.pose.rounds")));
+  EXPECT_THAT(many, testing::Contains("tracking.pose.rounds"));
+  EXPECT_TRUE(std::includes(many.begin(), many.end(), few.begin(), few.end()));
+  EXPECT_THAT(documented.out, HasSubstr("--options=all"));
+  EXPECT_THAT(run("run --help").out, HasSubstr("--options=all"));
+  EXPECT_EQ(run("run --options=everything").exit_code, kWrongUse);
+}
+
+TEST_F(RunCommand, ExpertOptionsCanBeSet) {
+  const Run done = run("run '" + sequence() + "' -q --set tracking.pose.rounds=3 -o '" + at("out") + "'");
+  EXPECT_EQ(done.exit_code, kDone) << done.err;
+  EXPECT_THAT(read_file(at("out/run.json")), HasSubstr("\"tracking.pose.rounds\": 3"));
+  EXPECT_EQ(run("run seq --set tracking.pose.rounds=0").exit_code, kWrongUse);
+}
+
+TEST_F(RunCommand, FormerOptionNamesWorkWithAWarning) {
+  const Run done = run("run '" + sequence() +
+                       "' -q --set dense.max_m=3 --set full.robust_width=0.75 --set mapping.bundle.rounds=2 "
+                       "--set mapping.min_parallax_rad=4 -o '" +
+                       at("out") + "'");
+  EXPECT_EQ(done.exit_code, kDone) << done.err;
+  EXPECT_THAT(done.err, AllOf(HasSubstr("option dense.max_m is now called dense.max_depth_m"),
+                              HasSubstr("option full.robust_width is now called noise.robust_width"),
+                              HasSubstr("option mapping.bundle.rounds is now called mapping.local_ba.rounds"),
+                              HasSubstr("option mapping.min_parallax_rad no longer exists and is ignored")));
+  EXPECT_THAT(read_file(at("out/run.json")),
+              AllOf(HasSubstr("\"dense.max_depth_m\": 3"), HasSubstr("\"noise.robust_width\": 0.75"),
+                    HasSubstr("\"mapping.local_ba.rounds\": 2")));
+}
+
+TEST_F(RunCommand, UnknownOptionsRemainErrors) {
+  const Run wrong = run("run sim:room --set full.no_such_thing=1");
+  EXPECT_EQ(wrong.exit_code, kWrongUse);
+  EXPECT_THAT(wrong.err, HasSubstr("unknown option 'full.no_such_thing'"));
 }
 
 TEST_F(RunCommand, WrongDepthScaleIsRejectedWithASuggestion) {

@@ -200,9 +200,9 @@ TEST(DepthAround, AveragesAndRefusesSteps) {
 }
 
 /// Every kind supported by the build.
-std::vector<std::string> float_kinds() {
-  std::vector<std::string> kinds = {"sift"};
-  if (surf_available()) kinds.emplace_back("surf");
+std::vector<FeatureKind> float_kinds() {
+  std::vector<FeatureKind> kinds = {FeatureKind::kSift};
+  if (surf_available()) kinds.push_back(FeatureKind::kSurf);
   return kinds;
 }
 
@@ -211,7 +211,7 @@ TEST(FloatFeatures, AreFoundAgainOnATurnedAndLargerImage) {
   const cv::Mat turn = cv::getRotationMatrix2D({320, 240}, 20, 1.3);
   cv::Mat turned;
   cv::warpAffine(image, turned, turn, image.size());
-  for (const std::string& kind : float_kinds()) {
+  for (const FeatureKind kind : float_kinds()) {
     FeatureOptions options;
     options.kind = kind;
     const Features a = extract_features(image, cv::Mat(), ideal_camera(), options);
@@ -229,9 +229,10 @@ TEST(FloatFeatures, AreFoundAgainOnATurnedAndLargerImage) {
       ++right;
       level_shift += b.levels[match.b] - a.levels[match.a];
     }
-    EXPECT_GT(right, 100) << kind;
-    EXPECT_GT(right, static_cast<int>(matches.size()) * 8 / 10) << kind;
-    EXPECT_NEAR(static_cast<double>(level_shift) / right, std::log(1.3) / std::log(1.2), 0.5) << kind;
+    EXPECT_GT(right, 100) << name_of(kind);
+    EXPECT_GT(right, static_cast<int>(matches.size()) * 8 / 10) << name_of(kind);
+    EXPECT_NEAR(static_cast<double>(level_shift) / right, std::log(1.3) / std::log(1.2), 0.5)
+        << name_of(kind);
   }
 }
 
@@ -264,7 +265,7 @@ TEST(FloatFeatures, DifferentBitsTellTheAngleBetweenDescriptors) {
 }
 
 TEST(FloatFeatures, AnImageWithoutCornersHasNone) {
-  for (const std::string& kind : float_kinds()) {
+  for (const FeatureKind kind : float_kinds()) {
     FeatureOptions options;
     options.kind = kind;
     const cv::Mat blank(240, 320, CV_8UC1, cv::Scalar(90));

@@ -140,7 +140,7 @@ double difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 
 TEST(BundleCovariance, IsThatOfTheWholeDenseSystem) {
   const BundleWorld world = free_world();
-  for (const std::string solver : {"builtin", "ceres"}) {
+  for (const auto solver : {BundleSolver::kBuiltin, BundleSolver::kCeres}) {
     for (const bool free_velocities : {false, true}) {
       BundleOptions options = with_covariances();
       options.solver = solver;

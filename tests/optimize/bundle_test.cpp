@@ -23,13 +23,13 @@ BundleOptions thorough() {
 }
 
 TEST(Bundle, RecoversAnIdealWorld) {
-  for (const std::string solver : {"builtin", "ceres"}) {
+  for (const auto solver : {BundleSolver::kBuiltin, BundleSolver::kCeres}) {
     BundleWorld world = make_bundle_world({});
     perturb(world, 0.03, 0.02);
     BundleOptions options = thorough();
     options.solver = solver;
     const BundleSolution solution = solve_bundle(world.problem, options);
-    EXPECT_LT(position_error_m(solution.T_world_camera, world.truth), 1e-7) << solver;
+    EXPECT_LT(position_error_m(solution.T_world_camera, world.truth), 1e-7) << name_of(solver);
     for (size_t i = 0; i < world.points.size(); ++i) {
       if (solution.point_used[i] == 0) continue;
       EXPECT_LT((solution.p_world[i] - world.points[i]).norm(), 1e-6);
@@ -77,9 +77,9 @@ TEST(Bundle, BuiltinAndCeresAgree) {
   options.inlier_chi2_pixel = options.inlier_chi2_depth = 1e12;  // one minimum of one cost
   for (const bool free_velocities : {false, true}) {
     options.free_velocities = free_velocities;
-    options.solver = "builtin";
+    options.solver = BundleSolver::kBuiltin;
     const BundleSolution builtin = solve_bundle(world.problem, options);
-    options.solver = "ceres";
+    options.solver = BundleSolver::kCeres;
     options.max_iterations = 200;
     const BundleSolution ceres = solve_bundle(world.problem, options);
     EXPECT_NEAR(builtin.chi2_after / ceres.chi2_after, 1.0, 1e-8);

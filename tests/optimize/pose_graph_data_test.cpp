@@ -76,11 +76,11 @@ TEST(StandardPoseGraph, SolversAgreeOnSmallGrid3D) {
   KINLOOP_SKIP_WITHOUT(path);
   const G2oFile file = read_g2o(path);
   const double builtin = solved_chi2(file, {});
-  for (const char* solver : {"ceres", "g2o"}) {
+  for (const auto solver : {PoseGraphSolver::kCeres, PoseGraphSolver::kG2o}) {
     if (!pose_graph_solver_available(solver)) continue;
     PoseGraphOptions options;
     options.solver = solver;
-    EXPECT_NEAR(solved_chi2(file, options), builtin, 1e-6 * builtin) << solver;
+    EXPECT_NEAR(solved_chi2(file, options), builtin, 1e-6 * builtin) << name_of(solver);
   }
 }
 

@@ -96,10 +96,10 @@ TEST(PoseGraphChi2, IsTheSumOfWeightedSquares) {
   EXPECT_NEAR(chi2(graph), 2 * 1 + 3 * 4 + 5 * 0.25, 1e-14);
 }
 
-class PoseGraphKernels : public testing::TestWithParam<const char*> {};
+class PoseGraphKernels : public testing::TestWithParam<RobustKernel> {};
 
 TEST_P(PoseGraphKernels, WeightIsTheDerivativeOfRho) {
-  const PoseGraphKernel kernel = pose_graph_kernel(GetParam(), 1.7);
+  const PoseGraphKernel kernel{GetParam(), 1.7};
   EXPECT_EQ(kernel.rho(0), 0);
   EXPECT_NEAR(kernel.weight(0), 1, 1e-15);
   for (const double s : {0.1, 1.0, 2.5, 3.3, 10.0, 1000.0}) {
@@ -111,7 +111,8 @@ TEST_P(PoseGraphKernels, WeightIsTheDerivativeOfRho) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PoseGraphKernels,
-                         testing::Values("none", "huber", "cauchy", "geman-mcclure", "dcs"));
+                         testing::Values(RobustKernel::kNone, RobustKernel::kHuber, RobustKernel::kCauchy,
+                                         RobustKernel::kGemanMcClure, RobustKernel::kDcs));
 
 PoseGraph2d two_parts() {
   PoseGraph2d graph;

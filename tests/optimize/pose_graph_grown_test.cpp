@@ -38,7 +38,7 @@ void expect_grown_equals_batch(const PoseGraphOptions& options) {
 }
 
 TEST(GrownPoseGraph, HasTheMinimumOfTheBatchSolutionWhateverTheSolver) {
-  for (const char* solver : {"builtin", "ceres", "g2o"}) {
+  for (const auto solver : {PoseGraphSolver::kBuiltin, PoseGraphSolver::kCeres, PoseGraphSolver::kG2o}) {
     if (!pose_graph_solver_available(solver)) continue;
     PoseGraphOptions options;
     options.solver = solver;

@@ -16,17 +16,17 @@ using test::largest_difference;
 using test::make_loop_world;
 using testing::HasSubstr;
 
-PoseGraphOptions with_solver(const std::string& solver) {
+PoseGraphOptions with_solver(PoseGraphSolver solver) {
   PoseGraphOptions options;
   options.solver = solver;
   return options;
 }
 
-class PoseGraphSolvers : public testing::TestWithParam<const char*> {
+class PoseGraphSolvers : public testing::TestWithParam<PoseGraphSolver> {
  protected:
   void SetUp() override {
     if (!pose_graph_solver_available(GetParam())) {
-      GTEST_SKIP() << "this build has no " << GetParam() << ": nothing to test";
+      GTEST_SKIP() << "this build has no " << name_of(GetParam()) << ": nothing to test";
     }
   }
   [[nodiscard]] static PoseGraphOptions options() { return with_solver(GetParam()); }
@@ -66,11 +66,13 @@ TEST_P(PoseGraphSolvers, StayNearTheTruthWithNoise) {
 template <class Pose>
 void expect_same_as_ceres(PoseGraphOptions options) {
   const auto world = make_loop_world<Pose>({.sigma = 0.05}, 3);
-  const double expected = solve_pose_graph(world.graph, with_solver("ceres")).chi2_after;
-  for (const char* method : {"levenberg", "gauss-newton", "dogleg"}) {
-    if (options.solver == "ceres" && std::string(method) == "gauss-newton") continue;
+  const double expected = solve_pose_graph(world.graph, with_solver(PoseGraphSolver::kCeres)).chi2_after;
+  for (const auto method :
+       {PoseGraphMethod::kLevenberg, PoseGraphMethod::kGaussNewton, PoseGraphMethod::kDogleg}) {
+    if (options.solver == PoseGraphSolver::kCeres && method == PoseGraphMethod::kGaussNewton) continue;
     options.method = method;
-    EXPECT_NEAR(solve_pose_graph(world.graph, options).chi2_after, expected, 1e-6 * expected) << method;
+    EXPECT_NEAR(solve_pose_graph(world.graph, options).chi2_after, expected, 1e-6 * expected)
+        << name_of(method);
   }
 }
 
@@ -162,7 +164,7 @@ TEST_P(PoseGraphSolvers, ReturnTheStartWhereNothingCanMove) {
 TEST_P(PoseGraphSolvers, StopAfterTheIterationsAllowed) {
   const auto world = make_loop_world<SE3>({.sigma = 0.05, .start_sigma = 0.3}, 9);
   PoseGraphOptions one = options();
-  one.start = "given";
+  one.start = PoseGraphStart::kGiven;
   one.max_iterations = 1;
   const auto solution = solve_pose_graph(world.graph, one);
   EXPECT_EQ(solution.iterations, 1);
@@ -183,18 +185,20 @@ TEST_P(PoseGraphSolvers, MinimiseTheSameRobustCost) {
   // Huber's cost has one minimum near the start, which all find.
   const auto world = make_loop_world<SE3>({.sigma = 0.01, .false_loops = 0.1, .start_sigma = 0.01}, 11);
   PoseGraphOptions robust = options();
-  robust.robust_kernel = "huber";
-  robust.start = "given";
+  robust.robust_kernel = RobustKernel::kHuber;
+  robust.start = PoseGraphStart::kGiven;
   const auto solution = solve_pose_graph(world.graph, robust);
-  robust.solver = "ceres";
+  robust.solver = PoseGraphSolver::kCeres;
   EXPECT_LT(largest_difference(solution.T_world_vertex, solve_pose_graph(world.graph, robust).T_world_vertex),
             1e-3);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, PoseGraphSolvers, testing::Values("auto", "builtin", "ceres", "g2o"),
-                         [](const auto& test) { return std::string(test.param); });
+INSTANTIATE_TEST_SUITE_P(All, PoseGraphSolvers,
+                         testing::Values(PoseGraphSolver::kAuto, PoseGraphSolver::kBuiltin,
+                                         PoseGraphSolver::kCeres, PoseGraphSolver::kG2o),
+                         [](const auto& test) { return std::string(name_of(test.param)); });
 
-class RobustKernels : public testing::TestWithParam<const char*> {};
+class RobustKernels : public testing::TestWithParam<RobustKernel> {};
 
 TEST_P(RobustKernels, RejectFalseLoopClosures) {
   const auto world =
@@ -208,13 +212,15 @@ TEST_P(RobustKernels, RejectFalseLoopClosures) {
   EXPECT_LT(robust, 0.05);
 }
 
-INSTANTIATE_TEST_SUITE_P(Redescending, RobustKernels, testing::Values("cauchy", "geman-mcclure", "dcs"));
+INSTANTIATE_TEST_SUITE_P(Redescending, RobustKernels,
+                         testing::Values(RobustKernel::kCauchy, RobustKernel::kGemanMcClure,
+                                         RobustKernel::kDcs));
 
 TEST(RobustKernels, GraduatedNonConvexityNeedsNoGoodStart) {
   const auto world =
       make_loop_world<SE2>({.rounds = 4, .sigma = 0.002, .false_loops = 0.3, .start_sigma = 1.0}, 13);
   PoseGraphOptions options;
-  options.robust_kernel = "geman-mcclure";
+  options.robust_kernel = RobustKernel::kGemanMcClure;
   EXPECT_LT(largest_difference(solve_pose_graph(world.graph, options).T_world_vertex, world.truth), 0.05);
 }
 
@@ -244,19 +250,19 @@ TEST(PoseGraphInitialization, AutoIsNeverWorseThanTheGivenPoses) {
   PoseGraphOptions options;
   options.max_iterations = 0;
   EXPECT_LE(solve_pose_graph(world.graph, options).chi2_after, chi2(world.graph));
-  options.start = "given";
+  options.start = PoseGraphStart::kGiven;
   EXPECT_DOUBLE_EQ(solve_pose_graph(world.graph, options).chi2_after, chi2(world.graph));
 }
 
 TEST(PoseGraphInitialization, AllSolversCanStartFromTheTreeAndFromChordalPoses) {
   const auto world = make_loop_world<SE3>({.sigma = 0.001, .start_sigma = 3.0}, 17);
-  for (const char* solver : {"builtin", "ceres", "g2o"}) {
+  for (const auto solver : {PoseGraphSolver::kBuiltin, PoseGraphSolver::kCeres, PoseGraphSolver::kG2o}) {
     if (!pose_graph_solver_available(solver)) continue;
-    for (const char* start : {"tree", "chordal"}) {
+    for (const auto start : {PoseGraphStart::kTree, PoseGraphStart::kChordal}) {
       PoseGraphOptions options = with_solver(solver);
       options.start = start;
       EXPECT_LT(largest_difference(solve_pose_graph(world.graph, options).T_world_vertex, world.truth), 0.02)
-          << solver << " from " << start;
+          << name_of(solver) << " from " << name_of(start);
     }
   }
 }
@@ -284,14 +290,15 @@ TEST(PoseGraphChecks, ViolatedPreconditionsThrowLogicError) {
 }
 
 TEST(PoseGraphChecks, UnknownSolversAreNamed) {
-  EXPECT_THAT(test::usage_error([] { solve_pose_graph(PoseGraph{}, with_solver("gtsam")); }),
-              HasSubstr("gtsam"));
-  if (!pose_graph_solver_available("g2o")) {
-    EXPECT_THAT(test::usage_error([] { solve_pose_graph(PoseGraph{}, with_solver("g2o")); }),
+  EXPECT_THAT(
+      test::usage_error([] { solve_pose_graph(PoseGraph{}, with_solver(static_cast<PoseGraphSolver>(17))); }),
+      HasSubstr("one of auto, builtin, ceres, g2o"));
+  if (!pose_graph_solver_available(PoseGraphSolver::kG2o)) {
+    EXPECT_THAT(test::usage_error([] { solve_pose_graph(PoseGraph{}, with_solver(PoseGraphSolver::kG2o)); }),
                 HasSubstr("g2o"));
   }
-  PoseGraphOptions options = with_solver("ceres");
-  options.method = "gauss-newton";
+  PoseGraphOptions options = with_solver(PoseGraphSolver::kCeres);
+  options.method = PoseGraphMethod::kGaussNewton;
   const auto world = make_loop_world<SE3>({}, 19);
   EXPECT_THAT(test::usage_error([&] { solve_pose_graph(world.graph, options); }), HasSubstr("gauss-newton"));
 }

@@ -74,7 +74,7 @@ TEST(DenseRecorder, ExecutionModeDoesNotMatter) {
   DenseRecorder lagged(camera(), {});
   show_wall(lagged, 30, 3);
   const auto expected = cloud_of(lagged, 0, 1);
-  for (const char* mode : {"inline", "live"}) {
+  for (const auto mode : {ExecutorMode::kInline, ExecutorMode::kLive}) {
     DenseOptions in_memory;
     in_memory.surfel_memory_mib = 16;
     ExecutorOptions executor;

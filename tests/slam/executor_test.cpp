@@ -8,7 +8,7 @@
 namespace kinloop {
 namespace {
 
-std::unique_ptr<Executor> executor(const std::string& mode) {
+std::unique_ptr<Executor> executor(ExecutorMode mode) {
   ExecutorOptions options;
   options.mode = mode;
   options.local_ba_lag_frames = 3;
@@ -23,7 +23,7 @@ MapUpdate numbered(uint32_t number) {
 }
 
 TEST(Executor, LaggedResultsArriveAfterTheLag) {
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{10}, [] { return numbered(1); });
   EXPECT_TRUE(lagged->busy(JobKind::kLocalBundleAdjustment));
   EXPECT_FALSE(lagged->busy(JobKind::kLoopCorrection));
@@ -36,7 +36,7 @@ TEST(Executor, LaggedResultsArriveAfterTheLag) {
 }
 
 TEST(Executor, LaggedWaitsForSlowWork) {
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0}, [] {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     return numbered(7);
@@ -45,7 +45,7 @@ TEST(Executor, LaggedWaitsForSlowWork) {
 }
 
 TEST(Executor, InlineResultsArriveWithTheNextFrame) {
-  const auto at_once = executor("inline");
+  const auto at_once = executor(ExecutorMode::kInline);
   bool done = false;
   at_once->submit(JobKind::kLoopCorrection, FrameId{4}, [&] {
     done = true;
@@ -56,7 +56,7 @@ TEST(Executor, InlineResultsArriveWithTheNextFrame) {
 }
 
 TEST(Executor, ResultsKeepTheOrderOfSubmission) {
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0}, [] {
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
     return numbered(1);
@@ -70,14 +70,14 @@ TEST(Executor, ResultsKeepTheOrderOfSubmission) {
 }
 
 TEST(Executor, OneJobOfAKindAtATime) {
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0}, [] { return MapUpdate{}; });
   EXPECT_THROW(lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{1}, [] { return MapUpdate{}; }),
                std::logic_error);
 }
 
 TEST(Executor, AnErrorInAJobReachesTheCollector) {
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0},
                  []() -> MapUpdate { throw std::runtime_error("no"); });
   EXPECT_THROW(lagged->collect(FrameId{3}), std::runtime_error);

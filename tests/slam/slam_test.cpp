@@ -81,17 +81,17 @@ Vocabulary small_vocabulary(const FeatureOptions& features) {
 }
 
 TEST(Slam, TracksWithEveryKindOfFeature) {
-  for (const std::string kind : {"sift", "surf"}) {
-    if (kind == "surf" && !surf_available()) continue;
+  for (const auto kind : {FeatureKind::kSift, FeatureKind::kSurf}) {
+    if (kind == FeatureKind::kSurf && !surf_available()) continue;
     SlamOptions options;
     options.features.kind = kind;
     Slam slam(recording().camera, options, small_vocabulary(options.features));
     for (const RgbdFrame& frame : recording().frames) slam.process(frame);
     const Trajectory estimate = slam.finish();
-    ASSERT_EQ(estimate.size(), static_cast<size_t>(kSimulatedFrames)) << kind;
+    ASSERT_EQ(estimate.size(), static_cast<size_t>(kSimulatedFrames)) << name_of(kind);
     const auto ate = absolute_trajectory_error(estimate, recording().truth);
     ASSERT_TRUE(ate.has_value());
-    EXPECT_LT(ate->error_m.rmse, 0.02) << kind;
+    EXPECT_LT(ate->error_m.rmse, 0.02) << name_of(kind);
   }
 }
 
@@ -124,10 +124,11 @@ TEST(Slam, PipelineStopsWhenDestroyedEarly) {
 }
 
 TEST(Slam, EveryModeTracksEveryFrame) {
-  for (const char* mode : {"inline", "lagged", "live"}) {
+  for (const auto mode : {ExecutorMode::kInline, ExecutorMode::kLagged, ExecutorMode::kLive}) {
     SlamOptions options;
     options.executor.mode = mode;
-    EXPECT_EQ(run(recording().frames, options).size(), static_cast<size_t>(kSimulatedFrames)) << mode;
+    EXPECT_EQ(run(recording().frames, options).size(), static_cast<size_t>(kSimulatedFrames))
+        << name_of(mode);
   }
 }
 

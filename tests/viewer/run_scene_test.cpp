@@ -98,7 +98,7 @@ class RunSceneTest : public testing::Test {
   }
 
   ViewerOptions options_{.voxel_m = 0.05};  // wider than the pixels of such a small camera
-  RunFeed feed_{options_};
+  RunFeed feed_;
   FakeRun run_{feed_};
   Scene scene_{"run"};
   RunScene run_scene_{scene_, {"sequence", 10, small_camera(), {}, options_}};

@@ -17,7 +17,7 @@ namespace {
 
 using test::clustered_images;
 
-TrainOptions options_of(const std::string& seeding) {
+TrainOptions options_of(Seeding seeding) {
   TrainOptions options;
   options.branching = 4;
   options.depth = 3;
@@ -36,7 +36,7 @@ std::span<const cv::Mat> share(const std::vector<cv::Mat>& images, const Communi
   return std::span(images).subspan(begin, begin_of(ranks.rank() + 1) - begin);
 }
 
-class ManyProcesses : public testing::TestWithParam<std::string> {};
+class ManyProcesses : public testing::TestWithParam<Seeding> {};
 
 TEST_P(ManyProcesses, TrainTheSameVocabularyAsOne) {
   // 22,000 descriptors: a root that all processes cluster together, then nodes with an owner.
@@ -51,7 +51,9 @@ TEST_P(ManyProcesses, TrainTheSameVocabularyAsOne) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seedings, ManyProcesses, testing::Values("random", "kmeans++", "kmeans||"),
+INSTANTIATE_TEST_SUITE_P(Seedings, ManyProcesses,
+                         testing::Values(Seeding::kRandom, Seeding::kKmeansPlusPlus,
+                                         Seeding::kKmeansParallel),
                          [](const auto& seeding) { return "s" + std::to_string(seeding.index); });
 
 TEST(ManyProcesses, RefillEmptyClustersLikeOne) {
@@ -75,8 +77,9 @@ TEST(ManyProcesses, RefillEmptyClustersLikeOne) {
 TEST(ManyProcesses, AllFailOnTooLittleData) {
   const auto images = clustered_images(3, 10, 10, 2);
   test::as_ranks(2, [&](const Communicator& ranks) {
-    EXPECT_THROW(train_vocabulary(to_training_set(share(images, ranks)), options_of("random"), {}, ranks),
-                 InputError);
+    EXPECT_THROW(
+        train_vocabulary(to_training_set(share(images, ranks)), options_of(Seeding::kRandom), {}, ranks),
+        InputError);
   });
 }
 
@@ -93,8 +96,8 @@ TEST(ScratchMemory, TrainsTheSameBytesInFiles) {
   TrainingSet set(DescriptorKind::kOrb, &memory);
   for (const auto& image : images) set.append(image);
   EXPECT_GE(memory.bytes_in_files(), 21'000U * kOrbBytes);
-  EXPECT_EQ(serialize_vocabulary(train_vocabulary(std::move(set), options_of("kmeans++"))),
-            serialize_vocabulary(train_vocabulary(images, options_of("kmeans++"))));
+  EXPECT_EQ(serialize_vocabulary(train_vocabulary(std::move(set), options_of(Seeding::kKmeansPlusPlus))),
+            serialize_vocabulary(train_vocabulary(images, options_of(Seeding::kKmeansPlusPlus))));
   EXPECT_EQ(memory.bytes_in_files(), 0U);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }

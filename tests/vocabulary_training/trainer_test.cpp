@@ -43,7 +43,7 @@ TEST(Trainer, SeedAndSeedingChangeTheTree) {
   options.seed = 2;
   EXPECT_NE(serialize_vocabulary(train_vocabulary(images, options)), first);
   options.seed = 1;
-  options.seeding = "random";
+  options.seeding = Seeding::kRandom;
   EXPECT_NE(serialize_vocabulary(train_vocabulary(images, options)), first);
 }
 

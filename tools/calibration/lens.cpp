@@ -184,6 +184,7 @@ void solve(LensCalibration& c, const PlanarViews& planar, const CalibrationOptio
 }  // namespace
 
 LensCalibration calibrate_lens(const std::vector<BoardView>& views, const CalibrationOptions& options) {
+  check_options(options);
   LensCalibration c;
   PlanarViews used = planar(views, c.rejected);
   while (true) {

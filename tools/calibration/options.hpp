@@ -15,8 +15,14 @@ struct CalibrationOptions {
           "number of terms of k1 k2 p1 p2 k3 to estimate: 0, 2, 4 or 5; the others are 0", Range{0, 5});
     visit("outlier_factor", self.outlier_factor,
           "reject a view whose RMS exceeds this multiple of the median", Range{1.5, 100});
-    visit("alike_deg", self.min_tilt_difference_deg, "tilts closer than this count as one", Range{0, 90});
+    visit("min_tilt_difference_deg", self.min_tilt_difference_deg, "tilts closer than this count as one",
+          Range{0, 90});
   }
+
+  static OptionHistory history() { return {{{"alike_deg", "min_tilt_difference_deg"}}, {}}; }
 };
+
+/// Throws UsageError, naming key, value and expectation, where a value is not allowed.
+void check_options(const CalibrationOptions& options);
 
 }  // namespace kinloop

@@ -179,6 +179,7 @@ void take(RigCalibration& rig, const RigSolution& solution, const RigProblem& pr
 RigCalibration calibrate_rig(const std::vector<PairedView>& pairs, const LensSource& color,
                              const LensSource& infrared, const Board& board,
                              const CalibrationOptions& options, const std::optional<SE3>& T_color_infrared) {
+  check_options(options);
   RigCalibration rig;
   std::vector<BoardView> color_views, infrared_views;
   for (const PairedView& pair : pairs) {

@@ -53,7 +53,7 @@ std::vector<Detector> make_detectors(const FeatureOptions& options, const Pinhol
   const auto orb = cv::ORB::create(options.count, static_cast<float>(options.scale_factor), options.levels);
   detectors.push_back(opencv_detector("ORB (OpenCV)", "orb-opencv", orb, camera));
   FeatureOptions ours = options;
-  ours.kind = "orb";
+  ours.kind = FeatureKind::kOrb;
   detectors.push_back({"ORB (ours)", "orb", [options = ours, camera](const cv::Mat& gray) {
                          return extract_features(gray, cv::Mat(), camera, options);
                        }});

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "kinloop/base/options.hpp"
 #include "kinloop/place/descriptor_space.hpp"
 #include "tools/vocabulary_training/communicator.hpp"
 
@@ -15,6 +16,12 @@ namespace kinloop {
 
 /// How the initial centres are chosen.
 enum class Seeding { kRandom, kKmeansPlusPlus, kKmeansParallel };
+
+constexpr auto option_names(Seeding) {
+  using enum Seeding;
+  return std::to_array<EnumName<Seeding>>(
+      {{kKmeansPlusPlus, "kmeans++"}, {kKmeansParallel, "kmeans||"}, {kRandom, "random"}});
+}
 
 struct ClusterOptions {
   int clusters = 10;

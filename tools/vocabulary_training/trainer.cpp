@@ -19,11 +19,6 @@ namespace {
 /// Nodes with more points are clustered by all threads and processes together, smaller ones in parallel.
 constexpr size_t kLargeNode = 20'000;
 
-Seeding seeding_of(const std::string& name) {
-  if (name == "random") return Seeding::kRandom;
-  return name == "kmeans||" ? Seeding::kKmeansParallel : Seeding::kKmeansPlusPlus;
-}
-
 void require_enough(uint64_t descriptors, uint64_t images, const TrainOptions& options) {
   // Enough to split every node above the last level; with fewer the tree would not reach its depth.
   const double nodes = std::pow(options.branching, options.depth - 1);
@@ -116,7 +111,7 @@ class TreeBuilder {
     if (deep_enough && !stopped_ && node.total >= static_cast<uint64_t>(options_.min_split)) {
       ClusterOptions options;
       options.clusters = options_.branching;
-      options.seeding = seeding_of(options_.seeding);
+      options.seeding = options_.seeding;
       options.iterations = options_.iterations;
       options.candidates = options_.candidates;
       // Nodes in previous levels and earlier in this one: the node's number, whichever process splits it.
@@ -232,6 +227,7 @@ class TreeBuilder {
 
 Vocabulary train_vocabulary(TrainingSet set, const TrainOptions& options, const Progress& progress,
                             const Communicator& communicator) {
+  validate(options);
   const auto images_of_ranks = communicator.all_gather(set.images);
   const auto mine = images_of_ranks.begin() + communicator.rank();
   const auto first_image = std::accumulate(images_of_ranks.begin(), mine, uint64_t{0});

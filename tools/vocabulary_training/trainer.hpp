@@ -10,6 +10,7 @@
 #include "kinloop/base/options.hpp"
 #include "kinloop/base/progress.hpp"
 #include "kinloop/place/vocabulary.hpp"
+#include "tools/vocabulary_training/clustering.hpp"
 #include "tools/vocabulary_training/communicator.hpp"
 #include "tools/vocabulary_training/training_set.hpp"
 
@@ -18,7 +19,7 @@ namespace kinloop {
 struct TrainOptions {
   int branching = 10;
   int depth = 5;
-  std::string seeding = "kmeans++";
+  Seeding seeding = Seeding::kKmeansPlusPlus;
   int candidates = 0;
   int iterations = 20;
   int min_split = 2;
@@ -30,8 +31,7 @@ struct TrainOptions {
     visit("branching", self.branching, "maximum children per node", Range{2, 1e6});
     visit("depth", self.depth, "levels below the root; at most branching^depth words; 1 = a flat vocabulary",
           Range{1, 10});
-    visit("seeding", self.seeding, "how the initial cluster centres of a node are chosen",
-          Choices{{"kmeans++", "kmeans||", "random"}});
+    visit("seeding", self.seeding, "how the initial cluster centres of a node are chosen");
     visit("candidates", self.candidates,
           "points tried for each k-means++ centre, the best is kept; 0 = 2 + ln(branching), 1 = plain "
           "k-means++",

@@ -12,7 +12,7 @@ namespace {
 DenseOptions sampling(const ViewerOptions& options) {
   DenseOptions dense;
   dense.voxel_m = options.voxel_m;
-  dense.max_depth_m = options.max_depth_m;
+  dense.limits = options.limits;
   return dense;
 }
 

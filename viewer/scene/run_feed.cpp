@@ -5,6 +5,10 @@
 namespace kinloop {
 namespace {
 
+// More edges of covisibility would hide the map.
+constexpr int kMinDrawnLandmarks = 60;
+constexpr size_t kMaxDrawnNeighbors = 5;
+
 MapSummary outline_of(const Map& map) {
   MapSummary summary;
   for (const Keyframe& keyframe : map.keyframes())
@@ -34,8 +38,8 @@ void RunFeed::on_map(const Map& map) {
   std::vector<std::pair<KeyframeId, KeyframeId>> covisible;
   for (; keyframes_reported_ < map.keyframes().size(); ++keyframes_reported_) {
     const KeyframeId newer = map.keyframes()[keyframes_reported_].id;
-    const auto neighbors = map.covisible_keyframes(newer, options_.min_shared_landmarks);
-    const size_t count = std::min(neighbors.size(), static_cast<size_t>(options_.max_neighbors));
+    const auto neighbors = map.covisible_keyframes(newer, kMinDrawnLandmarks);
+    const size_t count = std::min(neighbors.size(), kMaxDrawnNeighbors);
     for (size_t i = 0; i < count; ++i) covisible.emplace_back(neighbors[i].first, newer);
   }
   const std::lock_guard lock(mutex_);

@@ -10,7 +10,6 @@
 
 #include "kinloop/slam/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
-#include "viewer/options.hpp"
 #include "viewer/scene/wire_format.hpp"
 
 namespace kinloop {
@@ -56,8 +55,6 @@ class RunFeed : public Listener {
   /// Maximum number of queued keyframe images; beyond it the oldest is dropped, along with its points.
   static constexpr size_t kMaxQueuedKeyframes = 32;
 
-  explicit RunFeed(const ViewerOptions& options) : options_(options) {}
-
   void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
   void on_map(const Map& map) override;
 
@@ -68,7 +65,6 @@ class RunFeed : public Listener {
   RunEvents take();
 
  private:
-  ViewerOptions options_;
   size_t keyframes_reported_ = 0;
   std::mutex mutex_;
   RunEvents events_;  // guarded by the mutex

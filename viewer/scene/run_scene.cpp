@@ -140,7 +140,8 @@ void RunScene::show_images(const ImageEvent& image) {
   const cv::Mat color = resized(image.color, options.image_width_px, cv::INTER_AREA);
   const cv::Mat depth = resized(image.depth_m, options.image_width_px, cv::INTER_NEAREST);
   scene_.put(PartKind::kColorImage, 0, jpeg(color, options.jpeg_quality));
-  scene_.put(PartKind::kDepthImage, 0, jpeg(depth_image(depth, options.max_depth_m), options.jpeg_quality));
+  scene_.put(PartKind::kDepthImage, 0,
+             jpeg(depth_image(depth, options.limits.max_depth_m), options.jpeg_quality));
   scene_.put(PartKind::kFeatures, 0, encode_features(shown_features(image)));
 }
 

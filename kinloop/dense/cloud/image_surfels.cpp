@@ -48,11 +48,10 @@ class SurfelExtractor {
       : color_(images.color),
         focal_px_(focal_px),
         voxel_m_(options.voxel_m),
-        max_slope_(
-            static_cast<float>(std::tan(options.max_incidence_deg * M_PI / 180) * kSlopeReachPx / focal_px)),
+        max_slope_(static_cast<float>(std::tan(options.limits.max_incidence_deg * M_PI / 180) *
+                                      kSlopeReachPx / focal_px)),
         inverse_depth_(smoothed(inverse_depth)),
-        usable_(usable_pixels(images.depth_m, focal_px,
-                              {options.min_depth_m, options.max_depth_m, options.max_incidence_deg})) {}
+        usable_(usable_pixels(images.depth_m, focal_px, options.limits)) {}
 
   std::vector<Surfel> run() {
     for (int row = 0; row + kTilePx <= color_.rows; row += kTilePx) {

@@ -51,7 +51,7 @@ void for_each_view(const ImageStore& images, std::span<const PosedImage> views, 
                    const MeshOptions& options, int threads,
                    const std::function<bool(size_t index, const TsdfView& view)>& use) {
   const cv::Mat raw_pixels = undistortion_of(camera.color);
-  const DepthLimits limits{options.min_depth_m, options.max_depth_m, options.max_incidence_deg};
+  const DepthLimits& limits = options.limits;
   const auto batch_size = static_cast<size_t>(std::max(threads, 1));
   std::vector<TsdfView> batch(batch_size);
   for (size_t first = 0; first < views.size(); first += batch_size) {
@@ -75,6 +75,8 @@ void for_each_view(const ImageStore& images, std::span<const PosedImage> views, 
 ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImage> views,
                              const DenseCamera& camera, const MeshOptions& options, int threads,
                              const Progress& progress) {
+  validate(options, "mesh.");
+  validate(options.limits, "mesh.");
   TsdfVolume volume(camera, options);
   // Two passes over the images, so that earlier views can also carve away what later ones saw only briefly.
   for_each_view(images, views, camera, options, threads, [&](size_t, const TsdfView& view) {

@@ -91,13 +91,14 @@ class BlockUpdate {
   [[nodiscard]] bool in_view(const Coord& origin) const {
     const double radius_m = std::sqrt(3.0) / 2 * kLeafVoxels * options_.voxel_m;
     const Eigen::Vector3d center = in_camera(origin) + kLeafVoxels / 2.0 * (step_[0] + step_[1] + step_[2]);
-    if (center.z() < options_.min_depth_m || center.z() > options_.max_depth_m + radius_m) return false;
+    if (center.z() < options_.limits.min_depth_m || center.z() > options_.limits.max_depth_m + radius_m)
+      return false;
     const double margin_px = radius_m * camera_.color.fx / center.z();
     return camera_.color.contains(camera_.color.project(center), -margin_px);
   }
 
   void update(Leaf& distance, Leaf& weight, unsigned i, const Eigen::Vector3d& p_stamp) const {
-    const double nearest_m = options_.min_depth_m / 2;
+    const double nearest_m = options_.limits.min_depth_m / 2;
     if (p_stamp.z() < nearest_m) return;
     const Eigen::Vector3d p_camera = camera_.undo_deskew(p_stamp, view_.velocity);
     if (p_camera.z() < nearest_m) return;

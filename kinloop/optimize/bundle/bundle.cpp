@@ -144,8 +144,8 @@ BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& o
   }
   BundleState state = start;
   for (int round = 0; round < options.rounds; ++round) {
-    const BundleRoundResult result =
-        options.solver == "ceres" ? minimize_with_ceres(task, state) : minimize_builtin(task, state);
+    const BundleRoundResult result = options.solver == BundleSolver::kCeres ? minimize_with_ceres(task, state)
+                                                                            : minimize_builtin(task, state);
     state = result.state;
     solution.iterations += result.iterations;
     solution.converged = result.converged;

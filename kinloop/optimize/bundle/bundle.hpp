@@ -8,13 +8,13 @@
 // of the depth image.
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "kinloop/base/options.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/geometry/se3.hpp"
 #include "kinloop/optimize/bundle/sensor_model.hpp"
 
@@ -54,44 +54,40 @@ struct BundleProblem {
   SensorCalibration sensor;
 };
 
+enum class BundleSolver { kBuiltin, kCeres };
+
+constexpr auto option_names(BundleSolver) {
+  return std::to_array<EnumName<BundleSolver>>(
+      {{BundleSolver::kBuiltin, "builtin"}, {BundleSolver::kCeres, "ceres"}});
+}
+
+/// `robust_width`, `inlier_chi2_...` and `inverse_depth_sigma_per_m` describe the measurements: Slam sets
+/// them from SlamOptions::noise.
 struct BundleOptions {
-  std::string solver = "builtin";
+  BundleSolver solver = BundleSolver::kBuiltin;
   int rounds = 2;
   int max_iterations = 10;
   double tolerance = 1e-5;
-  double robust_width = 0.5;
-  double inlier_chi2_pixel = 5.991;
-  double inlier_chi2_depth = 3.841;
-  double inverse_depth_sigma_per_m = 6e-3;
+  double robust_width = kKeypointRobustWidth;    ///< scale of the Huber loss, standard deviations
+  double inlier_chi2_pixel = kChi2At95With2Dof;  ///< maximum squared pixel residual of an inlier
+  double inlier_chi2_depth = kChi2At95With1Dof;  ///< maximum squared depth residual
+  double inverse_depth_sigma_per_m = kKeypointInverseDepthSigmaPerM;
   bool free_velocities = false;
   double velocity_sigma_m_s = 0.1;
   double velocity_sigma_rad_s = 0.1;
-  bool pose_covariances = false;
+  bool pose_covariances = false;  ///< compute the covariance of every pose
   int threads = 1;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("solver", self.solver, "solver", Choices{{"builtin", "ceres"}});
-    visit("rounds", self.rounds, "rounds of outlier reclassification", Range{1, 20});
+    visit("solver", self.solver, "solver");
+    visit("rounds", self.rounds, "rounds of outlier reclassification", Range{1, 20}, Expert{});
     visit("max_iterations", self.max_iterations, "maximum Levenberg-Marquardt iterations per round",
-          Range{1, 1000});
+          Range{1, 1000}, Expert{});
     visit("tolerance", self.tolerance, "function tolerance: relative cost decrease that ends a round",
-          Range{0, 1});
-    visit("robust_width", self.robust_width, "scale of the Huber loss, standard deviations", Range{0.1, 1e9});
-    visit("inlier_chi2_pixel", self.inlier_chi2_pixel,
-          "maximum squared pixel residual of an inlier (95 % of chi2, 2 DoF)", Range{0.1, 1e12});
-    visit("inlier_chi2_depth", self.inlier_chi2_depth,
-          "maximum squared depth residual; beyond it only the pixel is used (95 % of chi2, 1 DoF)",
-          Range{0.1, 1e12});
-    visit("inverse_depth_sigma_per_m", self.inverse_depth_sigma_per_m,
-          "standard deviation of the inverse depth at keypoints, 1/m", Range{1e-6, 1});
-    visit("free_velocities", self.free_velocities, "estimate keyframe velocities around the given ones");
-    visit("velocity_sigma_m_s", self.velocity_sigma_m_s, "standard deviation of a given velocity, m/s",
-          Range{1e-6, 100});
-    visit("velocity_sigma_rad_s", self.velocity_sigma_rad_s, "standard deviation of a given turn rate, rad/s",
-          Range{1e-6, 100});
-    visit("pose_covariances", self.pose_covariances, "compute the covariance of every pose");
-    visit("threads", self.threads, "number of threads; the result does not depend on it", Range{1, 256});
+          Range{0, 1}, Expert{});
+    visit("threads", self.threads, "number of threads; the result does not depend on it", Range{1, 256},
+          Expert{});
   }
 };
 

@@ -11,6 +11,7 @@
 
 #include "kinloop/base/options.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {
@@ -29,30 +30,22 @@ struct PosePrior {
   Matrix6d information = Matrix6d::Zero();  ///< of T * exp(x), x = (translation; rotation), per m^2 and rad^2
 };
 
+/// `robust_width`, `inlier_chi2_...` and `inverse_depth_sigma_per_m` describe the measurements: Slam sets
+/// them from SlamOptions::noise.
 struct AbsolutePoseOptions {
   int rounds = 4;
   int max_iterations = 8;
-  double robust_width = 0.5;
-  double inlier_chi2_pixel = 5.991;
-  double inlier_chi2_depth = 3.841;
-  double inverse_depth_sigma_per_m = 6e-3;
+  double robust_width = kKeypointRobustWidth;    ///< scale of the Huber loss, standard deviations
+  double inlier_chi2_pixel = kChi2At95With2Dof;  ///< maximum squared pixel residual of an inlier
+  double inlier_chi2_depth =
+      kChi2At95With1Dof;  ///< maximum squared depth residual; beyond it only the pixel is used
+  double inverse_depth_sigma_per_m = kKeypointInverseDepthSigmaPerM;
   int min_inliers = 6;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit("rounds", self.rounds, "rounds of outlier reclassification", Range{1, 20});
     visit("max_iterations", self.max_iterations, "maximum Gauss-Newton iterations per round", Range{1, 100});
-    visit("robust_width", self.robust_width, "scale of the Huber loss, standard deviations", Range{0.1, 100});
-    visit("inlier_chi2_pixel", self.inlier_chi2_pixel,
-          "maximum squared pixel residual of an inlier (95 % of chi2, 2 DoF)", Range{0.1, 1000});
-    visit("inlier_chi2_depth", self.inlier_chi2_depth,
-          "maximum squared depth residual; beyond it only the pixel is used (95 % of chi2, 1 DoF)",
-          Range{0.1, 1000});
-    visit("inverse_depth_sigma_per_m", self.inverse_depth_sigma_per_m,
-          "standard deviation of the inverse depth at keypoints, 1/m (four times that of the sensor: they "
-          "lie on "
-          "edges)",
-          Range{1e-6, 1});
     visit("min_inliers", self.min_inliers, "minimum number of inliers", Range{3, 1000});
   }
 };

@@ -79,6 +79,10 @@ class Aligner {
 
  private:
   static constexpr double kMinDepth_m = 1e-3;
+  static constexpr double kMaxDistance_m = 0.15;  // from a point to its partner
+  static constexpr double kMaxNormalAngleRad = 0.7;
+  static constexpr double kRobustWidth = 1.5;   // of Huber's loss, standard deviations
+  static constexpr double kIntensitySigma = 6;  // of 255
 
   /// Point to plane (Chen and Medioni 1992) with the partner under the projection.
   void add_depth(size_t i, const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector2d& pixel,
@@ -91,18 +95,18 @@ class Aligner {
     const Eigen::Vector3d n = reference_.normals[partner].cast<double>();
     if (n.isZero()) return;
     const Eigen::Vector3d apart = q - reference_.points[partner].cast<double>();
-    if (apart.squaredNorm() > options_.max_distance_m * options_.max_distance_m) return;
+    if (apart.squaredNorm() > kMaxDistance_m * kMaxDistance_m) return;
     const Eigen::Vector3d other_normal = frame_.normals[i].cast<double>();
     if (other_normal.isZero()) return;
     const Eigen::Vector3d n_camera = R.transpose() * n;
-    if (n_camera.dot(other_normal) < std::cos(options_.max_normal_angle_rad)) return;
+    if (n_camera.dot(other_normal) < std::cos(kMaxNormalAngleRad)) return;
 
     const double distance = n.dot(apart);
     const double z_partner = static_cast<double>(reference_.points[partner].z());
     const double sigma =
         options_.inverse_depth_sigma_per_m * std::hypot(p.z() * p.z(), z_partner * z_partner);
     const double squared = distance * distance / (sigma * sigma);
-    const HuberLoss loss{options_.robust_width};
+    const HuberLoss loss{kRobustWidth};
     Vector6d J;  // by x of T * exp(x): the point moves by R (rho + omega x p)
     J << n_camera, p.cross(n_camera);
     sum.depth.add(J, distance, loss.weight(squared) / (sigma * sigma));
@@ -125,9 +129,9 @@ class Aligner {
     const Eigen::Vector3d slope_camera = R.transpose() * slope;
     Vector6d J;
     J << slope_camera, p.cross(slope_camera);
-    const double variance = options_.intensity_sigma * options_.intensity_sigma;
+    const double variance = kIntensitySigma * kIntensitySigma;
     const double squared = residual * residual / variance;
-    const HuberLoss loss{options_.robust_width};
+    const HuberLoss loss{kRobustWidth};
     sum.gray.add(J, residual, options_.photometric_weight * loss.weight(squared) / variance);
     sum.gray_chi2 += loss.rho(squared);
     sum.gray_difference += difference;
@@ -151,10 +155,12 @@ Matrix6d honest_information(const Pass& pass, double correlated) {
          deflate(pass.gray, pass.gray_chi2, pass.gray_pixels);
 }
 
-Matrix6d guess_information(const IcpOptions& options) {
+/// Weak, but it holds what the surfaces leave open.
+Matrix6d guess_information() {
+  constexpr double kPriorSigma_m = 0.1, kPriorSigmaRad = 0.1;
   Vector6d diagonal;
-  diagonal << Eigen::Vector3d::Constant(std::pow(options.prior_sigma_m, -2)),
-      Eigen::Vector3d::Constant(std::pow(options.prior_sigma_rad, -2));
+  diagonal << Eigen::Vector3d::Constant(std::pow(kPriorSigma_m, -2)),
+      Eigen::Vector3d::Constant(std::pow(kPriorSigmaRad, -2));
   return diagonal.asDiagonal();
 }
 
@@ -163,13 +169,13 @@ Matrix6d guess_information(const IcpOptions& options) {
 std::optional<IcpSolution> align_icp(const IcpCamera& camera, const IcpFrame& reference,
                                      const IcpFrame& frame, const SE3& T_reference_camera_guess,
                                      const IcpOptions& options) {
-  constexpr double kStepConverged = 5e-5;  // m and rad, a fraction of the noise
+  constexpr double kCorrelationLengthPx = 64;  // of the depth error
+  constexpr double kStepConverged = 5e-5;      // m and rad, a fraction of the noise
   require(reference.levels.size() == camera.levels.size() && frame.levels.size() == camera.levels.size(),
           "align_icp: frames of another camera");
   if (!T_reference_camera_guess.is_finite()) return std::nullopt;
-  const double correlated =
-      std::max(1.0, std::pow(options.correlation_length_px / camera.block, 2));  // grid points
-  const Matrix6d prior = guess_information(options) * correlated;
+  const double correlated = std::max(1.0, std::pow(kCorrelationLengthPx / camera.block, 2));  // grid points
+  const Matrix6d prior = guess_information() * correlated;
   SE3 T = T_reference_camera_guess;
   Pass pass;
   for (size_t level = camera.levels.size(); level-- > 0;) {

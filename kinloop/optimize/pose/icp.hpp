@@ -11,6 +11,7 @@
 
 #include "kinloop/base/options.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {
@@ -19,16 +20,9 @@ struct IcpOptions {
   int finest_width = 160;
   int levels = 3;
   int iterations = 7;
-  double max_distance_m = 0.15;
-  double max_normal_angle_rad = 0.7;
-  double robust_width = 1.5;
-  double inverse_depth_sigma_per_m = 1.425e-3;
-  double correlation_length_px = 64;
+  double inverse_depth_sigma_per_m = kSensorInverseDepthSigmaPerM;  ///< Slam sets it from SlamOptions::noise
   double photometric_weight = 1;
-  double intensity_sigma = 6;
   double min_overlap = 0.2;
-  double prior_sigma_m = 0.1;
-  double prior_sigma_rad = 0.1;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -36,24 +30,9 @@ struct IcpOptions {
           Range{20, 1280});
     visit("levels", self.levels, "pyramid levels", Range{1, 6});
     visit("iterations", self.iterations, "Gauss-Newton iterations per level", Range{1, 100});
-    visit("max_distance_m", self.max_distance_m, "maximum correspondence distance, m", Range{1e-3, 2});
-    visit("max_normal_angle_rad", self.max_normal_angle_rad,
-          "maximum angle between corresponding normals, rad", Range{0.05, 1.6});
-    visit("robust_width", self.robust_width, "scale of the Huber loss, standard deviations", Range{0.1, 100});
-    visit("inverse_depth_sigma_per_m", self.inverse_depth_sigma_per_m,
-          "standard deviation of the inverse depth, 1/m", Range{1e-6, 1});
-    visit("correlation_length_px", self.correlation_length_px, "correlation length of the depth error, px",
-          Range{1, 1000});
     visit("photometric_weight", self.photometric_weight, "weight of the photometric term, 0 = depth only",
           Range{0, 100});
-    visit("intensity_sigma", self.intensity_sigma, "standard deviation of the intensity, 0 to 255",
-          Range{0.1, 100});
     visit("min_overlap", self.min_overlap, "minimum fraction of points with a correspondence", Range{0, 1});
-    visit("prior_sigma_m", self.prior_sigma_m,
-          "prior on the initial translation (1 sigma): constrains what the geometry leaves free, m",
-          Range{1e-4, 10});
-    visit("prior_sigma_rad", self.prior_sigma_rad, "prior on the initial rotation (1 sigma), rad",
-          Range{1e-4, 10});
   }
 };
 

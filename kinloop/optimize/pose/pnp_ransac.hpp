@@ -10,7 +10,7 @@ struct PnpRansacOptions {
   int max_iterations = 1000;
   double confidence = 0.999;
   int min_inliers = 12;
-  AbsolutePoseOptions pose;
+  AbsolutePoseOptions pose;  ///< of the refinement; Slam sets it from TrackingOptions::pose
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -18,7 +18,6 @@ struct PnpRansacOptions {
     visit("confidence", self.confidence, "probability that at least one sample is free of outliers",
           Range{0.5, 0.999999});
     visit("min_inliers", self.min_inliers, "minimum number of inliers", Range{4, 1000});
-    visit("pose", self.pose);
   }
 };
 

@@ -61,11 +61,11 @@ struct PairError {
   [[nodiscard]] double squared() const { return error.dot(information * error); }
 };
 
-int count_inliers(const std::vector<PairWithCovariance>& pairs, const SE3& T_a_b, double inlier_chi2) {
+int count_inliers(const std::vector<PairWithCovariance>& pairs, const SE3& T_a_b) {
   const Eigen::Matrix3d R = T_a_b.R();
   int count = 0;
   for (const PairWithCovariance& pair : pairs) {
-    count += PairError(pair, R, T_a_b.translation).squared() <= inlier_chi2;
+    count += PairError(pair, R, T_a_b.translation).squared() <= kChi2At95With3Dof;
   }
   return count;
 }
@@ -78,13 +78,13 @@ struct Linearized {
   std::vector<uint32_t> inliers;  // indices of the input
 };
 
-Linearized linearize(const std::vector<PairWithCovariance>& pairs, const SE3& T_a_b, double inlier_chi2) {
+Linearized linearize(const std::vector<PairWithCovariance>& pairs, const SE3& T_a_b) {
   const Eigen::Matrix3d R = T_a_b.R();
   Linearized l;
   for (const PairWithCovariance& pair : pairs) {
     const PairError e(pair, R, T_a_b.translation);
     const double squared = e.squared();
-    if (!(squared <= inlier_chi2)) continue;
+    if (!(squared <= kChi2At95With3Dof)) continue;
     Eigen::Matrix<double, 3, 6> J;  // by x of T * exp(x)
     J << R, -R * skew(pair.p_b);
     const Eigen::Matrix<double, 6, 3> weighted = J.transpose() * e.information;
@@ -97,18 +97,19 @@ Linearized linearize(const std::vector<PairWithCovariance>& pairs, const SE3& T_
 }
 
 std::optional<RigidSolution> refine(const std::vector<PairWithCovariance>& pairs, size_t pair_count,
-                                    SE3 T_a_b, const RigidRansacOptions& options) {
+                                    SE3 T_a_b) {
+  constexpr int kMaxRefinements = 10;
   constexpr double kStepConverged = 1e-9;  // m and rad
   constexpr double kMinRelativeStiffness = 1e-9;
-  for (int i = 0; i < options.refinements; ++i) {
-    const Linearized l = linearize(pairs, T_a_b, options.inlier_chi2);
+  for (int i = 0; i < kMaxRefinements; ++i) {
+    const Linearized l = linearize(pairs, T_a_b);
     if (l.inliers.size() < kPointsPerSample) return std::nullopt;
     const Vector6d step = -l.H.ldlt().solve(l.g);
     if (!step.allFinite()) return std::nullopt;
     T_a_b = T_a_b * SE3::exp(step);
     if (step.norm() < kStepConverged) break;
   }
-  const Linearized l = linearize(pairs, T_a_b, options.inlier_chi2);
+  const Linearized l = linearize(pairs, T_a_b);
   const auto eigenvalues = Eigen::SelfAdjointEigenSolver<Matrix6d>(l.H, Eigen::EigenvaluesOnly).eigenvalues();
   if (!(eigenvalues(0) > kMinRelativeStiffness * eigenvalues(5))) return std::nullopt;
   RigidSolution solution{T_a_b, std::vector<uint8_t>(pair_count, 0), static_cast<int>(l.inliers.size()), l.H,
@@ -145,10 +146,10 @@ std::optional<RigidSolution> solve_rigid_ransac(const PinholeCamera& camera, std
         sample_without_replacement(random, static_cast<uint32_t>(weighed.size()), kPointsPerSample);
     const auto T_a_b = motion_of_sample(weighed, sample);
     if (!T_a_b) continue;
-    const int count = count_inliers(weighed, *T_a_b, options.inlier_chi2);
+    const int count = count_inliers(weighed, *T_a_b);
     if (count <= best_count) continue;
     best_count = count;
-    const auto refined = refine(weighed, pairs.size(), *T_a_b, options);
+    const auto refined = refine(weighed, pairs.size(), *T_a_b);
     if (!refined || (best && refined->inlier_count <= best->inlier_count)) continue;
     best = refined;
     samples = std::min(
@@ -162,7 +163,7 @@ std::optional<RigidSolution> refine_rigid(const PinholeCamera& camera, std::span
                                           const SE3& T_a_b_guess, const RigidRansacOptions& options) {
   if (!T_a_b_guess.is_finite()) return std::nullopt;
   const auto weighed = pairs_with_covariance(camera, pairs, options.inverse_depth_sigma_per_m);
-  auto solution = refine(weighed, pairs.size(), T_a_b_guess, options);
+  auto solution = refine(weighed, pairs.size(), T_a_b_guess);
   if (!solution || solution->inlier_count < options.min_inliers) return std::nullopt;
   return solution;
 }

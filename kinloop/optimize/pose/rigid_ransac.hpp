@@ -11,6 +11,7 @@
 
 #include "kinloop/base/options.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {
@@ -27,9 +28,8 @@ struct RigidRansacOptions {
   int max_iterations = 300;
   double confidence = 0.999;
   int min_inliers = 12;
-  double inlier_chi2 = 7.815;
-  double inverse_depth_sigma_per_m = 2.85e-3;
-  int refinements = 10;
+  double inverse_depth_sigma_per_m =
+      kPointPairInverseDepthSigmaPerM;  ///< Slam sets it from SlamOptions::noise
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -37,11 +37,6 @@ struct RigidRansacOptions {
     visit("confidence", self.confidence, "probability that at least one sample is free of outliers",
           Range{0.5, 0.999999});
     visit("min_inliers", self.min_inliers, "minimum number of inliers", Range{3, 1000});
-    visit("inlier_chi2", self.inlier_chi2,
-          "maximum squared Mahalanobis distance of an inlier (95 % of chi2, 3 DoF)", Range{0.1, 1000});
-    visit("inverse_depth_sigma_per_m", self.inverse_depth_sigma_per_m,
-          "standard deviation of the inverse depth at keypoints, 1/m", Range{1e-6, 1});
-    visit("refinements", self.refinements, "maximum Gauss-Newton iterations on the inliers", Range{1, 100});
   }
 };
 

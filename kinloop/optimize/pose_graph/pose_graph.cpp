@@ -25,20 +25,20 @@ void check(const BasicPoseGraph<Pose>& graph) {
 }
 
 /// Throws UsageError for values that `--set` would not take.
-void check(PoseGraphOptions options) {
-  for (const OptionEntry& entry : option_entries(options)) entry.set(to_text(entry.value));
+void check(const PoseGraphOptions& options) {
+  validate(options);
   if (pose_graph_solver_available(options.solver)) return;
   throw UsageError("this build has no g2o; choose solver builtin or ceres, or install g2o and build again");
 }
 
 template <class Pose>
-SolvedPoses<Pose> solve_with(const std::string& solver, const BasicPoseGraph<Pose>& graph,
+SolvedPoses<Pose> solve_with(PoseGraphSolver solver, const BasicPoseGraph<Pose>& graph,
                              const std::vector<bool>& held, const PoseGraphOptions& options,
                              const PoseGraphEliminationOrder& earlier) {
 #ifdef KINLOOP_WITH_G2O
-  if (solver == "g2o") return solve_with_g2o(graph, held, options);
+  if (solver == PoseGraphSolver::kG2o) return solve_with_g2o(graph, held, options);
 #endif
-  if (solver == "ceres") return solve_with_ceres(graph, held, options);
+  if (solver == PoseGraphSolver::kCeres) return solve_with_ceres(graph, held, options);
   return solve_with_builtin(graph, held, options, earlier);
 }
 
@@ -55,8 +55,8 @@ bool has_free_vertices(const BasicPoseGraph<Pose>& graph, const std::vector<bool
 template <class Pose>
 std::vector<Pose> initial_poses(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held,
                                 const PoseGraphOptions& options) {
-  if (options.start == "tree") return spanning_tree_poses(graph);
-  if (options.start != "chordal") return graph.T_world_vertex;
+  if (options.start == PoseGraphStart::kTree) return spanning_tree_poses(graph);
+  if (options.start != PoseGraphStart::kChordal) return graph.T_world_vertex;
   const PoseGraphLayout layout = make_pose_graph_layout(graph, held);
   const auto chordal = chordal_initialization(graph, layout, plan_elimination(layout.pattern));
   return chordal ? *chordal : graph.T_world_vertex;
@@ -69,7 +69,7 @@ BasicPoseGraphSolution<Pose> solve_with_order(const PoseGraphEliminationOrder& e
   check(graph);
   check(options);
   BasicPoseGraphSolution<Pose> solution;
-  solution.solver = options.solver == "auto" ? "builtin" : options.solver;
+  solution.solver = options.solver == PoseGraphSolver::kAuto ? PoseGraphSolver::kBuiltin : options.solver;
   solution.chi2_before = chi2(graph);
   solution.converged = true;
 
@@ -77,7 +77,8 @@ BasicPoseGraphSolution<Pose> solve_with_order(const PoseGraphEliminationOrder& e
   const std::vector<bool> held = fixed_vertices(graph);
   if (has_free_vertices(graph, held)) {
     const Stopwatch stopwatch;
-    if (solution.solver != "builtin") working.T_world_vertex = initial_poses(graph, held, options);
+    if (solution.solver != PoseGraphSolver::kBuiltin)
+      working.T_world_vertex = initial_poses(graph, held, options);
     solution.seconds = stopwatch.wall_s();
     SolvedPoses<Pose> solved = solve_with(solution.solver, working, held, options, earlier);
     working.T_world_vertex = std::move(solved.T_world_vertex);
@@ -120,11 +121,12 @@ BasicPoseGraphSolution<Pose> update_pose_graph_solution(const BasicPoseGraph<Pos
   return solution;
 }
 
-bool pose_graph_solver_available(const std::string& name) {
+bool pose_graph_solver_available(PoseGraphSolver solver) {
 #ifdef KINLOOP_WITH_G2O
-  if (name == "g2o") return true;
+  return !name_of(solver).empty();
+#else
+  return solver != PoseGraphSolver::kG2o;
 #endif
-  return name == "auto" || name == "builtin" || name == "ceres";
 }
 
 template <class Pose>

@@ -9,7 +9,6 @@
 
 #include <cstdint>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -48,28 +47,64 @@ using PoseGraphEdge = PoseGraph::Edge;
 using PoseGraph2d = BasicPoseGraph<SE2>;
 using PoseGraphEdge2d = PoseGraph2d::Edge;
 
+enum class PoseGraphSolver { kAuto, kBuiltin, kCeres, kG2o };
+
+constexpr auto option_names(PoseGraphSolver) {
+  using enum PoseGraphSolver;
+  return std::to_array<EnumName<PoseGraphSolver>>(
+      {{kAuto, "auto"}, {kBuiltin, "builtin"}, {kCeres, "ceres"}, {kG2o, "g2o"}});
+}
+
+/// How a solver chooses its steps.
+enum class PoseGraphMethod { kAuto, kLevenberg, kGaussNewton, kDogleg };
+
+constexpr auto option_names(PoseGraphMethod) {
+  using enum PoseGraphMethod;
+  return std::to_array<EnumName<PoseGraphMethod>>(
+      {{kAuto, "auto"}, {kLevenberg, "levenberg"}, {kGaussNewton, "gauss-newton"}, {kDogleg, "dogleg"}});
+}
+
+/// Where a solver starts.
+enum class PoseGraphStart { kAuto, kGiven, kTree, kChordal };
+
+constexpr auto option_names(PoseGraphStart) {
+  using enum PoseGraphStart;
+  return std::to_array<EnumName<PoseGraphStart>>(
+      {{kAuto, "auto"}, {kGiven, "given"}, {kTree, "tree"}, {kChordal, "chordal"}});
+}
+
+/// What bounds the influence of outlier edges.
+enum class RobustKernel { kNone, kHuber, kCauchy, kGemanMcClure, kDcs };
+
+constexpr auto option_names(RobustKernel) {
+  using enum RobustKernel;
+  return std::to_array<EnumName<RobustKernel>>({{kNone, "none"},
+                                                {kHuber, "huber"},
+                                                {kCauchy, "cauchy"},
+                                                {kGemanMcClure, "geman-mcclure"},
+                                                {kDcs, "dcs"}});
+}
+
 struct PoseGraphOptions {
-  std::string solver = "auto";
-  std::string method = "auto";
-  std::string start = "auto";
+  PoseGraphSolver solver = PoseGraphSolver::kAuto;
+  PoseGraphMethod method = PoseGraphMethod::kAuto;
+  PoseGraphStart start = PoseGraphStart::kAuto;
   int max_iterations = 100;
-  std::string robust_kernel = "none";
+  RobustKernel robust_kernel = RobustKernel::kNone;
   double robust_width = 3.5;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("solver", self.solver, "solver; auto: builtin", Choices{{"auto", "builtin", "ceres", "g2o"}});
-    visit("method", self.method, "step strategy; auto: dogleg (builtin), levenberg (g2o, ceres)",
-          Choices{{"auto", "levenberg", "gauss-newton", "dogleg"}});
+    visit("solver", self.solver, "solver; auto: builtin");
+    visit("method", self.method, "step strategy; auto: dogleg (builtin), levenberg (g2o, ceres)", Expert{});
     visit("start", self.start,
-          "initialization: the given poses, a spanning tree, or rotations then translations "
-          "by "
-          "linear least squares; auto: the best of given and chordal (built-in), given (g2o, ceres)",
-          Choices{{"auto", "given", "tree", "chordal"}});
-    visit("max_iterations", self.max_iterations, "maximum number of iterations", Range{0, 100000});
-    visit("robust_kernel", self.robust_kernel, "robust kernel against outlier edges",
-          Choices{{"none", "huber", "cauchy", "geman-mcclure", "dcs"}});
-    visit("robust_width", self.robust_width, "kernel width (delta), standard deviations", Range{1e-3, 1e6});
+          "initialization: the given poses, a spanning tree, or rotations then translations by linear least "
+          "squares; auto: the best of given and chordal (built-in), given (g2o, ceres)",
+          Expert{});
+    visit("max_iterations", self.max_iterations, "maximum number of iterations", Range{0, 100000}, Expert{});
+    visit("robust_kernel", self.robust_kernel, "robust kernel against outlier edges");
+    visit("robust_width", self.robust_width, "kernel width (delta), standard deviations", Range{1e-3, 1e6},
+          Expert{});
   }
 };
 
@@ -88,8 +123,8 @@ struct BasicPoseGraphSolution {
   int iterations = 0;
   double seconds = 0;  ///< solving alone
   bool converged = false;
-  std::string solver;                     ///< the one that did it: builtin, ceres or g2o
-  PoseGraphEliminationOrder elimination;  ///< empty but for the built-in solver
+  PoseGraphSolver solver = PoseGraphSolver::kBuiltin;  ///< the one that did it, never kAuto
+  PoseGraphEliminationOrder elimination;               ///< empty but for the built-in solver
 };
 
 using PoseGraphSolution = BasicPoseGraphSolution<SE3>;
@@ -112,8 +147,8 @@ BasicPoseGraphSolution<Pose> update_pose_graph_solution(const BasicPoseGraph<Pos
                                                         const BasicPoseGraphSolution<Pose>& earlier,
                                                         const PoseGraphOptions& options = {});
 
-/// Whether this build has the solver of that name ("builtin", "ceres", "g2o"; "auto" always).
-bool pose_graph_solver_available(const std::string& name);
+/// Whether this build has the solver (kAuto always).
+bool pose_graph_solver_available(PoseGraphSolver solver);
 
 /// Sum over edges of e' Omega e.
 template <class Pose>

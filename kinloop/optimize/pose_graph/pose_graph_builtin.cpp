@@ -51,17 +51,17 @@ PoseGraphEliminationOrder elimination_of(const EliminationPlan& plan, const Pose
   return elimination;
 }
 
-/// Where to start; "auto": the graph's own poses, or the chordal ones where they cost less.
+/// Where to start; kAuto: the graph's own poses, or the chordal ones where they cost less.
 template <class Pose>
 std::vector<Pose> initial_poses(const BasicPoseGraph<Pose>& graph, const PoseGraphLayout& layout,
                                 const EliminationPlan& plan, const PoseGraphKernel& kernel,
-                                const std::string& start) {
-  if (start == "given") return graph.T_world_vertex;
-  if (start == "tree") return spanning_tree_poses(graph);
+                                PoseGraphStart start) {
+  if (start == PoseGraphStart::kGiven) return graph.T_world_vertex;
+  if (start == PoseGraphStart::kTree) return spanning_tree_poses(graph);
   auto chordal = chordal_initialization(graph, layout, plan);
   if (!chordal) return graph.T_world_vertex;
   const bool better = robust_cost(graph, kernel, *chordal) < robust_cost(graph, kernel, graph.T_world_vertex);
-  return better || start == "chordal" ? *std::move(chordal) : graph.T_world_vertex;
+  return better || start == PoseGraphStart::kChordal ? *std::move(chordal) : graph.T_world_vertex;
 }
 
 /// Graduated non-convexity (Yang et al. 2020): a kernel so wide that the cost is nearly that of least squares
@@ -87,8 +87,7 @@ MinimizerState<Pose> graduated_non_convexity(const MinimizerProblem<Pose>& probl
 template <class Pose>
 MinimizerState<Pose> minimize_robust(const MinimizerProblem<Pose>& problem, const PoseGraphKernel& kernel,
                                      const MinimizerState<Pose>& start, NewtonSolver<Pose::kDof>& newton) {
-  if (kernel.kind != PoseGraphKernel::Kind::kGemanMcClure)
-    return minimize_pose_graph(problem, kernel, start, newton);
+  if (kernel.kind != RobustKernel::kGemanMcClure) return minimize_pose_graph(problem, kernel, start, newton);
   MinimizerState<Pose> direct = minimize_pose_graph(problem, kernel, start, newton);
   MinimizerState<Pose> graduated = graduated_non_convexity(problem, kernel, start, newton);
   const int iterations = direct.iterations + graduated.iterations;
@@ -104,7 +103,7 @@ SolvedPoses<Pose> solve_with_builtin(const BasicPoseGraph<Pose>& graph, const st
                                      const PoseGraphOptions& options,
                                      const PoseGraphEliminationOrder& earlier) {
   const Stopwatch stopwatch;
-  const PoseGraphKernel kernel = pose_graph_kernel(options.robust_kernel, options.robust_width);
+  const PoseGraphKernel kernel = PoseGraphKernel{options.robust_kernel, options.robust_width};
   const PoseGraphLayout layout = make_pose_graph_layout(graph, held);
   const EliminationPlan plan = reuse_or_plan_elimination(earlier, layout);
   const MinimizerProblem<Pose> problem{graph, layout, options.method, options.max_iterations};

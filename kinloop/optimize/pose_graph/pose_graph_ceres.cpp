@@ -153,13 +153,13 @@ class KernelLoss : public ceres::LossFunction {
 };
 
 ceres::Solver::Options ceres_options(const PoseGraphOptions& options) {
-  if (options.method == "gauss-newton") {
+  if (options.method == PoseGraphMethod::kGaussNewton) {
     throw UsageError("solver ceres does not support method gauss-newton; use levenberg or dogleg");
   }
   ceres::Solver::Options ceres_options;
   ceres_options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   ceres_options.trust_region_strategy_type =
-      options.method == "dogleg" ? ceres::DOGLEG : ceres::LEVENBERG_MARQUARDT;
+      options.method == PoseGraphMethod::kDogleg ? ceres::DOGLEG : ceres::LEVENBERG_MARQUARDT;
   ceres_options.max_num_iterations = options.max_iterations;
   ceres_options.function_tolerance = kCostTolerance;
   ceres_options.gradient_tolerance = 0;  // depends on units, the fall of the cost does not
@@ -181,7 +181,7 @@ SolvedPoses<Pose> solve_with_ceres(const BasicPoseGraph<Pose>& graph, const std:
   ceres::Problem::Options problem_options;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
-  KernelLoss loss(pose_graph_kernel(options.robust_kernel, options.robust_width));
+  KernelLoss loss(PoseGraphKernel{options.robust_kernel, options.robust_width});
   for (size_t vertex = 0; vertex < poses.size(); ++vertex) {
     problem.AddParameterBlock(poses[vertex].data(), Packed<Pose>::kSize);
     set_manifold<Pose>(problem, poses[vertex].data());

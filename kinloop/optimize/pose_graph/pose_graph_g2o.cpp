@@ -71,15 +71,16 @@ class G2oKernel : public g2o::RobustKernel {
 };
 
 template <class Pose>
-std::unique_ptr<g2o::OptimizationAlgorithm> make_algorithm(const std::string& method) {
+std::unique_ptr<g2o::OptimizationAlgorithm> make_algorithm(PoseGraphMethod method) {
   using BlockSolver = g2o::BlockSolver<g2o::BlockSolverTraits<Pose::kDof, Pose::kDof>>;
   auto linear_solver = std::make_unique<LinearSolver<typename BlockSolver::PoseMatrixType>>();
   linear_solver->setWriteDebug(false);  // else a matrix that is not positive definite lands in ./debug.txt
   auto blocks = std::make_unique<BlockSolver>(std::move(linear_solver));
-  if (method == "gauss-newton") {
+  if (method == PoseGraphMethod::kGaussNewton) {
     return std::make_unique<g2o::OptimizationAlgorithmGaussNewton>(std::move(blocks));
   }
-  if (method == "dogleg") return std::make_unique<g2o::OptimizationAlgorithmDogleg>(std::move(blocks));
+  if (method == PoseGraphMethod::kDogleg)
+    return std::make_unique<g2o::OptimizationAlgorithmDogleg>(std::move(blocks));
   return std::make_unique<g2o::OptimizationAlgorithmLevenberg>(std::move(blocks));
 }
 
@@ -103,7 +104,7 @@ void fill(g2o::SparseOptimizer& optimizer, const BasicPoseGraph<Pose>& graph, co
     g2o_edge->setVertex(1, optimizer.vertex(static_cast<int>(edge.b)));
     g2o_edge->setMeasurement(Types::to_g2o(edge.T_a_b));
     g2o_edge->setInformation(edge.information);
-    if (kernel.kind != PoseGraphKernel::Kind::kNone && !edge.trusted) {
+    if (kernel.kind != RobustKernel::kNone && !edge.trusted) {
       g2o_edge->setRobustKernel(std::make_unique<G2oKernel>(kernel).release());
     }
     optimizer.addEdge(g2o_edge.release());
@@ -117,7 +118,7 @@ SolvedPoses<Pose> solve_with_g2o(const BasicPoseGraph<Pose>& graph, const std::v
                                  const PoseGraphOptions& options) {
   g2o::SparseOptimizer optimizer;  // owns the algorithm
   optimizer.setAlgorithm(make_algorithm<Pose>(options.method).release());
-  fill(optimizer, graph, held, pose_graph_kernel(options.robust_kernel, options.robust_width));
+  fill(optimizer, graph, held, PoseGraphKernel{options.robust_kernel, options.robust_width});
   g2o::SparseOptimizerTerminateAction stop_when_flat;
   stop_when_flat.setGainThreshold(kCostTolerance);
   optimizer.addPostIterationAction(&stop_when_flat);

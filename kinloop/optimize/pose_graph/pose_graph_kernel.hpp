@@ -1,33 +1,30 @@
 #pragma once
-// The robust kernels of the pose graph, chosen by name, the same for all solvers.
+// The robust kernels of the pose graph, the same for all solvers.
 
 #include <algorithm>
-#include <string>
 
-#include "kinloop/base/errors.hpp"
 #include "kinloop/geometry/robust_loss.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph.hpp"
 
 namespace kinloop {
 
 /// Replaces s = e' Omega e by rho(s) in the cost; weight(s) = d rho / d s.
 struct PoseGraphKernel {
-  enum class Kind { kNone, kHuber, kCauchy, kGemanMcClure, kDcs };
-
-  Kind kind = Kind::kNone;
+  RobustKernel kind = RobustKernel::kNone;
   double width = 1;  ///< standard deviations
 
   [[nodiscard]] double rho(double s) const {
     const double c2 = width * width;
     switch (kind) {
-      case Kind::kNone:
+      case RobustKernel::kNone:
         return s;
-      case Kind::kHuber:
+      case RobustKernel::kHuber:
         return HuberLoss{width}.rho(s);
-      case Kind::kCauchy:
+      case RobustKernel::kCauchy:
         return CauchyLoss{width}.rho(s);
-      case Kind::kGemanMcClure:
+      case RobustKernel::kGemanMcClure:
         return c2 * s / (c2 + s);
-      case Kind::kDcs:
+      case RobustKernel::kDcs:
         return s <= c2 ? s : c2 * (3 * s - c2) / (c2 + s);
     }
     return s;
@@ -36,15 +33,15 @@ struct PoseGraphKernel {
   [[nodiscard]] double weight(double s) const {
     const double c2 = width * width;
     switch (kind) {
-      case Kind::kNone:
+      case RobustKernel::kNone:
         return 1;
-      case Kind::kHuber:
+      case RobustKernel::kHuber:
         return HuberLoss{width}.weight(s);
-      case Kind::kCauchy:
+      case RobustKernel::kCauchy:
         return CauchyLoss{width}.weight(s);
-      case Kind::kGemanMcClure:
+      case RobustKernel::kGemanMcClure:
         return c2 * c2 / ((c2 + s) * (c2 + s));
-      case Kind::kDcs:
+      case RobustKernel::kDcs:
         return dcs_scale(s) * dcs_scale(s);
     }
     return 1;
@@ -58,16 +55,5 @@ struct PoseGraphKernel {
     return std::min(1.0, 2 * phi / (phi + s));
   }
 };
-
-/// The kernel of that name ("none", "huber", "cauchy", "geman-mcclure", "dcs").
-inline PoseGraphKernel pose_graph_kernel(const std::string& name, double width) {
-  using Kind = PoseGraphKernel::Kind;
-  if (name == "huber") return {Kind::kHuber, width};
-  if (name == "cauchy") return {Kind::kCauchy, width};
-  if (name == "geman-mcclure") return {Kind::kGemanMcClure, width};
-  if (name == "dcs") return {Kind::kDcs, width};
-  require(name == "none", "pose graph: unknown robust kernel");
-  return {Kind::kNone, width};
-}
 
 }  // namespace kinloop

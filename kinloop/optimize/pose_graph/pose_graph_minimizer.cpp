@@ -36,9 +36,9 @@ class PoseGraphMinimizer {
     while (!at_.converged && at_.iterations < problem_.max_iterations) {
       linearize(problem_.graph, problem_.layout, kernel_, at_.T_world_vertex, system_);
       ++at_.iterations;
-      const bool step_taken = problem_.method == "levenberg"      ? levenberg_step()
-                              : problem_.method == "gauss-newton" ? gauss_newton_step()
-                                                                  : dogleg_step();
+      const bool step_taken = problem_.method == PoseGraphMethod::kLevenberg     ? levenberg_step()
+                              : problem_.method == PoseGraphMethod::kGaussNewton ? gauss_newton_step()
+                                                                                 : dogleg_step();
       if (!step_taken) break;
     }
     return std::move(at_);

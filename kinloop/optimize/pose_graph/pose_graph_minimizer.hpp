@@ -2,7 +2,6 @@
 // In: a pose graph with its layout, and poses to start from. Out: the poses at the nearest minimum of the
 // robust cost.
 
-#include <string>
 #include <vector>
 
 #include "kinloop/optimize/pose_graph/newton_solver.hpp"
@@ -24,7 +23,7 @@ template <class Pose>
 struct MinimizerProblem {
   const BasicPoseGraph<Pose>& graph;  ///< its edges; the poses are not looked at
   const PoseGraphLayout& layout;
-  std::string method = "auto";  ///< as PoseGraphOptions::method
+  PoseGraphMethod method = PoseGraphMethod::kAuto;
   int max_iterations = 0;
 };
 

@@ -1,0 +1,104 @@
+#include "kinloop/slam/options.hpp"
+
+#include <limits>
+#include <set>
+
+#include <gmock/gmock.h>
+
+#include "kinloop/slam/slam.hpp"
+#include "tests/support/expect_error.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::usage_error;
+using testing::AllOf;
+using testing::HasSubstr;
+
+RgbdCamera any_camera() {
+  RgbdCamera camera;
+  camera.color = {64, 48, 50, 50, 31.5, 23.5};
+  return camera;
+}
+
+std::string error_of(const SlamOptions& options) {
+  return usage_error([&] { const Slam slam(any_camera(), options); });
+}
+
+TEST(SlamOptions, SlamRefusesValuesOutOfRange) {
+  SlamOptions options;
+  options.features.count = 1;
+  EXPECT_THAT(error_of(options),
+              AllOf(HasSubstr("features.count"), HasSubstr("'1'"), HasSubstr("from 50 to 20000")));
+}
+
+TEST(SlamOptions, SlamRefusesNumbersThatAreNotFinite) {
+  SlamOptions options;
+  options.noise.inverse_depth_sigma_per_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(error_of(options), AllOf(HasSubstr("noise.inverse_depth_sigma_per_m"), HasSubstr("'nan'")));
+}
+
+TEST(SlamOptions, SlamRefusesValuesOutsideOfAnEnum) {
+  SlamOptions options;
+  options.executor.mode = static_cast<ExecutorMode>(9);
+  EXPECT_THAT(error_of(options), AllOf(HasSubstr("executor.mode"), HasSubstr("one of inline, lagged, live")));
+}
+
+TEST(SlamOptions, NoiseReachesEverySolver) {
+  SlamOptions given;
+  given.noise = {
+      .inverse_depth_sigma_per_m = 0.012, .robust_width = 2, .inlier_chi2_pixel = 9, .inlier_chi2_depth = 6};
+  const SlamOptions options = resolve_options(given);
+  const auto expect_noise = [](const auto& solver) {
+    EXPECT_EQ(solver.inverse_depth_sigma_per_m, 0.012);
+    EXPECT_EQ(solver.robust_width, 2);
+    EXPECT_EQ(solver.inlier_chi2_pixel, 9);
+    EXPECT_EQ(solver.inlier_chi2_depth, 6);
+  };
+  expect_noise(options.tracking.pose);
+  expect_noise(options.tracking.pnp.pose);
+  expect_noise(options.mapping.local_ba);
+  expect_noise(options.global_ba);
+  EXPECT_DOUBLE_EQ(options.tracking.rigid.inverse_depth_sigma_per_m, 2 * kPointPairInverseDepthSigmaPerM);
+  EXPECT_DOUBLE_EQ(options.tracking.icp.inverse_depth_sigma_per_m, 2 * kSensorInverseDepthSigmaPerM);
+}
+
+TEST(SlamOptions, TheDefaultNoiseLeavesTheDefaultsOfTheSolvers) {
+  const SlamOptions options = resolve_options({});
+  EXPECT_EQ(options.tracking.rigid.inverse_depth_sigma_per_m, kPointPairInverseDepthSigmaPerM);
+  EXPECT_EQ(options.tracking.icp.inverse_depth_sigma_per_m, kSensorInverseDepthSigmaPerM);
+  EXPECT_EQ(options.global_ba.inverse_depth_sigma_per_m, BundleOptions().inverse_depth_sigma_per_m);
+}
+
+TEST(SlamOptions, EveryFormerNameLeadsToAnOptionOrIsGone) {
+  SlamOptions options;
+  const auto entries = option_entries(options);
+  const OptionHistory history = SlamOptions::history();
+  std::set<std::string> names;
+  for (const RenamedOption& renamed : history.renamed) {
+    EXPECT_TRUE(names.insert(renamed.before).second) << renamed.before << " is listed twice";
+    if (renamed.before.ends_with(".*")) continue;
+    const ResolvedKey resolved = resolve_key(entries, renamed.before, history);
+    EXPECT_EQ(resolved.kind, ResolvedKey::Kind::kRenamed) << renamed.before;
+  }
+  for (const std::string& removed : history.removed)
+    EXPECT_TRUE(names.insert(removed).second) << removed << " is listed twice";
+}
+
+TEST(SlamOptions, FormerNamesOfTheNoiseLeadToItsHome) {
+  SlamOptions options;
+  const auto entries = option_entries(options);
+  for (const std::string group : {"full.", "global_ba.", "mapping.bundle.", "mapping.local_ba.",
+                                  "tracking.pose.", "tracking.pnp.pose."}) {
+    const auto resolved = resolve_key(entries, group + "robust_width", SlamOptions::history());
+    EXPECT_EQ(resolved.key, "noise.robust_width") << group;
+  }
+  // Theirs were other numbers on purpose.
+  for (const std::string solver : {"rigid", "icp"}) {
+    const std::string key = "tracking." + solver + ".inverse_depth_sigma_per_m";
+    EXPECT_EQ(resolve_key(entries, key, SlamOptions::history()).kind, ResolvedKey::Kind::kRemoved) << solver;
+  }
+}
+
+}  // namespace
+}  // namespace kinloop
