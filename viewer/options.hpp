@@ -12,7 +12,7 @@ struct ViewerOptions {
   int image_width_px = 320;
   int jpeg_quality = 80;
   bool paused = false;
-  DepthLimits limits;  ///< not options of their own: the program takes those of the dense map
+  DepthLimits limits = {};  ///< not options of their own: the program takes those of the dense map
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

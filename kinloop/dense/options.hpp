@@ -27,7 +27,7 @@ struct DepthLimits {
 /// How posed depth images become one coloured cloud.
 struct DenseOptions {
   double voxel_m = 0.01;
-  DepthLimits limits;
+  DepthLimits limits = {};
   int min_observations = 2;
   bool carve = true;
   bool compensate_exposure = true;
@@ -64,7 +64,7 @@ struct DenseOptions {
 struct MeshOptions {
   double voxel_m = 0.01;
   double truncation_voxels = 4;
-  DepthLimits limits;  ///< not options of their own: the program takes those of the dense map
+  DepthLimits limits = {};  ///< not options of their own: the program takes those of the dense map
   double min_weight = 0.02;
   int min_component_triangles = 200;
 
@@ -84,7 +84,7 @@ struct MeshOptions {
 struct OccupancyOptions {
   double voxel_m = 0.05;
   int stride_px = 4;
-  DepthLimits limits;  ///< not options of their own: the program takes those of the dense map
+  DepthLimits limits = {};  ///< not options of their own: the program takes those of the dense map
   double grid_min_height_m = 0.1;
   double grid_max_height_m = 1.5;
 

@@ -44,6 +44,12 @@ TEST(SlamOptions, SlamRefusesValuesOutsideOfAnEnum) {
   EXPECT_THAT(error_of(options), AllOf(HasSubstr("executor.mode"), HasSubstr("one of inline, lagged, live")));
 }
 
+TEST(SlamOptions, AllThreadsThatTheProgramTakesAreAllowed) {
+  SlamOptions options;
+  options.global_ba.threads = 1024;  // the most of --threads
+  EXPECT_NO_THROW(validate(options));
+}
+
 TEST(SlamOptions, NoiseReachesEverySolver) {
   SlamOptions given;
   given.noise = {

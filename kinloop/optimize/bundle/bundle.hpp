@@ -86,7 +86,7 @@ struct BundleOptions {
           Range{1, 1000}, Expert{});
     visit("tolerance", self.tolerance, "function tolerance: relative cost decrease that ends a round",
           Range{0, 1}, Expert{});
-    visit("threads", self.threads, "number of threads; the result does not depend on it", Range{1, 256},
+    visit("threads", self.threads, "number of threads; the result does not depend on it", Range{1, 1024},
           Expert{});
   }
 };
