@@ -11,7 +11,7 @@ namespace {
 
 /// Before anything of OpenCV runs: how it splits work over threads may change results.
 const SlamOptions& without_opencv_threads(const SlamOptions& options) {
-  cv::setNumThreads(0);
+  cv::setNumThreads(1);
   return options;
 }
 

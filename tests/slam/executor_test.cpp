@@ -1,85 +1,120 @@
 #include "kinloop/slam/executor.hpp"
 
 #include <chrono>
+#include <stdexcept>
 #include <thread>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace kinloop {
 namespace {
 
-std::unique_ptr<Executor> executor(ExecutorMode mode) {
+using testing::ElementsAre;
+
+std::unique_ptr<Executor> executor(const std::string& mode) {
   ExecutorOptions options;
   options.mode = mode;
-  options.local_ba_lag_frames = 3;
-  options.loop_correction_lag_frames = 5;
   return make_executor(options);
 }
 
-MapUpdate numbered(uint32_t number) {
-  MapUpdate update;
-  update.epoch = number;
-  return update;
+/// What jobs did, in order: the executor sees closures alone.
+using Diary = std::vector<std::string>;
+
+Job job(const char* kind, int lag_frames, Diary& diary, int work_ms = 0) {
+  return {kind, lag_frames, [=, &diary]() -> Completion {
+            std::this_thread::sleep_for(std::chrono::milliseconds(work_ms));
+            return [kind, &diary] { diary.emplace_back(kind); };
+          }};
+}
+
+void complete(const std::vector<FinishedJob>& jobs) {
+  for (const FinishedJob& finished : jobs) finished.complete();
 }
 
 TEST(Executor, LaggedResultsArriveAfterTheLag) {
-  const auto lagged = executor(ExecutorMode::kLagged);
-  lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{10}, [] { return numbered(1); });
-  EXPECT_TRUE(lagged->busy(JobKind::kLocalBundleAdjustment));
-  EXPECT_FALSE(lagged->busy(JobKind::kLoopCorrection));
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // long finished, but not due yet
+  Diary diary;
+  const auto lagged = executor("lagged");
+  lagged->submit(FrameId{10}, job("paint", 3, diary));
+  EXPECT_TRUE(lagged->busy("paint"));
+  EXPECT_FALSE(lagged->busy("dry"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // long done, and still not due
   EXPECT_TRUE(lagged->collect(FrameId{12}).empty());
   const auto finished = lagged->collect(FrameId{13});
   ASSERT_EQ(finished.size(), 1U);
-  EXPECT_EQ(finished[0].result.update.epoch, 1U);
-  EXPECT_FALSE(lagged->busy(JobKind::kLocalBundleAdjustment));
+  EXPECT_EQ(finished[0].kind, "paint");
+  EXPECT_FALSE(lagged->busy("paint"));
+  EXPECT_TRUE(diary.empty());  // it is for the collector to complete it
+  complete(finished);
+  EXPECT_THAT(diary, ElementsAre("paint"));
+}
+
+TEST(Executor, EachJobHasItsOwnLag) {
+  Diary diary;
+  const auto lagged = executor("lagged");
+  lagged->submit(FrameId{0}, job("slow", 5, diary));
+  lagged->submit(FrameId{0}, job("fast", 2, diary));
+  complete(lagged->collect(FrameId{2}));
+  EXPECT_THAT(diary, ElementsAre("fast"));
+  EXPECT_TRUE(lagged->busy("slow"));
+  complete(lagged->collect(FrameId{5}));
+  EXPECT_THAT(diary, ElementsAre("fast", "slow"));
 }
 
 TEST(Executor, LaggedWaitsForSlowWork) {
-  const auto lagged = executor(ExecutorMode::kLagged);
-  lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0}, [] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    return numbered(7);
-  });
-  ASSERT_EQ(lagged->collect(FrameId{3}).size(), 1U);
+  Diary diary;
+  const auto lagged = executor("lagged");
+  lagged->submit(FrameId{0}, job("paint", 3, diary, 50));
+  EXPECT_EQ(lagged->collect(FrameId{3}).size(), 1U);
 }
 
 TEST(Executor, InlineResultsArriveWithTheNextFrame) {
-  const auto at_once = executor(ExecutorMode::kInline);
-  bool done = false;
-  at_once->submit(JobKind::kLoopCorrection, FrameId{4}, [&] {
-    done = true;
-    return numbered(2);
-  });
-  EXPECT_TRUE(done);
-  EXPECT_EQ(at_once->collect(FrameId{5}).size(), 1U);
+  const auto at_once = executor("inline");
+  bool worked = false, completed = false;
+  at_once->submit(FrameId{4}, {"paint", 5, [&]() -> Completion {
+                                 worked = true;
+                                 return [&] { completed = true; };
+                               }});
+  EXPECT_TRUE(worked);
+  EXPECT_FALSE(completed);
+  complete(at_once->collect(FrameId{5}));
+  EXPECT_TRUE(completed);
+}
+
+TEST(Executor, CompletionsRunOnTheThreadOfTheCollector) {
+  const auto lagged = executor("lagged");
+  std::thread::id worker, completer;
+  lagged->submit(FrameId{0}, {"paint", 1, [&]() -> Completion {
+                                worker = std::this_thread::get_id();
+                                return [&] { completer = std::this_thread::get_id(); };
+                              }});
+  complete(lagged->drain());
+  EXPECT_NE(worker, std::this_thread::get_id());
+  EXPECT_EQ(completer, std::this_thread::get_id());
 }
 
 TEST(Executor, ResultsKeepTheOrderOfSubmission) {
-  const auto lagged = executor(ExecutorMode::kLagged);
-  lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0}, [] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(30));
-    return numbered(1);
-  });
-  lagged->submit(JobKind::kLoopCorrection, FrameId{0}, [] { return numbered(2); });
-  const auto finished = lagged->drain();
-  ASSERT_EQ(finished.size(), 2U);
-  EXPECT_EQ(finished[0].result.update.epoch, 1U);
-  EXPECT_EQ(finished[1].kind, JobKind::kLoopCorrection);
+  Diary diary;
+  const auto lagged = executor("lagged");
+  lagged->submit(FrameId{0}, job("first", 9, diary, 30));
+  lagged->submit(FrameId{0}, job("second", 2, diary));
+  complete(lagged->drain());
+  EXPECT_THAT(diary, ElementsAre("first", "second"));
   EXPECT_TRUE(lagged->drain().empty());
 }
 
 TEST(Executor, OneJobOfAKindAtATime) {
-  const auto lagged = executor(ExecutorMode::kLagged);
-  lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0}, [] { return MapUpdate{}; });
-  EXPECT_THROW(lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{1}, [] { return MapUpdate{}; }),
-               std::logic_error);
+  Diary diary;
+  const auto lagged = executor("lagged");
+  lagged->submit(FrameId{0}, job("paint", 3, diary));
+  EXPECT_THROW(lagged->submit(FrameId{1}, job("paint", 3, diary)), std::logic_error);
+  lagged->collect(FrameId{3});
+  EXPECT_NO_THROW(lagged->submit(FrameId{3}, job("paint", 3, diary)));
 }
 
 TEST(Executor, AnErrorInAJobReachesTheCollector) {
-  const auto lagged = executor(ExecutorMode::kLagged);
-  lagged->submit(JobKind::kLocalBundleAdjustment, FrameId{0},
-                 []() -> MapUpdate { throw std::runtime_error("no"); });
+  const auto lagged = executor("lagged");
+  lagged->submit(FrameId{0}, {"paint", 3, []() -> Completion { throw std::runtime_error("no"); }});
   EXPECT_THROW(lagged->collect(FrameId{3}), std::runtime_error);
 }
 

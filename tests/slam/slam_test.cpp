@@ -7,8 +7,10 @@
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/surf.hpp"
 #include "kinloop/slam/frame_pipeline.hpp"
+#include "kinloop/slam/session.hpp"
 #include "tests/slam/recording.hpp"
 #include "tests/support/shared_data.hpp"
+#include "tests/support/temp_folder.hpp"
 #include "tools/evaluation/evaluate.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
 
@@ -105,6 +107,34 @@ TEST(Slam, PipelineGivesIdenticalResults) {
   FramePipeline pipeline(source, slam.front_end());
   while (const auto frame = pipeline.next()) slam.process(*frame);
   expect_same(slam.finish(), run(recording().frames, {}));
+}
+
+TEST(Session, WritesWhatSlamGives) {
+  ReplayedSource source;
+  SlamOptions options;
+  Session session(source, {.slam = options});
+  const Trajectory estimate = session.run();
+  EXPECT_EQ(cv::getNumThreads(), 1);
+  expect_same(estimate, run(recording().frames, options));
+  expect_same(estimate, session.trajectory());
+  const test::TempFolder folder;
+  session.write_trajectory(folder.path() / "trajectory.txt");
+  session.write_cloud(folder.path() / "map.ply");
+  MapFileNotes notes;
+  notes.input = "walk";
+  session.write_map(folder.path() / "map.kinmap", notes);
+  EXPECT_EQ(read_tum_trajectory(folder.path() / "trajectory.txt").size(), estimate.size());
+  EXPECT_GT(std::filesystem::file_size(folder.path() / "map.ply"), 10'000U);
+  const SavedMap saved = MapReader(folder.path() / "map.kinmap").read().first;
+  EXPECT_EQ(saved.frames.size(), estimate.size());
+  EXPECT_EQ(saved.sessions.back().input, "walk");
+}
+
+TEST(Session, EndsEarlyWhenAskedTo) {
+  ReplayedSource source;
+  Session session(source, {.record_images = false});
+  const Trajectory estimate = session.run([](const ProgressReport& at) { return at.done < 10; });
+  EXPECT_EQ(estimate.size(), 10U);
 }
 
 TEST(Slam, PipelinePropagatesExceptions) {

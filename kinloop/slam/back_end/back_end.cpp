@@ -38,7 +38,7 @@ AppliedResults BackEnd::apply_remaining(const JobContext& context) {
 template <class Kind>
 void BackEnd::submit(Slot<Kind>& slot, FrameId now, const JobContext& context) {
   if (executor_->busy(Kind::kName)) return;
-  if (Kind::kWaitsForGlobalCorrection && global_correction_in_flight()) return;
+  if (Kind::kMovesWholeMap && global_correction_in_flight()) return;
   if (!slot.stale && !slot.kind.is_due(context)) return;
   slot.stale = false;
   auto work = [this, &slot, problem = slot.kind.make_problem(context)]() -> Completion {
@@ -59,7 +59,7 @@ void BackEnd::apply(Slot<Kind>& slot, typename Kind::Solution solution) {
   auto applied = slot.kind.apply(map_, solution);
   if (!applied) {
     slot.kind.on_stale(std::move(solution));
-    slot.stale = true;
+    slot.stale = Kind::kMovesWholeMap;
     results_.stale.emplace_back(Kind::kName);
     return;
   }

@@ -2,8 +2,9 @@
 // Slow work on the map. Says which of it is due, copies its problem out of the map and hands it to the
 // executor; applies what comes back.
 //
-// At most one job of a kind is in flight. One rule for all: a solution that is stale, because the whole map
-// has moved since its problem was copied, is dropped, and a job of its kind is due again at once.
+// At most one job of a kind is in flight. A solution is stale where the whole map has moved since its problem
+// was copied. One rule for all: it is dropped, and a job of its kind is due again at once if it moves the
+// whole map; a local bundle adjustment is not, since the next keyframe brings another.
 
 #include <memory>
 #include <optional>

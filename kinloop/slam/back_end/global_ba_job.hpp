@@ -9,7 +9,7 @@ namespace kinloop {
 class GlobalBaJob {
  public:
   static constexpr const char* kName = "global bundle adjustment";
-  static constexpr bool kWaitsForGlobalCorrection = true;
+  static constexpr bool kMovesWholeMap = true;
   struct Problem {
     BundleAdjustmentProblem problem;
     BundleOptions options;

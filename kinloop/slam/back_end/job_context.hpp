@@ -3,7 +3,7 @@
 //
 // Each kind of job is a class with
 //   kName, Problem, Solution
-//   kWaitsForGlobalCorrection        whether none may start while the whole map is being moved
+//   kMovesWholeMap                   such jobs wait for corrections, and are due again where stale
 //   lag_frames()                     frames until the solution is applied, in lagged mode
 //   is_due(context)                  whether one should start
 //   make_problem(context)            copies all it takes out of the map

@@ -7,10 +7,8 @@ bool LocalBaJob::is_due(const JobContext& context) const {
          !context.map.keyframe(context.new_keyframe).begins_component;
 }
 
-/// Around the new keyframe; where a stale job is repeated, around the same one as before.
-LocalBaJob::Problem LocalBaJob::make_problem(const JobContext& context) {
-  if (is_due(context)) center_ = context.new_keyframe;
-  return {make_local_ba_problem(context.map, center_, camera_, options_), options_.local_ba};
+LocalBaJob::Problem LocalBaJob::make_problem(const JobContext& context) const {
+  return {make_local_ba_problem(context.map, context.new_keyframe, camera_, options_), options_.local_ba};
 }
 
 MapUpdate LocalBaJob::solve(const Problem& problem) {

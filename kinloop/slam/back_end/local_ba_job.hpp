@@ -9,7 +9,7 @@ namespace kinloop {
 class LocalBaJob {
  public:
   static constexpr const char* kName = "local bundle adjustment";
-  static constexpr bool kWaitsForGlobalCorrection = false;
+  static constexpr bool kMovesWholeMap = false;
   struct Problem {
     BundleAdjustmentProblem problem;
     BundleOptions options;
@@ -21,7 +21,7 @@ class LocalBaJob {
 
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
   [[nodiscard]] bool is_due(const JobContext& context) const;
-  [[nodiscard]] Problem make_problem(const JobContext& context);
+  [[nodiscard]] Problem make_problem(const JobContext& context) const;
   [[nodiscard]] static Solution solve(const Problem& problem);
   [[nodiscard]] static std::optional<AppliedSolution> apply(Map& map, const Solution& update);
   void on_stale(Solution /*update*/) {}
@@ -30,7 +30,6 @@ class LocalBaJob {
   PinholeCamera camera_;
   MappingOptions options_;
   int lag_frames_;
-  KeyframeId center_;  // of the latest problem
 };
 
 }  // namespace kinloop

@@ -8,7 +8,7 @@ namespace kinloop {
 class LoopCorrectionJob {
  public:
   static constexpr const char* kName = "loop correction";
-  static constexpr bool kWaitsForGlobalCorrection = true;
+  static constexpr bool kMovesWholeMap = true;
   struct Problem {
     LoopProblem problem;
     LoopOptions options;

@@ -8,7 +8,7 @@ namespace kinloop {
 class LoopVerificationJob {
  public:
   static constexpr const char* kName = "loop verification";
-  static constexpr bool kWaitsForGlobalCorrection = false;
+  static constexpr bool kMovesWholeMap = false;
   struct Problem {
     std::vector<LoopCandidates> candidates;
     PinholeCamera camera;

@@ -9,7 +9,7 @@ namespace kinloop {
 class SelfCalibrationJob {
  public:
   static constexpr const char* kName = "self-calibration";
-  static constexpr bool kWaitsForGlobalCorrection = true;
+  static constexpr bool kMovesWholeMap = true;
   struct Problem {
     BundleAdjustmentProblem problem;
     SelfCalibrationOptions calibration;
