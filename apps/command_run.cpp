@@ -118,7 +118,7 @@ bool process_all(Session& session, MapSaver* saver, const Progress& progress,
 void apply_initial_map(InitialMap& start, const std::filesystem::path& path, Session& session,
                        bool with_images) {
   const uint32_t shift = session.add_map(std::move(start.saved));
-  if (with_images) restore_images(start.reader, path, shift, session.recorder());
+  if (with_images) load_images(start.reader, path, shift, session.recorder());
 }
 
 /// Whether tracking was lost at the end, or never began: what the exit code tells scripts.
