@@ -2,7 +2,6 @@
 //
 //   bench_graphs standard [DIR]   every .g2o file in DIR: from the file's start, from none, from a noisy one
 //   bench_graphs growth [MAX]     made-up graphs of 1000 poses and more, up to MAX (100000)
-//   bench_graphs growing [DIR]    solved some 50 times as loop edges come in: from scratch, from the last
 //   bench_graphs outliers [DIR]   false loop edges: error against the clean solution, by robust kernel
 
 #include <algorithm>
@@ -156,61 +155,6 @@ void run_scaling(uint32_t most) {
   }
 }
 
-/// The graphs up to every `every`-th loop edge, each with the vertices seen until then.
-template <class Pose>
-std::vector<BasicPoseGraph<Pose>> stages(const BasicPoseGraph<Pose>& graph, size_t every) {
-  auto edges = graph.edges;
-  std::stable_sort(edges.begin(), edges.end(),
-                   [](const auto& l, const auto& r) { return std::max(l.a, l.b) < std::max(r.a, r.b); });
-  std::vector<BasicPoseGraph<Pose>> all;
-  BasicPoseGraph<Pose> part;
-  size_t loops = 0;
-  for (const auto& edge : edges) {
-    part.edges.push_back(edge);
-    if (edge.trusted || ++loops % every != 0) continue;
-    const auto count = static_cast<std::ptrdiff_t>(std::max(edge.a, edge.b)) + 1;
-    part.T_world_vertex.assign(graph.T_world_vertex.begin(), graph.T_world_vertex.begin() + count);
-    all.push_back(part);
-  }
-  return all;
-}
-
-template <class Pose>
-void compare_growing(const std::string& name, const BasicPoseGraph<Pose>& graph) {
-  constexpr size_t kSolutions = 50;
-  constexpr double kNothing = 1e-9;  // chi2 before the first loop: rounding alone
-  size_t loops = 0;
-  for (const auto& edge : graph.edges) loops += edge.trusted ? 0 : 1;
-  const auto all = stages(graph, std::max<size_t>(1, loops / kSolutions));
-  double batch_s = 0, warm_s = 0, worst = 0;
-  int batch_iterations = 0, warm_iterations = 0;
-  BasicPoseGraphSolution<Pose> last;
-  for (const auto& part : all) {
-    double start_s = process_cpu_s();
-    const auto batch = solve_pose_graph(part);
-    batch_s += process_cpu_s() - start_s;
-    batch_iterations += batch.iterations;
-    start_s = process_cpu_s();
-    PoseGraphOptions options;
-    options.start = PoseGraphStart::kGiven;
-    last = update_pose_graph_solution(part, last, options);
-    warm_s += process_cpu_s() - start_s;
-    warm_iterations += last.iterations;
-    worst = std::max(worst, (last.chi2_after - batch.chi2_after) / std::max(batch.chi2_after, kNothing));
-  }
-  fmt::print(
-      "{:16} {} solutions: from scratch {} iterations {:.3f} s of CPU, from the last {} iterations {:.3f} s, "
-      "chi2 at most {:.1e} above\n",
-      name, all.size(), batch_iterations, batch_s, warm_iterations, warm_s, worst);
-}
-
-void run_growing(const std::filesystem::path& folder) {
-  for (const auto& path : graphs_in(folder)) {
-    std::visit([&](const auto& graph) { compare_growing(path.stem().string(), graph); },
-               read_g2o(path).graph);
-  }
-}
-
 template <class Pose>
 double translation_rmse(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   double sum = 0;
@@ -254,13 +198,10 @@ int main(int argc, char** argv) {
     kinloop::run_standard(folder);
   } else if (mode == "growth") {
     kinloop::run_scaling(argument.empty() ? 100000 : static_cast<uint32_t>(std::stoul(argument)));
-  } else if (mode == "growing") {
-    kinloop::run_growing(folder);
   } else if (mode == "outliers") {
     kinloop::run_outliers(folder);
   } else {
-    fmt::print(stderr,
-               "usage: bench_graphs standard [DIR] | growth [MAX_POSES] | growing [DIR] | outliers [DIR]\n");
+    fmt::print(stderr, "usage: bench_graphs standard [DIR] | growth [MAX_POSES] | outliers [DIR]\n");
     return 2;
   }
   return 0;

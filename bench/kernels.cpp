@@ -118,7 +118,7 @@ CameraObservations thousand_observations() {
   CameraObservations observations(kCount);
   Random random(1);
   for (size_t i = 0; i < kCount; ++i) {
-    BundleObservation seen;
+    KeypointMeasurement seen;
     seen.pixel = {random.uniform(0, camera.width), random.uniform(0, camera.height)};
     seen.depth_m = random.uniform(0.7, 4);
     seen.row = seen.pixel.y() / camera.height - 0.5;
@@ -133,7 +133,7 @@ void linearize_thousand(benchmark::State& state) {
   const auto observations = thousand_observations();
   const SensorVector sensor = SensorVector::Zero();
   const MeasurementModel model{frames().camera, sensor, 6e-3, 0.5};
-  const BundleView view(SE3{}, Velocity::Constant(0.1));
+  const BundleView view(SE3{}, Velocity::from_vector(Vector6d::Constant(0.1)));
   const RowLayout layout(state.range(0) > 0, state.range(0) > 1);
   for (auto _ : state) benchmark::DoNotOptimize(observations.linearize(view, model, layout));
 }

@@ -190,9 +190,10 @@ void Renderer::render_tile(const Tile& tile, float gain, uint64_t seed, const Ro
   }
 }
 
-RenderedFrame Renderer::render(const CameraPath& path, int64_t stamp_ns, uint64_t frame_seed) const {
+RgbdFrame Renderer::render(const CameraPath& path, int64_t stamp_ns, uint64_t frame_seed) const {
   const cv::Size size(camera_.width, camera_.height);
-  RenderedFrame frame;
+  RgbdFrame frame;
+  frame.stamp_ns = stamp_ns;
   frame.color.create(size, CV_8UC3);
   ExactDepth exact{cv::Mat(size, CV_32FC1), cv::Mat(size, CV_32FC1, cv::Scalar(1))};
   const int packets = color_packets(path, stamp_ns);

@@ -5,24 +5,20 @@
 #include <vector>
 
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/rgbd_frame.hpp"
 #include "simulator/camera_path.hpp"
 #include "simulator/kinect_model.hpp"
 #include "simulator/scene.hpp"
 
 namespace kinloop::sim {
 
-struct RenderedFrame {
-  cv::Mat color;    ///< 8UC3, BGR
-  cv::Mat depth_m;  ///< 32FC1, as measured, 0 = unknown
-};
-
 /// Renders frames of one scene. Rows are independent, so the result is the same for any number of threads.
 class Renderer {
  public:
   Renderer(const Scene& scene, const PinholeCamera& camera, const KinectNoise& noise, int threads);
 
-  /// `path` is in the room frame; `stamp_ns` is the middle of the exposure of the middle row.
-  [[nodiscard]] RenderedFrame render(const CameraPath& path, int64_t stamp_ns, uint64_t frame_seed) const;
+  /// `path` is in the room frame; `stamp_ns` is the middle of the exposure of the middle row. The frame has no id.
+  [[nodiscard]] RgbdFrame render(const CameraPath& path, int64_t stamp_ns, uint64_t frame_seed) const;
 
  private:
   struct RowImages;

@@ -101,9 +101,10 @@ SimulatedSource::~SimulatedSource() = default;
 RgbdFrame SimulatedSource::frame(size_t index) const {
   require(index < info_.frames, "a frame of the simulated sequence");
   const int64_t stamp_ns = info_.ground_truth[index].stamp_ns;
-  const auto rendered = setup_->renderer.render(setup_->path_in_room, stamp_ns, hash(seed_, index));
-  return {FrameId{static_cast<uint32_t>(index)}, stamp_ns, rendered.color,
-          as_stored(rendered.depth_m, camera_.depth_scale)};
+  RgbdFrame frame = setup_->renderer.render(setup_->path_in_room, stamp_ns, hash(seed_, index));
+  frame.id = FrameId{static_cast<uint32_t>(index)};
+  frame.depth_m = as_stored(frame.depth_m, camera_.depth_scale);
+  return frame;
 }
 
 std::optional<RgbdFrame> SimulatedSource::next() {

@@ -135,7 +135,7 @@ Velocity velocity_at(const Trajectory& poses, int64_t stamp_ns) {
   constexpr int64_t kStepNs = kNsPerSecond / 60;
   const auto before = pose_at(poses, stamp_ns - kStepNs, kMaxAssociationNs * 2);
   const auto after = pose_at(poses, stamp_ns + kStepNs, kMaxAssociationNs * 2);
-  if (!before || !after) return Velocity::Zero();
+  if (!before || !after) return Velocity{};
   return velocity_between(*before, *after, to_seconds(2 * kStepNs));
 }
 

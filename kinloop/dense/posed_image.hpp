@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/velocity.hpp"
 
 namespace kinloop {
 
@@ -15,7 +16,7 @@ constexpr int kSaturatedIntensity = 250;
 struct PosedImage {
   size_t image = 0;  ///< index into the ImageStore
   SE3 T_world_camera;
-  Vector6d velocity = Vector6d::Zero();  ///< m/s, then rad/s, both in camera axes
+  Velocity velocity = {};  ///< in camera axes
   /// Gains for red, green and blue that compensate exposure and white balance, see color_gains.
   Eigen::Vector3f color_gain = Eigen::Vector3f::Ones();
 };
@@ -36,13 +37,13 @@ struct DenseCamera {
 
   /// Returns the position, at the stamp, of a point measured at `p` in `row`. First order: turning by 1 rad/s
   /// for 30 ms leaves an error of 0.5 mm at 1 m.
-  [[nodiscard]] Eigen::Vector3d deskew(const Eigen::Vector3d& p, double row, const Vector6d& velocity) const {
-    return p + time_of_row_s(row) * (velocity.head<3>() + velocity.tail<3>().cross(p));
+  [[nodiscard]] Eigen::Vector3d deskew(const Eigen::Vector3d& p, double row, const Velocity& velocity) const {
+    return p + time_of_row_s(row) * (velocity.linear_m_s + velocity.angular_rad_s.cross(p));
   }
 
   /// Inverse of `deskew`: returns where a point at `p` at the stamp, in front of the camera, was measured.
-  [[nodiscard]] Eigen::Vector3d undo_deskew(const Eigen::Vector3d& p, const Vector6d& velocity) const {
-    return p - time_of_row_s(color.project(p).y()) * (velocity.head<3>() + velocity.tail<3>().cross(p));
+  [[nodiscard]] Eigen::Vector3d undo_deskew(const Eigen::Vector3d& p, const Velocity& velocity) const {
+    return p - time_of_row_s(color.project(p).y()) * (velocity.linear_m_s + velocity.angular_rad_s.cross(p));
   }
 
   /// Returns measured inverse depth, 1/m, corrected for the deformation.

@@ -25,7 +25,7 @@ KeyframePair most_overlapping_pair(const Map& map, const LoopEdge& loop);
 struct RollingShutterCamera {
   PinholeCamera camera;
   SensorVector sensor = SensorVector::Zero();  ///< deviation from `camera`
-  Velocity velocity = Velocity::Zero();        ///< at the keyframe's stamp
+  Velocity velocity;                           ///< at the keyframe's stamp
 };
 
 /// A landmark observed in one keyframe, projected into another.

@@ -1,5 +1,6 @@
 #include "kinloop/loop/recognize_place.hpp"
 
+#include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/loop/appearance_check.hpp"
 #include "kinloop/loop/depth_check.hpp"
 
@@ -37,9 +38,7 @@ std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const Loc
   if (static_cast<int>(matches.size()) < options.min_matches) return std::nullopt;
   std::vector<PoseObservation> observations;
   for (const Match& match : matches) {
-    observations.push_back({local_map.p_reference[match.a], features.pixels[match.b].cast<double>(),
-                            static_cast<double>(features.depths_m[match.b]),
-                            static_cast<double>(features.sigmas_px[match.b])});
+    observations.push_back({compensated_measurement(features, match.b), local_map.p_reference[match.a]});
   }
   const auto initial = solve_pnp_ransac(camera, observations, tracking.pnp, seed);
   if (!initial) return std::nullopt;

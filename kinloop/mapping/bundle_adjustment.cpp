@@ -4,6 +4,8 @@
 #include <map>
 #include <set>
 
+#include "kinloop/features/keypoint_measurements.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -36,23 +38,10 @@ std::vector<KeyframeId> observers_outside(const Map& map, const std::vector<Keyf
   return observers;
 }
 
-BundleObservation observation_of(const Features& features, uint32_t feature, uint32_t pose, uint32_t point,
-                                 const PinholeCamera& camera, MeasurementKind measured) {
-  const bool motion_compensated = measured == MeasurementKind::kMotionCompensated;
-  BundleObservation observation;
-  observation.pose = pose;
-  observation.point = point;
-  observation.pixel =
-      (motion_compensated ? features.pixels : features.measured_pixels)[feature].cast<double>();
-  observation.depth_m =
-      static_cast<double>((motion_compensated ? features.depths_m : features.measured_depths_m)[feature]);
-  observation.sigma_px = static_cast<double>(features.sigmas_px[feature]);
-  if (motion_compensated) return observation;
-  observation.row = static_cast<double>(features.raw_pixels[feature].y()) / camera.height - 0.5;
-  if (!features.inverse_depth_gradients.empty()) {
-    observation.inverse_depth_gradient = features.inverse_depth_gradients[feature].cast<double>();
-  }
-  return observation;
+KeypointMeasurement measurement_of(const Features& features, uint32_t feature, const PinholeCamera& camera,
+                                   MeasurementKind kind) {
+  return kind == MeasurementKind::kRaw ? raw_measurement(features, feature, camera.height)
+                                       : compensated_measurement(features, feature);
 }
 
 /// Where no pose of a component is held its oldest is, so that nothing can float away.
@@ -92,7 +81,7 @@ BundleAdjustmentProblem make_problem(const Map& map, const std::vector<KeyframeI
       if (pose == pose_of.end()) continue;
       const Features& features = *map.keyframe(seen.keyframe).features;
       problem.bundle.observations.push_back(
-          observation_of(features, seen.feature, pose->second, point, camera, measured));
+          {measurement_of(features, seen.feature, camera, measured), pose->second, point});
       problem.observations.emplace_back(landmarks[point], seen);
     }
   }

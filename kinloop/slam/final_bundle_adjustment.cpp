@@ -9,8 +9,8 @@
 namespace kinloop {
 namespace {
 
-BundleObservation bundle_observation(const LoggedObservation& seen) {
-  BundleObservation o;
+KeypointMeasurement measurement_of(const LoggedObservation& seen) {
+  KeypointMeasurement o;
   o.pixel = seen.pixel.cast<double>();
   o.depth_m = static_cast<double>(seen.depth_m);
   o.sigma_px = static_cast<double>(seen.sigma_px);
@@ -26,10 +26,10 @@ SE3 refined_pose(const LoggedFrame& entry, const RollingShutterPose& guess, cons
   // found.
   constexpr size_t kMinInliers = 20;
   const size_t majority = entry.observations.size() / 2 + 1;
-  std::vector<RollingShutterObservation> observations;
+  std::vector<PoseObservation> observations;
   for (const LoggedObservation& seen : entry.observations) {
     const LandmarkId landmark = map.resolve_merged(seen.landmark);
-    if (map.contains(landmark)) observations.push_back({map.p_world(landmark), bundle_observation(seen)});
+    if (map.contains(landmark)) observations.push_back({measurement_of(seen), map.p_world(landmark)});
   }
   AbsolutePoseOptions strict = options;
   strict.min_inliers = static_cast<int>(std::max(kMinInliers, majority));

@@ -11,7 +11,7 @@ constexpr int64_t kMaxNeighbour_ns = 150'000'000;  // farther apart, a hand's ve
 }  // namespace
 
 std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map) {
-  std::vector<Velocity> velocities(log.size(), Velocity::Zero());
+  std::vector<Velocity> velocities(log.size());
   const auto usable = [&](size_t i, size_t other) {
     return is_tracked_in(map.keyframe(log[i].reference).component, log[other], map) &&
            std::abs(log[i].stamp_ns - log[other].stamp_ns) < kMaxNeighbour_ns;
@@ -31,15 +31,15 @@ std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map) {
     const SE3 T_world_before = world_pose(log[before], map), T_world_after = world_pose(log[after], map);
     const Eigen::Matrix3d R_camera_world = world_pose(log[i], map).R().transpose();
     const double duration_s = to_seconds(duration_ns);
-    velocities[i] << R_camera_world * (T_world_after.translation - T_world_before.translation) / duration_s,
-        log_so3(T_world_before.rotation.conjugate() * T_world_after.rotation) / duration_s;
+    velocities[i] = {R_camera_world * (T_world_after.translation - T_world_before.translation) / duration_s,
+                     log_so3(T_world_before.rotation.conjugate() * T_world_after.rotation) / duration_s};
   }
   return velocities;
 }
 
 std::vector<Velocity> keyframe_velocities(const FrameLog& log, const Map& map) {
   const auto of_frames = frame_velocities(log, map);
-  std::vector<Velocity> velocities(map.keyframes().size(), Velocity::Zero());
+  std::vector<Velocity> velocities(map.keyframes().size());
   for (size_t i = 0; i < log.size(); ++i) {
     if (log[i].keyframe.valid()) velocities[log[i].keyframe.value] = of_frames[i];
   }

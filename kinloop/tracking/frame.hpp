@@ -10,16 +10,13 @@
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/geometry/se3.hpp"
+#include "kinloop/sensor/rgbd_frame.hpp"
 
 namespace kinloop {
 
-/// Everything computed from one image alone; it may be prepared ahead on another thread.
-struct PreparedFrame {
-  FrameId id;
-  int64_t stamp_ns = 0;
-  cv::Mat color;    ///< 8UC3 BGR
-  cv::Mat gray;     ///< 8UC1
-  cv::Mat depth_m;  ///< 32FC1
+/// A frame of the camera with everything computed from it alone; it may be prepared ahead on another thread.
+struct PreparedFrame : RgbdFrame {
+  cv::Mat gray;  ///< 8UC1
   std::shared_ptr<const Features> features;
   ElapsedTime preparing;  ///< for reports
 };

@@ -2,32 +2,15 @@
 
 #include <Eigen/Geometry>
 
+#include "kinloop/features/keypoint_measurements.hpp"
+
 namespace kinloop {
 namespace {
 
-/// What one keypoint measured.
-struct Measured {
-  Eigen::Vector2d pixel;
-  double depth_m = 0;  // 0 = unknown
-  double row = 0;      // share of the height, -0.5 to 0.5
-  Eigen::Vector2d inverse_depth_gradient = Eigen::Vector2d::Zero();
-};
-
-Measured measured(const Features& features, size_t i, int image_height_px) {
-  Measured m;
-  m.pixel = features.measured_pixels[i].cast<double>();
-  m.depth_m = static_cast<double>(features.measured_depths_m[i]);
-  m.row = static_cast<double>(features.raw_pixels[i].y()) / image_height_px - 0.5;
-  if (!features.inverse_depth_gradients.empty()) {
-    m.inverse_depth_gradient = features.inverse_depth_gradients[i].cast<double>();
-  }
-  return m;
-}
-
 /// Where the point was at the stamp, in camera axes. The point lies on the ray of its pixel at the time of
 /// its row, at the distance that makes it agree with the depth measured at the time of the depth image.
-Eigen::Vector3d deskew_point(const Measured& m, const PinholeCamera& camera, const SensorVector& sensor,
-                             const Velocity& velocity) {
+Eigen::Vector3d deskew_point(const KeypointMeasurement& m, const PinholeCamera& camera,
+                             const SensorVector& sensor, const Velocity& velocity) {
   const double color_time_s = sensor(kRollingShutter) * m.row;
   const bool has_slope = m.inverse_depth_gradient.allFinite();
   const double depth_time_s = sensor(kDepthDelay) + sensor(kDepthShutter) * m.row;
@@ -55,10 +38,9 @@ Eigen::Vector3d deskew_point(const Measured& m, const PinholeCamera& camera, con
 Features deskew_features(const Features& features, const PinholeCamera& camera, const SensorVector& sensor,
                          const Velocity& velocity) {
   Features deskewed = features;
-  Velocity turning = velocity;
-  turning.head<3>().setZero();
+  const Velocity turning{Eigen::Vector3d::Zero(), velocity.angular_rad_s};
   for (size_t i = 0; i < features.size(); ++i) {
-    const Measured m = measured(features, i, camera.height);
+    const KeypointMeasurement m = raw_measurement(features, i, camera.height);
     const bool has_depth = m.depth_m > 0;
     const Eigen::Vector3d p =
         has_depth ? deskew_point(m, camera, sensor, velocity)

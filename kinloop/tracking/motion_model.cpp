@@ -18,22 +18,23 @@ constexpr double kDefaultTurnRate_rad_s = 1.0;
 void MotionModel::update(const SE3& T_previous_current, int64_t duration_ns) {
   if (duration_ns <= 0) return;
   const double duration_s = to_seconds(duration_ns);
-  const Vector6d velocity = T_previous_current.log() / duration_s;
-  if (velocity_per_s_) {
-    const Vector6d change = velocity - *velocity_per_s_;
+  const Velocity velocity = velocity_of_twist(T_previous_current.log(), duration_s);
+  if (velocity_) {
     const auto filtered = [&](double so_far, const Eigen::Vector3d& axes) {
       return kSmoothing * so_far + (1 - kSmoothing) * axes.squaredNorm() / (3 * duration_s);
     };
-    acceleration_noise_.translation = filtered(acceleration_noise_.translation, change.head<3>());
-    acceleration_noise_.rotation = filtered(acceleration_noise_.rotation, change.tail<3>());
+    acceleration_noise_.translation =
+        filtered(acceleration_noise_.translation, velocity.linear_m_s - velocity_->linear_m_s);
+    acceleration_noise_.rotation =
+        filtered(acceleration_noise_.rotation, velocity.angular_rad_s - velocity_->angular_rad_s);
   }
-  velocity_per_s_ = velocity;
+  velocity_ = velocity;
 }
 
 PredictedPose MotionModel::predict(int64_t duration_ns) const {
   const double duration_s = to_seconds(duration_ns);
-  if (!velocity_per_s_) return {{}, kDefaultSpeed_m_s * duration_s, kDefaultTurnRate_rad_s * duration_s};
-  return {SE3::exp(*velocity_per_s_ * std::min(duration_s, kMaxExtrapolation_s)),
+  if (!velocity_) return {{}, kDefaultSpeed_m_s * duration_s, kDefaultTurnRate_rad_s * duration_s};
+  return {SE3::exp(velocity_->vector() * std::min(duration_s, kMaxExtrapolation_s)),
           std::sqrt(acceleration_noise_.translation * duration_s) * duration_s,
           std::sqrt(acceleration_noise_.rotation * duration_s) * duration_s};
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "kinloop/geometry/se3.hpp"
+#include "kinloop/geometry/velocity.hpp"
 
 namespace kinloop {
 
@@ -22,14 +22,14 @@ class MotionModel {
   void update(const SE3& T_previous_current, int64_t duration_ns);
 
   /// Resets the velocity to unknown, after tracking loss.
-  void reset() { velocity_per_s_.reset(); }
+  void reset() { velocity_.reset(); }
 
   /// Predicts the motion T_previous_current over `duration_ns`; identity if the velocity is unknown. The
   /// velocity is extrapolated for a short time only, since hand motion reverses within a longer gap.
   [[nodiscard]] PredictedPose predict(int64_t duration_ns) const;
 
-  /// Velocity in camera axes, m/s and rad/s; zero if unknown.
-  [[nodiscard]] Vector6d velocity() const { return velocity_per_s_.value_or(Vector6d::Zero()); }
+  /// Velocity of the last frame; zero if unknown.
+  [[nodiscard]] Velocity velocity() const { return velocity_.value_or(Velocity{}); }
 
  private:
   /// Random walk of the velocity: growth of its variance per second, per axis.
@@ -38,7 +38,7 @@ class MotionModel {
     double rotation = 1.0;     // (rad/s)^2 / s
   };
 
-  std::optional<Vector6d> velocity_per_s_;  // twist, m/s and rad/s
+  std::optional<Velocity> velocity_;  // kept up at constant twist
   AccelerationNoise acceleration_noise_;
 };
 

@@ -46,7 +46,6 @@ struct TrackingOptions {
   int min_confident_inliers = 60;
   int sufficient_landmarks = 60;
   double min_inlier_ratio = 0.1;
-  bool refine_with_icp = false;
   KeyframeOptions keyframe;
   AbsolutePoseOptions pose;
   PnpRansacOptions pnp;
@@ -74,10 +73,6 @@ struct TrackingOptions {
           "minimum fraction of the visible landmarks (or keypoints, if fewer) that must be inliers for a "
           "pose found by brute-force matching or from the map alone",
           Range{0, 1}, Expert{});
-    visit("refine_with_icp", self.refine_with_icp,
-          "align each depth and grayscale image with the previous frame (ICP) and use the result as "
-          "a pose prior",
-          Expert{});
     visit("keyframe", self.keyframe);
     visit("pose", self.pose, Expert{});
     visit("pnp", self.pnp, Expert{});

@@ -5,6 +5,8 @@
 #include <functional>
 #include <unordered_map>
 
+#include "kinloop/features/keypoint_measurements.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -46,14 +48,13 @@ struct TrackingContext {
 };
 
 PoseObservation observation_of(const TrackingContext& t, size_t point, uint32_t feature) {
-  const Features& now = *t.frame.features;
   const Features& before = *t.previous.frame.features;
   // A point known from the previous frame alone is as uncertain as its own keypoint there.
   const double sigma_before =
       t.points.mapped[point] ? 0.0 : static_cast<double>(before.sigmas_px[t.points.features[point]]);
-  return {t.points.p_reference[point], now.pixels[feature].cast<double>(),
-          static_cast<double>(now.depths_m[feature]),
-          std::hypot(static_cast<double>(now.sigmas_px[feature]), sigma_before)};
+  PoseObservation seen{compensated_measurement(*t.frame.features, feature), t.points.p_reference[point]};
+  seen.sigma_px = std::hypot(seen.sigma_px, sigma_before);
+  return seen;
 }
 
 FramePose keep_inliers(const AbsolutePoseSolution& solution, const std::vector<PoseObservation>& observations,
@@ -154,6 +155,27 @@ std::optional<FramePose> track_by_brute_force(const TrackingContext& t, uint64_t
   return pose;
 }
 
+/// The pose of `frame` by laying its depth and grey images onto those of `previous`, starting from
+/// `T_reference_camera_guess`: its information is small where surfaces and intensities leave a direction
+/// open. Nothing where too little of them overlaps.
+std::optional<FramePose> align_to_previous_frame(const PreparedFrame& frame, const TrackedFrame& previous,
+                                                 const SE3& T_reference_camera_guess,
+                                                 const PinholeCamera& camera,
+                                                 const TrackingOptions& options) {
+  constexpr double kMinOverlap = 0.4;  // of the depth pixels: less may be another place
+  const IcpCamera grids = make_icp_camera(camera, options.icp);
+  const auto aligned =
+      align_icp(grids, make_icp_frame(grids, previous.frame.depth_m, previous.frame.gray),
+                make_icp_frame(grids, frame.depth_m, frame.gray),
+                previous.T_reference_camera.inverse() * T_reference_camera_guess, options.icp);
+  if (!aligned || aligned->overlap < kMinOverlap) return std::nullopt;
+  FramePose pose;
+  pose.T_reference_camera = previous.T_reference_camera * aligned->T_reference_camera;
+  pose.information = aligned->information;
+  pose.dense = true;
+  return pose;
+}
+
 }  // namespace
 
 std::optional<FramePose> estimate_pose_from_previous_frame(
@@ -177,24 +199,6 @@ std::optional<FramePose> estimate_pose_from_previous_frame(
   if (accept(track_by_brute_force(t, seed)) || best) return best;
   accept(align_to_previous_frame(frame, previous, predicted.T, camera, options));
   return best;
-}
-
-std::optional<FramePose> align_to_previous_frame(const PreparedFrame& frame, const TrackedFrame& previous,
-                                                 const SE3& T_reference_camera_guess,
-                                                 const PinholeCamera& camera,
-                                                 const TrackingOptions& options) {
-  constexpr double kMinOverlap = 0.4;  // of the depth pixels: less may be another place
-  const IcpCamera grids = make_icp_camera(camera, options.icp);
-  const auto aligned =
-      align_icp(grids, make_icp_frame(grids, previous.frame.depth_m, previous.frame.gray),
-                make_icp_frame(grids, frame.depth_m, frame.gray),
-                previous.T_reference_camera.inverse() * T_reference_camera_guess, options.icp);
-  if (!aligned || aligned->overlap < kMinOverlap) return std::nullopt;
-  FramePose pose;
-  pose.T_reference_camera = previous.T_reference_camera * aligned->T_reference_camera;
-  pose.information = aligned->information;
-  pose.dense = true;
-  return pose;
 }
 
 }  // namespace kinloop

@@ -32,11 +32,4 @@ std::optional<FramePose> estimate_pose_from_previous_frame(
     const LocalMap& local_map, const PredictedPose& predicted, const PinholeCamera& camera,
     const TrackingOptions& options, uint64_t seed);
 
-/// The pose of `frame` by laying its depth and grey images onto those of `previous`, starting from
-/// `T_reference_camera_guess`: its information is small where surfaces and intensities leave a direction
-/// open. Nothing where too little of them overlaps.
-std::optional<FramePose> align_to_previous_frame(const PreparedFrame& frame, const TrackedFrame& previous,
-                                                 const SE3& T_reference_camera_guess,
-                                                 const PinholeCamera& camera, const TrackingOptions& options);
-
 }  // namespace kinloop

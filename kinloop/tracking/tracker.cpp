@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/tracking/previous_frame.hpp"
 
 namespace kinloop {
@@ -27,10 +28,10 @@ VisibleLandmarks project_local_map(const LocalMap& local_map, const Features& fe
 }
 
 /// Refines on landmarks of the local map, and where they are few also on the previous frame's unmapped
-/// points; `prior` is what depth and grey images say.
+/// points.
 TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const LocalMap& local_map,
-                   const FramePose& guess, const std::optional<PosePrior>& prior, double window_px,
-                   const PinholeCamera& camera, const TrackingOptions& options) {
+                   const FramePose& guess, double window_px, const PinholeCamera& camera,
+                   const TrackingOptions& options) {
   const Features& features = *frame.features;
   const auto visible = project_local_map(local_map, features, guess.T_reference_camera, window_px, camera);
   const auto matches = match_by_projection(visible.projected, features, grid, {});
@@ -38,9 +39,8 @@ TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const Lo
   std::vector<bool> taken(features.size(), false);
   for (const Match& match : matches) {
     taken[match.b] = true;
-    observations.push_back(
-        {local_map.p_reference[visible.index_in_local_map[match.a]], features.pixels[match.b].cast<double>(),
-         static_cast<double>(features.depths_m[match.b]), static_cast<double>(features.sigmas_px[match.b])});
+    observations.push_back({compensated_measurement(features, match.b),
+                            local_map.p_reference[visible.index_in_local_map[match.a]]});
   }
   if (static_cast<int>(matches.size()) < options.sufficient_landmarks) {
     for (size_t i = 0; i < guess.support.size(); ++i) {
@@ -50,8 +50,7 @@ TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const Lo
   TrackResult result;
   result.reference = local_map.reference;
   result.stats.visible_landmarks = static_cast<int>(visible.projected.size());
-  const auto solution =
-      solve_absolute_pose(camera, observations, guess.T_reference_camera, options.pose, prior);
+  const auto solution = solve_absolute_pose(camera, observations, guess.T_reference_camera, options.pose);
   if (!solution || solution->inlier_count < options.min_inliers) return result;
   result.status = TrackStatus::kTracked;
   result.T_reference_camera = solution->T_reference_camera;
@@ -77,7 +76,7 @@ TrackResult track_local_map(const PreparedFrame& frame, const FeatureGrid& grid,
                             const PinholeCamera& camera, const TrackingOptions& options) {
   FramePose guess;
   guess.T_reference_camera = T_reference_camera_guess;
-  return refine(frame, grid, local_map, guess, std::nullopt, window_px, camera, options);
+  return refine(frame, grid, local_map, guess, window_px, camera, options);
 }
 
 TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, const LocalMap& local_map,
@@ -93,13 +92,7 @@ TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, cons
     return has_sufficient_inlier_ratio(result, *frame.features, options.min_inlier_ratio) ? result
                                                                                           : TrackResult{};
   }
-  std::optional<PosePrior> prior;
-  if (options.refine_with_icp && !guess->dense) {
-    const auto dense = align_to_previous_frame(frame, previous, guess->T_reference_camera, camera, options);
-    if (dense) prior = PosePrior{dense->T_reference_camera, dense->information};
-  }
-  TrackResult result =
-      refine(frame, grid, local_map, *guess, prior, options.local_map_window_px, camera, options);
+  TrackResult result = refine(frame, grid, local_map, *guess, options.local_map_window_px, camera, options);
   if (guess->from_brute_force &&
       !has_sufficient_inlier_ratio(result, *frame.features, options.min_inlier_ratio))
     return {};

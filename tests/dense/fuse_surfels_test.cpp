@@ -25,7 +25,7 @@ struct Scene {
   std::vector<PosedImage> views;
   DenseCamera camera{.color = small_camera()};
 
-  void add(const RgbdImages& seen, const SE3& T_world_camera, const Vector6d& velocity = Vector6d::Zero()) {
+  void add(const RgbdImages& seen, const SE3& T_world_camera, const Velocity& velocity = {}) {
     views.push_back({images.size(), T_world_camera, velocity});
     images.push_back({seen.color.clone(), seen.depth_m.clone()});
   }
@@ -117,13 +117,12 @@ TEST(FuseSurfels, DeskewsDelayedRollingShutterDepth) {
   Scene scene;
   scene.camera.depth_delay_s = 0.02;
   scene.camera.readout_s = 0.03;
-  Vector6d velocity;
-  velocity << 0.1, -0.2, 0.5, 0.1, 0.6, 0.2;
+  const Velocity velocity{{0.1, -0.2, 0.5}, {0.1, 0.6, 0.2}};
   for (int view = 0; view < 2; ++view) {
     RgbdImages seen{cv::Mat(120, 160, CV_8UC3, cv::Scalar::all(50)), cv::Mat(120, 160, CV_32FC1)};
     for (int row = 0; row < 120; ++row) {
       const double time_s = scene.camera.time_of_row_s(row);
-      const SE3 T_world_camera{exp_so3(time_s * velocity.tail<3>()), time_s * velocity.head<3>()};
+      const SE3 T_world_camera{exp_so3(time_s * velocity.angular_rad_s), time_s * velocity.linear_m_s};
       view_of_wall(small_camera(), T_world_camera, kWallZ_m, {})
           .depth_m.row(row)
           .copyTo(seen.depth_m.row(row));

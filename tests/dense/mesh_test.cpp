@@ -95,8 +95,8 @@ TEST(Mesh, DeskewsDelayedDepth) {
   SKIP_WITHOUT_OPENVDB();
   DenseCamera late{.color = small_camera()};
   late.depth_delay_s = 0.04;
-  Vector6d ahead = Vector6d::Zero();
-  ahead(2) = 1;  // m/s: when depth was taken, everything was 4 cm nearer
+  Velocity ahead;
+  ahead.linear_m_s.z() = 1;  // m/s: when depth was taken, everything was 4 cm nearer
   const auto median_off_m = [&](const DenseCamera& camera) {
     BallScene scene = scene_of(std::vector<bool>(5, true));
     for (auto& view : scene.views) {

@@ -101,7 +101,7 @@ TEST_F(LoopOverlap, AWrongPoseShowsInTheResiduals) {
 TEST_F(LoopOverlap, RowsAreReadWhileTheCameraMoves) {
   RollingShutterCamera moving = still();
   moving.sensor(kRollingShutter) = 0.03;
-  moving.velocity(4) = 1;
+  moving.velocity.angular_rad_s.y() = 1;
   const auto at_rest = reproject_landmarks(built_.map, KeyframeId{2}, KeyframeId{2}, still());
   const auto read = reproject_landmarks(built_.map, KeyframeId{2}, KeyframeId{2}, moving);
   int compared = 0;

@@ -18,7 +18,7 @@ using test::BundleWorld;
 using test::BundleWorldSettings;
 using test::make_bundle_world;
 
-/// H = J' J of poses (6 each), velocities (6 each), points (3 each) and the sensor, with one row a residual.
+/// H = J' J of poses (6 each), points (3 each) and the sensor, with one row a residual.
 class DenseSystem {
  public:
   DenseSystem(const BundleProblem& problem, const BundleOptions& options, const BundleSolution& solution)
@@ -26,14 +26,10 @@ class DenseSystem {
         points_(static_cast<Eigen::Index>(problem.p_world.size())),
         H_(Eigen::MatrixXd::Zero(sensor() + kSensorParameterCount, sensor() + kSensorParameterCount)) {
     const BundleTask task{problem, options, problem.fixed, problem.velocities, {}};
-    const BundleState state{solution.T_world_camera, solution.velocities, solution.p_world, solution.sensor};
+    const BundleState state{solution.T_world_camera, solution.p_world, solution.sensor};
     for (const BundleObservation& o : problem.observations) add(task, state, o);
-    for (const BundleEdge& edge : problem.edges) add(edge, state);
     for (Eigen::Index i = 0; i < poses_; ++i) {
-      const bool fixed = problem.fixed[static_cast<size_t>(i)] != 0;
-      H_.diagonal().segment<6>(velocity(i)) += velocity_information(options);
-      if (fixed) hold(pose(i), 6);
-      if (fixed || !options.free_velocities) hold(velocity(i), 6);
+      if (problem.fixed[static_cast<size_t>(i)] != 0) hold(pose(i), 6);
     }
     for (int k = 0; k < kSensorParameterCount; ++k) {
       H_(sensor() + k, sensor() + k) += sensor_information(problem.sensor, k);
@@ -52,13 +48,12 @@ class DenseSystem {
   }
 
   [[nodiscard]] static Eigen::Index pose(Eigen::Index i) { return 6 * i; }
-  [[nodiscard]] Eigen::Index sensor() const { return 12 * poses_ + 3 * points_; }
+  [[nodiscard]] Eigen::Index sensor() const { return 6 * poses_ + 3 * points_; }
 
  private:
   static constexpr double kHeld = 1e30;
 
-  [[nodiscard]] Eigen::Index velocity(Eigen::Index i) const { return 6 * (poses_ + i); }
-  [[nodiscard]] Eigen::Index point(Eigen::Index j) const { return 12 * poses_ + 3 * j; }
+  [[nodiscard]] Eigen::Index point(Eigen::Index j) const { return 6 * poses_ + 3 * j; }
 
   void hold(Eigen::Index first, Eigen::Index count) {
     H_.middleRows(first, count).setZero();
@@ -69,33 +64,23 @@ class DenseSystem {
   void add(const BundleTask& task, const BundleState& state, const BundleObservation& o) {
     const BundleUse use = o.depth_m > 0 ? BundleUse::kPixelAndDepth : BundleUse::kPixel;
     const auto linear =
-        linearize_observation(task, o, use, {state.T_world_camera[o.pose], state.velocities[o.pose]},
+        linearize_observation(task, o, use, {state.T_world_camera[o.pose], task.velocities[o.pose]},
                               state.p_world[o.point], state.sensor);
     const HuberLoss loss{task.options.robust_width};
     const double pixel_weight = loss.weight(linear.e.head<2>().squaredNorm());
     const Eigen::Vector3d weight(pixel_weight, pixel_weight, loss.weight(linear.e.z() * linear.e.z()));
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, H_.cols());
     J.middleCols<6>(pose(o.pose)) = linear.J_pose;
-    J.middleCols<6>(velocity(o.pose)) = linear.J_velocity;
     J.middleCols<3>(point(o.point)) = linear.J_point;
     J.rightCols<kSensorParameterCount>() = linear.J_sensor;
     H_ += J.transpose() * weight.asDiagonal() * J;
-  }
-
-  void add(const BundleEdge& edge, const BundleState& state) {
-    const auto linear =
-        linearize_bundle_edge(edge, state.T_world_camera[edge.a], state.T_world_camera[edge.b]);
-    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(6, H_.cols());
-    J.middleCols<6>(pose(edge.a)) = linear.J_a;
-    J.middleCols<6>(pose(edge.b)) = linear.J_b;
-    H_ += J.transpose() * edge.information * J;
   }
 
   Eigen::Index poses_, points_;
   Eigen::MatrixXd H_;
 };
 
-/// A small world in which everything is seen well enough to be used, with sensor and velocities free.
+/// A small world in which everything is seen well enough to be used, with the sensor free.
 BundleWorld free_world() {
   BundleWorldSettings settings{
       .poses = 7, .points = 60, .sigma_px = 0.7, .sigma_inverse_depth = 2e-3, .depth_fraction = 1};
@@ -107,8 +92,6 @@ BundleWorld free_world() {
   }
   world.problem.sensor.prior_sigma(kFocalX) = 3;
   world.problem.sensor.prior_sigma(kDepthOffset) = 0.002;
-  const SE3 T_2_5 = world.truth[2].inverse() * world.truth[5];
-  world.problem.edges.push_back({2, 5, T_2_5, 1e4 * Matrix6d::Identity()});
   // Points that no keyframe sees would be empty columns of the dense system.
   std::vector<uint32_t> index(world.points.size(), 0);
   std::vector<Eigen::Vector3d> seen;
@@ -141,25 +124,22 @@ double difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 TEST(BundleCovariance, IsThatOfTheWholeDenseSystem) {
   const BundleWorld world = free_world();
   for (const auto solver : {BundleSolver::kBuiltin, BundleSolver::kCeres}) {
-    for (const bool free_velocities : {false, true}) {
-      BundleOptions options = with_covariances();
-      options.solver = solver;
-      options.free_velocities = free_velocities;
-      const BundleSolution solution = solve_bundle(world.problem, options);
-      ASSERT_THAT(solution.point_used, testing::Each(1));
-      const DenseSystem system(world.problem, options, solution);
-      const Eigen::MatrixXd covariance = system.covariance();
-      EXPECT_EQ(solution.pose_covariance[0], Matrix6d::Zero()) << "held";
-      for (size_t i = 1; i < world.truth.size(); ++i) {
-        const Eigen::Index first = DenseSystem::pose(static_cast<Eigen::Index>(i));
-        EXPECT_LT(difference(solution.pose_covariance[i], covariance.block<6, 6>(first, first)), 1e-6) << i;
-      }
-      for (const int a : {kRollingShutter, kDepthDelay, kFocalX, kDepthOffset}) {
-        for (const int b : {kRollingShutter, kDepthDelay, kFocalX, kDepthOffset}) {
-          const Eigen::Index s = system.sensor();
-          const double scale = std::sqrt(covariance(s + a, s + a) * covariance(s + b, s + b));
-          EXPECT_NEAR(solution.sensor_covariance(a, b) / scale, covariance(s + a, s + b) / scale, 1e-6);
-        }
+    BundleOptions options = with_covariances();
+    options.solver = solver;
+    const BundleSolution solution = solve_bundle(world.problem, options);
+    ASSERT_THAT(solution.point_used, testing::Each(1));
+    const DenseSystem system(world.problem, options, solution);
+    const Eigen::MatrixXd covariance = system.covariance();
+    EXPECT_EQ(solution.pose_covariance[0], Matrix6d::Zero()) << "held";
+    for (size_t i = 1; i < world.truth.size(); ++i) {
+      const Eigen::Index first = DenseSystem::pose(static_cast<Eigen::Index>(i));
+      EXPECT_LT(difference(solution.pose_covariance[i], covariance.block<6, 6>(first, first)), 1e-6) << i;
+    }
+    for (const int a : {kRollingShutter, kDepthDelay, kFocalX, kDepthOffset}) {
+      for (const int b : {kRollingShutter, kDepthDelay, kFocalX, kDepthOffset}) {
+        const Eigen::Index s = system.sensor();
+        const double scale = std::sqrt(covariance(s + a, s + a) * covariance(s + b, s + b));
+        EXPECT_NEAR(solution.sensor_covariance(a, b) / scale, covariance(s + a, s + b) / scale, 1e-6);
       }
     }
   }
@@ -171,14 +151,10 @@ TEST(BundleCovariance, FreeParametersIncreasePoseCovariance) {
   world.problem.sensor.value(kRollingShutter) = 0.02;  // at the truth, for nearly the same minimum each time
   world.problem.sensor.value(kDepthDelay) = 0.01;
   options.robust_width = 1e9;  // weights are one wherever the minimum is
-  options.free_velocities = true;
-  const Matrix6d all_free = solve_bundle(world.problem, options).pose_covariance[6];
-  options.free_velocities = false;
-  const Matrix6d velocities_held = solve_bundle(world.problem, options).pose_covariance[6];
+  const Matrix6d sensor_free = solve_bundle(world.problem, options).pose_covariance[6];
   world.problem.sensor.prior_sigma.setZero();
   const Matrix6d all_held = solve_bundle(world.problem, options).pose_covariance[6];
-  EXPECT_GT(velocities_held.trace(), 1.01 * all_held.trace());
-  EXPECT_GT(all_free.trace(), 1.01 * velocities_held.trace());
+  EXPECT_GT(sensor_free.trace(), 1.01 * all_held.trace());
 }
 
 TEST(BundleCovariance, UnobservedPosesHaveInfiniteCovariance) {

@@ -15,7 +15,7 @@ using test::random_vector;
 struct Sample {
   BundleProblem problem;
   BundleOptions options;
-  BundleObservation observation;
+  KeypointMeasurement observation;
   SE3 T_world_camera;
   Velocity velocity;
   Eigen::Vector3d p_world;
@@ -24,7 +24,7 @@ struct Sample {
   explicit Sample(Random& random) {
     problem.camera = test::kinect();
     T_world_camera = random_motion(random, 1, 1);
-    velocity << random_vector(random, 1), random_vector(random, 2);
+    velocity = {random_vector(random, 1), random_vector(random, 2)};
     const Eigen::Vector3d p_camera(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(1, 3));
     p_world = T_world_camera * p_camera;
     observation.pixel = problem.camera.project(p_camera) + Eigen::Vector2d(3, -2);
@@ -67,7 +67,9 @@ TEST(BundleModel, AnalyticDerivativesAreTheNumericOnes) {
         s.T_world_camera = s.T_world_camera * SE3::exp(h * Vector6d::Unit(i));
       };
       expect_near(J.J_pose.col(i), difference(sample, 1e-6, turn), "pose", i);
-      const auto faster = [&](Sample& s, double h) { s.velocity(i) += h; };
+      const auto faster = [&](Sample& s, double h) {
+        s.velocity = Velocity::from_vector(s.velocity.vector() + h * Vector6d::Unit(i));
+      };
       expect_near(J.J_velocity.col(i), difference(sample, 1e-4, faster), "velocity", i);
     }
     for (int i = 0; i < 3; ++i) {
@@ -92,35 +94,6 @@ TEST(BundleModel, ObservationsWithoutDepthHaveNoDepthRow) {
   EXPECT_TRUE(linear.J_velocity.row(2).isZero(0));
   EXPECT_TRUE(linear.J_point.row(2).isZero(0));
   EXPECT_TRUE(linear.J_sensor.row(2).isZero(0));
-}
-
-TEST(BundleModel, EdgeDerivativesAreTheNumericOnes) {
-  Random random(3);
-  for (int trial = 0; trial < 10; ++trial) {
-    const SE3 T_a = random_motion(random, 1, 1), T_b = random_motion(random, 1, 1);
-    const BundleEdge edge{0, 1, T_a.inverse() * T_b * random_motion(random, 0.3, 0.4), Matrix6d::Identity()};
-    const auto linear = linearize_bundle_edge(edge, T_a, T_b);
-    constexpr double kStep = 1e-6;
-    for (int i = 0; i < 6; ++i) {
-      const SE3 up = SE3::exp(kStep * Vector6d::Unit(i)), down = SE3::exp(-kStep * Vector6d::Unit(i));
-      const Vector6d J_a =
-          (linearize_bundle_edge(edge, T_a * up, T_b).e - linearize_bundle_edge(edge, T_a * down, T_b).e) /
-          (2 * kStep);
-      const Vector6d J_b =
-          (linearize_bundle_edge(edge, T_a, T_b * up).e - linearize_bundle_edge(edge, T_a, T_b * down).e) /
-          (2 * kStep);
-      EXPECT_LT((linear.J_a.col(i) - J_a).norm(), 1e-7);
-      EXPECT_LT((linear.J_b.col(i) - J_b).norm(), 1e-7);
-    }
-  }
-}
-
-TEST(SensorModel, VelocityBetweenPosesLeadsFromOneToTheOther) {
-  Random random(4);
-  const SE3 a = random_motion(random, 1, 1), b = random_motion(random, 1, 1);
-  const SE3 arrived = propagate_pose(a, velocity_between(a, b, 0.3), 0.3);
-  EXPECT_LT((arrived.inverse() * b).log().norm(), 1e-12);
-  EXPECT_THROW(velocity_between(a, b, 0), std::logic_error);
 }
 
 TEST(SensorModel, CorrectedCameraSeesWhatTheCorrectionsSay) {

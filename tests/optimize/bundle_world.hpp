@@ -37,8 +37,8 @@ inline Velocity path_velocity(double t) {
   constexpr double kStep_s = 1e-4;
   const SE3 T = path(t);
   Velocity velocity = velocity_between(path(t - kStep_s), path(t + kStep_s), 2 * kStep_s);
-  velocity.head<3>() = T.rotation.conjugate() *
-                       ((path(t + kStep_s).translation - path(t - kStep_s).translation) / (2 * kStep_s));
+  velocity.linear_m_s = T.rotation.conjugate() *
+                        ((path(t + kStep_s).translation - path(t - kStep_s).translation) / (2 * kStep_s));
   return velocity;
 }
 

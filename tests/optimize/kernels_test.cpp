@@ -32,16 +32,16 @@ struct ObservedPoints {
   SE3 T_world_camera;
   Velocity velocity;
   std::vector<Eigen::Vector3d> p_world;
-  std::vector<BundleObservation> observations;
+  std::vector<KeypointMeasurement> observations;
   ObservationBlock block;
 
   explicit ObservedPoints(uint64_t seed) {
     Random random(seed);
     T_world_camera = random_motion(random, 1, 1);
-    velocity << random_vector(random, 1), random_vector(random, 2);
+    velocity = {random_vector(random, 1), random_vector(random, 2)};
     for (size_t lane = 0; lane < kSize; ++lane) {
       const Eigen::Vector3d p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(1, 3));
-      BundleObservation o;
+      KeypointMeasurement o;
       o.pixel = camera.project(p) + Eigen::Vector2d(random.uniform(-3, 3), random.uniform(-3, 3));
       o.depth_m = lane == 3 ? 0 : p.z() + random.uniform(-0.02, 0.02);
       o.sigma_px = random.uniform(1, 3);
@@ -93,7 +93,7 @@ TEST(ObservationBlock, ResidualsAreThoseOfTheSensorModel) {
   const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.model());
   const SensorVector& s = scene.sensor;
   for (size_t lane = 0; lane < kSize; ++lane) {
-    const BundleObservation& o = scene.observations[lane];
+    const KeypointMeasurement& o = scene.observations[lane];
     const Eigen::Vector3d p = scene.T_world_camera.inverse() * scene.p_world[lane];
     const auto seen_at = [&](double time_s) { return point_in_later_camera(p, scene.velocity, time_s); };
     const auto pixel_of = [&](const Eigen::Vector3d& q) {

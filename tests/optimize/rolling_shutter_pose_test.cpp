@@ -22,20 +22,19 @@ SensorVector rolling_sensor() {
 }
 
 /// Simulates points measured by a moving rolling shutter camera.
-std::vector<RollingShutterObservation> observe(const RollingShutterPose& truth, const SensorVector& sensor,
-                                               int count, double sigma_px, Random& random) {
-  std::vector<RollingShutterObservation> observations;
+std::vector<PoseObservation> observe(const RollingShutterPose& truth, const SensorVector& sensor, int count,
+                                     double sigma_px, Random& random) {
+  std::vector<PoseObservation> observations;
   for (const auto& still : make_view(truth.T_world_camera, count, {}, random)) {
-    RollingShutterObservation o;
-    o.p_world = still.p_reference;
-    o.seen.row = still.pixel.y() / kinect().height - 0.5;
-    const SE3 T_color =
-        propagate_pose(truth.T_world_camera, truth.velocity, sensor(kRollingShutter) * o.seen.row);
-    const double depth_s = sensor(kDepthDelay) + sensor(kDepthShutter) * o.seen.row;
+    PoseObservation o;
+    o.p_reference = still.p_reference;
+    o.row = still.pixel.y() / kinect().height - 0.5;
+    const SE3 T_color = propagate_pose(truth.T_world_camera, truth.velocity, sensor(kRollingShutter) * o.row);
+    const double depth_s = sensor(kDepthDelay) + sensor(kDepthShutter) * o.row;
     const SE3 T_depth = propagate_pose(truth.T_world_camera, truth.velocity, depth_s);
-    o.seen.pixel = kinect().project(T_color.inverse() * o.p_world) +
-                   sigma_px * Eigen::Vector2d(random.gaussian(), random.gaussian());
-    if (still.depth_m > 0) o.seen.depth_m = (T_depth.inverse() * o.p_world).z();
+    o.pixel = kinect().project(T_color.inverse() * o.p_reference) +
+              sigma_px * Eigen::Vector2d(random.gaussian(), random.gaussian());
+    if (still.depth_m > 0) o.depth_m = (T_depth.inverse() * o.p_reference).z();
     observations.push_back(o);
   }
   return observations;
@@ -43,7 +42,7 @@ std::vector<RollingShutterObservation> observe(const RollingShutterPose& truth, 
 
 RollingShutterPose random_moving_pose(Random& random) {
   RollingShutterPose pose{random_motion(random, 1.0, 1.0), {}};
-  pose.velocity << test::random_vector(random, 0.5), test::random_vector(random, 1.0);
+  pose.velocity = {test::random_vector(random, 0.5), test::random_vector(random, 1.0)};
   return pose;
 }
 
@@ -52,14 +51,13 @@ TEST(RollingShutterPose, FindsPoseAndVelocityWithoutNoise) {
   for (int trial = 0; trial < 10; ++trial) {
     const RollingShutterPose truth = random_moving_pose(random);
     const auto observations = observe(truth, rolling_sensor(), 150, 0, random);
-    const RollingShutterPose guess{truth.T_world_camera * random_motion(random, 0.02, 0.01),
-                                   Velocity::Zero()};
+    const RollingShutterPose guess{truth.T_world_camera * random_motion(random, 0.02, 0.01), Velocity{}};
     const VelocitySigma unknown{100, 100};
     const auto found =
         solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, guess, unknown, {});
     ASSERT_TRUE(found.has_value());
     EXPECT_LT(error_of(found->T_world_camera, truth.T_world_camera).norm(), 1e-4);
-    EXPECT_LT((found->velocity - truth.velocity).norm(), 1e-2);
+    EXPECT_LT((found->velocity.vector() - truth.velocity.vector()).norm(), 1e-2);
   }
 }
 
@@ -70,11 +68,13 @@ TEST(RollingShutterPose, RefinesAnApproximateVelocity) {
     const RollingShutterPose truth = random_moving_pose(random);
     const auto observations = observe(truth, rolling_sensor(), 200, 0.7, random);
     RollingShutterPose guess = truth;
-    for (int i = 0; i < 6; ++i) guess.velocity(i) += 0.1 * random.gaussian();
+    Vector6d off;
+    for (double& x : off) x = 0.1 * random.gaussian();
+    guess.velocity = Velocity::from_vector(guess.velocity.vector() + off);
     const auto found = solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, guess, {}, {});
     ASSERT_TRUE(found.has_value());
-    before += (guess.velocity - truth.velocity).tail<3>().norm();
-    after += (found->velocity - truth.velocity).tail<3>().norm();
+    before += (guess.velocity.angular_rad_s - truth.velocity.angular_rad_s).norm();
+    after += (found->velocity.angular_rad_s - truth.velocity.angular_rad_s).norm();
   }
   EXPECT_LT(after, 0.7 * before);
 }
@@ -83,7 +83,7 @@ TEST(RollingShutterPose, OutliersDoNotMoveIt) {
   Random random(3);
   const RollingShutterPose truth = random_moving_pose(random);
   auto observations = observe(truth, rolling_sensor(), 200, 0, random);
-  for (size_t i = 0; i < 60; ++i) observations[i].seen.pixel += Eigen::Vector2d(40 + random.uniform(), -25);
+  for (size_t i = 0; i < 60; ++i) observations[i].pixel += Eigen::Vector2d(40 + random.uniform(), -25);
   const auto found = solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, truth, {}, {});
   ASSERT_TRUE(found.has_value());
   EXPECT_LT(error_of(found->T_world_camera, truth.T_world_camera).norm(), 1e-3);
@@ -91,13 +91,13 @@ TEST(RollingShutterPose, OutliersDoNotMoveIt) {
 
 TEST(RollingShutterPose, VelocityIsUnobservableWithAnIdealSensor) {
   Random random(4);
-  const RollingShutterPose truth{random_motion(random, 1.0, 1.0), Velocity::Zero()};
+  const RollingShutterPose truth{random_motion(random, 1.0, 1.0), Velocity{}};
   const auto observations = observe(truth, SensorVector::Zero(), 100, 0.5, random);
   RollingShutterPose guess = truth;
-  guess.velocity.setConstant(0.3);
+  guess.velocity = Velocity::from_vector(Vector6d::Constant(0.3));
   const auto found = solve_rolling_shutter_pose(kinect(), SensorVector::Zero(), observations, guess, {}, {});
   ASSERT_TRUE(found.has_value());
-  EXPECT_LT((found->velocity - guess.velocity).norm(), 1e-9);
+  EXPECT_LT((found->velocity.vector() - guess.velocity.vector()).norm(), 1e-9);
 }
 
 TEST(RollingShutterPose, TooFewInliersGiveNoSolution) {
@@ -105,7 +105,7 @@ TEST(RollingShutterPose, TooFewInliersGiveNoSolution) {
   const RollingShutterPose truth = random_moving_pose(random);
   auto observations = observe(truth, rolling_sensor(), 10, 0, random);
   for (size_t i = 0; i < 6; ++i) {
-    observations[i].seen.pixel = Eigen::Vector2d(640 * random.uniform(), 480 * random.uniform());
+    observations[i].pixel = Eigen::Vector2d(640 * random.uniform(), 480 * random.uniform());
   }
   EXPECT_FALSE(
       solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, truth, {}, {}).has_value());

@@ -87,8 +87,7 @@ BundleAdjustmentProblem decentred_problem(double off_px) {
     for (uint32_t point = 0; point < bundle.p_world.size(); ++point) {
       const Eigen::Vector3d p = bundle.T_world_camera[pose].inverse() * bundle.p_world[point];
       const Eigen::Vector2d error(off_px + random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5));
-      BundleObservation seen{pose, point, bundle.camera.project(p) + error, p.z()};
-      bundle.observations.push_back(seen);
+      bundle.observations.push_back({{bundle.camera.project(p) + error, p.z()}, pose, point});
     }
   }
   for (uint32_t i = 0; i < bundle.p_world.size(); ++i) problem.landmarks.push_back(LandmarkId{i});

@@ -162,16 +162,6 @@ TEST(Slam, EveryModeTracksEveryFrame) {
   }
 }
 
-TEST(Slam, TracksEveryFrameWithIcpRefinement) {
-  SlamOptions options;
-  options.tracking.refine_with_icp = true;
-  const Trajectory estimate = run(recording().frames, options);
-  ASSERT_EQ(estimate.size(), static_cast<size_t>(kSimulatedFrames));
-  const auto ate = absolute_trajectory_error(estimate, recording().truth);
-  ASSERT_TRUE(ate.has_value());
-  EXPECT_LT(ate->error_m.rmse, 0.02);
-}
-
 TEST(Slam, ARepeatedImageKeepsItsPose) {
   auto frames = recording().frames;
   frames[20].color = frames[19].color.clone();  // what drivers do if an image is lost

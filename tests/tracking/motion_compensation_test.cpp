@@ -39,7 +39,7 @@ class MotionCompensation : public testing::Test {
     sensor_(kRollingShutter) = 0.03;
     sensor_(kDepthDelay) = 0.015;
     sensor_(kDepthShutter) = 0.03;
-    velocity_ << 0.3, -0.2, 0.4, 0.8, -0.6, 0.5;
+    velocity_ = {{0.3, -0.2, 0.4}, {0.8, -0.6, 0.5}};
   }
 
   test::SyntheticWorld world_ = test::make_world(2000, 1);
@@ -77,7 +77,7 @@ TEST_F(MotionCompensation, LensAndDepthErrorsAreCorrected) {
 }
 
 TEST_F(MotionCompensation, KeypointsWithoutDepthAreRotated) {
-  velocity_.head<3>().setZero();
+  velocity_.linear_m_s.setZero();
   Features moving = in_motion(ideal_, world_.camera, sensor_, velocity_);
   std::fill(moving.measured_depths_m.begin(), moving.measured_depths_m.end(), 0.0F);
   const Features undone = deskew_features(moving, world_.camera, sensor_, velocity_);
@@ -97,7 +97,7 @@ TEST_F(MotionCompensation, DepthGradientIsTakenIntoAccount) {
   };
   sensor_.setZero();
   sensor_(kDepthDelay) = 0.02;
-  velocity_ << 0.5, 0, 0, 0, 0, 0;
+  velocity_ = {{0.5, 0, 0}, {0, 0, 0}};
   std::vector<double> truth_m;
   for (size_t i = 0; i < wall.size(); ++i) {
     const Eigen::Vector2d pixel = wall.pixels[i].cast<double>();

@@ -11,7 +11,7 @@ namespace kinloop {
 /// The free space that a view observed.
 struct FreeSpaceView {
   SE3 T_camera_world;
-  Vector6d velocity = Vector6d::Zero();
+  Velocity velocity = {};
   std::vector<uint16_t> nearest;  ///< see ImageSurfels
 };
 

@@ -20,7 +20,7 @@ struct TsdfView {
   cv::Mat depth_m;  ///< 32FC1, of an ideal camera; 0 = unknown
   cv::Mat usable;   ///< 8UC1: nonzero if in range and not at a depth edge, i.e. may define a surface
   SE3 T_world_camera;
-  Vector6d velocity = Vector6d::Zero();  ///< see PosedImage
+  Velocity velocity = {};
 };
 
 class TsdfVolume {

@@ -22,9 +22,6 @@ void check(const BundleProblem& problem) {
     require(o.pose < poses && o.point < problem.p_world.size(),
             "solve_bundle: observation index out of range");
   }
-  for (const BundleEdge& edge : problem.edges) {
-    require(edge.a < poses && edge.b < poses, "solve_bundle: edge index out of range");
-  }
 }
 
 /// What an observation could be used for, were it an inlier.
@@ -83,7 +80,7 @@ BundleUse inlier_use(const BundleOptions& options, const BundleBlock& block, con
 
 /// Decides anew what is used of the observations of adjusted points; those of others keep their mark.
 std::vector<uint8_t> classify(BundleTask& task, const BundleState& state, std::vector<uint8_t> outliers) {
-  const auto views = views_of(state);
+  const auto views = views_of(task, state);
   const auto adjusted = used_points(task);
   const MeasurementModel model = measurement_model(task, state.sensor);
   for (size_t pose = 0; pose < views.size(); ++pose) {
@@ -124,7 +121,7 @@ BundleTask make_task(const BundleProblem& problem, const BundleOptions& options)
   }
   const bool held = std::any_of(task.fixed.begin(), task.fixed.end(), [](uint8_t f) { return f != 0; });
   if (!held && poses > 0) task.fixed[0] = 1;
-  task.velocities.resize(poses, Velocity::Zero());
+  task.velocities.resize(poses);
   for (const BundleObservation& o : problem.observations) task.uses.push_back(initial_use(problem, o));
   task.blocks_of_pose = make_blocks(task);
   return task;
@@ -135,7 +132,7 @@ BundleTask make_task(const BundleProblem& problem, const BundleOptions& options)
 BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& options) {
   check(problem);
   BundleTask task = make_task(problem, options);
-  const BundleState start{problem.T_world_camera, task.velocities, problem.p_world, problem.sensor.value};
+  const BundleState start{problem.T_world_camera, problem.p_world, problem.sensor.value};
   drop_unconstrained_points(task, start);
 
   BundleSolution solution;
@@ -161,7 +158,6 @@ BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& o
   }
   solution.point_used = used_points(task);
   solution.T_world_camera = std::move(state.T_world_camera);
-  solution.velocities = std::move(state.velocities);
   solution.p_world = std::move(state.p_world);
   solution.sensor = state.sensor;
   return solution;

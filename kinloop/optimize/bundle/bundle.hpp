@@ -15,42 +15,26 @@
 #include "kinloop/base/options.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/geometry/keypoint_measurement.hpp"
 #include "kinloop/geometry/se3.hpp"
 #include "kinloop/optimize/bundle/sensor_model.hpp"
 
 namespace kinloop {
 
-/// Point `point` seen by keyframe `pose`.
-struct BundleObservation {
+/// Point `point` as keyframe `pose` measured it.
+struct BundleObservation : KeypointMeasurement {
   uint32_t pose = 0;
   uint32_t point = 0;
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< undistorted
-  double depth_m = 0;                               ///< measured z, 0 = unknown
-  double sigma_px = 1;                              ///< standard deviation of `pixel`
-  double row = 0;  ///< its raw image row as a share of the height, -0.5 (first) to 0.5 (last)
-  /// How the inverse depth changes over the image around `pixel`, 1/m per px: depth is measured a little
-  /// later than colour, when another spot of the surface lies under that pixel. NaN where unknown:
-  /// depth is then taken to be of the time of its row.
-  Eigen::Vector2d inverse_depth_gradient = Eigen::Vector2d::Zero();
-};
-
-/// A measured motion between two keyframes, with information of its error's (translation; rotation vector).
-struct BundleEdge {
-  uint32_t a = 0;
-  uint32_t b = 0;
-  SE3 T_a_b;
-  Matrix6d information = Matrix6d::Identity();
 };
 
 /// Everything that adjustment needs, as plain values.
 struct BundleProblem {
   PinholeCamera camera;              ///< its distortion is not used: pixels are undistorted
   std::vector<SE3> T_world_camera;   ///< at the time of the middle row
-  std::vector<uint8_t> fixed;        ///< 1 = the pose (and velocity) is held; may be empty: the first is held
-  std::vector<Velocity> velocities;  ///< of each pose; may be empty: zero
+  std::vector<uint8_t> fixed;        ///< 1 = the pose is held; may be empty: the first is held
+  std::vector<Velocity> velocities;  ///< of each pose, held; may be empty: zero
   std::vector<Eigen::Vector3d> p_world;
   std::vector<BundleObservation> observations;
-  std::vector<BundleEdge> edges;
   SensorCalibration sensor;
 };
 
@@ -72,9 +56,6 @@ struct BundleOptions {
   double inlier_chi2_pixel = kChi2At95With2Dof;  ///< maximum squared pixel residual of an inlier
   double inlier_chi2_depth = kChi2At95With1Dof;  ///< maximum squared depth residual
   double inverse_depth_sigma_per_m = kKeypointInverseDepthSigmaPerM;
-  bool free_velocities = false;
-  double velocity_sigma_m_s = 0.1;
-  double velocity_sigma_rad_s = 0.1;
   bool pose_covariances = false;  ///< compute the covariance of every pose
   int threads = 1;
 
@@ -94,14 +75,13 @@ struct BundleOptions {
 /// What adjustment found.
 struct BundleSolution {
   std::vector<SE3> T_world_camera;
-  std::vector<Velocity> velocities;
   std::vector<Eigen::Vector3d> p_world;
   std::vector<uint8_t> point_used;  ///< 0 = too little was seen of it (once without depth, or only outliers)
   std::vector<uint8_t> outliers;    ///< 1 = the pixel disagrees (or a number of it is not finite)
   SensorVector sensor = SensorVector::Zero();
   SensorMatrix sensor_covariance = SensorMatrix::Zero();  ///< zero rows for parameters held fixed
   /// Of each pose T * exp(x), x = (translation; rotation) in its own axes, with everything else that is free
-  /// (poses, points, velocities, sensor) unknown and the fixed poses exact: zero for these, an infinite
+  /// (poses, points, sensor) unknown and the fixed poses exact: zero for these, an infinite
   /// diagonal for what nothing observes. Empty unless `pose_covariances` asks for it.
   std::vector<Matrix6d> pose_covariance;
   double chi2_before = 0;  ///< robust cost of what counts in the end (no outliers), at the start

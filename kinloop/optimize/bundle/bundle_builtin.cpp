@@ -1,66 +1,50 @@
 // Bundle adjustment by Levenberg and Marquardt on the Schur complement.
 
+#include <cmath>
+
 #include "kinloop/optimize/bundle/bundle_schur.hpp"
+#include "kinloop/optimize/levenberg_marquardt.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr double kFirstDamping = 1e-5;  // relative to the diagonal
-constexpr double kMinDamping = 1e-10;
-constexpr double kMaxDamping = 1e8;
-constexpr double kDampingDecrease = 0.1,
-                 kDampingIncrease = 10;  // change of damping after a good and after a bad step
+/// Bundle adjustment for minimize_levenberg_marquardt.
+class BundleMinimizer {
+ public:
+  explicit BundleMinimizer(const BundleTask& task) : task_(task), schur_(task) {}
 
-template <int C>
-BundleRoundResult minimize(const BundleTask& task, const BundleState& start) {
-  BundleRoundResult round{start, 0, false};
-  BundleSchur<C> schur(task);
-  double cost = bundle_cost(task, start);
-  double damping = kFirstDamping;
-  bool stale = true;  // the linearisation is of another state
-  while (round.iterations < task.options.max_iterations && damping < kMaxDamping) {
-    ++round.iterations;
-    if (stale) schur.linearize(round.state);
-    stale = false;
-    const auto step = schur.solve(damping);
-    if (!step) {
-      damping *= kDampingIncrease;
-      continue;
-    }
-    BundleState next = schur.apply(round.state, *step);
-    const double next_cost = bundle_cost(task, next);
-    const double decrease = cost - next_cost;
-    if (decrease >= 0) {  // not for NaN
-      round.state = std::move(next);
-      cost = next_cost;
-      stale = true;
-      damping = std::max(kMinDamping, damping * kDampingDecrease);
-    } else {
-      damping *= kDampingIncrease;
-    }
-    if (std::abs(decrease) <= task.options.tolerance * cost) {
-      round.converged = true;
-      break;
-    }
+  [[nodiscard]] double cost(const BundleState& state) const { return bundle_cost(task_, state); }
+  void linearize(const BundleState& state) { schur_.linearize(state); }
+  std::optional<BundleStep> solve(double damping) { return schur_.solve(damping); }
+  [[nodiscard]] BundleState apply(const BundleState& state, const BundleStep& step) const {
+    return schur_.apply(state, step);
   }
-  return round;
-}
+  [[nodiscard]] double gain(const BundleStep&, double decrease) const { return decrease; }
+  [[nodiscard]] bool is_negligible(const BundleStep&, double) const { return false; }
+  [[nodiscard]] bool has_converged(const BundleStep&, const LevenbergMarquardtTrial& trial) const {
+    const double cost = trial.accepted ? trial.next_cost : trial.cost;
+    return std::abs(trial.decrease()) <= task_.options.tolerance * cost;
+  }
 
-template <int C>
-BundleCovariance covariance_of(const BundleTask& task, const BundleState& state) {
-  BundleSchur<C> schur(task);
-  schur.linearize(state);
-  return schur.covariance();
-}
+ private:
+  const BundleTask& task_;
+  BundleSchur schur_;
+};
 
 }  // namespace
 
-BundleRoundResult minimize_builtin(const BundleTask& task, const BundleState& state) {
-  return task.options.free_velocities ? minimize<12>(task, state) : minimize<6>(task, state);
+BundleRoundResult minimize_builtin(const BundleTask& task, const BundleState& start) {
+  constexpr FactorDamping kDamping{.value = 1e-5, .min_value = 1e-10, .max_value = 1e8};
+  BundleMinimizer problem(task);
+  auto result =
+      minimize_levenberg_marquardt(problem, start, kDamping, {.max_steps = task.options.max_iterations});
+  return {std::move(result.state), result.steps, result.converged};
 }
 
 BundleCovariance bundle_covariance(const BundleTask& task, const BundleState& state) {
-  return task.options.free_velocities ? covariance_of<12>(task, state) : covariance_of<6>(task, state);
+  BundleSchur schur(task);
+  schur.linearize(state);
+  return schur.covariance();
 }
 
 }  // namespace kinloop

@@ -2,7 +2,6 @@
 
 #include <array>
 
-#include <Eigen/Cholesky>
 #include <ceres/ceres.h>
 #include <ceres/version.h>
 
@@ -70,29 +69,28 @@ void set_manifold(ceres::Problem& problem, double* block) {
 }
 #endif
 
-/// Pixel or depth part of one observation; blocks: pose, velocity, point, sensor.
+/// Pixel or depth part of one observation; blocks: pose, point, sensor.
 class ObservationCost : public ceres::CostFunction {
  public:
   ObservationCost(const BundleTask& task, size_t observation, bool depth)
       : task_(task), observation_(observation), first_row_(depth ? 2 : 0), rows_(depth ? 1 : 2) {
     set_num_residuals(rows_);
-    *mutable_parameter_block_sizes() = {kPoseSize, 6, 3, kSensorParameterCount};
+    *mutable_parameter_block_sizes() = {kPoseSize, 3, kSensorParameterCount};
   }
 
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
     const BundleObservation& o = task_.problem.observations[observation_];
-    const BundleView view(unpack(x[0]), Velocity(x[1]));
-    const auto linear = linearize_observation(task_, o, task_.uses[observation_], view, Eigen::Vector3d(x[2]),
-                                              SensorVector(x[3]));
+    const BundleView view(unpack(x[0]), task_.velocities[o.pose]);
+    const auto linear = linearize_observation(task_, o, task_.uses[observation_], view, Eigen::Vector3d(x[1]),
+                                              SensorVector(x[2]));
     if (!linear.seen) return false;  // Ceres takes a shorter step
     Eigen::Map<Eigen::VectorXd>(residuals, rows_) = linear.e.segment(first_row_, rows_);
     if (jacobians == nullptr) return true;
     Eigen::Matrix<double, 3, kPoseSize> J_pose;
     J_pose << linear.J_pose, Eigen::Vector3d::Zero();
     write(jacobians[0], J_pose);
-    write(jacobians[1], linear.J_velocity);
-    write(jacobians[2], linear.J_point);
-    write(jacobians[3], linear.J_sensor);
+    write(jacobians[1], linear.J_point);
+    write(jacobians[2], linear.J_sensor);
     return true;
   }
 
@@ -108,31 +106,6 @@ class ObservationCost : public ceres::CostFunction {
   const BundleTask& task_;
   size_t observation_;
   int first_row_, rows_;
-};
-
-class EdgeCost : public ceres::CostFunction {
- public:
-  explicit EdgeCost(const BundleEdge& edge)
-      : edge_(edge), root_(Eigen::LLT<Matrix6d>(edge.information).matrixU()) {
-    set_num_residuals(6);
-    *mutable_parameter_block_sizes() = {kPoseSize, kPoseSize};
-  }
-
-  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    const auto linear = linearize_bundle_edge(edge_, unpack(x[0]), unpack(x[1]));
-    Eigen::Map<Vector6d>{residuals} = root_ * linear.e;
-    for (int side = 0; side < 2 && jacobians != nullptr; ++side) {
-      if (jacobians[side] == nullptr) continue;
-      Eigen::Map<Eigen::Matrix<double, 6, kPoseSize, Eigen::RowMajor>> J(jacobians[side]);
-      J.setZero();
-      J.leftCols<6>() = root_ * (side == 0 ? linear.J_a : linear.J_b);
-    }
-    return true;
-  }
-
- private:
-  BundleEdge edge_;
-  Matrix6d root_;
 };
 
 /// Distance of a block's entries from given values, each with its inverse variance.
@@ -175,17 +148,15 @@ class ReweightingLoss : public ceres::LossFunction {
 /// The unknowns as Ceres holds them.
 struct Blocks {
   std::vector<PackedPose> poses;
-  std::vector<Velocity> velocities;
   std::vector<Eigen::Vector3d> points;
   SensorVector sensor;
 
-  explicit Blocks(const BundleState& state)
-      : velocities(state.velocities), points(state.p_world), sensor(state.sensor) {
+  explicit Blocks(const BundleState& state) : points(state.p_world), sensor(state.sensor) {
     for (const SE3& T : state.T_world_camera) poses.push_back(pack(T));
   }
 
   [[nodiscard]] BundleState state() const {
-    BundleState state{{}, velocities, points, sensor};
+    BundleState state{{}, points, sensor};
     for (const PackedPose& pose : poses) state.T_world_camera.push_back(unpack(pose.data()));
     return state;
   }
@@ -194,12 +165,9 @@ struct Blocks {
 void add_parameters(const BundleTask& task, Blocks& blocks, ceres::Problem& problem) {
   for (size_t i = 0; i < blocks.poses.size(); ++i) {
     double* pose = blocks.poses[i].data();
-    double* velocity = blocks.velocities[i].data();
     problem.AddParameterBlock(pose, kPoseSize);
-    problem.AddParameterBlock(velocity, 6);
     set_manifold(problem, pose);
     if (task.fixed[i] != 0) problem.SetParameterBlockConstant(pose);
-    if (task.fixed[i] != 0 || !task.options.free_velocities) problem.SetParameterBlockConstant(velocity);
   }
   problem.AddParameterBlock(blocks.sensor.data(), kSensorParameterCount);
   std::vector<int> held;
@@ -223,21 +191,12 @@ void add_residuals(const BundleTask& task, Blocks& blocks, ceres::LossFunction* 
   for (size_t i = 0; i < task.uses.size(); ++i) {
     if (task.uses[i] == BundleUse::kNothing) continue;
     const BundleObservation& o = task.problem.observations[i];
-    const std::vector<double*> parameters = {blocks.poses[o.pose].data(), blocks.velocities[o.pose].data(),
-                                             blocks.points[o.point].data(), blocks.sensor.data()};
+    const std::vector<double*> parameters = {blocks.poses[o.pose].data(), blocks.points[o.point].data(),
+                                             blocks.sensor.data()};
     problem.AddResidualBlock(new ObservationCost(task, i, false), loss, parameters);
     if (task.uses[i] == BundleUse::kPixelAndDepth) {
       problem.AddResidualBlock(new ObservationCost(task, i, true), loss, parameters);
     }
-  }
-  for (const BundleEdge& edge : task.problem.edges) {
-    problem.AddResidualBlock(new EdgeCost(edge), nullptr, blocks.poses[edge.a].data(),
-                             blocks.poses[edge.b].data());
-  }
-  const Vector6d velocity = velocity_information(task.options);
-  for (size_t i = 0; i < blocks.velocities.size() && task.options.free_velocities; ++i) {
-    problem.AddResidualBlock(new PriorCost(task.velocities[i], velocity), nullptr,
-                             blocks.velocities[i].data());
   }
   SensorVector sensor = SensorVector::Zero();
   for (const int i : free_sensor_parameters(task.problem.sensor)) {

@@ -10,11 +10,12 @@
 #include "kinloop/optimize/pose/camera_observations.hpp"
 
 namespace kinloop {
-std::vector<BundleView> views_of(const BundleState& state) {
+
+std::vector<BundleView> views_of(const BundleTask& task, const BundleState& state) {
   std::vector<BundleView> views;
   views.reserve(state.T_world_camera.size());
   for (size_t i = 0; i < state.T_world_camera.size(); ++i) {
-    views.emplace_back(state.T_world_camera[i], state.velocities[i]);
+    views.emplace_back(state.T_world_camera[i], task.velocities[i]);
   }
   return views;
 }
@@ -37,11 +38,11 @@ ObservationBlock block_at(const BundleTask& task, const BundleBlock& block, cons
   return placed;
 }
 
-LinearizedObservation linearize_observation(const BundleTask& task, const BundleObservation& observation,
+LinearizedObservation linearize_observation(const BundleTask& task, const KeypointMeasurement& measured,
                                             BundleUse use, const BundleView& view,
                                             const Eigen::Vector3d& p_world, const SensorVector& sensor) {
   ObservationBlock block;
-  set_measurement(block, 0, observation);
+  set_measurement(block, 0, measured);
   block.x[0] = p_world.x();
   block.y[0] = p_world.y();
   block.z[0] = p_world.z();
@@ -67,33 +68,6 @@ LinearizedObservation linearize_observation(const BundleTask& task, const Bundle
   return linear;
 }
 
-LinearizedEdge linearize_bundle_edge(const BundleEdge& edge, const SE3& T_world_a, const SE3& T_world_b) {
-  const SE3 T_a_b = T_world_a.inverse() * T_world_b;
-  const SE3 error = edge.T_a_b.inverse() * T_a_b;
-  const Eigen::Vector3d phi = log_so3(error.rotation);
-  // Inverse right Jacobian of SO(3) (Barfoot 2017, Eq. 7.77): log(exp(phi) exp(w)) = phi + J_r^-1(phi) w.
-  const double angle = phi.norm();
-  const Eigen::Matrix3d W = skew(phi);
-  constexpr double kSmallAngle = 1e-4;
-  const double b = angle < kSmallAngle ? 1.0 / 12
-                                       : (1.0 - 0.5 * angle * std::cos(0.5 * angle) / std::sin(0.5 * angle)) /
-                                             (angle * angle);
-  LinearizedEdge linear;
-  linear.e << error.translation, phi;
-  linear.J_b.setZero();
-  linear.J_b.topLeftCorner<3, 3>() = error.R();
-  linear.J_b.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity() + 0.5 * W + b * W * W;
-  linear.J_a = -linear.J_b * T_a_b.inverse().adjoint();
-  return linear;
-}
-
-Vector6d velocity_information(const BundleOptions& options) {
-  Vector6d information;
-  information << Eigen::Vector3d::Constant(std::pow(options.velocity_sigma_m_s, -2)),
-      Eigen::Vector3d::Constant(std::pow(options.velocity_sigma_rad_s, -2));
-  return information;
-}
-
 std::vector<int> free_sensor_parameters(const SensorCalibration& sensor) {
   std::vector<int> free;
   for (int i = 0; i < kSensorParameterCount; ++i) {
@@ -108,7 +82,7 @@ double sensor_information(const SensorCalibration& sensor, int parameter) {
 }
 
 double bundle_cost(const BundleTask& task, const BundleState& state) {
-  const auto views = views_of(state);
+  const auto views = views_of(task, state);
   const MeasurementModel model = measurement_model(task, state.sensor);
   std::vector<double> cost_of_pose(views.size(), 0);
   parallel_for(views.size(), task.options.threads, [&](size_t begin, size_t end) {
@@ -121,14 +95,6 @@ double bundle_cost(const BundleTask& task, const BundleState& state) {
     }
   });
   double cost = std::accumulate(cost_of_pose.begin(), cost_of_pose.end(), 0.0);
-  for (const BundleEdge& edge : task.problem.edges) {
-    const auto e = linearize_bundle_edge(edge, state.T_world_camera[edge.a], state.T_world_camera[edge.b]).e;
-    cost += e.dot(edge.information * e);
-  }
-  const Vector6d velocity = velocity_information(task.options);
-  for (size_t i = 0; i < state.velocities.size() && task.options.free_velocities; ++i) {
-    cost += (state.velocities[i] - task.velocities[i]).cwiseAbs2().dot(velocity);
-  }
   const SensorVector moved = state.sensor - task.problem.sensor.prior_mean;
   for (const int i : free_sensor_parameters(task.problem.sensor)) {
     cost += moved(i) * moved(i) * sensor_information(task.problem.sensor, i);

@@ -14,7 +14,6 @@ namespace kinloop {
 /// What adjustment changes.
 struct BundleState {
   std::vector<SE3> T_world_camera;
-  std::vector<Velocity> velocities;
   std::vector<Eigen::Vector3d> p_world;
   SensorVector sensor = SensorVector::Zero();
 };
@@ -43,7 +42,7 @@ struct BundleTask {
 MeasurementModel measurement_model(const BundleTask& task, const SensorVector& sensor);
 
 /// The views of all poses.
-std::vector<BundleView> views_of(const BundleState& state);
+std::vector<BundleView> views_of(const BundleTask& task, const BundleState& state);
 
 /// A block as measured, with the points of a state and what of it is in use.
 ObservationBlock block_at(const BundleTask& task, const BundleBlock& block, const BundleState& state);
@@ -59,20 +58,9 @@ struct LinearizedObservation {
   Eigen::Matrix3d J_point;
   Eigen::Matrix<double, 3, kSensorParameterCount> J_sensor;
 };
-LinearizedObservation linearize_observation(const BundleTask& task, const BundleObservation& observation,
+LinearizedObservation linearize_observation(const BundleTask& task, const KeypointMeasurement& measured,
                                             BundleUse use, const BundleView& view,
                                             const Eigen::Vector3d& p_world, const SensorVector& sensor);
-
-/// Error of a measured motion, (translation; rotation vector) of T_a_b^-1 * (T_world_a^-1 * T_world_b), and
-/// its derivatives by x of either pose T * exp(x).
-struct LinearizedEdge {
-  Vector6d e;
-  Matrix6d J_a, J_b;
-};
-LinearizedEdge linearize_bundle_edge(const BundleEdge& edge, const SE3& T_world_a, const SE3& T_world_b);
-
-/// Inverse variances of the prior on a velocity.
-Vector6d velocity_information(const BundleOptions& options);
 
 /// Indices of the sensor parameters that are free.
 std::vector<int> free_sensor_parameters(const SensorCalibration& sensor);
@@ -80,7 +68,7 @@ std::vector<int> free_sensor_parameters(const SensorCalibration& sensor);
 /// Inverse variance of the prior on a free sensor parameter, 0 without one.
 double sensor_information(const SensorCalibration& sensor, int parameter);
 
-/// The robust cost of all in use: observations, edges and priors.
+/// The robust cost of all in use: observations and priors.
 double bundle_cost(const BundleTask& task, const BundleState& state);
 
 /// What one round of a solver gives.

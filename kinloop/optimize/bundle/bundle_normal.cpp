@@ -16,26 +16,24 @@ using Rows = Eigen::Map<const Eigen::Matrix<double, 3, kColumns, Eigen::RowMajor
 
 }  // namespace
 
-template <int C>
-BundleNormalEquations<C>::BundleNormalEquations(const BundleTask& bundle_task)
+BundleNormalEquations::BundleNormalEquations(const BundleTask& bundle_task)
     : task(bundle_task),
-      sensor_free((bundle_task.problem.sensor.prior_sigma.array() > 0).template cast<double>()),
+      sensor_free((bundle_task.problem.sensor.prior_sigma.array() > 0).cast<double>()),
       has_sensor(sensor_free.any()),
-      layout(C > 6, has_sensor) {
+      layout(false, has_sensor) {
   number_unknowns();
   make_rows();
   make_pattern();
-  H_camera = BlockMatrix<C>(pattern);
+  H_camera = BlockMatrix<kCameraDof>(pattern);
   H_camera_point.resize(slots.size());
-  const auto size = static_cast<Eigen::Index>(C * pose_of_camera.size());
+  const auto size = static_cast<Eigen::Index>(kCameraDof * pose_of_camera.size());
   g_camera = Eigen::VectorXd::Zero(size);
   H_camera_sensor = CameraSensor::Zero(size, kSensor);
   if (has_sensor) H_sensor_point.resize(points.size());
 }
 
-/// Sorts the observations in use by point and counts what they and the edges leave free.
-template <int C>
-void BundleNormalEquations<C>::number_unknowns() {
+/// Sorts the observations in use by point and counts what they leave free.
+void BundleNormalEquations::number_unknowns() {
   const BundleProblem& problem = task.problem;
   const size_t poses = problem.T_world_camera.size();
   std::vector<std::vector<uint32_t>> seen(problem.p_world.size());
@@ -45,7 +43,6 @@ void BundleNormalEquations<C>::number_unknowns() {
     seen[problem.observations[i].point].push_back(i);
     touched[problem.observations[i].pose] = 1;
   }
-  for (const BundleEdge& edge : problem.edges) touched[edge.a] = touched[edge.b] = 1;
   camera_of_pose.assign(poses, -1);
   for (uint32_t pose = 0; pose < poses; ++pose) {
     if (task.fixed[pose] != 0 || touched[pose] == 0) continue;
@@ -69,8 +66,7 @@ void BundleNormalEquations<C>::number_unknowns() {
 }
 
 /// Gives every observation, in use or not, a place for its rows.
-template <int C>
-void BundleNormalEquations<C>::make_rows() {
+void BundleNormalEquations::make_rows() {
   std::vector<size_t> row_of(task.uses.size());
   size_t blocks = 0;
   for (const auto& blocks_of_pose : task.blocks_of_pose) {
@@ -88,20 +84,12 @@ void BundleNormalEquations<C>::make_rows() {
   J_point.resize(row_count * 3);
 }
 
-/// Two cameras are coupled where they share a point or an edge.
-template <int C>
-void BundleNormalEquations<C>::make_pattern() {
+/// Two cameras are coupled where they share a point.
+void BundleNormalEquations::make_pattern() {
   const auto cameras = static_cast<uint32_t>(pose_of_camera.size());
   pattern.size = cameras;
-  std::vector<std::vector<uint32_t>> coupled(cameras);
-  for (const BundleEdge& edge : task.problem.edges) {
-    const int a = camera_of_pose[edge.a], b = camera_of_pose[edge.b];
-    if (a < 0 || b < 0 || a == b) continue;
-    coupled[static_cast<size_t>(std::min(a, b))].push_back(static_cast<uint32_t>(std::max(a, b)));
-  }
   for (uint32_t column = 0; column < cameras; ++column) {
     std::vector<uint8_t> in_column(cameras, 0);
-    for (const uint32_t row : coupled[column]) in_column[row] = 1;
     for (const uint32_t slot : slots_of_pose[pose_of_camera[column]]) {
       const Point& point = points[slots[slot].point];
       for (size_t other = point.first; other < point.last; ++other) {
@@ -116,21 +104,8 @@ void BundleNormalEquations<C>::make_pattern() {
   column_begin.push_back(pattern.off_diagonal.size());
 }
 
-/// The block of two coupled cameras, row >= column.
-template <int C>
-typename BundleNormalEquations<C>::Block& BundleNormalEquations<C>::H_between(uint32_t row, uint32_t column) {
-  if (row == column) return H_camera.diagonal[row];
-  const auto column_of = pattern.off_diagonal.begin() + static_cast<std::ptrdiff_t>(column_begin[column]);
-  const auto found = std::lower_bound(column_of, pattern.off_diagonal.end(), std::pair(row, column),
-                                      [](const auto& a, const auto& b) {
-                                        return std::pair(a.second, a.first) < std::pair(b.second, b.first);
-                                      });
-  return H_camera.off_diagonal[static_cast<size_t>(found - pattern.off_diagonal.begin())];
-}
-
-template <int C>
-void BundleNormalEquations<C>::linearize(const BundleState& state) {
-  const auto views = views_of(state);
+void BundleNormalEquations::linearize(const BundleState& state) {
+  const auto views = views_of(task, state);
   const int threads = task.options.threads;
   H_camera.set_zero();
   std::vector<SensorPart> parts(views.size());
@@ -146,14 +121,12 @@ void BundleNormalEquations<C>::linearize(const BundleState& state) {
     H_sensor += part.H;
     g_sensor += part.g;
   }
-  add_edges(state);
   add_priors(state);
 }
 
 /// Fills in the rows of a pose, sums what they say of the pose, and returns what they say of the sensor.
-template <int C>
-typename BundleNormalEquations<C>::SensorPart BundleNormalEquations<C>::linearize_pose(
-    size_t pose, const BundleState& state, const BundleView& view) {
+BundleNormalEquations::SensorPart BundleNormalEquations::linearize_pose(size_t pose, const BundleState& state,
+                                                                        const BundleView& view) {
   constexpr size_t kRows = ObservationBlock::kSize * kRowsPerObservation;
   const MeasurementModel model = measurement_model(task, state.sensor);
   const auto width = static_cast<Eigen::Index>(layout.width);
@@ -169,24 +142,23 @@ typename BundleNormalEquations<C>::SensorPart BundleNormalEquations<C>::lineariz
   const int camera = camera_of_pose[pose];
   if (camera >= 0) {
     H_camera.diagonal[static_cast<size_t>(camera)] =
-        gram.template topLeftCorner<C, C>().template selfadjointView<Eigen::Upper>();
-    g_camera.template segment<C>(C * camera) = gram.col(residual).template head<C>();
+        gram.topLeftCorner<kCameraDof, kCameraDof>().selfadjointView<Eigen::Upper>();
+    g_camera.segment<kCameraDof>(kCameraDof * camera) = gram.col(residual).head<kCameraDof>();
   }
   SensorPart part;
   if (!has_sensor) return part;
   if (camera >= 0) {
-    H_camera_sensor.template middleRows<C>(C * camera) =
-        gram.template block<C, kSensor>(0, C) * sensor_free.asDiagonal();
+    H_camera_sensor.middleRows<kCameraDof>(kCameraDof * camera) =
+        gram.block<kCameraDof, kSensor>(0, kCameraDof) * sensor_free.asDiagonal();
   }
-  part.H = gram.template block<kSensor, kSensor>(C, C).template selfadjointView<Eigen::Upper>();
+  part.H = gram.block<kSensor, kSensor>(kCameraDof, kCameraDof).selfadjointView<Eigen::Upper>();
   part.H = (sensor_free.asDiagonal() * part.H * sensor_free.asDiagonal()).eval();
-  part.g = sensor_free.cwiseProduct(gram.col(residual).template segment<kSensor>(C));
+  part.g = sensor_free.cwiseProduct(gram.col(residual).segment<kSensor>(kCameraDof));
   return part;
 }
 
 /// Sums what the observations of a point say of it, and of it together with cameras and sensor.
-template <int C>
-void BundleNormalEquations<C>::sum_point(Point& point) {
+void BundleNormalEquations::sum_point(Point& point) {
   point.H.setZero();
   point.g.setZero();
   SensorPoint J_sensor = SensorPoint::Zero();
@@ -195,55 +167,20 @@ void BundleNormalEquations<C>::sum_point(Point& point) {
     const size_t row = slots[i].place * kRowsPerObservation;
     const Rows<Eigen::Dynamic> all(&rows[row * layout.width], 3, stride.outer(), stride);
     const Rows<3> J(&J_point[row * 3], 3, 3, Eigen::OuterStride<>(3));
-    H_camera_point[i].noalias() = all.template leftCols<C>().transpose().lazyProduct(J);
+    H_camera_point[i].noalias() = all.leftCols<kCameraDof>().transpose().lazyProduct(J);
     point.H.noalias() += J.transpose().lazyProduct(J);
     point.g.noalias() += J.transpose() * all.col(static_cast<Eigen::Index>(layout.residual));
-    if (has_sensor) J_sensor.noalias() += all.template middleCols<kSensor>(C).transpose().lazyProduct(J);
+    if (has_sensor) J_sensor.noalias() += all.middleCols<kSensor>(kCameraDof).transpose().lazyProduct(J);
   }
   if (has_sensor) H_sensor_point[slots[point.first].point] = sensor_free.asDiagonal() * J_sensor;
 }
 
-template <int C>
-void BundleNormalEquations<C>::add_edges(const BundleState& state) {
-  const auto add = [&](int row, int column, const Matrix6d& product) {
-    if (row < column || column < 0) return;  // the upper triangle, or held
-    Block& block = H_between(static_cast<uint32_t>(row), static_cast<uint32_t>(column));
-    block.template topLeftCorner<6, 6>() += product;
-  };
-  for (const BundleEdge& edge : task.problem.edges) {
-    const auto linear =
-        linearize_bundle_edge(edge, state.T_world_camera[edge.a], state.T_world_camera[edge.b]);
-    const int a = camera_of_pose[edge.a], b = camera_of_pose[edge.b];
-    const Matrix6d a_weighted = linear.J_a.transpose() * edge.information;
-    const Matrix6d b_weighted = linear.J_b.transpose() * edge.information;
-    add(a, a, a_weighted * linear.J_a);
-    add(b, b, b_weighted * linear.J_b);
-    if (a != b) add(a, b, a_weighted * linear.J_b);
-    if (a != b) add(b, a, b_weighted * linear.J_a);
-    if (a >= 0) g_camera.template segment<6>(C * a) += a_weighted * linear.e;
-    if (b >= 0) g_camera.template segment<6>(C * b) += b_weighted * linear.e;
-  }
-}
-
-template <int C>
-void BundleNormalEquations<C>::add_priors(const BundleState& state) {
-  if constexpr (C > 6) {
-    const Vector6d information = velocity_information(task.options);
-    for (size_t camera = 0; camera < pose_of_camera.size(); ++camera) {
-      const uint32_t pose = pose_of_camera[camera];
-      H_camera.diagonal[camera].template bottomRightCorner<6, 6>().diagonal() += information;
-      g_camera.template segment<6>(static_cast<Eigen::Index>(C * camera + 6)) +=
-          information.cwiseProduct(state.velocities[pose] - task.velocities[pose]);
-    }
-  }
+void BundleNormalEquations::add_priors(const BundleState& state) {
   for (const int i : free_sensor_parameters(task.problem.sensor)) {
     const double information = sensor_information(task.problem.sensor, i);
     H_sensor(i, i) += information;
     g_sensor(i) += information * (state.sensor(i) - task.problem.sensor.prior_mean(i));
   }
 }
-
-template struct BundleNormalEquations<6>;
-template struct BundleNormalEquations<12>;
 
 }  // namespace kinloop

@@ -1,6 +1,6 @@
 #pragma once
-// The normal equations of bundle adjustment, block by block. Unknowns: free keyframes (blocks of C = 6, or 12
-// with velocity), the sensor, points.
+// The normal equations of bundle adjustment, block by block. Unknowns: free keyframes (blocks of 6), the
+// sensor, points.
 //
 // Every sum is made by one thread in a fixed order (points by their observations, keyframes by theirs), so
 // the result does not depend on the number of threads.
@@ -13,11 +13,11 @@
 namespace kinloop {
 
 /// H x = -g for all unknowns x; H = J' J, g = J' e, each observation weighted by its robust weight.
-template <int C>
 struct BundleNormalEquations {
+  static constexpr int kCameraDof = 6;  ///< of a camera: its pose
   static constexpr int kSensor = kSensorParameterCount;
-  using Block = Eigen::Matrix<double, C, C>;
-  using CameraVector = Eigen::Matrix<double, C, 1>;
+  using Block = Eigen::Matrix<double, kCameraDof, kCameraDof>;
+  using CameraVector = Eigen::Matrix<double, kCameraDof, 1>;
   using SensorPoint = Eigen::Matrix<double, kSensor, 3>;
   using CameraSensor = Eigen::Matrix<double, Eigen::Dynamic, kSensor>;
 
@@ -59,12 +59,12 @@ struct BundleNormalEquations {
   std::vector<double> J_point;
 
   // Of each slot.
-  std::vector<Eigen::Matrix<double, C, 3>> H_camera_point;
+  std::vector<Eigen::Matrix<double, kCameraDof, 3>> H_camera_point;
 
   std::vector<SensorPoint> H_sensor_point;  ///< of each point; empty if the sensor is held
   BlockPattern pattern;              ///< of H_camera, with room for what eliminating the points fills in
   std::vector<size_t> column_begin;  ///< of each camera in pattern.off_diagonal, which goes column by column
-  BlockMatrix<C> H_camera{pattern};
+  BlockMatrix<kCameraDof> H_camera{pattern};
   CameraSensor H_camera_sensor;
   SensorMatrix H_sensor = SensorMatrix::Zero();
   Eigen::VectorXd g_camera;
@@ -80,14 +80,9 @@ struct BundleNormalEquations {
   void number_unknowns();
   void make_rows();
   void make_pattern();
-  Block& H_between(uint32_t row, uint32_t column);
   SensorPart linearize_pose(size_t pose, const BundleState& state, const BundleView& view);
   void sum_point(Point& point);
-  void add_edges(const BundleState& state);
   void add_priors(const BundleState& state);
 };
-
-extern template struct BundleNormalEquations<6>;
-extern template struct BundleNormalEquations<12>;
 
 }  // namespace kinloop

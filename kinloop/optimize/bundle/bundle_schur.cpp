@@ -32,16 +32,14 @@ SensorMatrix sensor_inverse(SensorMatrix information) {
 
 }  // namespace
 
-template <int C>
-BundleSchur<C>::BundleSchur(const BundleTask& task)
+BundleSchur::BundleSchur(const BundleTask& task)
     : normal_(task),
       plan_(plan_elimination(normal_.pattern)),
       cholesky_(plan_),
       H_point_inverse_(normal_.points.size()),
       Y_(normal_.slots.size()) {}
 
-template <int C>
-void BundleSchur<C>::invert_points(double damping) {
+void BundleSchur::invert_points(double damping) {
   parallel_for(normal_.points.size(), normal_.task.options.threads, [&](size_t begin, size_t end) {
     for (size_t index = begin; index < end; ++index) {
       const auto& point = normal_.points[index];
@@ -58,20 +56,19 @@ void BundleSchur<C>::invert_points(double damping) {
 }
 
 /// Takes the points out of one column of the camera system and of its right-hand sides.
-template <int C>
-void BundleSchur<C>::reduce_column(size_t camera, Reduced& system) const {
-  std::vector<typename Normal::Block*> block_of(system.A.diagonal.size(), nullptr);  // by row
+void BundleSchur::reduce_column(size_t camera, Reduced& system) const {
+  std::vector<Normal::Block*> block_of(system.A.diagonal.size(), nullptr);  // by row
   block_of[camera] = &system.A.diagonal[camera];
   for (size_t i = normal_.column_begin[camera]; i < normal_.column_begin[camera + 1]; ++i) {
     block_of[normal_.pattern.off_diagonal[i].first] = &system.A.off_diagonal[i];
   }
-  const auto row = static_cast<Eigen::Index>(C * camera);
-  auto a = system.a.template segment<C>(row);
-  auto B = system.B.template middleRows<C>(row);
+  const auto row = static_cast<Eigen::Index>(kCameraDof * camera);
+  auto a = system.a.segment<kCameraDof>(row);
+  auto B = system.B.middleRows<kCameraDof>(row);
   for (const uint32_t i : normal_.slots_of_pose[normal_.pose_of_camera[camera]]) {
     const uint32_t index = normal_.slots[i].point;
     const auto& point = normal_.points[index];
-    const Eigen::Matrix<double, 3, C> Y = Y_[i].transpose();
+    const Eigen::Matrix<double, 3, kCameraDof> Y = Y_[i].transpose();
     for (size_t other = point.first; other < point.last; ++other) {
       const int other_camera = normal_.slots[other].camera;
       if (other_camera < static_cast<int>(camera)) continue;
@@ -82,8 +79,7 @@ void BundleSchur<C>::reduce_column(size_t camera, Reduced& system) const {
   }
 }
 
-template <int C>
-void BundleSchur<C>::reduce_sensor(Reduced& system) const {
+void BundleSchur::reduce_sensor(Reduced& system) const {
   for (size_t i = 0; i < normal_.H_sensor_point.size(); ++i) {
     const auto& H = normal_.H_sensor_point[i];
     const Eigen::Matrix<double, Normal::kSensor, 3> Y = H.lazyProduct(H_point_inverse_[i]);
@@ -92,8 +88,7 @@ void BundleSchur<C>::reduce_sensor(Reduced& system) const {
   }
 }
 
-template <int C>
-typename BundleSchur<C>::Reduced BundleSchur<C>::reduce(double damping) {
+BundleSchur::Reduced BundleSchur::reduce(double damping) {
   invert_points(damping);
   Reduced system{normal_.H_camera, normal_.H_camera_sensor, normal_.H_sensor, -normal_.g_camera,
                  -normal_.g_sensor};
@@ -107,14 +102,13 @@ typename BundleSchur<C>::Reduced BundleSchur<C>::reduce(double damping) {
   return system;
 }
 
-template <int C>
-std::optional<BundleStep> BundleSchur<C>::solve(double damping) {
+std::optional<BundleStep> BundleSchur::solve(double damping) {
   const Reduced system = reduce(damping);
   if (!cholesky_.factorize(system.A)) return std::nullopt;
   BundleStep step;
   step.cameras = cholesky_.solve(system.a);
   if (normal_.has_sensor) {
-    const CameraSensor A_inverse_B = cholesky_.template solve<Eigen::MatrixXd>(system.B);
+    const CameraSensor A_inverse_B = cholesky_.solve<Eigen::MatrixXd>(system.B);
     const Eigen::LLT<SensorMatrix> llt(system.S - system.B.transpose() * A_inverse_B);
     if (llt.info() != Eigen::Success) return std::nullopt;
     step.sensor = llt.solve(system.b - system.B.transpose() * step.cameras);
@@ -126,8 +120,7 @@ std::optional<BundleStep> BundleSchur<C>::solve(double damping) {
 }
 
 /// The points follow cameras c and sensor s: H p = -g - H_camera_point' c - H_sensor_point' s.
-template <int C>
-std::vector<Eigen::Vector3d> BundleSchur<C>::point_steps(const BundleStep& step) const {
+std::vector<Eigen::Vector3d> BundleSchur::point_steps(const BundleStep& step) const {
   std::vector<Eigen::Vector3d> steps(normal_.points.size());
   parallel_for(steps.size(), normal_.task.options.threads, [&](size_t begin, size_t end) {
     for (size_t index = begin; index < end; ++index) {
@@ -137,7 +130,8 @@ std::vector<Eigen::Vector3d> BundleSchur<C>::point_steps(const BundleStep& step)
       for (size_t i = point.first; i < point.last; ++i) {
         const int camera = normal_.slots[i].camera;
         if (camera < 0) continue;
-        right -= normal_.H_camera_point[i].transpose() * step.cameras.template segment<C>(C * camera);
+        right -=
+            normal_.H_camera_point[i].transpose() * step.cameras.segment<kCameraDof>(kCameraDof * camera);
       }
       steps[index] = H_point_inverse_[index] * right;
     }
@@ -145,22 +139,19 @@ std::vector<Eigen::Vector3d> BundleSchur<C>::point_steps(const BundleStep& step)
   return steps;
 }
 
-template <int C>
-BundleState BundleSchur<C>::apply(const BundleState& state, const BundleStep& step) const {
+BundleState BundleSchur::apply(const BundleState& state, const BundleStep& step) const {
   BundleState next = state;
   for (size_t camera = 0; camera < normal_.pose_of_camera.size(); ++camera) {
     const uint32_t pose = normal_.pose_of_camera[camera];
-    const auto d = step.cameras.template segment<C>(static_cast<Eigen::Index>(C * camera));
-    next.T_world_camera[pose] = state.T_world_camera[pose] * SE3::exp(d.template head<6>());
-    if constexpr (C > 6) next.velocities[pose] += d.template tail<6>();
+    const auto d = step.cameras.segment<kCameraDof>(static_cast<Eigen::Index>(kCameraDof * camera));
+    next.T_world_camera[pose] = state.T_world_camera[pose] * SE3::exp(d.head<6>());
   }
   next.sensor += step.sensor;
   for (size_t i = 0; i < step.points.size(); ++i) next.p_world[normal_.points[i].id] += step.points[i];
   return next;
 }
 
-template <int C>
-BundleCovariance BundleSchur<C>::covariance() {
+BundleCovariance BundleSchur::covariance() {
   for (const double damping : {0.0, kSmallestDamping}) {
     const Reduced system = reduce(damping);
     if (cholesky_.factorize(system.A)) return covariance_of(system);
@@ -168,8 +159,7 @@ BundleCovariance BundleSchur<C>::covariance() {
   return unconstrained_covariance();
 }
 
-template <int C>
-BundleCovariance BundleSchur<C>::unconstrained_covariance() const {
+BundleCovariance BundleSchur::unconstrained_covariance() const {
   const BundleTask& task = normal_.task;
   BundleCovariance covariance;
   covariance.sensor.diagonal() =
@@ -183,10 +173,9 @@ BundleCovariance BundleSchur<C>::unconstrained_covariance() const {
 
 /// The inverse of [A B; B' S] by its blocks, with A factorised: the sensor's is that of its Schur complement,
 /// the cameras' A^-1 plus what not knowing the sensor adds.
-template <int C>
-BundleCovariance BundleSchur<C>::covariance_of(const Reduced& system) const {
+BundleCovariance BundleSchur::covariance_of(const Reduced& system) const {
   BundleCovariance covariance = unconstrained_covariance();
-  const CameraSensor A_inverse_B = cholesky_.template solve<Eigen::MatrixXd>(system.B);
+  const CameraSensor A_inverse_B = cholesky_.solve<Eigen::MatrixXd>(system.B);
   if (normal_.has_sensor) {
     const auto& free = normal_.sensor_free;
     const SensorMatrix all = sensor_inverse(system.S - system.B.transpose() * A_inverse_B);
@@ -195,14 +184,11 @@ BundleCovariance BundleSchur<C>::covariance_of(const Reduced& system) const {
   if (!normal_.task.options.pose_covariances) return covariance;
   const auto diagonal = cholesky_.inverse_diagonal();
   for (size_t camera = 0; camera < diagonal.size(); ++camera) {
-    const auto J_sensor = A_inverse_B.template middleRows<6>(static_cast<Eigen::Index>(C * camera));
+    const auto J_sensor = A_inverse_B.middleRows<6>(static_cast<Eigen::Index>(kCameraDof * camera));
     covariance.poses[normal_.pose_of_camera[camera]] =
-        diagonal[camera].template topLeftCorner<6, 6>() + J_sensor * covariance.sensor * J_sensor.transpose();
+        diagonal[camera].topLeftCorner<6, 6>() + J_sensor * covariance.sensor * J_sensor.transpose();
   }
   return covariance;
 }
-
-template class BundleSchur<6>;
-template class BundleSchur<12>;
 
 }  // namespace kinloop

@@ -11,12 +11,11 @@ namespace kinloop {
 
 /// One step of all unknowns.
 struct BundleStep {
-  Eigen::VectorXd cameras;  ///< blocks of C
+  Eigen::VectorXd cameras;  ///< blocks of 6
   SensorVector sensor = SensorVector::Zero();
   std::vector<Eigen::Vector3d> points;
 };
 
-template <int C>
 class BundleSchur {
  public:
   explicit BundleSchur(const BundleTask& task);
@@ -33,12 +32,13 @@ class BundleSchur {
   BundleCovariance covariance();
 
  private:
-  using Normal = BundleNormalEquations<C>;
-  using CameraSensor = typename Normal::CameraSensor;
+  using Normal = BundleNormalEquations;
+  static constexpr int kCameraDof = Normal::kCameraDof;
+  using CameraSensor = Normal::CameraSensor;
 
   /// The equations of cameras c and sensor s once the points are eliminated: [A B; B' S] (c; s) = (a; b).
   struct Reduced {
-    BlockMatrix<C> A;
+    BlockMatrix<kCameraDof> A;
     CameraSensor B;
     SensorMatrix S;
     Eigen::VectorXd a;
@@ -55,12 +55,9 @@ class BundleSchur {
 
   Normal normal_;
   EliminationPlan plan_;
-  SparseCholesky<C> cholesky_;
-  std::vector<Eigen::Matrix3d> H_point_inverse_;  // damped
-  std::vector<Eigen::Matrix<double, C, 3>> Y_;    // of each slot: H_camera_point H_point^-1
+  SparseCholesky<kCameraDof> cholesky_;
+  std::vector<Eigen::Matrix3d> H_point_inverse_;         // damped
+  std::vector<Eigen::Matrix<double, kCameraDof, 3>> Y_;  // of each slot: H_camera_point H_point^-1
 };
-
-extern template class BundleSchur<6>;
-extern template class BundleSchur<12>;
 
 }  // namespace kinloop

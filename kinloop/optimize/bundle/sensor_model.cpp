@@ -15,20 +15,6 @@ const char* sensor_parameter_name(SensorParameter parameter) {
   return kNames.at(static_cast<size_t>(parameter));
 }
 
-SE3 propagate_pose(const SE3& T_world_camera, const Velocity& velocity, double dt_s) {
-  return T_world_camera * SE3{exp_so3(velocity.tail<3>() * dt_s), velocity.head<3>() * dt_s};
-}
-
-Eigen::Vector3d point_in_later_camera(const Eigen::Vector3d& p_camera, const Velocity& velocity,
-                                      double dt_s) {
-  return exp_so3(-dt_s * velocity.tail<3>()) * (p_camera - dt_s * velocity.head<3>());
-}
-
-Eigen::Vector3d point_in_earlier_camera(const Eigen::Vector3d& p_camera_later, const Velocity& velocity,
-                                        double dt_s) {
-  return exp_so3(dt_s * velocity.tail<3>()) * p_camera_later + dt_s * velocity.head<3>();
-}
-
 Eigen::Vector2d corrected_pixel(const PinholeCamera& camera, const SensorVector& sensor,
                                 const Eigen::Vector2d& ray) {
   const double r2 = ray.squaredNorm();
@@ -57,14 +43,6 @@ Eigen::Matrix<double, 6, 1> depth_offset_basis(const PinholeCamera& camera, cons
   Eigen::Matrix<double, 6, 1> basis;
   basis << 1, x, y, x * x, x * y, y * y;
   return basis;
-}
-
-Velocity velocity_between(const SE3& T_world_before, const SE3& T_world_after, double dt_s) {
-  require(dt_s != 0, "velocity_between: dt_s must not be zero");
-  const SE3 T_before_after = T_world_before.inverse() * T_world_after;
-  Velocity velocity;
-  velocity << T_before_after.translation / dt_s, log_so3(T_before_after.rotation) / dt_s;
-  return velocity;
 }
 
 PinholeCamera corrected_camera(const PinholeCamera& camera, const SensorVector& correction) {

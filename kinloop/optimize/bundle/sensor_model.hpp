@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/geometry/se3.hpp"
+#include "kinloop/geometry/velocity.hpp"
 
 namespace kinloop {
 
@@ -51,19 +51,6 @@ struct SensorCalibration {
   SensorVector prior_sigma = SensorVector::Zero();
 };
 
-/// Rate of change of a pose, (metres per second in camera axes; radians per second in camera axes).
-using Velocity = Vector6d;
-
-/// The pose `dt_s` after T_world_camera for a camera that keeps its velocity in the world and its turn rate.
-SE3 propagate_pose(const SE3& T_world_camera, const Velocity& velocity, double dt_s);
-
-/// A point of the camera frame as that camera sees it `dt_s` later: propagate_pose(T, v, dt)^-1 * T * p.
-Eigen::Vector3d point_in_later_camera(const Eigen::Vector3d& p_camera, const Velocity& velocity, double dt_s);
-
-/// The inverse of point_in_later_camera: where a point seen `dt_s` later was before.
-Eigen::Vector3d point_in_earlier_camera(const Eigen::Vector3d& p_camera_later, const Velocity& velocity,
-                                        double dt_s);
-
 /// Where the corrected camera sees the ray (x / z, y / z), in undistorted pixels of `camera`.
 Eigen::Vector2d corrected_pixel(const PinholeCamera& camera, const SensorVector& sensor,
                                 const Eigen::Vector2d& ray);
@@ -74,9 +61,6 @@ Eigen::Vector2d corrected_ray(const PinholeCamera& camera, const SensorVector& s
 
 /// The depth offset's polynomial at an undistorted pixel, in the order of kDepthOffset and those behind it.
 Eigen::Matrix<double, 6, 1> depth_offset_basis(const PinholeCamera& camera, const Eigen::Vector2d& pixel);
-
-/// The constant velocity that brings `before` to `after` in `dt_s`, in the axes of `before`.
-Velocity velocity_between(const SE3& T_world_before, const SE3& T_world_after, double dt_s);
 
 /// `camera` with the corrections of focal length, centre and distortion worked in (a fit over the image; the
 /// remaining difference is below a tenth of a pixel for the small corrections meant here).

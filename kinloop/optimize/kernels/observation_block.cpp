@@ -60,8 +60,8 @@ struct Camera {
         k1(all(model.sensor(kRadial1))),
         k2(all(model.sensor(kRadial2))),
         center(all(view.center)),
-        translation_rate(all(Eigen::Vector3d(view.velocity.head<3>()))),
-        omega(all(Eigen::Vector3d(view.velocity.tail<3>()))) {
+        translation_rate(all(view.velocity.linear_m_s)),
+        omega(all(view.velocity.angular_rad_s)) {
     for (int i = 0; i < 3; ++i) columns[i] = all(Eigen::Vector3d(view.R_camera_world.col(i)));
   }
 

@@ -38,9 +38,9 @@ struct ObservationBlock {
   Lanes x{}, y{}, z{};               ///< the point in the world, m
   Lanes pixel_x{}, pixel_y{};        ///< undistorted
   Lanes inverse_sigma_px{};          ///< 1 / standard deviation of the pixel
-  Lanes row{};                       ///< BundleObservation::row
+  Lanes row{};                       ///< KeypointMeasurement::row
   Lanes inverse_depth_per_m{};       ///< measured, 0 = unknown
-  Lanes gradient_x{}, gradient_y{};  ///< BundleObservation::inverse_depth_gradient, 0 where it is unknown,
+  Lanes gradient_x{}, gradient_y{};  ///< KeypointMeasurement::inverse_depth_gradient, 0 where it is unknown,
   Lanes has_gradient{};              ///< 1 = known
   Lanes uses_pixel{}, uses_depth{};  ///< 1 = in use; depth only with its pixel
 };

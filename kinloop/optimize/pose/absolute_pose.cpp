@@ -2,24 +2,21 @@
 
 #include <limits>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "kinloop/geometry/robust_loss.hpp"
-#include "kinloop/optimize/bundle/bundle.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
+#include "kinloop/optimize/pose/pose_minimizer.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr double kStepConverged = 1e-7;  // m and rad
-constexpr double kCostConverged = 1e-6;  // relative: far below what one of hundreds of observations says
 constexpr double kMinRelativeStiffness = 1e-9;  // smallest eigenvalue of the scaled information matrix
 
 const SensorVector kIdealSensor = SensorVector::Zero();
 
 BundleView static_view(const SE3& T_reference_camera) {
-  return {T_reference_camera, Velocity::Zero()};
+  return {T_reference_camera, Velocity{}};
 }
 
 CameraObservations blocks_of(std::span<const PoseObservation> observations) {
@@ -27,55 +24,24 @@ CameraObservations blocks_of(std::span<const PoseObservation> observations) {
   for (size_t i = 0; i < observations.size(); ++i) {
     const PoseObservation& o = observations[i];
     if (!o.p_reference.allFinite() || !o.pixel.allFinite() || !(o.sigma_px > 0)) continue;
-    BundleObservation measured;
-    measured.pixel = o.pixel;
-    measured.depth_m = o.depth_m;
-    measured.sigma_px = o.sigma_px;
-    blocks.set(i, o.p_reference, measured);
+    blocks.set(i, o.p_reference, o);
   }
   return blocks;
 }
 
-/// Normal equations of the robust cost at one pose.
-struct Normal {
-  Matrix6d H = Matrix6d::Zero();
-  Vector6d g = Vector6d::Zero();
-  double cost = 0;
-};
-
 class Solver {
  public:
   Solver(const PinholeCamera& camera, std::span<const PoseObservation> observations,
-         const AbsolutePoseOptions& options, const std::optional<PosePrior>& prior)
+         const AbsolutePoseOptions& options)
       : model_{camera, kIdealSensor, options.inverse_depth_sigma_per_m, options.robust_width},
         observations_(blocks_of(observations)),
-        options_(options),
-        prior_(prior) {}
+        options_(options) {}
 
   /// Moves the pose to the least cost of what is in use now.
-  SE3 minimize(SE3 T) const {
-    Normal normal = linearize(T);
-    double damping = kFirstDamping;
-    for (int i = 0; i < options_.max_iterations; ++i) {
-      Matrix6d H = normal.H;
-      H.diagonal() *= 1 + damping;
-      const Vector6d step = -H.ldlt().solve(normal.g);
-      if (!step.allFinite()) break;
-      const SE3 candidate = T * SE3::exp(step);
-      const Normal next = linearize(candidate);
-      if (next.cost > normal.cost) {
-        if (step.norm() < kStepConverged) break;
-        damping *= 10 * 10;
-        continue;
-      }
-      const bool done =
-          step.norm() < kStepConverged || normal.cost - next.cost < kCostConverged * normal.cost;
-      T = candidate;
-      normal = next;
-      damping /= 10;
-      if (done) break;
-    }
-    return T;
+  [[nodiscard]] SE3 minimize(const SE3& T) const {
+    return minimize_pose<6>(
+        T, options_.max_iterations, [this](const SE3& at) { return linearize(at, model_); },
+        [](const SE3& at, const Vector6d& step) { return at * SE3::exp(step); });
   }
 
   /// Tells inliers from outliers at a pose; true when anything changed.
@@ -90,46 +56,26 @@ class Solver {
     // the share of it that its efficiency says.
     MeasurementModel unweighted = model_;
     unweighted.robust_width = std::numeric_limits<double>::infinity();
-    Normal normal = evidence(T, unweighted);
+    const PoseNormal<6> normal = linearize(T, unweighted);
     s.chi2 = normal.cost;
-    if (prior_) add_prior(T, normal);
     s.information = huber_efficiency(options_.robust_width) * normal.H;
     return s;
   }
 
  private:
-  static constexpr double kFirstDamping = 1e-6;
-
-  [[nodiscard]] Normal linearize(const SE3& T) const {
-    Normal normal = evidence(T, model_);
-    if (prior_) add_prior(T, normal);
-    return normal;
-  }
-
-  /// What the observations say, without the prior.
-  [[nodiscard]] Normal evidence(const SE3& T, const MeasurementModel& model) const {
+  [[nodiscard]] PoseNormal<6> linearize(const SE3& T, const MeasurementModel& model) const {
     const RowLayout layout(false, false);
     const auto observed = observations_.linearize(static_view(T), model, layout);
-    Normal normal;
+    PoseNormal<6> normal;
     normal.H = observed.gram.topLeftCorner<6, 6>().selfadjointView<Eigen::Upper>();
     normal.g = observed.gram.col(static_cast<Eigen::Index>(layout.residual)).head<6>();
     normal.cost = observed.cost;
     return normal;
   }
 
-  /// A prior near the pose: its error moves with the pose one to one.
-  void add_prior(const SE3& T, Normal& normal) const {
-    const Vector6d error = (prior_->T_reference_camera.inverse() * T).log();
-    const Vector6d weighted = prior_->information * error;
-    normal.H += prior_->information;
-    normal.g += weighted;
-    normal.cost += error.dot(weighted);
-  }
-
   MeasurementModel model_;
   CameraObservations observations_;
   const AbsolutePoseOptions& options_;
-  const std::optional<PosePrior>& prior_;
 };
 
 /// Whether every direction of the pose is held, judged with each coordinate scaled to one.
@@ -147,10 +93,9 @@ bool is_constrained(const Matrix6d& information) {
 std::optional<AbsolutePoseSolution> solve_absolute_pose(const PinholeCamera& camera,
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
-                                                        const AbsolutePoseOptions& options,
-                                                        const std::optional<PosePrior>& prior) {
+                                                        const AbsolutePoseOptions& options) {
   if (!T_reference_camera_guess.is_finite()) return std::nullopt;
-  Solver solver(camera, observations, options, prior);
+  Solver solver(camera, observations, options);
   SE3 T = T_reference_camera_guess;
   for (int round = 0; round < options.rounds; ++round) {
     T = solver.minimize(T);

@@ -12,22 +12,14 @@
 #include "kinloop/base/options.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/geometry/keypoint_measurement.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {
 
-/// One point seen in the image.
-struct PoseObservation {
+/// A point of the reference frame as the camera measured it.
+struct PoseObservation : KeypointMeasurement {
   Eigen::Vector3d p_reference = Eigen::Vector3d::Zero();  ///< m
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();        ///< undistorted
-  double depth_m = 0;                                     ///< measured z, 0 = unknown
-  double sigma_px = 1;                                    ///< standard deviation of `pixel`
-};
-
-/// What is believed of the pose before looking, e.g. by a motion model.
-struct PosePrior {
-  SE3 T_reference_camera;
-  Matrix6d information = Matrix6d::Zero();  ///< of T * exp(x), x = (translation; rotation), per m^2 and rad^2
 };
 
 /// `robust_width`, `inlier_chi2_...` and `inverse_depth_sigma_per_m` describe the measurements: Slam sets
@@ -66,8 +58,7 @@ struct AbsolutePoseSolution {
 std::optional<AbsolutePoseSolution> solve_absolute_pose(const PinholeCamera& camera,
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
-                                                        const AbsolutePoseOptions& options,
-                                                        const std::optional<PosePrior>& prior = std::nullopt);
+                                                        const AbsolutePoseOptions& options);
 
 /// 1 where an observation's pixel agrees with the pose; depth is not asked.
 std::vector<uint8_t> pixel_inliers(const PinholeCamera& camera, std::span<const PoseObservation> observations,

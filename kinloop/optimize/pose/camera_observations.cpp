@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "kinloop/optimize/bundle/bundle.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 
 namespace kinloop {
@@ -18,7 +17,7 @@ bool is_filled(const ObservationBlock& block, size_t lane) {
 
 }  // namespace
 
-void set_measurement(ObservationBlock& block, size_t lane, const BundleObservation& measured) {
+void set_measurement(ObservationBlock& block, size_t lane, const KeypointMeasurement& measured) {
   const bool has_depth = measured.depth_m > 0 && std::isfinite(measured.depth_m);
   const bool has_gradient = measured.inverse_depth_gradient.allFinite();
   block.pixel_x[lane] = measured.pixel.x();
@@ -32,7 +31,7 @@ void set_measurement(ObservationBlock& block, size_t lane, const BundleObservati
 }
 
 void CameraObservations::set(size_t index, const Eigen::Vector3d& p_world,
-                             const BundleObservation& measured) {
+                             const KeypointMeasurement& measured) {
   ObservationBlock& block = blocks_[index / kSize];
   const size_t lane = index % kSize;
   set_measurement(block, lane, measured);

@@ -6,16 +6,16 @@
 
 #include <Eigen/Core>
 
+#include "kinloop/geometry/keypoint_measurement.hpp"
 #include "kinloop/optimize/kernels/gram.hpp"
 #include "kinloop/optimize/kernels/observation_block.hpp"
 
 namespace kinloop {
 
 struct AbsolutePoseOptions;
-struct BundleObservation;
 
 /// Writes a measurement (not its point and its use) to a place of a block.
-void set_measurement(ObservationBlock& block, size_t lane, const BundleObservation& measured);
+void set_measurement(ObservationBlock& block, size_t lane, const KeypointMeasurement& measured);
 
 /// Observations of one camera, and what of each is in use.
 class CameraObservations {
@@ -27,7 +27,7 @@ class CameraObservations {
   }
 
   /// Puts all that was measured in use. Places without an observation stay out of it for good.
-  void set(size_t index, const Eigen::Vector3d& p_world, const BundleObservation& measured);
+  void set(size_t index, const Eigen::Vector3d& p_world, const KeypointMeasurement& measured);
 
   /// Tells inliers from outliers; true when anything changed. Pixel and depth are judged each for itself.
   bool classify(const BundleView& view, const MeasurementModel& model, const AbsolutePoseOptions& options);

@@ -1,36 +1,23 @@
 #include "kinloop/optimize/pose/rolling_shutter_pose.hpp"
 
-#include <Eigen/Cholesky>
-
 #include "kinloop/optimize/pose/camera_observations.hpp"
+#include "kinloop/optimize/pose/pose_minimizer.hpp"
 
 namespace kinloop {
 namespace {
 
 using Vector12d = Eigen::Matrix<double, 12, 1>;
-using Matrix12d = Eigen::Matrix<double, 12, 12>;
-
-constexpr double kMaxConvergedStep = 1e-7;  // m, rad and their rates
-constexpr double kMaxConvergedCostChange =
-    1e-6;  // relative: of hundreds of observations, far below one standard deviation
-
-/// Normal equations by (pose; velocity) at one state.
-struct MovingNormal {
-  Matrix12d H = Matrix12d::Zero();
-  Vector12d g = Vector12d::Zero();
-  double cost = 0;
-};
 
 class RollingShutterSolver {
  public:
-  RollingShutterSolver(const MeasurementModel& model, std::span<const RollingShutterObservation> observations,
+  RollingShutterSolver(const MeasurementModel& model, std::span<const PoseObservation> observations,
                        const Velocity& expected, const VelocitySigma& sigma,
                        const AbsolutePoseOptions& options)
       : model_(model), observations_(observations.size()), expected_(expected), options_(options) {
     information_ << Eigen::Vector3d::Constant(1 / (sigma.m_s * sigma.m_s)),
         Eigen::Vector3d::Constant(1 / (sigma.rad_s * sigma.rad_s));
     for (size_t i = 0; i < observations.size(); ++i) {
-      observations_.set(i, observations[i].p_world, observations[i].seen);
+      observations_.set(i, observations[i].p_reference, observations[i]);
     }
   }
 
@@ -41,41 +28,26 @@ class RollingShutterSolver {
 
   [[nodiscard]] int inliers() const { return observations_.inlier_count(); }
 
-  /// Moves pose and velocity to the least cost of what is in use now (Levenberg-Marquardt).
-  [[nodiscard]] RollingShutterPose minimize(RollingShutterPose pose) const {
-    MovingNormal normal = linearize(pose);
-    double damping = 1e-6;
-    for (int i = 0; i < options_.max_iterations; ++i) {
-      Matrix12d H = normal.H;
-      H.diagonal() *= 1 + damping;
-      const Vector12d step = -H.ldlt().solve(normal.g);
-      if (!step.allFinite() || step.norm() < kMaxConvergedStep) break;
-      const RollingShutterPose candidate{pose.T_world_camera * SE3::exp(step.head<6>()),
-                                         pose.velocity + step.tail<6>()};
-      MovingNormal next = linearize(candidate);
-      if (next.cost >= normal.cost) {
-        damping *= 100;
-        continue;
-      }
-      const bool done = normal.cost - next.cost < kMaxConvergedCostChange * normal.cost;
-      pose = candidate;
-      normal = next;
-      damping /= 10;
-      if (done) break;
-    }
-    return pose;
+  /// Moves pose and velocity to the least cost of what is in use now.
+  [[nodiscard]] RollingShutterPose minimize(const RollingShutterPose& pose) const {
+    return minimize_pose<12>(
+        pose, options_.max_iterations, [this](const RollingShutterPose& at) { return linearize(at); },
+        [](const RollingShutterPose& at, const Vector12d& step) {
+          return RollingShutterPose{at.T_world_camera * SE3::exp(step.head<6>()),
+                                    Velocity::from_vector(at.velocity.vector() + step.tail<6>())};
+        });
   }
 
  private:
   static BundleView view_of(const RollingShutterPose& pose) { return {pose.T_world_camera, pose.velocity}; }
 
-  [[nodiscard]] MovingNormal linearize(const RollingShutterPose& pose) const {
+  [[nodiscard]] PoseNormal<12> linearize(const RollingShutterPose& pose) const {
     static const RowLayout kLayout(true, false);
     const auto observed = observations_.linearize(view_of(pose), model_, kLayout);
-    MovingNormal normal;
+    PoseNormal<12> normal;
     normal.H = observed.gram.topLeftCorner<12, 12>().selfadjointView<Eigen::Upper>();
     normal.g = observed.gram.col(static_cast<Eigen::Index>(kLayout.residual)).head<12>();
-    const Vector6d off = pose.velocity - expected_;
+    const Vector6d off = pose.velocity.vector() - expected_.vector();
     normal.H.diagonal().tail<6>() += information_;
     normal.g.tail<6>() += information_.cwiseProduct(off);
     normal.cost = observed.cost + off.dot(information_.cwiseProduct(off));
@@ -92,9 +64,8 @@ class RollingShutterSolver {
 }  // namespace
 
 std::optional<RollingShutterPose> solve_rolling_shutter_pose(
-    const PinholeCamera& camera, const SensorVector& sensor,
-    std::span<const RollingShutterObservation> observations, const RollingShutterPose& guess,
-    const VelocitySigma& sigma, const AbsolutePoseOptions& options) {
+    const PinholeCamera& camera, const SensorVector& sensor, std::span<const PoseObservation> observations,
+    const RollingShutterPose& guess, const VelocitySigma& sigma, const AbsolutePoseOptions& options) {
   const MeasurementModel model{camera, sensor, options.inverse_depth_sigma_per_m, options.robust_width};
   RollingShutterSolver solver(model, observations, guess.velocity, sigma, options);
   RollingShutterPose pose = guess;

@@ -33,13 +33,12 @@ void check(const PoseGraphOptions& options) {
 
 template <class Pose>
 SolvedPoses<Pose> solve_with(PoseGraphSolver solver, const BasicPoseGraph<Pose>& graph,
-                             const std::vector<bool>& held, const PoseGraphOptions& options,
-                             const PoseGraphEliminationOrder& earlier) {
+                             const std::vector<bool>& held, const PoseGraphOptions& options) {
 #ifdef KINLOOP_WITH_G2O
   if (solver == PoseGraphSolver::kG2o) return solve_with_g2o(graph, held, options);
 #endif
   if (solver == PoseGraphSolver::kCeres) return solve_with_ceres(graph, held, options);
-  return solve_with_builtin(graph, held, options, earlier);
+  return solve_with_builtin(graph, held, options);
 }
 
 /// Whether any vertex with an edge may move.
@@ -62,9 +61,10 @@ std::vector<Pose> initial_poses(const BasicPoseGraph<Pose>& graph, const std::ve
   return chordal ? *chordal : graph.T_world_vertex;
 }
 
+}  // namespace
+
 template <class Pose>
-BasicPoseGraphSolution<Pose> solve_with_order(const PoseGraphEliminationOrder& earlier,
-                                              const BasicPoseGraph<Pose>& graph,
+BasicPoseGraphSolution<Pose> solve_pose_graph(const BasicPoseGraph<Pose>& graph,
                                               const PoseGraphOptions& options) {
   check(graph);
   check(options);
@@ -80,44 +80,14 @@ BasicPoseGraphSolution<Pose> solve_with_order(const PoseGraphEliminationOrder& e
     if (solution.solver != PoseGraphSolver::kBuiltin)
       working.T_world_vertex = initial_poses(graph, held, options);
     solution.seconds = stopwatch.wall_s();
-    SolvedPoses<Pose> solved = solve_with(solution.solver, working, held, options, earlier);
+    SolvedPoses<Pose> solved = solve_with(solution.solver, working, held, options);
     working.T_world_vertex = std::move(solved.T_world_vertex);
     solution.iterations = solved.iterations;
     solution.seconds += solved.seconds;
     solution.converged = solved.converged;
-    solution.elimination = std::move(solved.elimination);
   }
   solution.chi2_after = chi2(working);
   solution.T_world_vertex = std::move(working.T_world_vertex);
-  return solution;
-}
-
-}  // namespace
-
-template <class Pose>
-BasicPoseGraphSolution<Pose> solve_pose_graph(const BasicPoseGraph<Pose>& graph,
-                                              const PoseGraphOptions& options) {
-  return solve_with_order({}, graph, options);
-}
-
-template <class Pose>
-BasicPoseGraphSolution<Pose> update_pose_graph_solution(const BasicPoseGraph<Pose>& graph,
-                                                        const BasicPoseGraphSolution<Pose>& earlier,
-                                                        const PoseGraphOptions& options) {
-  const size_t count = earlier.T_world_vertex.size();
-  require(count <= graph.T_world_vertex.size(),
-          "pose graph: a grown graph must contain all earlier vertices");
-  check(graph);
-  BasicPoseGraph<Pose> warm = graph;
-  const std::vector<bool> held = fixed_vertices(graph);
-  std::vector<uint32_t> known;
-  for (uint32_t vertex = 0; vertex < held.size(); ++vertex) {
-    if (vertex < count || held[vertex]) known.push_back(vertex);
-    if (vertex < count && !held[vertex]) warm.T_world_vertex[vertex] = earlier.T_world_vertex[vertex];
-  }
-  warm.T_world_vertex = propagate_poses(graph, std::move(warm.T_world_vertex), known);
-  auto solution = solve_with_order(earlier.elimination, warm, options);
-  solution.chi2_before = chi2(graph);
   return solution;
 }
 
@@ -138,10 +108,6 @@ double chi2(const BasicPoseGraph<Pose>& graph) {
 
 template BasicPoseGraphSolution<SE3> solve_pose_graph(const PoseGraph&, const PoseGraphOptions&);
 template BasicPoseGraphSolution<SE2> solve_pose_graph(const PoseGraph2d&, const PoseGraphOptions&);
-template PoseGraphSolution update_pose_graph_solution(const PoseGraph&, const PoseGraphSolution&,
-                                                      const PoseGraphOptions&);
-template PoseGraphSolution2d update_pose_graph_solution(const PoseGraph2d&, const PoseGraphSolution2d&,
-                                                        const PoseGraphOptions&);
 template double chi2(const PoseGraph&);
 template double chi2(const PoseGraph2d&);
 

@@ -108,12 +108,6 @@ struct PoseGraphOptions {
   }
 };
 
-/// In which order the built-in solver eliminated the vertices, for the next solution of the graph, grown.
-struct PoseGraphEliminationOrder {
-  std::vector<uint32_t> vertices;  ///< those that are free, the first to be eliminated first
-  double planned_products = 0;  ///< block products of a factorisation when the order was last chosen afresh
-};
-
 /// What a solver found.
 template <class Pose>
 struct BasicPoseGraphSolution {
@@ -124,7 +118,6 @@ struct BasicPoseGraphSolution {
   double seconds = 0;  ///< solving alone
   bool converged = false;
   PoseGraphSolver solver = PoseGraphSolver::kBuiltin;  ///< the one that did it, never kAuto
-  PoseGraphEliminationOrder elimination;               ///< empty but for the built-in solver
 };
 
 using PoseGraphSolution = BasicPoseGraphSolution<SE3>;
@@ -137,15 +130,6 @@ using PoseGraphSolution2d = BasicPoseGraphSolution<SE2>;
 template <class Pose>
 BasicPoseGraphSolution<Pose> solve_pose_graph(const BasicPoseGraph<Pose>& graph,
                                               const PoseGraphOptions& options = {});
-
-/// Solves a graph that has grown since `earlier` solved it: its vertices and edges come first, new ones
-/// behind (fixed flags may change). The poses start from the earlier solution, to which the new ones are
-/// chained; the built-in solver keeps the order of elimination, with the new vertices last, for as long as it
-/// stays a good one. The minimum is that of solve_pose_graph.
-template <class Pose>
-BasicPoseGraphSolution<Pose> update_pose_graph_solution(const BasicPoseGraph<Pose>& graph,
-                                                        const BasicPoseGraphSolution<Pose>& earlier,
-                                                        const PoseGraphOptions& options = {});
 
 /// Whether this build has the solver (kAuto always).
 bool pose_graph_solver_available(PoseGraphSolver solver);

@@ -14,42 +14,6 @@ namespace kinloop {
 namespace {
 
 constexpr double kNonConvexityStep = 1.4;  // as Yang et al. 2020
-// An order of elimination that was kept while the graph grew is given up when it costs this much more.
-constexpr double kMaxGrowthOfProducts = 1.5;
-
-/// The earlier order with the new vertices last, or a new one where that has become too dear.
-EliminationPlan reuse_or_plan_elimination(const PoseGraphEliminationOrder& earlier,
-                                          const PoseGraphLayout& layout) {
-  if (earlier.vertices.empty()) return plan_elimination(layout.pattern);
-  std::vector<uint32_t> order;
-  std::vector<bool> placed(layout.pattern.size, false);
-  for (const uint32_t vertex : earlier.vertices) {
-    const uint32_t block = layout.block_of_vertex[vertex];
-    if (block == kNoBlock) continue;
-    order.push_back(block);
-    placed[block] = true;
-  }
-  for (uint32_t block = 0; block < placed.size(); ++block) {
-    if (!placed[block]) order.push_back(block);
-  }
-  EliminationPlan kept = plan_elimination(layout.pattern, order);
-  if (kept.factor_products <= kMaxGrowthOfProducts * earlier.planned_products) return kept;
-  return plan_elimination(layout.pattern);
-}
-
-/// What the next solution needs to know of this one's plan.
-PoseGraphEliminationOrder elimination_of(const EliminationPlan& plan, const PoseGraphLayout& layout,
-                                         const PoseGraphEliminationOrder& earlier) {
-  PoseGraphEliminationOrder elimination;
-  elimination.vertices.resize(layout.pattern.size);
-  for (uint32_t vertex = 0; vertex < layout.block_of_vertex.size(); ++vertex) {
-    const uint32_t block = layout.block_of_vertex[vertex];
-    if (block != kNoBlock) elimination.vertices[plan.position[block]] = vertex;
-  }
-  const bool was_kept = !earlier.vertices.empty() && !plan.is_fresh;
-  elimination.planned_products = was_kept ? earlier.planned_products : plan.factor_products;
-  return elimination;
-}
 
 /// Where to start; kAuto: the graph's own poses, or the chordal ones where they cost less.
 template <class Pose>
@@ -100,23 +64,21 @@ MinimizerState<Pose> minimize_robust(const MinimizerProblem<Pose>& problem, cons
 
 template <class Pose>
 SolvedPoses<Pose> solve_with_builtin(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held,
-                                     const PoseGraphOptions& options,
-                                     const PoseGraphEliminationOrder& earlier) {
+                                     const PoseGraphOptions& options) {
   const Stopwatch stopwatch;
   const PoseGraphKernel kernel = PoseGraphKernel{options.robust_kernel, options.robust_width};
   const PoseGraphLayout layout = make_pose_graph_layout(graph, held);
-  const EliminationPlan plan = reuse_or_plan_elimination(earlier, layout);
+  const EliminationPlan plan = plan_elimination(layout.pattern);
   const MinimizerProblem<Pose> problem{graph, layout, options.method, options.max_iterations};
   NewtonSolver<Pose::kDof> newton(layout.pattern, plan);
   MinimizerState<Pose> at{initial_poses(graph, layout, plan, kernel, options.start), 0, 0, false};
   at = minimize_robust(problem, kernel, at, newton);
-  return {std::move(at.T_world_vertex), at.iterations, stopwatch.wall_s(), at.converged,
-          elimination_of(plan, layout, earlier)};
+  return {std::move(at.T_world_vertex), at.iterations, stopwatch.wall_s(), at.converged};
 }
 
 template SolvedPoses<SE3> solve_with_builtin(const PoseGraph&, const std::vector<bool>&,
-                                             const PoseGraphOptions&, const PoseGraphEliminationOrder&);
+                                             const PoseGraphOptions&);
 template SolvedPoses<SE2> solve_with_builtin(const PoseGraph2d&, const std::vector<bool>&,
-                                             const PoseGraphOptions&, const PoseGraphEliminationOrder&);
+                                             const PoseGraphOptions&);
 
 }  // namespace kinloop

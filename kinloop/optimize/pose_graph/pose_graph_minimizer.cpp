@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kinloop/optimize/levenberg_marquardt.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph_solvers.hpp"
 
 namespace kinloop {
@@ -12,10 +13,58 @@ constexpr double kNegligibleChi2 = 1e-12;  // a cost this small is zero but for 
 constexpr double kMinGainRatio = 1e-4;  // of the decrease of the cost to the decrease that the model predicts
 constexpr double kGoodGainRatio = 0.75, kPoorGainRatio = 0.25;
 constexpr double kRadiusGrowth = 3.0, kRadiusCut = 0.3;
-constexpr double kInitialDamping = 1e-4;  // Levenberg's, relative to the diagonal
-constexpr double kDampingCut = 1.0 / 3;
 constexpr double kWatchdogRise = 10;  // of the cost, at most, before the step that must make up for it
 constexpr int kMaxTrials = 20;        // shorter and shorter steps before giving up
+
+/// A step that is expected to lower the cost by no more is not worth taking.
+double negligible_decrease(double cost) {
+  return std::max(kCostTolerance * cost, kNegligibleChi2);
+}
+
+/// What the linear model says of a step.
+template <class Pose>
+double predicted_decrease(const PoseGraphLayout& layout, const PoseGraphSystem<Pose>& system,
+                          const Eigen::VectorXd& d) {
+  return 2 * system.minus_g.dot(d) - d.dot(multiply(layout.pattern, system.H, d));
+}
+
+/// A pose graph for minimize_levenberg_marquardt.
+template <class Pose>
+class LevenbergPoseGraph {
+ public:
+  using Poses = std::vector<Pose>;
+
+  LevenbergPoseGraph(const MinimizerProblem<Pose>& problem, const PoseGraphKernel& kernel,
+                     NewtonSolver<Pose::kDof>& newton)
+      : problem_(problem), kernel_(kernel), newton_(newton), system_(problem.layout.pattern) {}
+
+  [[nodiscard]] double cost(const Poses& poses) const { return robust_cost(problem_.graph, kernel_, poses); }
+  void linearize(const Poses& poses) {
+    kinloop::linearize(problem_.graph, problem_.layout, kernel_, poses, system_);
+  }
+  std::optional<Eigen::VectorXd> solve(double damping) {
+    return newton_.solve_damped(system_.H, system_.minus_g, damping);
+  }
+  [[nodiscard]] Poses apply(const Poses& poses, const Eigen::VectorXd& d) const {
+    return apply_step(poses, problem_.layout, d);
+  }
+  [[nodiscard]] double gain(const Eigen::VectorXd& d, double decrease) const {
+    const double ratio = decrease / predicted_decrease(problem_.layout, system_, d);
+    return std::isfinite(ratio) ? ratio : 0;
+  }
+  [[nodiscard]] bool is_negligible(const Eigen::VectorXd& d, double cost) const {
+    return predicted_decrease(problem_.layout, system_, d) <= negligible_decrease(cost);
+  }
+  [[nodiscard]] bool has_converged(const Eigen::VectorXd&, const LevenbergMarquardtTrial&) const {
+    return false;
+  }
+
+ private:
+  const MinimizerProblem<Pose>& problem_;
+  const PoseGraphKernel& kernel_;
+  NewtonSolver<Pose::kDof>& newton_;
+  PoseGraphSystem<Pose> system_;
+};
 
 /// One walk: the three methods differ in how they choose a step.
 template <class Pose>
@@ -28,30 +77,27 @@ class PoseGraphMinimizer {
         at_(std::move(from)),
         newton_(newton),
         system_(problem.layout.pattern) {
-    at_.cost = robust_cost(problem_.graph, kernel_, at_.T_world_vertex);
     at_.converged = false;
   }
 
   MinimizerState<Pose> run() {
+    if (problem_.method == PoseGraphMethod::kLevenberg) return levenberg();
+    at_.cost = robust_cost(problem_.graph, kernel_, at_.T_world_vertex);
     while (!at_.converged && at_.iterations < problem_.max_iterations) {
       linearize(problem_.graph, problem_.layout, kernel_, at_.T_world_vertex, system_);
       ++at_.iterations;
-      const bool step_taken = problem_.method == PoseGraphMethod::kLevenberg     ? levenberg_step()
-                              : problem_.method == PoseGraphMethod::kGaussNewton ? gauss_newton_step()
-                                                                                 : dogleg_step();
+      const bool step_taken =
+          problem_.method == PoseGraphMethod::kGaussNewton ? gauss_newton_step() : dogleg_step();
       if (!step_taken) break;
     }
     return std::move(at_);
   }
 
  private:
-  /// A step that is expected to lower the cost by no more is not worth taking.
-  [[nodiscard]] double negligible_decrease() const {
-    return std::max(kCostTolerance * at_.cost, kNegligibleChi2);
-  }
+  [[nodiscard]] double negligible_decrease() const { return kinloop::negligible_decrease(at_.cost); }
 
   [[nodiscard]] double predicted_decrease(const Eigen::VectorXd& d) const {
-    return 2 * system_.minus_g.dot(d) - d.dot(multiply(problem_.layout.pattern, system_.H, d));
+    return kinloop::predicted_decrease(problem_.layout, system_, d);
   }
 
   struct Trial {
@@ -77,24 +123,12 @@ class PoseGraphMinimizer {
     return true;
   }
 
-  /// Levenberg and Marquardt with Nielsen's update of the damping (Madsen et al. 2004).
-  bool levenberg_step() {
-    double growth = 2;
-    for (int i = 0; i < kMaxTrials; ++i) {
-      const auto d = newton_.solve_damped(system_.H, system_.minus_g, damping_);
-      if (d) {
-        if (predicted_decrease(*d) <= negligible_decrease()) return at_.converged = true;
-        Trial trial = attempt(*d);
-        if (trial.gain_ratio > kMinGainRatio) {
-          at_ = std::move(trial.to);
-          damping_ *= std::max(kDampingCut, 1 - std::pow(2 * trial.gain_ratio - 1, 3));
-          return true;
-        }
-      }
-      damping_ *= growth;
-      growth *= 2;
-    }
-    return false;
+  MinimizerState<Pose> levenberg() {
+    LevenbergPoseGraph<Pose> problem(problem_, kernel_, newton_);
+    const LevenbergMarquardtLimits limits{.max_linearizations = problem_.max_iterations - at_.iterations};
+    auto found = minimize_levenberg_marquardt(problem, std::move(at_.T_world_vertex),
+                                              NielsenDamping{.min_gain_ratio = kMinGainRatio}, limits);
+    return {std::move(found.state), found.cost, at_.iterations + found.linearizations, found.converged};
   }
 
   /// Powell's dogleg (Nocedal and Wright 2006, section 4.1), lengths in units of the diagonal of H.
@@ -166,7 +200,6 @@ class PoseGraphMinimizer {
   PoseGraphSystem<Pose> system_;
   double radius_ = std::numeric_limits<double>::infinity();
   double last_decrease_ = 0;  ///< of the cost in the last step
-  double damping_ = kInitialDamping;
 };
 
 }  // namespace

@@ -15,7 +15,6 @@ struct SolvedPoses {
   int iterations = 0;
   double seconds = 0;  ///< without copying the problem into the solver's own form
   bool converged = false;
-  PoseGraphEliminationOrder elimination = {};
 };
 
 /// Relative fall of the cost in one step below which a solver stops.
@@ -23,8 +22,7 @@ inline constexpr double kCostTolerance = 1e-9;
 
 template <class Pose>
 SolvedPoses<Pose> solve_with_builtin(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held,
-                                     const PoseGraphOptions& options,
-                                     const PoseGraphEliminationOrder& earlier);
+                                     const PoseGraphOptions& options);
 
 template <class Pose>
 SolvedPoses<Pose> solve_with_ceres(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held,

@@ -214,7 +214,6 @@ void count_costs(EliminationPlan& plan) {
 EliminationPlan plan_elimination(const BlockPattern& pattern) {
   if (pattern.size == 0) return {};
   EliminationPlan plan = plan_elimination(pattern, best_ordering(pattern).order);
-  plan.is_fresh = true;
   return plan;
 }
 

@@ -39,7 +39,6 @@ struct Supernode {
 struct EliminationPlan {
   std::vector<uint32_t> position;  ///< of each block column in the order of elimination
   std::vector<Supernode> supernodes;
-  bool is_fresh = false;       ///< the order was chosen for this very pattern
   double factor_products = 0;  ///< products of two blocks that a factorisation takes
   double factor_blocks = 0;    ///< blocks of the factor; a solution takes two products with a vector for each
 };
