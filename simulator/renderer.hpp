@@ -17,7 +17,8 @@ class Renderer {
  public:
   Renderer(const Scene& scene, const PinholeCamera& camera, const KinectNoise& noise, int threads);
 
-  /// `path` is in the room frame; `stamp_ns` is the middle of the exposure of the middle row. The frame has no id.
+  /// `path` is in the room frame; `stamp_ns` is the middle of the exposure of the middle row. The frame has
+  /// no id.
   [[nodiscard]] RgbdFrame render(const CameraPath& path, int64_t stamp_ns, uint64_t frame_seed) const;
 
  private:
