@@ -39,7 +39,7 @@ SE3 drifted_ring_pose(int i) {
 
 SlamOptions ring_options() {
   SlamOptions options;
-  options.executor.mode = "inline";  // what is submitted at frame n is applied at n + 1
+  options.executor.mode = ExecutorMode::kInline;  // what is submitted at frame n is applied at n + 1
   options.self_calibration.min_keyframes = 20;
   return options;
 }

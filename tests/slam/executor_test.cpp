@@ -12,7 +12,7 @@ namespace {
 
 using testing::ElementsAre;
 
-std::unique_ptr<Executor> executor(const std::string& mode) {
+std::unique_ptr<Executor> executor(ExecutorMode mode) {
   ExecutorOptions options;
   options.mode = mode;
   return make_executor(options);
@@ -34,7 +34,7 @@ void complete(const std::vector<FinishedJob>& jobs) {
 
 TEST(Executor, LaggedResultsArriveAfterTheLag) {
   Diary diary;
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(FrameId{10}, job("paint", 3, diary));
   EXPECT_TRUE(lagged->busy("paint"));
   EXPECT_FALSE(lagged->busy("dry"));
@@ -51,7 +51,7 @@ TEST(Executor, LaggedResultsArriveAfterTheLag) {
 
 TEST(Executor, EachJobHasItsOwnLag) {
   Diary diary;
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(FrameId{0}, job("slow", 5, diary));
   lagged->submit(FrameId{0}, job("fast", 2, diary));
   complete(lagged->collect(FrameId{2}));
@@ -63,13 +63,13 @@ TEST(Executor, EachJobHasItsOwnLag) {
 
 TEST(Executor, LaggedWaitsForSlowWork) {
   Diary diary;
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(FrameId{0}, job("paint", 3, diary, 50));
   EXPECT_EQ(lagged->collect(FrameId{3}).size(), 1U);
 }
 
 TEST(Executor, InlineResultsArriveWithTheNextFrame) {
-  const auto at_once = executor("inline");
+  const auto at_once = executor(ExecutorMode::kInline);
   bool worked = false, completed = false;
   at_once->submit(FrameId{4}, {"paint", 5, [&]() -> Completion {
                                  worked = true;
@@ -82,7 +82,7 @@ TEST(Executor, InlineResultsArriveWithTheNextFrame) {
 }
 
 TEST(Executor, CompletionsRunOnTheThreadOfTheCollector) {
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   std::thread::id worker, completer;
   lagged->submit(FrameId{0}, {"paint", 1, [&]() -> Completion {
                                 worker = std::this_thread::get_id();
@@ -95,7 +95,7 @@ TEST(Executor, CompletionsRunOnTheThreadOfTheCollector) {
 
 TEST(Executor, ResultsKeepTheOrderOfSubmission) {
   Diary diary;
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(FrameId{0}, job("first", 9, diary, 30));
   lagged->submit(FrameId{0}, job("second", 2, diary));
   complete(lagged->drain());
@@ -105,7 +105,7 @@ TEST(Executor, ResultsKeepTheOrderOfSubmission) {
 
 TEST(Executor, OneJobOfAKindAtATime) {
   Diary diary;
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(FrameId{0}, job("paint", 3, diary));
   EXPECT_THROW(lagged->submit(FrameId{1}, job("paint", 3, diary)), std::logic_error);
   lagged->collect(FrameId{3});
@@ -113,7 +113,7 @@ TEST(Executor, OneJobOfAKindAtATime) {
 }
 
 TEST(Executor, AnErrorInAJobReachesTheCollector) {
-  const auto lagged = executor("lagged");
+  const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(FrameId{0}, {"paint", 3, []() -> Completion { throw std::runtime_error("no"); }});
   EXPECT_THROW(lagged->collect(FrameId{3}), std::runtime_error);
 }
