@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Runs clang-tidy on the library, the program and the viewer.
 
-A source that passed before, with the same content, headers and checks, is skipped: .ci/tidy_passed.txt keeps the
-hashes. Those files depend on the project alone, so a change of compiler or system headers calls for --all.
+A source that passed before, with the same code, headers and checks, is skipped: .ci/tidy_passed.txt keeps the hashes.
+Comments do not count. The hashes cover the project's files only: after a change of compiler or system headers, use --all.
 
   .ci/tidy.py            check what has changed
   .ci/tidy.py --all      check everything
@@ -22,6 +22,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 PASSED = ROOT / ".ci" / "tidy_passed.txt"
 FOLDERS = ["kinloop", "drivers", "simulator", "tools", "viewer", "apps", "ros"]
 BUILD = ROOT / "build" / "tidy"
+COMMENT = re.compile(r"//(?!.*NOLINT)[^\n]*")
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
@@ -38,7 +39,8 @@ def included(path, seen):
 def content_hash(source):
     digest = hashlib.sha256((ROOT / ".clang-tidy").read_bytes())
     for path in sorted(included(source, set())):
-        digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
+        code = " ".join(COMMENT.sub("", path.read_text(encoding="utf-8")).split())
+        digest.update(f"{path.relative_to(ROOT)}\0{code}\0".encode())
     return digest.hexdigest()
 
 

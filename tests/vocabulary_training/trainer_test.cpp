@@ -122,9 +122,9 @@ TEST(Trainer, TooLittleInputIsAnErrorThatSaysWhatToDo) {
   const auto images = clustered_images(2, 100, 50, 8);
   EXPECT_THAT(
       test::input_error([&] { train_vocabulary(images, tree_of(10, 5)); }),
-      HasSubstr("200 descriptors are too few for a vocabulary of up to 10^5 words, which takes 20000"));
+      HasSubstr("200 descriptors are too few for a vocabulary of up to 10^5 words, which needs 20000"));
   EXPECT_THAT(test::input_error([&] { train_vocabulary(images, tree_of(201, 1)); }),
-              HasSubstr("up to 201^1 words, which takes 201"));
+              HasSubstr("up to 201^1 words, which needs 201"));
   EXPECT_THAT(test::input_error([&] { train_vocabulary({}, tree_of(10, 5)); }), HasSubstr("0 descriptors"));
   EXPECT_THAT(test::input_error([&] { train_vocabulary(std::vector{images[0]}, tree_of(2, 2)); }),
               HasSubstr("give more images"));

@@ -30,7 +30,7 @@ class GlobalBaJob {
   [[nodiscard]] Problem make_problem(const JobContext& context);
   [[nodiscard]] static Solution solve(const Problem& problem);
   [[nodiscard]] static std::optional<AppliedSolution> apply(Map& map, const Solution& update);
-  void on_stale(Solution /*update*/) {}
+  void on_stale(const Solution& /*update*/) {}
 
  private:
   PinholeCamera camera_;

@@ -24,7 +24,7 @@ class LocalBaJob {
   [[nodiscard]] Problem make_problem(const JobContext& context) const;
   [[nodiscard]] static Solution solve(const Problem& problem);
   [[nodiscard]] static std::optional<AppliedSolution> apply(Map& map, const Solution& update);
-  void on_stale(Solution /*update*/) {}
+  void on_stale(const Solution& /*update*/) {}
 
  private:
   PinholeCamera camera_;

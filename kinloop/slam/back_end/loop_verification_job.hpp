@@ -32,7 +32,7 @@ class LoopVerificationJob {
   [[nodiscard]] static Solution solve(const Problem& problem);
   /// Never stale: a loop is relative to keyframes, wherever they have moved.
   [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& loops) const;
-  void on_stale(Solution /*loops*/) {}
+  void on_stale(const Solution& /*loops*/) {}
 
  private:
   PinholeCamera camera_;

@@ -29,7 +29,7 @@ class SelfCalibrationJob {
   [[nodiscard]] Problem make_problem(const JobContext& context) const;
   [[nodiscard]] static Solution solve(const Problem& problem);
   [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& result);
-  void on_stale(Solution /*result*/) {}
+  void on_stale(const Solution& /*result*/) {}
 
  private:
   RgbdCamera camera_;
