@@ -21,7 +21,7 @@ ImageStoreOptions store_options(const RgbdCamera& camera, const DenseOptions& op
   return store;
 }
 
-/// Of the images as they are recorded, so that the cloud of a saved map is that of its run.
+/// Encodes the images the way a map file stores them, so that a saved map gives the same cloud as its run.
 std::vector<uint8_t> encode_patch(const EncodedImages& images, const ImageStoreOptions& store,
                                   double focal_px, const DenseOptions& options) {
   return to_bytes(extract_surfels(decode_images(images, store), focal_px, options));
@@ -49,14 +49,14 @@ void DenseRecorder::on_frame(const FrameResult& result, const PreparedFrame& fra
       frames_since_recorded_ = 0;
     }
   }
-  constexpr size_t kMaxPending = 8;  // a slow machine waits rather than fill its memory with images
+  constexpr size_t kMaxPending = 8;  // limits memory: a slow machine waits
   if (pending_.size() >= kMaxPending) complete(executor_->drain());
   submit(frame.id);
 }
 
-/// Keyframes; and other frames while fewer than kMinImages, evenly spread, stand for the frames so far.
-/// However few keyframes there are, n frames give at most about kMinImages * (1 + ln(n / 40)) others, and
-/// where a keyframe comes oftener than every n / kMinImages frames, as in any long recording by hand, none.
+/// Records every keyframe, and other frames while fewer than kMinImages evenly spread images cover the run so
+/// far. n frames give at most about kMinImages * (1 + ln(n / 40)) extra images, and none if keyframes come
+/// more often than every n / kMinImages frames, as in any long handheld recording.
 bool DenseRecorder::should_record(const FrameResult& result) const {
   constexpr uint32_t kMinImages = 8, kMinGapFrames = 5;
   if (result.keyframe.valid()) return true;
@@ -102,7 +102,7 @@ void DenseRecorder::wait_for_jobs() {
 }
 
 void DenseRecorder::restore(const SavedImages& saved) {
-  // Images of another size would not go with the camera.
+  // Images of another size do not match the camera.
   if (saved.images.rows != camera_.color.height || saved.images.cols != camera_.color.width) return;
   images_.add(saved.images);
   recorded_.push_back({saved.frame, {}});

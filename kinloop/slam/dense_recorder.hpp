@@ -1,8 +1,8 @@
 #pragma once
-// Listens to a run and works out of every keyframe's images, in the background, the surfels of its surface,
-// which move with the keyframe; keeps both. A short recording, or one of a camera that stands still, has few
-// keyframes: frames between them are taken too. Out: the coloured cloud, whenever wanted, at the poses of
-// that moment.
+// Listens to a run and keeps the images of every keyframe together with surfels computed from them in the
+// background. Surfels move with their keyframe. A short recording, or one with a static camera, has few
+// keyframes, so frames between them are recorded too. Fuses the coloured cloud on request, at the current
+// poses.
 
 #include <memory>
 #include <optional>
@@ -18,10 +18,10 @@
 
 namespace kinloop {
 
-/// The camera with all that was found of it: as it goes with poses that were found along with it.
+/// Returns the camera with all estimated sensor corrections, for poses that were estimated along with them.
 DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
 
-/// The camera as it is known, but for the times that were found: as it goes with poses from elsewhere.
+/// Returns the nominal camera with only the estimated times applied, for poses from another source.
 DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
 
 class DenseRecorder : public Listener {
@@ -31,54 +31,54 @@ class DenseRecorder : public Listener {
   void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
   void on_map(const Map&) override {}
 
-  /// Keeps images of a map file. Their depth must be in the units of the camera.
+  /// Restores the images of a map file. Their depth must be in the units of the camera.
   void restore(const SavedImages& saved);
 
-  /// Waits for the work in flight; below is what was taken in so far.
+  /// Waits for the jobs in flight. The functions below use what has been recorded so far.
   void wait_for_jobs();
 
   [[nodiscard]] size_t image_count() const { return recorded_.size(); }
 
   [[nodiscard]] FrameId frame_of_image(size_t index) const { return recorded_.at(index).frame; }
 
-  /// What a map file keeps of image `index`.
+  /// Returns image `index` in the form stored in a map file.
   [[nodiscard]] SavedImages saved_images(size_t index) const {
     return {frame_of_image(index), images_.encoded(index)};
   }
 
   [[nodiscard]] const ImageStore& images() const { return images_; }
 
-  /// The images of one component of the map whose place is known, at the poses of `log` and `map`.
+  /// Returns the images of one map component whose frames have a pose, at the poses of `log` and `map`.
   [[nodiscard]] std::vector<PosedImage> views(const FrameLog& log, const Map& map, uint32_t component) const;
 
-  /// Those of the component in which the run of `slam` was tracked.
+  /// Returns the images of the component in which the run of `slam` was tracked.
   [[nodiscard]] std::vector<PosedImage> views(const Slam& slam) const {
     return views(slam.log(), slam.map(), slam.component());
   }
-  /// `views` with the factors that even out their colours, where the options say so; waits for the work in
+  /// Returns `views` with gains that equalise their colours, if enabled by the options. Waits for the jobs in
   /// flight.
   [[nodiscard]] std::vector<PosedImage> with_color_gains(std::span<const PosedImage> views,
                                                          const DenseCamera& camera, int threads);
 
-  /// The coloured cloud of `views`, waiting for the work in flight.
+  /// Fuses `views` into a coloured cloud. Waits for the jobs in flight.
   ColoredCloud fuse_views(std::span<const PosedImage> views, const DenseCamera& camera, int threads,
                           const Progress& progress);
 
-  /// The same of the component in which the run of `slam` was tracked.
+  /// Fuses the component in which the run of `slam` was tracked.
   ColoredCloud fuse(const Slam& slam, int threads, const Progress& progress) {
     return fuse_views(views(slam), dense_camera(camera_, slam.sensor()), threads, progress);
   }
 
-  /// Which way is up, by what `views` saw of surfaces.
+  /// Estimates the up direction from the surfaces in `views`.
   UpEstimate up(std::span<const PosedImage> views, const DenseCamera& camera);
 
-  /// The same for the component in which the run of `slam` was tracked.
+  /// Estimates the up direction of the component in which the run of `slam` was tracked.
   UpEstimate up(const Slam& slam) { return up(views(slam), dense_camera(camera_, slam.sensor())); }
 
-  /// The images of a frame, where they were kept: those of every keyframe are.
+  /// Returns the recorded images of a frame, if any. Every keyframe is recorded.
   [[nodiscard]] std::optional<RgbdImages> images_of(FrameId frame) const;
 
-  /// What the work cost.
+  /// Returns the time spent so far.
   [[nodiscard]] const Timings& timings() const { return timings_; }
 
  private:
@@ -86,15 +86,15 @@ class DenseRecorder : public Listener {
     FrameId frame;
     RgbdImages images;
   };
-  /// What is worked out of a frame's images in the background.
+  /// Result of encoding a frame in the background.
   struct EncodedFrame {
     FrameId frame;
     EncodedImages images;
-    std::vector<uint8_t> surfels;  // as `to_bytes` gives it
+    std::vector<uint8_t> surfels;  // serialised with `to_bytes`
   };
   struct RecordedImage {
     FrameId frame;
-    std::optional<size_t> surfels;  // index into surfel_store_; not yet made of images that were restored
+    std::optional<size_t> surfels;  // index into surfel_store_; unset for restored images until computed
   };
 
   [[nodiscard]] bool should_record(const FrameResult& result) const;
@@ -112,11 +112,11 @@ class DenseRecorder : public Listener {
   ByteStore surfel_store_;
   std::vector<RecordedImage> recorded_;  // per image
   std::vector<PendingFrame> pending_;
-  uint32_t frames_ = 0;                 // that were located
-  uint32_t frames_since_recorded_ = 0;  // of these
+  uint32_t frames_ = 0;                 // located frames
+  uint32_t frames_since_recorded_ = 0;  // located frames since the last recorded one
   Timings timings_;
   int lag_frames_;
-  std::unique_ptr<Executor> executor_;  // last: its jobs end first
+  std::unique_ptr<Executor> executor_;  // last member: its jobs end before the rest is destroyed
 };
 
 }  // namespace kinloop

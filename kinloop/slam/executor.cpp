@@ -16,7 +16,7 @@ struct JobInFlight {
   std::future<FinishedJob> result;
 };
 
-/// The three modes differ in when work starts and when its result is due.
+/// The three modes differ in when jobs run and when their results are due.
 class ModalExecutor : public Executor {
  public:
   explicit ModalExecutor(const ExecutorOptions& options) : mode_(options.mode) {}
@@ -26,7 +26,7 @@ class ModalExecutor : public Executor {
     const bool synchronous = mode_ == ExecutorMode::kInline;
     const std::string_view kind = job.kind;
     const FrameId due{now.value + (synchronous ? 1 : static_cast<uint32_t>(job.lag_frames))};
-    // A camera does not wait: whatever tracking leaves of the processor is enough for the rest.
+    // A live camera does not wait: background jobs get only the CPU time that tracking leaves.
     const bool low_priority = mode_ == ExecutorMode::kLive;
     auto result = std::async(synchronous ? std::launch::deferred : std::launch::async,
                              [kind, low_priority, work = std::move(job.work)] {
@@ -70,7 +70,7 @@ class ModalExecutor : public Executor {
   }
 
   ExecutorMode mode_;
-  std::vector<JobInFlight> jobs_;  // in the order they were handed in
+  std::vector<JobInFlight> jobs_;  // in order of submission
 };
 
 }  // namespace

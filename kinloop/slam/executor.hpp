@@ -1,6 +1,7 @@
 #pragma once
-// The one place that knows threads. Slow work comes in as an opaque closure, and is complete at a frame that
-// depends on the mode, never (but for `live`) on how fast the machine is.
+// Runs slow work on background threads; no other part of the SLAM core creates them. Jobs are opaque
+// closures. The frame at which a job is due depends on the mode, and only in `live` mode on the speed of the
+// machine.
 
 #include <functional>
 #include <memory>
@@ -13,41 +14,41 @@
 
 namespace kinloop {
 
-/// What is to be done with the result of a job, on the thread that collects it.
+/// Applies the result of a job. Runs on the thread that collects it.
 using Completion = std::function<void()>;
 
 struct Job {
-  std::string_view kind;  ///< as reports call it, a literal; at most one job of a kind is in flight
+  std::string_view kind;  ///< name in reports, a literal; at most one job of a kind is in flight
   int lag_frames = 1;     ///< frames from `submit` until it is due, in lagged mode
-  /// Runs on another thread: it may touch nothing that changes meanwhile.
+  /// Runs on another thread; must not access data that may change meanwhile.
   std::function<Completion()> work;
 };
 
 struct FinishedJob {
   std::string_view kind;
-  ElapsedTime elapsed;  ///< on its work, for reports
-  Completion complete;  ///< for the collector to call, once
+  ElapsedTime elapsed;  ///< time of its work, for reports
+  Completion complete;  ///< the collector calls it once
 };
 
 class Executor {
  public:
   virtual ~Executor() = default;
 
-  /// Hands in a job at frame `now`. Throws std::logic_error while one of its kind is in flight.
+  /// Submits a job at frame `now`. Throws std::logic_error while another job of its kind is in flight.
   virtual void submit(FrameId now, Job job) = 0;
 
-  /// Whether a job of this kind was handed in and not collected yet.
+  /// Returns whether a job of this kind has been submitted and not yet collected.
   [[nodiscard]] virtual bool busy(std::string_view kind) const = 0;
 
-  /// The jobs due at frame `now`, in the order they were handed in; waits for them where the mode says so.
-  /// What their work throws is thrown here.
+  /// Returns the jobs due at frame `now` in order of submission; waits for them if the mode requires it.
+  /// Rethrows exceptions of their work.
   virtual std::vector<FinishedJob> collect(FrameId now) = 0;
 
-  /// All jobs still outstanding; waits for them.
+  /// Waits for all outstanding jobs and returns them.
   virtual std::vector<FinishedJob> drain() = 0;
 };
 
-/// The executor that `options.mode` names.
+/// Returns the executor for `options.mode`.
 std::unique_ptr<Executor> make_executor(const ExecutorOptions& options);
 
 }  // namespace kinloop

@@ -22,8 +22,7 @@ KeypointMeasurement measurement_of(const LoggedObservation& seen) {
 SE3 refined_pose(const LoggedFrame& entry, const RollingShutterPose& guess, const Map& map,
                  const PinholeCamera& camera, const SensorVector& sensor,
                  const AbsolutePoseOptions& options) {
-  // A frame whose landmarks are mostly gone, or were moved apart when the map bent, keeps what tracking
-  // found.
+  // A frame keeps its tracked pose if most of its landmarks are gone or were moved apart by a correction.
   constexpr size_t kMinInliers = 20;
   const size_t majority = entry.observations.size() / 2 + 1;
   std::vector<PoseObservation> observations;
@@ -37,9 +36,9 @@ SE3 refined_pose(const LoggedFrame& entry, const RollingShutterPose& guess, cons
   return found ? found->T_world_camera : guess.T_world_camera;
 }
 
-/// Whether the velocity of a keyframe is made of this frame's pose.
+/// Whether the velocity of a keyframe depends on this frame's pose.
 bool near_keyframe(const FrameLog& log, size_t index) {
-  constexpr size_t kMaxNeighborFrames = 3;  // the neighbour may be behind a repeated image
+  constexpr size_t kMaxNeighborFrames = 3;  // the direct neighbour may be a repeated image
   const size_t begin = index - std::min(index, kMaxNeighborFrames),
                end = std::min(index + kMaxNeighborFrames + 1, log.size());
   return std::any_of(log.begin() + static_cast<long>(begin), log.begin() + static_cast<long>(end),
@@ -84,7 +83,7 @@ FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const Rgb
   FinalBundleAdjustment result{known, std::vector<Matrix6d>(map.keyframes().size(), Matrix6d::Zero())};
   if (map.keyframes().size() < 2) return result;
   const SelfCalibrationOptions& calibration = options.self_calibration;
-  constexpr int kPassesWithoutSensor = 2;  // before and after tracks are completed
+  constexpr int kPassesWithoutSensor = 2;  // before and after completing tracks
   const int passes = calibration.enabled ? calibration.passes : kPassesWithoutSensor;
   BundleOptions bundle = options.global_ba;
   SensorVector expected = prior_sigmas(camera.color, calibration);
@@ -95,14 +94,14 @@ FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const Rgb
     auto adjusted = run_self_calibration(std::move(problem), expected, calibration, bundle);
     map.apply(adjusted.update);
     result = {with_fixed_from(adjusted.sensor, result.sensor), std::move(adjusted.pose_covariance)};
-    // What the data did not narrow down at first they will not later: it stays held.
+    // A parameter that the first pass could not constrain stays fixed.
     for (int k = 0; k < kSensorParameterCount; ++k) {
       if (!result.sensor.used[static_cast<size_t>(k)]) expected(k) = 0;
     }
     const bool last =
         !report(progress, "bundle adjustment", static_cast<size_t>(pass), static_cast<size_t>(passes)) ||
         pass == passes;
-    // The next pass needs velocities of keyframes alone.
+    // The next pass needs only the velocities of keyframes.
     log = refine_frames(std::move(log), map, camera.color, result.sensor.value, options.tracking.pose,
                         last ? FrameSelection::kAll : FrameSelection::kNearKeyframes, bundle.threads);
     if (last) break;

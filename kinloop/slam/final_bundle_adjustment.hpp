@@ -1,6 +1,6 @@
 #pragma once
-// What happens once all frames are there: the whole map is adjusted to convergence together with the sensor,
-// its landmarks are looked for once more in all keyframes, and every frame is refined on the final map.
+// The last step of a run: bundle adjustment of the whole map to convergence together with the sensor
+// parameters, completion of tracks over all keyframes, and refinement of every frame pose on the final map.
 
 #include "kinloop/base/progress.hpp"
 #include "kinloop/slam/frame_log.hpp"
@@ -11,24 +11,25 @@ namespace kinloop {
 
 struct FinalBundleAdjustment {
   SensorEstimate sensor;
-  /// Per keyframe: of x = (translation; rotation), where its true pose is T_world_camera * exp(x), relative
-  /// to the first keyframe of its component (zero). Empty where `progress` ended it early.
+  /// Per keyframe, the covariance of x = (translation [m]; rotation [rad]), where the true pose is
+  /// T_world_camera * exp(x), relative to the first keyframe of its component (whose covariance is zero).
+  /// Empty if `progress` stopped early.
   std::vector<Matrix6d> keyframe_covariance;
 };
 
-/// Adjusts `map` and refines `log`, starting from what is known of the sensor.
+/// Adjusts `map` and refines `log`, starting from the given sensor estimate.
 FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const RgbdCamera& camera,
                                               const SensorEstimate& known, const SlamOptions& options,
                                               const Progress& progress = {});
 
-/// Which of the tracked frames are refined.
+/// Selects the tracked frames to refine.
 enum class FrameSelection {
   kAll,
-  kNearKeyframes,  ///< those that the velocities of keyframes are made of
+  kNearKeyframes,  ///< those that keyframe velocities are computed from
 };
 
-/// Refines tracked frames on the landmarks they saw, as the map stands now, for a sensor with the given
-/// corrections. The result does not depend on `threads`.
+/// Refines the poses of tracked frames against the landmarks they observed in the current map, with the given
+/// sensor corrections. The result does not depend on `threads`.
 FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera, const SensorVector& sensor,
                        const AbsolutePoseOptions& options, FrameSelection which, int threads);
 

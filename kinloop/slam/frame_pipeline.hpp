@@ -1,5 +1,5 @@
 #pragma once
-// In: a source. Out: its frames, decoded and prepared for tracking ahead of time on a thread of their own.
+// Decodes the frames of a source and prepares them for tracking, ahead of time on a separate thread.
 
 #include <exception>
 #include <optional>
@@ -11,19 +11,19 @@
 
 namespace kinloop {
 
-/// Runs `source.next()` and `FrontEnd::prepare()` ahead of `Slam::process()`, so that the two overlap. The
-/// frames and their order are those of the source; its exceptions reach the caller of `next`.
+/// Runs `source.next()` and `FrontEnd::prepare()` ahead of `Slam::process()`, so that they overlap. Keeps the
+/// frames and order of the source. Rethrows its exceptions in `next`.
 class FramePipeline {
  public:
   static constexpr size_t kFramesAhead = 4;
 
-  /// `source` must outlive this object, and must not be used elsewhere meanwhile.
+  /// `source` must outlive this object and must not be used elsewhere meanwhile.
   FramePipeline(FrameSource& source, const FrontEnd& front_end);
   ~FramePipeline();
   FramePipeline(const FramePipeline&) = delete;
   FramePipeline& operator=(const FramePipeline&) = delete;
 
-  /// The next frame; nothing at the end of the source.
+  /// Returns the next frame, or nothing at the end of the source.
   std::optional<PreparedFrame> next();
 
  private:

@@ -7,7 +7,8 @@
 namespace kinloop {
 namespace {
 
-constexpr int64_t kMaxNeighbour_ns = 150'000'000;  // farther apart, a hand's velocity has changed
+// longer gaps say nothing about a handheld camera's velocity
+constexpr int64_t kMaxNeighbour_ns = 150'000'000;
 }  // namespace
 
 std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map) {
@@ -18,7 +19,7 @@ std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map) {
   };
   for (size_t i = 0; i < log.size(); ++i) {
     if (log[i].status == TrackStatus::kLost) continue;
-    // A repeated image says nothing of the motion between the two; the image itself was taken once.
+    // A repeated image carries no information about motion, so the frame that it repeats is used.
     size_t own = i, next = i + 1;
     while (own > 0 && log[own].repeat) --own;
     while (next < log.size() && log[next].repeat) ++next;

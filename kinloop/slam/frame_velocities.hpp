@@ -1,5 +1,5 @@
 #pragma once
-// In: the poses of frames. Out: how fast the camera moved in each.
+// Camera velocities computed from the poses of frames.
 
 #include <vector>
 
@@ -8,10 +8,11 @@
 
 namespace kinloop {
 
-/// Velocity of every frame from its neighbours in time; zero where it is lost or has none close by.
+/// Returns the velocity of every frame, from its neighbours in time; zero if it is lost or has no close
+/// neighbour.
 std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map);
 
-/// The same of the frames that became keyframes, by id.
+/// Returns the velocities of the frames that became keyframes, indexed by keyframe.
 std::vector<Velocity> keyframe_velocities(const FrameLog& log, const Map& map);
 
 }  // namespace kinloop

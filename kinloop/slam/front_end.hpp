@@ -1,5 +1,5 @@
 #pragma once
-// In: a frame as the source gave it. Out: what can be computed from it alone.
+// Per-frame processing that depends on the frame alone.
 
 #include "kinloop/features/options.hpp"
 #include "kinloop/geometry/camera.hpp"
@@ -8,15 +8,15 @@
 
 namespace kinloop {
 
-/// A value without state between frames: it may run ahead of tracking on another thread.
+/// Has no state between frames, so it may run ahead of tracking on another thread.
 class FrontEnd {
  public:
-  /// `first_frame` is added to the ids of the frames: those of maps that were loaded come before it.
+  /// `first_frame` is added to the frame ids; frames of loaded maps have lower ids.
   FrontEnd(const PinholeCamera& camera, const FeatureOptions& options, uint32_t first_frame = 0)
       : camera_(camera), options_(options), first_frame_(first_frame) {}
 
-  /// Keypoints with descriptors and depth. Throws std::logic_error unless both images have the camera's size
-  /// and the types of RgbdFrame.
+  /// Returns keypoints with descriptors and depth. Throws std::logic_error unless both images have the
+  /// camera's size and the types of RgbdFrame.
   [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const;
 
   [[nodiscard]] uint32_t first_frame() const { return first_frame_; }

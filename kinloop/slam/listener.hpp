@@ -1,5 +1,5 @@
 #pragma once
-// Files, viewer, dense maps and the terminal only listen; none of them can change the map.
+// Listeners observe a run: files, viewer, dense maps and the terminal. They cannot change the map.
 
 #include <memory>
 
@@ -8,17 +8,17 @@
 
 namespace kinloop {
 
-/// What became of one frame.
+/// Result of processing one frame.
 struct FrameResult {
   FrameId frame;
   int64_t stamp_ns = 0;
   TrackStatus status = TrackStatus::kLost;
-  bool relocalized = false;  ///< found again by its words after a loss
-  SE3 T_world_camera;        ///< as known now; meaningless when lost
-  KeyframeId keyframe;       ///< valid where the frame became one
-  KeyframeId reference;      ///< the keyframe that the pose was found relative to, and that it moves with
+  bool relocalized = false;  ///< located by place recognition after tracking was lost
+  SE3 T_world_camera;        ///< at the time of the event; undefined if lost
+  KeyframeId keyframe;       ///< valid if the frame became a keyframe
+  KeyframeId reference;      ///< the keyframe that the pose is relative to and moves with
   SE3 T_reference_camera;
-  std::vector<LandmarkMatch> matches;  ///< the landmarks seen
+  std::vector<LandmarkMatch> matches;  ///< observed landmarks
   TrackStats stats;
 };
 
@@ -26,10 +26,10 @@ class Listener {
  public:
   virtual ~Listener() = default;
 
-  /// After every frame.
+  /// Called after every frame.
   virtual void on_frame(const FrameResult& result, const PreparedFrame& frame) = 0;
 
-  /// After keyframes were added or moved. `map` is valid during the call only.
+  /// Called after keyframes were added or moved. `map` is valid only during the call.
   virtual void on_map(const Map& map) = 0;
 };
 

@@ -18,8 +18,8 @@ bool Mapper::needs_keyframe(const Map& map, const FrameTracking& tracking) {
   return kinloop::needs_keyframe(criteria, options_.tracking.keyframe);
 }
 
-/// The world begins at the first camera; a new component is put, for want of better, where the camera was
-/// last.
+/// The first camera defines the world frame. A new component starts at the last known camera pose, for lack
+/// of a better estimate.
 KeyframeId Mapper::add_keyframe(Map& map, const FrameTracking& tracking) const {
   const PreparedFrame& frame = tracking.frame;
   if (const TrackResult* result = located(tracking.outcome)) {

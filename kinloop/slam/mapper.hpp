@@ -1,5 +1,5 @@
 #pragma once
-// In: located frames. Out: those that show something new become keyframes of the map, with their landmarks.
+// Decides which located frames become keyframes, and adds those to the map with their landmarks.
 
 #include "kinloop/slam/options.hpp"
 #include "kinloop/slam/tracker.hpp"
@@ -10,14 +10,14 @@ class Mapper {
  public:
   Mapper(const PinholeCamera& camera, const SlamOptions& options) : camera_(camera), options_(options) {}
 
-  /// The frames that follow come after `newest`, a keyframe of a map that was loaded.
+  /// Continues after `newest`, a keyframe of a loaded map.
   void continue_from(KeyframeId newest) { last_keyframe_ = newest; }
 
-  /// Whether a frame should become a keyframe: any that begins a map, and those located that show enough that
-  /// is new. To be asked of each frame once, in order.
+  /// Returns whether a frame should become a keyframe: true if it starts a map, or if it is located and shows
+  /// enough new content. Call once per frame, in order.
   [[nodiscard]] bool needs_keyframe(const Map& map, const FrameTracking& tracking);
 
-  /// Adds the frame to the map: its keyframe, what it observes, new landmarks; culls those that proved bad.
+  /// Adds the frame to the map: its keyframe, observations and new landmarks. Culls bad landmarks.
   KeyframeId insert_keyframe(Map& map, const FrameTracking& tracking);
 
  private:

@@ -11,7 +11,7 @@ void set_noise(SolverOptions& solver, const NoiseOptions& noise) {
   solver.inlier_chi2_depth = noise.inlier_chi2_depth;
 }
 
-/// Options of the version before that stand elsewhere now.
+/// Options that have moved since the previous version.
 std::vector<RenamedOption> renamed_options() {
   return {{"view.max_keyframes", "local_map.max_keyframes"},
           {"view.max_landmarks", "local_map.max_landmarks"},
@@ -49,7 +49,7 @@ std::vector<RenamedOption> renamed_options() {
           {"loop.pose_graph.robust", "loop.pose_graph.robust_kernel"}};
 }
 
-/// Options of the version before that are constants now.
+/// Options of the previous version that are now constants.
 std::vector<std::string> removed_options() {
   return {"view.min_shared",
           "local_map.min_shared_landmarks",
@@ -102,7 +102,7 @@ SlamOptions resolve_options(SlamOptions options) {
   set_noise(options.mapping.local_ba, noise);
   set_noise(options.global_ba, noise);
   tracking.pnp.pose = tracking.pose;
-  // Both measure planes and points away from edges, too.
+  // The same depth noise applies to both: they measure planes and points away from depth edges.
   const double keypoint_ratio = noise.inverse_depth_sigma_per_m / kKeypointInverseDepthSigmaPerM;
   tracking.rigid.inverse_depth_sigma_per_m = kPointPairInverseDepthSigmaPerM * keypoint_ratio;
   tracking.icp.inverse_depth_sigma_per_m = kSensorInverseDepthSigmaPerM * keypoint_ratio;

@@ -18,7 +18,7 @@ constexpr auto option_names(ExecutorMode) {
       {{ExecutorMode::kInline, "inline"}, {ExecutorMode::kLagged, "lagged"}, {ExecutorMode::kLive, "live"}});
 }
 
-/// How slow work runs beside tracking.
+/// Execution of slow work beside tracking.
 struct ExecutorOptions {
   ExecutorMode mode = ExecutorMode::kLagged;
   int local_ba_lag_frames = 5;
@@ -45,7 +45,7 @@ struct ExecutorOptions {
   }
 };
 
-/// How precise the measurements are, for everything that weighs them: tracking, loops and bundle adjustment.
+/// Measurement noise, used by tracking, loop verification and bundle adjustment.
 struct NoiseOptions {
   double inverse_depth_sigma_per_m = kKeypointInverseDepthSigmaPerM;
   double robust_width = kKeypointRobustWidth;
@@ -67,8 +67,7 @@ struct NoiseOptions {
   }
 };
 
-/// `noise` is the one home of its numbers: Slam hands it to the solvers, whatever these hold
-/// (`resolve_options`).
+/// Options of a whole run. `noise` overrides the noise values in the solver options (`resolve_options`).
 struct SlamOptions {
   int seed = 1;
   int min_initial_keypoints = 60;
@@ -81,7 +80,7 @@ struct SlamOptions {
   LocalMapOptions local_map;
   MappingOptions mapping;
   LoopOptions loop;
-  BundleOptions global_ba = {.tolerance = 1e-3};  // less moves nothing that could be measured
+  BundleOptions global_ba = {.tolerance = 1e-3};  // a smaller change is below measurement noise
   SelfCalibrationOptions self_calibration;
   ExecutorOptions executor;
 
@@ -111,8 +110,8 @@ struct SlamOptions {
   static OptionHistory history();
 };
 
-/// `options` as the modules take them: `noise` handed to every solver, the pose solver of RANSAC that of
-/// tracking. Throws UsageError, naming key, value and expectation, where a value is not allowed.
+/// Returns the options that the modules use: `noise` copied to every solver, and the pose solver of tracking
+/// copied to RANSAC. Throws UsageError with key, value and expected range if a value is not allowed.
 SlamOptions resolve_options(SlamOptions options);
 
 }  // namespace kinloop

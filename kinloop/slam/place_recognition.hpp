@@ -1,6 +1,5 @@
 #pragma once
-// The places of a run by what they look like. In: keyframes. Out: where a frame is, which earlier keyframes
-// a new one resembles.
+// Recognizes places by appearance: relocalizes frames and finds loop candidates for keyframes.
 
 #include <optional>
 
@@ -16,16 +15,16 @@ class PlaceRecognition {
   PlaceRecognition(const PinholeCamera& camera, const SlamOptions& options, Vocabulary vocabulary)
       : camera_(camera), options_(options), vocabulary_(std::move(vocabulary)) {}
 
-  /// Adds a new keyframe of the map to the index.
+  /// Adds a new keyframe to the index.
   void add(const Keyframe& keyframe);
 
-  /// The pose of `frame` relative to the keyframe it resembles most among those that geometry confirms.
+  /// Returns the pose of `frame` relative to the most similar keyframe that passes geometric verification.
   [[nodiscard]] std::optional<TrackResult> relocalize(const PreparedFrame& frame, const Map& map) const;
 
-  /// Earlier keyframes that `keyframe`, the latest that was added, may show again.
+  /// Returns earlier keyframes that may show the same place as `keyframe`, the one added last.
   LoopCandidates find_loops(const Map& map, KeyframeId keyframe);
 
-  /// Begins a new sequence: the next keyframe does not follow the last.
+  /// Starts a new sequence: the next keyframe does not follow the previous one.
   void forget_history() { history_.clear(); }
 
  private:
@@ -38,7 +37,7 @@ class PlaceRecognition {
   CandidateHistory history_;
 };
 
-/// The seed of all random choices for a frame.
+/// Returns the random seed for a frame.
 uint64_t seed_of(const SlamOptions& options, FrameId frame);
 
 }  // namespace kinloop

@@ -1,5 +1,5 @@
 #pragma once
-// What a map file keeps of frames and sensor, and back.
+// Conversion between the frames and sensor estimate of a run and their form in a map file.
 
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/slam/self_calibration.hpp"
@@ -8,13 +8,13 @@ namespace kinloop {
 
 std::vector<SavedFrame> saved_frames(const FrameLog& log);
 
-/// The log of a saved map whose keyframes and frames shift by what is there before them. What its frames saw
-/// is not known any more, and a frame whose keyframe is missing counts as lost.
+/// Returns the log of a saved map with keyframe and frame ids shifted past the existing ones. The file does
+/// not hold the observations of frames. A frame whose keyframe is missing counts as lost.
 FrameLog logged_frames(const SavedMap& saved, uint32_t first_keyframe, uint32_t first_frame);
 
 std::vector<SavedParameter> saved_sensor(const SensorEstimate& sensor);
 
-/// The estimate that was saved; where there is none, `known`.
+/// Returns the saved estimate; where there is none, `known`.
 SensorEstimate sensor_estimate(const std::vector<SavedParameter>& saved, const SensorVector& known);
 
 }  // namespace kinloop

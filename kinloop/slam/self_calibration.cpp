@@ -22,7 +22,7 @@ SensorEstimate select_parameters(const BundleSolution& solution, const SensorVec
   return estimate;
 }
 
-/// Goes on from a solution.
+/// Continues from a solution.
 void restart(BundleProblem& problem, const BundleSolution& solution) {
   problem.T_world_camera = solution.T_world_camera;
   problem.p_world = solution.p_world;
@@ -32,7 +32,7 @@ void restart(BundleProblem& problem, const BundleSolution& solution) {
 
 SensorEstimate with_fixed_from(SensorEstimate estimate, const SensorEstimate& before) {
   for (int k = 0; k < kSensorParameterCount; ++k) {
-    if (estimate.sigma(k) > 0) continue;  // it was estimated
+    if (estimate.sigma(k) > 0) continue;  // this parameter was estimated
     estimate.sigma(k) = before.sigma(k);
     estimate.used[static_cast<size_t>(k)] = before.used[static_cast<size_t>(k)];
   }

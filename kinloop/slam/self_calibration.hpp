@@ -1,8 +1,8 @@
 #pragma once
-// What the sensor does that its calibration does not say: readout time of the shutter, delay of the depth
-// image, lens, depth. In: map and frames. Out: the corrections that the data narrow down, with the map
-// adjusted to them. While frames come only the times are estimated, because tracking needs them most and they
-// cannot bend the map; at the end everything is.
+// Self-calibration: estimates sensor parameters missing from the calibration (shutter readout time, depth
+// delay, lens, depth) from the map and frames, with the map adjusted to them. Parameters that the data do not
+// constrain stay fixed. During the run only the times are estimated: tracking depends on them most and they
+// cannot deform the map. The final adjustment estimates all parameters.
 
 #include "kinloop/base/options.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
@@ -50,47 +50,47 @@ struct SelfCalibrationOptions {
   }
 };
 
-/// What the sensor was found to do; as known beforehand for parameters that the data do not constrain.
+/// Estimated sensor parameters. Parameters that the data do not constrain keep their prior value.
 struct SensorEstimate {
   SensorVector value = SensorVector::Zero();
   SensorVector sigma =
-      SensorVector::Zero();  ///< standard deviation; of the held ones what it would have been
+      SensorVector::Zero();  ///< standard deviation; for fixed parameters the value it would have had
   std::vector<bool> used = std::vector<bool>(kSensorParameterCount, false);
 };
 
-/// What camera.yaml says of the sensor's times. The depth image is taken to be read out as the colour image
-/// is.
+/// Returns the sensor times of camera.yaml. The depth image is assumed to have the readout time of the colour
+/// image.
 SensorVector nominal_sensor(const RgbdCamera& camera);
 
-/// `camera` with what was found of it worked in: lens and times. A deformation of depth is left out, since
-/// camera.yaml has no place for it.
+/// Returns `camera` with the estimated lens and times. Omits the depth distortion, which camera.yaml cannot
+/// represent.
 RgbdCamera calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
 
-/// How far each parameter may be off what is known; 0 = held. The scale of depth is that of the world and
-/// cannot be found.
+/// Returns the prior standard deviation of each parameter; 0 = fixed. The depth scale is fixed, because it is
+/// the scale of the world and not observable.
 SensorVector prior_sigmas(const PinholeCamera& camera, const SelfCalibrationOptions& options);
 
-/// The same for the readout times and the depth delay alone.
+/// Returns the prior standard deviations for the readout times and depth delay; 0 for all other parameters.
 SensorVector prior_time_sigmas(const SelfCalibrationOptions& options);
 
-/// The whole map with everything as it was measured, by keyframes that move with `velocities`; the sensor
-/// starts at `value`.
+/// Returns the problem of the whole map with raw measurements, for keyframes that move with `velocities`. The
+/// sensor starts at `value`.
 BundleAdjustmentProblem make_self_calibration_problem(const Map& map, const RgbdCamera& camera,
                                                       std::vector<Velocity> velocities,
                                                       const SensorVector& value);
 
-/// `estimate`, with what was known `before` of the parameters that were held this time.
+/// Returns `estimate`, with the parameters that were fixed this time taken from `before`.
 SensorEstimate with_fixed_from(SensorEstimate estimate, const SensorEstimate& before);
 
 /// A map adjusted together with its sensor.
 struct SelfCalibrationResult {
   MapUpdate update;
   SensorEstimate sensor;
-  std::vector<Matrix6d> pose_covariance;  ///< per pose of the problem, where the options ask for it
+  std::vector<Matrix6d> pose_covariance;  ///< per pose of the problem, if requested in the options
 };
 
-/// Solves the problem with the sensor free within `expected`, then again without the parameters that the data
-/// told too little about, or nothing new.
+/// Solves the problem with the sensor parameters free within the prior `expected`, then again with those
+/// fixed that the data constrain too little or do not change.
 SelfCalibrationResult run_self_calibration(BundleAdjustmentProblem problem, const SensorVector& expected,
                                            const SelfCalibrationOptions& calibration,
                                            const BundleOptions& options);

@@ -9,7 +9,7 @@
 namespace kinloop {
 namespace {
 
-/// Before anything of OpenCV runs: how it splits work over threads may change results.
+/// Must run before any OpenCV function: how OpenCV splits work over threads may change results.
 const SlamOptions& without_opencv_threads(const SlamOptions& options) {
   cv::setNumThreads(1);
   return options;

@@ -8,7 +8,7 @@
 namespace kinloop {
 namespace {
 
-/// The outcome in the form that log and listeners take. `keyframe` is what the frame became, if it did.
+/// Converts the outcome for the log and listeners. `keyframe` is valid if the frame became one.
 TrackResult track_result(const TrackOutcome& outcome, KeyframeId keyframe) {
   if (const TrackResult* result = located(outcome)) return *result;
   TrackResult result;
@@ -91,7 +91,7 @@ void Slam::apply_results(const AppliedResults& results) {
   tracker_.update(map_, tracker_.reference());
 }
 
-/// From now on the sensor is taken to be like this; keyframes follow.
+/// Uses this sensor from now on and updates the keyframes.
 void Slam::apply_sensor_estimate(const SensorEstimate& sensor) {
   sensor_ = with_fixed_from(sensor, sensor_);
   const auto velocities = keyframe_velocities(log_, map_);

@@ -1,5 +1,5 @@
 #pragma once
-// The order of things. In: frames. Out: the pose of each, a map, and at the end the whole trajectory.
+// The SLAM system: processes frames in order and returns the pose of each, the map and the final trajectory.
 //
 //   TumSource source(folder);
 //   Slam slam(source.camera());
@@ -28,64 +28,64 @@
 
 namespace kinloop {
 
-/// What maps of earlier sessions brought into this one.
+/// Data of loaded maps.
 struct EarlierSessions {
   std::vector<SavedSession> sessions;
-  size_t frame_count = 0;  ///< their frames are the first of the log
+  size_t frame_count = 0;  ///< number of loaded frames; they come first in the log
 };
 
 class Slam {
  public:
-  /// With the default vocabulary. Throws UsageError where an option has a value that is not allowed.
+  /// Uses the default vocabulary. Throws UsageError if an option value is not allowed.
   explicit Slam(const RgbdCamera& camera, const SlamOptions& options = {});
   Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary);
   ~Slam() = default;
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
-  /// Takes in a map that was saved, before the first frame: this run goes on with it. A second one becomes
-  /// components of their own, joined where a place is recognised. Gives what was
-  /// added to the ids of its frames.
+  /// Adds a saved map, which this run continues. Call before the first frame. Further maps become separate
+  /// components, joined when a place is recognized. Returns the offset added to the frame ids of the saved
+  /// map.
   uint32_t add_map(SavedMap saved);
 
-  /// All of the map that a file holds, but what only the caller knows: program, options, images. `input` is
-  /// what the frames of this run came from.
+  /// Returns the map in the form of a map file, without program, options and images, which the caller adds.
+  /// `input` names the source of this run.
   [[nodiscard]] SavedMap saved_map(const std::string& input) const;
 
-  /// What prepares frames for `process`. It may run ahead on another thread (FramePipeline); maps must be
-  /// added before.
+  /// Returns the front end that prepares frames for `process`. It may run ahead on another thread
+  /// (FramePipeline). Add maps before the first call.
   [[nodiscard]] const FrontEnd& front_end() const { return front_end_; }
   [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const { return front_end_.prepare(frame); }
 
-  /// Takes the frames in order of time.
+  /// Processes the next frame. Frames must be in order of time.
   FrameResult process(const PreparedFrame& measured);
   FrameResult process(const RgbdFrame& frame) { return process(prepare(frame)); }
 
-  /// Ends the run: waits for work in flight, adjusts the whole map, refines every frame. Gives all tracked
-  /// poses.
+  /// Ends the run: waits for background jobs, adjusts the whole map and refines every frame. Returns all
+  /// tracked poses.
   Trajectory finish(const Progress& progress = {});
 
-  /// The poses of this run known so far, without ending anything.
+  /// Returns the current poses of this run without ending it.
   [[nodiscard]] Trajectory trajectory() const { return trajectory_of(session_log(), map_); }
 
   [[nodiscard]] const Map& map() const { return map_; }
   [[nodiscard]] const FrameLog& log() const { return log_; }
 
-  /// The frames of this run; in `log()` those of loaded maps stand before them.
+  /// Returns the frames of this run; in `log()` the frames of loaded maps come first.
   [[nodiscard]] std::span<const LoggedFrame> session_log() const {
     return std::span(log_).subspan(earlier_.frame_count);
   }
 
-  /// The component of the map in which most of them were tracked.
+  /// Returns the map component in which most frames of this run were tracked.
   [[nodiscard]] uint32_t component() const { return main_component(session_log(), map_); }
 
   [[nodiscard]] const Timings& timings() const { return timings_; }
 
-  /// What was found of the sensor so far.
+  /// Returns the current sensor estimate.
   [[nodiscard]] const SensorEstimate& sensor() const { return sensor_; }
 
-  /// Per keyframe, how certain the final adjustment is of its pose (see FinalBundleAdjustment); empty before
-  /// it.
+  /// Returns the pose covariance of each keyframe from the final adjustment (see FinalBundleAdjustment);
+  /// empty before it.
   [[nodiscard]] const std::vector<Matrix6d>& keyframe_covariance() const { return keyframe_covariance_; }
 
   /// `listener` must outlive this object.
@@ -117,7 +117,7 @@ class Slam {
   std::vector<Matrix6d> keyframe_covariance_;
   Timings timings_;
   std::vector<Listener*> listeners_;
-  bool map_changed_ = false;  // since the listeners were told
+  bool map_changed_ = false;  // since the last notification of the listeners
 };
 
 }  // namespace kinloop

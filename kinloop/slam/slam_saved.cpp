@@ -1,4 +1,4 @@
-// What Slam does with maps of earlier runs: goes on with them, localises in them, gives them to be saved.
+// Slam with maps of earlier runs: continuing them, localization in them, saving.
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/slam/final_bundle_adjustment.hpp"
@@ -44,7 +44,7 @@ SavedMap Slam::saved_map(const std::string& input) const {
   return saved;
 }
 
-/// Refines the frames that rest on the map; of the others it is not known where they are.
+/// Refines the frames tracked on the map; the poses of the others are unknown.
 void Slam::finish_localization() {
   log_ = refine_frames(std::move(log_), map_, camera_.color, sensor_.value, options_.tracking.pose,
                        FrameSelection::kAll, options_.global_ba.threads);

@@ -1,5 +1,5 @@
 #pragma once
-// Where the time goes, for reports.
+// Timings of a run, for reports.
 
 #include <map>
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace kinloop {
 
-/// Wall and CPU seconds per module, and the milliseconds of each frame.
+/// Wall and CPU time [s] per module, and time [ms] per frame.
 struct Timings {
   struct Module : ElapsedTime {
-    std::vector<double> samples_ms;  ///< wall time of each piece of work, a frame or a keyframe
+    std::vector<double> samples_ms;  ///< wall time of each call, per frame or per keyframe
   };
   std::map<std::string, Module> modules;
-  std::vector<double> frame_ms;  ///< of `Slam::process` and of preparing the frame before it
+  std::vector<double> frame_ms;  ///< `Slam::process` plus the preparation of the frame
 
   void add(const std::string& module, const ElapsedTime& elapsed) {
     Module& sum = modules[module];

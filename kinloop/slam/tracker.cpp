@@ -12,7 +12,7 @@ int count_with_depth(const Features& features) {
                                         [](float depth_m) { return depth_m > 0; }));
 }
 
-/// Whether the frame shows enough of the map to say where it is, without the frames before it.
+/// Whether the frame matches enough of the map to be localized without previous frames.
 bool is_localized(const TrackResult& result, const PreparedFrame& frame, const TrackingOptions& options) {
   return result.stats.inliers >= options.min_inliers &&
          has_sufficient_inlier_ratio(result, *frame.features, options.min_inlier_ratio);
@@ -41,7 +41,7 @@ FrameTracking Tracker::track(const PreparedFrame& measured, const TrackingContex
     result->matches.clear();
   }
   MotionModel motion = motion_after(measured, outcome);
-  PreparedFrame frame = deskewed(measured, context.sensor, motion);  // now that its own motion is known
+  PreparedFrame frame = deskewed(measured, context.sensor, motion);  // after its own motion is known
   return {std::move(outcome), std::move(frame), motion, false};
 }
 
@@ -51,20 +51,20 @@ TrackOutcome Tracker::locate(const PreparedFrame& frame, const TrackingContext& 
   const Stopwatch watch;
   TrackResult tracked = previous_ ? track_previous(frame) : TrackResult{};
   timings.add("tracking", watch.elapsed());
-  // Depth images alone tell the motion from one frame to the next, not across a gap.
+  // Dense odometry measures the motion between consecutive frames, not across a gap.
   if (lost_frames_ > 0 && tracked.status == TrackStatus::kDenseOnly) tracked = {};
   const bool as_predicted = tracked.stats.attempts == 1 &&
                             (!options_.localize_only || is_localized(tracked, frame, options_.tracking));
   if (tracked.status == TrackStatus::kTracked && as_predicted) return Tracked{std::move(tracked)};
 
-  // Where the camera is not where it was going, it may have been carried elsewhere: what the map says counts
-  // more than a handful of chance matches.
+  // A camera far from its predicted pose may have been moved while it was lost: relocalization is more
+  // reliable than a few chance matches.
   const Stopwatch relocalization_watch;
   auto found = context.places.relocalize(frame, context.map);
   timings.add("relocalization", relocalization_watch.elapsed());
   if (found && found->stats.inliers > tracked.stats.inliers) return Relocalized{std::move(*found)};
   if (tracked.status != TrackStatus::kLost) return Tracked{std::move(tracked)};
-  // After so many lost frames the camera may be where it has never been.
+  // After this many lost frames the camera may be in an unmapped place.
   const int max_lost = options_.lost_frames_before_new_component;
   if (max_lost > 0 && lost_frames_ >= max_lost) return start_map_or_lose(frame);
   return Lost{tracked.stats};
@@ -77,14 +77,14 @@ TrackResult Tracker::track_previous(const PreparedFrame& frame) const {
                         seed_of(options_, frame.id));
 }
 
-/// A map begins with a frame that shows enough.
+/// A map starts with a frame that has enough keypoints.
 TrackOutcome Tracker::start_map_or_lose(const PreparedFrame& frame) const {
   const bool enough = count_with_depth(*frame.features) >= options_.min_initial_keypoints;
   if (options_.localize_only || !enough) return Lost{};
   return NewMap{};
 }
 
-/// Drivers fill the gap of a lost image with the one before: the camera has moved on, its picture has not.
+/// Drivers repeat the previous image in place of a lost one: the camera has moved, the image has not.
 bool Tracker::repeats_previous_image(const PreparedFrame& frame) const {
   if (!previous_ || lost_frames_ > 0) return false;
   const cv::Mat& a = previous_->frame.gray;
@@ -104,7 +104,7 @@ TrackResult Tracker::previous_result() const {
   return result;
 }
 
-/// Learns from two frames tracked one after the other; after anything else the velocity is unknown.
+/// Updates the motion model from two consecutively tracked frames; otherwise the velocity is unknown.
 MotionModel Tracker::motion_after(const PreparedFrame& frame, const TrackOutcome& outcome) const {
   MotionModel motion = motion_;
   const auto* tracked = std::get_if<Tracked>(&outcome);
@@ -117,7 +117,7 @@ MotionModel Tracker::motion_after(const PreparedFrame& frame, const TrackOutcome
   return motion;
 }
 
-/// The frame as an ideal camera at rest would have taken it, going by its motion.
+/// Returns the frame as an ideal global-shutter camera would have measured it, given its motion.
 PreparedFrame Tracker::deskewed(const PreparedFrame& measured, const SensorVector& sensor,
                                 const MotionModel& motion) const {
   PreparedFrame frame = measured;
@@ -129,7 +129,7 @@ PreparedFrame Tracker::deskewed(const PreparedFrame& measured, const SensorVecto
 }
 
 void Tracker::update(const Map& map, KeyframeId reference, const FrameTracking* latest) {
-  KeyframeId previous_reference = local_map_.reference;  // that the previous frame's pose is relative to
+  KeyframeId previous_reference = local_map_.reference;  // the reference of the previous frame's pose
   if (latest != nullptr && !latest->repeat) {
     remember(*latest);
     const TrackResult* result = located(latest->outcome);
@@ -146,7 +146,7 @@ void Tracker::update(const Map& map, KeyframeId reference, const FrameTracking* 
   if (!map_unchanged) local_map_ = make_local_map(map, reference, options_.local_map);
 }
 
-/// Keeps what the next frame needs; after a loss that is the last frame whose place is known.
+/// Stores what the next frame needs. After a loss this is the last located frame.
 void Tracker::remember(const FrameTracking& latest) {
   motion_ = latest.motion;
   if (std::holds_alternative<Lost>(latest.outcome)) {

@@ -1,5 +1,5 @@
 #pragma once
-// In: prepared frames and the map. Out: where the camera was in each.
+// Tracks prepared frames against the previous frame and the map.
 
 #include <optional>
 #include <variant>
@@ -12,7 +12,7 @@
 
 namespace kinloop {
 
-/// Located against the frame before and the local map.
+/// Located relative to the previous frame and the local map.
 struct Tracked {
   TrackResult result;
 };
@@ -22,49 +22,49 @@ struct Relocalized {
   TrackResult result;
 };
 
-/// Where nothing is known: the frame begins a map, or a new component of it.
+/// Not located while there is nothing to track against: the frame starts a map, or a new component of it.
 struct NewMap {};
 
-/// Not located. `stats` tell how far tracking came.
+/// Not located. `stats` report how far tracking got.
 struct Lost {
   TrackStats stats;
 };
 
 using TrackOutcome = std::variant<Tracked, Relocalized, NewMap, Lost>;
 
-/// Where the outcome puts the camera; null where it does not.
+/// Returns the located pose of the outcome, or null.
 const TrackResult* located(const TrackOutcome& outcome);
 
-/// What tracking makes of one frame.
+/// Tracking result of one frame.
 struct FrameTracking {
   TrackOutcome outcome;
-  PreparedFrame frame;  ///< deskewed by its own motion
-  MotionModel motion;   ///< with the motion of this frame
-  bool repeat = false;  ///< the image of the frame before, once more: its pose, and nothing learnt
+  PreparedFrame frame;  ///< motion-compensated
+  MotionModel motion;   ///< includes the motion of this frame
+  bool repeat = false;  ///< repeats the previous image: takes its pose and does not update the motion model
 };
 
-/// What the tracker asks of the rest of the run.
+/// What the tracker needs from the rest of the system.
 struct TrackingContext {
   const Map& map;
   const PlaceRecognition& places;
   const SensorVector& sensor;
 };
 
-/// Remembers the previous frame, the local map and the motion of the camera. `track` changes nothing;
-/// `update` is the one function that does.
+/// Keeps the previous frame, the local map and the motion model. `track` is const; only `update` changes the
+/// state.
 class Tracker {
  public:
   Tracker(const PinholeCamera& camera, const SlamOptions& options) : camera_(camera), options_(options) {}
 
-  /// Locates `measured` from what is remembered. Its times are added to `timings`.
+  /// Locates `measured` from the current state. Adds the elapsed times to `timings`.
   [[nodiscard]] FrameTracking track(const PreparedFrame& measured, const TrackingContext& context,
                                     Timings& timings) const;
 
-  /// Takes in what has happened: the latest frame, if there is one, and the map as it stands now, whose local
-  /// map is then that of `reference`. To be called after each frame and each change of the map.
+  /// Updates the state after a frame or a change of the map: the latest frame, if any, and the local map of
+  /// `reference` in the current map. Call after each frame and after each change of the map.
   void update(const Map& map, KeyframeId reference, const FrameTracking* latest = nullptr);
 
-  /// The keyframe of the local map, which poses are relative to; invalid before the first.
+  /// Returns the reference keyframe of the local map; invalid before the first.
   [[nodiscard]] KeyframeId reference() const { return local_map_.reference; }
 
  private:
@@ -81,10 +81,10 @@ class Tracker {
 
   PinholeCamera camera_;
   SlamOptions options_;
-  std::optional<TrackedFrame> previous_;  // the last that was located; none before the start
+  std::optional<TrackedFrame> previous_;  // the last located frame; none before the first
   LocalMap local_map_;
   MotionModel motion_;
-  int lost_frames_ = 0;  // since then
+  int lost_frames_ = 0;  // since `previous_`
 };
 
 }  // namespace kinloop

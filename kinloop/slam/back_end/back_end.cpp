@@ -15,7 +15,7 @@ BackEnd::BackEnd(Map& map, const RgbdCamera& camera, const SlamOptions& options)
 
 void BackEnd::submit(FrameId now, const JobContext& context) {
   submit(verification_, now, context);
-  submit(correction_, now, context);  // before what waits for it
+  submit(correction_, now, context);  // before jobs that wait for it
   submit(global_ba_, now, context);
   submit(local_ba_, now, context);
   submit(self_calibration_, now, context);
@@ -31,7 +31,7 @@ AppliedResults BackEnd::apply_remaining(const JobContext& context) {
   complete(executor_->drain());
   solve_now(verification_, context);
   solve_now(correction_, context);
-  loops_corrected_ = false;  // what follows, the end or another map, needs no global bundle adjustment
+  loops_corrected_ = false;  // no global bundle adjustment needed: the run ends or a map is added next
   return std::exchange(results_, {});
 }
 
@@ -76,7 +76,7 @@ void BackEnd::complete(const std::vector<FinishedJob>& jobs) {
   }
 }
 
-/// Whether work that moves the whole map is in flight.
+/// Whether a job that moves the whole map is in flight.
 bool BackEnd::global_correction_in_flight() const {
   return executor_->busy(LoopCorrectionJob::kName) || executor_->busy(GlobalBaJob::kName);
 }

@@ -1,10 +1,10 @@
 #pragma once
-// Slow work on the map. Says which of it is due, copies its problem out of the map and hands it to the
-// executor; applies what comes back.
+// Schedules slow work on the map: decides which jobs are due, copies their problems out of the map, submits
+// them to the executor and applies the results.
 //
-// At most one job of a kind is in flight. A solution is stale where the whole map has moved since its problem
-// was copied. One rule for all: it is dropped, and a job of its kind is due again at once if it moves the
-// whole map; a local bundle adjustment is not, since the next keyframe brings another.
+// At most one job of a kind is in flight. A solution is stale if the whole map has moved since its problem
+// was copied. Stale solutions are dropped. The job is then due again at once if it moves the whole map; a
+// local bundle adjustment is not repeated, since the next keyframe brings another.
 
 #include <memory>
 #include <optional>
@@ -20,35 +20,35 @@
 
 namespace kinloop {
 
-/// What finished work did.
+/// Effects of the applied results.
 struct AppliedResults {
   bool map_changed = false;
-  std::optional<SensorEstimate> sensor;                           ///< where it was estimated anew
-  std::vector<std::pair<std::string_view, ElapsedTime>> elapsed;  ///< per job, whether stale or not
-  std::vector<std::string_view> stale;                            ///< kinds of the jobs that were
+  std::optional<SensorEstimate> sensor;                           ///< set if newly estimated
+  std::vector<std::pair<std::string_view, ElapsedTime>> elapsed;  ///< per job, including stale ones
+  std::vector<std::string_view> stale;                            ///< kinds of stale jobs
 };
 
 class BackEnd {
  public:
-  /// Changes `map` in `apply_due` and `apply_remaining` alone; it must outlive this object.
+  /// Changes `map` only in `apply_due` and `apply_remaining`. `map` must outlive this object.
   BackEnd(Map& map, const RgbdCamera& camera, const SlamOptions& options);
   BackEnd(const BackEnd&) = delete;
   BackEnd& operator=(const BackEnd&) = delete;
 
-  /// Loops that may be there: to be verified, and those that are, put into the map and corrected.
+  /// Adds loop candidates. Verified ones are added to the map and corrected.
   void add_loop_candidates(LoopCandidates candidates) { verification_.kind.add(std::move(candidates)); }
 
-  /// Hands in what is due at frame `now`.
+  /// Submits the jobs due at frame `now`.
   void submit(FrameId now, const JobContext& context);
 
   /// Applies the results that are due at frame `now`.
   AppliedResults apply_due(FrameId now);
 
-  /// Waits for all work, and corrects the loops that none of it has taken in.
+  /// Waits for all jobs, applies their results and corrects the remaining loops.
   AppliedResults apply_remaining(const JobContext& context);
 
  private:
-  /// A kind of job, and whether the latest was stale and is to be repeated.
+  /// A kind of job, and whether its latest result was stale and must be recomputed.
   template <class Kind>
   struct Slot {
     Kind kind;
@@ -70,9 +70,9 @@ class BackEnd {
   Slot<GlobalBaJob> global_ba_;
   Slot<LocalBaJob> local_ba_;
   Slot<SelfCalibrationJob> self_calibration_;
-  AppliedResults results_;              // since they were last given
-  bool loops_corrected_ = false;        // by these
-  std::unique_ptr<Executor> executor_;  // last: its jobs end first
+  AppliedResults results_;              // since they were last returned
+  bool loops_corrected_ = false;        // by `results_`
+  std::unique_ptr<Executor> executor_;  // last member: its jobs end before the rest is destroyed
 };
 
 }  // namespace kinloop

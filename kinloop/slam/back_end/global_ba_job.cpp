@@ -8,8 +8,7 @@ bool GlobalBaJob::is_due(const JobContext& context) const {
 
 GlobalBaJob::Problem GlobalBaJob::make_problem(const JobContext& context) {
   requested_ = false;
-  // Waiting for the map to grow by a share of itself keeps the cost per keyframe the same, however large it
-  // gets.
+  // Waiting for the map to grow by a fixed factor keeps the cost per keyframe constant for any map size.
   constexpr double kGrowth = 1.25;
   min_keyframes_ = static_cast<size_t>(kGrowth * static_cast<double>(context.map.keyframes().size()));
   return {make_global_ba_problem(context.map, camera_), options_};

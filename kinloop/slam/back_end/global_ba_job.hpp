@@ -22,7 +22,7 @@ class GlobalBaJob {
         enabled_(options.global_ba_enabled),
         lag_frames_(options.executor.global_ba_lag_frames) {}
 
-  /// A loop was corrected.
+  /// Requests a job. Called after a loop was corrected.
   void request() { requested_ = true; }
 
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
@@ -38,7 +38,7 @@ class GlobalBaJob {
   bool enabled_;
   int lag_frames_;
   bool requested_ = false;
-  size_t min_keyframes_ = 0;  // that the next one waits for
+  size_t min_keyframes_ = 0;  // map size required for the next job
 };
 
 }  // namespace kinloop

@@ -1,5 +1,5 @@
 #pragma once
-// Bundle adjustment around each new keyframe.
+// Local bundle adjustment around each new keyframe.
 
 #include "kinloop/mapping/bundle_adjustment.hpp"
 #include "kinloop/slam/back_end/job_context.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// Spreads the drift that loops reveal over all keyframes, and merges the landmarks that they recognised.
+// Loop correction: distributes the drift over all keyframes and merges the landmarks matched by loops.
 
 #include "kinloop/slam/back_end/job_context.hpp"
 
@@ -18,7 +18,7 @@ class LoopCorrectionJob {
   explicit LoopCorrectionJob(const SlamOptions& options)
       : options_(options.loop), lag_frames_(options.executor.loop_correction_lag_frames) {}
 
-  /// A loop of the map for the next job.
+  /// Adds a loop of the map to the next job.
   void add(const LoopConstraint& loop);
 
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
@@ -26,14 +26,14 @@ class LoopCorrectionJob {
   [[nodiscard]] Problem make_problem(const JobContext& context);
   [[nodiscard]] static Solution solve(const Problem& problem);
   [[nodiscard]] static std::optional<AppliedSolution> apply(Map& map, const Solution& update);
-  /// The loops stay in the map; what they merge is kept for the next job.
+  /// The loops stay in the map; their landmark merges are kept for the next job.
   void on_stale(const Solution& update);
 
  private:
   LoopOptions options_;
   int lag_frames_;
   bool loops_waiting_ = false;
-  std::vector<std::pair<LandmarkId, LandmarkId>> merges_;  // of the loops that wait
+  std::vector<std::pair<LandmarkId, LandmarkId>> merges_;  // landmark merges of the waiting loops
 };
 
 }  // namespace kinloop

@@ -1,5 +1,5 @@
 #pragma once
-// Verifies loop candidates by geometry; those that hold become edges of the map.
+// Verifies loop candidates geometrically; accepted ones become edges of the map.
 
 #include "kinloop/slam/back_end/job_context.hpp"
 
@@ -23,14 +23,14 @@ class LoopVerificationJob {
         tracking_(options.tracking),
         lag_frames_(options.executor.loop_verification_lag_frames) {}
 
-  /// Candidates for the next job.
+  /// Adds candidates to the next job.
   void add(LoopCandidates candidates);
 
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
   [[nodiscard]] bool is_due(const JobContext& context) const;
   [[nodiscard]] Problem make_problem(const JobContext& context);
   [[nodiscard]] static Solution solve(const Problem& problem);
-  /// Never stale: a loop is relative to keyframes, wherever they have moved.
+  /// Never stale: a loop is relative to keyframes, so it stays valid when they move.
   [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& loops) const;
   void on_stale(const Solution& /*loops*/) {}
 

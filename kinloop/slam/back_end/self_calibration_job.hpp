@@ -1,5 +1,5 @@
 #pragma once
-// Estimates the times of the sensor, with the map adjusted to them, while frames come.
+// Self-calibration of the sensor times during the run, with the map adjusted to them.
 
 #include "kinloop/slam/back_end/job_context.hpp"
 #include "kinloop/slam/self_calibration.hpp"
@@ -36,7 +36,7 @@ class SelfCalibrationJob {
   SelfCalibrationOptions calibration_;
   BundleOptions options_;
   int lag_frames_;
-  size_t min_keyframes_;  // that the next one waits for
+  size_t min_keyframes_;  // map size required for the next job
 };
 
 }  // namespace kinloop
