@@ -100,13 +100,13 @@ bool has_key(std::span<const OptionEntry> entries, const std::string& key) {
   return std::any_of(entries.begin(), entries.end(), [&](const auto& entry) { return entry.key == key; });
 }
 
-/// Whether `pattern`, a key or a group "name.*", covers `key`.
+/// Whether `pattern`, a key or a group "name.*", matches `key`.
 bool covers(const std::string& pattern, const std::string& key) {
   if (!pattern.ends_with(".*")) return pattern == key;
   return key.starts_with(std::string_view(pattern).substr(0, pattern.size() - 1));
 }
 
-/// `key`, which `renamed.before` covers, by its later name.
+/// Returns the new name of `key`, which `renamed.before` matches.
 std::string later_name(const RenamedOption& renamed, const std::string& key) {
   if (!renamed.before.ends_with(".*")) return renamed.now;
   return renamed.now.substr(0, renamed.now.size() - 1) + key.substr(renamed.before.size() - 1);
@@ -124,7 +124,7 @@ ResolvedKey resolve_key(std::span<const OptionEntry> entries, const std::string&
                         const OptionHistory& history) {
   using Kind = ResolvedKey::Kind;
   std::string name = key;
-  // A group may be renamed and then one of its keys: each turn follows one of them.
+  // Both a group and one of its keys may have been renamed: each iteration applies one renaming.
   for (size_t turn = 0; turn <= history.renamed.size(); ++turn) {
     if (has_key(entries, name)) return {name == key ? Kind::kCurrent : Kind::kRenamed, name};
     const auto& removed = history.removed;

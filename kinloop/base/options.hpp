@@ -45,8 +45,8 @@ struct Range {
   double high = std::numeric_limits<double>::infinity();
 };
 
-/// Marks a field, or a whole nested struct, that few users have a reason to change: it can be set like any
-/// other, but the help leaves it out unless asked for all.
+/// Marks a field, or a nested struct, that few users need to change. It can be set like any other, but the
+/// help lists it only with all options.
 struct Expert {};
 
 /// A value of an enum and its name on the command line.
@@ -62,7 +62,7 @@ concept NamedEnum = std::is_enum_v<T> && requires(T value) {
   option_names(value)[0].name;
 };
 
-/// The name of `value`; empty for a number that is no value of the enum.
+/// Returns the name of `value`; empty if it is not a value of the enum.
 template <NamedEnum Enum>
 constexpr std::string_view name_of(Enum value) {
   for (const auto& entry : option_names(value)) {
@@ -71,7 +71,7 @@ constexpr std::string_view name_of(Enum value) {
   return {};
 }
 
-/// All names of the enum, in the order of its table.
+/// Returns all names of the enum in table order.
 template <NamedEnum Enum>
 std::vector<std::string> names_of() {
   std::vector<std::string> names;
@@ -81,34 +81,35 @@ std::vector<std::string> names_of() {
 
 using OptionValue = std::variant<bool, int64_t, double, std::string>;
 
-/// One named field of an options struct, with its current value and a way to set it from text.
+/// One named field of an options struct, with its current value and a setter from text.
 struct OptionEntry {
   std::string key;
   std::string help;      ///< meaning and unit
-  std::string expected;  ///< what may be given, e.g. "a whole number from 50 to 20000"
+  std::string expected;  ///< allowed values, e.g. "a whole number from 50 to 20000"
   OptionValue value;
-  std::function<void(const std::string& text)> set;  ///< throws UsageError naming key and expectation
-  bool expert = false;                               ///< listed only when all options are asked for
+  /// throws UsageError with the key and the allowed values
+  std::function<void(const std::string& text)> set;
+  bool expert = false;  ///< listed only with all options
 };
 
-/// A name of the version before. Both names may end in ".*": the group was renamed.
+/// A name of the previous version. Both names may end in ".*" if the group was renamed.
 struct RenamedOption {
   std::string before;
   std::string now;
 };
 
-/// What became of the options of the version before: `--set` and map files may still name them.
+/// Renamed and removed options of the previous version, which `--set` and map files may still contain.
 struct OptionHistory {
   std::vector<RenamedOption> renamed;
   std::vector<std::string> removed;  ///< may end in ".*"
 };
 
-/// Which options a list shows.
+/// Selects the options to list.
 enum class OptionSelection { kDocumented, kAll };
 
 namespace detail {
 
-/// What `fields` says of a field, beside its name.
+/// Attributes of a field besides its name.
 struct FieldTraits {
   std::string help;
   Range range;
@@ -124,7 +125,7 @@ OptionEntry make_entry(const std::string& key, int& field, const FieldTraits& tr
 OptionEntry make_entry(const std::string& key, double& field, const FieldTraits& traits);
 OptionEntry make_entry(const std::string& key, std::string& field, const FieldTraits& traits);
 
-/// An entry that takes one of `names`; `choose` gets the index of the one that was given.
+/// Returns an entry that accepts one of `names`; `choose` receives the index of the given name.
 OptionEntry make_choice_entry(const std::string& key, std::string_view current, const FieldTraits& traits,
                               std::vector<std::string> names, std::function<void(size_t index)> choose);
 
@@ -164,8 +165,8 @@ void validate(std::span<const OptionEntry> entries);
 
 }  // namespace detail
 
-/// All fields of `options`, nested ones included, in the order of declaration. The entries refer to
-/// `options`. `prefix` stands before every key ("dense.").
+/// Returns all fields of `options` in order of declaration, including nested ones. The entries refer to
+/// `options`. `prefix` is prepended to every key ("dense.").
 template <class Options>
 std::vector<OptionEntry> option_entries(Options& options, const std::string& prefix = {}) {
   std::vector<OptionEntry> entries;
@@ -173,7 +174,7 @@ std::vector<OptionEntry> option_entries(Options& options, const std::string& pre
   return entries;
 }
 
-/// What became of former names: that of `Options::history()`, where it has one.
+/// Returns the renamed and removed options: `Options::history()` if it exists, else none.
 template <class Options>
 OptionHistory option_history() {
   if constexpr (detail::HasOptionHistory<Options>) {
@@ -183,31 +184,31 @@ OptionHistory option_history() {
   }
 }
 
-/// Throws UsageError, naming key, value and expectation, where a value is one that `--set` would not take:
-/// out of range, not finite, no value of its enum. `prefix` stands before the keys. For the entry points of
-/// the library; options that come from `--set` are checked already.
+/// Throws UsageError with key, value and allowed values if a value is one that `--set` rejects: out of range,
+/// not finite, or not a value of its enum. `prefix` is prepended to the keys. For library entry points;
+/// options from `--set` are already checked.
 template <class Options>
 void validate(Options options, const std::string& prefix = {}) {
   detail::validate(option_entries(options, prefix));
 }
 
-/// What a key of this version or the one before means now.
+/// The current meaning of a key of this or the previous version.
 struct ResolvedKey {
   enum class Kind { kCurrent, kRenamed, kRemoved, kUnknown };
   Kind kind = Kind::kUnknown;
-  std::string key;  ///< of this version; as given where it is removed or unknown
+  std::string key;  ///< current name; the given key if it was removed or is unknown
 };
 
 /// Looks `key` up in `entries`, then in `history`.
 ResolvedKey resolve_key(std::span<const OptionEntry> entries, const std::string& key,
                         const OptionHistory& history);
 
-/// Applies "key=value" to `entries`. A former name works with a warning; one that no longer exists is ignored
-/// with a warning. Throws UsageError for an unknown key (naming the nearest), or a bad value.
+/// Applies "key=value" to `entries`. A former name works with a warning; a removed one is ignored with a
+/// warning. Throws UsageError for an unknown key (naming the nearest) or a bad value.
 void apply_assignment(std::span<const OptionEntry> entries, const std::string& assignment,
                       const OptionHistory& history = {});
 
-/// `options` with the assignments ("key=value") applied in order.
+/// Returns `options` with the assignments ("key=value") applied in order.
 template <class Options>
 Options with_assignments(Options options, std::span<const std::string> assignments) {
   const auto entries = option_entries(options);
@@ -216,11 +217,10 @@ Options with_assignments(Options options, std::span<const std::string> assignmen
   return options;
 }
 
-/// The value as `--set` would take it.
+/// Returns the value in the format of `--set`.
 std::string to_text(const OptionValue& value);
 
-/// For each option key, default, meaning and what is expected; those marked Expert only when all are asked
-/// for.
+/// Returns key, default, meaning and allowed values of each option; those marked Expert only if requested.
 std::string options_help(std::span<const OptionEntry> entries,
                          OptionSelection selection = OptionSelection::kDocumented);
 

@@ -4,11 +4,11 @@
 
 namespace kinloop {
 
-/// The depths that a dense map is made of.
+/// Limits of the depths used in dense maps.
 struct DepthLimits {
   double min_depth_m = 0.4;
-  double max_depth_m = 4.0;       ///< beyond, the noise of a Kinect 1 exceeds 2 cm
-  double max_incidence_deg = 78;  ///< between a ray and the normal of the surface
+  double max_depth_m = 4.0;       ///< beyond it the noise of a Kinect 1 exceeds 2 cm
+  double max_incidence_deg = 78;  ///< between the ray and the surface normal
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -24,7 +24,7 @@ struct DepthLimits {
   }
 };
 
-/// How posed depth images become one coloured cloud.
+/// Options of the fusion of posed depth images into a coloured cloud.
 struct DenseOptions {
   double voxel_m = 0.01;
   DepthLimits limits = {};
@@ -60,11 +60,11 @@ struct DenseOptions {
   }
 };
 
-/// How posed depth images become a mesh.
+/// Options of the mesh.
 struct MeshOptions {
   double voxel_m = 0.01;
   double truncation_voxels = 4;
-  DepthLimits limits = {};  ///< not options of their own: the program takes those of the dense map
+  DepthLimits limits = {};  ///< not separate options: the program uses those of the dense map
   double min_weight = 0.02;
   int min_component_triangles = 200;
 
@@ -80,11 +80,11 @@ struct MeshOptions {
   }
 };
 
-/// How posed depth images become a map of free and occupied space.
+/// Options of the occupancy map.
 struct OccupancyOptions {
   double voxel_m = 0.05;
   int stride_px = 4;
-  DepthLimits limits = {};  ///< not options of their own: the program takes those of the dense map
+  DepthLimits limits = {};  ///< not separate options: the program uses those of the dense map
   double grid_min_height_m = 0.1;
   double grid_max_height_m = 1.5;
 

@@ -4,7 +4,7 @@
 
 namespace kinloop {
 
-/// What finds and describes keypoints: ORB (Rublee et al. 2011), SIFT (Lowe 2004), SURF (Bay et al. 2006).
+/// Keypoint detector and descriptor: ORB (Rublee et al. 2011), SIFT (Lowe 2004), SURF (Bay et al. 2006).
 enum class FeatureKind { kOrb, kSift, kSurf };
 
 constexpr auto option_names(FeatureKind) {

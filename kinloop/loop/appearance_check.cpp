@@ -15,20 +15,21 @@ namespace {
 constexpr int kMaxDistance = 80;  // bits
 constexpr double kWindow_px = 5;  // half side, on level 0
 constexpr double kMaxLevelStep = 2;
-constexpr double kBorder_px = 16;  // no keypoints there
+constexpr double kBorder_px = 16;  // no keypoints are detected there
 constexpr double kOcclusionRadius_px = 40;
 constexpr size_t kOcclusionNeighbors = 3;
-constexpr double kMaxDepthError = 0.15;  // of a neighbour on the same thing, as in guided matching
-constexpr int kRegionSize = 100;         // keypoints
+// relative depth difference of neighbours on one surface, as in guided matching
+constexpr double kMaxDepthError = 0.15;
+constexpr int kRegionSize = 100;  // keypoints
 constexpr double kRegionStep_px = 40;
 
-/// A keypoint that should be in the view.
+/// A keypoint expected in the view.
 struct ExpectedKeypoint {
   Eigen::Vector2d pixel;
   bool found = false;
 };
 
-/// Keypoints of one view, to be looked for in another.
+/// Keypoints of one view to be found in another.
 class ViewMatcher {
  public:
   ViewMatcher(const Features& features, const PinholeCamera& camera)
@@ -44,7 +45,7 @@ class ViewMatcher {
     });
   }
 
-  /// Whether something else is there: the nearest keypoints are all at other depths.
+  /// Whether the keypoint is occluded: the nearest keypoints of the view are all at other depths.
   [[nodiscard]] bool occludes(const Reprojection& point) {
     grid_.features_in_area(point.pixel, kOcclusionRadius_px, near_);
     std::erase_if(near_, [&](uint32_t i) { return !(features_.depths_m[i] > 0); });
@@ -67,7 +68,7 @@ class ViewMatcher {
   std::vector<uint32_t> near_;
 };
 
-/// The keypoints of `points` that `view` should show, and whether it does.
+/// Returns the keypoints of `points` expected in `view`, and whether each was found.
 std::vector<ExpectedKeypoint> find_expected_keypoints(const Features& features, const Features& points,
                                                       const SE3& T_view_points, const PinholeCamera& camera) {
   ViewMatcher view(features, camera);
@@ -85,7 +86,7 @@ std::vector<ExpectedKeypoint> find_expected_keypoints(const Features& features, 
   return expected;
 }
 
-/// How many of the `kRegionSize` nearest to `center` were found.
+/// Returns how many of the `kRegionSize` keypoints nearest to `center` were found.
 int count_found_near(const Eigen::Vector2d& center, std::vector<ExpectedKeypoint>& expected) {
   std::nth_element(expected.begin(), expected.begin() + kRegionSize, expected.end(),
                    [&](const ExpectedKeypoint& a, const ExpectedKeypoint& b) {
@@ -95,7 +96,7 @@ int count_found_near(const Eigen::Vector2d& center, std::vector<ExpectedKeypoint
                                         [](const ExpectedKeypoint& e) { return e.found; }));
 }
 
-/// The probability of at most `most` of `kRegionSize` where each comes with probability p.
+/// Returns the probability that at most `most` of `kRegionSize` keypoints are found, each with probability p.
 double binomial_tail(int most, double p) {
   double term = std::pow(1 - p, kRegionSize), sum = term;
   for (int x = 0; x < most; ++x) {
@@ -117,7 +118,8 @@ double one_way_p_value(const Features& view, const Features& points, const SE3& 
   }
   const auto found =
       std::count_if(expected.begin(), expected.end(), [](const ExpectedKeypoint& e) { return e.found; });
-  constexpr double kMinRelativeRate = 1.0 / 3;  // blur, light and slant leave a region that much at least
+  // blur, illumination and slant leave at least this much of a region
+  constexpr double kMinRelativeRate = 1.0 / 3;
   return binomial_tail(fewest,
                        kMinRelativeRate * static_cast<double>(found) / static_cast<double>(expected.size()));
 }

@@ -1,6 +1,7 @@
 #pragma once
-// In: the keypoints of two views and the pose between them. Out: whether one view lacks something that it
-// should show. An armchair in front of a wall looks the same in two rooms; the pictures on the wall do not.
+// Appearance check: tests whether one view lacks something that it should show, given the keypoints of two
+// views and their relative pose. An armchair in front of a wall looks the same in two rooms; the pictures on
+// the wall do not.
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/camera.hpp"

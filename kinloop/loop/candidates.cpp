@@ -5,7 +5,8 @@
 namespace kinloop {
 namespace {
 
-/// Likeness of the keyframe to the least alike of its neighbours: what "the same place" means here and now.
+/// Returns the lowest similarity of the keyframe to a covisible one: the local reference for "the same
+/// place".
 double min_covisible_score(const PlaceIndex& index, KeyframeId keyframe,
                            const std::vector<std::pair<KeyframeId, int>>& neighbours) {
   double lowest = 1.0;

@@ -1,5 +1,6 @@
 #pragma once
-// In: a keyframe and the place index. Out: keyframes that look like the same place, seen long before.
+// Loop detection: finds older keyframes that look like the same place as a new keyframe, using the place
+// index.
 
 #include <vector>
 

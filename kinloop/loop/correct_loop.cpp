@@ -17,10 +17,10 @@ PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, int share
   return edge;
 }
 
-/// The keyframe after which the camera came to this one.
+/// Returns the keyframe preceding this one in time.
 std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe) {
   if (keyframe.begins_component) return std::nullopt;
-  uint32_t id = keyframe.id.value - 1;  // the oldest of a component begins it
+  uint32_t id = keyframe.id.value - 1;  // the first keyframe of a component has no predecessor
   while (map.keyframe(KeyframeId{id}).component != keyframe.component) --id;
   return KeyframeId{id};
 }
@@ -30,7 +30,7 @@ std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe) 
 Matrix6d edge_information(int shared, const LoopOptions& options) {
   const double metres = options.landmark_sigma_m;
   const double half_radians =
-      0.5 * options.landmark_sigma_rad;  // a quaternion's vector part is half the angle
+      0.5 * options.landmark_sigma_rad;  // the vector part of a quaternion is half the angle
   Vector6d diagonal;
   diagonal.head<3>().setConstant(shared / (metres * metres));
   diagonal.tail<3>().setConstant(shared / (half_radians * half_radians));

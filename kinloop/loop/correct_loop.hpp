@@ -1,5 +1,5 @@
 #pragma once
-// In: the map with verified loop edges. Out: the update that distributes the drift over all keyframes.
+// Loop correction: distributes the drift over all keyframes of a map with verified loop edges.
 
 #include <vector>
 

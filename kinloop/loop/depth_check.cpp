@@ -11,18 +11,18 @@
 namespace kinloop {
 namespace {
 
-constexpr double kNeighborhood_px = 8;  // the slope of depth was measured that far around a keypoint
+constexpr double kNeighborhood_px = 8;  // radius around a keypoint in which its depth gradient was measured
 constexpr double kSigmas = 3;
-constexpr int kMaxDepthOutliers = 2;  // depths that are plainly wrong are rare, but there are
+constexpr int kMaxDepthOutliers = 2;  // gross depth errors are rare but do occur
 
-/// Whether the depth around a keypoint is that of a plane; at edges it is not.
+/// Whether the depth around a keypoint is planar, i.e. not at a depth edge.
 bool on_plane(const Features& features, uint32_t index) {
   return features.depths_m[index] > 0 && index < features.inverse_depth_gradients.size() &&
          features.inverse_depth_gradients[index].allFinite();
 }
 
-/// Inverse depth of a point less that of the surface at its pixel: of the planes measured near there, the one
-/// that fits best. Nothing where none was.
+/// Returns the inverse depth of a point minus that of the surface at its pixel, using the best fitting of the
+/// planes measured nearby. nullopt if there is none.
 std::optional<double> inverse_depth_difference(const Eigen::Vector2d& pixel, double inverse_depth,
                                                const Features& view, const FeatureGrid& grid,
                                                std::vector<uint32_t>& near) {
@@ -39,11 +39,11 @@ std::optional<double> inverse_depth_difference(const Eigen::Vector2d& pixel, dou
   return least;
 }
 
-/// The keypoints of `points` against the surfaces of `view`.
+/// Compares the keypoints of `points` with the surfaces of `view`.
 DepthConsistency check_against_view(const Features& view, const Features& points, const SE3& T_view_points,
                                     const PinholeCamera& camera, double position_sigma_m) {
   const FeatureGrid grid(view, camera.width, camera.height);
-  const double noise = DepthNoise{}.coefficient_per_m;  // of inverse depth: the same at every distance
+  const double noise = DepthNoise{}.coefficient_per_m;  // of the inverse depth, independent of distance
   DepthConsistency depths;
   std::vector<uint32_t> near;
   for (uint32_t i = 0; i < points.size(); ++i) {
@@ -52,7 +52,7 @@ DepthConsistency check_against_view(const Features& view, const Features& points
     if (!seen) continue;
     const auto before = inverse_depth_difference(seen->pixel, 1 / seen->depth_m, view, grid, near);
     if (!before) continue;
-    // d(1/z) = dz / z^2, for the point's own noise and the pose's; then the noise of the surface.
+    // d(1/z) = dz / z^2 for the noise of the point and of the pose, plus the noise of the surface.
     const double z2 = seen->depth_m * seen->depth_m;
     const double source2 = seen->source_depth_m * seen->source_depth_m;
     const double tolerance = kSigmas * std::hypot(noise, noise * source2 / z2, position_sigma_m / z2);

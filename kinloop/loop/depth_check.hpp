@@ -1,7 +1,7 @@
 #pragma once
-// In: the keypoints of two views and the pose between them. Out: whether both depth measurements are
-// consistent with one scene. Similar furniture can give a confident pose in the wrong place; the room around
-// it then differs.
+// Depth check: tests whether the depth measurements of two views are consistent with one scene, given their
+// relative pose. Similar furniture can give a confident pose in the wrong place, but then the geometry around
+// it differs.
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/camera.hpp"

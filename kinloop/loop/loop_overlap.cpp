@@ -7,9 +7,9 @@
 namespace kinloop {
 namespace {
 
-constexpr int kMinOverlapLandmarks = 15;  // landmarks that make two keyframes neighbours, as in the local map
+constexpr int kMinOverlapLandmarks = 15;  // shared landmarks required for covisibility, as in the local map
 
-/// An end of the loop and its neighbours on the same side of it.
+/// One end of the loop and its covisible keyframes on the same side.
 std::vector<KeyframeId> same_side_keyframes(const Map& map, KeyframeId end, uint32_t loop_length) {
   std::vector<KeyframeId> keyframes{end};
   for (const auto& [neighbour, shared] : map.covisible_keyframes(end, kMinOverlapLandmarks)) {
@@ -30,19 +30,20 @@ std::unordered_set<LandmarkId> landmarks_of(const Keyframe& keyframe) {
   return landmarks;
 }
 
-/// Where the camera sees a point of its frame at the stamp; nothing behind it or outside the image.
+/// Projects a point given in the camera frame at the stamp; nullopt if behind the camera or outside the
+/// image.
 std::optional<Eigen::Vector2d> raw_pixel(const Eigen::Vector3d& p_camera,
                                          const RollingShutterCamera& moving) {
-  constexpr int kRounds = 3;  // the row tells the time and the time the row: it converges at once
+  constexpr int kRounds = 3;  // row and time depend on each other; converges at once
   const PinholeCamera& camera = moving.camera;
   Eigen::Vector2d raw;
-  double row = 0;  // share of the height, -0.5 to 0.5
+  double row = 0;  // relative to the height, -0.5 to 0.5
   for (int round = 0; round < kRounds; ++round) {
     const Eigen::Vector3d p =
         point_in_later_camera(p_camera, moving.velocity, moving.sensor(kRollingShutter) * row);
     if (!(p.z() > 0)) return std::nullopt;
     const Eigen::Vector2d pixel = corrected_pixel(camera, moving.sensor, p.hnormalized());
-    // Distortion is a polynomial: far outside the image it may lead back into it.
+    // Far outside the image the distortion polynomial may map points back into it.
     if (!camera.contains(pixel, -0.5 * camera.width)) return std::nullopt;
     raw = camera.distort(pixel);
     if (!camera.contains(raw)) return std::nullopt;
@@ -71,7 +72,7 @@ KeyframePair most_overlapping_pair(const Map& map, const LoopEdge& loop) {
 std::vector<ReprojectedLandmark> reproject_landmarks(const Map& map, KeyframeId from, KeyframeId into,
                                                      const RollingShutterCamera& camera_into) {
   const Keyframe &first = map.keyframe(from), &second = map.keyframe(into);
-  std::unordered_map<LandmarkId, size_t> feature_of;  // of the second keyframe
+  std::unordered_map<LandmarkId, size_t> feature_of;  // keypoint of the second keyframe per landmark
   for (size_t i = 0; i < second.landmark_of.size(); ++i) feature_of.emplace(second.landmark_of[i], i);
   const SE3 T_second_world = second.T_world_camera.inverse();
   std::vector<ReprojectedLandmark> landmarks;

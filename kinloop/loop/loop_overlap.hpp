@@ -1,6 +1,6 @@
 #pragma once
-// In: the finished map and a loop edge. Out: the evidence for the edge: the two keyframes around it with the
-// most common landmarks, and the landmarks of one reprojected into the image of the other.
+// Evidence for a loop edge in the finished map: the two keyframes around it with the most shared landmarks,
+// and the landmarks of one reprojected into the image of the other.
 
 #include <optional>
 #include <vector>

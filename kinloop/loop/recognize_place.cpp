@@ -7,7 +7,7 @@
 namespace kinloop {
 namespace {
 
-/// Pairs (landmark of the local map, keypoint) that are each other's nearest by descriptor.
+/// Pairs (landmark of the local map, keypoint) that are mutual nearest neighbours by descriptor.
 std::vector<Match> match_descriptors(const Features& features, const LocalMap& local_map,
                                      const LoopOptions& options) {
   std::vector<Match> kept;
@@ -47,7 +47,7 @@ std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const Loc
   TrackResult result = track_local_map(frame, grid, local_map, initial->T_reference_camera, options.window_px,
                                        camera, tracking);
   if (result.status != TrackStatus::kTracked) return std::nullopt;
-  // Once more from the better pose: the windows now fall where they belong.
+  // Match again from the improved pose, which centres the search windows correctly.
   result = track_local_map(frame, grid, local_map, result.T_reference_camera, tracking.local_map_window_px,
                            camera, tracking);
   if (!is_verified(result, features, local_map, camera, options)) return std::nullopt;

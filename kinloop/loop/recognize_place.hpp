@@ -1,6 +1,6 @@
 #pragma once
-// In: a frame and a part of the map that may show the same place. Out: the frame's pose there, if it is
-// certain. Used by loop closing and relocalisation.
+// Place recognition: estimates the pose of a frame relative to a part of the map that may show the same
+// place. Used by loop closing and relocalization.
 
 #include <optional>
 

@@ -1,5 +1,5 @@
 #pragma once
-// In: a frame after tracking loss. Out: its pose, if the place is in the map.
+// Relocalization: finds the pose of a frame in the map after tracking loss.
 
 #include <optional>
 

@@ -1,5 +1,5 @@
 #pragma once
-// In: a new keyframe and loop candidates. Out: the verified loop. The input is copied out of the map, so that
+// Loop verification for a new keyframe and its loop candidates. The input is copied out of the map, so that
 // verification can run while tracking continues.
 
 #include <optional>

@@ -9,7 +9,7 @@
 namespace kinloop {
 namespace {
 
-/// Landmarks that the keyframes see and at least two keyframes confirm, in order of id.
+/// Landmarks observed by the keyframes and by at least two keyframes in total, in order of id.
 std::vector<LandmarkId> confirmed_landmarks(const Map& map, const std::vector<KeyframeId>& keyframes) {
   std::set<LandmarkId> ids;
   for (const KeyframeId keyframe : keyframes) {
@@ -20,7 +20,7 @@ std::vector<LandmarkId> confirmed_landmarks(const Map& map, const std::vector<Ke
   return {ids.begin(), ids.end()};
 }
 
-/// Keyframes outside `window` that see `landmarks`, those that see most first, at most `max_count`.
+/// Returns at most `max_count` keyframes outside `window` that observe `landmarks`, most observations first.
 std::vector<KeyframeId> observers_outside(const Map& map, const std::vector<KeyframeId>& window,
                                           const std::vector<LandmarkId>& landmarks, int max_count) {
   std::vector<std::pair<int, KeyframeId>> counts;
@@ -44,10 +44,10 @@ KeypointMeasurement measurement_of(const Features& features, uint32_t feature, c
                                        : compensated_measurement(features, feature);
 }
 
-/// Where no pose of a component is held its oldest is, so that nothing can float away.
+/// If no pose of a component is constant, fixes its oldest one, which removes the gauge freedom.
 void fix_gauge(BundleAdjustmentProblem& problem, const Map& map) {
   auto& fixed = problem.bundle.fixed;
-  std::map<uint32_t, size_t> anchor_of;  // component -> index of its held or oldest pose
+  std::map<uint32_t, size_t> anchor_of;  // component -> index of its constant or oldest pose
   for (size_t i = 0; i < problem.keyframes.size(); ++i) {
     const auto [anchor, first] = anchor_of.try_emplace(map.keyframe(problem.keyframes[i]).component, i);
     if (first || fixed[anchor->second] != 0) continue;

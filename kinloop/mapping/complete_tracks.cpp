@@ -12,7 +12,7 @@ bool sees(const Landmark& landmark, KeyframeId keyframe) {
                      [&](const Observation& seen) { return seen.keyframe == keyframe; });
 }
 
-/// Whether some keyframe sees both, and so sees them to be two.
+/// Whether some keyframe observes both, which proves that they are distinct.
 bool observed_together(const Landmark& a, const Landmark& b) {
   return std::any_of(a.observations.begin(), a.observations.end(),
                      [&](const Observation& seen) { return sees(b, seen.keyframe); });
@@ -26,7 +26,7 @@ void complete_tracks(Map& map, const PinholeCamera& camera, const LocalMapOption
     const KeyframeId id{i};
     for (const auto& [landmark, feature] :
          find_unobserved_landmarks(map, id, make_local_map(map, id, local_map), camera, options)) {
-      if (!map.contains(landmark)) continue;  // merged a moment ago
+      if (!map.contains(landmark)) continue;  // already merged
       const LandmarkId existing = map.keyframe(id).landmark_of[feature];
       if (!existing.valid()) {
         map.add_observation(landmark, {id, feature});

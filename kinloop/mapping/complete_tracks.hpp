@@ -1,5 +1,5 @@
 #pragma once
-// In: a map with accurate poses. Out: the map with additional observations across keyframes.
+// Track completion: adds missing observations across keyframes to a map with accurate poses.
 
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/local_map.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// In: a frame that became a keyframe. Out: the map with its observations and new landmarks.
+// Adds the observations of a new keyframe and creates its landmarks.
 
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/map.hpp"

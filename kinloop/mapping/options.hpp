@@ -14,7 +14,7 @@ struct MappingOptions {
   bool complete_tracks = true;
   bool local_ba_enabled = true;
   int local_ba_keyframes = 12;
-  // The next keyframe goes on from there.
+  // max_iterations: the next local bundle adjustment continues the optimization.
   BundleOptions local_ba = {.rounds = 1, .max_iterations = 4, .tolerance = 1e-3};
 
   template <class Self, class Visit>

@@ -10,10 +10,10 @@
 namespace kinloop {
 namespace {
 
-/// Keypoints that show no landmark and have no depth to make one of.
+/// Keypoints without landmark and without depth.
 struct UnmappedKeypoints {
   std::vector<uint32_t> features;
-  cv::Mat descriptors;  // one row each
+  cv::Mat descriptors;  // one row per keypoint
 };
 
 UnmappedKeypoints collect_unmapped(const Keyframe& keyframe, double max_depth_m) {
@@ -34,7 +34,7 @@ Bearing make_bearing(const Features& features, uint32_t feature, const PinholeCa
           static_cast<double>(features.sigmas_px[feature]) / camera.fx};
 }
 
-/// Whether two keypoints can be the same thing, seen from as far as the point is from each camera.
+/// Whether the keypoint scales are consistent with one point at these distances.
 bool consistent_scale(const Features& a, uint32_t i, double distance_a_m, const Features& b, uint32_t j,
                       double distance_b_m) {
   const double expected_levels = std::log(distance_a_m / distance_b_m) / std::log(a.scale_factor);
@@ -43,7 +43,7 @@ bool consistent_scale(const Features& a, uint32_t i, double distance_a_m, const 
 
 int triangulate_pair(Map& map, KeyframeId id, KeyframeId neighbour_id, const PinholeCamera& camera,
                      const MappingOptions& options) {
-  constexpr double kMinParallaxRad = 0.03;  // below, depth along the rays is open
+  constexpr double kMinParallaxRad = 0.03;  // below it depth along the rays is unconstrained
   constexpr int kMaxHammingDistance = 50;   // bits of 256
   const auto a = collect_unmapped(map.keyframe(id), options.max_depth_m);
   const auto b = collect_unmapped(map.keyframe(neighbour_id), options.max_depth_m);
@@ -74,11 +74,11 @@ std::optional<Eigen::Vector3d> triangulate(const Bearing& a, const Bearing& b, c
   const Eigen::Vector3d normal = a.ray.cross(ray_b);
   const double sine = normal.norm();
   if (!(sine > std::sin(min_parallax_rad)) || a.ray.dot(ray_b) < 0) return std::nullopt;
-  // Where along each ray the other comes nearest.
+  // Distances along the rays at their closest approach.
   const double along_a = baseline.cross(ray_b).dot(normal) / (sine * sine);
   const double along_b = baseline.cross(a.ray).dot(normal) / (sine * sine);
   if (!(along_a > 0) || !(along_b > 0)) return std::nullopt;
-  // The gap is an angle at each camera; the point divides it as the two could be off.
+  // The gap subtends an angle at each camera; the point divides it in proportion to the two uncertainties.
   const double gap_m = std::abs(baseline.dot(normal)) / sine;
   const double off_a_m = along_a * a.sigma_rad, off_b_m = along_b * b.sigma_rad;
   constexpr double kMaxChi2 = 3.841;  // 95 % with one degree of freedom

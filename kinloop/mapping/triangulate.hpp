@@ -1,5 +1,5 @@
 #pragma once
-// In: a new keyframe. Out: landmarks for keypoints without depth, triangulated from two views.
+// Triangulates landmarks for keypoints without depth from two views.
 
 #include <optional>
 

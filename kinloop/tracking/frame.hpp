@@ -1,5 +1,5 @@
 #pragma once
-// A camera image prepared for tracking, and what is kept of it afterwards.
+// A camera image prepared for tracking, and the part of it kept for the next frame.
 
 #include <memory>
 #include <vector>

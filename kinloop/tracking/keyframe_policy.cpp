@@ -24,13 +24,13 @@ int unmapped_with_depth(const TrackResult& result, const Features& features) {
   return count;
 }
 
-/// How far the camera moved as a share of the motion that asks for a keyframe.
+/// Camera motion relative to the motion that triggers a keyframe.
 double relative_motion(const SE3& T_keyframe_camera, double depth_m, const KeyframeOptions& options) {
   return std::max(T_keyframe_camera.angle_rad() / options.max_rotation_rad,
                   T_keyframe_camera.translation.norm() / (depth_m * options.max_relative_translation));
 }
 
-/// How many of the matched landmarks each keyframe shows.
+/// Returns how many of the matched landmarks each keyframe observes.
 std::vector<int> shared_counts(const Map& map, const std::vector<LandmarkMatch>& matches) {
   std::vector<int> shared(map.keyframes().size(), 0);
   for (const LandmarkMatch& match : matches) {
@@ -46,10 +46,10 @@ std::vector<int> shared_counts(const Map& map, const std::vector<LandmarkMatch>&
 bool needs_keyframe(const KeyframeCriteria& q, const KeyframeOptions& options) {
   if (q.result.status != TrackStatus::kTracked) return false;
   const double depth_m = median_depth_m(*q.frame.features);
-  double moved = std::numeric_limits<double>::infinity();  // from the nearest
+  double moved = std::numeric_limits<double>::infinity();  // from the nearest keyframe
   for (const SE3& T : q.T_keyframe_camera) moved = std::min(moved, relative_motion(T, depth_m, options));
   if (moved > 1) return true;
-  // A camera that stands still sees nothing new, however long it stands.
+  // A static camera sees nothing new, however long it stays.
   constexpr double kMinMotion = 0.5;
   if (moved < kMinMotion) return false;
 

@@ -7,8 +7,8 @@
 namespace kinloop {
 namespace {
 
-/// Where the point was at the stamp, in camera axes. The point lies on the ray of its pixel at the time of
-/// its row, at the distance that makes it agree with the depth measured at the time of the depth image.
+/// Returns the point in camera axes at the frame's stamp. The point lies on the ray of its pixel at the time
+/// of its row, at the distance consistent with the depth measured at the time of the depth image.
 Eigen::Vector3d deskew_point(const KeypointMeasurement& m, const PinholeCamera& camera,
                              const SensorVector& sensor, const Velocity& velocity) {
   const double color_time_s = sensor(kRollingShutter) * m.row;
@@ -17,7 +17,7 @@ Eigen::Vector3d deskew_point(const KeypointMeasurement& m, const PinholeCamera& 
   const Eigen::Vector3d ray = corrected_ray(camera, sensor, m.pixel).homogeneous();
   const double inverse_depth = (1 + sensor(kDepthScale)) / m.depth_m +
                                sensor.segment<6>(kDepthOffset).dot(depth_offset_basis(camera, m.pixel));
-  constexpr int kRounds = 3;  // the two times differ by a fraction of a frame: it converges at once
+  constexpr int kRounds = 3;  // converges at once: the two times differ by a fraction of a frame
   double z = 1 / inverse_depth;
   Eigen::Vector3d p = point_in_earlier_camera(z * ray, velocity, color_time_s);
   if (!has_slope) return p;

@@ -1,7 +1,7 @@
 #pragma once
-// In: keypoints measured by a moving camera with a rolling shutter, and its motion. Out: the same keypoints
-// as seen by an ideal static camera at the time of the middle row. Later stages then need not model the
-// row-wise exposure and the delay of depth.
+// Motion compensation (deskewing): converts keypoints measured by a moving rolling-shutter camera to those of
+// an ideal static camera at the time of the middle row. Later stages then need not model the row-wise
+// exposure and the depth delay.
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/camera.hpp"

@@ -8,9 +8,9 @@
 namespace kinloop {
 namespace {
 
-constexpr double kMaxExtrapolation_s = 0.25;  // hands change direction within a few tenths of a second
-constexpr double kSmoothing = 0.9;  // weight of the acceleration noise so far against that of one more frame
-constexpr double kDefaultSpeed_m_s = 0.5;  // 1 sigma of a hand of which nothing is known
+constexpr double kMaxExtrapolation_s = 0.25;  // hand motion reverses within a few tenths of a second
+constexpr double kSmoothing = 0.9;  // weight of the previous acceleration noise against that of the new frame
+constexpr double kDefaultSpeed_m_s = 0.5;  // 1 sigma of a handheld camera of unknown motion
 constexpr double kDefaultTurnRate_rad_s = 1.0;
 
 }  // namespace

@@ -34,11 +34,11 @@ class MotionModel {
  private:
   /// Random walk of the velocity: growth of its variance per second, per axis.
   struct AccelerationNoise {
-    double translation = 0.1;  // (m/s)^2 / s: an average hand
+    double translation = 0.1;  // (m/s)^2 / s: typical for handheld motion
     double rotation = 1.0;     // (rad/s)^2 / s
   };
 
-  std::optional<Velocity> velocity_;  // kept up at constant twist
+  std::optional<Velocity> velocity_;  // constant twist
   AccelerationNoise acceleration_noise_;
 };
 

@@ -10,11 +10,12 @@
 namespace kinloop {
 namespace {
 
-/// Points of the previous frame with known place: its landmarks where it shows some, else its own depth.
+/// Points of the previous frame with known position: its landmarks if it observes any, else its own depth
+/// measurements.
 struct PreviousPoints {
   std::vector<Eigen::Vector3d> p_reference;
   std::vector<uint32_t> features;  // keypoints of the previous frame
-  std::vector<bool> mapped;        // by a landmark
+  std::vector<bool> mapped;        // whether the point is a landmark
 };
 
 PreviousPoints points_of(const TrackedFrame& previous, const LocalMap& local_map,
@@ -37,7 +38,7 @@ PreviousPoints points_of(const TrackedFrame& previous, const LocalMap& local_map
   return points;
 }
 
-/// One way of tracking: everything a try needs.
+/// Input of one tracking method.
 struct TrackingContext {
   const PreparedFrame& frame;
   const FeatureGrid& grid;
@@ -49,7 +50,7 @@ struct TrackingContext {
 
 PoseObservation observation_of(const TrackingContext& t, size_t point, uint32_t feature) {
   const Features& before = *t.previous.frame.features;
-  // A point known from the previous frame alone is as uncertain as its own keypoint there.
+  // A point known only from the previous frame is as uncertain as its keypoint there.
   const double sigma_before =
       t.points.mapped[point] ? 0.0 : static_cast<double>(before.sigmas_px[t.points.features[point]]);
   PoseObservation seen{compensated_measurement(*t.frame.features, feature), t.points.p_reference[point]};
@@ -84,10 +85,10 @@ std::optional<FramePose> solve(const TrackingContext& t, const std::vector<Match
   return keep_inliers(*solution, observations, features);
 }
 
-/// Half side of the window in which to search for a point that is seen `depth_m` away on level 0.
+/// Half side of the search window for a point at `depth_m` on pyramid level 0.
 using SearchRadius = std::function<double(double depth_m)>;
 
-/// As far as the prediction may be off.
+/// Prediction uncertainty.
 SearchRadius predicted_window(const PredictedPose& predicted, const PinholeCamera& camera,
                               const TrackingOptions& options) {
   constexpr double kWindowSigmas = 3;
@@ -120,7 +121,7 @@ std::optional<FramePose> track_by_projection(const TrackingContext& t, const SE3
   return solve(t, matches, T_reference_camera);
 }
 
-/// Rigid 3D-3D motion from the matches that have depth on both sides.
+/// Estimates rigid 3D-3D motion from the matches with depth on both sides.
 std::optional<SE3> rigid_guess(const TrackingContext& t, const std::vector<PoseObservation>& observations,
                                uint64_t seed) {
   const SE3 T_previous_reference = t.previous.T_reference_camera.inverse();
@@ -135,8 +136,8 @@ std::optional<SE3> rigid_guess(const TrackingContext& t, const std::vector<PoseO
   return t.previous.T_reference_camera * solution->T_a_b;
 }
 
-/// Brute-force Hamming matching with the founding paper's screen, then RANSAC: P3P, and rigid 3D-3D if that
-/// fails.
+/// Brute-force Hamming matching with the match screening of the ORB paper, then RANSAC: P3P, and rigid 3D-3D
+/// if that fails.
 std::optional<FramePose> track_by_brute_force(const TrackingContext& t, uint64_t seed) {
   const cv::Mat& all = t.previous.frame.features->descriptors;
   cv::Mat descriptors;
@@ -155,14 +156,14 @@ std::optional<FramePose> track_by_brute_force(const TrackingContext& t, uint64_t
   return pose;
 }
 
-/// The pose of `frame` by laying its depth and grey images onto those of `previous`, starting from
-/// `T_reference_camera_guess`: its information is small where surfaces and intensities leave a direction
-/// open. Nothing where too little of them overlaps.
+/// Estimates the pose of `frame` by dense alignment of its depth and grey images to those of `previous`,
+/// starting from `T_reference_camera_guess`. Its information is small in directions that surfaces and
+/// intensities leave unconstrained. nullopt if the overlap is too small.
 std::optional<FramePose> align_to_previous_frame(const PreparedFrame& frame, const TrackedFrame& previous,
                                                  const SE3& T_reference_camera_guess,
                                                  const PinholeCamera& camera,
                                                  const TrackingOptions& options) {
-  constexpr double kMinOverlap = 0.4;  // of the depth pixels: less may be another place
+  constexpr double kMinOverlap = 0.4;  // fraction of the depth pixels; less overlap may be another place
   const IcpCamera grids = make_icp_camera(camera, options.icp);
   const auto aligned =
       align_icp(grids, make_icp_frame(grids, previous.frame.depth_m, previous.frame.gray),
@@ -186,7 +187,7 @@ std::optional<FramePose> estimate_pose_from_previous_frame(
   const TrackingContext t{frame, grid, previous, points, camera, options};
   std::optional<FramePose> best;
   int attempts = 0;
-  // A handful of chance matches can agree on a wrong pose: a try with little support is not the last.
+  // A few chance matches can agree on a wrong pose, so try the next method if the support is small.
   const auto accept = [&](std::optional<FramePose> pose) {
     ++attempts;
     if (pose && (!best || pose->support.size() > best->support.size())) best = std::move(pose);

@@ -8,7 +8,7 @@
 namespace kinloop {
 namespace {
 
-/// Landmarks of the local map that the camera should see, with the index of each in the local map.
+/// Landmarks of the local map expected in view, with the index of each in the local map.
 struct VisibleLandmarks {
   std::vector<ProjectedPoint> projected;
   std::vector<uint32_t> index_in_local_map;
@@ -27,8 +27,8 @@ VisibleLandmarks project_local_map(const LocalMap& local_map, const Features& fe
   return visible;
 }
 
-/// Refines on landmarks of the local map, and where they are few also on the previous frame's unmapped
-/// points.
+/// Refines the pose on landmarks of the local map and, if these are few, also on unmapped points of the
+/// previous frame.
 TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const LocalMap& local_map,
                    const FramePose& guess, double window_px, const PinholeCamera& camera,
                    const TrackingOptions& options) {
@@ -86,7 +86,7 @@ TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, cons
   const auto guess =
       estimate_pose_from_previous_frame(frame, grid, previous, local_map, predicted, camera, options, seed);
   if (!guess) {
-    // The previous frame may have been blurred beyond use; the map still knows what should be in sight.
+    // Tracking against the previous frame can fail, e.g. by motion blur; the local map may still be visible.
     const TrackResult result =
         track_local_map(frame, grid, local_map, predicted.T, options.wide_window_px, camera, options);
     return has_sufficient_inlier_ratio(result, *frame.features, options.min_inlier_ratio) ? result

@@ -1,6 +1,7 @@
 #pragma once
-// In: a prepared frame, the previous frame, the local map and a predicted pose. Out: the frame's pose
-// relative to the reference keyframe and its landmark matches. A pure function: the caller keeps all state.
+// Tracks a prepared frame against the previous frame and the local map, starting from a predicted pose.
+// Returns the pose relative to the reference keyframe and the landmark matches. A pure function: the caller
+// keeps all state.
 
 #include <vector>
 
