@@ -1,7 +1,6 @@
 #pragma once
-// In: a least squares problem, a state to start from and how to damp. Out: the state at the nearest minimum
-// that damped Gauss-Newton steps reach (Levenberg 1944, Marquardt 1963). The one loop that all built-in
-// solvers share.
+// Damped Gauss-Newton iteration to the nearest minimum of a least squares problem (Levenberg 1944, Marquardt
+// 1963). All built-in solvers use this loop.
 
 #include <algorithm>
 #include <cmath>
@@ -11,15 +10,15 @@
 
 namespace kinloop {
 
-/// Damping that changes by constant factors. Every step that does not raise the cost is taken.
+/// Damping that changes by constant factors. Accepts every step that does not raise the cost.
 struct FactorDamping {
   double value = 1e-5;  ///< relative to the diagonal of the normal equations
   double decrease_factor = 0.1;
   double increase_factor = 10;
   double min_value = 0;
-  double max_value = std::numeric_limits<double>::infinity();  ///< from here on no step is tried
+  double max_value = std::numeric_limits<double>::infinity();  ///< stop when the damping reaches this value
 
-  /// Whether to take a step of that gain, which is how much it lowers the cost; never for NaN.
+  /// Returns whether to accept a step with this gain, the decrease of the cost; false for NaN.
   bool accept(double gain) {
     const bool accepted = gain >= 0;
     if (accepted) {
@@ -33,16 +32,16 @@ struct FactorDamping {
   [[nodiscard]] bool is_exhausted() const { return value >= max_value; }
 };
 
-/// Nielsen's damping by the gain ratio, that of the decrease of the cost to the decrease that the linear
-/// model predicts (Madsen et al. 2004, "Methods for non-linear least squares problems").
+/// Nielsen's damping by the gain ratio: the decrease of the cost relative to the decrease predicted by the
+/// linear model (Madsen et al. 2004, "Methods for non-linear least squares problems").
 struct NielsenDamping {
   double value = 1e-4;  ///< relative to the diagonal of the normal equations
   double min_gain_ratio = 1e-4;
-  int max_rejections = 20;  ///< of successive steps
-  double growth = 2;        ///< at the next rejection
-  int rejections = 0;       ///< of successive steps so far
+  int max_rejections = 20;  ///< maximum number of successive rejected steps
+  double growth = 2;        ///< damping factor for the next rejection
+  int rejections = 0;       ///< successive rejected steps so far
 
-  /// Whether to take a step of that gain ratio; never for NaN.
+  /// Returns whether to accept a step with this gain ratio; false for NaN.
   bool accept(double gain_ratio) {
     if (!(gain_ratio > min_gain_ratio)) {
       increase();
@@ -61,37 +60,38 @@ struct NielsenDamping {
   [[nodiscard]] bool is_exhausted() const { return rejections >= max_rejections; }
 };
 
-/// A step that was tried.
+/// A trial step.
 struct LevenbergMarquardtTrial {
-  double cost = 0;       ///< before it
-  double next_cost = 0;  ///< after it
+  double cost = 0;       ///< before the step
+  double next_cost = 0;  ///< after the step
   bool accepted = false;
 
   [[nodiscard]] double decrease() const { return cost - next_cost; }
 };
 
 struct LevenbergMarquardtLimits {
-  int max_steps = std::numeric_limits<int>::max();           ///< tried, accepted or not
-  int max_linearizations = std::numeric_limits<int>::max();  ///< one for each accepted step and the start
+  int max_steps = std::numeric_limits<int>::max();           ///< number of trial steps, accepted or not
+  int max_linearizations = std::numeric_limits<int>::max();  ///< one for the start and one per accepted step
 };
 
 template <class State>
 struct LevenbergMarquardtResult {
   State state;
   double cost = 0;
-  int steps = 0;  ///< tried
+  int steps = 0;  ///< trial steps
   int linearizations = 0;
   bool converged = false;
 };
 
-/// Minimizes the cost of `problem` from `start`, which is given back where no step lowers it. The problem
+/// Minimizes the cost of `problem` from `start`. Returns `start` if no step lowers the cost. The problem
 /// provides
 ///   double cost(const State&);
-///   void linearize(const State&);         // of the state whose cost was asked for last
-///   std::optional<Step> solve(double);    // the step with that damping; nothing where the equations are
-///   singular State apply(const State&, const Step&); double gain(const Step&, double decrease);       //
-///   what the damping judges by bool is_negligible(const Step&, double cost);    // converged: not worth
-///   being tried bool has_converged(const Step&, const LevenbergMarquardtTrial&);
+///   void linearize(const State&);       // at the state of the last call of cost()
+///   std::optional<Step> solve(double);  // the step for this damping; nullopt if singular
+///   State apply(const State&, const Step&);
+///   double gain(const Step&, double decrease);        // gain or gain ratio, passed to the damping
+///   bool is_negligible(const Step&, double cost);     // converged without trying the step
+///   bool has_converged(const Step&, const LevenbergMarquardtTrial&);
 template <class Problem, class State, class Damping>
 LevenbergMarquardtResult<State> minimize_levenberg_marquardt(Problem& problem, State start, Damping damping,
                                                              const LevenbergMarquardtLimits& limits) {

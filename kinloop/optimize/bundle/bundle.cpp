@@ -10,7 +10,7 @@
 namespace kinloop {
 namespace {
 
-constexpr double kMinParallax_rad = 0.003;  // two rays closer than this do not tell where a point is
+constexpr double kMinParallax_rad = 0.003;  // with less parallax two rays do not determine a point
 
 void check(const BundleProblem& problem) {
   const size_t poses = problem.T_world_camera.size();
@@ -24,7 +24,7 @@ void check(const BundleProblem& problem) {
   }
 }
 
-/// What an observation could be used for, were it an inlier.
+/// Use of an observation if it is an inlier.
 BundleUse initial_use(const BundleProblem& problem, const BundleObservation& o) {
   const bool finite = o.pixel.allFinite() && o.sigma_px > 0 && std::isfinite(o.row) &&
                       problem.p_world[o.point].allFinite() && problem.T_world_camera[o.pose].is_finite();
@@ -32,7 +32,8 @@ BundleUse initial_use(const BundleProblem& problem, const BundleObservation& o) 
   return o.depth_m > 0 && std::isfinite(o.depth_m) ? BundleUse::kPixelAndDepth : BundleUse::kPixel;
 }
 
-/// Whether the observations of a point (all in use) tell where it is: by a depth, or by two rays apart.
+/// Whether the observations of a point (all in use) determine its position, by a depth or by two rays with
+/// parallax.
 bool is_constrained(const BundleTask& task, const BundleState& state, const Eigen::Vector3d& p_world,
                     const std::vector<uint32_t>& observations) {
   if (observations.empty()) return false;
@@ -48,7 +49,7 @@ bool is_constrained(const BundleTask& task, const BundleState& state, const Eige
   return false;
 }
 
-/// Leaves out all observations of points that they do not hold.
+/// Drops all observations of points that they do not constrain.
 void drop_unconstrained_points(BundleTask& task, const BundleState& state) {
   std::vector<std::vector<uint32_t>> seen(state.p_world.size());
   for (uint32_t i = 0; i < task.uses.size(); ++i) {
@@ -60,7 +61,7 @@ void drop_unconstrained_points(BundleTask& task, const BundleState& state) {
   }
 }
 
-/// 1 where points have any observation in use.
+/// Returns 1 for each point with an observation in use.
 std::vector<uint8_t> used_points(const BundleTask& task) {
   std::vector<uint8_t> used(task.problem.p_world.size(), 0);
   for (size_t i = 0; i < task.uses.size(); ++i) {
@@ -69,7 +70,7 @@ std::vector<uint8_t> used_points(const BundleTask& task) {
   return used;
 }
 
-/// How an observation that could be used agrees with its residuals.
+/// Use of an observation given its residuals.
 BundleUse inlier_use(const BundleOptions& options, const BundleBlock& block, const BlockResiduals& r,
                      size_t lane) {
   if (!r.is_pixel_inlier(lane, options.inlier_chi2_pixel)) return BundleUse::kNothing;
@@ -78,7 +79,7 @@ BundleUse inlier_use(const BundleOptions& options, const BundleBlock& block, con
                                                                          : BundleUse::kPixel;
 }
 
-/// Decides anew what is used of the observations of adjusted points; those of others keep their mark.
+/// Reclassifies the observations of adjusted points; those of other points keep their classification.
 std::vector<uint8_t> classify(BundleTask& task, const BundleState& state, std::vector<uint8_t> outliers) {
   const auto views = views_of(task, state);
   const auto adjusted = used_points(task);
@@ -98,7 +99,7 @@ std::vector<uint8_t> classify(BundleTask& task, const BundleState& state, std::v
   return outliers;
 }
 
-/// The observations of each pose that could be used, in the order of the problem.
+/// Returns the usable observations of each pose in the order of the problem.
 std::vector<std::vector<BundleBlock>> make_blocks(const BundleTask& task) {
   std::vector<std::vector<BundleBlock>> blocks_of_pose(task.problem.T_world_camera.size());
   for (uint32_t i = 0; i < task.uses.size(); ++i) {

@@ -1,11 +1,9 @@
 #pragma once
-// In: keyframe poses, points, and where the keyframes see the points. Out: the poses, points and, where
-// asked, corrections of the sensor under which the observations agree best. See Triggs et al. 2000, "Bundle
-// adjustment - a modern synthesis".
+// Bundle adjustment: estimates keyframe poses, points and, optionally, sensor corrections from the
+// observations of the points. See Triggs et al. 2000, "Bundle adjustment - a modern synthesis".
 //
-// A camera row is exposed at its own time, so the pose that sees a pixel is propagate_pose(T_world_camera,
-// velocity, t) with t = row * rolling shutter, and the pose that measured its depth is the same with the time
-// of the depth image.
+// Each camera row is exposed at its own time: the pose at a pixel is propagate_pose(T_world_camera, velocity,
+// t) with t = row * readout time. The pose of its depth is the same at the time of the depth image.
 
 #include <cstdint>
 #include <vector>
@@ -21,18 +19,18 @@
 
 namespace kinloop {
 
-/// Point `point` as keyframe `pose` measured it.
+/// Measurement of point `point` in keyframe `pose`.
 struct BundleObservation : KeypointMeasurement {
   uint32_t pose = 0;
   uint32_t point = 0;
 };
 
-/// Everything that adjustment needs, as plain values.
+/// Input of bundle adjustment.
 struct BundleProblem {
-  PinholeCamera camera;              ///< its distortion is not used: pixels are undistorted
+  PinholeCamera camera;              ///< distortion is ignored: pixels are undistorted
   std::vector<SE3> T_world_camera;   ///< at the time of the middle row
-  std::vector<uint8_t> fixed;        ///< 1 = the pose is held; may be empty: the first is held
-  std::vector<Velocity> velocities;  ///< of each pose, held; may be empty: zero
+  std::vector<uint8_t> fixed;        ///< 1 = the pose is constant; if empty, the first is constant
+  std::vector<Velocity> velocities;  ///< constant velocity of each pose; if empty, zero
   std::vector<Eigen::Vector3d> p_world;
   std::vector<BundleObservation> observations;
   SensorCalibration sensor;
@@ -45,8 +43,8 @@ constexpr auto option_names(BundleSolver) {
       {{BundleSolver::kBuiltin, "builtin"}, {BundleSolver::kCeres, "ceres"}});
 }
 
-/// `robust_width`, `inlier_chi2_...` and `inverse_depth_sigma_per_m` describe the measurements: Slam sets
-/// them from SlamOptions::noise.
+/// `robust_width`, `inlier_chi2_...` and `inverse_depth_sigma_per_m` describe the measurement noise. Slam
+/// sets them from SlamOptions::noise.
 struct BundleOptions {
   BundleSolver solver = BundleSolver::kBuiltin;
   int rounds = 2;
@@ -72,27 +70,27 @@ struct BundleOptions {
   }
 };
 
-/// What adjustment found.
+/// Result of bundle adjustment.
 struct BundleSolution {
   std::vector<SE3> T_world_camera;
   std::vector<Eigen::Vector3d> p_world;
-  std::vector<uint8_t> point_used;  ///< 0 = too little was seen of it (once without depth, or only outliers)
-  std::vector<uint8_t> outliers;    ///< 1 = the pixel disagrees (or a number of it is not finite)
+  std::vector<uint8_t> point_used;  ///< 0 = too few observations (one without depth, or only outliers)
+  std::vector<uint8_t> outliers;    ///< 1 = pixel outlier (or a value that is not finite)
   SensorVector sensor = SensorVector::Zero();
-  SensorMatrix sensor_covariance = SensorMatrix::Zero();  ///< zero rows for parameters held fixed
-  /// Of each pose T * exp(x), x = (translation; rotation) in its own axes, with everything else that is free
-  /// (poses, points, sensor) unknown and the fixed poses exact: zero for these, an infinite
-  /// diagonal for what nothing observes. Empty unless `pose_covariances` asks for it.
+  SensorMatrix sensor_covariance = SensorMatrix::Zero();  ///< zero rows for constant parameters
+  /// Marginal covariance of each pose T * exp(x), x = (translation [m]; rotation [rad]) in its own axes,
+  /// given exact constant poses. Zero for constant poses; infinite diagonal for directions that nothing
+  /// observes. Empty unless `pose_covariances` is set.
   std::vector<Matrix6d> pose_covariance;
-  double chi2_before = 0;  ///< robust cost of what counts in the end (no outliers), at the start
-  double chi2_after = 0;   ///< and at the end
+  double chi2_before = 0;  ///< robust cost at the start, over the final inliers
+  double chi2_after = 0;   ///< robust cost at the end
   int iterations = 0;
   bool converged = false;
 };
 
-/// Adjusts poses, points and the free sensor parameters. A degenerate problem is answered by what is given:
-/// points that nothing constrains and observations with numbers that are not finite are left out.
-/// Throws std::logic_error when indices point outside or vectors disagree in size.
+/// Adjusts poses, points and free sensor parameters. In degenerate problems, unconstrained points and
+/// observations with values that are not finite are ignored and keep their input values. Throws
+/// std::logic_error if indices are out of range or vector sizes disagree.
 BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& options);
 
 }  // namespace kinloop

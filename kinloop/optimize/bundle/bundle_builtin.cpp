@@ -1,4 +1,4 @@
-// Bundle adjustment by Levenberg and Marquardt on the Schur complement.
+// Bundle adjustment by Levenberg-Marquardt on the Schur complement.
 
 #include <cmath>
 
@@ -8,7 +8,7 @@
 namespace kinloop {
 namespace {
 
-/// Bundle adjustment for minimize_levenberg_marquardt.
+/// Adapter of bundle adjustment for minimize_levenberg_marquardt.
 class BundleMinimizer {
  public:
   explicit BundleMinimizer(const BundleTask& task) : task_(task), schur_(task) {}

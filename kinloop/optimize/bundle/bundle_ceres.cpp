@@ -1,4 +1,4 @@
-// Bundle adjustment through Ceres: the same residuals and derivatives, another solver.
+// Bundle adjustment with Ceres: same residuals and derivatives, different solver.
 
 #include <array>
 
@@ -30,9 +30,9 @@ bool plus_pose(const double* x, const double* d, double* x_plus_d) {
   return true;
 }
 
-// Derivatives by the packed pose hold those by the tangent vector in their first six columns, so that of
-// `Plus` picks these; Ceres uses nothing but the product. It renamed local parametrisations to manifolds
-// in 2.1.
+// The Jacobian with respect to the packed pose holds that with respect to the tangent vector in its first six
+// columns. The Jacobian of `Plus` selects these, since Ceres uses only the product. Ceres 2.1 renamed local
+// parameterizations to manifolds.
 #if CERES_VERSION_MAJOR > 2 || (CERES_VERSION_MAJOR == 2 && CERES_VERSION_MINOR >= 1)
 class PoseManifold : public ceres::Manifold {
  public:
@@ -45,7 +45,8 @@ class PoseManifold : public ceres::Manifold {
     Eigen::Map<PickTangent>(jacobian).setIdentity();
     return true;
   }
-  bool Minus(const double*, const double*, double*) const override { return false; }  // the solver needs none
+  // not needed by the solver
+  bool Minus(const double*, const double*, double*) const override { return false; }
   bool MinusJacobian(const double*, double*) const override { return false; }
 };
 void set_manifold(ceres::Problem& problem, double* block) {
@@ -83,7 +84,7 @@ class ObservationCost : public ceres::CostFunction {
     const BundleView view(unpack(x[0]), task_.velocities[o.pose]);
     const auto linear = linearize_observation(task_, o, task_.uses[observation_], view, Eigen::Vector3d(x[1]),
                                               SensorVector(x[2]));
-    if (!linear.seen) return false;  // Ceres takes a shorter step
+    if (!linear.seen) return false;  // makes Ceres take a shorter step
     Eigen::Map<Eigen::VectorXd>(residuals, rows_) = linear.e.segment(first_row_, rows_);
     if (jacobians == nullptr) return true;
     Eigen::Matrix<double, 3, kPoseSize> J_pose;
@@ -108,7 +109,7 @@ class ObservationCost : public ceres::CostFunction {
   int first_row_, rows_;
 };
 
-/// Distance of a block's entries from given values, each with its inverse variance.
+/// Prior: difference of a parameter block from given values, weighted by inverse variances.
 class PriorCost : public ceres::CostFunction {
  public:
   PriorCost(Eigen::VectorXd mean, const Eigen::VectorXd& information)
@@ -131,7 +132,7 @@ class PriorCost : public ceres::CostFunction {
   Eigen::VectorXd mean_, root_;
 };
 
-/// Huber's loss without its second derivative, so that Ceres reweights as the built-in solver does.
+/// Huber loss without second derivative, so that Ceres reweights like the built-in solver.
 class ReweightingLoss : public ceres::LossFunction {
  public:
   explicit ReweightingLoss(double width) : loss_{width} {}
@@ -145,7 +146,7 @@ class ReweightingLoss : public ceres::LossFunction {
   HuberLoss loss_;
 };
 
-/// The unknowns as Ceres holds them.
+/// The unknowns as Ceres parameter blocks.
 struct Blocks {
   std::vector<PackedPose> poses;
   std::vector<Eigen::Vector3d> points;
@@ -211,9 +212,9 @@ ceres::Solver::Options solver_options(const BundleTask& task, const Blocks& bloc
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.max_num_iterations = task.options.max_iterations;
   options.function_tolerance = task.options.tolerance;
-  options.gradient_tolerance = 0;  // depends on units, the fall of the cost does not
+  options.gradient_tolerance = 0;  // depends on units, unlike the relative decrease of the cost
   options.parameter_tolerance = 0;
-  options.num_threads = 1;  // sums in one order: the same bytes every run
+  options.num_threads = 1;  // fixed summation order: identical results in every run
   options.logging_type = ceres::SILENT;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   std::vector<double*> all;

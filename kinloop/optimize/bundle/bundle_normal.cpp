@@ -32,7 +32,7 @@ BundleNormalEquations::BundleNormalEquations(const BundleTask& bundle_task)
   if (has_sensor) H_sensor_point.resize(points.size());
 }
 
-/// Sorts the observations in use by point and counts what they leave free.
+/// Sorts the observations in use by point and numbers the free unknowns.
 void BundleNormalEquations::number_unknowns() {
   const BundleProblem& problem = task.problem;
   const size_t poses = problem.T_world_camera.size();
@@ -65,7 +65,7 @@ void BundleNormalEquations::number_unknowns() {
   }
 }
 
-/// Gives every observation, in use or not, a place for its rows.
+/// Assigns rows to every observation, in use or not.
 void BundleNormalEquations::make_rows() {
   std::vector<size_t> row_of(task.uses.size());
   size_t blocks = 0;
@@ -84,7 +84,7 @@ void BundleNormalEquations::make_rows() {
   J_point.resize(row_count * 3);
 }
 
-/// Two cameras are coupled where they share a point.
+/// Two cameras are coupled if they observe a common point.
 void BundleNormalEquations::make_pattern() {
   const auto cameras = static_cast<uint32_t>(pose_of_camera.size());
   pattern.size = cameras;
@@ -115,7 +115,7 @@ void BundleNormalEquations::linearize(const BundleState& state) {
   parallel_for(points.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) sum_point(points[i]);
   });
-  H_sensor = SensorVector(SensorVector::Ones() - sensor_free).asDiagonal();  // the held do not move
+  H_sensor = SensorVector(SensorVector::Ones() - sensor_free).asDiagonal();  // fixed parameters do not move
   g_sensor.setZero();
   for (const SensorPart& part : parts) {
     H_sensor += part.H;
@@ -124,7 +124,8 @@ void BundleNormalEquations::linearize(const BundleState& state) {
   add_priors(state);
 }
 
-/// Fills in the rows of a pose, sums what they say of the pose, and returns what they say of the sensor.
+/// Fills in the rows of a pose, sums their contribution to the pose block and returns that to the sensor
+/// block.
 BundleNormalEquations::SensorPart BundleNormalEquations::linearize_pose(size_t pose, const BundleState& state,
                                                                         const BundleView& view) {
   constexpr size_t kRows = ObservationBlock::kSize * kRowsPerObservation;
@@ -157,7 +158,8 @@ BundleNormalEquations::SensorPart BundleNormalEquations::linearize_pose(size_t p
   return part;
 }
 
-/// Sums what the observations of a point say of it, and of it together with cameras and sensor.
+/// Sums the contributions of a point's observations to its own block and to those shared with cameras and
+/// sensor.
 void BundleNormalEquations::sum_point(Point& point) {
   point.H.setZero();
   point.g.setZero();

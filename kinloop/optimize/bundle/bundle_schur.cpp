@@ -9,18 +9,19 @@
 namespace kinloop {
 namespace {
 
-constexpr double kMinDiagonal = 1e-9;      // so that unknowns nothing depends on stay where they are
-constexpr double kSmallestDamping = 1e-9;  // makes a singular system solvable and hardly changes any other
+constexpr double kMinDiagonal = 1e-9;  // keeps unknowns without observations in place
+// makes a singular system solvable with negligible effect on others
+constexpr double kSmallestDamping = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Marquardt's damping: in proportion to each unknown's own stiffness.
+/// Marquardt's damping: proportional to the diagonal entry of each unknown.
 template <class Diagonal>
 void damp(Diagonal&& diagonal, double damping) {
   diagonal = (diagonal * (1 + damping)).cwiseMax(kMinDiagonal).eval();
 }
 
-/// Inverse, scaled first for its mixed units. What nothing holds gets a huge variance rather than an infinite
-/// one, which is safe to compute with.
+/// Inverse, with scaling for mixed units. Unconstrained parameters get a huge variance instead of an infinite
+/// one, to keep the arithmetic finite.
 SensorMatrix sensor_inverse(SensorMatrix information) {
   constexpr double kMinStiffness = 1e-11;
   const SensorVector scale = information.diagonal().cwiseMax(kMinDiagonal).cwiseSqrt().cwiseInverse();
@@ -47,7 +48,7 @@ void BundleSchur::invert_points(double damping) {
       H.diagonal() *= 1 + damping;
       bool invertible = false;
       H.computeInverseWithCheck(H_point_inverse_[index], invertible);
-      if (!invertible) H_point_inverse_[index].setZero();  // the point stays
+      if (!invertible) H_point_inverse_[index].setZero();  // the point does not move
       for (size_t i = point.first; i < point.last; ++i) {
         Y_[i].noalias() = normal_.H_camera_point[i] * H_point_inverse_[index];
       }
@@ -55,9 +56,9 @@ void BundleSchur::invert_points(double damping) {
   });
 }
 
-/// Takes the points out of one column of the camera system and of its right-hand sides.
+/// Eliminates the points from one column of the camera system and from its right-hand sides.
 void BundleSchur::reduce_column(size_t camera, Reduced& system) const {
-  std::vector<Normal::Block*> block_of(system.A.diagonal.size(), nullptr);  // by row
+  std::vector<Normal::Block*> block_of(system.A.diagonal.size(), nullptr);  // indexed by row
   block_of[camera] = &system.A.diagonal[camera];
   for (size_t i = normal_.column_begin[camera]; i < normal_.column_begin[camera + 1]; ++i) {
     block_of[normal_.pattern.off_diagonal[i].first] = &system.A.off_diagonal[i];
@@ -119,7 +120,8 @@ std::optional<BundleStep> BundleSchur::solve(double damping) {
   return finite ? std::optional(step) : std::nullopt;
 }
 
-/// The points follow cameras c and sensor s: H p = -g - H_camera_point' c - H_sensor_point' s.
+/// Back-substitution of the points from cameras c and sensor s: H p = -g - H_camera_point' c -
+/// H_sensor_point' s.
 std::vector<Eigen::Vector3d> BundleSchur::point_steps(const BundleStep& step) const {
   std::vector<Eigen::Vector3d> steps(normal_.points.size());
   parallel_for(steps.size(), normal_.task.options.threads, [&](size_t begin, size_t end) {
@@ -171,8 +173,8 @@ BundleCovariance BundleSchur::unconstrained_covariance() const {
   return covariance;
 }
 
-/// The inverse of [A B; B' S] by its blocks, with A factorised: the sensor's is that of its Schur complement,
-/// the cameras' A^-1 plus what not knowing the sensor adds.
+/// Block inverse of [A B; B' S] with A factorised: the sensor block is the inverse of its Schur complement;
+/// the camera block is A^-1 plus the contribution of the sensor uncertainty.
 BundleCovariance BundleSchur::covariance_of(const Reduced& system) const {
   BundleCovariance covariance = unconstrained_covariance();
   const CameraSensor A_inverse_B = cholesky_.solve<Eigen::MatrixXd>(system.B);

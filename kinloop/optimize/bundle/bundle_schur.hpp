@@ -1,6 +1,6 @@
 #pragma once
-// Steps of bundle adjustment: points are eliminated from the normal equations (Schur complement; Triggs et
-// al. 2000, section 6.1), the small rest is solved, and the points follow.
+// Steps of bundle adjustment: eliminates the points from the normal equations (Schur complement; Triggs et
+// al. 2000, section 6.1), solves the reduced camera system and back-substitutes the points.
 
 #include <optional>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace kinloop {
 
-/// One step of all unknowns.
+/// Step of all unknowns.
 struct BundleStep {
   Eigen::VectorXd cameras;  ///< blocks of 6
   SensorVector sensor = SensorVector::Zero();
@@ -20,15 +20,16 @@ class BundleSchur {
  public:
   explicit BundleSchur(const BundleTask& task);
 
-  /// Residuals and derivatives at `state`.
+  /// Computes residuals and derivatives at `state`.
   void linearize(const BundleState& state) { normal_.linearize(state); }
 
-  /// The damped Gauss-Newton step from there; nothing where the equations have no solution.
+  /// Returns the damped Gauss-Newton step from the linearised state, or nullopt if the system is singular.
   std::optional<BundleStep> solve(double damping);
 
   [[nodiscard]] BundleState apply(const BundleState& state, const BundleStep& step) const;
 
-  /// Covariance of the sensor, and of the poses if the options ask for it, at the linearised state.
+  /// Returns the covariance of the sensor and, if requested in the options, of the poses, at the linearised
+  /// state.
   BundleCovariance covariance();
 
  private:
@@ -36,7 +37,7 @@ class BundleSchur {
   static constexpr int kCameraDof = Normal::kCameraDof;
   using CameraSensor = Normal::CameraSensor;
 
-  /// The equations of cameras c and sensor s once the points are eliminated: [A B; B' S] (c; s) = (a; b).
+  /// The reduced system of cameras c and sensor s after eliminating the points: [A B; B' S] (c; s) = (a; b).
   struct Reduced {
     BlockMatrix<kCameraDof> A;
     CameraSensor B;
@@ -57,7 +58,7 @@ class BundleSchur {
   EliminationPlan plan_;
   SparseCholesky<kCameraDof> cholesky_;
   std::vector<Eigen::Matrix3d> H_point_inverse_;         // damped
-  std::vector<Eigen::Matrix<double, kCameraDof, 3>> Y_;  // of each slot: H_camera_point H_point^-1
+  std::vector<Eigen::Matrix<double, kCameraDof, 3>> Y_;  // per slot: H_camera_point H_point^-1
 };
 
 }  // namespace kinloop

@@ -27,7 +27,7 @@ Eigen::Vector2d corrected_ray(const PinholeCamera& camera, const SensorVector& s
                               const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d bent((pixel.x() - camera.cx - sensor(kCenterX)) / (camera.fx + sensor(kFocalX)),
                              (pixel.y() - camera.cy - sensor(kCenterY)) / (camera.fy + sensor(kFocalY)));
-  constexpr int kRounds = 10;  // corrections are small: each round wins more than a digit
+  constexpr int kRounds = 10;  // corrections are small: each round gains more than a digit
   Eigen::Vector2d ray = bent;
   for (int round = 0; round < kRounds && !ray.isZero(0); ++round) {
     const double r2 = ray.squaredNorm();
@@ -51,11 +51,11 @@ PinholeCamera corrected_camera(const PinholeCamera& camera, const SensorVector& 
   corrected.fy += correction(kFocalY);
   corrected.cx += correction(kCenterX);
   corrected.cy += correction(kCenterY);
-  // With focal length and centre given, distortion is linear in its five coefficients.
+  // For given focal length and principal point, distortion is linear in its five coefficients.
   using Vector5d = Eigen::Matrix<double, 5, 1>;
   Eigen::Matrix<double, 5, 5> H = Eigen::Matrix<double, 5, 5>::Zero();
   Vector5d g = Vector5d::Zero();
-  constexpr int kSteps = 24;  // of the fitting grid, along each side
+  constexpr int kSteps = 24;  // grid points of the fit along each side
   for (int i = 0; i <= kSteps; ++i) {
     for (int j = 0; j <= kSteps; ++j) {
       const Eigen::Vector2d pixel((camera.width - 1) * i / static_cast<double>(kSteps),

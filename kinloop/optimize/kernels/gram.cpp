@@ -16,9 +16,9 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr size_t kTileRows = 4;  // rows of the result that are summed at once, in registers
+constexpr size_t kTileRows = 4;  // rows of the result accumulated at once in registers
 
-/// Each number of the result is a sum over the rows from first to last, whatever the size of a vector.
+/// Each entry of the result is summed over the rows from first to last, for any vector size.
 template <size_t kWidth>
 void add_of_width(const double* J, size_t count, double* result) {
   const CappedLanes<double, kWidthStep> d;

@@ -17,7 +17,7 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = ObservationBlock::Lanes;
 using D = CappedLanes<double, ObservationBlock::kSize>;
-using V = hn::Vec<D>;  // the same number of several observations
+using V = hn::Vec<D>;  // the same value of several observations
 using Mask = hn::Mask<D>;
 
 HWY_INLINE V all(double value) {
@@ -50,7 +50,7 @@ HWY_INLINE Vector3 cross(const Vector3& a, const Vector3& b) {
 struct Camera {
   V fx, fy, cx, cy, k1, k2;  // corrected
   Vector3 center, translation_rate, omega;
-  Vector3 columns[3];  // of R_camera_world
+  Vector3 columns[3];  // columns of R_camera_world
 
   Camera(const BundleView& view, const MeasurementModel& model)
       : fx(all(model.camera.fx + model.sensor(kFocalX))),
@@ -65,22 +65,22 @@ struct Camera {
     for (int i = 0; i < 3; ++i) columns[i] = all(Eigen::Vector3d(view.R_camera_world.col(i)));
   }
 
-  /// In the axes of the camera.
+  /// Returns the point in camera axes.
   HWY_INLINE Vector3 point(const Vector3& p_world) const {
     const Vector3 p = p_world - center;
     return p.x * columns[0] + p.y * columns[1] + p.z * columns[2];
   }
 };
 
-/// A point in the axes of the camera, `dt` seconds after the stamp of its frame: p = E (p0 - nu dt), E =
-/// exp([phi]_x), phi = -omega dt, by Rodrigues' formula: E v = v + phi x (a v + b phi x v).
+/// A point in camera axes, `dt` seconds after the stamp of its frame: p = E (p0 - nu dt), E = exp([phi]_x),
+/// phi = -omega dt, by Rodrigues' formula: E v = v + phi x (a v + b phi x v).
 struct MovedPoint {
   V dt, a, b;
   Vector3 phi, p;
 
   HWY_INLINE MovedPoint(const Camera& camera, const Vector3& p0, V dt_s)
       : dt(dt_s), phi(hn::Neg(dt_s) * camera.omega) {
-    // sin(t) / t and (1 - cos(t)) / t^2 by their series: exact for a turn of up to 1 rad within a frame.
+    // Series of sin(t) / t and (1 - cos(t)) / t^2: exact for rotations up to 1 rad within a frame.
     const V t = dot(phi, phi), one = all(1);
     a = b = one;
     for (int n = 7; n > 0; --n) {
@@ -96,7 +96,7 @@ struct MovedPoint {
   HWY_INLINE Vector3 turned_back(const Vector3& v) const { return v - cross(phi, a * v - b * cross(phi, v)); }
 };
 
-/// Where the corrected camera sees a point, with the terms that the derivatives share.
+/// Projection of a point by the corrected camera, with the terms shared by the derivatives.
 struct Projection {
   V inverse_z, x, y, r2, bend, slope, u, v;
 
@@ -120,14 +120,14 @@ struct Projection {
   }
 };
 
-/// Some observations of the block, from the camera's side, with their residuals.
+/// Observations of the block in camera axes, with their residuals.
 struct Observed {
   const Camera& camera;
   const MeasurementModel& model;
   Vector3 p0;  // the point at the stamp of the frame
   V row, inverse_sigma_px, inverse_depth, gradient_x, gradient_y;
   Mask has_gradient, uses_pixel, uses_depth;
-  V ray_x, ray_y;  // of the pixel, by the camera as it was calibrated
+  V ray_x, ray_y;  // ray of the pixel in the nominal camera
   MovedPoint at_color;
   Projection color;
   MovedPoint at_depth;
@@ -156,7 +156,7 @@ struct Observed {
     error_u = (color.u - pixel_x) * inverse_sigma_px;
     error_v = (color.v - pixel_y) * inverse_sigma_px;
     V error = all(1 + m.sensor(kDepthScale)) * inverse_depth - depth.inverse_z + offset();
-    // Depth is measured later than colour, when another spot of the surface lies under the pixel.
+    // Depth is measured later than colour, when another surface point lies at the pixel.
     error = error + gradient_x * (depth.u - pixel_x) + gradient_y * (depth.v - pixel_y);
     error_depth = error * all(1 / m.inverse_depth_sigma_per_m);
   }
@@ -167,13 +167,13 @@ struct Observed {
   }
 
   HWY_INLINE V color_time() const { return all(model.sensor(kRollingShutter)) * row; }
-  /// How a surface of unknown slope moves under a pixel is unknown, too: to take it for flat would draw the
-  /// delay towards zero, as most surfaces that cameras see from above rise away from them.
+  /// For a surface of unknown gradient this motion is unknown. Assuming zero gradient would bias the delay
+  /// towards zero, since most surfaces seen from above slope away from the camera.
   HWY_INLINE V depth_time() const {
     const V time = all(model.sensor(kDepthDelay)) + all(model.sensor(kDepthShutter)) * row;
     return hn::IfThenElse(has_gradient, time, color_time());
   }
-  /// depth_offset_basis and its sum.
+  /// Sum of depth_offset_basis times the offset parameters.
   HWY_INLINE V offset() const {
     const SensorVector& s = model.sensor;
     return all(s(kDepthOffset)) + ray_x * (all(s(kDepthOffsetX)) + ray_x * all(s(kDepthOffsetXX))) +
@@ -182,7 +182,8 @@ struct Observed {
 
   HWY_INLINE V pixel_squared() const { return error_u * error_u + error_v * error_v; }
   HWY_INLINE V depth_squared() const { return error_depth * error_depth; }
-  /// Whether all is before the camera that `depth_matters` says.
+  /// Whether the point is in front of the camera at the colour time and, where `depth_matters`, at the depth
+  /// time.
   HWY_INLINE Mask seen(Mask depth_matters) const {
     return hn::And(at_color.is_seen(), hn::Or(hn::Not(depth_matters), at_depth.is_seen()));
   }
@@ -211,7 +212,7 @@ HWY_INLINE V cost_of(const Observed& o) {
                             hn::IfThenElse(o.seen(o.uses_depth), cost, huber.rho(all(kBehindCameraSquared))));
 }
 
-/// Puts numbers of several observations into their rows.
+/// Writes values of several observations to their rows.
 class RowWriter {
  public:
   HWY_INLINE RowWriter(const Observed& o, size_t first, const RowLayout& layout, double* rows,
@@ -254,7 +255,8 @@ class RowWriter {
     put(column + 2, value.z);
   }
 
-  /// The derivatives by pose, velocity and point from `a`, that by the moved point. Gives that by time.
+  /// Writes the derivatives with respect to pose, velocity and point, given `a`, the derivative with respect
+  /// to the moved point. Returns the derivative with respect to time.
   HWY_INLINE V write_motion(const Vector3& a, const MovedPoint& moved) const {
     const Vector3 b = moved.turned_back(a);
     put(0, all(-1) * b);
@@ -264,8 +266,8 @@ class RowWriter {
       for (size_t i = 0; i < 3; ++i) put(to + i, 3, dot(b, o_.camera.columns[i]));
     }
     if (layout_.velocity) {
-      // d exp(phi) = [J_l(phi) d phi]_x exp(phi); within a frame the angle is small and the series of J_l
-      // short.
+      // d exp(phi) = [J_l(phi) d phi]_x exp(phi); the angle within a frame is small, so a short series of J_l
+      // suffices.
       const Vector3 turn = cross(a, moved.p), first = cross(turn, moved.phi),
                     second = cross(first, moved.phi);
       const Vector3 third = cross(second, moved.phi);
@@ -276,7 +278,8 @@ class RowWriter {
     return hn::Neg(dot(a, cross(o_.camera.omega, moved.p)) + dot(b, o_.camera.translation_rate));
   }
 
-  /// `along` is x or y of the ray, `focal_length` that of its axis and `focal` its parameter.
+  /// `along` is the x or y of the ray, `focal_length` and `focal` are the focal length and its parameter
+  /// index on that axis.
   HWY_INLINE void write_pixel_row(V error, const Vector3& by_point, int focal, V along,
                                   V focal_length) const {
     const V scale = o_.inverse_sigma_px;
@@ -297,7 +300,8 @@ class RowWriter {
     const Camera& c = o_.camera;
     const Projection& at = o_.depth;
     const V scale = all(1 / o_.model.inverse_depth_sigma_per_m), zero = hn::Zero(D());
-    const V du = scale * o_.gradient_x, dv = scale * o_.gradient_y;  // of the residual by the pixel
+    // derivative of the residual with respect to the pixel
+    const V du = scale * o_.gradient_x, dv = scale * o_.gradient_y;
     const Vector3 by_point = du * at.u_by_point(c) + dv * at.v_by_point(c) +
                              Vector3{zero, zero, scale * at.inverse_z * at.inverse_z};
     const V by_time = write_motion(by_point, o_.at_depth);
@@ -333,8 +337,7 @@ class RowWriter {
   V weight_;
 };
 
-/// Calls `use` with the observations of the block that a vector holds, and the first of them, until all had
-/// their turn.
+/// Calls `use` with successive groups of observations that fill a vector, and the index of the first.
 template <class Use>
 HWY_INLINE void for_lanes(const ObservationBlock& block, const BundleView& view,
                           const MeasurementModel& model, const Use& use) {

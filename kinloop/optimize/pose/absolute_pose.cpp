@@ -37,14 +37,14 @@ class Solver {
         observations_(blocks_of(observations)),
         options_(options) {}
 
-  /// Moves the pose to the least cost of what is in use now.
+  /// Minimizes the cost over the observations in use.
   [[nodiscard]] SE3 minimize(const SE3& T) const {
     return minimize_pose<6>(
         T, options_.max_iterations, [this](const SE3& at) { return linearize(at, model_); },
         [](const SE3& at, const Vector6d& step) { return at * SE3::exp(step); });
   }
 
-  /// Tells inliers from outliers at a pose; true when anything changed.
+  /// Classifies inliers and outliers at a pose; true if anything changed.
   bool classify(const SE3& T) { return observations_.classify(static_view(T), model_, options_); }
 
   [[nodiscard]] AbsolutePoseSolution solution(const SE3& T) const {
@@ -52,8 +52,8 @@ class Solver {
     s.T_reference_camera = T;
     s.inliers = observations_.inliers();
     s.inlier_count = observations_.inlier_count();
-    // What inliers tell is what they measure, not the weights they were found with; a robust estimate uses
-    // the share of it that its efficiency says.
+    // The information is that of the measurements, without robust weights, scaled by the efficiency of the
+    // robust estimator.
     MeasurementModel unweighted = model_;
     unweighted.robust_width = std::numeric_limits<double>::infinity();
     const PoseNormal<6> normal = linearize(T, unweighted);
@@ -78,7 +78,7 @@ class Solver {
   const AbsolutePoseOptions& options_;
 };
 
-/// Whether every direction of the pose is held, judged with each coordinate scaled to one.
+/// Whether every direction of the pose is constrained, after scaling each coordinate to one.
 bool is_constrained(const Matrix6d& information) {
   const Vector6d diagonal = information.diagonal();
   if (!(diagonal.minCoeff() > 0) || !information.allFinite()) return false;

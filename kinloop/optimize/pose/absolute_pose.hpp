@@ -1,6 +1,6 @@
 #pragma once
-// In: points of a reference frame, each with the pixel (and perhaps the depth) at which a camera sees it, and
-// a guess of the camera's pose. Out: the pose, which observations agree with it, and how well it is known.
+// Estimates a camera pose from 3D points of a reference frame and their pixels (optionally with depth), given
+// an initial pose. Also returns the inliers and the information matrix.
 
 #include <cstdint>
 #include <optional>
@@ -17,13 +17,13 @@
 
 namespace kinloop {
 
-/// A point of the reference frame as the camera measured it.
+/// Measurement of a point given in the reference frame.
 struct PoseObservation : KeypointMeasurement {
   Eigen::Vector3d p_reference = Eigen::Vector3d::Zero();  ///< m
 };
 
-/// `robust_width`, `inlier_chi2_...` and `inverse_depth_sigma_per_m` describe the measurements: Slam sets
-/// them from SlamOptions::noise.
+/// `robust_width`, `inlier_chi2_...` and `inverse_depth_sigma_per_m` describe the measurement noise. Slam
+/// sets them from SlamOptions::noise.
 struct AbsolutePoseOptions {
   int rounds = 4;
   int max_iterations = 8;
@@ -42,25 +42,25 @@ struct AbsolutePoseOptions {
   }
 };
 
-/// A camera pose with its support.
+/// A camera pose with its inliers.
 struct AbsolutePoseSolution {
   SE3 T_reference_camera;
-  std::vector<uint8_t> inliers;  ///< 1 where the observation agrees
+  std::vector<uint8_t> inliers;  ///< 1 = inlier
   int inlier_count = 0;
   Matrix6d information = Matrix6d::Zero();  ///< of T * exp(x), x = (translation; rotation)
   double chi2 = 0;                          ///< sum of squared normalised residuals of the inliers
 };
 
-/// The pose near `T_reference_camera_guess` that agrees best with the observations (robust Gauss-Newton).
-/// Nothing where fewer than `min_inliers` agree or they leave some direction of the pose open. Observations
-/// with a number that is not finite are outliers. Pixel and depth are robust each for itself: a keypoint at
-/// the edge of a surface has a good pixel and may have the depth of the wrong side.
+/// Returns the pose near `T_reference_camera_guess` that minimizes the robust cost (Gauss-Newton). nullopt if
+/// there are fewer than `min_inliers` inliers or they leave a direction of the pose unconstrained.
+/// Observations with values that are not finite are outliers. Pixel and depth have separate robust losses: a
+/// keypoint at a depth edge has a good pixel but may have the depth of the wrong side.
 std::optional<AbsolutePoseSolution> solve_absolute_pose(const PinholeCamera& camera,
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
                                                         const AbsolutePoseOptions& options);
 
-/// 1 where an observation's pixel agrees with the pose; depth is not asked.
+/// Returns 1 for each observation whose pixel is an inlier at the pose; depth is ignored.
 std::vector<uint8_t> pixel_inliers(const PinholeCamera& camera, std::span<const PoseObservation> observations,
                                    const SE3& T_reference_camera, const AbsolutePoseOptions& options);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What one camera sees of known points: the common part of the estimates of a single pose.
+// Observations of known points by one camera, shared by the single-pose solvers.
 
 #include <cstdint>
 #include <vector>
@@ -14,10 +14,10 @@ namespace kinloop {
 
 struct AbsolutePoseOptions;
 
-/// Writes a measurement (not its point and its use) to a place of a block.
+/// Writes a measurement (without point and use flags) to a lane of a block.
 void set_measurement(ObservationBlock& block, size_t lane, const KeypointMeasurement& measured);
 
-/// Observations of one camera, and what of each is in use.
+/// Observations of one camera with their use flags.
 class CameraObservations {
  public:
   explicit CameraObservations(size_t count) : count_(count), blocks_(block_count(count)) {}
@@ -26,16 +26,16 @@ class CameraObservations {
     return (observations + ObservationBlock::kSize - 1) / ObservationBlock::kSize;
   }
 
-  /// Puts all that was measured in use. Places without an observation stay out of it for good.
+  /// Enables all measured parts. Lanes without an observation stay unused.
   void set(size_t index, const Eigen::Vector3d& p_world, const KeypointMeasurement& measured);
 
-  /// Tells inliers from outliers; true when anything changed. Pixel and depth are judged each for itself.
+  /// Classifies inliers and outliers, pixel and depth separately; true if anything changed.
   bool classify(const BundleView& view, const MeasurementModel& model, const AbsolutePoseOptions& options);
 
   [[nodiscard]] std::vector<uint8_t> inliers() const;  ///< 1 = in use
   [[nodiscard]] int inlier_count() const;
 
-  /// J'J of the rows of all, of which the upper triangle counts, and the robust cost.
+  /// J'J over all rows (upper triangle only) and the robust cost.
   struct Normal {
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> gram;
     double cost = 0;

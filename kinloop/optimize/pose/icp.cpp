@@ -25,17 +25,17 @@ struct GridNormal {
   }
 };
 
-/// What one pass over a grid found.
+/// Result of one pass over a grid.
 struct Pass {
   GridNormal depth, gray;
   size_t points = 0, partners = 0, gray_pixels = 0;
-  double squared_m2 = 0;       // of the distances
-  double depth_chi2 = 0;       // robust, of the normalised distances
-  double gray_chi2 = 0;        // and of the grey differences
-  double gray_difference = 0;  // sum, for the change of exposure
+  double squared_m2 = 0;       // sum of squared distances
+  double depth_chi2 = 0;       // robust cost of the normalised distances
+  double gray_chi2 = 0;        // robust cost of the intensity differences
+  double gray_difference = 0;  // sum of the intensity differences, to estimate the change of exposure
 };
 
-/// A intensity between grid points with its slope per px; nothing outside.
+/// Interpolated intensity and its gradient per px; nullopt outside the image.
 struct GraySample {
   double value = 0, slope_x = 0, slope_y = 0;
 };
@@ -51,7 +51,7 @@ std::optional<GraySample> sample_gray(const cv::Mat& gray, double u, double v) {
                     (1 - b) * (g10 - g00) + b * (g11 - g01), (1 - a) * (g01 - g00) + a * (g11 - g10)};
 }
 
-/// One level of both frames under one motion.
+/// Alignment of one pyramid level.
 class Aligner {
  public:
   Aligner(const PinholeCamera& camera, const IcpFrame::Level& reference, const IcpFrame::Level& frame,
@@ -60,7 +60,7 @@ class Aligner {
     photometric_ = options.photometric_weight > 0 && !reference.gray.empty() && !frame.gray.empty();
   }
 
-  /// Sums over all points of the frame. `exposure` is the grey difference found by the pass before.
+  /// Accumulates all points of the frame. `exposure` is the mean intensity difference from the previous pass.
   [[nodiscard]] Pass pass(const SE3& T_reference_camera, double exposure) const {
     Pass sum;
     const Eigen::Matrix3d R = T_reference_camera.R();
@@ -79,16 +79,17 @@ class Aligner {
 
  private:
   static constexpr double kMinDepth_m = 1e-3;
-  static constexpr double kMaxDistance_m = 0.15;  // from a point to its partner
+  static constexpr double kMaxDistance_m = 0.15;  // from a point to its correspondence
   static constexpr double kMaxNormalAngleRad = 0.7;
-  static constexpr double kRobustWidth = 1.5;   // of Huber's loss, standard deviations
-  static constexpr double kIntensitySigma = 6;  // of 255
+  static constexpr double kRobustWidth = 1.5;   // scale of the Huber loss, standard deviations
+  static constexpr double kIntensitySigma = 6;  // intensity levels, of 255
 
-  /// Point to plane (Chen and Medioni 1992) with the partner under the projection.
+  /// Point-to-plane distance (Chen and Medioni 1992) with projective association.
   void add_depth(size_t i, const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector2d& pixel,
                  const Eigen::Matrix3d& R, Pass& sum) const {
     if (!(pixel.x() > -0.5 && pixel.y() > -0.5)) return;
-    const Eigen::Vector2d from_corner = pixel.array() + 0.5;  // the first cell begins half a pixel before it
+    // the first cell starts half a pixel before its centre
+    const Eigen::Vector2d from_corner = pixel.array() + 0.5;
     const int x = static_cast<int>(from_corner.x()), y = static_cast<int>(from_corner.y());
     if (x >= reference_.width || y >= reference_.height) return;
     const size_t partner = grid_index(reference_.width, x, y);
@@ -107,7 +108,7 @@ class Aligner {
         options_.inverse_depth_sigma_per_m * std::hypot(p.z() * p.z(), z_partner * z_partner);
     const double squared = distance * distance / (sigma * sigma);
     const HuberLoss loss{kRobustWidth};
-    Vector6d J;  // by x of T * exp(x): the point moves by R (rho + omega x p)
+    Vector6d J;  // with respect to x of T * exp(x): the point moves by R (rho + omega x p)
     J << n_camera, p.cross(n_camera);
     sum.depth.add(J, distance, loss.weight(squared) / (sigma * sigma));
     sum.depth_chi2 += loss.rho(squared);
@@ -115,7 +116,8 @@ class Aligner {
     ++sum.partners;
   }
 
-  /// Intensities stay as they are (Steinbruecker et al. 2011, Kerl et al. 2013), but for the exposure.
+  /// Photometric residual (Steinbruecker et al. 2011, Kerl et al. 2013): constant brightness except for
+  /// exposure.
   void add_gray(size_t i, const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector2d& pixel,
                 const Eigen::Matrix3d& R, double exposure, Pass& sum) const {
     const auto sample = sample_gray(reference_.gray, pixel.x(), pixel.y());
@@ -125,7 +127,7 @@ class Aligner {
     const double residual = difference - exposure;
     const double inverse_z = 1.0 / q.z();
     const double gu = sample->slope_x * camera_.fx * inverse_z, gv = sample->slope_y * camera_.fy * inverse_z;
-    const Eigen::Vector3d slope(gu, gv, -(gu * q.x() + gv * q.y()) * inverse_z);  // by q
+    const Eigen::Vector3d slope(gu, gv, -(gu * q.x() + gv * q.y()) * inverse_z);  // with respect to q
     const Eigen::Vector3d slope_camera = R.transpose() * slope;
     Vector6d J;
     J << slope_camera, p.cross(slope_camera);
@@ -145,7 +147,7 @@ class Aligner {
   bool photometric_ = false;
 };
 
-/// What the surfaces say, with neighbours sharing their errors and a poor fit counting for less.
+/// Information of the surfaces, reduced for correlated errors of neighbours and for a poor fit.
 Matrix6d honest_information(const Pass& pass, double correlated) {
   const auto deflate = [&](const GridNormal& normal, double chi2, size_t count) -> Matrix6d {
     const double misfit = count > 0 ? std::max(1.0, chi2 / static_cast<double>(count)) : 1.0;
@@ -155,7 +157,7 @@ Matrix6d honest_information(const Pass& pass, double correlated) {
          deflate(pass.gray, pass.gray_chi2, pass.gray_pixels);
 }
 
-/// Weak, but it holds what the surfaces leave open.
+/// Weak prior that constrains the directions left free by the surfaces.
 Matrix6d guess_information() {
   constexpr double kPriorSigma_m = 0.1, kPriorSigmaRad = 0.1;
   Vector6d diagonal;
@@ -170,11 +172,12 @@ std::optional<IcpSolution> align_icp(const IcpCamera& camera, const IcpFrame& re
                                      const IcpFrame& frame, const SE3& T_reference_camera_guess,
                                      const IcpOptions& options) {
   constexpr double kCorrelationLengthPx = 64;  // of the depth error
-  constexpr double kStepConverged = 5e-5;      // m and rad, a fraction of the noise
+  constexpr double kStepConverged = 5e-5;      // m and rad, well below the noise
   require(reference.levels.size() == camera.levels.size() && frame.levels.size() == camera.levels.size(),
           "align_icp: frames of another camera");
   if (!T_reference_camera_guess.is_finite()) return std::nullopt;
-  const double correlated = std::max(1.0, std::pow(kCorrelationLengthPx / camera.block, 2));  // grid points
+  // in grid points
+  const double correlated = std::max(1.0, std::pow(kCorrelationLengthPx / camera.block, 2));
   const Matrix6d prior = guess_information() * correlated;
   SE3 T = T_reference_camera_guess;
   Pass pass;

@@ -1,7 +1,6 @@
 #pragma once
-// In: two depth images (and perhaps their grey images) and a guess of the motion between them. Out: the
-// motion that lays one surface onto the other (point to plane), with an information matrix whose small
-// eigenvalues show what the surfaces leave open.
+// Dense alignment of two depth images (optionally with grey images) by point-to-plane ICP from an initial
+// motion. Small eigenvalues of the information matrix show directions that the surfaces leave unconstrained.
 
 #include <optional>
 #include <vector>
@@ -36,14 +35,14 @@ struct IcpOptions {
   }
 };
 
-/// Index of a grid point in row-major order.
+/// Returns the row-major index of a grid point.
 inline size_t grid_index(int width, int x, int y) {
   return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
 }
 
-/// What a camera's grids have in common for all its frames. Grids are those of an ideal pinhole camera; each
-/// point of the finest takes a block of pixels of the (distorted) depth image, each point of the others four
-/// of the grid before.
+/// Data of a camera shared by all its frames. The grids are those of an ideal pinhole camera. A point of the
+/// finest grid covers a block of pixels of the (distorted) depth image; a point of a coarser grid covers four
+/// points of the next finer one.
 struct IcpCamera {
   struct Level {
     PinholeCamera camera;               ///< ideal, scaled to the grid
@@ -51,15 +50,15 @@ struct IcpCamera {
     cv::Mat map_x, map_y;               ///< grid point to grey image, for cv::remap; empty if undistorted
   };
   int width = 0, height = 0;          ///< of the images, px
-  int block = 1;                      ///< side of the block that makes a point of the finest grid, px
-  std::vector<int32_t> block_corner;  ///< its first pixel, y * width + x, -1 = outside the image
+  int block = 1;                      ///< side of the block of pixels per point of the finest grid, px
+  std::vector<int32_t> block_corner;  ///< first pixel of each block, y * width + x; -1 = outside the image
   std::vector<Level> levels;          ///< finest first
 };
 
-/// Grids for `camera`, whose images are distorted as its coefficients say.
+/// Returns the grids for `camera`, whose images have its distortion.
 IcpCamera make_icp_camera(const PinholeCamera& camera, const IcpOptions& options);
 
-/// The surface that a frame shows, on each grid.
+/// The surface observed in a frame, on each grid.
 struct IcpFrame {
   struct Level {
     int width = 0, height = 0;
@@ -70,20 +69,20 @@ struct IcpFrame {
   std::vector<Level> levels;  ///< finest first
 };
 
-/// Prepares a frame. `depth_m` is 32FC1 with 0 (or NaN) = unknown; `gray` is 8UC1 of the same size or empty.
+/// Prepares a frame. `depth_m` is 32FC1 with 0 (or NaN) = unknown; `gray` is 8UC1 of the same size, or empty.
 IcpFrame make_icp_frame(const IcpCamera& camera, const cv::Mat& depth_m, const cv::Mat& gray = {});
 
-/// A motion found on surfaces.
+/// Result of dense alignment.
 struct IcpSolution {
   SE3 T_reference_camera;
   Matrix6d information = Matrix6d::Zero();  ///< of T * exp(x), x = (translation; rotation)
-  double overlap = 0;                       ///< share of the frame's points that found a partner
-  double rmse_m = 0;                        ///< of the distances from point to plane
+  double overlap = 0;                       ///< fraction of the frame's points with a correspondence
+  double rmse_m = 0;                        ///< of the point-to-plane distances
 };
 
-/// Aligns `frame` with `reference`, starting from the guess. Directions that the surfaces leave open (along a
-/// wall) stay at the guess and show as small eigenvalues of the information, in which the guess is not
-/// counted. Nothing where less than `min_overlap` of the points find a partner.
+/// Aligns `frame` to `reference`, starting from the guess. Unconstrained directions (along a wall) stay at
+/// the guess and have small eigenvalues in the information, which excludes the guess. nullopt if less than
+/// `min_overlap` of the points have a correspondence.
 std::optional<IcpSolution> align_icp(const IcpCamera& camera, const IcpFrame& reference,
                                      const IcpFrame& frame, const SE3& T_reference_camera_guess,
                                      const IcpOptions& options);

@@ -1,5 +1,5 @@
-// Grids of surface points: made from the raw depth image through a table, so that lens distortion costs
-// nothing per frame, and a grid point projects like in an ideal pinhole camera.
+// Grids of surface points. A lookup table maps the raw depth image to the grid of an ideal pinhole camera, so
+// that lens distortion costs nothing per frame.
 
 #include <algorithm>
 #include <cmath>
@@ -14,11 +14,11 @@
 namespace kinloop {
 namespace {
 
-constexpr float kMaxInverseDepthStep_per_m = 0.02F;  // within one surface, from a point to its neighbours
-constexpr int kNormalRadius = 2;                     // grid points on each side that fix a normal
+constexpr float kMaxInverseDepthStep_per_m = 0.02F;  // between neighbouring points of one surface
+constexpr int kNormalRadius = 2;                     // grid points on each side used to fit a normal
 constexpr float kMinNormalPoints = 10;               // of the 25
 
-/// The ideal camera of a grid whose points stand for blocks of `block` x `block` pixels.
+/// Returns the ideal camera of a grid with one point per `block` x `block` pixels.
 PinholeCamera grid_camera(const PinholeCamera& camera, int block) {
   PinholeCamera grid;
   const double scale = 1.0 / block;
@@ -26,7 +26,7 @@ PinholeCamera grid_camera(const PinholeCamera& camera, int block) {
   grid.height = camera.height / block;
   grid.fx = camera.fx * scale;
   grid.fy = camera.fy * scale;
-  grid.cx = (camera.cx + 0.5) * scale - 0.5;  // pixel centres are whole numbers
+  grid.cx = (camera.cx + 0.5) * scale - 0.5;  // pixel centres have integer coordinates
   grid.cy = (camera.cy + 0.5) * scale - 0.5;
   return grid;
 }
@@ -50,10 +50,11 @@ IcpCamera::Level make_level(const PinholeCamera& camera, int block) {
   return level;
 }
 
-/// The block of depth pixels nearest to each point of the finest grid; its ray is corrected for the rounding.
+/// Selects the block of depth pixels nearest to each point of the finest grid and corrects its ray for the
+/// rounding.
 void choose_blocks(const PinholeCamera& camera, IcpCamera& icp) {
   IcpCamera::Level& level = icp.levels.front();
-  const double half = 0.5 * (icp.block - 1);  // from a block's first pixel to its middle
+  const double half = 0.5 * (icp.block - 1);  // from a block's first pixel to its centre
   for (Eigen::Vector2f& ray : level.rays) {
     const Eigen::Vector2d ideal(camera.fx * static_cast<double>(ray.x()) + camera.cx,
                                 camera.fy * static_cast<double>(ray.y()) + camera.cy);
@@ -68,8 +69,8 @@ void choose_blocks(const PinholeCamera& camera, IcpCamera& icp) {
   }
 }
 
-/// Mean of inverse depths (0 = unknown) on the surface of the nearest of them. The mean is taken of inverse
-/// depths, in which a plane is linear and the noise constant.
+/// Mean inverse depth (0 = unknown) of the nearest surface. Averages inverse depths, in which a plane is
+/// linear and the noise constant.
 class SurfaceMean {
  public:
   explicit SurfaceMean(float nearest) : limit_(nearest - kMaxInverseDepthStep_per_m) {}
@@ -101,7 +102,7 @@ float block_inverse_depth(const cv::Mat& depth_m, int32_t corner, int block) {
   return mean.value();
 }
 
-/// Inverse depths of the finest grid.
+/// Returns the inverse depths of the finest grid.
 std::vector<float> sample_depth(const IcpCamera& camera, const cv::Mat& depth_m) {
   std::vector<float> inverse;
   inverse.reserve(camera.block_corner.size());
@@ -111,7 +112,7 @@ std::vector<float> sample_depth(const IcpCamera& camera, const cv::Mat& depth_m)
   return inverse;
 }
 
-/// Inverse depths of the next grid.
+/// Returns the inverse depths of the next coarser grid.
 std::vector<float> halve(const std::vector<float>& fine, int fine_width, int width, int height) {
   std::vector<float> coarse;
   coarse.reserve(grid_index(width, 0, height));
@@ -127,8 +128,8 @@ std::vector<float> halve(const std::vector<float>& fine, int fine_width, int wid
   return coarse;
 }
 
-/// Normal at a grid point. The inverse depth of a plane n.p = d is n.(x, y, 1) / d: a linear fit of inverse
-/// depth over the grid gives n without touching 3D points.
+/// Returns the normal at a grid point. The inverse depth of a plane n.p = d is n.(x, y, 1) / d, so a linear
+/// fit of inverse depth over the grid gives n without computing 3D points.
 Eigen::Vector3f fit_normal(const PinholeCamera& grid, const std::vector<float>& inverse, int cx, int cy) {
   const float centre = inverse[grid_index(grid.width, cx, cy)];
   if (!(centre > 0)) return Eigen::Vector3f::Zero();
@@ -188,7 +189,7 @@ IcpFrame::Level make_frame_level(const IcpCamera::Level& camera, const std::vect
 }  // namespace
 
 IcpCamera make_icp_camera(const PinholeCamera& camera, const IcpOptions& options) {
-  constexpr int kMinSide = 8;  // px; smaller grids hold no surface
+  constexpr int kMinSide = 8;  // px; smaller grids are useless
   IcpCamera icp;
   icp.width = camera.width;
   icp.height = camera.height;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint32_t kSampleSize = 3;
 
-/// Where the camera measured the points, in its own axes; not finite where it measured no depth.
+/// Returns the measured points in camera axes; not finite where depth was not measured.
 std::vector<Eigen::Vector3d> measured_points(const PinholeCamera& camera,
                                              std::span<const PoseObservation> observations) {
   std::vector<Eigen::Vector3d> points;
@@ -28,8 +28,8 @@ std::vector<Eigen::Vector3d> measured_points(const PinholeCamera& camera,
   return points;
 }
 
-/// Whether the triangle of a sample is as large as it was measured, as far as depth was. Most samples with an
-/// outlier are not, and this asks neither for their pose nor whom it suits.
+/// Whether the side lengths of a sample agree with its measured depths, if any. This cheaply rejects most
+/// samples with an outlier before their pose is computed.
 bool sizes_agree(std::span<const PoseObservation> observations, const std::vector<Eigen::Vector3d>& measured,
                  const std::vector<uint32_t>& sample, double inverse_depth_sigma_per_m) {
   constexpr double kMaxSigmas = 4;
@@ -39,12 +39,12 @@ bool sizes_agree(std::span<const PoseObservation> observations, const std::vecto
     const double measured_m = (measured[a] - measured[b]).norm();
     const double za = measured[a].z(), zb = measured[b].z();
     const double sigma_m = inverse_depth_sigma_per_m * std::hypot(za * za, zb * zb);
-    if (std::abs(side_m - measured_m) > kMaxSigmas * sigma_m) return false;  // not for NaN
+    if (std::abs(side_m - measured_m) > kMaxSigmas * sigma_m) return false;  // false for NaN
   }
   return true;
 }
 
-/// The up to four camera poses that see three points along three rays.
+/// Returns the up to four camera poses that map three points to three rays.
 std::vector<SE3> solve_p3p(const PinholeCamera& camera, std::span<const PoseObservation> observations,
                            const std::vector<uint32_t>& sample) {
   std::vector<cv::Point3d> points;
@@ -66,7 +66,7 @@ std::vector<SE3> solve_p3p(const PinholeCamera& camera, std::span<const PoseObse
   return poses;
 }
 
-/// Refines a pose on the observations that agree with it, then asks all of them again.
+/// Refines a pose on its inliers, then reclassifies all observations.
 std::optional<AbsolutePoseSolution> refine_on_inliers(const PinholeCamera& camera,
                                                       std::span<const PoseObservation> observations,
                                                       const SE3& T, const AbsolutePoseOptions& options) {
@@ -86,7 +86,7 @@ std::optional<AbsolutePoseSolution> refine_on_inliers(const PinholeCamera& camer
   return solution;
 }
 
-/// Refines until the set of inliers stops growing.
+/// Refines until the number of inliers stops growing.
 std::optional<AbsolutePoseSolution> grow(const PinholeCamera& camera,
                                          std::span<const PoseObservation> observations, const SE3& T,
                                          const AbsolutePoseOptions& options) {
@@ -121,7 +121,7 @@ std::optional<AbsolutePoseSolution> solve_pnp_ransac(const PinholeCamera& camera
   const auto measured = measured_points(camera, observations);
   Random random(seed);
   std::optional<AbsolutePoseSolution> best;
-  int best_count = 0;  // by which a sample's pose is judged before it is refined
+  int best_count = 0;  // inlier count of the best sample before refinement
   double samples = options.max_iterations;
   for (int i = 0; i < samples; ++i) {
     const std::vector<uint32_t> sample = draw_sample(random, usable, kSampleSize);

@@ -1,6 +1,6 @@
 #pragma once
-// In: points of a reference frame with the pixels at which a camera may have seen them, many of them wrong,
-// and no guess. Out: the camera's pose with its inliers.
+// Estimates a camera pose from 3D points of a reference frame and their pixels, many of them wrong, without
+// an initial pose.
 
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 
@@ -10,7 +10,7 @@ struct PnpRansacOptions {
   int max_iterations = 1000;
   double confidence = 0.999;
   int min_inliers = 12;
-  AbsolutePoseOptions pose;  ///< of the refinement; Slam sets it from TrackingOptions::pose
+  AbsolutePoseOptions pose;  ///< for the refinement; Slam sets it from TrackingOptions::pose
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -21,8 +21,8 @@ struct PnpRansacOptions {
   }
 };
 
-/// The pose that most observations agree with: P3P (Gao 2003 in the form of Ke and Roumeliotis 2017) inside
-/// RANSAC, each new best refined on its inliers (Chum 2003). The same seed gives the same result.
+/// Returns the pose with the most inliers: P3P (Gao 2003 in the form of Ke and Roumeliotis 2017) inside
+/// RANSAC, with each new best refined on its inliers (Chum 2003). Deterministic for a given seed.
 std::optional<AbsolutePoseSolution> solve_pnp_ransac(const PinholeCamera& camera,
                                                      std::span<const PoseObservation> observations,
                                                      const PnpRansacOptions& options, uint64_t seed);

@@ -1,6 +1,5 @@
 #pragma once
-// The estimates of a single pose, by the pose alone or with its velocity, on dense normal equations of N
-// unknowns.
+// Minimization over a single pose, with or without its velocity, by dense normal equations of N unknowns.
 
 #include <optional>
 
@@ -18,8 +17,8 @@ struct PoseNormal {
   double cost = 0;
 };
 
-/// A problem of minimize_levenberg_marquardt whose cost and normal equations come together:
-/// `linearize_at(state)` is a PoseNormal<N>, `apply_step(state, step)` the state after a step.
+/// Problem of minimize_levenberg_marquardt that computes cost and normal equations together:
+/// `linearize_at(state)` returns a PoseNormal<N>, `apply_step(state, step)` the updated state.
 template <int N, class State, class LinearizeAt, class ApplyStep>
 class PoseMinimizer {
  public:
@@ -50,16 +49,16 @@ class PoseMinimizer {
 
  private:
   static constexpr double kMaxConvergedStep = 1e-7;  // m and rad, and their rates
-  // Relative: far below what one of hundreds of observations says.
+  // Relative; far below the contribution of one among hundreds of observations.
   static constexpr double kMaxConvergedDecrease = 1e-6;
 
   const LinearizeAt& linearize_at_;
   const ApplyStep& apply_step_;
-  PoseNormal<N> last_;    // at the state whose cost was asked for last
+  PoseNormal<N> last_;    // at the state of the last call of cost()
   PoseNormal<N> normal_;  // at the state from which steps are tried
 };
 
-/// The state of least cost near `start`, by at most `max_steps` steps.
+/// Returns the minimum near `start`, with at most `max_steps` steps.
 template <int N, class State, class LinearizeAt, class ApplyStep>
 State minimize_pose(const State& start, int max_steps, const LinearizeAt& linearize_at,
                     const ApplyStep& apply_step) {

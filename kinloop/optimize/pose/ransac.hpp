@@ -1,5 +1,5 @@
 #pragma once
-// What the RANSAC estimators share (Fischler and Bolles 1981).
+// Helpers shared by the RANSAC estimators (Fischler and Bolles 1981).
 
 #include <cmath>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace kinloop {
 
-/// How many samples make it likely (with probability `confidence`) that one of them held inliers alone.
+/// Returns the number of samples needed to draw one of only inliers with probability `confidence`.
 inline double required_samples(int inliers, size_t total, uint32_t sample_size, double confidence) {
   const double share = static_cast<double>(inliers) / static_cast<double>(total);
   const double clean = std::pow(share, static_cast<double>(sample_size));
@@ -20,7 +20,7 @@ inline double required_samples(int inliers, size_t total, uint32_t sample_size, 
                               : std::numeric_limits<double>::infinity();
 }
 
-/// `size` different members of `members`, which must have as many.
+/// Returns `size` distinct elements of `members`, which must have at least as many.
 inline std::vector<uint32_t> draw_sample(Random& random, const std::vector<uint32_t>& members,
                                          uint32_t size) {
   std::vector<uint32_t> sample =

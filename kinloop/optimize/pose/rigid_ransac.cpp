@@ -30,7 +30,7 @@ Eigen::Matrix3d point_covariance(const PinholeCamera& camera, const Eigen::Vecto
 struct PairWithCovariance {
   Eigen::Vector3d p_a, p_b;
   Eigen::Matrix3d covariance_a, covariance_b;
-  uint32_t index = 0;  // in the input
+  uint32_t index = 0;  // index in the input
 };
 
 std::vector<PairWithCovariance> pairs_with_covariance(const PinholeCamera& camera,
@@ -49,7 +49,7 @@ std::vector<PairWithCovariance> pairs_with_covariance(const PinholeCamera& camer
   return weighed;
 }
 
-/// The error of a pair under a motion and its inverse covariance.
+/// The error of a point pair under a motion, and its inverse covariance.
 struct PairError {
   Eigen::Vector3d error;
   Eigen::Matrix3d information;
@@ -70,12 +70,12 @@ int count_inliers(const std::vector<PairWithCovariance>& pairs, const SE3& T_a_b
   return count;
 }
 
-/// One Gauss-Newton step on the inliers of a motion (generalised ICP's cost, Segal et al. 2009).
+/// One Gauss-Newton step on the inliers of a motion (cost of generalised ICP, Segal et al. 2009).
 struct Linearized {
   Matrix6d H = Matrix6d::Zero();
   Vector6d g = Vector6d::Zero();
   double chi2 = 0;
-  std::vector<uint32_t> inliers;  // indices of the input
+  std::vector<uint32_t> inliers;  // indices in the input
 };
 
 Linearized linearize(const std::vector<PairWithCovariance>& pairs, const SE3& T_a_b) {
@@ -85,7 +85,7 @@ Linearized linearize(const std::vector<PairWithCovariance>& pairs, const SE3& T_
     const PairError e(pair, R, T_a_b.translation);
     const double squared = e.squared();
     if (!(squared <= kChi2At95With3Dof)) continue;
-    Eigen::Matrix<double, 3, 6> J;  // by x of T * exp(x)
+    Eigen::Matrix<double, 3, 6> J;  // with respect to x of T * exp(x)
     J << R, -R * skew(pair.p_b);
     const Eigen::Matrix<double, 6, 3> weighted = J.transpose() * e.information;
     l.H += weighted * J;
@@ -118,7 +118,7 @@ std::optional<RigidSolution> refine(const std::vector<PairWithCovariance>& pairs
   return solution;
 }
 
-/// Horn's motion of three pairs.
+/// Returns the motion of three pairs by Horn's method.
 std::optional<SE3> motion_of_sample(const std::vector<PairWithCovariance>& pairs,
                                     const std::vector<uint32_t>& sample) {
   std::array<Eigen::Vector3d, kPointsPerSample> a, b;
@@ -139,7 +139,7 @@ std::optional<RigidSolution> solve_rigid_ransac(const PinholeCamera& camera, std
 
   Random random(seed);
   std::optional<RigidSolution> best;
-  int best_count = 0;  // by which a sample's motion is judged before it is refined
+  int best_count = 0;  // inlier count of the best sample before refinement
   double samples = options.max_iterations;
   for (int i = 0; i < samples; ++i) {
     const auto sample =

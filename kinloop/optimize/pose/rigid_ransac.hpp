@@ -1,6 +1,5 @@
 #pragma once
-// In: pairs of 3D points, one seen by camera a and one by camera b, many of them wrong. Out: the rigid motion
-// between the cameras with its inliers.
+// Estimates the rigid motion between two cameras from pairs of 3D points, many of them wrong.
 
 #include <cstdint>
 #include <optional>
@@ -16,12 +15,12 @@
 
 namespace kinloop {
 
-/// The same point as two cameras measured it, each in its own frame.
+/// A point measured by two cameras, each in its own frame.
 struct PointPair {
   Eigen::Vector3d p_a = Eigen::Vector3d::Zero();  ///< m
   Eigen::Vector3d p_b = Eigen::Vector3d::Zero();  ///< m
-  double sigma_a_px = 1;                          ///< standard deviation of its pixel in camera a
-  double sigma_b_px = 1;                          ///< and in camera b
+  double sigma_a_px = 1;                          ///< standard deviation of the pixel in camera a
+  double sigma_b_px = 1;                          ///< standard deviation of the pixel in camera b
 };
 
 struct RigidRansacOptions {
@@ -40,22 +39,22 @@ struct RigidRansacOptions {
   }
 };
 
-/// A motion between two cameras with its support.
+/// The motion between two cameras with its inliers.
 struct RigidSolution {
   SE3 T_a_b;
-  std::vector<uint8_t> inliers;  ///< 1 where the pair agrees
+  std::vector<uint8_t> inliers;  ///< 1 = inlier
   int inlier_count = 0;
   Matrix6d information = Matrix6d::Zero();  ///< of T_a_b * exp(x), x = (translation; rotation)
   double chi2 = 0;                          ///< sum of squared Mahalanobis distances of the inliers
 };
 
-/// The motion that most pairs agree with, by the noise of pixels and depths on both sides: Horn's alignment
-/// of three pairs inside RANSAC, then Gauss-Newton on the inliers. The same seed gives the same result.
-/// Nothing where fewer than `min_inliers` agree or they leave the motion open (points on a line).
+/// Returns the motion with the most inliers, given the pixel and depth noise of both cameras: Horn's
+/// alignment of three pairs inside RANSAC, then Gauss-Newton on the inliers. Deterministic for a given seed.
+/// nullopt if there are fewer than `min_inliers` inliers or the motion is unconstrained (points on a line).
 std::optional<RigidSolution> solve_rigid_ransac(const PinholeCamera& camera, std::span<const PointPair> pairs,
                                                 const RigidRansacOptions& options, uint64_t seed);
 
-/// The motion near `T_a_b_guess` that agrees best with the pairs, without sampling.
+/// Returns the motion near `T_a_b_guess` that fits the pairs best, without sampling.
 std::optional<RigidSolution> refine_rigid(const PinholeCamera& camera, std::span<const PointPair> pairs,
                                           const SE3& T_a_b_guess, const RigidRansacOptions& options);
 

@@ -21,14 +21,14 @@ class RollingShutterSolver {
     }
   }
 
-  /// Tells inliers from outliers; true when anything changed.
+  /// Classifies inliers and outliers; true if anything changed.
   bool classify(const RollingShutterPose& pose) {
     return observations_.classify(view_of(pose), model_, options_);
   }
 
   [[nodiscard]] int inliers() const { return observations_.inlier_count(); }
 
-  /// Moves pose and velocity to the least cost of what is in use now.
+  /// Minimizes the cost over pose and velocity, with the observations in use.
   [[nodiscard]] RollingShutterPose minimize(const RollingShutterPose& pose) const {
     return minimize_pose<12>(
         pose, options_.max_iterations, [this](const RollingShutterPose& at) { return linearize(at); },
@@ -57,7 +57,7 @@ class RollingShutterSolver {
   const MeasurementModel& model_;
   CameraObservations observations_;
   const Velocity& expected_;
-  Vector6d information_;  // of the velocity
+  Vector6d information_;  // prior information of the velocity
   const AbsolutePoseOptions& options_;
 };
 

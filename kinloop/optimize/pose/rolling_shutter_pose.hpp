@@ -1,7 +1,6 @@
 #pragma once
-// In: points of the world as one moving, rolling camera measured them, and a guess of its pose and velocity.
-// Out: the pose and the velocity. A rolling shutter is a measurement of velocity: rows exposed later have
-// seen the camera elsewhere.
+// Estimates the pose and velocity of a moving rolling-shutter camera from its measurements of known points.
+// The rolling shutter makes velocity observable: each row is exposed at a different camera pose.
 
 #include <optional>
 #include <span>
@@ -11,21 +10,21 @@
 
 namespace kinloop {
 
-/// A camera on the move: its pose at the time of the middle row.
+/// Pose at the time of the middle row, and velocity.
 struct RollingShutterPose {
   SE3 T_world_camera;
   Velocity velocity;
 };
 
-/// How far a guessed velocity may be off, 1 sigma.
+/// Standard deviation of the velocity prior.
 struct VelocitySigma {
   double m_s = 0.1;
   double rad_s = 0.1;
 };
 
-/// Pose and velocity near `guess` in the world, which is the reference frame of the observations, under which
-/// the observations agree best (robust Gauss-Newton with the model of bundle adjustment); the velocity is
-/// drawn towards that of the guess. Nothing where fewer than `min_inliers` agree.
+/// Returns the pose and velocity near `guess` that minimize the robust cost (Gauss-Newton with the model of
+/// bundle adjustment). The world is the reference frame of the observations. The velocity of the guess is a
+/// prior. nullopt if there are fewer than `min_inliers` inliers.
 std::optional<RollingShutterPose> solve_rolling_shutter_pose(
     const PinholeCamera& camera, const SensorVector& sensor, std::span<const PoseObservation> observations,
     const RollingShutterPose& guess, const VelocitySigma& sigma, const AbsolutePoseOptions& options);
