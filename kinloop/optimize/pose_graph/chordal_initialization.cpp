@@ -8,7 +8,7 @@ namespace kinloop {
 namespace {
 
 template <class Pose>
-constexpr int kDim = Pose::kDof == 6 ? 3 : 2;  // of the space
+constexpr int kDim = Pose::kDof == 6 ? 3 : 2;  // dimension of the space
 
 template <class Pose>
 using Square = Eigen::Matrix<double, kDim<Pose>, kDim<Pose>>;
@@ -28,8 +28,8 @@ void set_rotation(SE2& T, const Eigen::Matrix2d& M) {
   T.angle_rad = std::atan2(M(1, 0) - M(0, 1), M(0, 0) + M(1, 1));
 }
 
-/// A linear least squares problem over edges, with the pattern of the pose graph and blocks as large as the
-/// space.
+/// A linear least squares problem over edges, with the pattern of the pose graph and blocks of the size of
+/// the space.
 template <class Pose>
 struct LinearProblem {
   static constexpr int kD = kDim<Pose>;
@@ -39,7 +39,7 @@ struct LinearProblem {
   LinearProblem(const BlockPattern& pattern, int columns)
       : H(pattern), right(Eigen::MatrixXd::Zero(kD * static_cast<Eigen::Index>(pattern.size), columns)) {}
 
-  /// Adds |x_b - A x_a - c|^2_W for edge `i`, where A is orthogonal; a held vertex has the value `held_a`,
+  /// Adds |x_b - A x_a - c|^2_W for edge `i`, where A is orthogonal. A fixed vertex has the value `held_a` or
   /// `held_b`.
   template <class Value>
   void add(const PoseGraphLayout& layout, size_t i, uint32_t a, uint32_t b, const Square<Pose>& A,
@@ -75,7 +75,7 @@ uint32_t block_of(const PoseGraphLayout& layout, uint32_t vertex) {
   return vertex == kWorld ? kNoBlock : layout.block_of_vertex[vertex];
 }
 
-/// Rotations that minimise sum w |R_b - R_a R_a_b|^2; the unknowns are R', so that each block has one factor
+/// Rotations that minimise sum w |R_b - R_a R_a_b|^2. The unknowns are R', so that each block has one factor
 /// on its left.
 template <class Pose>
 bool solve_rotations(const BasicPoseGraph<Pose>& graph, const PoseGraphLayout& layout,
@@ -103,8 +103,7 @@ bool solve_rotations(const BasicPoseGraph<Pose>& graph, const PoseGraphLayout& l
   return true;
 }
 
-/// Translations that minimise chi2 with the rotations as they are: e_t = S (t_b - t_a - R_a t_a_b), S = (R_a
-/// R_a_b)'.
+/// Translations that minimise chi2 for given rotations: e_t = S (t_b - t_a - R_a t_a_b), S = (R_a R_a_b)'.
 template <class Pose>
 bool solve_translations(const BasicPoseGraph<Pose>& graph, const PoseGraphLayout& layout,
                         const EliminationPlan& plan, std::vector<Pose>& T_world_vertex) {

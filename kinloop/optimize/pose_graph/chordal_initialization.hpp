@@ -1,8 +1,7 @@
 #pragma once
-// In: a pose graph. Out: poses to start from that need no starting values: all rotations at once from a
-// linear least squares problem on their matrix entries, each then replaced by the nearest rotation (Martinec
-// and Pajdla 2007; Carlone et al. 2015), and after them all translations, which are linear once rotations are
-// known.
+// Chordal initialization of a pose graph, which needs no starting values: solves for all rotation matrices by
+// linear least squares and projects each to the nearest rotation (Martinec and Pajdla 2007; Carlone et al.
+// 2015), then solves for the translations, which are linear for given rotations.
 
 #include <optional>
 #include <vector>
@@ -11,7 +10,8 @@
 
 namespace kinloop {
 
-/// Nothing where the measurements do not determine all poses. Held vertices stay.
+/// Returns the initial poses; fixed vertices keep theirs. nullopt if the measurements do not determine all
+/// poses.
 template <class Pose>
 std::optional<std::vector<Pose>> chordal_initialization(const BasicPoseGraph<Pose>& graph,
                                                         const PoseGraphLayout& layout,

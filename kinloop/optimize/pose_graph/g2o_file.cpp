@@ -17,10 +17,10 @@
 namespace kinloop {
 namespace {
 
-// An eigenvalue this far below zero, relative to the largest, is no rounding of six printed digits.
+// Relative to the largest eigenvalue; more negative ones cannot come from rounding to six digits.
 constexpr double kPsdTolerance = 1e-6;
 
-/// One line, split at white space, with checked access to its numbers.
+/// A line split at white space, with checked access to its numbers.
 struct Line {
   const std::filesystem::path& path;
   size_t number;
@@ -60,7 +60,7 @@ void read_pose(const Line& line, size_t first, SE2& T) {
   T.angle_rad = normalized_angle(line.value(first + 2));
 }
 
-/// The upper triangle, row by row.
+/// Reads the upper triangle, row by row.
 template <class Matrix>
 Matrix read_information(const Line& line, size_t field) {
   Matrix information;
@@ -72,7 +72,7 @@ Matrix read_information(const Line& line, size_t field) {
   return information;
 }
 
-/// Replaces a matrix with negative eigenvalues by the nearest without; whether it had to.
+/// Replaces a matrix with negative eigenvalues by the nearest positive semi-definite one; true if it did.
 template <class Matrix>
 bool repair_information(Matrix& information) {
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(information);
@@ -84,7 +84,7 @@ bool repair_information(Matrix& information) {
   return true;
 }
 
-/// What the lines of one kind of pose have given so far; edges still name ids.
+/// The lines read so far for one kind of pose; edges still refer to ids.
 template <class Pose>
 struct ParsedGraph {
   struct ParsedEdge {
@@ -95,7 +95,7 @@ struct ParsedGraph {
   std::vector<Pose> poses;
   std::vector<int64_t> ids;
   std::vector<ParsedEdge> edges;
-  size_t first_line = 0;  // 0: the file has none of this kind
+  size_t first_line = 0;  // 0: none of this kind
 };
 
 struct ParserState {
@@ -103,7 +103,7 @@ struct ParserState {
   ParsedGraph<SE3> space;
   ParsedGraph<SE2> plane;
   std::vector<std::pair<int64_t, size_t>> fixed;  // id, line
-  std::vector<int64_t> offsets;                   // ids of identity PARAMS_SE3OFFSET
+  std::vector<int64_t> offsets;                   // ids of PARAMS_SE3OFFSET with identity value
   std::map<int64_t, size_t> vertex_lines;
   std::vector<size_t> repaired_lines;
 };
@@ -131,7 +131,7 @@ void read_edge(ParserState& state, ParsedGraph<Pose>& parsed, const Line& line, 
     line.fail(fmt::format("an edge from vertex {} to itself", read.id_a));
   if (is_prior) read.edge.a = kWorld;
   const auto [first, second] = std::minmax(read.id_a, read.id_b);
-  read.edge.trusted = !is_prior && first + 1 == second;  // first is not the largest number there is
+  read.edge.trusted = !is_prior && first + 1 == second;  // `first` is below the maximum here, so no overflow
   read_pose(line, pose_field, read.edge.T_a_b);
   read.edge.information = read_information<Matrix>(line, information_field);
   if (repair_information(read.edge.information)) state.repaired_lines.push_back(line.number);
@@ -197,7 +197,7 @@ std::vector<std::string> split(std::string_view text) {
   return fields;
 }
 
-/// Without vertices in the file, those that the edges name, in the order of their ids.
+/// Without vertices in the file, creates those referenced by edges, in order of their ids.
 template <class Pose>
 std::vector<int64_t> ids_of_edges(const ParsedGraph<Pose>& parsed) {
   std::vector<int64_t> ids;
@@ -207,7 +207,7 @@ std::vector<int64_t> ids_of_edges(const ParsedGraph<Pose>& parsed) {
   return ids;
 }
 
-/// Turns ids into indices.
+/// Converts ids to indices.
 template <class Pose>
 G2oFile finish(const ParserState& state, const ParsedGraph<Pose>& parsed) {
   G2oFile file;

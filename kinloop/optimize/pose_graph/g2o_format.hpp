@@ -1,5 +1,5 @@
 #pragma once
-// The words of .g2o files, shared by their reader and their writer.
+// Keywords of .g2o files, shared by reader and writer.
 
 #include <cstddef>
 
@@ -8,7 +8,7 @@
 
 namespace kinloop {
 
-/// How a kind of pose is spelt in the file.
+/// Format of a kind of pose.
 template <class Pose>
 struct G2oFormat;
 
@@ -30,7 +30,7 @@ struct G2oFormat<SE2> {
   static constexpr size_t kPriorIndices = 1;
 };
 
-/// The frame a prior in space is measured in.
+/// The frame in which an SE3 prior is measured.
 inline constexpr const char* kG2oOffsetTag = "PARAMS_SE3OFFSET";
 
 }  // namespace kinloop

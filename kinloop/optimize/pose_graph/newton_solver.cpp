@@ -5,13 +5,13 @@
 namespace kinloop {
 namespace {
 
-// The energy of the error left by conjugate gradients, relative to that of the solution.
+// Energy of the remaining error of conjugate gradients, relative to that of the solution.
 constexpr double kEnergyTolerance = 1e-3;
-// A block product within a factorisation takes B times the arithmetic of one in a solution, but not the wait
-// for memory.
+// A block product within a factorisation needs B times the arithmetic of one within a solve, but no memory
+// access latency.
 constexpr double kProductsPerSolvedBlock = 4;
-// A first step of this length says that H has changed too much since it was factorised; 1 if it has not
-// changed.
+// A first step outside these lengths means that H has changed too much since it was factorised; 1 =
+// unchanged.
 constexpr double kMinFirstStep = 0.5, kMaxFirstStep = 2.0;
 
 constexpr double kInitialNewtonDamping = 1e-10;
@@ -84,7 +84,7 @@ std::optional<Eigen::VectorXd> NewtonSolver<B>::solve_with_old_factor(const Bloc
   for (int step = 0; step < max_conjugate_steps_; ++step) {
     const Eigen::VectorXd product = multiply(*pattern_, H, direction);
     const double length = energy / direction.dot(product);
-    if (!(length > 0)) return {};  // also where it is not a number
+    if (!(length > 0)) return {};  // also for NaN
     if (step == 0 && (length < kMinFirstStep || length > kMaxFirstStep)) return {};
     d += length * direction;
     residual -= length * product;

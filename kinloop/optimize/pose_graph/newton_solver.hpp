@@ -1,6 +1,6 @@
 #pragma once
-// In: a sequence of sparse systems H d = b of one pattern, each close to the last. Out: their solutions,
-// factorising only where the factor at hand is too old to be of use.
+// Solves a sequence of similar sparse systems H d = b of one pattern, and refactorises only when the existing
+// factor is too old.
 
 #include <optional>
 
@@ -11,19 +11,19 @@
 namespace kinloop {
 
 /// Solves the systems of Newton steps on B x B blocks. The factor of an earlier H preconditions conjugate
-/// gradients (Hestenes and Stiefel 1952) on the present one: near a minimum two or three of their steps
-/// replace a factorisation that costs ten times as much as one of them.
+/// gradients (Hestenes and Stiefel 1952) on the current one: near a minimum two or three iterations replace a
+/// factorisation, which costs ten times as much as one iteration.
 template <int B>
 class NewtonSolver {
  public:
-  /// Both must outlive this.
+  /// Both must outlive this object.
   NewtonSolver(const BlockPattern& pattern, const EliminationPlan& plan);
 
-  /// d with H d = b, to within an error of the energy (error' H error) `negligible`; with a small multiple of
-  /// H's diagonal added where H is singular, and nothing where even that does not help.
+  /// Returns d with H d = b, to within an error energy (error' H error) of `negligible`. If H is singular,
+  /// adds a small multiple of its diagonal; nullopt if that fails too.
   std::optional<Eigen::VectorXd> solve(const BlockMatrix<B>& H, const Eigen::VectorXd& b, double negligible);
 
-  /// d with (H + damping * diagonal) d = b.
+  /// Returns d with (H + damping * diagonal) d = b.
   std::optional<Eigen::VectorXd> solve_damped(BlockMatrix<B> H, const Eigen::VectorXd& b, double damping);
 
  private:
@@ -34,10 +34,11 @@ class NewtonSolver {
   const BlockPattern* pattern_;
   SparseCholesky<B> cholesky_;
   int max_conjugate_steps_;
-  bool has_factor_ = false;  ///< of an undamped H
+  bool has_factor_ = false;  ///< factor of an undamped H
 };
 
-/// The diagonal of the matrix, each entry at least a tiny share of the largest: the scale of each unknown.
+/// Returns the diagonal of the matrix, the scale of each unknown, with entries at least a tiny fraction of
+/// the largest.
 template <int B>
 Eigen::VectorXd diagonal_scale(const BlockMatrix<B>& H);
 

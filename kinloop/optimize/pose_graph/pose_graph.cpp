@@ -24,7 +24,7 @@ void check(const BasicPoseGraph<Pose>& graph) {
   }
 }
 
-/// Throws UsageError for values that `--set` would not take.
+/// Throws UsageError for values that `--set` rejects.
 void check(const PoseGraphOptions& options) {
   validate(options);
   if (pose_graph_solver_available(options.solver)) return;
@@ -41,7 +41,7 @@ SolvedPoses<Pose> solve_with(PoseGraphSolver solver, const BasicPoseGraph<Pose>&
   return solve_with_builtin(graph, held, options);
 }
 
-/// Whether any vertex with an edge may move.
+/// Whether any vertex with an edge is free.
 template <class Pose>
 bool has_free_vertices(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held) {
   for (const auto& edge : graph.edges) {
@@ -50,7 +50,7 @@ bool has_free_vertices(const BasicPoseGraph<Pose>& graph, const std::vector<bool
   return false;
 }
 
-/// The starting poses by a method that the solver itself does not have.
+/// Computes the initial poses by a method that the solver itself does not provide.
 template <class Pose>
 std::vector<Pose> initial_poses(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held,
                                 const PoseGraphOptions& options) {

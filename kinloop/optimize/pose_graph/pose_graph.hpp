@@ -1,11 +1,11 @@
 #pragma once
-// In: poses with starting values, and measured relative poses between them. Out: the poses that agree best
-// with all measurements, sum over edges of e' Omega e at its smallest.
+// Pose graph optimization: estimates the poses that minimize the sum of e' Omega e over measured relative
+// poses.
 //
-// The error of an edge is that of g2o's EDGE_SE3:QUAT and EDGE_SE2, so that chi2 is comparable to the digit:
+// The error of an edge is that of g2o's EDGE_SE3:QUAT and EDGE_SE2, so that chi2 values agree exactly:
 //   E = T_a_b^-1 * (T_world_a^-1 * T_world_b),
-//   e = (translation; x, y, z of the unit quaternion with w >= 0) of E in space, (translation; angle) in the
-//   plane.
+//   3D: e = (translation; x, y, z of the unit quaternion with w >= 0) of E,
+//   2D: e = (translation; angle) of E.
 
 #include <cstdint>
 #include <limits>
@@ -19,10 +19,10 @@
 
 namespace kinloop {
 
-/// In place of `PoseGraphEdge::a`: the edge is a prior, `T_a_b` measures T_world_b itself.
+/// Value of `PoseGraphEdge::a` for a prior: `T_a_b` then measures T_world_b itself.
 inline constexpr uint32_t kWorld = std::numeric_limits<uint32_t>::max();
 
-/// Poses and the relative poses measured between them; `Pose` is SE3 or SE2.
+/// Poses and measured relative poses between them; `Pose` is SE3 or SE2.
 template <class Pose>
 struct BasicPoseGraph {
   using Vector = Eigen::Matrix<double, Pose::kDof, 1>;
@@ -32,12 +32,12 @@ struct BasicPoseGraph {
     uint32_t a = 0, b = 0;  ///< vertex indices; `a` may be kWorld
     Pose T_a_b;
     Matrix information = Matrix::Identity();  ///< of e, symmetric positive semi-definite
-    bool trusted = false;                     ///< keeps its full weight whatever the robust kernel (odometry)
+    bool trusted = false;                     ///< keeps full weight under any robust kernel (odometry)
   };
 
   std::vector<Pose> T_world_vertex;  ///< starting values
-  /// Held where they are. When empty, or where a connected part has neither a fixed vertex nor a prior, the
-  /// first vertex of each part is held.
+  /// Vertices held constant. If empty, or if a connected component has neither a fixed vertex nor a prior,
+  /// the first vertex of each such component is fixed.
   std::vector<bool> fixed;
   std::vector<Edge> edges;
 };
@@ -55,7 +55,7 @@ constexpr auto option_names(PoseGraphSolver) {
       {{kAuto, "auto"}, {kBuiltin, "builtin"}, {kCeres, "ceres"}, {kG2o, "g2o"}});
 }
 
-/// How a solver chooses its steps.
+/// Step selection of a solver.
 enum class PoseGraphMethod { kAuto, kLevenberg, kGaussNewton, kDogleg };
 
 constexpr auto option_names(PoseGraphMethod) {
@@ -64,7 +64,7 @@ constexpr auto option_names(PoseGraphMethod) {
       {{kAuto, "auto"}, {kLevenberg, "levenberg"}, {kGaussNewton, "gauss-newton"}, {kDogleg, "dogleg"}});
 }
 
-/// Where a solver starts.
+/// Initial poses of a solver.
 enum class PoseGraphStart { kAuto, kGiven, kTree, kChordal };
 
 constexpr auto option_names(PoseGraphStart) {
@@ -73,7 +73,7 @@ constexpr auto option_names(PoseGraphStart) {
       {{kAuto, "auto"}, {kGiven, "given"}, {kTree, "tree"}, {kChordal, "chordal"}});
 }
 
-/// What bounds the influence of outlier edges.
+/// Robust kernel, which bounds the influence of outlier edges.
 enum class RobustKernel { kNone, kHuber, kCauchy, kGemanMcClure, kDcs };
 
 constexpr auto option_names(RobustKernel) {
@@ -108,42 +108,42 @@ struct PoseGraphOptions {
   }
 };
 
-/// What a solver found.
+/// Result of a solver.
 template <class Pose>
 struct BasicPoseGraphSolution {
   std::vector<Pose> T_world_vertex;
   double chi2_before = 0;  ///< sum of e' Omega e at the start, without robust kernel
-  double chi2_after = 0;   ///< the same at the solution
+  double chi2_after = 0;   ///< sum of e' Omega e at the solution, without robust kernel
   int iterations = 0;
-  double seconds = 0;  ///< solving alone
+  double seconds = 0;  ///< solver time
   bool converged = false;
-  PoseGraphSolver solver = PoseGraphSolver::kBuiltin;  ///< the one that did it, never kAuto
+  PoseGraphSolver solver = PoseGraphSolver::kBuiltin;  ///< the solver used, never kAuto
 };
 
 using PoseGraphSolution = BasicPoseGraphSolution<SE3>;
 using PoseGraphSolution2d = BasicPoseGraphSolution<SE2>;
 
-// The functions below exist for Pose = SE3 and Pose = SE2.
+// The functions below are instantiated for Pose = SE3 and Pose = SE2.
 
 /// Solves the graph. Deterministic. Throws std::logic_error for indices out of range or values that are not
-/// finite, and UsageError for a solver this build does not have.
+/// finite, and UsageError for a solver missing from this build.
 template <class Pose>
 BasicPoseGraphSolution<Pose> solve_pose_graph(const BasicPoseGraph<Pose>& graph,
                                               const PoseGraphOptions& options = {});
 
-/// Whether this build has the solver (kAuto always).
+/// Returns whether this build has the solver; always true for kAuto.
 bool pose_graph_solver_available(PoseGraphSolver solver);
 
-/// Sum over edges of e' Omega e.
+/// Returns the sum of e' Omega e over edges.
 template <class Pose>
 double chi2(const BasicPoseGraph<Pose>& graph);
 
-/// The poses chained along breadth-first spanning trees from the vertices that are held or have a prior;
+/// Returns poses chained along breadth-first spanning trees from the vertices that are fixed or have a prior;
 /// ignores the starting values of all others.
 template <class Pose>
 std::vector<Pose> spanning_tree_poses(const BasicPoseGraph<Pose>& graph);
 
-/// Number of parts of the graph that no edge connects.
+/// Returns the number of connected components of the graph.
 template <class Pose>
 size_t count_connected_components(const BasicPoseGraph<Pose>& graph);
 

@@ -1,5 +1,5 @@
-// The built-in solver: a start that needs no starting values, Gauss-Newton steps within a trust region, and
-// sparse systems that are factorised as seldom as possible.
+// The built-in solver: chordal initialization, Gauss-Newton steps within a trust region, and sparse systems
+// with as few factorisations as possible.
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,9 @@
 namespace kinloop {
 namespace {
 
-constexpr double kNonConvexityStep = 1.4;  // as Yang et al. 2020
+constexpr double kNonConvexityStep = 1.4;  // as in Yang et al. 2020
 
-/// Where to start; kAuto: the graph's own poses, or the chordal ones where they cost less.
+/// Returns the initial poses; for kAuto the given poses, or the chordal ones if their cost is lower.
 template <class Pose>
 std::vector<Pose> initial_poses(const BasicPoseGraph<Pose>& graph, const PoseGraphLayout& layout,
                                 const EliminationPlan& plan, const PoseGraphKernel& kernel,
@@ -28,8 +28,8 @@ std::vector<Pose> initial_poses(const BasicPoseGraph<Pose>& graph, const PoseGra
   return better || start == PoseGraphStart::kChordal ? *std::move(chordal) : graph.T_world_vertex;
 }
 
-/// Graduated non-convexity (Yang et al. 2020): a kernel so wide that the cost is nearly that of least squares
-/// narrows step by step to the one that is wanted, so that the minimum found hangs less on the start.
+/// Graduated non-convexity (Yang et al. 2020): starts with a kernel so wide that the cost is nearly least
+/// squares and narrows it stepwise to the final width, which makes the minimum less dependent on the start.
 template <class Pose>
 MinimizerState<Pose> graduated_non_convexity(const MinimizerProblem<Pose>& problem,
                                              const PoseGraphKernel& kernel, MinimizerState<Pose> at,
@@ -46,8 +46,8 @@ MinimizerState<Pose> graduated_non_convexity(const MinimizerProblem<Pose>& probl
   return minimize_pose_graph(problem, kernel, std::move(at), newton);
 }
 
-/// The lower of two minima: by graduated non-convexity, which needs no good start but can twist a chain of
-/// trusted edges before it lets go of false ones, and direct from the start, which does not.
+/// Returns the lower of two minima: one by graduated non-convexity, which needs no good start but can twist a
+/// chain of trusted edges before rejecting false ones, and one directly from the start, which does not.
 template <class Pose>
 MinimizerState<Pose> minimize_robust(const MinimizerProblem<Pose>& problem, const PoseGraphKernel& kernel,
                                      const MinimizerState<Pose>& start, NewtonSolver<Pose::kDof>& newton) {

@@ -1,4 +1,4 @@
-// The pose graph through Ceres, with analytic Jacobians.
+// Pose graph optimization with Ceres and analytic Jacobians.
 
 #include <array>
 
@@ -15,7 +15,7 @@
 namespace kinloop {
 namespace {
 
-/// A pose as Ceres holds it.
+/// A pose as a Ceres parameter block.
 template <class Pose>
 struct Packed;
 
@@ -38,8 +38,9 @@ struct Packed<SE2> {
   }
 };
 
-/// The derivatives by the packed pose hold those by the tangent vector in their first columns and zeros
-/// behind, so the derivative of `Plus` picks these columns; Ceres uses nothing but the product of the two.
+/// The Jacobian with respect to the packed pose holds that with respect to the tangent vector in its first
+/// columns, followed by zeros. The Jacobian of `Plus` selects these columns, since Ceres uses only the
+/// product.
 template <class Pose>
 using PickTangent = Eigen::Matrix<double, Packed<Pose>::kSize, Pose::kDof, Eigen::RowMajor>;
 
@@ -51,7 +52,7 @@ bool plus_packed(const double* x, const double* d, double* x_plus_d) {
   return true;
 }
 
-// Ceres renamed its local parametrisations to manifolds in 2.1 (Debian 12), and Ubuntu 22.04 has 2.0.
+// Ceres 2.1 (Debian 12) renamed local parameterizations to manifolds; Ubuntu 22.04 has 2.0.
 #if CERES_VERSION_MAJOR > 2 || (CERES_VERSION_MAJOR == 2 && CERES_VERSION_MINOR >= 1)
 template <class Pose>
 class PoseManifold : public ceres::Manifold {
@@ -65,7 +66,8 @@ class PoseManifold : public ceres::Manifold {
     Eigen::Map<PickTangent<Pose>>(jacobian).setIdentity();
     return true;
   }
-  bool Minus(const double*, const double*, double*) const override { return false; }  // the solver needs none
+  // not needed by the solver
+  bool Minus(const double*, const double*, double*) const override { return false; }
   bool MinusJacobian(const double*, double*) const override { return false; }
 };
 
@@ -94,14 +96,14 @@ void set_manifold(ceres::Problem& problem, double* block) {
 }
 #endif
 
-/// S with S' S = information, also where the information is singular.
+/// Returns S with S' S = information; the information may be singular.
 template <class Matrix>
 Matrix square_root(const Matrix& information) {
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(information);
   return eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// The whitened error S e of one edge; a prior has the vertex b alone.
+/// The whitened error S e of one edge; a prior has only vertex b.
 template <class Pose>
 class EdgeCost : public ceres::CostFunction {
  public:
@@ -138,7 +140,7 @@ class EdgeCost : public ceres::CostFunction {
   bool prior_;
 };
 
-/// The shared kernel as Ceres wants it; without the second derivative, so that it reweights as the others do.
+/// The shared kernel as a Ceres loss, without second derivative, so that it reweights like the other solvers.
 class KernelLoss : public ceres::LossFunction {
  public:
   explicit KernelLoss(const PoseGraphKernel& kernel) : kernel_(kernel) {}
@@ -162,9 +164,9 @@ ceres::Solver::Options ceres_options(const PoseGraphOptions& options) {
       options.method == PoseGraphMethod::kDogleg ? ceres::DOGLEG : ceres::LEVENBERG_MARQUARDT;
   ceres_options.max_num_iterations = options.max_iterations;
   ceres_options.function_tolerance = kCostTolerance;
-  ceres_options.gradient_tolerance = 0;  // depends on units, the fall of the cost does not
+  ceres_options.gradient_tolerance = 0;  // depends on units, unlike the relative decrease of the cost
   ceres_options.parameter_tolerance = 0;
-  ceres_options.num_threads = 1;  // sums in one order: the same bytes every run
+  ceres_options.num_threads = 1;  // fixed summation order: identical results in every run
   ceres_options.logging_type = ceres::SILENT;
   return ceres_options;
 }

@@ -23,7 +23,7 @@ std::optional<std::vector<typename BasicPoseGraph<Pose>::Matrix>> marginal_covar
     const uint32_t block = layout.block_of_vertex[vertex];
     covariances.emplace_back(BasicPoseGraph<Pose>::Matrix::Zero());
     if (block == kNoBlock) continue;
-    // The block column of H^-1 has its own block on the diagonal.
+    // The diagonal block of a vertex is part of its block column of H^-1.
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(system.minus_g.size(), kDof);
     const auto row = static_cast<Eigen::Index>(kDof) * block;
     unit.middleRows<kDof>(row).setIdentity();

@@ -1,5 +1,5 @@
 #pragma once
-// In: a solved pose graph. Out: how well it determines chosen poses.
+// Marginal covariances of the poses of a solved pose graph.
 
 #include <cstdint>
 #include <optional>
@@ -10,9 +10,9 @@
 
 namespace kinloop {
 
-/// Covariance of each vertex's tangent vector d in T_world_vertex * (d_translation; exp(d_rotation)), that is
-/// in the vertex's own frame, with all other vertices unknown and the held ones exact (zero for these).
-/// Nothing where the measurements do not determine all poses.
+/// Returns the marginal covariance of each vertex's tangent vector d in T_world_vertex * (d_translation;
+/// exp(d_rotation)), i.e. in the vertex's own frame, given exact fixed vertices (zero for these). nullopt if
+/// the measurements do not determine all poses.
 template <class Pose>
 std::optional<std::vector<typename BasicPoseGraph<Pose>::Matrix>> marginal_covariances(
     const BasicPoseGraph<Pose>& graph, std::span<const uint32_t> vertices);

@@ -1,6 +1,6 @@
 #pragma once
-// In: the two poses of an edge and the measurement. Out: the error e as g2o defines it, and its derivatives
-// by the tangent vectors d of the poses, T <- retract(T, d) = T * (d_translation; exp(d_rotation)).
+// The error e of an edge as defined by g2o, and its derivatives with respect to the tangent vectors d of its
+// poses, T <- retract(T, d) = T * (d_translation; exp(d_rotation)).
 
 #include <cmath>
 
@@ -8,7 +8,7 @@
 
 namespace kinloop {
 
-/// An edge's error with its derivatives by the poses a and b.
+/// The error of an edge with its derivatives with respect to poses a and b.
 template <class Pose>
 struct LinearizedError {
   typename BasicPoseGraph<Pose>::Vector e;
@@ -23,7 +23,7 @@ inline SE2 retract(const SE2& T, const Eigen::Vector3d& d) {
   return T * SE2{d.head<2>(), d.z()};
 }
 
-/// Error of g2o's EDGE_SE3:QUAT.
+/// Returns the error of g2o's EDGE_SE3:QUAT.
 inline Vector6d edge_error(const SE3& T_world_a, const SE3& T_world_b, const SE3& T_a_b) {
   const SE3 E = T_a_b.inverse() * (T_world_a.inverse() * T_world_b);
   Vector6d e;
@@ -31,7 +31,7 @@ inline Vector6d edge_error(const SE3& T_world_a, const SE3& T_world_b, const SE3
   return e;
 }
 
-/// Error of g2o's EDGE_SE2.
+/// Returns the error of g2o's EDGE_SE2.
 inline Eigen::Vector3d edge_error(const SE2& T_world_a, const SE2& T_world_b, const SE2& T_a_b) {
   const SE2 E = T_a_b.inverse() * (T_world_a.inverse() * T_world_b);
   return {E.translation.x(), E.translation.y(), E.angle_rad};
@@ -78,13 +78,13 @@ inline LinearizedError<SE2> linearize_edge(const SE2& T_world_a, const SE2& T_wo
   return result;
 }
 
-/// The pose an edge starts from: that of its vertex a, or the identity for a prior.
+/// Returns the pose of vertex a of an edge, or the identity for a prior.
 template <class Pose>
 Pose pose_of_a(const std::vector<Pose>& T_world_vertex, const typename BasicPoseGraph<Pose>::Edge& edge) {
   return edge.a == kWorld ? Pose{} : T_world_vertex[edge.a];
 }
 
-/// e' Omega e of one edge.
+/// Returns e' Omega e of one edge.
 template <class Pose>
 double edge_chi2(const std::vector<Pose>& T_world_vertex, const typename BasicPoseGraph<Pose>::Edge& edge) {
   const auto e = edge_error(pose_of_a(T_world_vertex, edge), T_world_vertex[edge.b], edge.T_a_b);

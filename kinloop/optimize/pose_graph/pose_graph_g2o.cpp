@@ -1,4 +1,4 @@
-// The pose graph through g2o (Kuemmerle et al. 2011), where it is installed.
+// Pose graph optimization with g2o (Kuemmerle et al. 2011), if installed.
 #ifdef KINLOOP_WITH_G2O
 
 #include <memory>
@@ -28,7 +28,7 @@
 namespace kinloop {
 namespace {
 
-/// A pose, a vertex and an edge as g2o holds them.
+/// g2o types of pose, vertex and edge.
 template <class Pose>
 struct G2oTypes;
 
@@ -58,7 +58,7 @@ template <class Matrix>
 using LinearSolver = g2o::LinearSolverEigen<Matrix>;
 #endif
 
-/// The shared kernel as g2o wants it.
+/// The shared kernel as a g2o kernel.
 class G2oKernel : public g2o::RobustKernel {
  public:
   explicit G2oKernel(const PoseGraphKernel& kernel) : kernel_(kernel) {}
@@ -74,7 +74,8 @@ template <class Pose>
 std::unique_ptr<g2o::OptimizationAlgorithm> make_algorithm(PoseGraphMethod method) {
   using BlockSolver = g2o::BlockSolver<g2o::BlockSolverTraits<Pose::kDof, Pose::kDof>>;
   auto linear_solver = std::make_unique<LinearSolver<typename BlockSolver::PoseMatrixType>>();
-  linear_solver->setWriteDebug(false);  // else a matrix that is not positive definite lands in ./debug.txt
+  // otherwise g2o writes a matrix that is not positive definite to ./debug.txt
+  linear_solver->setWriteDebug(false);
   auto blocks = std::make_unique<BlockSolver>(std::move(linear_solver));
   if (method == PoseGraphMethod::kGaussNewton) {
     return std::make_unique<g2o::OptimizationAlgorithmGaussNewton>(std::move(blocks));
@@ -84,8 +85,8 @@ std::unique_ptr<g2o::OptimizationAlgorithm> make_algorithm(PoseGraphMethod metho
   return std::make_unique<g2o::OptimizationAlgorithmLevenberg>(std::move(blocks));
 }
 
-/// Copies the graph into the optimiser; a prior becomes an edge from one more, fixed vertex at the origin.
-/// The optimiser owns vertices, edges and kernels.
+/// Copies the graph into the optimiser. A prior becomes an edge from an additional fixed vertex at the
+/// origin. The optimiser owns vertices, edges and kernels.
 template <class Pose>
 void fill(g2o::SparseOptimizer& optimizer, const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held,
           const PoseGraphKernel& kernel) {

@@ -1,5 +1,5 @@
 #pragma once
-// The robust kernels of the pose graph, the same for all solvers.
+// Robust kernels of the pose graph, the same for all solvers.
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 
 namespace kinloop {
 
-/// Replaces s = e' Omega e by rho(s) in the cost; weight(s) = d rho / d s.
+/// Robust kernel: replaces s = e' Omega e by rho(s) in the cost; weight(s) = d rho / d s.
 struct PoseGraphKernel {
   RobustKernel kind = RobustKernel::kNone;
   double width = 1;  ///< standard deviations
@@ -48,8 +48,8 @@ struct PoseGraphKernel {
   }
 
  private:
-  /// Dynamic covariance scaling, Eq. (15) of Agarwal et al. 2013 with Phi = width^2; its square integrates to
-  /// rho.
+  /// Returns the scale of dynamic covariance scaling, Eq. (15) of Agarwal et al. 2013 with Phi = width^2; its
+  /// square integrates to rho.
   [[nodiscard]] double dcs_scale(double s) const {
     const double phi = width * width;
     return std::min(1.0, 2 * phi / (phi + s));

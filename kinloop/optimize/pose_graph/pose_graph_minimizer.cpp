@@ -9,26 +9,26 @@
 namespace kinloop {
 namespace {
 
-constexpr double kNegligibleChi2 = 1e-12;  // a cost this small is zero but for rounding
-constexpr double kMinGainRatio = 1e-4;  // of the decrease of the cost to the decrease that the model predicts
+constexpr double kNegligibleChi2 = 1e-12;  // a smaller cost is zero except for rounding
+constexpr double kMinGainRatio = 1e-4;     // ratio of actual to predicted decrease of the cost
 constexpr double kGoodGainRatio = 0.75, kPoorGainRatio = 0.25;
 constexpr double kRadiusGrowth = 3.0, kRadiusCut = 0.3;
-constexpr double kWatchdogRise = 10;  // of the cost, at most, before the step that must make up for it
-constexpr int kMaxTrials = 20;        // shorter and shorter steps before giving up
+constexpr double kWatchdogRise = 10;  // maximum relative rise of the cost before the second watchdog step
+constexpr int kMaxTrials = 20;        // step reductions before giving up
 
-/// A step that is expected to lower the cost by no more is not worth taking.
+/// Minimum predicted decrease for a step to be tried.
 double negligible_decrease(double cost) {
   return std::max(kCostTolerance * cost, kNegligibleChi2);
 }
 
-/// What the linear model says of a step.
+/// Predictions of the linear model for a step.
 template <class Pose>
 double predicted_decrease(const PoseGraphLayout& layout, const PoseGraphSystem<Pose>& system,
                           const Eigen::VectorXd& d) {
   return 2 * system.minus_g.dot(d) - d.dot(multiply(layout.pattern, system.H, d));
 }
 
-/// A pose graph for minimize_levenberg_marquardt.
+/// Adapter of a pose graph for minimize_levenberg_marquardt.
 template <class Pose>
 class LevenbergPoseGraph {
  public:
@@ -66,7 +66,7 @@ class LevenbergPoseGraph {
   PoseGraphSystem<Pose> system_;
 };
 
-/// One walk: the three methods differ in how they choose a step.
+/// One minimization; the three methods differ in step selection.
 template <class Pose>
 class PoseGraphMinimizer {
  public:
@@ -147,7 +147,7 @@ class PoseGraphMinimizer {
       if (trial.gain_ratio > kMinGainRatio) {
         const double decrease = at_.cost - trial.to.cost;
         at_ = std::move(trial.to);
-        // Newton's steps decrease by a constant factor or better each: the next is not worth working out.
+        // Newton steps decrease at least by a constant factor, so the next one is negligible.
         at_.converged =
             length >= newton_length && decrease * decrease <= negligible_decrease() * last_decrease_;
         last_decrease_ = decrease;
@@ -155,11 +155,11 @@ class PoseGraphMinimizer {
       }
       if (i == 0 && length >= newton_length && watchdog_step(trial.to)) return true;
     }
-    return at_.converged = true;  // no step this short lowers the cost: it is as low as rounding lets it be
+    return at_.converged = true;  // no step this short lowers the cost beyond rounding
   }
 
-  /// Newton's step often overshoots along a curved valley, and the next one falls below where both began (the
-  /// watchdog of Chamberlain et al. 1982). Takes both if so.
+  /// Newton's step often overshoots along a curved valley, and the next one falls below the starting cost
+  /// (the watchdog of Chamberlain et al. 1982). Takes both steps if so.
   bool watchdog_step(const MinimizerState<Pose>& overshot) {
     if (!(overshot.cost < kWatchdogRise * at_.cost) || at_.iterations >= problem_.max_iterations)
       return false;
@@ -176,7 +176,7 @@ class PoseGraphMinimizer {
     return true;
   }
 
-  /// The step within the radius: Newton's, steepest descent, or one in between.
+  /// Returns the step within the trust region: Newton's, steepest descent, or a combination.
   [[nodiscard]] Eigen::VectorXd within_radius(const Eigen::VectorXd& newton,
                                               const Eigen::VectorXd& scale) const {
     const Eigen::VectorXd to_newton = newton.cwiseProduct(scale);

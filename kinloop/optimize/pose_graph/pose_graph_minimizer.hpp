@@ -1,6 +1,5 @@
 #pragma once
-// In: a pose graph with its layout, and poses to start from. Out: the poses at the nearest minimum of the
-// robust cost.
+// Minimizes the robust cost of a pose graph from given poses to the nearest minimum.
 
 #include <vector>
 
@@ -9,7 +8,7 @@
 
 namespace kinloop {
 
-/// Poses on their way downhill.
+/// State of the minimization.
 template <class Pose>
 struct MinimizerState {
   std::vector<Pose> T_world_vertex;
@@ -18,17 +17,17 @@ struct MinimizerState {
   bool converged = false;
 };
 
-/// What does not change on the way.
+/// Constant data of the minimization.
 template <class Pose>
 struct MinimizerProblem {
-  const BasicPoseGraph<Pose>& graph;  ///< its edges; the poses are not looked at
+  const BasicPoseGraph<Pose>& graph;  ///< only edges are used, not poses
   const PoseGraphLayout& layout;
   PoseGraphMethod method = PoseGraphMethod::kAuto;
   int max_iterations = 0;
 };
 
-/// Walks on from where `from` stands, until the cost stays or `max_iterations` are done in all. The cost
-/// never rises, but with Gauss-Newton. `newton` keeps the factor from one walk to the next.
+/// Continues the minimization at `from` until the cost converges or `max_iterations` are done in total. The
+/// cost never rises, except with Gauss-Newton. `newton` keeps its factor for the next call.
 template <class Pose>
 MinimizerState<Pose> minimize_pose_graph(const MinimizerProblem<Pose>& problem, const PoseGraphKernel& kernel,
                                          MinimizerState<Pose> from, NewtonSolver<Pose::kDof>& newton);

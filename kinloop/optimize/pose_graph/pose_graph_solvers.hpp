@@ -1,6 +1,6 @@
 #pragma once
-// The three solvers behind solve_pose_graph. In: a checked graph that holds its starting values, and which
-// vertices do not move. Out: poses; chi2 and time are measured by the caller.
+// The three solvers behind solve_pose_graph. They take a checked graph with its starting values and the fixed
+// vertices, and return poses. The caller computes chi2 and time.
 
 #include <vector>
 
@@ -8,16 +8,16 @@
 
 namespace kinloop {
 
-/// What a solver returns.
+/// Result of a solver.
 template <class Pose>
 struct SolvedPoses {
   std::vector<Pose> T_world_vertex;
   int iterations = 0;
-  double seconds = 0;  ///< without copying the problem into the solver's own form
+  double seconds = 0;  ///< excludes conversion of the problem to the solver's own form
   bool converged = false;
 };
 
-/// Relative fall of the cost in one step below which a solver stops.
+/// Relative decrease of the cost per step below which a solver stops.
 inline constexpr double kCostTolerance = 1e-9;
 
 template <class Pose>

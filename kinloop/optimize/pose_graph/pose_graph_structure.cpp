@@ -6,7 +6,7 @@
 namespace kinloop {
 namespace {
 
-/// The edges at each vertex, in their order; priors left out.
+/// Returns the edges at each vertex in order, without priors.
 template <class Pose>
 std::vector<std::vector<size_t>> edges_at_vertices(const BasicPoseGraph<Pose>& graph) {
   std::vector<std::vector<size_t>> edges_at(graph.T_world_vertex.size());
@@ -32,7 +32,8 @@ std::vector<size_t> connected_components(const BasicPoseGraph<Pose>& graph) {
   for (const auto& edge : graph.edges) {
     if (edge.a == kWorld) continue;
     const size_t root_a = find_root(parents, edge.a), root_b = find_root(parents, edge.b);
-    parents[std::max(root_a, root_b)] = std::min(root_a, root_b);  // so a root is the first of its part
+    // makes the root the first vertex of its component
+    parents[std::max(root_a, root_b)] = std::min(root_a, root_b);
   }
   std::vector<size_t> parts(parents.size());
   size_t count = 0;

@@ -1,7 +1,6 @@
 #pragma once
-// In: a pose graph, the vertices that are held, and where its poses are now. Out: the sparse linear system
-// that a step solves, H d = -g with H = sum J' w Omega J and g = sum J' w Omega e, w being the robust
-// kernel's weight.
+// The sparse linear system of a step of the pose graph, H d = -g with H = sum J' w Omega J and g = sum J' w
+// Omega e, where w is the weight of the robust kernel.
 
 #include <limits>
 #include <vector>
@@ -12,10 +11,10 @@
 
 namespace kinloop {
 
-/// No place in the system: held vertices, and edges that join no two free ones.
+/// Marks fixed vertices, and edges that do not join two free vertices.
 inline constexpr uint32_t kNoBlock = std::numeric_limits<uint32_t>::max();
 
-/// Where vertices and edges enter the system.
+/// Positions of vertices and edges in the system.
 struct PoseGraphLayout {
   std::vector<uint32_t> block_of_vertex;
   std::vector<uint32_t> slot_of_edge;  ///< in pattern.off_diagonal
@@ -33,18 +32,18 @@ struct PoseGraphSystem {
   explicit PoseGraphSystem(const BlockPattern& pattern);
 };
 
-/// The system at `T_world_vertex`.
+/// Returns the system at `T_world_vertex`.
 template <class Pose>
 void linearize(const BasicPoseGraph<Pose>& graph, const PoseGraphLayout& layout,
                const PoseGraphKernel& kernel, const std::vector<Pose>& T_world_vertex,
                PoseGraphSystem<Pose>& system);
 
-/// Sum over edges of rho(e' Omega e).
+/// Returns the sum of rho(e' Omega e) over edges.
 template <class Pose>
 double robust_cost(const BasicPoseGraph<Pose>& graph, const PoseGraphKernel& kernel,
                    const std::vector<Pose>& T_world_vertex);
 
-/// The poses moved by the step `d` of the system.
+/// Returns the poses updated by the step `d` of the system.
 template <class Pose>
 std::vector<Pose> apply_step(const std::vector<Pose>& T_world_vertex, const PoseGraphLayout& layout,
                              const Eigen::VectorXd& d);

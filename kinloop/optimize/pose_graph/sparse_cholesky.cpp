@@ -7,7 +7,7 @@
 namespace kinloop {
 namespace {
 
-/// The blocks of these rows and columns.
+/// View of a block range.
 template <int B>
 Eigen::MatrixXd gather(const Eigen::MatrixXd& matrix, const std::vector<uint32_t>& rows) {
   const auto count = static_cast<Eigen::Index>(rows.size());
@@ -49,7 +49,7 @@ SparseCholesky<B>::SparseCholesky(const EliminationPlan& plan)
     panel_begin_.push_back(size);
     size += B * B * node.columns() * (node.columns() + node.rows.size());
   }
-  values_ = std::make_unique_for_overwrite<double[]>(size);  // zeroed only as it is filled
+  values_ = std::make_unique_for_overwrite<double[]>(size);  // zeroed while it is filled
 }
 
 template <int B>
@@ -125,7 +125,7 @@ bool SparseCholesky<B>::factorize(const BlockMatrix<B>& matrix) {
 template <int B>
 template <class Right>
 Right SparseCholesky<B>::solve(const Right& right) const {
-  Right x(right.rows(), right.cols());  // in the order of elimination
+  Right x(right.rows(), right.cols());  // in elimination order
   for (size_t k = 0; k < column_of_.size(); ++k) {
     x.template middleRows<B>(B * static_cast<Eigen::Index>(k)) =
         right.template middleRows<B>(B * column_of_[k]);
@@ -163,8 +163,8 @@ Right SparseCholesky<B>::solve(const Right& right) const {
   return solution;
 }
 
-/// The inverse Z obeys Z_21 = -Z_22 G and Z_11 = (L_11 L_11')^-1 - G' Z_21 with G = L_21 L_11^-1, where 1 are
-/// a supernode's own columns and 2 its rows below, all of which its parent has at hand.
+/// The inverse Z satisfies Z_21 = -Z_22 G and Z_11 = (L_11 L_11')^-1 - G' Z_21 with G = L_21 L_11^-1, where 1
+/// denotes a supernode's own columns and 2 its rows below, all of which are available from its parent.
 template <int B>
 std::vector<typename BlockMatrix<B>::Block> SparseCholesky<B>::inverse_diagonal() const {
   std::vector<typename BlockMatrix<B>::Block> diagonal(column_of_.size());

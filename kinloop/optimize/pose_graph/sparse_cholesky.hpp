@@ -1,10 +1,11 @@
 #pragma once
-// In: a symmetric positive definite matrix of B x B blocks, and the plan for its pattern. Out: the solutions
-// of its linear systems, and the diagonal of its inverse.
+// Sparse Cholesky factorisation of symmetric positive definite matrices of B x B blocks: solves linear
+// systems and computes the diagonal blocks of the inverse.
 //
-// Pose graphs (B = 3 and 6; 2 and 3 for their chordal start) and the camera systems of bundle adjustment (B =
-// 6 and 12) share it. A multifrontal factorisation (Duff and Reid 1983) on dense blocks by Eigen: it runs one
-// thread, adds in a fixed order and calls no BLAS, so its result is the same bytes wherever it runs.
+// Used by pose graphs (B = 3 and 6; 2 and 3 for chordal initialization) and the camera systems of bundle
+// adjustment (B = 6 and 12). A multifrontal factorisation (Duff and Reid 1983) on dense Eigen blocks. It is
+// single-threaded, sums in a fixed order and calls no BLAS, so its result is bitwise reproducible on any
+// machine.
 
 #include <memory>
 #include <vector>
@@ -15,7 +16,7 @@
 
 namespace kinloop {
 
-/// The blocks of a symmetric matrix, in the order of its BlockPattern.
+/// The blocks of a symmetric matrix in the order of its BlockPattern.
 template <int B>
 struct BlockMatrix {
   using Block = Eigen::Matrix<double, B, B>;
@@ -32,7 +33,7 @@ struct BlockMatrix {
   }
 };
 
-/// matrix * x.
+/// Returns matrix * x.
 template <int B>
 Eigen::VectorXd multiply(const BlockPattern& pattern, const BlockMatrix<B>& matrix, const Eigen::VectorXd& x);
 
@@ -40,17 +41,17 @@ Eigen::VectorXd multiply(const BlockPattern& pattern, const BlockMatrix<B>& matr
 template <int B>
 class SparseCholesky {
  public:
-  /// The plan must outlive this.
+  /// The plan must outlive this object.
   explicit SparseCholesky(const EliminationPlan& plan);
 
-  /// Factorises `matrix`; false when it is not positive definite, and then `solve` may not be called.
+  /// Factorises `matrix`. Returns false if it is not positive definite; `solve` must not be called then.
   [[nodiscard]] bool factorize(const BlockMatrix<B>& matrix);
 
-  /// The x with matrix * x = right, for each column of `right`: a VectorXd or a MatrixXd.
+  /// Returns x with matrix * x = right for each column of `right`, a VectorXd or a MatrixXd.
   template <class Right>
   [[nodiscard]] Right solve(const Right& right) const;
 
-  /// The diagonal blocks of the inverse, without the rest of it (Takahashi et al. 1973).
+  /// Returns the diagonal blocks of the inverse without computing the rest (Takahashi et al. 1973).
   [[nodiscard]] std::vector<typename BlockMatrix<B>::Block> inverse_diagonal() const;
 
  private:
@@ -61,10 +62,10 @@ class SparseCholesky {
   void assemble(size_t supernode, const BlockMatrix<B>& matrix);
 
   const EliminationPlan* plan_;
-  std::vector<uint32_t> column_of_;       // block column of the matrix at each position
-  std::vector<size_t> panel_begin_;       // in values_
-  std::unique_ptr<double[]> values_;      // the factor: a dense panel for each supernode
-  std::vector<Eigen::MatrixXd> updates_;  // what each supernode subtracts from its ancestors
+  std::vector<uint32_t> column_of_;       // block column of the matrix at each elimination position
+  std::vector<size_t> panel_begin_;       // index into values_
+  std::unique_ptr<double[]> values_;      // the factor: a dense panel per supernode
+  std::vector<Eigen::MatrixXd> updates_;  // update that each supernode subtracts from its ancestors
 };
 
 }  // namespace kinloop

@@ -14,11 +14,10 @@ namespace {
 
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
-// Nested dissection takes longer to find than minimum degree and pays from about this many block operations
-// on.
+// Block operations above which nested dissection pays off; it takes longer to compute than minimum degree.
 constexpr double kDissectFlops = 5e6;
 
-/// CHOLMOD's workspace for as long as it lives.
+/// Owns CHOLMOD's workspace.
 class Cholmod {
  public:
   Cholmod() { cholmod_start(&common_); }
@@ -32,7 +31,7 @@ class Cholmod {
   cholmod_common common_{};
 };
 
-/// The pattern as compressed columns of the lower triangle, without the diagonal.
+/// The lower triangle of the pattern in compressed columns, without the diagonal.
 struct LowerColumns {
   std::vector<int> begin;
   std::vector<int> rows;
@@ -52,11 +51,11 @@ LowerColumns lower_columns(const BlockPattern& pattern) {
 }
 
 struct Ordering {
-  std::vector<uint32_t> order;  ///< order[k]: the k-th block column to be eliminated
+  std::vector<uint32_t> order;  ///< order[k]: the k-th block column to eliminate
   double flops = std::numeric_limits<double>::infinity();
 };
 
-/// The order by one of CHOLMOD's methods; infinite flops where it cannot.
+/// Computes an ordering by one of CHOLMOD's methods; infinite flops on failure.
 Ordering order_by(int method, const BlockPattern& pattern, LowerColumns& columns) {
   Cholmod cholmod;
   cholmod->nmethods = 1;
@@ -92,8 +91,8 @@ Ordering best_ordering(const BlockPattern& pattern) {
   return dissected.flops < best.flops ? dissected : best;
 }
 
-/// Rows below the diagonal of each column of the pattern, as positions in the order of elimination,
-/// ascending.
+/// Returns the rows below the diagonal of each column of the pattern, as elimination positions in ascending
+/// order.
 std::vector<std::vector<uint32_t>> permuted_columns(const BlockPattern& pattern,
                                                     const std::vector<uint32_t>& position) {
   std::vector<std::vector<uint32_t>> columns(pattern.size);
@@ -112,7 +111,7 @@ std::vector<uint32_t> merged(const std::vector<uint32_t>& a, const std::vector<u
   return both;
 }
 
-/// The rows that elimination fills in each column: its own, and those of the columns whose first row it is
+/// Returns the rows of each column of the factor: its own, and those of the columns whose first row it is
 /// (George and Liu 1981).
 std::vector<std::vector<uint32_t>> fill_in(std::vector<std::vector<uint32_t>> columns) {
   for (auto& rows : columns) {
@@ -123,11 +122,11 @@ std::vector<std::vector<uint32_t>> fill_in(std::vector<std::vector<uint32_t>> co
   return columns;
 }
 
-/// Whether a child of `child` columns and `child_rows` rows below, which end in a parent of `parent` columns
-/// and `parent_rows` rows, is better kept in one dense block with it, although that stores zeros.
+/// Whether to merge a child supernode of `child` columns and `child_rows` rows below with its parent of
+/// `parent` columns and `parent_rows` rows into one dense block, although that stores zeros.
 bool worth_merging(uint32_t child, uint32_t parent, size_t child_rows, size_t parent_rows, double& zeros) {
-  // Shares of zeros that a wider supernode may hold, as CHOLMOD has them for scalar columns, for blocks of
-  // six.
+  // Maximum fraction of zeros in a merged supernode by width: CHOLMOD's limits for scalar columns, converted
+  // to blocks of six.
   struct Limit {
     uint32_t columns;
     double zeros;
@@ -143,7 +142,7 @@ bool worth_merging(uint32_t child, uint32_t parent, size_t child_rows, size_t pa
   return true;
 }
 
-/// Groups successive columns; each supernode with its rows.
+/// Groups successive columns into supernodes with their rows.
 std::vector<Supernode> group_columns(const std::vector<std::vector<uint32_t>>& filled) {
   std::vector<Supernode> supernodes;
   std::vector<double> zeros;
@@ -153,7 +152,7 @@ std::vector<Supernode> group_columns(const std::vector<std::vector<uint32_t>>& f
     node.end = column + 1;
     node.rows = filled[column];
     double node_zeros = 0;
-    // The last of the earlier ones joins when it is a child of this one.
+    // Merge the previous supernode if it is a child of this one.
     while (!supernodes.empty()) {
       const Supernode& child = supernodes.back();
       const bool is_child = !child.rows.empty() && child.rows.front() < node.end;
@@ -179,7 +178,7 @@ uint32_t local_row(const Supernode& node, uint32_t row) {
   return node.columns() + static_cast<uint32_t>(found - node.rows.begin());
 }
 
-/// Links the supernodes to a forest and tells each which blocks of the matrix enter it.
+/// Links the supernodes to a forest and assigns the blocks of the matrix to them.
 void link(const BlockPattern& pattern, EliminationPlan& plan) {
   std::vector<uint32_t> owner(pattern.size);
   for (uint32_t index = 0; index < plan.supernodes.size(); ++index) {

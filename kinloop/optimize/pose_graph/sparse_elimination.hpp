@@ -1,7 +1,6 @@
 #pragma once
-// In: which blocks of a symmetric matrix are not zero. Out: in which order to eliminate its block columns,
-// and what that fills in. It depends on the pattern alone, so one plan serves all matrices of that pattern,
-// whatever the size of their blocks.
+// Elimination order and symbolic factorisation of a symmetric block matrix. They depend only on the pattern,
+// so one plan serves all matrices of that pattern, for any block size.
 
 #include <cstdint>
 #include <utility>
@@ -9,45 +8,45 @@
 
 namespace kinloop {
 
-/// The non-zero blocks of a symmetric block matrix: the whole diagonal, and these (row, column) with row >
-/// column.
+/// The non-zero blocks of a symmetric block matrix: the whole diagonal, and the given (row, column) pairs
+/// with row > column.
 struct BlockPattern {
-  uint32_t size = 0;                                        ///< blocks on the diagonal
+  uint32_t size = 0;                                        ///< number of diagonal blocks
   std::vector<std::pair<uint32_t, uint32_t>> off_diagonal;  ///< each once
 };
 
-/// Block columns that are eliminated together, since they fill in the same rows. All rows and columns are
-/// positions in the order of elimination; "local" ones count from the supernode's own first, through `rows`.
+/// Block columns that are eliminated together because they have the same fill-in. All rows and columns are
+/// elimination positions; "local" ones are relative to the supernode's first column, through `rows`.
 struct Supernode {
-  /// An off-diagonal block of the matrix that enters here.
+  /// An off-diagonal block of the matrix assigned to this supernode.
   struct Entry {
-    uint32_t index;  ///< in BlockPattern::off_diagonal
+    uint32_t index;  ///< index into BlockPattern::off_diagonal
     uint32_t local_row, local_column;
-    bool transposed;  ///< the order of elimination swaps its row and column
+    bool transposed;  ///< row and column are swapped in elimination order
   };
 
   uint32_t begin = 0, end = 0;      ///< its own columns
   std::vector<uint32_t> rows;       ///< below its own columns, ascending
-  std::vector<uint32_t> children;   ///< supernodes, each of a smaller index
-  std::vector<uint32_t> to_parent;  ///< local row in the parent of each of `rows`
+  std::vector<uint32_t> children;   ///< supernodes with smaller indices
+  std::vector<uint32_t> to_parent;  ///< local row in the parent of each element of `rows`
   std::vector<Entry> entries;
 
   [[nodiscard]] uint32_t columns() const { return end - begin; }
 };
 
-/// How to eliminate a symmetric block matrix.
+/// Elimination plan of a symmetric block matrix.
 struct EliminationPlan {
-  std::vector<uint32_t> position;  ///< of each block column in the order of elimination
+  std::vector<uint32_t> position;  ///< elimination position of each block column
   std::vector<Supernode> supernodes;
-  double factor_products = 0;  ///< products of two blocks that a factorisation takes
-  double factor_blocks = 0;    ///< blocks of the factor; a solution takes two products with a vector for each
+  double factor_products = 0;  ///< block products of a factorisation
+  double factor_blocks = 0;    ///< blocks of the factor; a solve takes two matrix-vector products per block
 };
 
-/// Plans with few fill-ins: approximate minimum degree (Amestoy et al. 1996), or nested dissection (Karypis
-/// and Kumar 1998) where that costs less; supernodes are merged where few zeros are then stored.
+/// Returns a plan with little fill-in: approximate minimum degree (Amestoy et al. 1996), or nested dissection
+/// (Karypis and Kumar 1998) if that costs less. Supernodes are merged if this stores few zeros.
 EliminationPlan plan_elimination(const BlockPattern& pattern);
 
-/// Plans with this order: order[k] is the k-th block column to be eliminated.
+/// Returns a plan with this order: order[k] is the k-th block column to eliminate.
 EliminationPlan plan_elimination(const BlockPattern& pattern, const std::vector<uint32_t>& order);
 
 }  // namespace kinloop
