@@ -1,4 +1,4 @@
-// kinloop run: a sequence in, a trajectory, a map and a report out.
+// kinloop run: maps a sequence and writes trajectory, map and report.
 
 #include <cstdio>
 #include <filesystem>
@@ -35,7 +35,7 @@
 namespace kinloop {
 namespace {
 
-/// A map file to go on with.
+/// A map file to continue.
 struct InitialMap {
   MapReader reader;
   SavedMap saved;
@@ -54,7 +54,7 @@ std::optional<InitialMap> open_initial_map(const RunArguments& arguments) {
 
 RunOptions options_of(const RunArguments& arguments, const std::optional<InitialMap>& start, int threads) {
   RunOptions options;
-  // What a map was made of is looked for in the frames, too.
+  // Frames must use the same features as the map.
   if (start) options = restore_options(start->saved, options, "features.");
   const FeatureKind features = options.slam.features.kind;
   options.slam.global_ba.threads = threads;
@@ -85,7 +85,7 @@ SourceRequest request_of(const RunArguments& arguments, const RunOptions& option
   return request;
 }
 
-/// Gives the frames of `source` at a camera's pace; the result belongs to `source`.
+/// Makes `source` return frames at the camera's rate. The returned pointer belongs to `source`.
 const PacedSource* pace(std::unique_ptr<FrameSource>& source, double hz) {
   auto paced = std::make_unique<PacedSource>(std::move(source), hz);
   const PacedSource* result = paced.get();
@@ -93,8 +93,8 @@ const PacedSource* pace(std::unique_ptr<FrameSource>& source, double hz) {
   return result;
 }
 
-/// Feeds all frames, each when the run is not paused (`wait_until_resumed`); false when Ctrl-C ended it
-/// early.
+/// Processes all frames, waiting while the run is paused (`wait_until_resumed`). Returns false if Ctrl-C
+/// stopped it early.
 bool process_all(Session& session, MapSaver* saver, const Progress& progress,
                  const std::function<void()>& wait_until_resumed) {
   const size_t frames = session.source().info().frames;
@@ -114,14 +114,14 @@ bool process_all(Session& session, MapSaver* saver, const Progress& progress,
   return true;
 }
 
-/// Puts the map that the run goes on with in its place; its images only where they are wanted.
+/// Adds the map to continue to the session, and its images if they are recorded.
 void apply_initial_map(InitialMap& start, const std::filesystem::path& path, Session& session,
                        bool with_images) {
   const uint32_t shift = session.add_map(std::move(start.saved));
   if (with_images) load_images(start.reader, path, shift, session.recorder());
 }
 
-/// Whether tracking was lost at the end, or never began: what the exit code tells scripts.
+/// Returns the exit code for scripts: whether tracking was lost at the end or never started.
 ExitCode tracking_exit_code(const Slam& slam, const std::filesystem::path& details) {
   const auto log = slam.session_log();
   if (!log.empty() && is_tracked_in(slam.component(), log.back(), slam.map())) return ExitCode::kDone;
@@ -136,7 +136,7 @@ void warn_of_skipped(const FrameSource& source) {
             skipped.front().reason);
 }
 
-/// The camera as the run takes it: with a map to go on with, depth is kept in the units of its images.
+/// Returns the camera for the run: when a map is continued, in the depth unit of its images.
 RgbdCamera camera_of(const FrameSource& source, const std::optional<InitialMap>& start,
                      const RunArguments& arguments) {
   RgbdCamera camera = source.camera();
@@ -146,7 +146,7 @@ RgbdCamera camera_of(const FrameSource& source, const std::optional<InitialMap>&
   return camera;
 }
 
-/// Who saves the map; nobody where it must stay as it is.
+/// Returns the map saver, or null if the map must not be saved.
 std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolder& folder,
                                    const MapSaver::Contents& what) {
   if (arguments.localize) return nullptr;
@@ -161,14 +161,14 @@ nlohmann::json map_file_json(const MapSaver& saver) {
           {"save_s", saver.seconds()}};
 }
 
-/// The cloud in the frame that `--frame` names.
+/// Returns the cloud in the frame given by `--frame`.
 MapCloud map_cloud(Session& session, const std::string& frame, const Progress& progress) {
   MapCloud map = session.cloud(progress);
   if (frame == "camera") map.frame = {};
   return map;
 }
 
-/// What run.json holds; `map` is missing where only poses were asked for.
+/// Returns the content of run.json; `map` is null if only poses are written.
 nlohmann::json summary_of(const RunOutcome& outcome, const DenseRecorder& recorder,
                           const std::optional<MapCloud>& map) {
   auto summary = run_summary(outcome);
@@ -179,7 +179,7 @@ nlohmann::json summary_of(const RunOutcome& outcome, const DenseRecorder& record
   return summary;
 }
 
-/// What --localize leaves without --report.
+/// Writes the output of --localize without --report.
 void write_poses(const RunFolder& folder, const Trajectory& trajectory, const FrameTable& frames,
                  const nlohmann::json& summary) {
   write_tum_trajectory(folder.trajectory(), trajectory);

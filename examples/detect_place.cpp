@@ -1,4 +1,4 @@
-// Recognises places: for each image, prints the earlier images that look most like it.
+// Recognizes places: for each image, prints the most similar earlier images.
 //
 //   example_detect_place IMAGE...
 
@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "error: %s is not an image\n", argv[i]);
       return 3;
     }
-    kinloop::PinholeCamera camera;  // without distortion; descriptors do not depend on the rest
+    kinloop::PinholeCamera camera;  // without distortion; descriptors do not depend on the other parameters
     camera.width = gray.cols;
     camera.height = gray.rows;
     camera.fx = camera.fy = gray.cols;

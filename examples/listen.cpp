@@ -1,6 +1,6 @@
-// Listens to a run: prints keyframes, losses and loop closures as they happen.
+// Listens to a run: prints keyframes, tracking losses and loop closures as they happen.
 //
-//   example_listen [SEED]      the simulated room of that seed
+//   example_listen [SEED]      the simulated room with this seed
 
 #include <cstdio>
 #include <string>
@@ -20,7 +20,7 @@ class Printer : public kinloop::Listener {
       std::printf("frame %u: keyframe %u\n", result.frame.value, result.keyframe.value);
   }
 
-  // The map is valid during the call only: copy what you need.
+  // The map is valid only during the call: copy what you need.
   void on_map(const kinloop::Map& map) override {
     for (; loops_ < map.loop_edges().size(); ++loops_) {
       const auto& loop = map.loop_edges()[loops_];

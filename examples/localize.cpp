@@ -1,4 +1,4 @@
-// Localises a sequence in a saved map, without changing the map.
+// Localizes a sequence in a saved map, without changing the map.
 //
 //   example_localize MAP.kinmap SEQUENCE
 

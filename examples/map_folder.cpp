@@ -1,4 +1,4 @@
-// Maps a recorded sequence: a folder in TUM layout becomes trajectory.txt, map.ply (a coloured cloud) and map.kinmap.
+// Maps a recorded sequence in TUM layout. Writes trajectory.txt, map.ply (a coloured cloud) and map.kinmap.
 //
 //   example_map_folder SEQUENCE
 
@@ -17,7 +17,7 @@ int main(int argc, char** argv) try {
   session.run();
   session.write_trajectory("trajectory.txt");
   session.write_cloud("map.ply");
-  session.write_map("map.kinmap");  // to localise in, or to go on with
+  session.write_map("map.kinmap");  // for localization or further mapping
   std::printf("%zu keyframes\n", session.slam().map().keyframes().size());
 } catch (const std::exception& error) {
   std::fprintf(stderr, "error: %s\n", error.what());

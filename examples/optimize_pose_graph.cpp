@@ -1,4 +1,4 @@
-// Optimises a pose graph, either one of your own or a .g2o file.
+// Optimizes a pose graph, either a built-in one or a .g2o file.
 //
 //   example_optimize_pose_graph [IN.g2o OUT.g2o]
 
@@ -9,7 +9,7 @@
 
 namespace {
 
-/// Four poses on a square of 1 m, chained by odometry that drifts, and a loop closure back to the first.
+/// Four poses on a square of 1 m, connected by drifting odometry and a loop closure to the first pose.
 kinloop::PoseGraph square_with_drift() {
   const kinloop::SE3 side{Eigen::Quaterniond(Eigen::AngleAxisd(1.60, Eigen::Vector3d::UnitZ())),
                           {1.02, 0, 0}};

@@ -1,8 +1,8 @@
-// Tracks a camera of your own: hand over colour and depth as cv::Mat, get the pose of each frame.
+// Tracks your own camera: pass colour and depth as cv::Mat, get the pose of each frame.
 //
 //   example_own_camera COLOR_PATTERN DEPTH_PATTERN     e.g. rgb/%04d.png depth/%04d.png, depth in mm
 //
-// Two files stand for your camera's driver. Colour is 8UC3 BGR, depth 32FC1 in metres at the same pixels.
+// Image files stand in for a camera driver. Colour is 8UC3 BGR, depth 32FC1 in metres, registered to colour.
 
 #include <cstdio>
 

@@ -1,5 +1,6 @@
-// Calibrates a camera from a recording without a calibration board: intrinsics, read-out time of the rolling
-// shutter, and the delay of depth behind colour. Writes calibrated.yaml, which `kinloop run --camera` reads.
+// Calibrates a camera from a recording without a calibration board: intrinsics, readout time of the rolling
+// shutter, and delay of depth relative to colour. Writes calibrated.yaml, the input of `kinloop run
+// --camera`.
 //
 //   example_self_calibrate SEQUENCE
 

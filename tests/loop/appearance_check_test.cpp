@@ -11,11 +11,11 @@ using test::camera_at;
 
 constexpr double kUnlikely = 1e-3;
 
-/// Two views of the same wall in a room of points.
+/// Two views of one wall in a room of points.
 class AppearanceCheck : public testing::Test {
  protected:
   AppearanceCheck() {
-    // Every keypoint needs depth; without it, nothing can be decided.
+    // The check ignores keypoints without depth.
     noise_.missing_depth_fraction = 0;
     a_ = *test::observe(world_, T_world_a_, noise_, 1).features;
     b_ = *test::observe(world_, T_world_b_, noise_, 2).features;
@@ -25,7 +25,7 @@ class AppearanceCheck : public testing::Test {
     return appearance_p_value(a_, b_, T_world_a_.inverse() * T_world_b_, world_.camera);
   }
 
-  /// The keypoints of `b_` in the window, as if the image had been changed there.
+  /// Changes the keypoints of `b_` in the window, as if the image differed there.
   template <class Change>
   void in_window(double size_px, const Change& change) {
     const Eigen::Vector2f center(320, 240);

@@ -22,7 +22,7 @@ struct Scene {
   double board_half_width_m = 0.4, board_half_height_m = 0.3;
 };
 
-/// z of the first surface hit by a ray from `origin`, in the world.
+/// Returns z of the first surface hit by a ray from `origin`, in the world frame.
 double surface_met(const Scene& scene, const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
   const Eigen::Vector3d at_board = origin + ray * ((scene.board_m - origin.z()) / ray.z());
   const bool on_board =
@@ -30,7 +30,8 @@ double surface_met(const Scene& scene, const Eigen::Vector3d& origin, const Eige
   return on_board ? scene.board_m : scene.wall_m;
 }
 
-/// Keypoints all over the image, with the sensor's noise and slopes as in `inverse_depth_gradient`.
+/// Simulates keypoints all over the image with sensor noise and depth gradients as in
+/// `inverse_depth_gradient`.
 Features seen(const Scene& scene, const PinholeCamera& camera, const SE3& T_world_camera, uint64_t seed) {
   constexpr int kCount = 800;
   constexpr double kReach_px = 8;
@@ -60,7 +61,7 @@ Features seen(const Scene& scene, const PinholeCamera& camera, const SE3& T_worl
 
 class DepthCheck : public testing::Test {
  protected:
-  /// Two views of two scenes, treated as one.
+  /// Compares views of two scenes as if they were one.
   DepthConsistency compare(const Scene& scene_a, const SE3& T_world_a, const Scene& scene_b,
                            const SE3& T_world_b, const SE3& error = {}) const {
     return compare_depths(seen(scene_a, camera_, T_world_a, 1), seen(scene_b, camera_, T_world_b, 2),
@@ -95,7 +96,7 @@ TEST_F(DepthCheck, AMovedWallViolatesFreeSpace) {
 }
 
 TEST_F(DepthCheck, OcclusionIsNoViolation) {
-  // Each view sees, beside the board, wall that the board occludes from the other.
+  // Each view shows part of the wall that the board occludes in the other.
   const SE3 left = camera_at(0.3, {-0.9, 0, 0}), right = camera_at(-0.3, {0.9, 0, 0});
   const auto depths = compare(scene_, left, scene_, right);
   EXPECT_GT(depths.consistent, 100);

@@ -11,8 +11,8 @@ namespace {
 
 using test::camera_at;
 
-/// A camera that turns away from a wall and back to it. The ends of the loop, the first and the last
-/// keyframe, do not overlap; neighbouring keyframes do.
+/// A camera that turns away from a wall and back. The ends of the loop, i.e. the first and last keyframe, do
+/// not overlap; successive keyframes do.
 class LoopOverlap : public testing::Test {
  protected:
   LoopOverlap() {

@@ -16,7 +16,7 @@ using test::pose_on_arc;
 constexpr int kFirstVisit = 4;
 constexpr int kSecondVisit = 2;
 
-/// Two visits of the same place that are connected only by `shared` landmarks, as right after a loop closure.
+/// Two visits of one place, connected only by `shared` landmarks, as directly after a loop closure.
 class CompleteTracks : public ::testing::Test {
  protected:
   CompleteTracks() {
@@ -51,7 +51,7 @@ class CompleteTracks : public ::testing::Test {
                                              [](const auto& entry) { return entry.second.size() > 1; }));
   }
 
-  /// Fraction of the observations whose landmark represents another point than the one observed.
+  /// Fraction of the observations whose landmark represents a different point.
   [[nodiscard]] double wrong_share() const {
     std::map<LandmarkId, uint32_t> point_of;
     size_t wrong = 0, all = 0;
@@ -69,7 +69,7 @@ class CompleteTracks : public ::testing::Test {
   test::SyntheticWorld world_ = test::make_world(2500, 1);
   test::SyntheticMap first_;
   Map map_;
-  std::vector<std::vector<uint32_t>> points_of_;  // by keyframe, keypoint
+  std::vector<std::vector<uint32_t>> points_of_;  // by keyframe, then keypoint
 };
 
 TEST_F(CompleteTracks, MergesTracksOfARevisitedPlace) {
@@ -103,7 +103,7 @@ TEST_F(CompleteTracks, IsIdempotent) {
 }
 
 TEST_F(CompleteTracks, LandmarksSeenByTheSameKeyframeAreNotMerged) {
-  // Two keypoints of one keyframe, so close and similar that either landmark fits both.
+  // Two keypoints of one keyframe so close and similar that each landmark matches both.
   Features twins = *test::observe(world_, SE3{}, {}, 3).features;
   const auto a = static_cast<uint32_t>(std::distance(
       twins.depths_m.begin(),

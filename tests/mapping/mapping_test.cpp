@@ -33,7 +33,8 @@ TEST(LandmarkCreation, CreatesLandmarksFromDepth) {
     EXPECT_LT((map.p_world(landmark) - world().p_world[view.point_of[i]]).norm(), 1e-3);
   }
   EXPECT_EQ(grown, expected);
-  EXPECT_EQ(create_landmarks_from_depth(map, id, world().camera, options), 0);  // each keypoint only once
+  // each keypoint gets only one landmark
+  EXPECT_EQ(create_landmarks_from_depth(map, id, world().camera, options), 0);
   map.check_invariants();
 }
 
@@ -44,8 +45,8 @@ TEST(LandmarkCreation, MatchesLandmarksOfTheLocalMap) {
   const SE3 pose = pose_on_arc(1);
   const auto second = test::observe(world(), pose, {}, 3);
   const KeyframeId id = built.map.add_keyframe(FrameId{1}, 1, pose, second.features);
-  // The local map must be centred on the new keyframe, which has no observations yet: use the first one's
-  // landmarks.
+  // The local map must be centred on the new keyframe, which has no observations yet, so use the landmarks of
+  // the first one.
   LocalMap local_map = make_local_map(built.map, KeyframeId{0}, {});
   const SE3 T_new_first = pose.inverse();
   for (size_t i = 0; i < local_map.size(); ++i) {

@@ -39,9 +39,10 @@ TEST(Triangulate, RejectsRaysFartherApartThanTheirNoise) {
 TEST(Triangulate, RejectsDegenerateRays) {
   const Eigen::Vector3d p_a(0, 0, 30);
   const SE3 T_a_b = camera_at(0, {0.1, 0, 0});
-  EXPECT_FALSE(triangulate(make_bearing(p_a), make_bearing(T_a_b.inverse() * p_a), T_a_b, 0.02));  // too far
+  // too far apart
+  EXPECT_FALSE(triangulate(make_bearing(p_a), make_bearing(T_a_b.inverse() * p_a), T_a_b, 0.02));
   EXPECT_FALSE(triangulate(make_bearing({0.5, 0, 1}), make_bearing({-0.5, 0, 1}), camera_at(0, {-1, 0, 0}),
-                           0.02));                                               // behind
+                           0.02));                                               // behind the camera
   EXPECT_FALSE(triangulate(make_bearing(p_a), make_bearing(p_a), SE3{}, 0.02));  // no baseline
 }
 
@@ -66,7 +67,8 @@ TEST(Triangulate, TriangulatesLandmarksWithoutDepth) {
   }
   EXPECT_LE(wrong, grown / 20);
   built.map.check_invariants();
-  EXPECT_EQ(triangulate_landmarks(built.map, id, world.camera, {}), 0);  // each keypoint only once
+  // each keypoint gets only one landmark
+  EXPECT_EQ(triangulate_landmarks(built.map, id, world.camera, {}), 0);
 }
 
 }  // namespace

@@ -53,8 +53,8 @@ TEST(AbsolutePose, NormalisedErrorIsConsistent) {
     const Vector6d error = error_of(solution->T_reference_camera, truth);
     sum += error.dot(solution->information * error);
   }
-  // Six per trial on average; 200 trials leave a deviation of 0.25. Trimming 5 % of good observations and
-  // Huber's weights cost a few per cent of information.
+  // The expected mean is 6; 200 trials give a standard deviation of 0.25. Trimming 5 % of good observations
+  // and Huber weights cost a few per cent of information.
   EXPECT_NEAR(sum / kTrials, 6.0, 1.2);
 }
 
@@ -97,7 +97,7 @@ TEST(AbsolutePose, NonFiniteObservationsAreIgnored) {
   auto view = make_view(truth, 50, {}, random);
   view[3].p_reference.y() = kNan;
   view[11].pixel.x() = kNan;
-  view[12].depth_m = kNan;  // as if unknown
+  view[12].depth_m = kNan;  // treated as unknown
   view[20].sigma_px = kNan;
   view[21].sigma_px = 0;
   view[30].pixel.y() = std::numeric_limits<double>::infinity();
@@ -152,7 +152,7 @@ TEST(AbsolutePose, InformationIsTheCurvatureOfTheCost) {
   options.robust_width = 1e9;  // without a loss the estimate uses all information
   const auto solution = solve_absolute_pose(kinect(), view, truth, options);
   ASSERT_TRUE(solution.has_value());
-  // chi2 at truth * exp(x) is x' Omega x to second order; the solver only reports chi2 at its best pose, so
+  // chi2 at truth * exp(x) is x' Omega x to second order. The solver reports chi2 only at its best pose, so
   // the cost is repeated here.
   const auto chi2 = [&](const SE3& T) {
     double sum = 0;

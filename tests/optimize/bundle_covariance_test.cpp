@@ -1,5 +1,5 @@
-// Covariances of adjusted poses and of the sensor, compared with the inverse of the dense system, assembled
-// here from the residual Jacobians alone.
+// Covariances of adjusted poses and of the sensor, compared with the inverse of the dense system assembled
+// here from the residual Jacobians.
 
 #include <limits>
 
@@ -18,7 +18,7 @@ using test::BundleWorld;
 using test::BundleWorldSettings;
 using test::make_bundle_world;
 
-/// H = J' J of poses (6 each), points (3 each) and the sensor, with one row a residual.
+/// H = J' J of poses (6 each), points (3 each) and the sensor, with one row per residual.
 class DenseSystem {
  public:
   DenseSystem(const BundleProblem& problem, const BundleOptions& options, const BundleSolution& solution)
@@ -37,7 +37,7 @@ class DenseSystem {
     }
   }
 
-  /// Its inverse, scaled before because of its mixed units; zero for constant parameters.
+  /// Returns the inverse, scaled for mixed units; zero for constant parameters.
   [[nodiscard]] Eigen::MatrixXd covariance() const {
     const Eigen::VectorXd free = (H_.diagonal().array() < kHeld).cast<double>();
     const Eigen::VectorXd scale = H_.diagonal().cwiseSqrt().cwiseInverse();
@@ -80,7 +80,7 @@ class DenseSystem {
   Eigen::MatrixXd H_;
 };
 
-/// A small world in which everything is seen well enough to be used, with the sensor free.
+/// A small world in which everything is well observed, with the sensor free.
 BundleWorld free_world() {
   BundleWorldSettings settings{
       .poses = 7, .points = 60, .sigma_px = 0.7, .sigma_inverse_depth = 2e-3, .depth_fraction = 1};
@@ -92,7 +92,7 @@ BundleWorld free_world() {
   }
   world.problem.sensor.prior_sigma(kFocalX) = 3;
   world.problem.sensor.prior_sigma(kDepthOffset) = 0.002;
-  // Points that no keyframe sees would be empty columns of the dense system.
+  // Points without observations would be empty columns of the dense system.
   std::vector<uint32_t> index(world.points.size(), 0);
   std::vector<Eigen::Vector3d> seen;
   for (auto& o : world.problem.observations) {
@@ -110,7 +110,7 @@ BundleOptions with_covariances() {
   BundleOptions options;
   options.max_iterations = 30;
   options.inverse_depth_sigma_per_m = 2e-3;
-  options.inlier_chi2_pixel = options.inlier_chi2_depth = 1e12;  // all are used
+  options.inlier_chi2_pixel = options.inlier_chi2_depth = 1e12;  // no outliers
   options.pose_covariances = true;
   return options;
 }
@@ -148,9 +148,10 @@ TEST(BundleCovariance, IsThatOfTheWholeDenseSystem) {
 TEST(BundleCovariance, FreeParametersIncreasePoseCovariance) {
   BundleWorld world = free_world();
   BundleOptions options = with_covariances();
-  world.problem.sensor.value(kRollingShutter) = 0.02;  // at the truth, for nearly the same minimum each time
+  // start at the truth, so that every run finds nearly the same minimum
+  world.problem.sensor.value(kRollingShutter) = 0.02;
   world.problem.sensor.value(kDepthDelay) = 0.01;
-  options.robust_width = 1e9;  // weights are one wherever the minimum is
+  options.robust_width = 1e9;  // all weights are one
   const Matrix6d sensor_free = solve_bundle(world.problem, options).pose_covariance[6];
   world.problem.sensor.prior_sigma.setZero();
   const Matrix6d all_held = solve_bundle(world.problem, options).pose_covariance[6];
@@ -161,7 +162,7 @@ TEST(BundleCovariance, UnobservedPosesHaveInfiniteCovariance) {
   BundleWorld world = free_world();
   auto& observations = world.problem.observations;
   std::erase_if(observations, [](const BundleObservation& o) { return o.pose == 3; });
-  size_t kept = 0;  // pose 4 sees only one point: singular up to rounding
+  size_t kept = 0;  // pose 4 observes only one point: singular up to rounding
   std::erase_if(observations, [&](const BundleObservation& o) { return o.pose == 4 && kept++ > 0; });
   const BundleSolution solution = solve_bundle(world.problem, with_covariances());
   const Eigen::MatrixXd unseen = solution.pose_covariance[3];

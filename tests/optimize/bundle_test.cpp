@@ -72,8 +72,8 @@ TEST(Bundle, BuiltinAndCeresAgree) {
   BundleOptions options = thorough();
   options.rounds = 1;
   options.max_iterations = 200;
-  options.tolerance = 1e-15;  // to the very minimum: the focal length is the last to settle
-  options.inlier_chi2_pixel = options.inlier_chi2_depth = 1e12;  // one minimum of one cost
+  options.tolerance = 1e-15;  // converge fully: the focal length converges last
+  options.inlier_chi2_pixel = options.inlier_chi2_depth = 1e12;  // no outliers: one minimum of one cost
   const BundleSolution builtin = solve_bundle(world.problem, options);
   options.solver = BundleSolver::kCeres;
   const BundleSolution ceres = solve_bundle(world.problem, options);
@@ -154,14 +154,14 @@ TEST(Bundle, SensorErrorsAreConsistentWithTheirCovariance) {
     const Vector6d pose = test::error_of(solution.T_world_camera[10], world.truth[10]);
     pose_sum += pose.dot(solution.pose_covariance[10].inverse() * pose);
   }
-  // Means of chi2 with 2 and 6 degrees of freedom over 16 trials: deviations 0.5 and 0.9; three of these are
-  // allowed, plus a little for the information lost by Huber and trimming.
+  // Mean chi2 with 2 and 6 degrees of freedom over 16 trials: standard deviations 0.5 and 0.9. The limits are
+  // three of these, plus a margin for the information lost by Huber and trimming.
   EXPECT_NEAR(sensor_sum / kTrials, 2, 1.6);
   EXPECT_NEAR(pose_sum / kTrials, 6, 2.7);
 }
 
 TEST(Bundle, DepthGradientCorrectsSlantedSurfaces) {
-  // A slanted wall; depth is measured 20 ms late, so another spot of the wall lies under the pixel.
+  // A slanted wall. Depth is measured 20 ms late, when another point of the wall lies at the pixel.
   const Eigen::Vector3d normal = Eigen::Vector3d(0.6, 0.1, -1).normalized();
   const double offset = normal.dot(Eigen::Vector3d(0, 0, 2.5));
   constexpr double kDelay_s = 0.02;
@@ -246,7 +246,7 @@ TEST(Bundle, DegenerateInputsAreLeftOut) {
   };
   add(3, {100, 100}, 0);                  // observed once, without depth
   add(3, {kNan, 100}, 2.0);               // not a number
-  add(4, {100, 100}, kNan);               // depth alone does not suffice: observed once
+  add(4, {100, 100}, kNan);               // only depth invalid: still too few observations
   problem.p_world.emplace_back(0, 0, 0);  // not observed at all
   problem.observations[0].sigma_px = 0;
   const BundleSolution solution = solve_bundle(problem, thorough());

@@ -1,6 +1,6 @@
 #pragma once
-// A handheld camera with a Kinect's imperfections in a room of points: ground truth for the tests of bundle
-// adjustment.
+// Ground truth for the tests of bundle adjustment: a handheld Kinect-like camera with sensor errors in a room
+// of points.
 
 #include <cmath>
 #include <vector>
@@ -18,12 +18,12 @@ struct BundleWorldSettings {
   double sigma_inverse_depth = 0;
   double depth_fraction = 0.7;
   double outlier_fraction = 0;
-  SensorVector sensor = SensorVector::Zero();  // the true parameters
+  SensorVector sensor = SensorVector::Zero();  // true parameters
   double max_depth_m = 5;
   uint64_t seed = 1;
 };
 
-/// A smooth path: a radius of a metre, with the turn rates of a hand (about 30 degrees per second).
+/// A smooth path of 1 m radius, with the turn rates of a handheld camera (about 30 degrees per second).
 inline SE3 path(double t) {
   const Eigen::Vector3d p(0.5 * std::sin(0.9 * t) + 0.1 * std::sin(3.1 * t), 0.15 * std::sin(1.7 * t + 1),
                           0.5 * std::cos(0.8 * t) + 0.1 * std::sin(2.3 * t));
@@ -43,18 +43,19 @@ inline Velocity path_velocity(double t) {
 }
 
 struct BundleWorld {
-  BundleProblem problem;  // starts at the truth: see `perturb`
+  BundleProblem problem;  // starts at the truth; see `perturb`
   std::vector<SE3> truth;
   std::vector<Eigen::Vector3d> points;
   std::vector<uint8_t> wrong;  // outlier observations
 };
 
-/// The observation of a point at keyframe time t by the camera with the given true parameters.
+/// Observes a point at keyframe time t with the true sensor parameters.
 inline bool observe(const BundleWorldSettings& settings, double t, const Eigen::Vector3d& p_world,
                     Random& random, BundleObservation& o) {
-  const PinholeCamera camera = corrected_camera(kinect(), settings.sensor);  // distortion-free settings only
+  // only for settings without distortion
+  const PinholeCamera camera = corrected_camera(kinect(), settings.sensor);
   Eigen::Vector3d p;
-  for (int i = 0; i < 8; ++i) {  // the row depends on the time, and the time on the row
+  for (int i = 0; i < 8; ++i) {  // row and time depend on each other
     p = path(t + settings.sensor(kRollingShutter) * o.row).inverse() * p_world;
     if (p.z() < 0.4) return false;
     o.row = camera.project(p).y() / camera.height - 0.5;

@@ -24,8 +24,8 @@ SensorVector bent_sensor() {
   return sensor;
 }
 
-/// A moving camera and eight points in front of it, with measurement noise; the fourth has no depth, the
-/// sixth no known slope.
+/// A moving camera and eight points in front of it, with measurement noise. The fourth has no depth, the
+/// sixth no depth gradient.
 struct ObservedPoints {
   PinholeCamera camera = test::kinect();
   SensorVector sensor = bent_sensor();
@@ -77,7 +77,7 @@ struct Linear {
   explicit Linear(const ObservedPoints& scene) {
     cost = linearize_block(scene.block, scene.view(), scene.model(), layout, rows.data(), J_point.data());
   }
-  /// The values of one observation.
+  /// Returns all outputs for one observation.
   [[nodiscard]] std::vector<double> numbers(size_t lane) const {
     const size_t size = kRowsPerObservation * layout.width, first = lane * size;
     std::vector<double> all(rows.begin() + static_cast<long>(first),

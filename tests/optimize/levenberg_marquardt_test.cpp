@@ -8,7 +8,7 @@
 namespace kinloop {
 namespace {
 
-/// Two unknowns with two residuals; remembers what it was asked.
+/// Two unknowns with two residuals; counts its calls.
 class SmallProblem {
  public:
   virtual ~SmallProblem() = default;
@@ -64,7 +64,7 @@ class LinearProblem : public SmallProblem {
   }
 };
 
-/// Rosenbrock's valley: its first Gauss-Newton step overshoots by far.
+/// Rosenbrock's function: the first Gauss-Newton step overshoots by far.
 class RosenbrockProblem : public SmallProblem {
   [[nodiscard]] Eigen::Vector2d residuals(const Eigen::Vector2d& x) const override {
     return {10 * (x.y() - x.x() * x.x()), 1 - x.x()};
@@ -74,7 +74,7 @@ class RosenbrockProblem : public SmallProblem {
   }
 };
 
-/// Every step raises the cost: the derivatives have the wrong sign.
+/// Derivatives of the wrong sign: every step raises the cost.
 class UphillProblem : public SmallProblem {
   [[nodiscard]] Eigen::Vector2d residuals(const Eigen::Vector2d& x) const override { return x; }
   [[nodiscard]] Eigen::Matrix2d jacobian(const Eigen::Vector2d&) const override {

@@ -23,12 +23,12 @@ TEST(MarginalCovariances, OfAChainInThePlaneAddUp) {
   EXPECT_LT((covariances->at(1) - information.inverse()).norm(), 1e-12);
   EXPECT_NEAR(covariances->at(2)(0, 0), 2 * 0.01, 1e-12);  // along the chain
   EXPECT_NEAR(covariances->at(2)(1, 1), 2 * 0.01 + 4 * 0.0025,
-              1e-12);  // the angle at 1 swings the arm of 2 m
+              1e-12);  // the angle at 1 moves the end of a 2 m lever
   EXPECT_NEAR(covariances->at(2)(2, 2), 2 * 0.0025, 1e-12);
 }
 
 TEST(MarginalCovariances, MatchTheScatterOfTheSolutions) {
-  // Solutions with fresh noise scatter according to the covariance; 3 degrees of freedom, 300 trials.
+  // Solutions with new noise scatter according to the covariance; 3 degrees of freedom, 300 trials.
   const auto truth = test::make_loop_world<SE2>({.sigma = 0}, 1);
   PoseGraph2d exact = truth.graph;
   exact.T_world_vertex = truth.truth;

@@ -1,4 +1,4 @@
-// The standard pose graphs: the best known chi2, from the file's start and without it.
+// Standard pose graphs: solvers reach the best known chi2, from the file's start and without it.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 struct Known {
   const char* file;
-  double chi2;  // g2o's best, as published with the data
+  double chi2;  // best value of g2o, as published with the data
 };
 
 class StandardPoseGraphs : public testing::TestWithParam<Known> {};
@@ -54,8 +54,8 @@ INSTANTIATE_TEST_SUITE_P(Of, StandardPoseGraphs,
                          });
 
 TEST(StandardPoseGraph, Chi2IsThatOfG2o) {
-  // Values from g2o's libraries for the same files. g2o uses a vertex's quaternion, printed with six digits,
-  // as it is, whereas kinloop normalises it first: hence the tolerance in 3D.
+  // Values from g2o's libraries for the same files. The tolerance is needed in 3D: g2o uses vertex
+  // quaternions as printed with six digits, kinloop normalises them first.
   const struct {
     const char* file;
     double chi2, tolerance;

@@ -1,4 +1,4 @@
-// The error and its derivatives, the kernels, and properties of the graph's structure.
+// Error of an edge and its derivatives, robust kernels, and graph structure.
 
 #include "kinloop/optimize/pose_graph/pose_graph_error.hpp"
 

@@ -1,4 +1,4 @@
-// The solvers compared with known truth and with each other.
+// Solvers compared with ground truth and with each other.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -182,7 +182,7 @@ TEST_P(PoseGraphSolvers, GiveTheSameBytesEveryTime) {
 }
 
 TEST_P(PoseGraphSolvers, MinimiseTheSameRobustCost) {
-  // Huber's cost has one minimum near the start, which all find.
+  // The Huber cost has one minimum near the start, which all solvers find.
   const auto world = make_loop_world<SE3>({.sigma = 0.01, .false_loops = 0.1, .start_sigma = 0.01}, 11);
   PoseGraphOptions robust = options();
   robust.robust_kernel = RobustKernel::kHuber;

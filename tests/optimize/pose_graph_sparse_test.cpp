@@ -1,4 +1,4 @@
-// The sparse linear algebra of the built-in solver, compared with dense.
+// The sparse linear algebra of the built-in solver, compared with dense algebra.
 
 #include <Eigen/Dense>
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@
 namespace kinloop {
 namespace {
 
-/// A chain with random chords.
+/// A chain with random additional edges.
 BlockPattern random_pattern(uint32_t size, uint32_t chords, Random& random) {
   BlockPattern pattern{size, {}};
   for (uint32_t i = 1; i < size; ++i) pattern.off_diagonal.emplace_back(i, i - 1);
@@ -26,7 +26,7 @@ BlockPattern random_pattern(uint32_t size, uint32_t chords, Random& random) {
   return pattern;
 }
 
-/// J'J for one random row block of 2B columns per pair, and a little on the diagonal.
+/// J'J with one random row block of 2B columns per pair, plus a small diagonal.
 template <int B>
 BlockMatrix<B> random_matrix(const BlockPattern& pattern, Random& random) {
   BlockMatrix<B> matrix(pattern);
@@ -156,7 +156,7 @@ TEST(SparseElimination, AnEmptyPatternHasAnEmptyPlan) {
 }
 
 TEST(SparseElimination, NestedDissectionIsTriedForLargePatterns) {
-  // A square grid of this size has enough fill-in; the plan must solve it with either ordering.
+  // A square grid of this size has enough fill-in for both orderings to be tried.
   constexpr uint32_t kSide = 90;
   BlockPattern pattern{kSide * kSide, {}};
   for (uint32_t i = 0; i < kSide * kSide; ++i) {
@@ -186,7 +186,7 @@ TEST(NewtonSolver, SolvesASequenceOfSystemsWhetherCloseOrFar) {
     ASSERT_TRUE(d.has_value());
     const Eigen::VectorXd exact = dense(pattern, matrix).llt().solve(b);
     const Eigen::VectorXd error = *d - exact;
-    // In the energy norm, in which conjugate gradients stop.
+    // In the energy norm, the stopping criterion of conjugate gradients.
     EXPECT_LT(error.dot(multiply(pattern, matrix, error)), 1e-3 * exact.dot(b))
         << "after a change of " << change;
   }

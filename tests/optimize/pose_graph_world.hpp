@@ -1,5 +1,5 @@
 #pragma once
-// Pose graphs with known truth: a walk in circles with loop closures between the rounds.
+// Pose graphs with ground truth: a circular path with loop closures between the rounds.
 
 #include <cmath>
 
@@ -32,7 +32,7 @@ typename BasicPoseGraph<Pose>::Matrix random_information(Random& random, double 
   for (int i = 0; i < root.size(); ++i) root.data()[i] = 0.2 * random.gaussian();
   root += Matrix::Identity();
   const Matrix information = root * root.transpose() / (sigma * sigma);
-  return 0.5 * (information + information.transpose());  // symmetric to the last bit
+  return 0.5 * (information + information.transpose());  // exactly symmetric
 }
 
 struct LoopWorldOptions {

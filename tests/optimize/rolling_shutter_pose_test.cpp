@@ -21,7 +21,7 @@ SensorVector rolling_sensor() {
   return sensor;
 }
 
-/// Simulates points measured by a moving rolling shutter camera.
+/// Simulates points measured by a moving rolling-shutter camera.
 std::vector<PoseObservation> observe(const RollingShutterPose& truth, const SensorVector& sensor, int count,
                                      double sigma_px, Random& random) {
   std::vector<PoseObservation> observations;

@@ -1,5 +1,5 @@
 #pragma once
-// A camera that looks at random points: ground truth for tests of the estimators.
+// Random points observed by a camera: ground truth for tests of the pose solvers.
 
 #include <cmath>
 #include <limits>
@@ -38,8 +38,8 @@ inline Eigen::Vector2d random_pixel(Random& random, const PinholeCamera& camera)
 struct ViewNoise {
   double sigma_px = 0;
   double sigma_inverse_depth = 0;
-  double depth_fraction = 0.7;    // of the observations that have depth
-  double outlier_fraction = 0.0;  // with a random pixel
+  double depth_fraction = 0.7;    // fraction of the observations with depth
+  double outlier_fraction = 0.0;  // fraction with a random pixel
 };
 
 /// Observations of random points between 0.7 and 4 m by a camera at T_reference_camera. Their sigma_px is the

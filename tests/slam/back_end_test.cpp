@@ -1,4 +1,4 @@
-// Work that the map outran: every kind of job that is stale is due again at once.
+// BackEnd with stale results: every kind of stale job is repeated at once, except local bundle adjustment.
 
 #include "kinloop/slam/back_end/back_end.hpp"
 
@@ -20,13 +20,13 @@ using testing::Not;
 
 constexpr int kRingKeyframes = 32;
 
-/// One turn around the room, 30 keyframes long: the last two see what the first two saw.
+/// A full turn in the room with 30 keyframes: the last two revisit the views of the first two.
 SE3 ring_pose(int i) {
   return test::camera_at(2 * std::numbers::pi / 30 * i,
                          {0.1 * std::sin(0.2 * i), 0, 0.1 * std::cos(0.2 * i)});
 }
 
-/// Poses as odometry would give them: each step a little off in the same direction.
+/// Poses as from odometry: each step slightly off in the same direction.
 SE3 drifted_ring_pose(int i) {
   SE3 T_world_camera = ring_pose(0);
   Vector6d error;
@@ -39,7 +39,7 @@ SE3 drifted_ring_pose(int i) {
 
 SlamOptions ring_options() {
   SlamOptions options;
-  options.executor.mode = ExecutorMode::kInline;  // what is submitted at frame n is applied at n + 1
+  options.executor.mode = ExecutorMode::kInline;  // jobs submitted at frame n are applied at n + 1
   options.self_calibration.min_keyframes = 20;
   return options;
 }
@@ -49,7 +49,7 @@ class BackEndTest : public testing::Test {
   BackEndTest() {
     for (int i = 0; i < kRingKeyframes; ++i) {
       if (i == kRingKeyframes - 4)
-        built_.landmark_of_point.clear();  // odometry does not know that it is back
+        built_.landmark_of_point.clear();  // odometry does not recognise the revisit
       const auto view = test::observe(world_, ring_pose(i), {}, 10 + static_cast<uint64_t>(i));
       test::add_view(built_, world_, view, drifted_ring_pose(i));
     }
@@ -67,7 +67,7 @@ class BackEndTest : public testing::Test {
     back_end_.add_loop_candidates(make_loop_candidates(map(), last_, {KeyframeId{1}}, {}, 3));
   }
 
-  /// One frame, at which keyframe `added` was inserted if it is valid.
+  /// Processes a frame; `added` is its keyframe, if valid.
   AppliedResults next_frame(KeyframeId added = {}) {
     AppliedResults results = back_end_.apply_due(now_);
     back_end_.submit(now_, {map(), log_, sensor_, added});
@@ -114,8 +114,8 @@ TEST_F(BackEndTest, AStaleLoopCorrectionIsRepeatedWithItsMerges) {
   const double before_m = drift_m();
   see_the_start_again();
   next_frame();
-  next_frame();           // verified; now the correction is in flight
-  map().advance_epoch();  // as another correction does
+  next_frame();           // verified; the correction is now in flight
+  map().advance_epoch();  // as another correction would
   const size_t landmarks = map().landmark_count();
   const AppliedResults stale = next_frame();
   EXPECT_THAT(stale.stale, ElementsAre("loop correction"));
@@ -130,7 +130,7 @@ TEST_F(BackEndTest, AStaleLoopCorrectionIsRepeatedWithItsMerges) {
 
 TEST_F(BackEndTest, AStaleGlobalBundleAdjustmentIsRepeatedBeforeTheMapGrows) {
   see_the_start_again();
-  for (int i = 0; i < 3; ++i) next_frame();  // verified, corrected; now the adjustment is in flight
+  for (int i = 0; i < 3; ++i) next_frame();  // verified and corrected; the adjustment is now in flight
   map().advance_epoch();
   EXPECT_THAT(next_frame().stale, ElementsAre("global bundle adjustment"));
   const AppliedResults repeated = next_frame();
@@ -140,7 +140,7 @@ TEST_F(BackEndTest, AStaleGlobalBundleAdjustmentIsRepeatedBeforeTheMapGrows) {
 }
 
 TEST_F(BackEndTest, AStaleSelfCalibrationIsRepeatedBeforeTheMapGrows) {
-  next_frame(last_);  // begins self-calibration and local bundle adjustment
+  next_frame(last_);  // starts self-calibration and local bundle adjustment
   map().advance_epoch();
   const AppliedResults stale = next_frame();
   EXPECT_THAT(stale.stale, Contains("self-calibration"));
@@ -148,7 +148,7 @@ TEST_F(BackEndTest, AStaleSelfCalibrationIsRepeatedBeforeTheMapGrows) {
   const AppliedResults repeated = next_frame();
   EXPECT_THAT(jobs(repeated), Contains("self-calibration"));
   EXPECT_TRUE(repeated.sensor);
-  // Once applied, it waits until there are twice as many keyframes.
+  // After one was applied, the next waits until the number of keyframes has doubled.
   next_frame(last_);
   EXPECT_THAT(jobs(next_frame()), Not(Contains("self-calibration")));
 }
@@ -167,7 +167,7 @@ TEST_F(BackEndTest, AStaleLocalBundleAdjustmentIsLeftToTheNextKeyframe) {
 TEST_F(BackEndTest, SelfCalibrationWaitsForCorrections) {
   see_the_start_again();
   next_frame();
-  next_frame(last_);  // the correction goes first
+  next_frame(last_);  // the correction runs first
   const AppliedResults corrected = next_frame(last_);
   EXPECT_THAT(jobs(corrected), Contains("loop correction"));
   EXPECT_THAT(jobs(corrected), Not(Contains("self-calibration")));

@@ -21,7 +21,7 @@ SE3 pose_of(uint32_t frame, double error) {
   return {exp_so3({0.01 * t, 0.02 * t + error, 0}), {0.05 * t, error, 0}};
 }
 
-/// Shows the recorder a wall; every `step`-th frame becomes a keyframe.
+/// Feeds frames of a wall to the recorder; every `step`-th frame becomes a keyframe.
 void show_wall(DenseRecorder& recorder, uint32_t frames, uint32_t step) {
   for (uint32_t i = 0; i < frames; ++i) {
     const auto seen = test::view_of_wall(camera().color, pose_of(i, 0), 1.8, {0, 128, 255});
@@ -37,7 +37,7 @@ void show_wall(DenseRecorder& recorder, uint32_t frames, uint32_t step) {
   }
 }
 
-/// All stored views, at poses that are off by `error`.
+/// All stored views, at poses with an error of `error`.
 std::vector<PosedImage> views_of(const DenseRecorder& recorder, double error) {
   std::vector<PosedImage> views;
   for (size_t i = 0; i < recorder.image_count(); ++i) {
@@ -65,7 +65,7 @@ TEST(DenseRecorder, OnlineAndOfflinePatchesAreIdentical) {
 
   DenseRecorder restored(camera(), {});
   for (size_t i = 0; i < recorder.image_count(); ++i) restored.restore(recorder.saved_images(i));
-  // The poses were corrected, and the surfaces moved with their keyframes.
+  // Surfaces follow the corrected poses of their keyframes.
   expect_same(cloud_of(recorder, 0, 2), cloud_of(restored, 0, 1));
   expect_same(while_running, cloud_of(restored, 0.03, 1));
 }

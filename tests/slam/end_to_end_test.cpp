@@ -1,4 +1,4 @@
-// Whole short sequences through Slam: what a loop, a self-calibration and the whole are worth.
+// Whole short sequences through Slam: accuracy, the effect of a loop closure, and self-calibration.
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 namespace kinloop {
 namespace {
 
-/// The built-in walk around the room, whose end sees the beginning again, few and small images of it.
+/// A short version of the built-in walk: few and small images, with a revisit at the end.
 SimulationOptions small_walk() {
   SimulationOptions options;
   options.width = 320;
@@ -38,7 +38,7 @@ FinishedRun run_simulation(const SlamOptions& options) {
           slam.map().loop_edges().size(), slam.sensor(),     source->truth()};
 }
 
-/// With the default options, once for all tests of this file.
+/// The walk mapped with default options, computed once for all tests of this file.
 const FinishedRun& finished_walk() {
   static const FinishedRun kRun = run_simulation({});
   return kRun;
@@ -62,7 +62,7 @@ TEST(EndToEnd, ALoopClosureHalvesTheDrift) {
 
 TEST(EndToEnd, SelfCalibrationFindsTheReadoutTime) {
   const auto& [ate_m, frames, tracked, loops, sensor, truth] = finished_walk();
-  ASSERT_GT(truth.rolling_shutter_s, 0.02);  // of which camera.yaml says nothing
+  ASSERT_GT(truth.rolling_shutter_s, 0.02);  // not in camera.yaml
   EXPECT_TRUE(sensor.used[kRollingShutter]);
   EXPECT_NEAR(sensor.value(kRollingShutter), truth.rolling_shutter_s, 0.005);
   EXPECT_TRUE(sensor.used[kDepthDelay]);

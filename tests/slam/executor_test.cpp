@@ -18,7 +18,7 @@ std::unique_ptr<Executor> executor(ExecutorMode mode) {
   return make_executor(options);
 }
 
-/// What jobs did, in order: the executor sees closures alone.
+/// Log of what the jobs did, in order.
 using Diary = std::vector<std::string>;
 
 Job job(const char* kind, int lag_frames, Diary& diary, int work_ms = 0) {
@@ -38,13 +38,13 @@ TEST(Executor, LaggedResultsArriveAfterTheLag) {
   lagged->submit(FrameId{10}, job("paint", 3, diary));
   EXPECT_TRUE(lagged->busy("paint"));
   EXPECT_FALSE(lagged->busy("dry"));
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // long done, and still not due
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // finished long ago, but not due yet
   EXPECT_TRUE(lagged->collect(FrameId{12}).empty());
   const auto finished = lagged->collect(FrameId{13});
   ASSERT_EQ(finished.size(), 1U);
   EXPECT_EQ(finished[0].kind, "paint");
   EXPECT_FALSE(lagged->busy("paint"));
-  EXPECT_TRUE(diary.empty());  // it is for the collector to complete it
+  EXPECT_TRUE(diary.empty());  // the collector has to complete it
   complete(finished);
   EXPECT_THAT(diary, ElementsAre("paint"));
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kSwing_m = 0.2, kSwing_rad = 0.15, kRate_rad_s = 2 * 3.14159 / 1.7;
 
-/// A camera that swings along x and about y.
+/// A camera that oscillates along x and about y.
 SE3 swinging(double at_s) {
   const double phase = kRate_rad_s * at_s;
   return {exp_so3({0, kSwing_rad * std::cos(phase), 0}), {kSwing_m * std::sin(phase), 0, 0}};
@@ -22,7 +22,7 @@ struct Recorded {
   FrameLog log;
 };
 
-/// Its frames at a constant rate; the poses are relative to a keyframe at the origin.
+/// Its frames at a constant rate, with poses relative to a keyframe at the origin.
 Recorded recorded_swing(double frames_per_s, int count = 60) {
   Recorded recorded;
   recorded.map.add_keyframe(FrameId{0}, 0, {}, std::make_shared<const Features>(), 0);
@@ -38,7 +38,7 @@ Recorded recorded_swing(double frames_per_s, int count = 60) {
   return recorded;
 }
 
-/// Root mean square error of the x velocity, in the world.
+/// Root mean square error of the x velocity in the world frame, m/s.
 double shift_error_m_s(const Recorded& recorded) {
   const auto velocities = frame_velocities(recorded.log, recorded.map);
   double squares = 0;

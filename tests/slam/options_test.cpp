@@ -46,7 +46,7 @@ TEST(SlamOptions, SlamRefusesValuesOutsideOfAnEnum) {
 
 TEST(SlamOptions, AllThreadsThatTheProgramTakesAreAllowed) {
   SlamOptions options;
-  options.global_ba.threads = 1024;  // the most of --threads
+  options.global_ba.threads = 1024;  // maximum of --threads
   EXPECT_NO_THROW(validate(options));
 }
 
@@ -99,7 +99,7 @@ TEST(SlamOptions, FormerNamesOfTheNoiseLeadToItsHome) {
     const auto resolved = resolve_key(entries, group + "robust_width", SlamOptions::history());
     EXPECT_EQ(resolved.key, "noise.robust_width") << group;
   }
-  // Theirs were other numbers on purpose.
+  // These had intentionally different values.
   for (const std::string solver : {"rigid", "icp"}) {
     const std::string key = "tracking." + solver + ".inverse_depth_sigma_per_m";
     EXPECT_EQ(resolve_key(entries, key, SlamOptions::history()).kind, ResolvedKey::Kind::kRemoved) << solver;

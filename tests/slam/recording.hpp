@@ -1,5 +1,5 @@
 #pragma once
-// Frames of the simulated room, rendered once for several tests.
+// Frames of the simulated room, rendered once and shared by several tests.
 
 #include <string>
 #include <vector>

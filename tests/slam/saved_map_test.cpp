@@ -1,4 +1,4 @@
-// Maps that are saved, continued, localised in and merged.
+// Tests of saved maps: continuing, localization and merging.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using test::Recording;
 
 constexpr size_t kFrames = 60, kHalf = 30;
 
-/// A simulated walk, slow enough that its two halves overlap.
+/// A simulated walk, slow enough for its two halves to overlap.
 const Recording& walk() {
   static const Recording kRecording = record_simulation("sim:room", kFrames);
   return kRecording;
@@ -82,7 +82,7 @@ TEST(SavedMap, LocalizationFindsPosesAndKeepsTheMapUnchanged) {
   const Trajectory found = process(slam, kHalf, kFrames);
   ASSERT_GT(found.size(), (kFrames - kHalf) * 8 / 10);
 
-  // In the frame of the map, which the first half aligns with the ground truth's world.
+  // Poses in the frame of the map, which the first half aligns with the ground-truth world.
   Trajectory both;
   for (const SavedFrame& frame : first_half().frames) {
     const SE3& T_world_keyframe = first_half().map.keyframes[frame.reference.value].T_world_camera;
@@ -130,7 +130,7 @@ TEST(SavedMap, ContinuedMappingKeepsWorldFrameAndFrames) {
 }
 
 TEST(SavedMap, TwoMapsAreMerged) {
-  // The two share their middle third.
+  // Both contain the middle third.
   const SavedMap a = map_of(0, 40), b = map_of(20, 60);
   Slam slam(walk().camera);
   slam.add_map(a);

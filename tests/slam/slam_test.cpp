@@ -164,7 +164,7 @@ TEST(Slam, EveryModeTracksEveryFrame) {
 
 TEST(Slam, ARepeatedImageKeepsItsPose) {
   auto frames = recording().frames;
-  frames[20].color = frames[19].color.clone();  // what drivers do if an image is lost
+  frames[20].color = frames[19].color.clone();  // drivers do this when an image is lost
   frames[20].depth_m = frames[19].depth_m.clone();
   Slam slam(recording().camera);
   for (const RgbdFrame& frame : frames) slam.process(frame);
@@ -205,7 +205,7 @@ TEST(Slam, RelocalizesAfterABlackout) {
   EXPECT_LT(ate->error_m.rmse, 0.02);
 }
 
-/// The frame with everything black except the columns [begin, end).
+/// Returns the frame with all columns black except [begin, end).
 RgbdFrame columns_of(const RgbdFrame& frame, int begin, int end) {
   RgbdFrame part = blackened(frame);
   const cv::Range shown(begin, end);
@@ -214,8 +214,7 @@ RgbdFrame columns_of(const RgbdFrame& frame, int begin, int end) {
   return part;
 }
 
-/// First one half of the view is seen, then the other, then both: only the last part determines their
-/// relative pose.
+/// One half of the view first, then the other, then both: only the last part determines their relative pose.
 std::vector<RgbdFrame> sides_then_whole() {
   auto frames = recording().frames;
   const int width = frames[0].color.cols, middle = width / 2;
@@ -238,7 +237,7 @@ TEST(Slam, StartsANewComponentWhenLostAndMergesIt) {
   const Trajectory estimate = slam.finish();
   EXPECT_EQ(slam.map().component_count(), 2U);
   for (const Keyframe& keyframe : slam.map().keyframes()) EXPECT_EQ(keyframe.component, 0U);
-  EXPECT_GE(estimate.size(), frames.size() - 2);  // most of those lost in between are relocalised at the end
+  EXPECT_GE(estimate.size(), frames.size() - 2);  // most frames lost in between are relocalized at the end
   const auto ate = absolute_trajectory_error(estimate, recording().truth);
   ASSERT_TRUE(ate.has_value());
   EXPECT_LT(ate->error_m.rmse, 0.03);

@@ -1,4 +1,4 @@
-// What the tracker makes of a frame: Tracked, Relocalized, NewMap or Lost.
+// Outcomes of the tracker: Tracked, Relocalized, NewMap and Lost.
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,8 @@
 namespace kinloop {
 namespace {
 
-/// The vocabulary weighs words by how many images have them: as many "images" as walls have patches.
+/// The vocabulary weights words by the number of images that contain them: as many "images" as walls have
+/// patches.
 Vocabulary world_vocabulary(const test::SyntheticWorld& world) {
   std::vector<cv::Mat> images;
   for (int row = 0; row < world.descriptors.rows; row += 40)
@@ -27,7 +28,7 @@ SlamOptions impatient() {
 
 class TrackerOutcome : public testing::Test {
  protected:
-  /// Three keyframes that look the same way, and nothing of the rest of the room.
+  /// Builds a map of three keyframes that look in one direction; the rest of the room is unmapped.
   void build_map() {
     for (int i = 0; i < 3; ++i) {
       const auto view = test::observe(world_, pose(i), {}, 10 + static_cast<uint64_t>(i));
@@ -38,14 +39,14 @@ class TrackerOutcome : public testing::Test {
   static SE3 pose(double i) { return test::camera_at(0.05 * i, {0.03 * i, 0, 0}); }
   static SE3 elsewhere() { return test::camera_at(3.14159, {0, 0, 0}); }
 
-  /// The outcome of the next frame, which the tracker then takes in.
+  /// Tracks the next frame and updates the tracker with it.
   FrameTracking show(const SE3& T_world_camera) {
     const auto view = test::observe(world_, T_world_camera, {}, 100 + id_);
     return show(view);
   }
   FrameTracking show(const test::SyntheticView& view) {
     PreparedFrame frame = test::make_frame(id_, view);
-    frame.gray.setTo(id_ + 1);  // no frame repeats the one before
+    frame.gray.setTo(id_ + 1);  // no frame repeats the previous image
     ++id_;
     Timings timings;
     FrameTracking tracking = tracker_.track(frame, {built_.map, places_, sensor_}, timings);
@@ -101,7 +102,7 @@ TEST_F(TrackerOutcome, ThePreviousFrameFollowsToAnotherReference) {
   const FrameTracking next = show(pose(1.7));
   ASSERT_TRUE(std::holds_alternative<Tracked>(next.outcome));
   EXPECT_EQ(std::get<Tracked>(next.outcome).result.reference, other);
-  EXPECT_EQ(std::get<Tracked>(next.outcome).result.stats.attempts, 1);  // it was where it was expected
+  EXPECT_EQ(std::get<Tracked>(next.outcome).result.stats.attempts, 1);  // found at its predicted pose
   EXPECT_LT(error_m(next, pose(1.7)), 0.01);
 }
 

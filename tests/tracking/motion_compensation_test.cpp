@@ -7,15 +7,15 @@
 namespace kinloop {
 namespace {
 
-/// Simulates `still` measured by the same camera in motion: the scene around each keypoint is a plane facing
-/// the camera, so its depth image is flat there.
+/// Simulates `still` measured by the same camera in motion. The scene around each keypoint is a plane facing
+/// the camera, so its depth gradient is zero.
 Features in_motion(const Features& still, const PinholeCamera& camera, const SensorVector& sensor,
                    const Velocity& velocity) {
   Features moving = still;
   for (size_t i = 0; i < still.size(); ++i) {
     const Eigen::Vector3d p =
         camera.unproject(still.pixels[i].cast<double>(), static_cast<double>(still.depths_m[i]));
-    // The row depends on the time of observation, and the time on the row.
+    // The row depends on the exposure time, and the time on the row.
     Eigen::Vector2d pixel = still.pixels[i].cast<double>();
     double row = 0;
     for (int round = 0; round < 20; ++round) {
@@ -102,13 +102,13 @@ TEST_F(MotionCompensation, DepthGradientIsTakenIntoAccount) {
   for (size_t i = 0; i < wall.size(); ++i) {
     const Eigen::Vector2d pixel = wall.pixels[i].cast<double>();
     truth_m.push_back(depth_at(pixel));
-    // The camera has moved along x when depth is taken: the point under the pixel then has z = 2 + x + v t.
+    // The camera has moved along x when depth is measured: the point at the pixel then has z = 2 + x + v t.
     const double ray_x = (pixel.x() - camera.cx) / camera.fx;
     wall.measured_depths_m[i] = static_cast<float>((2 + 0.5 * 0.02) / (1 - ray_x));
   }
   const Features undone = deskew_features(wall, camera, sensor_, velocity_);
   for (size_t i = 0; i < wall.size(); ++i) {
-    if (truth_m[i] > 6) continue;  // beyond, inverse depth is too flat to compare
+    if (truth_m[i] > 6) continue;  // beyond 6 m the inverse depth is too small to compare
     EXPECT_NEAR(undone.depths_m[i], truth_m[i], 2e-4 * truth_m[i] * truth_m[i]);
   }
 }

@@ -11,8 +11,8 @@ namespace {
 
 using test::camera_at;
 
-/// A map of one keyframe at the origin, the previous frame there, and the camera somewhere else, with a
-/// prediction that may be off by a centimetre and a degree.
+/// A map of one keyframe at the origin, the previous frame there, and the camera at another pose, with a
+/// prediction uncertain by a centimetre and a degree.
 PredictedPose uncertain(const SE3& T_reference_camera) {
   return {T_reference_camera, 0.01, 0.02};
 }
@@ -88,7 +88,7 @@ TEST_F(Tracker, IsLostOnABlackImage) {
   EXPECT_EQ(result.status, TrackStatus::kLost);
 }
 
-/// A wall 2 m ahead with a texture too soft for corners, seen from `x_m` to the right.
+/// A wall 2 m ahead with a texture too smooth for corners, seen from `x_m` to the right.
 PreparedFrame soft_wall(const PinholeCamera& camera, double x_m) {
   constexpr double kWall_m = 2;
   PreparedFrame frame;
@@ -137,7 +137,7 @@ TEST_F(Tracker, InformationIsConsistentWithTheErrors) {
   for (uint64_t trial = 0; trial < kTrials; ++trial) {
     const SE3 truth = camera_at(0.01 * static_cast<double>(trial % 5), {0.02, 0, 0.01});
     const auto view = test::observe(world_, truth, {1.0, 2.85e-3, 12, 0.2}, 100 + trial);
-    // Exact landmarks, to test the frame's own noise.
+    // Exact landmarks isolate the noise of the frame itself.
     LocalMap exact = local_map_;
     for (size_t i = 0; i < exact.size(); ++i) {
       for (const auto& [point, landmark] : built_.landmark_of_point) {
@@ -258,12 +258,12 @@ TEST(MotionsFromKeyframes, CoverTheLastAndTheCovisibleKeyframes) {
     if (landmark_of[i].valid()) result.matches.push_back({landmark_of[i], i});
   }
   const auto motions = motions_from_keyframes(built.map, result, KeyframeId{3});
-  ASSERT_EQ(motions.size(), 3U);  // from 3, the last, and from 0 and 1, but not from 2
+  ASSERT_EQ(motions.size(), 3U);  // relative to 3, the last, and to 0 and 1, but not to 2
   EXPECT_LT(test::distance_m(motions[0], poses[3].inverse() * result.T_reference_camera), 1e-12);
   EXPECT_LT(test::distance_m(motions[1], result.T_reference_camera), 1e-12);
   EXPECT_LT(test::distance_m(motions[2], poses[1].inverse() * result.T_reference_camera), 1e-12);
 
-  result.matches.clear();  // tracked by points of the previous frame only: no keyframe has the same
+  result.matches.clear();  // tracked only by points of the previous frame, so no keyframe shares landmarks
   EXPECT_EQ(motions_from_keyframes(built.map, result, KeyframeId{3}).size(), 1U);
 }
 
