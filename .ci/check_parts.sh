@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fails if the release build lacks a part that Debian 12 has packages for (required_parts.txt).
+# Fails if the release build lacks a part available on Debian 12 (required_parts.txt).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -31,7 +31,7 @@ def main():
     refused = [name for name in skipped if not any(fnmatch.fnmatchcase(name, p) for p in patterns)]
     for name in refused:
         print(f"skipped, but not in .ci/allowed_skips.txt: {name}")
-    print(f"{len(skipped)} tests skipped, {len(refused)} of them without permission")
+    print(f"{len(skipped)} tests skipped, {len(refused)} of them not allowed")
     return 1 if refused else 0
 
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Runs clang-tidy on the library, the program and the viewer.
 
-A source that passed before, with the same code, headers and checks, is skipped: .ci/tidy_passed.txt keeps the hashes.
-Comments do not count. The hashes cover the project's files only: after a change of compiler or system headers, use --all.
+Skips sources that passed before with the same content, headers and checks: .ci/tidy_passed.txt holds their
+hashes, which cover only project files. Use --all after a change of compiler or system headers.
 
   .ci/tidy.py            check what has changed
   .ci/tidy.py --all      check everything
-  .ci/tidy.py --record   also write down what passed
+  .ci/tidy.py --record   also record what passed
 """
 
 import argparse
@@ -27,7 +27,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
 def included(path, seen):
-    """All files of the project that `path` includes, directly or not, and `path` itself."""
+    """Returns `path` and all project files that it includes, directly or indirectly."""
     if path in seen or not path.is_file():
         return seen
     seen.add(path)
@@ -52,10 +52,10 @@ def tidy(source):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--all", action="store_true", help="check everything")
-    parser.add_argument("--record", action="store_true", help="write down what passed")
+    parser.add_argument("--record", action="store_true", help="record what passed")
     arguments = parser.parse_args()
 
-    # clang-tidy needs the compile commands of single sources; nothing is built.
+    # clang-tidy only needs the compile commands of the single sources; nothing is built.
     subprocess.run(["cmake", "--preset", "tidy", "--log-level=WARNING"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
     sources = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.cpp")
                      if "node_modules" not in path.parts)

@@ -55,7 +55,7 @@ TEST_F(LoopOverlap, ChoosesThePairSharingMostLandmarks) {
   EXPECT_GT(pair.shared, shared(0, 10) + 100);
 }
 
-TEST_F(LoopOverlap, BothSidesStayApart) {
+TEST_F(LoopOverlap, PairEndsStayOnTheirSideOfTheLoop) {
   std::swap(loop_.a, loop_.b);
   EXPECT_EQ(most_overlapping_pair(built_.map, loop_).older, KeyframeId{2}) << "in either order of the ends";
   loop_ = {KeyframeId{1}, KeyframeId{2}, {}, Matrix6d::Identity(), 0};
@@ -64,7 +64,7 @@ TEST_F(LoopOverlap, BothSidesStayApart) {
   EXPECT_EQ(pair.newer, KeyframeId{2});
 }
 
-TEST_F(LoopOverlap, LandmarksAppearWhereTheOtherKeyframeSawThem) {
+TEST_F(LoopOverlap, LandmarksProjectToTheirKeypoints) {
   const auto landmarks = reproject_landmarks(built_.map, KeyframeId{2}, KeyframeId{9}, still());
   int observed = 0;
   for (const auto& landmark : landmarks) {
@@ -77,7 +77,7 @@ TEST_F(LoopOverlap, LandmarksAppearWhereTheOtherKeyframeSawThem) {
   EXPECT_EQ(observed, shared(2, 9));
 }
 
-TEST_F(LoopOverlap, AWrongPoseShowsInTheResiduals) {
+TEST_F(LoopOverlap, WrongPoseGivesLargeResiduals) {
   const SE3 T_right = built_.map.keyframe(KeyframeId{9}).T_world_camera;
   MapUpdate update;
   Vector6d error;
@@ -98,7 +98,7 @@ TEST_F(LoopOverlap, AWrongPoseShowsInTheResiduals) {
 
 /// While the camera turns by 1 rad/s with a readout time of 0.03 s, the rows above and below the middle are
 /// shifted by up to 8 px.
-TEST_F(LoopOverlap, RowsAreReadWhileTheCameraMoves) {
+TEST_F(LoopOverlap, RollingShutterShiftsRows) {
   RollingShutterCamera moving = still();
   moving.sensor(kRollingShutter) = 0.03;
   moving.velocity.angular_rad_s.y() = 1;

@@ -88,11 +88,11 @@ TEST_F(Loop, CandidatesAreFromTheStartOfTheLoop) {
   EXPECT_LT(found.front().value, 6U);
 }
 
-TEST_F(Loop, OneKeyframeAloneIsNotConsistent) {
+TEST_F(Loop, SingleKeyframeIsNotConsistent) {
   EXPECT_TRUE(find_loop_candidates(built_.map, places_, last_, {}, {}).keyframes.empty());
 }
 
-TEST_F(Loop, VerificationGivesTheTrueMotion) {
+TEST_F(Loop, VerificationFindsTheTrueMotion) {
   const auto verified = verify(last_, {KeyframeId{1}});
   ASSERT_TRUE(verified.has_value());
   const LoopConstraint constraint = make_loop_constraint(built_.map, *verified, {});
@@ -103,7 +103,7 @@ TEST_F(Loop, VerificationGivesTheTrueMotion) {
   EXPECT_FALSE(constraint.merges.empty());
 }
 
-TEST_F(Loop, AnotherPlaceIsRefused) {
+TEST_F(Loop, AnotherPlaceIsRejected) {
   EXPECT_FALSE(verify(last_, {KeyframeId{15}}).has_value());
 }
 
@@ -125,7 +125,7 @@ TEST_F(Loop, InliersAreNotEnoughIfFreeSpaceIsViolated) {
   EXPECT_FALSE(verify_loop(question, world_.camera, {}, {}).has_value());
 }
 
-TEST_F(Loop, CorrectionSpreadsTheDrift) {
+TEST_F(Loop, CorrectionDistributesTheDrift) {
   const auto verified = verify(last_, {KeyframeId{1}});
   ASSERT_TRUE(verified.has_value());
   const LoopConstraint constraint = make_loop_constraint(built_.map, *verified, {});

@@ -121,7 +121,7 @@ double difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return (scale.asDiagonal() * (a - b) * scale.asDiagonal()).cwiseAbs().maxCoeff();
 }
 
-TEST(BundleCovariance, IsThatOfTheWholeDenseSystem) {
+TEST(BundleCovariance, MatchesTheDenseSystem) {
   const BundleWorld world = free_world();
   for (const auto solver : {BundleSolver::kBuiltin, BundleSolver::kCeres}) {
     BundleOptions options = with_covariances();
@@ -130,7 +130,7 @@ TEST(BundleCovariance, IsThatOfTheWholeDenseSystem) {
     ASSERT_THAT(solution.point_used, testing::Each(1));
     const DenseSystem system(world.problem, options, solution);
     const Eigen::MatrixXd covariance = system.covariance();
-    EXPECT_EQ(solution.pose_covariance[0], Matrix6d::Zero()) << "held";
+    EXPECT_EQ(solution.pose_covariance[0], Matrix6d::Zero()) << "constant";
     for (size_t i = 1; i < world.truth.size(); ++i) {
       const Eigen::Index first = DenseSystem::pose(static_cast<Eigen::Index>(i));
       EXPECT_LT(difference(solution.pose_covariance[i], covariance.block<6, 6>(first, first)), 1e-6) << i;
@@ -167,7 +167,7 @@ TEST(BundleCovariance, UnobservedPosesHaveInfiniteCovariance) {
   const BundleSolution solution = solve_bundle(world.problem, with_covariances());
   const Eigen::MatrixXd unseen = solution.pose_covariance[3];
   EXPECT_THAT(unseen.diagonal(), testing::Each(std::numeric_limits<double>::infinity()));
-  EXPECT_GT(solution.pose_covariance[4].diagonal().maxCoeff(), 1.0) << "radians or metres, squared";
+  EXPECT_GT(solution.pose_covariance[4].diagonal().maxCoeff(), 1.0) << "rad^2 or m^2";
   for (const size_t i : {1, 2, 5, 6}) {
     EXPECT_GT(solution.pose_covariance[i].diagonal().minCoeff(), 0) << i;
     EXPECT_LT(solution.pose_covariance[i].diagonal().maxCoeff(), 0.01) << i;
@@ -179,7 +179,7 @@ TEST(BundleCovariance, IsNotComputedUnlessRequested) {
   options.pose_covariances = false;
   const BundleSolution solution = solve_bundle(free_world().problem, options);
   EXPECT_TRUE(solution.pose_covariance.empty());
-  EXPECT_GT(solution.sensor_covariance(kDepthDelay, kDepthDelay), 0) << "always, if free";
+  EXPECT_GT(solution.sensor_covariance(kDepthDelay, kDepthDelay), 0) << "computed for every free parameter";
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ void expect_near(const Eigen::Vector3d& analytic, const Eigen::Vector3d& numeric
   EXPECT_LT((analytic - numeric).norm(), 1e-5 * (1 + numeric.norm())) << what << " " << column;
 }
 
-TEST(BundleModel, AnalyticDerivativesAreTheNumericOnes) {
+TEST(BundleModel, AnalyticDerivativesMatchNumericOnes) {
   Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
     const Sample sample(random);
@@ -96,7 +96,7 @@ TEST(BundleModel, ObservationsWithoutDepthHaveNoDepthRow) {
   EXPECT_TRUE(linear.J_sensor.row(2).isZero(0));
 }
 
-TEST(SensorModel, CorrectedCameraSeesWhatTheCorrectionsSay) {
+TEST(SensorModel, CorrectedCameraMatchesTheCorrections) {
   PinholeCamera camera = test::kinect();
   camera.k1 = 0.26;
   camera.k2 = -0.95;
@@ -121,7 +121,7 @@ TEST(SensorModel, CorrectedCameraSeesWhatTheCorrectionsSay) {
   }
 }
 
-TEST(SensorModel, EveryParameterHasItsName) {
+TEST(SensorModel, EveryParameterHasAName) {
   std::vector<std::string> names;
   for (int i = 0; i < kSensorParameterCount; ++i) {
     names.emplace_back(sensor_parameter_name(static_cast<SensorParameter>(i)));

@@ -219,7 +219,7 @@ TEST(Bundle, TenPercentOutliers) {
   EXPECT_LT(right_lost, world.wrong.size() / 8);
 }
 
-TEST(Bundle, SameBytesOnAnyNumberOfThreads) {
+TEST(Bundle, ResultDoesNotDependOnTheNumberOfThreads) {
   BundleWorldSettings settings{.poses = 15, .points = 300, .sigma_px = 1, .sigma_inverse_depth = 2e-3};
   BundleWorld world = make_bundle_world(settings);
   perturb(world, 0.01, 0.005);
@@ -236,7 +236,7 @@ TEST(Bundle, SameBytesOnAnyNumberOfThreads) {
   EXPECT_EQ(one.sensor, three.sensor);
 }
 
-TEST(Bundle, DegenerateInputsAreLeftOut) {
+TEST(Bundle, DegenerateInputsAreIgnored) {
   BundleWorld world = make_bundle_world({.points = 100});
   perturb(world, 0.01, 0.005);
   BundleProblem& problem = world.problem;
@@ -258,7 +258,7 @@ TEST(Bundle, DegenerateInputsAreLeftOut) {
   EXPECT_EQ(solution.outliers[0], 1);
 }
 
-TEST(Bundle, EmptyAndBrokenProblems) {
+TEST(Bundle, EmptyAndInvalidProblems) {
   EXPECT_TRUE(solve_bundle({}, {}).T_world_camera.empty());
   BundleProblem lonely;
   lonely.camera = test::kinect();

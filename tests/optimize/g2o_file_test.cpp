@@ -34,7 +34,7 @@ std::string plane(int id) {
   return "VERTEX_SE2 " + std::to_string(id) + " 0 0 0\n";
 }
 
-TEST(G2oFile, ReadsPosesInSpace) {
+TEST(G2oFile, ReadsSe3Poses) {
   const G2oFile file = read_text(std::string("# a comment\n\n"
                                              "VERTEX_SE3:QUAT 7 1 2 3 0 0 0.6 0.8\r\n"
                                              "VERTEX_SE3:QUAT 3 0 0 0 0 0 0 2\n"
@@ -91,18 +91,18 @@ void expect_round_trip() {
   }
 }
 
-TEST(G2oFile, WrittenThenReadIsTheSame) {
+TEST(G2oFile, RoundTrips) {
   expect_round_trip<SE3>();
   expect_round_trip<SE2>();
 }
 
-TEST(G2oFile, WithoutIdsVerticesAreNumbered) {
+TEST(G2oFile, NumbersVerticesWithoutIds) {
   const TempFolder folder;
   write_g2o(folder.path() / "out.g2o", {test::make_loop_world<SE2>({}, 2).graph, {}, true, {}});
   EXPECT_EQ(read_g2o(folder.path() / "out.g2o").ids.at(9), 9);
 }
 
-TEST(G2oFile, ChainsPosesWhereThereAreNoVertices) {
+TEST(G2oFile, ChainsPosesOfFilesWithoutVertices) {
   const G2oFile file =
       read_text(std::string("EDGE_SE2 12 10 1 0 0.5") + kIdentity3 + "\nEDGE_SE2 10 11 2 0 0" + kIdentity3);
   const auto& graph = std::get<PoseGraph2d>(file.graph);
@@ -138,7 +138,7 @@ TEST(G2oFile, ReadsPriors) {
   EXPECT_NEAR(chi2(std::get<PoseGraph2d>(flat.graph)), 5, 1e-14);
 }
 
-TEST(G2oFile, NamesFileAndLineOfWhatIsWrong) {
+TEST(G2oFile, ErrorsNameFileAndLine) {
   const std::string edge = std::string("EDGE_SE2 0 1 1 0 0") + kIdentity3 + "\n";
   const struct {
     const char* what;
@@ -180,7 +180,7 @@ TEST(G2oFile, RejectsFilesWithoutAGraph) {
   EXPECT_THAT(input_error([] { read_g2o("/nonexistent/graph.g2o"); }), HasSubstr("/nonexistent/graph.g2o"));
 }
 
-TEST(G2oFile, LeavesTheOldFileWhereItCannotWrite) {
+TEST(G2oFile, KeepsTheOldFileIfWritingFails) {
   EXPECT_THAT(input_error([] {
                 write_g2o("/nonexistent/out.g2o", {PoseGraph{}, {}, true, {}});
               }),

@@ -143,7 +143,7 @@ TEST(Icp, AWallLeavesThreeDirectionsUnconstrained) {
   EXPECT_LT(error.segment<2>(3).norm(), 1e-4) << "tilt";
 }
 
-TEST(Icp, IntensitiesConstrainThePoseBeforeAWall) {
+TEST(Icp, IntensitiesConstrainThePoseAtAWall) {
   const auto [truth, solution] = align(wall_scene, small_camera(true), small_motion(), 1e-3, {});
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 5e-3);

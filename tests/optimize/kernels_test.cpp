@@ -88,7 +88,7 @@ struct Linear {
   }
 };
 
-TEST(ObservationBlock, ResidualsAreThoseOfTheSensorModel) {
+TEST(ObservationBlock, ResidualsMatchTheSensorModel) {
   const ObservedPoints scene(1);
   const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.model());
   const SensorVector& s = scene.sensor;
@@ -173,7 +173,7 @@ TEST(ObservationBlock, APointBehindTheCameraHasZeroGradient) {
   EXPECT_THAT(numbers, testing::Each(0));
 }
 
-TEST(ObservationBlock, EveryInstructionSetGivesTheSameBits) {
+TEST(ObservationBlock, InstructionSetsGiveIdenticalBits) {
   const ObservedPoints scene(6);
   const Linear expected(scene);
   const BlockResiduals residuals = block_residuals(scene.block, scene.view(), scene.model());
@@ -213,7 +213,7 @@ TEST(Gram, IsTheProductOfTheColumns) {
   }
 }
 
-TEST(Gram, AddsToWhatIsThere) {
+TEST(Gram, AccumulatesIntoTheResult) {
   const RowMajorMatrix J = random_matrix(10, 8, 8);
   RowMajorMatrix twice = RowMajorMatrix::Zero(8, 8);
   for (int i = 0; i < 2; ++i) add_gram(J.data(), 10, 8, twice.data());

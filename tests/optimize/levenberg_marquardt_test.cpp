@@ -19,7 +19,7 @@ class SmallProblem {
     return residuals(x).squaredNorm();
   }
   void linearize(const Eigen::Vector2d& x) {
-    EXPECT_EQ(x, last_) << "linearized where the cost was asked for last";
+    EXPECT_EQ(x, last_) << "linearized at the state of the last cost evaluation";
     const Eigen::Matrix2d J = jacobian(x);
     H_ = J.transpose() * J;
     g_ = J.transpose() * residuals(x);
@@ -88,10 +88,10 @@ TEST(LevenbergMarquardt, SolvesALinearProblemInOneUndampedStep) {
                                                    FactorDamping{.value = 0}, {.max_steps = 1});
   EXPECT_LT((result.state - Eigen::Vector2d(2, 1)).norm(), 1e-12);
   EXPECT_LT(result.cost, 1e-20);
-  EXPECT_FALSE(result.converged) << "that is known only from the next step";
+  EXPECT_FALSE(result.converged) << "convergence is detected by the next step";
 }
 
-TEST(LevenbergMarquardt, FollowsRosenbrocksValleyWithEitherDamping) {
+TEST(LevenbergMarquardt, MinimizesRosenbrocksFunctionWithEitherDamping) {
   RosenbrockProblem by_factor, by_ratio;
   by_ratio.use_gain_ratio = true;
   const auto factor =
@@ -113,7 +113,7 @@ TEST(LevenbergMarquardt, RejectsStepsThatRaiseTheCost) {
   EXPECT_EQ(result.cost, 25);
   EXPECT_FALSE(result.converged);
   EXPECT_EQ(result.steps, 4);
-  EXPECT_EQ(problem.linearizations, 1) << "the same linearization serves until a step is taken";
+  EXPECT_EQ(problem.linearizations, 1) << "no new linearization until a step is accepted";
   EXPECT_EQ(problem.dampings, std::vector<double>({1, 10, 100, 1000}));
 }
 
@@ -124,7 +124,7 @@ TEST(LevenbergMarquardt, AcceptedStepsLowerTheDampingToItsMinimum) {
   EXPECT_EQ(problem.dampings, std::vector<double>({1, 0.1, 0.05, 0.05}));
 }
 
-TEST(LevenbergMarquardt, StopsWhereTheEquationsStaySingular) {
+TEST(LevenbergMarquardt, StopsIfTheEquationsStaySingular) {
   LinearProblem by_factor, by_ratio;
   by_factor.is_singular = by_ratio.is_singular = true;
   const auto factor = minimize_levenberg_marquardt(by_factor, Eigen::Vector2d(1, 2),
@@ -132,14 +132,14 @@ TEST(LevenbergMarquardt, StopsWhereTheEquationsStaySingular) {
   EXPECT_EQ(factor.state, Eigen::Vector2d(1, 2));
   EXPECT_EQ(factor.steps, 4);
   EXPECT_FALSE(factor.converged);
-  EXPECT_EQ(by_factor.costs, 1) << "nothing was there to be tried";
+  EXPECT_EQ(by_factor.costs, 1) << "no step to try";
   const auto nielsen =
       minimize_levenberg_marquardt(by_ratio, Eigen::Vector2d(1, 2), NielsenDamping{.max_rejections = 7}, {});
   EXPECT_EQ(nielsen.steps, 7);
   EXPECT_FALSE(nielsen.converged);
 }
 
-TEST(LevenbergMarquardt, KeepsToItsLimits) {
+TEST(LevenbergMarquardt, RespectsItsLimits) {
   RosenbrockProblem problem;
   const auto result = minimize_levenberg_marquardt(problem, Eigen::Vector2d(-1.2, 1), FactorDamping{},
                                                    {.max_linearizations = 3});

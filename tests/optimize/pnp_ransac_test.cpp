@@ -53,7 +53,7 @@ TEST(PnpRansac, DepthHelpsWithFewInliers) {
   }
 }
 
-TEST(PnpRansac, DoesWithoutAnyDepth) {
+TEST(PnpRansac, NeedsNoDepth) {
   Random random(8);
   const SE3 truth = random_motion(random, 2.0, 2.0);
   const auto view =
@@ -83,7 +83,7 @@ TEST(PnpRansac, RandomMatchesGiveNoSolution) {
   }
 }
 
-TEST(PnpRansac, DegenerateAndBrokenInputs) {
+TEST(PnpRansac, DegenerateAndInvalidInputs) {
   Random random(5);
   const SE3 truth = random_motion(random, 2.0, 2.0);
   EXPECT_FALSE(solve_pnp_ransac(kinect(), {}, {}, 1).has_value());

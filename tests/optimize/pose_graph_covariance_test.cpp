@@ -11,7 +11,7 @@
 namespace kinloop {
 namespace {
 
-TEST(MarginalCovariances, OfAChainInThePlaneAddUp) {
+TEST(MarginalCovariances, AddUpAlongAPlanarChain) {
   PoseGraph2d graph;
   graph.T_world_vertex = {SE2{}, SE2{{1, 0}, 0}, SE2{{3, 0}, 0}};
   const Eigen::Matrix3d information = Eigen::Vector3d(100, 100, 400).asDiagonal();
@@ -19,7 +19,7 @@ TEST(MarginalCovariances, OfAChainInThePlaneAddUp) {
   const std::array<uint32_t, 3> vertices = {0, 1, 2};
   const auto covariances = marginal_covariances(graph, vertices);
   ASSERT_TRUE(covariances.has_value());
-  EXPECT_EQ(covariances->at(0), Eigen::Matrix3d::Zero()) << "held";
+  EXPECT_EQ(covariances->at(0), Eigen::Matrix3d::Zero()) << "constant";
   EXPECT_LT((covariances->at(1) - information.inverse()).norm(), 1e-12);
   EXPECT_NEAR(covariances->at(2)(0, 0), 2 * 0.01, 1e-12);  // along the chain
   EXPECT_NEAR(covariances->at(2)(1, 1), 2 * 0.01 + 4 * 0.0025,

@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Of, StandardPoseGraphs,
                            return name;
                          });
 
-TEST(StandardPoseGraph, Chi2IsThatOfG2o) {
+TEST(StandardPoseGraph, Chi2MatchesG2o) {
   // Values from g2o's libraries for the same files. The tolerance is needed in 3D: g2o uses vertex
   // quaternions as printed with six digits, kinloop normalises them first.
   const struct {
@@ -84,7 +84,7 @@ TEST(StandardPoseGraph, SolversAgreeOnSmallGrid3D) {
   }
 }
 
-TEST(StandardPoseGraph, ManhattanHasEdgesAlone) {
+TEST(StandardPoseGraph, ManhattanHasOnlyEdges) {
   const auto path = test::shared_data("pose_graphs/manhattan.g2o");
   KINLOOP_SKIP_WITHOUT(path);
   const G2oFile file = read_g2o(path);

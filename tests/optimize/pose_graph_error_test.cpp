@@ -57,8 +57,8 @@ TYPED_TEST(PoseGraphError, DerivativesAgreeWithDifferences) {
       const Vector J_b =
           (edge_error(a, retract(b, d), measured) - edge_error(a, retract(b, minus_d), measured)) /
           (2 * kStep);
-      EXPECT_LT((linear.de_da.col(k) - J_a).norm(), 1e-7) << "by component " << k << " of a";
-      EXPECT_LT((linear.de_db.col(k) - J_b).norm(), 1e-7) << "by component " << k << " of b";
+      EXPECT_LT((linear.de_da.col(k) - J_a).norm(), 1e-7) << "derivative by component " << k << " of a";
+      EXPECT_LT((linear.de_db.col(k) - J_b).norm(), 1e-7) << "derivative by component " << k << " of b";
     }
   }
 }
@@ -71,7 +71,7 @@ TEST(PoseGraphErrorInSpace, IsTheTranslationAndTheVectorPartOfTheQuaternion) {
   EXPECT_LT((e - expected).norm(), 1e-15);
 }
 
-TEST(PoseGraphErrorInSpace, TakesTheQuaternionWithPositiveRealPart) {
+TEST(PoseGraphErrorInSpace, UsesTheQuaternionWithPositiveRealPart) {
   SE3 T_world_b{exp_so3({0, 0.3, 0}), {0, 0, 0}};
   const Vector6d e = edge_error(SE3{}, T_world_b, SE3{});
   T_world_b.rotation.coeffs() *= -1;  // the same rotation
@@ -122,7 +122,7 @@ PoseGraph2d two_parts() {
   return graph;
 }
 
-TEST(PoseGraphStructure, FindsConnectedParts) {
+TEST(PoseGraphStructure, FindsConnectedComponents) {
   EXPECT_THAT(connected_components(two_parts()), ElementsAre(0, 1, 0, 2, 1));
   EXPECT_EQ(count_connected_components(two_parts()), 3U);
   EXPECT_EQ(count_connected_components(PoseGraph{}), 0U);
@@ -145,7 +145,7 @@ TEST(PoseGraphStructure, ChainsPosesAlongEdgesInBothDirections) {
   EXPECT_EQ(chained[1].translation, Eigen::Vector2d(5, 5));
 }
 
-TEST(PoseGraphStructure, StartsAPartWithAPriorThere) {
+TEST(PoseGraphStructure, ComponentWithAPriorStartsThere) {
   PoseGraph2d graph = two_parts();
   const SE2 measured{{-1, 4}, 0.7};
   graph.edges.push_back({kWorld, 4, measured, Eigen::Matrix3d::Identity()});

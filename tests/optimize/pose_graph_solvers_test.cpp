@@ -58,7 +58,7 @@ void expect_consistent_with_noise(const PoseGraphOptions& options) {
   EXPECT_LT(largest_difference(solution.T_world_vertex, world.truth), 0.05);
 }
 
-TEST_P(PoseGraphSolvers, StayNearTheTruthWithNoise) {
+TEST_P(PoseGraphSolvers, HaveSmallErrorsWithNoise) {
   expect_consistent_with_noise<SE3>(options());
   expect_consistent_with_noise<SE2>(options());
 }
@@ -112,12 +112,12 @@ void expect_priors_to_anchor(const PoseGraphOptions& options) {
             1e-4);
 }
 
-TEST_P(PoseGraphSolvers, LetPriorsPlaceTheGraph) {
+TEST_P(PoseGraphSolvers, PriorsAnchorTheGraph) {
   expect_priors_to_anchor<SE3>(options());
   expect_priors_to_anchor<SE2>(options());
 }
 
-TEST_P(PoseGraphSolvers, SolveEachOfTwoParts) {
+TEST_P(PoseGraphSolvers, SolveDisconnectedComponents) {
   auto world = make_loop_world<SE3>({.rounds = 2, .sigma = 0}, 6);
   PoseGraph both = world.graph;
   const auto count = static_cast<uint32_t>(world.truth.size());
@@ -145,7 +145,7 @@ TEST_P(PoseGraphSolvers, HandleUnderdeterminedGraphs) {
   for (const SE3& T : solution.T_world_vertex) EXPECT_TRUE(T.is_finite());
 }
 
-TEST_P(PoseGraphSolvers, ReturnTheStartWhereNothingCanMove) {
+TEST_P(PoseGraphSolvers, ReturnTheStartIfAllVerticesAreFixed) {
   const auto empty = solve_pose_graph(PoseGraph{}, options());
   EXPECT_TRUE(empty.T_world_vertex.empty());
   EXPECT_TRUE(empty.converged);
@@ -161,7 +161,7 @@ TEST_P(PoseGraphSolvers, ReturnTheStartWhereNothingCanMove) {
   EXPECT_EQ(solve_pose_graph(world.graph, options()).chi2_after, 0);
 }
 
-TEST_P(PoseGraphSolvers, StopAfterTheIterationsAllowed) {
+TEST_P(PoseGraphSolvers, StopAtMaxIterations) {
   const auto world = make_loop_world<SE3>({.sigma = 0.05, .start_sigma = 0.3}, 9);
   PoseGraphOptions one = options();
   one.start = PoseGraphStart::kGiven;
@@ -171,7 +171,7 @@ TEST_P(PoseGraphSolvers, StopAfterTheIterationsAllowed) {
   EXPECT_FALSE(solution.converged);
 }
 
-TEST_P(PoseGraphSolvers, GiveTheSameBytesEveryTime) {
+TEST_P(PoseGraphSolvers, AreDeterministic) {
   const auto world = make_loop_world<SE3>({.sigma = 0.05}, 10);
   const auto first = solve_pose_graph(world.graph, options());
   const auto second = solve_pose_graph(world.graph, options());
@@ -289,7 +289,7 @@ TEST(PoseGraphChecks, ViolatedPreconditionsThrowLogicError) {
   expect_refused(graph);
 }
 
-TEST(PoseGraphChecks, UnknownSolversAreNamed) {
+TEST(PoseGraphChecks, UnavailableSolversAreNamed) {
   EXPECT_THAT(
       test::usage_error([] { solve_pose_graph(PoseGraph{}, with_solver(static_cast<PoseGraphSolver>(17))); }),
       HasSubstr("one of auto, builtin, ceres, g2o"));

@@ -173,7 +173,7 @@ TEST(SparseElimination, NestedDissectionIsTriedForLargePatterns) {
   EXPECT_LT((multiply(pattern, matrix, x) - right).norm(), 1e-9 * right.norm());
 }
 
-TEST(NewtonSolver, SolvesASequenceOfSystemsWhetherCloseOrFar) {
+TEST(NewtonSolver, SolvesSequencesOfSimilarAndDissimilarSystems) {
   Random random(6);
   const BlockPattern pattern = random_pattern(40, 30, random);
   const EliminationPlan plan = plan_elimination(pattern);
@@ -192,7 +192,7 @@ TEST(NewtonSolver, SolvesASequenceOfSystemsWhetherCloseOrFar) {
   }
 }
 
-TEST(NewtonSolver, SolvesASingularSystemByALittleDamping) {
+TEST(NewtonSolver, SolvesASingularSystemWithSlightDamping) {
   BlockPattern pattern{2, {{1, 0}}};
   BlockMatrix<3> matrix(pattern);
   matrix.diagonal[0] = matrix.diagonal[1] = Eigen::Vector3d(1, 1, 0).asDiagonal();

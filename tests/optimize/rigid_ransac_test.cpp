@@ -103,7 +103,7 @@ TEST(RigidRansac, RandomAndDegenerateInputsHaveNoSolution) {
   EXPECT_FALSE(solve_rigid_ransac(kinect(), line, {}, 1).has_value());
 }
 
-TEST(RigidRansac, PairsThatAreNotMeasurementsAreIgnored) {
+TEST(RigidRansac, InvalidPairsAreIgnored) {
   Random random(6);
   const SE3 truth = random_motion(random, 0.5, 0.4);
   auto pairs = make_pairs(truth, 60, 0, 0, 0, random);

@@ -79,7 +79,7 @@ TEST(RollingShutterPose, RefinesAnApproximateVelocity) {
   EXPECT_LT(after, 0.7 * before);
 }
 
-TEST(RollingShutterPose, OutliersDoNotMoveIt) {
+TEST(RollingShutterPose, IgnoresOutliers) {
   Random random(3);
   const RollingShutterPose truth = random_moving_pose(random);
   auto observations = observe(truth, rolling_sensor(), 200, 0, random);

@@ -92,12 +92,12 @@ class BackEndTest : public testing::Test {
   BackEnd back_end_{built_.map, camera(world_), ring_options()};
 };
 
-TEST_F(BackEndTest, NothingIsDueWithoutAReason) {
+TEST_F(BackEndTest, NoJobIsDueInitially) {
   next_frame();
   EXPECT_THAT(jobs(next_frame()), IsEmpty());
 }
 
-TEST_F(BackEndTest, AVerifiedLoopIsCorrectedThenAdjusted) {
+TEST_F(BackEndTest, VerifiedLoopIsCorrectedThenAdjusted) {
   const double before_m = drift_m();
   see_the_start_again();
   next_frame();
@@ -110,7 +110,7 @@ TEST_F(BackEndTest, AVerifiedLoopIsCorrectedThenAdjusted) {
   map().check_invariants();
 }
 
-TEST_F(BackEndTest, AStaleLoopCorrectionIsRepeatedWithItsMerges) {
+TEST_F(BackEndTest, StaleLoopCorrectionIsRepeatedWithItsMerges) {
   const double before_m = drift_m();
   see_the_start_again();
   next_frame();
@@ -128,7 +128,7 @@ TEST_F(BackEndTest, AStaleLoopCorrectionIsRepeatedWithItsMerges) {
   EXPECT_LT(map().landmark_count(), landmarks);
 }
 
-TEST_F(BackEndTest, AStaleGlobalBundleAdjustmentIsRepeatedBeforeTheMapGrows) {
+TEST_F(BackEndTest, StaleGlobalBundleAdjustmentIsRepeatedBeforeTheMapGrows) {
   see_the_start_again();
   for (int i = 0; i < 3; ++i) next_frame();  // verified and corrected; the adjustment is now in flight
   map().advance_epoch();
@@ -139,7 +139,7 @@ TEST_F(BackEndTest, AStaleGlobalBundleAdjustmentIsRepeatedBeforeTheMapGrows) {
   EXPECT_THAT(jobs(next_frame()), IsEmpty());
 }
 
-TEST_F(BackEndTest, AStaleSelfCalibrationIsRepeatedBeforeTheMapGrows) {
+TEST_F(BackEndTest, StaleSelfCalibrationIsRepeatedBeforeTheMapGrows) {
   next_frame(last_);  // starts self-calibration and local bundle adjustment
   map().advance_epoch();
   const AppliedResults stale = next_frame();
@@ -153,7 +153,7 @@ TEST_F(BackEndTest, AStaleSelfCalibrationIsRepeatedBeforeTheMapGrows) {
   EXPECT_THAT(jobs(next_frame()), Not(Contains("self-calibration")));
 }
 
-TEST_F(BackEndTest, AStaleLocalBundleAdjustmentIsLeftToTheNextKeyframe) {
+TEST_F(BackEndTest, StaleLocalBundleAdjustmentIsNotRepeated) {
   next_frame(last_);
   map().advance_epoch();
   EXPECT_THAT(next_frame().stale, Contains("local bundle adjustment"));
@@ -173,7 +173,7 @@ TEST_F(BackEndTest, SelfCalibrationWaitsForCorrections) {
   EXPECT_THAT(jobs(corrected), Not(Contains("self-calibration")));
 }
 
-TEST_F(BackEndTest, TheEndCorrectsLoopsWhoseCorrectionIsStale) {
+TEST_F(BackEndTest, ApplyRemainingRepeatsAStaleLoopCorrection) {
   const double before_m = drift_m();
   see_the_start_again();
   next_frame();

@@ -101,7 +101,7 @@ TEST(DenseRecorder, KeepsAllFramesUnderBackpressure) {
   EXPECT_FALSE(recorder.images_of(FrameId{20}));
 }
 
-TEST(DenseRecorder, RecordsOtherFramesWhenKeyframesAreFew) {
+TEST(DenseRecorder, RecordsExtraFramesWhenKeyframesAreSparse) {
   for (const uint32_t frames : {1, 4, 40, 400}) {
     DenseRecorder recorder(camera(), {});
     show_wall(recorder, frames, 100'000);
@@ -113,7 +113,7 @@ TEST(DenseRecorder, RecordsOtherFramesWhenKeyframesAreFew) {
   }
 }
 
-TEST(DenseRecorder, RecordsOnlyKeyframesOnceThereAreMany) {
+TEST(DenseRecorder, RecordsOnlyKeyframesWhenTheyAreDense) {
   DenseRecorder recorder(camera(), {});
   show_wall(recorder, 360, 12);
   recorder.wait_for_jobs();

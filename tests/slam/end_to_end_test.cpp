@@ -44,7 +44,7 @@ const FinishedRun& finished_walk() {
   return kRun;
 }
 
-TEST(EndToEnd, AWholeWalkIsAsAccurateAsItWas) {
+TEST(EndToEnd, AccuracyOfTheSimulatedWalk) {
   constexpr double kAteWhenWritten_m = 0.0072;
   EXPECT_EQ(finished_walk().tracked, finished_walk().frames);
   EXPECT_LT(finished_walk().ate_m, 2 * kAteWhenWritten_m);

@@ -81,7 +81,7 @@ TEST(Executor, InlineResultsArriveWithTheNextFrame) {
   EXPECT_TRUE(completed);
 }
 
-TEST(Executor, CompletionsRunOnTheThreadOfTheCollector) {
+TEST(Executor, CompletionsRunOnTheCollectingThread) {
   const auto lagged = executor(ExecutorMode::kLagged);
   std::thread::id worker, completer;
   lagged->submit(FrameId{0}, {"paint", 1, [&]() -> Completion {
@@ -103,7 +103,7 @@ TEST(Executor, ResultsKeepTheOrderOfSubmission) {
   EXPECT_TRUE(lagged->drain().empty());
 }
 
-TEST(Executor, OneJobOfAKindAtATime) {
+TEST(Executor, RejectsASecondJobOfTheSameKind) {
   Diary diary;
   const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(FrameId{0}, job("paint", 3, diary));
@@ -112,7 +112,7 @@ TEST(Executor, OneJobOfAKindAtATime) {
   EXPECT_NO_THROW(lagged->submit(FrameId{3}, job("paint", 3, diary)));
 }
 
-TEST(Executor, AnErrorInAJobReachesTheCollector) {
+TEST(Executor, RethrowsExceptionsOfJobs) {
   const auto lagged = executor(ExecutorMode::kLagged);
   lagged->submit(FrameId{0}, {"paint", 3, []() -> Completion { throw std::runtime_error("no"); }});
   EXPECT_THROW(lagged->collect(FrameId{3}), std::runtime_error);

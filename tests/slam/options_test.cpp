@@ -25,26 +25,26 @@ std::string error_of(const SlamOptions& options) {
   return usage_error([&] { const Slam slam(any_camera(), options); });
 }
 
-TEST(SlamOptions, SlamRefusesValuesOutOfRange) {
+TEST(SlamOptions, SlamRejectsValuesOutOfRange) {
   SlamOptions options;
   options.features.count = 1;
   EXPECT_THAT(error_of(options),
               AllOf(HasSubstr("features.count"), HasSubstr("'1'"), HasSubstr("from 50 to 20000")));
 }
 
-TEST(SlamOptions, SlamRefusesNumbersThatAreNotFinite) {
+TEST(SlamOptions, SlamRejectsNonFiniteNumbers) {
   SlamOptions options;
   options.noise.inverse_depth_sigma_per_m = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(error_of(options), AllOf(HasSubstr("noise.inverse_depth_sigma_per_m"), HasSubstr("'nan'")));
 }
 
-TEST(SlamOptions, SlamRefusesValuesOutsideOfAnEnum) {
+TEST(SlamOptions, SlamRejectsInvalidEnumValues) {
   SlamOptions options;
   options.executor.mode = static_cast<ExecutorMode>(9);
   EXPECT_THAT(error_of(options), AllOf(HasSubstr("executor.mode"), HasSubstr("one of inline, lagged, live")));
 }
 
-TEST(SlamOptions, AllThreadsThatTheProgramTakesAreAllowed) {
+TEST(SlamOptions, MaximumThreadCountIsAllowed) {
   SlamOptions options;
   options.global_ba.threads = 1024;  // maximum of --threads
   EXPECT_NO_THROW(validate(options));
@@ -69,14 +69,14 @@ TEST(SlamOptions, NoiseReachesEverySolver) {
   EXPECT_DOUBLE_EQ(options.tracking.icp.inverse_depth_sigma_per_m, 2 * kSensorInverseDepthSigmaPerM);
 }
 
-TEST(SlamOptions, TheDefaultNoiseLeavesTheDefaultsOfTheSolvers) {
+TEST(SlamOptions, DefaultNoiseMatchesTheSolverDefaults) {
   const SlamOptions options = resolve_options({});
   EXPECT_EQ(options.tracking.rigid.inverse_depth_sigma_per_m, kPointPairInverseDepthSigmaPerM);
   EXPECT_EQ(options.tracking.icp.inverse_depth_sigma_per_m, kSensorInverseDepthSigmaPerM);
   EXPECT_EQ(options.global_ba.inverse_depth_sigma_per_m, BundleOptions().inverse_depth_sigma_per_m);
 }
 
-TEST(SlamOptions, EveryFormerNameLeadsToAnOptionOrIsGone) {
+TEST(SlamOptions, FormerNamesAreRenamedOrRemoved) {
   SlamOptions options;
   const auto entries = option_entries(options);
   const OptionHistory history = SlamOptions::history();
@@ -91,7 +91,7 @@ TEST(SlamOptions, EveryFormerNameLeadsToAnOptionOrIsGone) {
     EXPECT_TRUE(names.insert(removed).second) << removed << " is listed twice";
 }
 
-TEST(SlamOptions, FormerNamesOfTheNoiseLeadToItsHome) {
+TEST(SlamOptions, FormerNoiseNamesMapToTheNoiseOptions) {
   SlamOptions options;
   const auto entries = option_entries(options);
   for (const std::string group : {"full.", "global_ba.", "mapping.bundle.", "mapping.local_ba.",

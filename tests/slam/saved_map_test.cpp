@@ -60,7 +60,7 @@ std::vector<std::array<double, 7>> numbers(const Trajectory& trajectory) {
   return all;
 }
 
-TEST(SavedMap, ALoadedMapIsTheSavedOne) {
+TEST(SavedMap, SavedAndLoadedMapsAreEqual) {
   Slam slam(walk().camera);
   const Trajectory trajectory = process(slam, 0, kHalf);
   const SavedMap saved = slam.saved_map("frames");

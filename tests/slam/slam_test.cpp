@@ -47,7 +47,7 @@ class ReplayedSource : public FrameSource {
  public:
   std::optional<RgbdFrame> next() override {
     if (next_ == recording().frames.size()) return std::nullopt;
-    if (next_ == fail_at) throw std::runtime_error("the disk is gone");
+    if (next_ == fail_at) throw std::runtime_error("read error");
     return recording().frames[next_++];
   }
   [[nodiscard]] const RgbdCamera& camera() const override { return recording().camera; }
@@ -97,7 +97,7 @@ TEST(Slam, TracksWithEveryKindOfFeature) {
   }
 }
 
-TEST(Slam, GivesTheSameBitsEveryRun) {
+TEST(Slam, ResultsAreBitwiseReproducible) {
   expect_same(run(recording().frames, {}), run(recording().frames, {}));
 }
 
@@ -109,7 +109,7 @@ TEST(Slam, PipelineGivesIdenticalResults) {
   expect_same(slam.finish(), run(recording().frames, {}));
 }
 
-TEST(Session, WritesWhatSlamGives) {
+TEST(Session, WritesTheResultsOfSlam) {
   ReplayedSource source;
   SlamOptions options;
   Session session(source, {.slam = options});
@@ -130,7 +130,7 @@ TEST(Session, WritesWhatSlamGives) {
   EXPECT_EQ(saved.sessions.back().input, "walk");
 }
 
-TEST(Session, EndsEarlyWhenAskedTo) {
+TEST(Session, CanFinishEarly) {
   ReplayedSource source;
   Session session(source, {.record_images = false});
   const Trajectory estimate = session.run([](const ProgressReport& at) { return at.done < 10; });
@@ -153,7 +153,7 @@ TEST(Slam, PipelineStopsWhenDestroyedEarly) {
   EXPECT_TRUE(pipeline.next().has_value());
 }
 
-TEST(Slam, EveryModeTracksEveryFrame) {
+TEST(Slam, EveryExecutorModeTracksEveryFrame) {
   for (const auto mode : {ExecutorMode::kInline, ExecutorMode::kLagged, ExecutorMode::kLive}) {
     SlamOptions options;
     options.executor.mode = mode;
@@ -274,7 +274,7 @@ TEST(Slam, AnEmptyRunFinishes) {
   EXPECT_TRUE(slam.finish().empty());
 }
 
-TEST(Slam, RefusesImagesOfAnotherSize) {
+TEST(Slam, RejectsImagesOfAnotherSize) {
   const Slam slam(recording().camera);
   RgbdFrame frame = recording().frames[0];
   frame.color = cv::Mat(10, 10, CV_8UC3);

@@ -69,23 +69,23 @@ class TrackerOutcome : public testing::Test {
   uint32_t id_ = 0;
 };
 
-TEST_F(TrackerOutcome, TheFirstFrameBeginsAMap) {
+TEST_F(TrackerOutcome, FirstFrameStartsAMap) {
   EXPECT_TRUE(std::holds_alternative<NewMap>(show(pose(0)).outcome));
 }
 
-TEST_F(TrackerOutcome, AFrameWithoutDepthBeginsNoMap) {
+TEST_F(TrackerOutcome, FrameWithoutDepthStartsNoMap) {
   const auto blind = test::observe(world_, pose(0), {0.5, 1.425e-3, 12, 1.0}, 7);
   EXPECT_TRUE(std::holds_alternative<Lost>(show(blind).outcome));
 }
 
-TEST_F(TrackerOutcome, WithoutAPreviousFrameAKnownPlaceIsRecognized) {
+TEST_F(TrackerOutcome, RelocalizesWithoutAPreviousFrame) {
   build_map();
   const FrameTracking found = show(pose(1.5));
   ASSERT_TRUE(std::holds_alternative<Relocalized>(found.outcome));
   EXPECT_LT(error_m(found, pose(1.5)), 0.01);
 }
 
-TEST_F(TrackerOutcome, AfterwardsItIsTracked) {
+TEST_F(TrackerOutcome, TracksAfterRelocalization) {
   build_map();
   show(pose(1.5));
   const FrameTracking next = show(pose(1.7));
@@ -94,7 +94,7 @@ TEST_F(TrackerOutcome, AfterwardsItIsTracked) {
   EXPECT_GT(next.motion.velocity().linear_m_s.norm(), 0);
 }
 
-TEST_F(TrackerOutcome, ThePreviousFrameFollowsToAnotherReference) {
+TEST_F(TrackerOutcome, PreviousFrameIsExpressedInANewReference) {
   build_map();
   show(pose(1.5));
   const KeyframeId other{tracker_.reference() == KeyframeId{0} ? 2U : 0U};
@@ -106,7 +106,7 @@ TEST_F(TrackerOutcome, ThePreviousFrameFollowsToAnotherReference) {
   EXPECT_LT(error_m(next, pose(1.7)), 0.01);
 }
 
-TEST_F(TrackerOutcome, AnUnknownPlaceIsLostThenBeginsANewMap) {
+TEST_F(TrackerOutcome, UnknownPlaceIsLostThenStartsANewMap) {
   build_map();
   show(pose(1.5));
   EXPECT_TRUE(std::holds_alternative<Lost>(show(elsewhere()).outcome));
@@ -114,7 +114,7 @@ TEST_F(TrackerOutcome, AnUnknownPlaceIsLostThenBeginsANewMap) {
   EXPECT_TRUE(std::holds_alternative<NewMap>(show(elsewhere()).outcome));
 }
 
-TEST_F(TrackerOutcome, ALostCameraThatComesBackIsNotANewMap) {
+TEST_F(TrackerOutcome, ReturningCameraIsRelocalized) {
   build_map();
   show(pose(1.5));
   show(elsewhere());
@@ -124,7 +124,7 @@ TEST_F(TrackerOutcome, ALostCameraThatComesBackIsNotANewMap) {
   EXPECT_LT(error_m(back, pose(0.5)), 0.01);
 }
 
-TEST_F(TrackerOutcome, TrackingChangesNothing) {
+TEST_F(TrackerOutcome, TrackHasNoSideEffects) {
   build_map();
   show(pose(1.5));
   const auto view = test::observe(world_, pose(1.7), {}, 9);

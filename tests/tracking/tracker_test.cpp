@@ -48,7 +48,7 @@ TEST_F(Tracker, FollowsASmallMotion) {
   EXPECT_LT(test::angle_rad(result.T_reference_camera, truth), 0.002);
 }
 
-TEST_F(Tracker, MatchesTheLandmarksThatAreThere) {
+TEST_F(Tracker, MatchesVisibleLandmarks) {
   const SE3 truth = camera_at(0.05, {0.03, 0.01, -0.02});
   const auto view = test::observe(world_, truth, {}, 3);
   const TrackResult result =

@@ -127,8 +127,7 @@ void read_edge(ParserState& state, ParsedGraph<Pose>& parsed, const Line& line, 
   const size_t information_field = pose_field + G2oFormat<Pose>::kNumbers;
   line.expect_fields(information_field + Pose::kDof * (Pose::kDof + 1) / 2);
   typename ParsedGraph<Pose>::ParsedEdge read{line.number, line.id(1), line.id(is_prior ? 1 : 2), {}};
-  if (!is_prior && read.id_a == read.id_b)
-    line.fail(fmt::format("an edge from vertex {} to itself", read.id_a));
+  if (!is_prior && read.id_a == read.id_b) line.fail(fmt::format("edge from vertex {} to itself", read.id_a));
   if (is_prior) read.edge.a = kWorld;
   const auto [first, second] = std::minmax(read.id_a, read.id_b);
   read.edge.trusted = !is_prior && first + 1 == second;  // `first` is below the maximum here, so no overflow
@@ -180,7 +179,7 @@ void read_line(ParserState& state, const Line& line) {
     read_offset(state, line);
   } else if (!read_line(state, state.plane, line)) {
     line.fail(
-        fmt::format("'{}' is not supported; a pose graph has VERTEX_SE3:QUAT and EDGE_SE3:QUAT, or "
+        fmt::format("'{}' is not supported; expected VERTEX_SE3:QUAT and EDGE_SE3:QUAT, or "
                     "VERTEX_SE2 and EDGE_SE2, and FIX",
                     tag));
   }

@@ -28,7 +28,8 @@ void check(const BasicPoseGraph<Pose>& graph) {
 void check(const PoseGraphOptions& options) {
   validate(options);
   if (pose_graph_solver_available(options.solver)) return;
-  throw UsageError("this build has no g2o; choose solver builtin or ceres, or install g2o and build again");
+  throw UsageError(
+      "solver g2o: not available in this build; use builtin or ceres, or install g2o and rebuild");
 }
 
 template <class Pose>
