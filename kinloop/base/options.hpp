@@ -1,8 +1,8 @@
 #pragma once
-// Options structs with one home per field.
+// Options structs that declare each field in one place.
 //
-// A module's options are a plain struct with defaults in place and one static template that names every field
-// once:
+// The options of a module are a plain struct with default values and one static template that lists every
+// field once:
 //
 //   enum class Corners { kFast, kHarris };
 //   constexpr auto option_names(Corners) {
@@ -22,8 +22,8 @@
 //     }
 //   };
 //
-// From this come `--set key=value`, the help, the checks (`validate`) and what run.json records. A field may
-// itself be an options struct: its keys are joined with a dot ("features.count").
+// This provides `--set key=value`, the help, range checks (`validate`) and the options in run.json. A field
+// may itself be an options struct: its keys are joined with a dot ("features.count").
 
 #include <array>
 #include <concepts>

@@ -10,8 +10,8 @@
 
 namespace kinloop {
 
-/// A place to which consecutive keyframes have pointed: the keyframes that show it, and the number of
-/// consecutive keyframes.
+/// A place that consecutive keyframes have matched: the keyframes that show it, and the number of consecutive
+/// matches.
 struct CandidateGroup {
   std::vector<KeyframeId> keyframes;  ///< in ascending order
   int consistency = 0;
@@ -25,10 +25,10 @@ struct LoopDetection {
   CandidateHistory history;           ///< for the next keyframe
 };
 
-/// Returns keyframes at least `min_gap_keyframes` older than `keyframe` or of another component, not
-/// covisible with it, as similar to it as its own neighbours are (relative score), to whose surroundings
-/// `consistent_keyframes` consecutive keyframes have pointed (Galvez-Lopez and Tardos 2012; Mur-Artal and
-/// Tardos 2014).
+/// Returns loop candidates for `keyframe`: keyframes that are at least `min_gap_keyframes` older or in
+/// another component, are not covisible with it, and are as similar to it as its covisible keyframes
+/// (relative score). `consistent_keyframes` consecutive keyframes must have matched their surroundings
+/// (Galvez-Lopez and Tardos 2012; Mur-Artal and Tardos 2014).
 LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
                                    const CandidateHistory& history, const LoopOptions& options);
 

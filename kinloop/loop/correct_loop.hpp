@@ -20,8 +20,8 @@ struct LoopProblem {
 /// current poses, and the loop edges as measured. The first keyframe of each component is constant.
 PoseGraph make_pose_graph(const Map& map, const LoopOptions& options);
 
-/// Returns the information that `shared` landmarks give on a relative pose, of (translation; quaternion
-/// vector part) as in pose_graph.hpp.
+/// Returns the information matrix of a relative pose constrained by `shared` landmarks, for (translation;
+/// quaternion vector part) as in pose_graph.hpp.
 Matrix6d edge_information(int shared, const LoopOptions& options);
 
 /// Copies the problem; `merges` are landmark pairs identified by the newest loop edge.

@@ -17,8 +17,8 @@ struct DepthConsistency {
   DepthConsistency& operator+=(const DepthConsistency& other);
 };
 
-/// Compares the keypoints of each view with the planes that the other one measured around its own keypoints,
-/// within the noise of both depths and `position_sigma_m` of the pose.
+/// Compares the keypoints of each view with the planes measured around the keypoints of the other, within the
+/// noise of both depths and `position_sigma_m` of the pose.
 DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b,
                                 const PinholeCamera& camera, double position_sigma_m);
 

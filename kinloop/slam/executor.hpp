@@ -1,7 +1,6 @@
 #pragma once
-// Runs slow work on background threads; no other part of the SLAM core creates them. Jobs are opaque
-// closures. The frame at which a job is due depends on the mode, and only in `live` mode on the speed of the
-// machine.
+// Runs slow work on background threads, as opaque closures. The frame at which a job is due depends on the
+// mode, and only in `live` mode on the speed of the machine.
 
 #include <functional>
 #include <memory>

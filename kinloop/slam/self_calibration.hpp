@@ -42,10 +42,11 @@ struct SelfCalibrationOptions {
     visit("depth_offset_sigma_per_m", self.depth_offset_sigma_per_m,
           "prior on the inverse depth distortion (1 sigma), 1/m", Range{0, 1}, Expert{});
     visit("max_sigma_ratio", self.max_sigma_ratio,
-          "accept a parameter if its posterior sigma is below this fraction of its prior sigma", Range{0, 1},
-          Expert{});
+          "accept a parameter only if its posterior sigma is below this fraction of its prior sigma",
+          Range{0, 1}, Expert{});
     visit("min_sigmas", self.min_sigmas,
-          "... and if it differs from the nominal value by at least this many standard deviations",
+          "accept a parameter only if it differs from its nominal value by at least this many standard "
+          "deviations",
           Range{0, 100}, Expert{});
   }
 };

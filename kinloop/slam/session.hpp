@@ -1,5 +1,5 @@
 #pragma once
-// From a source of frames to a map:
+// Runs SLAM on a frame source and writes the results:
 //
 //   TumSource source(folder);
 //   Session session(source);

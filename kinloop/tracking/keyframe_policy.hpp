@@ -1,6 +1,6 @@
 #pragma once
-// Keyframe selection: frames that show what no keyframe shows yet. A camera that revisits a mapped place adds
-// none, so the size of the map is bounded by the size of the scene.
+// Keyframe selection: a frame becomes a keyframe if it shows content not covered by existing keyframes. A
+// camera that revisits a mapped place adds none, so the size of the scene bounds the size of the map.
 
 #include "kinloop/tracking/tracker.hpp"
 
