@@ -87,7 +87,7 @@ struct OptionEntry {
   std::string help;      ///< meaning and unit
   std::string expected;  ///< allowed values, e.g. "a whole number from 50 to 20000"
   OptionValue value;
-  /// throws UsageError with the key and the allowed values
+  /// Throws UsageError with the key and the allowed values.
   std::function<void(const std::string& text)> set;
   bool expert = false;  ///< listed only with all options
 };

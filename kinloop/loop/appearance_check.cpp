@@ -18,7 +18,7 @@ constexpr double kMaxLevelStep = 2;
 constexpr double kBorder_px = 16;  // no keypoints are detected there
 constexpr double kOcclusionRadius_px = 40;
 constexpr size_t kOcclusionNeighbors = 3;
-// relative depth difference of neighbours on one surface, as in guided matching
+// Relative depth difference of neighbours on one surface, as in guided matching.
 constexpr double kMaxDepthError = 0.15;
 constexpr int kRegionSize = 100;  // keypoints
 constexpr double kRegionStep_px = 40;
@@ -118,7 +118,7 @@ double one_way_p_value(const Features& view, const Features& points, const SE3& 
   }
   const auto found =
       std::count_if(expected.begin(), expected.end(), [](const ExpectedKeypoint& e) { return e.found; });
-  // blur, illumination and slant leave at least this much of a region
+  // Blur, illumination and slant leave at least this much of a region.
   constexpr double kMinRelativeRate = 1.0 / 3;
   return binomial_tail(fewest,
                        kMinRelativeRate * static_cast<double>(found) / static_cast<double>(expected.size()));

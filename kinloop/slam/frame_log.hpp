@@ -32,7 +32,7 @@ struct LoggedFrame {
   KeyframeId keyframe;  ///< valid if the frame became a keyframe
   bool repeat = false;  ///< the camera delivered the previous, tracked image again
   std::vector<LoggedObservation> observations;
-  /// set only for lost frames, to relocalize them in the final map
+  /// Set only for lost frames, to relocalize them in the final map.
   std::shared_ptr<const Features> features;
 };
 

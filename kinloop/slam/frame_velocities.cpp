@@ -7,7 +7,7 @@
 namespace kinloop {
 namespace {
 
-// longer gaps say nothing about a handheld camera's velocity
+// Longer gaps say nothing about a handheld camera's velocity.
 constexpr int64_t kMaxNeighbour_ns = 150'000'000;
 }  // namespace
 

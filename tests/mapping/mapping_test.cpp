@@ -33,7 +33,7 @@ TEST(LandmarkCreation, CreatesLandmarksFromDepth) {
     EXPECT_LT((map.p_world(landmark) - world().p_world[view.point_of[i]]).norm(), 1e-3);
   }
   EXPECT_EQ(grown, expected);
-  // each keypoint gets only one landmark
+  // Each keypoint gets only one landmark.
   EXPECT_EQ(create_landmarks_from_depth(map, id, world().camera, options), 0);
   map.check_invariants();
 }

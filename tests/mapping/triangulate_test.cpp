@@ -39,7 +39,7 @@ TEST(Triangulate, RejectsRaysFartherApartThanTheirNoise) {
 TEST(Triangulate, RejectsDegenerateRays) {
   const Eigen::Vector3d p_a(0, 0, 30);
   const SE3 T_a_b = camera_at(0, {0.1, 0, 0});
-  // too far apart
+  // Too far apart.
   EXPECT_FALSE(triangulate(make_bearing(p_a), make_bearing(T_a_b.inverse() * p_a), T_a_b, 0.02));
   EXPECT_FALSE(triangulate(make_bearing({0.5, 0, 1}), make_bearing({-0.5, 0, 1}), camera_at(0, {-1, 0, 0}),
                            0.02));                                               // behind the camera
@@ -67,7 +67,7 @@ TEST(Triangulate, TriangulatesLandmarksWithoutDepth) {
   }
   EXPECT_LE(wrong, grown / 20);
   built.map.check_invariants();
-  // each keypoint gets only one landmark
+  // Each keypoint gets only one landmark.
   EXPECT_EQ(triangulate_landmarks(built.map, id, world.camera, {}), 0);
 }
 

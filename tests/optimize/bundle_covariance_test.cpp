@@ -148,7 +148,7 @@ TEST(BundleCovariance, MatchesTheDenseSystem) {
 TEST(BundleCovariance, FreeParametersIncreasePoseCovariance) {
   BundleWorld world = free_world();
   BundleOptions options = with_covariances();
-  // start at the truth, so that every run finds nearly the same minimum
+  // Start at the truth, so that every run finds nearly the same minimum.
   world.problem.sensor.value(kRollingShutter) = 0.02;
   world.problem.sensor.value(kDepthDelay) = 0.01;
   options.robust_width = 1e9;  // all weights are one

@@ -52,7 +52,7 @@ struct BundleWorld {
 /// Observes a point at keyframe time t with the true sensor parameters.
 inline bool observe(const BundleWorldSettings& settings, double t, const Eigen::Vector3d& p_world,
                     Random& random, BundleObservation& o) {
-  // only for settings without distortion
+  // Only for settings without distortion.
   const PinholeCamera camera = corrected_camera(kinect(), settings.sensor);
   Eigen::Vector3d p;
   for (int i = 0; i < 8; ++i) {  // row and time depend on each other

@@ -45,7 +45,7 @@ class PoseManifold : public ceres::Manifold {
     Eigen::Map<PickTangent>(jacobian).setIdentity();
     return true;
   }
-  // not needed by the solver
+  // Not needed by the solver.
   bool Minus(const double*, const double*, double*) const override { return false; }
   bool MinusJacobian(const double*, double*) const override { return false; }
 };

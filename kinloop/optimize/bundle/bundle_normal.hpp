@@ -63,7 +63,7 @@ struct BundleNormalEquations {
 
   std::vector<SensorPoint> H_sensor_point;  ///< per point; empty if the sensor is fixed
   BlockPattern pattern;  ///< of H_camera, including the fill-in from eliminating the points
-  /// first entry of each camera in pattern.off_diagonal, which is sorted by column
+  /// First entry of each camera in pattern.off_diagonal, which is sorted by column.
   std::vector<size_t> column_begin;
   BlockMatrix<kCameraDof> H_camera{pattern};
   CameraSensor H_camera_sensor;

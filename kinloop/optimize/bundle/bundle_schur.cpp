@@ -10,7 +10,7 @@ namespace kinloop {
 namespace {
 
 constexpr double kMinDiagonal = 1e-9;  // keeps unknowns without observations in place
-// makes a singular system solvable with negligible effect on others
+// Makes a singular system solvable with negligible effect on others.
 constexpr double kSmallestDamping = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

@@ -300,7 +300,7 @@ class RowWriter {
     const Camera& c = o_.camera;
     const Projection& at = o_.depth;
     const V scale = all(1 / o_.model.inverse_depth_sigma_per_m), zero = hn::Zero(D());
-    // derivative of the residual with respect to the pixel
+    // Derivative of the residual with respect to the pixel.
     const V du = scale * o_.gradient_x, dv = scale * o_.gradient_y;
     const Vector3 by_point = du * at.u_by_point(c) + dv * at.v_by_point(c) +
                              Vector3{zero, zero, scale * at.inverse_z * at.inverse_z};

@@ -88,7 +88,7 @@ class Aligner {
   void add_depth(size_t i, const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector2d& pixel,
                  const Eigen::Matrix3d& R, Pass& sum) const {
     if (!(pixel.x() > -0.5 && pixel.y() > -0.5)) return;
-    // the first cell starts half a pixel before its centre
+    // The first cell starts half a pixel before its centre.
     const Eigen::Vector2d from_corner = pixel.array() + 0.5;
     const int x = static_cast<int>(from_corner.x()), y = static_cast<int>(from_corner.y());
     if (x >= reference_.width || y >= reference_.height) return;
@@ -176,7 +176,7 @@ std::optional<IcpSolution> align_icp(const IcpCamera& camera, const IcpFrame& re
   require(reference.levels.size() == camera.levels.size() && frame.levels.size() == camera.levels.size(),
           "align_icp: frames of another camera");
   if (!T_reference_camera_guess.is_finite()) return std::nullopt;
-  // in grid points
+  // In grid points.
   const double correlated = std::max(1.0, std::pow(kCorrelationLengthPx / camera.block, 2));
   const Matrix6d prior = guess_information() * correlated;
   SE3 T = T_reference_camera_guess;

@@ -66,7 +66,7 @@ class PoseManifold : public ceres::Manifold {
     Eigen::Map<PickTangent<Pose>>(jacobian).setIdentity();
     return true;
   }
-  // not needed by the solver
+  // Not needed by the solver.
   bool Minus(const double*, const double*, double*) const override { return false; }
   bool MinusJacobian(const double*, double*) const override { return false; }
 };

@@ -74,7 +74,7 @@ template <class Pose>
 std::unique_ptr<g2o::OptimizationAlgorithm> make_algorithm(PoseGraphMethod method) {
   using BlockSolver = g2o::BlockSolver<g2o::BlockSolverTraits<Pose::kDof, Pose::kDof>>;
   auto linear_solver = std::make_unique<LinearSolver<typename BlockSolver::PoseMatrixType>>();
-  // otherwise g2o writes a matrix that is not positive definite to ./debug.txt
+  // Otherwise g2o writes a matrix that is not positive definite to ./debug.txt.
   linear_solver->setWriteDebug(false);
   auto blocks = std::make_unique<BlockSolver>(std::move(linear_solver));
   if (method == PoseGraphMethod::kGaussNewton) {

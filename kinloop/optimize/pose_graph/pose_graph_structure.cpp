@@ -32,7 +32,7 @@ std::vector<size_t> connected_components(const BasicPoseGraph<Pose>& graph) {
   for (const auto& edge : graph.edges) {
     if (edge.a == kWorld) continue;
     const size_t root_a = find_root(parents, edge.a), root_b = find_root(parents, edge.b);
-    // makes the root the first vertex of its component
+    // Makes the root the first vertex of its component.
     parents[std::max(root_a, root_b)] = std::min(root_a, root_b);
   }
   std::vector<size_t> parts(parents.size());
