@@ -2,7 +2,7 @@
 # Prints the number of parallel compile jobs: one per core, as far as memory allows.
 set -euo pipefail
 
-per_job_mib=1200  # the largest source takes about 1 GiB
+per_job_mib=1900  # the largest unit takes 1.7 GiB
 
 available_mib="$(($(sed -n 's/^MemAvailable: *\([0-9]*\) kB/\1/p' /proc/meminfo) / 1024))"
 # The memory limit of a container.

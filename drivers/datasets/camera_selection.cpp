@@ -1,8 +1,9 @@
+#include "drivers/datasets/camera_selection.hpp"
+
 #include <array>
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/camera_selection.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/sensor/camera_file.hpp"
