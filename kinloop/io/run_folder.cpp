@@ -47,6 +47,8 @@ nlohmann::json read_run_json(const std::filesystem::path& path) {
   if (!metrics.is_object()) {
     throw InputError(fmt::format("{}: not a JSON object; run kinloop again", path.string()));
   }
+  // Version 0.1 called the timings "rooms".
+  if (metrics.contains("rooms") && !metrics.contains("timings")) metrics["timings"] = metrics["rooms"];
   return metrics;
 }
 

@@ -90,5 +90,11 @@ TEST(RunFolder, FiguresThatAreNotJsonAreAnError) {
   EXPECT_THAT(test::input_error([&] { read_run_json(path); }), HasSubstr("run.json: not a JSON object"));
 }
 
+TEST(RunFolder, ReadsTheTimingsOfVersion01) {
+  const test::TempFolder temp;
+  const auto path = temp.write("run.json", R"({"rooms": {"tracking": {"cpu_s": 2}}})");
+  EXPECT_EQ(read_run_json(path).at("timings").at("tracking").at("cpu_s"), 2);
+}
+
 }  // namespace
 }  // namespace kinloop

@@ -31,7 +31,7 @@ constexpr int kLeafVoxels = Leaf::DIM;  // along an edge of a leaf
 
 Coord along(int axis, int steps = 1) {
   Coord c(0, 0, 0);
-  c[axis] = steps;
+  c[static_cast<size_t>(axis)] = steps;
   return c;
 }
 
