@@ -158,7 +158,7 @@ std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolde
 nlohmann::json map_file_json(const MapSaver& saver) {
   return {{"path", saver.path().string()},
           {"bytes", std::filesystem::file_size(saver.path())},
-          {"save_s", saver.seconds()}};
+          {"save_s", saver.latest().wall_s}};
 }
 
 /// Returns the cloud in the frame given by `--frame`.
@@ -169,36 +169,37 @@ MapCloud map_cloud(Session& session, const std::string& frame, const Progress& p
 }
 
 /// Returns the content of run.json; `map` is null if only poses are written.
-nlohmann::json summary_of(const RunOutcome& outcome, const DenseRecorder& recorder,
-                          const std::optional<MapCloud>& map) {
+nlohmann::json summary_of(const RunOutcome& outcome, const std::optional<MapCloud>& map) {
   auto summary = run_summary(outcome);
-  summary["timings"].update(timings_json(recorder.timings()));
   if (!map) return summary;
   summary["up"] = to_json(map->up);
   summary["map"].update(to_json(map->frame));
   return summary;
 }
 
-/// Writes the output of --localize without --report.
-void write_poses(const RunFolder& folder, const Trajectory& trajectory, const FrameTable& frames,
-                 const nlohmann::json& summary) {
-  write_tum_trajectory(folder.trajectory(), trajectory);
-  write_frame_table(folder.frames(), frames);
-  write_file(folder.run_json(), summary.dump(2) + "\n");
-}
-
+/// Writes the frame table and, unless only poses are wanted (`map` is null), all results but the report.
 void write_results(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
                    const std::optional<MapCloud>& map, const DenseRecorder& images, const FrameTable& frames,
                    const nlohmann::json& summary) {
-  if (!map) return write_poses(folder, trajectory, frames, summary);
+  write_frame_table(folder.frames(), frames);
+  if (!map) return write_tum_trajectory(folder.trajectory(), trajectory);
   const Slam& slam = outcome.slam;
   write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), slam.component()),
                            outcome.source.info().ground_truth, map->cloud, map->frame, summary});
   write_camera_file(folder.camera(), calibrated_camera(outcome.source.camera(), slam.sensor()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), outcome.options.slam.loop), {}, true, {}});
-  write_frame_table(folder.frames(), frames);
   write_loop_pictures(folder, slam, outcome.source.camera(), images);
-  write_report(folder);
+}
+
+/// Returns the time of everything but `Slam`: the start of the process until `startup`, the dense map, saving
+/// and writing.
+Timings program_timings(const ElapsedTime& startup, const DenseRecorder& recorder, const MapSaver* saver,
+                        const ElapsedTime& writing) {
+  Timings timings = recorder.timings();
+  timings.add("startup", startup);
+  if (saver != nullptr) timings.add("saving the map", saver->total());
+  timings.add("writing", writing);
+  return timings;
 }
 
 void print_summary(const nlohmann::json& summary, const RunFolder& folder, bool poses_only) {
@@ -243,6 +244,7 @@ ExitCode run(const RunArguments& arguments) {
     if (saver) saver->try_save();
   };
   const auto shown = start_run_viewer(arguments.viewer, options.viewer, session, save_now);
+  const ElapsedTime startup{watch.wall_s(), process_cpu_s()};
   const bool complete =
       process_all(session, saver.get(), progress, shown ? shown->wait_until_resumed : nullptr);
   if (shown) shown->viewer.set_stage("final bundle adjustment");
@@ -260,10 +262,16 @@ ExitCode run(const RunArguments& arguments) {
   const auto points = map ? std::optional(map->cloud.size()) : std::nullopt;
   const RunOutcome outcome{*source,        slam,    options,   evaluation, points,
                            watch.wall_s(), threads, !complete, dropped};
-  auto summary = summary_of(outcome, session.recorder(), map);
+  const Stopwatch writing;
+  auto summary = summary_of(outcome, map);
   if (saved) summary["map_file"] = map_file_json(*saver);
   write_results(folder, outcome, trajectory, map, session.recorder(), frames.table(slam.timings()), summary);
+  add_timings(summary, slam.timings(),
+              program_timings(startup, session.recorder(), saver.get(), writing.elapsed()));
+  write_file(folder.run_json(), summary.dump(2) + "\n");
+  if (map) write_report(folder);
   if (!arguments.quiet) print_summary(summary, folder, poses_only);
+  if (arguments.profile) fmt::print("{}", profile_text(summary));
   const bool useful = check_result(outcome, trajectory, depth);
   if (shown) serve_until_interrupted(shown->viewer);
   if (!useful || (saver && !saved)) return ExitCode::kBadInput;

@@ -55,6 +55,7 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
   add_frame_option(command, arguments.frame);
   add_viewer_option(command, arguments.viewer);
   add_quiet_option(command, arguments.quiet);
+  command.add_flag("--profile", arguments.profile, "print the CPU time of each module at the end");
   command.add_flag("-v,--verbose", arguments.verbose, "log every event")->excludes("--quiet");
   command.footer(
       "Examples:\n"

@@ -20,6 +20,7 @@ struct RunArguments {
   bool no_loop = false;
   std::string list_options;  ///< "true": the documented ones; "all"; empty: none
   bool quiet = false;
+  bool profile = false;
   bool verbose = false;
   int threads = 0;
   std::string viewer;  // [ADDRESS:]PORT; empty: none

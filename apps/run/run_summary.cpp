@@ -17,18 +17,10 @@ namespace {
 
 using nlohmann::json;
 
-struct ProcessUse {
-  double cpu_s = 0;
-  double peak_memory_mib = 0;
-};
-
-ProcessUse process_use() {
+double peak_memory_mib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return {seconds(usage.ru_utime) + seconds(usage.ru_stime), static_cast<double>(usage.ru_maxrss) / 1024.0};
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
 /// The input as an absolute path, valid in other folders and later.
@@ -105,8 +97,6 @@ json skipped_json(const FrameSource& source) {
   return skipped;
 }
 
-}  // namespace
-
 json timings_json(const Timings& times) {
   json timings = json::object();
   for (const auto& [module, elapsed] : times.modules) {
@@ -118,6 +108,14 @@ json timings_json(const Timings& times) {
   return timings;
 }
 
+}  // namespace
+
+void add_timings(json& summary, const Timings& slam, const Timings& program) {
+  summary["timings"] = timings_json(slam);
+  summary["timings"].update(timings_json(program));
+  summary["cpu_s"] = process_cpu_s();
+}
+
 json run_summary(const RunOutcome& o) {
   const auto log = o.slam.session_log();
   const uint32_t component = o.slam.component();
@@ -127,7 +125,6 @@ json run_summary(const RunOutcome& o) {
       std::count_if(log.begin(), log.end(), [](const auto& f) { return f.status != TrackStatus::kLost; });
   const auto dense_only = std::count_if(log.begin(), log.end(),
                                         [](const auto& f) { return f.status == TrackStatus::kDenseOnly; });
-  const ProcessUse use = process_use();
   json summary;
   summary["version"] = version_text();
   summary["input"] = absolute_input_name(o.source.info().name);
@@ -143,12 +140,10 @@ json run_summary(const RunOutcome& o) {
   summary["loops"] = loops_json(o.slam.map());
   summary["sensor"] = sensor_json(o.slam.sensor());
   summary["wall_s"] = o.wall_s;
-  summary["cpu_s"] = use.cpu_s;
   summary["threads"] = o.threads;
-  summary["timings"] = timings_json(o.slam.timings());
   summary["frame_ms"] = {{"median", quantile(o.slam.timings().frame_ms, 0.5)},
                          {"p95", quantile(o.slam.timings().frame_ms, 0.95)}};
-  summary["peak_memory_mib"] = use.peak_memory_mib;
+  summary["peak_memory_mib"] = peak_memory_mib();
   if (o.map_points) summary["map"] = {{"points", *o.map_points}, {"voxel_m", o.options.dense.voxel_m}};
   const auto poses = poses_with_covariance(o.slam, component);
   summary["keyframe_covariances"] = covariances_json(poses);
@@ -158,6 +153,25 @@ json run_summary(const RunOutcome& o) {
   }
   summary["options"] = options_json(o.options);
   return summary;
+}
+
+std::string profile_text(const json& s) {
+  std::vector<std::pair<double, std::string>> modules;  // CPU seconds and name
+  for (const auto& [name, module] : s["timings"].items()) modules.emplace_back(module["cpu_s"], name);
+  std::sort(modules.rbegin(), modules.rend());
+  const double total_s = s["cpu_s"], frames = std::max(1.0, s["frames"].get<double>());
+  std::string text = fmt::format("{:<26} {:>8} {:>6} {:>9} {:>10} {:>10} {:>8}\n", "module", "CPU s", "%",
+                                 "ms/frame", "median ms", "95 % ms", "wall s");
+  double sum_s = 0;
+  for (const auto& [cpu_s, name] : modules) {
+    const json& module = s["timings"][name];
+    sum_s += cpu_s;
+    text += fmt::format("{:<26} {:>8.2f} {:>6.1f} {:>9.2f} {:>10.2f} {:>10.2f} {:>8.2f}\n", name, cpu_s,
+                        100 * cpu_s / total_s, 1e3 * cpu_s / frames, module["median_ms"].get<double>(),
+                        module["p95_ms"].get<double>(), module["wall_s"].get<double>());
+  }
+  return text + fmt::format("{:<26} {:>8.2f} {:>6.1f} {:>9.2f}   of {:.2f} CPU s of the process\n", "sum",
+                            sum_s, 100 * sum_s / total_s, 1e3 * sum_s / frames, total_s);
 }
 
 std::string summary_text(const json& s) {

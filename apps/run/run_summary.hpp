@@ -26,10 +26,15 @@ struct RunOutcome {
   size_t dropped = 0;  ///< frames dropped in live mode
 };
 
-/// Returns the time of each module.
-nlohmann::json timings_json(const Timings& times);
-
+/// Returns the content of run.json but for timings.
 nlohmann::json run_summary(const RunOutcome& outcome);
+
+/// Adds `timings`, the time of each module of the library and of the program, and `cpu_s`, the CPU time of
+/// the process until now.
+void add_timings(nlohmann::json& summary, const Timings& slam, const Timings& program);
+
+/// Returns a table of CPU time per module, largest first, from run.json: --profile.
+std::string profile_text(const nlohmann::json& summary);
 
 /// Returns the lines printed at the end of a run.
 std::string summary_text(const nlohmann::json& summary);

@@ -27,7 +27,8 @@ void MapSaver::save() {
   }
   write_map(path_, saved, contents_.recorder.image_count(),
             [&](size_t index) { return contents_.recorder.saved_images(index); });
-  duration_s_ = watch.wall_s();
+  latest_ = watch.elapsed();
+  total_ += latest_;
 }
 
 bool MapSaver::try_save() {
@@ -44,7 +45,7 @@ bool MapSaver::try_save() {
 
 void MapSaver::save_if_due() {
   constexpr double kMaxShare = 0.05;  // share of the time that saving may take
-  if (interval_s_ > 0 && since_last_save_.wall_s() >= std::max(interval_s_, duration_s_ / kMaxShare))
+  if (interval_s_ > 0 && since_last_save_.wall_s() >= std::max(interval_s_, latest_.wall_s / kMaxShare))
     try_save();
 }
 

@@ -36,14 +36,16 @@ class MapSaver {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  /// Duration of the latest save.
-  [[nodiscard]] double seconds() const { return duration_s_; }
+  /// Times of the latest save and of all saves.
+  [[nodiscard]] const ElapsedTime& latest() const { return latest_; }
+  [[nodiscard]] const ElapsedTime& total() const { return total_; }
 
  private:
   std::filesystem::path path_;
   Contents contents_;
   double interval_s_;
-  double duration_s_ = 0;
+  ElapsedTime latest_;
+  ElapsedTime total_;
   Stopwatch since_last_save_;
 };
 

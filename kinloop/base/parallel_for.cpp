@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <exception>
+#include <numeric>
 #include <thread>
 #include <vector>
+
+#include "kinloop/base/stopwatch.hpp"
 
 namespace kinloop {
 
@@ -14,6 +17,7 @@ void parallel_for(size_t count, int threads, const std::function<void(size_t, si
   if (pieces == 1) return body(0, count);
 
   std::vector<std::exception_ptr> errors(pieces);
+  std::vector<double> cpu_s(pieces);  // of the workers
   const auto run_piece = [&](size_t piece) {
     try {
       body(count * piece / pieces, count * (piece + 1) / pieces);
@@ -23,9 +27,15 @@ void parallel_for(size_t count, int threads, const std::function<void(size_t, si
   };
   {
     std::vector<std::jthread> workers;
-    for (size_t piece = 1; piece < pieces; ++piece) workers.emplace_back(run_piece, piece);
+    for (size_t piece = 1; piece < pieces; ++piece) {
+      workers.emplace_back([&, piece] {
+        run_piece(piece);
+        cpu_s[piece] = thread_cpu_s();
+      });
+    }
     run_piece(0);
   }
+  add_worker_cpu_s(std::accumulate(cpu_s.begin(), cpu_s.end(), 0.0));
   for (const auto& error : errors) {
     if (error) std::rethrow_exception(error);
   }

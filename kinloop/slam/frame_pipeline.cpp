@@ -13,8 +13,13 @@ FramePipeline::~FramePipeline() {
 
 void FramePipeline::run_ahead() {
   try {
+    Stopwatch watch;
     while (const auto frame = source_.next()) {
-      if (!frames_.push(front_end_.prepare(*frame))) break;
+      const ElapsedTime decoding = watch.elapsed();
+      PreparedFrame prepared = front_end_.prepare(*frame);
+      prepared.decoding = decoding;
+      if (!frames_.push(std::move(prepared))) break;
+      watch = Stopwatch();
     }
   } catch (...) {
     error_ = std::current_exception();

@@ -56,30 +56,39 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
 
 FrameResult Slam::process(const PreparedFrame& measured) {
   const Stopwatch watch;
+  timings_.add("decoding", measured.decoding);
   timings_.add("features", measured.preparing);
+  Stopwatch module;
   apply_results(back_end_.apply_due(measured.id));
   back_end_.submit(measured.id, job_context());
+  timings_.add("back end scheduling", module.lap());
 
   const FrameTracking tracking = tracker_.track(measured, {map_, places_, sensor_.value}, timings_);
+  module.lap();
   KeyframeId keyframe;
   if (mapper_.needs_keyframe(map_, tracking)) keyframe = insert_keyframe(tracking);
   const TrackResult result = track_result(tracking.outcome, keyframe);
   log_.push_back(make_log_entry(result, measured, camera_.color.height));
   log_.back().repeat = tracking.repeat;
   log_.back().keyframe = keyframe;
+  timings_.add("mapping", module.lap());
 
   if (keyframe.valid()) {
     tracker_.update(map_, keyframe, &tracking);
+    timings_.add("local map", module.lap());
     find_loops(keyframe);
-    const Stopwatch copying;
+    timings_.add("loop detection", module.lap());
     back_end_.submit(measured.id, job_context(keyframe));
-    timings_.add("mapping", copying.elapsed());
+    timings_.add("back end scheduling", module.lap());
   } else {
     tracker_.update(map_, best_reference(map_, result.matches, tracker_.reference()), &tracking);
+    timings_.add("local map", module.lap());
   }
   timings_.frame_ms.push_back(1e3 * (watch.wall_s() + measured.preparing.wall_s));
   FrameResult done = frame_result(tracking, result, keyframe, map_);
+  module.lap();
   notify_listeners(done, tracking.frame);
+  timings_.add("listeners", module.lap());
   return done;
 }
 
@@ -103,19 +112,15 @@ void Slam::apply_sensor_estimate(const SensorEstimate& sensor) {
 }
 
 KeyframeId Slam::insert_keyframe(const FrameTracking& tracking) {
-  const Stopwatch watch;
   const KeyframeId id = mapper_.insert_keyframe(map_, tracking);
   places_.add(map_.keyframe(id));
   map_changed_ = true;
-  timings_.add("mapping", watch.elapsed());
   return id;
 }
 
 void Slam::find_loops(KeyframeId keyframe) {
   if (!options_.loop.enabled) return;
-  const Stopwatch watch;
   back_end_.add_loop_candidates(places_.find_loops(map_, keyframe));
-  timings_.add("loop", watch.elapsed());
 }
 
 Trajectory Slam::finish(const Progress& progress) {

@@ -19,8 +19,7 @@ struct Timings {
 
   void add(const std::string& module, const ElapsedTime& elapsed) {
     Module& sum = modules[module];
-    sum.wall_s += elapsed.wall_s;
-    sum.cpu_s += elapsed.cpu_s;
+    sum += elapsed;
     sum.samples_ms.push_back(1e3 * elapsed.wall_s);
   }
 };

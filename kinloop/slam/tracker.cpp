@@ -35,13 +35,19 @@ const TrackResult* located(const TrackOutcome& outcome) {
 FrameTracking Tracker::track(const PreparedFrame& measured, const TrackingContext& context,
                              Timings& timings) const {
   if (repeats_previous_image(measured)) return {Tracked{previous_result()}, measured, motion_, true};
-  TrackOutcome outcome = locate(deskewed(measured, context.sensor, motion_), context, timings);
+  Stopwatch compensating;
+  const PreparedFrame predicted = deskewed(measured, context.sensor, motion_);
+  ElapsedTime compensation = compensating.elapsed();
+  TrackOutcome outcome = locate(predicted, context, timings);
   TrackResult* result = located(outcome);
   if (options_.localize_only && result != nullptr && !is_localized(*result, measured, options_.tracking)) {
     result->matches.clear();
   }
   MotionModel motion = motion_after(measured, outcome);
+  compensating.lap();
   PreparedFrame frame = deskewed(measured, context.sensor, motion);  // after its own motion is known
+  compensation += compensating.elapsed();
+  timings.add("motion compensation", compensation);
   return {std::move(outcome), std::move(frame), motion, false};
 }
 

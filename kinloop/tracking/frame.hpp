@@ -18,7 +18,8 @@ namespace kinloop {
 struct PreparedFrame : RgbdFrame {
   cv::Mat gray;  ///< 8UC1
   std::shared_ptr<const Features> features;
-  ElapsedTime preparing;  ///< for reports
+  ElapsedTime decoding;   ///< time that the source took, for reports
+  ElapsedTime preparing;  ///< time of the front end
 };
 
 /// The previous frame as kept by the tracker.

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/apps/program_test.hpp"
 
@@ -146,6 +147,17 @@ TEST_F(RunCommand, OneFrameGivesItsSurface) {
   EXPECT_EQ(done.exit_code, kDone);
   EXPECT_THAT(done.out, AllOf(HasSubstr("1 tracked of 1"), Not(HasSubstr("map        0 points"))));
   EXPECT_THAT(done.err, Not(HasSubstr("depth_scale")));
+}
+
+TEST_F(RunCommand, TimingsCoverTheCpuTimeOfTheProcess) {
+  const Run done = run("run '" + sequence(30) + "' --profile -o '" + at("out") + "'");
+  ASSERT_EQ(done.exit_code, kDone) << done.err;
+  EXPECT_THAT(done.out, AllOf(HasSubstr("module"), HasSubstr("decoding"), HasSubstr("CPU s of the process")));
+  const auto summary = nlohmann::json::parse(read_file(at("out/run.json")));
+  double sum_s = 0;
+  for (const auto& module : summary["timings"]) sum_s += module["cpu_s"].get<double>();
+  EXPECT_GT(sum_s, 0.9 * summary["cpu_s"].get<double>());
+  EXPECT_LE(sum_s, 1.02 * summary["cpu_s"].get<double>());  // every second counts once
 }
 
 TEST_F(RunCommand, ReportsAMapThatWasNeverInitialised) {

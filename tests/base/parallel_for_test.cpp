@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "kinloop/base/stopwatch.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -19,6 +21,17 @@ TEST(ParallelFor, EveryIndexIsVisitedOnceWhateverTheThreads) {
       EXPECT_EQ(visits, std::vector<int>(count, 1)) << count << " items, " << threads << " threads";
     }
   }
+}
+
+TEST(ParallelFor, StopwatchesIncludeTheCpuTimeOfWorkers) {
+  constexpr double kEach_s = 0.02;
+  const Stopwatch watch;
+  parallel_for(3, 3, [](size_t, size_t) {
+    const Stopwatch own;
+    while (own.cpu_s() < kEach_s) {
+    }
+  });
+  EXPECT_GE(watch.cpu_s(), 3 * kEach_s);
 }
 
 TEST(ParallelFor, NothingToDoCallsNothing) {
