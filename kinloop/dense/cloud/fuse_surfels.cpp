@@ -15,8 +15,11 @@ namespace {
 constexpr int kFirstSlice = -static_cast<int>(kVoxelOrigin);
 constexpr int kLastSlice = static_cast<int>(kVoxelOrigin);
 
-/// The samples of one view, by shard.
-using BinnedSamples = std::array<std::vector<VoxelSample>, kShards>;
+/// The samples of one view.
+struct BinnedSamples {
+  std::vector<VoxelSample> samples;
+  std::array<std::vector<uint32_t>, kShards> of_shard;  // their indices, by shard
+};
 
 size_t voxel_count(const VoxelShards& grids) {
   size_t count = 0;
@@ -50,9 +53,8 @@ class Fusion {
     for (int begin = kFirstSlice; begin < kLastSlice && !stopped_;) {
       Slab slab{begin, kLastSlice};
       auto points = fill(slab);
-      count_violations(points);
+      carve(points);
       for (const SurfacePoint& point : points) {
-        if (!stays(point)) continue;
         cloud.points.push_back(point.p_world);
         cloud.colors.push_back(point.color);
         cloud.normals.push_back(point.normal);
@@ -66,7 +68,7 @@ class Fusion {
   /// Returns the points of the slab, whose end is lowered if memory does not suffice for all of it.
   std::vector<SurfacePoint> fill(Slab& slab) {
     VoxelShards grids;
-    for_each_batch("fusing", [&](size_t first, const std::vector<ImageSurfels>& batch) {
+    for_each_batch("fusing", [&](size_t first, std::vector<ImageSurfels>& batch) {
       std::vector<BinnedSamples> binned(batch.size());
       parallel_for(batch.size(), threads_, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) binned[i] = bin_samples(batch[i], views_[first + i], slab);
@@ -74,9 +76,7 @@ class Fusion {
       parallel_for(kShards, threads_, [&](size_t begin, size_t end) {
         for (size_t grid = begin; grid < end; ++grid) {
           for (size_t i = 0; i < binned.size(); ++i) {
-            for (const VoxelSample& sample : binned[i][grid]) {
-              grids[grid].add(sample, static_cast<uint32_t>(first + i));
-            }
+            grids[grid].add(binned[i].samples, binned[i].of_shard[grid], static_cast<uint32_t>(first + i));
           }
         }
       });
@@ -87,10 +87,11 @@ class Fusion {
 
   [[nodiscard]] BinnedSamples bin_samples(const ImageSurfels& surfels, const PosedImage& view,
                                           const Slab& slab) const {
-    BinnedSamples binned;
-    for (auto& part : binned) part.reserve(surfels.points.size() / kShards * 5 / 4);
-    for (const VoxelSample& sample : voxel_samples(surfels, view, camera_, rays_, options_.voxel_m)) {
-      if (slab.contains(sample.key, kHaloSlices)) binned[shard_of(sample.key)].push_back(sample);
+    BinnedSamples binned{voxel_samples(surfels, view, camera_, rays_, options_.voxel_m), {}};
+    for (auto& part : binned.of_shard) part.reserve(surfels.points.size() / kShards * 5 / 4);
+    for (uint32_t i = 0; i < binned.samples.size(); ++i) {
+      const VoxelKey key = binned.samples[i].key;
+      if (slab.contains(key, kHaloSlices)) binned.of_shard[shard_of(key)].push_back(i);
     }
     return binned;
   }
@@ -110,21 +111,25 @@ class Fusion {
     }
   }
 
-  /// A place that few images could see cannot have been observed by many.
-  [[nodiscard]] bool stays(const SurfacePoint& point) const {
-    if (options_.carve && point.free_space_violations > point.views) return false;
-    return point.views >= std::min(options_.min_observations, std::max(point.unoccluded_views, 1));
-  }
-
-  void count_violations(std::vector<SurfacePoint>& points) {
-    for_each_batch("carving", [&](size_t first, const std::vector<ImageSurfels>& batch) {
-      std::vector<FreeSpaceView> free;
+  /// Removes the points that more views contradict than observed. A place that few images could see cannot
+  /// have been observed by many.
+  void carve(std::vector<SurfacePoint>& points) {
+    // Several views at a time, since every pass goes over all points.
+    constexpr size_t kViews = 32;
+    std::vector<FreeSpaceView> views;
+    const auto flush = [&] {
+      count_contradictions(points, views, camera_, options_, threads_);
+      std::erase_if(points, [](const SurfacePoint& p) { return p.contradictions > p.views; });
+      views.clear();
+    };
+    for_each_batch("carving", [&](size_t first, std::vector<ImageSurfels>& batch) {
       for (size_t i = 0; i < batch.size(); ++i) {
         const PosedImage& view = views_[first + i];
-        free.push_back({view.T_world_camera.inverse(), view.velocity, batch[i].nearest});
+        views.push_back({view.T_world_camera.inverse(), view.velocity, std::move(batch[i].nearest)});
       }
-      count_free_space_violations(points, free, camera_, options_.voxel_m, threads_);
+      if (views.size() >= kViews) flush();
     });
+    flush();
   }
 
   template <class Use>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/geometry/depth_noise.hpp"
@@ -48,61 +49,129 @@ bool in_view(const Block& block, const FreeSpaceView& view, const PinholeCamera&
   return camera.contains(camera.project(p), -margin_px);
 }
 
-/// The largest inverse depth around a pixel; 0 if any is unknown.
-double max_inverse_depth_around(const Eigen::Vector2d& pixel, const FreeSpaceView& view,
-                                const PinholeCamera& camera) {
-  if (!camera.contains(pixel, kAroundPx)) return 0;
-  const int cols = camera.width / kTilePx, rows = camera.height / kTilePx;
-  const auto tile = [](double px, int around) { return (static_cast<int>(px) + around) / kTilePx; };
-  uint16_t nearest = 0;
-  for (int r = tile(pixel.y(), -kAroundPx); r <= tile(pixel.y(), kAroundPx); ++r) {
-    for (int c = tile(pixel.x(), -kAroundPx); c <= tile(pixel.x(), kAroundPx); ++c) {
-      if (r >= rows || c >= cols) return 0;
-      const uint16_t here =
-          view.nearest[static_cast<size_t>(r) * static_cast<size_t>(cols) + static_cast<size_t>(c)];
-      if (here == 0) return 0;
-      nearest = std::max(nearest, here);
+/// Index of a corner between tiles where no point is looked up; marks points outside the view.
+constexpr int kOutOfView = 0;
+
+/// The largest inverse depth, in steps, around every corner between tiles, row by row: 0 if it is unknown in
+/// any of the four tiles. A point within kAroundPx of pixels of these tiles has no others around it.
+std::vector<uint16_t> nearest_around_corners(const FreeSpaceView& view, const PinholeCamera& camera) {
+  static_assert(kTilePx == 2 * kAroundPx);
+  const size_t cols = static_cast<size_t>(camera.width) / kTilePx;
+  const size_t rows = static_cast<size_t>(camera.height) / kTilePx;
+  std::vector<uint16_t> corners((rows + 1) * (cols + 1), 0);
+  for (size_t row = 1; row < rows; ++row) {
+    const uint16_t* above = &view.nearest[(row - 1) * cols];
+    const uint16_t* below = &view.nearest[row * cols];
+    for (size_t col = 1; col < cols; ++col) {
+      const auto [least, most] = std::minmax({above[col - 1], above[col], below[col - 1], below[col]});
+      corners[row * (cols + 1) + col] = least == 0 ? uint16_t{0} : most;
     }
   }
-  return nearest * kTileStep_per_m;
+  corners[kOutOfView] = std::numeric_limits<uint16_t>::max();  // nearer than any point: occluded
+  return corners;
 }
 
-/// How a view relates to a point.
-enum class Visibility { kNotVisible, kConsistent, kFreeSpace };
+/// Points of a block as arrays, and where they lie in a view.
+struct BlockPoints {
+  std::vector<double> x, y, z;        // world, metres
+  std::vector<double> inverse_depth;  // in the view, 1/m; 0 = out of view
+  std::vector<int32_t> corner;        // nearest corner between tiles; kOutOfView = out of view
 
-Visibility classify_visibility(const Eigen::Vector3f& p_world, const FreeSpaceView& view,
-                               const DenseCamera& camera, double voxel_m) {
-  const Eigen::Vector3d p_stamp = view.T_camera_world * p_world.cast<double>();
-  if (!(p_stamp.z() > 0)) return Visibility::kNotVisible;
-  const Eigen::Vector3d p = camera.undo_deskew(p_stamp, view.velocity);
-  if (!(p.z() > 0)) return Visibility::kNotVisible;
-  const Eigen::Vector2d ideal = camera.color.project(p);
-  if (!camera.color.contains(ideal)) return Visibility::kNotVisible;
-  const Eigen::Vector2d pixel = camera.color.has_distortion() ? camera.color.distort(ideal) : ideal;
-  if (!camera.color.contains(pixel, kAroundPx)) return Visibility::kNotVisible;
-  const double nearest = max_inverse_depth_around(pixel, view, camera.color);
-  if (!(nearest > 0)) return Visibility::kConsistent;
-  const double here = 1 / p.z();
-  const double margin =
-      kMarginSigmas * DepthNoise().coefficient_per_m + kMarginVoxels * voxel_m * here * here;
-  if (nearest - here > margin) return Visibility::kNotVisible;
-  return here - nearest > margin ? Visibility::kFreeSpace : Visibility::kConsistent;
+  void assign(std::span<const SurfacePoint> points) {
+    for (auto* values : {&x, &y, &z, &inverse_depth}) values->resize(points.size());
+    corner.resize(points.size());
+    for (size_t i = 0; i < points.size(); ++i) {
+      x[i] = static_cast<double>(points[i].p_world.x());
+      y[i] = static_cast<double>(points[i].p_world.y());
+      z[i] = static_cast<double>(points[i].p_world.z());
+    }
+  }
+};
+
+/// Projects the points of a block into a view: DenseCamera::undo_deskew and PinholeCamera::distort, written
+/// out without branches, since this runs for every point in every view.
+void project(const FreeSpaceView& view, const DenseCamera& camera, BlockPoints& points) {
+  const PinholeCamera& lens = camera.color;
+  const Eigen::Matrix3d R = view.T_camera_world.R();
+  const Eigen::Vector3d t = view.T_camera_world.translation;
+  const Eigen::Vector3d v = view.velocity.linear_m_s, w = view.velocity.angular_rad_s;
+  const double last_col = lens.width - 1, last_row = lens.height - 1;
+  const double row_time_s = camera.readout_s / lens.height, first_row_s = camera.time_of_row_s(0);
+  const int corners_per_row = lens.width / kTilePx + 1;
+  constexpr double kTileShare = 1.0 / kTilePx;
+  const size_t count = points.x.size();
+  const double *xs = points.x.data(), *ys = points.y.data(), *zs = points.z.data();
+  double* inverse_depths = points.inverse_depth.data();
+  int32_t* corners = points.corner.data();
+  for (size_t i = 0; i < count; ++i) {
+    const double x = R(0, 0) * xs[i] + R(0, 1) * ys[i] + R(0, 2) * zs[i] + t.x();
+    const double y = R(1, 0) * xs[i] + R(1, 1) * ys[i] + R(1, 2) * zs[i] + t.y();
+    const double z = R(2, 0) * xs[i] + R(2, 1) * ys[i] + R(2, 2) * zs[i] + t.z();
+    const double time_s = first_row_s + row_time_s * (lens.fy * y / z + lens.cy);
+    const double x_then = x - time_s * (v.x() + w.y() * z - w.z() * y);
+    const double y_then = y - time_s * (v.y() + w.z() * x - w.x() * z);
+    const double z_then = z - time_s * (v.z() + w.x() * y - w.y() * x);
+    const double here = 1 / z_then;
+    const double u = x_then * here, q = y_then * here, r2 = u * u + q * q;
+    const double ideal_col = lens.fx * u + lens.cx, ideal_row = lens.fy * q + lens.cy;
+    const double radial = 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
+    const double col = lens.fx * (u * radial + 2 * lens.p1 * u * q + lens.p2 * (r2 + 2 * u * u)) + lens.cx;
+    const double row = lens.fy * (q * radial + lens.p1 * (r2 + 2 * q * q) + 2 * lens.p2 * u * q) + lens.cy;
+    const bool seen = (z > 0) & (z_then > 0) & (ideal_col >= 0) & (ideal_row >= 0) & (ideal_col <= last_col) &
+                      (ideal_row <= last_row) & (col >= kAroundPx) & (row >= kAroundPx) &
+                      (col <= last_col - kAroundPx) & (row <= last_row - kAroundPx);
+    const auto tile_col = static_cast<int32_t>((seen ? col + kAroundPx : 0) * kTileShare);
+    const auto tile_row = static_cast<int32_t>((seen ? row + kAroundPx : 0) * kTileShare);
+    inverse_depths[i] = seen ? here : 0;
+    corners[i] = tile_row * corners_per_row + tile_col;
+  }
 }
+
+/// Counts the contradictions of one view to points projected into it.
+class Judge {
+ public:
+  explicit Judge(const DenseOptions& options)
+      : margin_voxels_m_(kMarginVoxels * options.voxel_m),
+        min_observations_(options.min_observations),
+        carve_(options.carve) {}
+
+  void count(const BlockPoints& projected, const std::vector<uint16_t>& corners,
+             std::span<SurfacePoint> points) const {
+    for (size_t i = 0; i < points.size(); ++i) {
+      SurfacePoint& point = points[i];
+      const uint16_t steps = corners[static_cast<size_t>(projected.corner[i])];
+      const double here = projected.inverse_depth[i];
+      const double behind = here - steps * kTileStep_per_m;  // the surface behind the point
+      const double margin = kMarginSigmas * DepthNoise().coefficient_per_m + margin_voxels_m_ * here * here;
+      const bool unknown = steps == 0;
+      const bool in_sight = unknown | (behind >= -margin);
+      const bool free = !unknown & (behind > margin) & carve_;
+      point.contradictions += static_cast<int>(point.views < min_observations_ ? in_sight : free);
+    }
+  }
+
+ private:
+  double margin_voxels_m_;
+  int min_observations_;
+  bool carve_;
+};
 
 }  // namespace
 
-void count_free_space_violations(std::span<SurfacePoint> points, std::span<const FreeSpaceView> views,
-                                 const DenseCamera& camera, double voxel_m, int threads) {
-  const auto blocks = blocks_of(points, voxel_m);
+void count_contradictions(std::span<SurfacePoint> points, std::span<const FreeSpaceView> views,
+                          const DenseCamera& camera, const DenseOptions& options, int threads) {
+  const auto blocks = blocks_of(points, options.voxel_m);
+  std::vector<std::vector<uint16_t>> corners;
+  for (const FreeSpaceView& view : views) corners.push_back(nearest_around_corners(view, camera.color));
+  const Judge judge(options);
   parallel_for(blocks.size(), threads, [&](size_t begin, size_t end) {
+    BlockPoints block_points;
     for (size_t b = begin; b < end; ++b) {
-      for (const FreeSpaceView& view : views) {
-        if (!in_view(blocks[b], view, camera.color)) continue;
-        for (SurfacePoint& point : blocks[b].points) {
-          const Visibility visibility = classify_visibility(point.p_world, view, camera, voxel_m);
-          point.unoccluded_views += visibility == Visibility::kNotVisible ? 0 : 1;
-          point.free_space_violations += visibility == Visibility::kFreeSpace ? 1 : 0;
-        }
+      block_points.assign(blocks[b].points);
+      for (size_t i = 0; i < views.size(); ++i) {
+        if (!in_view(blocks[b], views[i], camera.color)) continue;
+        project(views[i], camera, block_points);
+        judge.count(block_points, corners[i], blocks[b].points);
       }
     }
   });

@@ -1,6 +1,6 @@
 #pragma once
-// In: surface points and views. Out: for each point, how many views could see its place and how many of them
-// measured free space there. Such points are people who passed by or flying pixels at depth edges.
+// In: surface points and views. Out: for each point, how many views contradict it. Such points are people who
+// passed by or flying pixels at depth edges.
 
 #include <span>
 
@@ -15,9 +15,11 @@ struct FreeSpaceView {
   std::vector<uint16_t> nearest;  ///< see ImageSurfels
 };
 
-/// Counts for every point the views with its place in sight (unoccluded, whether depth is known or not) and,
-/// among them, free-space violations. The points of a block must be adjacent.
-void count_free_space_violations(std::span<SurfacePoint> points, std::span<const FreeSpaceView> views,
-                                 const DenseCamera& camera, double voxel_m, int threads);
+/// Adds to each point the number of views that contradict it. For a point that `options.min_observations`
+/// images observed, these are the views that measured free space at its place (none if `options.carve` is
+/// off); for other points, all views with its place in sight: unoccluded, whether depth is known or not.
+/// The points of a block must be adjacent.
+void count_contradictions(std::span<SurfacePoint> points, std::span<const FreeSpaceView> views,
+                          const DenseCamera& camera, const DenseOptions& options, int threads);
 
 }  // namespace kinloop

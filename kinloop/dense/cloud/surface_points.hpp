@@ -10,8 +10,8 @@
 
 namespace kinloop {
 
-/// Voxels are distributed over this many grids by their hash. Each grid takes the images in order, whichever
-/// thread fills it, so the result does not depend on threads.
+/// Voxels are distributed over this many grids by the hash of their cell. Each grid takes the images in
+/// order, whichever thread fills it, so the result does not depend on threads.
 constexpr int kShardBits = 4;
 constexpr size_t kShards = 1 << kShardBits;
 using VoxelShards = std::array<VoxelGrid, kShards>;
@@ -19,7 +19,7 @@ using VoxelShards = std::array<VoxelGrid, kShards>;
 /// The grid of a voxel.
 constexpr size_t shard_of(VoxelKey key) {
   constexpr int kKeyBits = 64;
-  return hash_key(key) >> (kKeyBits - kShardBits);
+  return hash_key(cell_of(key)) >> (kKeyBits - kShardBits);
 }
 
 /// Maximum spread of a surface by noise, voxels in either direction.
@@ -46,11 +46,10 @@ struct SurfacePoint {
   Eigen::Vector3f p_world;
   Eigen::Vector3f normal;  ///< unit, towards the cameras
   Rgb color{};
-  int views = 0;                  ///< images that observed it
-  int unoccluded_views = 0;       ///< images in which its place is in the field of view and not occluded
-  int free_space_violations = 0;  ///< images that measured free space there
-  float weight = 0;               ///< weight of its source voxel, 1/m^2
-  VoxelKey origin = 0;            ///< source voxel
+  int views = 0;           ///< images that observed it
+  int contradictions = 0;  ///< images that contradict it, see count_contradictions
+  float weight = 0;        ///< weight of its source voxel, 1/m^2
+  VoxelKey origin = 0;     ///< source voxel
 };
 
 /// Returns the surface points in `slab`, one per voxel, in an order that depends on the voxels alone; those
@@ -64,8 +63,7 @@ constexpr int kBlockBits = 4;
 
 /// Key of the block that contains a voxel.
 constexpr VoxelKey block_of(VoxelKey key) {
-  constexpr VoxelKey kAxis = ((VoxelKey{1} << kVoxelAxisBits) - 1) >> kBlockBits << kBlockBits;
-  return key & (kAxis | kAxis << kVoxelAxisBits | kAxis << (2 * kVoxelAxisBits));
+  return aligned_key(key, kBlockBits);
 }
 
 }  // namespace kinloop

@@ -3,11 +3,21 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "kinloop/dense/cloud/voxel_samples.hpp"
 
 namespace kinloop {
+
+/// Edge length of a cell as a power of two, in voxels.
+constexpr int kCellBits = 2;
+constexpr size_t kVoxelsPerCell = size_t{1} << (3 * kCellBits);
+
+/// Key of the first voxel of the cell that contains a voxel.
+constexpr VoxelKey cell_of(VoxelKey key) {
+  return aligned_key(key, kCellBits);
+}
 
 /// Fused samples of one voxel. Sums are weighted by the information of depth.
 struct Voxel {
@@ -22,10 +32,15 @@ struct Voxel {
   uint16_t last_view = 0;           ///< low bits of the number of the latest image
 };
 
-/// Hash map from voxel key to voxel: linear probing over indices into a plain vector.
+/// Voxels by key. A hash table finds the cell of 4 x 4 x 4 voxels around a key, the cell its voxel.
+/// Successive samples of an image mostly lie in the same cell, so that few need the table.
 class VoxelGrid {
  public:
-  /// Adds a sample of image number `view`; the samples of an image must be added consecutively.
+  /// Adds those of `samples` with indices `which`, all of image number `view`; the samples of an image must
+  /// be added consecutively.
+  void add(std::span<const VoxelSample> samples, std::span<const uint32_t> which, uint32_t view);
+
+  /// Adds one sample.
   void add(const VoxelSample& sample, uint32_t view);
 
   /// Returns the voxel, or null if it has no sample.
@@ -38,12 +53,20 @@ class VoxelGrid {
   void erase_from(VoxelKey key);
 
  private:
-  Voxel& find_or_insert(VoxelKey key);
-  [[nodiscard]] size_t slot_of(VoxelKey key) const;
+  struct Cell {
+    VoxelKey corner = 0;                           // key of its first voxel
+    std::array<uint32_t, kVoxelsPerCell> voxel{};  // index into voxels_ plus one; 0 = no sample
+  };
+
+  uint32_t find_or_insert(VoxelKey key);
+  Cell& cell_at(VoxelKey corner);
+  [[nodiscard]] size_t slot_of(VoxelKey corner) const;
   void rebuild_table(size_t size);
 
-  std::vector<uint32_t> table_;  // index into voxels_ plus one; 0 = free
+  std::vector<uint32_t> table_;  // index into cells_ plus one; 0 = free
+  std::vector<Cell> cells_;
   std::vector<Voxel> voxels_;
+  size_t last_cell_ = 0;  // of the latest insertion
 };
 
 /// Mean position of a voxel's points, metres.

@@ -29,6 +29,12 @@ inline VoxelKey voxel_key(const Eigen::Vector3d& corner) {
                    static_cast<int64_t>(corner.z()));
 }
 
+/// Key of the first voxel of the aligned cube with an edge of 2^`bits` voxels that contains a voxel.
+constexpr VoxelKey aligned_key(VoxelKey key, int bits) {
+  const VoxelKey axis = ((VoxelKey{1} << kVoxelAxisBits) - 1) >> bits << bits;
+  return key & (axis | axis << kVoxelAxisBits | axis << (2 * kVoxelAxisBits));
+}
+
 /// Returns the voxel coordinates of a key.
 Eigen::Vector3i voxel_of(VoxelKey key);
 
