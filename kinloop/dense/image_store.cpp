@@ -2,25 +2,31 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <opencv2/imgcodecs.hpp>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/dense/depth_codec.hpp"
+#include "kinloop/sensor/fast_decoders.hpp"
 
 namespace kinloop {
 namespace {
 
+// Both conversions have no branches, so that they are vectorised.
+
 std::vector<uint16_t> to_units(const cv::Mat& depth_m, double units_per_m) {
-  std::vector<uint16_t> units;
-  units.reserve(depth_m.total());
+  std::vector<uint16_t> units(depth_m.total());
   const auto scale = static_cast<float>(units_per_m);
   constexpr auto kMaxCount = static_cast<float>(std::numeric_limits<uint16_t>::max());
+  const int cols = depth_m.cols;
   for (int row = 0; row < depth_m.rows; ++row) {
     const auto* depths = depth_m.ptr<float>(row);
-    for (int col = 0; col < depth_m.cols; ++col) {
+    uint16_t* out = &units[static_cast<size_t>(row) * static_cast<size_t>(cols)];
+    for (int col = 0; col < cols; ++col) {
       const float value = depths[col] * scale + 0.5F;
-      units.push_back(value >= 1 && value < kMaxCount ? static_cast<uint16_t>(value) : uint16_t{0});
+      const float known = (value >= 1) & (value < kMaxCount) ? value : 0.0F;
+      out[col] = static_cast<uint16_t>(static_cast<int>(known));
     }
   }
   return units;
@@ -29,27 +35,33 @@ std::vector<uint16_t> to_units(const cv::Mat& depth_m, double units_per_m) {
 cv::Mat to_metres(const std::vector<uint16_t>& units, int rows, int cols, double units_per_m) {
   cv::Mat depth_m(rows, cols, CV_32FC1);
   auto* depths = depth_m.ptr<float>();
-  for (size_t i = 0; i < units.size(); ++i) depths[i] = static_cast<float>(units[i] / units_per_m);
+  const auto scale = static_cast<float>(units_per_m);
+  for (size_t i = 0; i < units.size(); ++i) depths[i] = static_cast<float>(units[i]) / scale;
   return depth_m;
+}
+
+cv::Mat decode_color(const std::vector<uint8_t>& jpeg) {
+  return decode_jpeg({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
 }
 
 }  // namespace
 
-EncodedImages encode_images(const RgbdImages& images, const ImageStoreOptions& options) {
+StoredImages encode_images(const RgbdImages& images, const ImageStoreOptions& options) {
   require(images.color.type() == CV_8UC3 && images.depth_m.type() == CV_32FC1 &&
               images.color.size() == images.depth_m.size(),
           "encode_images: expected colour 8UC3 and depth 32FC1 of the same size");
-  EncodedImages encoded{images.color.rows, images.color.cols, {}, {}};
-  encoded.depth = pack_depth(to_units(images.depth_m, options.depth_scale));
+  const int rows = images.color.rows, cols = images.color.cols;
+  const auto units = to_units(images.depth_m, options.depth_scale);
+  EncodedImages encoded{rows, cols, {}, pack_depth(units)};
   cv::imencode(".jpg", images.color, encoded.color, {cv::IMWRITE_JPEG_QUALITY, options.jpeg_quality});
-  return encoded;
+  RgbdImages decoded{decode_color(encoded.color), to_metres(units, rows, cols, options.depth_scale)};
+  return {std::move(encoded), std::move(decoded)};
 }
 
 RgbdImages decode_images(const EncodedImages& images, const ImageStoreOptions& options) {
   const auto depth =
       unpack_depth(images.depth, static_cast<size_t>(images.rows) * static_cast<size_t>(images.cols));
-  return {cv::imdecode(images.color, cv::IMREAD_COLOR),
-          to_metres(depth, images.rows, images.cols, options.depth_scale)};
+  return {decode_color(images.color), to_metres(depth, images.rows, images.cols, options.depth_scale)};
 }
 
 size_t ImageStore::add(const EncodedImages& images) {

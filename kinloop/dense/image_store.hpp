@@ -33,9 +33,15 @@ struct EncodedImages {
   bool operator==(const EncodedImages&) const = default;
 };
 
+/// Compressed images, and what decoding them gives.
+struct StoredImages {
+  EncodedImages encoded;
+  RgbdImages decoded;
+};
+
 /// Compresses images. Depth is rounded to the units of `options.depth_scale`; values out of their range
 /// become unknown.
-EncodedImages encode_images(const RgbdImages& images, const ImageStoreOptions& options);
+StoredImages encode_images(const RgbdImages& images, const ImageStoreOptions& options);
 RgbdImages decode_images(const EncodedImages& images, const ImageStoreOptions& options);
 
 class ImageStore {
@@ -46,7 +52,7 @@ class ImageStore {
   /// Stores images and returns their index, counted from 0. Their depth must be in the units of this store.
   /// Throws InputError if the temporary file cannot be written.
   size_t add(const EncodedImages& images);
-  size_t add(const RgbdImages& images) { return add(encode_images(images, options_)); }
+  size_t add(const RgbdImages& images) { return add(encode_images(images, options_).encoded); }
 
   /// Returns the images at `index`; may be called from several threads at once while nothing is added.
   [[nodiscard]] RgbdImages load(size_t index) const { return decode_images(encoded(index), options_); }

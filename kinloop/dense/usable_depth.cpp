@@ -6,7 +6,7 @@
 namespace kinloop {
 
 void mark_usable(const cv::Mat& depth_m, int row, double focal_px, const DepthLimits& limits,
-                 uint8_t* usable) {
+                 uint8_t* __restrict usable) {
   const float* here = depth_m.ptr<float>(row);
   const float* above = depth_m.ptr<float>(row - kDepthMarginPx);
   const float* below = depth_m.ptr<float>(row + kDepthMarginPx);
@@ -15,7 +15,8 @@ void mark_usable(const cv::Mat& depth_m, int row, double focal_px, const DepthLi
   // On a surface inclined by angle a to the ray, depth changes by tan(a) z / f per pixel.
   const auto max_change = static_cast<float>(std::tan(limits.max_incidence_deg * std::numbers::pi / 180) *
                                              kDepthMarginPx / focal_px);
-  for (int col = kDepthMarginPx; col < depth_m.cols - kDepthMarginPx; ++col) {
+  const int end = depth_m.cols - kDepthMarginPx;
+  for (int col = kDepthMarginPx; col < end; ++col) {  // without branches, so that it is vectorised
     const float z = here[col];
     const float limit_m = max_change * z;
     const auto joined = [=](float other) { return !(other > 0) | (std::abs(other - z) <= limit_m); };

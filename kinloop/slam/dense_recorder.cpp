@@ -21,12 +21,6 @@ ImageStoreOptions store_options(const RgbdCamera& camera, const DenseOptions& op
   return store;
 }
 
-/// Encodes the images the way a map file stores them, so that a saved map gives the same cloud as its run.
-std::vector<uint8_t> encode_patch(const EncodedImages& images, const ImageStoreOptions& store,
-                                  double focal_px, const DenseOptions& options) {
-  return to_bytes(extract_surfels(decode_images(images, store), focal_px, options));
-}
-
 }  // namespace
 
 DenseRecorder::DenseRecorder(const RgbdCamera& camera, const DenseOptions& options,
@@ -72,9 +66,10 @@ void DenseRecorder::submit(FrameId now) {
                  focal_px = camera_.color.fx, options = options_]() -> Completion {
     std::vector<EncodedFrame> done;
     for (const PendingFrame& keyframe : pending) {
-      EncodedImages images = encode_images(keyframe.images, store);
-      auto surfels = encode_patch(images, store, focal_px, options);
-      done.push_back({keyframe.frame, std::move(images), std::move(surfels)});
+      StoredImages images = encode_images(keyframe.images, store);
+      // From what a map file stores, so that a saved map gives the same cloud as its run.
+      const ImageSurfels surfels = extract_surfels(images.decoded, focal_px, options);
+      done.push_back({keyframe.frame, std::move(images.encoded), to_bytes(surfels)});
     }
     return [this, done = std::move(done)]() mutable { add(std::move(done)); };
   };
@@ -133,8 +128,7 @@ void DenseRecorder::make_missing_patches(int threads) {
     std::vector<std::vector<uint8_t>> made(std::min(batch_size, missing.size() - first));
     parallel_for(made.size(), threads, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        made[i] =
-            encode_patch(images_.encoded(missing[first + i]), images_.options(), camera_.color.fx, options_);
+        made[i] = to_bytes(extract_surfels(images_.load(missing[first + i]), camera_.color.fx, options_));
       }
     });
     for (size_t i = 0; i < made.size(); ++i)
@@ -170,10 +164,8 @@ ColoredCloud DenseRecorder::fuse_views(std::span<const PosedImage> views, const 
 UpEstimate DenseRecorder::up(std::span<const PosedImage> views, const DenseCamera& camera) {
   wait_for_jobs();
   const auto load_surfels = [this](size_t image) {
-    const auto& surfels = recorded_[image].surfels;
-    return surfels_from_bytes(
-        surfels ? surfel_store_.load(*surfels)
-                : encode_patch(images_.encoded(image), images_.options(), camera_.color.fx, options_));
+    return recorded_[image].surfels ? surfels(image)
+                                    : extract_surfels(images_.load(image), camera_.color.fx, options_);
   };
   std::vector<SE3> T_world_cameras;
   for (const PosedImage& view : views) T_world_cameras.push_back(view.T_world_camera);

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/dense/rounded.hpp"
 #include "kinloop/dense/sharpness.hpp"
 #include "kinloop/dense/usable_depth.hpp"
 #include "kinloop/geometry/depth_noise.hpp"
@@ -19,12 +20,16 @@ namespace {
 /// suppress noise.
 constexpr int kSlopeReachPx = 6;
 
+/// Inverse depth; 0 = unknown.
 cv::Mat inverse(const cv::Mat& depth_m) {
+  constexpr float kFar = std::numeric_limits<float>::infinity();
   cv::Mat result(depth_m.size(), CV_32FC1);
   for (int row = 0; row < depth_m.rows; ++row) {
     const auto* depths = depth_m.ptr<float>(row);
     auto* inverses = result.ptr<float>(row);
-    for (int col = 0; col < depth_m.cols; ++col) inverses[col] = depths[col] > 0 ? 1 / depths[col] : 0;
+    const int cols = depth_m.cols;  // two loops, since the compiler vectorises them and not their combination
+    for (int col = 0; col < cols; ++col) inverses[col] = depths[col] > 0 ? depths[col] : kFar;
+    for (int col = 0; col < cols; ++col) inverses[col] = 1 / inverses[col];
   }
   return result;
 }
@@ -40,6 +45,25 @@ cv::Mat smoothed(const cv::Mat& inverse_depth) {
   return result;
 }
 
+/// Sums over the usable pixels of a block.
+struct BlockSums {
+  float inverse_depth = 0;
+  int count = 0, rows = 0, cols = 0;
+  int blue = 0, green = 0, red = 0;
+
+  /// Adds a pixel if it is usable; without branches, since which pixels are is hard to predict.
+  void add(int row, int col, bool usable, float inverse, const uint8_t* bgr) {
+    const int one = static_cast<int>(usable);
+    inverse_depth += usable ? inverse : 0;
+    count += one;
+    rows += one * row;
+    cols += one * col;
+    blue += one * bgr[0];
+    green += one * bgr[1];
+    red += one * bgr[2];
+  }
+};
+
 /// Extracts the surfels of one image.
 class SurfelExtractor {
  public:
@@ -54,9 +78,11 @@ class SurfelExtractor {
         usable_(usable_pixels(images.depth_m, focal_px, options.limits)) {}
 
   std::vector<Surfel> run() {
+    points_.reserve(color_.total() / 4);
     for (int row = 0; row + kTilePx <= color_.rows; row += kTilePx) {
       for (int col = 0; col + kTilePx <= color_.cols; col += kTilePx) add_tile(row, col);
     }
+    points_.shrink_to_fit();
     return std::move(points_);
   }
 
@@ -67,48 +93,58 @@ class SurfelExtractor {
     if (!(nearest > 0)) return;
     const double z = 1 / static_cast<double>(nearest);
     const double most_px = voxel_m_ * focal_px_ / z;
-    const int side = most_px >= 4 ? 4 : most_px >= 2 ? 2 : 1;
-    for (int r = row; r < row + kTilePx; r += side) {
-      for (int c = col; c < col + kTilePx; c += side) add_block(r, c, side);
-    }
+    if (most_px >= 4) return add_blocks<4>(row, col);
+    if (most_px >= 2) return add_blocks<2>(row, col);
+    add_blocks<1>(row, col);
   }
 
   [[nodiscard]] float nearest_in(int row, int col) const {
     float nearest = 0;
     for (int r = row; r < row + kTilePx; ++r) {
-      for (int c = col; c < col + kTilePx; ++c) {
-        if (usable_.at<uint8_t>(r, c) != 0) nearest = std::max(nearest, inverse_depth_.at<float>(r, c));
-      }
+      const auto* usable = usable_.ptr<uint8_t>(r) + col;
+      const auto* inverses = inverse_depth_.ptr<float>(r) + col;
+      for (int c = 0; c < kTilePx; ++c) nearest = std::max(nearest, usable[c] != 0 ? inverses[c] : 0);
     }
     return nearest;
   }
 
-  void add_block(int row, int col, int side) {
-    float inverse_depth = 0;
-    int count = 0, rows = 0, cols = 0;
-    cv::Vec3i bgr(0, 0, 0);
-    for (int r = row; r < row + side; ++r) {
-      for (int c = col; c < col + side; ++c) {
-        if (usable_.at<uint8_t>(r, c) == 0) continue;
-        inverse_depth += inverse_depth_.at<float>(r, c);
-        bgr += cv::Vec3i(color_.at<cv::Vec3b>(r, c));
-        rows += r, cols += c, ++count;
-      }
+  template <int kSide>
+  void add_blocks(int row, int col) {
+    for (int r = row; r < row + kTilePx; r += kSide) {
+      for (int c = col; c < col + kTilePx; c += kSide) add_block<kSide>(r, c);
     }
-    if (count == 0) return;
-    inverse_depth /= static_cast<float>(count);
-    const auto place = [&](int sum) {
-      return static_cast<uint16_t>((sum * kPixelSteps + count / 2) / count);
-    };
-    const auto channel = [&](int i) { return static_cast<uint8_t>((bgr[i] + count / 2) / count); };
-    const int r = rows / count, c = cols / count;
-    points_.push_back({inverse_depth,
-                       place(cols),
-                       place(rows),
-                       {channel(2), channel(1), channel(0)},
+  }
+
+  template <int kSide>
+  void add_block(int row, int col) {
+    BlockSums sums;
+    for (int r = row; r < row + kSide; ++r) {
+      const auto* usable = usable_.ptr<uint8_t>(r);
+      const auto* inverses = inverse_depth_.ptr<float>(r);
+      const auto* bgr = color_.ptr<uint8_t>(r);
+      for (int c = col; c < col + kSide; ++c) sums.add(r, c, usable[c] != 0, inverses[c], bgr + 3 * c);
+    }
+    // Most blocks are complete: then the division is a shift.
+    constexpr int kAll = kSide * kSide;
+    if (sums.count == kAll) return add_surfel<kAll>(sums);
+    if (sums.count > 0) add_surfel<0>(sums);
+  }
+
+  /// `kCount` is the number of pixels, or 0 if it is known only at run time.
+  template <int kCount>
+  void add_surfel(const BlockSums& sums) {
+    const int count = kCount != 0 ? kCount : sums.count;
+    const auto mean = [=](int sum) { return (sum + count / 2) / count; };
+    const auto place = [&](int sum) { return static_cast<uint16_t>(mean(sum * kPixelSteps)); };
+    const auto channel = [&](int sum) { return static_cast<uint8_t>(mean(sum)); };
+    const int row = sums.rows / count, col = sums.cols / count;
+    points_.push_back({sums.inverse_depth / static_cast<float>(count),
+                       place(sums.cols),
+                       place(sums.rows),
+                       {channel(sums.red), channel(sums.green), channel(sums.blue)},
                        static_cast<uint8_t>(count),
-                       slope(r, c, 0, 1),
-                       slope(r, c, 1, 0)});
+                       slope(row, col, 0, kSlopeReachPx),
+                       slope(row, col, kSlopeReachPx, 0)});
   }
 
   /// Relative change of inverse depth along a direction in the image, on the same surface.
@@ -118,7 +154,7 @@ class SurfelExtractor {
     float change = 0;
     int steps = 0;
     for (const int side : {-1, 1}) {
-      const int r = row + side * down * kSlopeReachPx, c = col + side * right * kSlopeReachPx;
+      const int r = row + side * down, c = col + side * right;
       if (r < 0 || c < 0 || r >= usable_.rows || c >= usable_.cols || usable_.at<uint8_t>(r, c) == 0)
         continue;
       const float other = inverse_depth_.at<float>(r, c);
@@ -129,7 +165,7 @@ class SurfelExtractor {
     if (steps == 0) return 0;
     const float relative = change / static_cast<float>(steps) * static_cast<float>(focal_px_) / here;
     constexpr auto kMaxCount = static_cast<float>(std::numeric_limits<int8_t>::max());
-    return static_cast<int8_t>(std::lround(std::clamp(relative * kSlopeSteps, -kMaxCount, kMaxCount)));
+    return static_cast<int8_t>(rounded(std::clamp(relative * kSlopeSteps, -kMaxCount, kMaxCount)));
   }
 
   const cv::Mat& color_;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "kinloop/dense/rounded.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -28,12 +30,6 @@ size_t place_in_cell(VoxelKey key) {
   return place;
 }
 
-/// Nearest integer of a number from 0 on; faster than std::lround.
-uint16_t rounded(float value) {
-  const auto whole = static_cast<int>(value);
-  return static_cast<uint16_t>(whole + static_cast<int>(value - static_cast<float>(whole) >= 0.5F));
-}
-
 void mix_color(Voxel& voxel, const VoxelSample& sample) {
   // A colour with zero weight is better than none.
   const float weight = std::max(sample.color_weight * sample.pixels, std::numeric_limits<float>::min());
@@ -42,7 +38,7 @@ void mix_color(Voxel& voxel, const VoxelSample& sample) {
   for (size_t i = 0; i < 3; ++i) {
     const auto before = static_cast<float>(voxel.color[i]);
     const float after = before + share * (kColorSteps * static_cast<float>(sample.color[i]) - before);
-    voxel.color[i] = rounded(after);
+    voxel.color[i] = static_cast<uint16_t>(rounded(after));
   }
 }
 
