@@ -50,6 +50,14 @@ TEST(ImageStore, DepthComesBackBitByBitAndColourNearly) {
   EXPECT_EQ(store.bytes_on_disk(), 0U);
 }
 
+TEST(ImageStore, EncodingTellsWhatDecodingWillGive) {
+  const ImageStoreOptions options{.depth_scale = kScale};
+  const auto stored = encode_images(some_images(7), options);
+  const auto decoded = decode_images(stored.encoded, options);
+  EXPECT_TRUE(same(stored.decoded.color, decoded.color));
+  EXPECT_TRUE(same(stored.decoded.depth_m, decoded.depth_m));
+}
+
 TEST(ImageStore, BeyondTheLimitTheyGoToDiskAndComeBackTheSame) {
   ImageStore in_memory({.depth_scale = kScale});
   ImageStore half({.depth_scale = kScale, .memory_limit_bytes = 20000});

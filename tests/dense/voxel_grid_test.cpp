@@ -63,6 +63,29 @@ TEST(VoxelGrid, FindsEveryKeyAgain) {
   for (const auto& [key, pixels] : expected) EXPECT_EQ(grid.find(key) != nullptr, voxel_of(key).z() < 50);
 }
 
+TEST(VoxelGrid, AddingManySamplesIsAddingEach) {
+  Random random(8);
+  std::vector<VoxelSample> samples;
+  for (int i = 0; i < 20'000; ++i) {
+    const VoxelKey key = voxel_key(random.index(40) - 20, random.index(40) - 20, random.index(9));
+    samples.push_back(sample_of(key, static_cast<float>(1 + random.index(5))));
+  }
+  std::vector<uint32_t> every_third;
+  for (uint32_t i = 0; i < samples.size(); i += 3) every_third.push_back(i);
+  VoxelGrid many, each;
+  for (uint32_t view = 0; view < 3; ++view) {
+    many.add(samples, every_third, view);
+    for (const uint32_t i : every_third) each.add(samples[i], view);
+  }
+  ASSERT_EQ(many.voxels().size(), each.voxels().size());
+  for (size_t i = 0; i < many.voxels().size(); ++i) {
+    EXPECT_EQ(many.voxels()[i].key, each.voxels()[i].key);
+    EXPECT_EQ(many.voxels()[i].weight, each.voxels()[i].weight);
+    EXPECT_EQ(many.voxels()[i].color, each.voxels()[i].color);
+    EXPECT_EQ(many.voxels()[i].views, each.voxels()[i].views);
+  }
+}
+
 TEST(VoxelGrid, MeansOutliveManyViews) {
   VoxelGrid grid;
   const VoxelKey key = voxel_key(1, 2, 3);

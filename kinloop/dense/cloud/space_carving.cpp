@@ -1,6 +1,7 @@
 #include "kinloop/dense/cloud/space_carving.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -17,6 +18,9 @@ constexpr double kMarginSigmas = 4, kMarginVoxels = 2;
 /// All pixels within this distance of a point must agree; pixels this close to the border are not judged.
 constexpr int kAroundPx = 2;
 
+/// A block with more points is split, so that they fit into fixed arrays.
+constexpr size_t kMaxBlockPoints = 256;
+
 /// Neighbouring points and their bounding sphere.
 struct Block {
   std::span<SurfacePoint> points;
@@ -31,7 +35,7 @@ std::vector<Block> blocks_of(std::span<SurfacePoint> points, double voxel_m) {
   for (size_t begin = 0; begin < points.size();) {
     size_t end = begin;
     const VoxelKey block = block_of(points[begin].key);
-    while (end < points.size() && block_of(points[end].key) == block) ++end;
+    while (end < points.size() && end - begin < kMaxBlockPoints && block_of(points[end].key) == block) ++end;
     const Eigen::Vector3d center = (voxel_of(block).cast<double>().array() + kHalf) * voxel_m;
     blocks.push_back({points.subspan(begin, end - begin), center, radius_m});
     begin = end;
@@ -49,9 +53,6 @@ bool in_view(const Block& block, const FreeSpaceView& view, const PinholeCamera&
   return camera.contains(camera.project(p), -margin_px);
 }
 
-/// Index of a corner between tiles where no point is looked up; marks points outside the view.
-constexpr int kOutOfView = 0;
-
 /// The largest inverse depth, in steps, around every corner between tiles, row by row: 0 if it is unknown in
 /// any of the four tiles. A point within kAroundPx of pixels of these tiles has no others around it.
 std::vector<uint16_t> nearest_around_corners(const FreeSpaceView& view, const PinholeCamera& camera) {
@@ -67,20 +68,19 @@ std::vector<uint16_t> nearest_around_corners(const FreeSpaceView& view, const Pi
       corners[row * (cols + 1) + col] = least == 0 ? uint16_t{0} : most;
     }
   }
-  corners[kOutOfView] = std::numeric_limits<uint16_t>::max();  // nearer than any point: occluded
   return corners;
 }
 
-/// Points of a block as arrays, and where they lie in a view.
+/// Points of a block, and where they lie in a view. All in doubles: mixed types would not be vectorised.
 struct BlockPoints {
-  std::vector<double> x, y, z;        // world, metres
-  std::vector<double> inverse_depth;  // in the view, 1/m; 0 = out of view
-  std::vector<int32_t> corner;        // nearest corner between tiles; kOutOfView = out of view
+  size_t count = 0;
+  std::array<double, kMaxBlockPoints> x, y, z;        // world, metres
+  std::array<double, kMaxBlockPoints> col, row;       // in the view, px
+  std::array<double, kMaxBlockPoints> inverse_depth;  // 1/m
+  std::array<double, kMaxBlockPoints> in_view;        // 1, or 0: then the others are undefined
 
-  void assign(std::span<const SurfacePoint> points) {
-    for (auto* values : {&x, &y, &z, &inverse_depth}) values->resize(points.size());
-    corner.resize(points.size());
-    for (size_t i = 0; i < points.size(); ++i) {
+  explicit BlockPoints(std::span<const SurfacePoint> points) : count(points.size()) {
+    for (size_t i = 0; i < count; ++i) {
       x[i] = static_cast<double>(points[i].p_world.x());
       y[i] = static_cast<double>(points[i].p_world.y());
       z[i] = static_cast<double>(points[i].p_world.z());
@@ -89,72 +89,67 @@ struct BlockPoints {
 };
 
 /// Projects the points of a block into a view: DenseCamera::undo_deskew and PinholeCamera::distort, written
-/// out without branches, since this runs for every point in every view.
+/// out without branches for the vectoriser, since this runs for every point in every view.
 void project(const FreeSpaceView& view, const DenseCamera& camera, BlockPoints& points) {
   const PinholeCamera& lens = camera.color;
+  const double fx = lens.fx, fy = lens.fy, cx = lens.cx, cy = lens.cy;
+  const double k1 = lens.k1, k2 = lens.k2, k3 = lens.k3, p1 = lens.p1, p2 = lens.p2;
   const Eigen::Matrix3d R = view.T_camera_world.R();
-  const Eigen::Vector3d t = view.T_camera_world.translation;
-  const Eigen::Vector3d v = view.velocity.linear_m_s, w = view.velocity.angular_rad_s;
+  const double r00 = R(0, 0), r01 = R(0, 1), r02 = R(0, 2);
+  const double r10 = R(1, 0), r11 = R(1, 1), r12 = R(1, 2);
+  const double r20 = R(2, 0), r21 = R(2, 1), r22 = R(2, 2);
+  const Eigen::Vector3d &t = view.T_camera_world.translation, &v = view.velocity.linear_m_s,
+                        &w = view.velocity.angular_rad_s;
+  const double tx = t.x(), ty = t.y(), tz = t.z(), vx = v.x(), vy = v.y(), vz = v.z();
+  const double wx = w.x(), wy = w.y(), wz = w.z();
   const double last_col = lens.width - 1, last_row = lens.height - 1;
   const double row_time_s = camera.readout_s / lens.height, first_row_s = camera.time_of_row_s(0);
-  const int corners_per_row = lens.width / kTilePx + 1;
-  constexpr double kTileShare = 1.0 / kTilePx;
-  const size_t count = points.x.size();
-  const double *xs = points.x.data(), *ys = points.y.data(), *zs = points.z.data();
-  double* inverse_depths = points.inverse_depth.data();
-  int32_t* corners = points.corner.data();
-  for (size_t i = 0; i < count; ++i) {
-    const double x = R(0, 0) * xs[i] + R(0, 1) * ys[i] + R(0, 2) * zs[i] + t.x();
-    const double y = R(1, 0) * xs[i] + R(1, 1) * ys[i] + R(1, 2) * zs[i] + t.y();
-    const double z = R(2, 0) * xs[i] + R(2, 1) * ys[i] + R(2, 2) * zs[i] + t.z();
-    const double time_s = first_row_s + row_time_s * (lens.fy * y / z + lens.cy);
-    const double x_then = x - time_s * (v.x() + w.y() * z - w.z() * y);
-    const double y_then = y - time_s * (v.y() + w.z() * x - w.x() * z);
-    const double z_then = z - time_s * (v.z() + w.x() * y - w.y() * x);
+  for (size_t i = 0; i < points.count; ++i) {
+    const double x = r00 * points.x[i] + r01 * points.y[i] + r02 * points.z[i] + tx;
+    const double y = r10 * points.x[i] + r11 * points.y[i] + r12 * points.z[i] + ty;
+    const double z = r20 * points.x[i] + r21 * points.y[i] + r22 * points.z[i] + tz;
+    const double time_s = first_row_s + row_time_s * (fy * y / z + cy);
+    const double x_then = x - time_s * (vx + wy * z - wz * y);
+    const double y_then = y - time_s * (vy + wz * x - wx * z);
+    const double z_then = z - time_s * (vz + wx * y - wy * x);
     const double here = 1 / z_then;
     const double u = x_then * here, q = y_then * here, r2 = u * u + q * q;
-    const double ideal_col = lens.fx * u + lens.cx, ideal_row = lens.fy * q + lens.cy;
-    const double radial = 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
-    const double col = lens.fx * (u * radial + 2 * lens.p1 * u * q + lens.p2 * (r2 + 2 * u * u)) + lens.cx;
-    const double row = lens.fy * (q * radial + lens.p1 * (r2 + 2 * q * q) + 2 * lens.p2 * u * q) + lens.cy;
-    const bool seen = (z > 0) & (z_then > 0) & (ideal_col >= 0) & (ideal_row >= 0) & (ideal_col <= last_col) &
-                      (ideal_row <= last_row) & (col >= kAroundPx) & (row >= kAroundPx) &
-                      (col <= last_col - kAroundPx) & (row <= last_row - kAroundPx);
-    const auto tile_col = static_cast<int32_t>((seen ? col + kAroundPx : 0) * kTileShare);
-    const auto tile_row = static_cast<int32_t>((seen ? row + kAroundPx : 0) * kTileShare);
-    inverse_depths[i] = seen ? here : 0;
-    corners[i] = tile_row * corners_per_row + tile_col;
+    const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    const double ideal_col = fx * u + cx, ideal_row = fy * q + cy;
+    const double col = fx * (u * radial + 2 * p1 * u * q + p2 * (r2 + 2 * u * u)) + cx;
+    const double row = fy * (q * radial + p1 * (r2 + 2 * q * q) + 2 * p2 * u * q) + cy;
+    points.col[i] = col;
+    points.row[i] = row;
+    points.inverse_depth[i] = here;
+    const bool inside = (z > 0) & (z_then > 0) & (ideal_col >= 0) & (ideal_row >= 0) &
+                        (ideal_col <= last_col) & (ideal_row <= last_row) & (col >= kAroundPx) &
+                        (row >= kAroundPx) & (col <= last_col - kAroundPx) & (row <= last_row - kAroundPx);
+    points.in_view[i] = inside ? 1.0 : 0.0;
   }
 }
 
 /// Counts the contradictions of one view to points projected into it.
-class Judge {
- public:
-  explicit Judge(const DenseOptions& options)
-      : margin_voxels_m_(kMarginVoxels * options.voxel_m),
-        min_observations_(options.min_observations),
-        carve_(options.carve) {}
-
-  void count(const BlockPoints& projected, const std::vector<uint16_t>& corners,
-             std::span<SurfacePoint> points) const {
-    for (size_t i = 0; i < points.size(); ++i) {
-      SurfacePoint& point = points[i];
-      const uint16_t steps = corners[static_cast<size_t>(projected.corner[i])];
-      const double here = projected.inverse_depth[i];
-      const double behind = here - steps * kTileStep_per_m;  // the surface behind the point
-      const double margin = kMarginSigmas * DepthNoise().coefficient_per_m + margin_voxels_m_ * here * here;
-      const bool unknown = steps == 0;
-      const bool in_sight = unknown | (behind >= -margin);
-      const bool free = !unknown & (behind > margin) & carve_;
-      point.contradictions += static_cast<int>(point.views < min_observations_ ? in_sight : free);
-    }
+void count_contradictions_of(const std::vector<uint16_t>& corners, const PinholeCamera& camera,
+                             const BlockPoints& projected, const DenseOptions& options,
+                             std::span<SurfacePoint> points) {
+  constexpr double kTileShare = 1.0 / kTilePx;
+  const size_t corners_per_row = static_cast<size_t>(camera.width) / kTilePx + 1;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (projected.in_view[i] == 0) continue;
+    const auto col = static_cast<size_t>((projected.col[i] + kAroundPx) * kTileShare);
+    const auto row = static_cast<size_t>((projected.row[i] + kAroundPx) * kTileShare);
+    const uint16_t steps = corners[row * corners_per_row + col];
+    const double here = projected.inverse_depth[i];
+    const double behind = here - steps * kTileStep_per_m;  // of the surface; positive: free space
+    const double margin =
+        kMarginSigmas * DepthNoise().coefficient_per_m + kMarginVoxels * options.voxel_m * here * here;
+    const bool unknown = steps == 0;
+    const bool in_sight = unknown | (behind >= -margin);
+    const bool free = !unknown & (behind > margin) & options.carve;
+    SurfacePoint& point = points[i];
+    point.contradictions += static_cast<int>(point.views < options.min_observations ? in_sight : free);
   }
-
- private:
-  double margin_voxels_m_;
-  int min_observations_;
-  bool carve_;
-};
+}
 
 }  // namespace
 
@@ -163,15 +158,13 @@ void count_contradictions(std::span<SurfacePoint> points, std::span<const FreeSp
   const auto blocks = blocks_of(points, options.voxel_m);
   std::vector<std::vector<uint16_t>> corners;
   for (const FreeSpaceView& view : views) corners.push_back(nearest_around_corners(view, camera.color));
-  const Judge judge(options);
   parallel_for(blocks.size(), threads, [&](size_t begin, size_t end) {
-    BlockPoints block_points;
     for (size_t b = begin; b < end; ++b) {
-      block_points.assign(blocks[b].points);
+      BlockPoints block_points(blocks[b].points);
       for (size_t i = 0; i < views.size(); ++i) {
         if (!in_view(blocks[b], views[i], camera.color)) continue;
         project(views[i], camera, block_points);
-        judge.count(block_points, corners[i], blocks[b].points);
+        count_contradictions_of(corners[i], camera.color, block_points, options, blocks[b].points);
       }
     }
   });

@@ -43,8 +43,8 @@ struct Slab {
 /// A candidate point of the cloud.
 struct SurfacePoint {
   VoxelKey key = 0;  ///< voxel that contains it
-  Eigen::Vector3f p_world;
-  Eigen::Vector3f normal;  ///< unit, towards the cameras
+  Eigen::Vector3f p_world = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the cameras
   Rgb color{};
   int views = 0;           ///< images that observed it
   int contradictions = 0;  ///< images that contradict it, see count_contradictions
