@@ -103,10 +103,13 @@ std::vector<SurfacePoint> surface_points(VoxelShards grids, const Slab& slab, co
     }
   });
   grids = {};  // frees memory for the next step
+  size_t count = 0;
+  for (const auto& part : parts) count += part.size();
   std::vector<SurfacePoint> points;
+  points.reserve(count);
   for (auto& part : parts) {
     points.insert(points.end(), part.begin(), part.end());
-    part = {};
+    part = std::vector<SurfacePoint>();  // frees its memory, unlike {}
   }
   std::sort(points.begin(), points.end(), [&](const SurfacePoint& a, const SurfacePoint& b) {
     return precedes(a, b, options.min_observations);
