@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -10,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/quantile.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"
@@ -149,6 +152,26 @@ LoopPicture describe(const ShownLoop& shown, const Landmarks& landmarks, const M
   return picture;
 }
 
+/// A picture as JPEG.
+struct DrawnLoop {
+  LoopPicture picture;
+  std::vector<uint8_t> jpeg;
+};
+
+/// Draws a loop; nothing if one of its images was not recorded.
+std::optional<DrawnLoop> draw(const ShownLoop& shown, const Map& map, const RollingShutterCamera& newer,
+                              const DenseRecorder& recorder) {
+  const auto first = recorder.images_of(map.keyframe(shown.pair.older).frame);
+  const auto second = recorder.images_of(map.keyframe(shown.pair.newer).frame);
+  if (!first || !second) return std::nullopt;
+  Landmarks landmarks = reproject_landmarks(map, shown.pair.older, shown.pair.newer, newer);
+  std::erase_if(landmarks, [&](const auto& landmark) { return hidden(landmark, second->depth_m); });
+  DrawnLoop drawn{describe(shown, landmarks, map), {}};
+  cv::imencode(".jpg", draw_loop(first->color, second->color, landmarks), drawn.jpeg,
+               {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  return drawn;
+}
+
 json to_json(const LoopPicture& picture) {
   return {{"file", picture.file},
           {"stamp_a", format_stamp(picture.stamp_a_ns)},
@@ -191,22 +214,20 @@ void write_loop_pictures(const RunFolder& folder, const Slam& slam, const RgbdCa
   if (chosen.empty()) return;
   const auto velocities = keyframe_velocities(slam.log(), map);
   make_folder(folder.loop_images());
+  std::vector<std::optional<DrawnLoop>> drawn(chosen.size());
+  parallel_for(chosen.size(), hardware_threads(), [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const RollingShutterCamera newer{camera.color, slam.sensor().value,
+                                       velocities[chosen[i].pair.newer.value]};
+      drawn[i] = draw(chosen[i], map, newer, recorder);
+    }
+  });
   json index = json::array();
-  for (const ShownLoop& shown : chosen) {
-    const auto [older, newer, shared] = shown.pair;
-    const auto first = recorder.images_of(map.keyframe(older).frame);
-    const auto second = recorder.images_of(map.keyframe(newer).frame);
-    if (!first || !second) continue;
-    Landmarks landmarks =
-        reproject_landmarks(map, older, newer, {camera.color, slam.sensor().value, velocities[newer.value]});
-    std::erase_if(landmarks, [&](const auto& landmark) { return hidden(landmark, second->depth_m); });
-    const LoopPicture picture = describe(shown, landmarks, map);
-    std::vector<uint8_t> jpeg;
-    cv::imencode(".jpg", draw_loop(first->color, second->color, landmarks), jpeg,
-                 {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
-    write_file(folder.loop_images() / picture.file,
-               {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
-    index.push_back(to_json(picture));
+  for (const auto& loop : drawn) {
+    if (!loop) continue;
+    write_file(folder.loop_images() / loop->picture.file,
+               {reinterpret_cast<const char*>(loop->jpeg.data()), loop->jpeg.size()});
+    index.push_back(to_json(loop->picture));
   }
   write_file(folder.loop_images() / kIndexName, index.dump(2) + "\n");
 }

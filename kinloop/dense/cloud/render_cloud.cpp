@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/quantile.hpp"
 
 namespace kinloop {
@@ -116,38 +117,47 @@ Canvas splat(const ColoredCloud& cloud, const std::vector<size_t>& kept, const V
     if (!(x >= 0 && y >= 0 && x < width && y < height)) continue;
     const Rgb& rgb = cloud.colors[kept[k]];
     const int col = static_cast<int>(x), row = static_cast<int>(y);
+    const int first = std::max(0, col - half), end = std::min(width, col + half);
     for (int r = std::max(0, row - half); r < std::min(height, row + half); ++r) {
-      for (int q = std::max(0, col - half); q < std::min(width, col + half); ++q) {
-        if (p.z() >= canvas.depth_m.at<float>(r, q)) continue;
-        canvas.depth_m.at<float>(r, q) = p.z();
-        canvas.color.at<cv::Vec3b>(r, q) = {rgb[2], rgb[1], rgb[0]};
+      auto* depths = canvas.depth_m.ptr<float>(r);
+      auto* colors = canvas.color.ptr<cv::Vec3b>(r);
+      for (int q = first; q < end; ++q) {
+        if (p.z() >= depths[q]) continue;
+        depths[q] = p.z();
+        colors[q] = {rgb[2], rgb[1], rgb[0]};
       }
     }
   }
   return canvas;
 }
 
+/// Darkens the pixels of one row that lie behind their surroundings.
+void shade_row(Canvas& canvas, int row) {
+  constexpr int kReachPx = 3 * kSupersampling;
+  constexpr float kStrengthPerM = 1.2F, kMaxStepM = 0.5F;
+  const int last_row = canvas.depth_m.rows - 1, last_col = canvas.depth_m.cols - 1;
+  const auto* here = canvas.depth_m.ptr<float>(row);
+  // At the border the pixel is compared with itself: not behind.
+  const auto* above = row >= kReachPx ? canvas.depth_m.ptr<float>(row - kReachPx) : here;
+  const auto* below = row + kReachPx <= last_row ? canvas.depth_m.ptr<float>(row + kReachPx) : here;
+  auto* colors = canvas.color.ptr<cv::Vec3b>(row);
+  for (int col = 0; col <= last_col; ++col) {
+    const float z = here[col];
+    if (std::isinf(z)) continue;
+    const auto step = [=](float other) { return std::clamp(z - other, 0.0F, kMaxStepM); };
+    const float behind_m = step(here[col + kReachPx <= last_col ? col + kReachPx : col]) +
+                           step(here[col >= kReachPx ? col - kReachPx : col]) + step(below[col]) +
+                           step(above[col]);
+    if (behind_m > 0) colors[col] *= static_cast<double>(std::exp(-kStrengthPerM * behind_m));
+  }
+}
+
 /// Darkens pixels that lie behind their surroundings (Boucheny 2009, "eye-dome lighting"): shows shape
 /// without normals.
 void shade(Canvas& canvas) {
-  constexpr int kReachPx = 3 * kSupersampling;
-  constexpr float kStrengthPerM = 1.2F, kMaxStepM = 0.5F;
-  constexpr int kAround[4][2] = {{0, kReachPx}, {0, -kReachPx}, {kReachPx, 0}, {-kReachPx, 0}};
-  const cv::Rect all(0, 0, canvas.color.cols, canvas.color.rows);
-  for (int row = 0; row < canvas.color.rows; ++row) {
-    for (int col = 0; col < canvas.color.cols; ++col) {
-      const float z = canvas.depth_m.at<float>(row, col);
-      if (std::isinf(z)) continue;
-      float behind_m = 0;
-      for (const auto& step : kAround) {
-        const cv::Point other(col + step[1], row + step[0]);
-        if (all.contains(other)) {
-          behind_m += std::clamp(z - canvas.depth_m.at<float>(other), 0.0F, kMaxStepM);
-        }
-      }
-      canvas.color.at<cv::Vec3b>(row, col) *= static_cast<double>(std::exp(-kStrengthPerM * behind_m));
-    }
-  }
+  parallel_for(static_cast<size_t>(canvas.depth_m.rows), hardware_threads(), [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end; ++row) shade_row(canvas, static_cast<int>(row));
+  });
 }
 
 /// The drawing at its final size, transparent where empty.
