@@ -1,5 +1,6 @@
 #include "kinloop/dense/cloud/image_surfels.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -33,6 +34,17 @@ TEST(ImageSurfels, ComesBackFromItsBytesAsItWas) {
   EXPECT_EQ(to_bytes(back), bytes);
   EXPECT_THROW(surfels_from_bytes(std::span(bytes).first(bytes.size() - 1)), std::logic_error);
   EXPECT_THROW(surfels_from_bytes({}), std::logic_error);
+}
+
+TEST(ImageSurfels, ThinnedTheyStillCoverTheImage) {
+  const auto surfels = extract(view_of_wall(small_camera(), {}, 2, {1, 2, 3}));
+  for (const size_t most : {size_t{50}, size_t{1000}, surfels.points.size() + 1}) {
+    const auto some = thinned(surfels, most);
+    EXPECT_LE(some.points.size(), most);
+    EXPECT_GE(2 * some.points.size() + 2, std::min(most, surfels.points.size()));
+    EXPECT_LT(some.points.front().row, 8 * kPixelSteps);
+    EXPECT_GT(some.points.back().row, 100 * kPixelSteps);
+  }
 }
 
 TEST(ImageSurfels, EveryUsablePixelBelongsToOnePoint) {

@@ -63,13 +63,10 @@ std::vector<ColorObservation> merged(const std::vector<ColorObservation>& all) {
 std::vector<ColorObservation> observe(const ImageSurfels& surfels, uint32_t number, const PosedImage& view,
                                       const DenseCamera& camera, const RayTable& rays,
                                       uint64_t last_scattered) {
-  ImageSurfels thinned;
-  const size_t step = surfels.points.size() / kPointsPerView + 1;
-  for (size_t i = 0; i < surfels.points.size(); i += step) {
-    if (well_exposed(surfels.points[i].color)) thinned.points.push_back(surfels.points[i]);
-  }
+  ImageSurfels some = thinned(surfels, kPointsPerView);
+  std::erase_if(some.points, [](const Surfel& point) { return !well_exposed(point.color); });
   std::vector<ColorObservation> seen;
-  for (const VoxelSample& sample : voxel_samples(thinned, view, camera, rays, kVoxel_m)) {
+  for (const VoxelSample& sample : voxel_samples(some, view, camera, rays, kVoxel_m)) {
     if (hash_key(sample.key) > last_scattered) continue;
     const Eigen::Array3f color(sample.color[0], sample.color[1], sample.color[2]);
     seen.push_back({sample.key, number, 1, color.log()});

@@ -211,6 +211,13 @@ ImageSurfels extract_surfels(const RgbdImages& images, double focal_px, const De
           nearest_depths(inverse_depth)};
 }
 
+ImageSurfels thinned(const ImageSurfels& surfels, size_t max_points) {
+  ImageSurfels some{surfels.sharpness, {}, {}};
+  const size_t step = surfels.points.size() / max_points + 1;
+  for (size_t i = 0; i < surfels.points.size(); i += step) some.points.push_back(surfels.points[i]);
+  return some;
+}
+
 std::vector<uint8_t> to_bytes(const ImageSurfels& surfels) {
   const Header header{surfels.sharpness, static_cast<uint32_t>(surfels.points.size()),
                       static_cast<uint32_t>(surfels.nearest.size())};

@@ -45,6 +45,9 @@ struct ImageSurfels {
 /// grazing incidence or out of range are skipped.
 ImageSurfels extract_surfels(const RgbdImages& images, double focal_px, const DenseOptions& options);
 
+/// Returns at most `max_points` of the surfels, evenly spread, without the nearest depths.
+ImageSurfels thinned(const ImageSurfels& surfels, size_t max_points);
+
 /// Serialises surfels to bytes, and back.
 std::vector<uint8_t> to_bytes(const ImageSurfels& surfels);
 ImageSurfels surfels_from_bytes(std::span<const uint8_t> bytes);
