@@ -14,28 +14,38 @@ constexpr uint32_t kMoreBit = 8;
 
 class NibbleWriter {
  public:
+  explicit NibbleWriter(size_t expected_nibbles) : nibbles_(expected_nibbles + kMaxDigits) {}
+
   void write(uint32_t number) {
-    do {
-      const uint32_t rest = number >> kPayloadBits;
-      put((number & kPayloadMask) | (rest != 0 ? kMoreBit : 0));
-      number = rest;
-    } while (number != 0);
+    if (count_ + kMaxDigits > nibbles_.size()) nibbles_.resize(2 * nibbles_.size());
+    // Most numbers have one or two digits; which is hard to predict, so there is no branch.
+    constexpr uint32_t kTwoDigits = 1U << (2 * kPayloadBits);
+    while (number >= kTwoDigits) {
+      nibbles_[count_++] = static_cast<uint8_t>((number & kPayloadMask) | kMoreBit);
+      number >>= kPayloadBits;
+    }
+    const uint32_t rest = number >> kPayloadBits;
+    const uint32_t more = static_cast<uint32_t>(rest != 0);
+    nibbles_[count_] = static_cast<uint8_t>((number & kPayloadMask) | more * kMoreBit);
+    nibbles_[count_ + 1] = static_cast<uint8_t>(rest);  // overwritten by the next number if it is zero
+    count_ += 1 + more;
   }
 
-  std::vector<uint8_t> take() { return std::move(bytes_); }
+  /// All nibbles, two to a byte, the earlier one in the lower bits.
+  [[nodiscard]] std::vector<uint8_t> bytes() const {
+    std::vector<uint8_t> packed((count_ + 1) / 2);
+    for (size_t i = 0; i < count_ / 2; ++i) {
+      packed[i] = static_cast<uint8_t>(nibbles_[2 * i] | nibbles_[2 * i + 1] << 4);
+    }
+    if (count_ % 2 == 1) packed.back() = nibbles_[count_ - 1];
+    return packed;
+  }
 
  private:
-  void put(uint32_t nibble) {
-    if (half_written_) {
-      bytes_.back() = static_cast<uint8_t>(bytes_.back() | nibble << 4);
-    } else {
-      bytes_.push_back(static_cast<uint8_t>(nibble));
-    }
-    half_written_ = !half_written_;
-  }
+  static constexpr size_t kMaxDigits = 11;  // of 32 bits
 
-  std::vector<uint8_t> bytes_;
-  bool half_written_ = false;
+  std::vector<uint8_t> nibbles_;
+  size_t count_ = 0;
 };
 
 class NibbleReader {
@@ -76,7 +86,7 @@ int32_t unzigzag(uint32_t code) {
 }  // namespace
 
 std::vector<uint8_t> pack_depth(std::span<const uint16_t> values) {
-  NibbleWriter writer;
+  NibbleWriter writer(values.size());
   int32_t previous = 0;
   for (auto at = values.begin(); at != values.end();) {
     const auto known = std::find_if(at, values.end(), [](uint16_t v) { return v != 0; });
@@ -88,7 +98,7 @@ std::vector<uint8_t> pack_depth(std::span<const uint16_t> values) {
       previous = *at;
     }
   }
-  return writer.take();
+  return writer.bytes();
 }
 
 std::vector<uint16_t> unpack_depth(std::span<const uint8_t> bytes, size_t count) {

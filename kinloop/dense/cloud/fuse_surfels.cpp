@@ -54,6 +54,8 @@ class Fusion {
       Slab slab{begin, kLastSlice};
       auto points = fill(slab);
       carve(points);
+      cloud.points.reserve(cloud.size() + points.size());
+      cloud.normals.reserve(cloud.size() + points.size());
       for (const SurfacePoint& point : points) {
         cloud.points.push_back(point.p_world);
         cloud.colors.push_back(point.color);
