@@ -168,7 +168,7 @@ class GainSolver {
 
 std::vector<ColorObservation> observe_all(const SurfelLoader& load_surfels, std::span<const PosedImage> views,
                                           const DenseCamera& camera, int threads) {
-  const RayTable rays = ray_table(camera.color);
+  const RayTable rays = ray_table(camera.color, threads);
   const double share =
       std::min(1.0, static_cast<double>(kPointsInAll) / static_cast<double>(views.size() * kPointsPerView));
   constexpr double kScatteredRange = 0x1p64;

@@ -46,7 +46,7 @@ class Fusion {
         options_(options),
         threads_(threads),
         progress_(progress),
-        rays_(ray_table(camera.color)) {}
+        rays_(ray_table(camera.color, threads)) {}
 
   ColoredCloud run() {
     ColoredCloud cloud;

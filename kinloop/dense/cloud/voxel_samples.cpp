@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/parallel_for.hpp"
 #include "kinloop/geometry/depth_noise.hpp"
 
 namespace kinloop {
@@ -58,15 +59,19 @@ Eigen::Vector3i voxel_of(VoxelKey key) {
   return {part(0), part(1), part(2)};
 }
 
-RayTable ray_table(const PinholeCamera& camera) {
+RayTable ray_table(const PinholeCamera& camera, int threads) {
   RayTable table{.width = camera.width, .height = camera.height, .focal_px = camera.fx, .rays = {}};
-  table.rays.reserve(static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height));
-  for (int row = 0; row < camera.height; ++row) {
-    for (int col = 0; col < camera.width; ++col) {
-      const Eigen::Vector3d ray = camera.unproject(camera.undistort(Eigen::Vector2d(col, row)), 1.0);
-      table.rays.emplace_back(ray.head<2>().cast<float>());
+  const auto width = static_cast<size_t>(camera.width), height = static_cast<size_t>(camera.height);
+  table.rays.resize(width * height);
+  parallel_for(height, threads, [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end; ++row) {
+      for (size_t col = 0; col < width; ++col) {
+        const Eigen::Vector2d pixel(static_cast<double>(col), static_cast<double>(row));
+        const Eigen::Vector3d ray = camera.unproject(camera.undistort(pixel), 1.0);
+        table.rays[row * width + col] = ray.head<2>().cast<float>();
+      }
     }
-  }
+  });
   return table;
 }
 

@@ -62,7 +62,7 @@ struct RayTable {
   std::vector<Eigen::Vector2f> rays;  // row by row
 };
 
-RayTable ray_table(const PinholeCamera& camera);
+RayTable ray_table(const PinholeCamera& camera, int threads = 1);
 
 /// Transforms `surfels` to the world frame, motion-compensated to the stamp of `view`. `rays` must be those
 /// of `camera.color`.
