@@ -1,6 +1,9 @@
 #include "kinloop/loop/candidates.hpp"
 
 #include <algorithm>
+#include <optional>
+
+#include "kinloop/loop/tied_places.hpp"
 
 namespace kinloop {
 namespace {
@@ -14,14 +17,6 @@ double min_covisible_score(const PlaceIndex& index, KeyframeId keyframe,
     lowest = std::min(lowest, similarity(index.bow_of(keyframe), index.bow_of(neighbour)));
   }
   return neighbours.empty() ? 0.0 : lowest;
-}
-
-std::vector<KeyframeId> covisible_group(const Map& map, KeyframeId keyframe) {
-  std::vector<KeyframeId> group{keyframe};
-  for (const auto& [neighbour, shared] : map.covisible_keyframes(keyframe, kMinCovisibleLandmarks))
-    group.push_back(neighbour);
-  std::sort(group.begin(), group.end());
-  return group;
 }
 
 bool overlap(const std::vector<KeyframeId>& a, const std::vector<KeyframeId>& b) {
@@ -46,6 +41,7 @@ LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, Keyf
   };
 
   LoopDetection candidates;
+  std::optional<KnownPlace> place;
   const auto max_results = static_cast<size_t>(options.max_candidates);
   for (const auto& [candidate, score] : index.query(index.bow_of(keyframe), max_results, allowed)) {
     if (score < min_score) continue;
@@ -55,7 +51,11 @@ LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, Keyf
         group.consistency = std::max(group.consistency, earlier.consistency + 1);
       }
     }
-    if (group.consistency >= options.consistent_keyframes) candidates.keyframes.push_back(candidate);
+    if (group.consistency >= options.consistent_keyframes) {
+      if (!place) place.emplace(map, covisible_group(map, keyframe));
+      if (!place->is_tied_to(group.keyframes, options.covisibility_edge_min_landmarks))
+        candidates.keyframes.push_back(candidate);
+    }
     candidates.history.push_back(std::move(group));
   }
   return candidates;

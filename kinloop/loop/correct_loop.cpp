@@ -1,6 +1,5 @@
 #include "kinloop/loop/correct_loop.hpp"
 
-#include <optional>
 #include <set>
 
 namespace kinloop {
@@ -17,15 +16,14 @@ PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, int share
   return edge;
 }
 
-/// Returns the keyframe preceding this one in time.
+}  // namespace
+
 std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe) {
   if (keyframe.begins_component) return std::nullopt;
   uint32_t id = keyframe.id.value - 1;  // the first keyframe of a component has no predecessor
   while (map.keyframe(KeyframeId{id}).component != keyframe.component) --id;
   return KeyframeId{id};
 }
-
-}  // namespace
 
 Matrix6d edge_information(int shared, const LoopOptions& options) {
   const double metres = options.landmark_sigma_m;

@@ -1,6 +1,7 @@
 #pragma once
 // Loop correction: distributes the drift over all keyframes of a map with verified loop edges.
 
+#include <optional>
 #include <vector>
 
 #include "kinloop/loop/options.hpp"
@@ -15,6 +16,9 @@ struct LoopProblem {
   KeyframeId newest_keyframe;
   uint32_t epoch = 0;
 };
+
+/// Returns the keyframe preceding this one in time; nullopt if its motion from there is unknown.
+std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe);
 
 /// Builds edges between successive keyframes and between keyframes that share many landmarks, from their
 /// current poses, and the loop edges as measured. The first keyframe of each component is constant.

@@ -42,10 +42,16 @@ std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const Loc
   }
   const auto initial = solve_pnp_ransac(camera, observations, tracking.pnp, seed);
   if (!initial) return std::nullopt;
+  return confirm_pose(frame, local_map, initial->T_reference_camera, camera, options, tracking);
+}
 
+std::optional<TrackResult> confirm_pose(const PreparedFrame& frame, const LocalMap& local_map,
+                                        const SE3& T_reference_camera, const PinholeCamera& camera,
+                                        const LoopOptions& options, const TrackingOptions& tracking) {
+  const Features& features = *frame.features;
   const FeatureGrid grid(features, camera.width, camera.height);
-  TrackResult result = track_local_map(frame, grid, local_map, initial->T_reference_camera, options.window_px,
-                                       camera, tracking);
+  TrackResult result =
+      track_local_map(frame, grid, local_map, T_reference_camera, options.window_px, camera, tracking);
   if (result.status != TrackStatus::kTracked) return std::nullopt;
   // Match again from the improved pose, which centres the search windows correctly.
   result = track_local_map(frame, grid, local_map, result.T_reference_camera, tracking.local_map_window_px,

@@ -19,4 +19,9 @@ std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const Loc
                                            const PinholeCamera& camera, const LoopOptions& options,
                                            const TrackingOptions& tracking, uint64_t seed);
 
+/// Confirms an initial pose, the second half of `recognize_place`: guided matching, refinement and checks.
+std::optional<TrackResult> confirm_pose(const PreparedFrame& frame, const LocalMap& local_map,
+                                        const SE3& T_reference_camera, const PinholeCamera& camera,
+                                        const LoopOptions& options, const TrackingOptions& tracking);
+
 }  // namespace kinloop

@@ -1,30 +1,30 @@
 #include "kinloop/loop/verify_loop.hpp"
 
-#include "kinloop/base/random.hpp"
-
 namespace kinloop {
 
-LoopCandidates make_loop_candidates(const Map& map, KeyframeId id, const std::vector<KeyframeId>& keyframes,
-                                    const LocalMapOptions& local_map, uint64_t seed) {
+LoopCandidates make_loop_candidates(const Map& map, KeyframeId id, const std::vector<ProposedLoop>& proposed,
+                                    const LocalMapOptions& local_map) {
   const Keyframe& keyframe = map.keyframe(id);
   LoopCandidates candidates;
   candidates.keyframe = id;
   candidates.frame.id = keyframe.frame;
   candidates.frame.stamp_ns = keyframe.stamp_ns;
   candidates.frame.features = keyframe.features;
-  candidates.seed = seed;
-  for (const KeyframeId candidate : keyframes) {
-    candidates.local_maps.push_back(make_local_map(map, candidate, local_map));
+  for (const ProposedLoop& loop : proposed) {
+    candidates.places.push_back({loop, make_local_map(map, loop.reference, local_map)});
   }
   return candidates;
 }
 
 std::optional<VerifiedLoop> verify_loop(const LoopCandidates& candidates, const PinholeCamera& camera,
                                         const LoopOptions& options, const TrackingOptions& tracking) {
-  for (const LocalMap& place : candidates.local_maps) {
-    const uint64_t seed = hash(candidates.seed, place.reference.value);
-    auto found = recognize_place(candidates.frame, place, camera, options, tracking, seed);
-    if (found) return VerifiedLoop{candidates.keyframe, std::move(*found)};
+  for (const auto& [proposed, local_map] : candidates.places) {
+    auto found =
+        confirm_pose(candidates.frame, local_map, proposed.T_reference_camera, camera, options, tracking);
+    if (!found) continue;
+    if (proposed.predicted && !is_explained_by_drift(*proposed.predicted, found->T_reference_camera))
+      continue;
+    return VerifiedLoop{candidates.keyframe, std::move(*found)};
   }
   return std::nullopt;
 }

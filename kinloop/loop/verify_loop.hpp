@@ -6,16 +6,22 @@
 
 #include "kinloop/loop/candidates.hpp"
 #include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/loop/propose_loop.hpp"
 #include "kinloop/loop/recognize_place.hpp"
 
 namespace kinloop {
 
-/// A keyframe and the local maps around its candidates.
+/// A loop to verify, with the local map around its reference.
+struct LoopCandidate {
+  ProposedLoop proposed;
+  LocalMap local_map;
+};
+
+/// A keyframe and the loops proposed for it.
 struct LoopCandidates {
   KeyframeId keyframe;
-  PreparedFrame frame;               ///< its features
-  std::vector<LocalMap> local_maps;  ///< around each candidate, most similar first
-  uint64_t seed = 0;
+  PreparedFrame frame;                ///< its features
+  std::vector<LoopCandidate> places;  ///< most similar first
 };
 
 /// The pose of `keyframe` relative to the place it revisits.
@@ -30,12 +36,12 @@ struct LoopConstraint {
   std::vector<std::pair<LandmarkId, LandmarkId>> merges;  ///< (from, into)
 };
 
-/// Copies the data needed to verify the candidates.
+/// Copies the data needed to verify the loops proposed for `keyframe`.
 LoopCandidates make_loop_candidates(const Map& map, KeyframeId keyframe,
-                                    const std::vector<KeyframeId>& keyframes,
-                                    const LocalMapOptions& local_map, uint64_t seed);
+                                    const std::vector<ProposedLoop>& proposed,
+                                    const LocalMapOptions& local_map);
 
-/// Verifies the candidates in order and returns the first that `recognize_place` confirms.
+/// Verifies the candidates in order and returns the first that `confirm_pose` confirms and drift explains.
 std::optional<VerifiedLoop> verify_loop(const LoopCandidates& candidates, const PinholeCamera& camera,
                                         const LoopOptions& options, const TrackingOptions& tracking);
 

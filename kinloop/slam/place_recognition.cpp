@@ -14,7 +14,10 @@ BowVector PlaceRecognition::bow_of(const Features& features) const {
 }
 
 void PlaceRecognition::add(const Keyframe& keyframe) {
-  index_.add(keyframe.id, bow_of(*keyframe.features));
+  QuantizedFeatures quantized = vocabulary_.quantize(keyframe.features->descriptors);
+  index_.add(keyframe.id, vocabulary_.bow_of(quantized.words));
+  if (keyframe.id.value >= nodes_.size()) nodes_.resize(keyframe.id.value + 1);
+  nodes_[keyframe.id.value] = std::move(quantized.nodes);
 }
 
 std::optional<TrackResult> PlaceRecognition::relocalize(const PreparedFrame& frame, const Map& map) const {
@@ -22,11 +25,35 @@ std::optional<TrackResult> PlaceRecognition::relocalize(const PreparedFrame& fra
                              options_.loop, options_.tracking, seed_of(options_, frame.id));
 }
 
+IndexedView PlaceRecognition::indexed_view(const Keyframe& keyframe) const {
+  return {*keyframe.features, nodes_[keyframe.id.value]};
+}
+
 LoopCandidates PlaceRecognition::find_loops(const Map& map, KeyframeId keyframe) {
   LoopDetection detected = find_loop_candidates(map, index_, keyframe, history_, options_.loop);
   history_ = std::move(detected.history);
-  return make_loop_candidates(map, keyframe, detected.keyframes, options_.local_map,
-                              seed_of(options_, map.keyframe(keyframe).frame));
+  return make_loop_candidates(map, keyframe, propose_loops(map, keyframe, detected.keyframes),
+                              options_.local_map);
+}
+
+std::vector<ProposedLoop> PlaceRecognition::propose_loops(const Map& map, KeyframeId id,
+                                                          const std::vector<KeyframeId>& candidates) const {
+  std::vector<ProposedLoop> proposed;
+  if (candidates.empty()) return proposed;
+  const Keyframe& keyframe = map.keyframe(id);
+  const auto travelled_m = travelled_distances(map, id);
+  const uint64_t seed = seed_of(options_, keyframe.frame);
+  for (const KeyframeId candidate : candidates) {
+    const Keyframe& reference = map.keyframe(candidate);
+    const auto predicted = predict_view(map, candidate, id, travelled_m[candidate.value]);
+    if (predicted &&
+        !may_overlap(*reference.features, *predicted, camera_, options_.tracking.pnp.min_inliers))
+      continue;
+    const auto pose = propose_pose(indexed_view(reference), indexed_view(keyframe), predicted, camera_,
+                                   options_.tracking.pnp, hash(seed, candidate.value));
+    if (pose) proposed.push_back({candidate, *pose, predicted});
+  }
+  return proposed;
 }
 
 }  // namespace kinloop

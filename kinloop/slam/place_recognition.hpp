@@ -21,7 +21,7 @@ class PlaceRecognition {
   /// Returns the pose of `frame` relative to the most similar keyframe that passes geometric verification.
   [[nodiscard]] std::optional<TrackResult> relocalize(const PreparedFrame& frame, const Map& map) const;
 
-  /// Returns earlier keyframes that may show the same place as `keyframe`, the one added last.
+  /// Returns loops between `keyframe`, the one added last, and earlier keyframes, to be verified.
   LoopCandidates find_loops(const Map& map, KeyframeId keyframe);
 
   /// Starts a new sequence: the next keyframe does not follow the previous one.
@@ -29,11 +29,15 @@ class PlaceRecognition {
 
  private:
   [[nodiscard]] BowVector bow_of(const Features& features) const;
+  [[nodiscard]] IndexedView indexed_view(const Keyframe& keyframe) const;
+  [[nodiscard]] std::vector<ProposedLoop> propose_loops(const Map& map, KeyframeId keyframe,
+                                                        const std::vector<KeyframeId>& candidates) const;
 
   PinholeCamera camera_;
   SlamOptions options_;
   Vocabulary vocabulary_;
   PlaceIndex index_;
+  std::vector<std::vector<NodeId>> nodes_;  // by keyframe id: the vocabulary node of each keypoint
   CandidateHistory history_;
 };
 

@@ -5,7 +5,7 @@
 namespace kinloop {
 
 void LoopVerificationJob::add(LoopCandidates candidates) {
-  if (!candidates.local_maps.empty()) waiting_.push_back(std::move(candidates));
+  if (!candidates.places.empty()) waiting_.push_back(std::move(candidates));
 }
 
 bool LoopVerificationJob::is_due(const JobContext& /*context*/) const {

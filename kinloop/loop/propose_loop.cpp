@@ -1,0 +1,58 @@
+#include "kinloop/loop/propose_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kinloop/features/keypoint_measurements.hpp"
+#include "kinloop/optimize/pose/ransac.hpp"
+#include "kinloop/place/match_by_nodes.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Whether drift explains the angle between the predicted direction of a point and that of its match.
+bool agrees_with_prediction(const PredictedView& predicted, const Eigen::Vector3d& p_reference,
+                            const Eigen::Vector3d& ray) {
+  const Eigen::Vector3d p_camera = predicted.T_reference_camera.inverse() * p_reference;
+  const double angle_rad = std::atan2(p_camera.cross(ray).norm(), p_camera.dot(ray));
+  return angle_rad <= direction_bound_rad(predicted.bound, p_camera);
+}
+
+std::vector<PoseObservation> matched_observations(const IndexedView& reference_view,
+                                                  const IndexedView& camera_view,
+                                                  const std::optional<PredictedView>& predicted,
+                                                  const PinholeCamera& camera) {
+  const Features &reference = reference_view.features, &features = camera_view.features;
+  std::vector<PoseObservation> observations;
+  for (const Match& match : match_by_nodes({reference.descriptors, reference_view.nodes},
+                                           {features.descriptors, camera_view.nodes}, {})) {
+    const auto depth_m = static_cast<double>(reference.depths_m[match.a]);
+    if (!(depth_m > 0)) continue;
+    const Eigen::Vector3d p_reference = camera.unproject(reference.pixels[match.a].cast<double>(), depth_m);
+    const Eigen::Vector3d ray = camera.unproject(features.pixels[match.b].cast<double>(), 1);
+    if (predicted && !agrees_with_prediction(*predicted, p_reference, ray)) continue;
+    observations.push_back({compensated_measurement(features, match.b), p_reference});
+  }
+  return observations;
+}
+
+}  // namespace
+
+std::optional<SE3> propose_pose(const IndexedView& reference_view, const IndexedView& camera_view,
+                                const std::optional<PredictedView>& predicted, const PinholeCamera& camera,
+                                const PnpRansacOptions& options, uint64_t seed) {
+  const auto observations = matched_observations(reference_view, camera_view, predicted, camera);
+  if (static_cast<int>(observations.size()) < options.min_inliers) return std::nullopt;
+  // A pose with fewer inliers than required is of no use, so RANSAC need not sample long enough to find it.
+  constexpr uint32_t kSampleSize = 3;
+  PnpRansacOptions limited = options;
+  limited.max_iterations = static_cast<int>(std::min<double>(
+      options.max_iterations, std::ceil(required_samples(options.min_inliers, observations.size(),
+                                                         kSampleSize, options.confidence))));
+  limited.max_iterations = std::max(limited.max_iterations, 1);
+  const auto solution = solve_pnp_ransac(camera, observations, limited, seed);
+  if (!solution) return std::nullopt;
+  return solution->T_reference_camera;
+}
+
+}  // namespace kinloop
