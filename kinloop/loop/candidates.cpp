@@ -42,6 +42,10 @@ LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, Keyf
 
   LoopDetection candidates;
   std::optional<KnownPlace> place;
+  std::vector<std::vector<KeyframeId>> chosen;  // the groups of the candidates
+  const auto& landmarks = map.keyframe(keyframe).landmark_of;
+  const auto observed_landmarks = static_cast<int>(
+      std::count_if(landmarks.begin(), landmarks.end(), [](LandmarkId id) { return id.valid(); }));
   const auto max_results = static_cast<size_t>(options.max_candidates);
   for (const auto& [candidate, score] : index.query(index.bow_of(keyframe), max_results, allowed)) {
     if (score < min_score) continue;
@@ -51,10 +55,16 @@ LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, Keyf
         group.consistency = std::max(group.consistency, earlier.consistency + 1);
       }
     }
-    if (group.consistency >= options.consistent_keyframes) {
+    // Of the keyframes that show one place, only the most similar is verified.
+    const bool known_place = std::any_of(chosen.begin(), chosen.end(), [&](const auto& keyframes) {
+      return overlap(group.keyframes, keyframes);
+    });
+    if (group.consistency >= options.consistent_keyframes && !known_place) {
       if (!place) place.emplace(map, covisible_group(map, keyframe));
-      if (!place->is_tied_to(group.keyframes, options.covisibility_edge_min_landmarks))
+      if (!place->is_tied_to(group.keyframes, observed_landmarks)) {
         candidates.keyframes.push_back(candidate);
+        chosen.push_back(group.keyframes);
+      }
     }
     candidates.history.push_back(std::move(group));
   }

@@ -29,8 +29,7 @@ struct LoopDetection {
 /// another component, are not covisible with it, and are as similar to it as its covisible keyframes
 /// (relative score). `consistent_keyframes` consecutive keyframes must have matched their surroundings
 /// (Galvez-Lopez and Tardos 2012; Mur-Artal and Tardos 2014). Places that the map already ties to that of
-/// `keyframe`, with as many landmarks as make a covisibility edge of the pose graph, are left out: a loop
-/// would add nothing.
+/// `keyframe` by more landmarks than `keyframe` observes are left out: a loop would add little.
 LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
                                    const CandidateHistory& history, const LoopOptions& options);
 

@@ -10,6 +10,10 @@
 namespace kinloop {
 namespace {
 
+// Without landmarks of several views, a keypoint has one true match at most, so the ratio test of Lowe (2004)
+// holds. It drops most chance matches, which RANSAC would pay for.
+constexpr NodeMatchOptions kMatching{.max_distance = 64, .max_ratio = 0.8};
+
 /// Whether drift explains the angle between the predicted direction of a point and that of its match.
 bool agrees_with_prediction(const PredictedView& predicted, const Eigen::Vector3d& p_reference,
                             const Eigen::Vector3d& ray) {
@@ -25,7 +29,7 @@ std::vector<PoseObservation> matched_observations(const IndexedView& reference_v
   const Features &reference = reference_view.features, &features = camera_view.features;
   std::vector<PoseObservation> observations;
   for (const Match& match : match_by_nodes({reference.descriptors, reference_view.nodes},
-                                           {features.descriptors, camera_view.nodes}, {})) {
+                                           {features.descriptors, camera_view.nodes}, kMatching)) {
     const auto depth_m = static_cast<double>(reference.depths_m[match.a]);
     if (!(depth_m > 0)) continue;
     const Eigen::Vector3d p_reference = camera.unproject(reference.pixels[match.a].cast<double>(), depth_m);

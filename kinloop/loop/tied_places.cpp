@@ -31,16 +31,17 @@ KnownPlace::KnownPlace(const Map& map, std::vector<KeyframeId> keyframes)
 }
 
 bool KnownPlace::is_tied_to(const std::vector<KeyframeId>& group, int min_landmarks) const {
-  const int needed = min_landmarks - count_loop_inliers(group);
-  std::vector<LandmarkId> shared;  // short, since the search ends when there are enough
+  int tied = count_loop_inliers(group);
+  std::vector<bool> uncounted = observed_;
   for (const KeyframeId id : group) {
+    if (tied >= min_landmarks) return true;
     for (const LandmarkId landmark : map_.keyframe(id).landmark_of) {
-      if (static_cast<int>(shared.size()) >= needed) return true;
-      if (!landmark.valid() || landmark.value >= observed_.size() || !observed_[landmark.value]) continue;
-      if (std::find(shared.begin(), shared.end(), landmark) == shared.end()) shared.push_back(landmark);
+      if (!landmark.valid() || landmark.value >= uncounted.size() || !uncounted[landmark.value]) continue;
+      uncounted[landmark.value] = false;
+      ++tied;
     }
   }
-  return static_cast<int>(shared.size()) >= needed;
+  return tied >= min_landmarks;
 }
 
 int KnownPlace::count_loop_inliers(const std::vector<KeyframeId>& group) const {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kinloop/loop/drift.hpp"
 #include "kinloop/loop/relocalize.hpp"
 #include "kinloop/loop/verify_loop.hpp"
 #include "tests/support/synthetic_map.hpp"
@@ -40,7 +41,9 @@ class Loop : public testing::Test {
       if (i == kKeyframes - 4) built_.landmark_of_point.clear();
       const auto view = test::observe(world_, true_pose(i), {}, 10 + static_cast<uint64_t>(i));
       const KeyframeId id = test::add_view(built_, world_, view, drifted_pose(i));
-      places_.add(id, bow_of(*view.features));
+      const auto quantized = vocabulary_.quantize(view.features->descriptors);
+      places_.add(id, vocabulary_.bow_of(quantized.words));
+      nodes_.push_back(quantized.nodes);
     }
   }
 
@@ -63,14 +66,41 @@ class Loop : public testing::Test {
     return vocabulary_.bow_of(vocabulary_.quantize(features.descriptors).words);
   }
 
-  std::optional<VerifiedLoop> verify(KeyframeId keyframe, const std::vector<KeyframeId>& candidates) const {
-    return verify_loop(make_loop_candidates(built_.map, keyframe, candidates, {}, 3), world_.camera, {}, {});
+  [[nodiscard]] IndexedView view_of(KeyframeId id) const {
+    return {*built_.map.keyframe(id).features, nodes_[id.value]};
+  }
+
+  [[nodiscard]] std::optional<SE3> propose(KeyframeId keyframe, KeyframeId candidate,
+                                           const std::optional<PredictedView>& predicted) const {
+    return propose_pose(view_of(candidate), view_of(keyframe), predicted, world_.camera, {}, 3);
+  }
+
+  [[nodiscard]] std::optional<PredictedView> predict(KeyframeId keyframe, KeyframeId candidate) const {
+    return predict_view(built_.map, candidate, keyframe,
+                        travelled_distances(built_.map, keyframe)[candidate.value]);
+  }
+
+  [[nodiscard]] LoopCandidates question(KeyframeId keyframe,
+                                        const std::vector<KeyframeId>& candidates) const {
+    std::vector<ProposedLoop> proposed;
+    for (const KeyframeId candidate : candidates) {
+      const auto predicted = predict(keyframe, candidate);
+      const auto pose = propose(keyframe, candidate, predicted);
+      if (pose) proposed.push_back({candidate, *pose, predicted});
+    }
+    return make_loop_candidates(built_.map, keyframe, proposed, {});
+  }
+
+  [[nodiscard]] std::optional<VerifiedLoop> verify(KeyframeId keyframe,
+                                                   const std::vector<KeyframeId>& candidates) const {
+    return verify_loop(question(keyframe, candidates), world_.camera, {}, {});
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
   Vocabulary vocabulary_;
   test::SyntheticMap built_;
   PlaceIndex places_;
+  std::vector<std::vector<NodeId>> nodes_;  // by keyframe
   const KeyframeId last_{kKeyframes - 1};
 };
 
@@ -86,6 +116,19 @@ TEST_F(Loop, CandidatesAreFromTheStartOfTheLoop) {
   }
   ASSERT_FALSE(found.empty());
   EXPECT_LT(found.front().value, 6U);
+}
+
+TEST_F(Loop, PlacesAlreadyTiedAreNoCandidates) {
+  const auto before = find_loop_candidates(built_.map, places_, KeyframeId{kKeyframes - 2}, {}, {});
+  const auto found = find_loop_candidates(built_.map, places_, last_, before.history, {});
+  ASSERT_FALSE(found.keyframes.empty());
+  LoopEdge loop;
+  loop.a = found.keyframes.front();
+  loop.b = KeyframeId{kKeyframes - 2};  // a neighbour of the query
+  loop.inliers = 10000;
+  built_.map.add_loop_edge(loop);
+  const auto again = find_loop_candidates(built_.map, places_, last_, before.history, {});
+  EXPECT_EQ(std::count(again.keyframes.begin(), again.keyframes.end(), loop.a), 0);
 }
 
 TEST_F(Loop, SingleKeyframeIsNotConsistent) {
@@ -116,13 +159,46 @@ std::shared_ptr<const Features> facing(const Features& features, float scale) {
 }
 
 TEST_F(Loop, InliersAreNotEnoughIfFreeSpaceIsViolated) {
-  LoopCandidates question = make_loop_candidates(built_.map, last_, {KeyframeId{1}}, {}, 3);
-  question.frame.features = facing(*question.frame.features, 1);
-  const auto features = question.local_maps[0].features;
-  question.local_maps[0].features = facing(*features, 1);
-  EXPECT_TRUE(verify_loop(question, world_.camera, {}, {}).has_value());
-  question.local_maps[0].features = facing(*features, 1.3F);
-  EXPECT_FALSE(verify_loop(question, world_.camera, {}, {}).has_value());
+  LoopCandidates loop = question(last_, {KeyframeId{1}});
+  ASSERT_EQ(loop.places.size(), 1U);
+  loop.frame.features = facing(*loop.frame.features, 1);
+  LocalMap& local_map = loop.places[0].local_map;
+  const auto features = local_map.features;
+  local_map.features = facing(*features, 1);
+  EXPECT_TRUE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  local_map.features = facing(*features, 1.3F);
+  EXPECT_FALSE(verify_loop(loop, world_.camera, {}, {}).has_value());
+}
+
+/// A repeated structure can pass every other check.
+TEST_F(Loop, PoseThatDriftCannotExplainIsRejected) {
+  LoopCandidates loop = question(last_, {KeyframeId{1}});
+  ASSERT_EQ(loop.places.size(), 1U);
+  auto& predicted = loop.places[0].proposed.predicted;
+  ASSERT_TRUE(predicted.has_value());
+  EXPECT_TRUE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  predicted->T_reference_camera.translation.x() += 3.61;
+  EXPECT_FALSE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  predicted = std::nullopt;  // another component: nothing is known
+  EXPECT_TRUE(verify_loop(loop, world_.camera, {}, {}).has_value());
+}
+
+TEST_F(Loop, ProposedPoseIsNearTheTruth) {
+  const SE3 truth = true_pose(1).inverse() * true_pose(kKeyframes - 1);
+  for (const auto& predicted : {std::optional<PredictedView>(), predict(last_, KeyframeId{1})}) {
+    const auto pose = propose(last_, KeyframeId{1}, predicted);
+    ASSERT_TRUE(pose.has_value());
+    EXPECT_LT(test::distance_m(*pose, truth), 0.03);
+    EXPECT_LT(test::angle_rad(*pose, truth), 0.02);
+  }
+}
+
+TEST_F(Loop, MatchesAgainstThePredictionAreDropped) {
+  auto predicted = predict(last_, KeyframeId{1});
+  ASSERT_TRUE(predicted.has_value());
+  predicted->bound = {0.1, 0.1};
+  predicted->T_reference_camera = predicted->T_reference_camera * test::camera_at(0.6, {0, 0, 0});
+  EXPECT_FALSE(propose(last_, KeyframeId{1}, predicted).has_value());
 }
 
 TEST_F(Loop, CorrectionDistributesTheDrift) {

@@ -64,7 +64,8 @@ class BackEndTest : public testing::Test {
   Map& map() { return built_.map; }
 
   void see_the_start_again() {
-    back_end_.add_loop_candidates(make_loop_candidates(map(), last_, {KeyframeId{1}}, {}, 3));
+    const ProposedLoop loop{KeyframeId{1}, ring_pose(1).inverse() * ring_pose(kRingKeyframes - 1), {}};
+    back_end_.add_loop_candidates(make_loop_candidates(map(), last_, {loop}, {}));
   }
 
   /// Processes a frame; `added` is its keyframe, if valid.
