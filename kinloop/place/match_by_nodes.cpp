@@ -79,7 +79,7 @@ std::vector<Match> match_by_nodes(const IndexedDescriptors& a, const IndexedDesc
     const NearestTwo& nearest = of_a[i];
     if (nearest.distance > options.max_distance || of_b[nearest.index].index != i) continue;
     const int second = std::min(nearest.second, of_b[nearest.index].second);
-    if (nearest.distance <= options.max_ratio * second)
+    if (nearest.distance < options.max_ratio * second)
       matches.push_back({i, nearest.index, nearest.distance});
   }
   return matches;
