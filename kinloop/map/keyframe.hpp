@@ -5,6 +5,7 @@
 
 #include "kinloop/base/ids.hpp"
 #include "kinloop/features/features.hpp"
+#include "kinloop/features/patches.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {
@@ -20,6 +21,7 @@ struct Keyframe {
   SE3 T_world_camera;
   std::shared_ptr<const Features> features;
   std::vector<LandmarkId> landmark_of;
+  std::shared_ptr<const std::vector<Patch>> patches = {};  ///< per keypoint; null in a loaded map
 };
 
 /// Keypoint `feature` of `keyframe`.

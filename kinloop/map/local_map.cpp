@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <unordered_map>
 
 namespace kinloop {
 namespace {
@@ -49,6 +50,7 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
   local_map.ids = collect_landmarks(map, reference, options);
   const SE3 T_reference_world = map.keyframe(reference).T_world_camera.inverse();
   const cv::Mat& like = local_map.features->descriptors;
+  std::unordered_map<KeyframeId, uint32_t> view_of;
   local_map.descriptors.create(static_cast<int>(local_map.size()), like.cols, like.type());
   for (size_t i = 0; i < local_map.size(); ++i) {
     const Landmark& landmark = map.landmark(local_map.ids[i]);
@@ -62,6 +64,14 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
     local_map.viewing_directions.push_back(towards_observer.normalized());
     local_map.observed_distances_m.push_back(towards_observer.norm());
     local_map.observed_levels.push_back(observer.features->levels[seen.feature]);
+    const auto [view, is_new] =
+        view_of.try_emplace(seen.keyframe, static_cast<uint32_t>(local_map.views.size()));
+    if (is_new) {
+      local_map.views.push_back({seen.keyframe, (T_reference_world * observer.T_world_camera).inverse(),
+                                 observer.features, observer.patches});
+    }
+    local_map.view_of.push_back(view->second);
+    local_map.feature_of.push_back(seen.feature);
     std::memcpy(local_map.descriptors.ptr(static_cast<int>(i)),
                 observer.features->descriptors.ptr(static_cast<int>(seen.feature)),
                 local_map.descriptors.step);

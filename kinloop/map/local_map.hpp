@@ -26,6 +26,14 @@ struct LocalMapOptions {
   }
 };
 
+/// An observing keyframe of a local map.
+struct LocalView {
+  KeyframeId keyframe;
+  SE3 T_keyframe_reference;
+  std::shared_ptr<const Features> features;
+  std::shared_ptr<const std::vector<Patch>> patches;  ///< may be null
+};
+
 /// Landmarks in the frame of `reference`, as a structure of arrays.
 struct LocalMap {
   KeyframeId reference;
@@ -37,6 +45,9 @@ struct LocalMap {
   std::vector<double> observed_distances_m;  ///< distance from that camera
   std::vector<int> observed_levels;          ///< pyramid level in that camera
   cv::Mat descriptors;                       ///< one row per landmark, from that camera
+  std::vector<LocalView> views;              ///< the observing cameras
+  std::vector<uint32_t> view_of;             ///< per landmark, index into `views`
+  std::vector<uint32_t> feature_of;          ///< per landmark, its keypoint there
 
   [[nodiscard]] size_t size() const { return ids.size(); }
 };

@@ -190,6 +190,12 @@ void Map::set_features(KeyframeId id, std::shared_ptr<const Features> features) 
   keyframe.features = std::move(features);
 }
 
+void Map::set_patches(KeyframeId id, std::vector<Patch> patches) {
+  Keyframe& keyframe = keyframe_ref(id);
+  require(patches.size() == keyframe.features->size(), "set_patches: one patch per keypoint expected");
+  keyframe.patches = std::make_shared<const std::vector<Patch>>(std::move(patches));
+}
+
 bool Map::contains(LandmarkId id) const {
   return id.value < landmarks_.size() && landmarks_[id.value].has_value();
 }

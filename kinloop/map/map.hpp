@@ -69,6 +69,9 @@ class Map {
   /// the same.
   void set_features(KeyframeId id, std::shared_ptr<const Features> features);
 
+  /// Stores image patches of the keypoints of a keyframe.
+  void set_patches(KeyframeId id, std::vector<Patch> patches);
+
   /// Increments the epoch after a correction of the whole map (loop correction, global bundle adjustment,
   /// self-calibration), so that updates computed before it are dropped.
   void advance_epoch() { ++epoch_; }

@@ -18,6 +18,11 @@ void FramePipeline::run_ahead() {
       const ElapsedTime decoding = watch.elapsed();
       PreparedFrame prepared = front_end_.prepare(*frame);
       prepared.decoding = decoding;
+      if (features_wanted_) {
+        const Stopwatch extracting;
+        prepared.features = front_end_.features(prepared);
+        prepared.extracting = extracting.elapsed();
+      }
       if (!frames_.push(std::move(prepared))) break;
       watch = Stopwatch();
     }

@@ -1,6 +1,7 @@
 #pragma once
 // Decodes the frames of a source and prepares them for tracking, ahead of time on a separate thread.
 
+#include <atomic>
 #include <exception>
 #include <optional>
 #include <thread>
@@ -26,11 +27,16 @@ class FramePipeline {
   /// Returns the next frame, or nothing at the end of the source.
   std::optional<PreparedFrame> next();
 
+  /// Sets whether features are extracted ahead: if tracking needs them anyway, they should not wait for it.
+  /// Affects time only; tracking extracts what is missing.
+  void extract_features_ahead(bool wanted) { features_wanted_ = wanted; }
+
  private:
   void run_ahead();
 
   FrameSource& source_;
   const FrontEnd front_end_;
+  std::atomic<bool> features_wanted_ = true;
   Channel<PreparedFrame> frames_;
   std::exception_ptr error_;  // written before the channel is closed, read after it is drained
   std::jthread thread_;

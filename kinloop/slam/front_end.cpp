@@ -7,6 +7,10 @@
 
 namespace kinloop {
 
+std::shared_ptr<const Features> FrontEnd::features(const PreparedFrame& frame) const {
+  return std::make_shared<const Features>(extract_features(frame.gray, frame.depth_m, camera_, options_));
+}
+
 PreparedFrame FrontEnd::prepare(const RgbdFrame& frame) const {
   const cv::Size size(camera_.width, camera_.height);
   require(frame.color.type() == CV_8UC3 && frame.color.size() == size,
@@ -20,8 +24,7 @@ PreparedFrame FrontEnd::prepare(const RgbdFrame& frame) const {
   prepared.color = frame.color;
   prepared.depth_m = frame.depth_m;
   cv::cvtColor(frame.color, prepared.gray, cv::COLOR_BGR2GRAY);
-  prepared.features =
-      std::make_shared<const Features>(extract_features(prepared.gray, prepared.depth_m, camera_, options_));
+  prepared.octaves = make_octaves(prepared.gray, kOctaves);
   prepared.preparing = watch.elapsed();
   return prepared;
 }

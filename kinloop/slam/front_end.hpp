@@ -15,13 +15,18 @@ class FrontEnd {
   FrontEnd(const PinholeCamera& camera, const FeatureOptions& options, uint32_t first_frame = 0)
       : camera_(camera), options_(options), first_frame_(first_frame) {}
 
-  /// Returns keypoints with descriptors and depth. Throws std::logic_error unless both images have the
-  /// camera's size and the types of RgbdFrame.
+  /// Returns the frame with its grey octaves, without features. Throws std::logic_error unless both images
+  /// have the camera's size and the types of RgbdFrame.
   [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const;
+
+  /// Returns keypoints with descriptors and depth.
+  [[nodiscard]] std::shared_ptr<const Features> features(const PreparedFrame& frame) const;
 
   [[nodiscard]] uint32_t first_frame() const { return first_frame_; }
 
  private:
+  static constexpr int kOctaves = 4;
+
   PinholeCamera camera_;
   FeatureOptions options_;
   uint32_t first_frame_;

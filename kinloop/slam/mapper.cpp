@@ -5,17 +5,43 @@
 #include "kinloop/tracking/keyframe_policy.hpp"
 
 namespace kinloop {
+namespace {
 
-bool Mapper::needs_keyframe(const Map& map, const FrameTracking& tracking) {
+/// Which keypoints observe a landmark.
+std::vector<bool> observed(const Map& map, KeyframeId id) {
+  std::vector<bool> result;
+  for (const LandmarkId landmark : map.keyframe(id).landmark_of) result.push_back(landmark.valid());
+  return result;
+}
+
+}  // namespace
+
+bool Mapper::needs_keyframe(const Map& map, const FrameTracking& tracking) const {
   if (tracking.repeat || options_.localize_only) return false;
-  ++frames_since_keyframe_;
   if (std::holds_alternative<NewMap>(tracking.outcome)) return true;
   const TrackResult* result = located(tracking.outcome);
   if (result == nullptr) return false;
-  const KeyframeCriteria criteria{*result, tracking.frame,
-                                  motions_from_keyframes(map, *result, last_keyframe_),
-                                  frames_since_keyframe_, count_confirmed_landmarks(map, result->reference)};
+  const KeyframeCriteria criteria{
+      *result, tracking.frame, motions_from_keyframes(map, *result, last_keyframe_),
+      frames_since_keyframe(map, tracking.frame.id), count_confirmed_landmarks(map, result->reference)};
   return kinloop::needs_keyframe(criteria, options_.tracking.keyframe);
+}
+
+int Mapper::frames_since_keyframe(const Map& map, FrameId frame) const {
+  return static_cast<int>(frame.value - map.keyframe(last_keyframe_).frame.value);
+}
+
+bool Mapper::may_need_keyframe(const Map& map, const FrameTracking& tracking) {
+  constexpr uint32_t kInterval_frames = 4;  // a tenth of a second: extraction costs more than direct tracking
+  const TrackResult& result = *located(tracking.outcome);
+  const double moved =
+      motion_from_nearest(*tracking.frame.features, motions_from_keyframes(map, result, last_keyframe_),
+                          options_.tracking.keyframe);
+  if (moved < kMinKeyframeMotion) return false;
+  const FrameId now = tracking.frame.id;
+  if (moved <= 1 && now.value - last_check_.value < kInterval_frames) return false;
+  last_check_ = now;
+  return true;
 }
 
 /// The first camera defines the world frame. A new component starts at the last known camera pose, for lack
@@ -38,8 +64,8 @@ KeyframeId Mapper::insert_keyframe(Map& map, const FrameTracking& tracking) {
   create_landmarks_from_depth(map, id, camera_, options_.mapping);
   triangulate_landmarks(map, id, camera_, options_.mapping);
   cull_landmarks(map, options_.mapping);
+  map.set_patches(id, cut_patches(tracking.frame.octaves, *map.keyframe(id).features, observed(map, id)));
   last_keyframe_ = id;
-  frames_since_keyframe_ = 0;
   return id;
 }
 

@@ -13,20 +13,25 @@ class Mapper {
   /// Continues after `newest`, a keyframe of a loaded map.
   void continue_from(KeyframeId newest) { last_keyframe_ = newest; }
 
+  /// Returns whether a frame that was tracked directly has moved far enough to become a keyframe. Whether it
+  /// does depends on its keypoints.
+  [[nodiscard]] bool may_need_keyframe(const Map& map, const FrameTracking& tracking);
+
   /// Returns whether a frame should become a keyframe: true if it starts a map, or if it is located and shows
-  /// enough new content. Call once per frame, in order.
-  [[nodiscard]] bool needs_keyframe(const Map& map, const FrameTracking& tracking);
+  /// enough new content.
+  [[nodiscard]] bool needs_keyframe(const Map& map, const FrameTracking& tracking) const;
 
   /// Adds the frame to the map: its keyframe, observations and new landmarks. Culls bad landmarks.
   KeyframeId insert_keyframe(Map& map, const FrameTracking& tracking);
 
  private:
+  [[nodiscard]] int frames_since_keyframe(const Map& map, FrameId frame) const;
   KeyframeId add_keyframe(Map& map, const FrameTracking& tracking) const;
 
   PinholeCamera camera_;
   SlamOptions options_;
   KeyframeId last_keyframe_;
-  int frames_since_keyframe_ = 0;
+  FrameId last_check_{0};  // the last frame for which `may_need_keyframe` was true
 };
 
 }  // namespace kinloop

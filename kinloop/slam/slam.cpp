@@ -57,18 +57,25 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
 FrameResult Slam::process(const PreparedFrame& measured) {
   const Stopwatch watch;
   timings_.add("decoding", measured.decoding);
-  timings_.add("features", measured.preparing);
+  timings_.add("image preparation", measured.preparing);
+  if (measured.features) timings_.add("features", measured.extracting);
   Stopwatch module;
   apply_results(back_end_.apply_due(measured.id));
   back_end_.submit(measured.id, job_context());
   timings_.add("back end scheduling", module.lap());
 
-  const FrameTracking tracking = tracker_.track(measured, {map_, places_, sensor_.value}, timings_);
+  const TrackingContext context{map_, places_, sensor_.value};
+  FrameTracking tracking = tracker_.track(measured, context, timings_);
   module.lap();
+  if (tracking.direct && mapper_.may_need_keyframe(map_, tracking)) {
+    FrameTracking all = tracker_.with_keypoints(tracking, context, timings_);
+    module.lap();
+    if (mapper_.needs_keyframe(map_, all)) tracking = std::move(all);
+  }
   KeyframeId keyframe;
-  if (mapper_.needs_keyframe(map_, tracking)) keyframe = insert_keyframe(tracking);
+  if (!tracking.direct && mapper_.needs_keyframe(map_, tracking)) keyframe = insert_keyframe(tracking);
   const TrackResult result = track_result(tracking.outcome, keyframe);
-  log_.push_back(make_log_entry(result, measured, camera_.color.height));
+  log_.push_back(make_log_entry(result, tracking.frame, camera_.color.height));
   log_.back().repeat = tracking.repeat;
   log_.back().keyframe = keyframe;
   timings_.add("mapping", module.lap());

@@ -57,6 +57,9 @@ class Slam {
   [[nodiscard]] const FrontEnd& front_end() const { return front_end_; }
   [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const { return front_end_.prepare(frame); }
 
+  /// Returns whether the next frame will probably be tracked by keypoints.
+  [[nodiscard]] bool expects_keypoints() const { return tracker_.expects_keypoints(); }
+
   /// Processes the next frame. Frames must be in order of time.
   FrameResult process(const PreparedFrame& measured);
   FrameResult process(const RgbdFrame& frame) { return process(prepare(frame)); }

@@ -34,28 +34,112 @@ const TrackResult* located(const TrackOutcome& outcome) {
 
 FrameTracking Tracker::track(const PreparedFrame& measured, const TrackingContext& context,
                              Timings& timings) const {
-  if (repeats_previous_image(measured)) return {Tracked{previous_result()}, measured, motion_, true};
-  Stopwatch compensating;
+  if (repeats_previous_image(measured)) return repeat_previous(measured);
+  Stopwatch watch;
+  auto direct = track_directly(measured, context.sensor);
+  timings.add("direct tracking", watch.lap());
+  if (!direct) return track_by_keypoints(measured, context, timings);
+  PreparedFrame frame = measured;
+  frame.features = std::move(direct->features);
+  FrameTracking tracking = complete(Tracked{std::move(direct->result)}, frame, context.sensor, timings);
+  tracking.direct = true;
+  return tracking;
+}
+
+FrameTracking Tracker::repeat_previous(const PreparedFrame& measured) const {
+  FrameTracking tracking{Tracked{previous_result()}, measured, motion_, true};
+  tracking.frame.features = previous_->frame.features;
+  return tracking;
+}
+
+/// Tracks against patches of the local map. Not after a loss, when the prediction is unknown.
+std::optional<DirectlyTracked> Tracker::track_directly(const PreparedFrame& measured,
+                                                       const SensorVector& sensor) const {
+  if (!previous_ || lost_frames_ > 0 || options_.localize_only) return std::nullopt;
+  const DirectTrackingContext context{*previous_,         local_map_,        camera_,          sensor,
+                                      motion_.velocity(), options_.features, options_.tracking};
+  return kinloop::track_directly(measured, predict(measured.stamp_ns).T, context);
+}
+
+FrameTracking Tracker::track_by_keypoints(PreparedFrame measured, const TrackingContext& context,
+                                          Timings& timings) const {
+  Stopwatch watch;
+  if (!measured.features) measured.features = front_end_.features(measured);
+  timings.add("features", watch.lap());
   const PreparedFrame predicted = deskewed(measured, context.sensor, motion_);
-  ElapsedTime compensation = compensating.elapsed();
+  timings.add("motion compensation", watch.lap());
   TrackOutcome outcome = locate(predicted, context, timings);
   TrackResult* result = located(outcome);
   if (options_.localize_only && result != nullptr && !is_localized(*result, measured, options_.tracking)) {
     result->matches.clear();
   }
-  MotionModel motion = motion_after(measured, outcome);
-  compensating.lap();
-  PreparedFrame frame = deskewed(measured, context.sensor, motion);  // after its own motion is known
-  compensation += compensating.elapsed();
-  timings.add("motion compensation", compensation);
-  return {std::move(outcome), std::move(frame), motion, false};
+  return complete(std::move(outcome), measured, context.sensor, timings);
+}
+
+/// Adds what follows from the outcome: the motion, and the frame compensated for it.
+FrameTracking Tracker::complete(TrackOutcome outcome, const PreparedFrame& measured,
+                                const SensorVector& sensor, Timings& timings) const {
+  const Stopwatch watch;
+  const MotionModel motion = motion_after(measured, outcome);
+  PreparedFrame frame = deskewed(measured, sensor, motion);
+  timings.add("motion compensation", watch.elapsed());
+  return {std::move(outcome), std::move(frame), motion};
+}
+
+FrameTracking Tracker::with_keypoints(const FrameTracking& tracked, const TrackingContext& context,
+                                      Timings& timings) const {
+  Stopwatch watch;
+  FrameTracking all = tracked;
+  all.direct = false;
+  all.frame.features = front_end_.features(tracked.frame);
+  timings.add("features", watch.lap());
+  all.frame = deskewed(all.frame, context.sensor, tracked.motion);
+  timings.add("motion compensation", watch.lap());
+  const FeatureGrid grid(*all.frame.features, camera_.width, camera_.height);
+  TrackResult result =
+      track_local_map(all.frame, grid, local_map_, located(tracked.outcome)->T_reference_camera,
+                      options_.tracking.local_map_window_px, camera_, options_.tracking);
+  timings.add("tracking", watch.lap());
+  result.stats.attempts = 1;
+  if (result.status == TrackStatus::kTracked) {
+    all.outcome = Tracked{std::move(result)};
+  } else {
+    all.outcome = Lost{result.stats};
+  }
+  return all;
+}
+
+/// The previous frame with all its keypoints, even if it was tracked without.
+TrackedFrame Tracker::previous_with_keypoints(const SensorVector& sensor, Timings& timings) const {
+  if (!previous_direct_) return *previous_;
+  Stopwatch watch;
+  TrackedFrame previous = *previous_;
+  previous.frame.features = front_end_.features(previous.frame);
+  previous.frame = deskewed(previous.frame, sensor, motion_);
+  timings.add("features", watch.lap());
+  previous.landmark_of.assign(previous.frame.features->size(), LandmarkId{});
+  const FeatureGrid grid(*previous.frame.features, camera_.width, camera_.height);
+  const TrackResult result =
+      track_local_map(previous.frame, grid, local_map_, previous.T_reference_camera,
+                      options_.tracking.local_map_window_px, camera_, options_.tracking);
+  for (const LandmarkMatch& match : result.matches) previous.landmark_of[match.feature] = match.landmark;
+  timings.add("tracking", watch.lap());
+  return previous;
+}
+
+PredictedPose Tracker::predict(int64_t stamp_ns) const {
+  PredictedPose predicted = motion_.predict(stamp_ns - previous_->frame.stamp_ns);
+  predicted.T = previous_->T_reference_camera * predicted.T;
+  return predicted;
 }
 
 TrackOutcome Tracker::locate(const PreparedFrame& frame, const TrackingContext& context,
                              Timings& timings) const {
   if (context.map.keyframes().empty()) return start_map_or_lose(frame);
+  std::optional<TrackedFrame> previous;
+  if (previous_) previous = previous_with_keypoints(context.sensor, timings);
   const Stopwatch watch;
-  TrackResult tracked = previous_ ? track_previous(frame) : TrackResult{};
+  TrackResult tracked = previous ? track_previous(frame, *previous) : TrackResult{};
   timings.add("tracking", watch.elapsed());
   // Dense odometry measures the motion between consecutive frames, not across a gap.
   if (lost_frames_ > 0 && tracked.status == TrackStatus::kDenseOnly) tracked = {};
@@ -76,10 +160,8 @@ TrackOutcome Tracker::locate(const PreparedFrame& frame, const TrackingContext& 
   return Lost{tracked.stats};
 }
 
-TrackResult Tracker::track_previous(const PreparedFrame& frame) const {
-  PredictedPose predicted = motion_.predict(frame.stamp_ns - previous_->frame.stamp_ns);
-  predicted.T = previous_->T_reference_camera * predicted.T;
-  return kinloop::track(frame, *previous_, local_map_, predicted, camera_, options_.tracking,
+TrackResult Tracker::track_previous(const PreparedFrame& frame, const TrackedFrame& previous) const {
+  return kinloop::track(frame, previous, local_map_, predict(frame.stamp_ns), camera_, options_.tracking,
                         seed_of(options_, frame.id));
 }
 
@@ -160,6 +242,7 @@ void Tracker::remember(const FrameTracking& latest) {
     return;
   }
   lost_frames_ = 0;
+  previous_direct_ = latest.direct;
   const TrackResult* result = located(latest.outcome);
   previous_ = TrackedFrame{latest.frame, result != nullptr ? result->T_reference_camera : SE3{},
                            std::vector<LandmarkId>(latest.frame.features->size())};

@@ -4,9 +4,11 @@
 #include <optional>
 #include <variant>
 
+#include "kinloop/slam/front_end.hpp"
 #include "kinloop/slam/options.hpp"
 #include "kinloop/slam/place_recognition.hpp"
 #include "kinloop/slam/timings.hpp"
+#include "kinloop/tracking/direct_tracking.hpp"
 #include "kinloop/tracking/motion_model.hpp"
 #include "kinloop/tracking/tracker.hpp"
 
@@ -41,6 +43,7 @@ struct FrameTracking {
   PreparedFrame frame;  ///< motion-compensated
   MotionModel motion;   ///< includes the motion of this frame
   bool repeat = false;  ///< repeats the previous image: takes its pose and does not update the motion model
+  bool direct = false;  ///< `frame.features` are landmarks found without keypoint detection
 };
 
 /// What the tracker needs from the rest of the system.
@@ -54,15 +57,24 @@ struct TrackingContext {
 /// state.
 class Tracker {
  public:
-  Tracker(const PinholeCamera& camera, const SlamOptions& options) : camera_(camera), options_(options) {}
+  Tracker(const PinholeCamera& camera, const SlamOptions& options)
+      : camera_(camera), options_(options), front_end_(camera, options.features) {}
 
   /// Locates `measured` from the current state. Adds the elapsed times to `timings`.
   [[nodiscard]] FrameTracking track(const PreparedFrame& measured, const TrackingContext& context,
                                     Timings& timings) const;
 
+  /// Returns `tracked`, which was tracked directly, with all keypoints of its frame, matched with the local
+  /// map. An outcome other than Tracked means that too few match.
+  [[nodiscard]] FrameTracking with_keypoints(const FrameTracking& tracked, const TrackingContext& context,
+                                             Timings& timings) const;
+
   /// Updates the state after a frame or a change of the map: the latest frame, if any, and the local map of
   /// `reference` in the current map. Call after each frame and after each change of the map.
   void update(const Map& map, KeyframeId reference, const FrameTracking* latest = nullptr);
+
+  /// Returns whether the next frame will probably be tracked by keypoints, as the previous one was.
+  [[nodiscard]] bool expects_keypoints() const { return !previous_direct_ || lost_frames_ > 0; }
 
   /// Returns the reference keyframe of the local map; invalid before the first.
   [[nodiscard]] KeyframeId reference() const { return local_map_.reference; }
@@ -70,7 +82,16 @@ class Tracker {
  private:
   [[nodiscard]] bool repeats_previous_image(const PreparedFrame& frame) const;
   [[nodiscard]] TrackResult previous_result() const;
-  [[nodiscard]] TrackResult track_previous(const PreparedFrame& frame) const;
+  [[nodiscard]] FrameTracking repeat_previous(const PreparedFrame& measured) const;
+  [[nodiscard]] PredictedPose predict(int64_t stamp_ns) const;
+  [[nodiscard]] std::optional<DirectlyTracked> track_directly(const PreparedFrame& measured,
+                                                              const SensorVector& sensor) const;
+  [[nodiscard]] FrameTracking track_by_keypoints(PreparedFrame measured, const TrackingContext& context,
+                                                 Timings& timings) const;
+  [[nodiscard]] FrameTracking complete(TrackOutcome outcome, const PreparedFrame& measured,
+                                       const SensorVector& sensor, Timings& timings) const;
+  [[nodiscard]] TrackedFrame previous_with_keypoints(const SensorVector& sensor, Timings& timings) const;
+  [[nodiscard]] TrackResult track_previous(const PreparedFrame& frame, const TrackedFrame& previous) const;
   [[nodiscard]] TrackOutcome locate(const PreparedFrame& frame, const TrackingContext& context,
                                     Timings& timings) const;
   [[nodiscard]] TrackOutcome start_map_or_lose(const PreparedFrame& frame) const;
@@ -81,7 +102,9 @@ class Tracker {
 
   PinholeCamera camera_;
   SlamOptions options_;
+  FrontEnd front_end_;
   std::optional<TrackedFrame> previous_;  // the last located frame; none before the first
+  bool previous_direct_ = false;          // it has no descriptors
   LocalMap local_map_;
   MotionModel motion_;
   int lost_frames_ = 0;  // since `previous_`

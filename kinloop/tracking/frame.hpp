@@ -8,6 +8,7 @@
 
 #include "kinloop/base/ids.hpp"
 #include "kinloop/base/stopwatch.hpp"
+#include "kinloop/features/image_octaves.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/geometry/se3.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
@@ -16,10 +17,14 @@ namespace kinloop {
 
 /// A frame of the camera with everything computed from it alone; it may be prepared ahead on another thread.
 struct PreparedFrame : RgbdFrame {
-  cv::Mat gray;  ///< 8UC1
+  cv::Mat gray;          ///< 8UC1
+  ImageOctaves octaves;  ///< of `gray`
+  /// All keypoints with descriptors; null if not extracted ahead. Of a frame tracked directly: only the
+  /// landmarks found, without descriptors.
   std::shared_ptr<const Features> features;
-  ElapsedTime decoding;   ///< time that the source took, for reports
-  ElapsedTime preparing;  ///< time of the front end
+  ElapsedTime decoding;    ///< time that the source took, for reports
+  ElapsedTime preparing;   ///< time of the front end without features
+  ElapsedTime extracting;  ///< time of the features, if they were extracted ahead
 };
 
 /// The previous frame as kept by the tracker.

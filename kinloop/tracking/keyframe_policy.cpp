@@ -43,15 +43,19 @@ std::vector<int> shared_counts(const Map& map, const std::vector<LandmarkMatch>&
 
 }  // namespace
 
+double motion_from_nearest(const Features& features, std::span<const SE3> T_keyframe_camera,
+                           const KeyframeOptions& options) {
+  const double depth_m = median_depth_m(features);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const SE3& T : T_keyframe_camera) nearest = std::min(nearest, relative_motion(T, depth_m, options));
+  return nearest;
+}
+
 bool needs_keyframe(const KeyframeCriteria& q, const KeyframeOptions& options) {
   if (q.result.status != TrackStatus::kTracked) return false;
-  const double depth_m = median_depth_m(*q.frame.features);
-  double moved = std::numeric_limits<double>::infinity();  // from the nearest keyframe
-  for (const SE3& T : q.T_keyframe_camera) moved = std::min(moved, relative_motion(T, depth_m, options));
+  const double moved = motion_from_nearest(*q.frame.features, q.T_keyframe_camera, options);
   if (moved > 1) return true;
-  // A static camera sees nothing new, however long it stays.
-  constexpr double kMinMotion = 0.5;
-  if (moved < kMinMotion) return false;
+  if (moved < kMinKeyframeMotion) return false;
 
   const int tracked = q.result.stats.inliers;
   const bool overlap_too_low = tracked < options.min_tracked_ratio * q.reference_landmarks;

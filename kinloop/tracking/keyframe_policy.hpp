@@ -2,6 +2,8 @@
 // Keyframe selection: a frame becomes a keyframe if it shows content not covered by existing keyframes. A
 // camera that revisits a mapped place adds none, so the size of the scene bounds the size of the map.
 
+#include <span>
+
 #include "kinloop/tracking/tracker.hpp"
 
 namespace kinloop {
@@ -14,6 +16,15 @@ struct KeyframeCriteria {
   int frames_since_keyframe = 0;
   int reference_landmarks = 0;  ///< landmarks of the reference keyframe confirmed by other keyframes
 };
+
+/// Below this motion from the nearest keyframe no frame becomes one: a static camera sees nothing new, however long it
+/// stays.
+inline constexpr double kMinKeyframeMotion = 0.5;
+
+/// Returns the camera motion from the nearest keyframe, relative to the motion at which a frame always becomes a
+/// keyframe (1).
+double motion_from_nearest(const Features& features, std::span<const SE3> T_keyframe_camera,
+                           const KeyframeOptions& options);
 
 /// Returns whether the frame should become a keyframe, because it shows enough new or too few known
 /// landmarks.

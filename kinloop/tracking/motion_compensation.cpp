@@ -1,5 +1,7 @@
 #include "kinloop/tracking/motion_compensation.hpp"
 
+#include <algorithm>
+
 #include <Eigen/Geometry>
 
 #include "kinloop/features/keypoint_measurements.hpp"
@@ -51,6 +53,20 @@ Features deskew_features(const Features& features, const PinholeCamera& camera, 
     deskewed.depths_m[i] = has_depth ? static_cast<float>(p.z()) : 0.0F;
   }
   return deskewed;
+}
+
+std::optional<Eigen::Vector2d> raw_pixel_of(const Eigen::Vector3d& p_camera, const PinholeCamera& camera,
+                                            const SensorVector& sensor, const Velocity& velocity) {
+  constexpr int kRounds = 2;  // the row changes by far less than the image during its readout
+  const bool rolling = sensor(kRollingShutter) != 0;
+  Eigen::Vector3d p = p_camera;
+  for (int round = 0;; ++round) {
+    if (!(p.z() > 0)) return std::nullopt;
+    const Eigen::Vector2d raw = camera.distort(corrected_pixel(camera, sensor, p.hnormalized()));
+    if (!rolling || round == kRounds) return raw;
+    const double row = std::clamp(raw.y() / camera.height - 0.5, -0.5, 0.5);
+    p = point_in_later_camera(p_camera, velocity, sensor(kRollingShutter) * row);
+  }
 }
 
 }  // namespace kinloop

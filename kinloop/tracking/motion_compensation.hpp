@@ -3,6 +3,8 @@
 // an ideal static camera at the time of the middle row. Later stages then need not model the row-wise
 // exposure and the depth delay.
 
+#include <optional>
+
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/optimize/bundle/sensor_model.hpp"
@@ -15,5 +17,10 @@ namespace kinloop {
 /// distance.
 Features deskew_features(const Features& features, const PinholeCamera& camera, const SensorVector& sensor,
                          const Velocity& velocity);
+
+/// Returns the raw pixel at which a moving camera sees a point given in camera axes at the frame's stamp: the
+/// inverse of `deskew_features` for a pixel. nullopt if the point is behind the camera.
+std::optional<Eigen::Vector2d> raw_pixel_of(const Eigen::Vector3d& p_camera, const PinholeCamera& camera,
+                                            const SensorVector& sensor, const Velocity& velocity);
 
 }  // namespace kinloop
