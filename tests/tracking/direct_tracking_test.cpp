@@ -1,0 +1,167 @@
+// Alignment of patches and images on synthetic textures with known shifts and motions.
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/features/patches.hpp"
+#include "kinloop/tracking/align_images.hpp"
+#include "kinloop/tracking/align_patch.hpp"
+#include "kinloop/tracking/motion_compensation.hpp"
+
+namespace kinloop {
+namespace {
+
+/// A smooth texture without period, intensity levels.
+double texture(double x, double y) {
+  return 120 + 45 * std::sin(0.53 * x + 0.5) * std::cos(0.47 * y) + 25 * std::sin(0.21 * x - 0.57 * y + 1) +
+         15 * std::cos(0.05 * x + 0.17 * y);
+}
+
+/// The texture under `source`, which maps a pixel to texture coordinates.
+template <class Source>
+cv::Mat render(int width, int height, const Source& source) {
+  cv::Mat image(height, width, CV_8UC1);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const Eigen::Vector2d at = source(Eigen::Vector2d(x, y));
+      image.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(texture(at.x(), at.y()));
+    }
+  }
+  return image;
+}
+
+Patch patch_at(const cv::Mat& image, const Eigen::Vector2f& pixel) {
+  Features features;
+  features.raw_pixels = {pixel};
+  features.pixels = {pixel};
+  features.levels = {0};
+  return cut_patches({image}, features, {true}).front();
+}
+
+constexpr int kWidth_px = 100, kHeight_px = 80;
+const Eigen::Vector2f kPoint(50.3F, 40.6F);
+
+class AlignPatch : public testing::Test {
+ protected:
+  const cv::Mat image_ = render(kWidth_px, kHeight_px, [](const Eigen::Vector2d& pixel) { return pixel; });
+  const Patch patch_ = patch_at(image_, kPoint);
+};
+
+TEST_F(AlignPatch, FindsTheShiftToAFractionOfAPixel) {
+  const auto made = make_template(patch_, Eigen::Matrix2f::Identity());
+  ASSERT_TRUE(made);
+  for (const Eigen::Vector2d& shift : {Eigen::Vector2d(0, 0), {0.4, -0.7}, {-1.6, 1.2}, {2.2, 0.9}}) {
+    const cv::Mat moved =
+        render(kWidth_px, kHeight_px, [&](const Eigen::Vector2d& pixel) { return pixel - shift; });
+    const auto found = align_patch(*made, moved, kPoint, 4);
+    ASSERT_TRUE(found) << shift.transpose();
+    EXPECT_LT((found->position - kPoint - shift.cast<float>()).norm(), 0.05) << shift.transpose();
+    EXPECT_GT(found->correlation, 0.99);
+  }
+}
+
+TEST_F(AlignPatch, IsIndependentOfGainAndOffset) {
+  const auto made = make_template(patch_, Eigen::Matrix2f::Identity());
+  ASSERT_TRUE(made);
+  cv::Mat darker;
+  image_.convertTo(darker, -1, 0.5, 20);
+  const auto found = align_patch(*made, darker, kPoint + Eigen::Vector2f(1, -1), 4);
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->position - kPoint).norm(), 0.1);
+}
+
+TEST_F(AlignPatch, FollowsAnAffineWarp) {
+  Eigen::Matrix2d warp;  // texture coordinates per pixel
+  warp << 0.9, -0.3, 0.2, 0.95;
+  const Eigen::Vector2d point = kPoint.cast<double>();
+  const cv::Mat warped = render(kWidth_px, kHeight_px, [&](const Eigen::Vector2d& pixel) {
+    return Eigen::Vector2d(point + warp * (pixel - point));
+  });
+  const auto made = make_template(patch_, warp.cast<float>());
+  ASSERT_TRUE(made);
+  const auto found = align_patch(*made, warped, kPoint + Eigen::Vector2f(-1, 0.5F), 4);
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->position - kPoint).norm(), 0.1);
+}
+
+TEST_F(AlignPatch, RejectsWhatItCannotLocate) {
+  const cv::Mat flat(kHeight_px, kWidth_px, CV_8UC1, cv::Scalar(90));
+  EXPECT_FALSE(make_template(patch_at(flat, kPoint), Eigen::Matrix2f::Identity()));
+  const cv::Mat edge = render(kWidth_px, kHeight_px, [](const Eigen::Vector2d& pixel) {
+    return Eigen::Vector2d(pixel.x() < 50 ? 0 : 12, 0);
+  });
+  EXPECT_FALSE(make_template(patch_at(edge, kPoint), Eigen::Matrix2f::Identity()));
+  EXPECT_FALSE(make_template(patch_, 3 * Eigen::Matrix2f::Identity()));  // larger than the patch
+  const auto made = make_template(patch_, Eigen::Matrix2f::Identity());
+  ASSERT_TRUE(made);
+  EXPECT_FALSE(align_patch(*made, flat, kPoint, 4));
+  EXPECT_FALSE(align_patch(*made, image_, {2, 2}, 4));  // beyond the border
+}
+
+TEST(CutPatches, LeavesOutKeypointsAtTheBorderAndUnwantedOnes) {
+  const cv::Mat image(kHeight_px, kWidth_px, CV_8UC1, cv::Scalar(90));
+  Features features;
+  features.raw_pixels = {{50, 40}, {3, 40}, {60, 40}};
+  features.pixels = features.raw_pixels;
+  features.levels = {0, 0, 0};
+  const auto patches = cut_patches({image}, features, {true, true, false});
+  EXPECT_EQ(patches[0].octave, 0);
+  EXPECT_EQ(patches[1].octave, Patch::kNone);
+  EXPECT_EQ(patches[2].octave, Patch::kNone);
+}
+
+TEST(AlignImages, FindsTheMotionInFrontOfAWall) {
+  PinholeCamera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 500;
+  camera.cx = 320;
+  camera.cy = 240;
+  constexpr double kDistance_m = 2, kTexturePerMetre = 100;
+  const auto view = [&](const SE3& T_world_camera) {
+    return render(camera.width, camera.height, [&](const Eigen::Vector2d& pixel) {
+      const Eigen::Vector3d ray = T_world_camera.rotation * camera.unproject(pixel, 1);
+      const double length = (kDistance_m - T_world_camera.translation.z()) / ray.z();
+      const Eigen::Vector3d p = T_world_camera.translation + length * ray;
+      return Eigen::Vector2d(kTexturePerMetre * p.head<2>());
+    });
+  };
+  Vector6d twist;
+  twist << 0.02, -0.01, 0.015, 0.006, -0.01, 0.008;  // up to 8 px
+  const SE3 truth = SE3::exp(twist);
+  std::vector<AlignmentPoint> points;
+  for (int y = 60; y < camera.height; y += 40) {
+    for (int x = 60; x < camera.width; x += 40) {
+      const Eigen::Vector2d pixel(x, y);
+      points.push_back({camera.unproject(pixel, kDistance_m), pixel, pixel});
+    }
+  }
+  const SE3 found = align_images(make_octaves(view({}), 4), make_octaves(view(truth), 4), points, camera);
+  EXPECT_LT((found.translation - truth.translation).norm(), 0.003);
+  EXPECT_LT((found.inverse() * truth).angle_rad(), 0.001);
+}
+
+TEST(RawPixelOf, InvertsDeskewing) {
+  PinholeCamera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 500;
+  camera.cx = 320;
+  camera.cy = 240;
+  camera.k1 = 0.1;
+  SensorVector sensor = SensorVector::Zero();
+  sensor(kRollingShutter) = 0.03;
+  const Velocity velocity{{0.3, -0.1, 0.2}, {0.4, 0.8, -0.3}};
+  const Eigen::Vector3d p_camera(0.4, 0.5, 2);
+  const auto raw = raw_pixel_of(p_camera, camera, sensor, velocity);
+  ASSERT_TRUE(raw);
+  const double row = raw->y() / camera.height - 0.5;
+  const Eigen::Vector3d p_row = point_in_later_camera(p_camera, velocity, sensor(kRollingShutter) * row);
+  EXPECT_LT((camera.distort(camera.project(p_row)) - *raw).norm(), 0.01);
+  EXPECT_FALSE(raw_pixel_of({0, 0, -1}, camera, sensor, velocity));
+}
+
+}  // namespace
+}  // namespace kinloop
