@@ -17,12 +17,12 @@ struct KeyframeCriteria {
   int reference_landmarks = 0;  ///< landmarks of the reference keyframe confirmed by other keyframes
 };
 
-/// Below this motion from the nearest keyframe no frame becomes one: a static camera sees nothing new, however long it
-/// stays.
+/// Below this motion from the nearest keyframe no frame becomes one: a static camera sees nothing new,
+/// however long it stays.
 inline constexpr double kMinKeyframeMotion = 0.5;
 
-/// Returns the camera motion from the nearest keyframe, relative to the motion at which a frame always becomes a
-/// keyframe (1).
+/// Returns the camera motion from the nearest keyframe, relative to the motion at which a frame always
+/// becomes a keyframe (1).
 double motion_from_nearest(const Features& features, std::span<const SE3> T_keyframe_camera,
                            const KeyframeOptions& options);
 
