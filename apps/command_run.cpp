@@ -191,15 +191,29 @@ void write_results(const RunFolder& folder, const RunOutcome& outcome, const Tra
   write_loop_pictures(folder, slam, outcome.source.camera(), images);
 }
 
-/// Returns the time of everything but `Slam`: the start of the process until `startup`, the dense map, saving
-/// and writing.
-Timings program_timings(const ElapsedTime& startup, const DenseRecorder& recorder, const MapSaver* saver,
-                        const ElapsedTime& writing) {
+/// Returns the time of everything but `Slam` and writing: the start of the process until `startup`, the dense
+/// map and saving.
+Timings program_timings(const ElapsedTime& startup, const DenseRecorder& recorder, const MapSaver* saver) {
   Timings timings = recorder.timings();
   timings.add("startup", startup);
   if (saver != nullptr) timings.add("saving the map", saver->total());
-  timings.add("writing", writing);
   return timings;
+}
+
+/// Writes all results, then run.json, which includes the time of that, and the report. Returns the content of
+/// run.json.
+nlohmann::json write_run(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
+                         const std::optional<MapCloud>& map, const DenseRecorder& images,
+                         const FrameTable& frames, const nlohmann::json& map_file, Timings program) {
+  const Stopwatch writing;
+  auto summary = summary_of(outcome, map);
+  if (!map_file.is_null()) summary["map_file"] = map_file;
+  write_results(folder, outcome, trajectory, map, images, frames, summary);
+  program.add("writing", writing.elapsed());
+  add_timings(summary, outcome.slam.timings(), program);
+  write_file(folder.run_json(), summary.dump(2) + "\n");
+  if (map) write_report(folder);
+  return summary;
 }
 
 void print_summary(const nlohmann::json& summary, const RunFolder& folder, bool poses_only) {
@@ -262,14 +276,9 @@ ExitCode run(const RunArguments& arguments) {
   const auto points = map ? std::optional(map->cloud.size()) : std::nullopt;
   const RunOutcome outcome{*source,        slam,    options,   evaluation, points,
                            watch.wall_s(), threads, !complete, dropped};
-  const Stopwatch writing;
-  auto summary = summary_of(outcome, map);
-  if (saved) summary["map_file"] = map_file_json(*saver);
-  write_results(folder, outcome, trajectory, map, session.recorder(), frames.table(slam.timings()), summary);
-  add_timings(summary, slam.timings(),
-              program_timings(startup, session.recorder(), saver.get(), writing.elapsed()));
-  write_file(folder.run_json(), summary.dump(2) + "\n");
-  if (map) write_report(folder);
+  const auto summary = write_run(folder, outcome, trajectory, map, session.recorder(),
+                                 frames.table(slam.timings()), saved ? map_file_json(*saver) : nullptr,
+                                 program_timings(startup, session.recorder(), saver.get()));
   if (!arguments.quiet) print_summary(summary, folder, poses_only);
   if (arguments.profile) fmt::print("{}", profile_text(summary));
   const bool useful = check_result(outcome, trajectory, depth);

@@ -25,7 +25,7 @@ std::vector<uint16_t> to_units(const cv::Mat& depth_m, double units_per_m) {
     uint16_t* out = &units[static_cast<size_t>(row) * static_cast<size_t>(cols)];
     for (int col = 0; col < cols; ++col) {
       const float value = depths[col] * scale + 0.5F;
-      const float known = (value >= 1) & (value < kMaxCount) ? value : 0.0F;
+      const float known = ((value >= 1) & (value < kMaxCount)) ? value : 0.0F;
       out[col] = static_cast<uint16_t>(static_cast<int>(known));
     }
   }

@@ -14,7 +14,7 @@ Patch cut_patch(const cv::Mat& image, const Eigen::Vector2d& position, int octav
   if (left < 0 || top < 0 || left + Patch::kSize > image.cols || top + Patch::kSize > image.rows)
     return patch;
   for (int row = 0; row < Patch::kSize; ++row) {
-    std::memcpy(&patch.texels[static_cast<size_t>(row * Patch::kSize)], image.ptr(top + row) + left,
+    std::memcpy(&patch.texels[static_cast<size_t>(row) * Patch::kSize], image.ptr(top + row) + left,
                 Patch::kSize);
   }
   patch.center = (position - Eigen::Vector2d(left, top)).cast<float>();

@@ -170,7 +170,7 @@ UpEstimate DenseRecorder::up(std::span<const PosedImage> views, const DenseCamer
   std::vector<SE3> T_world_cameras;
   for (const PosedImage& view : views) T_world_cameras.push_back(view.T_world_camera);
   const Stopwatch watch;
-  const UpEstimate up = estimate_up_direction(surface_normals(load_surfels, views, camera), T_world_cameras);
+  UpEstimate up = estimate_up_direction(surface_normals(load_surfels, views, camera), T_world_cameras);
   timings_.add("up direction", watch.elapsed());
   return up;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kinloop/base/time.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
 
 namespace kinloop {
@@ -55,7 +56,9 @@ FrameTracking Tracker::repeat_previous(const PreparedFrame& measured) const {
 /// Tracks against patches of the local map. Not after a loss, when the prediction is unknown.
 std::optional<DirectlyTracked> Tracker::track_directly(const PreparedFrame& measured,
                                                        const SensorVector& sensor) const {
+  constexpr int64_t kMaxGap_ns = kNsPerSecond / 10;  // patches look too different after a longer motion
   if (!previous_ || lost_frames_ > 0 || options_.localize_only) return std::nullopt;
+  if (measured.stamp_ns - previous_->frame.stamp_ns > kMaxGap_ns) return std::nullopt;
   const DirectTrackingContext context{*previous_,         local_map_,        camera_,          sensor,
                                       motion_.velocity(), options_.features, options_.tracking};
   return kinloop::track_directly(measured, predict(measured.stamp_ns).T, context);

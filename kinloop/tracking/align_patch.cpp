@@ -65,14 +65,14 @@ std::optional<PatchTemplate> make_template(const Patch& patch, const Eigen::Matr
     Eigen::Vector2f at =
         patch.center + source_per_target * Eigen::Vector2f(-kReach, static_cast<float>(row) - kReach);
     for (int x = 0; x < kBorder; ++x, at += source_per_target.col(0)) {
-      warped[static_cast<size_t>(row * kBorder + x)] = interpolate(patch, at.x(), at.y());
+      warped.data()[row * kBorder + x] = interpolate(patch, at.x(), at.y());
     }
   }
   PatchTemplate made;
   for (int row = 0; row < PatchTemplate::kSize; ++row) {
     for (int x = 0; x < PatchTemplate::kSize; ++x) {
       const int to = row * PatchTemplate::kSize + x;
-      const float* from = &warped[static_cast<size_t>((row + 1) * kBorder + x + 1)];
+      const float* from = warped.data() + (row + 1) * kBorder + x + 1;
       made.intensity[to] = *from;
       made.gradient_x[to] = (from[1] - from[-1]) / 2;
       made.gradient_y[to] = (from[kBorder] - from[-kBorder]) / 2;

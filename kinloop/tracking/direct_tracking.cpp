@@ -131,7 +131,7 @@ std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const
   constexpr double kMargin_px = 8, kMinViewingCosine = 0.5;
   const PatchPredictor predictor(c, T_reference_camera);
   const int columns = c.camera.width / kCell_px + 1, rows = c.camera.height / kCell_px + 1;
-  std::vector<int> taken(static_cast<size_t>(columns * rows), 0);
+  Eigen::ArrayXXi taken = Eigen::ArrayXXi::Zero(rows, columns);
   std::vector<ExpectedPatch> chosen;
   const auto count_all = static_cast<uint32_t>(c.local_map.size());
   const uint32_t step = coprime_step(count_all);
@@ -141,8 +141,7 @@ std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const
       continue;
     const auto raw = predictor.raw_pixel(i);
     if (!raw || !c.camera.contains(*raw, kMargin_px)) continue;
-    int& count = taken[static_cast<size_t>(static_cast<int>(raw->y()) / kCell_px * columns +
-                                           static_cast<int>(raw->x()) / kCell_px)];
+    int& count = taken(static_cast<int>(raw->y()) / kCell_px, static_cast<int>(raw->x()) / kCell_px);
     if (count >= kMaxPerCell) continue;
     if (const auto expected = predictor.expect(i, *raw)) {
       chosen.push_back(*expected);
