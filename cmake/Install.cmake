@@ -1,7 +1,7 @@
 # `cmake --install` installs the program, the headers, the libraries and kinloopConfig.cmake.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS kinloop ${modules} kinloop_opencv kinloop_cholmod kinloop_codecs kinloop_hwy EXPORT kinloopTargets)
+install(TARGETS kinloop ${modules} kinloop_opencv kinloop_cholmod kinloop_codecs kinloop_compression kinloop_hwy EXPORT kinloopTargets)
 get_property(parts GLOBAL PROPERTY KINLOOP_OPTIONAL_PARTS)
 if(parts)
   install(TARGETS ${parts} EXPORT kinloopTargets)

@@ -30,9 +30,7 @@ std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   };
   if (sequence == "kinect1") return open_kinect1(request.kinect, explicit_camera());
   if (sequence == "kinect2") return open_kinect2(request.kinect, explicit_camera(), request.kinect2_frames);
-  if (sequence.ends_with(".bag") && !std::filesystem::exists(sequence))
-    throw InputError(fmt::format("{}: no such file; check the path", sequence));
-  if (sequence.ends_with(".bag")) return open_bag(sequence, explicit_camera(), request.topics);
+  if (is_bag(sequence)) return open_bag(sequence, explicit_camera(), request.topics);
   return std::make_unique<TumSource>(sequence, choose_camera(sequence, request.camera));
 }
 

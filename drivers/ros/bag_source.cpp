@@ -1,47 +1,52 @@
 #include "drivers/ros/bag_source.hpp"
 
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 
-#include "kinloop/base/errors.hpp"
-
-#ifdef KINLOOP_WITH_ROSBAG
-
-#include <algorithm>
-#include <set>
-
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
-
+#include "drivers/bags/ros2_folder.hpp"
 #include "drivers/live/frame_pairer.hpp"
-#include "drivers/ros/ros_image.hpp"
-#include "drivers/ros/ros_messages.hpp"
-#include "drivers/ros/ros_topics.hpp"
-#include "kinloop/base/time.hpp"
+#include "drivers/ros/bag_camera.hpp"
+#include "drivers/ros/realsense_bag.hpp"
+#include "drivers/ros/ros_serialization.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr const char* kCompressedColor = "/compressed";
-constexpr const char* kCompressedDepth = "/compressedDepth";
+std::set<std::string> names_of(const std::vector<const BagTopic*>& topics) {
+  std::set<std::string> names;
+  for (const BagTopic* topic : topics) names.insert(topic->name);
+  return names;
+}
 
 class BagSource : public FrameSource {
  public:
   BagSource(const std::filesystem::path& path, const std::optional<RgbdCamera>& camera,
-            const std::optional<std::string>& topics) {
+            const std::optional<std::string>& topics)
+      : file_(open_message_file(path)) {
     info_.name = path.string();
-    open();
-    choose_topics(topics);
-    camera_ = camera ? *camera : camera_of_bag();
-    view_.addQuery(bag_, rosbag::TopicQuery(std::vector<std::string>{color_topic_, depth_topic_}));
-    next_message_ = view_.begin();
-    info_.frames = count_of(color_topic_);
+    const auto names = names_of(file_->topics());
+    const auto of_sdk = topics ? std::nullopt : realsense_streams(names, info_.name);
+    streams_ = of_sdk ? *of_sdk : choose_streams(names, topics, info_.name);
+    if (camera) camera_ = *camera;
+    if (of_sdk) {
+      use_realsense(camera.has_value());
+    } else if (!camera) {
+      camera_ = read_bag_camera(*file_, streams_, info_.name);
+    }
+    if (camera_.depth) registration_.emplace(camera_);
+    for (const BagTopic* topic : file_->topics()) {
+      if (topic->name == streams_.color) info_.frames = topic->messages;
+    }
+    file_->select({streams_.color, streams_.depth});
   }
 
   std::optional<RgbdFrame> next() override {
     while (true) {
       if (auto frame = pairer_.next()) {
         ++given_;
-        return frame;
+        return with_registered_depth(std::move(*frame));
       }
       if (finished_) break;
       read_message();
@@ -54,122 +59,87 @@ class BagSource : public FrameSource {
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
     auto all = skipped_;
+    const auto damage = file_->damage();
+    all.insert(all.end(), damage.begin(), damage.end());
     all.insert(all.end(), pairer_.unpaired(), {"image", "no image of the other camera within 0.02 s"});
     all.insert(all.end(), pairer_.out_of_order(), {"image", "its timestamp does not increase"});
     return all;
   }
 
  private:
-  void open() {
-    try {
-      bag_.open(info_.name, rosbag::bagmode::Read);
-    } catch (const rosbag::BagUnindexedException&) {
-      throw InputError(
-          fmt::format("{}: the bag has no index: it is truncated or still being recorded; run rosbag "
-                      "reindex on a copy",
-                      info_.name));
-    } catch (const std::exception& error) {
-      throw InputError(fmt::format("{}: cannot read the bag: {}", info_.name, one_line(error.what())));
-    }
-    for (const auto* connection : rosbag::View(bag_).getConnections()) topics_.insert(connection->topic);
-  }
-
-  static std::string one_line(std::string text) {
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    return text;
-  }
-
-  /// The topic as named in the bag, raw or compressed; empty if absent.
-  [[nodiscard]] std::string in_bag(const std::string& topic, const char* compressed) const {
-    if (topics_.contains(topic)) return topic;
-    return topics_.contains(topic + compressed) ? topic + compressed : "";
-  }
-
-  void choose_topics(const std::optional<std::string>& wanted) {
-    std::vector<RosTopics> candidates(known_topics().begin(), known_topics().end());
-    if (wanted) candidates = {parse_topics(*wanted)};
-    for (const RosTopics& candidate : candidates) {
-      color_topic_ = in_bag(candidate.color, kCompressedColor);
-      depth_topic_ = in_bag(candidate.depth, kCompressedDepth);
-      chosen_ = candidate;
-      if (!color_topic_.empty() && !depth_topic_.empty()) return;
-    }
-    std::string there;
-    for (const auto& topic : topics_) there += (there.empty() ? "" : ", ") + topic;
-    throw InputError(
-        fmt::format("{}: no topics of a known RGB-D camera; use --topics COLOR,DEPTH[,CAMERA_INFO] "
-                    "with two of: {}",
-                    info_.name, there.empty() ? "(none)" : there));
-  }
-
-  [[nodiscard]] size_t count_of(const std::string& topic) const {
-    return rosbag::View(bag_, rosbag::TopicQuery(topic)).size();
-  }
-
-  [[nodiscard]] RgbdCamera camera_of_bag() const {
-    for (const auto& message : rosbag::View(bag_, rosbag::TopicQuery(chosen_.info))) {
-      if (const auto m = message.instantiate<ros1::CameraInfo>()) {
-        RgbdCamera camera;
-        camera.color = camera_from(ros1::from_message(*m), chosen_.rectified());
-        return camera;
-      }
-    }
-    throw InputError(
-        fmt::format("{}: no camera: no message on topic {}; use --camera FILE", info_.name, chosen_.info));
+  void use_realsense(bool has_camera) {
+    of_sdk_ = true;
+    if (has_camera) return;
+    const auto calibration = read_realsense_calibration(*file_, streams_, info_.name);
+    camera_ = calibration.camera;
+    depth_unit_m_ = calibration.depth_unit_m;
   }
 
   /// Passes the next message to the pairer, or detects the end.
   void read_message() {
-    if (next_message_ == view_.end()) return finish();
-    std::string topic;
+    const auto message = file_->next();
+    if (!message) {
+      finished_ = true;
+      return pairer_.finish();
+    }
     try {
-      topic = next_message_->getTopic();
-      if (topic == color_topic_) {
-        add_color(*next_message_);
-      } else {
-        add_depth(*next_message_);
-      }
-      ++next_message_;
+      add(*message);
     } catch (const InputError& error) {
-      skipped_.push_back({topic, error.what()});
-      ++next_message_;
-    } catch (const std::exception& error) {  // thrown by rosbag: the rest of the file is unreadable
-      skipped_.push_back({topic, fmt::format("the bag is damaged from here on: {}", one_line(error.what()))});
-      finish();
+      skipped_.push_back({message->topic->name, error.what()});
     }
   }
 
-  void finish() {
-    finished_ = true;
-    pairer_.finish();
-  }
-
-  void add_color(const rosbag::MessageInstance& message) {
-    if (const auto m = message.instantiate<ros1::Image>()) {
-      pairer_.add_color(ros1::stamp_ns(*m), sized(color_from(ros1::from_message(*m))));
-    } else if (const auto c = message.instantiate<ros1::CompressedImage>()) {
-      pairer_.add_color(ros1::stamp_ns(*c), sized(color_from_compressed(c->data)));
-    } else {
-      throw InputError(fmt::format("expected an image message, found type {}", message.getDataType()));
+  void add(const BagMessage& message) {
+    const BagTopic& topic = *message.topic;
+    const RosReader reader(message.data, topic.encoding);
+    const bool is_color = topic.name == streams_.color;
+    if (topic.type == "sensor_msgs/Image") {
+      const StampedImage m = read_image(reader);
+      const int64_t stamp_ns = stamp_of(m.header, message);
+      if (is_color) return add_color(stamp_ns, color_from(m.image));
+      return add_depth(stamp_ns, depth_from(m.image, depth_unit_m(m)));
     }
+    if (topic.type != "sensor_msgs/CompressedImage")
+      throw InputError(fmt::format("expected an image message, found type {}", topic.type));
+    const StampedCompressedImage m = read_compressed_image(reader);
+    const int64_t stamp_ns = stamp_of(m.header, message);
+    if (is_color) return add_color(stamp_ns, color_from_compressed(m.data));
+    add_depth(stamp_ns, depth_from_compressed(m.format, m.data));
   }
 
-  void add_depth(const rosbag::MessageInstance& message) {
-    if (const auto m = message.instantiate<ros1::Image>()) {
-      pairer_.add_depth(ros1::stamp_ns(*m), sized(depth_from(ros1::from_message(*m))));
-    } else if (const auto c = message.instantiate<ros1::CompressedImage>()) {
-      pairer_.add_depth(ros1::stamp_ns(*c), sized(depth_from_compressed(c->format.c_str(), c->data)));
-    } else {
-      throw InputError(fmt::format("expected an image message, found type {}", message.getDataType()));
-    }
+  /// Some drivers leave the stamp empty.
+  static int64_t stamp_of(const RosHeader& header, const BagMessage& message) {
+    return header.stamp_ns != 0 ? header.stamp_ns : message.log_ns;
   }
 
-  /// Returns the image after checking that it has the camera's size.
-  [[nodiscard]] cv::Mat sized(cv::Mat image) const {
-    if (image.cols == camera_.color.width && image.rows == camera_.color.height) return image;
-    throw InputError(
-        fmt::format("{} x {} pixels where the camera has {} x {}; is depth registered to colour?", image.cols,
-                    image.rows, camera_.color.width, camera_.color.height));
+  /// Newer files of the SDK write the version "1" in place of the frame, and the unit after depth images.
+  [[nodiscard]] double depth_unit_m(const StampedImage& m) const {
+    if (!of_sdk_ || m.header.frame_id != "1" || m.after.size() < sizeof(float)) return depth_unit_m_;
+    const double unit_m = double{ByteReader(m.after).number<float>()};
+    return unit_m > 0 ? unit_m_of_sdk(unit_m) : depth_unit_m_;
+  }
+
+  void add_color(int64_t stamp_ns, cv::Mat image) {
+    require_size(image, camera_.color, "specify the camera of these images with --camera");
+    pairer_.add_color(stamp_ns, std::move(image));
+  }
+
+  void add_depth(int64_t stamp_ns, cv::Mat depth_m) {
+    require_size(depth_m, camera_.depth ? *camera_.depth : camera_.color, "is depth registered to colour?");
+    pairer_.add_depth(stamp_ns, std::move(depth_m));
+  }
+
+  static void require_size(const cv::Mat& image, const PinholeCamera& camera, const char* remedy) {
+    if (image.cols == camera.width && image.rows == camera.height) return;
+    throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}; {}", image.cols, image.rows,
+                                 camera.width, camera.height, remedy));
+  }
+
+  [[nodiscard]] RgbdFrame with_registered_depth(RgbdFrame frame) const {
+    if (camera_.depth_shift_m != 0)
+      cv::add(frame.depth_m, camera_.depth_shift_m, frame.depth_m, frame.depth_m > 0);
+    if (registration_) frame.depth_m = (*registration_)(frame.depth_m);
+    return frame;
   }
 
   [[nodiscard]] std::string first_reason() const {
@@ -177,14 +147,13 @@ class BagSource : public FrameSource {
     return all.empty() ? "" : "; the first: " + all.front().reason;
   }
 
+  std::unique_ptr<MessageFile> file_;
   SourceInfo info_;
-  rosbag::Bag bag_;
-  rosbag::View view_;
-  rosbag::View::iterator next_message_;
-  std::set<std::string> topics_;
-  RosTopics chosen_;
-  std::string color_topic_, depth_topic_;  ///< as in the bag
+  BagStreams streams_;
   RgbdCamera camera_;
+  bool of_sdk_ = false;  ///< recorded by the RealSense SDK
+  double depth_unit_m_ = kRosDepthUnitM;
+  std::optional<DepthRegistration> registration_;  ///< if depth is not registered to colour
   FramePairer pairer_;
   bool finished_ = false;
   size_t given_ = 0;
@@ -194,7 +163,16 @@ class BagSource : public FrameSource {
 }  // namespace
 
 bool bags_available() {
+#ifdef KINLOOP_WITH_ROSBAG
   return true;
+#else
+  return false;
+#endif
+}
+
+bool is_bag(const std::filesystem::path& path) {
+  const auto extension = path.extension();
+  return extension == ".bag" || extension == ".mcap" || extension == ".db3" || is_ros2_bag_folder(path);
 }
 
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& path,
@@ -204,23 +182,3 @@ std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& path,
 }
 
 }  // namespace kinloop
-
-#else
-
-namespace kinloop {
-
-bool bags_available() {
-  return false;
-}
-
-std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& path, const std::optional<RgbdCamera>&,
-                                      const std::optional<std::string>&) {
-  throw UsageError(fmt::format(
-      "{}: ROS bags are not supported by this build; install librosbag-storage-dev and libsensor-msgs-dev "
-      "and rebuild",
-      path.string()));
-}
-
-}  // namespace kinloop
-
-#endif

@@ -1,6 +1,7 @@
 #pragma once
-// In: a ROS bag with the topics of an RGB-D camera. Out: its frames, without a ROS master, via
-// librosbag-storage (optional dependency).
+// In: a bag with the topics of an RGB-D camera: ROS 1 (.bag, via librosbag-storage, an optional dependency),
+// also as recorded by the RealSense SDK, or ROS 2 (.mcap, .db3 or their folder, without ROS). Out: its
+// frames.
 
 #include <filesystem>
 #include <memory>
@@ -10,14 +11,18 @@
 
 namespace kinloop {
 
-/// Returns whether this build reads bags.
+/// Returns whether this build reads bags of ROS 1.
 bool bags_available();
 
-/// Opens a bag on the topics of iai_kinect2 (/kinect2/{qhd,hd,sd}), of the usual drivers (/camera/...) or on
-/// `topics` ("COLOR,DEPTH[,CAMERA_INFO]"). The camera is `camera` if given, else that of camera_info. Images
-/// with an unknown encoding, without partner or with decreasing time are skipped and counted. Throws
-/// InputError if the file is not a bag, is truncated or has none of these topics, and UsageError in a build
-/// without ROS.
+/// Returns whether the path is a bag, by its name: .bag, .mcap, .db3, or a folder with ROS 2 bag files.
+bool is_bag(const std::filesystem::path& path);
+
+/// Opens a bag on the topics of iai_kinect2 (/kinect2/{qhd,hd,sd}), of the usual drivers (/camera/...), of
+/// the RealSense SDK, or on `topics` ("COLOR,DEPTH[,CAMERA_INFO]"). The camera is `camera` if given, else
+/// that of the bag; depth that is not registered to colour is registered. Images that are damaged, of an
+/// unknown encoding, without partner or with decreasing time are skipped and counted. Throws InputError if
+/// the file is not a bag, has none of these topics or no calibration, and UsageError in a build without ROS 1
+/// for its bags.
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& path,
                                       const std::optional<RgbdCamera>& camera,
                                       const std::optional<std::string>& topics = {});

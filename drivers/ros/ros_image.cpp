@@ -1,17 +1,19 @@
 #include "drivers/ros/ros_image.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "drivers/bags/byte_reader.hpp"
+#include "drivers/images/encoded_image.hpp"
+#include "drivers/ros/lens_approximation.hpp"
 #include "kinloop/base/errors.hpp"
 
 namespace kinloop {
 namespace {
-
-constexpr double kMillimetresPerMetre = 1000;
 
 /// Wraps the message's pixels. `type` is an OpenCV type.
 cv::Mat pixels_of(const RosImage& image, int type) {
@@ -21,9 +23,6 @@ cv::Mat pixels_of(const RosImage& image, int type) {
   if (!fits) {
     throw InputError(fmt::format("an image message of {} x {} pixels with {} bytes: truncated", image.width,
                                  image.height, image.data.size()));
-  }
-  if (image.big_endian != (std::endian::native == std::endian::big) && CV_ELEM_SIZE1(type) > 1) {
-    throw InputError("big-endian image messages are not supported");
   }
   return {image.height, image.width, type, const_cast<uint8_t*>(image.data.data()), image.step};
 }
@@ -38,17 +37,54 @@ cv::Mat converted(const cv::Mat& pixels, int code) {
   throw InputError(fmt::format("unknown encoding '{}'; expected one of {}", encoding, known));
 }
 
-cv::Mat metres_from_millimetres(const cv::Mat& millimetres) {
+cv::Mat metres_from(const cv::Mat& units, double unit_m) {
   cv::Mat depth_m;
-  millimetres.convertTo(depth_m, CV_32FC1, 1 / kMillimetresPerMetre);
+  units.convertTo(depth_m, CV_32FC1, unit_m);
   return depth_m;
 }
 
-cv::Mat decoded(std::span<const uint8_t> data) {
-  const cv::Mat bytes(1, static_cast<int>(data.size()), CV_8UC1, const_cast<uint8_t*>(data.data()));
-  cv::Mat image = data.empty() ? cv::Mat() : cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  if (image.empty()) throw InputError("a compressed image message cannot be decoded");
-  return image;
+/// A copy of the pixels in this machine's byte order.
+template <class Number>
+cv::Mat native_pixels(const RosImage& image, int type) {
+  cv::Mat pixels = pixels_of(image, type).clone();
+  if (image.big_endian == (std::endian::native == std::endian::big)) return pixels;
+  auto* first = pixels.ptr<Number>();
+  std::transform(first, first + pixels.total(), first, byte_swapped<Number>);
+  return pixels;
+}
+
+/// The header of compressed_depth_image_transport: how 32-bit depth was quantised.
+struct DepthQuantisation {
+  float a = 0, b = 0;  ///< depth = a / (value - b)
+};
+
+cv::Mat metres_from_inverse_depth(const cv::Mat& values, const DepthQuantisation& q) {
+  cv::Mat depth_m(values.size(), CV_32FC1);
+  for (int y = 0; y < values.rows; ++y) {
+    const auto* row = values.ptr<uint16_t>(y);
+    auto* metres = depth_m.ptr<float>(y);
+    for (int x = 0; x < values.cols; ++x) {
+      const float depth = row[x] == 0 ? 0 : q.a / (static_cast<float>(row[x]) - q.b);
+      metres[x] = std::isfinite(depth) && depth > 0 ? depth : 0;
+    }
+  }
+  return depth_m;
+}
+
+/// The content of compressed_depth_image_transport behind its header: a 16-bit PNG, or RVL with its size.
+cv::Mat compressed_depth_values(const std::string& format, Bytes data) {
+  if (format.find("rvl") == std::string::npos) return decode_image(data);
+  ByteReader reader(data);
+  const auto cols = reader.number<uint32_t>(), rows = reader.number<uint32_t>();
+  constexpr uint32_t kMaxSide = 1U << 15;
+  if (cols > kMaxSide || rows > kMaxSide)
+    throw InputError(fmt::format("RVL depth claims {} x {} pixels", cols, rows));
+  return decode_rvl(reader.block(reader.left()), cv::Size(static_cast<int>(cols), static_cast<int>(rows)));
+}
+
+/// Brown-Conrady coefficients in OpenCV's order.
+void set_distortion(PinholeCamera& camera, const std::array<double, 5>& d) {
+  camera.k1 = d[0], camera.k2 = d[1], camera.p1 = d[2], camera.p2 = d[3], camera.k3 = d[4];
 }
 
 }  // namespace
@@ -60,14 +96,18 @@ cv::Mat color_from(const RosImage& image) {
   if (e == "bgra8" || e == "8UC4") return converted(pixels_of(image, CV_8UC4), cv::COLOR_BGRA2BGR);
   if (e == "rgba8") return converted(pixels_of(image, CV_8UC4), cv::COLOR_RGBA2BGR);
   if (e == "mono8" || e == "8UC1") return converted(pixels_of(image, CV_8UC1), cv::COLOR_GRAY2BGR);
-  reject(e, "bgr8, rgb8, bgra8, rgba8, mono8");
+  if (e == "yuv422" || e == "uyvy" || e == "UYVY")
+    return converted(pixels_of(image, CV_8UC2), cv::COLOR_YUV2BGR_UYVY);
+  if (e == "yuv422_yuy2" || e == "yuyv" || e == "YUYV")
+    return converted(pixels_of(image, CV_8UC2), cv::COLOR_YUV2BGR_YUY2);
+  reject(e, "bgr8, rgb8, bgra8, rgba8, mono8, yuv422, yuv422_yuy2");
 }
 
-cv::Mat depth_from(const RosImage& image) {
+cv::Mat depth_from(const RosImage& image, double unit_m) {
   const std::string& e = image.encoding;
-  if (e == "16UC1" || e == "mono16") return metres_from_millimetres(pixels_of(image, CV_16UC1));
+  if (e == "16UC1" || e == "mono16") return metres_from(native_pixels<uint16_t>(image, CV_16UC1), unit_m);
   if (e == "32FC1") {
-    cv::Mat depth_m = pixels_of(image, CV_32FC1).clone();
+    cv::Mat depth_m = native_pixels<float>(image, CV_32FC1);
     cv::patchNaNs(depth_m, 0);
     return depth_m;
   }
@@ -75,23 +115,22 @@ cv::Mat depth_from(const RosImage& image) {
 }
 
 cv::Mat color_from_compressed(std::span<const uint8_t> data) {
-  cv::Mat image = decoded(data);
-  if (image.type() == CV_8UC3) return image;
-  if (image.type() == CV_8UC1) return converted(image, cv::COLOR_GRAY2BGR);
-  if (image.type() == CV_8UC4) return converted(image, cv::COLOR_BGRA2BGR);
-  throw InputError("a compressed colour image does not have 8 bits per channel");
+  return decode_color(data);
 }
 
 cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data) {
-  constexpr size_t kHeaderBytes =
-      12;  // compressed_depth_image_transport: format and two quantisation parameters
+  ByteReader reader(data);
+  DepthQuantisation quantisation;
   const bool has_header = format.find("compressedDepth") != std::string::npos;
-  if (has_header && data.size() < kHeaderBytes) throw InputError("a compressed depth message is truncated");
-  const cv::Mat image = decoded(has_header ? data.subspan(kHeaderBytes) : data);
-  if (image.type() != CV_16UC1 || format.starts_with("32FC1")) {
-    throw InputError(fmt::format("compressed depth '{}'; only 16UC1 in millimetres is supported", format));
+  if (has_header) {
+    reader.number<int32_t>();  // format of the quantisation; there is only one
+    quantisation = {reader.number<float>(), reader.number<float>()};
   }
-  return metres_from_millimetres(image);
+  const cv::Mat values = compressed_depth_values(format, reader.block(reader.left()));
+  if (values.type() != CV_16UC1)
+    throw InputError(fmt::format("compressed depth '{}' that is not a 16-bit grey PNG", format));
+  if (has_header && format.starts_with("32FC1")) return metres_from_inverse_depth(values, quantisation);
+  return metres_from(values, kRosDepthUnitM);
 }
 
 PinholeCamera camera_from(const RosCameraInfo& info, bool rectified) {
@@ -105,18 +144,23 @@ PinholeCamera camera_from(const RosCameraInfo& info, bool rectified) {
   if (!(camera.fx > 0) || !(camera.fy > 0) || camera.width <= 0 || camera.height <= 0) {
     throw InputError("the camera_info message is of an uncalibrated camera; use --camera FILE");
   }
-  if (rectified || info.D.empty()) return camera;
-  constexpr size_t kPlumbBobSize = 5;
-  if ((info.distortion_model != "plumb_bob" && !info.distortion_model.empty()) ||
-      info.D.size() > kPlumbBobSize) {
+  const bool ideal = std::all_of(info.D.begin(), info.D.end(), [](double d) { return d == 0; });
+  const std::string& model = info.distortion_model;
+  if (rectified || ideal || model == "None") return camera;
+  std::array<double, 5> d{};
+  if (info.D.size() <= d.size()) std::copy(info.D.begin(), info.D.end(), d.begin());
+  if (model == "Inverse Brown Conrady" || model == "Modified Brown Conrady") {
+    const auto lens = model[0] == 'I' ? RealsenseLens::kInverse : RealsenseLens::kModified;
+    set_distortion(camera, brown_conrady_from(lens, d, camera));
+    return camera;
+  }
+  if ((model != "plumb_bob" && model != "Brown Conrady" && !model.empty()) || info.D.size() > d.size()) {
     throw InputError(
         fmt::format("the camera_info message has the distortion model '{}'; only plumb_bob is supported: "
                     "use --camera FILE",
-                    info.distortion_model));
+                    model));
   }
-  std::array<double, kPlumbBobSize> d{};
-  std::copy(info.D.begin(), info.D.end(), d.begin());
-  camera.k1 = d[0], camera.k2 = d[1], camera.p1 = d[2], camera.p2 = d[3], camera.k3 = d[4];
+  set_distortion(camera, d);
   return camera;
 }
 

@@ -23,15 +23,19 @@ struct RosImage {
   std::span<const uint8_t> data;
 };
 
-/// Converts bgr8, rgb8, bgra8, rgba8, mono8, 8UC1 or 8UC3 to 8UC3 BGR. Throws InputError for other encodings
-/// and for truncated data.
+constexpr double kRosDepthUnitM = 0.001;  ///< of 16-bit depth (REP 118)
+
+/// Converts bgr8, rgb8, bgra8, rgba8, mono8, 8UC1, 8UC3, 8UC4, UYVY and YUYV to 8UC3 BGR. Throws InputError
+/// for other encodings and for truncated data.
 cv::Mat color_from(const RosImage& image);
 
-/// Converts 16UC1 or mono16 (millimetres) and 32FC1 (metres; NaN = unknown) to 32FC1 metres, as in REP 118.
-cv::Mat depth_from(const RosImage& image);
+/// Converts 16UC1 or mono16 (in units of `unit_m`) and 32FC1 (metres; NaN = unknown), both of either byte
+/// order, to 32FC1 metres.
+cv::Mat depth_from(const RosImage& image, double unit_m = kRosDepthUnitM);
 
-/// Same for sensor_msgs/CompressedImage: JPEG or PNG; depth as 16-bit PNG, preceded by the header of
-/// compressed_depth_image_transport if `format` says so.
+/// Same for sensor_msgs/CompressedImage: JPEG or PNG; depth as 16-bit PNG, or in the formats of
+/// compressed_depth_image_transport if `format` says so: 16-bit PNG, 32-bit depth as 16-bit PNG of quantised
+/// inverse depth, and RVL, each behind its header.
 cv::Mat color_from_compressed(std::span<const uint8_t> data);
 cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data);
 
@@ -44,8 +48,9 @@ struct RosCameraInfo {
   std::array<double, 12> P{};
 };
 
-/// Returns the camera of a raw image, or of a rectified one (projection matrix, no distortion). Throws
-/// InputError if the camera is uncalibrated or its distortion model is not plumb_bob.
+/// Returns the camera of a raw image, or of a rectified one (projection matrix, no distortion). The
+/// RealSense's inverse and modified Brown-Conrady distortion is approximated by ours. Throws InputError if
+/// the camera is uncalibrated or has another distortion model.
 PinholeCamera camera_from(const RosCameraInfo& info, bool rectified);
 
 }  // namespace kinloop

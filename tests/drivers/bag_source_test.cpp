@@ -105,7 +105,7 @@ TEST_F(BagTest, SkipsAndCountsWhatItCannotUse) {
   write([&](rosbag::Bag& bag) {
     for (int64_t i = 1; i <= 5; ++i) {
       const int64_t stamp = i * 100'000'000;
-      add(bag, kColor, stamp, test::make_color(1), i == 2 ? "yuv422" : "bgr8");
+      add(bag, kColor, stamp, test::make_color(1), i == 2 ? "bayer_rggb8" : "bgr8");
       add(bag, kDepth, stamp, test::make_depth(1000), "16UC1");
     }
     add(bag, kColor, 300'000'000, test::make_color(2), "bgr8");  // time decreases
@@ -117,7 +117,7 @@ TEST_F(BagTest, SkipsAndCountsWhatItCannotUse) {
   EXPECT_EQ(frames, 4U);
   std::string reasons;
   for (const auto& skipped : source->skipped()) reasons += skipped.reason + "\n";
-  EXPECT_THAT(reasons, AllOf(HasSubstr("yuv422"), HasSubstr("does not increase"), HasSubstr("16 x 12"),
+  EXPECT_THAT(reasons, AllOf(HasSubstr("bayer_rggb8"), HasSubstr("does not increase"), HasSubstr("16 x 12"),
                              HasSubstr("no image of the other")));
 }
 

@@ -8,6 +8,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "drivers/bags/byte_reader.hpp"
+#include "drivers/ros/lens_approximation.hpp"
 #include "drivers/ros/ros_topics.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"
@@ -74,18 +76,102 @@ TEST(RosImage, CompressedImages) {
 
 TEST(RosImage, SaysWhatItCannotRead) {
   const cv::Mat bgr = test::make_color(4);
-  EXPECT_THAT(input_error([&] { color_from(message_of(bgr, "yuv422")); }),
-              AllOf(HasSubstr("yuv422"), HasSubstr("bgr8")));
+  EXPECT_THAT(input_error([&] { color_from(message_of(bgr, "bayer_rggb8")); }),
+              AllOf(HasSubstr("bayer_rggb8"), HasSubstr("bgr8")));
   EXPECT_THAT(input_error([&] { depth_from(message_of(bgr, "8UC3")); }), HasSubstr("16UC1"));
   RosImage cut = message_of(bgr, "bgr8");
   cut.data = cut.data.subspan(1);
   EXPECT_THAT(input_error([&] { color_from(cut); }), HasSubstr("truncated"));
-  RosImage other_end = message_of(test::make_depth(1), "16UC1");
-  other_end.big_endian = true;
-  EXPECT_THAT(input_error([&] { depth_from(other_end); }), HasSubstr("big-endian"));
   EXPECT_THAT(input_error([&] { color_from_compressed({}); }), HasSubstr("cannot be decoded"));
   EXPECT_THAT(input_error([&] { depth_from_compressed("32FC1; compressedDepth", std::vector<uint8_t>(5)); }),
               HasSubstr("truncated"));
+}
+
+TEST(RosImage, DepthMayBeBigEndian) {
+  const cv::Mat swapped = (cv::Mat_<uint16_t>(1, 2) << 0xDC05, 0);  // 1500 = 0x05DC
+  RosImage image = message_of(swapped, "16UC1");
+  image.big_endian = true;
+  EXPECT_FLOAT_EQ(depth_from(image).at<float>(0), 1.5F);
+  cv::Mat metres = (cv::Mat_<float>(1, 1) << byte_swapped(2.5F));
+  RosImage floats = message_of(metres, "32FC1");
+  floats.big_endian = true;
+  EXPECT_EQ(depth_from(floats).at<float>(0), 2.5F);
+}
+
+TEST(RosImage, QuantisedInverseDepthIsUndone) {
+  const float a = 1000, b = -10;
+  std::string header(4, '\0');
+  header.append(reinterpret_cast<const char*>(&a), 4).append(reinterpret_cast<const char*>(&b), 4);
+  const cv::Mat values = (cv::Mat_<uint16_t>(1, 3) << 0, 490, 90);
+  const cv::Mat depth_m =
+      depth_from_compressed("32FC1; compressedDepth png", as_bytes(header + test::encoded(values, ".png")));
+  EXPECT_EQ(depth_m.at<float>(0), 0);
+  EXPECT_FLOAT_EQ(depth_m.at<float>(1), 2);
+  EXPECT_FLOAT_EQ(depth_m.at<float>(2), 10);
+}
+
+/// RVL as its inventor defined it: runs of zeros and of differences, in nibbles.
+std::string rvl_of(const std::vector<int>& values) {
+  std::vector<uint32_t> nibbles;
+  const auto number = [&](uint32_t n) {
+    do {
+      nibbles.push_back((n & 7U) | (n > 7 ? 8U : 0U));
+      n >>= 3U;
+    } while (n != 0);
+  };
+  int previous = 0;
+  for (size_t i = 0; i < values.size();) {
+    size_t zeros = 0, others = 0;
+    while (i + zeros < values.size() && values[i + zeros] == 0) ++zeros;
+    number(static_cast<uint32_t>(zeros));
+    i += zeros;
+    while (i + others < values.size() && values[i + others] != 0) ++others;
+    number(static_cast<uint32_t>(others));
+    for (; others > 0; --others, ++i) {
+      const int delta = values[i] - previous;
+      number(static_cast<uint32_t>((delta << 1) ^ (delta >> 31)));
+      previous = values[i];
+    }
+  }
+  while (nibbles.size() % 8 != 0) nibbles.push_back(0);
+  std::string bytes;
+  for (size_t i = 0; i < nibbles.size(); i += 8) {
+    uint32_t word = 0;
+    for (size_t k = 0; k < 8; ++k) word = word << 4U | nibbles[i + k];
+    bytes.append(reinterpret_cast<const char*>(&word), 4);
+  }
+  return bytes;
+}
+
+TEST(RosImage, RvlDepthIsDecoded) {
+  const std::vector<int> values = {0, 0, 1500, 1502, 1499, 0, 9000, 1, 65535, 0, 0, 3};
+  std::string data(12, '\0');
+  const uint32_t width = 4, height = 3;
+  data.append(reinterpret_cast<const char*>(&width), 4).append(reinterpret_cast<const char*>(&height), 4);
+  const std::string rvl = rvl_of(values);
+  const cv::Mat depth_m = depth_from_compressed("16UC1; compressedDepth rvl", as_bytes(data + rvl));
+  ASSERT_EQ(depth_m.size(), cv::Size(4, 3));
+  for (size_t i = 0; i < values.size(); ++i)
+    EXPECT_FLOAT_EQ(depth_m.ptr<float>()[i], static_cast<float>(values[i]) * 0.001F);
+  for (size_t cut = 0; cut < rvl.size(); ++cut) {
+    EXPECT_THAT(input_error([&] {
+                  depth_from_compressed("16UC1; compressedDepth rvl", as_bytes(data + rvl.substr(0, cut)));
+                }),
+                HasSubstr("RVL"));
+  }
+}
+
+TEST(RosImage, AnImageThatClaimsTooManyPixelsIsNotDecoded) {
+  std::string png = test::encoded(test::make_depth(1), ".png");
+  png[16] = png[20] = 0x7F;  // highest bytes of width and height
+  EXPECT_THAT(input_error([&] { depth_from_compressed("16UC1", as_bytes(png)); }), HasSubstr("claims"));
+  std::string jpeg = test::encoded(test::make_color(1), ".jpg");
+  EXPECT_EQ(color_from_compressed(as_bytes(jpeg)).cols, test::kWidth);
+  EXPECT_THAT(input_error([&] { color_from_compressed(as_bytes(jpeg.substr(0, jpeg.size() - 9))); }),
+              HasSubstr("truncated"));
+  const size_t frame_header = jpeg.find("\xff\xc0");
+  jpeg.replace(frame_header + 5, 4, "\xff\xff\xff\xff");
+  EXPECT_THAT(input_error([&] { color_from_compressed(as_bytes(jpeg)); }), HasSubstr("claims"));
 }
 
 TEST(RosCameraInfo, BecomesACamera) {
@@ -102,6 +188,22 @@ TEST(RosCameraInfo, BecomesACamera) {
   info.distortion_model = "equidistant";
   EXPECT_THAT(input_error([&] { camera_from(info, false); }), HasSubstr("equidistant"));
   EXPECT_THAT(input_error([&] { camera_from({}, false); }), HasSubstr("uncalibrated"));
+}
+
+TEST(RealsenseLens, IsApproximatedWithinATenthOfAPixel) {
+  PinholeCamera camera;
+  camera.width = 1280, camera.height = 720, camera.fx = camera.fy = 640, camera.cx = 640, camera.cy = 360;
+  const std::array<double, 5> d = {-0.056, 0.068, 0.0003, 0.0005, -0.022};  // of a D455
+  const auto fitted = brown_conrady_from(RealsenseLens::kInverse, d, camera);
+  camera.k1 = fitted[0], camera.k2 = fitted[1], camera.p1 = fitted[2], camera.p2 = fitted[3],
+  camera.k3 = fitted[4];
+  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0, 0), {1279, 0}, {640, 700}, {100, 400}}) {
+    const double x = (pixel.x() - 640) / 640, y = (pixel.y() - 360) / 640, r2 = x * x + y * y;
+    const double radial = 1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));
+    const Eigen::Vector2d ideal(x * radial + 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x),
+                                y * radial + 2 * d[3] * x * y + d[2] * (r2 + 2 * y * y));
+    EXPECT_LT((camera.distort(640 * ideal + Eigen::Vector2d(640, 360)) - pixel).norm(), 0.1);
+  }
 }
 
 TEST(RosTopics, AreReadFromText) {

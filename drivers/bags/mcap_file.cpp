@@ -1,0 +1,270 @@
+#include "drivers/bags/mcap_file.hpp"
+
+#include <fstream>
+#include <map>
+
+#include "drivers/bags/chunk_decompression.hpp"
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr auto kMcapMagic = "\x89MCAP0\r\n"sv;
+constexpr size_t kRecordHeaderBytes = 9;                         // type and length
+constexpr size_t kFooterBytes = kRecordHeaderBytes + 8 + 8 + 4;  // summary, summary offsets, checksum
+
+/// Record types used here.
+enum Opcode : uint8_t {
+  kFooter = 0x02,
+  kSchema = 0x03,
+  kChannel = 0x04,
+  kMessage = 0x05,
+  kChunk = 0x06,
+  kStatistics = 0x0B,
+  kDataEnd = 0x0F
+};
+
+struct Record {
+  uint8_t opcode = 0;
+  Bytes content;
+};
+
+Record next_record(ByteReader& reader) {
+  const auto opcode = reader.number<uint8_t>();
+  return {opcode, reader.block(reader.number<uint64_t>())};
+}
+
+class McapFile : public MessageFile {
+ public:
+  explicit McapFile(const std::filesystem::path& path) : name_(path.string()), file_(path, std::ios::binary) {
+    if (!file_) throw InputError(fmt::format("{}: cannot be opened; check the path and the rights", name_));
+    size_ = std::filesystem::file_size(path);
+    std::string magic(kMcapMagic.size(), '\0');
+    file_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+    if (!file_ || magic != kMcapMagic)
+      throw InputError(fmt::format("{}: not an MCAP file: it does not begin with its signature", name_));
+    if (!read_summary()) read_all_topics();
+    select({});
+  }
+
+  [[nodiscard]] std::vector<const BagTopic*> topics() const override {
+    std::vector<const BagTopic*> all;
+    for (const auto& [id, topic] : channels_) all.push_back(&topic);
+    return all;
+  }
+
+  void select(const std::set<std::string>& topics) override {
+    selected_ = topics;
+    records_ = ByteReader({});
+    damage_.clear();
+    position_ = kMcapMagic.size();
+  }
+
+  std::optional<BagMessage> next() override {
+    while (true) {
+      while (records_.left() > 0) {
+        if (auto message = next_in_chunk()) return message;
+      }
+      const auto record = next_in_file();
+      if (!record) return std::nullopt;
+      if (record->opcode == kChunk) {
+        open_chunk(record->content);
+      } else if (auto message = handle(*record)) {
+        return message;
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<SkippedFrame> damage() const override { return damage_; }
+
+ private:
+  void report(const std::string& what) {
+    damage_.push_back({name_, fmt::format("at byte {}: {}", record_start_, what)});
+  }
+
+  /// Reads `length` bytes at the current position; empty if the file is shorter.
+  std::optional<Bytes> read_block(uint64_t length) {
+    if (length > size_ - position_ || length > kMaxBlockBytes) return std::nullopt;
+    buffer_.resize(static_cast<size_t>(length));
+    file_.clear();
+    file_.seekg(static_cast<std::streamoff>(position_));
+    file_.read(reinterpret_cast<char*>(buffer_.data()), static_cast<std::streamsize>(length));
+    if (!file_) return std::nullopt;
+    position_ += length;
+    return Bytes(buffer_);
+  }
+
+  /// The next record outside of chunks, up to the end of the data section.
+  std::optional<Record> next_in_file() {
+    while (true) {
+      record_start_ = position_;
+      if (position_ == size_) return stop("the file ends without its summary: it is truncated");
+      const auto header = read_block(kRecordHeaderBytes);
+      if (!header) return stop("the file is truncated");
+      ByteReader reader(*header);
+      const auto opcode = reader.number<uint8_t>();
+      const auto length = reader.number<uint64_t>();
+      if (opcode == kDataEnd || opcode == kFooter) return std::nullopt;
+      const bool used = opcode == kSchema || opcode == kChannel || opcode == kMessage || opcode == kChunk;
+      if (length > size_ - position_) return stop("the file is truncated");
+      if (!used) {
+        position_ += length;
+        continue;
+      }
+      if (const auto content = read_block(length)) return Record{opcode, *content};
+      return stop(fmt::format("a record of {} bytes; the file is damaged from here on", length));
+    }
+  }
+
+  std::optional<Record> stop(const std::string& why) {
+    report(why);
+    position_ = size_;
+    return std::nullopt;
+  }
+
+  void open_chunk(Bytes content) {
+    try {
+      ByteReader reader(content);
+      reader.block(8 + 8);  // first and last time
+      const auto size = reader.number<uint64_t>();
+      const auto crc = reader.number<uint32_t>();
+      const std::string compression = reader.string();
+      const Bytes data = reader.block(reader.number<uint64_t>());
+      if (!compression.empty()) chunk_ = decompressed(compression, data, size);
+      const Bytes records = compression.empty() ? data : Bytes(chunk_);
+      if (crc != 0 && crc32(records) != crc) throw InputError("the checksum is wrong");
+      records_ = ByteReader(records);
+    } catch (const InputError& error) {
+      report(fmt::format("a chunk is skipped: {}", error.what()));
+    }
+  }
+
+  std::optional<BagMessage> next_in_chunk() {
+    try {
+      return handle(next_record(records_));
+    } catch (const InputError& error) {
+      report(fmt::format("the rest of a chunk is skipped: {}", error.what()));
+      records_ = ByteReader({});
+      return std::nullopt;
+    }
+  }
+
+  /// Returns the message if the record is one on a selected topic; remembers schemas and channels.
+  std::optional<BagMessage> handle(const Record& record) {
+    try {
+      ByteReader reader(record.content);
+      if (record.opcode == kSchema) add_schema(reader);
+      if (record.opcode == kChannel) add_channel(reader);
+      if (record.opcode == kMessage) return message(reader);
+    } catch (const InputError& error) {
+      report(fmt::format("a record is skipped: {}", error.what()));
+    }
+    return std::nullopt;
+  }
+
+  void add_schema(ByteReader& reader) {
+    const auto id = reader.number<uint16_t>();
+    schemas_[id] = reader.string();
+  }
+
+  void add_channel(ByteReader& reader) {
+    const auto id = reader.number<uint16_t>();
+    const auto schema = reader.number<uint16_t>();
+    BagTopic topic;
+    topic.name = reader.string();
+    topic.encoding = reader.string();
+    topic.type = ros1_type(schemas_[schema]);
+    channels_.emplace(id, std::move(topic));  // repeated definitions are the same
+  }
+
+  std::optional<BagMessage> message(ByteReader& reader) {
+    const auto channel = channels_.find(reader.number<uint16_t>());
+    if (channel == channels_.end()) throw InputError("a message of an undefined channel");
+    if (counting_) ++channel->second.messages;
+    if (!selected_.contains(channel->second.name)) return std::nullopt;
+    reader.number<uint32_t>();  // sequence number
+    const auto log_ns = static_cast<int64_t>(reader.number<uint64_t>());
+    reader.number<uint64_t>();  // when it was published
+    return BagMessage{&channel->second, log_ns, reader.block(reader.left())};
+  }
+
+  /// Reads topics and counts from the summary; returns false if it is missing or damaged.
+  bool read_summary() {
+    if (size_ < kMcapMagic.size() * 2 + kFooterBytes) return false;
+    const uint64_t footer_start = size_ - kMcapMagic.size() - kFooterBytes;
+    position_ = footer_start;
+    const auto footer = read_block(kFooterBytes + kMcapMagic.size());
+    if (!footer || as_text(*footer).substr(kFooterBytes) != kMcapMagic || (*footer)[0] != kFooter)
+      return false;
+    ByteReader reader(footer->subspan(kRecordHeaderBytes));
+    const auto start = reader.number<uint64_t>();
+    reader.number<uint64_t>();  // start of the summary offsets
+    const auto crc = reader.number<uint32_t>();
+    if (start == 0 || start >= footer_start) return false;
+    position_ = start;
+    const auto summary = read_block(size_ - kMcapMagic.size() - start);
+    if (!summary) return false;
+    if (crc != 0 && crc32(summary->first(summary->size() - 4)) != crc) return false;
+    return read_summary_records(summary->first(static_cast<size_t>(footer_start - start)));
+  }
+
+  bool read_summary_records(Bytes records) {
+    bool counted = false;
+    try {
+      ByteReader reader(records);
+      while (reader.left() > 0) {
+        const Record record = next_record(reader);
+        ByteReader content(record.content);
+        if (record.opcode == kSchema) add_schema(content);
+        if (record.opcode == kChannel) add_channel(content);
+        if (record.opcode == kStatistics) counted = add_counts(content);
+      }
+    } catch (const InputError&) {
+      counted = false;
+    }
+    if (!counted || channels_.empty()) channels_.clear(), schemas_.clear();
+    return !channels_.empty();
+  }
+
+  /// Statistics; the counts are their last field.
+  bool add_counts(ByteReader& reader) {
+    reader.block(8 + 2 + 4 + 4 + 4 + 4 + 8 + 8);
+    ByteReader counts(reader.block(reader.number<uint32_t>()));
+    while (counts.left() > 0) {
+      const auto channel = channels_.find(counts.number<uint16_t>());
+      const auto messages = counts.number<uint64_t>();
+      if (channel != channels_.end()) channel->second.messages = static_cast<size_t>(messages);
+    }
+    return true;
+  }
+
+  void read_all_topics() {
+    counting_ = true;
+    select({});
+    while (next()) {
+    }
+    counting_ = false;
+  }
+
+  std::string name_;
+  std::ifstream file_;
+  uint64_t size_ = 0, position_ = 0, record_start_ = 0;
+  std::map<uint16_t, std::string> schemas_;  ///< names of types
+  std::map<uint16_t, BagTopic> channels_;
+  std::set<std::string> selected_;
+  bool counting_ = false;
+  std::vector<uint8_t> buffer_;  ///< the current record of the file
+  std::vector<uint8_t> chunk_;   ///< decompressed
+  ByteReader records_{Bytes()};  ///< what is left of the chunk
+  std::vector<SkippedFrame> damage_;
+};
+
+}  // namespace
+
+std::unique_ptr<MessageFile> open_mcap(const std::filesystem::path& path) {
+  return std::make_unique<McapFile>(path);
+}
+
+}  // namespace kinloop

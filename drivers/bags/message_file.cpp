@@ -1,0 +1,30 @@
+#include "drivers/bags/message_file.hpp"
+
+#include <fmt/format.h>
+
+#include "drivers/bags/mcap_file.hpp"
+#include "drivers/bags/ros1_bag.hpp"
+#include "drivers/bags/ros2_folder.hpp"
+#include "drivers/bags/sqlite_bag.hpp"
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+
+std::string ros1_type(std::string type) {
+  constexpr std::string_view kRos2Part = "/msg/";
+  const size_t at = type.find(kRos2Part);
+  if (at != std::string::npos) type.replace(at, kRos2Part.size(), "/");
+  return type;
+}
+
+std::unique_ptr<MessageFile> open_message_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored))
+    throw InputError(fmt::format("{}: no such file; check the path", path.string()));
+  if (std::filesystem::is_directory(path, ignored)) return open_ros2_folder(path);
+  if (path.extension() == ".mcap") return open_mcap(path);
+  if (path.extension() == ".db3") return open_sqlite_bag(path);
+  return open_ros1_bag(path);
+}
+
+}  // namespace kinloop

@@ -1,0 +1,170 @@
+#include "drivers/images/encoded_image.hpp"
+
+#include <cstring>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/fast_decoders.hpp"
+#include "kinloop/sensor/image_file.hpp"
+
+namespace kinloop {
+namespace {
+
+struct ClaimedSize {
+  int64_t width = 0, height = 0;
+};
+
+uint32_t big_endian_at(std::string_view bytes, size_t position, size_t size) {
+  uint32_t value = 0;
+  for (size_t i = 0; i < size; ++i) value = value << 8U | static_cast<uint8_t>(bytes[position + i]);
+  return value;
+}
+
+/// The size in the header of a PNG image, whose first chunk is IHDR.
+std::optional<ClaimedSize> png_size(std::string_view bytes) {
+  constexpr size_t kWidthAt = 16, kHeightAt = 20, kEnd = 24;
+  if (bytes.size() < kEnd) return std::nullopt;
+  return ClaimedSize{big_endian_at(bytes, kWidthAt, 4), big_endian_at(bytes, kHeightAt, 4)};
+}
+
+/// The size in the frame header of a JPEG image (ITU T.81, annex B.2.2).
+std::optional<ClaimedSize> jpeg_size(std::string_view bytes) {
+  constexpr size_t kSegmentStart = 2, kFrameHeader = 9;
+  size_t at = kSegmentStart;
+  while (at + kFrameHeader <= bytes.size()) {
+    const auto marker = static_cast<uint8_t>(bytes[at + 1]);
+    if (bytes[at] != '\xff') return std::nullopt;
+    if (marker == 0xFF) {
+      ++at;
+      continue;
+    }
+    const bool tables = marker == 0xC4 || marker == 0xC8 || marker == 0xCC;
+    if (marker >= 0xC0 && marker <= 0xCF && !tables)
+      return ClaimedSize{big_endian_at(bytes, at + 7, 2), big_endian_at(bytes, at + 5, 2)};
+    at += 2 + big_endian_at(bytes, at + 2, 2);
+  }
+  return std::nullopt;
+}
+
+bool is_png(std::string_view bytes) {
+  return bytes.starts_with('\x89');
+}
+
+/// Throws InputError unless the image is whole and of a possible size.
+void require_decodable(std::string_view bytes) {
+  if (bytes.empty()) throw InputError("a compressed image cannot be decoded: it is empty");
+  if (const auto damage = image_damage(bytes); !damage.empty())
+    throw InputError(
+        fmt::format("a compressed image cannot be decoded: {}", damage.substr(0, damage.find(';'))));
+  const auto size = is_png(bytes) ? png_size(bytes) : jpeg_size(bytes);
+  if (!size) throw InputError("a compressed image cannot be decoded: it has no header");
+  if (size->width == 0 || size->height == 0 || size->width * size->height > kMaxImagePixels)
+    throw InputError(fmt::format("a compressed image claims {} x {} pixels", size->width, size->height));
+}
+
+/// OpenCV's decoders, for the kinds that the fast ones do not have.
+cv::Mat decode_by_opencv(std::string_view bytes) {
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  try {
+    return cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+/// Reads the nibbles of RVL: numbers of three bits each and a bit for "more follow".
+class NibbleReader {
+ public:
+  explicit NibbleReader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
+
+  uint32_t number() {
+    constexpr unsigned kMaxShift = 30;
+    uint32_t value = 0;
+    for (unsigned shift = 0; shift <= kMaxShift; shift += 3) {
+      const uint32_t nibble = next();
+      value |= (nibble & 7U) << shift;
+      if ((nibble & 8U) == 0) return value;
+    }
+    throw InputError("RVL depth is damaged");
+  }
+
+ private:
+  /// Nibbles come from 32-bit little-endian words, highest first.
+  uint32_t next() {
+    constexpr unsigned kNibbles = 8;
+    if (left_ == 0) {
+      if (bytes_.size() < sizeof(word_)) throw InputError("RVL depth is truncated");
+      word_ = 0;
+      for (size_t i = 0; i < sizeof(word_); ++i) word_ |= uint32_t{bytes_[i]} << (8 * i);
+      bytes_ = bytes_.subspan(sizeof(word_));
+      left_ = kNibbles;
+    }
+    const uint32_t nibble = word_ >> 28U;
+    word_ <<= 4U;
+    --left_;
+    return nibble;
+  }
+
+  std::span<const uint8_t> bytes_;
+  uint32_t word_ = 0;
+  unsigned left_ = 0;
+};
+
+}  // namespace
+
+cv::Mat decode_image(std::span<const uint8_t> data) {
+  const std::string_view bytes(reinterpret_cast<const char*>(data.data()), data.size());
+  require_decodable(bytes);
+  cv::Mat image = is_png(bytes) ? decode_depth_png(bytes) : decode_jpeg(bytes);
+  if (image.empty()) image = decode_by_opencv(bytes);
+  if (image.empty()) throw InputError("a compressed image cannot be decoded: it is damaged");
+  return image;
+}
+
+cv::Mat decode_color(std::span<const uint8_t> bytes) {
+  const cv::Mat image = decode_image(bytes);
+  cv::Mat color;
+  switch (image.type()) {
+    case CV_8UC3:
+      return image;
+    case CV_8UC1:
+      cv::cvtColor(image, color, cv::COLOR_GRAY2BGR);
+      return color;
+    case CV_8UC4:
+      cv::cvtColor(image, color, cv::COLOR_BGRA2BGR);
+      return color;
+    default:
+      throw InputError("a compressed colour image does not have 8 bits per channel");
+  }
+}
+
+cv::Mat decode_rvl(std::span<const uint8_t> bytes, cv::Size size) {
+  if (size.width <= 0 || size.height <= 0 || int64_t{size.width} * size.height > kMaxImagePixels)
+    throw InputError(fmt::format("RVL depth claims {} x {} pixels", size.width, size.height));
+  cv::Mat depth(size, CV_16UC1, cv::Scalar(0));
+  NibbleReader reader(bytes);
+  auto* pixel = depth.ptr<uint16_t>();
+  auto left = static_cast<uint32_t>(size.area());
+  int value = 0;
+  while (left > 0) {
+    const uint32_t zeros = reader.number();
+    if (zeros > left) throw InputError("RVL depth is damaged");
+    pixel += zeros, left -= zeros;
+    if (left == 0) break;
+    uint32_t others = reader.number();
+    if (others > left || (zeros == 0 && others == 0)) throw InputError("RVL depth is damaged");
+    for (left -= others; others > 0; --others) {
+      const uint32_t zigzag = reader.number();  // small numbers of either sign
+      value += static_cast<int>(zigzag >> 1U) ^ -static_cast<int>(zigzag & 1U);
+      *pixel++ = static_cast<uint16_t>(value);
+    }
+  }
+  return depth;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,26 @@
+#pragma once
+// In: a JPEG or PNG image, or depth compressed with RVL, inside a recording or stream. Out: its pixels. Sizes
+// are checked before memory is allocated.
+
+#include <cstdint>
+#include <span>
+
+#include <opencv2/core/mat.hpp>
+
+namespace kinloop {
+
+/// The largest image that is decoded, pixels; a header that claims more is damaged or hostile.
+constexpr int64_t kMaxImagePixels = int64_t{1} << 26;
+
+/// Decodes a whole JPEG or PNG image to its own type. Throws InputError if it is neither, truncated, damaged
+/// or larger than kMaxImagePixels.
+cv::Mat decode_image(std::span<const uint8_t> bytes);
+
+/// Same, as 8UC3 BGR. Throws InputError if it does not have 8 bits per channel.
+cv::Mat decode_color(std::span<const uint8_t> bytes);
+
+/// Decodes 16-bit depth compressed with RVL (Wilson 2017) of `size` pixels to 16UC1. Throws InputError if
+/// truncated or of another size.
+cv::Mat decode_rvl(std::span<const uint8_t> bytes, cv::Size size);
+
+}  // namespace kinloop

@@ -1,0 +1,166 @@
+#include "drivers/ros/realsense_bag.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "drivers/ros/ros_serialization.hpp"
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr std::string_view kImageData = "/image/data";
+constexpr std::string_view kDepthUnits = "Depth Units";
+
+/// "/device_0/sensor_0/Depth_0" of "/device_0/sensor_0/Depth_0/image/data".
+std::string stream_of(const std::string& image_topic) {
+  return image_topic.substr(0, image_topic.size() - kImageData.size());
+}
+
+std::string sensor_of(const std::string& image_topic) {
+  const std::string stream = stream_of(image_topic);
+  return stream.substr(0, stream.rfind('/'));
+}
+
+/// The first image topic of a kind of stream; empty if there is none.
+std::string first_stream(const std::set<std::string>& topics, std::string_view kind) {
+  const auto found = std::find_if(topics.begin(), topics.end(), [&](const std::string& topic) {
+    return topic.starts_with("/device_") && topic.ends_with(kImageData) &&
+           topic.find(kind) != std::string::npos;
+  });
+  return found == topics.end() ? "" : *found;
+}
+
+/// Option names were written with spaces or underscores.
+bool is_depth_units(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name.find(kDepthUnits) != std::string::npos;
+}
+
+/// The topics that hold calibration: camera_info, tf/N of both streams, and the options of the depth sensor.
+std::set<std::string> calibration_topics(const MessageFile& file, const BagStreams& streams) {
+  const std::string color = stream_of(streams.color), depth = stream_of(streams.depth);
+  const std::string sensor = sensor_of(streams.depth);
+  std::set<std::string> wanted;
+  for (const BagTopic* topic : file.topics()) {
+    const std::string& name = topic->name;
+    const bool of_stream = name.starts_with(color + "/info/camera_info") ||
+                           name.starts_with(color + "/tf/") ||
+                           name.starts_with(depth + "/info/camera_info") || name.starts_with(depth + "/tf/");
+    const bool unit = name == sensor + "/property" || (name.starts_with(sensor + "/option/") &&
+                                                       name.ends_with("/value") && is_depth_units(name));
+    if (of_stream || unit) wanted.insert(name);
+  }
+  return wanted;
+}
+
+/// The unit from std_msgs/Float32, or from diagnostic_msgs/KeyValue in files of version 2.
+std::optional<double> read_unit(const BagMessage& message) {
+  RosReader reader(message.data, message.topic->encoding);
+  double unit_m = 0;
+  if (message.topic->type == "std_msgs/Float32") {
+    unit_m = double{reader.number<float>()};
+  } else {
+    if (!is_depth_units(reader.string())) return std::nullopt;
+    unit_m = std::strtod(reader.string().c_str(), nullptr);
+  }
+  constexpr double kMinUnitM = 1e-6, kMaxUnitM = 0.1;
+  if (!(unit_m >= kMinUnitM && unit_m <= kMaxUnitM)) return std::nullopt;
+  return unit_m;
+}
+
+/// Poses are those of a stream relative to the reference of its group: p_stream = T * p_reference.
+struct Pose {
+  std::string group;
+  SE3 T_stream_reference;
+};
+
+struct SdkFindings {
+  std::map<std::string, RosCameraInfo> infos;  ///< of streams
+  std::map<std::string, Pose> poses;
+  std::optional<double> depth_unit_m;
+};
+
+SdkFindings read_sdk_findings(MessageFile& file, const BagStreams& streams) {
+  SdkFindings found;
+  file.select(calibration_topics(file, streams));
+  while (const auto message = file.next()) {
+    const std::string& topic = message->topic->name;
+    try {
+      if (topic.ends_with("/info/camera_info")) {
+        const auto stream = topic.substr(0, topic.find("/info/camera_info"));
+        found.infos.emplace(stream,
+                            read_camera_info(RosReader(message->data, message->topic->encoding)).info);
+      } else if (const size_t at = topic.find("/tf/"); at != std::string::npos) {
+        RosReader reader(message->data, message->topic->encoding);
+        found.poses.emplace(topic.substr(0, at), Pose{topic.substr(at), read_transform(reader)});
+      } else if (const auto unit_m = read_unit(*message)) {
+        found.depth_unit_m = unit_m;
+      }
+    } catch (const InputError&) {
+      continue;  // what is missing is reported below
+    }
+  }
+  return found;
+}
+
+PinholeCamera camera_of(const SdkFindings& found, const std::string& stream, const std::string& name) {
+  const auto info = found.infos.find(stream);
+  if (info == found.infos.end())
+    throw InputError(fmt::format("{}: no camera: no message on topic {}/info/camera_info; use --camera FILE",
+                                 name, stream));
+  return camera_from(info->second, false);
+}
+
+SE3 pose_between(const SdkFindings& found, const std::string& color, const std::string& depth,
+                 const std::string& name) {
+  const auto a = found.poses.find(color), b = found.poses.find(depth);
+  if (a == found.poses.end() || b == found.poses.end() || a->second.group != b->second.group) {
+    throw InputError(fmt::format(
+        "{}: the pose of depth relative to colour is missing (topics {}/tf/0 and {}/tf/0); use --camera FILE "
+        "with depth and T_color_depth",
+        name, color, depth));
+  }
+  return a->second.T_stream_reference * b->second.T_stream_reference.inverse();
+}
+
+}  // namespace
+
+std::optional<BagStreams> realsense_streams(const std::set<std::string>& topics, const std::string& name) {
+  const std::string color = first_stream(topics, "/Color_"), depth = first_stream(topics, "/Depth_");
+  if (color.empty() && depth.empty()) return std::nullopt;
+  if (color.empty() || depth.empty())
+    throw InputError(fmt::format("{}: a RealSense recording without {}; record both streams", name,
+                                 color.empty() ? "colour" : "depth"));
+  return BagStreams{{color, depth, stream_of(color) + "/info/camera_info"}, color, depth};
+}
+
+RealsenseCalibration read_realsense_calibration(MessageFile& file, const BagStreams& streams,
+                                                const std::string& name) {
+  const SdkFindings found = read_sdk_findings(file, streams);
+  const std::string color = stream_of(streams.color), depth = stream_of(streams.depth);
+  RealsenseCalibration calibration;
+  RgbdCamera& camera = calibration.camera;
+  camera.color = camera_of(found, color, name);
+  const PinholeCamera depth_camera = camera_of(found, depth, name);
+  const SE3 T_color_depth = pose_between(found, color, depth, name);
+  constexpr double kSamePoseM = 1e-6;
+  const bool aligned = depth_camera == camera.color && T_color_depth.translation.norm() < kSamePoseM;
+  if (!aligned) {
+    camera.depth = depth_camera;
+    camera.T_color_depth = T_color_depth;
+  }
+  if (found.depth_unit_m) calibration.depth_unit_m = unit_m_of_sdk(*found.depth_unit_m);
+  return calibration;
+}
+
+double unit_m_of_sdk(double unit_m) {
+  constexpr double kTolerance = 1e-6;
+  const double per_metre = std::round(1 / unit_m);
+  return std::abs(per_metre * unit_m - 1) < kTolerance ? 1 / per_metre : unit_m;
+}
+
+}  // namespace kinloop
