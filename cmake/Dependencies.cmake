@@ -36,15 +36,17 @@ target_include_directories(kinloop_codecs SYSTEM INTERFACE $<BUILD_INTERFACE:${T
                                                            $<BUILD_INTERFACE:${LIBDEFLATE_INCLUDE_DIR}>)
 target_link_libraries(kinloop_codecs INTERFACE ${TURBOJPEG_LIBRARY} ${LIBDEFLATE_LIBRARY})
 
-# Compressed blocks of ROS 2 bags.
+# Compressed blocks of bags.
 find_path(LZ4_INCLUDE_DIR lz4frame.h REQUIRED)
 find_library(LZ4_LIBRARY lz4 REQUIRED)
 find_path(ZSTD_INCLUDE_DIR zstd.h REQUIRED)
 find_library(ZSTD_LIBRARY zstd REQUIRED)
+find_package(BZip2 REQUIRED)
 add_library(kinloop_compression INTERFACE)
 target_include_directories(kinloop_compression SYSTEM INTERFACE $<BUILD_INTERFACE:${LZ4_INCLUDE_DIR}>
-                                                                $<BUILD_INTERFACE:${ZSTD_INCLUDE_DIR}>)
-target_link_libraries(kinloop_compression INTERFACE ${LZ4_LIBRARY} ${ZSTD_LIBRARY})
+                                                                $<BUILD_INTERFACE:${ZSTD_INCLUDE_DIR}>
+                                                                $<BUILD_INTERFACE:${BZIP2_INCLUDE_DIR}>)
+target_link_libraries(kinloop_compression INTERFACE ${LZ4_LIBRARY} ${ZSTD_LIBRARY} ${BZIP2_LIBRARIES})
 
 # Only newer packages of Highway have CMake files.
 find_path(HWY_INCLUDE_DIR hwy/highway.h REQUIRED)

@@ -10,7 +10,7 @@ set -euo pipefail
 required=(
   build-essential cmake ninja-build ccache git pkg-config
   libopencv-dev libeigen3-dev libceres-dev libsuitesparse-dev libhwy-dev
-  libturbojpeg0-dev libdeflate-dev libsqlite3-dev liblz4-dev libzstd-dev
+  libturbojpeg0-dev libdeflate-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev libbenchmark-dev libboost-dev
 )
@@ -24,8 +24,7 @@ optional=(
   "Kinect 1: libfreenect-dev"
   "downloads: libcurl4-openssl-dev libarchive-dev"
   "distributed training: libopenmpi-dev openmpi-bin"
-  "ROS bags: librosbag-storage-dev libsensor-msgs-dev"
-  "ROS node: libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev python3-roslaunch python3-rosbag"
+  "ROS node: librosbag-storage-dev libsensor-msgs-dev libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev python3-roslaunch python3-rosbag"
 )
 # npm may also come with a Node.js from elsewhere.
 if command -v npm >/dev/null; then

@@ -8,7 +8,6 @@
 #include "apps/shared/download.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
-#include "drivers/ros/bag_source.hpp"
 #include "kinloop/dense/mesh/tsdf_volume.hpp"
 #include "kinloop/dense/occupancy.hpp"
 #include "kinloop/features/surf.hpp"
@@ -33,7 +32,6 @@ std::string version_text() {
       {"ChArUco boards", part(charuco_available(), "OpenCV's aruco")},
       {"Kinect 1", part(kinect1_available(), "libfreenect")},
       {"Kinect 2", part(kinect2_available(), "libfreenect2")},
-      {"ROS bags", part(bags_available(), "librosbag-storage")},
       {"ROS node", part(KINLOOP_ROS_FOUND, "roscpp")},
       {"downloads", part(download_available(), "curl or libarchive")},
       {"distributed training", part(mpi_available(), "MPI")},

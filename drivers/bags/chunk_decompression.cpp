@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include <bzlib.h>
 #include <fmt/format.h>
 #include <libdeflate.h>
 #include <lz4frame.h>
@@ -61,6 +62,23 @@ std::vector<uint8_t> decompressed_zstd(Bytes data, uint64_t size) {
   });
 }
 
+std::vector<uint8_t> decompressed_bz2(Bytes data, uint64_t size) {
+  bz_stream stream{};
+  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) throw std::bad_alloc();
+  const std::unique_ptr<bz_stream, decltype(&BZ2_bzDecompressEnd)> closed_at_end(&stream,
+                                                                                 BZ2_bzDecompressEnd);
+  return decompress_in_steps(data, size, [&](Bytes& input, std::span<uint8_t> output) {
+    stream.next_in = reinterpret_cast<char*>(const_cast<uint8_t*>(input.data()));
+    stream.avail_in = static_cast<unsigned>(input.size());
+    stream.next_out = reinterpret_cast<char*>(output.data());
+    stream.avail_out = static_cast<unsigned>(output.size());
+    const int result = BZ2_bzDecompress(&stream);
+    if (result != BZ_OK && result != BZ_STREAM_END) reject_damage("bz2");
+    input = input.last(stream.avail_in);
+    return output.size() - stream.avail_out;
+  });
+}
+
 void require_plausible(uint64_t size) {
   if (size > kMaxBlockBytes)
     throw InputError(
@@ -73,7 +91,9 @@ std::vector<uint8_t> decompressed(std::string_view compression, Bytes data, uint
   require_plausible(size);
   if (compression == "lz4") return decompressed_lz4(data, size);
   if (compression == "zstd") return decompressed_zstd(data, size);
-  throw InputError(fmt::format("unknown compression '{}'; expected lz4 or zstd", compression));
+  if (compression == "bz2") return decompressed_bz2(data, size);
+  throw InputError(
+      fmt::format("unknown compression '{}'; expected lz4, zstd or bz2", printable(compression)));
 }
 
 bool is_zstd(Bytes data) {

@@ -46,7 +46,6 @@ class McapFile : public MessageFile {
     if (!file_ || magic != kMcapMagic)
       throw InputError(fmt::format("{}: not an MCAP file: it does not begin with its signature", name_));
     if (!read_summary()) read_all_topics();
-    select({});
   }
 
   [[nodiscard]] std::vector<const BagTopic*> topics() const override {

@@ -43,7 +43,7 @@ class MessageFile {
   /// of a truncated file.
   virtual std::optional<BagMessage> next() = 0;
 
-  /// Returns the damaged parts found since `select`.
+  /// Returns the damaged parts found since `select`, or by opening the file.
   [[nodiscard]] virtual std::vector<SkippedFrame> damage() const = 0;
 };
 

@@ -1,34 +1,74 @@
 #include "drivers/bags/ros1_bag.hpp"
 
-#include <fmt/format.h>
-
-#include "kinloop/base/errors.hpp"
-
-#ifdef KINLOOP_WITH_ROSBAG
-
+#include <fstream>
 #include <map>
 
-#include <ros/serialization.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
+#include "drivers/bags/chunk_decompression.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/time.hpp"
 
 namespace kinloop {
 namespace {
 
+using namespace std::string_view_literals;
+
+constexpr auto kBagMagic = "#ROSBAG V2.0\n"sv;
+
+/// Record types, the field "op".
+enum BagOp : uint8_t {
+  kBagMessage = 0x02,
+  kBagHeader = 0x03,
+  kBagChunk = 0x05,
+  kBagChunkInfo = 0x06,
+  kBagConnection = 0x07
+};
+
+/// The header of a record: fields "name=value", each after its length.
+class BagFields {
+ public:
+  explicit BagFields(Bytes header) {
+    ByteReader reader(header);
+    while (reader.left() > 0) {
+      const auto field = as_text(reader.block(reader.number<uint32_t>()));
+      const size_t equals = field.find('=');
+      if (equals == std::string_view::npos) throw InputError("a field without '='");
+      fields_[std::string(field.substr(0, equals))] = field.substr(equals + 1);
+    }
+  }
+
+  template <class Number>
+  [[nodiscard]] Number number(const char* name) const {
+    return ByteReader(as_bytes(text(name))).number<Number>();
+  }
+  [[nodiscard]] std::string_view text(const char* name) const {
+    const auto found = fields_.find(name);
+    if (found == fields_.end()) throw InputError(fmt::format("a record without the field '{}'", name));
+    return found->second;
+  }
+
+ private:
+  std::map<std::string, std::string_view> fields_;
+};
+
+struct BagRecord {
+  Bytes header, data;
+};
+
+BagRecord next_bag_record(ByteReader& reader) {
+  const Bytes header = reader.block(reader.number<uint32_t>());
+  return {header, reader.block(reader.number<uint32_t>())};
+}
+
 class Ros1Bag : public MessageFile {
  public:
-  explicit Ros1Bag(const std::filesystem::path& path) : name_(path.string()) {
-    try {
-      bag_.open(name_, rosbag::bagmode::Read);
-      read_topics();
-    } catch (const rosbag::BagUnindexedException&) {
-      throw InputError(
-          fmt::format("{}: the bag has no index: it is truncated or still being recorded; run rosbag "
-                      "reindex on a copy",
-                      name_));
-    } catch (const std::exception& error) {
-      throw InputError(fmt::format("{}: cannot read the bag: {}", name_, printable(error.what())));
-    }
+  explicit Ros1Bag(const std::filesystem::path& path) : name_(path.string()), file_(path, std::ios::binary) {
+    if (!file_) throw InputError(fmt::format("{}: cannot be opened; check the path and the rights", name_));
+    size_ = std::filesystem::file_size(path);
+    std::string magic(kBagMagic.size(), '\0');
+    file_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+    if (!file_ || magic != kBagMagic)
+      throw InputError(fmt::format("{}: not a ROS 1 bag: it does not begin with #ROSBAG V2.0", name_));
+    if (!read_index()) read_all_topics();
   }
 
   [[nodiscard]] std::vector<const BagTopic*> topics() const override {
@@ -38,47 +78,154 @@ class Ros1Bag : public MessageFile {
   }
 
   void select(const std::set<std::string>& topics) override {
+    selected_ = topics;
+    records_ = ByteReader({});
     damage_.clear();
-    view_ = std::make_unique<rosbag::View>();
-    view_->addQuery(bag_, rosbag::TopicQuery(std::vector<std::string>(topics.begin(), topics.end())));
-    next_ = view_->begin();
+    position_ = kBagMagic.size();
   }
 
   std::optional<BagMessage> next() override {
-    if (view_ == nullptr || next_ == view_->end()) return std::nullopt;
-    try {
-      const rosbag::MessageInstance& message = *next_;
-      bytes_.resize(message.size());
-      ros::serialization::OStream stream(bytes_.data(), static_cast<uint32_t>(bytes_.size()));
-      message.write(stream);
-      const BagMessage result{&topics_.at(message.getTopic()),
-                              static_cast<int64_t>(message.getTime().toNSec()), bytes_};
-      ++next_;
-      return result;
-    } catch (const std::exception& error) {  // the rest of the file is unreadable
-      damage_.push_back({name_, fmt::format("the bag is damaged from here on: {}", printable(error.what()))});
-      view_.reset();
-      return std::nullopt;
+    while (true) {
+      while (records_.left() > 0) {
+        if (auto message = next_in_chunk()) return message;
+      }
+      const auto record = next_in_file();
+      if (!record) return std::nullopt;
+      try {
+        if (auto message = handle(*record)) return message;
+      } catch (const InputError& error) {
+        report(fmt::format("a record is skipped: {}", error.what()));
+      }
     }
   }
 
   [[nodiscard]] std::vector<SkippedFrame> damage() const override { return damage_; }
 
  private:
-  void read_topics() {
-    for (const auto* connection : rosbag::View(bag_).getConnections()) {
-      BagTopic& topic = topics_[connection->topic];
-      topic = {printable(connection->topic), printable(connection->datatype), "ros1", 0};
-      topic.messages = rosbag::View(bag_, rosbag::TopicQuery(connection->topic)).size();
+  void report(const std::string& what) {
+    damage_.push_back({name_, fmt::format("at byte {}: {}", record_start_, what)});
+  }
+
+  std::optional<Bytes> read_block(uint64_t length, std::vector<uint8_t>& buffer) {
+    if (length > size_ - position_ || length > kMaxBlockBytes) return std::nullopt;
+    buffer.resize(static_cast<size_t>(length));
+    file_.clear();
+    file_.seekg(static_cast<std::streamoff>(position_));
+    file_.read(reinterpret_cast<char*>(buffer.data()), static_cast<std::streamsize>(length));
+    if (!file_) return std::nullopt;
+    position_ += length;
+    return Bytes(buffer);
+  }
+
+  /// A block after its 32-bit length.
+  std::optional<Bytes> read_counted_block(std::vector<uint8_t>& buffer) {
+    const auto length = read_block(sizeof(uint32_t), buffer);
+    return length ? read_block(ByteReader(*length).number<uint32_t>(), buffer) : std::nullopt;
+  }
+
+  /// The next record outside of chunks.
+  std::optional<BagRecord> next_in_file() {
+    record_start_ = position_;
+    if (position_ == size_) return std::nullopt;
+    const auto header = read_counted_block(header_);
+    const auto data = header ? read_counted_block(data_) : std::nullopt;
+    if (data) return BagRecord{*header, *data};
+    report("the file is truncated or damaged from here on");
+    position_ = size_;
+    return std::nullopt;
+  }
+
+  std::optional<BagMessage> next_in_chunk() {
+    try {
+      return handle(next_bag_record(records_));
+    } catch (const InputError& error) {
+      report(fmt::format("the rest of a chunk is skipped: {}", error.what()));
+      records_ = ByteReader({});
+      return std::nullopt;
     }
   }
 
+  /// Returns the message if the record is one on a selected topic; opens chunks and remembers connections.
+  std::optional<BagMessage> handle(const BagRecord& record) {
+    const BagFields fields(record.header);
+    const auto op = fields.number<uint8_t>("op");
+    if (op == kBagChunk) open_chunk(fields, record.data);
+    if (op == kBagConnection) add_connection(fields, record.data);
+    if (op == kBagMessage) return message(fields, record.data);
+    return std::nullopt;
+  }
+
+  void open_chunk(const BagFields& fields, Bytes data) {
+    const auto compression = fields.text("compression");
+    if (compression != "none") chunk_ = decompressed(compression, data, fields.number<uint32_t>("size"));
+    records_ = ByteReader(compression == "none" ? data : Bytes(chunk_));
+  }
+
+  void add_connection(const BagFields& fields, Bytes data) {
+    const auto name = printable(fields.text("topic"));
+    const BagFields details(data);
+    connections_[fields.number<uint32_t>("conn")] = name;
+    topics_.emplace(name, BagTopic{name, printable(details.text("type")), "ros1", 0});
+  }
+
+  std::optional<BagMessage> message(const BagFields& fields, Bytes data) {
+    const auto connection = connections_.find(fields.number<uint32_t>("conn"));
+    if (connection == connections_.end()) throw InputError("a message of an undefined connection");
+    BagTopic& topic = topics_.at(connection->second);
+    if (counting_) ++topic.messages;
+    if (!selected_.contains(topic.name)) return std::nullopt;
+    ByteReader time(as_bytes(fields.text("time")));
+    const auto seconds = int64_t{time.number<uint32_t>()};
+    return BagMessage{&topic, seconds * kNsPerSecond + time.number<uint32_t>(), data};
+  }
+
+  /// Reads the connections and counts after the chunks; returns false if there are none.
+  bool read_index() {
+    try {
+      select({});
+      const auto header = next_in_file();
+      if (!header) return false;
+      position_ = BagFields(header->header).number<uint64_t>("index_pos");
+      if (position_ == 0 || position_ > size_) return false;
+      while (const auto record = next_in_file()) {
+        handle(*record);
+        const BagFields fields(record->header);
+        if (fields.number<uint8_t>("op") == kBagChunkInfo) add_counts(record->data);
+      }
+      if (damage_.empty() && !topics_.empty()) return true;
+    } catch (const InputError&) {
+    }
+    topics_.clear(), connections_.clear();
+    return false;
+  }
+
+  void add_counts(Bytes data) {
+    ByteReader counts(data);
+    while (counts.left() > 0) {
+      const auto connection = connections_.find(counts.number<uint32_t>());
+      const auto messages = counts.number<uint32_t>();
+      if (connection != connections_.end()) topics_.at(connection->second).messages += messages;
+    }
+  }
+
+  void read_all_topics() {
+    counting_ = true;
+    select({});
+    while (next()) {
+    }
+    counting_ = false;
+  }
+
   std::string name_;
-  rosbag::Bag bag_;
-  std::unique_ptr<rosbag::View> view_;
-  rosbag::View::iterator next_;
+  std::ifstream file_;
+  uint64_t size_ = 0, position_ = 0, record_start_ = 0;
+  std::map<uint32_t, std::string> connections_;  ///< their topics; a topic may have several
   std::map<std::string, BagTopic> topics_;
-  std::vector<uint8_t> bytes_;
+  std::set<std::string> selected_;
+  bool counting_ = false;
+  std::vector<uint8_t> header_, data_;  ///< of the current record of the file
+  std::vector<uint8_t> chunk_;          ///< decompressed
+  ByteReader records_{Bytes()};         ///< what is left of the chunk
   std::vector<SkippedFrame> damage_;
 };
 
@@ -89,18 +236,3 @@ std::unique_ptr<MessageFile> open_ros1_bag(const std::filesystem::path& path) {
 }
 
 }  // namespace kinloop
-
-#else
-
-namespace kinloop {
-
-std::unique_ptr<MessageFile> open_ros1_bag(const std::filesystem::path& path) {
-  throw UsageError(fmt::format(
-      "{}: ROS 1 bags are not supported by this build; install librosbag-storage-dev and libsensor-msgs-dev "
-      "and rebuild",
-      path.string()));
-}
-
-}  // namespace kinloop
-
-#endif

@@ -27,6 +27,7 @@ class BagSource : public FrameSource {
       : file_(open_message_file(path)) {
     info_.name = path.string();
     const auto names = names_of(file_->topics());
+    if (names.empty()) throw InputError(fmt::format("{}: no topic{}", info_.name, first_reason()));
     const auto of_sdk = topics ? std::nullopt : realsense_streams(names, info_.name);
     streams_ = of_sdk ? *of_sdk : choose_streams(names, topics, info_.name);
     if (camera) camera_ = *camera;
@@ -161,14 +162,6 @@ class BagSource : public FrameSource {
 };
 
 }  // namespace
-
-bool bags_available() {
-#ifdef KINLOOP_WITH_ROSBAG
-  return true;
-#else
-  return false;
-#endif
-}
 
 bool is_bag(const std::filesystem::path& path) {
   const auto extension = path.extension();

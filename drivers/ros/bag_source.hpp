@@ -11,9 +11,6 @@
 
 namespace kinloop {
 
-/// Returns whether this build reads bags of ROS 1.
-bool bags_available();
-
 /// Returns whether the path is a bag, by its name: .bag, .mcap, .db3, or a folder with ROS 2 bag files.
 bool is_bag(const std::filesystem::path& path);
 
@@ -21,8 +18,7 @@ bool is_bag(const std::filesystem::path& path);
 /// the RealSense SDK, or on `topics` ("COLOR,DEPTH[,CAMERA_INFO]"). The camera is `camera` if given, else
 /// that of the bag; depth that is not registered to colour is registered. Images that are damaged, of an
 /// unknown encoding, without partner or with decreasing time are skipped and counted. Throws InputError if
-/// the file is not a bag, has none of these topics or no calibration, and UsageError in a build without ROS 1
-/// for its bags.
+/// the file is not a bag, has none of these topics or no calibration.
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& path,
                                       const std::optional<RgbdCamera>& camera,
                                       const std::optional<std::string>& topics = {});

@@ -4,9 +4,9 @@
 #include "drivers/bags/message_file.hpp"
 #include "drivers/datasets/tum_source.hpp"
 #include "drivers/ros/bag_source.hpp"
-#include "kinloop/base/random.hpp"
 #include "kinloop/sensor/registration.hpp"
 #include "tests/drivers/bag_writers.hpp"
+#include "tests/drivers/mutation.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"
 
@@ -272,41 +272,6 @@ TEST_F(Ros2BagTest, NamesWhatIsMissing) {
       HasSubstr("a.mcap"));
 }
 
-/// Changes, removes or repeats a few bytes.
-std::string mutated(std::string bytes, Random& random) {
-  const uint32_t changes = 1 + random.index(4);
-  for (uint32_t i = 0; i < changes && !bytes.empty(); ++i) {
-    const size_t at = random.index(static_cast<uint32_t>(bytes.size()));
-    switch (random.index(4)) {
-      case 0:
-        bytes[at] = static_cast<char>(random.next());
-        break;
-      case 1:
-        bytes[at] = static_cast<char>(bytes[at] ^ (1 << random.index(8)));
-        break;
-      case 2:
-        bytes.erase(at, 1 + random.index(16));
-        break;
-      default:
-        bytes.insert(at, bytes.substr(at, 1 + random.index(16)));
-    }
-  }
-  return bytes;
-}
-
-/// Reads everything, and removes the file; only InputError may be thrown.
-void read_all(const std::filesystem::path& path) {
-  try {
-    const auto source = open_bag(path, {});
-    while (source->next()) {
-    }
-    static_cast<void>(source->skipped());
-  } catch (const InputError& error) {
-    EXPECT_THAT(std::string(error.what()), testing::Not(HasSubstr("\n")));
-  }
-  std::filesystem::remove(path);  // some file systems write a file that is overwritten to the disk at once
-}
-
 TEST_F(Ros2BagTest, NoMutatedFileBreaksTheReader) {
   const test::SequenceFolder two(2);
   const auto bag = bag_of(two.path());
@@ -321,11 +286,12 @@ TEST_F(Ros2BagTest, NoMutatedFileBreaksTheReader) {
   seeds.push_back(mcap_bytes(bag, plain));
   Random random(19);
   for (uint32_t i = 0; i < 10'000; ++i)
-    read_all(folder.write("m.mcap", mutated(seeds[i % seeds.size()], random)));
+    test::read_all(folder.write("m.mcap", test::mutated(seeds[i % seeds.size()], random)));
   write_db3(folder.path() / "seed.db3", bag);
   std::ifstream file(folder.path() / "seed.db3", std::ios::binary);
   const std::string database((std::istreambuf_iterator<char>(file)), {});
-  for (uint32_t i = 0; i < 10'000; ++i) read_all(folder.write("m.db3", mutated(database, random)));
+  for (uint32_t i = 0; i < 10'000; ++i)
+    test::read_all(folder.write("m.db3", test::mutated(database, random)));
 }
 
 }  // namespace
