@@ -52,14 +52,15 @@ std::optional<InitialMap> open_initial_map(const RunArguments& arguments) {
   return InitialMap{std::move(reader), std::move(saved)};
 }
 
-RunOptions options_of(const RunArguments& arguments, const std::optional<InitialMap>& start, int threads) {
+RunOptions options_of(const RunArguments& arguments, const std::optional<InitialMap>& start, int threads,
+                      bool live) {
   RunOptions options;
   // Frames must use the same features as the map.
   if (start) options = restore_options(start->saved, options, "features.");
   const FeatureKind features = options.slam.features.kind;
   options.slam.global_ba.threads = threads;
   options.slam.localize_only = arguments.localize;
-  if (arguments.pace_hz > 0 || is_live(arguments.sequence)) options.slam.executor.mode = ExecutorMode::kLive;
+  if (arguments.pace_hz > 0 || live) options.slam.executor.mode = ExecutorMode::kLive;
   options = run_options_with(options, arguments.assignments);
   if (start && options.slam.features.kind != features)
     throw UsageError(fmt::format("features.kind: must be {}, as in the loaded map", name_of(features)));
@@ -93,13 +94,27 @@ const PacedSource* pace(std::unique_ptr<FrameSource>& source, double hz) {
   return result;
 }
 
-/// Processes all frames, waiting while the run is paused (`wait_until_resumed`). Returns false if Ctrl-C
-/// stopped it early.
-bool process_all(Session& session, MapSaver* saver, const Progress& progress,
-                 const std::function<void()>& wait_until_resumed) {
+/// How the frames ended.
+enum class RunEnd { kComplete, kInterrupted, kSourceFailed };
+
+/// Processes all frames, waiting while the run is paused (`wait_until_resumed`). A source that fails after
+/// its first frame ends the run like Ctrl-C does: what has been mapped is kept.
+RunEnd process_all(Session& session, MapSaver* saver, const Progress& progress,
+                   const std::function<void()>& wait_until_resumed) {
   const size_t frames = session.source().info().frames;
   size_t done = 0;
-  while (const auto frame = session.next()) {
+  bool failed = false;
+  const auto next = [&]() -> std::optional<PreparedFrame> {
+    try {
+      return session.next();
+    } catch (const InputError& error) {
+      if (done == 0) throw;
+      log::error("{}", error.what());
+      failed = true;
+      return std::nullopt;
+    }
+  };
+  while (const auto frame = next()) {
     if (wait_until_resumed) wait_until_resumed();
     const FrameResult result = session.process(*frame);
     ++done;
@@ -109,9 +124,9 @@ bool process_all(Session& session, MapSaver* saver, const Progress& progress,
     // A second Ctrl-C ends the program before the map is finished.
     if (saver != nullptr) saver->try_save();
     log::warn("interrupted: finishing with {} frames", session.slam().session_log().size());
-    return false;
+    return RunEnd::kInterrupted;
   }
-  return true;
+  return failed ? RunEnd::kSourceFailed : RunEnd::kComplete;
 }
 
 /// Adds the map to continue to the session, and its images if they are recorded.
@@ -230,8 +245,9 @@ ExitCode run(const RunArguments& arguments) {
   const Stopwatch watch;
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
   auto start = open_initial_map(arguments);
-  const RunOptions options = options_of(arguments, start, threads);
-  auto source = open_frame_source(request_of(arguments, options, threads));
+  auto source =
+      open_frame_source(request_of(arguments, options_of(arguments, start, threads, false), threads));
+  const RunOptions options = options_of(arguments, start, threads, source->info().live);
   const RunFolder folder(arguments.output);
   const PacedSource* paced = arguments.pace_hz > 0 ? pace(source, arguments.pace_hz) : nullptr;
   const Progress progress = arguments.verbose ? make_stage_logger() : make_progress_bar(arguments.quiet);
@@ -259,8 +275,7 @@ ExitCode run(const RunArguments& arguments) {
   };
   const auto shown = start_run_viewer(arguments.viewer, options.viewer, session, save_now);
   const ElapsedTime startup{watch.wall_s(), process_cpu_s()};
-  const bool complete =
-      process_all(session, saver.get(), progress, shown ? shown->wait_until_resumed : nullptr);
+  const RunEnd end = process_all(session, saver.get(), progress, shown ? shown->wait_until_resumed : nullptr);
   if (shown) shown->viewer.set_stage("final bundle adjustment");
   const Trajectory& trajectory = session.finish(progress);
   if (shown) shown->viewer.finish(slam.session_log(), slam.map());
@@ -274,8 +289,8 @@ ExitCode run(const RunArguments& arguments) {
   const auto evaluation = evaluate(trajectory, source->info().ground_truth);
   const size_t dropped = paced != nullptr ? paced->dropped() : 0;
   const auto points = map ? std::optional(map->cloud.size()) : std::nullopt;
-  const RunOutcome outcome{*source,        slam,    options,   evaluation, points,
-                           watch.wall_s(), threads, !complete, dropped};
+  const RunOutcome outcome{
+      *source, slam, options, evaluation, points, watch.wall_s(), threads, end != RunEnd::kComplete, dropped};
   const auto summary = write_run(folder, outcome, trajectory, map, session.recorder(),
                                  frames.table(slam.timings()), saved ? map_file_json(*saver) : nullptr,
                                  program_timings(startup, session.recorder(), saver.get()));
@@ -283,7 +298,7 @@ ExitCode run(const RunArguments& arguments) {
   if (arguments.profile) fmt::print("{}", profile_text(summary));
   const bool useful = check_result(outcome, trajectory, depth);
   if (shown) serve_until_interrupted(shown->viewer);
-  if (!useful || (saver && !saved)) return ExitCode::kBadInput;
+  if (!useful || (saver && !saved) || end == RunEnd::kSourceFailed) return ExitCode::kBadInput;
   return tracking_exit_code(slam, map ? folder.report() : folder.frames());
 }
 

@@ -7,15 +7,12 @@
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
 #include "drivers/ros/bag_source.hpp"
+#include "drivers/stream/stream_source.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
 
 namespace kinloop {
-
-bool is_live(const std::string& sequence) {
-  return sequence == "kinect1" || sequence == "kinect2";
-}
 
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   const std::string& sequence = request.sequence;
@@ -30,6 +27,7 @@ std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   };
   if (sequence == "kinect1") return open_kinect1(request.kinect, explicit_camera());
   if (sequence == "kinect2") return open_kinect2(request.kinect, explicit_camera(), request.kinect2_frames);
+  if (is_stream(sequence)) return open_stream(sequence, explicit_camera());
   if (is_bag(sequence)) return open_bag(sequence, explicit_camera(), request.topics);
   return std::make_unique<TumSource>(sequence, choose_camera(sequence, request.camera));
 }

@@ -148,9 +148,9 @@ SE3 read_motion(const Block& block) {
   return {exp_so3(block.vector3("rotation_vector", kRadians)), block.vector3("translation", kMetres)};
 }
 
-YAML::Node parse_yaml(const std::filesystem::path& path) {
+YAML::Node parse_yaml(const std::string& text, const std::filesystem::path& path) {
   try {
-    return YAML::Load(read_file(path));
+    return YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw_parse_error(path, line_of(error.mark),
                       fmt::format("not YAML: {}; expected lines 'key: value'", error.msg));
@@ -167,7 +167,11 @@ std::string lens_text(const PinholeCamera& c, const char* separator) {
 }  // namespace
 
 RgbdCamera read_camera_file(const std::filesystem::path& path) {
-  const Block block(path, "", parse_yaml(path),
+  return read_camera_text(read_file(path), path);
+}
+
+RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path& path) {
+  const Block block(path, "", parse_yaml(text, path),
                     {"width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale", "fps",
                      "rolling_shutter_s", "depth_offset_s", "depth_shift_m", "depth", "T_color_depth"});
   RgbdCamera camera;

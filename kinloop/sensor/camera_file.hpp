@@ -19,6 +19,7 @@
 // `depth` is for depth that is not registered to colour; its width and height default to those of colour.
 
 #include <filesystem>
+#include <string>
 
 #include "kinloop/geometry/camera.hpp"
 
@@ -27,6 +28,9 @@ namespace kinloop {
 /// Reads camera.yaml. Throws InputError naming file, line, key and remedy if a key is unknown, missing,
 /// duplicate or out of range.
 RgbdCamera read_camera_file(const std::filesystem::path& path);
+
+/// Same from the text of such a file, or JSON with the same keys; `path` is named in messages.
+RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path& path);
 
 /// Writes camera.yaml atomically; reading it back gives the same camera to the last bit, except for the
 /// rotation of T_color_depth, which passes through a rotation vector.

@@ -1,0 +1,47 @@
+#pragma once
+// A stream of bytes from standard input, or from the program that connects to a Unix socket.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <utility>
+
+namespace kinloop {
+
+/// Returns whether reading should stop.
+using StopReading = std::function<bool()>;
+
+/// An open file, closed at the end.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor();
+  Descriptor(Descriptor&& other) noexcept;
+  Descriptor& operator=(Descriptor&&) = delete;
+  [[nodiscard]] int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+class ByteStream {
+ public:
+  explicit ByteStream(Descriptor descriptor) : descriptor_(std::move(descriptor)) {}
+
+  /// Fills `buffer`, waiting for data; returns the number of bytes read, fewer at the end of the stream or if
+  /// `stop` said so, which is asked ten times a second.
+  size_t read(std::span<uint8_t> buffer, const StopReading& stop) const;
+
+ private:
+  Descriptor descriptor_;
+};
+
+/// Standard input. Throws UsageError if it is a terminal.
+ByteStream open_standard_input();
+
+/// Creates a socket that only this user may connect to, waits for one connection and removes the socket.
+/// Throws InputError if it cannot be created.
+ByteStream accept_connection(const std::filesystem::path& path);
+
+}  // namespace kinloop

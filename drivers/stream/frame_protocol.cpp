@@ -1,0 +1,165 @@
+#include "drivers/stream/frame_protocol.hpp"
+
+#include <limits>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "drivers/bags/byte_reader.hpp"
+#include "drivers/images/encoded_image.hpp"
+#include "drivers/ros/ros_image.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/camera_file.hpp"
+
+namespace kinloop {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr uint32_t kMaxHeaderBytes = 1U << 20;
+constexpr uint64_t kMaxImageBytes = uint64_t{1} << 28;
+constexpr int kProtocolVersion = 1;
+
+/// Throws InputError with the JSON library's message, without its prefix.
+Json parsed_json(const std::string& text) {
+  try {
+    return Json::parse(text);
+  } catch (const Json::exception&) {
+    throw InputError("the header is not JSON");
+  }
+}
+
+template <class Value>
+Value field(const Json& header, const char* key, const char* expected) {
+  try {
+    return header.at(key).get<Value>();
+  } catch (const Json::exception&) {
+    throw InputError(fmt::format("the header has no \"{}\": {}", key, expected));
+  }
+}
+
+/// The announcement of an image: its encoding, and its size in bytes.
+struct AnnouncedImage {
+  std::string encoding;
+  uint64_t bytes = 0;
+};
+
+AnnouncedImage announced_image(const Json& header, const char* key) {
+  constexpr const char* kExpected = "{\"encoding\": \"jpeg\", \"bytes\": 12345}";
+  const Json image = field<Json>(header, key, kExpected);
+  AnnouncedImage announced{printable(field<std::string>(image, "encoding", "the encoding of an image")),
+                           field<uint64_t>(image, "bytes", "the size of an image")};
+  if (announced.bytes > kMaxImageBytes)
+    throw InputError(
+        fmt::format("an image of {} bytes; at most {} are read", announced.bytes, kMaxImageBytes));
+  return announced;
+}
+
+StreamStart start_of(const Json& header, const std::string& name) {
+  const int version = field<int>(header, "kinloop", "1, the version of the protocol");
+  if (version != kProtocolVersion)
+    throw InputError(
+        fmt::format("version {} of the protocol; this program reads version {}", version, kProtocolVersion));
+  StreamStart start;
+  start.live = header.value("live", true);
+  if (header.contains("camera")) {
+    const Json& camera = header["camera"];
+    start.camera = read_camera_text(camera.is_string() ? camera.get<std::string>() : camera.dump(), name);
+  }
+  return start;
+}
+
+RosImage raw_image(const SentImage& image, const PinholeCamera& camera) {
+  RosImage raw{camera.width, camera.height, 0, image.encoding, false, image.data};
+  raw.step = image.data.size() / static_cast<size_t>(std::max(camera.height, 1));
+  return raw;
+}
+
+cv::Mat require_camera_size(cv::Mat image, const PinholeCamera& camera) {
+  if (image.cols == camera.width && image.rows == camera.height) return image;
+  throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}", image.cols, image.rows,
+                               camera.width, camera.height));
+}
+
+}  // namespace
+
+void FrameProtocol::reject(const std::string& what) const {
+  throw InputError(fmt::format("{}: record {}: {}; see docs/protocol.md", name_, record_, what));
+}
+
+std::optional<std::string> FrameProtocol::read_header(const StopReading& stop) {
+  std::array<uint8_t, sizeof(uint32_t)> prefix{};
+  const size_t read = bytes_.read(prefix, stop);
+  if (stop() || read == 0) return std::nullopt;
+  if (read < prefix.size()) reject("the stream ends within the length of a header");
+  const auto size = ByteReader(prefix).number<uint32_t>();
+  if (size == 0 || size > kMaxHeaderBytes)
+    reject(fmt::format("a header of {} bytes; expected its length in 4 bytes, little-endian, at most {}",
+                       size, kMaxHeaderBytes));
+  const auto data = read_data(size, stop);
+  return std::string(as_text(data));
+}
+
+std::vector<uint8_t> FrameProtocol::read_data(uint64_t size, const StopReading& stop) const {
+  constexpr uint64_t kStep = uint64_t{1} << 22;  // memory grows with what has really arrived
+  std::vector<uint8_t> data;
+  while (data.size() < size) {
+    const size_t start = data.size();
+    data.resize(static_cast<size_t>(std::min(size, start + kStep)));
+    const auto part = std::span(data).subspan(start);
+    if (bytes_.read(part, stop) < part.size() && !stop()) reject("the stream ends within the record");
+    if (stop()) break;
+  }
+  return data;
+}
+
+StreamStart FrameProtocol::read_start() {
+  const auto header = read_header([] { return false; });
+  if (!header) reject("the stream is empty");
+  try {
+    return start_of(parsed_json(*header), name_);
+  } catch (const InputError& error) {
+    reject(error.what());
+  } catch (const Json::exception&) {
+    reject("the header has a value of the wrong kind");
+  }
+}
+
+std::optional<SentFrame> FrameProtocol::read_frame(const StopReading& stop) {
+  ++record_;
+  const auto text = read_header(stop);
+  if (!text || stop()) return std::nullopt;
+  SentFrame frame;
+  AnnouncedImage color, depth;
+  try {
+    const Json header = parsed_json(*text);
+    frame.stamp_ns = field<int64_t>(header, "stamp_ns", "the time of the colour image, nanoseconds");
+    color = announced_image(header, "color");
+    depth = announced_image(header, "depth");
+  } catch (const InputError& error) {
+    reject(error.what());
+  }
+  frame.color = {color.encoding, read_data(color.bytes, stop)};
+  frame.depth = {depth.encoding, read_data(depth.bytes, stop)};
+  if (stop()) return std::nullopt;
+  return frame;
+}
+
+cv::Mat decode_sent_color(const SentImage& image, const PinholeCamera& camera) {
+  const bool compressed = image.encoding == "jpeg" || image.encoding == "png";
+  return require_camera_size(compressed ? decode_color(image.data) : color_from(raw_image(image, camera)),
+                             camera);
+}
+
+cv::Mat decode_sent_depth(const SentImage& image, const PinholeCamera& camera, double depth_scale) {
+  if (image.encoding != "png") return depth_from(raw_image(image, camera), 1 / depth_scale);
+  cv::Mat units = require_camera_size(decode_image(image.data), camera);
+  if (units.type() != CV_16UC1) throw InputError("depth that is not a 16-bit grey PNG");
+  units.setTo(0, units == std::numeric_limits<uint16_t>::max());
+  cv::Mat depth_m;
+  units.convertTo(depth_m, CV_32FC1, 1 / depth_scale);
+  return depth_m;
+}
+
+}  // namespace kinloop

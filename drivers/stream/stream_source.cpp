@@ -1,0 +1,128 @@
+#include "drivers/stream/stream_source.hpp"
+
+#include <atomic>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "drivers/live/live_frames.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/registration.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr std::string_view kSocketPrefix = "unix:";
+constexpr std::chrono::milliseconds kLookInterval(100);
+
+class StreamSource : public FrameSource {
+ public:
+  StreamSource(ByteStream bytes, const std::string& name, const std::optional<RgbdCamera>& camera)
+      : protocol_(std::move(bytes), name) {
+    const StreamStart start = protocol_.read_start();
+    if (!camera && !start.camera)
+      throw InputError(fmt::format(
+          "{}: the stream has no camera; send \"camera\" in its first record or use --camera FILE", name));
+    camera_ = camera ? *camera : *start.camera;
+    if (camera_.depth) registration_.emplace(camera_);
+    info_.name = name;
+    info_.live = start.live;
+    if (info_.live) thread_ = std::jthread([this](const std::stop_token& stop) { read_all(stop); });
+  }
+
+  std::optional<RgbdFrame> next() override {
+    while (true) {
+      const bool ended = ended_;
+      if (auto frame = frames_.wait(info_.live && !ended ? kLookInterval : std::chrono::milliseconds(0)))
+        return with_registered_depth(std::move(*frame));
+      if (ended) break;
+      if (!info_.live) read_one([] { return false; });
+    }
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    if (frames_.delivered() == 0)
+      throw InputError(fmt::format("{}: no usable frame{}", info_.name, first_reason()));
+    return std::nullopt;
+  }
+
+  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
+    auto all = to_skipped_frames(frames_.counts());
+    const std::lock_guard lock(mutex_);
+    all.insert(all.end(), skipped_.begin(), skipped_.end());
+    return all;
+  }
+
+ private:
+  void read_all(const std::stop_token& stop) {
+    while (!ended_ && !stop.stop_requested()) read_one([&] { return stop.stop_requested(); });
+  }
+
+  /// Passes the next frame on, or notes the end of the stream and why.
+  void read_one(const StopReading& stop) {
+    try {
+      const auto sent = protocol_.read_frame(stop);
+      if (sent) return add(*sent);
+    } catch (const InputError&) {
+      failure_ = std::current_exception();
+    }
+    ended_ = true;
+  }
+
+  void add(const SentFrame& sent) {
+    try {
+      const PinholeCamera& depth_camera = camera_.depth ? *camera_.depth : camera_.color;
+      cv::Mat color = decode_sent_color(sent.color, camera_.color);
+      cv::Mat depth_m = decode_sent_depth(sent.depth, depth_camera, camera_.depth_scale);
+      frames_.add_depth(sent.stamp_ns, std::move(depth_m));
+      frames_.add_color(sent.stamp_ns, std::move(color));
+    } catch (const InputError& error) {
+      const std::lock_guard lock(mutex_);
+      skipped_.push_back({fmt::format("frame at {} ns", sent.stamp_ns), error.what()});
+    }
+  }
+
+  [[nodiscard]] RgbdFrame with_registered_depth(RgbdFrame frame) const {
+    if (camera_.depth_shift_m != 0)
+      cv::add(frame.depth_m, camera_.depth_shift_m, frame.depth_m, frame.depth_m > 0);
+    if (registration_) frame.depth_m = (*registration_)(frame.depth_m);
+    return frame;
+  }
+
+  [[nodiscard]] std::string first_reason() const {
+    const auto all = skipped();
+    return all.empty() ? "" : "; the first: " + all.front().reason;
+  }
+
+  FrameProtocol protocol_;
+  SourceInfo info_;
+  RgbdCamera camera_;
+  std::optional<DepthRegistration> registration_;  ///< if depth is not registered to colour
+  LiveFrameBuffer frames_;
+  mutable std::mutex mutex_;
+  std::vector<SkippedFrame> skipped_;  ///< guarded by the mutex
+  std::exception_ptr failure_;         ///< written before ended_
+  std::atomic<bool> ended_ = false;
+  std::jthread thread_;  ///< declared last: it fills the frames
+};
+
+}  // namespace
+
+bool is_stream(const std::string& sequence) {
+  return sequence == "-" || sequence.starts_with(kSocketPrefix);
+}
+
+std::unique_ptr<FrameSource> open_stream(const std::string& sequence,
+                                         const std::optional<RgbdCamera>& camera) {
+  if (sequence == "-") return open_stream(open_standard_input(), sequence, camera);
+  return open_stream(accept_connection(sequence.substr(kSocketPrefix.size())), sequence, camera);
+}
+
+std::unique_ptr<FrameSource> open_stream(ByteStream bytes, const std::string& name,
+                                         const std::optional<RgbdCamera>& camera) {
+  return std::make_unique<StreamSource>(std::move(bytes), name, camera);
+}
+
+}  // namespace kinloop

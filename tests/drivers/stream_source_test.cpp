@@ -1,0 +1,193 @@
+#include "drivers/stream/stream_source.hpp"
+
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <unistd.h>
+
+#include "drivers/bags/byte_reader.hpp"
+#include "drivers/datasets/tum_source.hpp"
+#include "tests/drivers/message_writer.hpp"
+#include "tests/drivers/mutation.hpp"
+#include "tests/drivers/sequence_folder.hpp"
+#include "tests/support/expect_error.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::input_error;
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string record(const std::string& header, const std::string& data = "") {
+  const auto size = static_cast<uint32_t>(header.size());
+  return std::string(reinterpret_cast<const char*>(&size), sizeof(size)) + header + data;
+}
+
+std::string start_record(const char* live = "false") {
+  return record(
+      fmt::format(R"({{"kinloop": 1, "live": {}, "camera": {{"width": 32, "height": 24, "fx": 25, "fy": 25,
+      "cx": 15.5, "cy": 11.5, "distortion": [0, 0, 0, 0, 0], "depth_scale": 1000, "fps": 30}}}})",
+                  live));
+}
+
+std::string frame_record(int64_t stamp_ns, const std::string& color_encoding, const std::string& color,
+                         const std::string& depth_encoding, const std::string& depth) {
+  return record(fmt::format(R"({{"stamp_ns": {}, "color": {{"encoding": "{}", "bytes": {}}},
+                                "depth": {{"encoding": "{}", "bytes": {}}}}})",
+                            stamp_ns, color_encoding, color.size(), depth_encoding, depth.size()),
+                color + depth);
+}
+
+std::string png_frame(int64_t stamp_ns) {
+  return frame_record(stamp_ns, "png", test::encoded(test::make_color(1), ".png"), "png",
+                      test::encoded(test::make_depth(1000), ".png"));
+}
+
+/// A stream whose bytes are those of a file.
+std::unique_ptr<FrameSource> stream_of(const test::TempFolder& folder, const std::string& bytes,
+                                       const std::optional<RgbdCamera>& camera = {}) {
+  const auto path = folder.write("stream", bytes);
+  FILE* file = std::fopen(path.c_str(), "rb");
+  ByteStream stream((Descriptor(::dup(fileno(file)))));
+  std::fclose(file);
+  std::filesystem::remove(path);
+  return open_stream(std::move(stream), "test", camera);
+}
+
+size_t count_stream_frames(FrameSource& source) {
+  size_t frames = 0;
+  while (source.next()) ++frames;
+  return frames;
+}
+
+TEST(StreamSource, GivesTheFramesOfAFolderRawOrCompressed) {
+  const test::SequenceFolder sequence(4);
+  const test::TempFolder folder;
+  for (const bool raw : {true, false}) {
+    std::string bytes = start_record();
+    TumSource source(sequence.path());
+    while (const auto frame = source.next()) {
+      cv::Mat depth;
+      frame->depth_m.convertTo(depth, CV_16UC1, 1000);
+      const auto encoded = [&](const cv::Mat& image) {
+        return raw ? test::pixels_of(image) : test::encoded(image, ".png");
+      };
+      bytes += frame_record(frame->stamp_ns, raw ? "bgr8" : "png", encoded(frame->color),
+                            raw ? "16UC1" : "png", encoded(depth));
+    }
+    TumSource expected(sequence.path());
+    const auto stream = stream_of(folder, bytes);
+    EXPECT_EQ(stream->camera().color, expected.camera().color);
+    EXPECT_FALSE(stream->info().live);
+    while (const auto frame = expected.next()) {
+      const auto sent = stream->next();
+      ASSERT_TRUE(sent);
+      EXPECT_EQ(sent->id, frame->id);
+      EXPECT_EQ(sent->stamp_ns, frame->stamp_ns);
+      EXPECT_EQ(cv::norm(sent->color, frame->color, cv::NORM_INF), 0);
+      EXPECT_EQ(cv::norm(sent->depth_m, frame->depth_m, cv::NORM_INF), 0);
+    }
+    EXPECT_FALSE(stream->next());
+    EXPECT_TRUE(stream->skipped().empty());
+  }
+}
+
+TEST(StreamSource, ALiveStreamDropsTheOldestFrames) {
+  const test::TempFolder folder;
+  std::string bytes = start_record("true");
+  for (int i = 1; i <= 20; ++i) bytes += png_frame(i * 100);
+  const auto stream = stream_of(folder, bytes);
+  EXPECT_TRUE(stream->info().live);
+  size_t frames = 0;
+  int64_t last_ns = 0;
+  while (const auto frame = stream->next()) ++frames, last_ns = frame->stamp_ns;
+  EXPECT_EQ(last_ns, 2000);
+  EXPECT_EQ(frames + stream->skipped().size(), 20U);
+}
+
+TEST(StreamSource, DamagedFramesAreSkippedAndCounted) {
+  const test::TempFolder folder;
+  const std::string color = test::encoded(test::make_color(1), ".png"),
+                    depth = test::encoded(test::make_depth(1), ".png");
+  const auto stream = stream_of(
+      folder, start_record() + png_frame(100) + frame_record(200, "png", color.substr(0, 99), "png", depth) +
+                  frame_record(300, "webp", color, "png", depth) +
+                  frame_record(400, "bgr8", "short", "png", depth) +
+                  frame_record(500, "png", color, "png", color) + png_frame(50) + png_frame(600));
+  EXPECT_EQ(count_stream_frames(*stream), 2U);
+  std::string reasons;
+  for (const auto& skipped : stream->skipped()) reasons += skipped.reason + "\n";
+  EXPECT_THAT(reasons, AllOf(HasSubstr("truncated"), HasSubstr("webp"), HasSubstr("16-bit"),
+                             HasSubstr("does not increase")));
+}
+
+TEST(StreamSource, AMalformedStreamEndsAfterItsGoodFrames) {
+  const test::TempFolder folder;
+  const std::string good = start_record() + png_frame(100), next = png_frame(200);
+  for (const std::string& bad :
+       {next.substr(0, 2), next.substr(0, 20), next.substr(0, next.size() - 1), record("{"), record("[]"),
+        record("{}"), std::string("\xff\xff\xff\x7f"), std::string(4, '\0'),
+        record(R"({"stamp_ns": 1, "color": {"encoding": "png", "bytes": 1e18}})"),
+        record(R"({"stamp_ns": 1, "color": {"encoding": "png", "bytes": -5}})")}) {
+    const auto stream = stream_of(folder, good + bad);
+    EXPECT_TRUE(stream->next());
+    EXPECT_THAT(input_error([&] { stream->next(); }),
+                AllOf(HasSubstr("test: record 2"), HasSubstr("docs/protocol.md")));
+  }
+}
+
+TEST(StreamSource, NamesWhatIsWrongWithTheStart) {
+  const test::TempFolder folder;
+  EXPECT_THAT(input_error([&] { stream_of(folder, ""); }), HasSubstr("empty"));
+  EXPECT_THAT(input_error([&] { stream_of(folder, record("{}")); }), HasSubstr("\"kinloop\""));
+  EXPECT_THAT(input_error([&] { stream_of(folder, record(R"({"kinloop": 9})")); }), HasSubstr("version 9"));
+  EXPECT_THAT(input_error([&] { stream_of(folder, record(R"({"kinloop": 1})")); }), HasSubstr("--camera"));
+  EXPECT_THAT(input_error([&] { stream_of(folder, record(R"({"kinloop": 1, "live": 3, "camera": {}})")); }),
+              HasSubstr("wrong kind"));
+  EXPECT_THAT(input_error([&] { stream_of(folder, record(R"({"kinloop": 1, "camera": {"width": 32}})")); }),
+              HasSubstr("height"));
+  EXPECT_THAT(input_error([&] { count_stream_frames(*stream_of(folder, start_record())); }),
+              HasSubstr("no usable frame"));
+}
+
+TEST(StreamSource, ASocketIsCreatedAndRemoved) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "camera.sock";
+  std::jthread sender([&] {
+    while (!std::filesystem::is_socket(path)) std::this_thread::yield();
+    const std::string command = fmt::format(
+        "python3 -c \"import socket,sys; s=socket.socket(socket.AF_UNIX); s.connect('{}'); "
+        "s.sendall(sys.stdin.buffer.read())\"",
+        path.string());
+    FILE* python = ::popen(command.c_str(), "w");
+    const std::string bytes = start_record() + png_frame(100);
+    std::fwrite(bytes.data(), 1, bytes.size(), python);
+    ::pclose(python);
+  });
+  const auto stream = open_stream("unix:" + path.string(), {});
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_EQ(count_stream_frames(*stream), 1U);
+  EXPECT_THAT(input_error([&] { open_stream("unix:" + std::string(200, 'x'), {}); }), HasSubstr("unix:"));
+  EXPECT_THAT(input_error([&] { open_stream("unix:/nowhere/camera.sock", {}); }), HasSubstr("/nowhere"));
+}
+
+TEST(StreamSource, NoMutatedStreamBreaksTheReader) {
+  const test::TempFolder folder;
+  const std::string raw = frame_record(200, "bgr8", test::pixels_of(test::make_color(1)), "16UC1",
+                                       test::pixels_of(test::make_depth(9)));
+  const std::string bytes = start_record() + png_frame(100) + raw;
+  Random random(21);
+  for (int i = 0; i < 10'000; ++i) {
+    try {
+      count_stream_frames(*stream_of(folder, test::mutated(bytes, random)));
+    } catch (const InputError& error) {
+      EXPECT_THAT(std::string(error.what()), testing::Not(HasSubstr("\n")));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kinloop
