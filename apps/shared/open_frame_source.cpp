@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "drivers/azure/azure_source.hpp"
 #include "drivers/datasets/camera_selection.hpp"
 #include "drivers/datasets/tum_source.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
@@ -28,6 +29,7 @@ std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   if (sequence == "kinect1") return open_kinect1(request.kinect, explicit_camera());
   if (sequence == "kinect2") return open_kinect2(request.kinect, explicit_camera(), request.kinect2_frames);
   if (is_stream(sequence)) return open_stream(sequence, explicit_camera());
+  if (sequence.ends_with(".mkv")) return open_azure_recording(sequence, explicit_camera());
   if (is_bag(sequence)) return open_bag(sequence, explicit_camera(), request.topics);
   return std::make_unique<TumSource>(sequence, choose_camera(sequence, request.camera));
 }

@@ -11,9 +11,9 @@
 namespace kinloop {
 
 std::string ros1_type(std::string type) {
-  constexpr std::string_view kRos2Part = "/msg/";
-  const size_t at = type.find(kRos2Part);
-  if (at != std::string::npos) type.replace(at, kRos2Part.size(), "/");
+  constexpr std::string_view kRos2Part = "/msg";
+  const size_t at = type.find("/msg/");
+  if (at != std::string::npos) type.erase(at, kRos2Part.size());
   return type;
 }
 

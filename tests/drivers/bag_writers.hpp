@@ -1,6 +1,7 @@
 #pragma once
 // Small writers of .mcap and .db3 files.
 
+#include <filesystem>
 #include <fstream>
 #include <map>
 

@@ -1,6 +1,7 @@
 #pragma once
 // Damaged files for readers, the same in every run.
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -11,6 +12,12 @@
 #include "kinloop/base/random.hpp"
 
 namespace kinloop::test {
+
+/// Returns how many damaged files a test tries: `usual`, or the number in KINLOOP_MUTATIONS.
+inline int mutations(int usual) {
+  const char* wanted = std::getenv("KINLOOP_MUTATIONS");
+  return wanted == nullptr ? usual : std::atoi(wanted);
+}
 
 /// Changes, removes or repeats a few bytes.
 inline std::string mutated(std::string bytes, Random& random) {

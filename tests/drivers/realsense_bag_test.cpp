@@ -167,7 +167,8 @@ TEST_F(RealsenseBagTest, NoMutatedFileBreaksTheReader) {
   std::ifstream file(path, std::ios::binary);
   const std::string bytes((std::istreambuf_iterator<char>(file)), {});
   Random random(20);
-  for (int i = 0; i < 10'000; ++i) test::read_all(folder.write("m.bag", test::mutated(bytes, random)));
+  for (int i = test::mutations(2000); i > 0; --i)
+    test::read_all(folder.write("m.bag", test::mutated(bytes, random)));
 }
 
 }  // namespace

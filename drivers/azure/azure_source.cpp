@@ -1,0 +1,192 @@
+#include "drivers/azure/azure_source.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "drivers/azure/azure_calibration.hpp"
+#include "drivers/azure/matroska_file.hpp"
+#include "drivers/images/encoded_image.hpp"
+#include "drivers/live/frame_pairer.hpp"
+#include "drivers/ros/ros_image.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/registration.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr const char* kCalibrationFile = "calibration.json";
+
+class AzureSource : public FrameSource {
+ public:
+  AzureSource(const std::filesystem::path& path, const std::optional<RgbdCamera>& camera)
+      : file_(open(path)) {
+    info_.name = path.string();
+    color_track_ = track_named("COLOR");
+    depth_track_ = track_named("DEPTH");
+    info_.frames = file_.tracks()[color_track_].frames;
+    if (camera) {
+      camera_ = *camera;
+    } else {
+      use_factory_calibration();
+    }
+    if (camera_.depth) registration_.emplace(camera_);
+  }
+
+  std::optional<RgbdFrame> next() override {
+    while (true) {
+      if (auto frame = pairer_.next()) {
+        ++given_;
+        if (camera_.depth_shift_m != 0)
+          cv::add(frame->depth_m, camera_.depth_shift_m, frame->depth_m, frame->depth_m > 0);
+        if (registration_) frame->depth_m = (*registration_)(frame->depth_m);
+        return frame;
+      }
+      if (finished_) break;
+      read_block();
+    }
+    if (given_ == 0) throw InputError(fmt::format("{}: no usable frame{}", info_.name, first_reason()));
+    return std::nullopt;
+  }
+
+  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
+    auto all = skipped_;
+    all.insert(all.end(), pairer_.unpaired(), {"image", "no image of the other camera within 0.02 s"});
+    all.insert(all.end(), pairer_.out_of_order(), {"image", "its timestamp does not increase"});
+    return all;
+  }
+
+ private:
+  static MatroskaFile open(const std::filesystem::path& path) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored))
+      throw InputError(fmt::format("{}: no such file; check the path", path.string()));
+    return MatroskaFile(path);
+  }
+
+  [[nodiscard]] size_t track_named(const std::string& name) const {
+    const auto& tracks = file_.tracks();
+    const auto found =
+        std::find_if(tracks.begin(), tracks.end(), [&](const auto& t) { return t.name == name; });
+    if (found == tracks.end())
+      throw InputError(fmt::format(
+          "{}: no track {}: not a recording of an Azure Kinect with colour and depth", info_.name, name));
+    return static_cast<size_t>(found - tracks.begin());
+  }
+
+  void use_factory_calibration() {
+    const auto text = file_.attachment(kCalibrationFile);
+    if (!text)
+      throw InputError(
+          fmt::format("{}: {} is not attached; use --camera FILE", info_.name, kCalibrationFile));
+    const MatroskaTrack &color = file_.tracks()[color_track_], &depth = file_.tracks()[depth_track_];
+    try {
+      const auto calibration =
+          read_azure_calibration(*text, {color.width, color.height}, {depth.width, depth.height});
+      color_undistortion_.emplace(calibration.color);
+      depth_undistortion_.emplace(calibration.depth);
+      camera_.color = calibration.color.pinhole;
+      camera_.depth = calibration.depth.pinhole;
+      camera_.T_color_depth = calibration.T_color_depth;
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}; use --camera FILE", info_.name, error.what()));
+    }
+  }
+
+  /// Passes the next image to the pairer, or detects the end.
+  void read_block() {
+    const auto block = file_.next();
+    if (!block) {
+      finished_ = true;
+      return pairer_.finish();
+    }
+    try {
+      if (block->track == color_track_) add_color(*block);
+      if (block->track == depth_track_) add_depth(*block);
+    } catch (const InputError& error) {
+      skipped_.push_back(
+          {fmt::format("{} at {} ns", file_.tracks()[block->track].name, block->stamp_ns), error.what()});
+    }
+  }
+
+  void add_color(const MatroskaBlock& block) {
+    const MatroskaTrack& track = file_.tracks()[color_track_];
+    cv::Mat color = require_size(decoded_color(track, block.data), camera_.color);
+    if (color_undistortion_) color = color_undistortion_->color(color);
+    pairer_.add_color(block.stamp_ns, color);
+  }
+
+  void add_depth(const MatroskaBlock& block) {
+    const MatroskaTrack& track = file_.tracks()[depth_track_];
+    cv::Mat depth_m =
+        require_size(decoded_depth(track, block.data), camera_.depth ? *camera_.depth : camera_.color);
+    if (depth_undistortion_) depth_m = depth_undistortion_->depth(depth_m);
+    pairer_.add_depth(block.stamp_ns, depth_m);
+  }
+
+  static cv::Mat decoded_color(const MatroskaTrack& track, Bytes data) {
+    if (track.fourcc == "MJPG" || track.fourcc == "png") return decode_color(data);
+    if (track.fourcc == "YUY2")
+      return color_from(
+          {track.width, track.height, 2 * static_cast<size_t>(track.width), "yuyv", false, data});
+    if (track.fourcc != "NV12")
+      throw InputError(fmt::format("unknown encoding '{}'; expected MJPG, YUY2, NV12", track.fourcc));
+    const int rows = track.height * 3 / 2;
+    const cv::Mat pixels = gray_pixels(data, {track.width, rows});
+    cv::Mat color;
+    cv::cvtColor(pixels, color, cv::COLOR_YUV2BGR_NV12);
+    return color;
+  }
+
+  static cv::Mat gray_pixels(Bytes data, cv::Size size) {
+    const bool even = size.width > 0 && size.width % 2 == 0 && size.height > 0 && size.height % 3 == 0;
+    if (!even || data.size() < static_cast<size_t>(size.width) * static_cast<size_t>(size.height))
+      throw InputError("an NV12 image is truncated");
+    return {size, CV_8UC1, const_cast<uint8_t*>(data.data())};
+  }
+
+  static cv::Mat decoded_depth(const MatroskaTrack& track, Bytes data) {
+    if (track.fourcc == "png") return depth_from_compressed("16UC1", data);
+    if (track.fourcc != "b16g")
+      throw InputError(fmt::format("unknown depth encoding '{}'; expected b16g", track.fourcc));
+    constexpr bool kBigEndian = true;
+    return depth_from(
+        {track.width, track.height, 2 * static_cast<size_t>(track.width), "16UC1", kBigEndian, data});
+  }
+
+  static cv::Mat require_size(cv::Mat image, const PinholeCamera& camera) {
+    if (image.cols == camera.width && image.rows == camera.height) return image;
+    throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}", image.cols, image.rows,
+                                 camera.width, camera.height));
+  }
+
+  [[nodiscard]] std::string first_reason() const {
+    const auto all = skipped();
+    return all.empty() ? "" : "; the first: " + all.front().reason;
+  }
+
+  SourceInfo info_;
+  MatroskaFile file_;
+  size_t color_track_ = 0, depth_track_ = 0;
+  RgbdCamera camera_;
+  std::optional<RationalUndistortion> color_undistortion_,
+      depth_undistortion_;  ///< by the factory calibration
+  std::optional<DepthRegistration> registration_;
+  FramePairer pairer_;
+  bool finished_ = false;
+  size_t given_ = 0;
+  std::vector<SkippedFrame> skipped_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_azure_recording(const std::filesystem::path& path,
+                                                  const std::optional<RgbdCamera>& camera) {
+  return std::make_unique<AzureSource>(path, camera);
+}
+
+}  // namespace kinloop
