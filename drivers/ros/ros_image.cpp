@@ -164,4 +164,21 @@ PinholeCamera camera_from(const RosCameraInfo& info, bool rectified) {
   return camera;
 }
 
+std::optional<RationalCamera> rational_camera_from(const RosCameraInfo& info, bool rectified) {
+  RationalCamera camera;
+  const auto is_zero = [](double d) { return d == 0; };
+  const size_t terms = camera.distortion.size();
+  if (rectified || info.distortion_model != "rational_polynomial" || info.D.size() < terms ||
+      std::all_of(info.D.begin(), info.D.end(), is_zero)) {
+    return std::nullopt;
+  }
+  const auto rest = info.D.begin() + static_cast<std::ptrdiff_t>(terms);  // thin prism and tilt
+  if (!std::all_of(rest, info.D.end(), is_zero)) return std::nullopt;
+  std::copy(info.D.begin(), rest, camera.distortion.begin());
+  RosCameraInfo ideal = info;
+  ideal.D.clear();
+  camera.pinhole = camera_from(ideal, false);
+  return camera;
+}
+
 }  // namespace kinloop

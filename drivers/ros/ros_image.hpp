@@ -4,12 +4,14 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
+#include "drivers/images/rational_lens.hpp"
 #include "kinloop/geometry/camera.hpp"
 
 namespace kinloop {
@@ -52,5 +54,9 @@ struct RosCameraInfo {
 /// RealSense's inverse and modified Brown-Conrady distortion is approximated by ours. Throws InputError if
 /// the camera is uncalibrated or has another distortion model.
 PinholeCamera camera_from(const RosCameraInfo& info, bool rectified);
+
+/// Returns the camera of a raw image with the distortion model rational_polynomial, whose images must be
+/// undistorted; nullopt for all that `camera_from` can express.
+std::optional<RationalCamera> rational_camera_from(const RosCameraInfo& info, bool rectified);
 
 }  // namespace kinloop

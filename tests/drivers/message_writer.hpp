@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "drivers/bags/byte_reader.hpp"
+#include "drivers/images/rational_lens.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
 
@@ -87,21 +88,31 @@ inline std::string compressed_message(Serialization kind, int64_t stamp_ns, cons
   return MessageWriter(kind).header(stamp_ns, frame).text(format).data(data).bytes();
 }
 
-/// sensor_msgs/CameraInfo.
-inline std::string info_message(Serialization kind, const PinholeCamera& c,
-                                const std::string& model = "plumb_bob", const std::string& frame = "color") {
+/// sensor_msgs/CameraInfo with any distortion.
+inline std::string info_message(Serialization kind, const PinholeCamera& c, const std::string& model,
+                                const std::vector<double>& distortion, const std::string& frame) {
   MessageWriter writer(kind);
   writer.header(1, frame)
       .number(static_cast<uint32_t>(c.height))
       .number(static_cast<uint32_t>(c.width))
       .text(model);
-  writer.number(uint32_t{5});
-  for (const double d : {c.k1, c.k2, c.p1, c.p2, c.k3}) writer.number(d);
+  writer.number(static_cast<uint32_t>(distortion.size()));
+  for (const double d : distortion) writer.number(d);
   for (const double k : {c.fx, 0., c.cx, 0., c.fy, c.cy, 0., 0., 1.}) writer.number(k);
   for (const double r : {1., 0., 0., 0., 1., 0., 0., 0., 1.}) writer.number(r);
   for (const double p : {c.fx, 0., c.cx, 0., 0., c.fy, c.cy, 0., 0., 0., 1., 0.}) writer.number(p);
   for (int i = 0; i < 6; ++i) writer.number(uint32_t{0});
   return writer.number(uint8_t{0}).bytes();
+}
+
+inline std::string info_message(Serialization kind, const PinholeCamera& c,
+                                const std::string& model = "plumb_bob") {
+  return info_message(kind, c, model, {c.k1, c.k2, c.p1, c.p2, c.k3}, "color");
+}
+
+inline std::string rational_info_message(Serialization kind, const RationalCamera& lens) {
+  const std::vector<double> distortion(lens.distortion.begin(), lens.distortion.end());
+  return info_message(kind, lens.pinhole, "rational_polynomial", distortion, "color");
 }
 
 /// tf2_msgs/TFMessage with one transform.
