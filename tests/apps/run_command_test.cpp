@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/apps/program_test.hpp"
+#include "tests/support/shared_data.hpp"
 
 namespace kinloop {
 namespace {
@@ -174,6 +175,22 @@ TEST_F(RunCommand, ReportsGroundTruthWithoutOverlapInTime) {
   EXPECT_EQ(done.exit_code, kDone) << done.err;
   EXPECT_THAT(done.err, AllOf(HasSubstr("the estimate lasts from 1.0"),
                               HasSubstr("the truth lasts from 9000.000000 to 9002.000000")));
+}
+
+TEST_F(RunCommand, AStreamThatBreaksOffKeepsWhatWasMapped) {
+  const std::string send = "python3 '" +
+                           (test::source_folder() / "examples/python/stream_frames.py").string() + "' '" +
+                           sequence() + "'";
+  const std::string map = " | '" KINLOOP_PROGRAM "' run - -q -o '";
+  EXPECT_EQ(shell(send + map + at("whole") + "'").exit_code, kDone);
+  EXPECT_EQ(run("run '" + at("seq") + "' -q -o '" + at("folder") + "'").exit_code, kDone);
+  EXPECT_EQ(read_file(at("whole/trajectory.txt")), read_file(at("folder/trajectory.txt")));
+  const Run cut =
+      shell(send + " >'" + at("bytes") + "'; head -c -1 '" + at("bytes") + "'" + map + at("cut") + "'");
+  EXPECT_EQ(cut.exit_code, kBadInput);
+  EXPECT_THAT(cut.err, AllOf(HasSubstr("error: -: record 4"), HasSubstr("docs/protocol.md")));
+  EXPECT_EQ(std::count(cut.err.begin(), cut.err.end(), '\n'), 1);
+  EXPECT_TRUE(std::filesystem::exists(at("cut/map.kinmap")));
 }
 
 }  // namespace
