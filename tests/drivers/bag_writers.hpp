@@ -66,47 +66,31 @@ class McapRecord {
   std::string bytes_;
 };
 
-/// The bytes of an MCAP file.
-inline std::string mcap_bytes(const WrittenBag& bag, const McapLayout& layout) {
-  const std::string magic("\x89MCAP0\r\n", 8);
-  std::string file = magic + McapRecord().text("ros2").text("test").with_opcode(1);
-  std::string definitions, chunk;
-  std::map<std::string, uint16_t> channels;
-  std::map<uint16_t, uint64_t> counts;
-  size_t in_chunk = 0;
-  const auto close_chunk = [&] {
-    if (chunk.empty()) return;
-    const std::string packed = compressed(layout.compression, chunk);
-    file += McapRecord()
-                .number(uint64_t{0})
-                .number(uint64_t{0})
-                .number(uint64_t{chunk.size()})
-                .number(crc32(as_bytes(chunk)))
-                .text(layout.compression)
-                .number(uint64_t{packed.size()})
-                .raw(packed)
-                .with_opcode(6);
-    file += McapRecord().number(uint16_t{1}).number(uint32_t{0}).with_opcode(7);  // a message index
-    chunk.clear(), in_chunk = 0;
-  };
-  for (const WrittenMessage& message : bag) {
-    std::string& out = layout.chunks ? chunk : file;
+/// An MCAP file that grows by messages.
+class McapWriter {
+ public:
+  explicit McapWriter(McapLayout layout) : layout_(std::move(layout)) {
+    file_ = magic() + McapRecord().text("ros2").text("test").with_opcode(1);
+  }
+
+  void add(const WrittenMessage& message) {
+    std::string& out = layout_.chunks ? chunk_ : file_;
     const auto [channel, is_new] =
-        channels.emplace(message.topic, static_cast<uint16_t>(channels.size() + 1));
+        channels_.emplace(message.topic, static_cast<uint16_t>(channels_.size() + 1));
     const uint16_t id = channel->second;
     if (is_new) {
-      const std::string both =
+      const std::string definition =
           McapRecord().number(id).text(message.type).text("ros2msg").text("").with_opcode(3) +
           McapRecord()
               .number(id)
               .number(id)
               .text(message.topic)
-              .text(layout.encoding)
+              .text(layout_.encoding)
               .number(uint32_t{0})
               .with_opcode(4);
-      out += both, definitions += both;
+      out += definition, definitions_ += definition;
     }
-    ++counts[id];
+    ++counts_[id], ++messages_;
     out += McapRecord()
                .number(id)
                .number(uint32_t{0})
@@ -114,30 +98,69 @@ inline std::string mcap_bytes(const WrittenBag& bag, const McapLayout& layout) {
                .number(message.log_ns)
                .raw(message.data)
                .with_opcode(5);
-    if (layout.chunks && ++in_chunk == layout.messages_per_chunk) close_chunk();
+    if (layout_.chunks && messages_ % layout_.messages_per_chunk == 0) close_chunk();
   }
-  close_chunk();
-  if (!layout.summary) return file;
-  file += McapRecord().number(uint32_t{0}).with_opcode(0x0F);
-  McapRecord count_map;
-  for (const auto& [id, count] : counts) count_map.number(id).number(count);
-  const uint64_t start = file.size();
-  file += definitions;
-  file += McapRecord()
-              .number(uint64_t{bag.size()})
-              .number(uint16_t{1})
-              .number(uint32_t{1})
-              .number(uint32_t{0})
-              .number(uint32_t{0})
-              .number(uint32_t{1})
-              .number(uint64_t{0})
-              .number(uint64_t{0})
-              .text(count_map.bytes())
-              .with_opcode(0x0B);
-  std::string footer = McapRecord().number(start).number(uint64_t{0}).number(uint32_t{0}).with_opcode(2);
-  footer.resize(footer.size() - 4);
-  const uint32_t crc = crc32(as_bytes(file.substr(start) + footer));
-  return file + footer + McapRecord().number(crc).bytes() + magic;
+
+  std::string finish() {
+    close_chunk();
+    if (layout_.summary) add_summary();
+    return file_;
+  }
+
+ private:
+  static std::string magic() { return {"\x89MCAP0\r\n", 8}; }
+
+  void close_chunk() {
+    if (chunk_.empty()) return;
+    const std::string packed = compressed(layout_.compression, chunk_);
+    file_ += McapRecord()
+                 .number(uint64_t{0})
+                 .number(uint64_t{0})
+                 .number(uint64_t{chunk_.size()})
+                 .number(crc32(as_bytes(chunk_)))
+                 .text(layout_.compression)
+                 .number(uint64_t{packed.size()})
+                 .raw(packed)
+                 .with_opcode(6);
+    file_ += McapRecord().number(uint16_t{1}).number(uint32_t{0}).with_opcode(7);  // a message index
+    chunk_.clear();
+  }
+
+  void add_summary() {
+    file_ += McapRecord().number(uint32_t{0}).with_opcode(0x0F);
+    McapRecord counts;
+    for (const auto& [id, count] : counts_) counts.number(id).number(count);
+    const uint64_t start = file_.size();
+    file_ += definitions_;
+    file_ += McapRecord()
+                 .number(uint64_t{messages_})
+                 .number(uint16_t{1})
+                 .number(uint32_t{1})
+                 .number(uint32_t{0})
+                 .number(uint32_t{0})
+                 .number(uint32_t{1})
+                 .number(uint64_t{0})
+                 .number(uint64_t{0})
+                 .text(counts.bytes())
+                 .with_opcode(0x0B);
+    std::string footer = McapRecord().number(start).number(uint64_t{0}).number(uint32_t{0}).with_opcode(2);
+    footer.resize(footer.size() - sizeof(uint32_t));
+    const uint32_t crc = crc32(as_bytes(file_.substr(start) + footer));
+    file_ += footer + McapRecord().number(crc).bytes() + magic();
+  }
+
+  McapLayout layout_;
+  std::string file_, definitions_, chunk_;
+  std::map<std::string, uint16_t> channels_;
+  std::map<uint16_t, uint64_t> counts_;
+  size_t messages_ = 0;
+};
+
+/// The bytes of an MCAP file.
+inline std::string mcap_bytes(const WrittenBag& bag, const McapLayout& layout) {
+  McapWriter writer(layout);
+  for (const WrittenMessage& message : bag) writer.add(message);
+  return writer.finish();
 }
 
 /// Writes a .db3 file as rosbag2 does; throws on failure.
