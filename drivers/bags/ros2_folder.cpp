@@ -59,10 +59,9 @@ std::vector<std::filesystem::path> listed_files(const std::filesystem::path& fol
     const YAML::Node bag = YAML::Load(read_file(path))[kBagNode];
     for (const auto& name : bag["relative_file_paths"])
       files.push_back(listed_file(folder, printable(name.as<std::string>())));
-  } catch (const YAML::Exception& error) {
-    throw InputError(
-        fmt::format("{}: not the metadata of a ROS 2 bag ({}); remove it to read the files by name",
-                    path.string(), error.msg));
+  } catch (const YAML::Exception&) {
+    throw InputError(fmt::format("{}: not the metadata of a ROS 2 bag; remove it to read the files by name",
+                                 path.string()));
   }
   return files;
 }

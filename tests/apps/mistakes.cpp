@@ -70,7 +70,7 @@ std::vector<MisuseCase> sequence_mistakes() {
       looks_like("icl", {"looks like ICL-NUIM (scene_00_0000.depth)"}),
       looks_like("euroc", {"looks like EuRoC (mav0/)"}),
       looks_like("kitti", {"looks like KITTI (image_2/)"}),
-      looks_like("ros2", {"looks like a ROS 2 bag (metadata.yaml, take_0.db3)"}),
+      {"run ros2", kBadInput, {"ros2/metadata.yaml: not the metadata of a ROS 2 bag", "remove it"}},
       {"run no_camera", kBadInput, {"no_camera: no camera: add a camera.yaml", "--camera FILE", "fx: 525"}},
       {"run only_rgb", kBadInput, {"no depth.txt, camera.yaml", "depth.txt ", "fx: 525"}},
       {"run no_lists", kBadInput, {"rgb/ and depth/ without their lists", "rgb.txt ", "depth.txt "}},
