@@ -95,9 +95,9 @@ double bundle_cost(const BundleTask& task, const BundleState& state) {
     }
   });
   double cost = std::accumulate(cost_of_pose.begin(), cost_of_pose.end(), 0.0);
-  const SensorVector moved = state.sensor - task.problem.sensor.prior_mean;
-  for (const int i : free_sensor_parameters(task.problem.sensor)) {
-    cost += moved(i) * moved(i) * sensor_information(task.problem.sensor, i);
+  const SensorVector moved = state.sensor - task.sensor.prior_mean;
+  for (const int i : free_sensor_parameters(task.sensor)) {
+    cost += moved(i) * moved(i) * sensor_information(task.sensor, i);
   }
   return cost;
 }

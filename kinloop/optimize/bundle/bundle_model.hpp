@@ -36,6 +36,8 @@ struct BundleTask {
   std::vector<Velocity> velocities;  ///< per pose
   std::vector<BundleUse> uses;       ///< per observation; a point with any use is constrained
   std::vector<std::vector<BundleBlock>> blocks_of_pose = {};  ///< all usable observations
+  SensorCalibration sensor = {};                              ///< without the parameters no longer free
+  double tolerance = 0;                                       ///< of this round
 };
 
 /// Returns the camera, sensor and weights of a task.
@@ -88,5 +90,14 @@ struct BundleCovariance {
   std::vector<Matrix6d> poses;  ///< empty unless requested
 };
 BundleCovariance bundle_covariance(const BundleTask& task, const BundleState& state);
+
+/// A linear step from `state` that takes the rejected parameters to their prior means, given the covariance
+/// of all, and everything else to the minimum for that.
+struct BundleSelection {
+  SensorMatrix covariance = SensorMatrix::Zero();
+  SensorCalibration sensor;  ///< the rejected parameters are constant
+  BundleState state;
+};
+BundleSelection select_sensor_parameters(const BundleTask& task, const BundleState& state);
 
 }  // namespace kinloop

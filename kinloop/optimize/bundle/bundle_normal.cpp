@@ -18,7 +18,7 @@ using Rows = Eigen::Map<const Eigen::Matrix<double, 3, kColumns, Eigen::RowMajor
 
 BundleNormalEquations::BundleNormalEquations(const BundleTask& bundle_task)
     : task(bundle_task),
-      sensor_free((bundle_task.problem.sensor.prior_sigma.array() > 0).cast<double>()),
+      sensor_free((bundle_task.sensor.prior_sigma.array() > 0).cast<double>()),
       has_sensor(sensor_free.any()),
       layout(false, has_sensor) {
   number_unknowns();
@@ -178,10 +178,10 @@ void BundleNormalEquations::sum_point(Point& point) {
 }
 
 void BundleNormalEquations::add_priors(const BundleState& state) {
-  for (const int i : free_sensor_parameters(task.problem.sensor)) {
-    const double information = sensor_information(task.problem.sensor, i);
+  for (const int i : free_sensor_parameters(task.sensor)) {
+    const double information = sensor_information(task.sensor, i);
     H_sensor(i, i) += information;
-    g_sensor(i) += information * (state.sensor(i) - task.problem.sensor.prior_mean(i));
+    g_sensor(i) += information * (state.sensor(i) - task.sensor.prior_mean(i));
   }
 }
 

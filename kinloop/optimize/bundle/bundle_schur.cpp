@@ -1,5 +1,6 @@
 #include "kinloop/optimize/bundle/bundle_schur.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <Eigen/LU>
@@ -29,6 +30,18 @@ SensorMatrix sensor_inverse(SensorMatrix information) {
   information.diagonal().array() += kMinStiffness;
   const SensorMatrix inverse = information.llt().solve(SensorMatrix::Identity());
   return scale.asDiagonal() * inverse * scale.asDiagonal();
+}
+
+/// Replaces the equations of the unknowns with a given step (not NaN) in S x = b by that step.
+void prescribe(const SensorVector& steps, SensorMatrix& S, SensorVector& b) {
+  for (int k = 0; k < kSensorParameterCount; ++k) {
+    if (std::isnan(steps(k))) continue;
+    b -= S.col(k) * steps(k);
+    S.row(k).setZero();
+    S.col(k).setZero();
+    S(k, k) = 1;
+    b(k) = steps(k);
+  }
 }
 
 }  // namespace
@@ -103,16 +116,19 @@ BundleSchur::Reduced BundleSchur::reduce(double damping) {
   return system;
 }
 
-std::optional<BundleStep> BundleSchur::solve(double damping) {
+std::optional<BundleStep> BundleSchur::solve(double damping, const SensorVector& sensor_steps) {
   const Reduced system = reduce(damping);
   if (!cholesky_.factorize(system.A)) return std::nullopt;
   BundleStep step;
   step.cameras = cholesky_.solve(system.a);
   if (normal_.has_sensor) {
     const CameraSensor A_inverse_B = cholesky_.solve<Eigen::MatrixXd>(system.B);
-    const Eigen::LLT<SensorMatrix> llt(system.S - system.B.transpose() * A_inverse_B);
+    SensorMatrix S = system.S - system.B.transpose() * A_inverse_B;
+    SensorVector b = system.b - system.B.transpose() * step.cameras;
+    prescribe(sensor_steps, S, b);
+    const Eigen::LLT<SensorMatrix> llt(S);
     if (llt.info() != Eigen::Success) return std::nullopt;
-    step.sensor = llt.solve(system.b - system.B.transpose() * step.cameras);
+    step.sensor = llt.solve(b);
     step.cameras -= A_inverse_B * step.sensor;
   }
   step.points = point_steps(step);

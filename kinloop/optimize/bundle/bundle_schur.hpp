@@ -2,6 +2,7 @@
 // Steps of bundle adjustment: eliminates the points from the normal equations (Schur complement; Triggs et
 // al. 2000, section 6.1), solves the reduced camera system and back-substitutes the points.
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -24,7 +25,9 @@ class BundleSchur {
   void linearize(const BundleState& state) { normal_.linearize(state); }
 
   /// Returns the damped Gauss-Newton step from the linearised state, or nullopt if the system is singular.
-  std::optional<BundleStep> solve(double damping);
+  /// Sensor parameters for which `sensor_steps` is not NaN take these steps.
+  std::optional<BundleStep> solve(double damping,
+                                  const SensorVector& sensor_steps = SensorVector::Constant(kNaN));
 
   [[nodiscard]] BundleState apply(const BundleState& state, const BundleStep& step) const;
 
@@ -33,6 +36,7 @@ class BundleSchur {
   BundleCovariance covariance();
 
  private:
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   using Normal = BundleNormalEquations;
   static constexpr int kCameraDof = Normal::kCameraDof;
   using CameraSensor = Normal::CameraSensor;
