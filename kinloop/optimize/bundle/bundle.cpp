@@ -110,6 +110,7 @@ std::vector<std::vector<BundleBlock>> make_blocks(const BundleTask& task) {
     if (blocks.empty() || blocks.back().count == ObservationBlock::kSize) blocks.emplace_back();
     BundleBlock& block = blocks.back();
     set_measurement(block.measured, block.count, task.problem.observations[i]);
+    block.points[block.count] = task.problem.observations[i].point;
     block.observations[block.count++] = i;
   }
   return blocks_of_pose;

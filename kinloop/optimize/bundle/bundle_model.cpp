@@ -27,13 +27,13 @@ MeasurementModel measurement_model(const BundleTask& task, const SensorVector& s
 ObservationBlock block_at(const BundleTask& task, const BundleBlock& block, const BundleState& state) {
   ObservationBlock placed = block.measured;
   for (size_t lane = 0; lane < block.count; ++lane) {
-    const uint32_t i = block.observations[lane];
-    const Eigen::Vector3d& p_world = state.p_world[task.problem.observations[i].point];
+    const BundleUse use = task.uses[block.observations[lane]];
+    const Eigen::Vector3d& p_world = state.p_world[block.points[lane]];
     placed.x[lane] = p_world.x();
     placed.y[lane] = p_world.y();
     placed.z[lane] = p_world.z();
-    placed.uses_pixel[lane] = task.uses[i] != BundleUse::kNothing ? 1 : 0;
-    placed.uses_depth[lane] = task.uses[i] == BundleUse::kPixelAndDepth ? 1 : 0;
+    placed.uses_pixel[lane] = use != BundleUse::kNothing ? 1 : 0;
+    placed.uses_depth[lane] = use == BundleUse::kPixelAndDepth ? 1 : 0;
   }
   return placed;
 }

@@ -25,7 +25,14 @@ enum class BundleUse : uint8_t { kNothing, kPixel, kPixelAndDepth };
 struct BundleBlock {
   ObservationBlock measured;
   std::array<uint32_t, ObservationBlock::kSize> observations{};  ///< index in the problem
+  std::array<uint32_t, ObservationBlock::kSize> points{};        ///< index in the problem
   size_t count = 0;
+};
+
+/// Memory that is reused from round to round.
+struct BundleBuffers {
+  std::vector<double> products;    ///< see PointProducts
+  std::vector<double> eliminated;  ///< see eliminate_point
 };
 
 /// A problem reduced to its usable parts, as input of the solvers.
@@ -38,6 +45,7 @@ struct BundleTask {
   std::vector<std::vector<BundleBlock>> blocks_of_pose = {};  ///< all usable observations
   SensorCalibration sensor = {};                              ///< without the parameters no longer free
   double tolerance = 0;                                       ///< of this round
+  mutable BundleBuffers buffers = {};
 };
 
 /// Returns the camera, sensor and weights of a task.

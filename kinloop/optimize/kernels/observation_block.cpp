@@ -212,15 +212,60 @@ HWY_INLINE V cost_of(const Observed& o) {
                             hn::IfThenElse(o.seen(o.uses_depth), cost, huber.rho(all(kBehindCameraSquared))));
 }
 
-/// Writes values of several observations to their rows.
+/// Stores values of several observations in rows, each observation by itself.
+struct RowSink {
+  const RowLayout& layout;
+  double* rows;
+  double* J_point;
+
+  HWY_INLINE RowSink(const RowLayout& row_layout, size_t first, double* all_rows, double* all_J_point)
+      : layout(row_layout),
+        rows(all_rows + first * kRowsPerObservation * row_layout.width),
+        J_point(all_J_point == nullptr ? nullptr : all_J_point + first * kRowsPerObservation * 3) {}
+
+  static HWY_INLINE void scatter(double* to, size_t stride, V value) {
+    HWY_ALIGN double lanes[ObservationBlock::kSize];
+    hn::Store(value, D(), lanes);
+    for (size_t lane = 0; lane < hn::Lanes(D()); ++lane)
+      to[lane * kRowsPerObservation * stride] = lanes[lane];
+  }
+  [[nodiscard]] HWY_INLINE std::optional<size_t> velocity() const { return layout.velocity; }
+  [[nodiscard]] HWY_INLINE bool has_sensor() const { return layout.sensor.has_value(); }
+  [[nodiscard]] HWY_INLINE bool has_point() const { return J_point != nullptr; }
+  HWY_INLINE void put(size_t row, size_t column, V value) const {
+    scatter(rows + row * layout.width + column, layout.width, value);
+  }
+  HWY_INLINE void put_residual(size_t row, V value) const { put(row, layout.residual, value); }
+  HWY_INLINE void put_sensor(size_t row, size_t parameter, V value) const {
+    put(row, *layout.sensor + parameter, value);
+  }
+  HWY_INLINE void put_point(size_t row, size_t i, V value) const { scatter(J_point + row * 3 + i, 3, value); }
+};
+
+/// Stores values in columns over the observations of the block.
+struct ColumnSink {
+  const BundleColumns& layout;
+  double* columns;  // of the first observation
+
+  [[nodiscard]] static HWY_INLINE std::optional<size_t> velocity() { return {}; }
+  [[nodiscard]] HWY_INLINE bool has_sensor() const { return layout.sensor_count > 0; }
+  [[nodiscard]] static HWY_INLINE bool has_point() { return true; }
+  HWY_INLINE void put(size_t row, size_t column, V value) const {
+    hn::StoreU(value, D(), columns + (row * layout.width() + column) * ObservationBlock::kSize);
+  }
+  HWY_INLINE void put_residual(size_t row, V value) const { put(row, BundleColumns::kResidual, value); }
+  HWY_INLINE void put_sensor(size_t row, size_t parameter, V value) const {
+    const int column = layout.of_sensor[parameter];
+    if (column >= 0) put(row, static_cast<size_t>(column), value);
+  }
+  HWY_INLINE void put_point(size_t row, size_t i, V value) const { put(row, layout.point() + i, value); }
+};
+
+/// Writes residuals and derivatives of several observations.
+template <class Sink>
 class RowWriter {
  public:
-  HWY_INLINE RowWriter(const Observed& o, size_t first, const RowLayout& layout, double* rows,
-                       double* J_point)
-      : o_(o),
-        layout_(layout),
-        rows_(rows + first * kRowsPerObservation * layout.width),
-        J_point_(J_point == nullptr ? nullptr : J_point + first * kRowsPerObservation * 3) {}
+  HWY_INLINE RowWriter(const Observed& o, const Sink& sink) : o_(o), sink_(sink) {}
 
   HWY_INLINE void write() {
     const Huber huber(o_.model.robust_width);
@@ -240,14 +285,10 @@ class RowWriter {
     weight_ = weight;
   }
 
-  HWY_INLINE void put(double* to, size_t stride, V value) const {
-    HWY_ALIGN double lanes[ObservationBlock::kSize];
-    hn::Store(hn::IfThenElseZero(counts_, weight_ * value), D(), lanes);
-    for (size_t lane = 0; lane < hn::Lanes(D()); ++lane)
-      to[lane * kRowsPerObservation * stride] = lanes[lane];
-  }
-  HWY_INLINE void put(size_t column, V value) const {
-    put(rows_ + row_ * layout_.width + column, layout_.width, value);
+  HWY_INLINE V weighted(V value) const { return hn::IfThenElseZero(counts_, weight_ * value); }
+  HWY_INLINE void put(size_t column, V value) const { sink_.put(row_, column, weighted(value)); }
+  HWY_INLINE void put_sensor(int parameter, V value) const {
+    sink_.put_sensor(row_, static_cast<size_t>(parameter), weighted(value));
   }
   HWY_INLINE void put(size_t column, const Vector3& value) const {
     put(column, value.x);
@@ -261,18 +302,17 @@ class RowWriter {
     const Vector3 b = moved.turned_back(a);
     put(0, all(-1) * b);
     put(3, cross(b, o_.p0));
-    if (J_point_ != nullptr) {
-      double* to = J_point_ + row_ * 3;
-      for (size_t i = 0; i < 3; ++i) put(to + i, 3, dot(b, o_.camera.columns[i]));
+    if (sink_.has_point()) {
+      for (size_t i = 0; i < 3; ++i) sink_.put_point(row_, i, weighted(dot(b, o_.camera.columns[i])));
     }
-    if (layout_.velocity) {
+    if (const auto velocity = sink_.velocity()) {
       // d exp(phi) = [J_l(phi) d phi]_x exp(phi); the angle within a frame is small, so a short series of J_l
       // suffices.
       const Vector3 turn = cross(a, moved.p), first = cross(turn, moved.phi),
                     second = cross(first, moved.phi);
       const Vector3 third = cross(second, moved.phi);
-      put(*layout_.velocity, hn::Neg(moved.dt) * b);
-      put(*layout_.velocity + 3,
+      put(*velocity, hn::Neg(moved.dt) * b);
+      put(*velocity + 3,
           moved.dt * (turn + all(1.0 / 2) * first + all(1.0 / 6) * second + all(1.0 / 24) * third));
     }
     return hn::Neg(dot(a, cross(o_.camera.omega, moved.p)) + dot(b, o_.camera.translation_rate));
@@ -284,10 +324,8 @@ class RowWriter {
                                   V focal_length) const {
     const V scale = o_.inverse_sigma_px;
     const V by_time = write_motion(scale * by_point, o_.at_color);
-    put(layout_.residual, error);
-    if (!layout_.sensor) return;
-    const auto put_sensor = [&](int parameter, V value)
-                                HWY_ATTR { put(*layout_.sensor + static_cast<size_t>(parameter), value); };
+    sink_.put_residual(row_, weighted(error));
+    if (!sink_.has_sensor()) return;
     const V by_radial = focal_length * along * o_.color.r2 * scale;
     put_sensor(focal, along * o_.color.bend * scale);
     put_sensor(focal + kCenterX - kFocalX, scale);
@@ -305,8 +343,8 @@ class RowWriter {
     const Vector3 by_point = du * at.u_by_point(c) + dv * at.v_by_point(c) +
                              Vector3{zero, zero, scale * at.inverse_z * at.inverse_z};
     const V by_time = write_motion(by_point, o_.at_depth);
-    put(layout_.residual, o_.error_depth);
-    if (!layout_.sensor) return;
+    sink_.put_residual(row_, weighted(o_.error_depth));
+    if (!sink_.has_sensor()) return;
     const V by_row_time = by_time * o_.row;
     const V by_radial = (du * c.fx * at.x + dv * c.fy * at.y) * at.r2;
     const V values[kSensorParameterCount] = {du * at.x * at.bend,
@@ -325,13 +363,11 @@ class RowWriter {
                                              scale * o_.ray_x * o_.ray_x,
                                              scale * o_.ray_x * o_.ray_y,
                                              scale * o_.ray_y * o_.ray_y};
-    for (size_t i = 0; i < kSensorParameterCount; ++i) put(*layout_.sensor + i, values[i]);
+    for (int i = 0; i < kSensorParameterCount; ++i) put_sensor(i, values[i]);
   }
 
   const Observed& o_;
-  const RowLayout& layout_;
-  double* rows_;
-  double* J_point_;
+  const Sink& sink_;
   size_t row_ = 0;
   Mask counts_;
   V weight_;
@@ -367,8 +403,17 @@ void cost(const ObservationBlock& block, const BundleView& view, const Measureme
 void linearize(const ObservationBlock& block, const BundleView& view, const MeasurementModel& model,
                const RowLayout& layout, double* rows, double* J_point, Lanes& result) {
   for_lanes(block, view, model, [&](const Observed& o, size_t first) HWY_ATTR {
-    RowWriter(o, first, layout, rows, J_point).write();
+    const RowSink sink(layout, first, rows, J_point);
+    RowWriter<RowSink>(o, sink).write();
     hn::StoreU(cost_of(o), D(), &result[first]);
+  });
+}
+
+void linearize_in_columns(const ObservationBlock& block, const BundleView& view,
+                          const MeasurementModel& model, const BundleColumns& layout, double* columns) {
+  for_lanes(block, view, model, [&](const Observed& o, size_t first) HWY_ATTR {
+    const ColumnSink sink{layout, columns + first};
+    RowWriter<ColumnSink>(o, sink).write();
   });
 }
 
@@ -383,6 +428,7 @@ namespace {
 HWY_EXPORT(residuals);
 HWY_EXPORT(cost);
 HWY_EXPORT(linearize);
+HWY_EXPORT(linearize_in_columns);
 
 }  // namespace
 
@@ -420,6 +466,23 @@ ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const Bun
   ObservationBlock::Lanes result;
   HWY_DYNAMIC_DISPATCH(linearize)(block, view, model, layout, rows, J_point, result);
   return result;
+}
+
+void linearize_block(const ObservationBlock& block, const BundleView& view, const MeasurementModel& model,
+                     const BundleColumns& layout, double* columns) {
+  HWY_DYNAMIC_DISPATCH(linearize_in_columns)(block, view, model, layout, columns);
+}
+
+BundleColumns::BundleColumns(const SensorVector& prior_sigma) {
+  of_sensor.fill(-1);
+  const auto add = [&](int parameter) {
+    if (!(prior_sigma(parameter) > 0)) return;
+    of_sensor[static_cast<size_t>(parameter)] = static_cast<int>(kSensor + sensor_count);
+    sensor_parameters[sensor_count++] = parameter;
+  };
+  for (int k = 0; k <= kRollingShutter; ++k) add(k);
+  pixel_end = kSensor + sensor_count;
+  for (int k = kDepthDelay; k < kSensorParameterCount; ++k) add(k);
 }
 
 }  // namespace kinloop

@@ -92,4 +92,28 @@ ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const Bun
                                         const MeasurementModel& model, const RowLayout& layout, double* rows,
                                         double* J_point);
 
+/// Columns of a linearised block: derivatives with respect to x of the pose T * exp(x), the residual,
+/// derivatives with respect to the free sensor parameters, those that only depth depends on last, and to the
+/// point. Each column holds one value of every observation of the block.
+struct BundleColumns {
+  static constexpr size_t kResidual = 6, kSensor = 7;
+  static constexpr size_t kMaxWidth = kSensor + kSensorParameterCount + 3;
+
+  std::array<int, kSensorParameterCount> of_sensor{};          ///< column, -1 = not free
+  std::array<int, kSensorParameterCount> sensor_parameters{};  ///< in order of their columns
+  size_t sensor_count = 0;
+  size_t pixel_end = kSensor;  ///< end of the columns that pixels depend on, before the point
+
+  /// Parameters with a prior sigma above zero are free.
+  explicit BundleColumns(const SensorVector& prior_sigma);
+
+  [[nodiscard]] size_t point() const { return kSensor + sensor_count; }
+  [[nodiscard]] size_t width() const { return point() + 3; }
+};
+
+/// Writes the columns of the rows u, v and depth, one row after the other, scaled by the square root of the
+/// robust weight and zero where not in use. `columns` must be zero-initialised.
+void linearize_block(const ObservationBlock& block, const BundleView& view, const MeasurementModel& model,
+                     const BundleColumns& layout, double* columns);
+
 }  // namespace kinloop
