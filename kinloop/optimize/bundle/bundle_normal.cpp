@@ -9,21 +9,6 @@ namespace {
 
 constexpr size_t kLanes = ObservationBlock::kSize;
 
-/// Sums of add_block_gram over the observations of the block: the upper triangle.
-Eigen::MatrixXd sum_of_lanes(const std::vector<double>& sums, size_t size) {
-  const auto n = static_cast<Eigen::Index>(size);
-  Eigen::MatrixXd gram(n, n);
-  for (size_t i = 0; i < size; ++i) {
-    for (size_t j = i; j < size; ++j) {
-      const double* lanes = &sums[(i * size + j) * kLanes];
-      double sum = 0;
-      for (size_t lane = 0; lane < kLanes; ++lane) sum += lanes[lane];
-      gram(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = sum;
-    }
-  }
-  return gram;
-}
-
 }  // namespace
 
 BundleNormalEquations::BundleNormalEquations(const BundleTask& bundle_task)
@@ -156,12 +141,13 @@ Eigen::MatrixXd BundleNormalEquations::linearize_pose(size_t pose, const BundleS
   const int camera = camera_of_pose[pose];
   const bool sums_gram = camera >= 0 || has_sensor();
   alignas(64) std::array<double, kRowsPerObservation * BundleColumns::kMaxWidth * kLanes> values{};
-  std::vector<double> sums(sums_gram ? block_gram_size(columns) : 0, 0);
+  const GramColumns summed(columns);
+  std::vector<double> sums(sums_gram ? summed.sums() : 0, 0);
   const auto& blocks = task.blocks_of_pose[pose];
   for (size_t i = 0; i < blocks.size(); ++i) {
     const auto& slots = slots_of_block_[first_block_[pose] + i];
     linearize_block(block_at(task, blocks[i], state), view, model, columns, values.data());
-    if (sums_gram) add_block_gram(columns, values.data(), sums.data());
+    if (sums_gram) add_block_gram(summed, values.data(), sums.data());
     std::array<double*, kLanes> records;
     for (size_t lane = 0; lane < kLanes; ++lane) {
       records[lane] = &task.buffers.products[slots[lane] * products.size()];
@@ -169,7 +155,7 @@ Eigen::MatrixXd BundleNormalEquations::linearize_pose(size_t pose, const BundleS
     write_point_products(columns, values.data(), records);
   }
   if (!sums_gram) return {};
-  const Eigen::MatrixXd gram = sum_of_lanes(sums, columns.point());
+  const Eigen::MatrixXd gram = gram_of_sums(summed, sums);
   if (camera >= 0) {
     H_camera[static_cast<size_t>(camera)] =
         gram.topLeftCorner<kCameraDof, kCameraDof>().selfadjointView<Eigen::Upper>();

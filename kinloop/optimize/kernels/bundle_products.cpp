@@ -46,8 +46,8 @@ HWY_INLINE void add_tile(const double* left, const double* right, size_t row_siz
   }
 }
 
-void add_gram_of_block(const BundleColumns& layout, const double* columns, double* sums) {
-  const size_t count = layout.point(), row_size = layout.width() * kObservations;
+void add_gram_of_block(const GramColumns& layout, const double* columns, double* sums) {
+  const size_t count = layout.count, row_size = layout.width * kObservations;
   const size_t stride = count * kObservations;
   for (size_t top = 0; top < count; top += kTile) {
     const double* left = columns + top * kObservations;
@@ -189,12 +189,22 @@ PointFactor::PointFactor(const std::array<double, 6>& H) {
   i22 = 1 / std::sqrt(d2);
 }
 
-// Rows are computed four at a time.
-size_t block_gram_size(const BundleColumns& layout) {
-  return (layout.point() + 3) * layout.point() * ObservationBlock::kSize;
+Eigen::MatrixXd gram_of_sums(const GramColumns& layout, std::span<const double> sums) {
+  const auto size = static_cast<Eigen::Index>(layout.count);
+  Eigen::MatrixXd gram(size, size);
+  for (size_t i = 0; i < layout.count; ++i) {
+    for (size_t j = i; j < layout.count; ++j) {
+      double sum = 0;
+      for (size_t lane = 0; lane < ObservationBlock::kSize; ++lane) {
+        sum += sums[(i * layout.count + j) * ObservationBlock::kSize + lane];
+      }
+      gram(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = sum;
+    }
+  }
+  return gram;
 }
 
-void add_block_gram(const BundleColumns& layout, const double* columns, double* sums) {
+void add_block_gram(const GramColumns& layout, const double* columns, double* sums) {
   HWY_DYNAMIC_DISPATCH(add_gram_of_block)(layout, columns, sums);
 }
 

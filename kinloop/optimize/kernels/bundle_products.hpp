@@ -24,12 +24,26 @@ struct PointProducts {
   [[nodiscard]] size_t size() const { return kPose + sums(); }
 };
 
-/// Adds J'J of a block, pose, residual and sensor, to `sums`: an array [row][column][observation], of which
-/// the upper triangle is defined.
-void add_block_gram(const BundleColumns& layout, const double* columns, double* sums);
+/// Columns of a linearised block, and those whose products are summed.
+struct GramColumns {
+  size_t count = 0;      ///< the first ones
+  size_t pixel_end = 0;  ///< from here on, only the depth row is not zero
+  size_t width = 0;      ///< all columns, at least `count` rounded up to four
 
-/// Number of values of `sums`. Rows are computed in groups.
-size_t block_gram_size(const BundleColumns& layout);
+  explicit GramColumns(const BundleColumns& all)
+      : count(all.point()), pixel_end(all.pixel_end), width(all.width()) {}
+  explicit GramColumns(const RowLayout& all)
+      : count(all.residual + 1), pixel_end(count), width(all.width) {}
+
+  /// Number of values of the sums. Rows are computed in groups.
+  [[nodiscard]] size_t sums() const { return (count + 3) * count * ObservationBlock::kSize; }
+};
+
+/// Adds J'J of a block to `sums`, an array [row][column][observation], of which the upper triangle is defined.
+void add_block_gram(const GramColumns& layout, const double* columns, double* sums);
+
+/// Returns J'J given the sums; the upper triangle is defined.
+Eigen::MatrixXd gram_of_sums(const GramColumns& layout, std::span<const double> sums);
 
 /// Writes the PointProducts of each observation of a block.
 void write_point_products(const BundleColumns& layout, const double* columns,

@@ -242,8 +242,26 @@ struct RowSink {
   HWY_INLINE void put_point(size_t row, size_t i, V value) const { scatter(J_point + row * 3 + i, 3, value); }
 };
 
+/// Stores values in columns over the observations of the block, without those of the point.
+struct CameraColumnSink {
+  const RowLayout& layout;
+  double* columns;  // of the first observation
+
+  [[nodiscard]] HWY_INLINE std::optional<size_t> velocity() const { return layout.velocity; }
+  [[nodiscard]] HWY_INLINE bool has_sensor() const { return layout.sensor.has_value(); }
+  [[nodiscard]] static HWY_INLINE bool has_point() { return false; }
+  HWY_INLINE void put(size_t row, size_t column, V value) const {
+    hn::StoreU(value, D(), columns + (row * layout.width + column) * ObservationBlock::kSize);
+  }
+  HWY_INLINE void put_residual(size_t row, V value) const { put(row, layout.residual, value); }
+  HWY_INLINE void put_sensor(size_t row, size_t parameter, V value) const {
+    put(row, *layout.sensor + parameter, value);
+  }
+  static HWY_INLINE void put_point(size_t, size_t, V) {}
+};
+
 /// Stores values in columns over the observations of the block.
-struct ColumnSink {
+struct BundleColumnSink {
   const BundleColumns& layout;
   double* columns;  // of the first observation
 
@@ -409,11 +427,20 @@ void linearize(const ObservationBlock& block, const BundleView& view, const Meas
   });
 }
 
-void linearize_in_columns(const ObservationBlock& block, const BundleView& view,
-                          const MeasurementModel& model, const BundleColumns& layout, double* columns) {
+void linearize_bundle(const ObservationBlock& block, const BundleView& view, const MeasurementModel& model,
+                      const BundleColumns& layout, double* columns) {
   for_lanes(block, view, model, [&](const Observed& o, size_t first) HWY_ATTR {
-    const ColumnSink sink{layout, columns + first};
-    RowWriter<ColumnSink>(o, sink).write();
+    const BundleColumnSink sink{layout, columns + first};
+    RowWriter<BundleColumnSink>(o, sink).write();
+  });
+}
+
+void linearize_camera(const ObservationBlock& block, const BundleView& view, const MeasurementModel& model,
+                      const RowLayout& layout, double* columns, Lanes& result) {
+  for_lanes(block, view, model, [&](const Observed& o, size_t first) HWY_ATTR {
+    const CameraColumnSink sink{layout, columns + first};
+    RowWriter<CameraColumnSink>(o, sink).write();
+    hn::StoreU(cost_of(o), D(), &result[first]);
   });
 }
 
@@ -428,7 +455,8 @@ namespace {
 HWY_EXPORT(residuals);
 HWY_EXPORT(cost);
 HWY_EXPORT(linearize);
-HWY_EXPORT(linearize_in_columns);
+HWY_EXPORT(linearize_bundle);
+HWY_EXPORT(linearize_camera);
 
 }  // namespace
 
@@ -470,7 +498,15 @@ ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const Bun
 
 void linearize_block(const ObservationBlock& block, const BundleView& view, const MeasurementModel& model,
                      const BundleColumns& layout, double* columns) {
-  HWY_DYNAMIC_DISPATCH(linearize_in_columns)(block, view, model, layout, columns);
+  HWY_DYNAMIC_DISPATCH(linearize_bundle)(block, view, model, layout, columns);
+}
+
+ObservationBlock::Lanes linearize_in_columns(const ObservationBlock& block, const BundleView& view,
+                                             const MeasurementModel& model, const RowLayout& layout,
+                                             double* columns) {
+  ObservationBlock::Lanes result;
+  HWY_DYNAMIC_DISPATCH(linearize_camera)(block, view, model, layout, columns, result);
+  return result;
 }
 
 BundleColumns::BundleColumns(const SensorVector& prior_sigma) {

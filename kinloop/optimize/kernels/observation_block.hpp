@@ -92,6 +92,12 @@ ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const Bun
                                         const MeasurementModel& model, const RowLayout& layout, double* rows,
                                         double* J_point);
 
+/// Same values without J_point, in another order: the rows u, v and depth, in each of them one column after
+/// the other, which holds one value of every observation.
+ObservationBlock::Lanes linearize_in_columns(const ObservationBlock& block, const BundleView& view,
+                                             const MeasurementModel& model, const RowLayout& layout,
+                                             double* columns);
+
 /// Columns of a linearised block: derivatives with respect to x of the pose T * exp(x), the residual,
 /// derivatives with respect to the free sensor parameters, those that only depth depends on last, and to the
 /// point. Each column holds one value of every observation of the block.

@@ -37,7 +37,7 @@ class CameraObservations {
 
   /// J'J over all rows (upper triangle only) and the robust cost.
   struct Normal {
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> gram;
+    Eigen::MatrixXd gram;
     double cost = 0;
   };
   [[nodiscard]] Normal linearize(const BundleView& view, const MeasurementModel& model,
