@@ -26,6 +26,13 @@ class RollingShutterSolver {
     return observations_.classify(view_of(pose), model_, options_);
   }
 
+  /// Drops the outliers of the guess if it has enough inliers: with a good guess they are known from the start.
+  void classify_guess(const RollingShutterPose& guess) {
+    const CameraObservations all = observations_;
+    classify(guess);
+    if (inliers() < options_.min_inliers) observations_ = all;
+  }
+
   [[nodiscard]] int inliers() const { return observations_.inlier_count(); }
 
   /// Minimizes the cost over pose and velocity, with the observations in use.
@@ -69,6 +76,7 @@ std::optional<RollingShutterPose> solve_rolling_shutter_pose(
   const MeasurementModel model{camera, sensor, options.inverse_depth_sigma_per_m, options.robust_width};
   RollingShutterSolver solver(model, observations, guess.velocity, sigma, options);
   RollingShutterPose pose = guess;
+  solver.classify_guess(pose);
   for (int round = 0; round < options.rounds; ++round) {
     pose = solver.minimize(pose);
     const bool changed = solver.classify(pose);
