@@ -3,6 +3,7 @@
 
 #include "kinloop/geometry/robust_loss.hpp"
 #include "kinloop/optimize/bundle/bundle.hpp"
+#include "kinloop/optimize/kernels/bundle_products.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
 #include "tests/optimize/synthetic_view.hpp"
 #include "tests/support/simd_targets.hpp"
@@ -187,6 +188,121 @@ TEST(ObservationBlock, InstructionSetsGiveIdenticalBits) {
     EXPECT_EQ(r.v, residuals.v) << name;
     EXPECT_EQ(r.depth, residuals.depth) << name;
   });
+}
+
+/// A linearised block with some free sensor parameters, in columns.
+struct LinearBundle {
+  BundleColumns layout;
+  std::vector<double> columns;
+
+  explicit LinearBundle(const ObservedPoints& scene) : layout(free_parameters()) {
+    columns.resize(kRowsPerObservation * layout.width() * kSize);
+    linearize_block(scene.block, scene.view(), scene.model(), layout, columns.data());
+  }
+  static SensorVector free_parameters() {
+    SensorVector sigma = SensorVector::Zero();
+    sigma(kFocalY) = sigma(kRollingShutter) = sigma(kDepthDelay) = sigma(kDepthOffsetXY) = 1;
+    return sigma;
+  }
+  [[nodiscard]] Eigen::MatrixXd gram() const {
+    const GramColumns summed(layout);
+    std::vector<double> sums(summed.sums(), 0);
+    add_block_gram(summed, columns.data(), sums.data());
+    return gram_of_sums(summed, sums).triangularView<Eigen::Upper>();
+  }
+  /// Point products of all observations.
+  [[nodiscard]] std::vector<double> products() const {
+    const PointProducts sizes(layout);
+    std::vector<double> records(kSize * sizes.size());
+    std::array<double*, kSize> targets;
+    for (size_t lane = 0; lane < kSize; ++lane) targets[lane] = &records[lane * sizes.size()];
+    write_point_products(layout, columns.data(), targets);
+    return records;
+  }
+  [[nodiscard]] Eigen::MatrixXd J(size_t lane) const {
+    const auto width = static_cast<Eigen::Index>(layout.width());
+    Eigen::MatrixXd rows(3, width);
+    for (Eigen::Index i = 0; i < 3; ++i)
+      for (Eigen::Index j = 0; j < width; ++j)
+        rows(i, j) = columns[static_cast<size_t>(i * width + j) * kSize + lane];
+    return rows;
+  }
+};
+
+TEST(BundleColumns, HoldTheRowsWithTheFreeSensorParameters) {
+  const ObservedPoints scene(7);
+  const Linear rows(scene);
+  const LinearBundle bundle(scene);
+  for (size_t lane = 0; lane < kSize; ++lane) {
+    const Eigen::MatrixXd J = bundle.J(lane);
+    for (size_t row = 0; row < kRowsPerObservation; ++row) {
+      const auto i = static_cast<Eigen::Index>(row);
+      const double* expected = &rows.rows[(lane * kRowsPerObservation + row) * rows.layout.width];
+      for (size_t c = 0; c < 6; ++c) EXPECT_EQ(J(i, static_cast<Eigen::Index>(c)), expected[c]);
+      EXPECT_EQ(J(i, 6), expected[rows.layout.residual]);
+      for (const int k : {kFocalY, kRollingShutter, kDepthDelay, kDepthOffsetXY}) {
+        EXPECT_EQ(J(i, bundle.layout.of_sensor[static_cast<size_t>(k)]),
+                  expected[*rows.layout.sensor + static_cast<size_t>(k)]);
+      }
+    }
+  }
+}
+
+TEST(BundleColumns, GramAndPointProductsMatchDenseProducts) {
+  const LinearBundle bundle(ObservedPoints(8));
+  const auto used = static_cast<Eigen::Index>(bundle.layout.point());
+  const PointProducts sizes(bundle.layout);
+  const auto records = bundle.products();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(used, used);
+  for (size_t lane = 0; lane < kSize; ++lane) {
+    const Eigen::MatrixXd J = bundle.J(lane), J_point = J.rightCols(3);
+    gram += J.leftCols(used).transpose() * J.leftCols(used);
+    const double* record = &records[lane * sizes.size()];
+    const Eigen::MatrixXd W = J_point.transpose() * J.leftCols(6),
+                          C = J_point.transpose() * J.middleCols(6, used - 6);
+    const Eigen::MatrixXd H = J_point.transpose() * J_point;
+    const Eigen::Map<const Eigen::Matrix<double, 3, 6, Eigen::RowMajor>> pose(record);
+    EXPECT_LT((pose - W).norm(), 1e-12 * W.norm());
+    for (Eigen::Index i = 0; i < 3; ++i)
+      for (Eigen::Index c = 0; c < C.cols(); ++c)
+        EXPECT_NEAR(record[PointProducts::kPose + static_cast<size_t>(i * C.cols() + c)], C(i, c),
+                    1e-12 * C.norm());
+    const double* upper = record + sizes.size() - 6;
+    for (Eigen::Index i = 0; i < 3; ++i)
+      for (Eigen::Index j = i; j < 3; ++j) EXPECT_NEAR(*upper++, H(i, j), 1e-12 * H.norm());
+  }
+  const Eigen::MatrixXd expected = gram.triangularView<Eigen::Upper>();
+  EXPECT_LT((bundle.gram() - expected).norm(), 1e-12 * expected.norm());
+}
+
+TEST(PointFactor, EliminatesAPoint) {
+  const LinearBundle bundle(ObservedPoints(9));
+  const PointProducts sizes(bundle.layout);
+  const auto records = bundle.products();
+  Eigen::Matrix3d H;
+  H << 5, 1, -2, 1, 4, 0.5, -2, 0.5, 6;
+  std::vector<double> U(2 * kEliminatedSize);
+  eliminate_point(PointFactor({5, 1, -2, 4, 0.5, 6}), records.data(), sizes.size(), 2, U.data());
+  using Pose = Eigen::Map<const Eigen::Matrix<double, 3, 6, Eigen::RowMajor>>;
+  using Eliminated = Eigen::Map<const Eigen::Matrix<double, 3, 6, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
+  const Pose W0(&records[0]), W1(&records[sizes.size()]);
+  const Eliminated U0(&U[0], Eigen::OuterStride<>(8)), U1(&U[kEliminatedSize], Eigen::OuterStride<>(8));
+  const Eigen::MatrixXd expected = W0.transpose() * H.inverse() * W1;
+  EXPECT_LT((U0.transpose() * U1 - expected).norm(), 1e-10 * expected.norm());
+  const PointFactor singular({1, 1, 0, 1, 0, 1});
+  EXPECT_EQ(singular.i00 + singular.i11 + singular.i22, 0);
+}
+
+TEST(BundleColumns, InstructionSetsGiveIdenticalBits) {
+  const ObservedPoints scene(10);
+  const LinearBundle expected(scene);
+  test::for_each_simd_target(
+      [&, products = expected.products(), gram = expected.gram()](const std::string& name) {
+        const LinearBundle bundle(scene);
+        EXPECT_EQ(bundle.columns, expected.columns) << name;
+        EXPECT_EQ(bundle.products(), products) << name;
+        EXPECT_EQ(bundle.gram(), gram) << name;
+      });
 }
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

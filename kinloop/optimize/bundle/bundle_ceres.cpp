@@ -203,8 +203,7 @@ void add_residuals(const BundleTask& task, Blocks& blocks, ceres::LossFunction* 
   for (const int i : free_sensor_parameters(task.sensor)) {
     sensor(i) = sensor_information(task.sensor, i);
   }
-  problem.AddResidualBlock(new PriorCost(task.sensor.prior_mean, sensor), nullptr,
-                           blocks.sensor.data());
+  problem.AddResidualBlock(new PriorCost(task.sensor.prior_mean, sensor), nullptr, blocks.sensor.data());
 }
 
 ceres::Solver::Options solver_options(const BundleTask& task, const Blocks& blocks, ceres::Problem& problem) {

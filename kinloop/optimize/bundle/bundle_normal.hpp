@@ -51,10 +51,10 @@ struct BundleNormalEquations {
   /// First entry of each camera in pattern.off_diagonal, which is sorted by column.
   std::vector<size_t> column_begin;
 
-  std::vector<double> point_sums;        ///< per point, the sum of the PointProducts of its slots
-  std::vector<Block> H_camera;           ///< diagonal; there is nothing else before points are eliminated
-  Eigen::MatrixXd H_camera_common;       ///< cameras x common: gradient, then sensor
-  Eigen::MatrixXd H_common;              ///< common x common
+  std::vector<double> point_sums;   ///< per point, the sum of the PointProducts of its slots
+  std::vector<Block> H_camera;      ///< diagonal; there is nothing else before points are eliminated
+  Eigen::MatrixXd H_camera_common;  ///< cameras x common: gradient, then sensor
+  Eigen::MatrixXd H_common;         ///< common x common
 
  private:
   void number_unknowns();
@@ -66,7 +66,7 @@ struct BundleNormalEquations {
   void add_priors(const BundleState& state);
 
   std::vector<std::array<uint32_t, ObservationBlock::kSize>> slots_of_block_;  // of all poses
-  std::vector<size_t> first_block_;                                             // per pose
+  std::vector<size_t> first_block_;                                            // per pose
 };
 
 }  // namespace kinloop

@@ -96,14 +96,17 @@ void BundleSchur::reduce_column(size_t camera, Reduced& system) const {
   }
   const size_t common = normal_.products.common;
   std::vector<double> blocks((1 + last - first) * kSchurBlockSize, 0), right(common * kEliminatedWidth, 0);
-  const SchurColumn column{normal_.slots_of_camera[camera], block_of,
-                           normal_.camera_of_slot.data(),   normal_.task.buffers.eliminated.data(),
-                           common_.data(),                  common,
+  const SchurColumn column{normal_.slots_of_camera[camera],
+                           block_of,
+                           normal_.camera_of_slot.data(),
+                           normal_.task.buffers.eliminated.data(),
+                           common_.data(),
+                           common,
                            common_stride_};
   add_schur_column(column, blocks.data(), right.data());
   const auto block = [&](size_t i) {
-    return Eigen::Map<const Normal::Block, 0, Eigen::OuterStride<>>(
-        &blocks[i * kSchurBlockSize], Eigen::OuterStride<>(kEliminatedWidth));
+    return Eigen::Map<const Normal::Block, 0, Eigen::OuterStride<>>(&blocks[i * kSchurBlockSize],
+                                                                    Eigen::OuterStride<>(kEliminatedWidth));
   };
   system.A.diagonal[camera] -= block(0);
   for (size_t i = first; i < last; ++i) system.A.off_diagonal[i] = -block(1 + i - first);
@@ -250,8 +253,7 @@ BundleCovariance BundleSchur::covariance_of(const Reduced& system) const {
   if (!normal_.task.options.pose_covariances) return covariance;
   const auto diagonal = cholesky_.inverse_diagonal();
   for (size_t camera = 0; camera < diagonal.size(); ++camera) {
-    const auto J_sensor =
-        A_inverse_B.middleRows<kCameraDof>(static_cast<Eigen::Index>(kCameraDof * camera));
+    const auto J_sensor = A_inverse_B.middleRows<kCameraDof>(static_cast<Eigen::Index>(kCameraDof * camera));
     covariance.poses[normal_.pose_of_camera[camera]] =
         diagonal[camera] + J_sensor * sensor * J_sensor.transpose();
   }

@@ -32,14 +32,14 @@ struct GramColumns {
 
   explicit GramColumns(const BundleColumns& all)
       : count(all.point()), pixel_end(all.pixel_end), width(all.width()) {}
-  explicit GramColumns(const RowLayout& all)
-      : count(all.residual + 1), pixel_end(count), width(all.width) {}
+  explicit GramColumns(const RowLayout& all) : count(all.residual + 1), pixel_end(count), width(all.width) {}
 
   /// Number of values of the sums. Rows are computed in groups.
   [[nodiscard]] size_t sums() const { return (count + 3) * count * ObservationBlock::kSize; }
 };
 
-/// Adds J'J of a block to `sums`, an array [row][column][observation], of which the upper triangle is defined.
+/// Adds J'J of a block to `sums`, an array [row][column][observation], of which the upper triangle is
+/// defined.
 void add_block_gram(const GramColumns& layout, const double* columns, double* sums);
 
 /// Returns J'J given the sums; the upper triangle is defined.
@@ -66,8 +66,8 @@ constexpr size_t kEliminatedSize = 3 * kEliminatedWidth;
 void eliminate_point(const PointFactor& factor, const double* records, size_t record_size, size_t count,
                      double* U);
 
-/// The observations of one camera whose points are eliminated. The observations of a point are consecutive and
-/// sorted by camera.
+/// The observations of one camera whose points are eliminated. The observations of a point are consecutive
+/// and sorted by camera.
 struct SchurColumn {
   struct Slot {
     uint32_t own = 0;              ///< index of the observation

@@ -26,7 +26,8 @@ class RollingShutterSolver {
     return observations_.classify(view_of(pose), model_, options_);
   }
 
-  /// Drops the outliers of the guess if it has enough inliers: with a good guess they are known from the start.
+  /// Drops the outliers of the guess if it has enough inliers: with a good guess they are known from the
+  /// start.
   void classify_guess(const RollingShutterPose& guess) {
     const CameraObservations all = observations_;
     classify(guess);
