@@ -52,19 +52,21 @@ LinearizedObservation linearize_observation(const BundleTask& task, const Keypoi
   MeasurementModel model = measurement_model(task, sensor);
   model.robust_width = std::numeric_limits<double>::infinity();  // without weights
 
-  constexpr size_t kRows = kRowsPerObservation * ObservationBlock::kSize;
-  const RowLayout layout(true, true);
-  std::array<double, kRows * kMaxGramWidth> rows{};
-  std::array<double, kRows * 3> by_point{};
-  linearize_block(block, view, model, layout, rows.data(), by_point.data());
-  const Eigen::Map<const Eigen::Matrix<double, 3, kMaxGramWidth, Eigen::RowMajor>> row(rows.data());
+  constexpr size_t kLanes = ObservationBlock::kSize, kWidth = LinearColumns::kMaxWidth;
+  const LinearColumns layout = LinearColumns::of_all();
+  std::array<double, kRowsPerObservation * kWidth * kLanes> columns{};
+  linearize_block(block, view, model, layout, columns.data());
+  const Eigen::Map<const Eigen::Matrix<double, 3, kWidth, Eigen::RowMajor>, 0,
+                   Eigen::Stride<kWidth * kLanes, kLanes>>
+      row(columns.data());  // of the first lane
+  const auto at = [](size_t column) { return static_cast<Eigen::Index>(column); };
   LinearizedObservation linear;
   linear.seen = block_residuals(block, view, model).seen[0] > 0;
-  linear.e = row.col(static_cast<Eigen::Index>(layout.residual));
+  linear.e = row.col(LinearColumns::kResidual);
   linear.J_pose = row.leftCols<6>();
-  linear.J_velocity = row.middleCols<6>(static_cast<Eigen::Index>(*layout.velocity));
-  linear.J_point = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(by_point.data());
-  linear.J_sensor = row.middleCols<kSensorParameterCount>(static_cast<Eigen::Index>(*layout.sensor));
+  linear.J_velocity = row.middleCols<6>(at(*layout.velocity));
+  linear.J_point = row.middleCols<3>(at(*layout.point));
+  linear.J_sensor = row.middleCols<kSensorParameterCount>(layout.of_sensor[0]);
   return linear;
 }
 

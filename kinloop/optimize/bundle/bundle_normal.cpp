@@ -12,7 +12,9 @@ constexpr size_t kLanes = ObservationBlock::kSize;
 }  // namespace
 
 BundleNormalEquations::BundleNormalEquations(const BundleTask& bundle_task)
-    : task(bundle_task), columns(bundle_task.sensor.prior_sigma), products(columns) {
+    : task(bundle_task),
+      columns(LinearColumns::of_bundle(bundle_task.sensor.prior_sigma)),
+      products(columns) {
   number_unknowns();
   list_slots_of_cameras();
   make_pattern();
@@ -140,7 +142,7 @@ Eigen::MatrixXd BundleNormalEquations::linearize_pose(size_t pose, const BundleS
   const MeasurementModel model = measurement_model(task, state.sensor);
   const int camera = camera_of_pose[pose];
   const bool sums_gram = camera >= 0 || has_sensor();
-  alignas(64) std::array<double, kRowsPerObservation * BundleColumns::kMaxWidth * kLanes> values{};
+  alignas(64) std::array<double, kRowsPerObservation * LinearColumns::kMaxWidth * kLanes> values{};
   const GramColumns summed(columns);
   std::vector<double> sums(sums_gram ? summed.sums() : 0, 0);
   const auto& blocks = task.blocks_of_pose[pose];

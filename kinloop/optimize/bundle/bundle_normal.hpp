@@ -38,7 +38,7 @@ struct BundleNormalEquations {
   [[nodiscard]] bool has_sensor() const { return columns.sensor_count > 0; }
 
   const BundleTask& task;
-  BundleColumns columns;
+  LinearColumns columns;
   PointProducts products;
 
   std::vector<int> camera_of_pose;  ///< -1 = fixed

@@ -77,22 +77,22 @@ HWY_INLINE void write_product(const double* a, const double* b, size_t row_size,
   }
 }
 
-void write_products(const BundleColumns& layout, const double* columns,
+void write_products(const LinearColumns& layout, const double* columns,
                     const std::array<double*, kObservations>& records) {
-  HWY_ALIGN double products[3 * BundleColumns::kMaxWidth * kObservations];
-  const size_t row_size = layout.width() * kObservations;
+  HWY_ALIGN double products[3 * LinearColumns::kMaxWidth * kObservations];
+  const size_t row_size = layout.width * kObservations;
   const auto column = [&](size_t index) { return columns + index * kObservations; };
   double* next = products;
   const auto add = [&](size_t left, size_t right) {
-    const bool depth_only = right >= layout.pixel_end && right < layout.point();
+    const bool depth_only = right >= layout.pixel_end && right < layout.used;
     write_product(column(left), column(right), row_size, depth_only, next);
     next += kObservations;
   };
-  const size_t point = layout.point();
+  const size_t point = *layout.point;
   for (size_t i = 0; i < 3; ++i)
-    for (size_t c = 0; c < BundleColumns::kResidual; ++c) add(point + i, c);
+    for (size_t c = 0; c < LinearColumns::kResidual; ++c) add(point + i, c);
   for (size_t i = 0; i < 3; ++i)
-    for (size_t c = BundleColumns::kResidual; c < point; ++c) add(point + i, c);
+    for (size_t c = LinearColumns::kResidual; c < point; ++c) add(point + i, c);
   for (size_t i = 0; i < 3; ++i)
     for (size_t j = i; j < 3; ++j) add(point + i, point + j);
   const auto size = static_cast<size_t>(next - products) / kObservations;
@@ -208,7 +208,7 @@ void add_block_gram(const GramColumns& layout, const double* columns, double* su
   HWY_DYNAMIC_DISPATCH(add_gram_of_block)(layout, columns, sums);
 }
 
-void write_point_products(const BundleColumns& layout, const double* columns,
+void write_point_products(const LinearColumns& layout, const double* columns,
                           const std::array<double*, ObservationBlock::kSize>& records) {
   HWY_DYNAMIC_DISPATCH(write_products)(layout, columns, records);
 }

@@ -16,7 +16,7 @@ namespace kinloop {
 struct PointProducts {
   static constexpr size_t kPose = 18;  ///< values of W
 
-  explicit PointProducts(const BundleColumns& columns) : common(1 + columns.sensor_count) {}
+  explicit PointProducts(const LinearColumns& columns) : common(1 + columns.sensor_count) {}
 
   size_t common;  ///< residual and free sensor parameters
 
@@ -30,9 +30,8 @@ struct GramColumns {
   size_t pixel_end = 0;  ///< from here on, only the depth row is not zero
   size_t width = 0;      ///< all columns, at least `count` rounded up to four
 
-  explicit GramColumns(const BundleColumns& all)
-      : count(all.point()), pixel_end(all.pixel_end), width(all.width()) {}
-  explicit GramColumns(const RowLayout& all) : count(all.residual + 1), pixel_end(count), width(all.width) {}
+  explicit GramColumns(const LinearColumns& all)
+      : count(all.used), pixel_end(all.pixel_end), width(all.width) {}
 
   /// Number of values of the sums. Rows are computed in groups.
   [[nodiscard]] size_t sums() const { return (count + 3) * count * ObservationBlock::kSize; }
@@ -46,7 +45,7 @@ void add_block_gram(const GramColumns& layout, const double* columns, double* su
 Eigen::MatrixXd gram_of_sums(const GramColumns& layout, std::span<const double> sums);
 
 /// Writes the PointProducts of each observation of a block.
-void write_point_products(const BundleColumns& layout, const double* columns,
+void write_point_products(const LinearColumns& layout, const double* columns,
                           const std::array<double*, ObservationBlock::kSize>& records);
 
 /// Inverse Cholesky factor of a 3 x 3 matrix H = L L'; zero if H is singular.

@@ -4,11 +4,11 @@
 
 #include <array>
 #include <cstddef>
-#include <optional>
 
 #include <Eigen/Core>
 
 #include "kinloop/optimize/bundle/sensor_model.hpp"
+#include "kinloop/optimize/kernels/linear_columns.hpp"
 
 namespace kinloop {
 
@@ -73,53 +73,13 @@ BlockResiduals block_residuals(const ObservationBlock& block, const BundleView& 
 ObservationBlock::Lanes block_cost(const ObservationBlock& block, const BundleView& view,
                                    const MeasurementModel& model);
 
-/// Layout of a row of `width` values: derivatives with respect to x of the pose T * exp(x), then optionally
-/// velocity and sensor, then the residual, then padding.
-struct RowLayout {
-  RowLayout(bool with_velocity, bool with_sensor);
-
-  std::optional<size_t> velocity, sensor;  ///< first column
-  size_t residual;
-  size_t width;  ///< multiple of kWidthStep, see gram.hpp
-};
-
 constexpr size_t kRowsPerObservation = 3;  ///< u, v, depth
 
-/// Writes the three rows of each observation in sequence, and to `J_point`, unless null, their derivatives
-/// with respect to the point (3 x 3, row-major). All are scaled by the square root of the robust weight and
-/// zero if not in use. `rows` must be zero-initialised. Returns the robust cost like block_cost.
-ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const BundleView& view,
-                                        const MeasurementModel& model, const RowLayout& layout, double* rows,
-                                        double* J_point);
-
-/// Same values without J_point, in another order: the rows u, v and depth, in each of them one column after
-/// the other, which holds one value of every observation.
-ObservationBlock::Lanes linearize_in_columns(const ObservationBlock& block, const BundleView& view,
-                                             const MeasurementModel& model, const RowLayout& layout,
-                                             double* columns);
-
-/// Columns of a linearised block: derivatives with respect to x of the pose T * exp(x), the residual,
-/// derivatives with respect to the free sensor parameters, those that only depth depends on last, and to the
-/// point. Each column holds one value of every observation of the block.
-struct BundleColumns {
-  static constexpr size_t kResidual = 6, kSensor = 7;
-  static constexpr size_t kMaxWidth = kSensor + kSensorParameterCount + 3;
-
-  std::array<int, kSensorParameterCount> of_sensor{};          ///< column, -1 = not free
-  std::array<int, kSensorParameterCount> sensor_parameters{};  ///< in order of their columns
-  size_t sensor_count = 0;
-  size_t pixel_end = kSensor;  ///< end of the columns that pixels depend on, before the point
-
-  /// Parameters with a prior sigma above zero are free.
-  explicit BundleColumns(const SensorVector& prior_sigma);
-
-  [[nodiscard]] size_t point() const { return kSensor + sensor_count; }
-  [[nodiscard]] size_t width() const { return point() + 3; }
-};
-
 /// Writes the columns of the rows u, v and depth, one row after the other, scaled by the square root of the
-/// robust weight and zero where not in use. `columns` must be zero-initialised.
-void linearize_block(const ObservationBlock& block, const BundleView& view, const MeasurementModel& model,
-                     const BundleColumns& layout, double* columns);
+/// robust weight and zero where not in use. `columns` must be zero-initialised. Returns the robust cost like
+/// block_cost.
+ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const BundleView& view,
+                                        const MeasurementModel& model, const LinearColumns& layout,
+                                        double* columns);
 
 }  // namespace kinloop

@@ -12,7 +12,7 @@ namespace kinloop {
 namespace {
 
 constexpr size_t kSize = ObservationBlock::kSize;
-constexpr size_t kMaxSums = (kMaxGramWidth + 3) * kMaxGramWidth * kSize;
+constexpr size_t kMaxSums = (LinearColumns::kMaxWidth + 3) * LinearColumns::kMaxWidth * kSize;
 
 bool is_filled(const ObservationBlock& block, size_t lane) {
   return block.inverse_sigma_px[lane] > 0;
@@ -79,15 +79,15 @@ int CameraObservations::inlier_count() const {
 
 CameraObservations::Normal CameraObservations::linearize(const BundleView& view,
                                                          const MeasurementModel& model,
-                                                         const RowLayout& layout) const {
+                                                         const LinearColumns& layout) const {
   const GramColumns summed(layout);
-  std::array<double, kRowsPerObservation * kMaxGramWidth * kSize> columns{};
+  std::array<double, kRowsPerObservation * LinearColumns::kMaxWidth * kSize> columns{};
   std::array<double, kMaxSums> sums;
   require(summed.sums() <= sums.size(), "CameraObservations: too many columns");
   std::fill_n(sums.begin(), summed.sums(), 0);
   Normal normal;
   for (const ObservationBlock& block : blocks_) {
-    const auto costs = linearize_in_columns(block, view, model, layout, columns.data());
+    const auto costs = linearize_block(block, view, model, layout, columns.data());
     add_block_gram(summed, columns.data(), sums.data());
     for (const double cost : costs) normal.cost += cost;
   }

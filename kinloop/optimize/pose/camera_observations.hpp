@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 
 #include "kinloop/geometry/keypoint_measurement.hpp"
-#include "kinloop/optimize/kernels/gram.hpp"
 #include "kinloop/optimize/kernels/observation_block.hpp"
 
 namespace kinloop {
@@ -41,7 +40,7 @@ class CameraObservations {
     double cost = 0;
   };
   [[nodiscard]] Normal linearize(const BundleView& view, const MeasurementModel& model,
-                                 const RowLayout& layout) const;
+                                 const LinearColumns& layout) const;
 
  private:
   size_t count_;

@@ -50,11 +50,15 @@ class RollingShutterSolver {
   static BundleView view_of(const RollingShutterPose& pose) { return {pose.T_world_camera, pose.velocity}; }
 
   [[nodiscard]] PoseNormal<12> linearize(const RollingShutterPose& pose) const {
-    static const RowLayout kLayout(true, false);
-    const auto observed = observations_.linearize(view_of(pose), model_, kLayout);
+    static const LinearColumns kColumns = LinearColumns::of_pose_and_velocity();
+    const auto observed = observations_.linearize(view_of(pose), model_, kColumns);
+    constexpr auto kResidual =
+        static_cast<Eigen::Index>(LinearColumns::kResidual);  // between pose and velocity
+    const Eigen::Matrix<double, 13, 13> gram = observed.gram.selfadjointView<Eigen::Upper>();
     PoseNormal<12> normal;
-    normal.H = observed.gram.topLeftCorner<12, 12>().selfadjointView<Eigen::Upper>();
-    normal.g = observed.gram.col(static_cast<Eigen::Index>(kLayout.residual)).head<12>();
+    normal.H << gram.topLeftCorner<6, 6>(), gram.topRightCorner<6, 6>(), gram.bottomLeftCorner<6, 6>(),
+        gram.bottomRightCorner<6, 6>();
+    normal.g << gram.col(kResidual).head<6>(), gram.col(kResidual).tail<6>();
     const Vector6d off = pose.velocity.vector() - expected_.vector();
     normal.H.diagonal().tail<6>() += information_;
     normal.g.tail<6>() += information_.cwiseProduct(off);
