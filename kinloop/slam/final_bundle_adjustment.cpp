@@ -22,16 +22,16 @@ KeypointMeasurement measurement_of(const LoggedObservation& seen) {
 SE3 refined_pose(const LoggedFrame& entry, const RollingShutterPose& guess, const Map& map,
                  const PinholeCamera& camera, const SensorVector& sensor,
                  const AbsolutePoseOptions& options) {
-  // A frame keeps its tracked pose if most of its landmarks are gone or were moved apart by a correction.
+  // A frame keeps its tracked pose if few of its landmarks are left or a correction moved them apart. Many
+  // may have been culled, since a frame between keyframes is tracked against landmarks of the newest one.
   constexpr size_t kMinInliers = 20;
-  const size_t majority = entry.observations.size() / 2 + 1;
   std::vector<PoseObservation> observations;
   for (const LoggedObservation& seen : entry.observations) {
     const LandmarkId landmark = map.resolve_merged(seen.landmark);
     if (map.contains(landmark)) observations.push_back({measurement_of(seen), map.p_world(landmark)});
   }
   AbsolutePoseOptions strict = options;
-  strict.min_inliers = static_cast<int>(std::max(kMinInliers, majority));
+  strict.min_inliers = static_cast<int>(std::max(kMinInliers, observations.size() / 2 + 1));
   const auto found = solve_rolling_shutter_pose(camera, sensor, observations, guess, {}, strict);
   return found ? found->T_world_camera : guess.T_world_camera;
 }
