@@ -43,14 +43,14 @@ add_library(kinloop_hwy INTERFACE)
 target_include_directories(kinloop_hwy SYSTEM INTERFACE $<BUILD_INTERFACE:${HWY_INCLUDE_DIR}>)
 target_compile_definitions(kinloop_hwy INTERFACE HWY_SHARED_DEFINE)
 target_link_libraries(kinloop_hwy INTERFACE ${HWY_LIBRARY})
-# The kernels keep vectors in arrays, which requires a size known at compile time: NEON instead of SVE.
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
-  set(sve_targets "HWY_SVE|HWY_SVE2")
-  file(STRINGS ${HWY_INCLUDE_DIR}/hwy/detect_targets.h fixed_sve REGEX "define HWY_SVE2_128")
-  if(fixed_sve)
-    string(APPEND sve_targets "|HWY_SVE_256|HWY_SVE2_128")
-  endif()
-  target_compile_definitions(kinloop_hwy INTERFACE "HWY_DISABLED_TARGETS=(${sve_targets})")
+# Of two instruction sets the better one has the lower number. The kernels keep vectors in arrays, which requires a size
+# known at compile time: NEON instead of SVE.
+set(simd ${KINLOOP_SIMD})
+if(NOT simd AND CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  set(simd NEON)
+endif()
+if(simd)
+  target_compile_definitions(kinloop_hwy INTERFACE "HWY_DISABLED_TARGETS=(HWY_${simd}-1)")
 endif()
 
 # The program, and the viewer's server: Boost.Beast, header-only.
