@@ -10,6 +10,7 @@
 #include "kinloop/features/kernels/hamming_rows.hpp"
 #include "kinloop/features/kernels/orientation.hpp"
 #include "kinloop/features/kernels/steered_brief.hpp"
+#include "kinloop/optimize/kernels/bundle_products.hpp"
 #include "kinloop/optimize/kernels/gram.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
 #include "tests/support/simd_targets.hpp"
@@ -34,7 +35,7 @@ cv::Mat noise_image() {
 struct Input {
   cv::Mat image = noise_image();
   std::vector<cv::Point> corners;
-  cv::Mat descriptors{kCount, kOrbBytes, CV_8UC1};
+  cv::Mat descriptors = cv::Mat(kCount, kOrbBytes, CV_8UC1);
   std::vector<uint32_t> indices;  // of the descriptors, as windowed matching selects them
   PinholeCamera camera;
   CameraObservations observations{kCount};
@@ -47,7 +48,8 @@ struct Input {
     camera.cy = 240;
     Random random(2);
     for (int i = 0; i < kCount; ++i) {
-      corners.emplace_back(20 + static_cast<int>(random.index(600)), 20 + static_cast<int>(random.index(440)));
+      corners.emplace_back(20 + static_cast<int>(random.index(600)),
+                           20 + static_cast<int>(random.index(440)));
       describe_corner(image, corners.back().x, corners.back().y, static_cast<float>(random.uniform(0, 360)),
                       descriptors.ptr(i));
       indices.push_back(random.index(kCount));
@@ -110,7 +112,7 @@ void normal_equations() {
   const SensorVector sensor = SensorVector::Zero();
   const MeasurementModel model{input().camera, sensor, 6e-3, 0.5};
   const BundleView view(SE3{}, Velocity::from_vector(Vector6d::Constant(0.1)));
-  benchmark::DoNotOptimize(input().observations.linearize(view, model, RowLayout(true, true)));
+  benchmark::DoNotOptimize(input().observations.linearize(view, model, LinearColumns::of_all()));
 }
 
 void gram_matrix() {
@@ -118,6 +120,57 @@ void gram_matrix() {
   std::vector<double> gram(kMaxGramWidth * kMaxGramWidth);
   add_gram(kRows.data(), 3 * kCount, kMaxGramWidth, gram.data());
   benchmark::DoNotOptimize(gram.data());
+}
+
+void products_of_points() {
+  static const LinearColumns kLayout = LinearColumns::of_all();
+  static const size_t kSize = PointProducts(kLayout).size();
+  static const std::vector<double> kColumns(kLayout.width * kRowsPerObservation * ObservationBlock::kSize,
+                                            0.5);
+  static std::vector<double> values(kSize * ObservationBlock::kSize);
+  std::array<double*, ObservationBlock::kSize> records;
+  for (size_t i = 0; i < records.size(); ++i) records[i] = values.data() + i * kSize;
+  for (size_t i = 0; i < kCount / ObservationBlock::kSize; ++i) {
+    write_point_products(kLayout, kColumns.data(), records);
+  }
+  benchmark::DoNotOptimize(values.data());
+}
+
+void eliminated_points() {
+  static const std::vector<double> kRecords(kCount * size_t{PointProducts::kPose + kEliminatedWidth}, 0.5);
+  static std::vector<double> U(kCount * kEliminatedSize);
+  const PointFactor factor({3, 1, 1, 3, 1, 3});
+  eliminate_point(factor, kRecords.data(), PointProducts::kPose + kEliminatedWidth, kCount, U.data());
+  benchmark::DoNotOptimize(U.data());
+}
+
+/// 1000 points, each seen by eight cameras.
+struct SchurInput {
+  static constexpr uint32_t kCameras = 8;
+  static constexpr size_t kCommon = 11;
+  std::vector<SchurColumn::Slot> slots;
+  std::vector<uint32_t> blocks;
+  std::vector<int> cameras;
+  std::vector<double> U = std::vector<double>(kCount * kCameras * kEliminatedSize, 0.5);
+  std::vector<double> common = std::vector<double>(kCount * size_t{3} * kCommon, 0.5);
+
+  SchurInput() {
+    for (uint32_t camera = 0; camera < kCameras; ++camera) blocks.push_back(camera);
+    for (uint32_t point = 0; point < kCount; ++point) {
+      slots.push_back({point * kCameras, point * kCameras, (point + 1) * kCameras, point});
+      for (uint32_t camera = 0; camera < kCameras; ++camera) cameras.push_back(static_cast<int>(camera));
+    }
+  }
+};
+
+void schur_column() {
+  static const SchurInput kInput;
+  const SchurColumn column{kInput.slots,         kInput.blocks,       kInput.cameras.data(), kInput.U.data(),
+                           kInput.common.data(), SchurInput::kCommon, SchurInput::kCommon};
+  std::vector<double> blocks(SchurInput::kCameras * kSchurBlockSize);
+  std::vector<double> right(SchurInput::kCommon * kEliminatedWidth);
+  add_schur_column(column, blocks.data(), right.data());
+  benchmark::DoNotOptimize(blocks.data());
 }
 
 using Kernel = void (*)();
@@ -150,6 +203,9 @@ int main(int argc, char** argv) {
   register_kernel("1000 x 1024 nearest keys", nearest_keys);
   register_kernel("1000 windowed distances", windowed_distances);
   register_kernel("normal equations of 1000 observations", normal_equations);
+  register_kernel("products of 1000 observations with their points", products_of_points);
+  register_kernel("elimination of points, 1000 observations", eliminated_points);
+  register_kernel("Schur complement, 1000 points in 8 cameras", schur_column);
   register_kernel("J'J of 3000 x 32", gram_matrix);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();

@@ -32,6 +32,10 @@ HWY_INLINE V all(double value) {
 
 struct Vector3 {
   V x, y, z;
+
+  // An implicit default constructor is not compiled for the instruction set, and gcc for ARM rejects it.
+  HWY_INLINE Vector3() {}
+  HWY_INLINE Vector3(V x_value, V y_value, V z_value) : x(x_value), y(y_value), z(z_value) {}
 };
 HWY_INLINE Vector3 all(const Eigen::Vector3d& v) {
   return {all(v.x()), all(v.y()), all(v.z())};
