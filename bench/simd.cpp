@@ -123,7 +123,7 @@ void gram_matrix() {
 }
 
 void products_of_points() {
-  static const LinearColumns kLayout = LinearColumns::of_all();
+  static const LinearColumns kLayout = LinearColumns::of_bundle(SensorVector::Ones());
   static const size_t kSize = PointProducts(kLayout).size();
   static const std::vector<double> kColumns(kLayout.width * kRowsPerObservation * ObservationBlock::kSize,
                                             0.5);
