@@ -4,7 +4,6 @@
 
 #include <benchmark/benchmark.h>
 #include <opencv2/features2d.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/random.hpp"
 #include "kinloop/features/extractor.hpp"
@@ -36,7 +35,7 @@ struct Frames {
     prepared.id = frame.id;
     prepared.stamp_ns = frame.stamp_ns;
     prepared.depth_m = frame.depth_m;
-    cv::cvtColor(frame.color, prepared.gray, cv::COLOR_BGR2GRAY);
+    prepared.gray = frame.color.gray();
     prepared.features =
         std::make_shared<const Features>(extract_features(prepared.gray, frame.depth_m, camera, {}));
     return prepared;

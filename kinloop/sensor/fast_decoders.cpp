@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <libdeflate.h>
-#include <turbojpeg.h>
 
 namespace kinloop {
 namespace {
@@ -119,22 +118,6 @@ std::optional<std::vector<uint8_t>> inflate(const std::string& deflated, size_t 
 }
 
 }  // namespace
-
-cv::Mat decode_jpeg(std::string_view bytes) {
-  const std::unique_ptr<void, decltype(&tjDestroy)> decoder(tjInitDecompress(), tjDestroy);
-  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-  int width = 0, height = 0, subsampling = 0, color_space = 0;
-  if (!decoder || tjDecompressHeader3(decoder.get(), data, bytes.size(), &width, &height, &subsampling,
-                                      &color_space) != 0) {
-    return {};
-  }
-  constexpr int64_t kMaxPixels = int64_t{1} << 28;  // more means a damaged header
-  if (int64_t{width} * height > kMaxPixels) return {};
-  cv::Mat image(height, width, CV_8UC3);
-  const int failed = tjDecompress2(decoder.get(), data, bytes.size(), image.data, width,
-                                   static_cast<int>(image.step), height, TJPF_BGR, 0);
-  return failed != 0 ? cv::Mat() : image;
-}
 
 cv::Mat decode_depth_png(std::string_view bytes) {
   const auto content = depth_png_content(bytes);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -12,6 +13,7 @@
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/fast_decoders.hpp"
 #include "kinloop/sensor/fast_encoder.hpp"
+#include "kinloop/sensor/jpeg_codec.hpp"
 
 namespace kinloop {
 namespace {
@@ -76,20 +78,26 @@ cv::Mat decode_any(const std::string& bytes) {
   return cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
 }
 
-cv::Mat decode(const std::filesystem::path& path) {
-  const auto fail = [&](std::string_view why) {
-    throw InputError(fmt::format("{}: {}", path.string(), why));
-  };
-  const std::string bytes = read_file(path);
-  if (const auto damage = image_damage(bytes); !damage.empty()) fail(damage);
-  if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) fail("the file is too large");
+[[noreturn]] void fail(const std::filesystem::path& path, std::string_view why) {
+  throw InputError(fmt::format("{}: {}", path.string(), why));
+}
+
+std::string read_intact_file(const std::filesystem::path& path) {
+  std::string bytes = read_file(path);
+  if (const auto damage = image_damage(bytes); !damage.empty()) fail(path, damage);
+  if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
+    fail(path, "the file is too large");
+  return bytes;
+}
+
+cv::Mat decode(const std::filesystem::path& path, const std::string& bytes) {
   cv::Mat image;
   try {
     image = decode_any(bytes);
   } catch (const cv::Exception& error) {
-    fail(fmt::format("cannot be decoded: {}", error.err));
+    fail(path, fmt::format("cannot be decoded: {}", error.err));
   }
-  if (image.empty()) fail(kDamaged);
+  if (image.empty()) fail(path, kDamaged);
   return image;
 }
 
@@ -102,8 +110,14 @@ std::string_view image_damage(std::string_view bytes) {
   return "neither a PNG nor a JPEG image";
 }
 
-cv::Mat read_color_image(const std::filesystem::path& path) {
-  cv::Mat image = decode(path);
+ColorImage read_color_image(const std::filesystem::path& path) {
+  std::string bytes = read_intact_file(path);
+  if (bytes.starts_with(kJpegSignature)) {
+    auto jpeg = ColorImage::from_jpeg(std::move(bytes));
+    if (!jpeg) fail(path, kDamaged);
+    return *std::move(jpeg);
+  }
+  cv::Mat image = decode(path, bytes);
   cv::Mat color;
   switch (image.type()) {
     case CV_8UC3:
@@ -124,7 +138,7 @@ cv::Mat read_color_image(const std::filesystem::path& path) {
 
 cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale) {
   constexpr uint16_t kUnknown = std::numeric_limits<uint16_t>::max();
-  cv::Mat image = decode(path);
+  cv::Mat image = decode(path, read_intact_file(path));
   if (image.type() != CV_16UC1) {
     throw ImageFormatError(
         fmt::format("{}: not a 16-bit grey PNG, as depth images are ({} bits, {} channels); export depth as "

@@ -6,6 +6,7 @@
 
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/fast_decoders.hpp"
+#include "kinloop/sensor/jpeg_codec.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/shared_data.hpp"
@@ -24,44 +25,46 @@ double difference(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_INF);
 }
 
-TEST(ColorImage, PngIsReadExactly) {
+TEST(ReadColorImage, PngIsReadExactly) {
   const TempFolder folder;
   const cv::Mat image = make_color(1);
-  const cv::Mat read = read_color_image(folder.write("a.png", encoded(image, ".png")));
+  const cv::Mat read = read_color_image(folder.write("a.png", encoded(image, ".png"))).bgr();
   ASSERT_EQ(read.type(), CV_8UC3);
   EXPECT_EQ(difference(read, image), 0);
 }
 
-TEST(ColorImage, JpegIsReadClosely) {
+TEST(ReadColorImage, JpegIsReadClosely) {
   const TempFolder folder;
   cv::Mat smooth;
   cv::GaussianBlur(make_color(1), smooth, {}, 4);
-  const cv::Mat read = read_color_image(folder.write("a.jpg", encoded(smooth, ".jpg")));
+  const cv::Mat read = read_color_image(folder.write("a.jpg", encoded(smooth, ".jpg"))).bgr();
   ASSERT_EQ(read.type(), CV_8UC3);
   EXPECT_LT(difference(read, smooth), 20);
 }
 
-TEST(ColorImage, ContentCountsNotTheNameOfTheFile) {
+TEST(ReadColorImage, ContentCountsNotTheNameOfTheFile) {
   const TempFolder folder;
-  EXPECT_EQ(read_color_image(folder.write("a.png", encoded(make_color(1), ".jpg"))).cols, test::kWidth);
+  EXPECT_EQ(read_color_image(folder.write("a.png", encoded(make_color(1), ".jpg"))).size().width,
+            test::kWidth);
 }
 
-TEST(ColorImage, GreyBecomesThreeEqualChannels) {
+TEST(ReadColorImage, GreyBecomesThreeEqualChannels) {
   const TempFolder folder;
   const cv::Mat grey = make_color(3, CV_8UC1);
-  const cv::Mat read = read_color_image(folder.write("a.png", encoded(grey, ".png")));
+  const cv::Mat read = read_color_image(folder.write("a.png", encoded(grey, ".png"))).bgr();
   ASSERT_EQ(read.type(), CV_8UC3);
   cv::Mat channels[3];
   cv::split(read, channels);
   for (const auto& channel : channels) EXPECT_EQ(difference(channel, grey), 0);
 }
 
-TEST(ColorImage, TransparencyIsLeftOut) {
+TEST(ReadColorImage, TransparencyIsLeftOut) {
   const TempFolder folder;
-  EXPECT_EQ(read_color_image(folder.write("a.png", encoded(make_color(3, CV_8UC4), ".png"))).type(), CV_8UC3);
+  const ColorImage read = read_color_image(folder.write("a.png", encoded(make_color(3, CV_8UC4), ".png")));
+  EXPECT_EQ(read.bgr().type(), CV_8UC3);
 }
 
-TEST(ColorImage, SixteenBitColourSuggestsSwappedColumns) {
+TEST(ReadColorImage, SixteenBitColourSuggestsSwappedColumns) {
   const TempFolder folder;
   const auto path = folder.write("a.png", encoded(make_depth(7), ".png"));
   EXPECT_THAT(input_error([&] { read_color_image(path); }), HasSubstr("colour comes first"));
@@ -170,7 +173,7 @@ TEST_P(Truncated, EveryPrefixOfAnImageIsAnError) {
 TEST_P(Truncated, BytesBehindTheEndDoNoHarm) {
   const TempFolder folder;
   const auto path = folder.write("long", encoded(make_color(5), GetParam()) + std::string(100, '\0'));
-  EXPECT_EQ(read_color_image(path).cols, test::kWidth);
+  EXPECT_EQ(read_color_image(path).size().width, test::kWidth);
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, Truncated, testing::Values(".png", ".jpg"),

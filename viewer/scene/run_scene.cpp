@@ -38,7 +38,7 @@ cv::Mat depth_image(const cv::Mat& depth_m, double max_depth_m) {
 }
 
 std::vector<ShownFeature> shown_features(const ImageEvent& image) {
-  const Eigen::Vector2f size(static_cast<float>(image.color.cols), static_cast<float>(image.color.rows));
+  const Eigen::Vector2f size(static_cast<float>(image.depth_m.cols), static_cast<float>(image.depth_m.rows));
   std::vector<ShownFeature> shown;
   for (const Eigen::Vector2f& pixel : image.features->raw_pixels)
     shown.push_back({pixel.cwiseQuotient(size)});
@@ -125,7 +125,7 @@ void RunScene::show_path(size_t first) {
 
 void RunScene::add_keyframe(const ImageEvent& image) {
   if (image.keyframe.value >= map_.T_world_keyframe.size()) return;
-  const CloudPiece piece = cloud_.add_keyframe(image.keyframe, image.color, image.depth_m,
+  const CloudPiece piece = cloud_.add_keyframe(image.keyframe, image.color.bgr(), image.depth_m,
                                                map_.T_world_keyframe[image.keyframe.value]);
   if (piece.cloud.size() > 0) scene_.put(PartKind::kCloud, image.keyframe.value, encode_cloud(piece));
   if (Clock::now() < next_up_) return;
@@ -137,7 +137,7 @@ void RunScene::show_images(const ImageEvent& image) {
   const ViewerOptions& options = info_.options;
   next_image_ =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(duration<double>(1 / options.image_rate_hz));
-  const cv::Mat color = resized(image.color, options.image_width_px, cv::INTER_AREA);
+  const cv::Mat color = resized(image.color.bgr(), options.image_width_px, cv::INTER_AREA);
   const cv::Mat depth = resized(image.depth_m, options.image_width_px, cv::INTER_NEAREST);
   scene_.put(PartKind::kColorImage, 0, jpeg(color, options.jpeg_quality));
   scene_.put(PartKind::kDepthImage, 0,
