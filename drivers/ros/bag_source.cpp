@@ -165,11 +165,13 @@ class BagSource : public FrameSource {
   }
 
   /// Returns the image after checking that it has the camera's size.
-  [[nodiscard]] cv::Mat sized(cv::Mat image) const {
-    if (image.cols == camera_.color.width && image.rows == camera_.color.height) return image;
+  template <class Image>
+  [[nodiscard]] Image sized(Image image) const {
+    const cv::Size size = image.size();
+    if (size.width == camera_.color.width && size.height == camera_.color.height) return image;
     throw InputError(
-        fmt::format("{} x {} pixels where the camera has {} x {}; is depth registered to colour?", image.cols,
-                    image.rows, camera_.color.width, camera_.color.height));
+        fmt::format("{} x {} pixels where the camera has {} x {}; is depth registered to colour?", size.width,
+                    size.height, camera_.color.width, camera_.color.height));
   }
 
   [[nodiscard]] std::string first_reason() const {

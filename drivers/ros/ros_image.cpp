@@ -3,10 +3,10 @@
 #include <bit>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -44,9 +44,12 @@ cv::Mat metres_from_millimetres(const cv::Mat& millimetres) {
   return depth_m;
 }
 
+std::string_view bytes_of(std::span<const uint8_t> data) {
+  return {reinterpret_cast<const char*>(data.data()), data.size()};
+}
+
 cv::Mat decoded(std::span<const uint8_t> data) {
-  const cv::Mat bytes(1, static_cast<int>(data.size()), CV_8UC1, const_cast<uint8_t*>(data.data()));
-  cv::Mat image = data.empty() ? cv::Mat() : cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  cv::Mat image = decode_image(bytes_of(data));
   if (image.empty()) throw InputError("a compressed image message cannot be decoded");
   return image;
 }
@@ -74,11 +77,11 @@ cv::Mat depth_from(const RosImage& image) {
   reject(e, "16UC1, 32FC1");
 }
 
-cv::Mat color_from_compressed(std::span<const uint8_t> data) {
+ColorImage color_from_compressed(std::span<const uint8_t> data) {
+  if (auto jpeg = ColorImage::from_jpeg(std::string(bytes_of(data)))) return *std::move(jpeg);
   cv::Mat image = decoded(data);
   if (image.type() == CV_8UC3) return image;
   if (image.type() == CV_8UC1) return converted(image, cv::COLOR_GRAY2BGR);
-  if (image.type() == CV_8UC4) return converted(image, cv::COLOR_BGRA2BGR);
   throw InputError("a compressed colour image does not have 8 bits per channel");
 }
 

@@ -11,6 +11,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/color_image.hpp"
 
 namespace kinloop {
 
@@ -32,7 +33,7 @@ cv::Mat depth_from(const RosImage& image);
 
 /// Same for sensor_msgs/CompressedImage: JPEG or PNG; depth as 16-bit PNG, preceded by the header of
 /// compressed_depth_image_transport if `format` says so.
-cv::Mat color_from_compressed(std::span<const uint8_t> data);
+ColorImage color_from_compressed(std::span<const uint8_t> data);
 cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data);
 
 /// sensor_msgs/CameraInfo.

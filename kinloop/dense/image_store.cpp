@@ -4,8 +4,6 @@
 #include <limits>
 #include <utility>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "kinloop/base/errors.hpp"
 #include "kinloop/dense/depth_codec.hpp"
 #include "kinloop/sensor/jpeg_codec.hpp"
@@ -46,9 +44,8 @@ cv::Mat decode_color(const std::vector<uint8_t>& jpeg) {
 
 std::vector<uint8_t> encode_color(const ColorImage& color, int jpeg_quality) {
   const std::string_view jpeg = color.jpeg();
-  std::vector<uint8_t> bytes(jpeg.begin(), jpeg.end());
-  if (bytes.empty()) cv::imencode(".jpg", color.bgr(), bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
-  return bytes;
+  if (jpeg.empty()) return encode_jpeg(color.bgr(), jpeg_quality);
+  return {jpeg.begin(), jpeg.end()};
 }
 
 }  // namespace

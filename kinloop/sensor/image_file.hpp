@@ -19,6 +19,10 @@ class ImageFormatError : public InputError {
   using InputError::InputError;
 };
 
+/// Decodes the bytes of a PNG or JPEG file to 8 or 16 bits and one channel (grey) or three (BGR). Empty if
+/// they are damaged or no such file. Does not notice a truncated JPEG: see `image_damage`.
+cv::Mat decode_image(std::string_view bytes);
+
 /// Reads an 8-bit colour or grey PNG or JPEG. A JPEG is kept as it is, with only its grey image decoded.
 /// Throws InputError naming the file and the problem.
 ColorImage read_color_image(const std::filesystem::path& path);

@@ -5,6 +5,8 @@
 
 #include <turbojpeg.h>
 
+#include "kinloop/base/errors.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -33,6 +35,22 @@ cv::Mat decode_jpeg(std::string_view bytes) {
 
 cv::Mat decode_jpeg_gray(std::string_view bytes) {
   return decode_jpeg_as(bytes, CV_8UC1, TJPF_GRAY);
+}
+
+std::vector<uint8_t> encode_jpeg(const cv::Mat& image, int quality) {
+  require(!image.empty() && (image.type() == CV_8UC1 || image.type() == CV_8UC3),
+          "encode_jpeg: expected 8UC1 or 8UC3");
+  const bool gray = image.type() == CV_8UC1;
+  const int subsampling = gray ? TJSAMP_GRAY : TJSAMP_420;
+  const std::unique_ptr<void, decltype(&tjDestroy)> encoder(tjInitCompress(), tjDestroy);
+  std::vector<uint8_t> bytes(tjBufSize(image.cols, image.rows, subsampling));
+  unsigned char* begin = bytes.data();
+  unsigned long size = bytes.size();
+  const int result = tjCompress2(encoder.get(), image.data, image.cols, static_cast<int>(image.step),
+                                 image.rows, gray ? TJPF_GRAY : TJPF_BGR, &begin, &size, subsampling, quality,
+                                 TJFLAG_NOREALLOC | TJFLAG_ACCURATEDCT);
+  require(result == 0, "encode_jpeg: libjpeg-turbo failed");
+  return {begin, begin + size};
 }
 
 }  // namespace kinloop

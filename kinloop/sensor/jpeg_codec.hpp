@@ -1,7 +1,9 @@
 #pragma once
 // In: the bytes of a JPEG file, or pixels. Out: pixels, or the bytes of a JPEG file, by libjpeg-turbo.
 
+#include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -11,7 +13,10 @@ namespace kinloop {
 /// with other readers, errors within the compressed data spoil only the pixels behind them.
 cv::Mat decode_jpeg(std::string_view bytes);
 
-/// Decodes only the luma of a JPEG file, to 8UC1: less than half the time of colour. Empty as above.
+/// Decodes only the luma of a JPEG file, to 8UC1: saves the transforms of the chroma. Empty as above.
 cv::Mat decode_jpeg_gray(std::string_view bytes);
+
+/// Encodes an 8UC1 or 8UC3 (BGR) image as JPEG of quality 1 to 100, chroma at half the resolution.
+std::vector<uint8_t> encode_jpeg(const cv::Mat& image, int quality);
 
 }  // namespace kinloop

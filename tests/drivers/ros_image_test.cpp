@@ -64,7 +64,7 @@ TEST(RosImage, CompressedImages) {
   const cv::Mat bgr = test::make_color(3), millimetres = test::make_depth(1234);
   std::vector<uint8_t> png;
   cv::imencode(".png", bgr, png);
-  EXPECT_TRUE(equal(color_from_compressed(png), bgr));
+  EXPECT_TRUE(equal(color_from_compressed(png).bgr(), bgr));
   std::vector<uint8_t> depth;
   cv::imencode(".png", millimetres, depth);
   EXPECT_FLOAT_EQ(depth_from_compressed("16UC1; png compressed", depth).at<float>(0), 1.234F);

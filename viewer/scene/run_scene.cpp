@@ -3,22 +3,16 @@
 #include <algorithm>
 #include <limits>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/geometry/up_direction.hpp"
+#include "kinloop/sensor/jpeg_codec.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {
 namespace {
 
 using std::chrono::duration;
-
-Bytes jpeg(const cv::Mat& image, int quality) {
-  Bytes bytes;
-  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
-  return bytes;
-}
 
 cv::Mat resized(const cv::Mat& image, int width_px, int interpolation) {
   cv::Mat small;
@@ -139,9 +133,9 @@ void RunScene::show_images(const ImageEvent& image) {
       Clock::now() + std::chrono::duration_cast<Clock::duration>(duration<double>(1 / options.image_rate_hz));
   const cv::Mat color = resized(image.color.bgr(), options.image_width_px, cv::INTER_AREA);
   const cv::Mat depth = resized(image.depth_m, options.image_width_px, cv::INTER_NEAREST);
-  scene_.put(PartKind::kColorImage, 0, jpeg(color, options.jpeg_quality));
+  scene_.put(PartKind::kColorImage, 0, encode_jpeg(color, options.jpeg_quality));
   scene_.put(PartKind::kDepthImage, 0,
-             jpeg(depth_image(depth, options.limits.max_depth_m), options.jpeg_quality));
+             encode_jpeg(depth_image(depth, options.limits.max_depth_m), options.jpeg_quality));
   scene_.put(PartKind::kFeatures, 0, encode_features(shown_features(image)));
 }
 
