@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <string>
 
+#include <opencv2/core/utility.hpp>
+
 #include "kinloop/sensor/image_file.hpp"
 #include "kinloop/slam/slam.hpp"
 

@@ -1,8 +1,11 @@
 #include "kinloop/sensor/png_unfilter.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdlib>
 #include <cstring>
+#include <type_traits>
 
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -10,6 +13,34 @@
 
 namespace kinloop {
 namespace {
+
+static_assert(std::endian::native == std::endian::little, "the first byte of a pixel is its lowest");
+
+/// Whichever of left, up and corner (up and left) is nearest to left + up - corner.
+int paeth(int left, int up, int corner) {
+  const int to_left = std::abs(up - corner), to_up = std::abs(left - corner);
+  const int to_corner = std::abs(left + up - 2 * corner);
+  const int nearer = to_up <= to_corner ? up : corner;
+  return to_left <= std::min(to_up, to_corner) ? left : nearer;
+}
+
+/// Byte by byte. Faster than a vector for the two bytes of depth, whose branches are mostly predictable.
+template <size_t kPixelBytes>
+struct ScalarPaeth {
+  std::array<int, kPixelBytes> left{}, corner{};
+
+  uint32_t operator()(uint32_t filtered, uint32_t up_pixel) {
+    uint32_t pixel = 0;
+    for (size_t i = 0; i < kPixelBytes; ++i) {
+      const auto byte = [shift = 8 * i](uint32_t of) { return static_cast<int>(of >> shift & 0xFF); };
+      const int up = byte(up_pixel);
+      left[i] = (byte(filtered) + paeth(left[i], up, corner[i])) & 0xFF;
+      corner[i] = up;
+      pixel |= static_cast<uint32_t>(left[i]) << (8 * i);
+    }
+    return pixel;
+  }
+};
 
 // A pixel depends on the one to its left, so vectors cannot span pixels: each holds the bytes of one, and
 // wider ones than SSE2's, which every x86-64 processor has, would not help.
@@ -54,23 +85,27 @@ __m128i if_then_else(__m128i mask, __m128i yes, __m128i no) {
   return _mm_or_si128(_mm_and_si128(mask, yes), _mm_andnot_si128(mask, no));
 }
 
-/// Predicts whichever of left, up and corner (up and left) is nearest to left + up - corner.
-struct Paeth {
+/// All bytes at once; the three candidates for a pixel are ready before it is known which is right.
+struct VectorPaeth {
   __m128i left = _mm_setzero_si128(), corner = left;
 
-  uint32_t operator()(uint32_t filtered, uint32_t up_pixel) {
-    const __m128i up = words_of(up_pixel);
+  uint32_t operator()(uint32_t filtered_pixel, uint32_t up_pixel) {
+    const __m128i up = words_of(up_pixel), filtered = words_of(filtered_pixel);
     const __m128i up_step = _mm_sub_epi16(up, corner), left_step = _mm_sub_epi16(left, corner);
     const __m128i to_left = absolute(up_step), to_up = absolute(left_step);
     const __m128i to_corner = absolute(_mm_add_epi16(up_step, left_step));
-    const __m128i nearest = _mm_min_epi16(to_corner, _mm_min_epi16(to_left, to_up));
-    const __m128i no_left = if_then_else(_mm_cmpeq_epi16(nearest, to_up), up, corner);
-    const __m128i predicted = if_then_else(_mm_cmpeq_epi16(nearest, to_left), left, no_left);
-    left = _mm_and_si128(_mm_add_epi16(words_of(filtered), predicted), _mm_set1_epi16(0xFF));
+    const __m128i not_left =
+        _mm_or_si128(_mm_cmpgt_epi16(to_left, to_up), _mm_cmpgt_epi16(to_left, to_corner));
+    const __m128i from_up = _mm_add_epi8(filtered, up), from_corner = _mm_add_epi8(filtered, corner);
+    const __m128i nearer = if_then_else(_mm_cmpgt_epi16(to_up, to_corner), from_corner, from_up);
+    left = if_then_else(not_left, nearer, _mm_add_epi8(filtered, left));
     corner = up;
     return pixel_of(_mm_packus_epi16(left, left));
   }
 };
+
+template <size_t kPixelBytes>
+using Paeth = std::conditional_t<kPixelBytes <= 2, ScalarPaeth<kPixelBytes>, VectorPaeth>;
 
 #else
 
@@ -95,24 +130,8 @@ struct Average {
   }
 };
 
-/// Predicts whichever of left, up and corner (up and left) is nearest to left + up - corner.
-struct Paeth {
-  uint32_t left = 0, corner = 0;
-
-  uint32_t operator()(uint32_t filtered, uint32_t up) {
-    uint32_t predicted = 0;
-    for (int shift = 0; shift < 32; shift += 8) {
-      const auto byte = [shift](uint32_t pixel) { return static_cast<int>(pixel >> shift & 0xFF); };
-      const int a = byte(left), b = byte(up), c = byte(corner);
-      const int to_left = std::abs(b - c), to_up = std::abs(a - c), to_corner = std::abs(a + b - 2 * c);
-      const int no_left = to_up <= to_corner ? b : c;
-      const int nearest = to_left <= std::min(to_up, to_corner) ? a : no_left;
-      predicted |= static_cast<uint32_t>(nearest) << shift;
-    }
-    corner = up;
-    return left = add_bytes(filtered, predicted);
-  }
-};
+template <size_t kPixelBytes>
+using Paeth = ScalarPaeth<kPixelBytes>;
 
 #endif
 
@@ -141,18 +160,11 @@ void unfilter_pixels(uint8_t* row, const uint8_t* above, size_t size) {
   std::memcpy(row + at, &last, kPixelBytes);
 }
 
-template <class Filter>
-void unfilter_row(size_t pixel_bytes, uint8_t* row, const uint8_t* above, size_t size) {
-  switch (pixel_bytes) {
-    case 1:
-      return unfilter_pixels<Filter, 1>(row, above, size);
-    case 2:
-      return unfilter_pixels<Filter, 2>(row, above, size);
-    case 3:
-      return unfilter_pixels<Filter, 3>(row, above, size);
-    default:
-      return unfilter_pixels<Filter, 4>(row, above, size);
-  }
+template <size_t kPixelBytes>
+void unfilter_row(int filter, uint8_t* row, const uint8_t* above, size_t size) {
+  if (filter == 1) unfilter_pixels<Sub, kPixelBytes>(row, above, size);
+  if (filter == 3) unfilter_pixels<Average, kPixelBytes>(row, above, size);
+  if (filter == 4) unfilter_pixels<Paeth<kPixelBytes>, kPixelBytes>(row, above, size);
 }
 
 void unfilter_up(uint8_t* row, const uint8_t* above, size_t size) {
@@ -162,24 +174,20 @@ void unfilter_up(uint8_t* row, const uint8_t* above, size_t size) {
 }  // namespace
 
 bool unfilter_png_row(int filter, size_t pixel_bytes, uint8_t* row, const uint8_t* above, size_t size) {
-  switch (filter) {
-    case 0:
-      return true;
-    case 1:
-      unfilter_row<Sub>(pixel_bytes, row, above, size);
-      return true;
-    case 2:
-      unfilter_up(row, above, size);
-      return true;
-    case 3:
-      unfilter_row<Average>(pixel_bytes, row, above, size);
-      return true;
-    case 4:
-      unfilter_row<Paeth>(pixel_bytes, row, above, size);
-      return true;
-    default:
-      return false;
+  constexpr int kUp = 2, kLast = 4;
+  if (filter < 0 || filter > kLast) return false;
+  if (filter == kUp) {
+    unfilter_up(row, above, size);
+  } else if (pixel_bytes == 1) {
+    unfilter_row<1>(filter, row, above, size);
+  } else if (pixel_bytes == 2) {
+    unfilter_row<2>(filter, row, above, size);
+  } else if (pixel_bytes == 3) {
+    unfilter_row<3>(filter, row, above, size);
+  } else {
+    unfilter_row<4>(filter, row, above, size);
   }
+  return true;
 }
 
 }  // namespace kinloop
