@@ -1,8 +1,9 @@
 // The hot kernels, each on input of the size of a 640x480 frame. Run: build/release/bench/bench_kernels
 
+#include <array>
+
 #include <benchmark/benchmark.h>
 #include <opencv2/features2d.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/random.hpp"
 #include "kinloop/features/extractor.hpp"
@@ -34,7 +35,7 @@ struct Frames {
     prepared.id = frame.id;
     prepared.stamp_ns = frame.stamp_ns;
     prepared.depth_m = frame.depth_m;
-    cv::cvtColor(frame.color, prepared.gray, cv::COLOR_BGR2GRAY);
+    prepared.gray = frame.color.gray();
     prepared.features =
         std::make_shared<const Features>(extract_features(prepared.gray, frame.depth_m, camera, {}));
     return prepared;
@@ -128,14 +129,17 @@ CameraObservations thousand_observations() {
 }
 
 /// Residuals and Jacobians of all, and their normal equations: with respect to the pose; the pose and
-/// velocity; these and the sensor parameters.
+/// velocity; these, the sensor parameters and the point.
 void linearize_thousand(benchmark::State& state) {
   const auto observations = thousand_observations();
   const SensorVector sensor = SensorVector::Zero();
   const MeasurementModel model{frames().camera, sensor, 6e-3, 0.5};
   const BundleView view(SE3{}, Velocity::from_vector(Vector6d::Constant(0.1)));
-  const RowLayout layout(state.range(0) > 0, state.range(0) > 1);
-  for (auto _ : state) benchmark::DoNotOptimize(observations.linearize(view, model, layout));
+  const std::array layouts{LinearColumns::of_pose(), LinearColumns::of_pose_and_velocity(),
+                           LinearColumns::of_all()};
+  for (auto _ : state)
+    benchmark::DoNotOptimize(
+        observations.linearize(view, model, layouts.at(static_cast<size_t>(state.range(0)))));
 }
 BENCHMARK(linearize_thousand)->DenseRange(0, 2)->Unit(benchmark::kMillisecond);
 

@@ -1,7 +1,7 @@
 # Every library comes from the distribution's packages; none is bundled.
 find_package(Threads REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc features2d calib3d)
 find_package(Ceres REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
@@ -16,8 +16,7 @@ endif()
 # OpenCV's config lists plain libraries; one target combines them with its headers as system headers.
 add_library(kinloop_opencv INTERFACE)
 target_include_directories(kinloop_opencv SYSTEM INTERFACE $<BUILD_INTERFACE:${OpenCV_INCLUDE_DIRS}>)
-target_link_libraries(kinloop_opencv INTERFACE opencv_core opencv_imgproc opencv_imgcodecs opencv_features2d
-                                               opencv_calib3d)
+target_link_libraries(kinloop_opencv INTERFACE opencv_core opencv_imgproc opencv_features2d opencv_calib3d)
 
 # SuiteSparse has its own CMake files only from version 6 on.
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
@@ -26,7 +25,9 @@ add_library(kinloop_cholmod INTERFACE)
 target_include_directories(kinloop_cholmod SYSTEM INTERFACE $<BUILD_INTERFACE:${CHOLMOD_INCLUDE_DIR}>)
 target_link_libraries(kinloop_cholmod INTERFACE ${CHOLMOD_LIBRARY})
 
-# Images: libjpeg-turbo's native interface, and libdeflate; not all packages have CMake files.
+# Images: libjpeg-turbo's native interface, libdeflate, and libpng for rare kinds; not all packages have CMake
+# files. OpenCV's own readers (imgcodecs) would load a hundred libraries for formats that nothing here uses.
+find_package(PNG REQUIRED)
 find_path(TURBOJPEG_INCLUDE_DIR turbojpeg.h REQUIRED)
 find_library(TURBOJPEG_LIBRARY turbojpeg REQUIRED)
 find_path(LIBDEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)
@@ -34,7 +35,7 @@ find_library(LIBDEFLATE_LIBRARY deflate REQUIRED)
 add_library(kinloop_codecs INTERFACE)
 target_include_directories(kinloop_codecs SYSTEM INTERFACE $<BUILD_INTERFACE:${TURBOJPEG_INCLUDE_DIR}>
                                                            $<BUILD_INTERFACE:${LIBDEFLATE_INCLUDE_DIR}>)
-target_link_libraries(kinloop_codecs INTERFACE ${TURBOJPEG_LIBRARY} ${LIBDEFLATE_LIBRARY})
+target_link_libraries(kinloop_codecs INTERFACE ${TURBOJPEG_LIBRARY} ${LIBDEFLATE_LIBRARY} PNG::PNG)
 
 # Compressed blocks of bags.
 find_path(LZ4_INCLUDE_DIR lz4frame.h REQUIRED)
@@ -55,14 +56,14 @@ add_library(kinloop_hwy INTERFACE)
 target_include_directories(kinloop_hwy SYSTEM INTERFACE $<BUILD_INTERFACE:${HWY_INCLUDE_DIR}>)
 target_compile_definitions(kinloop_hwy INTERFACE HWY_SHARED_DEFINE)
 target_link_libraries(kinloop_hwy INTERFACE ${HWY_LIBRARY})
-# The kernels keep vectors in arrays, which requires a size known at compile time: NEON instead of SVE.
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
-  set(sve_targets "HWY_SVE|HWY_SVE2")
-  file(STRINGS ${HWY_INCLUDE_DIR}/hwy/detect_targets.h fixed_sve REGEX "define HWY_SVE2_128")
-  if(fixed_sve)
-    string(APPEND sve_targets "|HWY_SVE_256|HWY_SVE2_128")
-  endif()
-  target_compile_definitions(kinloop_hwy INTERFACE "HWY_DISABLED_TARGETS=(${sve_targets})")
+# Of two instruction sets the better one has the lower number. The kernels keep vectors in arrays, which requires a size
+# known at compile time: NEON instead of SVE.
+set(simd ${KINLOOP_SIMD})
+if(NOT simd AND CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  set(simd NEON)
+endif()
+if(simd)
+  target_compile_definitions(kinloop_hwy INTERFACE "HWY_DISABLED_TARGETS=(HWY_${simd}-1)")
 endif()
 
 # The program, and the viewer's server: Boost.Beast, header-only.

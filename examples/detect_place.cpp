@@ -4,13 +4,12 @@
 
 #include <cstdio>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/place_index.hpp"
+#include "kinloop/sensor/image_file.hpp"
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   if (argc < 3) {
     std::fprintf(stderr, "usage: example_detect_place IMAGE IMAGE...\n");
     return 2;
@@ -18,11 +17,7 @@ int main(int argc, char** argv) {
   const kinloop::Vocabulary vocabulary = kinloop::load_default_vocabulary();
   kinloop::PlaceIndex places;
   for (int i = 1; i < argc; ++i) {
-    const cv::Mat gray = cv::imread(argv[i], cv::IMREAD_GRAYSCALE);
-    if (gray.empty()) {
-      std::fprintf(stderr, "error: %s is not an image\n", argv[i]);
-      return 3;
-    }
+    const cv::Mat gray = kinloop::read_color_image(argv[i]).gray();
     kinloop::PinholeCamera camera;  // without distortion; descriptors do not depend on the other parameters
     camera.width = gray.cols;
     camera.height = gray.rows;
@@ -36,4 +31,7 @@ int main(int argc, char** argv) {
     }
     places.add(kinloop::KeyframeId{static_cast<uint32_t>(i)}, bow);
   }
+} catch (const kinloop::InputError& error) {
+  std::fprintf(stderr, "error: %s\n", error.what());
+  return 3;
 }

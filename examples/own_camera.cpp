@@ -5,9 +5,12 @@
 // Image files stand in for a camera driver. Colour is 8UC3 BGR, depth 32FC1 in metres, registered to colour.
 
 #include <cstdio>
+#include <filesystem>
+#include <string>
 
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core/utility.hpp>
 
+#include "kinloop/sensor/image_file.hpp"
 #include "kinloop/slam/slam.hpp"
 
 namespace {
@@ -35,10 +38,10 @@ int main(int argc, char** argv) {
     kinloop::RgbdFrame frame;
     frame.id = kinloop::FrameId{i};
     frame.stamp_ns = int64_t{i} * 1'000'000'000 / 30;
-    frame.color = cv::imread(cv::format(argv[1], i), cv::IMREAD_COLOR);
-    const cv::Mat depth_mm = cv::imread(cv::format(argv[2], i), cv::IMREAD_UNCHANGED);
-    if (frame.color.empty() || depth_mm.empty()) break;
-    depth_mm.convertTo(frame.depth_m, CV_32F, 1e-3);
+    const std::string color_file = cv::format(argv[1], i), depth_file = cv::format(argv[2], i);
+    if (!std::filesystem::exists(color_file) || !std::filesystem::exists(depth_file)) break;
+    frame.color = kinloop::read_color_image(color_file);  // or pixels: a cv::Mat
+    frame.depth_m = kinloop::read_depth_image(depth_file, 1000);
 
     const kinloop::FrameResult result = slam.process(frame);
     const Eigen::Vector3d p = result.T_world_camera.translation;

@@ -103,6 +103,7 @@ void NodeOutput::publish_path(const Trajectory& trajectory) {
 void NodeOutput::publish_cloud(const FrameResult& result, const PreparedFrame& frame) {
   constexpr int kStep = 4;  // px: some 20,000 points of a 640 x 480 image
   if (cloud_.getNumSubscribers() == 0) return;
+  const cv::Mat color = frame.color.bgr();
   PointCloud2 cloud = empty_cloud(header_of(result.stamp_ns, world_));
   for (int y = 0; y < frame.depth_m.rows; y += kStep) {
     for (int x = 0; x < frame.depth_m.cols; x += kStep) {
@@ -110,7 +111,7 @@ void NodeOutput::publish_cloud(const FrameResult& result, const PreparedFrame& f
       if (!(depth_m > 0)) continue;
       const Eigen::Vector3d p_camera = camera_.unproject(camera_.undistort(Eigen::Vector2d(x, y)), depth_m);
       const Eigen::Vector3f p = (result.T_world_camera * p_camera).cast<float>();
-      const auto& bgr = frame.color.at<cv::Vec3b>(y, x);
+      const auto& bgr = color.at<cv::Vec3b>(y, x);
       const CloudPoint point{p.x(), p.y(), p.z(), bgr[0], bgr[1], bgr[2], 0};
       const size_t end = cloud.data.size();
       cloud.data.resize(end + sizeof point);

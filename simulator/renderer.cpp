@@ -194,7 +194,7 @@ RgbdFrame Renderer::render(const CameraPath& path, int64_t stamp_ns, uint64_t fr
   const cv::Size size(camera_.width, camera_.height);
   RgbdFrame frame;
   frame.stamp_ns = stamp_ns;
-  frame.color.create(size, CV_8UC3);
+  cv::Mat color(size, CV_8UC3);
   ExactDepth exact{cv::Mat(size, CV_32FC1), cv::Mat(size, CV_32FC1, cv::Scalar(1))};
   const int packets = color_packets(path, stamp_ns);
   const auto gain = static_cast<float>(gain_at(noise_, to_seconds(stamp_ns)));
@@ -202,10 +202,11 @@ RgbdFrame Renderer::render(const CameraPath& path, int64_t stamp_ns, uint64_t fr
     for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
       const RowPoses poses = row_poses(path, row_stamp_ns(stamp_ns, row), packets);
       for (int x = 0; x < size.width; x += kTile) {
-        render_tile(tile_rays(poses, row, x), gain, hash(frame_seed, 1), {&frame.color, &exact});
+        render_tile(tile_rays(poses, row, x), gain, hash(frame_seed, 1), {&color, &exact});
       }
     }
   });
+  frame.color = color;
   frame.depth_m = measured_depth(exact, noise_, hash(frame_seed, 2), threads_);
   return frame;
 }

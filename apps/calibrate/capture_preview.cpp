@@ -3,20 +3,19 @@
 #include <utility>
 #include <vector>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "kinloop/sensor/jpeg_codec.hpp"
 
 namespace kinloop {
 namespace {
 
 Bytes small_jpeg(const cv::Mat& color) {
-  constexpr int kWidth = 640;
+  constexpr int kWidth = 640, kQuality = 90;
   const double scale = std::min(1.0, static_cast<double>(kWidth) / color.cols);
   cv::Mat small;
   cv::resize(color, small, {}, scale, scale, cv::INTER_AREA);
-  Bytes bytes;
-  cv::imencode(".jpg", small, bytes);
-  return bytes;
+  return encode_jpeg(small, kQuality);
 }
 
 /// The board's corners; green if the image was kept.

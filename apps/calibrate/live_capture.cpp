@@ -47,7 +47,7 @@ void capture_live_stills(const LiveCaptureOptions& live, const std::filesystem::
     const auto frame = source->next();
     if (!frame) break;
     const CaptureFeedback feedback = capture.process(*frame);
-    if (screen) screen->show(frame->color, feedback);
+    if (screen) screen->show(frame->color.bgr(), feedback);
     if (feedback.hint != printed_hint) {
       fmt::print("{}\n", feedback.hint);
       std::fflush(stdout);

@@ -3,12 +3,12 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/random.hpp"
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/base/text_file.hpp"
+#include "kinloop/sensor/image_file.hpp"
 #include "tools/feature_comparison/detectors.hpp"
 #include "tools/feature_comparison/draw_matches.hpp"
 
@@ -62,9 +62,8 @@ void write_pictures(const std::filesystem::path& folder, const Detector& detecto
                                           steps.all.size(), steps.screened.size(), steps.inliers.size());
   const auto write = [&](const char* step, const std::vector<DescriptorMatch>& shown) {
     const cv::Mat drawn = draw_matches(pair.a.gray, found.a, pair.b.gray, found.b, shown);
-    std::vector<uint8_t> bytes;
-    cv::imencode(".png", add_caption(drawn, {features, fmt::format("{}. Shown: {}", matches, step)}), bytes);
-    write_file(folder / fmt::format("{}_{}.png", detector.id, step), std::string(bytes.begin(), bytes.end()));
+    write_png(folder / fmt::format("{}_{}.png", detector.id, step),
+              add_caption(drawn, {features, fmt::format("{}. Shown: {}", matches, step)}));
   };
   write("all", steps.all);
   write("screened", steps.screened);

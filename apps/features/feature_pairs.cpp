@@ -20,12 +20,6 @@ namespace {
 constexpr int64_t kMaxTruthGapNs =
     20'000'000;  // between a frame and the ground truth poses around it: 0.02 s
 
-cv::Mat to_gray(const cv::Mat& color) {
-  cv::Mat gray;
-  cv::cvtColor(color, gray, cv::COLOR_BGR2GRAY);
-  return gray;
-}
-
 /// Any undistorted camera will do for image files, since pixels stay unchanged.
 PinholeCamera camera_for(const cv::Mat& gray) {
   PinholeCamera camera;
@@ -39,7 +33,7 @@ PinholeCamera camera_for(const cv::Mat& gray) {
 ImagePair pair_of_image(const std::filesystem::path& path) {
   constexpr double kTurnDeg = 15, kScale = 0.85, kTilt = 2e-4;
   ImagePair pair;
-  pair.a.gray = to_gray(read_color_image(path));
+  pair.a.gray = read_color_image(path).gray();
   const int width = pair.a.gray.cols, height = pair.a.gray.rows;
   const cv::Mat turn = cv::getRotationMatrix2D(
       {static_cast<float>(width) / 2, static_cast<float>(height) / 2}, kTurnDeg, kScale);
@@ -54,8 +48,8 @@ ImagePair pair_of_image(const std::filesystem::path& path) {
 
 ImagePair pair_of_images(const std::filesystem::path& first, const std::filesystem::path& second) {
   ImagePair pair;
-  pair.a.gray = to_gray(read_color_image(first));
-  pair.b.gray = to_gray(read_color_image(second));
+  pair.a.gray = read_color_image(first).gray();
+  pair.b.gray = read_color_image(second).gray();
   return pair;
 }
 
@@ -77,7 +71,7 @@ std::map<size_t, std::vector<size_t>> choose_starts(const PairsRequest& request,
 }
 
 PairView view_of(const RgbdFrame& frame, const Trajectory& truth) {
-  return {to_gray(frame.color), frame.depth_m, pose_at(truth, frame.stamp_ns, kMaxTruthGapNs)};
+  return {frame.color.gray(), frame.depth_m, pose_at(truth, frame.stamp_ns, kMaxTruthGapNs)};
 }
 
 /// Reads the sequence once, keeping only the frames of unfinished pairs.

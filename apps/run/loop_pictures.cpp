@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
@@ -17,6 +16,7 @@
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/loop/loop_overlap.hpp"
+#include "kinloop/sensor/jpeg_codec.hpp"
 #include "kinloop/slam/frame_velocities.hpp"
 
 namespace kinloop {
@@ -166,10 +166,8 @@ std::optional<DrawnLoop> draw(const ShownLoop& shown, const Map& map, const Roll
   if (!first || !second) return std::nullopt;
   Landmarks landmarks = reproject_landmarks(map, shown.pair.older, shown.pair.newer, newer);
   std::erase_if(landmarks, [&](const auto& landmark) { return hidden(landmark, second->depth_m); });
-  DrawnLoop drawn{describe(shown, landmarks, map), {}};
-  cv::imencode(".jpg", draw_loop(first->color, second->color, landmarks), drawn.jpeg,
-               {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
-  return drawn;
+  const cv::Mat picture = draw_loop(first->color, second->color, landmarks);
+  return DrawnLoop{describe(shown, landmarks, map), encode_jpeg(picture, kJpegQuality)};
 }
 
 json to_json(const LoopPicture& picture) {

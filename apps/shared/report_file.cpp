@@ -5,7 +5,6 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "apps/run/loop_pictures.hpp"
 #include "kinloop/base/errors.hpp"
@@ -13,6 +12,7 @@
 #include "kinloop/base/time.hpp"
 #include "kinloop/dense/cloud/render_cloud.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
+#include "kinloop/sensor/jpeg_codec.hpp"
 #include "viewer/report/report.hpp"
 #include "viewer/report/run_up_direction.hpp"
 #include "viewer/scene/incremental_cloud.hpp"
@@ -62,8 +62,7 @@ ReportImage picture_of(const ColoredCloud& cloud, const CloudView& view, const c
         to[k] = static_cast<uint8_t>((from[k] * from[3] + to[k] * (255 - from[3])) / 255);
     }
   }
-  std::vector<uint8_t> bytes;
-  cv::imencode(".jpg", page, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  const auto bytes = encode_jpeg(page, kJpegQuality);
   return {caption, {bytes.begin(), bytes.end()}};
 }
 

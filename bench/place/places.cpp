@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <numbers>
 
-#include <opencv2/imgproc.hpp>
-
 #include "drivers/datasets/tum_source.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
@@ -49,9 +47,8 @@ std::vector<Place> read_places(const std::filesystem::path& sequence, size_t sce
   for (size_t i = 0; const auto frame = source.next(); ++i) {
     const auto pose = pose_at(source.info().ground_truth, frame->stamp_ns, kNsPerSecond / 10);
     if (i % step != 0 || !pose) continue;
-    cv::Mat gray;
-    cv::cvtColor(frame->color, gray, cv::COLOR_BGR2GRAY);
-    places.push_back({scene, frame->stamp_ns, pose, extract_features(gray, frame->depth_m, camera, {})});
+    places.push_back(
+        {scene, frame->stamp_ns, pose, extract_features(frame->color.gray(), frame->depth_m, camera, {})});
   }
   return places;
 }

@@ -115,21 +115,22 @@ class AzureSource : public FrameSource {
 
   void add_color(const MatroskaBlock& block) {
     const MatroskaTrack& track = file_.tracks()[color_track_];
-    cv::Mat color = require_size(decoded_color(track, block.data), camera_.color);
-    if (color_undistortion_) color = color_undistortion_->color(color);
-    pairer_.add_color(block.stamp_ns, color);
+    ColorImage color = decoded_color(track, block.data);
+    require_size(color.size(), camera_.color);
+    if (color_undistortion_) color = color_undistortion_->color(color.bgr());
+    pairer_.add_color(block.stamp_ns, std::move(color));
   }
 
   void add_depth(const MatroskaBlock& block) {
     const MatroskaTrack& track = file_.tracks()[depth_track_];
-    cv::Mat depth_m =
-        require_size(decoded_depth(track, block.data), camera_.depth ? *camera_.depth : camera_.color);
+    cv::Mat depth_m = decoded_depth(track, block.data);
+    require_size(depth_m.size(), camera_.depth ? *camera_.depth : camera_.color);
     if (depth_undistortion_) depth_m = depth_undistortion_->depth(depth_m);
     pairer_.add_depth(block.stamp_ns, depth_m);
   }
 
-  static cv::Mat decoded_color(const MatroskaTrack& track, Bytes data) {
-    if (track.fourcc == "MJPG" || track.fourcc == "png") return decode_color(data);
+  static ColorImage decoded_color(const MatroskaTrack& track, Bytes data) {
+    if (track.fourcc == "MJPG" || track.fourcc == "png") return decode_embedded_color(data);
     if (track.fourcc == "YUY2")
       return color_from(
           {track.width, track.height, 2 * static_cast<size_t>(track.width), "yuyv", false, data});
@@ -158,9 +159,9 @@ class AzureSource : public FrameSource {
         {track.width, track.height, 2 * static_cast<size_t>(track.width), "16UC1", kBigEndian, data});
   }
 
-  static cv::Mat require_size(cv::Mat image, const PinholeCamera& camera) {
-    if (image.cols == camera.width && image.rows == camera.height) return image;
-    throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}", image.cols, image.rows,
+  static void require_size(const cv::Size& size, const PinholeCamera& camera) {
+    if (size.width == camera.width && size.height == camera.height) return;
+    throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}", size.width, size.height,
                                  camera.width, camera.height));
   }
 

@@ -15,11 +15,11 @@ constexpr const char* kColorRemedy = "specify the camera of these images with --
 constexpr const char* kDepthRemedy =
     "depth must have the size of colour, or its own camera ('depth' and 'T_color_depth' in camera.yaml)";
 
-void require_size(const cv::Mat& image, const std::filesystem::path& path, const PinholeCamera& camera,
+void require_size(const cv::Size& size, const std::filesystem::path& path, const PinholeCamera& camera,
                   const char* remedy) {
-  if (image.cols == camera.width && image.rows == camera.height) return;
+  if (size.width == camera.width && size.height == camera.height) return;
   throw ImageFormatError(fmt::format("{}: {} x {} pixels where the camera has {} x {}; {}", path.string(),
-                                     image.cols, image.rows, camera.width, camera.height, remedy));
+                                     size.width, size.height, camera.width, camera.height, remedy));
 }
 
 /// Throws InputError if all files named in a list are missing.
@@ -97,9 +97,10 @@ RgbdFrame TumSource::read_images(const FrameFiles& files) const {
   RgbdFrame frame;
   frame.stamp_ns = files.stamp_ns;
   frame.color = read_color_image(files.color);
-  require_size(frame.color, files.color, camera_.color, kColorRemedy);
+  require_size(frame.color.size(), files.color, camera_.color, kColorRemedy);
   frame.depth_m = read_depth_image(files.depth, camera_.depth_scale);
-  require_size(frame.depth_m, files.depth, camera_.depth ? *camera_.depth : camera_.color, kDepthRemedy);
+  require_size(frame.depth_m.size(), files.depth, camera_.depth ? *camera_.depth : camera_.color,
+               kDepthRemedy);
   return frame;
 }
 

@@ -55,7 +55,7 @@ void TumWriter::append(const RgbdFrame& frame, int64_t depth_stamp_ns) {
 }
 
 void TumWriter::write_images(const RgbdFrame& frame, int64_t depth_stamp_ns) const {
-  write_png(folder_ / color_name(frame.stamp_ns), frame.color);
+  write_png(folder_ / color_name(frame.stamp_ns), frame.color.bgr());
   write_depth_png(folder_ / depth_name(depth_stamp_ns), frame.depth_m, depth_scale_);
 }
 

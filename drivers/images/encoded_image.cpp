@@ -2,14 +2,13 @@
 
 #include <cstring>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
-#include "kinloop/sensor/fast_decoders.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
@@ -67,14 +66,8 @@ void require_decodable(std::string_view bytes) {
     throw InputError(fmt::format("a compressed image claims {} x {} pixels", size->width, size->height));
 }
 
-/// OpenCV's decoders, for the kinds that the fast ones do not have.
-cv::Mat decode_by_opencv(std::string_view bytes) {
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-  try {
-    return cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    return {};
-  }
+std::string_view text_of(std::span<const uint8_t> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 /// Reads the nibbles of RVL: numbers of three bits each and a bit for "more follow".
@@ -117,30 +110,24 @@ class NibbleReader {
 
 }  // namespace
 
-cv::Mat decode_image(std::span<const uint8_t> data) {
-  const std::string_view bytes(reinterpret_cast<const char*>(data.data()), data.size());
+cv::Mat decode_embedded_image(std::span<const uint8_t> data) {
+  const std::string_view bytes = text_of(data);
   require_decodable(bytes);
-  cv::Mat image = is_png(bytes) ? decode_depth_png(bytes) : decode_jpeg(bytes);
-  if (image.empty()) image = decode_by_opencv(bytes);
+  cv::Mat image = decode_image(bytes);
   if (image.empty()) throw InputError("a compressed image cannot be decoded: it is damaged");
   return image;
 }
 
-cv::Mat decode_color(std::span<const uint8_t> bytes) {
-  const cv::Mat image = decode_image(bytes);
-  cv::Mat color;
-  switch (image.type()) {
-    case CV_8UC3:
-      return image;
-    case CV_8UC1:
-      cv::cvtColor(image, color, cv::COLOR_GRAY2BGR);
-      return color;
-    case CV_8UC4:
-      cv::cvtColor(image, color, cv::COLOR_BGRA2BGR);
-      return color;
-    default:
-      throw InputError("a compressed colour image does not have 8 bits per channel");
+ColorImage decode_embedded_color(std::span<const uint8_t> data) {
+  const std::string_view bytes = text_of(data);
+  require_decodable(bytes);
+  if (!is_png(bytes)) {
+    if (auto jpeg = ColorImage::from_jpeg(std::string(bytes))) return *std::move(jpeg);
   }
+  cv::Mat image = decode_embedded_image(data);
+  if (image.type() == CV_8UC1) cv::cvtColor(image, image, cv::COLOR_GRAY2BGR);
+  if (image.type() != CV_8UC3) throw InputError("a compressed colour image does not have 8 bits per channel");
+  return image;
 }
 
 cv::Mat decode_rvl(std::span<const uint8_t> bytes, cv::Size size) {

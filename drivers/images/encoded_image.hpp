@@ -7,6 +7,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "kinloop/sensor/color_image.hpp"
+
 namespace kinloop {
 
 /// The largest image that is decoded, pixels; a header that claims more is damaged or hostile.
@@ -14,10 +16,11 @@ constexpr int64_t kMaxImagePixels = int64_t{1} << 26;
 
 /// Decodes a whole JPEG or PNG image to its own type. Throws InputError if it is neither, truncated, damaged
 /// or larger than kMaxImagePixels.
-cv::Mat decode_image(std::span<const uint8_t> bytes);
+cv::Mat decode_embedded_image(std::span<const uint8_t> bytes);
 
-/// Same, as 8UC3 BGR. Throws InputError if it does not have 8 bits per channel.
-cv::Mat decode_color(std::span<const uint8_t> bytes);
+/// Same, as a colour image; a JPEG is kept as it is. Throws InputError if it does not have 8 bits per
+/// channel.
+ColorImage decode_embedded_color(std::span<const uint8_t> bytes);
 
 /// Decodes 16-bit depth compressed with RVL (Wilson 2017) of `size` pixels to 16UC1. Throws InputError if
 /// truncated or of another size.

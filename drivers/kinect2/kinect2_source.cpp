@@ -97,8 +97,11 @@ std::optional<RgbdFrame> Kinect2Source::next() {
   if (!frame) return frame;
   if (shift_m_ != 0) cv::add(frame->depth_m, shift_m_, frame->depth_m, frame->depth_m > 0);
   if (registration_) frame->depth_m = (*registration_)(frame->depth_m);
-  if (!color_remap_.empty())
-    cv::remap(frame->color, frame->color, color_remap_, cv::noArray(), cv::INTER_LINEAR);
+  if (!color_remap_.empty()) {
+    cv::Mat color;
+    cv::remap(frame->color.bgr(), color, color_remap_, cv::noArray(), cv::INTER_LINEAR);
+    frame->color = color;
+  }
   return frame;
 }
 

@@ -20,7 +20,7 @@ class FramePairer {
   explicit FramePairer(int64_t max_difference_ns = kMaxAssociationNs)
       : max_difference_ns_(max_difference_ns) {}
 
-  void add_color(int64_t stamp_ns, cv::Mat image);
+  void add_color(int64_t stamp_ns, ColorImage image);
   void add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared = {});
 
   /// No more images will arrive: pairs the remaining ones as far as possible.
@@ -35,10 +35,11 @@ class FramePairer {
   [[nodiscard]] size_t out_of_order() const { return out_of_order_; }
 
  private:
+  /// A colour image, or a depth image with its infrared image if available.
   struct Stamped {
     int64_t stamp_ns = 0;
-    cv::Mat image;
-    cv::Mat infrared = {};  ///< of the depth image, if available
+    ColorImage color;
+    cv::Mat depth_m, infrared;
   };
   using Queue = std::deque<Stamped>;
 

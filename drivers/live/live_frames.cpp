@@ -2,7 +2,7 @@
 
 namespace kinloop {
 
-void LiveFrameBuffer::add_color(int64_t stamp_ns, cv::Mat image) {
+void LiveFrameBuffer::add_color(int64_t stamp_ns, ColorImage image) {
   const std::lock_guard lock(mutex_);
   pairer_.add_color(stamp_ns, std::move(image));
   collect_ready();

@@ -26,7 +26,7 @@ class LiveFrameBuffer {
 
   explicit LiveFrameBuffer(size_t capacity = kBuffered) : capacity_(capacity) {}
 
-  void add_color(int64_t stamp_ns, cv::Mat image);
+  void add_color(int64_t stamp_ns, ColorImage image);
   void add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared = {});
 
   /// Returns the oldest frame, waiting for one if necessary; nullopt after `timeout`.

@@ -127,20 +127,22 @@ class BagSource : public FrameSource {
     return unit_m > 0 ? unit_m_of_sdk(unit_m) : depth_unit_m_;
   }
 
-  void add_color(int64_t stamp_ns, cv::Mat image) {
-    require_size(image, camera_.color, "specify the camera of these images with --camera");
-    pairer_.add_color(stamp_ns, color_undistortion_ ? color_undistortion_->color(image) : std::move(image));
+  void add_color(int64_t stamp_ns, ColorImage image) {
+    require_size(image.size(), camera_.color, "specify the camera of these images with --camera");
+    if (color_undistortion_) image = color_undistortion_->color(image.bgr());
+    pairer_.add_color(stamp_ns, std::move(image));
   }
 
   void add_depth(int64_t stamp_ns, cv::Mat depth_m) {
-    require_size(depth_m, camera_.depth ? *camera_.depth : camera_.color, "is depth registered to colour?");
+    require_size(depth_m.size(), camera_.depth ? *camera_.depth : camera_.color,
+                 "is depth registered to colour?");
     pairer_.add_depth(stamp_ns,
                       depth_undistortion_ ? depth_undistortion_->depth(depth_m) : std::move(depth_m));
   }
 
-  static void require_size(const cv::Mat& image, const PinholeCamera& camera, const char* remedy) {
-    if (image.cols == camera.width && image.rows == camera.height) return;
-    throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}; {}", image.cols, image.rows,
+  static void require_size(const cv::Size& size, const PinholeCamera& camera, const char* remedy) {
+    if (size.width == camera.width && size.height == camera.height) return;
+    throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}; {}", size.width, size.height,
                                  camera.width, camera.height, remedy));
   }
 

@@ -73,7 +73,7 @@ cv::Mat metres_from_inverse_depth(const cv::Mat& values, const DepthQuantisation
 
 /// The content of compressed_depth_image_transport behind its header: a 16-bit PNG, or RVL with its size.
 cv::Mat compressed_depth_values(const std::string& format, Bytes data) {
-  if (format.find("rvl") == std::string::npos) return decode_image(data);
+  if (format.find("rvl") == std::string::npos) return decode_embedded_image(data);
   ByteReader reader(data);
   const auto cols = reader.number<uint32_t>(), rows = reader.number<uint32_t>();
   constexpr uint32_t kMaxSide = 1U << 15;
@@ -114,8 +114,8 @@ cv::Mat depth_from(const RosImage& image, double unit_m) {
   reject(e, "16UC1, 32FC1");
 }
 
-cv::Mat color_from_compressed(std::span<const uint8_t> data) {
-  return decode_color(data);
+ColorImage color_from_compressed(std::span<const uint8_t> data) {
+  return decode_embedded_color(data);
 }
 
 cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data) {

@@ -13,6 +13,7 @@
 
 #include "drivers/images/rational_lens.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/color_image.hpp"
 
 namespace kinloop {
 
@@ -38,7 +39,7 @@ cv::Mat depth_from(const RosImage& image, double unit_m = kRosDepthUnitM);
 /// Same for sensor_msgs/CompressedImage: JPEG or PNG; depth as 16-bit PNG, or in the formats of
 /// compressed_depth_image_transport if `format` says so: 16-bit PNG, 32-bit depth as 16-bit PNG of quantised
 /// inverse depth, and RVL, each behind its header.
-cv::Mat color_from_compressed(std::span<const uint8_t> data);
+ColorImage color_from_compressed(std::span<const uint8_t> data);
 cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data);
 
 /// sensor_msgs/CameraInfo.

@@ -76,9 +76,9 @@ RosImage raw_image(const SentImage& image, const PinholeCamera& camera) {
   return raw;
 }
 
-cv::Mat require_camera_size(cv::Mat image, const PinholeCamera& camera) {
-  if (image.cols == camera.width && image.rows == camera.height) return image;
-  throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}", image.cols, image.rows,
+void require_camera_size(const cv::Size& size, const PinholeCamera& camera) {
+  if (size.width == camera.width && size.height == camera.height) return;
+  throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}", size.width, size.height,
                                camera.width, camera.height));
 }
 
@@ -146,15 +146,17 @@ std::optional<SentFrame> FrameProtocol::read_frame(const StopReading& stop) {
   return frame;
 }
 
-cv::Mat decode_sent_color(const SentImage& image, const PinholeCamera& camera) {
+ColorImage decode_sent_color(const SentImage& image, const PinholeCamera& camera) {
   const bool compressed = image.encoding == "jpeg" || image.encoding == "png";
-  return require_camera_size(compressed ? decode_color(image.data) : color_from(raw_image(image, camera)),
-                             camera);
+  ColorImage color = compressed ? decode_embedded_color(image.data) : color_from(raw_image(image, camera));
+  require_camera_size(color.size(), camera);
+  return color;
 }
 
 cv::Mat decode_sent_depth(const SentImage& image, const PinholeCamera& camera, double depth_scale) {
   if (image.encoding != "png") return depth_from(raw_image(image, camera), 1 / depth_scale);
-  cv::Mat units = require_camera_size(decode_image(image.data), camera);
+  cv::Mat units = decode_embedded_image(image.data);
+  require_camera_size(units.size(), camera);
   if (units.type() != CV_16UC1) throw InputError("depth that is not a 16-bit grey PNG");
   units.setTo(0, units == std::numeric_limits<uint16_t>::max());
   cv::Mat depth_m;

@@ -11,6 +11,7 @@
 
 #include "drivers/stream/byte_stream.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/color_image.hpp"
 
 namespace kinloop {
 
@@ -55,7 +56,7 @@ class FrameProtocol {
 
 /// Decode the images of a frame: colour to 8UC3 BGR, depth to 32FC1 metres. Throw InputError if the image is
 /// damaged, of another size than the camera's or in an unknown encoding.
-cv::Mat decode_sent_color(const SentImage& image, const PinholeCamera& camera);
+ColorImage decode_sent_color(const SentImage& image, const PinholeCamera& camera);
 cv::Mat decode_sent_depth(const SentImage& image, const PinholeCamera& camera, double depth_scale);
 
 }  // namespace kinloop

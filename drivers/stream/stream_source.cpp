@@ -74,7 +74,7 @@ class StreamSource : public FrameSource {
   void add(const SentFrame& sent) {
     try {
       const PinholeCamera& depth_camera = camera_.depth ? *camera_.depth : camera_.color;
-      cv::Mat color = decode_sent_color(sent.color, camera_.color);
+      ColorImage color = decode_sent_color(sent.color, camera_.color);
       cv::Mat depth_m = decode_sent_depth(sent.depth, depth_camera, camera_.depth_scale);
       frames_.add_depth(sent.stamp_ns, std::move(depth_m));
       frames_.add_color(sent.stamp_ns, std::move(color));

@@ -4,11 +4,9 @@
 #include <limits>
 #include <utility>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "kinloop/base/errors.hpp"
 #include "kinloop/dense/depth_codec.hpp"
-#include "kinloop/sensor/fast_decoders.hpp"
+#include "kinloop/sensor/jpeg_codec.hpp"
 
 namespace kinloop {
 namespace {
@@ -44,16 +42,21 @@ cv::Mat decode_color(const std::vector<uint8_t>& jpeg) {
   return decode_jpeg({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
 }
 
+std::vector<uint8_t> encode_color(const ColorImage& color, int jpeg_quality) {
+  const std::string_view jpeg = color.jpeg();
+  if (jpeg.empty()) return encode_jpeg(color.bgr(), jpeg_quality);
+  return {jpeg.begin(), jpeg.end()};
+}
+
 }  // namespace
 
-StoredImages encode_images(const RgbdImages& images, const ImageStoreOptions& options) {
-  require(images.color.type() == CV_8UC3 && images.depth_m.type() == CV_32FC1 &&
-              images.color.size() == images.depth_m.size(),
-          "encode_images: expected colour 8UC3 and depth 32FC1 of the same size");
-  const int rows = images.color.rows, cols = images.color.cols;
-  const auto units = to_units(images.depth_m, options.depth_scale);
-  EncodedImages encoded{rows, cols, {}, pack_depth(units)};
-  cv::imencode(".jpg", images.color, encoded.color, {cv::IMWRITE_JPEG_QUALITY, options.jpeg_quality});
+StoredImages encode_images(const ColorImage& color, const cv::Mat& depth_m,
+                           const ImageStoreOptions& options) {
+  require(depth_m.type() == CV_32FC1 && color.size() == depth_m.size(),
+          "encode_images: expected depth 32FC1 of the size of the colour image");
+  const int rows = depth_m.rows, cols = depth_m.cols;
+  const auto units = to_units(depth_m, options.depth_scale);
+  EncodedImages encoded{rows, cols, encode_color(color, options.jpeg_quality), pack_depth(units)};
   RgbdImages decoded{decode_color(encoded.color), to_metres(units, rows, cols, options.depth_scale)};
   return {std::move(encoded), std::move(decoded)};
 }

@@ -9,6 +9,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/dense/byte_store.hpp"
+#include "kinloop/sensor/color_image.hpp"
 
 namespace kinloop {
 
@@ -39,9 +40,9 @@ struct StoredImages {
   RgbdImages decoded;
 };
 
-/// Compresses images. Depth is rounded to the units of `options.depth_scale`; values out of their range
-/// become unknown.
-StoredImages encode_images(const RgbdImages& images, const ImageStoreOptions& options);
+/// Compresses images. Colour that came as JPEG stays as it is. Depth is rounded to the units of
+/// `options.depth_scale`; values out of their range become unknown.
+StoredImages encode_images(const ColorImage& color, const cv::Mat& depth_m, const ImageStoreOptions& options);
 RgbdImages decode_images(const EncodedImages& images, const ImageStoreOptions& options);
 
 class ImageStore {
@@ -52,7 +53,9 @@ class ImageStore {
   /// Stores images and returns their index, counted from 0. Their depth must be in the units of this store.
   /// Throws InputError if the temporary file cannot be written.
   size_t add(const EncodedImages& images);
-  size_t add(const RgbdImages& images) { return add(encode_images(images, options_).encoded); }
+  size_t add(const RgbdImages& images) {
+    return add(encode_images(images.color, images.depth_m, options_).encoded);
+  }
 
   /// Returns the images at `index`; may be called from several threads at once while nothing is added.
   [[nodiscard]] RgbdImages load(size_t index) const { return decode_images(encoded(index), options_); }

@@ -15,7 +15,7 @@ struct MappingOptions {
   bool local_ba_enabled = true;
   int local_ba_keyframes = 12;
   // max_iterations: the next local bundle adjustment continues the optimization.
-  BundleOptions local_ba = {.rounds = 1, .max_iterations = 4, .tolerance = 1e-3};
+  BundleOptions local_ba = {.rounds = 1, .max_iterations = 3, .tolerance = 1e-3};
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -3,15 +3,16 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/sensor/fast_decoders.hpp"
 #include "kinloop/sensor/fast_encoder.hpp"
+#include "kinloop/sensor/jpeg_codec.hpp"
+#include "kinloop/sensor/png_decoder.hpp"
 
 namespace kinloop {
 namespace {
@@ -68,32 +69,48 @@ std::string_view jpeg_damage(std::string_view bytes) {
   }
 }
 
-/// Tries the fast decoders first, then OpenCV for other or damaged images.
-cv::Mat decode_any(const std::string& bytes) {
-  cv::Mat image = bytes.starts_with(kPngSignature) ? decode_depth_png(bytes) : decode_jpeg(bytes);
-  if (!image.empty()) return image;
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-  return cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+[[noreturn]] void fail(const std::filesystem::path& path, std::string_view why) {
+  throw InputError(fmt::format("{}: {}", path.string(), why));
 }
 
-cv::Mat decode(const std::filesystem::path& path) {
-  const auto fail = [&](std::string_view why) {
-    throw InputError(fmt::format("{}: {}", path.string(), why));
-  };
-  const std::string bytes = read_file(path);
-  if (const auto damage = image_damage(bytes); !damage.empty()) fail(damage);
-  if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) fail("the file is too large");
-  cv::Mat image;
-  try {
-    image = decode_any(bytes);
-  } catch (const cv::Exception& error) {
-    fail(fmt::format("cannot be decoded: {}", error.err));
-  }
-  if (image.empty()) fail(kDamaged);
+std::string read_intact_file(const std::filesystem::path& path) {
+  std::string bytes = read_file(path);
+  if (const auto damage = image_damage(bytes); !damage.empty()) fail(path, damage);
+  return bytes;
+}
+
+cv::Mat decode(const std::filesystem::path& path, const std::string& bytes) {
+  cv::Mat image = decode_image(bytes);
+  if (image.empty()) fail(path, kDamaged);
   return image;
 }
 
+/// In one pass without branches, so that it is vectorised.
+cv::Mat to_metres(const cv::Mat& units, float metres_per_unit) {
+  constexpr uint16_t kUnknown = std::numeric_limits<uint16_t>::max();
+  cv::Mat depth_m(units.size(), CV_32FC1);
+  for (int y = 0; y < units.rows; ++y) {
+    const auto* in = units.ptr<uint16_t>(y);
+    auto* out = depth_m.ptr<float>(y);
+    for (int x = 0; x < units.cols; ++x)
+      out[x] = static_cast<float>(in[x] == kUnknown ? 0 : in[x]) * metres_per_unit;
+  }
+  return depth_m;
+}
+
+cv::Mat bgr_from(const cv::Mat& image) {
+  if (image.channels() == 3) return image;
+  cv::Mat bgr;
+  cv::cvtColor(image, bgr, cv::COLOR_GRAY2BGR);
+  return bgr;
+}
+
 }  // namespace
+
+cv::Mat decode_image(std::string_view bytes) {
+  if (bytes.starts_with(kPngSignature)) return decode_png(bytes);
+  return bytes.starts_with(kJpegSignature) ? decode_jpeg(bytes) : cv::Mat();
+}
 
 std::string_view image_damage(std::string_view bytes) {
   if (bytes.empty()) return "the file is empty; copy it again";
@@ -102,39 +119,32 @@ std::string_view image_damage(std::string_view bytes) {
   return "neither a PNG nor a JPEG image";
 }
 
-cv::Mat read_color_image(const std::filesystem::path& path) {
-  cv::Mat image = decode(path);
-  cv::Mat color;
-  switch (image.type()) {
-    case CV_8UC3:
-      return image;
-    case CV_8UC1:
-      cv::cvtColor(image, color, cv::COLOR_GRAY2BGR);
-      return color;
-    case CV_8UC4:
-      cv::cvtColor(image, color, cv::COLOR_BGRA2BGR);
-      return color;
-    default:
-      throw ImageFormatError(
-          fmt::format("{}: not 8 bits per channel, as colour images are; is this a depth image (colour comes "
-                      "first in associations.txt)?",
-                      path.string()));
+ColorImage read_color_image(const std::filesystem::path& path) {
+  std::string bytes = read_intact_file(path);
+  if (bytes.starts_with(kJpegSignature)) {
+    auto jpeg = ColorImage::from_jpeg(std::move(bytes));
+    if (!jpeg) fail(path, kDamaged);
+    return *std::move(jpeg);
   }
+  const cv::Mat image = decode(path, bytes);
+  if (image.depth() != CV_8U) {
+    throw ImageFormatError(
+        fmt::format("{}: not 8 bits per channel, as colour images are; is this a depth image (colour comes "
+                    "first in associations.txt)?",
+                    path.string()));
+  }
+  return bgr_from(image);
 }
 
 cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale) {
-  constexpr uint16_t kUnknown = std::numeric_limits<uint16_t>::max();
-  cv::Mat image = decode(path);
+  const cv::Mat image = decode(path, read_intact_file(path));
   if (image.type() != CV_16UC1) {
     throw ImageFormatError(
         fmt::format("{}: not a 16-bit grey PNG, as depth images are ({} bits, {} channels); export depth as "
                     "16-bit PNG",
                     path.string(), 8 * image.elemSize1(), image.channels()));
   }
-  image.setTo(0, image == kUnknown);
-  cv::Mat depth_m;
-  image.convertTo(depth_m, CV_32FC1, 1.0 / depth_scale);
-  return depth_m;
+  return to_metres(image, static_cast<float>(1.0 / depth_scale));
 }
 
 void write_png(const std::filesystem::path& path, const cv::Mat& image) {

@@ -8,6 +8,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/color_image.hpp"
 
 namespace kinloop {
 
@@ -18,8 +19,13 @@ class ImageFormatError : public InputError {
   using InputError::InputError;
 };
 
-/// Reads an 8-bit colour or grey PNG or JPEG as 8UC3 BGR. Throws InputError naming the file and the problem.
-cv::Mat read_color_image(const std::filesystem::path& path);
+/// Decodes the bytes of a PNG or JPEG file to 8 or 16 bits and one channel (grey) or three (BGR). Empty if
+/// they are damaged or no such file. Does not notice a truncated JPEG: see `image_damage`.
+cv::Mat decode_image(std::string_view bytes);
+
+/// Reads an 8-bit colour or grey PNG or JPEG. A JPEG is kept as it is, with only its grey image decoded.
+/// Throws InputError naming the file and the problem.
+ColorImage read_color_image(const std::filesystem::path& path);
 
 /// Reads depth as 32FC1 metres, 0 = unknown, from a 16-bit grey PNG with `depth_scale` units per metre, in
 /// which 0 and 65535 mean unknown. Throws InputError naming the file and the problem.

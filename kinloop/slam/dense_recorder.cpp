@@ -39,7 +39,7 @@ void DenseRecorder::on_frame(const FrameResult& result, const PreparedFrame& fra
   if (result.status != TrackStatus::kLost) {
     ++frames_, ++frames_since_recorded_;
     if (should_record(result)) {
-      pending_.push_back({result.frame, {frame.color, frame.depth_m}});
+      pending_.push_back({result.frame, frame.color, frame.depth_m});
       frames_since_recorded_ = 0;
     }
   }
@@ -66,7 +66,7 @@ void DenseRecorder::submit(FrameId now) {
                  focal_px = camera_.color.fx, options = options_]() -> Completion {
     std::vector<EncodedFrame> done;
     for (const PendingFrame& keyframe : pending) {
-      StoredImages images = encode_images(keyframe.images, store);
+      StoredImages images = encode_images(keyframe.color, keyframe.depth_m, store);
       // From what a map file stores, so that a saved map gives the same cloud as its run.
       const ImageSurfels surfels = extract_surfels(images.decoded, focal_px, options);
       done.push_back({keyframe.frame, std::move(images.encoded), to_bytes(surfels)});

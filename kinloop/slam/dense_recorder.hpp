@@ -84,7 +84,8 @@ class DenseRecorder : public Listener {
  private:
   struct PendingFrame {
     FrameId frame;
-    RgbdImages images;
+    ColorImage color;
+    cv::Mat depth_m;
   };
   /// Result of encoding a frame in the background.
   struct EncodedFrame {

@@ -22,27 +22,34 @@ KeypointMeasurement measurement_of(const LoggedObservation& seen) {
 SE3 refined_pose(const LoggedFrame& entry, const RollingShutterPose& guess, const Map& map,
                  const PinholeCamera& camera, const SensorVector& sensor,
                  const AbsolutePoseOptions& options) {
-  // A frame keeps its tracked pose if most of its landmarks are gone or were moved apart by a correction.
+  // A frame keeps its tracked pose if few of its landmarks are left or a correction moved them apart. Many
+  // may have been culled, since a frame between keyframes is tracked against landmarks of the newest one.
   constexpr size_t kMinInliers = 20;
-  const size_t majority = entry.observations.size() / 2 + 1;
   std::vector<PoseObservation> observations;
   for (const LoggedObservation& seen : entry.observations) {
     const LandmarkId landmark = map.resolve_merged(seen.landmark);
     if (map.contains(landmark)) observations.push_back({measurement_of(seen), map.p_world(landmark)});
   }
   AbsolutePoseOptions strict = options;
-  strict.min_inliers = static_cast<int>(std::max(kMinInliers, majority));
+  strict.min_inliers = static_cast<int>(std::max(kMinInliers, observations.size() / 2 + 1));
   const auto found = solve_rolling_shutter_pose(camera, sensor, observations, guess, {}, strict);
   return found ? found->T_world_camera : guess.T_world_camera;
 }
 
-/// Whether the velocity of a keyframe depends on this frame's pose.
-bool near_keyframe(const FrameLog& log, size_t index) {
-  constexpr size_t kMaxNeighborFrames = 3;  // the direct neighbour may be a repeated image
-  const size_t begin = index - std::min(index, kMaxNeighborFrames),
-               end = std::min(index + kMaxNeighborFrames + 1, log.size());
-  return std::any_of(log.begin() + static_cast<long>(begin), log.begin() + static_cast<long>(end),
-                     [](const LoggedFrame& entry) { return entry.keyframe.valid(); });
+/// Returns 1 for the frames on whose poses the velocities of keyframes depend: the nearest before and after
+/// each that do not repeat an image.
+std::vector<uint8_t> neighbours_of_keyframes(const FrameLog& log) {
+  std::vector<uint8_t> marked(log.size(), 0);
+  size_t previous = 0;  // the last frames that are not repeated
+  bool after_keyframe = false;
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (log[i].repeat) continue;
+    if (after_keyframe) marked[i] = 1;
+    after_keyframe = log[i].keyframe.valid();
+    if (after_keyframe) marked[previous] = 1;
+    previous = i;
+  }
+  return marked;
 }
 
 }  // namespace
@@ -50,6 +57,8 @@ bool near_keyframe(const FrameLog& log, size_t index) {
 FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera, const SensorVector& sensor,
                        const AbsolutePoseOptions& options, FrameSelection which, int threads) {
   const auto velocities = frame_velocities(log, map);
+  const auto selected = which == FrameSelection::kNearKeyframes ? neighbours_of_keyframes(log)
+                                                                : std::vector<uint8_t>(log.size(), 1);
   std::vector<SE3> T_reference_camera(log.size());
   parallel_for(log.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -57,7 +66,7 @@ FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera
       T_reference_camera[i] = entry.T_reference_camera;
       if (entry.keyframe.valid() || entry.repeat || entry.observations.empty()) continue;
       if (entry.status != TrackStatus::kTracked) continue;
-      if (which == FrameSelection::kNearKeyframes && !near_keyframe(log, i)) continue;
+      if (selected[i] == 0) continue;
       const SE3 T_world_camera =
           refined_pose(entry, {world_pose(entry, map), velocities[i]}, map, camera, sensor, options);
       T_reference_camera[i] = map.keyframe(entry.reference).T_world_camera.inverse() * T_world_camera;

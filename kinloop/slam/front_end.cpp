@@ -1,7 +1,5 @@
 #include "kinloop/slam/front_end.hpp"
 
-#include <opencv2/imgproc.hpp>
-
 #include "kinloop/base/errors.hpp"
 #include "kinloop/features/extractor.hpp"
 
@@ -13,8 +11,7 @@ std::shared_ptr<const Features> FrontEnd::features(const PreparedFrame& frame) c
 
 PreparedFrame FrontEnd::prepare(const RgbdFrame& frame) const {
   const cv::Size size(camera_.width, camera_.height);
-  require(frame.color.type() == CV_8UC3 && frame.color.size() == size,
-          "prepare: color image must be 8UC3 BGR of the camera's size");
+  require(frame.color.size() == size, "prepare: color image must be of the camera's size");
   require(frame.depth_m.type() == CV_32FC1 && frame.depth_m.size() == size,
           "prepare: depth image must be 32FC1 in metres, of the camera's size");
   const Stopwatch watch;
@@ -23,7 +20,7 @@ PreparedFrame FrontEnd::prepare(const RgbdFrame& frame) const {
   prepared.stamp_ns = frame.stamp_ns;
   prepared.color = frame.color;
   prepared.depth_m = frame.depth_m;
-  cv::cvtColor(frame.color, prepared.gray, cv::COLOR_BGR2GRAY);
+  prepared.gray = frame.color.gray();
   prepared.octaves = make_octaves(prepared.gray, kOctaves);
   prepared.preparing = watch.elapsed();
   return prepared;

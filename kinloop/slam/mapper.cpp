@@ -3,6 +3,8 @@
 #include "kinloop/mapping/landmark_creation.hpp"
 #include "kinloop/mapping/triangulate.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
+#include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/tracking/refine_keypoints.hpp"
 
 namespace kinloop {
 namespace {
@@ -57,10 +59,30 @@ KeyframeId Mapper::add_keyframe(Map& map, const FrameTracking& tracking) const {
   return map.add_keyframe(frame.id, frame.stamp_ns, T_world_last, frame.features, map.component_count());
 }
 
-KeyframeId Mapper::insert_keyframe(Map& map, const FrameTracking& tracking) {
+/// Moves the keypoints of a new keyframe to where its landmarks are found by their patches in earlier
+/// keyframes.
+void Mapper::refine_observations(Map& map, KeyframeId id, const LocalMap& known,
+                                 const FrameTracking& tracking, const SensorVector& sensor) const {
+  const Keyframe& keyframe = map.keyframe(id);
+  std::vector<LandmarkMatch> matches;
+  for (uint32_t feature = 0; feature < keyframe.landmark_of.size(); ++feature) {
+    if (keyframe.landmark_of[feature].valid()) matches.push_back({keyframe.landmark_of[feature], feature});
+  }
+  const Velocity velocity = tracking.motion.velocity();
+  const Features refined =
+      refine_keypoints(tracking.frame, matches, located(tracking.outcome)->T_reference_camera,
+                       {known, camera_, sensor, velocity});
+  map.set_features(id, std::make_shared<const Features>(deskew_features(refined, camera_, sensor, velocity)));
+}
+
+KeyframeId Mapper::insert_keyframe(Map& map, const FrameTracking& tracking, const SensorVector& sensor) {
+  const TrackResult* result = located(tracking.outcome);
+  LocalMap known;  // as seen from earlier keyframes
+  if (result != nullptr) known = make_local_map(map, result->reference, options_.local_map);
   const KeyframeId id = add_keyframe(map, tracking);
-  if (const TrackResult* result = located(tracking.outcome)) add_observations(map, id, result->matches);
+  if (result != nullptr) add_observations(map, id, result->matches);
   match_local_map(map, id, make_local_map(map, id, options_.local_map), camera_, options_.mapping);
+  if (result != nullptr) refine_observations(map, id, known, tracking, sensor);
   create_landmarks_from_depth(map, id, camera_, options_.mapping);
   triangulate_landmarks(map, id, camera_, options_.mapping);
   cull_landmarks(map, options_.mapping);

@@ -21,12 +21,15 @@ class Mapper {
   /// enough new content.
   [[nodiscard]] bool needs_keyframe(const Map& map, const FrameTracking& tracking) const;
 
-  /// Adds the frame to the map: its keyframe, observations and new landmarks. Culls bad landmarks.
-  KeyframeId insert_keyframe(Map& map, const FrameTracking& tracking);
+  /// Adds the frame to the map: its keyframe, observations and new landmarks. Culls bad landmarks. `sensor`
+  /// is that of the motion compensation.
+  KeyframeId insert_keyframe(Map& map, const FrameTracking& tracking, const SensorVector& sensor);
 
  private:
   [[nodiscard]] int frames_since_keyframe(const Map& map, FrameId frame) const;
   KeyframeId add_keyframe(Map& map, const FrameTracking& tracking) const;
+  void refine_observations(Map& map, KeyframeId id, const LocalMap& known, const FrameTracking& tracking,
+                           const SensorVector& sensor) const;
 
   PinholeCamera camera_;
   SlamOptions options_;

@@ -6,26 +6,16 @@
 namespace kinloop {
 namespace {
 
-SensorEstimate select_parameters(const BundleSolution& solution, const SensorVector& known,
-                                 const SensorVector& expected, const SelfCalibrationOptions& calibration) {
+/// Returns the estimate of the parameters that were free within the prior `expected`.
+SensorEstimate estimate_of(const BundleSolution& solution, const SensorVector& expected) {
   SensorEstimate estimate;
   estimate.value = solution.sensor;
   for (int k = 0; k < kSensorParameterCount; ++k) {
     if (expected(k) == 0) continue;
-    const double sigma = std::sqrt(std::max(solution.sensor_covariance(k, k), 0.0));
-    const bool accepted = sigma <= calibration.max_sigma_ratio * expected(k) &&
-                          std::abs(solution.sensor(k) - known(k)) >= calibration.min_sigmas * sigma;
-    estimate.sigma(k) = sigma;
-    estimate.used[static_cast<size_t>(k)] = accepted;
-    if (!accepted) estimate.value(k) = known(k);
+    estimate.sigma(k) = std::sqrt(std::max(solution.sensor_covariance(k, k), 0.0));
+    estimate.used[static_cast<size_t>(k)] = solution.sensor_free[static_cast<size_t>(k)];
   }
   return estimate;
-}
-
-/// Continues from a solution.
-void restart(BundleProblem& problem, const BundleSolution& solution) {
-  problem.T_world_camera = solution.T_world_camera;
-  problem.p_world = solution.p_world;
 }
 
 }  // namespace
@@ -87,26 +77,13 @@ BundleAdjustmentProblem make_self_calibration_problem(const Map& map, const Rgbd
 SelfCalibrationResult run_self_calibration(BundleAdjustmentProblem problem, const SensorVector& expected,
                                            const SelfCalibrationOptions& calibration,
                                            const BundleOptions& options) {
-  BundleProblem& bundle = problem.bundle;
-  bundle.sensor.prior_sigma = expected;
-  const BundleSolution free = solve_bundle(bundle, options);
-  SelfCalibrationResult adjusted{make_map_update(problem, free),
-                                 select_parameters(free, bundle.sensor.prior_mean, expected, calibration),
-                                 free.pose_covariance};
-  bool all_used = true;
-  for (int k = 0; k < kSensorParameterCount; ++k) {
-    if (expected(k) == 0 || adjusted.sensor.used[static_cast<size_t>(k)]) continue;
-    bundle.sensor.prior_sigma(k) = 0;
-    all_used = false;
-  }
-  if (all_used) return adjusted;
-  restart(bundle, free);
-  bundle.sensor.value = adjusted.sensor.value;
-  const BundleSolution held = solve_bundle(bundle, options);
-  adjusted.update = make_map_update(problem, held);
-  adjusted.sensor.value = held.sensor;
-  adjusted.pose_covariance = held.pose_covariance;
-  return adjusted;
+  SensorCalibration& sensor = problem.bundle.sensor;
+  sensor.prior_sigma = expected;
+  sensor.max_sigma_ratio = calibration.max_sigma_ratio;
+  sensor.min_sigmas = calibration.min_sigmas;
+  BundleSolution solution = solve_bundle(problem.bundle, options);
+  return {make_map_update(problem, solution), estimate_of(solution, expected),
+          std::move(solution.pose_covariance)};
 }
 
 }  // namespace kinloop

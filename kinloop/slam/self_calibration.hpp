@@ -90,8 +90,8 @@ struct SelfCalibrationResult {
   std::vector<Matrix6d> pose_covariance;  ///< per pose of the problem, if requested in the options
 };
 
-/// Solves the problem with the sensor parameters free within the prior `expected`, then again with those
-/// fixed that the data constrain too little or do not change.
+/// Solves the problem with the sensor parameters free within the prior `expected`. After the first round,
+/// those are fixed that the data constrain too little or do not change.
 SelfCalibrationResult run_self_calibration(BundleAdjustmentProblem problem, const SensorVector& expected,
                                            const SelfCalibrationOptions& calibration,
                                            const BundleOptions& options);

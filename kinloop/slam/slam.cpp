@@ -119,7 +119,7 @@ void Slam::apply_sensor_estimate(const SensorEstimate& sensor) {
 }
 
 KeyframeId Slam::insert_keyframe(const FrameTracking& tracking) {
-  const KeyframeId id = mapper_.insert_keyframe(map_, tracking);
+  const KeyframeId id = mapper_.insert_keyframe(map_, tracking, sensor_.value);
   places_.add(map_.keyframe(id));
   map_changed_ = true;
   return id;

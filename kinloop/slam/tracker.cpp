@@ -59,8 +59,8 @@ std::optional<DirectlyTracked> Tracker::track_directly(const PreparedFrame& meas
   constexpr int64_t kMaxGap_ns = kNsPerSecond / 10;  // patches look too different after a longer motion
   if (!previous_ || lost_frames_ > 0 || options_.localize_only) return std::nullopt;
   if (measured.stamp_ns - previous_->frame.stamp_ns > kMaxGap_ns) return std::nullopt;
-  const DirectTrackingContext context{*previous_,         local_map_,        camera_,          sensor,
-                                      motion_.velocity(), options_.features, options_.tracking};
+  const PatchSearch search{local_map_, camera_, sensor, motion_.velocity()};
+  const DirectTrackingContext context{*previous_, search, options_.features, options_.tracking};
   return kinloop::track_directly(measured, predict(measured.stamp_ns).T, context);
 }
 

@@ -6,115 +6,36 @@
 #include <numeric>
 #include <unordered_map>
 
-#include <Eigen/LU>
-
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/tracking/align_images.hpp"
-#include "kinloop/tracking/align_patch.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
 
 namespace kinloop {
 namespace {
-
-/// A landmark expected in view.
-struct ExpectedPatch {
-  uint32_t index;        // in the local map
-  Eigen::Vector2d raw;   // predicted raw pixel
-  int octave;            // on which it has the size of the patch
-  Eigen::Matrix2d warp;  // raw pixels of the keyframe per raw pixel of the frame
-};
-
-/// A landmark found.
-struct FoundPatch {
-  uint32_t index;
-  Eigen::Vector2d raw;
-  int octave;
-};
-
-/// Expects landmarks at one pose.
-class PatchPredictor {
- public:
-  PatchPredictor(const DirectTrackingContext& context, const SE3& T_reference_camera)
-      : c_(context), T_camera_reference_(T_reference_camera.inverse()) {
-    for (const LocalView& view : c_.local_map.views)
-      T_camera_view_.push_back(T_camera_reference_ * view.T_keyframe_reference.inverse());
-  }
-
-  [[nodiscard]] std::optional<Eigen::Vector2d> raw_pixel(uint32_t index) const {
-    return raw_pixel_of(T_camera_reference_ * c_.local_map.p_reference[index], c_.camera, c_.sensor,
-                        c_.velocity);
-  }
-
-  /// nullopt if the landmark has no patch or is seen at too different a size.
-  [[nodiscard]] std::optional<ExpectedPatch> expect(uint32_t index, const Eigen::Vector2d& raw) const {
-    const LocalMap& map = c_.local_map;
-    const LocalView& view = map.views[map.view_of[index]];
-    const uint32_t feature = map.feature_of[index];
-    if (!view.patches || (*view.patches)[feature].octave == Patch::kNone) return std::nullopt;
-    // Follow two neighbours of the keypoint on its surface into the frame.
-    constexpr double kStep_px = 4;
-    const Eigen::Vector3d p_view = view.T_keyframe_reference * map.p_reference[index];
-    const Eigen::Vector2d center = c_.camera.project(p_view);
-    const Eigen::Vector2d raw_center = c_.camera.distort(center);
-    Eigen::Vector2d slope = Eigen::Vector2d::Zero();
-    if (!view.features->inverse_depth_gradients.empty()) {
-      slope = view.features->inverse_depth_gradients[feature].cast<double>();
-      if (!slope.allFinite()) slope.setZero();
-    }
-    Eigen::Matrix2d view_steps, frame_steps;
-    const auto seen = c_.camera.project(T_camera_view_[map.view_of[index]] * p_view);
-    const Eigen::Vector2d distorted = c_.camera.distort(seen);
-    for (int axis = 0; axis < 2; ++axis) {
-      const Eigen::Vector2d neighbor = center + kStep_px * Eigen::Vector2d::Unit(axis);
-      const double inverse_depth = 1 / p_view.z() + kStep_px * slope(axis);
-      if (!(inverse_depth > 0)) return std::nullopt;
-      const Eigen::Vector3d p_neighbor =
-          T_camera_view_[map.view_of[index]] * c_.camera.unproject(neighbor, 1 / inverse_depth);
-      if (!(p_neighbor.z() > 0)) return std::nullopt;
-      view_steps.col(axis) = c_.camera.distort(neighbor) - raw_center;
-      frame_steps.col(axis) = c_.camera.distort(c_.camera.project(p_neighbor)) - distorted;
-    }
-    const double ratio = std::abs(frame_steps.determinant() / view_steps.determinant());
-    if (!std::isfinite(ratio) || !(ratio > kMinAreaRatio) || !(ratio < 1 / kMinAreaRatio))
-      return std::nullopt;
-    const Eigen::Matrix2d warp = view_steps * frame_steps.inverse();
-    const int octave =
-        std::clamp((*view.patches)[feature].octave + static_cast<int>(std::lround(std::log2(ratio) / 2)), 0,
-                   static_cast<int>(kOctaves) - 1);
-    return ExpectedPatch{index, raw, octave, warp};
-  }
-
- private:
-  static constexpr double kMinAreaRatio = 0.15;
-  static constexpr int kOctaves = 3;
-
-  const DirectTrackingContext& c_;
-  SE3 T_camera_reference_;
-  std::vector<SE3> T_camera_view_;
-};
 
 /// Moves the prediction by aligning the image with the previous one around its landmarks.
 SE3 align_with_previous(const PreparedFrame& frame, const SE3& T_reference_predicted,
                         const DirectTrackingContext& c) {
   constexpr size_t kMaxPoints = 150;
   std::unordered_map<LandmarkId, uint32_t> index_of;
-  for (uint32_t i = 0; i < c.local_map.size(); ++i) index_of.emplace(c.local_map.ids[i], i);
+  for (uint32_t i = 0; i < c.search.local_map.size(); ++i) index_of.emplace(c.search.local_map.ids[i], i);
   const SE3 T_predicted_reference = T_reference_predicted.inverse();
   std::vector<AlignmentPoint> points;
   const Features& before = *c.previous.frame.features;
   for (size_t i = 0; i < before.size(); ++i) {
     const auto known = index_of.find(c.previous.landmark_of[i]);
     if (known == index_of.end()) continue;
-    const Eigen::Vector3d p_camera = T_predicted_reference * c.local_map.p_reference[known->second];
-    const auto raw = raw_pixel_of(p_camera, c.camera, c.sensor, c.velocity);
+    const Eigen::Vector3d p_camera = T_predicted_reference * c.search.local_map.p_reference[known->second];
+    const auto raw = raw_pixel_of(p_camera, c.search.camera, c.search.sensor, c.search.velocity);
     if (raw) points.push_back({p_camera, before.raw_pixels[i].cast<double>(), *raw});
   }
   if (points.size() > kMaxPoints) {  // evenly over the list, which begins with the finest level
     for (size_t i = 0; i < kMaxPoints; ++i) points[i] = points[i * points.size() / kMaxPoints];
     points.resize(kMaxPoints);
   }
-  return T_reference_predicted * align_images(c.previous.frame.octaves, frame.octaves, points, c.camera);
+  return T_reference_predicted *
+         align_images(c.previous.frame.octaves, frame.octaves, points, c.search.camera);
 }
 
 /// A step that visits all of `count` indices in an order without relation to them: the local map begins with
@@ -129,18 +50,18 @@ uint32_t coprime_step(uint32_t count) {
 std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const DirectTrackingContext& c) {
   constexpr int kCell_px = 40, kMaxPerCell = 4;
   constexpr double kMargin_px = 8, kMinViewingCosine = 0.5;
-  const PatchPredictor predictor(c, T_reference_camera);
-  const int columns = c.camera.width / kCell_px + 1, rows = c.camera.height / kCell_px + 1;
+  const PatchPredictor predictor(c.search, T_reference_camera);
+  const int columns = c.search.camera.width / kCell_px + 1, rows = c.search.camera.height / kCell_px + 1;
   Eigen::ArrayXXi taken = Eigen::ArrayXXi::Zero(rows, columns);
   std::vector<ExpectedPatch> chosen;
-  const auto count_all = static_cast<uint32_t>(c.local_map.size());
+  const auto count_all = static_cast<uint32_t>(c.search.local_map.size());
   const uint32_t step = coprime_step(count_all);
   for (uint32_t k = 0, i = 0; k < count_all; ++k, i = (i + step) % count_all) {
-    const Eigen::Vector3d from_camera = c.local_map.p_reference[i] - T_reference_camera.translation;
-    if (-c.local_map.viewing_directions[i].dot(from_camera) < kMinViewingCosine * from_camera.norm())
+    const Eigen::Vector3d from_camera = c.search.local_map.p_reference[i] - T_reference_camera.translation;
+    if (-c.search.local_map.viewing_directions[i].dot(from_camera) < kMinViewingCosine * from_camera.norm())
       continue;
     const auto raw = predictor.raw_pixel(i);
-    if (!raw || !c.camera.contains(*raw, kMargin_px)) continue;
+    if (!raw || !c.search.camera.contains(*raw, kMargin_px)) continue;
     int& count = taken(static_cast<int>(raw->y()) / kCell_px, static_cast<int>(raw->x()) / kCell_px);
     if (count >= kMaxPerCell) continue;
     if (const auto expected = predictor.expect(i, *raw)) {
@@ -151,26 +72,10 @@ std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const
   return chosen;
 }
 
-std::optional<FoundPatch> find_patch(const PreparedFrame& frame, const ExpectedPatch& expected,
-                                     const DirectTrackingContext& c) {
-  constexpr float kMaxShift_px = 4, kMinCorrelation = 0.9F;
-  const LocalMap& map = c.local_map;
-  const Patch& patch = (*map.views[map.view_of[expected.index]].patches)[map.feature_of[expected.index]];
-  const int octave = std::min(expected.octave, static_cast<int>(frame.octaves.size()) - 1);
-  const Eigen::Matrix2d source_per_target = expected.warp * std::ldexp(1.0, octave - patch.octave);
-  const auto made = make_template(patch, source_per_target.cast<float>());
-  if (!made) return std::nullopt;
-  const Eigen::Vector2d guess = to_octave(expected.raw, octave);
-  const auto found =
-      align_patch(*made, frame.octaves[static_cast<size_t>(octave)], guess.cast<float>(), kMaxShift_px);
-  if (!found || found->correlation < kMinCorrelation) return std::nullopt;
-  return FoundPatch{expected.index, from_octave(found->position.cast<double>(), octave), octave};
-}
-
 /// The found landmarks in the form of keypoints.
 Features as_features(const std::vector<FoundPatch>& found, const PreparedFrame& frame,
                      const DirectTrackingContext& c) {
-  const Features& like = *c.local_map.features;
+  const Features& like = *c.search.local_map.features;
   Features features;
   features.scale_factor = like.scale_factor;
   features.level_count = like.level_count;
@@ -178,7 +83,7 @@ Features as_features(const std::vector<FoundPatch>& found, const PreparedFrame& 
     const Eigen::Vector2f raw = patch.raw.cast<float>();
     const auto gradient = inverse_depth_gradient(frame.depth_m, raw);
     features.raw_pixels.push_back(raw);
-    features.pixels.push_back(c.camera.undistort(patch.raw).cast<float>());
+    features.pixels.push_back(c.search.camera.undistort(patch.raw).cast<float>());
     features.depths_m.push_back(average_depth(frame.depth_m, raw, c.features.max_depth_step));
     features.inverse_depth_gradients.push_back(
         gradient.value_or(Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN())));
@@ -197,17 +102,17 @@ TrackResult solve_pose(const Features& compensated, const std::vector<FoundPatch
   std::vector<PoseObservation> observations;
   for (size_t i = 0; i < found.size(); ++i) {
     observations.push_back(
-        {compensated_measurement(compensated, i), c.local_map.p_reference[found[i].index]});
+        {compensated_measurement(compensated, i), c.search.local_map.p_reference[found[i].index]});
   }
   TrackResult result;
-  const auto solution = solve_absolute_pose(c.camera, observations, guess, c.options.pose);
+  const auto solution = solve_absolute_pose(c.search.camera, observations, guess, c.options.pose);
   if (!solution) return result;
   result.status = TrackStatus::kTracked;
-  result.reference = c.local_map.reference;
+  result.reference = c.search.local_map.reference;
   result.T_reference_camera = solution->T_reference_camera;
   result.information = solution->information;
   for (uint32_t i = 0; i < found.size(); ++i) {
-    if (solution->inliers[i]) result.matches.push_back({c.local_map.ids[found[i].index], i});
+    if (solution->inliers[i]) result.matches.push_back({c.search.local_map.ids[found[i].index], i});
   }
   result.stats.inliers = static_cast<int>(result.matches.size());
   return result;
@@ -218,17 +123,21 @@ TrackResult solve_pose(const Features& compensated, const std::vector<FoundPatch
 std::optional<DirectlyTracked> track_directly(const PreparedFrame& frame, const SE3& T_reference_predicted,
                                               const DirectTrackingContext& c) {
   constexpr double kMinConsistent = 0.7;  // of those found
+  constexpr float kMaxShift_px = 4;
   if (c.previous.frame.octaves.empty() || frame.octaves.empty()) return std::nullopt;
   const SE3 T_reference_aligned = align_with_previous(frame, T_reference_predicted, c);
   const auto expected = choose_landmarks(T_reference_aligned, c);
   if (static_cast<int>(expected.size()) < c.options.min_confident_inliers) return std::nullopt;
   std::vector<FoundPatch> found;
   for (const ExpectedPatch& patch : expected) {
-    if (const auto at = find_patch(frame, patch, c)) found.push_back(*at);
+    if (const auto at = find_patch(frame.octaves, patch, c.search.local_map, kMaxShift_px))
+      found.push_back(*at);
   }
   const auto features = std::make_shared<const Features>(as_features(found, frame, c));
   const Features compensated =
-      c.sensor.isZero(0) ? *features : deskew_features(*features, c.camera, c.sensor, c.velocity);
+      c.search.sensor.isZero(0)
+          ? *features
+          : deskew_features(*features, c.search.camera, c.search.sensor, c.search.velocity);
   DirectlyTracked tracked{solve_pose(compensated, found, T_reference_aligned, c), features};
   const TrackStats& stats = tracked.result.stats;
   if (stats.inliers < c.options.min_confident_inliers) return std::nullopt;

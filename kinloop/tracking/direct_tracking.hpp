@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "kinloop/features/options.hpp"
-#include "kinloop/optimize/bundle/sensor_model.hpp"
+#include "kinloop/tracking/patch_search.hpp"
 #include "kinloop/tracking/tracker.hpp"
 
 namespace kinloop {
@@ -14,10 +14,7 @@ namespace kinloop {
 /// What direct tracking needs besides the frame.
 struct DirectTrackingContext {
   const TrackedFrame& previous;
-  const LocalMap& local_map;
-  const PinholeCamera& camera;
-  const SensorVector& sensor;
-  Velocity velocity;  ///< predicted, of the frame
+  PatchSearch search;  ///< with the predicted velocity of the frame
   const FeatureOptions& features;
   const TrackingOptions& options;
 };

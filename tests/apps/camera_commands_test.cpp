@@ -161,8 +161,10 @@ void write_boards(const std::filesystem::path& folder) {
   for (int pose = 0; pose < 5; ++pose) {
     const cv::Mat gray = test::in_8_bits(
         test::picture(camera.color, test::random_pose(random, test::small_board()), test::small_board()));
+    cv::Mat color;
+    cv::cvtColor(gray, color, cv::COLOR_GRAY2BGR);
     RgbdFrame frame;
-    cv::cvtColor(gray, frame.color, cv::COLOR_GRAY2BGR);
+    frame.color = color;
     frame.depth_m = cv::Mat(gray.size(), CV_32FC1, cv::Scalar(0.5));
     for (int i = 0; i < 2; ++i) {
       frame.stamp_ns = stamp_ns += 33'000'000;

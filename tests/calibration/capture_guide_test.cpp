@@ -105,8 +105,10 @@ RgbdFrame shot(double blur_px = 0) {
   const cv::Mat drawn = test::picture(infrared_camera(), at, small_board());
   cv::Mat gray = test::in_8_bits(drawn);
   if (blur_px > 0) cv::GaussianBlur(gray, gray, {}, blur_px);
+  cv::Mat color;
+  cv::cvtColor(gray, color, cv::COLOR_GRAY2BGR);
   RgbdFrame frame;
-  cv::cvtColor(gray, frame.color, cv::COLOR_GRAY2BGR);
+  frame.color = color;
   drawn.convertTo(frame.infrared, CV_16UC1, 9000, 500);
   frame.depth_m = cv::Mat(gray.size(), CV_32FC1, cv::Scalar(0.5));
   return frame;
@@ -115,8 +117,8 @@ RgbdFrame shot(double blur_px = 0) {
 TEST(EdgeWidth, GrowsWithTheBlur) {
   const auto width = [](double blur_px) {
     const RgbdFrame frame = shot(blur_px);
-    const auto found = find_board(frame.color, small_board());
-    return found ? edge_width_px(frame.color, *found) : 0;
+    const auto found = find_board(frame.color.bgr(), small_board());
+    return found ? edge_width_px(frame.color.bgr(), *found) : 0;
   };
   EXPECT_NEAR(width(0), 2, 0.3);
   EXPECT_NEAR(width(2), 5.4, 1);

@@ -283,7 +283,7 @@ TEST(FuseSurfels, ViewsOfARealKitchenAgree) {
     if (i % kStep != 0) continue;
     const auto pose = pose_at(truth, frame->stamp_ns, kNsPerSecond / 10);
     ASSERT_TRUE(pose);
-    scene.add({frame->color, frame->depth_m}, *pose);
+    scene.add({frame->color.bgr(), frame->depth_m}, *pose);
   }
   DenseOptions once;
   once.min_observations = 1;

@@ -52,10 +52,21 @@ TEST(ImageStore, DepthComesBackBitByBitAndColourNearly) {
 
 TEST(ImageStore, EncodingTellsWhatDecodingWillGive) {
   const ImageStoreOptions options{.depth_scale = kScale};
-  const auto stored = encode_images(some_images(7), options);
+  const auto stored = encode_images(some_images(7).color, some_images(7).depth_m, options);
   const auto decoded = decode_images(stored.encoded, options);
   EXPECT_TRUE(same(stored.decoded.color, decoded.color));
   EXPECT_TRUE(same(stored.decoded.depth_m, decoded.depth_m));
+}
+
+TEST(ImageStore, AJpegIsKeptAsItCame) {
+  const ImageStoreOptions options{.depth_scale = kScale, .jpeg_quality = 95};
+  const auto images = some_images(8);
+  const auto bytes = encode_images(images.color, images.depth_m, {.jpeg_quality = 60}).encoded.color;
+  const auto came = ColorImage::from_jpeg({bytes.begin(), bytes.end()});
+  ASSERT_TRUE(came.has_value());
+  const auto stored = encode_images(*came, images.depth_m, options);
+  EXPECT_EQ(stored.encoded.color, bytes);
+  EXPECT_TRUE(same(stored.decoded.color, came->bgr()));
 }
 
 TEST(ImageStore, BeyondTheLimitTheyGoToDiskAndComeBackTheSame) {

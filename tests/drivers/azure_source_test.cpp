@@ -174,8 +174,8 @@ TEST_F(AzureRecordingTest, AGivenCameraTakesImagesAsTheyAre) {
   ASSERT_TRUE(frame);
   const auto jpeg = color_data(0);
   EXPECT_EQ(
-      cv::norm(frame->color, cv::imdecode(std::vector<uint8_t>(jpeg.begin(), jpeg.end()), cv::IMREAD_COLOR),
-               cv::NORM_INF),
+      cv::norm(frame->color.bgr(),
+               cv::imdecode(std::vector<uint8_t>(jpeg.begin(), jpeg.end()), cv::IMREAD_COLOR), cv::NORM_INF),
       0);
 }
 

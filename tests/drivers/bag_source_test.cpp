@@ -82,7 +82,7 @@ TEST_F(BagTest, GivesTheFramesThatAFolderWithTheSameImagesGives) {
     while (const auto frame = source.next()) {
       cv::Mat millimetres;
       frame->depth_m.convertTo(millimetres, CV_16UC1, 1000);
-      add(bag, kColor, frame->stamp_ns, frame->color, "bgr8");
+      add(bag, kColor, frame->stamp_ns, frame->color.bgr(), "bgr8");
       add(bag, kDepth, frame->stamp_ns, millimetres, "16UC1");
     }
   });
@@ -94,7 +94,7 @@ TEST_F(BagTest, GivesTheFramesThatAFolderWithTheSameImagesGives) {
     ASSERT_TRUE(from_bag);
     EXPECT_EQ(from_bag->id, frame->id);
     EXPECT_EQ(from_bag->stamp_ns, frame->stamp_ns);
-    EXPECT_EQ(cv::norm(from_bag->color, frame->color, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(from_bag->color.bgr(), frame->color.bgr(), cv::NORM_INF), 0);
     EXPECT_EQ(cv::norm(from_bag->depth_m, frame->depth_m, cv::NORM_INF), 0);
   }
   EXPECT_FALSE(source->next());
@@ -150,7 +150,7 @@ TEST_F(BagTest, EveryCompressionGivesTheSameImages) {
     for (int i = 1; i <= 5; ++i) {
       const auto frame = source->next();
       ASSERT_TRUE(frame);
-      EXPECT_EQ(cv::norm(frame->color, test::make_color(i), cv::NORM_INF), 0);
+      EXPECT_EQ(cv::norm(frame->color.bgr(), test::make_color(i), cv::NORM_INF), 0);
     }
     EXPECT_FALSE(source->next());
   }

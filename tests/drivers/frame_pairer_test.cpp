@@ -12,7 +12,7 @@ namespace {
 
 constexpr int64_t kMs = 1'000'000;
 
-/// An image that encodes its number.
+/// A depth image that encodes its number; colour images encode theirs in their width.
 cv::Mat numbered(int64_t number) {
   return {1, 1, CV_32SC1, cv::Scalar(static_cast<double>(number))};
 }
@@ -25,14 +25,15 @@ struct Pair {
 std::vector<Pair> taken(FramePairer& pairer) {
   std::vector<Pair> pairs;
   while (const auto frame = pairer.next()) {
-    EXPECT_EQ(frame->stamp_ns, frame->color.at<int>(0) * kMs);
-    pairs.push_back({frame->color.at<int>(0), frame->depth_m.at<int>(0)});
+    const int64_t color_ms = frame->color.bgr().cols - 1;
+    EXPECT_EQ(frame->stamp_ns, color_ms * kMs);
+    pairs.push_back({color_ms, frame->depth_m.at<int>(0)});
   }
   return pairs;
 }
 
 void add_color(FramePairer& pairer, int64_t ms) {
-  pairer.add_color(ms * kMs, numbered(ms));
+  pairer.add_color(ms * kMs, cv::Mat(1, static_cast<int>(ms) + 1, CV_8UC3));
 }
 void add_depth(FramePairer& pairer, int64_t ms) {
   pairer.add_depth(ms * kMs, numbered(ms));

@@ -97,8 +97,8 @@ TEST(Kinect2Listener, UnmirrorsFramesAndCountsFaultyOnes) {
   const auto frame = frames.wait(milliseconds(10));
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->color.size(), cv::Size(960, 540));
-  EXPECT_EQ(frame->color.at<cv::Vec3b>(100, 900), cv::Vec3b(10, 20, 30));
-  EXPECT_EQ(frame->color.at<cv::Vec3b>(100, 50), cv::Vec3b(0, 0, 0));
+  EXPECT_EQ(frame->color.bgr().at<cv::Vec3b>(100, 900), cv::Vec3b(10, 20, 30));
+  EXPECT_EQ(frame->color.bgr().at<cv::Vec3b>(100, 50), cv::Vec3b(0, 0, 0));
   EXPECT_FLOAT_EQ(frame->depth_m.at<float>(7, 0), 1.5F);
   EXPECT_EQ(frame->depth_m.at<float>(7, 511), 0);
   EXPECT_EQ(frame->depth_m.at<float>(7, 510), 0);

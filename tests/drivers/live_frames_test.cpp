@@ -11,7 +11,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-cv::Mat image() {
+cv::Mat color() {
+  return {2, 2, CV_8UC3, cv::Scalar::all(1)};
+}
+
+cv::Mat depth() {
   return {2, 2, CV_32FC1, cv::Scalar(1)};
 }
 
@@ -19,8 +23,8 @@ TEST(LiveFrameBuffer, GivesFramesInOrderAndLosesTheOldest) {
   LiveFrameBuffer frames;
   EXPECT_FALSE(frames.wait(milliseconds(1)));
   for (int64_t i = 1; i <= 10; ++i) {
-    frames.add_color(i * 33'000'000, image());
-    frames.add_depth(i * 33'000'000, image());
+    frames.add_color(i * 33'000'000, color());
+    frames.add_depth(i * 33'000'000, depth());
   }
   EXPECT_EQ(frames.counts().dropped, 10 - LiveFrameBuffer::kBuffered);
   int64_t expected = 10 - static_cast<int64_t>(LiveFrameBuffer::kBuffered);
@@ -31,16 +35,16 @@ TEST(LiveFrameBuffer, GivesFramesInOrderAndLosesTheOldest) {
 TEST(LiveFrameBuffer, WaitsForAnotherThread) {
   LiveFrameBuffer frames;
   const std::jthread driver([&] {
-    frames.add_depth(5, image());
-    frames.add_color(5, image());
+    frames.add_depth(5, depth());
+    frames.add_color(5, color());
   });
   EXPECT_TRUE(frames.wait(milliseconds(10'000)));
 }
 
 TEST(LiveFrameBuffer, SaysWhatWasLost) {
   LiveFrameBuffer frames;
-  frames.add_color(100, image());
-  frames.add_color(50, image());
+  frames.add_color(100, color());
+  frames.add_color(50, color());
   const auto skipped = to_skipped_frames(frames.counts());
   ASSERT_EQ(skipped.size(), 1U);
   EXPECT_THAT(skipped[0].reason, testing::HasSubstr("does not increase"));

@@ -35,7 +35,7 @@ class FakeCamera {
     open_ = true;
     for (int i = 0; i < count; ++i) {
       stamp_ns_ += 33'000'000;
-      frames_.add_color(stamp_ns_, {1, 1, CV_8UC3, cv::Scalar(0)});
+      frames_.add_color(stamp_ns_, cv::Mat(1, 1, CV_8UC3, cv::Scalar(0)));
       frames_.add_depth(stamp_ns_, {1, 1, CV_32FC1, cv::Scalar(1)});
     }
   }

@@ -45,7 +45,8 @@ test::WrittenBag bag_of(const std::filesystem::path& folder, Serialization kind 
   TumSource source(folder);
   while (const auto frame = source.next()) {
     const int64_t stamp = frame->stamp_ns;
-    bag.push_back({kColorTopic, kImageType, stamp, test::image_message(kind, stamp, frame->color, "bgr8")});
+    bag.push_back(
+        {kColorTopic, kImageType, stamp, test::image_message(kind, stamp, frame->color.bgr(), "bgr8")});
     bag.push_back(
         {kAlignedTopic, kImageType, stamp, test::image_message(kind, stamp, millimetres(*frame), "16UC1")});
   }
@@ -75,7 +76,7 @@ class Ros2BagTest : public testing::Test {
       const auto from_bag = source->next();
       ASSERT_TRUE(from_bag) << reasons_of(*source);
       EXPECT_EQ(from_bag->stamp_ns, frame->stamp_ns);
-      EXPECT_EQ(cv::norm(from_bag->color, frame->color, cv::NORM_INF), 0);
+      EXPECT_EQ(cv::norm(from_bag->color.bgr(), frame->color.bgr(), cv::NORM_INF), 0);
       EXPECT_EQ(cv::norm(from_bag->depth_m, frame->depth_m, cv::NORM_INF), 0);
     }
     EXPECT_FALSE(source->next());
@@ -177,8 +178,9 @@ TEST_F(Ros2BagTest, ImagesOfARationalLensAreUndistorted) {
   EXPECT_EQ(source->camera().color, small_camera());
   const auto frame = source->next();
   ASSERT_TRUE(frame);
-  EXPECT_EQ(cv::norm(frame->color, RationalUndistortion(lens).color(test::make_color(1)), cv::NORM_INF), 0);
-  EXPECT_GT(cv::norm(frame->color, test::make_color(1), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(frame->color.bgr(), RationalUndistortion(lens).color(test::make_color(1)), cv::NORM_INF),
+            0);
+  EXPECT_GT(cv::norm(frame->color.bgr(), test::make_color(1), cv::NORM_INF), 0);
 }
 
 TEST_F(Ros2BagTest, CompressedTopicsAreRead) {
@@ -195,7 +197,7 @@ TEST_F(Ros2BagTest, CompressedTopicsAreRead) {
   write_db3(folder.path() / "a.db3", bag);
   const auto frame = open_bag(folder.path() / "a.db3", {})->next();
   ASSERT_TRUE(frame);
-  EXPECT_EQ(cv::norm(frame->color, color, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(frame->color.bgr(), color, cv::NORM_INF), 0);
   EXPECT_FLOAT_EQ(frame->depth_m.at<float>(0, 0), 1.234F);
 }
 

@@ -66,7 +66,7 @@ TEST(RosImage, CompressedImages) {
   const cv::Mat bgr = test::make_color(3), millimetres = test::make_depth(1234);
   std::vector<uint8_t> png;
   cv::imencode(".png", bgr, png);
-  EXPECT_TRUE(equal(color_from_compressed(png), bgr));
+  EXPECT_TRUE(equal(color_from_compressed(png).bgr(), bgr));
   std::vector<uint8_t> depth;
   cv::imencode(".png", millimetres, depth);
   EXPECT_FLOAT_EQ(depth_from_compressed("16UC1; png compressed", depth).at<float>(0), 1.234F);
@@ -166,7 +166,7 @@ TEST(RosImage, AnImageThatClaimsTooManyPixelsIsNotDecoded) {
   png[16] = png[20] = 0x7F;  // highest bytes of width and height
   EXPECT_THAT(input_error([&] { depth_from_compressed("16UC1", as_bytes(png)); }), HasSubstr("claims"));
   std::string jpeg = test::encoded(test::make_color(1), ".jpg");
-  EXPECT_EQ(color_from_compressed(as_bytes(jpeg)).cols, test::kWidth);
+  EXPECT_EQ(color_from_compressed(as_bytes(jpeg)).size().width, test::kWidth);
   EXPECT_THAT(input_error([&] { color_from_compressed(as_bytes(jpeg.substr(0, jpeg.size() - 9))); }),
               HasSubstr("truncated"));
   const size_t frame_header = jpeg.find("\xff\xc0");

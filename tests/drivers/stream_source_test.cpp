@@ -75,7 +75,7 @@ TEST(StreamSource, GivesTheFramesOfAFolderRawOrCompressed) {
       const auto encoded = [&](const cv::Mat& image) {
         return raw ? test::pixels_of(image) : test::encoded(image, ".png");
       };
-      bytes += frame_record(frame->stamp_ns, raw ? "bgr8" : "png", encoded(frame->color),
+      bytes += frame_record(frame->stamp_ns, raw ? "bgr8" : "png", encoded(frame->color.bgr()),
                             raw ? "16UC1" : "png", encoded(depth));
     }
     TumSource expected(sequence.path());
@@ -87,7 +87,7 @@ TEST(StreamSource, GivesTheFramesOfAFolderRawOrCompressed) {
       ASSERT_TRUE(sent);
       EXPECT_EQ(sent->id, frame->id);
       EXPECT_EQ(sent->stamp_ns, frame->stamp_ns);
-      EXPECT_EQ(cv::norm(sent->color, frame->color, cv::NORM_INF), 0);
+      EXPECT_EQ(cv::norm(sent->color.bgr(), frame->color.bgr(), cv::NORM_INF), 0);
       EXPECT_EQ(cv::norm(sent->depth_m, frame->depth_m, cv::NORM_INF), 0);
     }
     EXPECT_FALSE(stream->next());

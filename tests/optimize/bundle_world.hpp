@@ -61,7 +61,10 @@ inline bool observe(const BundleWorldSettings& settings, double t, const Eigen::
     o.row = camera.project(p).y() / camera.height - 0.5;
   }
   if (!camera.contains(camera.project(p)) || p.z() > settings.max_depth_m) return false;
-  o.pixel = camera.project(p) + settings.sigma_px * Eigen::Vector2d(random.gaussian(), random.gaussian());
+  // In statements of their own: compilers differ in the order of arguments.
+  const double noise_v = random.gaussian();
+  const double noise_u = random.gaussian();
+  o.pixel = camera.project(p) + settings.sigma_px * Eigen::Vector2d(noise_u, noise_v);
   o.sigma_px = settings.sigma_px > 0 ? settings.sigma_px : 1;
   const double depth_time = t + settings.sensor(kDepthShutter) * o.row + settings.sensor(kDepthDelay);
   const Eigen::Vector3d at_depth = path(depth_time).inverse() * p_world;
@@ -74,7 +77,10 @@ inline bool observe(const BundleWorldSettings& settings, double t, const Eigen::
 
 /// Points on the walls, floor and ceiling of a room of 6 x 3 x 6 m.
 inline Eigen::Vector3d random_wall_point(Random& random) {
-  Eigen::Vector3d p(random.uniform(-3, 3), random.uniform(-1.5, 1.5), random.uniform(0.8, 3.5));
+  Eigen::Vector3d p;
+  p.z() = random.uniform(0.8, 3.5);
+  p.y() = random.uniform(-1.5, 1.5);
+  p.x() = random.uniform(-3, 3);
   const uint32_t side = random.index(4);
   if (side == 0) p.x() = random.uniform() < 0.5 ? -2 : 2;
   if (side == 1) p.y() = random.uniform() < 0.5 ? -1.2 : 1.2;

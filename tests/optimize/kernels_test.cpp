@@ -3,6 +3,8 @@
 
 #include "kinloop/geometry/robust_loss.hpp"
 #include "kinloop/optimize/bundle/bundle.hpp"
+#include "kinloop/optimize/kernels/bundle_products.hpp"
+#include "kinloop/optimize/kernels/gram.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
 #include "tests/optimize/synthetic_view.hpp"
 #include "tests/support/simd_targets.hpp"
@@ -68,21 +70,30 @@ struct ObservedPoints {
   [[nodiscard]] MeasurementModel model() const { return {camera, sensor, kDepthSigma, kRobustWidth}; }
 };
 
+/// A linearised block with all derivatives.
 struct Linear {
-  RowLayout layout{true, true};
-  std::vector<double> rows = std::vector<double>(kSize * kRowsPerObservation * layout.width);
-  std::vector<double> J_point = std::vector<double>(kSize * kRowsPerObservation * 3);
+  LinearColumns layout = LinearColumns::of_all();
+  std::vector<double> columns = std::vector<double>(kSize * kRowsPerObservation * layout.width);
   Lanes cost{};
 
   explicit Linear(const ObservedPoints& scene) {
-    cost = linearize_block(scene.block, scene.view(), scene.model(), layout, rows.data(), J_point.data());
+    cost = linearize_block(scene.block, scene.view(), scene.model(), layout, columns.data());
+  }
+  [[nodiscard]] double at(size_t lane, size_t row, size_t column) const {
+    return columns[(row * layout.width + column) * kSize + lane];
+  }
+  [[nodiscard]] std::vector<double> row(size_t lane, size_t row) const {
+    std::vector<double> values;
+    for (size_t column = 0; column < layout.width; ++column) values.push_back(at(lane, row, column));
+    return values;
   }
   /// Returns all outputs for one observation.
   [[nodiscard]] std::vector<double> numbers(size_t lane) const {
-    const size_t size = kRowsPerObservation * layout.width, first = lane * size;
-    std::vector<double> all(rows.begin() + static_cast<long>(first),
-                            rows.begin() + static_cast<long>(first + size));
-    all.insert(all.end(), &J_point[lane * 9], &J_point[lane * 9] + 9);
+    std::vector<double> all;
+    for (size_t i = 0; i < kRowsPerObservation; ++i) {
+      const auto values = row(lane, i);
+      all.insert(all.end(), values.begin(), values.end());
+    }
     all.push_back(cost[lane]);
     return all;
   }
@@ -128,9 +139,7 @@ TEST(ObservationBlock, RowsHoldTheWeightedResiduals) {
     const double depth = r.depth[lane] * r.depth[lane];
     EXPECT_NEAR(linear.cost[lane], loss.rho(pixel) + loss.rho(depth), 1e-9);
     EXPECT_EQ(linear.cost[lane], cost[lane]);
-    const auto residual = [&](size_t row) {
-      return linear.rows[(lane * kRowsPerObservation + row) * linear.layout.width + linear.layout.residual];
-    };
+    const auto residual = [&](size_t row) { return linear.at(lane, row, LinearColumns::kResidual); };
     EXPECT_NEAR(residual(0), std::sqrt(loss.weight(pixel)) * r.u[lane], 1e-12);
     EXPECT_NEAR(residual(1), std::sqrt(loss.weight(pixel)) * r.v[lane], 1e-12);
     EXPECT_NEAR(residual(2), std::sqrt(loss.weight(depth)) * r.depth[lane], 1e-12);
@@ -156,8 +165,7 @@ TEST(ObservationBlock, UnusedObservationsAreIgnored) {
   const Linear linear(scene);
   EXPECT_THAT(linear.numbers(2), testing::Each(0));
   EXPECT_THAT(linear.numbers(6), testing::Each(0));
-  const double* depth_row = &linear.rows[(4 * kRowsPerObservation + 2) * linear.layout.width];
-  EXPECT_THAT(std::vector<double>(depth_row, depth_row + linear.layout.width), testing::Each(0));
+  EXPECT_THAT(linear.row(4, 2), testing::Each(0));
   EXPECT_GT(linear.cost[4], 0);
 }
 
@@ -179,14 +187,132 @@ TEST(ObservationBlock, InstructionSetsGiveIdenticalBits) {
   const BlockResiduals residuals = block_residuals(scene.block, scene.view(), scene.model());
   test::for_each_simd_target([&](const std::string& name) {
     const Linear linear(scene);
-    EXPECT_EQ(linear.rows, expected.rows) << name;
-    EXPECT_EQ(linear.J_point, expected.J_point) << name;
+    EXPECT_EQ(linear.columns, expected.columns) << name;
     EXPECT_EQ(linear.cost, expected.cost) << name;
     const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.model());
     EXPECT_EQ(r.u, residuals.u) << name;
     EXPECT_EQ(r.v, residuals.v) << name;
     EXPECT_EQ(r.depth, residuals.depth) << name;
   });
+}
+
+/// A linearised block with some free sensor parameters, in columns.
+struct LinearBundle {
+  LinearColumns layout;
+  std::vector<double> columns;
+
+  explicit LinearBundle(const ObservedPoints& scene) : layout(LinearColumns::of_bundle(free_parameters())) {
+    columns.resize(kRowsPerObservation * layout.width * kSize);
+    linearize_block(scene.block, scene.view(), scene.model(), layout, columns.data());
+  }
+  static SensorVector free_parameters() {
+    SensorVector sigma = SensorVector::Zero();
+    sigma(kFocalY) = sigma(kRollingShutter) = sigma(kDepthDelay) = sigma(kDepthOffsetXY) = 1;
+    return sigma;
+  }
+  [[nodiscard]] Eigen::MatrixXd gram() const {
+    const GramColumns summed(layout);
+    std::vector<double> sums(summed.sums(), 0);
+    add_block_gram(summed, columns.data(), sums.data());
+    return gram_of_sums(summed, sums).triangularView<Eigen::Upper>();
+  }
+  /// Point products of all observations.
+  [[nodiscard]] std::vector<double> products() const {
+    const PointProducts sizes(layout);
+    std::vector<double> records(kSize * sizes.size());
+    std::array<double*, kSize> targets;
+    for (size_t lane = 0; lane < kSize; ++lane) targets[lane] = &records[lane * sizes.size()];
+    write_point_products(layout, columns.data(), targets);
+    return records;
+  }
+  [[nodiscard]] Eigen::MatrixXd J(size_t lane) const {
+    const auto width = static_cast<Eigen::Index>(layout.width);
+    Eigen::MatrixXd rows(3, width);
+    for (Eigen::Index i = 0; i < 3; ++i)
+      for (Eigen::Index j = 0; j < width; ++j)
+        rows(i, j) = columns[static_cast<size_t>(i * width + j) * kSize + lane];
+    return rows;
+  }
+};
+
+TEST(LinearColumns, OfBundleHoldTheFreeSensorParameters) {
+  const ObservedPoints scene(7);
+  const Linear all(scene);
+  const LinearBundle bundle(scene);
+  for (size_t lane = 0; lane < kSize; ++lane) {
+    const Eigen::MatrixXd J = bundle.J(lane);
+    for (size_t row = 0; row < kRowsPerObservation; ++row) {
+      const auto i = static_cast<Eigen::Index>(row);
+      for (size_t c = 0; c <= LinearColumns::kResidual; ++c) {
+        EXPECT_EQ(J(i, static_cast<Eigen::Index>(c)), all.at(lane, row, c));
+      }
+      for (size_t c = 0; c < 3; ++c) {
+        EXPECT_EQ(J(i, static_cast<Eigen::Index>(*bundle.layout.point + c)),
+                  all.at(lane, row, *all.layout.point + c));
+      }
+      for (const size_t k : {kFocalY, kRollingShutter, kDepthDelay, kDepthOffsetXY}) {
+        EXPECT_EQ(J(i, bundle.layout.of_sensor[k]),
+                  all.at(lane, row, static_cast<size_t>(all.layout.of_sensor[k])));
+      }
+    }
+  }
+}
+
+TEST(LinearColumns, GramAndPointProductsMatchDenseProducts) {
+  const LinearBundle bundle(ObservedPoints(8));
+  const auto used = static_cast<Eigen::Index>(bundle.layout.used);
+  const PointProducts sizes(bundle.layout);
+  const auto records = bundle.products();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(used, used);
+  for (size_t lane = 0; lane < kSize; ++lane) {
+    const Eigen::MatrixXd J = bundle.J(lane), J_point = J.rightCols(3);
+    gram += J.leftCols(used).transpose() * J.leftCols(used);
+    const double* record = &records[lane * sizes.size()];
+    const Eigen::MatrixXd W = J_point.transpose() * J.leftCols(6),
+                          C = J_point.transpose() * J.middleCols(6, used - 6);
+    const Eigen::MatrixXd H = J_point.transpose() * J_point;
+    const Eigen::Map<const Eigen::Matrix<double, 3, 6, Eigen::RowMajor>> pose(record);
+    EXPECT_LT((pose - W).norm(), 1e-12 * W.norm());
+    for (Eigen::Index i = 0; i < 3; ++i)
+      for (Eigen::Index c = 0; c < C.cols(); ++c)
+        EXPECT_NEAR(record[PointProducts::kPose + static_cast<size_t>(i * C.cols() + c)], C(i, c),
+                    1e-12 * C.norm());
+    const double* upper = record + sizes.size() - 6;
+    for (Eigen::Index i = 0; i < 3; ++i)
+      for (Eigen::Index j = i; j < 3; ++j) EXPECT_NEAR(*upper++, H(i, j), 1e-12 * H.norm());
+  }
+  const Eigen::MatrixXd expected = gram.triangularView<Eigen::Upper>();
+  EXPECT_LT((bundle.gram() - expected).norm(), 1e-12 * expected.norm());
+}
+
+TEST(PointFactor, EliminatesAPoint) {
+  const LinearBundle bundle(ObservedPoints(9));
+  const PointProducts sizes(bundle.layout);
+  const auto records = bundle.products();
+  Eigen::Matrix3d H;
+  H << 5, 1, -2, 1, 4, 0.5, -2, 0.5, 6;
+  std::vector<double> U(2 * kEliminatedSize);
+  eliminate_point(PointFactor({5, 1, -2, 4, 0.5, 6}), records.data(), sizes.size(), 2, U.data());
+  using Pose = Eigen::Map<const Eigen::Matrix<double, 3, 6, Eigen::RowMajor>>;
+  using Eliminated = Eigen::Map<const Eigen::Matrix<double, 3, 6, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
+  const Pose W0(&records[0]), W1(&records[sizes.size()]);
+  const Eliminated U0(&U[0], Eigen::OuterStride<>(8)), U1(&U[kEliminatedSize], Eigen::OuterStride<>(8));
+  const Eigen::MatrixXd expected = W0.transpose() * H.inverse() * W1;
+  EXPECT_LT((U0.transpose() * U1 - expected).norm(), 1e-10 * expected.norm());
+  const PointFactor singular({1, 1, 0, 1, 0, 1});
+  EXPECT_EQ(singular.i00 + singular.i11 + singular.i22, 0);
+}
+
+TEST(LinearColumns, InstructionSetsGiveIdenticalBits) {
+  const ObservedPoints scene(10);
+  const LinearBundle expected(scene);
+  test::for_each_simd_target(
+      [&, products = expected.products(), gram = expected.gram()](const std::string& name) {
+        const LinearBundle bundle(scene);
+        EXPECT_EQ(bundle.columns, expected.columns) << name;
+        EXPECT_EQ(bundle.products(), products) << name;
+        EXPECT_EQ(bundle.gram(), gram) << name;
+      });
 }
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -43,7 +43,7 @@ void make_bag(const char* folder, const char* file) {
   TumSource source(folder);
   rosbag::Bag bag(file, rosbag::bagmode::Write);
   while (const auto frame = source.next()) {
-    const ros1::Image color = message_of(frame->stamp_ns, frame->color, "bgr8");
+    const ros1::Image color = message_of(frame->stamp_ns, frame->color.bgr(), "bgr8");
     bag.write(topics.info, color.header.stamp, info_of(frame->stamp_ns, source.camera().color));
     bag.write(topics.color, color.header.stamp, color);
     bag.write(topics.depth, color.header.stamp, message_of(frame->stamp_ns, frame->depth_m, "32FC1"));

@@ -5,10 +5,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/sensor/fast_decoders.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"
-#include "tests/support/shared_data.hpp"
 
 namespace kinloop {
 namespace {
@@ -24,44 +22,46 @@ double difference(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_INF);
 }
 
-TEST(ColorImage, PngIsReadExactly) {
+TEST(ReadColorImage, PngIsReadExactly) {
   const TempFolder folder;
   const cv::Mat image = make_color(1);
-  const cv::Mat read = read_color_image(folder.write("a.png", encoded(image, ".png")));
+  const cv::Mat read = read_color_image(folder.write("a.png", encoded(image, ".png"))).bgr();
   ASSERT_EQ(read.type(), CV_8UC3);
   EXPECT_EQ(difference(read, image), 0);
 }
 
-TEST(ColorImage, JpegIsReadClosely) {
+TEST(ReadColorImage, JpegIsReadClosely) {
   const TempFolder folder;
   cv::Mat smooth;
   cv::GaussianBlur(make_color(1), smooth, {}, 4);
-  const cv::Mat read = read_color_image(folder.write("a.jpg", encoded(smooth, ".jpg")));
+  const cv::Mat read = read_color_image(folder.write("a.jpg", encoded(smooth, ".jpg"))).bgr();
   ASSERT_EQ(read.type(), CV_8UC3);
   EXPECT_LT(difference(read, smooth), 20);
 }
 
-TEST(ColorImage, ContentCountsNotTheNameOfTheFile) {
+TEST(ReadColorImage, ContentCountsNotTheNameOfTheFile) {
   const TempFolder folder;
-  EXPECT_EQ(read_color_image(folder.write("a.png", encoded(make_color(1), ".jpg"))).cols, test::kWidth);
+  EXPECT_EQ(read_color_image(folder.write("a.png", encoded(make_color(1), ".jpg"))).size().width,
+            test::kWidth);
 }
 
-TEST(ColorImage, GreyBecomesThreeEqualChannels) {
+TEST(ReadColorImage, GreyBecomesThreeEqualChannels) {
   const TempFolder folder;
   const cv::Mat grey = make_color(3, CV_8UC1);
-  const cv::Mat read = read_color_image(folder.write("a.png", encoded(grey, ".png")));
+  const cv::Mat read = read_color_image(folder.write("a.png", encoded(grey, ".png"))).bgr();
   ASSERT_EQ(read.type(), CV_8UC3);
   cv::Mat channels[3];
   cv::split(read, channels);
   for (const auto& channel : channels) EXPECT_EQ(difference(channel, grey), 0);
 }
 
-TEST(ColorImage, TransparencyIsLeftOut) {
+TEST(ReadColorImage, TransparencyIsLeftOut) {
   const TempFolder folder;
-  EXPECT_EQ(read_color_image(folder.write("a.png", encoded(make_color(3, CV_8UC4), ".png"))).type(), CV_8UC3);
+  const ColorImage read = read_color_image(folder.write("a.png", encoded(make_color(3, CV_8UC4), ".png")));
+  EXPECT_EQ(read.bgr().type(), CV_8UC3);
 }
 
-TEST(ColorImage, SixteenBitColourSuggestsSwappedColumns) {
+TEST(ReadColorImage, SixteenBitColourSuggestsSwappedColumns) {
   const TempFolder folder;
   const auto path = folder.write("a.png", encoded(make_depth(7), ".png"));
   EXPECT_THAT(input_error([&] { read_color_image(path); }), HasSubstr("colour comes first"));
@@ -91,68 +91,6 @@ TEST(DepthImage, EightBitsAndColourAreRejected) {
   }
 }
 
-TEST(FastDecoders, JpegIsBitForBitWhatOpenCVReads) {
-  for (const int type : {CV_8UC3, CV_8UC1}) {
-    const std::string bytes = encoded(make_color(4, type), ".jpg");
-    const cv::Mat fast = decode_jpeg(bytes);
-    ASSERT_EQ(fast.type(), CV_8UC3);
-    EXPECT_EQ(difference(fast, cv::imdecode(std::vector<char>(bytes.begin(), bytes.end()), cv::IMREAD_COLOR)),
-              0);
-  }
-}
-
-/// A PNG of rough and smooth parts, so that encoders use all filters on it.
-cv::Mat rough_depth() {
-  cv::Mat depth(97, 131, CV_16UC1);
-  cv::RNG random(3);
-  for (int y = 0; y < depth.rows; ++y) {
-    for (int x = 0; x < depth.cols; ++x) {
-      const int noise = y % 3 == 0 ? random.uniform(0, 40000) : 0;
-      depth.at<uint16_t>(y, x) =
-          static_cast<uint16_t>(x % 20 == 0 ? 0 : 5000 + 30 * x + 17 * y * y / 10 + noise);
-    }
-  }
-  return depth;
-}
-
-TEST(FastDecoders, PngOfDepthIsExactWhateverTheFilters) {
-  const cv::Mat depth = rough_depth();
-  // zlib's strategies: for the first, OpenCV leaves the filters to libpng; for the others it requests one of
-  // them.
-  for (const int strategy : {0, 1, 2, 3, 4}) {
-    for (const int level : {0, 1, 9}) {
-      std::vector<uint8_t> bytes;
-      cv::imencode(".png", depth, bytes,
-                   {cv::IMWRITE_PNG_COMPRESSION, level, cv::IMWRITE_PNG_STRATEGY, strategy});
-      const cv::Mat fast = decode_depth_png({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-      ASSERT_EQ(fast.type(), CV_16UC1);
-      EXPECT_EQ(difference(fast, depth), 0) << strategy << " " << level;
-    }
-  }
-}
-
-TEST(FastDecoders, RealDepthIsWhatOpenCVReads) {
-  const std::filesystem::path folder = test::shared_data("redkitchen/depth");
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
-  const std::string bytes = read_file(folder / "1000.000000.png");
-  const cv::Mat fast = decode_depth_png(bytes);
-  ASSERT_FALSE(fast.empty());
-  EXPECT_EQ(
-      difference(fast, cv::imdecode(std::vector<char>(bytes.begin(), bytes.end()), cv::IMREAD_UNCHANGED)), 0);
-}
-
-TEST(FastDecoders, LeaveOtherAndDamagedFilesAlone) {
-  EXPECT_TRUE(decode_depth_png(encoded(make_color(1), ".png")).empty());
-  EXPECT_TRUE(decode_jpeg(encoded(make_color(1), ".png")).empty());
-  const std::string whole = encoded(rough_depth(), ".png");
-  for (size_t at = 8; at < whole.size(); at += 97) {
-    std::string damaged = whole;
-    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
-    EXPECT_TRUE(decode_depth_png(damaged).empty()) << at;
-    EXPECT_TRUE(decode_depth_png(std::string_view(whole).substr(0, at)).empty()) << at;
-  }
-}
-
 /// Every truncation or damage must give an InputError, never a half-grey image or a crash.
 class Truncated : public testing::TestWithParam<const char*> {};
 
@@ -170,7 +108,7 @@ TEST_P(Truncated, EveryPrefixOfAnImageIsAnError) {
 TEST_P(Truncated, BytesBehindTheEndDoNoHarm) {
   const TempFolder folder;
   const auto path = folder.write("long", encoded(make_color(5), GetParam()) + std::string(100, '\0'));
-  EXPECT_EQ(read_color_image(path).cols, test::kWidth);
+  EXPECT_EQ(read_color_image(path).size().width, test::kWidth);
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, Truncated, testing::Values(".png", ".jpg"),

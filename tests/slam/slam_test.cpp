@@ -73,8 +73,7 @@ TEST(Slam, TracksTheSimulatedSequence) {
 Vocabulary small_vocabulary(const FeatureOptions& features) {
   std::vector<cv::Mat> descriptors;
   for (size_t i = 0; i < recording().frames.size(); i += 10) {
-    cv::Mat gray;
-    cv::cvtColor(recording().frames[i].color, gray, cv::COLOR_BGR2GRAY);
+    const cv::Mat gray = recording().frames[i].color.gray();
     descriptors.push_back(extract_features(gray, cv::Mat(), recording().camera.color, features).descriptors);
   }
   TrainOptions training;
@@ -164,7 +163,7 @@ TEST(Slam, EveryExecutorModeTracksEveryFrame) {
 
 TEST(Slam, ARepeatedImageKeepsItsPose) {
   auto frames = recording().frames;
-  frames[20].color = frames[19].color.clone();  // drivers do this when an image is lost
+  frames[20].color = frames[19].color;  // drivers do this when an image is lost
   frames[20].depth_m = frames[19].depth_m.clone();
   Slam slam(recording().camera);
   for (const RgbdFrame& frame : frames) slam.process(frame);
@@ -185,7 +184,7 @@ RgbdFrame blackened(RgbdFrame frame) {
 TEST(Slam, RepeatedImageAfterALostFrameIsTrackedNormally) {
   auto frames = recording().frames;
   frames[20] = blackened(frames[20]);
-  frames[21].color = frames[19].color.clone();
+  frames[21].color = frames[19].color;
   frames[21].depth_m = frames[19].depth_m.clone();
   Slam slam(recording().camera);
   for (const RgbdFrame& frame : frames) slam.process(frame);
@@ -209,7 +208,9 @@ TEST(Slam, RelocalizesAfterABlackout) {
 RgbdFrame columns_of(const RgbdFrame& frame, int begin, int end) {
   RgbdFrame part = blackened(frame);
   const cv::Range shown(begin, end);
-  frame.color.colRange(shown).copyTo(part.color.colRange(shown));
+  cv::Mat color(frame.color.size(), CV_8UC3, cv::Scalar::all(0));
+  frame.color.bgr().colRange(shown).copyTo(color.colRange(shown));
+  part.color = color;
   frame.depth_m.colRange(shown).copyTo(part.depth_m.colRange(shown));
   return part;
 }
@@ -217,7 +218,7 @@ RgbdFrame columns_of(const RgbdFrame& frame, int begin, int end) {
 /// One half of the view first, then the other, then both: only the last part determines their relative pose.
 std::vector<RgbdFrame> sides_then_whole() {
   auto frames = recording().frames;
-  const int width = frames[0].color.cols, middle = width / 2;
+  const int width = frames[0].color.size().width, middle = width / 2;
   for (size_t i = 0; i < 8; ++i) frames[i] = columns_of(frames[i], 0, middle - 10);
   for (size_t i = 8; i < 20; ++i) frames[i] = columns_of(frames[i], middle + 10, width);
   return frames;

@@ -9,6 +9,7 @@
 #include "kinloop/tracking/align_images.hpp"
 #include "kinloop/tracking/align_patch.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/tracking/refine_keypoints.hpp"
 
 namespace kinloop {
 namespace {
@@ -112,25 +113,35 @@ TEST(CutPatches, LeavesOutKeypointsAtTheBorderAndUnwantedOnes) {
   EXPECT_EQ(patches[2].octave, Patch::kNone);
 }
 
-TEST(AlignImages, FindsTheMotionInFrontOfAWall) {
+PinholeCamera vga_camera() {
   PinholeCamera camera;
   camera.width = 640;
   camera.height = 480;
   camera.fx = camera.fy = 500;
   camera.cx = 320;
   camera.cy = 240;
-  constexpr double kDistance_m = 2, kTexturePerMetre = 100;
-  const auto view = [&](const SE3& T_world_camera) {
+  return camera;
+}
+
+/// A textured wall in front of a camera that moves by up to 8 px.
+class Wall : public testing::Test {
+ protected:
+  static constexpr double kDistance_m = 2;
+
+  [[nodiscard]] cv::Mat view(const SE3& T_world_camera, double texture_per_m) const {
     return render(camera.width, camera.height, [&](const Eigen::Vector2d& pixel) {
       const Eigen::Vector3d ray = T_world_camera.rotation * camera.unproject(pixel, 1);
       const double length = (kDistance_m - T_world_camera.translation.z()) / ray.z();
       const Eigen::Vector3d p = T_world_camera.translation + length * ray;
-      return Eigen::Vector2d(kTexturePerMetre * p.head<2>());
+      return Eigen::Vector2d(texture_per_m * p.head<2>());
     });
-  };
-  Vector6d twist;
-  twist << 0.02, -0.01, 0.015, 0.006, -0.01, 0.008;  // up to 8 px
-  const SE3 truth = SE3::exp(twist);
+  }
+
+  const PinholeCamera camera = vga_camera();
+  const SE3 truth = SE3::exp((Vector6d() << 0.02, -0.01, 0.015, 0.006, -0.01, 0.008).finished());
+};
+
+TEST_F(Wall, AlignmentOfImagesFindsTheMotion) {
   std::vector<AlignmentPoint> points;
   for (int y = 60; y < camera.height; y += 40) {
     for (int x = 60; x < camera.width; x += 40) {
@@ -138,18 +149,69 @@ TEST(AlignImages, FindsTheMotionInFrontOfAWall) {
       points.push_back({camera.unproject(pixel, kDistance_m), pixel, pixel});
     }
   }
-  const SE3 found = align_images(make_octaves(view({}), 4), make_octaves(view(truth), 4), points, camera);
+  constexpr double kCoarse_per_m = 100;  // the motion is within half a period
+  const SE3 found = align_images(make_octaves(view({}, kCoarse_per_m), 4),
+                                 make_octaves(view(truth, kCoarse_per_m), 4), points, camera);
   EXPECT_LT((found.translation - truth.translation).norm(), 0.003);
   EXPECT_LT((found.inverse() * truth).angle_rad(), 0.001);
 }
 
+/// Keypoints at the given pixels of the wall.
+Features keypoints_at(const std::vector<Eigen::Vector2f>& pixels) {
+  Features features;
+  features.raw_pixels = features.pixels = features.measured_pixels = pixels;
+  features.levels.assign(pixels.size(), 0);
+  features.sigmas_px.assign(pixels.size(), 1);
+  return features;
+}
+
+TEST_F(Wall, RefinementMovesKeypointsToTheirLandmarks) {
+  constexpr double kFine_per_m = 200;  // every patch has texture
+  LocalMap map;
+  std::vector<Eigen::Vector2f> seen, detected;
+  std::vector<LandmarkMatch> matches;
+  const Eigen::Vector2f error(0.9F, -0.7F);
+  for (int y = 100; y < 400; y += 60) {
+    for (int x = 100; x < 600; x += 60) {
+      const auto index = static_cast<uint32_t>(seen.size());
+      seen.emplace_back(x, y);
+      map.ids.push_back(LandmarkId{index});
+      map.p_reference.push_back(camera.unproject(seen.back().cast<double>(), kDistance_m));
+      map.view_of.push_back(0);
+      map.feature_of.push_back(index);
+      detected.push_back(camera.project(truth.inverse() * map.p_reference.back()).cast<float>() + error);
+      matches.push_back({LandmarkId{index}, index});
+    }
+  }
+  const auto at_keyframe = std::make_shared<const Features>(keypoints_at(seen));
+  const std::vector<bool> all(seen.size(), true);
+  const ImageOctaves octaves = make_octaves(view({}, kFine_per_m), 4);
+  map.views.push_back({KeyframeId{0}, SE3{}, at_keyframe,
+                       std::make_shared<const std::vector<Patch>>(cut_patches(octaves, *at_keyframe, all))});
+  matches.erase(matches.begin());               // the first keypoint matches nothing
+  matches.front().landmark = LandmarkId{1000};  // the second a landmark beyond the local map
+  PreparedFrame frame;
+  frame.octaves = make_octaves(view(truth, kFine_per_m), 4);
+  frame.features = std::make_shared<const Features>(keypoints_at(detected));
+  const SensorVector sensor = SensorVector::Zero();
+  const Features refined = refine_keypoints(frame, matches, truth, {map, camera, sensor, {}});
+  int moved = 0;
+  for (size_t i = 0; i < detected.size(); ++i) {
+    if (i < 2 || refined.sigmas_px[i] == 1) {
+      EXPECT_EQ(refined.raw_pixels[i], detected[i]);
+      EXPECT_EQ(refined.sigmas_px[i], 1);
+      continue;
+    }
+    EXPECT_LT((refined.raw_pixels[i] - (detected[i] - error)).norm(), 0.15);
+    EXPECT_LT((refined.measured_pixels[i] - refined.raw_pixels[i]).norm(), 1e-3);
+    EXPECT_LT(refined.sigmas_px[i], 1);
+    ++moved;
+  }
+  EXPECT_GT(moved, static_cast<int>(detected.size()) * 3 / 4);
+}
+
 TEST(RawPixelOf, InvertsDeskewing) {
-  PinholeCamera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
+  PinholeCamera camera = vga_camera();
   camera.k1 = 0.1;
   SensorVector sensor = SensorVector::Zero();
   sensor(kRollingShutter) = 0.03;

@@ -34,8 +34,9 @@ PreparedFrame wall_frame(uint32_t id) {
   PreparedFrame frame;
   frame.id = FrameId{id};
   frame.stamp_ns = int64_t{id} * 33'000'000;
-  frame.color = cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar(0, 0, 200));
-  frame.color.colRange(kWidth / 2, kWidth) = cv::Scalar(200, 0, 0);
+  cv::Mat color(kHeight, kWidth, CV_8UC3, cv::Scalar(0, 0, 200));
+  color.colRange(kWidth / 2, kWidth) = cv::Scalar(200, 0, 0);
+  frame.color = color;
   frame.depth_m = cv::Mat(kHeight, kWidth, CV_32FC1, 2.0F);
   auto features = std::make_shared<Features>();
   features->raw_pixels = features->pixels = {{80, 60}};

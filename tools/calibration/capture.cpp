@@ -25,13 +25,14 @@ CaptureFeedback StillCapture::process(const RgbdFrame& frame) {
     throw InputError("--live: this source has no infrared images; use a Kinect 2 (kinect2)");
   }
   CaptureFeedback feedback;
-  feedback.view = find_board(frame.color, board_);
+  const cv::Mat color = frame.color.bgr();
+  feedback.view = find_board(color, board_);
   if (feedback.view && kind_ == StillKind::kPairs && !find_board(frame.infrared, board_)) {
     feedback.hint = "the infrared camera does not see the board: move it into view, avoid reflections";
     return feedback;
   }
   const CaptureAdvice advice =
-      guide_.advise(feedback.view, feedback.view ? edge_width_px(frame.color, *feedback.view) : 0);
+      guide_.advise(feedback.view, feedback.view ? edge_width_px(color, *feedback.view) : 0);
   feedback.hint = advice.hint;
   feedback.kept = advice.keep;
   if (feedback.kept) write(frame);
@@ -43,8 +44,8 @@ void StillCapture::write(const RgbdFrame& frame) const {
   const auto file = [&](const char* ending) {
     return folder_ / fmt::format("{:04}{}.png", guide_.kept(), ending);
   };
-  if (kind_ == StillKind::kColor) return write_png(file(""), frame.color);
-  write_png(file("_color"), frame.color);
+  if (kind_ == StillKind::kColor) return write_png(file(""), frame.color.bgr());
+  write_png(file("_color"), frame.color.bgr());
   write_png(file("_ir"), frame.infrared);
   write_depth_png(file("_depth"), frame.depth_m, kMillimetres);
 }

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
@@ -183,13 +182,11 @@ std::vector<std::filesystem::path> list_stills(const std::filesystem::path& fold
 
 cv::Mat read_still(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
-  cv::Mat image;
   if (const auto damage = image_damage(bytes); !damage.empty()) {
     throw InputError(fmt::format("{}: {}", path.string(), damage));
   }
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-  image = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
-  if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U)) {
+  cv::Mat image = decode_image(bytes);
+  if (image.empty()) {
     throw InputError(fmt::format("{}: cannot be decoded as an image of 8 or 16 bits", path.string()));
   }
   return image;

@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 #include <opencv2/features2d.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/surf.hpp"
+#include "kinloop/sensor/image_file.hpp"
 #include "tools/vocabulary_training/descriptor_file.hpp"
 
 namespace kinloop {
@@ -22,8 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_image_name(const fs::path& path) {
-  static constexpr std::array kExtensions = {".png", ".jpg", ".jpeg", ".bmp", ".pgm",
-                                             ".ppm", ".tif", ".tiff", ".webp"};
+  static constexpr std::array kExtensions = {".png", ".jpg", ".jpeg"};
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
@@ -64,6 +63,14 @@ cv::Mat float_descriptors_as_bytes(const cv::Mat& gray, const DescribeOptions& d
   return bytes;
 }
 
+std::optional<cv::Mat> gray_if_readable(const fs::path& path) {
+  try {
+    return read_color_image(path).gray();
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
 /// This process's share [first, second) of `count` items.
 std::pair<size_t, size_t> share_of(size_t count, const Communicator& communicator) {
   const auto rank = static_cast<size_t>(communicator.rank()), size = static_cast<size_t>(communicator.size());
@@ -95,13 +102,9 @@ TrainingInput list_training_input(std::span<const fs::path> inputs) {
 }
 
 std::optional<cv::Mat> describe_image(const fs::path& path, const DescribeOptions& description) {
-  cv::Mat gray;
-  try {
-    gray = cv::imread(path.string(), cv::IMREAD_GRAYSCALE);
-  } catch (const cv::Exception&) {  // a header with an absurd size
-    return std::nullopt;
-  }
-  if (gray.empty()) return std::nullopt;
+  const auto gray_image = gray_if_readable(path);
+  if (!gray_image) return std::nullopt;
+  const cv::Mat& gray = *gray_image;
   if (descriptor_traits(description.kind).metric == Metric::kEuclidean) {
     return float_descriptors_as_bytes(gray, description);
   }

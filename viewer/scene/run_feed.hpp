@@ -27,7 +27,8 @@ struct FrameEvent {
 /// The images of a frame.
 struct ImageEvent {
   KeyframeId keyframe;  ///< valid if the frame is a keyframe
-  cv::Mat color, depth_m;
+  ColorImage color;
+  cv::Mat depth_m;
   std::shared_ptr<const Features> features;
   std::vector<LandmarkMatch> matches;
 };

@@ -3,22 +3,16 @@
 #include <algorithm>
 #include <limits>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/geometry/up_direction.hpp"
+#include "kinloop/sensor/jpeg_codec.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {
 namespace {
 
 using std::chrono::duration;
-
-Bytes jpeg(const cv::Mat& image, int quality) {
-  Bytes bytes;
-  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
-  return bytes;
-}
 
 cv::Mat resized(const cv::Mat& image, int width_px, int interpolation) {
   cv::Mat small;
@@ -38,7 +32,7 @@ cv::Mat depth_image(const cv::Mat& depth_m, double max_depth_m) {
 }
 
 std::vector<ShownFeature> shown_features(const ImageEvent& image) {
-  const Eigen::Vector2f size(static_cast<float>(image.color.cols), static_cast<float>(image.color.rows));
+  const Eigen::Vector2f size(static_cast<float>(image.depth_m.cols), static_cast<float>(image.depth_m.rows));
   std::vector<ShownFeature> shown;
   for (const Eigen::Vector2f& pixel : image.features->raw_pixels)
     shown.push_back({pixel.cwiseQuotient(size)});
@@ -125,7 +119,7 @@ void RunScene::show_path(size_t first) {
 
 void RunScene::add_keyframe(const ImageEvent& image) {
   if (image.keyframe.value >= map_.T_world_keyframe.size()) return;
-  const CloudPiece piece = cloud_.add_keyframe(image.keyframe, image.color, image.depth_m,
+  const CloudPiece piece = cloud_.add_keyframe(image.keyframe, image.color.bgr(), image.depth_m,
                                                map_.T_world_keyframe[image.keyframe.value]);
   if (piece.cloud.size() > 0) scene_.put(PartKind::kCloud, image.keyframe.value, encode_cloud(piece));
   if (Clock::now() < next_up_) return;
@@ -137,11 +131,11 @@ void RunScene::show_images(const ImageEvent& image) {
   const ViewerOptions& options = info_.options;
   next_image_ =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(duration<double>(1 / options.image_rate_hz));
-  const cv::Mat color = resized(image.color, options.image_width_px, cv::INTER_AREA);
+  const cv::Mat color = resized(image.color.bgr(), options.image_width_px, cv::INTER_AREA);
   const cv::Mat depth = resized(image.depth_m, options.image_width_px, cv::INTER_NEAREST);
-  scene_.put(PartKind::kColorImage, 0, jpeg(color, options.jpeg_quality));
+  scene_.put(PartKind::kColorImage, 0, encode_jpeg(color, options.jpeg_quality));
   scene_.put(PartKind::kDepthImage, 0,
-             jpeg(depth_image(depth, options.limits.max_depth_m), options.jpeg_quality));
+             encode_jpeg(depth_image(depth, options.limits.max_depth_m), options.jpeg_quality));
   scene_.put(PartKind::kFeatures, 0, encode_features(shown_features(image)));
 }
 

@@ -30,8 +30,11 @@ std::optional<T> parse_all(std::string_view word) {
 double number_at(const char* at, NumberType type, std::endian order) {
   std::array<char, sizeof(double)> bytes{};
   const size_t size = size_of(type);
-  std::memcpy(bytes.data(), at, size);
-  if (order != std::endian::native) std::reverse(bytes.begin(), bytes.begin() + static_cast<long>(size));
+  if (order == std::endian::native) {
+    std::memcpy(bytes.data(), at, size);
+  } else {
+    std::reverse_copy(at, at + size, bytes.begin());
+  }
   switch (type) {
     case NumberType::kInt8:
       return value_of<int8_t>(bytes);

@@ -10,6 +10,8 @@
 namespace kinloop {
 namespace {
 
+// Outliers are found long before the last digits of the cost, whose decrease they slow down.
+constexpr double kEarlyToleranceFactor = 10;
 constexpr double kMinParallax_rad = 0.003;  // with less parallax two rays do not determine a point
 
 void check(const BundleProblem& problem) {
@@ -108,6 +110,7 @@ std::vector<std::vector<BundleBlock>> make_blocks(const BundleTask& task) {
     if (blocks.empty() || blocks.back().count == ObservationBlock::kSize) blocks.emplace_back();
     BundleBlock& block = blocks.back();
     set_measurement(block.measured, block.count, task.problem.observations[i]);
+    block.points[block.count] = task.problem.observations[i].point;
     block.observations[block.count++] = i;
   }
   return blocks_of_pose;
@@ -115,7 +118,7 @@ std::vector<std::vector<BundleBlock>> make_blocks(const BundleTask& task) {
 
 BundleTask make_task(const BundleProblem& problem, const BundleOptions& options) {
   const size_t poses = problem.T_world_camera.size();
-  BundleTask task{problem, options, problem.fixed, problem.velocities, {}, {}};
+  BundleTask task{problem, options, problem.fixed, problem.velocities, {}, {}, problem.sensor};
   task.fixed.resize(poses, 0);
   for (size_t i = 0; i < poses; ++i) {
     if (!problem.T_world_camera[i].is_finite()) task.fixed[i] = 1;
@@ -141,20 +144,29 @@ BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& o
     solution.outliers.push_back(initial_use(problem, o) == BundleUse::kNothing);
   }
   BundleState state = start;
-  for (int round = 0; round < options.rounds; ++round) {
+  const bool selects = problem.sensor.selects_parameters();
+  const int rounds = selects ? std::max(options.rounds, 2) : options.rounds;
+  for (int round = 0; round < rounds; ++round) {
+    task.tolerance = round + 1 == rounds ? options.tolerance : kEarlyToleranceFactor * options.tolerance;
     const BundleRoundResult result = options.solver == BundleSolver::kCeres ? minimize_with_ceres(task, state)
                                                                             : minimize_builtin(task, state);
     state = result.state;
     solution.iterations += result.iterations;
     solution.converged = result.converged;
     solution.outliers = classify(task, state, std::move(solution.outliers));
+    if (round > 0 || !selects) continue;
+    BundleSelection selection = select_sensor_parameters(task, state);
+    solution.sensor_covariance = selection.covariance;
+    task.sensor = selection.sensor;
+    state = std::move(selection.state);
   }
   solution.chi2_before = bundle_cost(task, start);
   solution.chi2_after = bundle_cost(task, state);
-  const bool wants_covariance = options.pose_covariances || !free_sensor_parameters(problem.sensor).empty();
-  if (wants_covariance) {
+  for (const int k : free_sensor_parameters(task.sensor)) solution.sensor_free[static_cast<size_t>(k)] = true;
+  const bool wants_sensor = !selects && !free_sensor_parameters(problem.sensor).empty();
+  if (options.pose_covariances || wants_sensor) {
     BundleCovariance covariance = bundle_covariance(task, state);
-    solution.sensor_covariance = covariance.sensor;
+    if (wants_sensor) solution.sensor_covariance = covariance.sensor;
     solution.pose_covariance = std::move(covariance.poses);
   }
   solution.point_used = used_points(task);

@@ -49,7 +49,7 @@ struct BundleOptions {
   BundleSolver solver = BundleSolver::kBuiltin;
   int rounds = 2;
   int max_iterations = 10;
-  double tolerance = 1e-5;
+  double tolerance = 1e-5;  ///< of the last round; earlier rounds only serve to find the outliers
   double robust_width = kKeypointRobustWidth;    ///< scale of the Huber loss, standard deviations
   double inlier_chi2_pixel = kChi2At95With2Dof;  ///< maximum squared pixel residual of an inlier
   double inlier_chi2_depth = kChi2At95With1Dof;  ///< maximum squared depth residual
@@ -77,7 +77,9 @@ struct BundleSolution {
   std::vector<uint8_t> point_used;  ///< 0 = too few observations (one without depth, or only outliers)
   std::vector<uint8_t> outliers;    ///< 1 = pixel outlier (or a value that is not finite)
   SensorVector sensor = SensorVector::Zero();
-  SensorMatrix sensor_covariance = SensorMatrix::Zero();  ///< zero rows for constant parameters
+  /// Zero rows for constant parameters. If parameters are selected, of all free ones at the selection.
+  SensorMatrix sensor_covariance = SensorMatrix::Zero();
+  SensorFlags sensor_free{};  ///< parameters that are free in the last round
   /// Marginal covariance of each pose T * exp(x), x = (translation [m]; rotation [rad]) in its own axes,
   /// given exact constant poses. Zero for constant poses; infinite diagonal for directions that nothing
   /// observes. Empty unless `pose_covariances` is set.

@@ -1,12 +1,16 @@
 // Bundle adjustment by Levenberg-Marquardt on the Schur complement.
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kinloop/optimize/bundle/bundle_schur.hpp"
 #include "kinloop/optimize/levenberg_marquardt.hpp"
 
 namespace kinloop {
 namespace {
+
+constexpr double kSelectionDamping = 1e-9;  // the state is close to the minimum
 
 /// Adapter of bundle adjustment for minimize_levenberg_marquardt.
 class BundleMinimizer {
@@ -23,7 +27,7 @@ class BundleMinimizer {
   [[nodiscard]] bool is_negligible(const BundleStep&, double) const { return false; }
   [[nodiscard]] bool has_converged(const BundleStep&, const LevenbergMarquardtTrial& trial) const {
     const double cost = trial.accepted ? trial.next_cost : trial.cost;
-    return std::abs(trial.decrease()) <= task_.options.tolerance * cost;
+    return std::abs(trial.decrease()) <= task_.tolerance * cost;
   }
 
  private:
@@ -39,6 +43,28 @@ BundleRoundResult minimize_builtin(const BundleTask& task, const BundleState& st
   auto result =
       minimize_levenberg_marquardt(problem, start, kDamping, {.max_steps = task.options.max_iterations});
   return {std::move(result.state), result.steps, result.converged};
+}
+
+BundleSelection select_sensor_parameters(const BundleTask& task, const BundleState& state) {
+  BundleSchur schur(task);
+  schur.linearize(state);
+  BundleSelection selection{schur.covariance().sensor, task.sensor, state};
+  SensorVector held_steps = SensorVector::Constant(std::numeric_limits<double>::quiet_NaN());
+  for (const int k : free_sensor_parameters(task.sensor)) {
+    const double sigma = std::sqrt(std::max(selection.covariance(k, k), 0.0));
+    if (task.sensor.accepts(k, state.sensor(k), sigma)) continue;
+    held_steps(k) = task.sensor.prior_mean(k) - state.sensor(k);
+    selection.sensor.prior_sigma(k) = 0;
+    selection.state.sensor(k) = task.sensor.prior_mean(k);
+  }
+  const auto step = schur.solve(kSelectionDamping, held_steps);
+  if (!step) return selection;
+  BundleState stepped = schur.apply(state, *step);
+  for (const int k : free_sensor_parameters(task.sensor)) {
+    if (selection.sensor.prior_sigma(k) == 0) stepped.sensor(k) = task.sensor.prior_mean(k);
+  }
+  if (bundle_cost(task, stepped) < bundle_cost(task, selection.state)) selection.state = std::move(stepped);
+  return selection;
 }
 
 BundleCovariance bundle_covariance(const BundleTask& task, const BundleState& state) {

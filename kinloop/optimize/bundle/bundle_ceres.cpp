@@ -173,7 +173,7 @@ void add_parameters(const BundleTask& task, Blocks& blocks, ceres::Problem& prob
   problem.AddParameterBlock(blocks.sensor.data(), kSensorParameterCount);
   std::vector<int> held;
   for (int i = 0; i < kSensorParameterCount; ++i) {
-    if (!(task.problem.sensor.prior_sigma(i) > 0)) held.push_back(i);
+    if (!(task.sensor.prior_sigma(i) > 0)) held.push_back(i);
   }
   if (held.size() == kSensorParameterCount) {
     problem.SetParameterBlockConstant(blocks.sensor.data());
@@ -200,18 +200,17 @@ void add_residuals(const BundleTask& task, Blocks& blocks, ceres::LossFunction* 
     }
   }
   SensorVector sensor = SensorVector::Zero();
-  for (const int i : free_sensor_parameters(task.problem.sensor)) {
-    sensor(i) = sensor_information(task.problem.sensor, i);
+  for (const int i : free_sensor_parameters(task.sensor)) {
+    sensor(i) = sensor_information(task.sensor, i);
   }
-  problem.AddResidualBlock(new PriorCost(task.problem.sensor.prior_mean, sensor), nullptr,
-                           blocks.sensor.data());
+  problem.AddResidualBlock(new PriorCost(task.sensor.prior_mean, sensor), nullptr, blocks.sensor.data());
 }
 
 ceres::Solver::Options solver_options(const BundleTask& task, const Blocks& blocks, ceres::Problem& problem) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_SCHUR;
   options.max_num_iterations = task.options.max_iterations;
-  options.function_tolerance = task.options.tolerance;
+  options.function_tolerance = task.tolerance;
   options.gradient_tolerance = 0;  // depends on units, unlike the relative decrease of the cost
   options.parameter_tolerance = 0;
   options.num_threads = 1;  // fixed summation order: identical results in every run

@@ -27,13 +27,13 @@ MeasurementModel measurement_model(const BundleTask& task, const SensorVector& s
 ObservationBlock block_at(const BundleTask& task, const BundleBlock& block, const BundleState& state) {
   ObservationBlock placed = block.measured;
   for (size_t lane = 0; lane < block.count; ++lane) {
-    const uint32_t i = block.observations[lane];
-    const Eigen::Vector3d& p_world = state.p_world[task.problem.observations[i].point];
+    const BundleUse use = task.uses[block.observations[lane]];
+    const Eigen::Vector3d& p_world = state.p_world[block.points[lane]];
     placed.x[lane] = p_world.x();
     placed.y[lane] = p_world.y();
     placed.z[lane] = p_world.z();
-    placed.uses_pixel[lane] = task.uses[i] != BundleUse::kNothing ? 1 : 0;
-    placed.uses_depth[lane] = task.uses[i] == BundleUse::kPixelAndDepth ? 1 : 0;
+    placed.uses_pixel[lane] = use != BundleUse::kNothing ? 1 : 0;
+    placed.uses_depth[lane] = use == BundleUse::kPixelAndDepth ? 1 : 0;
   }
   return placed;
 }
@@ -52,19 +52,21 @@ LinearizedObservation linearize_observation(const BundleTask& task, const Keypoi
   MeasurementModel model = measurement_model(task, sensor);
   model.robust_width = std::numeric_limits<double>::infinity();  // without weights
 
-  constexpr size_t kRows = kRowsPerObservation * ObservationBlock::kSize;
-  const RowLayout layout(true, true);
-  std::array<double, kRows * kMaxGramWidth> rows{};
-  std::array<double, kRows * 3> by_point{};
-  linearize_block(block, view, model, layout, rows.data(), by_point.data());
-  const Eigen::Map<const Eigen::Matrix<double, 3, kMaxGramWidth, Eigen::RowMajor>> row(rows.data());
+  constexpr size_t kLanes = ObservationBlock::kSize, kWidth = LinearColumns::kMaxWidth;
+  const LinearColumns layout = LinearColumns::of_all();
+  std::array<double, kRowsPerObservation * kWidth * kLanes> columns{};
+  linearize_block(block, view, model, layout, columns.data());
+  const Eigen::Map<const Eigen::Matrix<double, 3, kWidth, Eigen::RowMajor>, 0,
+                   Eigen::Stride<kWidth * kLanes, kLanes>>
+      row(columns.data());  // of the first lane
+  const auto at = [](size_t column) { return static_cast<Eigen::Index>(column); };
   LinearizedObservation linear;
   linear.seen = block_residuals(block, view, model).seen[0] > 0;
-  linear.e = row.col(static_cast<Eigen::Index>(layout.residual));
+  linear.e = row.col(LinearColumns::kResidual);
   linear.J_pose = row.leftCols<6>();
-  linear.J_velocity = row.middleCols<6>(static_cast<Eigen::Index>(*layout.velocity));
-  linear.J_point = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(by_point.data());
-  linear.J_sensor = row.middleCols<kSensorParameterCount>(static_cast<Eigen::Index>(*layout.sensor));
+  linear.J_velocity = row.middleCols<6>(at(*layout.velocity));
+  linear.J_point = row.middleCols<3>(at(*layout.point));
+  linear.J_sensor = row.middleCols<kSensorParameterCount>(layout.of_sensor[0]);
   return linear;
 }
 
@@ -95,9 +97,9 @@ double bundle_cost(const BundleTask& task, const BundleState& state) {
     }
   });
   double cost = std::accumulate(cost_of_pose.begin(), cost_of_pose.end(), 0.0);
-  const SensorVector moved = state.sensor - task.problem.sensor.prior_mean;
-  for (const int i : free_sensor_parameters(task.problem.sensor)) {
-    cost += moved(i) * moved(i) * sensor_information(task.problem.sensor, i);
+  const SensorVector moved = state.sensor - task.sensor.prior_mean;
+  for (const int i : free_sensor_parameters(task.sensor)) {
+    cost += moved(i) * moved(i) * sensor_information(task.sensor, i);
   }
   return cost;
 }

@@ -25,7 +25,14 @@ enum class BundleUse : uint8_t { kNothing, kPixel, kPixelAndDepth };
 struct BundleBlock {
   ObservationBlock measured;
   std::array<uint32_t, ObservationBlock::kSize> observations{};  ///< index in the problem
+  std::array<uint32_t, ObservationBlock::kSize> points{};        ///< index in the problem
   size_t count = 0;
+};
+
+/// Memory that is reused from round to round.
+struct BundleBuffers {
+  std::vector<double> products;    ///< see PointProducts
+  std::vector<double> eliminated;  ///< see eliminate_point
 };
 
 /// A problem reduced to its usable parts, as input of the solvers.
@@ -36,6 +43,9 @@ struct BundleTask {
   std::vector<Velocity> velocities;  ///< per pose
   std::vector<BundleUse> uses;       ///< per observation; a point with any use is constrained
   std::vector<std::vector<BundleBlock>> blocks_of_pose = {};  ///< all usable observations
+  SensorCalibration sensor = {};                              ///< without the parameters no longer free
+  double tolerance = 0;                                       ///< of this round
+  mutable BundleBuffers buffers = {};
 };
 
 /// Returns the camera, sensor and weights of a task.
@@ -88,5 +98,14 @@ struct BundleCovariance {
   std::vector<Matrix6d> poses;  ///< empty unless requested
 };
 BundleCovariance bundle_covariance(const BundleTask& task, const BundleState& state);
+
+/// A linear step from `state` that takes the rejected parameters to their prior means, given the covariance
+/// of all, and everything else to the minimum for that.
+struct BundleSelection {
+  SensorMatrix covariance = SensorMatrix::Zero();
+  SensorCalibration sensor;  ///< the rejected parameters are constant
+  BundleState state;
+};
+BundleSelection select_sensor_parameters(const BundleTask& task, const BundleState& state);
 
 }  // namespace kinloop

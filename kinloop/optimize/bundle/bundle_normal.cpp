@@ -3,44 +3,41 @@
 #include <algorithm>
 
 #include "kinloop/base/parallel_for.hpp"
-#include "kinloop/optimize/kernels/gram.hpp"
 
 namespace kinloop {
 namespace {
 
-using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// The three rows of one observation.
-template <int kColumns>
-using Rows = Eigen::Map<const Eigen::Matrix<double, 3, kColumns, Eigen::RowMajor>, 0, Eigen::OuterStride<>>;
+constexpr size_t kLanes = ObservationBlock::kSize;
 
 }  // namespace
 
 BundleNormalEquations::BundleNormalEquations(const BundleTask& bundle_task)
     : task(bundle_task),
-      sensor_free((bundle_task.problem.sensor.prior_sigma.array() > 0).cast<double>()),
-      has_sensor(sensor_free.any()),
-      layout(false, has_sensor) {
+      columns(LinearColumns::of_bundle(bundle_task.sensor.prior_sigma)),
+      products(columns) {
   number_unknowns();
-  make_rows();
+  list_slots_of_cameras();
   make_pattern();
-  H_camera = BlockMatrix<kCameraDof>(pattern);
-  H_camera_point.resize(slots.size());
-  const auto size = static_cast<Eigen::Index>(kCameraDof * pose_of_camera.size());
-  g_camera = Eigen::VectorXd::Zero(size);
-  H_camera_sensor = CameraSensor::Zero(size, kSensor);
-  if (has_sensor) H_sensor_point.resize(points.size());
+  const size_t cameras = pose_of_camera.size();
+  H_camera.resize(cameras);
+  H_camera_common.setZero(static_cast<Eigen::Index>(kCameraDof * cameras),
+                          static_cast<Eigen::Index>(products.common));
+  point_sums.resize(points.size() * products.sums());
+  // One more than needed: where observations write that are not in use.
+  auto& memory = task.buffers.products;
+  const size_t needed = (camera_of_slot.size() + 1) * products.size();
+  if (memory.size() < needed) memory = std::vector<double>(needed);
 }
 
-/// Sorts the observations in use by point and numbers the free unknowns.
+/// Numbers the free unknowns and sorts the observations in use by point.
 void BundleNormalEquations::number_unknowns() {
   const BundleProblem& problem = task.problem;
   const size_t poses = problem.T_world_camera.size();
-  std::vector<std::vector<uint32_t>> seen(problem.p_world.size());
+  std::vector<uint32_t> end_of_point(problem.p_world.size() + 1, 0);
   std::vector<uint8_t> touched(poses, 0);
-  for (uint32_t i = 0; i < problem.observations.size(); ++i) {
+  for (size_t i = 0; i < task.uses.size(); ++i) {
     if (task.uses[i] == BundleUse::kNothing) continue;
-    seen[problem.observations[i].point].push_back(i);
+    ++end_of_point[problem.observations[i].point + 1];
     touched[problem.observations[i].pose] = 1;
   }
   camera_of_pose.assign(poses, -1);
@@ -49,39 +46,56 @@ void BundleNormalEquations::number_unknowns() {
     camera_of_pose[pose] = static_cast<int>(pose_of_camera.size());
     pose_of_camera.push_back(pose);
   }
-  slots_of_pose.resize(poses);
-  for (uint32_t id = 0; id < seen.size(); ++id) {
-    if (seen[id].empty()) continue;
-    Point point;
-    point.id = id;
-    point.first = slots.size();
-    for (const uint32_t i : seen[id]) {
-      const uint32_t pose = problem.observations[i].pose;
-      slots_of_pose[pose].push_back(static_cast<uint32_t>(slots.size()));
-      slots.push_back({i, camera_of_pose[pose], static_cast<uint32_t>(points.size())});
+  for (size_t i = 1; i < end_of_point.size(); ++i) end_of_point[i] += end_of_point[i - 1];
+  const std::vector<uint32_t> first_of_point = end_of_point;
+  std::vector<uint32_t> observations(first_of_point.back());
+  for (uint32_t i = 0; i < task.uses.size(); ++i) {
+    if (task.uses[i] == BundleUse::kNothing) continue;
+    observations[end_of_point[problem.observations[i].point]++] = i;
+  }
+  number_slots(std::move(observations), first_of_point);
+}
+
+/// Sorts the observations of each point by camera and assigns their slots to the blocks.
+void BundleNormalEquations::number_slots(std::vector<uint32_t> observations,
+                                         const std::vector<uint32_t>& first_of_point) {
+  const auto camera_of = [&](uint32_t i) { return camera_of_pose[task.problem.observations[i].pose]; };
+  std::vector<uint32_t> slot_of(task.uses.size(), static_cast<uint32_t>(observations.size()));
+  camera_of_slot.reserve(observations.size());
+  for (uint32_t id = 0; id + 1 < first_of_point.size(); ++id) {
+    const uint32_t first = first_of_point[id], last = first_of_point[id + 1];
+    if (first == last) continue;
+    points.push_back({id, first, last});
+    std::sort(observations.begin() + first, observations.begin() + last, [&](uint32_t a, uint32_t b) {
+      return std::pair(camera_of(a), a) < std::pair(camera_of(b), b);
+    });
+    for (uint32_t slot = first; slot < last; ++slot) {
+      slot_of[observations[slot]] = slot;
+      camera_of_slot.push_back(camera_of(observations[slot]));
     }
-    point.last = slots.size();
-    points.push_back(point);
+  }
+  for (const auto& blocks_of_pose : task.blocks_of_pose) {
+    first_block_.push_back(slots_of_block_.size());
+    for (const BundleBlock& block : blocks_of_pose) {
+      auto& slots = slots_of_block_.emplace_back();
+      slots.fill(static_cast<uint32_t>(observations.size()));
+      for (size_t lane = 0; lane < block.count; ++lane) slots[lane] = slot_of[block.observations[lane]];
+    }
   }
 }
 
-/// Assigns rows to every observation, in use or not.
-void BundleNormalEquations::make_rows() {
-  std::vector<size_t> row_of(task.uses.size());
-  size_t blocks = 0;
-  for (const auto& blocks_of_pose : task.blocks_of_pose) {
-    first_block.push_back(blocks);
-    for (const BundleBlock& block : blocks_of_pose) {
-      for (size_t lane = 0; lane < block.count; ++lane) {
-        row_of[block.observations[lane]] = blocks * ObservationBlock::kSize + lane;
-      }
-      ++blocks;
+void BundleNormalEquations::list_slots_of_cameras() {
+  slots_of_camera.resize(pose_of_camera.size());
+  for (uint32_t index = 0; index < points.size(); ++index) {
+    const Point& point = points[index];
+    uint32_t first_of_camera = point.first;
+    for (uint32_t slot = point.first; slot < point.last; ++slot) {
+      const int camera = camera_of_slot[slot];
+      if (camera != camera_of_slot[first_of_camera]) first_of_camera = slot;
+      if (camera < 0) continue;
+      slots_of_camera[static_cast<size_t>(camera)].push_back({slot, first_of_camera, point.last, index});
     }
   }
-  for (Slot& slot : slots) slot.place = row_of[slot.observation];
-  const size_t row_count = blocks * ObservationBlock::kSize * kRowsPerObservation;
-  rows.resize(row_count * layout.width);
-  J_point.resize(row_count * 3);
 }
 
 /// Two cameras are coupled if they observe a common point.
@@ -90,10 +104,9 @@ void BundleNormalEquations::make_pattern() {
   pattern.size = cameras;
   for (uint32_t column = 0; column < cameras; ++column) {
     std::vector<uint8_t> in_column(cameras, 0);
-    for (const uint32_t slot : slots_of_pose[pose_of_camera[column]]) {
-      const Point& point = points[slots[slot].point];
-      for (size_t other = point.first; other < point.last; ++other) {
-        if (slots[other].camera >= 0) in_column[static_cast<size_t>(slots[other].camera)] = 1;
+    for (const SchurColumn::Slot& slot : slots_of_camera[column]) {
+      for (size_t other = slot.first; other < slot.last; ++other) {
+        in_column[static_cast<size_t>(camera_of_slot[other])] = 1;
       }
     }
     column_begin.push_back(pattern.off_diagonal.size());
@@ -107,81 +120,73 @@ void BundleNormalEquations::make_pattern() {
 void BundleNormalEquations::linearize(const BundleState& state) {
   const auto views = views_of(task, state);
   const int threads = task.options.threads;
-  H_camera.set_zero();
-  std::vector<SensorPart> parts(views.size());
+  std::vector<Eigen::MatrixXd> parts(views.size());
   parallel_for(parts.size(), threads, [&](size_t begin, size_t end) {
     for (size_t pose = begin; pose < end; ++pose) parts[pose] = linearize_pose(pose, state, views[pose]);
   });
   parallel_for(points.size(), threads, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) sum_point(points[i]);
+    for (size_t i = begin; i < end; ++i) sum_point(i);
   });
-  H_sensor = SensorVector(SensorVector::Ones() - sensor_free).asDiagonal();  // fixed parameters do not move
-  g_sensor.setZero();
-  for (const SensorPart& part : parts) {
-    H_sensor += part.H;
-    g_sensor += part.g;
+  const auto common = static_cast<Eigen::Index>(products.common);
+  H_common.setZero(common, common);
+  for (const Eigen::MatrixXd& part : parts) {
+    if (part.size() > 0) H_common += part;
   }
   add_priors(state);
 }
 
-/// Fills in the rows of a pose, sums their contribution to the pose block and returns that to the sensor
-/// block.
-BundleNormalEquations::SensorPart BundleNormalEquations::linearize_pose(size_t pose, const BundleState& state,
-                                                                        const BundleView& view) {
-  constexpr size_t kRows = ObservationBlock::kSize * kRowsPerObservation;
+/// Writes the point products of a pose's observations, sums their contribution to the pose block and returns
+/// that to the common block (empty if nothing needs it).
+Eigen::MatrixXd BundleNormalEquations::linearize_pose(size_t pose, const BundleState& state,
+                                                      const BundleView& view) {
   const MeasurementModel model = measurement_model(task, state.sensor);
-  const auto width = static_cast<Eigen::Index>(layout.width);
-  RowMajorMatrix gram = RowMajorMatrix::Zero(width, width);
-  size_t row = first_block[pose] * kRows;
-  for (const BundleBlock& block : task.blocks_of_pose[pose]) {
-    double* const begin = &rows[row * layout.width];
-    linearize_block(block_at(task, block, state), view, model, layout, begin, &J_point[row * 3]);
-    add_gram(begin, kRows, layout.width, gram.data());
-    row += kRows;
-  }
-  const auto residual = static_cast<Eigen::Index>(layout.residual);
   const int camera = camera_of_pose[pose];
+  const bool sums_gram = camera >= 0 || has_sensor();
+  alignas(64) std::array<double, kRowsPerObservation * LinearColumns::kMaxWidth * kLanes> values{};
+  const GramColumns summed(columns);
+  std::vector<double> sums(sums_gram ? summed.sums() : 0, 0);
+  const auto& blocks = task.blocks_of_pose[pose];
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    const auto& slots = slots_of_block_[first_block_[pose] + i];
+    linearize_block(block_at(task, blocks[i], state), view, model, columns, values.data());
+    if (sums_gram) add_block_gram(summed, values.data(), sums.data());
+    std::array<double*, kLanes> records;
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      records[lane] = &task.buffers.products[slots[lane] * products.size()];
+    }
+    write_point_products(columns, values.data(), records);
+  }
+  if (!sums_gram) return {};
+  const Eigen::MatrixXd gram = gram_of_sums(summed, sums);
   if (camera >= 0) {
-    H_camera.diagonal[static_cast<size_t>(camera)] =
+    H_camera[static_cast<size_t>(camera)] =
         gram.topLeftCorner<kCameraDof, kCameraDof>().selfadjointView<Eigen::Upper>();
-    g_camera.segment<kCameraDof>(kCameraDof * camera) = gram.col(residual).head<kCameraDof>();
+    H_camera_common.middleRows<kCameraDof>(kCameraDof * camera) =
+        gram.topRightCorner(kCameraDof, H_camera_common.cols());
   }
-  SensorPart part;
-  if (!has_sensor) return part;
-  if (camera >= 0) {
-    H_camera_sensor.middleRows<kCameraDof>(kCameraDof * camera) =
-        gram.block<kCameraDof, kSensor>(0, kCameraDof) * sensor_free.asDiagonal();
-  }
-  part.H = gram.block<kSensor, kSensor>(kCameraDof, kCameraDof).selfadjointView<Eigen::Upper>();
-  part.H = (sensor_free.asDiagonal() * part.H * sensor_free.asDiagonal()).eval();
-  part.g = sensor_free.cwiseProduct(gram.col(residual).segment<kSensor>(kCameraDof));
-  return part;
+  if (!has_sensor()) return {};
+  return gram.bottomRightCorner(H_camera_common.cols(), H_camera_common.cols())
+      .selfadjointView<Eigen::Upper>();
 }
 
-/// Sums the contributions of a point's observations to its own block and to those shared with cameras and
-/// sensor.
-void BundleNormalEquations::sum_point(Point& point) {
-  point.H.setZero();
-  point.g.setZero();
-  SensorPoint J_sensor = SensorPoint::Zero();
-  const Eigen::OuterStride<> stride(static_cast<Eigen::Index>(layout.width));
-  for (size_t i = point.first; i < point.last; ++i) {
-    const size_t row = slots[i].place * kRowsPerObservation;
-    const Rows<Eigen::Dynamic> all(&rows[row * layout.width], 3, stride.outer(), stride);
-    const Rows<3> J(&J_point[row * 3], 3, 3, Eigen::OuterStride<>(3));
-    H_camera_point[i].noalias() = all.leftCols<kCameraDof>().transpose().lazyProduct(J);
-    point.H.noalias() += J.transpose().lazyProduct(J);
-    point.g.noalias() += J.transpose() * all.col(static_cast<Eigen::Index>(layout.residual));
-    if (has_sensor) J_sensor.noalias() += all.middleCols<kSensor>(kCameraDof).transpose().lazyProduct(J);
+void BundleNormalEquations::sum_point(size_t index) {
+  const auto size = static_cast<Eigen::Index>(products.sums());
+  Eigen::Map<Eigen::VectorXd> sums(&point_sums[index * products.sums()], size);
+  sums.setZero();
+  for (size_t slot = points[index].first; slot < points[index].last; ++slot) {
+    sums += Eigen::Map<const Eigen::VectorXd>(products_of(slot) + PointProducts::kPose, size);
   }
-  if (has_sensor) H_sensor_point[slots[point.first].point] = sensor_free.asDiagonal() * J_sensor;
 }
 
 void BundleNormalEquations::add_priors(const BundleState& state) {
-  for (const int i : free_sensor_parameters(task.problem.sensor)) {
-    const double information = sensor_information(task.problem.sensor, i);
-    H_sensor(i, i) += information;
-    g_sensor(i) += information * (state.sensor(i) - task.problem.sensor.prior_mean(i));
+  for (size_t i = 0; i < columns.sensor_count; ++i) {
+    const int k = columns.sensor_parameters[i];
+    const auto column = static_cast<Eigen::Index>(i) + 1;
+    const double information = sensor_information(task.sensor, k);
+    H_common(column, column) += information;
+    const double gradient = information * (state.sensor(k) - task.sensor.prior_mean(k));
+    H_common(0, column) += gradient;
+    H_common(column, 0) += gradient;
   }
 }
 

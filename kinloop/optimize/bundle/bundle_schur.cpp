@@ -1,10 +1,13 @@
 #include "kinloop/optimize/bundle/bundle_schur.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <Eigen/LU>
 
 #include "kinloop/base/parallel_for.hpp"
+#include "kinloop/optimize/kernels/gram.hpp"
 
 namespace kinloop {
 namespace {
@@ -22,13 +25,27 @@ void damp(Diagonal&& diagonal, double damping) {
 
 /// Inverse, with scaling for mixed units. Unconstrained parameters get a huge variance instead of an infinite
 /// one, to keep the arithmetic finite.
-SensorMatrix sensor_inverse(SensorMatrix information) {
+Eigen::MatrixXd sensor_inverse(Eigen::MatrixXd information) {
   constexpr double kMinStiffness = 1e-11;
-  const SensorVector scale = information.diagonal().cwiseMax(kMinDiagonal).cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd scale = information.diagonal().cwiseMax(kMinDiagonal).cwiseSqrt().cwiseInverse();
   information = (scale.asDiagonal() * information * scale.asDiagonal()).eval();
   information.diagonal().array() += kMinStiffness;
-  const SensorMatrix inverse = information.llt().solve(SensorMatrix::Identity());
+  const auto size = information.rows();
+  const Eigen::MatrixXd inverse = information.llt().solve(Eigen::MatrixXd::Identity(size, size));
   return scale.asDiagonal() * inverse * scale.asDiagonal();
+}
+
+/// Replaces the equation of unknown k in S x = b by x(k) = step.
+void prescribe(Eigen::Index k, double step, Eigen::MatrixXd& S, Eigen::VectorXd& b) {
+  b -= S.col(k) * step;
+  S.row(k).setZero();
+  S.col(k).setZero();
+  S(k, k) = 1;
+  b(k) = step;
+}
+
+size_t rounded_up(size_t value, size_t step) {
+  return (value + step - 1) / step * step;
 }
 
 }  // namespace
@@ -37,105 +54,153 @@ BundleSchur::BundleSchur(const BundleTask& task)
     : normal_(task),
       plan_(plan_elimination(normal_.pattern)),
       cholesky_(plan_),
-      H_point_inverse_(normal_.points.size()),
-      Y_(normal_.slots.size()) {}
+      factors_(normal_.points.size()),
+      common_stride_(normal_.has_sensor() ? rounded_up(normal_.products.common, kWidthStep) : 1),
+      common_(3 * common_stride_ * normal_.points.size()) {
+  auto& memory = task.buffers.eliminated;
+  const size_t needed = kEliminatedSize * normal_.camera_of_slot.size();
+  if (memory.size() < needed) memory = std::vector<double>(needed);
+}
 
-void BundleSchur::invert_points(double damping) {
+void BundleSchur::eliminate_points(double damping) {
+  const size_t common = normal_.products.common;
+  std::vector<double>& U = normal_.task.buffers.eliminated;
   parallel_for(normal_.points.size(), normal_.task.options.threads, [&](size_t begin, size_t end) {
     for (size_t index = begin; index < end; ++index) {
-      const auto& point = normal_.points[index];
-      Eigen::Matrix3d H = point.H;
-      H.diagonal() *= 1 + damping;
-      bool invertible = false;
-      H.computeInverseWithCheck(H_point_inverse_[index], invertible);
-      if (!invertible) H_point_inverse_[index].setZero();  // the point does not move
-      for (size_t i = point.first; i < point.last; ++i) {
-        Y_[i].noalias() = normal_.H_camera_point[i] * H_point_inverse_[index];
+      const double* sums = normal_.sums_of(index);
+      std::array<double, 6> H;
+      std::copy_n(sums + 3 * common, 6, H.begin());
+      for (const size_t diagonal : {0, 3, 5}) H[diagonal] *= 1 + damping;
+      const PointFactor f(H);
+      factors_[index] = f;
+      double* const to = &common_[3 * common_stride_ * index];
+      for (size_t c = 0; c < common; ++c) {
+        const double u0 = sums[c] * f.i00, u1 = (sums[common + c] - f.l10 * u0) * f.i11;
+        to[c] = u0;
+        to[common_stride_ + c] = u1;
+        to[2 * common_stride_ + c] = (sums[2 * common + c] - f.l20 * u0 - f.l21 * u1) * f.i22;
       }
+      const auto& point = normal_.points[index];
+      eliminate_point(f, normal_.products_of(point.first), normal_.products.size(), point.last - point.first,
+                      &U[point.first * kEliminatedSize]);
     }
   });
 }
 
 /// Eliminates the points from one column of the camera system and from its right-hand sides.
 void BundleSchur::reduce_column(size_t camera, Reduced& system) const {
-  std::vector<Normal::Block*> block_of(system.A.diagonal.size(), nullptr);  // indexed by row
-  block_of[camera] = &system.A.diagonal[camera];
-  for (size_t i = normal_.column_begin[camera]; i < normal_.column_begin[camera + 1]; ++i) {
-    block_of[normal_.pattern.off_diagonal[i].first] = &system.A.off_diagonal[i];
+  const size_t first = normal_.column_begin[camera], last = normal_.column_begin[camera + 1];
+  std::vector<uint32_t> block_of(system.A.diagonal.size(), 0);  // 0: the diagonal
+  for (size_t i = first; i < last; ++i) {
+    block_of[normal_.pattern.off_diagonal[i].first] = static_cast<uint32_t>(1 + i - first);
   }
-  const auto row = static_cast<Eigen::Index>(kCameraDof * camera);
-  auto a = system.a.segment<kCameraDof>(row);
-  auto B = system.B.middleRows<kCameraDof>(row);
-  for (const uint32_t i : normal_.slots_of_pose[normal_.pose_of_camera[camera]]) {
-    const uint32_t index = normal_.slots[i].point;
-    const auto& point = normal_.points[index];
-    const Eigen::Matrix<double, 3, kCameraDof> Y = Y_[i].transpose();
-    for (size_t other = point.first; other < point.last; ++other) {
-      const int other_camera = normal_.slots[other].camera;
-      if (other_camera < static_cast<int>(camera)) continue;
-      block_of[static_cast<size_t>(other_camera)]->noalias() -= normal_.H_camera_point[other].lazyProduct(Y);
-    }
-    a.noalias() += Y_[i] * point.g;
-    if (normal_.has_sensor) B.noalias() -= Y_[i].lazyProduct(normal_.H_sensor_point[index].transpose());
+  const size_t common = normal_.products.common;
+  std::vector<double> blocks((1 + last - first) * kSchurBlockSize, 0), right(common * kEliminatedWidth, 0);
+  const SchurColumn column{normal_.slots_of_camera[camera],
+                           block_of,
+                           normal_.camera_of_slot.data(),
+                           normal_.task.buffers.eliminated.data(),
+                           common_.data(),
+                           common,
+                           common_stride_};
+  add_schur_column(column, blocks.data(), right.data());
+  const auto block = [&](size_t i) {
+    return Eigen::Map<const Normal::Block, 0, Eigen::OuterStride<>>(&blocks[i * kSchurBlockSize],
+                                                                    Eigen::OuterStride<>(kEliminatedWidth));
+  };
+  system.A.diagonal[camera] -= block(0);
+  for (size_t i = first; i < last; ++i) system.A.off_diagonal[i] = -block(1 + i - first);
+  for (size_t c = 0; c < common; ++c) {
+    system.a_B.col(static_cast<Eigen::Index>(c))
+        .segment<kCameraDof>(static_cast<Eigen::Index>(kCameraDof * camera)) -=
+        Eigen::Map<const Vector6d>(&right[c * kEliminatedWidth]);
   }
 }
 
 void BundleSchur::reduce_sensor(Reduced& system) const {
-  for (size_t i = 0; i < normal_.H_sensor_point.size(); ++i) {
-    const auto& H = normal_.H_sensor_point[i];
-    const Eigen::Matrix<double, Normal::kSensor, 3> Y = H.lazyProduct(H_point_inverse_[i]);
-    system.S.noalias() -= Y.lazyProduct(H.transpose());
-    system.b.noalias() += Y * normal_.points[i].g;
-  }
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto stride = static_cast<Eigen::Index>(common_stride_);
+  RowMajor gram = RowMajor::Zero(stride, stride);
+  add_gram(common_.data(), 3 * normal_.points.size(), common_stride_, gram.data());
+  const auto size = system.S.rows();
+  system.S -= Eigen::MatrixXd(gram.topLeftCorner(size, size).selfadjointView<Eigen::Upper>());
 }
 
 BundleSchur::Reduced BundleSchur::reduce(double damping) {
-  invert_points(damping);
-  Reduced system{normal_.H_camera, normal_.H_camera_sensor, normal_.H_sensor, -normal_.g_camera,
-                 -normal_.g_sensor};
+  eliminate_points(damping);
+  Reduced system{BlockMatrix<kCameraDof>(normal_.pattern), normal_.H_camera_common, normal_.H_common};
   const size_t cameras = system.A.diagonal.size();
-  for (auto& block : system.A.diagonal) damp(block.diagonal(), damping);
-  damp(system.S.diagonal(), damping);
+  for (size_t c = 0; c < cameras; ++c) {
+    system.A.diagonal[c] = normal_.H_camera[c];
+    damp(system.A.diagonal[c].diagonal(), damping);
+  }
+  damp(system.S.diagonal().tail(system.S.rows() - 1), damping);
   parallel_for(cameras, normal_.task.options.threads, [&](size_t begin, size_t end) {
     for (size_t c = begin; c < end; ++c) reduce_column(c, system);
   });
-  reduce_sensor(system);
+  if (normal_.has_sensor()) reduce_sensor(system);
   return system;
 }
 
-std::optional<BundleStep> BundleSchur::solve(double damping) {
+std::optional<BundleStep> BundleSchur::solve(double damping, const SensorVector& sensor_steps) {
   const Reduced system = reduce(damping);
   if (!cholesky_.factorize(system.A)) return std::nullopt;
+  const Eigen::MatrixXd A_inverse_a_B = cholesky_.solve<Eigen::MatrixXd>(system.a_B);
+  const auto sensor = sensor_step(system, A_inverse_a_B, sensor_steps);
+  if (!sensor) return std::nullopt;
   BundleStep step;
-  step.cameras = cholesky_.solve(system.a);
-  if (normal_.has_sensor) {
-    const CameraSensor A_inverse_B = cholesky_.solve<Eigen::MatrixXd>(system.B);
-    const Eigen::LLT<SensorMatrix> llt(system.S - system.B.transpose() * A_inverse_B);
-    if (llt.info() != Eigen::Success) return std::nullopt;
-    step.sensor = llt.solve(system.b - system.B.transpose() * step.cameras);
-    step.cameras -= A_inverse_B * step.sensor;
+  step.cameras = -A_inverse_a_B.col(0) - A_inverse_a_B.rightCols(sensor->size()) * *sensor;
+  for (size_t i = 0; i < normal_.columns.sensor_count; ++i) {
+    step.sensor(normal_.columns.sensor_parameters[i]) = (*sensor)(static_cast<Eigen::Index>(i));
   }
-  step.points = point_steps(step);
+  step.points = point_steps(step.cameras, *sensor);
   const bool finite = step.cameras.allFinite() && step.sensor.allFinite();
   return finite ? std::optional(step) : std::nullopt;
 }
 
-/// Back-substitution of the points from cameras c and sensor s: H p = -g - H_camera_point' c -
-/// H_sensor_point' s.
-std::vector<Eigen::Vector3d> BundleSchur::point_steps(const BundleStep& step) const {
+/// Step of the free sensor parameters, or nullopt if their system is singular.
+std::optional<Eigen::VectorXd> BundleSchur::sensor_step(const Reduced& system,
+                                                        const Eigen::MatrixXd& A_inverse_a_B,
+                                                        const SensorVector& sensor_steps) const {
+  if (!normal_.has_sensor()) return Eigen::VectorXd();
+  const auto size = static_cast<Eigen::Index>(normal_.columns.sensor_count);
+  Eigen::MatrixXd S = system.sensor() - system.B().transpose() * A_inverse_a_B.rightCols(size);
+  Eigen::VectorXd b = system.B().transpose() * A_inverse_a_B.col(0) - system.b();
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const double prescribed = sensor_steps(normal_.columns.sensor_parameters[static_cast<size_t>(i)]);
+    if (!std::isnan(prescribed)) prescribe(i, prescribed, S, b);
+  }
+  const Eigen::LLT<Eigen::MatrixXd> llt(S);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  return llt.solve(b);
+}
+
+/// Back-substitution of the points from cameras c and sensor s: L' p = -(L^-1 g + U c + L^-1 H_point_sensor
+/// s).
+std::vector<Eigen::Vector3d> BundleSchur::point_steps(const Eigen::VectorXd& cameras,
+                                                      const Eigen::VectorXd& sensor) const {
   std::vector<Eigen::Vector3d> steps(normal_.points.size());
   parallel_for(steps.size(), normal_.task.options.threads, [&](size_t begin, size_t end) {
     for (size_t index = begin; index < end; ++index) {
       const auto& point = normal_.points[index];
-      Eigen::Vector3d right = -point.g;
-      if (normal_.has_sensor) right -= normal_.H_sensor_point[index].transpose() * step.sensor;
-      for (size_t i = point.first; i < point.last; ++i) {
-        const int camera = normal_.slots[i].camera;
-        if (camera < 0) continue;
-        right -=
-            normal_.H_camera_point[i].transpose() * step.cameras.segment<kCameraDof>(kCameraDof * camera);
+      Eigen::Vector3d sum;
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const double* common = &common_[(3 * index + static_cast<size_t>(axis)) * common_stride_];
+        sum(axis) = common[0] + Eigen::Map<const Eigen::VectorXd>(common + 1, sensor.size()).dot(sensor);
       }
-      steps[index] = H_point_inverse_[index] * right;
+      using Eliminated = Eigen::Map<const Eigen::Matrix<double, kCameraDof, 3>, 0, Eigen::OuterStride<>>;
+      for (size_t slot = point.first; slot < point.last; ++slot) {
+        const int camera = normal_.camera_of_slot[slot];
+        if (camera < 0) continue;
+        const Eliminated U(&normal_.task.buffers.eliminated[slot * kEliminatedSize],
+                           Eigen::OuterStride<>(kEliminatedWidth));
+        sum.noalias() += U.transpose() * cameras.segment<kCameraDof>(kCameraDof * camera);
+      }
+      const PointFactor& f = factors_[index];
+      Eigen::Vector3d& p = steps[index];
+      p.z() = -sum.z() * f.i22;
+      p.y() = (-sum.y() - f.l21 * p.z()) * f.i11;
+      p.x() = (-sum.x() - f.l10 * p.y() - f.l20 * p.z()) * f.i00;
     }
   });
   return steps;
@@ -164,8 +229,7 @@ BundleCovariance BundleSchur::covariance() {
 BundleCovariance BundleSchur::unconstrained_covariance() const {
   const BundleTask& task = normal_.task;
   BundleCovariance covariance;
-  covariance.sensor.diagonal() =
-      (normal_.sensor_free.array() > 0).select(SensorVector::Constant(kInfinity), 0);
+  for (const int k : free_sensor_parameters(task.sensor)) covariance.sensor(k, k) = kInfinity;
   if (!task.options.pose_covariances) return covariance;
   for (const uint8_t fixed : task.fixed) {
     covariance.poses.emplace_back(Vector6d::Constant(fixed != 0 ? 0 : kInfinity).asDiagonal());
@@ -177,18 +241,21 @@ BundleCovariance BundleSchur::unconstrained_covariance() const {
 /// the camera block is A^-1 plus the contribution of the sensor uncertainty.
 BundleCovariance BundleSchur::covariance_of(const Reduced& system) const {
   BundleCovariance covariance = unconstrained_covariance();
-  const CameraSensor A_inverse_B = cholesky_.solve<Eigen::MatrixXd>(system.B);
-  if (normal_.has_sensor) {
-    const auto& free = normal_.sensor_free;
-    const SensorMatrix all = sensor_inverse(system.S - system.B.transpose() * A_inverse_B);
-    covariance.sensor = free.asDiagonal() * all * free.asDiagonal();
+  const Eigen::MatrixXd B = system.B();
+  const Eigen::MatrixXd A_inverse_B = cholesky_.solve<Eigen::MatrixXd>(B);
+  const Eigen::MatrixXd sensor = sensor_inverse(system.sensor() - B.transpose() * A_inverse_B);
+  for (size_t i = 0; i < normal_.columns.sensor_count; ++i) {
+    for (size_t j = 0; j < normal_.columns.sensor_count; ++j) {
+      covariance.sensor(normal_.columns.sensor_parameters[i], normal_.columns.sensor_parameters[j]) =
+          sensor(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    }
   }
   if (!normal_.task.options.pose_covariances) return covariance;
   const auto diagonal = cholesky_.inverse_diagonal();
   for (size_t camera = 0; camera < diagonal.size(); ++camera) {
-    const auto J_sensor = A_inverse_B.middleRows<6>(static_cast<Eigen::Index>(kCameraDof * camera));
+    const auto J_sensor = A_inverse_B.middleRows<kCameraDof>(static_cast<Eigen::Index>(kCameraDof * camera));
     covariance.poses[normal_.pose_of_camera[camera]] =
-        diagonal[camera].topLeftCorner<6, 6>() + J_sensor * covariance.sensor * J_sensor.transpose();
+        diagonal[camera] + J_sensor * sensor * J_sensor.transpose();
   }
   return covariance;
 }

@@ -2,6 +2,7 @@
 // Steps of bundle adjustment: eliminates the points from the normal equations (Schur complement; Triggs et
 // al. 2000, section 6.1), solves the reduced camera system and back-substitutes the points.
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -24,7 +25,9 @@ class BundleSchur {
   void linearize(const BundleState& state) { normal_.linearize(state); }
 
   /// Returns the damped Gauss-Newton step from the linearised state, or nullopt if the system is singular.
-  std::optional<BundleStep> solve(double damping);
+  /// Sensor parameters for which `sensor_steps` is not NaN take these steps.
+  std::optional<BundleStep> solve(double damping,
+                                  const SensorVector& sensor_steps = SensorVector::Constant(kNaN));
 
   [[nodiscard]] BundleState apply(const BundleState& state, const BundleStep& step) const;
 
@@ -33,32 +36,40 @@ class BundleSchur {
   BundleCovariance covariance();
 
  private:
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   using Normal = BundleNormalEquations;
   static constexpr int kCameraDof = Normal::kCameraDof;
-  using CameraSensor = Normal::CameraSensor;
 
-  /// The reduced system of cameras c and sensor s after eliminating the points: [A B; B' S] (c; s) = (a; b).
+  /// The reduced system of cameras c and sensor s after eliminating the points: [A B; B' S] (c; s) = -(a; b).
   struct Reduced {
     BlockMatrix<kCameraDof> A;
-    CameraSensor B;
-    SensorMatrix S;
-    Eigen::VectorXd a;
-    SensorVector b;
+    Eigen::MatrixXd a_B;  ///< a, B
+    Eigen::MatrixXd S;    ///< first row and column: b
+
+    [[nodiscard]] auto a() const { return a_B.col(0); }
+    [[nodiscard]] auto B() const { return a_B.rightCols(a_B.cols() - 1); }
+    [[nodiscard]] auto b() const { return S.col(0).tail(S.rows() - 1); }
+    [[nodiscard]] auto sensor() const { return S.bottomRightCorner(S.rows() - 1, S.cols() - 1); }
   };
 
-  void invert_points(double damping);
+  void eliminate_points(double damping);
   [[nodiscard]] Reduced reduce(double damping);
   [[nodiscard]] BundleCovariance unconstrained_covariance() const;
   [[nodiscard]] BundleCovariance covariance_of(const Reduced& system) const;
   void reduce_column(size_t camera, Reduced& system) const;
   void reduce_sensor(Reduced& system) const;
-  [[nodiscard]] std::vector<Eigen::Vector3d> point_steps(const BundleStep& step) const;
+  [[nodiscard]] std::optional<Eigen::VectorXd> sensor_step(const Reduced& system,
+                                                           const Eigen::MatrixXd& A_inverse_a_B,
+                                                           const SensorVector& sensor_steps) const;
+  [[nodiscard]] std::vector<Eigen::Vector3d> point_steps(const Eigen::VectorXd& cameras,
+                                                         const Eigen::VectorXd& sensor) const;
 
   Normal normal_;
   EliminationPlan plan_;
   SparseCholesky<kCameraDof> cholesky_;
-  std::vector<Eigen::Matrix3d> H_point_inverse_;         // damped
-  std::vector<Eigen::Matrix<double, kCameraDof, 3>> Y_;  // per slot: H_camera_point H_point^-1
+  std::vector<PointFactor> factors_;  // per point, of the damped point block
+  size_t common_stride_;
+  std::vector<double> common_;  // per point [axis][common]: L^-1 of gradient and sensor
 };
 
 }  // namespace kinloop

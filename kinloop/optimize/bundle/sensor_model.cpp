@@ -1,5 +1,7 @@
 #include "kinloop/optimize/bundle/sensor_model.hpp"
 
+#include <cmath>
+
 #include <Eigen/Cholesky>
 
 #include "kinloop/base/errors.hpp"
@@ -13,6 +15,15 @@ const char* sensor_parameter_name(SensorParameter parameter) {
       "depth_shutter_s", "depth_scale",     "depth_offset",      "depth_offset_x",
       "depth_offset_y",  "depth_offset_xx", "depth_offset_xy",   "depth_offset_yy"};
   return kNames.at(static_cast<size_t>(parameter));
+}
+
+bool SensorCalibration::selects_parameters() const {
+  return (std::isfinite(max_sigma_ratio) || min_sigmas > 0) && (prior_sigma.array() > 0).any();
+}
+
+bool SensorCalibration::accepts(int parameter, double estimated, double posterior_sigma) const {
+  return posterior_sigma <= max_sigma_ratio * prior_sigma(parameter) &&
+         std::abs(estimated - prior_mean(parameter)) >= min_sigmas * posterior_sigma;
 }
 
 Eigen::Vector2d corrected_pixel(const PinholeCamera& camera, const SensorVector& sensor,

@@ -36,6 +36,7 @@ enum SensorParameter : int {
 };
 
 using SensorVector = Eigen::Matrix<double, kSensorParameterCount, 1>;
+using SensorFlags = std::array<bool, kSensorParameterCount>;
 using SensorMatrix = Eigen::Matrix<double, kSensorParameterCount, kSensorParameterCount>;
 
 /// Returns the name of a parameter for reports.
@@ -49,6 +50,16 @@ struct SensorCalibration {
   SensorVector prior_mean = SensorVector::Zero();  ///< prior value
   /// Standard deviation around `prior_mean`: 0 = constant at `value`, kUnknown = free without prior.
   SensorVector prior_sigma = SensorVector::Zero();
+
+  // A free parameter is held at its prior mean after the first round if the data constrain it too little or
+  // do not change it. The defaults accept every parameter.
+  double max_sigma_ratio = kUnknown;  ///< maximum posterior sigma of an accepted parameter / prior sigma
+  double min_sigmas = 0;              ///< minimum distance from the prior mean, in posterior sigmas
+
+  /// Returns whether some free parameter may be held after the first round.
+  [[nodiscard]] bool selects_parameters() const;
+  /// Returns whether a free parameter with this value and posterior sigma is accepted.
+  [[nodiscard]] bool accepts(int parameter, double estimated, double posterior_sigma) const;
 };
 
 /// Projects the ray (x / z, y / z) with the corrected camera to undistorted pixels of `camera`.

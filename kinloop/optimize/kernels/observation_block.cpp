@@ -1,7 +1,5 @@
 #include "kinloop/optimize/kernels/observation_block.hpp"
 
-#include "kinloop/optimize/kernels/gram.hpp"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kinloop/optimize/kernels/observation_block.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
@@ -9,218 +7,18 @@
 #include <hwy/highway.h>
 
 #include "kinloop/base/highway_compat-inl.hpp"
+#include "kinloop/optimize/kernels/observation_residuals-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Lanes = ObservationBlock::Lanes;
-using D = CappedLanes<double, ObservationBlock::kSize>;
-using V = hn::Vec<D>;  // the same value of several observations
-using Mask = hn::Mask<D>;
-
-HWY_INLINE V all(double value) {
-  return hn::Set(D(), value);
-}
-
-struct Vector3 {
-  V x, y, z;
-};
-HWY_INLINE Vector3 all(const Eigen::Vector3d& v) {
-  return {all(v.x()), all(v.y()), all(v.z())};
-}
-HWY_INLINE Vector3 operator+(const Vector3& a, const Vector3& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-HWY_INLINE Vector3 operator-(const Vector3& a, const Vector3& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-HWY_INLINE Vector3 operator*(V factor, const Vector3& v) {
-  return {factor * v.x, factor * v.y, factor * v.z};
-}
-HWY_INLINE V dot(const Vector3& a, const Vector3& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-HWY_INLINE Vector3 cross(const Vector3& a, const Vector3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-/// The camera of the block.
-struct Camera {
-  V fx, fy, cx, cy, k1, k2;  // corrected
-  Vector3 center, translation_rate, omega;
-  Vector3 columns[3];  // columns of R_camera_world
-
-  Camera(const BundleView& view, const MeasurementModel& model)
-      : fx(all(model.camera.fx + model.sensor(kFocalX))),
-        fy(all(model.camera.fy + model.sensor(kFocalY))),
-        cx(all(model.camera.cx + model.sensor(kCenterX))),
-        cy(all(model.camera.cy + model.sensor(kCenterY))),
-        k1(all(model.sensor(kRadial1))),
-        k2(all(model.sensor(kRadial2))),
-        center(all(view.center)),
-        translation_rate(all(view.velocity.linear_m_s)),
-        omega(all(view.velocity.angular_rad_s)) {
-    for (int i = 0; i < 3; ++i) columns[i] = all(Eigen::Vector3d(view.R_camera_world.col(i)));
-  }
-
-  /// Returns the point in camera axes.
-  HWY_INLINE Vector3 point(const Vector3& p_world) const {
-    const Vector3 p = p_world - center;
-    return p.x * columns[0] + p.y * columns[1] + p.z * columns[2];
-  }
-};
-
-/// A point in camera axes, `dt` seconds after the stamp of its frame: p = E (p0 - nu dt), E = exp([phi]_x),
-/// phi = -omega dt, by Rodrigues' formula: E v = v + phi x (a v + b phi x v).
-struct MovedPoint {
-  V dt, a, b;
-  Vector3 phi, p;
-
-  HWY_INLINE MovedPoint(const Camera& camera, const Vector3& p0, V dt_s)
-      : dt(dt_s), phi(hn::Neg(dt_s) * camera.omega) {
-    // Series of sin(t) / t and (1 - cos(t)) / t^2: exact for rotations up to 1 rad within a frame.
-    const V t = dot(phi, phi), one = all(1);
-    a = b = one;
-    for (int n = 7; n > 0; --n) {
-      a = one - t * all(1.0 / (2 * n * (2 * n + 1))) * a;
-      b = one - t * all(1.0 / ((2 * n + 1) * (2 * n + 2))) * b;
-    }
-    b = all(0.5) * b;
-    const Vector3 q = p0 - dt * camera.translation_rate;
-    p = q + cross(phi, a * q + b * cross(phi, q));
-  }
-
-  HWY_INLINE Mask is_seen() const { return hn::Gt(p.z, all(kMinObservedDepth_m)); }
-  HWY_INLINE Vector3 turned_back(const Vector3& v) const { return v - cross(phi, a * v - b * cross(phi, v)); }
-};
-
-/// Projection of a point by the corrected camera, with the terms shared by the derivatives.
-struct Projection {
-  V inverse_z, x, y, r2, bend, slope, u, v;
-
-  HWY_INLINE Projection(const Camera& c, const Vector3& p) : inverse_z(all(1) / p.z) {
-    x = p.x * inverse_z;
-    y = p.y * inverse_z;
-    r2 = x * x + y * y;
-    bend = all(1) + r2 * (c.k1 + r2 * c.k2);
-    slope = all(2) * (c.k1 + all(2) * r2 * c.k2);  // d bend / dx = x * slope
-    u = c.fx * x * bend + c.cx;
-    v = c.fy * y * bend + c.cy;
-  }
-
-  HWY_INLINE Vector3 u_by_point(const Camera& c) const {
-    const V ux = c.fx * (bend + x * x * slope) * inverse_z, uy = c.fx * x * y * slope * inverse_z;
-    return {ux, uy, hn::Neg(ux * x + uy * y)};
-  }
-  HWY_INLINE Vector3 v_by_point(const Camera& c) const {
-    const V vx = c.fy * x * y * slope * inverse_z, vy = c.fy * (bend + y * y * slope) * inverse_z;
-    return {vx, vy, hn::Neg(vx * x + vy * y)};
-  }
-};
-
-/// Observations of the block in camera axes, with their residuals.
-struct Observed {
-  const Camera& camera;
-  const MeasurementModel& model;
-  Vector3 p0;  // the point at the stamp of the frame
-  V row, inverse_sigma_px, inverse_depth, gradient_x, gradient_y;
-  Mask has_gradient, uses_pixel, uses_depth;
-  V ray_x, ray_y;  // ray of the pixel in the nominal camera
-  MovedPoint at_color;
-  Projection color;
-  MovedPoint at_depth;
-  Projection depth;
-  V error_u, error_v, error_depth;
-
-  HWY_INLINE Observed(const ObservationBlock& block, size_t first, const Camera& c, const MeasurementModel& m)
-      : camera(c),
-        model(m),
-        p0(c.point({load(block.x, first), load(block.y, first), load(block.z, first)})),
-        row(load(block.row, first)),
-        inverse_sigma_px(load(block.inverse_sigma_px, first)),
-        inverse_depth(load(block.inverse_depth_per_m, first)),
-        gradient_x(load(block.gradient_x, first)),
-        gradient_y(load(block.gradient_y, first)),
-        has_gradient(marked(block.has_gradient, first)),
-        uses_pixel(marked(block.uses_pixel, first)),
-        uses_depth(marked(block.uses_depth, first)),
-        ray_x((load(block.pixel_x, first) - all(m.camera.cx)) / all(m.camera.fx)),
-        ray_y((load(block.pixel_y, first) - all(m.camera.cy)) / all(m.camera.fy)),
-        at_color(c, p0, color_time()),
-        color(c, at_color.p),
-        at_depth(c, p0, depth_time()),
-        depth(c, at_depth.p) {
-    const V pixel_x = load(block.pixel_x, first), pixel_y = load(block.pixel_y, first);
-    error_u = (color.u - pixel_x) * inverse_sigma_px;
-    error_v = (color.v - pixel_y) * inverse_sigma_px;
-    V error = all(1 + m.sensor(kDepthScale)) * inverse_depth - depth.inverse_z + offset();
-    // Depth is measured later than colour, when another surface point lies at the pixel.
-    error = error + gradient_x * (depth.u - pixel_x) + gradient_y * (depth.v - pixel_y);
-    error_depth = error * all(1 / m.inverse_depth_sigma_per_m);
-  }
-
-  static HWY_INLINE V load(const Lanes& lanes, size_t first) { return hn::LoadU(D(), &lanes[first]); }
-  static HWY_INLINE Mask marked(const Lanes& lanes, size_t first) {
-    return hn::Gt(load(lanes, first), hn::Zero(D()));
-  }
-
-  HWY_INLINE V color_time() const { return all(model.sensor(kRollingShutter)) * row; }
-  /// For a surface of unknown gradient this motion is unknown. Assuming zero gradient would bias the delay
-  /// towards zero, since most surfaces seen from above slope away from the camera.
-  HWY_INLINE V depth_time() const {
-    const V time = all(model.sensor(kDepthDelay)) + all(model.sensor(kDepthShutter)) * row;
-    return hn::IfThenElse(has_gradient, time, color_time());
-  }
-  /// Sum of depth_offset_basis times the offset parameters.
-  HWY_INLINE V offset() const {
-    const SensorVector& s = model.sensor;
-    return all(s(kDepthOffset)) + ray_x * (all(s(kDepthOffsetX)) + ray_x * all(s(kDepthOffsetXX))) +
-           ray_y * (all(s(kDepthOffsetY)) + ray_x * all(s(kDepthOffsetXY)) + ray_y * all(s(kDepthOffsetYY)));
-  }
-
-  HWY_INLINE V pixel_squared() const { return error_u * error_u + error_v * error_v; }
-  HWY_INLINE V depth_squared() const { return error_depth * error_depth; }
-  /// Whether the point is in front of the camera at the colour time and, where `depth_matters`, at the depth
-  /// time.
-  HWY_INLINE Mask seen(Mask depth_matters) const {
-    return hn::And(at_color.is_seen(), hn::Or(hn::Not(depth_matters), at_depth.is_seen()));
-  }
-};
-
-/// Huber's loss, see HuberLoss.
-struct Huber {
-  V width, squared_width;
-
-  explicit HWY_INLINE Huber(double w) : width(all(w)), squared_width(all(w * w)) {}
-
-  HWY_INLINE V rho(V squared) const {
-    const V linear = all(2) * width * hn::Sqrt(squared) - squared_width;
-    return hn::IfThenElse(hn::Le(squared, squared_width), squared, linear);
-  }
-  HWY_INLINE V root_of_weight(V squared) const {
-    return hn::IfThenElse(hn::Le(squared, squared_width), all(1), hn::Sqrt(width / hn::Sqrt(squared)));
-  }
-};
-
-HWY_INLINE V cost_of(const Observed& o) {
-  const Huber huber(o.model.robust_width);
-  const V of_depth = hn::IfThenElseZero(o.uses_depth, huber.rho(o.depth_squared()));
-  const V cost = huber.rho(o.pixel_squared()) + of_depth;
-  return hn::IfThenElseZero(o.uses_pixel,
-                            hn::IfThenElse(o.seen(o.uses_depth), cost, huber.rho(all(kBehindCameraSquared))));
-}
-
-/// Writes values of several observations to their rows.
-class RowWriter {
+/// Writes residuals and derivatives of several observations to their columns.
+class ColumnWriter {
  public:
-  HWY_INLINE RowWriter(const Observed& o, size_t first, const RowLayout& layout, double* rows,
-                       double* J_point)
-      : o_(o),
-        layout_(layout),
-        rows_(rows + first * kRowsPerObservation * layout.width),
-        J_point_(J_point == nullptr ? nullptr : J_point + first * kRowsPerObservation * 3) {}
+  /// `columns` are those of the first observation.
+  HWY_INLINE ColumnWriter(const Observed& o, const LinearColumns& layout, double* columns)
+      : o_(o), layout_(layout), columns_(columns) {}
 
   HWY_INLINE void write() {
     const Huber huber(o_.model.robust_width);
@@ -240,14 +38,14 @@ class RowWriter {
     weight_ = weight;
   }
 
-  HWY_INLINE void put(double* to, size_t stride, V value) const {
-    HWY_ALIGN double lanes[ObservationBlock::kSize];
-    hn::Store(hn::IfThenElseZero(counts_, weight_ * value), D(), lanes);
-    for (size_t lane = 0; lane < hn::Lanes(D()); ++lane)
-      to[lane * kRowsPerObservation * stride] = lanes[lane];
-  }
+  HWY_INLINE V weighted(V value) const { return hn::IfThenElseZero(counts_, weight_ * value); }
   HWY_INLINE void put(size_t column, V value) const {
-    put(rows_ + row_ * layout_.width + column, layout_.width, value);
+    double* to = columns_ + (row_ * layout_.width + column) * ObservationBlock::kSize;
+    hn::StoreU(weighted(value), D(), to);
+  }
+  HWY_INLINE void put_sensor(int parameter, V value) const {
+    const int column = layout_.of_sensor[static_cast<size_t>(parameter)];
+    if (column >= 0) put(static_cast<size_t>(column), value);
   }
   HWY_INLINE void put(size_t column, const Vector3& value) const {
     put(column, value.x);
@@ -261,9 +59,8 @@ class RowWriter {
     const Vector3 b = moved.turned_back(a);
     put(0, all(-1) * b);
     put(3, cross(b, o_.p0));
-    if (J_point_ != nullptr) {
-      double* to = J_point_ + row_ * 3;
-      for (size_t i = 0; i < 3; ++i) put(to + i, 3, dot(b, o_.camera.columns[i]));
+    if (layout_.point) {
+      for (size_t i = 0; i < 3; ++i) put(*layout_.point + i, dot(b, o_.camera.columns[i]));
     }
     if (layout_.velocity) {
       // d exp(phi) = [J_l(phi) d phi]_x exp(phi); the angle within a frame is small, so a short series of J_l
@@ -284,10 +81,8 @@ class RowWriter {
                                   V focal_length) const {
     const V scale = o_.inverse_sigma_px;
     const V by_time = write_motion(scale * by_point, o_.at_color);
-    put(layout_.residual, error);
-    if (!layout_.sensor) return;
-    const auto put_sensor = [&](int parameter, V value)
-                                HWY_ATTR { put(*layout_.sensor + static_cast<size_t>(parameter), value); };
+    put(LinearColumns::kResidual, error);
+    if (layout_.sensor_count == 0) return;
     const V by_radial = focal_length * along * o_.color.r2 * scale;
     put_sensor(focal, along * o_.color.bend * scale);
     put_sensor(focal + kCenterX - kFocalX, scale);
@@ -305,8 +100,8 @@ class RowWriter {
     const Vector3 by_point = du * at.u_by_point(c) + dv * at.v_by_point(c) +
                              Vector3{zero, zero, scale * at.inverse_z * at.inverse_z};
     const V by_time = write_motion(by_point, o_.at_depth);
-    put(layout_.residual, o_.error_depth);
-    if (!layout_.sensor) return;
+    put(LinearColumns::kResidual, o_.error_depth);
+    if (layout_.sensor_count == 0) return;
     const V by_row_time = by_time * o_.row;
     const V by_radial = (du * c.fx * at.x + dv * c.fy * at.y) * at.r2;
     const V values[kSensorParameterCount] = {du * at.x * at.bend,
@@ -325,13 +120,12 @@ class RowWriter {
                                              scale * o_.ray_x * o_.ray_x,
                                              scale * o_.ray_x * o_.ray_y,
                                              scale * o_.ray_y * o_.ray_y};
-    for (size_t i = 0; i < kSensorParameterCount; ++i) put(*layout_.sensor + i, values[i]);
+    for (int i = 0; i < kSensorParameterCount; ++i) put_sensor(i, values[i]);
   }
 
   const Observed& o_;
-  const RowLayout& layout_;
-  double* rows_;
-  double* J_point_;
+  const LinearColumns& layout_;
+  double* columns_;
   size_t row_ = 0;
   Mask counts_;
   V weight_;
@@ -365,9 +159,9 @@ void cost(const ObservationBlock& block, const BundleView& view, const Measureme
 }
 
 void linearize(const ObservationBlock& block, const BundleView& view, const MeasurementModel& model,
-               const RowLayout& layout, double* rows, double* J_point, Lanes& result) {
+               const LinearColumns& layout, double* columns, Lanes& result) {
   for_lanes(block, view, model, [&](const Observed& o, size_t first) HWY_ATTR {
-    RowWriter(o, first, layout, rows, J_point).write();
+    ColumnWriter(o, layout, columns + first).write();
     hn::StoreU(cost_of(o), D(), &result[first]);
   });
 }
@@ -386,20 +180,6 @@ HWY_EXPORT(linearize);
 
 }  // namespace
 
-RowLayout::RowLayout(bool with_velocity, bool with_sensor) {
-  size_t next = 6;
-  if (with_velocity) {
-    velocity = next;
-    next += 6;
-  }
-  if (with_sensor) {
-    sensor = next;
-    next += kSensorParameterCount;
-  }
-  residual = next++;
-  width = (next + kWidthStep - 1) / kWidthStep * kWidthStep;
-}
-
 BlockResiduals block_residuals(const ObservationBlock& block, const BundleView& view,
                                const MeasurementModel& model) {
   BlockResiduals result;
@@ -415,10 +195,10 @@ ObservationBlock::Lanes block_cost(const ObservationBlock& block, const BundleVi
 }
 
 ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const BundleView& view,
-                                        const MeasurementModel& model, const RowLayout& layout, double* rows,
-                                        double* J_point) {
+                                        const MeasurementModel& model, const LinearColumns& layout,
+                                        double* columns) {
   ObservationBlock::Lanes result;
-  HWY_DYNAMIC_DISPATCH(linearize)(block, view, model, layout, rows, J_point, result);
+  HWY_DYNAMIC_DISPATCH(linearize)(block, view, model, layout, columns, result);
   return result;
 }
 

@@ -4,11 +4,11 @@
 
 #include <array>
 #include <cstddef>
-#include <optional>
 
 #include <Eigen/Core>
 
 #include "kinloop/optimize/bundle/sensor_model.hpp"
+#include "kinloop/optimize/kernels/linear_columns.hpp"
 
 namespace kinloop {
 
@@ -73,23 +73,13 @@ BlockResiduals block_residuals(const ObservationBlock& block, const BundleView& 
 ObservationBlock::Lanes block_cost(const ObservationBlock& block, const BundleView& view,
                                    const MeasurementModel& model);
 
-/// Layout of a row of `width` values: derivatives with respect to x of the pose T * exp(x), then optionally
-/// velocity and sensor, then the residual, then padding.
-struct RowLayout {
-  RowLayout(bool with_velocity, bool with_sensor);
-
-  std::optional<size_t> velocity, sensor;  ///< first column
-  size_t residual;
-  size_t width;  ///< multiple of kWidthStep, see gram.hpp
-};
-
 constexpr size_t kRowsPerObservation = 3;  ///< u, v, depth
 
-/// Writes the three rows of each observation in sequence, and to `J_point`, unless null, their derivatives
-/// with respect to the point (3 x 3, row-major). All are scaled by the square root of the robust weight and
-/// zero if not in use. `rows` must be zero-initialised. Returns the robust cost like block_cost.
+/// Writes the columns of the rows u, v and depth, one row after the other, scaled by the square root of the
+/// robust weight and zero where not in use. `columns` must be zero-initialised. Returns the robust cost like
+/// block_cost.
 ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const BundleView& view,
-                                        const MeasurementModel& model, const RowLayout& layout, double* rows,
-                                        double* J_point);
+                                        const MeasurementModel& model, const LinearColumns& layout,
+                                        double* columns);
 
 }  // namespace kinloop

@@ -64,11 +64,11 @@ class Solver {
 
  private:
   [[nodiscard]] PoseNormal<6> linearize(const SE3& T, const MeasurementModel& model) const {
-    const RowLayout layout(false, false);
-    const auto observed = observations_.linearize(static_view(T), model, layout);
+    static const LinearColumns kColumns = LinearColumns::of_pose();
+    const auto observed = observations_.linearize(static_view(T), model, kColumns);
     PoseNormal<6> normal;
     normal.H = observed.gram.topLeftCorner<6, 6>().selfadjointView<Eigen::Upper>();
-    normal.g = observed.gram.col(static_cast<Eigen::Index>(layout.residual)).head<6>();
+    normal.g = observed.gram.col(LinearColumns::kResidual).head<6>();
     normal.cost = observed.cost;
     return normal;
   }

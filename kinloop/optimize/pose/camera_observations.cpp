@@ -4,12 +4,15 @@
 #include <array>
 #include <cmath>
 
+#include "kinloop/base/errors.hpp"
+#include "kinloop/optimize/kernels/bundle_products.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 
 namespace kinloop {
 namespace {
 
 constexpr size_t kSize = ObservationBlock::kSize;
+constexpr size_t kMaxSums = (LinearColumns::kMaxWidth + 3) * LinearColumns::kMaxWidth * kSize;
 
 bool is_filled(const ObservationBlock& block, size_t lane) {
   return block.inverse_sigma_px[lane] > 0;
@@ -76,17 +79,19 @@ int CameraObservations::inlier_count() const {
 
 CameraObservations::Normal CameraObservations::linearize(const BundleView& view,
                                                          const MeasurementModel& model,
-                                                         const RowLayout& layout) const {
-  constexpr size_t kRows = kSize * kRowsPerObservation;
-  std::array<double, kRows * kMaxGramWidth> rows{};
-  const auto width = static_cast<Eigen::Index>(layout.width);
+                                                         const LinearColumns& layout) const {
+  const GramColumns summed(layout);
+  std::array<double, kRowsPerObservation * LinearColumns::kMaxWidth * kSize> columns{};
+  std::array<double, kMaxSums> sums;
+  require(summed.sums() <= sums.size(), "CameraObservations: too many columns");
+  std::fill_n(sums.begin(), summed.sums(), 0);
   Normal normal;
-  normal.gram.setZero(width, width);
   for (const ObservationBlock& block : blocks_) {
-    const auto costs = linearize_block(block, view, model, layout, rows.data(), nullptr);
-    add_gram(rows.data(), kRows, layout.width, normal.gram.data());
+    const auto costs = linearize_block(block, view, model, layout, columns.data());
+    add_block_gram(summed, columns.data(), sums.data());
     for (const double cost : costs) normal.cost += cost;
   }
+  normal.gram = gram_of_sums(summed, {sums.data(), summed.sums()});
   return normal;
 }
 

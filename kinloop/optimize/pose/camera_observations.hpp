@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 
 #include "kinloop/geometry/keypoint_measurement.hpp"
-#include "kinloop/optimize/kernels/gram.hpp"
 #include "kinloop/optimize/kernels/observation_block.hpp"
 
 namespace kinloop {
@@ -37,11 +36,11 @@ class CameraObservations {
 
   /// J'J over all rows (upper triangle only) and the robust cost.
   struct Normal {
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> gram;
+    Eigen::MatrixXd gram;
     double cost = 0;
   };
   [[nodiscard]] Normal linearize(const BundleView& view, const MeasurementModel& model,
-                                 const RowLayout& layout) const;
+                                 const LinearColumns& layout) const;
 
  private:
   size_t count_;

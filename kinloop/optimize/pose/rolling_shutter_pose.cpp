@@ -26,6 +26,14 @@ class RollingShutterSolver {
     return observations_.classify(view_of(pose), model_, options_);
   }
 
+  /// Drops the outliers of the guess if it has enough inliers: with a good guess they are known from the
+  /// start.
+  void classify_guess(const RollingShutterPose& guess) {
+    const CameraObservations all = observations_;
+    classify(guess);
+    if (inliers() < options_.min_inliers) observations_ = all;
+  }
+
   [[nodiscard]] int inliers() const { return observations_.inlier_count(); }
 
   /// Minimizes the cost over pose and velocity, with the observations in use.
@@ -42,11 +50,15 @@ class RollingShutterSolver {
   static BundleView view_of(const RollingShutterPose& pose) { return {pose.T_world_camera, pose.velocity}; }
 
   [[nodiscard]] PoseNormal<12> linearize(const RollingShutterPose& pose) const {
-    static const RowLayout kLayout(true, false);
-    const auto observed = observations_.linearize(view_of(pose), model_, kLayout);
+    static const LinearColumns kColumns = LinearColumns::of_pose_and_velocity();
+    const auto observed = observations_.linearize(view_of(pose), model_, kColumns);
+    constexpr auto kResidual =
+        static_cast<Eigen::Index>(LinearColumns::kResidual);  // between pose and velocity
+    const Eigen::Matrix<double, 13, 13> gram = observed.gram.selfadjointView<Eigen::Upper>();
     PoseNormal<12> normal;
-    normal.H = observed.gram.topLeftCorner<12, 12>().selfadjointView<Eigen::Upper>();
-    normal.g = observed.gram.col(static_cast<Eigen::Index>(kLayout.residual)).head<12>();
+    normal.H << gram.topLeftCorner<6, 6>(), gram.topRightCorner<6, 6>(), gram.bottomLeftCorner<6, 6>(),
+        gram.bottomRightCorner<6, 6>();
+    normal.g << gram.col(kResidual).head<6>(), gram.col(kResidual).tail<6>();
     const Vector6d off = pose.velocity.vector() - expected_.vector();
     normal.H.diagonal().tail<6>() += information_;
     normal.g.tail<6>() += information_.cwiseProduct(off);
@@ -69,6 +81,7 @@ std::optional<RollingShutterPose> solve_rolling_shutter_pose(
   const MeasurementModel model{camera, sensor, options.inverse_depth_sigma_per_m, options.robust_width};
   RollingShutterSolver solver(model, observations, guess.velocity, sigma, options);
   RollingShutterPose pose = guess;
+  solver.classify_guess(pose);
   for (int round = 0; round < options.rounds; ++round) {
     pose = solver.minimize(pose);
     const bool changed = solver.classify(pose);

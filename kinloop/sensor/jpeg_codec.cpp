@@ -1,0 +1,56 @@
+#include "kinloop/sensor/jpeg_codec.hpp"
+
+#include <cstdint>
+#include <memory>
+
+#include <turbojpeg.h>
+
+#include "kinloop/base/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+cv::Mat decode_jpeg_as(std::string_view bytes, int type, TJPF pixel_format) {
+  const std::unique_ptr<void, decltype(&tjDestroy)> decoder(tjInitDecompress(), tjDestroy);
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  int width = 0, height = 0, subsampling = 0, color_space = 0;
+  if (!decoder || tjDecompressHeader3(decoder.get(), data, bytes.size(), &width, &height, &subsampling,
+                                      &color_space) != 0) {
+    return {};
+  }
+  constexpr int64_t kMaxPixels = int64_t{1} << 28;  // more means a damaged header
+  if (int64_t{width} * height > kMaxPixels) return {};
+  cv::Mat image(height, width, type);
+  const int result = tjDecompress2(decoder.get(), data, bytes.size(), image.data, width,
+                                   static_cast<int>(image.step), height, pixel_format, 0);
+  const bool failed = result != 0 && tjGetErrorCode(decoder.get()) != TJERR_WARNING;
+  return failed ? cv::Mat() : image;
+}
+
+}  // namespace
+
+cv::Mat decode_jpeg(std::string_view bytes) {
+  return decode_jpeg_as(bytes, CV_8UC3, TJPF_BGR);
+}
+
+cv::Mat decode_jpeg_gray(std::string_view bytes) {
+  return decode_jpeg_as(bytes, CV_8UC1, TJPF_GRAY);
+}
+
+std::vector<uint8_t> encode_jpeg(const cv::Mat& image, int quality) {
+  require(!image.empty() && (image.type() == CV_8UC1 || image.type() == CV_8UC3),
+          "encode_jpeg: expected 8UC1 or 8UC3");
+  const bool gray = image.type() == CV_8UC1;
+  const int subsampling = gray ? TJSAMP_GRAY : TJSAMP_420;
+  const std::unique_ptr<void, decltype(&tjDestroy)> encoder(tjInitCompress(), tjDestroy);
+  std::vector<uint8_t> bytes(tjBufSize(image.cols, image.rows, subsampling));
+  unsigned char* begin = bytes.data();
+  unsigned long size = bytes.size();
+  const int result = tjCompress2(encoder.get(), image.data, image.cols, static_cast<int>(image.step),
+                                 image.rows, gray ? TJPF_GRAY : TJPF_BGR, &begin, &size, subsampling, quality,
+                                 TJFLAG_NOREALLOC | TJFLAG_ACCURATEDCT);
+  require(result == 0, "encode_jpeg: libjpeg-turbo failed");
+  return {begin, begin + size};
+}
+
+}  // namespace kinloop

@@ -1,0 +1,22 @@
+#pragma once
+// In: the bytes of a JPEG file, or pixels. Out: pixels, or the bytes of a JPEG file, by libjpeg-turbo.
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+namespace kinloop {
+
+/// Decodes a JPEG file to 8UC3 BGR. Empty if it is no JPEG file, or one that cannot be converted to BGR. As
+/// with other readers, errors within the compressed data spoil only the pixels behind them.
+cv::Mat decode_jpeg(std::string_view bytes);
+
+/// Decodes only the luma of a JPEG file, to 8UC1: saves the transforms of the chroma. Empty as above.
+cv::Mat decode_jpeg_gray(std::string_view bytes);
+
+/// Encodes an 8UC1 or 8UC3 (BGR) image as JPEG of quality 1 to 100, chroma at half the resolution.
+std::vector<uint8_t> encode_jpeg(const cv::Mat& image, int quality);
+
+}  // namespace kinloop
