@@ -78,6 +78,9 @@ if(freenect2_FOUND)
   set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_freenect2)
 endif()
 
+# Video, as iPhone apps export colour: FFmpeg's libraries.
+kinloop_optional(video libavformat/avformat.h avformat avcodec swscale avutil)
+
 # Vocabulary training on several machines. Only the C interface, which every MPI implementation has.
 find_package(MPI QUIET COMPONENTS CXX)
 set(mpi_FOUND 0)

@@ -7,9 +7,11 @@
 namespace kinloop {
 
 void add_run_arguments(CLI::App& command, RunArguments& arguments) {
-  command.add_option("SEQUENCE", arguments.sequence,
-                     "a folder in TUM layout (rgb.txt, depth.txt, ...), a ROS .bag file, kinect1 or kinect2\n"
-                     "(live), or sim:room, the simulated Kinect (sim:room:7: another room)");
+  command.add_option(
+      "SEQUENCE", arguments.sequence,
+      "a folder in TUM layout (rgb.txt, depth.txt, ...) or that of another dataset or app (see\n"
+      "docs/cameras.md), a .sens or ROS .bag file, kinect1 or kinect2 (live), or sim:room,\n"
+      "the simulated Kinect (sim:room:7: another room)");
   command.add_option("-o,--output", arguments.output, "folder for the results")->capture_default_str();
   command.add_option(
       "--camera", arguments.camera,

@@ -1,9 +1,12 @@
 #include "apps/shared/open_frame_source.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include <fmt/format.h>
 
 #include "drivers/datasets/camera_selection.hpp"
-#include "drivers/datasets/tum_source.hpp"
+#include "drivers/datasets/open_sequence.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
 #include "drivers/ros/bag_source.hpp"
@@ -13,8 +16,36 @@
 
 namespace kinloop {
 
+namespace {
+
+std::optional<RgbdCamera> explicit_camera(const SourceRequest& request) {
+  if (!request.camera) return std::nullopt;
+  return choose_camera({}, request.camera);
+}
+
+/// Recordings in one file, by the end of their names.
+struct RecordingKind {
+  const char* ending;
+  std::unique_ptr<FrameSource> (*open)(const SourceRequest& request);
+};
+constexpr RecordingKind kRecordingKinds[] = {
+    {".bag", [](const SourceRequest& r) { return open_bag(r.sequence, explicit_camera(r), r.topics); }},
+};
+
+const RecordingKind* recording_kind(const std::string& file) {
+  const auto found = std::find_if(std::begin(kRecordingKinds), std::end(kRecordingKinds),
+                                  [&](const RecordingKind& kind) { return file.ends_with(kind.ending); });
+  return found == std::end(kRecordingKinds) ? nullptr : found;
+}
+
+}  // namespace
+
 bool is_live(const std::string& sequence) {
   return sequence == "kinect1" || sequence == "kinect2";
+}
+
+bool is_recording_file(const std::string& sequence) {
+  return sequence.starts_with("sim:") || recording_kind(sequence) != nullptr;
 }
 
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
@@ -24,16 +55,14 @@ std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
       throw UsageError("--camera cannot be used with a simulated sequence, which has its own camera");
     return make_simulated_source(sequence, request.simulation, request.threads);
   }
-  const auto explicit_camera = [&]() -> std::optional<RgbdCamera> {
-    if (!request.camera) return std::nullopt;
-    return choose_camera({}, request.camera);
-  };
-  if (sequence == "kinect1") return open_kinect1(request.kinect, explicit_camera());
-  if (sequence == "kinect2") return open_kinect2(request.kinect, explicit_camera(), request.kinect2_frames);
-  if (sequence.ends_with(".bag") && !std::filesystem::exists(sequence))
+  if (sequence == "kinect1") return open_kinect1(request.kinect, explicit_camera(request));
+  if (sequence == "kinect2")
+    return open_kinect2(request.kinect, explicit_camera(request), request.kinect2_frames);
+  const RecordingKind* recording = recording_kind(sequence);
+  if (recording == nullptr) return open_sequence(sequence, request.camera);
+  if (!std::filesystem::exists(sequence))
     throw InputError(fmt::format("{}: no such file; check the path", sequence));
-  if (sequence.ends_with(".bag")) return open_bag(sequence, explicit_camera(), request.topics);
-  return std::make_unique<TumSource>(sequence, choose_camera(sequence, request.camera));
+  return recording->open(request);
 }
 
 Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features) {

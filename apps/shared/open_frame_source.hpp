@@ -14,7 +14,7 @@ namespace kinloop {
 
 /// The source selected by the user.
 struct SourceRequest {
-  std::string sequence;               ///< a folder in TUM layout, sim:room, kinect1, kinect2 or a .bag file
+  std::string sequence;               ///< a folder, a recording in one file, sim:room, kinect1 or kinect2
   std::optional<std::string> camera;  ///< camera.yaml or a preset
   std::optional<std::string> topics;  ///< of a bag, "COLOR,DEPTH[,CAMERA_INFO]"
   SimulationOptions simulation;
@@ -25,6 +25,10 @@ struct SourceRequest {
 
 /// Returns whether frames arrive in real time.
 bool is_live(const std::string& sequence);
+
+/// Returns whether the source is the simulation or a recording in one file, by its name: not a layout of
+/// folders.
+bool is_recording_file(const std::string& sequence);
 
 /// Opens the source. Throws UsageError or InputError with the remedy.
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request);
