@@ -86,6 +86,13 @@ SourceRequest request_of(const RunArguments& arguments, const RunOptions& option
   return request;
 }
 
+std::unique_ptr<FrameSource> open_source(const RunArguments& arguments, const RunOptions& options,
+                                         int threads) {
+  auto source = open_frame_source(request_of(arguments, options, threads));
+  if (!arguments.quiet) log_recognition(*source);
+  return source;
+}
+
 /// Makes `source` return frames at the camera's rate. The returned pointer belongs to `source`.
 const PacedSource* pace(std::unique_ptr<FrameSource>& source, double hz) {
   auto paced = std::make_unique<PacedSource>(std::move(source), hz);
@@ -245,8 +252,7 @@ ExitCode run(const RunArguments& arguments) {
   const Stopwatch watch;
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
   auto start = open_initial_map(arguments);
-  auto source =
-      open_frame_source(request_of(arguments, options_of(arguments, start, threads, false), threads));
+  auto source = open_source(arguments, options_of(arguments, start, threads, false), threads);
   const RunOptions options = options_of(arguments, start, threads, source->info().live);
   const RunFolder folder(arguments.output);
   const PacedSource* paced = arguments.pace_hz > 0 ? pace(source, arguments.pace_hz) : nullptr;

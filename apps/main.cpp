@@ -45,6 +45,7 @@ ExitCode run(int argc, char** argv) {
   app.require_subcommand(1);
   ExitCode exit_code = ExitCode::kDone;
   kinloop::add_run_command(app, exit_code);
+  kinloop::add_probe_command(app);
   kinloop::add_eval_command(app);
   kinloop::add_view_command(app);
   kinloop::add_report_command(app);

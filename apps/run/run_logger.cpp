@@ -48,6 +48,11 @@ void RunLogger::on_map(const Map& map) {
   }
 }
 
+void log_recognition(const FrameSource& source) {
+  const SourceInfo& info = source.info();
+  if (!info.description.empty()) log::info("{}: {}", info.name, info.description);
+}
+
 void log_run_start(const FrameSource& source, int threads) {
   const SourceInfo& info = source.info();
   const RgbdCamera& camera = source.camera();

@@ -22,6 +22,9 @@ class RunLogger : public Listener {
   size_t keyframes_logged_ = 0;
 };
 
+/// Logs what a recording was taken for.
+void log_recognition(const FrameSource& source);
+
 /// Logs the input and settings of a run.
 void log_run_start(const FrameSource& source, int threads);
 

@@ -15,6 +15,7 @@ void print_quick_start();
 void add_help_command(CLI::App& app);
 void add_version_command(CLI::App& app);
 void add_run_command(CLI::App& app, ExitCode& exit_code);
+void add_probe_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
 void add_report_command(CLI::App& app);
 void add_vocab_command(CLI::App& app);

@@ -1,10 +1,12 @@
 #include "apps/shared/open_frame_source.hpp"
 
+#include <filesystem>
+
 #include <fmt/format.h>
 
 #include "drivers/azure/azure_source.hpp"
 #include "drivers/datasets/camera_selection.hpp"
-#include "drivers/datasets/tum_source.hpp"
+#include "drivers/datasets/open_sequence.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
 #include "drivers/ros/bag_source.hpp"
@@ -15,6 +17,27 @@
 
 namespace kinloop {
 
+namespace {
+
+std::optional<RgbdCamera> explicit_camera(const SourceRequest& request) {
+  if (!request.camera) return std::nullopt;
+  return choose_camera({}, request.camera);
+}
+
+bool is_azure_recording(const std::string& sequence) {
+  return sequence.ends_with(".mkv");
+}
+
+}  // namespace
+
+bool is_camera_or_stream(const std::string& sequence) {
+  return sequence == "kinect1" || sequence == "kinect2" || is_stream(sequence);
+}
+
+bool is_recording(const std::string& sequence) {
+  return sequence.starts_with("sim:") || is_azure_recording(sequence) || is_bag(sequence);
+}
+
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   const std::string& sequence = request.sequence;
   if (sequence.starts_with("sim:")) {
@@ -22,16 +45,15 @@ std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
       throw UsageError("--camera cannot be used with a simulated sequence, which has its own camera");
     return make_simulated_source(sequence, request.simulation, request.threads);
   }
-  const auto explicit_camera = [&]() -> std::optional<RgbdCamera> {
-    if (!request.camera) return std::nullopt;
-    return choose_camera({}, request.camera);
-  };
-  if (sequence == "kinect1") return open_kinect1(request.kinect, explicit_camera());
-  if (sequence == "kinect2") return open_kinect2(request.kinect, explicit_camera(), request.kinect2_frames);
-  if (is_stream(sequence)) return open_stream(sequence, explicit_camera());
-  if (sequence.ends_with(".mkv")) return open_azure_recording(sequence, explicit_camera());
-  if (is_bag(sequence)) return open_bag(sequence, explicit_camera(), request.topics);
-  return std::make_unique<TumSource>(sequence, choose_camera(sequence, request.camera));
+  const auto camera = explicit_camera(request);
+  if (sequence == "kinect1") return open_kinect1(request.kinect, camera);
+  if (sequence == "kinect2") return open_kinect2(request.kinect, camera, request.kinect2_frames);
+  if (is_stream(sequence)) return open_stream(sequence, camera);
+  if (!is_recording(sequence)) return open_sequence(sequence, request.camera);
+  if (!std::filesystem::exists(sequence))
+    throw InputError(fmt::format("{}: no such file; check the path", sequence));
+  if (is_azure_recording(sequence)) return open_azure_recording(sequence, camera);
+  return open_bag(sequence, camera, request.topics);
 }
 
 Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features) {

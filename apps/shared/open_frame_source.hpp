@@ -14,7 +14,7 @@ namespace kinloop {
 
 /// The source selected by the user.
 struct SourceRequest {
-  std::string sequence;  ///< a folder in TUM layout, sim:room, kinect1, kinect2, a bag or a stream
+  std::string sequence;  ///< a folder, a recording in one file, sim:room, kinect1, kinect2 or a stream
   std::optional<std::string> camera;  ///< camera.yaml or a preset
   std::optional<std::string> topics;  ///< of a bag, "COLOR,DEPTH[,CAMERA_INFO]"
   SimulationOptions simulation;
@@ -22,6 +22,13 @@ struct SourceRequest {
   Kinect2Frames kinect2_frames = Kinect2Frames::kRegistered;
   int threads = 1;
 };
+
+/// Returns whether the source is a camera or another program, which give each frame once.
+bool is_camera_or_stream(const std::string& sequence);
+
+/// Returns whether the source is the simulation or a recording of messages or video, by its name: not a
+/// layout of images in folders.
+bool is_recording(const std::string& sequence);
 
 /// Opens the source. Throws UsageError or InputError with the remedy.
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request);

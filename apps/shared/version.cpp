@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/shared/download.hpp"
+#include "drivers/datasets/reading/video_reader.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
 #include "kinloop/dense/mesh/tsdf_volume.hpp"
@@ -33,6 +34,7 @@ std::string version_text() {
       {"Kinect 1", part(kinect1_available(), "libfreenect")},
       {"Kinect 2", part(kinect2_available(), "libfreenect2")},
       {"ROS node", part(KINLOOP_ROS_FOUND, "roscpp")},
+      {"video", part(video_available(), "libavformat, libavcodec or libswscale")},
       {"downloads", part(download_available(), "curl or libarchive")},
       {"distributed training", part(mpi_available(), "MPI")},
       {"meshes", part(tsdf_available(), "OpenVDB")},

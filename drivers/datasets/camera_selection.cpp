@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "drivers/datasets/folder_contents.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/sensor/camera_file.hpp"
@@ -14,12 +15,6 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kTumPresets = {"freiburg1", "freiburg2", "freiburg3"};
 constexpr const char* kPresetNames = "freiburg1, freiburg2, freiburg3, icl";
-
-/// The last path component, also of "folder/" and ".".
-std::string folder_name(const std::filesystem::path& folder) {
-  const auto normal = std::filesystem::absolute(folder).lexically_normal();
-  return (normal.has_filename() ? normal : normal.parent_path()).filename().string();
-}
 
 /// The TUM preset contained in `name`; nullopt if there is none or several.
 std::optional<RgbdCamera> preset_in_name(const std::string& name) {
@@ -34,6 +29,10 @@ std::optional<RgbdCamera> preset_in_name(const std::string& name) {
 
 }  // namespace
 
+std::optional<RgbdCamera> preset_of_folder(const std::filesystem::path& folder) {
+  return preset_in_name(folder_name(folder));
+}
+
 RgbdCamera choose_camera(const std::filesystem::path& folder,
                          const std::optional<std::string>& camera_argument) {
   if (camera_argument) {
@@ -47,7 +46,7 @@ RgbdCamera choose_camera(const std::filesystem::path& folder,
   constexpr bool kCameraKnown = false;
   const auto file = folder / "camera.yaml";
   if (std::filesystem::exists(file)) return read_camera_file(file);
-  if (const auto preset = preset_in_name(folder_name(folder))) return *preset;
+  if (const auto preset = preset_of_folder(folder)) return *preset;
   reject_sequence(folder, kCameraKnown);
 }
 

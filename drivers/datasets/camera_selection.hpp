@@ -15,4 +15,7 @@ namespace kinloop {
 RgbdCamera choose_camera(const std::filesystem::path& folder,
                          const std::optional<std::string>& camera_argument = {});
 
+/// Returns the TUM preset contained in the folder's name; nullopt if there is none or several.
+std::optional<RgbdCamera> preset_of_folder(const std::filesystem::path& folder);
+
 }  // namespace kinloop

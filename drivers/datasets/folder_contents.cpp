@@ -19,28 +19,6 @@ struct KnownLayout {
   std::string (*evidence)(const fs::path& folder, const FolderContents& contents);
 };
 
-std::string scannet(const fs::path&, const FolderContents& c) {
-  const bool exported =
-      c.has_folder("color") && c.has_folder("depth") && c.has_folder("pose") && c.has_folder("intrinsic");
-  return exported ? "color/ depth/ pose/ intrinsic/" : c.find_file("", ".sens");
-}
-
-std::string replica(const fs::path& folder, const FolderContents& c) {
-  if (!c.has_folder("results") || !c.has_file("traj.txt")) return {};
-  const std::string frame = FolderContents(folder / "results").find_file("frame", ".jpg");
-  return frame.empty() ? frame : fmt::format("results/{}, traj.txt", frame);
-}
-
-std::string redwood(const fs::path&, const FolderContents& c) {
-  if (!c.has_folder("depth")) return {};
-  for (const char* color : {"color", "image", "rgb"}) {
-    const std::string camera = c.find_file("", ".json");
-    if (!c.has_folder(color) || camera.empty()) continue;
-    return fmt::format("{}/ depth/ {}", color, camera);
-  }
-  return c.has_folder("color") ? "color/ depth/" : std::string();
-}
-
 std::string kitti(const fs::path&, const FolderContents& c) {
   for (const char* images : {"image_2", "image_0", "image_02", "image_00"}) {
     if (c.has_folder(images)) return fmt::format("{}/", images);
@@ -48,50 +26,38 @@ std::string kitti(const fs::path&, const FolderContents& c) {
   return {};
 }
 
-std::string ros2_bag(const fs::path&, const FolderContents& c) {
-  if (!c.has_file("metadata.yaml")) return {};
-  for (const char* ending : {".db3", ".mcap", ".db3.zstd", ".mcap.zstd"}) {
-    const std::string data = c.find_file("", ending);
-    if (!data.empty()) return fmt::format("metadata.yaml, {}", data);
-  }
-  return "metadata.yaml";
-}
-
-/// Layouts with more evidence come first.
-constexpr KnownLayout kLayouts[] = {
-    {"7-Scenes",
-     [](const fs::path&, const FolderContents& c) { return c.find_file("frame-", ".color.png"); }},
-    {"ScanNet", scannet},
-    {"Replica", replica},
-    {"ICL-NUIM", [](const fs::path&, const FolderContents& c) { return c.find_file("scene_", ".depth"); }},
+constexpr KnownLayout kUnreadableLayouts[] = {
+    {"ICL-NUIM's POV-Ray files",
+     [](const fs::path&, const FolderContents& c) { return c.find_file("scene_", ".depth"); }},
     {"EuRoC", [](const fs::path&,
                  const FolderContents& c) { return std::string(c.has_folder("mav0") ? "mav0/" : ""); }},
     {"KITTI", kitti},
-    {"a ROS 2 bag", ros2_bag},
-    {"Redwood or Open3D", redwood},
 };
 
 }  // namespace
 
-FolderContents::FolderContents(const fs::path& folder) {
+FolderContents::FolderContents(const fs::path& folder) : folder_(folder) {
   constexpr size_t kMaxCount = 4096;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     std::error_code broken_link;
     auto& names = entry->is_directory(broken_link) ? folders_ : files_;
     names.push_back(entry->path().filename().string());
-    if (files_.size() + folders_.size() >= kMaxCount) break;
+    complete_ = files_.size() + folders_.size() < kMaxCount;
+    if (!complete_) break;
   }
   std::sort(files_.begin(), files_.end());
   std::sort(folders_.begin(), folders_.end());
 }
 
 bool FolderContents::has_file(std::string_view name) const {
-  return contains(files_, name);
+  std::error_code absent;
+  return contains(files_, name) || (!complete_ && fs::is_regular_file(folder_ / name, absent));
 }
 
 bool FolderContents::has_folder(std::string_view name) const {
-  return contains(folders_, name);
+  std::error_code absent;
+  return contains(folders_, name) || (!complete_ && fs::is_directory(folder_ / name, absent));
 }
 
 std::string FolderContents::find_file(std::string_view beginning, std::string_view end) const {
@@ -108,9 +74,21 @@ std::string FolderContents::first_image() const {
   return {};
 }
 
+std::string color_folder(const FolderContents& contents) {
+  for (const char* name : {"rgb", "color", "colour", "image", "images"}) {
+    if (contents.has_folder(name)) return name;
+  }
+  return {};
+}
+
+std::string folder_name(const fs::path& folder) {
+  const auto normal = fs::absolute(folder).lexically_normal();
+  return (normal.has_filename() ? normal : normal.parent_path()).filename().string();
+}
+
 std::string detect_dataset_layout(const fs::path& folder) {
   const FolderContents contents(folder);
-  for (const KnownLayout& layout : kLayouts) {
+  for (const KnownLayout& layout : kUnreadableLayouts) {
     const std::string evidence = layout.evidence(folder, contents);
     if (!evidence.empty()) return fmt::format("{} ({})", layout.name, evidence);
   }

@@ -8,7 +8,8 @@
 
 namespace kinloop {
 
-/// Sorted names of the files and folders in a folder; of a very large folder only some thousands.
+/// Sorted names of the files and folders in a folder; of a very large folder only some thousands, to which
+/// `has_file` and `has_folder` are not limited.
 class FolderContents {
  public:
   explicit FolderContents(const std::filesystem::path& folder);
@@ -26,11 +27,20 @@ class FolderContents {
   [[nodiscard]] std::string first_image() const;
 
  private:
+  std::filesystem::path folder_;
   std::vector<std::string> files_, folders_;
+  bool complete_ = true;  ///< all names were read
 };
 
-/// Returns the name of another dataset's layout with the evidence, "7-Scenes (frame-000000.color.png)"; empty
-/// for an unknown layout.
+/// Returns the folder with colour images beside depth/: rgb, color or another of the usual names; empty if
+/// there is none.
+std::string color_folder(const FolderContents& contents);
+
+/// Returns the last component of a path, also of "folder/" and ".".
+std::string folder_name(const std::filesystem::path& folder);
+
+/// Returns the name of another dataset's layout that kinloop cannot read, with the evidence: "KITTI
+/// (image_2/)"; empty for any other.
 std::string detect_dataset_layout(const std::filesystem::path& folder);
 
 }  // namespace kinloop

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "drivers/datasets/folder_contents.hpp"
+#include "drivers/datasets/layouts/layouts.hpp"
 #include "kinloop/base/did_you_mean.hpp"
 #include "kinloop/base/input_error_with_hint.hpp"
 
@@ -16,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kCannotYet = "which kinloop cannot read yet; convert it to TUM layout";
+constexpr const char* kCannotYet = "which kinloop cannot read; convert it to TUM layout";
 
 constexpr const char* kCameraToCopy =
     "A camera.yaml template; replace the values with those of your camera (see kinloop calibrate):\n"
@@ -58,9 +59,12 @@ std::string names_of(const std::vector<RequiredFile>& files) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// Lists what to add to the folder to make it a sequence.
+/// Lists what the folder was searched for, and what to add to make it a sequence.
 std::string hint_for(const std::vector<RequiredFile>& missing, bool camera_known) {
-  std::string hint = "Missing for a sequence in TUM layout:\n";
+  std::string hint = "Looked for:\n";
+  for (const SequenceLayout& layout : sequence_layouts())
+    hint += fmt::format("  {:<25} {}\n", layout.name, layout.looked_for);
+  hint += "Missing for a sequence in TUM layout:\n";
   for (const RequiredFile& file : missing) hint += fmt::format("  {:<12} {}\n", file.name, file.meaning);
   return camera_known ? hint : hint + kCameraToCopy;
 }
@@ -91,11 +95,12 @@ std::string advice_for_file(const fs::path& file) {
   static const std::vector<Kind> kKinds = {
       {{".kinmap"}, "a map; continue it with --load-map or open it with kinloop view"},
       {{".ply", ".pcd"}, "a cloud; open it with kinloop view"},
-      {{".mp4", ".mkv", ".avi", ".mov", ".webm"},
+      {{".mp4", ".avi", ".mov", ".webm"},
        "a video, which kinloop cannot read yet; colour and depth images are needed, in a folder in TUM "
        "layout"},
-      {{".sens", ".oni", ".klg", ".svo", ".db3", ".mcap"},
+      {{".oni", ".klg", ".svo"},
        "a recording of another program, which kinloop cannot read yet; convert it to TUM layout"},
+      {{".r3d"}, "a zip archive of Record3D; unpack it with unzip and give the folder"},
       {{".tgz", ".gz", ".tar", ".zip", ".7z", ".bz2", ".xz"}, "an archive; unpack it and give the folder"},
       {{".png", ".jpg", ".jpeg"}, "one image; give the folder of the sequence"},
       {{".txt", ".yaml"}, "a text file; give the folder of the sequence"},
@@ -105,7 +110,8 @@ std::string advice_for_file(const fs::path& file) {
       if (file.extension() == ending) return kind.remedy;
     }
   }
-  return "not a folder; give the folder of a sequence, or a ROS bag (.bag)";
+  return "not a folder; give the folder of a sequence, a bag (.bag, .mcap, .db3) or a .mkv of the Azure "
+         "Kinect";
 }
 
 /// Names of a few sequences below this folder.
@@ -114,7 +120,8 @@ std::vector<std::string> sequences_below(const fs::path& folder) {
   std::vector<std::string> found;
   const FolderContents contents(folder);
   for (const std::string& name : contents.folders()) {
-    if (found.size() < kMaxCount && has_tum_lists(folder / name)) found.push_back((folder / name).string());
+    if (found.size() >= kMaxCount) break;
+    if (recognise_layout(folder / name) != nullptr) found.push_back((folder / name).string());
   }
   return found;
 }
@@ -136,8 +143,7 @@ std::string foreign_layout_around(const fs::path& folder) {
 std::string description_of(const fs::path& folder) {
   const FolderContents contents(folder);
   if (contents.empty()) return "an empty folder";
-  if (contents.has_folder("rgb") && contents.has_folder("depth"))
-    return "rgb/ and depth/ without their lists";
+  if (contents.has_folder("rgb") && contents.has_folder("depth")) return "rgb/ without images";
   const std::string image = contents.first_image();
   if (!image.empty() && contents.folders().empty()) {
     return fmt::format("a folder of images ({}, ...); each colour image needs a depth image", image);
@@ -159,11 +165,7 @@ void reject_sequence(const fs::path& path, bool camera_known) {
   if (!fs::exists(path, absent)) reject_absent(path);
   if (!fs::is_directory(path, absent)) throw InputError(fmt::format("{}: {}", name, advice_for_file(path)));
   const auto missing = missing_in(path, camera_known);
-  if (has_tum_lists(path)) {
-    throw InputErrorWithHint(
-        fmt::format("{}: no camera: add a camera.yaml, or use --camera FILE or one of {}", name, kPresets),
-        kCameraToCopy);
-  }
+  if (has_tum_lists(path)) reject_without_camera(path, {});
   const std::string hint = hint_for(missing, camera_known);
   const FolderContents contents(path);
   if (contents.has_file("rgb.txt") || contents.has_file("depth.txt")) {
@@ -185,9 +187,16 @@ void reject_sequence(const fs::path& path, bool camera_known) {
   }
   const std::string description = description_of(path);
   throw InputErrorWithHint(
-      fmt::format("{}: not a sequence in TUM layout: {}", name,
+      fmt::format("{}: not a sequence in a known layout: {}", name,
                   description.empty() ? fmt::format("no {}", names_of(missing)) : description),
       hint);
+}
+
+void reject_without_camera(const fs::path& path, const std::string& remedy) {
+  const std::string what = remedy.empty() ? "add a camera.yaml" : remedy;
+  throw InputErrorWithHint(
+      fmt::format("{}: no camera: {}, or use --camera FILE or one of {}", path.string(), what, kPresets),
+      kCameraToCopy);
 }
 
 }  // namespace kinloop

@@ -22,6 +22,7 @@ struct SkippedFrame {
 struct SourceInfo {
   std::string name;         ///< as given by the user
   size_t frames = 0;        ///< number of frames that `next` will return or skip
+  std::string description;  ///< what a recording was taken for; empty if there is nothing to say
   bool live = false;        ///< frames arrive in real time and are lost if not taken
   Trajectory ground_truth;  ///< empty if there is none
 };

@@ -73,10 +73,8 @@ std::string_view jpeg_damage(std::string_view bytes) {
   throw InputError(fmt::format("{}: {}", path.string(), why));
 }
 
-std::string read_intact_file(const std::filesystem::path& path) {
-  std::string bytes = read_file(path);
+void require_intact(const std::string& bytes, const std::filesystem::path& path) {
   if (const auto damage = image_damage(bytes); !damage.empty()) fail(path, damage);
-  return bytes;
 }
 
 cv::Mat decode(const std::filesystem::path& path, const std::string& bytes) {
@@ -120,7 +118,15 @@ std::string_view image_damage(std::string_view bytes) {
 }
 
 ColorImage read_color_image(const std::filesystem::path& path) {
-  std::string bytes = read_intact_file(path);
+  return decode_color_image(read_file(path), path);
+}
+
+cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale) {
+  return decode_depth_image(read_file(path), path, depth_scale);
+}
+
+ColorImage decode_color_image(std::string bytes, const std::filesystem::path& path) {
+  require_intact(bytes, path);
   if (bytes.starts_with(kJpegSignature)) {
     auto jpeg = ColorImage::from_jpeg(std::move(bytes));
     if (!jpeg) fail(path, kDamaged);
@@ -136,8 +142,9 @@ ColorImage read_color_image(const std::filesystem::path& path) {
   return bgr_from(image);
 }
 
-cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale) {
-  const cv::Mat image = decode(path, read_intact_file(path));
+cv::Mat decode_depth_image(const std::string& bytes, const std::filesystem::path& path, double depth_scale) {
+  require_intact(bytes, path);
+  const cv::Mat image = decode(path, bytes);
   if (image.type() != CV_16UC1) {
     throw ImageFormatError(
         fmt::format("{}: not a 16-bit grey PNG, as depth images are ({} bits, {} channels); export depth as "

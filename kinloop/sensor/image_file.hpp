@@ -3,6 +3,7 @@
 // here; the decoders alone would fill the missing part with grey.
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include <opencv2/core/mat.hpp>
@@ -30,6 +31,10 @@ ColorImage read_color_image(const std::filesystem::path& path);
 /// Reads depth as 32FC1 metres, 0 = unknown, from a 16-bit grey PNG with `depth_scale` units per metre, in
 /// which 0 and 65535 mean unknown. Throws InputError naming the file and the problem.
 cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale);
+
+/// The same from the bytes of a file, or of a part of the file at `path`.
+ColorImage decode_color_image(std::string bytes, const std::filesystem::path& path);
+cv::Mat decode_depth_image(const std::string& bytes, const std::filesystem::path& path, double depth_scale);
 
 /// Returns what is wrong with the bytes of a PNG or JPEG file ("truncated"), or an empty string if it is
 /// intact.

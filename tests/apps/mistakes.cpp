@@ -46,8 +46,7 @@ std::vector<MisuseCase> command_line_mistakes() {
 
 std::vector<MisuseCase> sequence_mistakes() {
   const auto looks_like = [](const std::string& folder, std::vector<std::string> said) {
-    said.insert(said.end(),
-                {"cannot read yet", "convert it to TUM layout", "rgb.txt", "depth.txt", "fx: 525"});
+    said.insert(said.end(), {"cannot read", "convert it to TUM layout", "rgb.txt", "depth.txt", "fx: 525"});
     return MisuseCase{"run " + folder, kBadInput, said, ""};
   };
   return {
@@ -58,22 +57,25 @@ std::vector<MisuseCase> sequence_mistakes() {
       {"run video.mp4", kBadInput, {"video.mp4: a video", "cannot read yet", "TUM layout"}},
       {"run empty",
        kBadInput,
-       {"empty: not a sequence", "an empty folder", "rgb.txt", "camera.yaml", "fx: 525"}},
+       {"empty: not a sequence", "an empty folder", "Looked for:", "7-Scenes", "rgb.txt", "camera.yaml",
+        "fx: 525"}},
       {"run parent", kBadInput, {"parent: not a sequence", "it contains: parent/inner"}},
       {"run out", kBadInput, {"the results of a run", "kinloop view out"}},
       {"run images", kBadInput, {"a folder of images (0.png", "needs a depth image"}},
-      looks_like("7scenes", {"7scenes: looks like 7-Scenes (frame-000000.color.png)"}),
-      looks_like("scannet", {"looks like ScanNet (color/ depth/ pose/ intrinsic/)"}),
-      looks_like("sens", {"looks like ScanNet (scene0000_00.sens)"}),
-      looks_like("redwood", {"looks like Redwood or Open3D (color/ depth/ intrinsic.json)"}),
-      looks_like("replica", {"looks like Replica (results/frame000000.jpg, traj.txt)"}),
-      looks_like("icl", {"looks like ICL-NUIM (scene_00_0000.depth)"}),
+      {"run 7scenes", kBadInput, {"7scenes/frame-000000.color.png: neither a PNG nor a JPEG"}},
+      {"run scannet", kBadInput, {"scannet/color/0.jpg: neither a PNG nor a JPEG"}},
+      {"run sens", kBadInput, {"sens/scene0000_00.sens: at byte 0: the file is truncated"}},
+      {"run redwood", kBadInput, {"redwood/intrinsic.json: not JSON"}},
+      {"run replica", kBadInput, {"replica/results: 1 colour and 0 depth images"}},
+      looks_like("icl", {"looks like ICL-NUIM's POV-Ray files (scene_00_0000.depth)"}),
       looks_like("euroc", {"looks like EuRoC (mav0/)"}),
       looks_like("kitti", {"looks like KITTI (image_2/)"}),
       {"run ros2", kBadInput, {"ros2/metadata.yaml: not the metadata of a ROS 2 bag", "remove it"}},
       {"run no_camera", kBadInput, {"no_camera: no camera: add a camera.yaml", "--camera FILE", "fx: 525"}},
       {"run only_rgb", kBadInput, {"no depth.txt, camera.yaml", "depth.txt ", "fx: 525"}},
-      {"run no_lists", kBadInput, {"rgb/ and depth/ without their lists", "rgb.txt ", "depth.txt "}},
+      {"run no_lists --camera icl",
+       kBadInput,
+       {"no_lists/rgb/", "160 x 120 pixels where the camera has 640 x 480", "specify the camera"}},
       {"run seq --camera nowhere.yaml",
        kBadInput,
        {"nowhere.yaml", "neither a file nor a preset", "freiburg1"}},

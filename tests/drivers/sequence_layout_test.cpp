@@ -34,13 +34,8 @@ TEST(ForeignLayout, IsRecognisedByTheFolderContents) {
     for (const char* file : files) folder.write(std::filesystem::path(name) / file, "");
     return detect_dataset_layout(folder.path() / name);
   };
-  EXPECT_EQ(layout_with("open3d", {"color/0.jpg", "depth/0.png", "camera.json"}),
-            "Redwood or Open3D (color/ depth/ camera.json)");
-  EXPECT_EQ(layout_with("scannet", {"color/0.jpg", "depth/0.png", "pose/0.txt", "intrinsic/a.txt"}),
-            "ScanNet (color/ depth/ pose/ intrinsic/)");
-  EXPECT_EQ(layout_with("replica", {"results/frame000000.jpg", "traj.txt"}),
-            "Replica (results/frame000000.jpg, traj.txt)");
-  EXPECT_THAT(layout_with("results_only", {"results/other.jpg", "traj.txt"}), IsEmpty());
+  EXPECT_EQ(layout_with("kitti", {"image_2/000000.png", "calib.txt"}), "KITTI (image_2/)");
+  EXPECT_THAT(layout_with("open3d", {"color/0.jpg", "depth/0.png", "camera.json"}), IsEmpty());
   EXPECT_THAT(layout_with("tum", {"rgb/0.png", "depth/0.png", "rgb.txt", "depth.txt"}), IsEmpty());
   EXPECT_THAT(detect_dataset_layout(folder.path() / "absent"), IsEmpty());
 }
@@ -48,9 +43,11 @@ TEST(ForeignLayout, IsRecognisedByTheFolderContents) {
 TEST(RejectSequence, LooksIntoTheFoldersBelow) {
   const TempFolder folder;
   folder.write("chess/seq-01/frame-000000.color.png", "");
-  EXPECT_THAT(
-      input_error([&] { reject_sequence(folder.path() / "chess", false); }),
-      HasSubstr("looks like 7-Scenes (frame-000000.color.png), in seq-01/, which kinloop cannot read yet"));
+  folder.write("drive/05/image_2/000000.png", "");
+  EXPECT_THAT(input_error([&] { reject_sequence(folder.path() / "chess", false); }),
+              AllOf(HasSubstr("not a sequence, but it contains: "), HasSubstr("chess/seq-01")));
+  EXPECT_THAT(input_error([&] { reject_sequence(folder.path() / "drive", false); }),
+              HasSubstr("looks like KITTI (image_2/), in 05/, which kinloop cannot read"));
 }
 
 TEST(RejectSequence, AllThatIsMissingIsInOneAnswer) {
@@ -59,7 +56,8 @@ TEST(RejectSequence, AllThatIsMissingIsInOneAnswer) {
   EXPECT_THAT(input_error([&] { reject_sequence(folder.path(), false); }),
               HasSubstr("no depth.txt, camera.yaml"));
   EXPECT_THAT(hint_of(folder.path(), false),
-              AllOf(Not(HasSubstr("rgb.txt ")), HasSubstr("depth.txt "), HasSubstr("fx: 525")));
+              AllOf(HasSubstr("7-Scenes "), Not(HasSubstr("for each colour image")),
+                    HasSubstr("for each depth image"), HasSubstr("fx: 525")));
   EXPECT_THAT(hint_of(folder.path(), true), AllOf(HasSubstr("depth.txt "), Not(HasSubstr("camera.yaml"))));
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
+#include "drivers/datasets/reading/tum_listing.hpp"
 #include "drivers/datasets/tum_source.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -58,8 +59,8 @@ TEST(TumSourceReal, OwnAssociationEqualsThatOfTheTumTool) {
   ASSERT_EQ(own.size(), given.size());
   for (size_t i = 0; i < own.size(); ++i) {
     EXPECT_EQ(own[i].stamp_ns, given[i].stamp_ns);
-    EXPECT_EQ(own[i].color.filename(), given[i].color.filename());
-    EXPECT_EQ(own[i].depth.filename(), given[i].depth.filename());
+    EXPECT_EQ(own[i].color.file.filename(), given[i].color.file.filename());
+    EXPECT_EQ(own[i].depth.file.filename(), given[i].depth.file.filename());
   }
 }
 

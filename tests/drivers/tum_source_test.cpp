@@ -214,7 +214,7 @@ TEST(TumSourceErrors, FolderThatIsNotThereOrNotASequence) {
   };
   EXPECT_THAT(error(folder.path() / "none"), AllOf(HasSubstr("none"), HasSubstr("no such folder")));
   EXPECT_THAT(error(folder.write("file", "x")), HasSubstr("not a folder"));
-  EXPECT_THAT(error(folder.path()), AllOf(HasSubstr("no rgb.txt, depth.txt"), HasSubstr("TUM layout")));
+  EXPECT_THAT(error(folder.path()), AllOf(HasSubstr("no rgb.txt, depth.txt"), HasSubstr("known layout")));
   folder.write("rgb.txt", "1 a.png\n");
   EXPECT_THAT(error(folder.path()), HasSubstr("no depth.txt"));
   EXPECT_THAT(open_error(folder.path() / "none"), HasSubstr("no such folder"));

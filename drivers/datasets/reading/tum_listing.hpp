@@ -1,23 +1,16 @@
 #pragma once
 // In: the text files of a sequence in TUM layout. Out: the image files of each frame; no image is read.
 
-#include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
-#include "kinloop/sensor/frame_source.hpp"
+#include "drivers/datasets/recorded_sequence.hpp"
 
 namespace kinloop {
 
-/// The two images of a frame.
-struct FrameFiles {
-  int64_t stamp_ns = 0;  ///< of the colour image
-  std::filesystem::path color;
-  std::filesystem::path depth;
-};
-
 struct TumListing {
-  std::vector<FrameFiles> frames;     ///< in order of time
+  std::vector<RecordedFrame> frames;  ///< in order of time
   std::vector<SkippedFrame> skipped;  ///< rows whose time stamp repeats or precedes an earlier one
 };
 
@@ -27,5 +20,9 @@ struct TumListing {
 /// folder or file, an unreadable row, and a sequence without frames. Warns of pairs in associations.txt that
 /// exceed the association tolerance.
 TumListing read_tum_listing(const std::filesystem::path& folder);
+
+/// Associates two lists of these names by time stamp, as above.
+TumListing associate_lists(const std::filesystem::path& folder, const std::string& color_list,
+                           const std::string& depth_list);
 
 }  // namespace kinloop

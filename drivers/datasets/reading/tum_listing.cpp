@@ -1,10 +1,11 @@
-#include "drivers/datasets/tum_listing.hpp"
+#include "drivers/datasets/reading/tum_listing.hpp"
 
 #include <algorithm>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/base/association.hpp"
 #include "kinloop/base/errors.hpp"
@@ -94,38 +95,43 @@ TumListing read_associated(const std::filesystem::path& folder) {
   listing.skipped = std::move(rows.skipped);
   for (size_t i = 0; i < rows.lines.size(); ++i) {
     const auto& fields = rows.lines[i].fields;
-    listing.frames.push_back({rows.stamps_ns[i], folder / fields[1], folder / fields[3]});
-  }
-  return listing;
-}
-
-TumListing associate_lists(const std::filesystem::path& folder) {
-  const StampedRows color = read_stamped_rows(folder / "rgb.txt", "timestamp colour_file");
-  const StampedRows depth = read_stamped_rows(folder / "depth.txt", "timestamp depth_file");
-  TumListing listing;
-  listing.skipped = color.skipped;
-  listing.skipped.insert(listing.skipped.end(), depth.skipped.begin(), depth.skipped.end());
-  for (const auto& [c, d] : associate_stamps(color.stamps_ns, depth.stamps_ns)) {
+    const int64_t depth_ns = stamp_of(file, rows.lines[i], 2);
     listing.frames.push_back(
-        {color.stamps_ns[c], folder / color.lines[c].fields[1], folder / depth.lines[d].fields[1]});
-  }
-  if (listing.frames.empty()) {
-    throw InputError(
-        fmt::format("{}: no colour image of rgb.txt has a depth image in depth.txt within {} s; check that "
-                    "both use the same clock, or write associations.txt",
-                    folder.string(), to_seconds(kMaxAssociationNs)));
+        {rows.stamps_ns[i], depth_ns, {folder / fields[1]}, {folder / fields[3]}, {}, 0});
   }
   return listing;
 }
 
 }  // namespace
 
+TumListing associate_lists(const std::filesystem::path& folder, const std::string& color_list,
+                           const std::string& depth_list) {
+  const StampedRows color = read_stamped_rows(folder / color_list, "timestamp colour_file");
+  const StampedRows depth = read_stamped_rows(folder / depth_list, "timestamp depth_file");
+  TumListing listing;
+  listing.skipped = color.skipped;
+  listing.skipped.insert(listing.skipped.end(), depth.skipped.begin(), depth.skipped.end());
+  const auto files = [&](const StampedRows& rows) {
+    std::vector<std::filesystem::path> paths;
+    for (const TextLine& line : rows.lines) paths.push_back(folder / line.fields[1]);
+    return paths;
+  };
+  listing.frames = pair_by_time(color.stamps_ns, files(color), depth.stamps_ns, files(depth));
+  if (listing.frames.empty()) {
+    throw InputError(
+        fmt::format("{}: no colour image of {} has a depth image in {} within {} s; check that "
+                    "both use the same clock, or write associations.txt",
+                    folder.string(), color_list, depth_list, to_seconds(kMaxAssociationNs)));
+  }
+  return listing;
+}
+
 TumListing read_tum_listing(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
   constexpr bool kCameraKnown = true;  // the caller knows it
   if (!has_tum_lists(folder)) reject_sequence(folder, kCameraKnown);
   if (fs::exists(folder / "associations.txt")) return read_associated(folder);
-  return associate_lists(folder);
+  return associate_lists(folder, "rgb.txt", "depth.txt");
 }
 
 }  // namespace kinloop

@@ -1,0 +1,170 @@
+// kinloop probe: says what a recording is and whether its depth makes sense, without mapping it.
+
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "apps/shared/commands.hpp"
+#include "apps/shared/open_frame_source.hpp"
+#include "drivers/datasets/open_sequence.hpp"
+#include "drivers/datasets/recorded_source.hpp"
+#include "drivers/probe/sequence_statistics.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr size_t kLookedAt = 30;  // frames that are decoded
+
+struct ProbeArguments {
+  std::string sequence;
+  std::string camera;
+};
+
+/// What is known of a recording. Stamps are of all frames, or only of those decoded.
+struct Probed {
+  std::string name, description;
+  RgbdCamera camera;
+  bool stamps_measured = true;
+  bool metric_depth = false;
+  std::vector<int64_t> stamps_ns;
+  std::vector<double> depth_minus_color_s;
+  std::vector<RgbdFrame> frames;
+  std::vector<SkippedFrame> skipped;
+  size_t truth = 0;
+};
+
+void take_frames(FrameSource& source, Probed& probed) {
+  while (probed.frames.size() < kLookedAt) {
+    auto frame = source.next();
+    if (!frame) break;
+    probed.frames.push_back(std::move(*frame));
+  }
+  probed.skipped = source.skipped();
+}
+
+/// Decodes frames spread over the sequence; of a video, which can only be read in order, the first.
+Probed probe_layout(const std::string& path, const std::optional<std::string>& camera) {
+  OpenedSequence opened = read_sequence(path, camera);
+  RecordedSequence& sequence = opened.sequence;
+  Probed probed;
+  probed.name = path;
+  probed.description = describe(sequence, opened.camera);
+  probed.camera = opened.camera;
+  probed.stamps_measured = sequence.stamps_measured;
+  probed.metric_depth = is_metric(sequence.depth_encoding);
+  probed.truth = sequence.ground_truth.size();
+  for (const RecordedFrame& frame : sequence.frames) {
+    probed.stamps_ns.push_back(frame.stamp_ns);
+    probed.depth_minus_color_s.push_back(1e-9 * static_cast<double>(frame.depth_stamp_ns - frame.stamp_ns));
+  }
+  if (sequence.video.empty()) {
+    const size_t step = std::max<size_t>(1, sequence.frames.size() / kLookedAt);
+    std::vector<RecordedFrame> some;
+    for (size_t i = 0; i < sequence.frames.size(); i += step) some.push_back(sequence.frames[i]);
+    sequence.frames = std::move(some);
+  }
+  RecordedSource source(path, std::move(sequence), opened.camera);
+  take_frames(source, probed);
+  return probed;
+}
+
+/// Any other source: only the first frames are known.
+Probed probe_source(const SourceRequest& request) {
+  const auto source = open_frame_source(request);
+  Probed probed;
+  probed.name = request.sequence;
+  probed.description = fmt::format("{} frames", source->info().frames);
+  probed.camera = source->camera();
+  probed.truth = source->info().ground_truth.size();
+  take_frames(*source, probed);
+  for (const RgbdFrame& frame : probed.frames) probed.stamps_ns.push_back(frame.stamp_ns);
+  return probed;
+}
+
+std::string lens_text(const PinholeCamera& lens) {
+  return fmt::format("{} x {}, fx {:.2f}, fy {:.2f}, cx {:.2f}, cy {:.2f}{}", lens.width, lens.height,
+                     lens.fx, lens.fy, lens.cx, lens.cy, lens.has_distortion() ? ", distortion" : "");
+}
+
+void print_times(const Probed& probed) {
+  if (!probed.stamps_measured)
+    return fmt::print("rate       none recorded, {} Hz assumed\n", probed.camera.fps);
+  const auto rate = rate_statistics(probed.stamps_ns);
+  if (!rate) return fmt::print("rate       too few frames\n");
+  fmt::print("rate       {:.2f} Hz (median), jitter {:.1f} ms (95 %), {:.1f} s, {} gaps",
+             1 / rate->median_interval_s, 1e3 * rate->jitter_s, rate->duration_s, rate->gaps);
+  fmt::print("{}\n", rate->gaps > 0 ? fmt::format(", the longest {:.3f} s", rate->longest_gap_s) : "");
+  const auto& lags_s = probed.depth_minus_color_s;
+  if (std::all_of(lags_s.begin(), lags_s.end(), [](double lag_s) { return lag_s == 0; })) return;
+  const Spread lag_s = spread_of(lags_s);
+  fmt::print("depth time {:+.1f} ms after colour (median), {:+.1f} to {:+.1f} ms (5 % to 95 %)\n",
+             1e3 * lag_s.median, 1e3 * lag_s.low, 1e3 * lag_s.high);
+}
+
+void print_depth(const Probed& probed) {
+  const auto [depth_m, share] = depth_statistics(probed.frames);
+  fmt::print("depth      {:.2f} m (5 %), {:.2f} m (median), {:.2f} m (95 %); {:.0f} % of the pixels\n",
+             depth_m.low, depth_m.median, depth_m.high, 100 * share);
+  const auto shift = misregistration(probed.frames);
+  if (shift) {
+    fmt::print("alignment  colour edges {:+.1f} px right, {:+.1f} px below depth edges (contrast {:.2f})\n",
+               shift->shift_px.x(), shift->shift_px.y(), shift->contrast);
+  } else {
+    fmt::print("alignment  unknown: depth edges agree with colour edges at no shift\n");
+  }
+  constexpr double kNearest_m = 0.3, kFarthest_m = 20;
+  if (share == 0) return log::warn("no pixel has depth");
+  if (depth_m.median >= kNearest_m && depth_m.median <= kFarthest_m) return;
+  const auto scale = plausible_depth_scale(depth_m.median, probed.camera.depth_scale);
+  log::warn("a median depth of {:.2g} m is hardly possible: {}", depth_m.median,
+            scale && !probed.metric_depth
+                ? fmt::format("with depth_scale: {} instead of {} it would be {:.1f} m", *scale,
+                              probed.camera.depth_scale, depth_m.median * probed.camera.depth_scale / *scale)
+                : "check the unit of depth");
+}
+
+void print_probed(const Probed& probed) {
+  const RgbdCamera& camera = probed.camera;
+  fmt::print("{}: {}\n", probed.name, probed.description);
+  fmt::print("colour     {}\n", lens_text(camera.color));
+  if (camera.depth) {
+    fmt::print("           depth camera {}, {:.1f} mm from colour\n", lens_text(*camera.depth),
+               1e3 * camera.T_color_depth.translation.norm());
+  }
+  print_times(probed);
+  print_depth(probed);
+  fmt::print("truth      {} poses\n", probed.truth);
+  fmt::print("decoded    {} frames, {} damaged or listed wrongly\n", probed.frames.size(),
+             probed.skipped.size());
+  if (!probed.skipped.empty()) log::warn("the first bad frame: {}", probed.skipped.front().reason);
+}
+
+void probe(const ProbeArguments& arguments) {
+  if (is_camera_or_stream(arguments.sequence))
+    throw UsageError("probe: a live camera cannot be probed; record it with kinloop record");
+  SourceRequest request;
+  request.sequence = arguments.sequence;
+  if (!arguments.camera.empty()) request.camera = arguments.camera;
+  print_probed(is_recording(arguments.sequence) ? probe_source(request)
+                                                : probe_layout(request.sequence, request.camera));
+}
+
+}  // namespace
+
+void add_probe_command(CLI::App& app) {
+  auto arguments = std::make_shared<ProbeArguments>();
+  CLI::App* command =
+      app.add_subcommand("probe", "Say what a recording is: layout, camera, rates, depth, alignment");
+  command->add_option("PATH", arguments->sequence, "a folder or file, as for kinloop run")->required();
+  command->add_option("--camera", arguments->camera, "camera.yaml or preset, as for kinloop run");
+  command->footer(
+      "Decodes 30 frames spread over the sequence. Alignment is the shift by which the borders of near "
+      "objects\n"
+      "in depth meet edges in colour best; it is 0 if depth is registered.");
+  command->callback([arguments] { probe(*arguments); });
+}
+
+}  // namespace kinloop

@@ -1,0 +1,129 @@
+// OpenLORIS-Scene (Shi et al. 2020): color.txt and aligned_depth.txt ("stamp file"), depth in millimetres,
+// sensors.yaml and trans_matrix.yaml by OpenCV, and groundtruth.txt of the robot's base_link.
+
+#include <map>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "drivers/datasets/layouts/layouts.hpp"
+#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/matrix_text.hpp"
+#include "drivers/datasets/reading/tum_listing.hpp"
+#include "drivers/datasets/reading/two_lenses.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+#include "kinloop/base/text_file.hpp"
+
+namespace kinloop {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kColorFrame = "d400_color_optical_frame";
+constexpr const char* kBaseFrame = "base_link";
+
+std::string open_loris_evidence(const fs::path&, const FolderContents& contents) {
+  const bool fits = contents.has_file("color.txt") && contents.has_file("aligned_depth.txt");
+  return fits ? "color.txt, aligned_depth.txt" : "";
+}
+
+/// Calls `read` with the file's content; OpenCV's exceptions become InputError.
+template <class Read>
+auto with_storage(const fs::path& file, const Read& read) {
+  const std::string text = read_file(file);
+  try {
+    return read(cv::FileStorage(
+        text, cv::FileStorage::READ | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML));
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception&) {  // its parser also throws what the standard library throws
+    throw InputError(fmt::format("{}: not a YAML file by OpenCV; copy it again", file.string()));
+  }
+}
+
+/// The numbers of a matrix. OpenCV's own reader would allocate whatever size a damaged file claims.
+std::vector<double> numbers_of(const cv::FileNode& matrix) {
+  std::vector<double> numbers;
+  for (const cv::FileNode& value : matrix["data"]) numbers.push_back(value.real());
+  return numbers;
+}
+
+/// "intrinsics" are fx, cx, fy, cy.
+RgbdCamera read_loris_camera(const fs::path& file) {
+  constexpr double kMillimetres = 1000;
+  return with_storage(file, [&](const cv::FileStorage& storage) {
+    const cv::FileNode node = storage[kColorFrame];
+    const auto k =
+        node.isMap() && node["intrinsics"].isMap() ? numbers_of(node["intrinsics"]) : std::vector<double>();
+    if (k.size() != 4) {
+      throw InputError(
+          fmt::format("{}: no '{}' with four 'intrinsics'; copy it again", file.string(), kColorFrame));
+    }
+    const cv::Size size = checked_size(node["width"].real(), node["height"].real(), file);
+    const PinholeCamera lens = checked_lens(make_lens(size, k[0], k[2], k[1], k[3]), file);
+    return camera_of({lens, lens, {}, {}}, kMillimetres, file);
+  });
+}
+
+/// The pose of the colour camera in base_link, along a chain of entries "parent, child, T_parent_child".
+std::optional<SE3> read_base_to_color(const fs::path& file) {
+  constexpr int kLongestChain = 8;
+  std::map<std::string, std::pair<std::string, SE3>> parent_of;
+  with_storage(file, [&](const cv::FileStorage& storage) {
+    for (const cv::FileNode& entry : storage["trans_matrix"]) {
+      const auto matrix = matrix_of(numbers_of(entry["matrix"]));
+      const auto T = matrix ? rigid_motion(*matrix) : std::nullopt;
+      if (T) parent_of[entry["child_frame"].string()] = {entry["parent_frame"].string(), *T};
+    }
+    return true;
+  });
+  SE3 T_frame_color;
+  std::string frame = kColorFrame;
+  for (int i = 0; i < kLongestChain && frame != kBaseFrame; ++i) {
+    const auto found = parent_of.find(frame);
+    if (found == parent_of.end()) return std::nullopt;
+    T_frame_color = found->second.second * T_frame_color;
+    frame = found->second.first;
+  }
+  return frame == kBaseFrame ? std::optional(T_frame_color) : std::nullopt;
+}
+
+Trajectory read_loris_truth(const fs::path& folder) {
+  std::error_code absent;
+  if (!fs::exists(folder / "groundtruth.txt", absent)) return {};
+  Trajectory truth = read_tum_trajectory(folder / "groundtruth.txt");
+  const fs::path file = folder / "trans_matrix.yaml";
+  const auto T_base_color = fs::exists(file, absent) ? read_base_to_color(file) : std::nullopt;
+  if (!T_base_color) {
+    log::warn("{}: no transform from {} to {}: the ground truth, which is of the robot, is not used",
+              file.string(), kBaseFrame, kColorFrame);
+    return {};
+  }
+  for (StampedPose& pose : truth) pose.T_world_camera = pose.T_world_camera * *T_base_color;
+  return truth;
+}
+
+RecordedSequence read_open_loris(const fs::path& folder) {
+  RecordedSequence sequence;
+  sequence.layout = "OpenLORIS folder";
+  TumListing listing = associate_lists(folder, "color.txt", "aligned_depth.txt");
+  sequence.frames = std::move(listing.frames);
+  sequence.skipped = std::move(listing.skipped);
+  sequence.camera_remedy = "no sensors.yaml; copy it from the dataset";
+  std::error_code absent;
+  if (fs::exists(folder / "sensors.yaml", absent)) {
+    sequence.camera = read_loris_camera(folder / "sensors.yaml");
+    sequence.camera->fps = median_rate_hz(sequence.frames, sequence.camera->fps);
+  }
+  sequence.ground_truth = read_loris_truth(folder);
+  return sequence;
+}
+
+}  // namespace
+
+SequenceLayout open_loris_layout() {
+  return {"OpenLORIS", "color.txt and aligned_depth.txt", open_loris_evidence, read_open_loris};
+}
+
+}  // namespace kinloop

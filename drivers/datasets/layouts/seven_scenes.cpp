@@ -1,0 +1,67 @@
+// 7-Scenes (Shotton et al. 2013): frame-000000.color.png, .depth.png in millimetres and .pose.txt of the
+// depth camera. Depth is not registered to colour. The same names are used with a camera-intrinsics.txt in
+// the folder or above it by datasets with registered depth (3DMatch).
+
+#include <fmt/format.h>
+
+#include "drivers/datasets/layouts/layouts.hpp"
+#include "drivers/datasets/reading/frame_files.hpp"
+#include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/datasets/reading/matrix_text.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr const char* kIntrinsicsName = "camera-intrinsics.txt";
+
+std::string seven_scenes_evidence(const std::filesystem::path&, const FolderContents& contents) {
+  return frame_files_evidence(contents);
+}
+
+/// The dataset has no calibration of colour; this is the one of docs/cameras.md, checked on RedKitchen.
+RgbdCamera seven_scenes_camera() {
+  RgbdCamera camera;
+  camera.depth_scale = 1000;
+  camera.color = make_lens({640, 480}, 522.07, 522.07, 319.07, 237.69);
+  camera.depth = make_lens({640, 480}, 585, 585, 320, 240);
+  camera.T_color_depth = {exp_so3({-0.0007, 0.0002, 0.0012}), {-0.0239, 0.0027, -0.0049}};
+  return camera;
+}
+
+/// The camera in camera-intrinsics.txt; nullopt if there is none, or it is that of the original depth.
+std::optional<RgbdCamera> registered_camera(const std::filesystem::path& folder, cv::Size size) {
+  for (const auto& file :
+       {folder / kIntrinsicsName, folder.lexically_normal().parent_path() / kIntrinsicsName}) {
+    std::error_code absent;
+    if (!std::filesystem::exists(file, absent)) continue;
+    RgbdCamera camera;
+    camera.depth_scale = 1000;
+    camera.color = read_lens(file, size);
+    const bool of_depth = camera.color == *seven_scenes_camera().depth;
+    return of_depth ? std::nullopt : std::optional(camera);
+  }
+  return std::nullopt;
+}
+
+RecordedSequence read_seven_scenes(const std::filesystem::path& folder) {
+  RecordedSequence sequence = read_frame_files(folder);
+  sequence.layout = "7-Scenes folder";
+  sequence.camera = seven_scenes_camera();
+  if (const auto camera = registered_camera(folder, image_size(sequence.frames, &RecordedFrame::color))) {
+    sequence.camera = camera;
+    sequence.layout = "3DMatch folder";
+  }
+  if (!sequence.camera->depth) return sequence;
+  const SE3 T_depth_color = sequence.camera->T_color_depth.inverse();
+  for (StampedPose& pose : sequence.ground_truth) pose.T_world_camera = pose.T_world_camera * T_depth_color;
+  return sequence;
+}
+
+}  // namespace
+
+SequenceLayout seven_scenes_layout() {
+  return {"7-Scenes", "frame-000000.color.png and frame-000000.depth.png", seven_scenes_evidence,
+          read_seven_scenes};
+}
+
+}  // namespace kinloop

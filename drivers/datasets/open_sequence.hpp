@@ -1,0 +1,30 @@
+#pragma once
+// In: a folder or a file in any known layout. Out: its frames, or what was looked for.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "drivers/datasets/recorded_sequence.hpp"
+#include "kinloop/sensor/frame_source.hpp"
+
+namespace kinloop {
+
+/// A recognised sequence and its camera.
+struct OpenedSequence {
+  RecordedSequence sequence;
+  RgbdCamera camera;
+};
+
+/// Reads the lists, poses and calibration of a recorded sequence. The camera is `camera_argument` (a preset
+/// or a file) if given, else camera.yaml in the folder, else that of the layout. Throws InputError with the
+/// remedy if the path is in no known layout or has no camera.
+OpenedSequence read_sequence(const std::filesystem::path& path,
+                             const std::optional<std::string>& camera_argument = {});
+
+/// Opens a sequence in any layout; `info().description` says which.
+std::unique_ptr<FrameSource> open_sequence(const std::string& path,
+                                           const std::optional<std::string>& camera_argument = {});
+
+}  // namespace kinloop

@@ -1,0 +1,115 @@
+#include "drivers/datasets/reading/depth_image.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+#include <libdeflate.h>
+
+#include "drivers/datasets/reading/numpy_file.hpp"
+#include "drivers/datasets/reading/pgm.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/sensor/image_file.hpp"
+
+namespace kinloop {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "raw depth is little-endian");
+
+[[noreturn]] void reject_depth(const std::filesystem::path& file, const std::string& why) {
+  throw InputError(fmt::format("{}: {}", file.string(), why));
+}
+
+size_t pixels_of(cv::Size size) {
+  return static_cast<size_t>(size.width) * static_cast<size_t>(size.height);
+}
+
+void require_length(const std::string& bytes, size_t expected, const std::filesystem::path& file) {
+  if (bytes.size() == expected) return;
+  reject_depth(file, fmt::format("a depth image of {} bytes where the camera's size needs {}; copy it again",
+                                 bytes.size(), expected));
+}
+
+cv::Mat metres_of_units(cv::Mat units, double depth_scale) {
+  units.setTo(0, units == std::numeric_limits<uint16_t>::max());
+  cv::Mat depth_m;
+  units.convertTo(depth_m, CV_32FC1, 1.0 / depth_scale);
+  return depth_m;
+}
+
+cv::Mat raw_units(const std::string& bytes, cv::Size size, const std::filesystem::path& file) {
+  require_length(bytes, pixels_of(size) * sizeof(uint16_t), file);
+  cv::Mat units(size, CV_16UC1);
+  std::memcpy(units.data, bytes.data(), bytes.size());
+  return units;
+}
+
+/// The size of the image is known, so that a bomb cannot expand to more.
+std::string inflate_zlib(const std::string& bytes, size_t size, const std::filesystem::path& file) {
+  using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>;
+  const Decompressor decompressor(libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
+  require(decompressor != nullptr, "libdeflate_alloc_decompressor");
+  std::string content(size, '\0');
+  const auto result = libdeflate_zlib_decompress(decompressor.get(), bytes.data(), bytes.size(),
+                                                 content.data(), content.size(), nullptr);
+  if (result != LIBDEFLATE_SUCCESS)
+    reject_depth(file, "compressed depth is damaged, or of another size than the header says");
+  return content;
+}
+
+cv::Mat without_unknown(cv::Mat depth_m) {
+  for (int y = 0; y < depth_m.rows; ++y) {
+    auto* row = depth_m.ptr<float>(y);
+    for (int x = 0; x < depth_m.cols; ++x) {
+      if (!(row[x] > 0) || !std::isfinite(row[x])) row[x] = 0;
+    }
+  }
+  return depth_m;
+}
+
+cv::Mat raw_metres(const std::string& bytes, cv::Size size, const std::filesystem::path& file) {
+  require_length(bytes, pixels_of(size) * sizeof(float), file);
+  cv::Mat depth_m(size, CV_32FC1);
+  std::memcpy(depth_m.data, bytes.data(), bytes.size());
+  return without_unknown(depth_m);
+}
+
+}  // namespace
+
+cv::Mat decode_depth(std::string bytes, const std::filesystem::path& file, DepthEncoding encoding,
+                     cv::Size size, double depth_scale) {
+  switch (encoding) {
+    case DepthEncoding::kRawUint16:
+      return metres_of_units(raw_units(bytes, size, file), depth_scale);
+    case DepthEncoding::kZlibUint16:
+      return metres_of_units(
+          raw_units(inflate_zlib(bytes, pixels_of(size) * sizeof(uint16_t), file), size, file), depth_scale);
+    case DepthEncoding::kRawFloat32:
+      return raw_metres(bytes, size, file);
+    case DepthEncoding::kNumpy:
+      return without_unknown(decode_numpy_image(bytes, file));
+    case DepthEncoding::kImage:
+      break;
+  }
+  if (!bytes.starts_with("P5")) return decode_depth_image(bytes, file, depth_scale);
+  const cv::Mat units = decode_pgm(bytes);
+  if (units.empty()) reject_depth(file, "the PGM is truncated or damaged; copy it again");
+  if (units.type() != CV_16UC1)
+    throw ImageFormatError(fmt::format("{}: a PGM of 8 bits; export depth with 16 bits", file.string()));
+  return metres_of_units(units, depth_scale);
+}
+
+cv::Mat read_confidence_image(const std::filesystem::path& file) {
+  const std::string bytes = read_file(file);
+  const auto damage = image_damage(bytes);
+  if (!damage.empty()) reject_depth(file, std::string(damage));
+  cv::Mat image = decode_image(bytes);
+  if (image.empty()) reject_depth(file, "the file is damaged; copy it again");
+  if (image.type() != CV_8UC1) reject_depth(file, "not an 8-bit grey image, as confidence is");
+  return image;
+}
+
+}  // namespace kinloop

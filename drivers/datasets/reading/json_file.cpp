@@ -1,0 +1,43 @@
+#include "drivers/datasets/reading/json_file.hpp"
+
+#include <fmt/format.h>
+
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/text_file.hpp"
+
+namespace kinloop {
+
+nlohmann::json read_json(const std::filesystem::path& file) {
+  try {
+    return nlohmann::json::parse(read_file(file));
+  } catch (const nlohmann::json::parse_error& error) {
+    throw InputError(
+        fmt::format("{}: not JSON: wrong or cut off at byte {}; copy it again", file.string(), error.byte));
+  } catch (const nlohmann::json::exception&) {  // e.g. a number out of range
+    throw InputError(fmt::format("{}: not JSON; copy it again", file.string()));
+  }
+}
+
+double number_at(const nlohmann::json& object, const std::string& key, const std::filesystem::path& file) {
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  if (found == object.end() || !found->is_number())
+    throw InputError(fmt::format("{}: no number '{}'; add it", file.string(), key));
+  return found->get<double>();
+}
+
+std::vector<double> numbers_at(const nlohmann::json& object, const std::string& key, size_t least,
+                               const std::filesystem::path& file) {
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  std::vector<double> numbers;
+  if (found != object.end() && found->is_array()) {
+    for (const auto& value : *found) {
+      if (value.is_number()) numbers.push_back(value.get<double>());
+    }
+  }
+  if (numbers.size() < least)
+    throw InputError(
+        fmt::format("{}: '{}' is not a list of {} numbers; correct the file", file.string(), key, least));
+  return numbers;
+}
+
+}  // namespace kinloop

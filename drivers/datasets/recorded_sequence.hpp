@@ -1,0 +1,62 @@
+#pragma once
+// A recorded sequence as plain data: where the images of each frame are, and what is known about the camera.
+// Readers of layouts make it; RecordedSource delivers its frames. No image is decoded to make it.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/sensor/frame_source.hpp"
+
+namespace kinloop {
+
+/// An encoded image: a file, or a part of one.
+struct ImageLocation {
+  std::filesystem::path file;
+  uint64_t offset = 0;
+  uint64_t size = 0;  ///< bytes; 0: the whole file
+};
+
+/// The images of a frame.
+struct RecordedFrame {
+  int64_t stamp_ns = 0;        ///< of colour
+  int64_t depth_stamp_ns = 0;  ///< of depth
+  ImageLocation color;         ///< not used if colour is a video
+  ImageLocation depth;
+  std::filesystem::path confidence;  ///< of depth, ARKit's levels from 0; empty: unknown
+  size_t video_frame = 0;            ///< index in the video
+};
+
+enum class DepthEncoding {
+  kImage,       ///< a 16-bit PNG or PGM in units of the camera's depth_scale
+  kRawUint16,   ///< little-endian, in the same units
+  kZlibUint16,  ///< the same, compressed by zlib
+  kRawFloat32,  ///< little-endian, in metres
+  kNumpy,       ///< a .npy file of float32 in metres
+};
+
+struct RecordedSequence {
+  std::string layout;                ///< for users: "7-Scenes"
+  std::optional<RgbdCamera> camera;  ///< nullopt if the files do not tell
+  std::string camera_remedy;         ///< what is missing if there is no camera
+  DepthEncoding depth_encoding = DepthEncoding::kImage;
+  std::filesystem::path video;        ///< with the colour images; empty: each is a file
+  bool stamps_measured = true;        ///< false: made from the frame rate
+  std::vector<RecordedFrame> frames;  ///< in order of time
+  std::vector<SkippedFrame> skipped;  ///< listed, but not usable
+  Trajectory ground_truth;            ///< of the colour camera; empty if there is none
+};
+
+/// Returns whether depth is in metres, whatever the camera's depth_scale.
+inline bool is_metric(DepthEncoding encoding) {
+  return encoding == DepthEncoding::kRawFloat32 || encoding == DepthEncoding::kNumpy;
+}
+
+/// Describes the sequence to the user: "7-Scenes: 1000 frames, 640 x 480, registered depth in mm".
+std::string describe(const RecordedSequence& sequence, const RgbdCamera& camera);
+
+}  // namespace kinloop

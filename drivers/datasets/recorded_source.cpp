@@ -1,0 +1,131 @@
+#include "drivers/datasets/recorded_source.hpp"
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "drivers/datasets/reading/depth_image.hpp"
+#include "drivers/datasets/reading/image_bytes.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/image_file.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr const char* kColorRemedy = "specify the camera of these images with --camera";
+constexpr const char* kDepthRemedy =
+    "depth must have the size of colour, or its own camera ('depth' and 'T_color_depth' in camera.yaml)";
+
+void require_size(const cv::Size& size, const std::filesystem::path& path, const PinholeCamera& camera,
+                  const char* remedy) {
+  if (size.width == camera.width && size.height == camera.height) return;
+  throw ImageFormatError(fmt::format("{}: {} x {} pixels where the camera has {} x {}; {}", path.string(),
+                                     size.width, size.height, camera.width, camera.height, remedy));
+}
+
+/// Throws InputError if all files named in a list are missing.
+void require_some_there(const std::vector<RecordedFrame>& frames, ImageLocation RecordedFrame::*image,
+                        const std::string& name) {
+  for (const RecordedFrame& files : frames) {
+    std::error_code absent;
+    if (std::filesystem::exists((files.*image).file, absent)) return;
+  }
+  throw InputError(fmt::format("{}: no such file, nor any of the {} listed files; names are relative to {}",
+                               (frames.front().*image).file.string(), frames.size(), name));
+}
+
+/// Makes depth of the lowest confidence unknown.
+void apply_confidence(const std::filesystem::path& file, cv::Mat& depth_m) {
+  const cv::Mat confidence = read_confidence_image(file);
+  if (confidence.size() != depth_m.size()) {
+    throw InputError(fmt::format("{}: {} x {} pixels where depth has {} x {}", file.string(), confidence.cols,
+                                 confidence.rows, depth_m.cols, depth_m.rows));
+  }
+  depth_m.setTo(0, confidence == 0);
+}
+
+}  // namespace
+
+RecordedSource::RecordedSource(std::string name, RecordedSequence sequence, const RgbdCamera& camera)
+    : camera_(camera), sequence_(std::move(sequence)) {
+  const auto& frames = sequence_.frames;
+  info_.name = std::move(name);
+  info_.description = describe(sequence_, camera_);
+  info_.frames = frames.size() + sequence_.skipped.size();
+  info_.ground_truth = sequence_.ground_truth;
+  if (!sequence_.video.empty()) video_ = std::make_unique<VideoReader>(sequence_.video);
+  if (frames.empty()) return;
+  if (!video_) require_some_there(frames, &RecordedFrame::color, info_.name);
+  require_some_there(frames, &RecordedFrame::depth, info_.name);
+  require_expected_format();
+  if (camera_.depth) registration_.emplace(camera_);
+}
+
+void RecordedSource::require_expected_format() const {
+  constexpr int kFormatCheckFrames =
+      3;  // a wrong camera or image format affects every frame, damage only its own
+  int wrong = 0;
+  std::string first;
+  for (const RecordedFrame& files : sequence_.frames) {
+    try {
+      static_cast<void>(read_images(files));
+      return;
+    } catch (const ImageFormatError& error) {
+      if (wrong == 0) first = error.what();
+      if (++wrong == kFormatCheckFrames) throw InputError(first);
+    } catch (const InputError&) {
+      continue;  // next() counts it
+    }
+  }
+}
+
+std::optional<RgbdFrame> RecordedSource::next() {
+  const auto& frames = sequence_.frames;
+  auto& skipped = sequence_.skipped;
+  while (next_file_ < frames.size()) {
+    const RecordedFrame& files = frames[next_file_++];
+    try {
+      RgbdFrame frame = read_frame(files);
+      frame.id = FrameId{next_id_++};
+      return frame;
+    } catch (const InputError& error) {
+      const bool in_video = video_ != nullptr;
+      skipped.push_back({(in_video ? files.depth : files.color).file.filename().string(), error.what()});
+    }
+  }
+  if (next_id_ == 0) {
+    if (skipped.size() < frames.size() || frames.empty())
+      throw InputError(fmt::format("{}: no frame to read", info_.name));
+    const SkippedFrame& first = skipped[skipped.size() - frames.size()];  // after those of the lists
+    throw InputError(fmt::format("{}: none of the {} frames is usable; the first: {}", info_.name,
+                                 info_.frames, first.reason));
+  }
+  return std::nullopt;
+}
+
+RgbdFrame RecordedSource::read_images(const RecordedFrame& files) const {
+  RgbdFrame frame;
+  frame.stamp_ns = files.stamp_ns;
+  if (video_) {
+    frame.color = video_->read(files.video_frame);
+    require_size(frame.color.size(), sequence_.video, camera_.color, kColorRemedy);
+  } else {
+    frame.color = decode_color_image(read_bytes(files.color), files.color.file);
+    require_size(frame.color.size(), files.color.file, camera_.color, kColorRemedy);
+  }
+  const PinholeCamera& lens = camera_.depth ? *camera_.depth : camera_.color;
+  frame.depth_m = decode_depth(read_bytes(files.depth), files.depth.file, sequence_.depth_encoding,
+                               {lens.width, lens.height}, camera_.depth_scale);
+  require_size(frame.depth_m.size(), files.depth.file, lens, kDepthRemedy);
+  if (!files.confidence.empty()) apply_confidence(files.confidence, frame.depth_m);
+  return frame;
+}
+
+RgbdFrame RecordedSource::read_frame(const RecordedFrame& files) const {
+  RgbdFrame frame = read_images(files);
+  if (camera_.depth_shift_m != 0)
+    cv::add(frame.depth_m, camera_.depth_shift_m, frame.depth_m, frame.depth_m > 0);
+  if (registration_) frame.depth_m = (*registration_)(frame.depth_m);
+  return frame;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,45 @@
+#pragma once
+// In: a recorded sequence in any layout. Out: its frames.
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "drivers/datasets/reading/video_reader.hpp"
+#include "drivers/datasets/recorded_sequence.hpp"
+#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/registration.hpp"
+
+namespace kinloop {
+
+/// Damaged frames (missing, truncated, not an image, wrong size, depth not 16-bit) and rows whose time stamp
+/// does not increase are skipped and counted. Unregistered depth (a depth camera of its own) is registered to
+/// colour; depth of the lowest confidence is unknown.
+class RecordedSource : public FrameSource {
+ public:
+  /// `name` is the source as given by the user. Throws InputError naming file and remedy if the sequence is
+  /// unusable: no image to read, or images of another size than the camera's.
+  RecordedSource(std::string name, RecordedSequence sequence, const RgbdCamera& camera);
+
+  /// Throws InputError at the end if not a single frame was intact.
+  std::optional<RgbdFrame> next() override;
+  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return sequence_.skipped; }
+
+ private:
+  /// Throws InputError if the first images are all of the wrong size or format.
+  void require_expected_format() const;
+  [[nodiscard]] RgbdFrame read_images(const RecordedFrame& files) const;
+  [[nodiscard]] RgbdFrame read_frame(const RecordedFrame& files) const;
+
+  RgbdCamera camera_;
+  RecordedSequence sequence_;
+  SourceInfo info_;
+  std::optional<DepthRegistration> registration_;  ///< if depth is not registered to colour
+  std::unique_ptr<VideoReader> video_;             ///< if colour is a video
+  size_t next_file_ = 0;
+  uint32_t next_id_ = 0;
+};
+
+}  // namespace kinloop

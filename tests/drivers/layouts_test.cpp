@@ -1,0 +1,404 @@
+// Every layout on a sample that the test writes, and the same frames in all of them.
+
+#include "drivers/datasets/layouts/layouts.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "drivers/datasets/open_sequence.hpp"
+#include "drivers/datasets/recorded_source.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/slam/slam.hpp"
+#include "tests/drivers/layout_writers.hpp"
+#include "tests/drivers/test_video.hpp"
+#include "tests/slam/recording.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace kinloop {
+namespace {
+
+namespace fs = std::filesystem;
+using test::input_error;
+using test::LayoutWriter;
+using test::make_sample;
+using test::Sample;
+using test::TempFolder;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+RgbdCamera camera_in_millimetres(const PinholeCamera& lens) {
+  RgbdCamera camera;
+  camera.color = lens;
+  camera.depth_scale = 1000;
+  return camera;
+}
+
+/// A sample written in one layout.
+struct Written {
+  Written(const LayoutWriter& writer, const Sample& sample) {
+    fs::create_directories(folder.path() / "sample");
+    writer.write(path(), sample);
+    if (!writer.own_camera) return;
+    write_camera_file(folder.path() / "camera.yaml", camera_in_millimetres(sample.lens));
+    camera = (folder.path() / "camera.yaml").string();
+  }
+  [[nodiscard]] fs::path path() const { return folder.path() / "sample"; }
+  [[nodiscard]] OpenedSequence read() const { return read_sequence(path(), camera); }
+  [[nodiscard]] std::unique_ptr<FrameSource> open() const { return open_sequence(path().string(), camera); }
+
+  TempFolder folder;
+  std::optional<std::string> camera;
+};
+
+const LayoutWriter& writer_of(const std::string& name) {
+  const auto& writers = test::layout_writers();
+  return *std::find_if(writers.begin(), writers.end(), [&](const auto& w) { return name == w.name; });
+}
+
+class EveryLayout : public testing::TestWithParam<LayoutWriter> {};
+
+TEST_P(EveryLayout, IsRecognised) {
+  const Written written(GetParam(), make_sample(2));
+  const SequenceLayout* layout = recognise_layout(written.path());
+  ASSERT_NE(layout, nullptr);
+  EXPECT_STREQ(layout->name, GetParam().name);
+}
+
+TEST_P(EveryLayout, GivesTheFramesAndPosesThatWereWritten) {
+  const Sample sample = make_sample(12);
+  const Written written(GetParam(), sample);
+  const auto source = written.open();
+  EXPECT_THAT(source->info().description, HasSubstr("12 frames, 32 x 24, registered depth"));
+  EXPECT_EQ(source->camera().color, sample.lens);
+  for (size_t i = 0; i < sample.size(); ++i) {
+    const auto frame = source->next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->stamp_ns, sample.truth[i].stamp_ns);
+    EXPECT_EQ(cv::norm(frame->color.bgr(), sample.colors[i], cv::NORM_INF), 0);
+    cv::Mat depth_m;
+    sample.depths_mm[i].convertTo(depth_m, CV_32FC1, 1.0 / 1000);
+    EXPECT_EQ(cv::norm(frame->depth_m, depth_m, cv::NORM_INF), 0);
+  }
+  EXPECT_FALSE(source->next());
+  EXPECT_THAT(source->skipped(), IsEmpty());
+  const Trajectory& truth = source->info().ground_truth;
+  if (std::string(GetParam().name) == "colour and depth images") return;  // has none
+  ASSERT_EQ(truth.size(), sample.size());
+  for (size_t i = 0; i < truth.size(); ++i) {
+    const SE3 error = truth[i].T_world_camera.inverse() * sample.truth[i].T_world_camera;
+    EXPECT_EQ(truth[i].stamp_ns, sample.truth[i].stamp_ns);
+    EXPECT_LT(error.translation.norm() + error.angle_rad(), 1e-5);
+  }
+}
+
+TEST_P(EveryLayout, SkipsDamagedAndMissingDepth) {
+  Written written(GetParam(), make_sample(3));
+  RecordedSequence sequence = written.read().sequence;
+  sequence.frames[1].depth.file = written.folder.write("damaged.png", "x");
+  sequence.frames[1].depth.offset = sequence.frames[1].depth.size = 0;
+  RecordedSource source("sample", std::move(sequence), written.read().camera);
+  EXPECT_TRUE(source.next());
+  EXPECT_TRUE(source.next());
+  EXPECT_FALSE(source.next());
+  ASSERT_EQ(source.skipped().size(), 1U);
+  EXPECT_THAT(source.skipped()[0].reason, HasSubstr("damaged.png"));
+}
+
+/// Byte flips, cuts, insertions and copies, in the files that are parsed and in the images.
+std::string mutated(std::string bytes, cv::RNG& random) {
+  static const std::vector<std::string> kPieces = {"nan", "-1", "1e999", "999999999999", "\n",
+                                                   " ",   "\"", "]",     "../",          "\xff"};
+  const auto below = [&](size_t limit) {
+    return static_cast<size_t>(random.uniform(0, static_cast<int>(limit)));
+  };
+  const int changes = random.uniform(1, 4);
+  for (int i = 0; i < changes; ++i) {
+    const size_t at = below(bytes.size() + 1);
+    const size_t length = std::min(below(9), bytes.size() - at);
+    switch (random.uniform(0, 5)) {
+      case 0:
+        if (at < bytes.size()) bytes[at] = static_cast<char>(random.uniform(0, 256));
+        break;
+      case 1:
+        bytes.erase(at, length);
+        break;
+      case 2:
+        bytes.insert(at, kPieces[below(kPieces.size())]);
+        break;
+      case 3:
+        bytes.insert(at, bytes.substr(below(bytes.size() + 1), 8));
+        break;
+      default:
+        if (below(4) == 0) bytes.resize(at);
+    }
+  }
+  return bytes;
+}
+
+TEST_P(EveryLayout, MutatedFilesAreReadOrRefused) {
+  constexpr int kMutants = 200;
+  const Written written(GetParam(), make_sample(2, {8, 6}));
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(written.path())) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  // Text says more than pixels: it is mutated five times as often.
+  std::vector<fs::path> drawn;
+  for (const fs::path& file : files) {
+    const bool image = file.extension() == ".png" || file.extension() == ".jpg";
+    drawn.insert(drawn.end(), image ? 1 : 5, file);
+  }
+  cv::RNG random(11);
+  int refused = 0;
+  for (int i = 0; i < kMutants; ++i) {
+    const fs::path& file = drawn[static_cast<size_t>(random.uniform(0, static_cast<int>(drawn.size())))];
+    const std::string original = read_file(file);
+    write_file(file, mutated(original, random));
+    try {
+      const auto source = written.open();
+      while (source->next()) {
+      }
+    } catch (const InputError& error) {
+      EXPECT_THAT(std::string(error.what()), testing::Not(HasSubstr("\n")));
+      ++refused;
+    }
+    write_file(file, original);
+  }
+  EXPECT_LT(refused, kMutants);
+}
+
+INSTANTIATE_TEST_SUITE_P(Layouts, EveryLayout, testing::ValuesIn(test::layout_writers()),
+                         [](const auto& layout) {
+                           std::string name = layout.param.name;
+                           std::erase_if(name, [](unsigned char c) { return std::isalnum(c) == 0; });
+                           return name;
+                         });
+
+/// Frames of the simulated room, with depth in millimetres.
+Sample simulated_sample(int frames) {
+  const test::Recording recording = test::record_simulation("sim:room", frames);
+  Sample sample;
+  sample.lens = recording.camera.color;
+  auto& lens = sample.lens;
+  for (double* value : {&lens.fx, &lens.fy, &lens.cx, &lens.cy})
+    *value = static_cast<double>(static_cast<float>(*value));  // .sens has floats
+  lens.k1 = lens.k2 = lens.p1 = lens.p2 = lens.k3 = 0;         // which most layouts cannot express
+  for (size_t i = 0; i < recording.frames.size(); ++i) {
+    cv::Mat depth_mm;
+    recording.frames[i].depth_m.convertTo(depth_mm, CV_16UC1, 1000);
+    cv::Mat color;
+    recording.frames[i].color.bgr().copyTo(color);
+    sample.colors.push_back(color);
+    sample.depths_mm.push_back(depth_mm);
+    sample.truth.push_back(
+        {std::llround(1e9 * static_cast<double>(i) / 30), recording.truth[i].T_world_camera});
+  }
+  return sample;
+}
+
+Trajectory trajectory_of(FrameSource& source) {
+  Slam slam(source.camera());
+  while (const auto frame = source.next()) slam.process(*frame);
+  return slam.finish();
+}
+
+TEST(Layouts, TheSameFramesGiveTheSameTrajectoryInEachOfThem) {
+  const Sample sample = simulated_sample(8);
+  const std::string camera_file_layout = "TUM";
+  const Written reference(writer_of(camera_file_layout), sample);
+  const Trajectory expected = trajectory_of(*reference.open());
+  ASSERT_EQ(expected.size(), sample.size());
+  for (const LayoutWriter& writer : test::layout_writers()) {
+    SCOPED_TRACE(writer.name);
+    const Trajectory trajectory = trajectory_of(*Written(writer, sample).open());
+    ASSERT_EQ(trajectory.size(), expected.size());
+    for (size_t i = 0; i < trajectory.size(); ++i) {
+      EXPECT_EQ(trajectory[i].stamp_ns, expected[i].stamp_ns);
+      EXPECT_EQ(trajectory[i].T_world_camera.translation, expected[i].T_world_camera.translation);
+      EXPECT_EQ(trajectory[i].T_world_camera.rotation.coeffs(), expected[i].T_world_camera.rotation.coeffs());
+    }
+  }
+}
+
+TEST(SevenScenes, DepthOfTheOriginalIsToBeRegistered) {
+  const Sample sample = make_sample(2, {640, 480});
+  const Written written(writer_of("7-Scenes"), sample);
+  fs::remove(written.path() / "camera-intrinsics.txt");
+  const auto [sequence, camera] = written.read();
+  ASSERT_TRUE(camera.depth);
+  EXPECT_EQ(camera.depth->fx, 585);
+  EXPECT_EQ(camera.color.fx, 522.07);
+  // The poses in the files are those of the depth camera.
+  const SE3 T_world_depth = sequence.ground_truth[1].T_world_camera * camera.T_color_depth;
+  EXPECT_LT((T_world_depth.inverse() * sample.truth[1].T_world_camera).translation.norm(), 1e-6);
+}
+
+TEST(ScanNet, SmallerDepthHasItsOwnLens) {
+  Sample sample = make_sample(2, {64, 48});
+  const Written written(writer_of("ScanNet"), sample);
+  for (const char* name : {"0.png", "1.png"})
+    cv::imwrite((written.path() / "depth" / name).string(), cv::Mat(24, 32, CV_16UC1, cv::Scalar(1500)));
+  write_file(written.path() / "intrinsic/intrinsic_depth.txt",
+             "24 0 15.5 0  0 24 11.5 0  0 0 1 0  0 0 0 1\n");
+  const auto source = written.open();
+  ASSERT_TRUE(source->camera().depth);
+  EXPECT_EQ(source->camera().depth->width, 32);
+  const auto frame = source->next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->depth_m.size(), cv::Size(64, 48));
+  EXPECT_NEAR(frame->depth_m.at<float>(24, 32), 1.5, 1e-5);
+}
+
+TEST(ScanNet, FramesWithoutTrackingHaveNoTruth) {
+  const Written written(writer_of("ScanNet"), make_sample(3));
+  std::string lost;
+  for (int i = 0; i < 16; ++i) lost += "-inf ";
+  write_file(written.path() / "pose/1.txt", lost);
+  const RecordedSequence sequence = written.read().sequence;
+  EXPECT_EQ(sequence.frames.size(), 3U);
+  EXPECT_EQ(sequence.ground_truth.size(), 2U);
+}
+
+TEST(Sens, RecordingThatWasCutOffKeepsItsFrames) {
+  const Written written(writer_of("ScanNet recording"), make_sample(3));
+  const fs::path file = written.path() / "scene0000_00.sens";
+  const std::string whole = read_file(file);
+  write_file(file, whole.substr(0, whole.size() - 10));
+  EXPECT_EQ(written.read().sequence.frames.size(), 2U);
+  write_file(file, whole.substr(0, 100));
+  EXPECT_THAT(
+      input_error([&] { static_cast<void>(written.read()); }),
+      AllOf(HasSubstr("scene0000_00.sens: at byte 100: the file is truncated"), HasSubstr("copy it again")));
+  EXPECT_THAT(input_error([&] { read_sequence(written.folder.write("own.sens", "x")); }),
+              HasSubstr("at byte 0"));
+}
+
+TEST(Scanner3dApp, DepthOfLowConfidenceIsUnknown) {
+  const Written written(writer_of("3D Scanner App"), make_sample(2));
+  cv::Mat confidence(24, 32, CV_8UC1, cv::Scalar(2));
+  confidence.at<uint8_t>(5, 6) = 0;
+  cv::imwrite((written.path() / "conf_00000.png").string(), confidence);
+  const auto frame = written.open()->next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->depth_m.at<float>(5, 6), 0);
+  EXPECT_GT(frame->depth_m.at<float>(5, 7), 0);
+}
+
+struct BadInput {
+  const char* layout;
+  const char* file;     ///< to be changed
+  const char* content;  ///< null: removed
+  std::vector<const char*> said;
+};
+
+TEST(Layouts, WhatIsMissingOrWrongIsNamedWithTheRemedy) {
+  const std::vector<BadInput> inputs = {
+      {"Replica", "cam_params.json", nullptr, {"no cam_params.json", "--camera"}},
+      {"Replica",
+       "cam_params.json",
+       R"({"camera": {"w": 32, "h": 24, "fx": 24, "fy": 24, "cx": 15, "cy": 11}})",
+       {"cam_params.json: no number 'scale'"}},
+      {"Replica", "traj.txt", "1 0 0\n0 x 0\n", {"traj.txt:2: 'x' is not a number"}},
+      {"OpenLORIS", "sensors.yaml", nullptr, {"no sensors.yaml", "--camera"}},
+      {"OpenLORIS", "sensors.yaml", "{", {"sensors.yaml: not a YAML file"}},
+      {"BundleFusion", "info.txt", "m_colorWidth = 32\n", {"info.txt: no 'm_colorHeight"}},
+      {"ScanNet", "intrinsic/intrinsic_color.txt", nullptr, {"intrinsic_color.txt: no such file"}},
+      {"ScanNet",
+       "intrinsic/intrinsic_depth.txt",
+       "1 0 0 0 1 0 0 0 1",
+       {"intrinsic_depth.txt: fx 1", "correct it"}},
+      {"ScanNet", "depth/1.png", nullptr, {}},
+      {"7-Scenes", "frame-000001.pose.txt", "1 2 3", {"frame-000001.pose.txt: not a matrix"}},
+      {"3D Scanner App", "frame_00001.json", "{\"time\": ", {"frame_00001.json: not JSON", "byte 10"}},
+      {"3D Scanner App", "frame_00001.json", nullptr, {"frame_00001.json: no such file"}},
+      {"Record3D", "rgbd/0.depth", "bvx2....", {"rgbd/0.depth: compressed by LZFSE", "lzfse -decode"}},
+      {"Redwood or Open3D",
+       "camera_intrinsic.json",
+       R"({"width": 32})",
+       {"camera_intrinsic.json: no number 'height'"}},
+      {"TartanAir", "pose_left.txt", "1 2 3\n", {"pose_left.txt: 3 numbers"}},
+      {"ICL-NUIM", "associations.txt", "0 depth/0.png\n", {"associations.txt:1:", "colour_file"}},
+      {"ETH3D", "calibration.txt", "24 24\n", {"calibration.txt: 2 numbers"}},
+#ifdef KINLOOP_WITH_VIDEO
+      {"Stray Scanner", "camera_matrix.csv", nullptr, {"no camera_matrix.csv", "--camera"}},
+      {"Stray Scanner", "rgb.mp4", "x", {"rgb.mp4: not a video"}},
+      {"Stray Scanner", "odometry.csv", "t\n1, 0, 1\n", {"odometry.csv:2:", "found 3 fields"}},
+#endif
+  };
+  for (const BadInput& bad : inputs) {
+    SCOPED_TRACE(fmt::format("{} {}", bad.layout, bad.file));
+    const Written written(writer_of(bad.layout), make_sample(3));
+    fs::remove(written.path() / bad.file);
+    if (bad.content != nullptr) write_file(written.path() / bad.file, bad.content);
+    if (bad.said.empty()) {  // the frame without depth is left out
+      EXPECT_EQ(written.read().sequence.frames.size(), 2U);
+      continue;
+    }
+    const std::string message = input_error([&] { static_cast<void>(written.open()); });
+    for (const char* piece : bad.said) EXPECT_THAT(message, HasSubstr(piece));
+  }
+}
+
+TEST(FoldersWithoutLists, ArePairedByTimeByNumberOrByOrder) {
+  const Sample sample = make_sample(3);
+  const auto paired = [&](std::vector<std::string> color, std::vector<std::string> depth) {
+    const TempFolder folder;
+    for (const std::string& name : color) folder.write("rgb/" + name, "c");
+    for (const std::string& name : depth) folder.write("depth/" + name, "d");
+    write_camera_file(folder.path() / "camera.yaml", camera_in_millimetres(sample.lens));
+    std::string pairs;
+    for (const RecordedFrame& frame : read_sequence(folder.path()).sequence.frames)
+      pairs += fmt::format("{}-{} ", frame.color.file.stem().string(), frame.depth.file.stem().string());
+    return pairs;
+  };
+  EXPECT_EQ(paired({"9.png", "10.png"}, {"9.png", "10.png", "11.png"}), "9-9 10-10 ");
+  EXPECT_EQ(paired({"c_1.png", "c_2.png"}, {"depth0001.png", "depth0002.png"}),
+            "c_1-depth0001 c_2-depth0002 ");
+  EXPECT_EQ(paired({"a.png", "b.png"}, {"x.png", "y.png"}), "a-x b-y ");
+  EXPECT_EQ(paired({"1.000.png", "1.033.png"}, {"1.030.png", "1.500.png"}), "1.033-1.030 ");
+  EXPECT_EQ(paired({"0001-000000000000.jpg", "0002-000000033369.jpg"}, {"0001-000000033360.png"}),
+            "0002-000000033369-0001-000000033360 ");
+  EXPECT_THAT(input_error([&] {
+                paired({"a.png"}, {"x.png", "y.png"});
+              }),
+              AllOf(HasSubstr("1 colour images and 2 depth images"), HasSubstr("associations.txt")));
+}
+
+TEST(RecordedSource, DepthImageWithoutPixelsForTheCameraIsAnError) {
+  const Written written(writer_of("Record3D"), make_sample(2));
+  for (const char* name : {"rgbd/0.depth", "rgbd/1.depth"}) write_file(written.path() / name, "too short");
+  const auto source = written.open();
+  EXPECT_THAT(input_error([&] { source->next(); }),
+              AllOf(HasSubstr("none of the 2 frames"), HasSubstr("9 bytes")));
+}
+
+#ifdef KINLOOP_WITH_VIDEO
+TEST(StrayScanner, TheMedianOfTheLensesOfAllFramesIsUsed) {
+  const Written written(writer_of("Stray Scanner"), make_sample(3));
+  std::string odometry = "timestamp, frame, x, y, z, qx, qy, qz, qw, fx, fy, cx, cy, more, \n";
+  for (int i = 0; i < 3; ++i)
+    odometry += fmt::format("{}, {:06d}, 0, 0, 0, 0, 0, 0, 1, {}, 24, 15, 11, , \n", i, i, 20 + i);
+  write_file(written.path() / "odometry.csv", odometry);
+  EXPECT_EQ(written.read().camera.color.fx, 21);
+}
+
+TEST(VideoReader, FramesComeInTheOrderTheyAreShown) {
+  const TempFolder folder;
+  std::vector<cv::Mat> images;
+  for (int i = 0; i < 12; ++i) images.emplace_back(48, 64, CV_8UC3, cv::Scalar::all(20 * i));
+  test::write_video_with_b_frames(folder.path() / "v.mp4", images);
+  VideoReader video(folder.path() / "v.mp4");
+  EXPECT_EQ(video.size(), cv::Size(64, 48));
+  for (const size_t i : {0, 1, 2, 3, 4, 5, 9, 11, 2})
+    EXPECT_NEAR(cv::mean(video.read(i))[0], 20.0 * static_cast<double>(i), 6);
+  EXPECT_THAT(input_error([&] { video.read(12); }), HasSubstr("v.mp4: the video ends after 12 frames"));
+}
+#endif
+
+}  // namespace
+}  // namespace kinloop
