@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -39,7 +40,8 @@ struct LocalMap {
   KeyframeId reference;
   std::shared_ptr<const Features> features;  ///< all keypoints of the reference
   std::vector<LandmarkId> ids;
-  std::vector<Eigen::Vector3d> p_reference;  ///< m
+  std::unordered_map<LandmarkId, uint32_t> index_of;  ///< inverse of `ids`
+  std::vector<Eigen::Vector3d> p_reference;           ///< m
   std::vector<Eigen::Vector3d>
       viewing_directions;                    ///< unit vectors from the landmark towards an observing camera
   std::vector<double> observed_distances_m;  ///< distance from that camera

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <unordered_map>
 
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
@@ -18,8 +17,7 @@ namespace {
 SE3 align_with_previous(const PreparedFrame& frame, const SE3& T_reference_predicted,
                         const DirectTrackingContext& c) {
   constexpr size_t kMaxPoints = 150;
-  std::unordered_map<LandmarkId, uint32_t> index_of;
-  for (uint32_t i = 0; i < c.search.local_map.size(); ++i) index_of.emplace(c.search.local_map.ids[i], i);
+  const auto& index_of = c.search.local_map.index_of;
   const SE3 T_predicted_reference = T_reference_predicted.inverse();
   std::vector<AlignmentPoint> points;
   const Features& before = *c.previous.frame.features;
@@ -60,10 +58,12 @@ std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const
     const Eigen::Vector3d from_camera = c.search.local_map.p_reference[i] - T_reference_camera.translation;
     if (-c.search.local_map.viewing_directions[i].dot(from_camera) < kMinViewingCosine * from_camera.norm())
       continue;
+    const auto nominal = predictor.nominal_pixel(i);
+    if (!nominal || !c.search.camera.contains(*nominal)) continue;
+    int& count = taken(static_cast<int>(nominal->y()) / kCell_px, static_cast<int>(nominal->x()) / kCell_px);
+    if (count >= kMaxPerCell) continue;
     const auto raw = predictor.raw_pixel(i);
     if (!raw || !c.search.camera.contains(*raw, kMargin_px)) continue;
-    int& count = taken(static_cast<int>(raw->y()) / kCell_px, static_cast<int>(raw->x()) / kCell_px);
-    if (count >= kMaxPerCell) continue;
     if (const auto expected = predictor.expect(i, *raw)) {
       chosen.push_back(*expected);
       ++count;

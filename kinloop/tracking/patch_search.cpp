@@ -22,6 +22,12 @@ PatchPredictor::PatchPredictor(const PatchSearch& search, const SE3& T_reference
     T_camera_view_.push_back(T_camera_reference_ * view.T_keyframe_reference.inverse());
 }
 
+std::optional<Eigen::Vector2d> PatchPredictor::nominal_pixel(uint32_t index) const {
+  const Eigen::Vector3d p_camera = T_camera_reference_ * search_.local_map.p_reference[index];
+  if (!(p_camera.z() > 0)) return std::nullopt;
+  return search_.camera.distort(search_.camera.project(p_camera));
+}
+
 std::optional<Eigen::Vector2d> PatchPredictor::raw_pixel(uint32_t index) const {
   return raw_pixel_of(T_camera_reference_ * search_.local_map.p_reference[index], search_.camera,
                       search_.sensor, search_.velocity);

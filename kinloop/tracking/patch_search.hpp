@@ -37,7 +37,10 @@ class PatchPredictor {
  public:
   PatchPredictor(const PatchSearch& search, const SE3& T_reference_camera);
 
-  /// Where the landmark is seen; nullopt if it is behind the camera.
+  /// Where an ideal global-shutter sensor would see the landmark; nullopt if it is behind the camera.
+  [[nodiscard]] std::optional<Eigen::Vector2d> nominal_pixel(uint32_t index) const;
+
+  /// Where the sensor sees it; takes several times as long.
   [[nodiscard]] std::optional<Eigen::Vector2d> raw_pixel(uint32_t index) const;
 
   /// nullopt if the landmark has no patch or is seen at too different a size.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <unordered_map>
 
 #include "kinloop/features/keypoint_measurements.hpp"
 
@@ -20,13 +19,11 @@ struct PreviousPoints {
 
 PreviousPoints points_of(const TrackedFrame& previous, const LocalMap& local_map,
                          const PinholeCamera& camera) {
-  std::unordered_map<LandmarkId, size_t> index_in_local_map;
-  for (size_t i = 0; i < local_map.size(); ++i) index_in_local_map.emplace(local_map.ids[i], i);
   const Features& features = *previous.frame.features;
   PreviousPoints points;
   for (uint32_t i = 0; i < features.size(); ++i) {
-    const auto known = index_in_local_map.find(previous.landmark_of[i]);
-    const bool mapped = known != index_in_local_map.end();
+    const auto known = local_map.index_of.find(previous.landmark_of[i]);
+    const bool mapped = known != local_map.index_of.end();
     if (!mapped && !(features.depths_m[i] > 0)) continue;
     points.p_reference.push_back(mapped ? local_map.p_reference[known->second]
                                         : previous.T_reference_camera *

@@ -1,7 +1,5 @@
 #include "kinloop/tracking/refine_keypoints.hpp"
 
-#include <unordered_map>
-
 namespace kinloop {
 
 Features refine_keypoints(const PreparedFrame& frame, std::span<const LandmarkMatch> matches,
@@ -10,12 +8,10 @@ Features refine_keypoints(const PreparedFrame& frame, std::span<const LandmarkMa
   constexpr float kSigmaRatio = 0.5F;  // aligned patch to detected corner
   Features refined = *frame.features;
   if (frame.octaves.empty()) return refined;
-  std::unordered_map<LandmarkId, uint32_t> index_of;
-  for (uint32_t i = 0; i < search.local_map.size(); ++i) index_of.emplace(search.local_map.ids[i], i);
   const PatchPredictor predictor(search, T_reference_camera);
   for (const auto& [landmark, feature] : matches) {
-    const auto known = index_of.find(landmark);
-    if (known == index_of.end()) continue;
+    const auto known = search.local_map.index_of.find(landmark);
+    if (known == search.local_map.index_of.end()) continue;
     const auto expected = predictor.expect(known->second, refined.raw_pixels[feature].cast<double>());
     if (!expected) continue;
     const auto found = find_patch(frame.octaves, *expected, search.local_map, kMaxShift_px);

@@ -176,6 +176,7 @@ TEST_F(Wall, RefinementMovesKeypointsToTheirLandmarks) {
       const auto index = static_cast<uint32_t>(seen.size());
       seen.emplace_back(x, y);
       map.ids.push_back(LandmarkId{index});
+      map.index_of.emplace(LandmarkId{index}, index);
       map.p_reference.push_back(camera.unproject(seen.back().cast<double>(), kDistance_m));
       map.view_of.push_back(0);
       map.feature_of.push_back(index);
