@@ -8,47 +8,12 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "drivers/datasets/reading/image_bytes.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
 namespace {
-
-struct ClaimedSize {
-  int64_t width = 0, height = 0;
-};
-
-uint32_t big_endian_at(std::string_view bytes, size_t position, size_t size) {
-  uint32_t value = 0;
-  for (size_t i = 0; i < size; ++i) value = value << 8U | static_cast<uint8_t>(bytes[position + i]);
-  return value;
-}
-
-/// The size in the header of a PNG image, whose first chunk is IHDR.
-std::optional<ClaimedSize> png_size(std::string_view bytes) {
-  constexpr size_t kWidthAt = 16, kHeightAt = 20, kEnd = 24;
-  if (bytes.size() < kEnd) return std::nullopt;
-  return ClaimedSize{big_endian_at(bytes, kWidthAt, 4), big_endian_at(bytes, kHeightAt, 4)};
-}
-
-/// The size in the frame header of a JPEG image (ITU T.81, annex B.2.2).
-std::optional<ClaimedSize> jpeg_size(std::string_view bytes) {
-  constexpr size_t kSegmentStart = 2, kFrameHeader = 9;
-  size_t at = kSegmentStart;
-  while (at + kFrameHeader <= bytes.size()) {
-    const auto marker = static_cast<uint8_t>(bytes[at + 1]);
-    if (bytes[at] != '\xff') return std::nullopt;
-    if (marker == 0xFF) {
-      ++at;
-      continue;
-    }
-    const bool tables = marker == 0xC4 || marker == 0xC8 || marker == 0xCC;
-    if (marker >= 0xC0 && marker <= 0xCF && !tables)
-      return ClaimedSize{big_endian_at(bytes, at + 7, 2), big_endian_at(bytes, at + 5, 2)};
-    at += 2 + big_endian_at(bytes, at + 2, 2);
-  }
-  return std::nullopt;
-}
 
 bool is_png(std::string_view bytes) {
   return bytes.starts_with('\x89');
@@ -60,9 +25,9 @@ void require_decodable(std::string_view bytes) {
   if (const auto damage = image_damage(bytes); !damage.empty())
     throw InputError(
         fmt::format("a compressed image cannot be decoded: {}", damage.substr(0, damage.find(';'))));
-  const auto size = is_png(bytes) ? png_size(bytes) : jpeg_size(bytes);
+  const auto size = size_in_header(bytes);
   if (!size) throw InputError("a compressed image cannot be decoded: it has no header");
-  if (size->width == 0 || size->height == 0 || size->width * size->height > kMaxImagePixels)
+  if (size->width <= 0 || size->height <= 0 || int64_t{size->width} * size->height > kMaxImagePixels)
     throw InputError(fmt::format("a compressed image claims {} x {} pixels", size->width, size->height));
 }
 

@@ -30,7 +30,7 @@ std::optional<RateStatistics> rate_statistics(std::span<const int64_t> stamps_ns
   return rate;
 }
 
-Spread spread_of(std::vector<double> values) {
+Spread spread_of(const std::vector<double>& values) {
   constexpr double kTail = 0.05;
   return {quantile(values, kTail), median(values), quantile(values, 1 - kTail)};
 }

@@ -30,7 +30,7 @@ struct Spread {
   double low = 0, median = 0, high = 0;
 };
 
-Spread spread_of(std::vector<double> values);
+Spread spread_of(const std::vector<double>& values);
 
 struct DepthStatistics {
   Spread depth_m;          ///< of the pixels with depth

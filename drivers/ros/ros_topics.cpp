@@ -54,8 +54,8 @@ BagStreams choose_streams(const std::set<std::string>& in_bag, const std::option
   candidates.insert(candidates.end(), known_unregistered_topics().begin(), known_unregistered_topics().end());
   if (wanted) candidates = {parse_topics(*wanted)};
   for (const RosTopics& candidate : candidates) {
-    const BagStreams streams{candidate, present(in_bag, candidate.color, "/compressed"),
-                             present(in_bag, candidate.depth, "/compressedDepth")};
+    BagStreams streams{candidate, present(in_bag, candidate.color, "/compressed"),
+                       present(in_bag, candidate.depth, "/compressedDepth")};
     if (!streams.color.empty() && !streams.depth.empty()) return streams;
   }
   throw InputError(

@@ -23,10 +23,10 @@ constexpr double kIclRate_hz = 30;
 std::string icl_nuim_evidence(const std::filesystem::path& folder, const FolderContents& contents) {
   const bool images = contents.has_folder("rgb") && contents.has_folder("depth");
   if (!images || contents.has_file("rgb.txt")) return {};
-  const std::string truth = contents.find_file("", ".gt.freiburg");
+  std::string truth = contents.find_file("", ".gt.freiburg");
   if (!truth.empty()) return truth;
   if (contents.has_file("camera.yaml")) return {};  // a folder made for kinloop
-  const std::string name = folder_name(folder);
+  std::string name = folder_name(folder);
   for (const char* part : {"living_room_traj", "office_room_traj", "frei_png"}) {
     if (name.find(part) != std::string::npos) return name;
   }

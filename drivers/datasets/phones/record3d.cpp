@@ -58,7 +58,7 @@ std::optional<SE3> record3d_pose(const nlohmann::json& pose) {
   constexpr size_t kPose = 7;
   if (!pose.is_array() || pose.size() != kPose) return std::nullopt;
   std::vector<double> v;
-  for (const size_t i : {4, 5, 6, 0, 1, 2, 3}) {
+  for (const size_t i : {4U, 5U, 6U, 0U, 1U, 2U, 3U}) {
     if (!pose[i].is_number()) return std::nullopt;
     v.push_back(pose[i].get<double>());
   }

@@ -79,7 +79,7 @@ cv::Mat raw_metres(const std::string& bytes, cv::Size size, const std::filesyste
 
 }  // namespace
 
-cv::Mat decode_depth(std::string bytes, const std::filesystem::path& file, DepthEncoding encoding,
+cv::Mat decode_depth(const std::string& bytes, const std::filesystem::path& file, DepthEncoding encoding,
                      cv::Size size, double depth_scale) {
   switch (encoding) {
     case DepthEncoding::kRawUint16:

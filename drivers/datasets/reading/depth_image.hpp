@@ -14,7 +14,7 @@ namespace kinloop {
 /// positive, mean unknown. `file` names the image in messages; `size` is that of the depth camera, needed for
 /// images without a header; `depth_scale` is the units per metre of those that are not in metres. Throws
 /// InputError naming the file and the problem.
-cv::Mat decode_depth(std::string bytes, const std::filesystem::path& file, DepthEncoding encoding,
+cv::Mat decode_depth(const std::string& bytes, const std::filesystem::path& file, DepthEncoding encoding,
                      cv::Size size, double depth_scale);
 
 /// Reads an 8-bit grey image. Throws InputError naming the file and the problem.

@@ -34,7 +34,7 @@ std::filesystem::path pose_file_of(const RecordedFrame& frame) {
 
 std::string frame_files_evidence(const FolderContents& contents) {
   for (const char* ending : kColorEndings) {
-    const std::string found = contents.find_file("frame-", ending);
+    std::string found = contents.find_file("frame-", ending);
     if (!found.empty()) return found;
   }
   return {};

@@ -34,6 +34,10 @@ std::optional<cv::Size> jpeg_size(std::string_view bytes) {
   size_t position = 2;
   while (position + kFrameHeader <= bytes.size() && bytes[position] == '\xff') {
     const auto marker = static_cast<uint8_t>(bytes[position + 1]);
+    if (marker == 0xff) {  // padding
+      ++position;
+      continue;
+    }
     const bool start_of_frame =
         marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
     if (start_of_frame) {
