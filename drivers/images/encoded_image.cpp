@@ -26,7 +26,7 @@ void require_decodable(std::string_view bytes) {
     throw InputError(
         fmt::format("a compressed image cannot be decoded: {}", damage.substr(0, damage.find(';'))));
   const auto size = size_in_header(bytes);
-  if (!size) throw InputError("a compressed image cannot be decoded: it has no header");
+  if (!size) throw InputError("a compressed image cannot be decoded: its header claims no possible size");
   if (size->width <= 0 || size->height <= 0 || int64_t{size->width} * size->height > kMaxImagePixels)
     throw InputError(fmt::format("a compressed image claims {} x {} pixels", size->width, size->height));
 }
