@@ -24,6 +24,7 @@ optional=(
   "Kinect 1: libfreenect-dev"
   "downloads: libcurl4-openssl-dev libarchive-dev"
   "distributed training: libopenmpi-dev openmpi-bin"
+  "video: libavformat-dev libavcodec-dev libswscale-dev"
   "ROS node: librosbag-storage-dev libsensor-msgs-dev libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev python3-roslaunch python3-rosbag"
 )
 # npm may also come with a Node.js from elsewhere.
