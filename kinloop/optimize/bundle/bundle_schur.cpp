@@ -70,7 +70,7 @@ void BundleSchur::eliminate_points(double damping) {
       const double* sums = normal_.sums_of(index);
       std::array<double, 6> H;
       std::copy_n(sums + 3 * common, 6, H.begin());
-      for (const size_t diagonal : {0, 3, 5}) H[diagonal] *= 1 + damping;
+      for (const size_t diagonal : {0U, 3U, 5U}) H[diagonal] *= 1 + damping;
       const PointFactor f(H);
       factors_[index] = f;
       double* const to = &common_[3 * common_stride_ * index];
