@@ -49,7 +49,7 @@ DepthStatistics depth_statistics(std::span<const RgbdFrame> frames) {
     }
   }
   const double share = pixels == 0 ? 0 : static_cast<double>(depths_m.size()) / static_cast<double>(pixels);
-  return {spread_of(std::move(depths_m)), share};
+  return {spread_of(depths_m), share};
 }
 
 std::optional<double> plausible_depth_scale(double median_m, double depth_scale) {
