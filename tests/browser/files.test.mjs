@@ -140,7 +140,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   }
 
   // Meshes and other formats.
-  for (const [name, content, facts, pixels] of [['mesh.ply', MESH, 'triangles', 20_000], ['cloud.pcd', PCD, 'points', 800], ['mesh.glb', glb(), '', 20_000]]) {
+  for (const [name, content, facts, pixels] of [['mesh.ply', MESH, 'triangles', 20_000], ['cloud.pcd', PCD, 'points', 950], ['mesh.glb', glb(), '', 20_000]]) {
     const page = await view(name, content);
     await page.keyboard.press('g'); // its lines would be counted
     await until(async () => (await paintedPixels(page, '#scene')) > pixels, `${name} is drawn`);

@@ -25,10 +25,11 @@ const vertexShader = `
 
   void main() {
     const float farthestM = 4.5;  // that a Kinect sees
+    const float smallest = sqrt(2.0);  // px: a smaller disc may cover no pixel's centre, and the point vanishes
     vec4 world = modelMatrix * vec4(position, 1.0);
     vec4 eye = viewMatrix * world;
     gl_Position = world.y > cutAtM ? vec4(2.0, 2.0, 2.0, 1.0) : projectionMatrix * eye;  // 2: out of sight
-    gl_PointSize = clamp(0.01 * pointSizeCm * pixelsPerRadian / -eye.z, 1.0, 32.0);
+    gl_PointSize = clamp(0.01 * pointSizeCm * pixelsPerRadian / -eye.z, smallest, 32.0);
     float height = (world.y - heightsM.x) / max(heightsM.y - heightsM.x, 0.01);
     float nearness = 1.0 - (origin.z + position.z * unitM) / farthestM;
     float share = mode == 1 ? height : mode == 2 ? nearness : timeShare;
