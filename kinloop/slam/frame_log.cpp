@@ -3,6 +3,17 @@
 #include <algorithm>
 
 namespace kinloop {
+namespace {
+
+PreparedFrame lost_frame(const LoggedFrame& entry) {
+  PreparedFrame frame;
+  frame.id = entry.frame;
+  frame.stamp_ns = entry.stamp_ns;
+  frame.features = entry.features;
+  return frame;
+}
+
+}  // namespace
 
 LoggedFrame make_log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px) {
   LoggedFrame entry{
@@ -26,18 +37,22 @@ LoggedFrame make_log_entry(const TrackResult& result, const PreparedFrame& frame
   return entry;
 }
 
-FrameLog relocalize_lost_frames(
-    FrameLog log, int image_height_px,
-    const std::function<std::optional<TrackResult>(const PreparedFrame&)>& relocalize) {
-  for (LoggedFrame& entry : log) {
-    if (entry.status != TrackStatus::kLost || !entry.features) continue;
-    PreparedFrame frame;
-    frame.id = entry.frame;
-    frame.stamp_ns = entry.stamp_ns;
-    frame.features = entry.features;
-    const auto found = relocalize(frame);
-    if (found) entry = make_log_entry(*found, frame, image_height_px);
+FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSearch& search) {
+  const auto is_lost = [&](size_t i) { return log[i].status == TrackStatus::kLost && log[i].features; };
+  const auto search_near = [&](size_t i, size_t neighbor) {
+    if (!is_lost(i) || log[neighbor].status != TrackStatus::kTracked) return;
+    const PreparedFrame frame = lost_frame(log[i]);
+    const auto found = search.nearby(frame, log[neighbor]);
+    if (found) log[i] = make_log_entry(*found, frame, image_height_px);
+  };
+  for (size_t i = 0; i < log.size(); ++i) {
+    if (!is_lost(i)) continue;
+    const PreparedFrame frame = lost_frame(log[i]);
+    const auto found = search.anywhere(frame);
+    if (found) log[i] = make_log_entry(*found, frame, image_height_px);
   }
+  for (size_t i = log.size(); i-- > 1;) search_near(i - 1, i);
+  for (size_t i = 1; i < log.size(); ++i) search_near(i, i - 1);
   return log;
 }
 

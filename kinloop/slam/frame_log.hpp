@@ -41,11 +41,17 @@ using FrameLog = std::vector<LoggedFrame>;
 /// Returns the log entry of a frame.
 LoggedFrame make_log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px);
 
-/// Returns the log after relocalizing lost frames with `relocalize`: the final map covers more than the map
-/// at their time.
-FrameLog relocalize_lost_frames(
-    FrameLog log, int image_height_px,
-    const std::function<std::optional<TrackResult>(const PreparedFrame&)>& relocalize);
+/// Two ways to locate a frame in the final map.
+struct FrameSearch {
+  std::function<std::optional<TrackResult>(const PreparedFrame&)> anywhere;
+  /// Near the pose of the frame before or after it.
+  std::function<std::optional<TrackResult>(const PreparedFrame&, const LoggedFrame& neighbor)> nearby;
+};
+
+/// Returns the log after another search for lost frames: the final map covers more than the map at their
+/// time. Those not found anywhere are searched near the next frame, from the last frame to the first, then
+/// near the previous one.
+FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSearch& search);
 
 /// Returns T_world_camera of the frame in the current map. The frame must not be lost.
 SE3 world_pose(const LoggedFrame& entry, const Map& map);

@@ -16,6 +16,11 @@ std::vector<bool> observed(const Map& map, KeyframeId id) {
   return result;
 }
 
+KeyframeOptions keyframe_options(const FrameTracking& tracking, const SlamOptions& options) {
+  const KeyframeOptions& keyframe = options.tracking.keyframe;
+  return tracking.direct ? spaced_for_direct_tracking(keyframe) : keyframe;
+}
+
 }  // namespace
 
 bool Mapper::needs_keyframe(const Map& map, const FrameTracking& tracking) const {
@@ -26,7 +31,7 @@ bool Mapper::needs_keyframe(const Map& map, const FrameTracking& tracking) const
   const KeyframeCriteria criteria{
       *result, tracking.frame, motions_from_keyframes(map, *result, last_keyframe_),
       frames_since_keyframe(map, tracking.frame.id), count_confirmed_landmarks(map, result->reference)};
-  return kinloop::needs_keyframe(criteria, options_.tracking.keyframe);
+  return kinloop::needs_keyframe(criteria, keyframe_options(tracking, options_));
 }
 
 int Mapper::frames_since_keyframe(const Map& map, FrameId frame) const {
@@ -38,7 +43,7 @@ bool Mapper::may_need_keyframe(const Map& map, const FrameTracking& tracking) {
   const TrackResult& result = *located(tracking.outcome);
   const double moved =
       motion_from_nearest(*tracking.frame.features, motions_from_keyframes(map, result, last_keyframe_),
-                          options_.tracking.keyframe);
+                          keyframe_options(tracking, options_));
   if (moved < kMinKeyframeMotion) return false;
   const FrameId now = tracking.frame.id;
   if (moved <= 1 && now.value - last_check_.value < kInterval_frames) return false;

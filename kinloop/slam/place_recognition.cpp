@@ -25,6 +25,20 @@ std::optional<TrackResult> PlaceRecognition::relocalize(const PreparedFrame& fra
                              options_.loop, options_.tracking, seed_of(options_, frame.id));
 }
 
+std::optional<TrackResult> PlaceRecognition::locate_near(const PreparedFrame& frame, const Map& map,
+                                                         KeyframeId reference,
+                                                         const SE3& T_reference_camera) const {
+  const LocalMap local_map = make_local_map(map, reference, options_.local_map);
+  const FeatureGrid grid(*frame.features, camera_.width, camera_.height);
+  TrackResult result = track_local_map(frame, grid, local_map, T_reference_camera, options_.loop.window_px,
+                                       camera_, options_.tracking);
+  const bool confident =
+      result.stats.inliers >= options_.tracking.min_confident_inliers &&
+      has_sufficient_inlier_ratio(result, *frame.features, options_.tracking.min_inlier_ratio);
+  if (!confident) return std::nullopt;
+  return result;
+}
+
 IndexedView PlaceRecognition::indexed_view(const Keyframe& keyframe) const {
   return {*keyframe.features, nodes_[keyframe.id.value]};
 }

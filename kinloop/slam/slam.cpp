@@ -67,13 +67,15 @@ FrameResult Slam::process(const PreparedFrame& measured) {
   const TrackingContext context{map_, places_, sensor_.value};
   FrameTracking tracking = tracker_.track(measured, context, timings_);
   module.lap();
-  if (tracking.direct && mapper_.may_need_keyframe(map_, tracking)) {
+  bool needs_keyframe = tracking.has_keypoints && mapper_.needs_keyframe(map_, tracking);
+  if (!tracking.has_keypoints && mapper_.may_need_keyframe(map_, tracking)) {
     FrameTracking all = tracker_.with_keypoints(tracking, context, timings_);
     module.lap();
-    if (mapper_.needs_keyframe(map_, all)) tracking = std::move(all);
+    needs_keyframe = mapper_.needs_keyframe(map_, all);
+    if (needs_keyframe) tracking = std::move(all);
   }
   KeyframeId keyframe;
-  if (!tracking.direct && mapper_.needs_keyframe(map_, tracking)) keyframe = insert_keyframe(tracking);
+  if (needs_keyframe) keyframe = insert_keyframe(tracking);
   const TrackResult result = track_result(tracking.outcome, keyframe);
   log_.push_back(make_log_entry(result, tracking.frame, camera_.color.height));
   log_.back().repeat = tracking.repeat;
@@ -133,9 +135,12 @@ void Slam::find_loops(KeyframeId keyframe) {
 Trajectory Slam::finish(const Progress& progress) {
   apply_results(back_end_.apply_remaining(job_context()));
   const Stopwatch watch;
-  log_ = relocalize_lost_frames(std::move(log_), camera_.color.height, [this](const PreparedFrame& frame) {
-    return places_.relocalize(frame, map_);
-  });
+  const FrameSearch search{[this](const PreparedFrame& frame) { return places_.relocalize(frame, map_); },
+                           [this](const PreparedFrame& frame, const LoggedFrame& neighbor) {
+                             return places_.locate_near(frame, map_, neighbor.reference,
+                                                        neighbor.T_reference_camera);
+                           }};
+  log_ = relocalize_lost_frames(std::move(log_), camera_.color.height, search);
   timings_.add("relocalization", watch.elapsed());
   if (options_.localize_only) {
     finish_localization();

@@ -44,6 +44,7 @@ FrameTracking Tracker::track(const PreparedFrame& measured, const TrackingContex
   frame.features = std::move(direct->features);
   FrameTracking tracking = complete(Tracked{std::move(direct->result)}, frame, context.sensor, timings);
   tracking.direct = true;
+  tracking.has_keypoints = false;
   return tracking;
 }
 
@@ -93,7 +94,7 @@ FrameTracking Tracker::with_keypoints(const FrameTracking& tracked, const Tracki
                                       Timings& timings) const {
   Stopwatch watch;
   FrameTracking all = tracked;
-  all.direct = false;
+  all.has_keypoints = true;
   all.frame.features = front_end_.features(tracked.frame);
   timings.add("features", watch.lap());
   all.frame = deskewed(all.frame, context.sensor, tracked.motion);
@@ -114,7 +115,7 @@ FrameTracking Tracker::with_keypoints(const FrameTracking& tracked, const Tracki
 
 /// The previous frame with all its keypoints, even if it was tracked without.
 TrackedFrame Tracker::previous_with_keypoints(const SensorVector& sensor, Timings& timings) const {
-  if (!previous_direct_) return *previous_;
+  if (previous_has_keypoints_) return *previous_;
   Stopwatch watch;
   TrackedFrame previous = *previous_;
   previous.frame.features = front_end_.features(previous.frame);
@@ -245,7 +246,7 @@ void Tracker::remember(const FrameTracking& latest) {
     return;
   }
   lost_frames_ = 0;
-  previous_direct_ = latest.direct;
+  previous_has_keypoints_ = latest.has_keypoints;
   const TrackResult* result = located(latest.outcome);
   previous_ = TrackedFrame{latest.frame, result != nullptr ? result->T_reference_camera : SE3{},
                            std::vector<LandmarkId>(latest.frame.features->size())};

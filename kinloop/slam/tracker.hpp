@@ -43,7 +43,8 @@ struct FrameTracking {
   PreparedFrame frame;  ///< motion-compensated
   MotionModel motion;   ///< includes the motion of this frame
   bool repeat = false;  ///< repeats the previous image: takes its pose and does not update the motion model
-  bool direct = false;  ///< `frame.features` are landmarks found without keypoint detection
+  bool direct = false;  ///< located by patches of the local map
+  bool has_keypoints = true;  ///< false: `frame.features` are landmarks found without keypoint detection
 };
 
 /// What the tracker needs from the rest of the system.
@@ -74,7 +75,7 @@ class Tracker {
   void update(const Map& map, KeyframeId reference, const FrameTracking* latest = nullptr);
 
   /// Returns whether the next frame will probably be tracked by keypoints, as the previous one was.
-  [[nodiscard]] bool expects_keypoints() const { return !previous_direct_ || lost_frames_ > 0; }
+  [[nodiscard]] bool expects_keypoints() const { return previous_has_keypoints_ || lost_frames_ > 0; }
 
   /// Returns the reference keyframe of the local map; invalid before the first.
   [[nodiscard]] KeyframeId reference() const { return local_map_.reference; }
@@ -104,7 +105,7 @@ class Tracker {
   SlamOptions options_;
   FrontEnd front_end_;
   std::optional<TrackedFrame> previous_;  // the last located frame; none before the first
-  bool previous_direct_ = false;          // it has no descriptors
+  bool previous_has_keypoints_ = true;    // false: it has no descriptors
   LocalMap local_map_;
   MotionModel motion_;
   int lost_frames_ = 0;  // since `previous_`

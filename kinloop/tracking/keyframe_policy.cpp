@@ -43,6 +43,12 @@ std::vector<int> shared_counts(const Map& map, const std::vector<LandmarkMatch>&
 
 }  // namespace
 
+KeyframeOptions spaced_for_direct_tracking(KeyframeOptions options) {
+  constexpr double kSpacing = 1.5;
+  options.max_relative_translation *= kSpacing;
+  return options;
+}
+
 double motion_from_nearest(const Features& features, std::span<const SE3> T_keyframe_camera,
                            const KeyframeOptions& options) {
   const double depth_m = median_depth_m(features);

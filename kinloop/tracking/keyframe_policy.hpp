@@ -21,6 +21,11 @@ struct KeyframeCriteria {
 /// however long it stays.
 inline constexpr double kMinKeyframeMotion = 0.5;
 
+/// Returns the options for a frame that was tracked directly: keyframes half as far again from each other.
+/// Patches follow a landmark over a larger change of scale and parallax than descriptors, and refer all
+/// frames between to the same keyframe; a rotation brings new content into view in either case.
+KeyframeOptions spaced_for_direct_tracking(KeyframeOptions options);
+
 /// Returns the camera motion from the nearest keyframe, relative to the motion at which a frame always
 /// becomes a keyframe (1).
 double motion_from_nearest(const Features& features, std::span<const SE3> T_keyframe_camera,

@@ -25,7 +25,9 @@ struct KeyframeOptions {
     visit("max_rotation_rad", self.max_rotation_rad,
           "rotation since the nearest keyframe that triggers a new one, rad", Range{0.01, 3.2});
     visit("max_relative_translation", self.max_relative_translation,
-          "translation since the nearest keyframe that triggers a new one, relative to the median depth",
+          "translation since the nearest keyframe that triggers a new one, relative to the median depth; "
+          "half as much "
+          "again for frames that are tracked directly",
           Range{0.005, 10});
     visit("min_landmarks", self.min_landmarks,
           "insert a keyframe when fewer landmarks are tracked and enough keypoints are unmapped",

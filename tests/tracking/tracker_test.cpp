@@ -229,6 +229,24 @@ TEST_F(KeyframePolicy, LargeRotationOrTranslationTriggersAKeyframe) {
   EXPECT_FALSE(asks(camera_at(0.02, {0.02, 0, 0}), 300, 300));
 }
 
+TEST_F(KeyframePolicy, DirectTrackingSpacesKeyframesByTranslationNotByRotation) {
+  result_.status = TrackStatus::kTracked;
+  result_.stats.inliers = 300;
+  const KeyframeOptions options, direct = spaced_for_direct_tracking(options);
+  const auto motion = [&](const SE3& T, const KeyframeOptions& o) {
+    return motion_from_nearest(*frame_.features, std::vector{T}, o);
+  };
+  const SE3 turned = camera_at(0.25, {0, 0, 0}), shifted = camera_at(0, {0.25, 0, 0});
+  EXPECT_DOUBLE_EQ(motion(turned, direct), motion(turned, options));
+  EXPECT_LT(motion(shifted, direct), motion(shifted, options));
+  // A motion between the two limits triggers a keyframe only without direct tracking.
+  const double share = 1.2 / motion(shifted, options);
+  const SE3 between = camera_at(0, {0.25 * share, 0, 0});
+  EXPECT_TRUE(needs_keyframe({result_, frame_, {between}, 5, 300}, options));
+  EXPECT_FALSE(needs_keyframe({result_, frame_, {between}, 5, 300}, direct));
+  EXPECT_TRUE(needs_keyframe({result_, frame_, {turned}, 5, 300}, direct));
+}
+
 TEST_F(KeyframePolicy, LowOverlapTriggersAKeyframeOnceTheCameraMoves) {
   EXPECT_TRUE(asks(camera_at(0.1, {0.05, 0, 0}), 100, 300));
   EXPECT_FALSE(asks(camera_at(0.1, {0.05, 0, 0}), 290, 300));
