@@ -39,9 +39,10 @@ Parts FurnitureBuilder::paper_sheets() {
   const auto count = 1 + r.index(3);
   for (uint32_t i = 0; i < count; ++i) {
     const float z = 0.002F * static_cast<float>(i + 1);
-    const Primitive sheet =
-        with_picture(make_box({0, 0, z / 2}, {0.21F, 0.297F, z}, plain()), kTop, p.fitted(Kind::kPaper, r));
-    sheets.push_back(moved(sheet, uniform(-0.6F, 0.6F), {uniform(-0.04F, 0.04F), uniform(-0.04F, 0.04F), 0}));
+    const FaceTexture paper = p.fitted(Kind::kPaper, r);
+    const Primitive sheet = with_picture(make_box({0, 0, z / 2}, {0.21F, 0.297F, z}, plain()), kTop, paper);
+    const float x = uniform(-0.04F, 0.04F), y = uniform(-0.04F, 0.04F);
+    sheets.push_back(moved(sheet, uniform(-0.6F, 0.6F), {x, y, 0}));
   }
   return sheets;
 }
@@ -49,9 +50,11 @@ Parts FurnitureBuilder::paper_sheets() {
 Parts FurnitureBuilder::pen_beaker() {
   Parts pens{make_cylinder({0, 0, 0.05F}, 0.04F, 0.1F, fabric())};
   for (int i = 0; i < 4; ++i) {
-    Primitive pen =
-        make_cylinder({uniform(-0.02F, 0.02F), uniform(-0.02F, 0.02F), 0.11F}, 0.005F, 0.13F, plain());
-    const Eigen::Vector3f axis = Eigen::Vector3f(uniform(-1, 1), uniform(-1, 1), 0.01F).normalized();
+    const FaceTexture paint = plain();
+    const float x = uniform(-0.02F, 0.02F), y = uniform(-0.02F, 0.02F);
+    Primitive pen = make_cylinder({x, y, 0.11F}, 0.005F, 0.13F, paint);
+    const float axis_y = uniform(-1, 1), axis_x = uniform(-1, 1);
+    const Eigen::Vector3f axis = Eigen::Vector3f(axis_x, axis_y, 0.01F).normalized();
     pen.R_room_local = Eigen::AngleAxisf(0.2F, axis).toRotationMatrix();
     pens.push_back(pen);
   }
@@ -72,16 +75,19 @@ Parts FurnitureBuilder::small_thing() {
     case 2:
       return paper_sheets();
     case 3: {  // a carton with a label on every side
-      const Eigen::Vector3f size(uniform(0.07F, 0.18F), uniform(0.05F, 0.14F), uniform(0.08F, 0.28F));
-      return {make_box({0, 0, size.z() / 2}, size, p.fitted(Kind::kLabel, r))};
+      const float height = uniform(0.08F, 0.28F), depth = uniform(0.05F, 0.14F),
+                  width = uniform(0.07F, 0.18F);
+      return {make_box({0, 0, height / 2}, {width, depth, height}, p.fitted(Kind::kLabel, r))};
     }
     case 4: {  // a tin
       const float height = uniform(0.09F, 0.16F);
-      return {make_cylinder({0, 0, height / 2}, uniform(0.033F, 0.055F), height, p.fitted(Kind::kLabel, r))};
+      const FaceTexture label = p.fitted(Kind::kLabel, r);
+      return {make_cylinder({0, 0, height / 2}, uniform(0.033F, 0.055F), height, label)};
     }
     case 5: {  // a picture frame leaning back
-      Primitive frame = with_picture(make_box({0, 0, 0.1F}, {uniform(0.13F, 0.22F), 0.015F, 0.2F}, wood()),
-                                     kFront, p.fitted(Kind::kPicture, r));
+      const FaceTexture picture = p.fitted(Kind::kPicture, r), rim = wood();
+      const float width = uniform(0.13F, 0.22F);
+      Primitive frame = with_picture(make_box({0, 0, 0.1F}, {width, 0.015F, 0.2F}, rim), kFront, picture);
       frame.R_room_local = Eigen::AngleAxisf(-0.2F, Eigen::Vector3f::UnitX()).toRotationMatrix();
       return {frame};
     }
@@ -100,7 +106,8 @@ Parts FurnitureBuilder::clutter(const Eigen::AlignedBox2f& area, float z, float 
   for (float x = area.min().x(); x <= area.max().x(); x += spacing_m) {
     for (float y = area.min().y(); y <= area.max().y(); y += spacing_m) {
       if (!chance(kOccupied)) continue;
-      const Parts thing = moved(small_thing(), uniform(-0.7F, 0.7F), {x, y, z});
+      const float yaw = uniform(-0.7F, 0.7F);
+      const Parts thing = moved(small_thing(), yaw, {x, y, z});
       parts.insert(parts.end(), thing.begin(), thing.end());
     }
   }
@@ -114,8 +121,9 @@ Parts FurnitureBuilder::plant() {
   constexpr int kLeaves = 34;
   for (int i = 0; i < kLeaves; ++i) {
     const float around = uniform(0, kTurn), rise = uniform(0.1F, 0.9F), reach = uniform(0.06F, 0.26F);
+    const FaceTexture green = palette_->fitted(Kind::kLeaf, *random_);
     Primitive leaf = make_cylinder({reach * std::cos(around), y + reach * std::sin(around), height + rise},
-                                   uniform(0.05F, 0.1F), 0.004F, palette_->fitted(Kind::kLeaf, *random_));
+                                   uniform(0.05F, 0.1F), 0.004F, green);
     leaf.R_room_local = (Eigen::AngleAxisf(around, Eigen::Vector3f::UnitZ()) *
                          Eigen::AngleAxisf(uniform(0.2F, 1.1F), Eigen::Vector3f::UnitY()))
                             .toRotationMatrix();
@@ -138,13 +146,14 @@ Parts FurnitureBuilder::carton_stack() {
   float z = 0;
   const auto count = 1 + random_->index(3);
   for (uint32_t i = 0; i < count; ++i) {
-    const Eigen::Vector3f size(uniform(0.32F, 0.5F), uniform(0.3F, 0.4F), uniform(0.2F, 0.34F));
-    const Primitive box =
-        make_box({0, 0, z + size.z() / 2}, size, palette_->fitted(Kind::kCardboard, *random_));
+    const float height = uniform(0.2F, 0.34F), depth = uniform(0.3F, 0.4F), width = uniform(0.32F, 0.5F);
+    const Primitive box = make_box({0, 0, z + height / 2}, {width, depth, height},
+                                   palette_->fitted(Kind::kCardboard, *random_));
     parts.push_back(moved(box, uniform(-0.2F, 0.2F), {0, -0.3F, 0}));
-    z += size.z();
+    z += height;
   }
-  const Parts top = moved(small_thing(), uniform(-1, 1), {0, -0.3F, z});
+  const float yaw = uniform(-1, 1);
+  const Parts top = moved(small_thing(), yaw, {0, -0.3F, z});
   parts.insert(parts.end(), top.begin(), top.end());
   return parts;
 }
@@ -190,16 +199,16 @@ Parts FurnitureBuilder::wall_picture(float width_m, float height_m) {
   constexpr float kThick = 0.012F;
   if (chance(0.06F)) {
     const float radius = std::min(width_m, height_m) / 2;
-    Primitive clock = with_picture(make_cylinder({0, 0, 0}, radius, 0.03F, plain()), kTop,
-                                   palette_->fitted(Kind::kClock, *random_));
+    const FaceTexture dial = palette_->fitted(Kind::kClock, *random_);
+    Primitive clock = with_picture(make_cylinder({0, 0, 0}, radius, 0.03F, plain()), kTop, dial);
     // Turns the top cap to the room with twelve o'clock up.
     clock.R_room_local = Eigen::AngleAxisf(kTurn / 4, Eigen::Vector3f::UnitX()).toRotationMatrix();
     clock.center.y() = -0.015F;
     return {clock};
   }
   const Kind kind = width_m > 0.8F && chance(0.4F) ? Kind::kWhiteboard : Kind::kPicture;
-  return {with_picture(make_box({0, -kThick / 2, 0}, {width_m, kThick, height_m}, plain()), kFront,
-                       palette_->fitted(kind, *random_))};
+  const FaceTexture picture = palette_->fitted(kind, *random_);
+  return {with_picture(make_box({0, -kThick / 2, 0}, {width_m, kThick, height_m}, plain()), kFront, picture)};
 }
 
 }  // namespace kinloop::sim

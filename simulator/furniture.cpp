@@ -101,10 +101,11 @@ Parts FurnitureBuilder::books(float x0, float x1, float y_front, float z, float 
   for (float x = x0; x < x1 - 0.05F;) {
     const float width = uniform(0.022F, 0.06F), depth = uniform(0.15F, 0.21F);
     const float height = uniform(0.62F, 0.98F) * max_height_m;
+    const FaceTexture spine = palette_->cell(Kind::kSpines, kSpineColumns, kSpineRows, *random_);
     Primitive book =
         with_picture(make_box({x + width / 2, y_front + depth / 2 + uniform(0, 0.025F), z + height / 2},
                               {width, depth, height}, pages),
-                     kFront, palette_->cell(Kind::kSpines, kSpineColumns, kSpineRows, *random_));
+                     kFront, spine);
     book.face_texture = book.picture;
     parts.push_back(book);
     x += width + 0.002F;
@@ -141,8 +142,9 @@ Parts FurnitureBuilder::bookshelf() {
 
 Parts FurnitureBuilder::cupboard() {
   const float width = uniform(0.7F, 1.3F), depth = uniform(0.4F, 0.48F), height = uniform(0.75F, 1.0F);
-  Parts parts{with_picture(make_box({0, -depth / 2, height / 2}, {width, depth, height}, wood()), kFront,
-                           palette_->fitted(Kind::kDrawers, *random_))};
+  const FaceTexture drawers = palette_->fitted(Kind::kDrawers, *random_);
+  Parts parts{
+      with_picture(make_box({0, -depth / 2, height / 2}, {width, depth, height}, wood()), kFront, drawers)};
   append(parts, clutter({Eigen::Vector2f(0.08F - width / 2, 0.08F - depth),
                          Eigen::Vector2f(width / 2 - 0.08F, -0.08F)},
                         height, 0.17F));
@@ -165,7 +167,8 @@ Parts FurnitureBuilder::seat(float width_m) {
     const float x = kArm - width_m / 2 + place * (static_cast<float>(i) + 0.5F);
     parts.push_back(make_box({x, -0.5F, 0.4F}, {place - 0.02F, 0.6F, 0.12F}, second));
     if (chance(0.7F)) {
-      Primitive cushion = make_box({x + uniform(-0.1F, 0.1F), -0.3F, 0.62F}, {0.42F, 0.12F, 0.36F}, fabric());
+      const FaceTexture third = fabric();
+      Primitive cushion = make_box({x + uniform(-0.1F, 0.1F), -0.3F, 0.62F}, {0.42F, 0.12F, 0.36F}, third);
       cushion.R_room_local = Eigen::AngleAxisf(-0.3F, Eigen::Vector3f::UnitX()).toRotationMatrix();
       parts.push_back(cushion);
     }

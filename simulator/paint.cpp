@@ -25,6 +25,17 @@ cv::Scalar random_color(Random& random, double max_saturation, double min_value,
   return hsv(hue, saturation, random.uniform(min_value, max_value));
 }
 
+cv::Scalar random_hsv(Random& random, Range hue_deg, Range saturation, Range value, double base_hue_deg) {
+  const double v = random.uniform(value.low, value.high);
+  const double s = random.uniform(saturation.low, saturation.high);
+  return hsv(base_hue_deg + random.uniform(hue_deg.low, hue_deg.high), s, v);
+}
+
+cv::Scalar random_hsv(Random& random, Range hue_deg, double saturation, Range value) {
+  const double v = random.uniform(value.low, value.high);
+  return hsv(random.uniform(hue_deg.low, hue_deg.high), saturation, v);
+}
+
 cv::Point random_point(Random& random, cv::Size size) {
   const auto x = static_cast<int>(random.index(static_cast<uint32_t>(size.width)));
   return {x, static_cast<int>(random.index(static_cast<uint32_t>(size.height)))};

@@ -10,10 +10,20 @@
 
 namespace kinloop::sim {
 
-/// Random helpers shared by the painters.
+/// Limits of a random number.
+struct Range {
+  double low = 0, high = 1;
+};
+
+/// Random helpers shared by the painters. C++ leaves open in which order the arguments of a call are
+/// evaluated, so painters and furniture draw at most one number in each call and name the others before it.
+/// Their order decides what every seed's room looks like.
 int random_below(Random& random, int count);  ///< 0 to count - 1
 cv::Scalar hsv(double hue_deg, double saturation, double value);
 cv::Scalar random_color(Random& random, double max_saturation, double min_value, double max_value);
+/// Returns a colour of the hue `base_hue_deg` plus a number from `hue_deg`.
+cv::Scalar random_hsv(Random& random, Range hue_deg, Range saturation, Range value, double base_hue_deg = 0);
+cv::Scalar random_hsv(Random& random, Range hue_deg, double saturation, Range value);
 cv::Point random_point(Random& random, cv::Size size);
 
 /// Sum of octaves of smooth noise, about -1 to 1, CV_32F; periodic for power-of-two sizes. The first octave

@@ -28,13 +28,13 @@ void add_knot(cv::Mat& image, cv::Point at, double radius, const cv::Scalar& col
 }  // namespace
 
 cv::Mat paint_plaster(Random& random) {
-  const cv::Scalar color = hsv(random.uniform(20, 60), random.uniform(0.02, 0.14), random.uniform(0.8, 0.92));
+  const cv::Scalar color = random_hsv(random, {20, 60}, {0.02, 0.14}, {0.8, 0.92});
   cv::Mat image = shaded(color, fractal_noise(kLarge, {4, 4}, 8, 0.75, random), 0.012);
   constexpr int kSmears = 14;
   for (int i = 0; i < kSmears; ++i) {  // scuffs and filled holes
     const cv::Point p = random_point(random, kLarge);
-    cv::ellipse(image, p, {3 + static_cast<int>(random.index(9)), 2}, random.uniform(0, 180), 0, 360,
-                color * random.uniform(0.86, 1.05), -1, cv::LINE_AA);
+    const double tint = random.uniform(0.86, 1.05), turn_deg = random.uniform(0, 180);
+    cv::ellipse(image, p, {3 + random_below(random, 9), 2}, turn_deg, 0, 360, color * tint, -1, cv::LINE_AA);
   }
   return image;
 }
@@ -47,8 +47,7 @@ cv::Mat paint_wallpaper(Random& random) {
   for (int i = 0; i < kSprigs; ++i) {
     const cv::Point p = random_point(random, kLarge);
     const double turn = random.uniform(0, 360);
-    const cv::Scalar ink =
-        hsv(hue + random.uniform(-40, 40), random.uniform(0.1, 0.4), random.uniform(0.45, 0.8));
+    const cv::Scalar ink = random_hsv(random, {-40, 40}, {0.1, 0.4}, {0.45, 0.8}, hue);
     const int petals = 3 + static_cast<int>(random.index(4));
     const int length = 6 + static_cast<int>(random.index(16));
     for (int k = 0; k < petals; ++k) {
@@ -68,10 +67,9 @@ cv::Mat paint_bricks(Random& random) {
   constexpr int kHeight = 20, kWidth = 64, kJoint = 3;
   for (int row = 0; row * kHeight < kLarge.height; ++row) {
     for (int x = row % 2 == 0 ? 0 : -kWidth / 2; x < kLarge.width; x += kWidth) {
-      const cv::Scalar color =
-          hsv(hue + random.uniform(-6, 6), random.uniform(0.3, 0.55), random.uniform(0.4, 0.68));
-      const cv::Point jitter(static_cast<int>(random.index(3)) - 1, static_cast<int>(random.index(3)) - 1);
-      const cv::Point corner = cv::Point(x, row * kHeight) + jitter;
+      const cv::Scalar color = random_hsv(random, {-6, 6}, {0.3, 0.55}, {0.4, 0.68}, hue);
+      const int dy = random_below(random, 3) - 1, dx = random_below(random, 3) - 1;
+      const cv::Point corner(x + dx, row * kHeight + dy);
       cv::rectangle(image, corner, corner + cv::Point(kWidth - kJoint, kHeight - kJoint), color, -1);
     }
   }
@@ -80,7 +78,7 @@ cv::Mat paint_bricks(Random& random) {
 }
 
 cv::Mat paint_planks(Random& random) {
-  const cv::Scalar base = hsv(random.uniform(22, 34), random.uniform(0.35, 0.6), random.uniform(0.5, 0.75));
+  const cv::Scalar base = random_hsv(random, {22, 34}, {0.35, 0.6}, {0.5, 0.75});
   cv::Mat image(kFloor, CV_8UC3, base);
   constexpr int kPlank = 52;
   for (int y = 0; y < kFloor.height; y += kPlank) {
@@ -91,9 +89,8 @@ cv::Mat paint_planks(Random& random) {
       cv::rectangle(image, {x, y}, {x + length, y + kPlank - 1}, color, -1);
       const auto knots = random.index(4);
       for (uint32_t k = 0; k < knots; ++k) {
-        const cv::Point at(x + 10 + static_cast<int>(random.index(static_cast<uint32_t>(length))),
-                           y + 8 + static_cast<int>(random.index(kPlank - 16)));
-        add_knot(image, at, random.uniform(2, 5), color, random);
+        const int dy = 8 + random_below(random, kPlank - 16), dx = 10 + random_below(random, length);
+        add_knot(image, {x + dx, y + dy}, random.uniform(2, 5), color, random);
       }
       cv::line(image, {x, y}, {x, y + kPlank}, base * 0.35, 1, cv::LINE_AA);
       x += length;
@@ -112,13 +109,14 @@ cv::Mat paint_carpet(Random& random) {
   constexpr int kFlecks = 9000;
   for (int i = 0; i < kFlecks; ++i) {
     const cv::Point p = random_point(random, kFloor);
-    cv::circle(image, p, 1 + static_cast<int>(random.index(4)), vary(base, 0.55, random), -1, cv::LINE_AA);
+    const cv::Scalar color = vary(base, 0.55, random);
+    cv::circle(image, p, 1 + random_below(random, 4), color, -1, cv::LINE_AA);
   }
   return image;
 }
 
 cv::Mat paint_tiles(Random& random) {
-  const cv::Scalar base = hsv(random.uniform(15, 50), random.uniform(0.08, 0.3), random.uniform(0.55, 0.8));
+  const cv::Scalar base = random_hsv(random, {15, 50}, {0.08, 0.3}, {0.55, 0.8});
   cv::Mat image(kFloor, CV_8UC3, base);
   constexpr int kTile = 128;
   for (int y = 0; y < kFloor.height; y += kTile) {
@@ -128,11 +126,11 @@ cv::Mat paint_tiles(Random& random) {
       for (int vein = 0; vein < 4; ++vein) {
         cv::Point p = random_point(random, {kTile, kTile});
         for (int step = 0; step < 8; ++step) {
-          const cv::Point q =
-              p + cv::Point(static_cast<int>(random.index(31)) - 15, static_cast<int>(random.index(31)) - 15);
+          const int dy = random_below(random, 31) - 15, dx = random_below(random, 31) - 15;
+          const cv::Point q = p + cv::Point(dx, dy);
+          const int thickness = 1 + random_below(random, 2);
           cv::Mat cut = image(tile);
-          cv::line(cut, p, q, vary(base * 0.8, 0.2, random), 1 + static_cast<int>(random.index(2)),
-                   cv::LINE_AA);
+          cv::line(cut, p, q, vary(base * 0.8, 0.2, random), thickness, cv::LINE_AA);
           p = q;
         }
       }
@@ -145,7 +143,7 @@ cv::Mat paint_tiles(Random& random) {
 
 cv::Mat paint_wood(Random& random) {
   const cv::Size size(512, 512);
-  const cv::Scalar base = hsv(random.uniform(18, 36), random.uniform(0.3, 0.65), random.uniform(0.35, 0.8));
+  const cv::Scalar base = random_hsv(random, {18, 36}, {0.3, 0.65}, {0.35, 0.8});
   cv::Mat image = shaded(base, fractal_noise(size, {4, 64}, 4, 0.75, random), 0.14);
   shade(image, fractal_noise(size, {2, 8}, 3, 0.6, random), 0.08);
   constexpr int kMarks = 26;
@@ -154,9 +152,8 @@ cv::Mat paint_wood(Random& random) {
     if (i % 3 == 0) {
       add_knot(image, p, random.uniform(2, 5), base, random);
     } else {  // a scratch
-      const cv::Point q =
-          p + cv::Point(static_cast<int>(random.index(50)), static_cast<int>(random.index(9)) - 4);
-      cv::line(image, p, q, base * random.uniform(0.5, 1.3), 1, cv::LINE_AA);
+      const int dy = random_below(random, 9) - 4, dx = random_below(random, 50);
+      cv::line(image, p, p + cv::Point(dx, dy), base * random.uniform(0.5, 1.3), 1, cv::LINE_AA);
     }
   }
   return image;
@@ -187,7 +184,7 @@ cv::Mat paint_metal(Random& random) {
 }
 
 cv::Mat paint_cardboard(Random& random) {
-  const cv::Scalar base = hsv(random.uniform(26, 36), random.uniform(0.35, 0.5), random.uniform(0.55, 0.75));
+  const cv::Scalar base = random_hsv(random, {26, 36}, {0.35, 0.5}, {0.55, 0.75});
   cv::Mat image = shaded(base, fractal_noise(kSmall, {4, 16}, 5, 0.8, random), 0.05);
   cv::line(image, {0, 128}, {256, 128}, vary(base, 0.1, random) * 1.2, 26);  // tape
   const cv::Rect area(24 + static_cast<int>(random.index(90)), 150, 100, 80);
@@ -199,7 +196,7 @@ cv::Mat paint_cardboard(Random& random) {
 }
 
 cv::Mat paint_leaf(Random& random) {
-  const cv::Scalar base = hsv(random.uniform(85, 135), random.uniform(0.4, 0.8), random.uniform(0.3, 0.6));
+  const cv::Scalar base = random_hsv(random, {85, 135}, {0.4, 0.8}, {0.3, 0.6});
   cv::Mat image = shaded(base, fractal_noise(kSmall, {8, 8}, 5, 0.8, random), 0.15);
   for (int i = 0; i < kSmall.width; i += 16) {
     const cv::Scalar vein = vary(base, 0.1, random) * 1.5;
@@ -213,9 +210,7 @@ cv::Mat paint_leaf(Random& random) {
 cv::Mat paint_rug(Random& random) {
   const cv::Size size(1024, 1024);
   const double hue = random.uniform(0, 360);
-  const auto color = [&] {
-    return hsv(hue + random.uniform(-50, 50), random.uniform(0.2, 0.7), random.uniform(0.2, 0.8));
-  };
+  const auto color = [&] { return random_hsv(random, {-50, 50}, {0.2, 0.7}, {0.2, 0.8}, hue); };
   cv::Mat image(size, CV_8UC3, color());
   constexpr int kBorders = 5;
   for (int i = 0; i < kBorders; ++i) {

@@ -16,16 +16,16 @@ void bevel(cv::Mat& image, const cv::Rect& panel, const cv::Scalar& color) {
 }  // namespace
 
 cv::Mat paint_paper(Random& random) {
-  cv::Mat image(256, 256, CV_8UC3,
-                hsv(random.uniform(30, 60), random.uniform(0, 0.1), random.uniform(0.88, 0.97)));
+  cv::Mat image(256, 256, CV_8UC3, random_hsv(random, {30, 60}, {0, 0.1}, {0.88, 0.97}));
   write_lines(image, {20, 8, 210, 36}, 28, cv::Scalar::all(40), random);
   if (random.index(2) == 0) {
     const cv::Rect figure(20, 60, 100, 70);
     cv::rectangle(image, figure, random_color(random, 0.7, 0.3, 0.9), -1);
     for (int i = 0; i < 12; ++i) {
-      cv::line(image, figure.tl() + random_point(random, figure.size()),
-               figure.tl() + random_point(random, figure.size()), random_color(random, 0.8, 0.2, 1), 2,
-               cv::LINE_AA);
+      const cv::Scalar color = random_color(random, 0.8, 0.2, 1);
+      const cv::Point end = figure.tl() + random_point(random, figure.size());
+      const cv::Point begin = figure.tl() + random_point(random, figure.size());
+      cv::line(image, begin, end, color, 2, cv::LINE_AA);
     }
     write_lines(image, {130, 56, 110, 76}, 10, cv::Scalar::all(60), random);
   }
@@ -35,11 +35,12 @@ cv::Mat paint_paper(Random& random) {
 
 cv::Mat paint_screen(Random& random) {
   const cv::Size size(512, 256);
-  cv::Mat image =
-      shaded(random_color(random, 0.7, 0.2, 0.5), fractal_noise(size, {4, 2}, 5, 0.7, random), 0.3);
+  const cv::Mat noise = fractal_noise(size, {4, 2}, 5, 0.7, random);
+  cv::Mat image = shaded(random_color(random, 0.7, 0.2, 0.5), noise, 0.3);
   for (int i = 0; i < 4; ++i) {
-    const cv::Rect window(random_below(random, 250), 10 + random_below(random, 90),
-                          180 + random_below(random, 70), 90 + random_below(random, 50));
+    const int height = 90 + random_below(random, 50), width = 180 + random_below(random, 70);
+    const int top = 10 + random_below(random, 90), left = random_below(random, 250);
+    const cv::Rect window(left, top, width, height);
     const bool dark = random.index(2) == 0;
     cv::rectangle(image, window, cv::Scalar::all(dark ? 35 : 235), -1);
     cv::rectangle(image, cv::Rect(window.tl(), cv::Size(window.width, 12)),
@@ -74,8 +75,9 @@ cv::Mat paint_label(Random& random) {
   const cv::Scalar base = random_color(random, 0.9, 0.35, 1.0);
   cv::Mat image = shaded(base, fractal_noise({256, 256}, {4, 4}, 4, 0.6, random), 0.1);
   for (int i = 0; i < 26; ++i) {
-    cv::circle(image, random_point(random, {256, 256}), 3 + random_below(random, 26),
-               random_color(random, 0.9, 0.2, 1.0), -1, cv::LINE_AA);
+    const cv::Scalar color = random_color(random, 0.9, 0.2, 1.0);
+    const int radius = 3 + random_below(random, 26);
+    cv::circle(image, random_point(random, {256, 256}), radius, color, -1, cv::LINE_AA);
   }
   cv::rectangle(image, cv::Rect(16, 40, 224, 76), cv::Scalar::all(random.uniform(200, 255)), -1);
   write_lines(image, {24, 34, 200, 80}, 40, random_color(random, 0.9, 0.0, 0.4), random);
@@ -94,8 +96,8 @@ cv::Mat paint_book_spines(Random& random) {
     const cv::Scalar ink = light ? random_color(random, 0.8, 0.0, 0.3) : random_color(random, 0.4, 0.75, 1.0);
     // Drawn horizontally, then rotated to run along the spine.
     cv::Mat spine = shaded(base, fractal_noise({cell.height, cell.width}, {4, 2}, 5, 0.8, random), 0.06);
-    write_lines(spine, {24, -6 + random_below(random, 4), 150, 30}, 26 - random_below(random, 8), ink,
-                random);
+    const int line_px = 26 - random_below(random, 8), top = random_below(random, 4) - 6;
+    write_lines(spine, {24, top, 150, 30}, line_px, ink, random);
     const int band = 190 + random_below(random, 40);
     cv::rectangle(spine, cv::Rect(band, 0, 6 + random_below(random, 18), cell.width), ink, -1);
     cv::line(spine, {8, 0}, {8, cell.width}, ink, 2);
@@ -110,7 +112,7 @@ cv::Mat paint_book_spines(Random& random) {
 
 cv::Mat paint_drawers(Random& random) {
   const cv::Size size(256, 256);
-  const cv::Scalar base = random.index(2) == 0 ? hsv(random.uniform(20, 36), 0.45, random.uniform(0.4, 0.75))
+  const cv::Scalar base = random.index(2) == 0 ? random_hsv(random, {20, 36}, 0.45, {0.4, 0.75})
                                                : random_color(random, 0.3, 0.5, 0.9);
   cv::Mat image = shaded(base, fractal_noise(size, {32, 4}, 4, 0.8, random), 0.06);
   const int rows = 2 + random_below(random, 3), columns = 1 + random_below(random, 2);
@@ -127,7 +129,7 @@ cv::Mat paint_drawers(Random& random) {
 
 cv::Mat paint_door(Random& random) {
   const cv::Size size(256, 512);
-  const cv::Scalar base = random.index(2) == 0 ? hsv(random.uniform(20, 34), 0.5, random.uniform(0.4, 0.65))
+  const cv::Scalar base = random.index(2) == 0 ? random_hsv(random, {20, 34}, 0.5, {0.4, 0.65})
                                                : random_color(random, 0.15, 0.8, 0.95);
   cv::Mat image = shaded(base, fractal_noise(size, {64, 8}, 4, 0.8, random), 0.06);
   for (int i = 0; i < 4; ++i) bevel(image, {28 + (i % 2) * 108, 40 + (i / 2) * 230, 90, 190}, base);

@@ -28,11 +28,11 @@ void draw_tree(cv::Mat& image, cv::Point foot, int height, Random& random) {
            std::max(1, height / 12), cv::LINE_AA);
   const double hue = random.uniform(60, 130);
   for (int i = 0; i < 24; ++i) {
-    const cv::Point at = foot - cv::Point(random_below(random, height) - height / 2,
-                                          height / 2 + random_below(random, height));
-    cv::circle(image, at, 2 + random_below(random, std::max(2, height / 6)),
-               hsv(hue + random.uniform(-15, 15), random.uniform(0.3, 0.8), random.uniform(0.15, 0.6)), -1,
-               cv::LINE_AA);
+    const int up = height / 2 + random_below(random, height);
+    const int left = random_below(random, height) - height / 2;
+    const cv::Scalar color = random_hsv(random, {-15, 15}, {0.3, 0.8}, {0.15, 0.6}, hue);
+    const int radius = 2 + random_below(random, std::max(2, height / 6));
+    cv::circle(image, foot - cv::Point(left, up), radius, color, -1, cv::LINE_AA);
   }
 }
 
@@ -42,8 +42,7 @@ void draw_house(cv::Mat& image, cv::Point foot, int size, Random& random) {
   const std::vector<cv::Point> roof{{wall.x - size / 8, wall.y},
                                     {wall.x + size / 2, wall.y - size / 2},
                                     {wall.x + size + size / 8, wall.y}};
-  cv::fillPoly(image, std::vector{roof}, hsv(random.uniform(0, 30), 0.7, random.uniform(0.3, 0.6)),
-               cv::LINE_AA);
+  cv::fillPoly(image, std::vector{roof}, random_hsv(random, {0, 30}, 0.7, {0.3, 0.6}), cv::LINE_AA);
   for (int i = 0; i < 4; ++i) {
     const cv::Rect pane(wall.x + size / 8 + (i % 2) * size / 2, wall.y + size / 8 + (i / 2) * size / 2,
                         size / 4, size / 4);
@@ -89,16 +88,17 @@ void scatter_shapes(cv::Mat& image, int count, int largest, Random& random) {
         break;
       case 2: {
         const auto corner = [&] {
-          return p + cv::Point(random_below(random, 2 * size) - size, random_below(random, 2 * size) - size);
+          const int dy = random_below(random, 2 * size) - size, dx = random_below(random, 2 * size) - size;
+          return p + cv::Point(dx, dy);
         };
         cv::fillPoly(image, std::vector{std::vector{corner(), corner(), corner(), corner()}}, color,
                      cv::LINE_AA);
         break;
       }
-      default:
-        cv::line(image, p,
-                 p + cv::Point(random_below(random, 3 * size) - size, random_below(random, 3 * size) - size),
-                 color, 1 + size / 12, cv::LINE_AA);
+      default: {
+        const int dy = random_below(random, 3 * size) - size, dx = random_below(random, 3 * size) - size;
+        cv::line(image, p, p + cv::Point(dx, dy), color, 1 + size / 12, cv::LINE_AA);
+      }
     }
   }
 }
@@ -141,19 +141,21 @@ cv::Mat paint_landscape(Random& random) {
     fill_ridge(image, 200 + 60 * i, 60 - 8 * i,
                hsv(hue + (100 - hue) * near, 0.25 + 0.4 * near, 0.7 - 0.35 * near), random);
   }
-  for (int i = 0; i < 3; ++i)
-    draw_house(image, {40 + random_below(random, 420), 400 + random_below(random, 60)},
-               30 + random_below(random, 30), random);
-  for (int i = 0; i < 22; ++i)
-    draw_tree(image, {random_below(random, 512), 350 + random_below(random, 150)},
-              16 + random_below(random, 50), random);
+  for (int i = 0; i < 3; ++i) {
+    const int size = 30 + random_below(random, 30);
+    draw_house(image, cv::Point(40, 400) + random_point(random, {420, 60}), size, random);
+  }
+  for (int i = 0; i < 22; ++i) {
+    const int height = 16 + random_below(random, 50);
+    draw_tree(image, cv::Point(0, 350) + random_point(random, {512, 150}), height, random);
+  }
   add_frame(image, random);
   return image;
 }
 
 cv::Mat paint_abstract(Random& random) {
-  cv::Mat image =
-      shaded(random_color(random, 0.5, 0.3, 0.9), fractal_noise(kPicture, {4, 4}, 7, 0.7, random), 0.2);
+  const cv::Mat noise = fractal_noise(kPicture, {4, 4}, 7, 0.7, random);
+  cv::Mat image = shaded(random_color(random, 0.5, 0.3, 0.9), noise, 0.2);
   scatter_shapes(image, 160, 110, random);
   if (random.index(2) == 0) add_frame(image, random);
   return image;
@@ -170,21 +172,22 @@ cv::Mat paint_poster(Random& random) {
   write_lines(image, {24, 320, 220, 170}, 17, ink, random);
   write_lines(image, {264, 320, 220, 100}, 13, ink, random);
   for (int i = 0; i < 9; ++i) {  // a bar chart
-    cv::rectangle(image, {270 + 22 * i, 490}, {286 + 22 * i, 430 + random_below(random, 50)},
-                  random_color(random, 0.9, 0.3, 0.9), -1);
+    const cv::Scalar color = random_color(random, 0.9, 0.3, 0.9);
+    cv::rectangle(image, {270 + 22 * i, 490}, {286 + 22 * i, 430 + random_below(random, 50)}, color, -1);
   }
   return image;
 }
 
 cv::Mat paint_map(Random& random) {
-  cv::Mat image =
-      shaded(hsv(random.uniform(40, 120), 0.15, 0.9), fractal_noise(kPicture, {4, 4}, 6, 0.7, random), 0.06);
+  const cv::Mat noise = fractal_noise(kPicture, {4, 4}, 6, 0.7, random);
+  cv::Mat image = shaded(hsv(random.uniform(40, 120), 0.15, 0.9), noise, 0.06);
   for (int i = 0; i < 40; ++i) {  // fields and lakes
-    const cv::Scalar color = hsv(random.index(4) == 0 ? 210 : random.uniform(50, 140),
-                                 random.uniform(0.1, 0.4), random.uniform(0.65, 0.95));
-    cv::ellipse(image, random_point(random, kPicture),
-                {10 + random_below(random, 60), 6 + random_below(random, 30)}, random.uniform(0, 180), 0, 360,
-                color, -1, cv::LINE_AA);
+    const double value = random.uniform(0.65, 0.95), saturation = random.uniform(0.1, 0.4);
+    const double hue = random.index(4) == 0 ? 210 : random.uniform(50, 140);
+    const double turn_deg = random.uniform(0, 180);
+    const cv::Size axes = cv::Size(10, 6) + cv::Size(random_point(random, {60, 30}));
+    cv::ellipse(image, random_point(random, kPicture), axes, turn_deg, 0, 360, hsv(hue, saturation, value),
+                -1, cv::LINE_AA);
   }
   for (int i = 0; i < 30; ++i) {  // roads
     cv::Point p = random_point(random, kPicture);
@@ -212,14 +215,17 @@ cv::Mat paint_whiteboard(Random& random) {
   cv::Mat image = shaded({238, 240, 240}, fractal_noise(kPicture, {4, 4}, 5, 0.7, random), 0.02);
   const cv::Scalar pens[] = {{40, 30, 30}, {180, 60, 20}, {40, 40, 190}, {60, 130, 30}};
   for (int i = 0; i < 7; ++i) {
-    const cv::Rect note(20 + random_below(random, 330), 20 + random_below(random, 400),
-                        90 + random_below(random, 80), 60 + random_below(random, 40));
-    write_lines(image, note, 16 + random_below(random, 12), pens[random.index(4)], random);
+    const int height = 60 + random_below(random, 40), width = 90 + random_below(random, 80);
+    const int top = 20 + random_below(random, 400), left = 20 + random_below(random, 330);
+    const cv::Rect note(left, top, width, height);
+    const cv::Scalar& pen = pens[random.index(4)];
+    write_lines(image, note, 16 + random_below(random, 12), pen, random);
     if (random.index(2) == 0) cv::rectangle(image, note, pens[random.index(4)], 2, cv::LINE_AA);
   }
   for (int i = 0; i < 10; ++i) {
-    cv::arrowedLine(image, random_point(random, kPicture), random_point(random, kPicture),
-                    pens[random.index(4)], 2, cv::LINE_AA, 0, 0.05);
+    const cv::Scalar& pen = pens[random.index(4)];
+    const cv::Point tip = random_point(random, kPicture);
+    cv::arrowedLine(image, random_point(random, kPicture), tip, pen, 2, cv::LINE_AA, 0, 0.05);
   }
   for (int i = 0; i < 6; ++i) {  // sticky notes
     const cv::Rect note(random_point(random, {460, 460}), cv::Size(44, 44));
@@ -234,13 +240,15 @@ cv::Mat paint_window_view(Random& random) {
   cv::Mat image(kPicture, CV_8UC3);
   paint_sky(image, 210, random);
   fill_ridge(image, 330, 40, hsv(120, 0.25, 0.6), random);
-  for (int i = 0; i < 9; ++i)
-    draw_house(image, {random_below(random, 480), 400 + random_below(random, 80)},
-               40 + random_below(random, 60), random);
+  for (int i = 0; i < 9; ++i) {
+    const int size = 40 + random_below(random, 60);
+    draw_house(image, cv::Point(0, 400) + random_point(random, {480, 80}), size, random);
+  }
   fill_ridge(image, 470, 20, hsv(100, 0.4, 0.5), random);
-  for (int i = 0; i < 14; ++i)
-    draw_tree(image, {random_below(random, 512), 440 + random_below(random, 70)},
-              30 + random_below(random, 80), random);
+  for (int i = 0; i < 14; ++i) {
+    const int height = 30 + random_below(random, 80);
+    draw_tree(image, cv::Point(0, 440) + random_point(random, {512, 70}), height, random);
+  }
   const cv::Scalar frame = cv::Scalar::all(225);
   cv::rectangle(image, {0, 0}, {511, 511}, frame, 36);
   cv::line(image, {256, 0}, {256, 512}, frame, 24);

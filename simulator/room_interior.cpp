@@ -80,8 +80,8 @@ void RoomLayout::furnish_viewed_areas() {
 
 void RoomLayout::scatter_on_floor() {
   const auto anywhere = [&] {
-    return Eigen::Vector3f(builder_.uniform(-0.48F, 0.48F) * size_m_.x(),
-                           builder_.uniform(-0.48F, 0.48F) * size_m_.y(), 0);
+    const float y = builder_.uniform(-0.48F, 0.48F) * size_m_.y();
+    return Eigen::Vector3f(builder_.uniform(-0.48F, 0.48F) * size_m_.x(), y, 0);
   };
   const auto tries = static_cast<int>(4 * size_m_.x() * size_m_.y());
   const auto wanted = static_cast<int>(0.7F * size_m_.x() * size_m_.y());
@@ -112,8 +112,8 @@ void RoomLayout::scatter_on_floor() {
   // A rug lies under everything: only its rim shows where something stands on it.
   constexpr float kThick_m = 0.008F;
   const FaceTexture rug = builder_.palette().fitted(Kind::kRug, random_);
-  const Eigen::Vector3f size(builder_.uniform(0.45F, 0.6F) * size_m_.x(),
-                             builder_.uniform(0.4F, 0.55F) * size_m_.y(), kThick_m);
+  const float depth = builder_.uniform(0.4F, 0.55F) * size_m_.y();
+  const Eigen::Vector3f size(builder_.uniform(0.45F, 0.6F) * size_m_.x(), depth, kThick_m);
   parts_.push_back(with_picture(make_box({0, 0, kThick_m / 2}, size, rug), kTop, rug));
 }
 

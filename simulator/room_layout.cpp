@@ -142,9 +142,10 @@ void RoomLayout::add_window(Wall& wall) {
   const Palette& palette = builder_.palette();
   const float width = builder_.uniform(1.4F, 1.8F), height = 1.3F, z = 1.62F;
   const float along = builder_.uniform(-0.25F, 0.25F) * (wall.length_m - width);
+  const FaceTexture view = palette.fitted(Kind::kWindowView, random_);
   Primitive pane = with_picture(
       make_box({0, -0.015F, z}, {width, 0.03F, height}, palette.metric(Kind::kPlain, 0.5, random_)), kFront,
-      palette.fitted(Kind::kWindowView, random_));
+      view);
   pane.emissive = pane.no_depth_return = true;
   Parts window{pane, make_box({0, -0.07F, z - height / 2 - 0.02F}, {width + 0.1F, 0.14F, 0.03F},
                               palette.metric(Kind::kPlain, 0.5, random_))};
@@ -171,18 +172,17 @@ void RoomLayout::add_door(Wall& wall) {
   constexpr float kWidth = 0.92F, kHeight = 2.05F, kDoorThickness = 0.04F;
   const float along = builder_.uniform(-0.35F, 0.35F) * (wall.length_m - kWidth);
   const Palette& palette = builder_.palette();
-  const Parts door = place_at_wall(
-      wall,
-      {with_picture(make_box({0, -kDoorThickness / 2, kHeight / 2}, {kWidth, kDoorThickness, kHeight},
-                             palette.metric(Kind::kWood, 0.8, random_)),
-                    kFront, palette.fitted(Kind::kDoor, random_))},
-      along, 0);
+  const FaceTexture front = palette.fitted(Kind::kDoor, random_);
+  const FaceTexture back = palette.metric(Kind::kWood, 0.8, random_);
+  const Primitive leaf =
+      make_box({0, -kDoorThickness / 2, kHeight / 2}, {kWidth, kDoorThickness, kHeight}, back);
+  const Parts door = place_at_wall(wall, {with_picture(leaf, kFront, front)}, along, 0);
   parts_.insert(parts_.end(), door.begin(), door.end());
   // A poster, and a note by the handle.
-  const Parts poster =
-      moved(builder_.wall_picture(0.5F, 0.62F), 0, {builder_.uniform(-0.1F, 0.1F), -kDoorThickness, 1.5F});
-  const Parts note =
-      moved(builder_.wall_picture(0.3F, 0.24F), 0, {builder_.uniform(-0.2F, 0.2F), -kDoorThickness, 0.8F});
+  const float poster_x = builder_.uniform(-0.1F, 0.1F);
+  const Parts poster = moved(builder_.wall_picture(0.5F, 0.62F), 0, {poster_x, -kDoorThickness, 1.5F});
+  const float note_x = builder_.uniform(-0.2F, 0.2F);
+  const Parts note = moved(builder_.wall_picture(0.3F, 0.24F), 0, {note_x, -kDoorThickness, 0.8F});
   for (const Parts& paper : {place_at_wall(wall, poster, along, 0), place_at_wall(wall, note, along, 0)}) {
     parts_.insert(parts_.end(), paper.begin(), paper.end());
   }
