@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/quantile.hpp"
@@ -35,6 +37,13 @@ RgbdCamera phone_camera(std::span<const PinholeCamera> lenses, cv::Size depth_si
   }
   camera.depth->height = depth_size.height;
   return camera;
+}
+
+void finish_phone_sequence(RecordedSequence& sequence, std::span<const PinholeCamera> lenses,
+                           const std::filesystem::path& file) {
+  keep_increasing(sequence);
+  sequence.camera = phone_camera(lenses, image_size(sequence.frames, &RecordedFrame::depth), file);
+  sequence.camera->fps = median_rate_hz(sequence.frames, sequence.camera->fps);
 }
 
 }  // namespace kinloop

@@ -8,6 +8,7 @@
 
 #include <opencv2/core/types.hpp>
 
+#include "drivers/datasets/recorded_sequence.hpp"
 #include "kinloop/geometry/camera.hpp"
 
 namespace kinloop {
@@ -17,5 +18,10 @@ namespace kinloop {
 /// plausible.
 RgbdCamera phone_camera(std::span<const PinholeCamera> lenses, cv::Size depth_size,
                         const std::filesystem::path& file);
+
+/// Ends a sequence whose frames have their own times and lenses: drops frames whose time does not increase,
+/// and sets the camera and the rate. Throws as `phone_camera` does.
+void finish_phone_sequence(RecordedSequence& sequence, std::span<const PinholeCamera> lenses,
+                           const std::filesystem::path& file);
 
 }  // namespace kinloop

@@ -6,7 +6,6 @@
 
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/phones/phone_camera.hpp"
-#include "drivers/datasets/reading/image_bytes.hpp"
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/reading/json_file.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
@@ -71,9 +70,7 @@ RecordedSequence read_polycam(const fs::path& folder) {
     const auto T = polycam_pose(corrected ? keyframes / "corrected_cameras" / (stem + ".json") : file);
     if (T) sequence.ground_truth.push_back({frame.stamp_ns, *T});
   }
-  keep_increasing(sequence);
-  sequence.camera = phone_camera(lenses, image_size(sequence.frames, &RecordedFrame::depth), keyframes);
-  sequence.camera->fps = median_rate_hz(sequence.frames, sequence.camera->fps);
+  finish_phone_sequence(sequence, lenses, keyframes);
   return sequence;
 }
 

@@ -51,9 +51,7 @@ RecordedSequence read_scanner_3d_app(const fs::path& folder) {
     if (const auto T = rigid_motion(*matrix_of(std::span(pose).first(16))))
       sequence.ground_truth.push_back({frame.stamp_ns, from_arkit(*T)});
   }
-  keep_increasing(sequence);
-  sequence.camera = phone_camera(lenses, image_size(sequence.frames, &RecordedFrame::depth), folder);
-  sequence.camera->fps = median_rate_hz(sequence.frames, sequence.camera->fps);
+  finish_phone_sequence(sequence, lenses, folder);
   return sequence;
 }
 
