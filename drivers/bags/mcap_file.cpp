@@ -1,9 +1,9 @@
 #include "drivers/bags/mcap_file.hpp"
 
-#include <fstream>
 #include <map>
 
 #include "drivers/bags/chunk_decompression.hpp"
+#include "drivers/bags/record_file.hpp"
 #include "kinloop/base/errors.hpp"
 
 namespace kinloop {
@@ -36,15 +36,10 @@ Record next_record(ByteReader& reader) {
   return {opcode, reader.block(reader.number<uint64_t>())};
 }
 
-class McapFile : public MessageFile {
+class McapFile final : public RecordFile {
  public:
-  explicit McapFile(const std::filesystem::path& path) : name_(path.string()), file_(path, std::ios::binary) {
-    if (!file_) throw InputError(fmt::format("{}: cannot be opened; check the path and the rights", name_));
-    size_ = std::filesystem::file_size(path);
-    std::string magic(kMcapMagic.size(), '\0');
-    file_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
-    if (!file_ || magic != kMcapMagic)
-      throw InputError(fmt::format("{}: not an MCAP file: it does not begin with its signature", name_));
+  explicit McapFile(const std::filesystem::path& path)
+      : RecordFile(path, kMcapMagic, "not an MCAP file: it does not begin with its signature") {
     if (!read_summary()) read_all_topics();
   }
 
@@ -54,76 +49,50 @@ class McapFile : public MessageFile {
     return all;
   }
 
-  void select(const std::set<std::string>& topics) override {
-    selected_ = topics;
-    records_ = ByteReader({});
-    damage_.clear();
-    position_ = kMcapMagic.size();
-  }
-
-  std::optional<BagMessage> next() override {
-    while (true) {
-      while (records_.left() > 0) {
-        if (auto message = next_in_chunk()) return message;
-      }
-      const auto record = next_in_file();
-      if (!record) return std::nullopt;
-      if (record->opcode == kChunk) {
-        open_chunk(record->content);
-      } else if (auto message = handle(*record)) {
-        return message;
-      }
-    }
-  }
-
-  [[nodiscard]] std::vector<SkippedFrame> damage() const override { return damage_; }
-
  private:
-  void report(const std::string& what) {
-    damage_.push_back({name_, fmt::format("at byte {}: {}", record_start_, what)});
+  std::optional<BagMessage> read_chunk_record(ByteReader& records) override {
+    return handle(next_record(records));
   }
 
-  /// Reads `length` bytes at the current position; empty if the file is shorter.
-  std::optional<Bytes> read_block(uint64_t length) {
-    if (length > size_ - position_ || length > kMaxBlockBytes) return std::nullopt;
-    buffer_.resize(static_cast<size_t>(length));
-    file_.clear();
-    file_.seekg(static_cast<std::streamoff>(position_));
-    file_.read(reinterpret_cast<char*>(buffer_.data()), static_cast<std::streamsize>(length));
-    if (!file_) return std::nullopt;
-    position_ += length;
-    return Bytes(buffer_);
+  bool read_file_record(std::optional<BagMessage>& message) override {
+    const auto record = next_in_file();
+    if (!record) return false;
+    if (record->opcode == kChunk) {
+      read_chunk(record->content);
+    } else {
+      message = handle(*record);
+    }
+    return true;
   }
 
   /// The next record outside of chunks, up to the end of the data section.
   std::optional<Record> next_in_file() {
     while (true) {
-      record_start_ = position_;
-      if (position_ == size_) return stop("the file ends without its summary: it is truncated");
-      const auto header = read_block(kRecordHeaderBytes);
-      if (!header) return stop("the file is truncated");
+      begin_record();
+      if (left() == 0) return end("the file ends without its summary: it is truncated");
+      const auto header = read_block(kRecordHeaderBytes, buffer_);
+      if (!header) return end("the file is truncated");
       ByteReader reader(*header);
       const auto opcode = reader.number<uint8_t>();
       const auto length = reader.number<uint64_t>();
       if (opcode == kDataEnd || opcode == kFooter) return std::nullopt;
       const bool used = opcode == kSchema || opcode == kChannel || opcode == kMessage || opcode == kChunk;
-      if (length > size_ - position_) return stop("the file is truncated");
+      if (length > left()) return end("the file is truncated");
       if (!used) {
-        position_ += length;
+        move_to(position() + length);
         continue;
       }
-      if (const auto content = read_block(length)) return Record{opcode, *content};
-      return stop(fmt::format("a record of {} bytes; the file is damaged from here on", length));
+      if (const auto content = read_block(length, buffer_)) return Record{opcode, *content};
+      return end(fmt::format("a record of {} bytes; the file is damaged from here on", length));
     }
   }
 
-  std::optional<Record> stop(const std::string& why) {
-    report(why);
-    position_ = size_;
+  std::optional<Record> end(const std::string& why) {
+    stop(why);
     return std::nullopt;
   }
 
-  void open_chunk(Bytes content) {
+  void read_chunk(Bytes content) {
     try {
       ByteReader reader(content);
       reader.block(8 + 8);  // first and last time
@@ -134,19 +103,9 @@ class McapFile : public MessageFile {
       if (!compression.empty()) chunk_ = decompressed(compression, data, size);
       const Bytes records = compression.empty() ? data : Bytes(chunk_);
       if (crc != 0 && crc32(records) != crc) throw InputError("the checksum is wrong");
-      records_ = ByteReader(records);
+      open_chunk(records);
     } catch (const InputError& error) {
       report(fmt::format("a chunk is skipped: {}", error.what()));
-    }
-  }
-
-  std::optional<BagMessage> next_in_chunk() {
-    try {
-      return handle(next_record(records_));
-    } catch (const InputError& error) {
-      report(fmt::format("the rest of a chunk is skipped: {}", error.what()));
-      records_ = ByteReader({});
-      return std::nullopt;
     }
   }
 
@@ -181,8 +140,7 @@ class McapFile : public MessageFile {
   std::optional<BagMessage> message(ByteReader& reader) {
     const auto channel = channels_.find(reader.number<uint16_t>());
     if (channel == channels_.end()) throw InputError("a message of an undefined channel");
-    if (counting_) ++channel->second.messages;
-    if (!selected_.contains(channel->second.name)) return std::nullopt;
+    if (!wants_message_of(channel->second)) return std::nullopt;
     reader.number<uint32_t>();  // sequence number
     const auto log_ns = static_cast<int64_t>(reader.number<uint64_t>());
     reader.number<uint64_t>();  // when it was published
@@ -191,10 +149,10 @@ class McapFile : public MessageFile {
 
   /// Reads topics and counts from the summary; returns false if it is missing or damaged.
   bool read_summary() {
-    if (size_ < kMcapMagic.size() * 2 + kFooterBytes) return false;
-    const uint64_t footer_start = size_ - kMcapMagic.size() - kFooterBytes;
-    position_ = footer_start;
-    const auto footer = read_block(kFooterBytes + kMcapMagic.size());
+    if (size() < kMcapMagic.size() * 2 + kFooterBytes) return false;
+    const uint64_t footer_start = size() - kMcapMagic.size() - kFooterBytes;
+    move_to(footer_start);
+    const auto footer = read_block(kFooterBytes + kMcapMagic.size(), buffer_);
     if (!footer || as_text(*footer).substr(kFooterBytes) != kMcapMagic || (*footer)[0] != kFooter)
       return false;
     ByteReader reader(footer->subspan(kRecordHeaderBytes));
@@ -202,8 +160,8 @@ class McapFile : public MessageFile {
     reader.number<uint64_t>();  // start of the summary offsets
     const auto crc = reader.number<uint32_t>();
     if (start == 0 || start >= footer_start) return false;
-    position_ = start;
-    const auto summary = read_block(size_ - kMcapMagic.size() - start);
+    move_to(start);
+    const auto summary = read_block(size() - kMcapMagic.size() - start, buffer_);
     if (!summary) return false;
     if (crc != 0 && crc32(summary->first(summary->size() - 4)) != crc) return false;
     return read_summary_records(summary->first(static_cast<size_t>(footer_start - start)));
@@ -239,25 +197,10 @@ class McapFile : public MessageFile {
     return true;
   }
 
-  void read_all_topics() {
-    counting_ = true;
-    select({});
-    while (next()) {
-    }
-    counting_ = false;
-  }
-
-  std::string name_;
-  std::ifstream file_;
-  uint64_t size_ = 0, position_ = 0, record_start_ = 0;
   std::map<uint16_t, std::string> schemas_;  ///< names of types
   std::map<uint16_t, BagTopic> channels_;
-  std::set<std::string> selected_;
-  bool counting_ = false;
   std::vector<uint8_t> buffer_;  ///< the current record of the file
   std::vector<uint8_t> chunk_;   ///< decompressed
-  ByteReader records_{Bytes()};  ///< what is left of the chunk
-  std::vector<SkippedFrame> damage_;
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
 #include "drivers/bags/ros1_bag.hpp"
 
-#include <fstream>
 #include <map>
 
 #include "drivers/bags/chunk_decompression.hpp"
+#include "drivers/bags/record_file.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/time.hpp"
 
@@ -59,15 +59,10 @@ BagRecord next_bag_record(ByteReader& reader) {
   return {header, reader.block(reader.number<uint32_t>())};
 }
 
-class Ros1Bag : public MessageFile {
+class Ros1Bag final : public RecordFile {
  public:
-  explicit Ros1Bag(const std::filesystem::path& path) : name_(path.string()), file_(path, std::ios::binary) {
-    if (!file_) throw InputError(fmt::format("{}: cannot be opened; check the path and the rights", name_));
-    size_ = std::filesystem::file_size(path);
-    std::string magic(kBagMagic.size(), '\0');
-    file_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
-    if (!file_ || magic != kBagMagic)
-      throw InputError(fmt::format("{}: not a ROS 1 bag: it does not begin with #ROSBAG V2.0", name_));
+  explicit Ros1Bag(const std::filesystem::path& path)
+      : RecordFile(path, kBagMagic, "not a ROS 1 bag: it does not begin with #ROSBAG V2.0") {
     if (!read_index()) read_all_topics();
   }
 
@@ -77,44 +72,15 @@ class Ros1Bag : public MessageFile {
     return all;
   }
 
-  void select(const std::set<std::string>& topics) override {
-    selected_ = topics;
-    records_ = ByteReader({});
-    damage_.clear();
-    position_ = kBagMagic.size();
-  }
-
-  std::optional<BagMessage> next() override {
-    while (true) {
-      while (records_.left() > 0) {
-        if (auto message = next_in_chunk()) return message;
-      }
-      const auto record = next_in_file();
-      if (!record) return std::nullopt;
-      try {
-        if (auto message = handle(*record)) return message;
-      } catch (const InputError& error) {
-        report(fmt::format("a record is skipped: {}", error.what()));
-      }
-    }
-  }
-
-  [[nodiscard]] std::vector<SkippedFrame> damage() const override { return damage_; }
-
  private:
-  void report(const std::string& what) {
-    damage_.push_back({name_, fmt::format("at byte {}: {}", record_start_, what)});
+  std::optional<BagMessage> read_chunk_record(ByteReader& records) override {
+    return handle(next_bag_record(records));
   }
 
-  std::optional<Bytes> read_block(uint64_t length, std::vector<uint8_t>& buffer) {
-    if (length > size_ - position_ || length > kMaxBlockBytes) return std::nullopt;
-    buffer.resize(static_cast<size_t>(length));
-    file_.clear();
-    file_.seekg(static_cast<std::streamoff>(position_));
-    file_.read(reinterpret_cast<char*>(buffer.data()), static_cast<std::streamsize>(length));
-    if (!file_) return std::nullopt;
-    position_ += length;
-    return Bytes(buffer);
+  bool read_file_record(std::optional<BagMessage>& message) override {
+    const auto record = next_in_file();
+    if (record) message = handle(*record);
+    return record.has_value();
   }
 
   /// A block after its 32-bit length.
@@ -125,40 +91,29 @@ class Ros1Bag : public MessageFile {
 
   /// The next record outside of chunks.
   std::optional<BagRecord> next_in_file() {
-    record_start_ = position_;
-    if (position_ == size_) return std::nullopt;
+    begin_record();
+    if (left() == 0) return std::nullopt;
     const auto header = read_counted_block(header_);
     const auto data = header ? read_counted_block(data_) : std::nullopt;
     if (data) return BagRecord{*header, *data};
-    report("the file is truncated or damaged from here on");
-    position_ = size_;
+    stop("the file is truncated or damaged from here on");
     return std::nullopt;
-  }
-
-  std::optional<BagMessage> next_in_chunk() {
-    try {
-      return handle(next_bag_record(records_));
-    } catch (const InputError& error) {
-      report(fmt::format("the rest of a chunk is skipped: {}", error.what()));
-      records_ = ByteReader({});
-      return std::nullopt;
-    }
   }
 
   /// Returns the message if the record is one on a selected topic; opens chunks and remembers connections.
   std::optional<BagMessage> handle(const BagRecord& record) {
     const BagFields fields(record.header);
     const auto op = fields.number<uint8_t>("op");
-    if (op == kBagChunk) open_chunk(fields, record.data);
+    if (op == kBagChunk) read_chunk(fields, record.data);
     if (op == kBagConnection) add_connection(fields, record.data);
     if (op == kBagMessage) return message(fields, record.data);
     return std::nullopt;
   }
 
-  void open_chunk(const BagFields& fields, Bytes data) {
+  void read_chunk(const BagFields& fields, Bytes data) {
     const auto compression = fields.text("compression");
     if (compression != "none") chunk_ = decompressed(compression, data, fields.number<uint32_t>("size"));
-    records_ = ByteReader(compression == "none" ? data : Bytes(chunk_));
+    open_chunk(compression == "none" ? data : Bytes(chunk_));
   }
 
   void add_connection(const BagFields& fields, Bytes data) {
@@ -172,8 +127,7 @@ class Ros1Bag : public MessageFile {
     const auto connection = connections_.find(fields.number<uint32_t>("conn"));
     if (connection == connections_.end()) throw InputError("a message of an undefined connection");
     BagTopic& topic = topics_.at(connection->second);
-    if (counting_) ++topic.messages;
-    if (!selected_.contains(topic.name)) return std::nullopt;
+    if (!wants_message_of(topic)) return std::nullopt;
     ByteReader time(as_bytes(fields.text("time")));
     const auto seconds = int64_t{time.number<uint32_t>()};
     return BagMessage{&topic, seconds * kNsPerSecond + time.number<uint32_t>(), data};
@@ -185,14 +139,15 @@ class Ros1Bag : public MessageFile {
       select({});
       const auto header = next_in_file();
       if (!header) return false;
-      position_ = BagFields(header->header).number<uint64_t>("index_pos");
-      if (position_ == 0 || position_ > size_) return false;
+      const auto index = BagFields(header->header).number<uint64_t>("index_pos");
+      if (index == 0 || index > size()) return false;
+      move_to(index);
       while (const auto record = next_in_file()) {
         handle(*record);
         const BagFields fields(record->header);
         if (fields.number<uint8_t>("op") == kBagChunkInfo) add_counts(record->data);
       }
-      if (damage_.empty() && !topics_.empty()) return true;
+      if (damage().empty() && !topics_.empty()) return true;
     } catch (const InputError&) {
     }
     topics_.clear(), connections_.clear();
@@ -208,25 +163,10 @@ class Ros1Bag : public MessageFile {
     }
   }
 
-  void read_all_topics() {
-    counting_ = true;
-    select({});
-    while (next()) {
-    }
-    counting_ = false;
-  }
-
-  std::string name_;
-  std::ifstream file_;
-  uint64_t size_ = 0, position_ = 0, record_start_ = 0;
   std::map<uint32_t, std::string> connections_;  ///< their topics; a topic may have several
   std::map<std::string, BagTopic> topics_;
-  std::set<std::string> selected_;
-  bool counting_ = false;
   std::vector<uint8_t> header_, data_;  ///< of the current record of the file
   std::vector<uint8_t> chunk_;          ///< decompressed
-  ByteReader records_{Bytes()};         ///< what is left of the chunk
-  std::vector<SkippedFrame> damage_;
 };
 
 }  // namespace
