@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/bags/byte_reader.hpp"
+#include "kinloop/base/byte_reader.hpp"
 
 namespace kinloop {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/bags/byte_reader.hpp"
+#include "kinloop/base/byte_reader.hpp"
 
 namespace kinloop {
 

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "drivers/bags/byte_reader.hpp"
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/ros/lens_approximation.hpp"
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 
 namespace kinloop {

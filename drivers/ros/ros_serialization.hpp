@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/bags/byte_reader.hpp"
 #include "drivers/ros/ros_image.hpp"
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {

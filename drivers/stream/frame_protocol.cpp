@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "drivers/bags/byte_reader.hpp"
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/ros/ros_image.hpp"
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/fast_encoder.hpp"
@@ -24,19 +25,12 @@ constexpr auto kJpegSignature = "\xff\xd8\xff"sv;
 constexpr auto kCutShort = "the file is truncated; copy it again"sv;
 constexpr auto kDamaged = "the file is damaged; copy it again"sv;
 
-/// Reads a big-endian number of `size` bytes.
-size_t big_endian(std::string_view bytes, size_t position, size_t size) {
-  size_t value = 0;
-  for (size_t i = 0; i < size; ++i) value = (value << 8) | static_cast<uint8_t>(bytes[position + i]);
-  return value;
-}
-
 /// Walks the chunks (length, type, data, checksum) up to IEND (PNG specification, section 5.3).
 std::string_view png_damage(std::string_view bytes) {
   constexpr size_t kFrame = 12;  // length, type and checksum
   size_t position = kPngSignature.size();
   while (position + kFrame <= bytes.size()) {
-    const size_t length = big_endian(bytes, position, 4);
+    const size_t length = big_endian_at<uint32_t>(bytes, position);
     if (length > bytes.size() - position - kFrame) return kCutShort;
     if (bytes.substr(position + 4, 4) == "IEND") return {};
     position += kFrame + length;
@@ -61,7 +55,7 @@ std::string_view jpeg_damage(std::string_view bytes) {
       position += 2;
     } else {  // a segment with a length, which includes the length field
       if (position + 4 > bytes.size()) return kCutShort;
-      const size_t length = big_endian(bytes, position + 2, 2);
+      const size_t length = big_endian_at<uint16_t>(bytes, position + 2);
       if (length < 2) return kDamaged;
       position += 2 + length;
       if (position > bytes.size()) return kCutShort;

@@ -6,6 +6,7 @@
 #include <turbojpeg.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/image_limits.hpp"
 
 namespace kinloop {
 namespace {
@@ -18,8 +19,7 @@ cv::Mat decode_jpeg_as(std::string_view bytes, int type, TJPF pixel_format) {
                                       &color_space) != 0) {
     return {};
   }
-  constexpr int64_t kMaxPixels = int64_t{1} << 28;  // more means a damaged header
-  if (int64_t{width} * height > kMaxPixels) return {};
+  if (static_cast<uint64_t>(int64_t{width} * height) > kMaxDecodedPixels) return {};
   cv::Mat image(height, width, type);
   const int result = tjDecompress2(decoder.get(), data, bytes.size(), image.data, width,
                                    static_cast<int>(image.step), height, pixel_format, 0);

@@ -8,6 +8,8 @@
 
 #include <png.h>
 
+#include "kinloop/sensor/image_limits.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -46,16 +48,13 @@ struct PngReader {
 /// Reads the header and requests the form of `decode_png_with_libpng`. Returns false if the file is damaged
 /// or its size absurd.
 bool read_png_header(png_structp png, png_infop info, PngInput& input) {
-  constexpr png_uint_32 kMaxSide = 1U << 15;
-  constexpr uint64_t kMaxPixels = 1U << 28;
-  constexpr uint64_t kMaxInflation = 1032;  // highest ratio of any deflated stream
   const uint64_t file_bytes = input.bytes.size();
   if (setjmp(png_jmpbuf(png)) != 0) return false;
-  png_set_user_limits(png, kMaxSide, kMaxSide);
+  png_set_user_limits(png, kMaxPngSide_px, kMaxPngSide_px);
   png_set_read_fn(png, &input, read_bytes);
   png_read_info(png, info);
   const uint64_t rows = png_get_image_height(png, info), cols = png_get_image_width(png, info);
-  if (rows * cols > kMaxPixels || png_get_rowbytes(png, info) * rows > kMaxInflation * file_bytes)
+  if (rows * cols > kMaxDecodedPixels || png_get_rowbytes(png, info) * rows > kMaxInflation * file_bytes)
     return false;
   png_set_expand(png);
   png_set_strip_alpha(png);

@@ -10,6 +10,8 @@
 #include <libdeflate.h>
 #include <opencv2/imgproc.hpp>
 
+#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/sensor/image_limits.hpp"
 #include "kinloop/sensor/libpng_decoder.hpp"
 #include "kinloop/sensor/png_unfilter.hpp"
 
@@ -17,13 +19,6 @@ namespace kinloop {
 namespace {
 
 using namespace std::string_view_literals;
-
-/// Reads a big-endian 32-bit number.
-uint32_t number_at(std::string_view bytes, size_t position) {
-  uint32_t value = 0;
-  for (size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<uint8_t>(bytes[position + i]);
-  return value;
-}
 
 /// The last bytes of a header: depth, colour type, compression, filter, interlace.
 constexpr auto kGrey8 = "\x8\0\0\0\0"sv, kGrey16 = "\x10\0\0\0\0"sv, kRgb8 = "\x8\x2\0\0\0"sv,
@@ -44,18 +39,17 @@ struct PngContent {
 /// Reads the data of an IHDR chunk. Returns false if the image is of another kind, or absurdly large.
 bool read_header(std::string_view data, PngContent& content) {
   constexpr size_t kHeaderBytes = 13;
-  constexpr uint32_t kMaxSide = 1U << 15;
-  constexpr uint64_t kMaxPixels = 1U << 28;
   if (data.size() != kHeaderBytes) return false;
   content.kind = data.substr(8);
   if (content.kind == kGrey8) content.pixel_bytes = 1;
   if (content.kind == kGrey16) content.pixel_bytes = 2;
   if (content.kind == kRgb8) content.pixel_bytes = 3;
   if (content.kind == kRgba8) content.pixel_bytes = 4;
-  const uint32_t cols = number_at(data, 0), rows = number_at(data, 4);
-  if (content.pixel_bytes == 0 || cols == 0 || rows == 0 || cols > kMaxSide || rows > kMaxSide) return false;
+  const auto cols = big_endian_at<uint32_t>(data, 0), rows = big_endian_at<uint32_t>(data, 4);
+  if (content.pixel_bytes == 0 || cols == 0 || rows == 0) return false;
+  if (cols > kMaxPngSide_px || rows > kMaxPngSide_px) return false;
   content.cols = static_cast<int>(cols), content.rows = static_cast<int>(rows);
-  return uint64_t{cols} * rows <= kMaxPixels;
+  return uint64_t{cols} * rows <= kMaxDecodedPixels;
 }
 
 /// Walks the chunks (PNG specification, section 5.3).
@@ -65,10 +59,10 @@ std::optional<PngContent> png_content(std::string_view bytes) {
   if (!bytes.starts_with(kSignature)) return std::nullopt;
   PngContent content;
   for (size_t at = kSignature.size(); at + kFrame <= bytes.size();) {
-    const uint32_t length = number_at(bytes, at);
+    const auto length = big_endian_at<uint32_t>(bytes, at);
     if (length > bytes.size() - at - kFrame) return std::nullopt;
     const auto type = bytes.substr(at + 4, 4), data = bytes.substr(at + 8, length);
-    if (libdeflate_crc32(0, type.data(), 4 + length) != number_at(bytes, at + 8 + length))
+    if (libdeflate_crc32(0, type.data(), 4 + length) != big_endian_at<uint32_t>(bytes, at + 8 + length))
       return std::nullopt;
     if (type == "IHDR") {
       if (!read_header(data, content)) return std::nullopt;
@@ -84,7 +78,6 @@ std::optional<PngContent> png_content(std::string_view bytes) {
 
 /// Returns the filtered rows, with padding; null if they are damaged.
 std::unique_ptr<uint8_t[]> inflate(const PngContent& content) {
-  constexpr size_t kMaxInflation = 1032;  // highest ratio of any deflated stream; more means a damaged header
   const size_t size = content.size();
   if (size > kMaxInflation * content.deflated.size()) return nullptr;
   const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> decompressor(

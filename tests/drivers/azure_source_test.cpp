@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "drivers/azure/azure_calibration.hpp"
-#include "drivers/bags/byte_reader.hpp"
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/sensor/registration.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/drivers/sequence_folder.hpp"

@@ -8,8 +8,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "drivers/bags/byte_reader.hpp"
 #include "drivers/images/rational_lens.hpp"
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
 

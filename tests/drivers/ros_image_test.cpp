@@ -8,9 +8,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "drivers/bags/byte_reader.hpp"
 #include "drivers/ros/lens_approximation.hpp"
 #include "drivers/ros/ros_topics.hpp"
+#include "kinloop/base/byte_reader.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"
 

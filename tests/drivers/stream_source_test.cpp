@@ -7,8 +7,8 @@
 #include <opencv2/core.hpp>
 #include <unistd.h>
 
-#include "drivers/bags/byte_reader.hpp"
 #include "drivers/datasets/tum_source.hpp"
+#include "kinloop/base/byte_reader.hpp"
 #include "tests/drivers/message_writer.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/drivers/sequence_folder.hpp"

@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/layouts/layouts.hpp"
-#include "drivers/datasets/reading/binary_reader.hpp"
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "drivers/datasets/reading/two_lenses.hpp"
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/mapped_file.hpp"
@@ -22,9 +22,55 @@ namespace {
 
 namespace fs = std::filesystem;
 
-DepthEncoding depth_encoding(BinaryReader& bytes) {
+/// Reads the file from the front. Errors name the file and the byte.
+class SensReader {
+ public:
+  SensReader(std::string_view bytes, fs::path file)
+      : rest_(as_bytes(bytes)), size_(bytes.size()), file_(std::move(file)) {}
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError(fmt::format("{}: at byte {}: {}", file_.string(), position(), what));
+  }
+  [[nodiscard]] bool has(uint64_t count) const { return count <= rest_.left(); }
+  [[nodiscard]] size_t position() const { return size_ - rest_.left(); }
+
+  void skip(uint64_t count) {
+    require_left(count);
+    rest_.block(count);
+  }
+
+  template <class Number>
+  Number number() {
+    require_left(sizeof(Number));
+    return rest_.number<Number>();
+  }
+
+  Eigen::Matrix4d matrix() {
+    Eigen::Matrix4d m;
+    for (Eigen::Index i = 0; i < m.size(); ++i) m(i / 4, i % 4) = static_cast<double>(number<float>());
+    return m;
+  }
+
+  cv::Size size() {
+    const auto width = number<uint32_t>(), height = number<uint32_t>();
+    if (!is_plausible_size(width, height))
+      fail(fmt::format("images of {} x {}; the file is damaged", width, height));
+    return {static_cast<int>(width), static_cast<int>(height)};
+  }
+
+ private:
+  void require_left(uint64_t count) const {
+    if (!has(count)) fail("the file is truncated; copy it again");
+  }
+
+  ByteReader rest_;
+  size_t size_;
+  fs::path file_;
+};
+
+DepthEncoding depth_encoding(SensReader& bytes) {
   constexpr int32_t kPng = 1, kJpeg = 2, kRaw = 0, kZlib = 1;
-  const auto color = bytes.read<int32_t>(), depth = bytes.read<int32_t>();
+  const auto color = bytes.number<int32_t>(), depth = bytes.number<int32_t>();
   if (color != kPng && color != kJpeg)
     bytes.fail(fmt::format("colour compression {}, where PNG (1) and JPEG (2) can be read", color));
   if (depth != kRaw && depth != kZlib)
@@ -37,15 +83,15 @@ PinholeCamera lens_of(const Eigen::Matrix4d& k, cv::Size size, const fs::path& f
 }
 
 /// A recording that was cut off keeps the frames before the cut.
-void read_frames(BinaryReader& bytes, const fs::path& file, uint64_t count, RecordedSequence& sequence,
+void read_frames(SensReader& bytes, const fs::path& file, uint64_t count, RecordedSequence& sequence,
                  std::vector<std::optional<SE3>>& poses) {
   constexpr int64_t kNsPerMicrosecond = 1000;
   constexpr uint64_t kHeader = 16 * sizeof(float) + 4 * sizeof(uint64_t), kMaxStamp = 1ULL << 53;
   for (uint64_t i = 0; i < count && bytes.has(kHeader); ++i) {
     poses.push_back(rigid_motion(bytes.matrix()));
-    const auto color_stamp = std::min(bytes.read<uint64_t>(), kMaxStamp);
-    const auto depth_stamp = std::min(bytes.read<uint64_t>(), kMaxStamp);
-    const auto color_size = bytes.read<uint64_t>(), depth_size = bytes.read<uint64_t>();
+    const auto color_stamp = std::min(bytes.number<uint64_t>(), kMaxStamp);
+    const auto depth_stamp = std::min(bytes.number<uint64_t>(), kMaxStamp);
+    const auto color_size = bytes.number<uint64_t>(), depth_size = bytes.number<uint64_t>();
     RecordedFrame frame{static_cast<int64_t>(color_stamp) * kNsPerMicrosecond,
                         static_cast<int64_t>(depth_stamp) * kNsPerMicrosecond,
                         {file, bytes.position(), color_size},
@@ -91,10 +137,10 @@ RecordedSequence read_sens(const fs::path& path) {
   constexpr uint32_t kVersion = 4;
   const fs::path file = sens_file(path, FolderContents(path));
   const MappedFile mapped(file);
-  BinaryReader bytes(mapped.bytes(), file);
-  const auto version = bytes.read<uint32_t>();
+  SensReader bytes(mapped.bytes(), file);
+  const auto version = bytes.number<uint32_t>();
   if (version != kVersion) bytes.fail(fmt::format("version {}, where {} can be read", version, kVersion));
-  bytes.skip(bytes.read<uint64_t>());
+  bytes.skip(bytes.number<uint64_t>());
   const Eigen::Matrix4d color_intrinsic = bytes.matrix(), color_extrinsic = bytes.matrix();
   const Eigen::Matrix4d depth_intrinsic = bytes.matrix(), depth_extrinsic = bytes.matrix();
   RecordedSequence sequence;
@@ -104,9 +150,9 @@ RecordedSequence read_sens(const fs::path& path) {
   const TwoLenses lenses{
       lens_of(color_intrinsic, color_size, file), lens_of(depth_intrinsic, depth_size, file),
       rigid_motion(color_extrinsic).value_or(SE3{}), rigid_motion(depth_extrinsic).value_or(SE3{})};
-  sequence.camera = camera_of(lenses, static_cast<double>(bytes.read<float>()), file);
+  sequence.camera = camera_of(lenses, static_cast<double>(bytes.number<float>()), file);
   std::vector<std::optional<SE3>> poses;
-  read_frames(bytes, file, bytes.read<uint64_t>(), sequence, poses);
+  read_frames(bytes, file, bytes.number<uint64_t>(), sequence, poses);
   sequence.stamps_measured = has_increasing_stamps(sequence.frames);
   if (sequence.stamps_measured) {
     sequence.camera->fps = median_rate_hz(sequence.frames, sequence.camera->fps);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/reading/pgm.hpp"
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 
@@ -14,18 +15,12 @@ namespace {
 
 using namespace std::string_view_literals;
 
-uint32_t big_endian_at(std::string_view bytes, size_t position, size_t size) {
-  uint32_t value = 0;
-  for (size_t i = 0; i < size; ++i) value = (value << 8) | static_cast<uint8_t>(bytes[position + i]);
-  return value;
-}
-
 /// The chunk IHDR comes first (PNG specification, section 11.2.2).
 std::optional<cv::Size> png_size(std::string_view bytes) {
   constexpr size_t kWidth = 16, kHeight = 20, kEnd = 24;
   if (bytes.size() < kEnd) return std::nullopt;
-  return cv::Size(static_cast<int>(big_endian_at(bytes, kWidth, 4)),
-                  static_cast<int>(big_endian_at(bytes, kHeight, 4)));
+  return cv::Size(static_cast<int>(big_endian_at<uint32_t>(bytes, kWidth)),
+                  static_cast<int>(big_endian_at<uint32_t>(bytes, kHeight)));
 }
 
 /// Walks the segments up to a start of frame, 0xc0 to 0xcf without DHT, JPG and DAC (ITU T.81, table B.1).
@@ -41,10 +36,10 @@ std::optional<cv::Size> jpeg_size(std::string_view bytes) {
     const bool start_of_frame =
         marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
     if (start_of_frame) {
-      return cv::Size(static_cast<int>(big_endian_at(bytes, position + 7, 2)),
-                      static_cast<int>(big_endian_at(bytes, position + 5, 2)));
+      return cv::Size(big_endian_at<uint16_t>(bytes, position + 7),
+                      big_endian_at<uint16_t>(bytes, position + 5));
     }
-    position += 2 + big_endian_at(bytes, position + 2, 2);
+    position += size_t{2} + big_endian_at<uint16_t>(bytes, position + 2);
   }
   return std::nullopt;
 }

@@ -100,9 +100,13 @@ PinholeCamera checked_lens(const PinholeCamera& lens, const std::filesystem::pat
                   file.string(), lens.fx, lens.fy, lens.cx, lens.cy, lens.width, lens.height));
 }
 
-cv::Size checked_size(double width, double height, const std::filesystem::path& file) {
+bool is_plausible_size(double width, double height) {
   constexpr double kMax_px = 30'000, kMaxPixels = 1 << 26;
-  if (!(width >= 1 && width <= kMax_px && height >= 1 && height <= kMax_px && width * height <= kMaxPixels))
+  return width >= 1 && width <= kMax_px && height >= 1 && height <= kMax_px && width * height <= kMaxPixels;
+}
+
+cv::Size checked_size(double width, double height, const std::filesystem::path& file) {
+  if (!is_plausible_size(width, height))
     throw InputError(fmt::format("{}: images of {} x {}; correct it", file.string(), width, height));
   return {static_cast<int>(width), static_cast<int>(height)};
 }

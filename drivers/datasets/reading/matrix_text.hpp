@@ -42,6 +42,9 @@ PinholeCamera read_lens(const std::filesystem::path& file, cv::Size size);
 /// plausible for the size.
 PinholeCamera checked_lens(const PinholeCamera& lens, const std::filesystem::path& file);
 
+/// Returns whether an image can have this size.
+bool is_plausible_size(double width, double height);
+
 /// Returns the size of an image. Throws InputError naming `file` unless it is one.
 cv::Size checked_size(double width, double height, const std::filesystem::path& file);
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 
 namespace kinloop {
@@ -22,13 +23,11 @@ struct NumpyParts {
 std::optional<NumpyParts> split_numpy(std::string_view bytes) {
   constexpr size_t kVersion = 6, kLength = 8;
   if (!bytes.starts_with("\x93NUMPY"sv) || bytes.size() < kLength + 4) return std::nullopt;
-  const size_t length_size = bytes[kVersion] == 1 ? 2 : 4;
-  size_t length = 0;
-  for (size_t i = 0; i < length_size; ++i)
-    length |= static_cast<size_t>(static_cast<uint8_t>(bytes[kLength + i])) << (8 * i);
-  const size_t begin = kLength + length_size;
-  if (length > bytes.size() - begin) return std::nullopt;
-  return NumpyParts{bytes.substr(begin, length), bytes.substr(begin + length)};
+  ByteReader rest(as_bytes(bytes.substr(kLength)));
+  const size_t length = bytes[kVersion] == 1 ? rest.number<uint16_t>() : rest.number<uint32_t>();
+  if (length > rest.left()) return std::nullopt;
+  const auto header = as_text(rest.block(length));
+  return NumpyParts{header, as_text(rest.block(rest.left()))};
 }
 
 /// Parses "'shape': (480, 640)".

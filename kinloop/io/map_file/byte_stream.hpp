@@ -28,9 +28,9 @@ void put_list(std::string& bytes, const std::vector<T>& values) {
 }
 
 /// Reads values from the front; returns zeros once the bytes are exhausted.
-class ByteReader {
+class ValueReader {
  public:
-  explicit ByteReader(std::string_view bytes) : rest_(bytes) {}
+  explicit ValueReader(std::string_view bytes) : rest_(bytes) {}
 
   template <class T>
   T value() {

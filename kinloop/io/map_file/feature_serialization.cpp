@@ -28,7 +28,7 @@ bool consistent(const Features& features) {
          (features.descriptors.empty() || static_cast<size_t>(features.descriptors.rows) == features.size());
 }
 
-cv::Mat descriptors_from(ByteReader& reader) {
+cv::Mat descriptors_from(ValueReader& reader) {
   const auto type = reader.value<int32_t>();
   const auto rows = reader.value<int32_t>(), cols = reader.value<int32_t>();
   const auto values = reader.list<uint8_t>();
@@ -59,7 +59,7 @@ std::string serialize_features(const Features& features) {
 }
 
 std::optional<Features> deserialize_features(const std::string& bytes) {
-  ByteReader reader(bytes);
+  ValueReader reader(bytes);
   Features features;
   features.scale_factor = reader.value<double>();
   features.level_count = reader.value<int>();

@@ -169,7 +169,7 @@ size_t read_landmarks(const DatabaseReader& file, const Renumbered& ids, MapData
     landmark.anchor = KeyframeId{take_id(row)};
     for (int i = 0; i < 3; ++i) landmark.p_anchor(i) = row.take<double>();
     const Blob observations = row.take<Blob>();
-    ByteReader reader(observations.bytes);
+    ValueReader reader(observations.bytes);
     landmark.observations = reader.list<Observation>();
     if (!reader.exhausted() || !row.exhausted()) return false;
     auto whole = sound(std::move(landmark), ids, map, claims);
@@ -190,7 +190,7 @@ void read_loop_edges(const DatabaseReader& file, const Renumbered& ids, MapData&
     edge.b = new_id(ids, KeyframeId{take_id(row)});
     edge.T_a_b = take_pose(row);
     const Blob information = row.take<Blob>();
-    ByteReader reader(information.bytes);
+    ValueReader reader(information.bytes);
     reader.copy(edge.information.data(), static_cast<size_t>(edge.information.size()));
     edge.inliers = static_cast<int>(row.take<int64_t>());
     const bool whole = reader.exhausted() && row.exhausted() && edge.T_a_b.is_finite();

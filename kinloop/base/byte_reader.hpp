@@ -1,5 +1,5 @@
 #pragma once
-// In: the bytes of a file or message. Out: its numbers, strings and blocks, each checked against the end.
+// In: the bytes of a file or message. Out: its numbers, strings and blocks.
 
 #include <bit>
 #include <concepts>
@@ -8,6 +8,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -41,6 +43,14 @@ Number byte_swapped(Number number) {
   for (size_t i = 0; i < sizeof(Number) / 2; ++i) std::swap(bytes[i], bytes[sizeof(Number) - 1 - i]);
   std::memcpy(&number, bytes, sizeof(Number));
   return number;
+}
+
+/// Returns the big-endian number at `position`; all of its bytes must be there.
+template <class Number>
+requires std::is_unsigned_v<Number> Number big_endian_at(std::string_view bytes, size_t position) {
+  Number value;
+  std::memcpy(&value, bytes.data() + position, sizeof(Number));
+  return std::endian::native == std::endian::big ? value : byte_swapped(value);
 }
 
 /// Reads little-endian data from the front. Every function throws InputError at the end of the data.
