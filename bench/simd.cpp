@@ -48,8 +48,8 @@ struct Input {
     camera.cy = 240;
     Random random(2);
     for (int i = 0; i < kCount; ++i) {
-      corners.emplace_back(20 + static_cast<int>(random.index(600)),
-                           20 + static_cast<int>(random.index(440)));
+      const auto y = static_cast<int>(random.index(440)), x = static_cast<int>(random.index(600));
+      corners.emplace_back(20 + x, 20 + y);
       describe_corner(image, corners.back().x, corners.back().y, static_cast<float>(random.uniform(0, 360)),
                       descriptors.ptr(i));
       indices.push_back(random.index(kCount));

@@ -23,8 +23,9 @@ class FeaturesCommand : public test::ProgramTest {
     Random random(5);
     cv::Mat scene(400, 500, CV_8UC3, cv::Scalar::all(128));
     for (int i = 0; i < 600; ++i) {
-      const cv::Rect place(static_cast<int>(random.index(490)), static_cast<int>(random.index(390)),
-                           6 + static_cast<int>(random.index(30)), 6 + static_cast<int>(random.index(30)));
+      const auto below = [&](uint32_t count) { return static_cast<int>(random.index(count)); };
+      const int height = 6 + below(30), width = 6 + below(30), top = below(390), left = below(490);
+      const cv::Rect place(left, top, width, height);
       cv::rectangle(scene, place, cv::Scalar::all(random.index(256)), cv::FILLED);
     }
     cv::imwrite(at("a.png"), scene(cv::Rect(20, 20, 400, 300)));

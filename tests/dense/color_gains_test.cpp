@@ -6,6 +6,7 @@
 
 #include "kinloop/base/random.hpp"
 #include "tests/dense/plane_view.hpp"
+#include "tests/support/random_vectors.hpp"
 
 namespace kinloop {
 namespace {
@@ -73,8 +74,8 @@ SE3 pose(size_t i) {
 Eigen::Vector3d true_gain(size_t i) {
   Random random(77 + i);
   const double exposure = std::exp(0.35 * random.gaussian());
-  return exposure *
-         Eigen::Vector3d(std::exp(0.05 * random.gaussian()), 1, std::exp(0.05 * random.gaussian()));
+  const Eigen::Vector2d tint = 0.05 * test::gaussian_vector<2>(random);
+  return exposure * Eigen::Vector3d(std::exp(tint.x()), 1, std::exp(tint.y()));
 }
 
 ExposureScene disturbed(size_t count) {

@@ -7,6 +7,7 @@
 #include "kinloop/base/random.hpp"
 #include "kinloop/geometry/depth_noise.hpp"
 #include "tests/dense/plane_view.hpp"
+#include "tests/support/random_vectors.hpp"
 
 namespace kinloop {
 namespace {
@@ -24,7 +25,7 @@ DenseCamera moving_camera() {
 std::vector<SurfacePoint> random_points(Random& random, size_t count) {
   std::vector<SurfacePoint> points(count);
   for (SurfacePoint& point : points) {
-    const Eigen::Vector3d p(4 * random.uniform() - 2, 4 * random.uniform() - 2, 5 * random.uniform() - 1);
+    const Eigen::Vector3d p = test::uniform_vector<3>(random, {-2, -2, -1}, {2, 2, 4});
     point.p_world = p.cast<float>();
     point.key = voxel_key(Eigen::Vector3d((p / kVoxel_m).array().floor()));
     point.views = static_cast<int>(1 + random.index(3));
@@ -36,7 +37,7 @@ std::vector<SurfacePoint> random_points(Random& random, size_t count) {
 
 FreeSpaceView random_view(Random& random, const PinholeCamera& camera) {
   FreeSpaceView view;
-  const Eigen::Vector3d turn(random.gaussian(), random.gaussian(), random.gaussian());
+  const Eigen::Vector3d turn = test::gaussian_vector<3>(random);
   view.T_camera_world = {exp_so3(0.3 * turn), {0.2 * random.gaussian(), 0.2 * random.gaussian(), 0}};
   view.velocity = {{0.3, -0.2, 0.4}, {0.5, -0.6, 0.2}};
   for (int i = 0; i < (camera.width / kTilePx) * (camera.height / kTilePx); ++i) {

@@ -52,7 +52,8 @@ TEST(VoxelGrid, FindsEveryKeyAgain) {
   Random random(3);
   std::map<VoxelKey, float> expected;
   for (uint32_t i = 0; i < 50000; ++i) {
-    const VoxelKey key = voxel_key(random.index(200), 0, random.index(100));
+    const uint32_t z = random.index(100), x = random.index(200);
+    const VoxelKey key = voxel_key(x, 0, z);
     const auto pixels = static_cast<float>(1 + random.index(3));
     grid.add(sample_of(key, pixels), i);
     expected[key] += pixels;
@@ -67,7 +68,8 @@ TEST(VoxelGrid, AddingManySamplesIsAddingEach) {
   Random random(8);
   std::vector<VoxelSample> samples;
   for (int i = 0; i < 20'000; ++i) {
-    const VoxelKey key = voxel_key(random.index(40) - 20, random.index(40) - 20, random.index(9));
+    const uint32_t z = random.index(9), y = random.index(40), x = random.index(40);
+    const VoxelKey key = voxel_key(x - 20, y - 20, z);
     samples.push_back(sample_of(key, static_cast<float>(1 + random.index(5))));
   }
   std::vector<uint32_t> every_third;

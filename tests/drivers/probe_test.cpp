@@ -46,9 +46,10 @@ RgbdFrame shifted_frame(int dx, int dy) {
   frame.depth_m = cv::Mat(480, 640, CV_32FC1, cv::Scalar(3));
   cv::RNG random(3);
   for (int i = 0; i < 12; ++i) {
-    const cv::Point at(60 + 130 * (i % 4) + random.uniform(0, 20),
-                       60 + 130 * (i / 4) + random.uniform(0, 20));
-    const cv::Size size(50 + random.uniform(0, 20), 50 + random.uniform(0, 20));
+    const int y = 60 + 130 * (i / 4) + random.uniform(0, 20);
+    const cv::Point at(60 + 130 * (i % 4) + random.uniform(0, 20), y);
+    const int height = 50 + random.uniform(0, 20);
+    const cv::Size size(50 + random.uniform(0, 20), height);
     cv::rectangle(color, {at, size}, cv::Scalar::all(120 + 10 * i), cv::FILLED);
     cv::rectangle(frame.depth_m, {at + cv::Point(dx, dy), size}, 1.5, cv::FILLED);
   }

@@ -9,6 +9,7 @@
 
 #include "kinloop/base/random.hpp"
 #include "kinloop/base/time.hpp"
+#include "tests/support/random_vectors.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace kinloop {
@@ -56,8 +57,7 @@ TEST(AbsoluteError, EqualsTheAddedNoise) {
   Random random(1);
   constexpr double kSigma = 0.02;
   for (auto& pose : estimate) {
-    pose.T_world_camera.translation +=
-        kSigma * Eigen::Vector3d(random.gaussian(), random.gaussian(), random.gaussian());
+    pose.T_world_camera.translation += kSigma * test::gaussian_vector<3>(random);
   }
   const auto ate = absolute_trajectory_error(estimate, truth);
   ASSERT_TRUE(ate);

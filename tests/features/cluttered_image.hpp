@@ -12,9 +12,9 @@ inline cv::Mat cluttered_image(uint64_t seed) {
   cv::Mat image(480, 640, CV_8UC1, cv::Scalar(100));
   Random random(seed);
   for (int i = 0; i < 900; ++i) {
-    const cv::Point corner(static_cast<int>(random.index(640)), static_cast<int>(random.index(480)));
-    const cv::Size size(4 + static_cast<int>(random.index(40)), 4 + static_cast<int>(random.index(40)));
-    cv::rectangle(image, cv::Rect(corner, size), cv::Scalar(random.uniform(0, 255)), cv::FILLED);
+    const auto below = [&](uint32_t count) { return static_cast<int>(random.index(count)); };
+    const int y = below(480), x = below(640), height = 4 + below(40), width = 4 + below(40);
+    cv::rectangle(image, cv::Rect(x, y, width, height), cv::Scalar(random.uniform(0, 255)), cv::FILLED);
   }
   cv::GaussianBlur(image, image, {}, 0.8);
   cv::Mat right = image.colRange(320, 640);

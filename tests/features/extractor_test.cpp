@@ -129,8 +129,8 @@ TEST(Extractor, LocatesCornersBetweenPixels) {
   int found = 0;
   Random random(9);
   for (int trial = 0; trial < 20; ++trial) {
-    const cv::Point2f centre(static_cast<float>(random.uniform(200, 210)),
-                             static_cast<float>(random.uniform(200, 210)));
+    const auto centre_y = static_cast<float>(random.uniform(200, 210));
+    const cv::Point2f centre(static_cast<float>(random.uniform(200, 210)), centre_y);
     cv::Mat image(400, 400, CV_8UC1);
     for (int y = 0; y < image.rows; ++y) {
       for (int x = 0; x < image.cols; ++x) {

@@ -148,9 +148,9 @@ TEST(SteeredBrief, DescribesAsOpenCvDoes) {
     Random random(seed);
     std::vector<cv::KeyPoint> points;
     for (int i = 0; i < 400; ++i) {
-      points.emplace_back(static_cast<float>(40 + random.index(560)),
-                          static_cast<float>(40 + random.index(400)), 31.0F,
-                          static_cast<float>(random.uniform(0, 360)), 1.0F, 0);
+      const auto turn_deg = static_cast<float>(random.uniform(0, 360));
+      const auto y = static_cast<float>(40 + random.index(400));
+      points.emplace_back(static_cast<float>(40 + random.index(560)), y, 31.0F, turn_deg, 1.0F, 0);
     }
     cv::Mat expected;
     cv::ORB::create(1000, 1.2F, 1)->compute(image, points, expected);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/features/hamming.hpp"
+#include "tests/support/random_vectors.hpp"
 #include "tests/support/synthetic_world.hpp"
 
 namespace kinloop {
@@ -78,7 +79,7 @@ TEST(FeatureGrid, FindsWhatAScanFinds) {
   std::vector<uint32_t> found;
   Random random(9);
   for (int trial = 0; trial < 200; ++trial) {
-    const Eigen::Vector2d pixel(random.uniform(-30, 670), random.uniform(-30, 510));
+    const Eigen::Vector2d pixel = test::uniform_vector<2>(random, {-30, -30}, {670, 510});
     const double radius = random.uniform(1, 60);
     std::vector<uint32_t> expected;
     for (uint32_t i = 0; i < view.features->size(); ++i) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/base/random.hpp"
+#include "tests/support/random_vectors.hpp"
 
 namespace kinloop {
 namespace {
@@ -48,7 +49,7 @@ TEST_P(RealCamera, ProjectAfterUnprojectIsThePixel) {
   const PinholeCamera& c = GetParam();
   Random random(1);
   for (int i = 0; i < 1000; ++i) {
-    const Eigen::Vector2d pixel(random.uniform(0, 639), random.uniform(0, 479));
+    const Eigen::Vector2d pixel = test::uniform_vector<2>(random, {0, 0}, {639, 479});
     const double depth_m = random.uniform(0.3, 10);
     const Eigen::Vector3d p = c.unproject(pixel, depth_m);
     EXPECT_EQ(p.z(), depth_m);
@@ -81,7 +82,7 @@ TEST_P(RealCamera, JacobianIsTheNumericDerivative) {
   Random random(2);
   constexpr double kStep = 1e-6;
   for (int i = 0; i < 100; ++i) {
-    const Eigen::Vector3d p(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(0.5, 6));
+    const Eigen::Vector3d p = test::uniform_vector<3>(random, {-2, -2, 0.5}, {2, 2, 6});
     Eigen::Matrix<double, 2, 3> numeric;
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(k);

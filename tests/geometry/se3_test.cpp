@@ -35,7 +35,8 @@ std::vector<Vector6d> test_twists() {
   for (const double angle :
        {1e-300, 1e-12, 1e-8, 0.99e-5, 1.01e-5, 1e-4, 1e-3, 0.1, 1.0, 2.0, 3.0, std::numbers::pi - 1e-6}) {
     for (int i = 0; i < 5; ++i) {
-      twists.push_back(twist_of(random_vector(random, 2), angle * random_vector(random, 1).normalized()));
+      const Eigen::Vector3d axis = random_vector(random, 1).normalized();
+      twists.push_back(twist_of(random_vector(random, 2), angle * axis));
     }
   }
   return twists;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/base/random.hpp"
+#include "tests/support/random_vectors.hpp"
 
 namespace kinloop {
 namespace {
@@ -28,15 +29,14 @@ SE3 held(double yaw, double pitch, double roll) {
 void add(Normals& normals, const Vector3d& normal, int count, Random& random) {
   constexpr double kNoise = 0.05;
   for (int i = 0; i < count; ++i) {
-    const Vector3d noise(random.gaussian(), random.gaussian(), random.gaussian());
+    const Vector3d noise = test::gaussian_vector<3>(random);
     normals.push_back((normal + kNoise * noise).normalized().cast<float>());
   }
 }
 
 void add_clutter(Normals& normals, int count, Random& random) {
   for (int i = 0; i < count; ++i) {
-    normals.push_back(
-        Vector3d(random.gaussian(), random.gaussian(), random.gaussian()).normalized().cast<float>());
+    normals.push_back(test::gaussian_vector<3>(random).normalized().cast<float>());
   }
 }
 
@@ -90,8 +90,7 @@ TEST(UpDirection, OfARoomIsTheFloorsNormalHoweverTheCameraIsRolled) {
 TEST(UpDirection, TurnsWithTheWorld) {
   Random random(5);
   for (int i = 0; i < 10; ++i) {
-    const SE3 turn{exp_so3(3 * Vector3d(random.gaussian(), random.gaussian(), random.gaussian())),
-                   Vector3d(1, 2, 3)};
+    const SE3 turn{exp_so3(3 * test::gaussian_vector<3>(random)), Vector3d(1, 2, 3)};
     Normals normals = room(2);
     for (auto& normal : normals) normal = (turn.rotation * normal.cast<double>()).cast<float>();
     auto cameras = once_around([&](double s) { return 0.3 * std::sin(9 * s); });

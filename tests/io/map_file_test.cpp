@@ -22,10 +22,14 @@ Features some_features(Random& random) {
   Features features;
   for (size_t i = 0; i < kKeypoints; ++i) {
     const auto number = [&] { return static_cast<float>(random.uniform(-1, 1) * 600); };
-    features.pixels.emplace_back(number(), number());
+    const auto pixel = [&] {
+      const float y = number();
+      return Eigen::Vector2f(number(), y);
+    };
+    features.pixels.push_back(pixel());
     features.depths_m.push_back(i % 3 == 0 ? 0 : number());
-    features.raw_pixels.emplace_back(number(), number());
-    features.measured_pixels.emplace_back(number(), number());
+    features.raw_pixels.push_back(pixel());
+    features.measured_pixels.push_back(pixel());
     features.measured_depths_m.push_back(number());
     features.inverse_depth_gradients.emplace_back(number(), std::numeric_limits<float>::quiet_NaN());
     features.levels.push_back(static_cast<int>(i % 8));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/geometry/depth_noise.hpp"
+#include "tests/support/random_vectors.hpp"
 #include "tests/support/synthetic_world.hpp"
 
 namespace kinloop {
@@ -46,7 +47,8 @@ Features seen(const Scene& scene, const PinholeCamera& camera, const SE3& T_worl
     return (1 / depth_of(pixel + step) - 1 / depth_of(pixel - step)) / (2 * step.norm());
   };
   for (int i = 0; i < kCount; ++i) {
-    const Eigen::Vector2d pixel(random.uniform(0, camera.width - 1), random.uniform(0, camera.height - 1));
+    const Eigen::Vector2d pixel =
+        test::uniform_vector<2>(random, {0, 0}, {camera.width - 1, camera.height - 1});
     const double noise = DepthNoise{}.coefficient_per_m * random.gaussian();
     features.pixels.push_back(pixel.cast<float>());
     features.depths_m.push_back(static_cast<float>(1 / (1 / depth_of(pixel) + noise)));

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/random_vectors.hpp"
 #include "tests/support/synthetic_map.hpp"
 
 namespace kinloop {
@@ -103,12 +104,11 @@ TEST_F(DriftOverlap, UncertaintyWidensTheView) {
 TEST_F(DriftOverlap, TrueOverlapIsNeverRefused) {
   const DriftBound bound{0.3, 0.2};
   Random random(7);
-  const auto unit = [&] {
-    return Eigen::Vector3d(random.gaussian(), random.gaussian(), random.gaussian()).normalized().eval();
-  };
+  const auto unit = [&] { return test::gaussian_vector<3>(random).normalized().eval(); };
   int overlapping = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const SE3 truth = test::camera_at(random.uniform(-2, 2), 0.8 * unit());
+    const Eigen::Vector3d direction = unit();
+    const SE3 truth = test::camera_at(random.uniform(-2, 2), 0.8 * direction);
     int visible = 0;
     for (uint32_t i = 0; i < view_.features->size(); ++i) {
       const auto depth_m = static_cast<double>(view_.features->depths_m[i]);

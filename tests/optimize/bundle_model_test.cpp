@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/optimize/synthetic_view.hpp"
+#include "tests/support/random_vectors.hpp"
 
 namespace kinloop {
 namespace {
@@ -25,7 +26,7 @@ struct Sample {
     problem.camera = test::kinect();
     T_world_camera = random_motion(random, 1, 1);
     velocity = {random_vector(random, 1), random_vector(random, 2)};
-    const Eigen::Vector3d p_camera(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(1, 3));
+    const Eigen::Vector3d p_camera = test::uniform_vector<3>(random, {-1, -1, 1}, {1, 1, 3});
     p_world = T_world_camera * p_camera;
     observation.pixel = problem.camera.project(p_camera) + Eigen::Vector2d(3, -2);
     observation.depth_m = p_camera.z() + 0.02;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/optimize/bundle_world.hpp"
+#include "tests/support/random_vectors.hpp"
 
 namespace kinloop {
 namespace {
@@ -169,7 +170,8 @@ TEST(Bundle, DepthGradientCorrectsSlantedSurfaces) {
   Random random(4);
   BundleWorld world = make_bundle_world({.poses = 12, .points = 0});
   for (int j = 0; j < 300; ++j) {
-    Eigen::Vector3d p(random.uniform(-1.5, 1.5), random.uniform(-1, 1), 0);
+    Eigen::Vector3d p(0, 0, 0);
+    p.head<2>() = test::uniform_vector<2>(random, {-1.5, -1}, {1.5, 1});
     p.z() = (offset - normal.x() * p.x() - normal.y() * p.y()) / normal.z();
     world.points.push_back(p);
     for (uint32_t i = 0; i < 12; ++i) {

@@ -7,6 +7,7 @@
 #include "kinloop/optimize/kernels/gram.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
 #include "tests/optimize/synthetic_view.hpp"
+#include "tests/support/random_vectors.hpp"
 #include "tests/support/simd_targets.hpp"
 
 namespace kinloop {
@@ -42,9 +43,9 @@ struct ObservedPoints {
     T_world_camera = random_motion(random, 1, 1);
     velocity = {random_vector(random, 1), random_vector(random, 2)};
     for (size_t lane = 0; lane < kSize; ++lane) {
-      const Eigen::Vector3d p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(1, 3));
+      const Eigen::Vector3d p = test::uniform_vector<3>(random, {-1, -1, 1}, {1, 1, 3});
       KeypointMeasurement o;
-      o.pixel = camera.project(p) + Eigen::Vector2d(random.uniform(-3, 3), random.uniform(-3, 3));
+      o.pixel = camera.project(p) + test::uniform_vector<2>(random, {-3, -3}, {3, 3});
       o.depth_m = lane == 3 ? 0 : p.z() + random.uniform(-0.02, 0.02);
       o.sigma_px = random.uniform(1, 3);
       o.row = random.uniform(-0.5, 0.5);

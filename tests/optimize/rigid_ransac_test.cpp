@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/optimize/synthetic_view.hpp"
+#include "tests/support/random_vectors.hpp"
 
 namespace kinloop {
 namespace {
@@ -14,9 +15,15 @@ using test::kNan;
 using test::random_motion;
 
 /// Simulates the measurement of `p` by a camera with this noise.
+/// A point before the camera.
+Eigen::Vector3d anywhere(Random& random) {
+  const double depth_m = random.uniform(0.7, 4);
+  return kinect().unproject(test::random_pixel(random, kinect()), depth_m);
+}
+
 Eigen::Vector3d measured(const Eigen::Vector3d& p, double sigma_px, double sigma_inverse_depth,
                          Random& random) {
-  const Eigen::Vector2d noise(random.gaussian(), random.gaussian());
+  const Eigen::Vector2d noise = test::gaussian_vector<2>(random);
   const double inverse = 1 / p.z() + sigma_inverse_depth * random.gaussian();
   return kinect().unproject(kinect().project(p) + sigma_px * noise, 1 / inverse);
 }
@@ -25,8 +32,7 @@ std::vector<PointPair> make_pairs(const SE3& T_a_b, int count, double sigma_px, 
                                   double outlier_fraction, Random& random) {
   std::vector<PointPair> pairs;
   while (static_cast<int>(pairs.size()) < count) {
-    const Eigen::Vector3d p_b =
-        kinect().unproject(test::random_pixel(random, kinect()), random.uniform(0.7, 4));
+    const Eigen::Vector3d p_b = anywhere(random);
     const Eigen::Vector3d p_a = T_a_b * p_b;
     if (p_a.z() < 0.3) continue;
     PointPair pair;
@@ -34,7 +40,7 @@ std::vector<PointPair> make_pairs(const SE3& T_a_b, int count, double sigma_px, 
     pair.p_b = measured(p_b, sigma_px, sigma_inverse_depth, random);
     if (sigma_px > 0) pair.sigma_a_px = pair.sigma_b_px = sigma_px;
     if (random.uniform() < outlier_fraction) {
-      pair.p_a = kinect().unproject(test::random_pixel(random, kinect()), random.uniform(0.7, 4));
+      pair.p_a = anywhere(random);
     }
     pairs.push_back(pair);
   }

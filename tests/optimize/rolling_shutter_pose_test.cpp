@@ -4,6 +4,7 @@
 
 #include "kinloop/base/random.hpp"
 #include "tests/optimize/synthetic_view.hpp"
+#include "tests/support/random_vectors.hpp"
 
 namespace kinloop {
 namespace {
@@ -32,8 +33,8 @@ std::vector<PoseObservation> observe(const RollingShutterPose& truth, const Sens
     const SE3 T_color = propagate_pose(truth.T_world_camera, truth.velocity, sensor(kRollingShutter) * o.row);
     const double depth_s = sensor(kDepthDelay) + sensor(kDepthShutter) * o.row;
     const SE3 T_depth = propagate_pose(truth.T_world_camera, truth.velocity, depth_s);
-    o.pixel = kinect().project(T_color.inverse() * o.p_reference) +
-              sigma_px * Eigen::Vector2d(random.gaussian(), random.gaussian());
+    o.pixel =
+        kinect().project(T_color.inverse() * o.p_reference) + sigma_px * test::gaussian_vector<2>(random);
     if (still.depth_m > 0) o.depth_m = (T_depth.inverse() * o.p_reference).z();
     observations.push_back(o);
   }
@@ -105,7 +106,7 @@ TEST(RollingShutterPose, TooFewInliersGiveNoSolution) {
   const RollingShutterPose truth = random_moving_pose(random);
   auto observations = observe(truth, rolling_sensor(), 10, 0, random);
   for (size_t i = 0; i < 6; ++i) {
-    observations[i].pixel = Eigen::Vector2d(640 * random.uniform(), 480 * random.uniform());
+    observations[i].pixel = test::uniform_vector<2>(random, {0, 0}, {640, 480});
   }
   EXPECT_FALSE(
       solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, truth, {}, {}).has_value());

@@ -7,6 +7,7 @@
 
 #include "kinloop/base/random.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
+#include "tests/support/random_vectors.hpp"
 
 namespace kinloop::test {
 
@@ -53,7 +54,7 @@ inline std::vector<PoseObservation> make_view(const SE3& T_reference_camera, int
     const Eigen::Vector2d pixel = random_pixel(random, camera);
     const double depth_m = random.uniform(0.7, 4.0);
     o.p_reference = T_reference_camera * camera.unproject(pixel, depth_m);
-    o.pixel = pixel + noise.sigma_px * Eigen::Vector2d(random.gaussian(), random.gaussian());
+    o.pixel = pixel + noise.sigma_px * gaussian_vector<2>(random);
     o.sigma_px = noise.sigma_px > 0 ? noise.sigma_px : 1;
     const double inverse = 1 / depth_m + noise.sigma_inverse_depth * random.gaussian();
     if (random.uniform() < noise.depth_fraction) o.depth_m = 1 / inverse;

@@ -6,6 +6,7 @@
 
 #include "bench/place/place_search.hpp"
 #include "tests/place/synthetic.hpp"
+#include "tests/support/random_vectors.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
 
 namespace kinloop {
@@ -16,8 +17,7 @@ constexpr double kTolerance_px = 3;
 ImageWords random_image(Random& random, uint32_t points, uint32_t words) {
   ImageWords image;
   for (uint32_t i = 0; i < points; ++i) {
-    const Eigen::Vector2f pixel =
-        Eigen::Vector2d(random.uniform(0, 640), random.uniform(0, 480)).cast<float>();
+    const Eigen::Vector2f pixel = test::uniform_vector<2>(random, {0, 0}, {640, 480}).cast<float>();
     image.push_back(
         {{random.index(words)}, random.next(), pixel, static_cast<float>(random.uniform(0, 6)), 1});
   }
@@ -54,7 +54,7 @@ TEST(ImageWords, SameWordsAtOtherPixelsDoNotSupportEachOther) {
   const ImageWords image = random_image(random, 100, 5000);
   ImageWords scattered = moved(image, 0, 1, random);
   for (QuantizedKeypoint& point : scattered) {
-    point.pixel = Eigen::Vector2d(random.uniform(0, 640), random.uniform(0, 480)).cast<float>();
+    point.pixel = test::uniform_vector<2>(random, {0, 0}, {640, 480}).cast<float>();
   }
   const auto matches = match_words(image, scattered, 4);
   EXPECT_EQ(matches.size(), image.size());

@@ -30,9 +30,9 @@ std::vector<Primitive> random_solids(int count, uint64_t seed) {
     if (solid.shape != Shape::kBox) solid.half.y() = solid.half.x();
     if (solid.shape == Shape::kSphere) solid.half.z() = solid.half.x();
     if (i % 2 == 0) {
+      const Eigen::Vector3f axis = random_vector(random, 1).normalized();
       solid.R_room_local =
-          Eigen::AngleAxisf(static_cast<float>(random.uniform(0, 3)), random_vector(random, 1).normalized())
-              .toRotationMatrix();
+          Eigen::AngleAxisf(static_cast<float>(random.uniform(0, 3)), axis).toRotationMatrix();
     }
     solids.push_back(solid);
   }

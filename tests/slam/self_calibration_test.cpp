@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/base/random.hpp"
+#include "tests/support/random_vectors.hpp"
 
 namespace kinloop {
 namespace {
@@ -77,7 +78,7 @@ BundleAdjustmentProblem decentred_problem(double off_px) {
   bundle.camera = some_camera().color;
   Random random(3);
   for (int i = 0; i < 200; ++i) {
-    bundle.p_world.emplace_back(random.uniform(-1, 1), random.uniform(-0.7, 0.7), random.uniform(1.5, 3));
+    bundle.p_world.push_back(test::uniform_vector<3>(random, {-1, -0.7, 1.5}, {1, 0.7, 3}));
   }
   for (uint32_t pose = 0; pose < 4; ++pose) {
     bundle.T_world_camera.push_back(
@@ -86,7 +87,8 @@ BundleAdjustmentProblem decentred_problem(double off_px) {
     problem.keyframes.push_back(KeyframeId{pose});
     for (uint32_t point = 0; point < bundle.p_world.size(); ++point) {
       const Eigen::Vector3d p = bundle.T_world_camera[pose].inverse() * bundle.p_world[point];
-      const Eigen::Vector2d error(off_px + random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5));
+      const double error_y = random.uniform(-0.5, 0.5);
+      const Eigen::Vector2d error(off_px + random.uniform(-0.5, 0.5), error_y);
       bundle.observations.push_back({{bundle.camera.project(p) + error, p.z()}, pose, point});
     }
   }

@@ -10,6 +10,7 @@
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
+#include "tests/support/random_vectors.hpp"
 
 namespace kinloop::test {
 
@@ -65,7 +66,7 @@ inline SyntheticView observe(const SyntheticWorld& world, const SE3& T_world_cam
   for (uint32_t i = 0; i < world.p_world.size(); ++i) {
     const Eigen::Vector3d p_camera = T_camera_world * world.p_world[i];
     if (p_camera.z() < 0.4) continue;
-    const Eigen::Vector2d jitter(random.gaussian(), random.gaussian());
+    const Eigen::Vector2d jitter = gaussian_vector<2>(random);
     const Eigen::Vector2d pixel = world.camera.project(p_camera) + noise.sigma_px * jitter;
     if (!world.camera.contains(pixel, 1)) continue;
     const double inverse_depth = 1 / p_camera.z() + noise.sigma_inverse_depth * random.gaussian();
