@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include "kinloop/base/base64.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"

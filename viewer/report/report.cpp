@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "kinloop/base/base64.hpp"
 #include "kinloop/base/embedded_file.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/time.hpp"

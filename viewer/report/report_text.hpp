@@ -10,9 +10,6 @@ namespace kinloop {
 /// Escapes the special characters of HTML.
 std::string escape_html(std::string_view text);
 
-/// Encodes as base64 (RFC 4648).
-std::string base64(std::string_view bytes);
-
 /// Formats an integer with a thin space between thousands.
 std::string format_with_thousands(double number);
 
