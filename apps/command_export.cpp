@@ -1,7 +1,11 @@
 // kinloop export: writes a map in formats that other programs read.
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include "apps/export/export_map_recording.hpp"
+#include "apps/export/export_sparse_model.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/map_store.hpp"
@@ -13,6 +17,8 @@
 #include "kinloop/base/writable_check.hpp"
 #include "kinloop/dense/occupancy.hpp"
 #include "kinloop/io/grid_file.hpp"
+#include "kinloop/io/path_csv.hpp"
+#include "kinloop/io/point_cloud/las.hpp"
 #include "kinloop/io/point_cloud/pcd.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/loop/correct_loop.hpp"
@@ -23,7 +29,8 @@ namespace {
 
 struct ExportArguments {
   std::filesystem::path map, poses;
-  std::filesystem::path cloud, octomap, grid, trajectory, keyframes, graph;
+  std::filesystem::path cloud, octomap, grid, trajectory, keyframes, graph, mcap;
+  std::filesystem::path colmap, nerfstudio;  ///< folders
   std::string frame = "z-up";
   size_t session = 0;
   std::vector<std::string> assignments;
@@ -31,15 +38,25 @@ struct ExportArguments {
   bool quiet = false;
 
   /// The files to write.
-  [[nodiscard]] std::vector<std::filesystem::path> outputs() const {
-    std::vector<std::filesystem::path> paths{cloud, octomap, grid, trajectory, keyframes, graph};
-    std::erase(paths, std::filesystem::path());
-    return paths;
+  [[nodiscard]] std::vector<std::filesystem::path> files() const {
+    return given({cloud, octomap, grid, trajectory, keyframes, graph, mcap});
   }
+
+  /// The folders to write into.
+  [[nodiscard]] std::vector<std::filesystem::path> folders() const { return given({colmap, nerfstudio}); }
+
+  [[nodiscard]] bool wants_nothing() const { return files().empty() && folders().empty(); }
 
   /// Throws before any work is done if a result could not be written.
   void require_writable() const {
-    for (const auto& path : outputs()) require_writable_file(path);
+    for (const auto& path : files()) require_writable_file(path);
+    for (const auto& path : folders()) require_writable_folder(path);
+  }
+
+ private:
+  static std::vector<std::filesystem::path> given(std::vector<std::filesystem::path> paths) {
+    std::erase(paths, std::filesystem::path());
+    return paths;
   }
 };
 
@@ -48,13 +65,25 @@ void write_cloud(const ExportArguments& arguments, OpenMap& open, const Progress
   const FileFrame frame =
       file_frame(arguments.frame, open.up(arguments.session), open.views(arguments.session));
   if (arguments.cloud.extension() == ".pcd") return write_pcd(arguments.cloud, cloud, frame);
+  if (arguments.cloud.extension() == ".las") return write_las(arguments.cloud, cloud, frame);
   write_ply(arguments.cloud, cloud, frame);
 }
 
-void require_extension(const char* option, const std::filesystem::path& path, const char* a, const char* b) {
-  if (path.empty() || path.extension() == a || path.extension() == b) return;
-  throw UsageError(fmt::format("{} {}: the name must end in {}{}{}", option, path.string(), a,
-                               std::string_view(a) == b ? "" : " or ", std::string_view(a) == b ? "" : b));
+void require_extension(const char* option, const std::filesystem::path& path,
+                       const std::vector<std::string>& extensions) {
+  const auto found = std::find(extensions.begin(), extensions.end(), path.extension().string());
+  if (path.empty() || found != extensions.end()) return;
+  std::string list = extensions.front();
+  for (size_t i = 1; i < extensions.size(); ++i)
+    list += (i + 1 < extensions.size() ? ", " : " or ") + extensions[i];
+  throw UsageError(fmt::format("{} {}: the name must end in {}", option, path.string(), list));
+}
+
+/// Writes nothing if `path` is empty.
+void write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory) {
+  if (path.empty()) return;
+  if (path.extension() == ".csv") return write_path_csv(path, trajectory, "world");
+  write_tum_trajectory(path, trajectory);
 }
 
 void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Progress& progress) {
@@ -77,37 +106,47 @@ void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Prog
   if (!arguments.grid.empty()) write_grid(arguments.grid, occupancy.grid());
 }
 
-void run_export(const ExportArguments& arguments) {
-  if (arguments.outputs().empty())
+/// Throws before any work is done if the arguments make no sense or a result could not be written.
+void check(const ExportArguments& arguments) {
+  if (arguments.wants_nothing())
     throw UsageError(
         "export: nothing to write; specify one or more of --cloud, --octomap, --grid, --trajectory, "
-        "--keyframes, "
-        "--graph");
-  require_extension("--cloud", arguments.cloud, ".ply", ".pcd");
-  require_extension("--octomap", arguments.octomap, ".bt", ".ot");
-  require_extension("--grid", arguments.grid, ".pgm", ".pgm");
+        "--keyframes, --graph, --colmap, --nerfstudio, --mcap");
+  require_extension("--cloud", arguments.cloud, {".ply", ".pcd", ".las"});
+  require_extension("--octomap", arguments.octomap, {".bt", ".ot"});
+  require_extension("--grid", arguments.grid, {".pgm"});
+  require_extension("--mcap", arguments.mcap, {".mcap"});
   const auto map = map_file_of(arguments.map);
   require_different_file("--trajectory", arguments.trajectory, map);
   require_different_file("--keyframes", arguments.keyframes, map);
   require_different_file("--graph", arguments.graph, map);
   arguments.require_writable();
+}
+
+void run_export(const ExportArguments& arguments) {
+  check(arguments);
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const Progress progress = make_progress_bar(arguments.quiet);
   const auto session = open.session_log(arguments.session);
-  if (!arguments.trajectory.empty()) {
-    write_tum_trajectory(arguments.trajectory, trajectory_of(session, open.map));
-  }
-  if (!arguments.keyframes.empty()) {
-    write_tum_trajectory(arguments.keyframes,
-                         keyframe_trajectory(open.map, open.component(arguments.session)));
-  }
+  write_trajectory(arguments.trajectory, trajectory_of(session, open.map));
+  write_trajectory(arguments.keyframes, keyframe_trajectory(open.map, open.component(arguments.session)));
   if (!arguments.graph.empty()) {
     write_g2o(arguments.graph, {make_pose_graph(open.map, open.options.slam.loop), {}, true, {}});
   }
   if (!arguments.cloud.empty()) write_cloud(arguments, open, progress);
   if (!arguments.octomap.empty() || !arguments.grid.empty()) write_occupancy(arguments, open, progress);
+  if (!arguments.folders().empty()) {
+    export_sparse_model({arguments.map, arguments.colmap, arguments.nerfstudio, arguments.frame,
+                         arguments.session, arguments.threads},
+                        open, progress);
+  }
+  if (!arguments.mcap.empty()) {
+    export_map_recording({arguments.mcap, arguments.frame, arguments.session, arguments.threads}, open,
+                         progress);
+  }
   if (arguments.quiet) return;
-  for (const auto& path : arguments.outputs()) fmt::print("written: {}\n", path.string());
+  for (const auto& path : arguments.files()) fmt::print("written: {}\n", path.string());
+  for (const auto& path : arguments.folders()) fmt::print("written: {}\n", path.string());
 }
 
 }  // namespace
@@ -116,14 +155,21 @@ void add_export_command(CLI::App& app) {
   auto arguments = std::make_shared<ExportArguments>();
   CLI::App* command = app.add_subcommand("export", "Write a map in formats that other programs read");
   add_map_argument(*command, arguments->map);
-  command->add_option("--cloud", arguments->cloud, "coloured cloud, FILE.ply or FILE.pcd");
+  command->add_option("--cloud", arguments->cloud, "coloured cloud, FILE.ply, FILE.pcd or FILE.las");
   command->add_option("--octomap", arguments->octomap,
                       "free and occupied space, z up: FILE.bt, or FILE.ot with probabilities");
   command->add_option("--grid", arguments->grid,
                       "occupancy grid of the floor for ROS map_server: FILE.pgm and FILE.yaml");
-  command->add_option("--trajectory", arguments->trajectory, "pose of every frame of a session (TUM format)");
-  command->add_option("--keyframes", arguments->keyframes, "pose of every keyframe (TUM format)");
+  command->add_option("--trajectory", arguments->trajectory,
+                      "pose of every frame of a session (TUM format; FILE.csv: fields of nav_msgs/Path)");
+  command->add_option("--keyframes", arguments->keyframes, "pose of every keyframe, in the same formats");
   command->add_option("--graph", arguments->graph, "pose graph, FILE.g2o");
+  command->add_option("--colmap", arguments->colmap,
+                      "folder for a COLMAP text model: undistorted images, cameras, points and tracks");
+  command->add_option("--nerfstudio", arguments->nerfstudio,
+                      "folder for transforms.json (Nerfstudio): undistorted images, depth, poses");
+  command->add_option("--mcap", arguments->mcap,
+                      "recording for Foxglove: poses and images of a session, cloud; FILE.mcap");
   add_poses_option(*command, arguments->poses);
   command->add_option(
       "--session", arguments->session,

@@ -166,6 +166,10 @@ DenseCamera OpenMap::dense_camera() const {
                        : time_calibrated_camera(saved.camera, sensor);
 }
 
+double OpenMap::rolling_shutter_s() const {
+  return sensor_estimate(saved.sensor, nominal_sensor(saved.camera)).value(kRollingShutter);
+}
+
 ColoredCloud OpenMap::cloud(size_t number, int threads, const Progress& progress) {
   return recorder.fuse_views(views(number), dense_camera(), threads, progress);
 }

@@ -87,6 +87,9 @@ struct OpenMap {
   /// Returns the camera that matches the poses.
   [[nodiscard]] DenseCamera dense_camera() const;
 
+  /// Returns the readout time of the colour image.
+  [[nodiscard]] double rolling_shutter_s() const;
+
   /// Estimates the up direction from these views.
   UpEstimate up(size_t number) { return recorder.up(views(number), dense_camera()); }
 
