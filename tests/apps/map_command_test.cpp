@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "drivers/bags/mcap_file.hpp"
+#include "kinloop/base/text_file.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "tests/apps/program_test.hpp"
 
@@ -107,6 +109,46 @@ TEST_F(MapCommand, CloudsAreUprightAndStoreTheirRotation) {
   ASSERT_EQ(run("export " + folder + " -q --frame camera --cloud " + at("camera.ply")), 0) << err_;
   EXPECT_THAT(read_file(at("camera.ply")).substr(0, 400), HasSubstr("comment frame camera"));
   EXPECT_EQ(run("export " + folder + " --frame level --cloud " + at("x.ply")), kWrongUse);
+}
+
+TEST_F(MapCommand, ExportsForOtherProgramsCoverTheWholeMap) {
+  const std::string folder = ran();
+  ASSERT_EQ(run("export " + folder + " -q --colmap " + at("model") + " --nerfstudio " + at("model") +
+                " --mcap " + at("m.mcap") + " --cloud " + at("c.las") + " --trajectory " + at("t.csv")),
+            0)
+      << err_;
+  ASSERT_EQ(run("map info --json " + folder), 0);
+  const size_t images = nlohmann::json::parse(out_)["images"];
+  const auto files_in = [](const std::string& name) {
+    const std::filesystem::directory_iterator files(at(name));
+    return static_cast<size_t>(std::distance(begin(files), end(files)));
+  };
+  EXPECT_EQ(files_in("model/images"), images);
+  EXPECT_EQ(files_in("model/depth"), images);
+  const auto transforms = nlohmann::json::parse(read_file(at("model/transforms.json")));
+  ASSERT_EQ(transforms["frames"].size(), images);
+  for (const auto& frame : transforms["frames"])
+    EXPECT_TRUE(std::filesystem::exists(at("model/") + frame["file_path"].get<std::string>()));
+  EXPECT_GT(read_table(at("model/sparse/0/points3D.txt")).size(), 50U);
+  const size_t poses = read_table(folder + "/trajectory.txt").size();
+  EXPECT_EQ(read_table(at("t.csv")).size(), poses + 1);
+  for (const BagTopic* topic : open_mcap(at("m.mcap"))->topics()) {
+    const bool of_images = topic->name.starts_with("/camera");
+    EXPECT_EQ(topic->messages, topic->name == "/cloud" ? 1 : of_images ? images : poses) << topic->name;
+  }
+  EXPECT_EQ(read_file(at("c.las")).substr(0, 4), "LASF");
+}
+
+TEST_F(MapCommand, ExportOfImagesNeedsImages) {
+  SavedMap saved = MapReader(ran() + "/map.kinmap").read().first;
+  write_map(at("no_images.kinmap"), saved, 0, {});
+  EXPECT_EQ(run("export " + at("no_images.kinmap") + " --colmap " + at("none")), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("no_images.kinmap: holds no images"));
+  EXPECT_EQ(run("export " + at("no_images.kinmap") + " -q --mcap " + at("none.mcap") + " --cloud " +
+                at("none.las")),
+            0)
+      << err_;
+  EXPECT_EQ(run("export " + ran() + " --mcap " + at("m.bag")), kWrongUse);
 }
 
 TEST_F(MapCommand, InfoSaysWhatAMapHolds) {
