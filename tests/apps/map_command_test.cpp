@@ -132,7 +132,8 @@ TEST_F(MapCommand, ExportsForOtherProgramsCoverTheWholeMap) {
   EXPECT_GT(read_table(at("model/sparse/0/points3D.txt")).size(), 50U);
   const size_t poses = read_table(folder + "/trajectory.txt").size();
   EXPECT_EQ(read_table(at("t.csv")).size(), poses + 1);
-  for (const BagTopic* topic : open_mcap(at("m.mcap"))->topics()) {
+  const auto recording = open_mcap(at("m.mcap"));
+  for (const BagTopic* topic : recording->topics()) {
     const bool of_images = topic->name.starts_with("/camera");
     EXPECT_EQ(topic->messages, topic->name == "/cloud" ? 1 : of_images ? images : poses) << topic->name;
   }
