@@ -23,19 +23,10 @@ RgbdCamera simulated_camera(const SimulationOptions& options) {
   PinholeCamera& c = camera.color;
   const double sx = static_cast<double>(options.width) / c.width;
   const double sy = static_cast<double>(options.height) / c.height;
-  c = {options.width,
-       options.height,
-       sx * c.fx,
-       sy * c.fy,
-       sx * (c.cx + 0.5) - 0.5,
-       sy * (c.cy + 0.5) - 0.5,
-       c.k1,
-       c.k2,
-       c.p1,
-       c.p2,
-       c.k3};
+  c = {options.width,           options.height,          sx * c.fx, sy * c.fy,
+       sx * (c.cx + 0.5) - 0.5, sy * (c.cy + 0.5) - 0.5, c.lens};
   if (sx == 1 && sy == 1) c = camera_preset("freiburg1").value().color;  // exactly
-  if (!options.lens_distortion) c.k1 = c.k2 = c.p1 = c.p2 = c.k3 = 0;
+  if (!options.lens_distortion) c.lens = {};
   if (options.fps > 0) camera.fps = options.fps;
   return camera;
 }

@@ -23,7 +23,7 @@ std::string number(double value) {
 json parameters_json(const PinholeCamera& camera, const LensCovariance& covariance) {
   json figures;
   const auto values = lens_parameters(camera);
-  for (int i = 0; i < kLensParameters; ++i) {
+  for (const int i : parameters_of(camera.lens.model)) {
     figures[kLensParameterNames[i]] = {{"value", values(i)}, {"deviation", std::sqrt(covariance(i, i))}};
   }
   return figures;
@@ -42,7 +42,7 @@ json numbers(const auto& vector) {
 std::string parameters_text(const PinholeCamera& camera, const LensCovariance& covariance) {
   std::string text;
   const auto values = lens_parameters(camera);
-  for (int i = 0; i < kLensParameters; ++i) {
+  for (const int i : parameters_of(camera.lens.model)) {
     text += fmt::format("  {:<3} {:>11} +- {}\n", kLensParameterNames[i], number(values(i)),
                         number(std::sqrt(covariance(i, i))));
   }
@@ -75,7 +75,7 @@ std::string parameter_table(const PinholeCamera& camera, const LensCovariance& c
                             const PinholeCamera* closed_form) {
   std::string rows;
   const auto values = lens_parameters(camera);
-  for (int i = 0; i < kLensParameters; ++i) {
+  for (const int i : parameters_of(camera.lens.model)) {
     const std::string closed = closed_form != nullptr ? number(lens_parameters(*closed_form)(i)) : "";
     rows += fmt::format(
         "<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>"

@@ -49,27 +49,26 @@ const Json& camera_at(const Json& calibration, const std::string& location) {
   throw InputError(fmt::format("calibration.json has no camera {}", location));
 }
 
-RationalCamera camera_in_mode(const Json& json, const SensorMode& mode) {
+PinholeCamera camera_in_mode(const Json& json, const SensorMode& mode) {
   constexpr size_t kParameters = 14;  // cx cy fx fy k1 to k6, 2 unused, p2 p1
   const Json& intrinsics = json.at("Intrinsics");
   const auto p = intrinsics.at("ModelParameters").get<std::vector<double>>();
   const auto model = intrinsics.at("ModelType").get<std::string>();
   if (p.size() != kParameters || !model.ends_with("BrownConrady"))
     throw InputError("calibration.json has a lens model other than BrownConrady with 14 parameters");
-  RationalCamera camera;
-  PinholeCamera& c = camera.pinhole;
+  PinholeCamera c;
   c.width = mode.image.width, c.height = mode.image.height;
   // Relative to the size of the sensor, from the corner of the first pixel; ours are from its centre.
   c.cx = p[0] * mode.scaled.width - mode.crop.x - 0.5;
   c.cy = p[1] * mode.scaled.height - mode.crop.y - 0.5;
   c.fx = p[2] * mode.scaled.width;
   c.fy = p[3] * mode.scaled.height;
-  camera.distortion = {p[4], p[5], p[13], p[12], p[6], p[7], p[8], p[9]};
+  c.lens = {LensModel::kRational, p[4], p[5], p[13], p[12], p[6], p[7], p[8], p[9]};
   const double focal_share = c.fx / mode.scaled.width;
   constexpr double kMinShare = 0.1, kMaxShare = 10;
   if (!(focal_share > kMinShare && focal_share < kMaxShare) || !(c.fy > 0) || !std::isfinite(c.cx + c.cy))
     throw InputError("calibration.json has impossible intrinsics");
-  return camera;
+  return c;
 }
 
 /// p_camera = T * p_rig.

@@ -5,13 +5,12 @@
 
 #include <opencv2/core/types.hpp>
 
-#include "drivers/images/rational_lens.hpp"
-#include "kinloop/geometry/se3.hpp"
+#include "kinloop/geometry/camera.hpp"
 
 namespace kinloop {
 
 struct AzureCalibration {
-  RationalCamera color, depth;
+  PinholeCamera color, depth;
   SE3 T_color_depth;
 };
 

@@ -87,10 +87,8 @@ class AzureSource : public FrameSource {
     try {
       const auto calibration =
           read_azure_calibration(*text, {color.width, color.height}, {depth.width, depth.height});
-      color_undistortion_.emplace(calibration.color);
-      depth_undistortion_.emplace(calibration.depth);
-      camera_.color = calibration.color.pinhole;
-      camera_.depth = calibration.depth.pinhole;
+      camera_.color = calibration.color;
+      camera_.depth = calibration.depth;
       camera_.T_color_depth = calibration.T_color_depth;
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}; use --camera FILE", info_.name, error.what()));
@@ -117,7 +115,6 @@ class AzureSource : public FrameSource {
     const MatroskaTrack& track = file_.tracks()[color_track_];
     ColorImage color = decoded_color(track, block.data);
     require_size(color.size(), camera_.color);
-    if (color_undistortion_) color = color_undistortion_->color(color.bgr());
     pairer_.add_color(block.stamp_ns, std::move(color));
   }
 
@@ -125,7 +122,6 @@ class AzureSource : public FrameSource {
     const MatroskaTrack& track = file_.tracks()[depth_track_];
     cv::Mat depth_m = decoded_depth(track, block.data);
     require_size(depth_m.size(), camera_.depth ? *camera_.depth : camera_.color);
-    if (depth_undistortion_) depth_m = depth_undistortion_->depth(depth_m);
     pairer_.add_depth(block.stamp_ns, depth_m);
   }
 
@@ -174,8 +170,6 @@ class AzureSource : public FrameSource {
   MatroskaFile file_;
   size_t color_track_ = 0, depth_track_ = 0;
   RgbdCamera camera_;
-  std::optional<RationalUndistortion> color_undistortion_,
-      depth_undistortion_;  ///< by the factory calibration
   std::optional<DepthRegistration> registration_;
   FramePairer pairer_;
   bool finished_ = false;

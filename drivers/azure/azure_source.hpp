@@ -9,9 +9,9 @@
 
 namespace kinloop {
 
-/// Opens a recording with tracks COLOR (MJPG, YUY2 or NV12) and DEPTH (16 bits, millimetres). Both images are
-/// undistorted by the factory calibration attached to the file, and depth is registered to colour. With
-/// `camera` images are taken as they are. Damaged images are skipped and counted. Throws InputError if the
+/// Opens a recording with tracks COLOR (MJPG, YUY2 or NV12) and DEPTH (16 bits, millimetres). The cameras
+/// are those of the factory calibration attached to the file unless `camera` is given; depth is registered to
+/// colour. Damaged images are skipped and counted. Throws InputError if the
 /// file is not such a recording or lacks its calibration, and UsageError in a build without libavformat.
 std::unique_ptr<FrameSource> open_azure_recording(const std::filesystem::path& path,
                                                   const std::optional<RgbdCamera>& camera);

@@ -16,7 +16,7 @@ constexpr double kMillimetresPerMetre = 1000;
 /// The camera of the mirrored image.
 PinholeCamera mirrored(PinholeCamera camera) {
   camera.cx = camera.width - 1 - camera.cx;
-  camera.p2 = -camera.p2;
+  camera.lens.p2 = -camera.lens.p2;
   return camera;
 }
 
@@ -31,7 +31,7 @@ PinholeCamera depth_lens(const libfreenect2::Freenect2Device::IrCameraParams& p)
   PinholeCamera camera;
   camera.width = kKinect2DepthWidth, camera.height = kKinect2DepthHeight;
   camera.fx = p.fx, camera.fy = p.fy, camera.cx = p.cx, camera.cy = p.cy;
-  camera.k1 = p.k1, camera.k2 = p.k2, camera.p1 = p.p1, camera.p2 = p.p2, camera.k3 = p.k3;
+  camera.lens = {LensModel::kBrownConrady, p.k1, p.k2, p.p1, p.p2, p.k3};
   return camera;
 }
 

@@ -30,7 +30,7 @@ int received_width(const KinectOptions& options) {
 /// An undistorted camera with the depth camera's field of view at the colour camera's position.
 PinholeCamera view_of_depth_camera(const PinholeCamera& depth) {
   PinholeCamera view = depth;
-  view.k1 = view.k2 = view.p1 = view.p2 = view.k3 = 0;
+  view.lens = {};
   return view;
 }
 

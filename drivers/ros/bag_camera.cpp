@@ -63,11 +63,6 @@ bool same_lens(const PinholeCamera& a, const PinholeCamera& b) {
          std::abs(a.cx - b.cx) < kTolerancePx;
 }
 
-PinholeCamera pinhole_of(const std::optional<RationalCamera>& rational, const RosCameraInfo& info,
-                         bool rectified) {
-  return rational ? rational->pinhole : camera_from(info, rectified);
-}
-
 /// Whether depth needs no registration for this transform.
 bool is_identity(const SE3& T) {
   constexpr double kToleranceM = 1e-6, kToleranceRad = 1e-6;
@@ -76,24 +71,18 @@ bool is_identity(const SE3& T) {
 
 }  // namespace
 
-BagCamera read_bag_camera(MessageFile& file, const BagStreams& streams, const std::string& name) {
+RgbdCamera read_bag_camera(MessageFile& file, const BagStreams& streams, const std::string& name) {
   const Findings found = read_findings(file, streams);
   if (!found.color)
     throw InputError(
         fmt::format("{}: no camera: no message on topic {}; use --camera FILE", name, streams.topics.info));
-  BagCamera result;
-  RgbdCamera& camera = result.camera;
-  result.rational_color = rational_camera_from(*found.color, streams.topics.rectified());
-  camera.color = pinhole_of(result.rational_color, *found.color, streams.topics.rectified());
-  if (found.same_frame() || !found.depth) {
-    result.rational_depth = result.rational_color;
-    return result;
-  }
+  RgbdCamera camera;
+  camera.color = camera_from(*found.color, streams.topics.rectified());
+  if (found.same_frame() || !found.depth) return camera;
   const bool depth_rectified = streams.topics.depth.find("rect") != std::string::npos;
-  result.rational_depth = rational_camera_from(*found.depth, depth_rectified);
-  const PinholeCamera depth = pinhole_of(result.rational_depth, *found.depth, depth_rectified);
+  const PinholeCamera depth = camera_from(*found.depth, depth_rectified);
   const auto T_color_depth = found.T_color_depth();
-  if (same_lens(camera.color, depth) && (!T_color_depth || is_identity(*T_color_depth))) return result;
+  if (same_lens(camera.color, depth) && (!T_color_depth || is_identity(*T_color_depth))) return camera;
   if (!T_color_depth) {
     throw InputError(fmt::format(
         "{}: depth is in the frame '{}', colour in '{}', and /tf_static does not connect them; use --camera "
@@ -102,7 +91,7 @@ BagCamera read_bag_camera(MessageFile& file, const BagStreams& streams, const st
   }
   camera.depth = depth;
   camera.T_color_depth = *T_color_depth;
-  return result;
+  return camera;
 }
 
 }  // namespace kinloop

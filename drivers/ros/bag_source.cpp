@@ -34,7 +34,7 @@ class BagSource : public FrameSource {
     if (of_sdk) {
       use_realsense(camera.has_value());
     } else if (!camera) {
-      use_camera_of_bag();
+      camera_ = read_bag_camera(*file_, streams_, info_.name);
     }
     if (camera_.depth) registration_.emplace(camera_);
     for (const BagTopic* topic : file_->topics()) {
@@ -74,13 +74,6 @@ class BagSource : public FrameSource {
     const auto calibration = read_realsense_calibration(*file_, streams_, info_.name);
     camera_ = calibration.camera;
     depth_unit_m_ = calibration.depth_unit_m;
-  }
-
-  void use_camera_of_bag() {
-    const BagCamera found = read_bag_camera(*file_, streams_, info_.name);
-    camera_ = found.camera;
-    if (found.rational_color) color_undistortion_.emplace(*found.rational_color);
-    if (found.rational_depth) depth_undistortion_.emplace(*found.rational_depth);
   }
 
   /// Passes the next message to the pairer, or detects the end.
@@ -129,15 +122,13 @@ class BagSource : public FrameSource {
 
   void add_color(int64_t stamp_ns, ColorImage image) {
     require_size(image.size(), camera_.color, "specify the camera of these images with --camera");
-    if (color_undistortion_) image = color_undistortion_->color(image.bgr());
     pairer_.add_color(stamp_ns, std::move(image));
   }
 
   void add_depth(int64_t stamp_ns, cv::Mat depth_m) {
     require_size(depth_m.size(), camera_.depth ? *camera_.depth : camera_.color,
                  "is depth registered to colour?");
-    pairer_.add_depth(stamp_ns,
-                      depth_undistortion_ ? depth_undistortion_->depth(depth_m) : std::move(depth_m));
+    pairer_.add_depth(stamp_ns, std::move(depth_m));
   }
 
   static void require_size(const cv::Size& size, const PinholeCamera& camera, const char* remedy) {
@@ -164,7 +155,6 @@ class BagSource : public FrameSource {
   RgbdCamera camera_;
   bool of_sdk_ = false;  ///< recorded by the RealSense SDK
   double depth_unit_m_ = kRosDepthUnitM;
-  std::optional<RationalUndistortion> color_undistortion_, depth_undistortion_;
   std::optional<DepthRegistration> registration_;  ///< if depth is not registered to colour
   FramePairer pairer_;
   bool finished_ = false;

@@ -82,9 +82,33 @@ cv::Mat compressed_depth_values(const std::string& format, Bytes data) {
   return decode_rvl(reader.block(reader.left()), cv::Size(static_cast<int>(cols), static_cast<int>(rows)));
 }
 
-/// Brown-Conrady coefficients in OpenCV's order.
-void set_distortion(PinholeCamera& camera, const std::array<double, 5>& d) {
-  camera.k1 = d[0], camera.k2 = d[1], camera.p1 = d[2], camera.p2 = d[3], camera.k3 = d[4];
+bool has_prefix_of(const std::vector<double>& coefficients, size_t count) {
+  return coefficients.size() >= count &&
+         std::all_of(coefficients.begin() + static_cast<std::ptrdiff_t>(count), coefficients.end(),
+                     [](double d) { return d == 0; });
+}
+
+/// The lens of a raw image; `camera` has the other parameters.
+LensDistortion lens_of(const RosCameraInfo& info, const PinholeCamera& camera) {
+  const std::string& model = info.distortion_model;
+  std::vector<double> d = info.D;
+  if (model == "rational_polynomial" && has_prefix_of(d, 8))  // behind them: thin prism and tilt
+    return lens_with(LensModel::kRational, std::span(d).first(8));
+  if ((model == "equidistant" || model == "fisheye" || model == "Kannala Brandt4") && has_prefix_of(d, 4))
+    return lens_with(LensModel::kKannalaBrandt, std::span(d).first(4));
+  std::array<double, 5> brown{};
+  if (d.size() <= brown.size()) std::copy(d.begin(), d.end(), brown.begin());
+  if (model == "Inverse Brown Conrady" || model == "Modified Brown Conrady") {
+    const auto lens = model[0] == 'I' ? RealsenseLens::kInverse : RealsenseLens::kModified;
+    return lens_with(LensModel::kBrownConrady, brown_conrady_from(lens, brown, camera));
+  }
+  if ((model != "plumb_bob" && model != "Brown Conrady" && !model.empty()) || d.size() > brown.size()) {
+    throw InputError(
+        fmt::format("the camera_info message has the distortion model '{}' with {} coefficients; plumb_bob, "
+                    "rational_polynomial and equidistant are supported: use --camera FILE",
+                    model, d.size()));
+  }
+  return lens_with(LensModel::kBrownConrady, brown);
 }
 
 }  // namespace
@@ -144,40 +168,9 @@ PinholeCamera camera_from(const RosCameraInfo& info, bool rectified) {
   if (!(camera.fx > 0) || !(camera.fy > 0) || camera.width <= 0 || camera.height <= 0) {
     throw InputError("the camera_info message is of an uncalibrated camera; use --camera FILE");
   }
-  const bool ideal = std::all_of(info.D.begin(), info.D.end(), [](double d) { return d == 0; });
-  const std::string& model = info.distortion_model;
-  if (rectified || ideal || model == "None") return camera;
-  std::array<double, 5> d{};
-  if (info.D.size() <= d.size()) std::copy(info.D.begin(), info.D.end(), d.begin());
-  if (model == "Inverse Brown Conrady" || model == "Modified Brown Conrady") {
-    const auto lens = model[0] == 'I' ? RealsenseLens::kInverse : RealsenseLens::kModified;
-    set_distortion(camera, brown_conrady_from(lens, d, camera));
-    return camera;
-  }
-  if ((model != "plumb_bob" && model != "Brown Conrady" && !model.empty()) || info.D.size() > d.size()) {
-    throw InputError(
-        fmt::format("the camera_info message has the distortion model '{}'; only plumb_bob is supported: "
-                    "use --camera FILE",
-                    model));
-  }
-  set_distortion(camera, d);
-  return camera;
-}
-
-std::optional<RationalCamera> rational_camera_from(const RosCameraInfo& info, bool rectified) {
-  RationalCamera camera;
-  const auto is_zero = [](double d) { return d == 0; };
-  const size_t terms = camera.distortion.size();
-  if (rectified || info.distortion_model != "rational_polynomial" || info.D.size() < terms ||
-      std::all_of(info.D.begin(), info.D.end(), is_zero)) {
-    return std::nullopt;
-  }
-  const auto rest = info.D.begin() + static_cast<std::ptrdiff_t>(terms);  // thin prism and tilt
-  if (!std::all_of(rest, info.D.end(), is_zero)) return std::nullopt;
-  std::copy(info.D.begin(), rest, camera.distortion.begin());
-  RosCameraInfo ideal = info;
-  ideal.D.clear();
-  camera.pinhole = camera_from(ideal, false);
+  const bool fisheye = info.distortion_model == "equidistant";  // distorts even if all coefficients are 0
+  const bool ideal = !fisheye && std::all_of(info.D.begin(), info.D.end(), [](double d) { return d == 0; });
+  if (!rectified && !ideal && info.distortion_model != "None") camera.lens = lens_of(info, camera);
   return camera;
 }
 

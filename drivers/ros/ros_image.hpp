@@ -11,7 +11,6 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "drivers/images/rational_lens.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/sensor/color_image.hpp"
 
@@ -55,9 +54,5 @@ struct RosCameraInfo {
 /// RealSense's inverse and modified Brown-Conrady distortion is approximated by ours. Throws InputError if
 /// the camera is uncalibrated or has another distortion model.
 PinholeCamera camera_from(const RosCameraInfo& info, bool rectified);
-
-/// Returns the camera of a raw image with the distortion model rational_polynomial, whose images must be
-/// undistorted; nullopt for all that `camera_from` can express.
-std::optional<RationalCamera> rational_camera_from(const RosCameraInfo& info, bool rectified);
 
 }  // namespace kinloop

@@ -7,20 +7,21 @@
 
 #include <Eigen/Core>
 
+#include "kinloop/geometry/lens.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {
 
-/// Pinhole camera with Brown-Conrady distortion (Brown 1966; OpenCV's order k1, k2, p1, p2, k3).
+/// Pinhole camera with the distortion of its lens.
 struct PinholeCamera {
   int width = 0;                          // px
   int height = 0;                         // px
   double fx = 0, fy = 0, cx = 0, cy = 0;  // px
-  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+  LensDistortion lens;
 
   bool operator==(const PinholeCamera&) const = default;
 
-  [[nodiscard]] bool has_distortion() const { return k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0 || k3 != 0; }
+  [[nodiscard]] bool has_distortion() const { return !lens.is_identity(); }
 
   /// Returns the undistorted pixel of a point with z > 0.
   [[nodiscard]] Eigen::Vector2d project(const Eigen::Vector3d& p_camera) const {
@@ -38,7 +39,8 @@ struct PinholeCamera {
   /// Returns the raw (distorted) pixel of an undistorted one.
   [[nodiscard]] Eigen::Vector2d distort(const Eigen::Vector2d& undistorted) const;
 
-  /// Returns the undistorted pixel of a raw one (Newton's method on `distort`).
+  /// Returns the undistorted pixel of a raw one. A raw pixel that the lens cannot produce gives the limit of
+  /// its field of view.
   [[nodiscard]] Eigen::Vector2d undistort(const Eigen::Vector2d& raw) const;
 
   /// Returns whether the pixel lies inside the image, at least `margin_px` from its border.

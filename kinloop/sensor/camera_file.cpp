@@ -1,7 +1,6 @@
 #include "kinloop/sensor/camera_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -16,8 +15,6 @@
 
 namespace kinloop {
 namespace {
-
-constexpr size_t kDistortionSize = 5;  // k1 k2 p1 p2 k3
 
 /// yaml-cpp counts lines from 0.
 size_t line_of(const YAML::Mark& mark) {
@@ -75,20 +72,35 @@ class Block {
     return size;
   }
 
-  template <size_t kCount>
-  [[nodiscard]] std::array<double, kCount> numbers(const std::string& key, const std::string& example,
-                                                   Range range) const {
+  /// A list with one of the `counts`.
+  [[nodiscard]] std::vector<double> numbers(const std::string& key, const std::vector<size_t>& counts,
+                                            const std::string& example, Range range) const {
     const YAML::Node list = at(key, example);
-    const std::string expected =
-        fmt::format("a list of {} numbers from {} to {}, e.g. {}", kCount, range.low, range.high, example);
-    if (!list.IsSequence() || list.size() != kCount) reject(list, key, expected);
-    std::array<double, kCount> values{};
-    for (size_t i = 0; i < kCount; ++i) values[i] = to_number(list[i], key, expected, range);
+    const std::string expected = fmt::format("a list of {} numbers from {} to {}, e.g. {}",
+                                             fmt::join(counts, " or "), range.low, range.high, example);
+    if (!list.IsSequence() || std::find(counts.begin(), counts.end(), list.size()) == counts.end())
+      reject(list, key, expected);
+    std::vector<double> values;
+    for (const YAML::Node& number : list) values.push_back(to_number(number, key, expected, range));
     return values;
   }
 
   [[nodiscard]] Eigen::Vector3d vector3(const std::string& key, Range range) const {
-    return Eigen::Vector3d(numbers<3>(key, "[0, 0, 0]", range).data());
+    return Eigen::Vector3d(numbers(key, {3}, "[0, 0, 0]", range).data());
+  }
+
+  /// One of the `names`.
+  [[nodiscard]] std::string name(const std::string& key, const std::vector<std::string>& names) const {
+    const YAML::Node value = at(key, names.front());
+    const auto text = value.as<std::string>("");
+    if (std::find(names.begin(), names.end(), text) == names.end())
+      reject(value, key, fmt::format("one of {}", fmt::join(names, ", ")));
+    return text;
+  }
+
+  /// Rejects a key that contradicts others.
+  void refuse(const std::string& key, const std::string& why) const {
+    if (has(key)) throw_parse_error(path_, lines_.at(key), fmt::format("key '{}{}': {}", prefix_, key, why));
   }
 
  private:
@@ -120,10 +132,37 @@ class Block {
   std::map<std::string, size_t> lines_;  ///< of the keys present
 };
 
+constexpr const char* kNoDistortion = "none";
+
+/// The model is that of the key `model`, else that with this number of coefficients.
+LensDistortion read_distortion(const Block& block) {
+  constexpr Range kCoefficients{-100, 100};
+  const auto read = [&](const std::vector<size_t>& counts, const std::string& example) {
+    return block.numbers("distortion", counts, example, kCoefficients);
+  };
+  std::string model;
+  if (block.has("model")) {
+    auto names = names_of<LensModel>();
+    names.emplace_back(kNoDistortion);
+    model = block.name("model", names);
+  }
+  if (model == kNoDistortion) {
+    block.refuse("distortion", "the model none has no coefficients; remove one of the two keys");
+    return {};
+  }
+  if (model == name_of(LensModel::kKannalaBrandt))
+    return lens_with(LensModel::kKannalaBrandt, read({4}, "[0, 0, 0, 0]"));
+  std::vector<size_t> counts = {5, 8};
+  if (model == name_of(LensModel::kBrownConrady)) counts = {5};
+  if (model == name_of(LensModel::kRational)) counts = {8};
+  const auto d = read(counts, counts.front() == 8 ? "[0, 0, 0, 0, 0, 0, 0, 0]" : "[0, 0, 0, 0, 0]");
+  return lens_with(d.size() == 8 ? LensModel::kRational : LensModel::kBrownConrady, d);
+}
+
 /// Reads a pinhole camera for the given image size; the ranges admit any lens, from fish-eye to telephoto,
 /// and crops of larger images.
 PinholeCamera read_lens(const Block& block, int width, int height) {
-  constexpr double kFocalRange = 10, kMaxDistortion = 100;
+  constexpr double kFocalRange = 10;
   const double extent_px = width + height;
   const Range focal_px{extent_px / kFocalRange, extent_px * kFocalRange};
   PinholeCamera camera;
@@ -132,9 +171,7 @@ PinholeCamera read_lens(const Block& block, int width, int height) {
   camera.fy = block.number("fy", "525", focal_px);
   camera.cx = block.number("cx", "319.5", {-1.0 * width, 2.0 * width});
   camera.cy = block.number("cy", "239.5", {-1.0 * height, 2.0 * height});
-  const auto d =
-      block.numbers<kDistortionSize>("distortion", "[0, 0, 0, 0, 0]", {-kMaxDistortion, kMaxDistortion});
-  camera.k1 = d[0], camera.k2 = d[1], camera.p1 = d[2], camera.p2 = d[3], camera.k3 = d[4];
+  camera.lens = read_distortion(block);
   return camera;
 }
 
@@ -159,9 +196,16 @@ YAML::Node parse_yaml(const std::string& text, const std::filesystem::path& path
 
 std::string lens_text(const PinholeCamera& c, const char* separator) {
   return fmt::format(
-      "width: {1}{0}height: {2}{0}fx: {3}{0}fy: {4}{0}cx: {5}{0}cy: {6}{0}"
-      "distortion: [{7}, {8}, {9}, {10}, {11}]",
-      separator, c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3);
+      "width: {1}{0}height: {2}{0}fx: {3}{0}fy: {4}{0}cx: {5}{0}cy: {6}{0}{7}distortion: [{8}]", separator,
+      c.width, c.height, c.fx, c.fy, c.cx, c.cy,
+      c.lens.model == LensModel::kBrownConrady ? ""
+                                               : fmt::format("model: {}{}", name_of(c.lens.model), separator),
+      fmt::join(lens_coefficients(c.lens), ", "));
+}
+
+const char* coefficient_names(LensModel model) {
+  if (model == LensModel::kKannalaBrandt) return "k1 k2 k3 k4";
+  return model == LensModel::kRational ? "k1 k2 p1 p2 k3 k4 k5 k6" : "k1 k2 p1 p2 k3";
 }
 
 }  // namespace
@@ -172,7 +216,7 @@ RgbdCamera read_camera_file(const std::filesystem::path& path) {
 
 RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path& path) {
   const Block block(path, "", parse_yaml(text, path),
-                    {"width", "height", "fx", "fy", "cx", "cy", "distortion", "depth_scale", "fps",
+                    {"width", "height", "fx", "fy", "cx", "cy", "model", "distortion", "depth_scale", "fps",
                      "rolling_shutter_s", "depth_offset_s", "depth_shift_m", "depth", "T_color_depth"});
   RgbdCamera camera;
   camera.color = read_lens(block, block.size_px("width", "640"), block.size_px("height", "480"));
@@ -183,7 +227,7 @@ RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path
   camera.depth_shift_m = block.number_or_zero("depth_shift_m", "metres", {-1, 1});
   if (block.has("depth")) {
     const Block depth(path, "depth.", block.at("depth", ""),
-                      {"width", "height", "fx", "fy", "cx", "cy", "distortion"});
+                      {"width", "height", "fx", "fy", "cx", "cy", "model", "distortion"});
     const Block motion(path, "T_color_depth.",
                        block.at("T_color_depth", "{translation: [0.025, 0, 0], rotation_vector: [0, 0, 0]}"),
                        {"translation", "rotation_vector"});
@@ -198,7 +242,8 @@ RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path
 }
 
 void write_camera_file(const std::filesystem::path& path, const RgbdCamera& camera) {
-  std::string text = lens_text(camera.color, "\n") + "  # k1 k2 p1 p2 k3\n";
+  std::string text =
+      lens_text(camera.color, "\n") + fmt::format("  # {}\n", coefficient_names(camera.color.lens.model));
   text += fmt::format("depth_scale: {}  # units of the depth image per metre\nfps: {}\n", camera.depth_scale,
                       camera.fps);
   if (camera.rolling_shutter_s != 0) text += fmt::format("rolling_shutter_s: {}\n", camera.rolling_shutter_s);

@@ -22,8 +22,7 @@ PinholeCamera pinhole(double fx, double fy, double cx, double cy) {
 }
 
 PinholeCamera with_distortion(PinholeCamera camera, const std::array<double, 5>& k1_k2_p1_p2_k3) {
-  const auto& d = k1_k2_p1_p2_k3;
-  camera.k1 = d[0], camera.k2 = d[1], camera.p1 = d[2], camera.p2 = d[3], camera.k3 = d[4];
+  camera.lens = lens_with(LensModel::kBrownConrady, k1_k2_p1_p2_k3);
   return camera;
 }
 

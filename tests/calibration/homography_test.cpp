@@ -12,7 +12,7 @@ using test::board_at;
 using test::small_board;
 
 PinholeCamera undistorted(PinholeCamera camera) {
-  camera.k1 = camera.k2 = camera.p1 = camera.p2 = camera.k3 = 0;
+  camera.lens = {};
   return camera;
 }
 

@@ -59,8 +59,8 @@ TEST(CalibrateLens, TheCovarianceIsThatOfTheErrors) {
   }
   // The mean of 60 chi-squares with 9 degrees of freedom has a deviation of 0.55; `dependence` only widens
   // it.
-  EXPECT_LT(sum, kLensParameters + 2);
-  EXPECT_GT(sum, kLensParameters * 0.5);
+  EXPECT_LT(sum, test::kBrownConradyParameters + 2);
+  EXPECT_GT(sum, test::kBrownConradyParameters * 0.5);
   EXPECT_LT(dependence, 1.35);
 }
 
@@ -95,9 +95,10 @@ TEST(CalibrateLens, TheCovarianceCoversCorrelatedErrors) {
     sum += squared / kTrials;
     as_if_independent += squared * c.sigma_inflation * c.sigma_inflation / kTrials;
   }
-  EXPECT_GT(as_if_independent, 2.5 * kLensParameters) << "the bend has no effect: nothing is tested";
-  EXPECT_LT(sum, 1.6 * kLensParameters);
-  EXPECT_GT(sum, 0.5 * kLensParameters);
+  EXPECT_GT(as_if_independent, 2.5 * test::kBrownConradyParameters)
+      << "the bend has no effect: nothing is tested";
+  EXPECT_LT(sum, 1.6 * test::kBrownConradyParameters);
+  EXPECT_GT(sum, 0.5 * test::kBrownConradyParameters);
 }
 
 TEST(CalibrateLens, AgreesWithOpenCvOnTheSameCorners) {
@@ -122,8 +123,8 @@ TEST(CalibrateLens, AgreesWithOpenCvOnTheSameCorners) {
   EXPECT_NEAR(c.camera.fy, K.at<double>(1, 1), 0.02);
   EXPECT_NEAR(c.camera.cx, K.at<double>(0, 2), 0.02);
   EXPECT_NEAR(c.camera.cy, K.at<double>(1, 2), 0.02);
-  EXPECT_NEAR(c.camera.k1, D.at<double>(0), 1e-4);
-  EXPECT_NEAR(c.camera.p2, D.at<double>(3), 1e-5);
+  EXPECT_NEAR(c.camera.lens.k1, D.at<double>(0), 1e-4);
+  EXPECT_NEAR(c.camera.lens.p2, D.at<double>(3), 1e-5);
 }
 
 TEST(CalibrateLens, LeavesOutAndNamesViewsThatDoNotAgree) {
@@ -143,9 +144,9 @@ TEST(CalibrateLens, EstimatesOnlyTheDistortionAskedFor) {
   CalibrationOptions options;
   options.distortion_terms = 2;
   const LensCalibration c = calibrate_lens(random_views(color_camera(), 12, 0.1, 7), options);
-  EXPECT_EQ(c.camera.p1, 0);
-  EXPECT_EQ(c.camera.k3, 0);
-  EXPECT_NE(c.camera.k1, 0);
+  EXPECT_EQ(c.camera.lens.p1, 0);
+  EXPECT_EQ(c.camera.lens.k3, 0);
+  EXPECT_NE(c.camera.lens.k1, 0);
   EXPECT_EQ(c.std_deviations()(6), 0);
   EXPECT_GT(c.std_deviations()(4), 0);
 }
@@ -171,7 +172,7 @@ TEST(CalibrateLens, RejectsDegenerateViews) {
   std::vector<BoardView> parallel;
   for (int i = 0; i < 5; ++i) {
     PinholeCamera camera = color_camera();
-    camera.k1 = camera.k2 = camera.p1 = camera.p2 = camera.k3 = 0;
+    camera.lens = {};
     const SE3 pose = test::board_at({0.02 * i, 0, 0.5 + 0.05 * i}, {0, 0, 0.1}, small_board());
     parallel.push_back(test::view_of(camera, pose, small_board(), fmt::format("v{}", i)));
   }

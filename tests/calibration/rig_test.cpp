@@ -54,7 +54,7 @@ TEST(CalibrateRig, KeepsLensesAndMotionThatAreKnown) {
   const RigCalibration rig =
       calibrate_rig(pairs, {color_camera(), {}}, {infrared_camera(), {}}, small_board());
   EXPECT_EQ(rig.color.fx, color_camera().fx);
-  EXPECT_EQ(rig.infrared.k2, infrared_camera().k2);
+  EXPECT_EQ(rig.infrared.lens.k2, infrared_camera().lens.k2);
   EXPECT_EQ(rig.color_covariance.norm(), 0);
   EXPECT_LT((rig.T_color_infrared.translation - true_motion().translation).norm(), 1e-3);
   const RigCalibration held =

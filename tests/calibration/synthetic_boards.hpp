@@ -22,7 +22,7 @@ inline PinholeCamera color_camera() {
   PinholeCamera c;
   c.width = 1920, c.height = 1080;
   c.fx = 1064, c.fy = 1067, c.cx = 983, c.cy = 530;
-  c.k1 = 0.03, c.k2 = 0.02, c.p1 = 0.0005, c.p2 = -0.002, c.k3 = -0.05;
+  c.lens.k1 = 0.03, c.lens.k2 = 0.02, c.lens.p1 = 0.0005, c.lens.p2 = -0.002, c.lens.k3 = -0.05;
   return c;
 }
 
@@ -30,7 +30,7 @@ inline PinholeCamera infrared_camera() {
   PinholeCamera c;
   c.width = 512, c.height = 424;
   c.fx = 366, c.fy = 365, c.cx = 253, c.cy = 201;
-  c.k1 = 0.09, c.k2 = -0.26, c.p1 = -0.001, c.p2 = 0.0005, c.k3 = 0.09;
+  c.lens.k1 = 0.09, c.lens.k2 = -0.26, c.lens.p1 = -0.001, c.lens.p2 = 0.0005, c.lens.k3 = 0.09;
   return c;
 }
 
@@ -80,10 +80,13 @@ inline std::vector<BoardView> random_views(const PinholeCamera& camera, int coun
   return views;
 }
 
+/// fx fy cx cy k1 k2 p1 p2 k3.
+constexpr int kBrownConradyParameters = 9;
+
 /// Squared deviation of the estimate from the truth in units of its covariance, over the first `count`
 /// parameters; about `count` on average if the covariance is right.
 inline double squared_deviations(const LensCalibration& c, const PinholeCamera& truth,
-                                 int count = kLensParameters) {
+                                 int count = kBrownConradyParameters) {
   const Eigen::VectorXd error = (lens_parameters(c.camera) - lens_parameters(truth)).head(count);
   return error.dot(c.covariance.topLeftCorner(count, count).ldlt().solve(error));
 }

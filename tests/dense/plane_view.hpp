@@ -15,7 +15,8 @@ inline PinholeCamera small_camera() {
 /// A lens with as much distortion as that of TUM's freiburg1.
 inline PinholeCamera distorted_camera() {
   auto camera = small_camera();
-  camera.k1 = 0.26, camera.k2 = -0.95, camera.p1 = -0.005, camera.p2 = 0.003, camera.k3 = 1.16;
+  camera.lens.k1 = 0.26, camera.lens.k2 = -0.95, camera.lens.p1 = -0.005, camera.lens.p2 = 0.003,
+  camera.lens.k3 = 1.16;
   return camera;
 }
 

@@ -187,7 +187,7 @@ Sample simulated_sample(int frames) {
   auto& lens = sample.lens;
   for (double* value : {&lens.fx, &lens.fy, &lens.cx, &lens.cy})
     *value = static_cast<double>(static_cast<float>(*value));  // .sens has floats
-  lens.k1 = lens.k2 = lens.p1 = lens.p2 = lens.k3 = 0;         // which most layouts cannot express
+  lens.lens = {};                                              // which most layouts cannot express
   for (size_t i = 0; i < recording.frames.size(); ++i) {
     cv::Mat depth_mm;
     recording.frames[i].depth_m.convertTo(depth_mm, CV_16UC1, 1000);

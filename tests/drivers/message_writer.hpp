@@ -107,7 +107,7 @@ inline std::string info_message(Serialization kind, const PinholeCamera& c, cons
 
 inline std::string info_message(Serialization kind, const PinholeCamera& c,
                                 const std::string& model = "plumb_bob") {
-  return info_message(kind, c, model, {c.k1, c.k2, c.p1, c.p2, c.k3}, "color");
+  return info_message(kind, c, model, {c.lens.k1, c.lens.k2, c.lens.p1, c.lens.p2, c.lens.k3}, "color");
 }
 
 inline std::string rational_info_message(Serialization kind, const RationalCamera& lens) {

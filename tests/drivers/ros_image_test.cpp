@@ -180,7 +180,7 @@ TEST(RosCameraInfo, BecomesACamera) {
   info.P = {500, 0, 310, 0, 0, 501, 235, 0, 0, 0, 1, 0};
   const PinholeCamera raw = camera_from(info, false);
   EXPECT_EQ(raw.fx, 520);
-  EXPECT_EQ(raw.p2, 0.002);
+  EXPECT_EQ(raw.lens.p2, 0.002);
   const PinholeCamera rectified = camera_from(info, true);
   EXPECT_EQ(rectified.fx, 500);
   EXPECT_EQ(rectified.cy, 235);
@@ -195,8 +195,8 @@ TEST(RealsenseLens, IsApproximatedWithinATenthOfAPixel) {
   camera.width = 1280, camera.height = 720, camera.fx = camera.fy = 640, camera.cx = 640, camera.cy = 360;
   const std::array<double, 5> d = {-0.056, 0.068, 0.0003, 0.0005, -0.022};  // of a D455
   const auto fitted = brown_conrady_from(RealsenseLens::kInverse, d, camera);
-  camera.k1 = fitted[0], camera.k2 = fitted[1], camera.p1 = fitted[2], camera.p2 = fitted[3],
-  camera.k3 = fitted[4];
+  camera.lens.k1 = fitted[0], camera.lens.k2 = fitted[1], camera.lens.p1 = fitted[2],
+  camera.lens.p2 = fitted[3], camera.lens.k3 = fitted[4];
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0, 0), {1279, 0}, {640, 700}, {100, 400}}) {
     const double x = (pixel.x() - 640) / 640, y = (pixel.y() - 360) / 640, r2 = x * x + y * y;
     const double radial = 1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));

@@ -153,11 +153,11 @@ TEST(Extractor, LocatesCornersBetweenPixels) {
 
 TEST(Extractor, UndistortsKeypointsNotTheDepthMap) {
   PinholeCamera camera = ideal_camera();
-  camera.k1 = 0.262383;
-  camera.k2 = -0.953104;
-  camera.p1 = -0.005358;
-  camera.p2 = 0.002628;
-  camera.k3 = 1.163314;
+  camera.lens.k1 = 0.262383;
+  camera.lens.k2 = -0.953104;
+  camera.lens.p1 = -0.005358;
+  camera.lens.p2 = 0.002628;
+  camera.lens.k3 = 1.163314;
   cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(2.0F));
   depth.colRange(0, 320).setTo(1.0F);
   const Features f = extract_features(cluttered_image(5), depth, camera, {});

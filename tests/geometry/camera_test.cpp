@@ -16,7 +16,8 @@ PinholeCamera freiburg1() {
   PinholeCamera c;
   c.width = 640, c.height = 480;
   c.fx = 517.306408, c.fy = 516.469215, c.cx = 318.643040, c.cy = 255.313989;
-  c.k1 = 0.262383, c.k2 = -0.953104, c.p1 = -0.005358, c.p2 = 0.002628, c.k3 = 1.163314;
+  c.lens.k1 = 0.262383, c.lens.k2 = -0.953104, c.lens.p1 = -0.005358, c.lens.p2 = 0.002628,
+  c.lens.k3 = 1.163314;
   return c;
 }
 
@@ -24,12 +25,13 @@ PinholeCamera freiburg2() {
   PinholeCamera c;
   c.width = 640, c.height = 480;
   c.fx = 520.908620, c.fy = 521.007327, c.cx = 325.141442, c.cy = 249.701764;
-  c.k1 = 0.231222, c.k2 = -0.784899, c.p1 = -0.003257, c.p2 = -0.000105, c.k3 = 0.917205;
+  c.lens.k1 = 0.231222, c.lens.k2 = -0.784899, c.lens.p1 = -0.003257, c.lens.p2 = -0.000105,
+  c.lens.k3 = 0.917205;
   return c;
 }
 
 PinholeCamera without_distortion(PinholeCamera c) {
-  c.k1 = c.k2 = c.p1 = c.p2 = c.k3 = 0;
+  c.lens = {};
   return c;
 }
 
@@ -37,9 +39,10 @@ PinholeCamera without_distortion(PinholeCamera c) {
 Eigen::Vector2d distort_by_the_book(const PinholeCamera& c, const Eigen::Vector2d& pixel) {
   const double x = (pixel.x() - c.cx) / c.fx, y = (pixel.y() - c.cy) / c.fy;
   const double r = std::hypot(x, y);
-  const double radial = 1 + c.k1 * std::pow(r, 2) + c.k2 * std::pow(r, 4) + c.k3 * std::pow(r, 6);
-  const double xd = x * radial + 2 * c.p1 * x * y + c.p2 * (r * r + 2 * x * x);
-  const double yd = y * radial + c.p1 * (r * r + 2 * y * y) + 2 * c.p2 * x * y;
+  const double radial =
+      1 + c.lens.k1 * std::pow(r, 2) + c.lens.k2 * std::pow(r, 4) + c.lens.k3 * std::pow(r, 6);
+  const double xd = x * radial + 2 * c.lens.p1 * x * y + c.lens.p2 * (r * r + 2 * x * x);
+  const double yd = y * radial + c.lens.p1 * (r * r + 2 * y * y) + 2 * c.lens.p2 * x * y;
   return {c.fx * xd + c.cx, c.fy * yd + c.cy};
 }
 
@@ -133,10 +136,10 @@ TEST(PinholeCamera, WithoutDistortionPixelsStayBitByBit) {
 }
 
 TEST(PinholeCamera, OneCoefficientIsDistortion) {
-  for (double PinholeCamera::*k :
-       {&PinholeCamera::k1, &PinholeCamera::k2, &PinholeCamera::p1, &PinholeCamera::p2, &PinholeCamera::k3}) {
+  using Lens = LensDistortion;
+  for (double Lens::*k : {&Lens::k1, &Lens::k2, &Lens::p1, &Lens::p2, &Lens::k3}) {
     PinholeCamera c = without_distortion(freiburg1());
-    c.*k = 0.01;
+    c.lens.*k = 0.01;
     EXPECT_TRUE(c.has_distortion());
     EXPECT_NE(c.distort({0, 0}), Eigen::Vector2d(0, 0));
   }
@@ -144,7 +147,7 @@ TEST(PinholeCamera, OneCoefficientIsDistortion) {
 
 TEST(PinholeCamera, ALensNoOneBuildsStillGivesNumbers) {
   PinholeCamera c = freiburg1();
-  c.k1 = -50, c.k2 = 900;
+  c.lens.k1 = -50, c.lens.k2 = 900;
   for (int u = 0; u < 640; u += 40) EXPECT_TRUE(c.undistort({u, u * 0.75}).allFinite());
 }
 

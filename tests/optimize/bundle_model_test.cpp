@@ -99,11 +99,11 @@ TEST(BundleModel, ObservationsWithoutDepthHaveNoDepthRow) {
 
 TEST(SensorModel, CorrectedCameraMatchesTheCorrections) {
   PinholeCamera camera = test::kinect();
-  camera.k1 = 0.26;
-  camera.k2 = -0.95;
-  camera.k3 = 1.16;
-  camera.p1 = -0.005;
-  EXPECT_NEAR(corrected_camera(camera, SensorVector::Zero()).k3, camera.k3, 1e-9);
+  camera.lens.k1 = 0.26;
+  camera.lens.k2 = -0.95;
+  camera.lens.k3 = 1.16;
+  camera.lens.p1 = -0.005;
+  EXPECT_NEAR(corrected_camera(camera, SensorVector::Zero()).lens.k3, camera.lens.k3, 1e-9);
   SensorVector correction = SensorVector::Zero();
   correction(kFocalX) = 4;
   correction(kFocalY) = 3;

@@ -22,10 +22,10 @@ PinholeCamera small_camera(bool distorted) {
   camera.cx = 159.5;
   camera.cy = 119.5;
   if (distorted) {
-    camera.k1 = 0.26;
-    camera.k2 = -0.95;
-    camera.k3 = 1.16;
-    camera.p1 = -0.005;
+    camera.lens.k1 = 0.26;
+    camera.lens.k2 = -0.95;
+    camera.lens.k3 = 1.16;
+    camera.lens.p1 = -0.005;
   }
   return camera;
 }

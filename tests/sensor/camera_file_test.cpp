@@ -51,11 +51,11 @@ TEST_F(CameraFile, ReadsWhatIsThere) {
   EXPECT_EQ(camera.color.fy, 516.5);
   EXPECT_EQ(camera.color.cx, 318.6);
   EXPECT_EQ(camera.color.cy, 255.3);
-  EXPECT_EQ(camera.color.k1, 0.2624);
-  EXPECT_EQ(camera.color.k2, -0.9531);
-  EXPECT_EQ(camera.color.p1, -0.0054);
-  EXPECT_EQ(camera.color.p2, 0.0026);
-  EXPECT_EQ(camera.color.k3, 1.1633);
+  EXPECT_EQ(camera.color.lens.k1, 0.2624);
+  EXPECT_EQ(camera.color.lens.k2, -0.9531);
+  EXPECT_EQ(camera.color.lens.p1, -0.0054);
+  EXPECT_EQ(camera.color.lens.p2, 0.0026);
+  EXPECT_EQ(camera.color.lens.k3, 1.1633);
   EXPECT_EQ(camera.depth_scale, 5000);
   EXPECT_EQ(camera.fps, 30);
   EXPECT_EQ(camera.rolling_shutter_s, 0);
@@ -76,7 +76,7 @@ TEST_F(CameraFile, ReadsTheOptionalKeys) {
   EXPECT_EQ(camera.depth->width, 512);
   EXPECT_EQ(camera.depth->height, 424);
   EXPECT_EQ(camera.depth->fy, 366);
-  EXPECT_EQ(camera.depth->k3, 5);
+  EXPECT_EQ(camera.depth->lens.k3, 5);
   const Eigen::Vector3d p = camera.T_color_depth * Eigen::Vector3d(1, 0, 0);
   EXPECT_LT((p - Eigen::Vector3d(-0.05, 1.01, 0.02)).norm(), 1e-12);
 }
@@ -107,11 +107,11 @@ TEST_F(CameraFile, WritingAndReadingGivesTheSameCamera) {
     EXPECT_EQ(a.fy, b.fy);
     EXPECT_EQ(a.cx, b.cx);
     EXPECT_EQ(a.cy, b.cy);
-    EXPECT_EQ(a.k1, b.k1);
-    EXPECT_EQ(a.k2, b.k2);
-    EXPECT_EQ(a.p1, b.p1);
-    EXPECT_EQ(a.p2, b.p2);
-    EXPECT_EQ(a.k3, b.k3);
+    EXPECT_EQ(a.lens.k1, b.lens.k1);
+    EXPECT_EQ(a.lens.k2, b.lens.k2);
+    EXPECT_EQ(a.lens.p1, b.lens.p1);
+    EXPECT_EQ(a.lens.p2, b.lens.p2);
+    EXPECT_EQ(a.lens.k3, b.lens.k3);
   }
   EXPECT_EQ(camera.depth_scale, again.depth_scale);
   EXPECT_EQ(camera.fps, again.fps);
@@ -199,10 +199,10 @@ TEST(CameraPreset, HoldsThePublishedValues) {
   const auto fr1 = camera_preset("freiburg1");
   ASSERT_TRUE(fr1);
   EXPECT_EQ(fr1->color.fx, 517.306408);
-  EXPECT_EQ(fr1->color.k3, 1.163314);
+  EXPECT_EQ(fr1->color.lens.k3, 1.163314);
   EXPECT_EQ(fr1->depth_scale, 5000);
   EXPECT_EQ(camera_preset("freiburg2")->depth_scale, 5208);
-  EXPECT_EQ(camera_preset("freiburg2")->color.p2, -0.000105);
+  EXPECT_EQ(camera_preset("freiburg2")->color.lens.p2, -0.000105);
   EXPECT_FALSE(camera_preset("freiburg3")->color.has_distortion());
   EXPECT_EQ(camera_preset("icl")->color.fy, 480);
   for (const char* name : {"freiburg1", "freiburg2", "freiburg3", "icl"}) {

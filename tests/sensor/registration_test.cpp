@@ -19,11 +19,11 @@ RgbdCamera kinect2_like(int color_width = 960) {
   RgbdCamera camera;
   PinholeCamera color;
   color.width = 1920, color.height = 1080, color.fx = 1064, color.fy = 1067, color.cx = 983, color.cy = 530;
-  color.k1 = 0.03, color.p2 = -0.002;
+  color.lens.k1 = 0.03, color.lens.p2 = -0.002;
   camera.color = resized(color, color_width);
   PinholeCamera depth;
   depth.width = 512, depth.height = 424, depth.fx = 366, depth.fy = 365, depth.cx = 253, depth.cy = 201;
-  depth.k1 = 0.09, depth.k2 = -0.26, depth.k3 = 0.09;
+  depth.lens.k1 = 0.09, depth.lens.k2 = -0.26, depth.lens.k3 = 0.09;
   camera.depth = depth;
   camera.T_color_depth = {exp_so3({0.01, -0.004, 0.002}), {-0.052, 0.0004, 0.001}};
   return camera;
@@ -138,7 +138,7 @@ TEST(Registration, IgnoresFoldedDistortion) {
   RgbdCamera camera = kinect2_like();
   const cv::Mat depth_m(camera.depth->height, camera.depth->width, CV_32FC1, cv::Scalar(1.5));
   const int seen = cv::countNonZero(DepthRegistration(camera)(depth_m));
-  camera.depth->k3 = -4;  // a possible result of ten images
+  camera.depth->lens.k3 = -4;  // a possible result of ten images
   const int still_seen = cv::countNonZero(DepthRegistration(camera)(depth_m));
   EXPECT_LT(still_seen, seen);
   EXPECT_GT(still_seen, seen / 3) << "the middle is unchanged";

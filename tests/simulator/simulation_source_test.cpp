@@ -245,7 +245,7 @@ TEST(TumWriter, WhatIsWrittenReadsBackAsTheSameFrames) {
 
   TumSource read(folder.path());
   EXPECT_EQ(read.camera().color.fx, source.camera().color.fx);
-  EXPECT_EQ(read.camera().color.k3, source.camera().color.k3);
+  EXPECT_EQ(read.camera().color.lens.k3, source.camera().color.lens.k3);
   EXPECT_EQ(read.info().ground_truth.size(), source.info().ground_truth.size());
   for (size_t i = 0; i < kFrames; ++i) {
     const auto frame = read.next();

@@ -29,7 +29,7 @@ TEST(SelfCalibration, WithoutEstimatesTheCameraIsUnchanged) {
   nothing.value = nominal_sensor(some_camera());
   const RgbdCamera calibrated = calibrated_camera(some_camera(), nothing);
   EXPECT_EQ(calibrated.color.fx, 525);
-  EXPECT_EQ(calibrated.color.k1, 0);
+  EXPECT_EQ(calibrated.color.lens.k1, 0);
   EXPECT_EQ(calibrated.rolling_shutter_s, 0.02);
   EXPECT_EQ(calibrated.depth_offset_s, 0.01);
 }

@@ -213,7 +213,7 @@ TEST_F(Wall, RefinementMovesKeypointsToTheirLandmarks) {
 
 TEST(RawPixelOf, InvertsDeskewing) {
   PinholeCamera camera = vga_camera();
-  camera.k1 = 0.1;
+  camera.lens.k1 = 0.1;
   SensorVector sensor = SensorVector::Zero();
   sensor(kRollingShutter) = 0.03;
   const Velocity velocity{{0.3, -0.1, 0.2}, {0.4, 0.8, -0.3}};

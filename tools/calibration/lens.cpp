@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -45,13 +46,12 @@ void require_enough_views(size_t views) {
                   views, kMinViews));
 }
 
-RigProblem rig_of(const PinholeCamera& lens, const PlanarViews& planar) {
+RigProblem rig_of(const PinholeCamera& lens, const std::vector<SE3>& poses,
+                  const std::vector<BoardView>& views) {
   RigProblem problem;
   problem.cameras.push_back({lens, {}, 1, false});
-  for (size_t i = 0; i < planar.views.size(); ++i) {
-    problem.T_rig_board.push_back(pose_from_homography(lens, planar.homographies[i]));
-    problem.observations.push_back({0, i, planar.views[i]});
-  }
+  problem.T_rig_board = poses;
+  for (size_t i = 0; i < views.size(); ++i) problem.observations.push_back({0, i, views[i]});
   return problem;
 }
 
@@ -154,8 +154,36 @@ double sigma_of(const std::vector<FittedView>& fits, int lens_parameters) {
   return freedom > 0 ? std::sqrt(sum / freedom) : 0;
 }
 
-/// Closed-form solution and refinement for the current views.
-void solve(LensCalibration& c, const PlanarViews& planar, const CalibrationOptions& options) {
+/// A camera and the poses of the boards to begin the refinement with.
+struct InitialSolution {
+  PinholeCamera camera;
+  std::vector<SE3> poses;
+};
+
+/// The equidistant lens with the image's centre whose focal length, of some, fits the views best.
+InitialSolution initial_fisheye(const std::vector<BoardView>& views) {
+  constexpr double kLeastShare = 0.15, kMostShare = 1.5, kRatio = 1.06;  // focal length per width
+  InitialSolution best;
+  double best_rms_px = std::numeric_limits<double>::infinity();
+  PinholeCamera camera;
+  camera.width = views.front().width, camera.height = views.front().height;
+  camera.cx = (camera.width - 1) / 2.0, camera.cy = (camera.height - 1) / 2.0;
+  camera.lens.model = LensModel::kKannalaBrandt;
+  for (double share = kLeastShare; share < kMostShare; share *= kRatio) {
+    camera.fx = camera.fy = share * camera.width;
+    std::vector<SE3> poses;
+    for (const BoardView& view : views) {
+      if (const auto pose = board_pose(camera, view)) poses.push_back(*pose);
+    }
+    if (poses.size() < views.size()) continue;
+    const double rms = rms_of_all(fitted(camera, poses, views));
+    if (rms < best_rms_px) best = {camera, poses}, best_rms_px = rms;
+  }
+  if (best.poses.empty()) throw InputError("no fisheye lens fits the views; check the size of the board");
+  return best;
+}
+
+InitialSolution initial_pinhole(const PlanarViews& planar) {
   const BoardView& first = planar.views.front();
   const auto closed = camera_from_homographies(planar.homographies, first.width, first.height);
   if (!closed) {
@@ -165,17 +193,39 @@ void solve(LensCalibration& c, const PlanarViews& planar, const CalibrationOptio
         "by 20 to 45 degrees, in a different direction in each view",
         planar.views.size()));
   }
-  const RigProblem problem = rig_of(*closed, planar);
-  const RigSolution solution = adjust_rig(problem, options.distortion_terms);
-  if (!solution.converged) {
-    throw InputError("the optimisation did not converge; take more views with the board tilted differently");
+  InitialSolution initial{*closed, {}};
+  for (const auto& H : planar.homographies) initial.poses.push_back(pose_from_homography(*closed, H));
+  return initial;
+}
+
+RigSolution refined(const InitialSolution& initial, const std::vector<BoardView>& views,
+                    int distortion_terms) {
+  RigSolution solution = adjust_rig(rig_of(initial.camera, initial.poses, views), distortion_terms);
+  if (solution.converged) return solution;
+  throw InputError("the optimisation did not converge; take more views with the board tilted differently");
+}
+
+int estimated_parameters(const CalibrationOptions& options) {
+  if (options.lens_model == LensModel::kBrownConrady) return 4 + options.distortion_terms;
+  return static_cast<int>(parameters_of(options.lens_model).size());
+}
+
+/// Initial solution and refinement for the current views.
+void solve(LensCalibration& c, const PlanarViews& planar, const CalibrationOptions& options) {
+  const bool fisheye = options.lens_model == LensModel::kKannalaBrandt;
+  const InitialSolution initial = fisheye ? initial_fisheye(planar.views) : initial_pinhole(planar);
+  RigSolution solution = refined(initial, planar.views, options.distortion_terms);
+  if (options.lens_model == LensModel::kRational) {
+    PinholeCamera camera = solution.cameras.front().lens;
+    camera.lens.model = LensModel::kRational;
+    solution = refined({camera, solution.T_rig_board}, planar.views, options.distortion_terms);
   }
-  c.closed_form = *closed;
-  c.closed_form_rms_px = rms_of_all(fitted(*closed, problem.T_rig_board, planar.views));
+  c.closed_form = initial.camera;
+  c.closed_form_rms_px = rms_of_all(fitted(initial.camera, initial.poses, planar.views));
   c.camera = solution.cameras.front().lens;
   c.views = fitted(c.camera, solution.T_rig_board, planar.views);
   c.rms_px = rms_of_all(c.views);
-  c.sigma_px = sigma_of(c.views, 4 + options.distortion_terms);
+  c.sigma_px = sigma_of(c.views, estimated_parameters(options));
   c.sigma_inflation = c.sigma_px > 0 ? std::max(1.0, std::sqrt(solution.dispersion) / c.sigma_px) : 1;
   c.covariance = solution.covariance.topLeftCorner<kLensParameters, kLensParameters>() *
                  std::pow(c.sigma_px * c.sigma_inflation, 2);

@@ -36,7 +36,8 @@ struct ImageCoverage {
 };
 
 struct LensCalibration {
-  PinholeCamera closed_form;  ///< Zhang's closed-form solution alone
+  /// Zhang's closed-form solution alone; of a fisheye lens the best equidistant one with the image's centre.
+  PinholeCamera closed_form;
   double closed_form_rms_px = 0;
   PinholeCamera camera;
   LensCovariance covariance = LensCovariance::Zero();
@@ -56,9 +57,10 @@ struct LensCalibration {
   }
 };
 
-/// Zhang's method: homographies, closed form, refinement with distortion; views that disagree with the rest
-/// are rejected, worst first. Throws InputError for fewer than three views, or if the views do not determine
-/// a camera.
+/// Zhang's method: homographies, closed form, refinement with distortion (a fisheye lens has no homographies:
+/// its refinement begins with the focal length that fits an equidistant lens best); views that disagree with
+/// the rest are rejected, worst first. Throws InputError for fewer than three views, or if the views do not
+/// determine a camera.
 LensCalibration calibrate_lens(const std::vector<BoardView>& views, const CalibrationOptions& options = {});
 
 }  // namespace kinloop

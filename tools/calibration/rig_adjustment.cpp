@@ -14,13 +14,13 @@
 namespace kinloop {
 namespace {
 
-// Parameter blocks of an observation: fx fy cx cy | k1 k2 | p1 p2 | k3 | T_camera_rig | T_rig_board. The lens
-// has four blocks, so that every number of distortion terms consists of whole blocks. A motion is a
-// translation and a rotation vector; calibration boards never turn by a full turn, where the vector is
-// singular.
-constexpr std::array<int, 6> kBlockSizes = {4, 2, 2, 1, 6, 6};
-constexpr int kSharedBlocks = 5, kLensBlocks = 4;
-constexpr std::array<int, kSharedBlocks> kBlockStarts = {0, 4, 6, 8, kLensParameters};
+// Parameter blocks of an observation: fx fy cx cy | k1 k2 | p1 p2 | k3 | k4 | k5 k6 | T_camera_rig |
+// T_rig_board. The lens has six blocks, so that the terms to estimate are whole blocks for every model and
+// number of terms. A motion is a translation and a rotation vector; calibration boards never turn by a full
+// turn, where the vector is singular.
+constexpr std::array<int, 8> kBlockSizes = {4, 2, 2, 1, 1, 2, 6, 6};
+constexpr int kSharedBlocks = 7;
+constexpr std::array<int, kSharedBlocks> kBlockStarts = {0, 4, 6, 8, 9, 10, kLensParameters};
 
 using CameraNumbers = std::array<double, kRigCameraParameters>;
 using PoseNumbers = std::array<double, 6>;
@@ -33,32 +33,58 @@ Eigen::Matrix<T, 3, 1> moved(const T* motion, const Eigen::Matrix<T, 3, 1>& poin
   return rotated + Eigen::Map<const Eigen::Matrix<T, 3, 1>>(motion);
 }
 
+/// LensDistortion::distort of the direction p, for automatic differentiation.
+template <class T>
+struct LensTerms {
+  LensModel model;
+  const T *radial, *tangential, *k3, *k4, *k56;
+
+  [[nodiscard]] Eigen::Matrix<T, 2, 1> distort(const Eigen::Matrix<T, 3, 1>& p) const {
+    if (model == LensModel::kKannalaBrandt) return distort_fisheye(p);
+    const T x = p.x() / p.z(), y = p.y() / p.z(), r2 = x * x + y * y;
+    T scale = T(1) + r2 * (radial[0] + r2 * (radial[1] + r2 * k3[0]));
+    if (model == LensModel::kRational) scale /= T(1) + r2 * (k4[0] + r2 * (k56[0] + r2 * k56[1]));
+    const T &p1 = tangential[0], &p2 = tangential[1];
+    return {x * scale + T(2) * p1 * x * y + p2 * (r2 + T(2) * x * x),
+            y * scale + p1 * (r2 + T(2) * y * y) + T(2) * p2 * x * y};
+  }
+
+  /// Also of directions behind the camera.
+  [[nodiscard]] Eigen::Matrix<T, 2, 1> distort_fisheye(const Eigen::Matrix<T, 3, 1>& p) const {
+    using std::atan2, std::sqrt;
+    constexpr double kOnAxis = 1e-18;  // where the root has no derivative
+    const T across2 = p.x() * p.x() + p.y() * p.y();
+    if (across2 < kOnAxis * p.z() * p.z()) return {p.x() / p.z(), p.y() / p.z()};
+    const T across = sqrt(across2), angle = atan2(across, p.z()), a2 = angle * angle;
+    const T radius = angle * (T(1) + a2 * (radial[0] + a2 * (radial[1] + a2 * (k3[0] + a2 * k4[0]))));
+    return {p.x() * radius / across, p.y() * radius / across};
+  }
+};
+
 /// All corners of one observation, in standard deviations.
 struct BoardResidual {
   const BoardView* view;
   double sigma_px;
+  LensModel model;
 
   template <class T>
-  bool operator()(const T* pinhole, const T* radial, const T* tangential, const T* radial6, const T* camera,
-                  const T* board, T* residuals) const {
+  bool operator()(const T* pinhole, const T* radial, const T* tangential, const T* k3, const T* k4,
+                  const T* k56, const T* camera, const T* board, T* residuals) const {
+    const LensTerms<T> lens{model, radial, tangential, k3, k4, k56};
     for (size_t i = 0; i < view->pixels.size(); ++i) {
       const auto on_board = view->board_m[i].cast<T>();
       const Eigen::Matrix<T, 3, 1> in_rig =
           moved(board, Eigen::Matrix<T, 3, 1>(on_board.x(), on_board.y(), T(0)));
       const Eigen::Matrix<T, 3, 1> p = moved(camera, in_rig);
-      const T x = p.x() / p.z(), y = p.y() / p.z(), r2 = x * x + y * y;
-      const T scale = T(1) + r2 * (radial[0] + r2 * (radial[1] + r2 * radial6[0]));
-      const T &p1 = tangential[0], &p2 = tangential[1];
-      const T u = x * scale + T(2) * p1 * x * y + p2 * (r2 + T(2) * x * x);
-      const T v = y * scale + p1 * (r2 + T(2) * y * y) + T(2) * p2 * x * y;
-      residuals[2 * i] = (pinhole[0] * u + pinhole[2] - view->pixels[i].x()) / sigma_px;
-      residuals[2 * i + 1] = (pinhole[1] * v + pinhole[3] - view->pixels[i].y()) / sigma_px;
+      const Eigen::Matrix<T, 2, 1> d = lens.distort(p);
+      residuals[2 * i] = (pinhole[0] * d.x() + pinhole[2] - view->pixels[i].x()) / sigma_px;
+      residuals[2 * i + 1] = (pinhole[1] * d.y() + pinhole[3] - view->pixels[i].y()) / sigma_px;
     }
     return true;
   }
 };
 
-using BoardCost = ceres::AutoDiffCostFunction<BoardResidual, ceres::DYNAMIC, 4, 2, 2, 1, 6, 6>;
+using BoardCost = ceres::AutoDiffCostFunction<BoardResidual, ceres::DYNAMIC, 4, 2, 2, 1, 1, 2, 6, 6>;
 
 PoseNumbers pack(const SE3& T) {
   const Eigen::Vector3d r = log_so3(T.rotation);
@@ -80,7 +106,7 @@ CameraNumbers pack(const RigCamera& camera) {
 void unpack(const CameraNumbers& x, RigCamera& camera) {
   PinholeCamera& lens = camera.lens;
   lens.fx = x[0], lens.fy = x[1], lens.cx = x[2], lens.cy = x[3];
-  lens.k1 = x[4], lens.k2 = x[5], lens.p1 = x[6], lens.p2 = x[7], lens.k3 = x[8];
+  lens.lens = {lens.lens.model, x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11]};
   camera.T_camera_rig = unpack_pose(x.data() + kLensParameters);
 }
 
@@ -99,21 +125,37 @@ struct RigState {
   }
 };
 
+/// Whether each block of a lens to be estimated is constant.
+std::array<bool, kSharedBlocks> held_terms(LensModel model, int distortion_terms) {
+  switch (model) {
+    case LensModel::kRational:
+      return {};
+    case LensModel::kKannalaBrandt:
+      return {false, false, true, false, false, true};
+    case LensModel::kBrownConrady:
+      break;
+  }
+  return {false, distortion_terms < 2, distortion_terms < 4, distortion_terms < 5, true, true};
+}
+
 RigState make_state(const RigProblem& problem, int distortion_terms) {
   RigState state;
   for (size_t c = 0; c < problem.cameras.size(); ++c) {
-    const bool known = problem.cameras[c].lens_fixed;
-    state.cameras.push_back(pack(problem.cameras[c]));
-    state.held.push_back({known, known || distortion_terms < 2, known || distortion_terms < 4,
-                          known || distortion_terms < 5, c == 0 || problem.cameras[c].pose_fixed});
+    const RigCamera& camera = problem.cameras[c];
+    state.cameras.push_back(pack(camera));
+    auto held = held_terms(camera.lens.lens.model, distortion_terms);
+    if (camera.lens_fixed) held.fill(true);
+    held.back() = c == 0 || camera.pose_fixed;
+    state.held.push_back(held);
   }
   for (const SE3& T : problem.T_rig_board) state.boards.push_back(pack(T));
   return state;
 }
 
 std::unique_ptr<BoardCost> make_cost(const RigProblem& problem, const BoardObservation& sighting) {
+  const RigCamera& camera = problem.cameras[sighting.camera];
   return std::make_unique<BoardCost>(
-      new BoardResidual{&sighting.view, problem.cameras[sighting.camera].sigma_px},
+      new BoardResidual{&sighting.view, camera.sigma_px, camera.lens.lens.model},
       static_cast<int>(2 * sighting.view.pixels.size()));
 }
 
@@ -240,8 +282,21 @@ double dispersion_of(const std::vector<ShotInformation>& shots, const Eigen::Mat
 
 Eigen::Matrix<double, kLensParameters, 1> lens_parameters(const PinholeCamera& c) {
   Eigen::Matrix<double, kLensParameters, 1> numbers;
-  numbers << c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3;
+  const LensDistortion& d = c.lens;
+  numbers << c.fx, c.fy, c.cx, c.cy, d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6;
   return numbers;
+}
+
+std::vector<int> parameters_of(LensModel model) {
+  switch (model) {
+    case LensModel::kRational:
+      return {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+    case LensModel::kKannalaBrandt:
+      return {0, 1, 2, 3, 4, 5, 8, 9};
+    case LensModel::kBrownConrady:
+      break;
+  }
+  return {0, 1, 2, 3, 4, 5, 6, 7, 8};
 }
 
 std::vector<Eigen::Vector2d> reprojection_errors(const PinholeCamera& camera, const SE3& T_camera_board,

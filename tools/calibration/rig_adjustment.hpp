@@ -11,10 +11,14 @@
 
 namespace kinloop {
 
-/// fx fy cx cy k1 k2 p1 p2 k3.
-constexpr int kLensParameters = 9;
-constexpr const char* kLensParameterNames[kLensParameters] = {"fx", "fy", "cx", "cy", "k1",
-                                                              "k2", "p1", "p2", "k3"};
+/// Parameters of all lens models. Those that a model does not have are 0 and constant.
+constexpr int kLensParameters = 12;
+constexpr const char* kLensParameterNames[kLensParameters] = {"fx", "fy", "cx", "cy", "k1", "k2",
+                                                              "p1", "p2", "k3", "k4", "k5", "k6"};
+
+/// Returns the indices of the parameters that the model has.
+std::vector<int> parameters_of(LensModel model);
+
 Eigen::Matrix<double, kLensParameters, 1> lens_parameters(const PinholeCamera& camera);
 
 /// One camera of the rig.
@@ -63,8 +67,8 @@ std::vector<Eigen::Vector2d> reprojection_errors(const PinholeCamera& camera, co
 /// Returns the root mean square of the length of errors, px.
 double rms_px(const std::vector<Eigen::Vector2d>& errors);
 
-/// Least squares solution from the initial values in `problem`. The first `distortion_terms` of k1 k2 p1 p2
-/// k3 (0, 2, 4 or 5) are estimated, the others are constant.
+/// Least squares solution from the initial values in `problem`. Of a Brown-Conrady lens the first
+/// `distortion_terms` of k1 k2 p1 p2 k3 (0, 2, 4 or 5) are estimated, of other models all coefficients.
 RigSolution adjust_rig(const RigProblem& problem, int distortion_terms);
 
 }  // namespace kinloop

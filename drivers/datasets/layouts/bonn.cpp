@@ -18,10 +18,7 @@ RecordedSequence read_bonn(const std::filesystem::path& folder) {
   sequence.layout = "Bonn folder";
   RgbdCamera camera;  // the calibration on the dataset's page
   camera.color = make_lens({640, 480}, 542.822841, 542.576870, 315.593520, 237.756098);
-  camera.color.k1 = 0.039903;
-  camera.color.k2 = -0.099343;
-  camera.color.p1 = -0.000730;
-  camera.color.p2 = -0.000144;
+  camera.color.lens = {LensModel::kBrownConrady, 0.039903, -0.099343, -0.000730, -0.000144};
   sequence.camera = camera;
   return sequence;
 }

@@ -28,8 +28,8 @@ PinholeCamera read_calibration(const std::filesystem::path& file, cv::Size size)
                     file.string(), v.size()));
   }
   PinholeCamera lens = make_lens(size, v[0], v[1], v[2], v[3]);
-  if (v.size() >= kWithDistortion) lens.k1 = v[4], lens.k2 = v[5], lens.p1 = v[6], lens.p2 = v[7];
-  if (v.size() == kWithK3) lens.k3 = v[8];
+  if (v.size() >= kWithDistortion) lens.lens = {LensModel::kBrownConrady, v[4], v[5], v[6], v[7]};
+  if (v.size() == kWithK3) lens.lens.k3 = v[8];
   return checked_lens(lens, file);
 }
 

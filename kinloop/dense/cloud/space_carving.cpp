@@ -88,12 +88,14 @@ struct BlockPoints {
   }
 };
 
-/// Projects the points of a block into a view: DenseCamera::undo_deskew and PinholeCamera::distort, written
-/// out without branches for the vectoriser, since this runs for every point in every view.
-void project(const FreeSpaceView& view, const DenseCamera& camera, BlockPoints& points) {
+/// Projects the points of a block into a view: DenseCamera::undo_deskew, written out without branches for the
+/// vectoriser, since this runs for every point in every view. `distort(u, v)` takes and returns normalised
+/// coordinates.
+template <class Distort>
+void project_with(const Distort& distort, const FreeSpaceView& view, const DenseCamera& camera,
+                  BlockPoints& points) {
   const PinholeCamera& lens = camera.color;
   const double fx = lens.fx, fy = lens.fy, cx = lens.cx, cy = lens.cy;
-  const double k1 = lens.k1, k2 = lens.k2, k3 = lens.k3, p1 = lens.p1, p2 = lens.p2;
   const Eigen::Matrix3d R = view.T_camera_world.R();
   const double r00 = R(0, 0), r01 = R(0, 1), r02 = R(0, 2);
   const double r10 = R(1, 0), r11 = R(1, 1), r12 = R(1, 2);
@@ -113,11 +115,10 @@ void project(const FreeSpaceView& view, const DenseCamera& camera, BlockPoints& 
     const double y_then = y - time_s * (vy + wz * x - wx * z);
     const double z_then = z - time_s * (vz + wx * y - wy * x);
     const double here = 1 / z_then;
-    const double u = x_then * here, q = y_then * here, r2 = u * u + q * q;
-    const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    const double u = x_then * here, q = y_then * here;
     const double ideal_col = fx * u + cx, ideal_row = fy * q + cy;
-    const double col = fx * (u * radial + 2 * p1 * u * q + p2 * (r2 + 2 * u * u)) + cx;
-    const double row = fy * (q * radial + p1 * (r2 + 2 * q * q) + 2 * p2 * u * q) + cy;
+    const auto [distorted_u, distorted_q] = distort(u, q);
+    const double col = fx * distorted_u + cx, row = fy * distorted_q + cy;
     points.col[i] = col;
     points.row[i] = row;
     points.inverse_depth[i] = here;
@@ -126,6 +127,29 @@ void project(const FreeSpaceView& view, const DenseCamera& camera, BlockPoints& 
                         (row >= kAroundPx) & (col <= last_col - kAroundPx) & (row <= last_row - kAroundPx);
     points.in_view[i] = inside ? 1.0 : 0.0;
   }
+}
+
+struct DistortedPoint {
+  double u, v;
+};
+
+void project(const FreeSpaceView& view, const DenseCamera& camera, BlockPoints& points) {
+  const LensDistortion& lens = camera.color.lens;
+  if (lens.model != LensModel::kBrownConrady) {
+    const auto distort = [&lens](double u, double v) {
+      const Eigen::Vector2d d = lens.distort({u, v});
+      return DistortedPoint{d.x(), d.y()};
+    };
+    return project_with(distort, view, camera, points);
+  }
+  // LensDistortion::distort without branches.
+  const auto distort = [k1 = lens.k1, k2 = lens.k2, k3 = lens.k3, p1 = lens.p1, p2 = lens.p2](double u,
+                                                                                              double v) {
+    const double r2 = u * u + v * v, radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    return DistortedPoint{u * radial + 2 * p1 * u * v + p2 * (r2 + 2 * u * u),
+                          v * radial + p1 * (r2 + 2 * v * v) + 2 * p2 * u * v};
+  };
+  project_with(distort, view, camera, points);
 }
 
 /// Counts the contradictions of one view to points projected into it.

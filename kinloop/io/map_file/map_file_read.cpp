@@ -44,7 +44,11 @@ PinholeCamera lens_from(const std::map<std::string, double>& values, const std::
   PinholeCamera c;
   c.width = static_cast<int>(at("width")), c.height = static_cast<int>(at("height"));
   c.fx = at("fx"), c.fy = at("fy"), c.cx = at("cx"), c.cy = at("cy");
-  c.k1 = at("k1"), c.k2 = at("k2"), c.p1 = at("p1"), c.p2 = at("p2"), c.k3 = at("k3");
+  LensDistortion& d = c.lens;
+  d.k1 = at("k1"), d.k2 = at("k2"), d.p1 = at("p1"), d.p2 = at("p2"), d.k3 = at("k3");
+  if (!values.contains(prefix + "lens_model")) return c;  // Brown-Conrady, and all older files
+  d.model = option_names(LensModel{}).at(static_cast<size_t>(at("lens_model"))).value;
+  d.k4 = at("k4"), d.k5 = at("k5"), d.k6 = at("k6");
   return c;
 }
 

@@ -66,8 +66,12 @@ void write_camera(DatabaseWriter& file, const RgbdCamera& camera) {
   const auto add_lens = [&](const std::string& prefix, const PinholeCamera& c) {
     add(prefix + "width", c.width), add(prefix + "height", c.height);
     add(prefix + "fx", c.fx), add(prefix + "fy", c.fy), add(prefix + "cx", c.cx), add(prefix + "cy", c.cy);
-    add(prefix + "k1", c.k1), add(prefix + "k2", c.k2), add(prefix + "p1", c.p1), add(prefix + "p2", c.p2);
-    add(prefix + "k3", c.k3);
+    const LensDistortion& d = c.lens;
+    add(prefix + "k1", d.k1), add(prefix + "k2", d.k2), add(prefix + "p1", d.p1), add(prefix + "p2", d.p2);
+    add(prefix + "k3", d.k3);
+    if (d.model == LensModel::kBrownConrady) return;
+    add(prefix + "lens_model", static_cast<double>(d.model));
+    add(prefix + "k4", d.k4), add(prefix + "k5", d.k5), add(prefix + "k6", d.k6);
   };
   add_lens("", camera.color);
   add("depth_scale", camera.depth_scale), add("fps", camera.fps);

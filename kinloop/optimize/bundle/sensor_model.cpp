@@ -62,7 +62,7 @@ PinholeCamera corrected_camera(const PinholeCamera& camera, const SensorVector& 
   corrected.fy += correction(kFocalY);
   corrected.cx += correction(kCenterX);
   corrected.cy += correction(kCenterY);
-  // For given focal length and principal point, distortion is linear in its five coefficients.
+  // For given focal length and principal point, distortion is linear in its first coefficients.
   using Vector5d = Eigen::Matrix<double, 5, 1>;
   Eigen::Matrix<double, 5, 5> H = Eigen::Matrix<double, 5, 5>::Zero();
   Vector5d g = Vector5d::Zero();
@@ -72,22 +72,15 @@ PinholeCamera corrected_camera(const PinholeCamera& camera, const SensorVector& 
       const Eigen::Vector2d pixel((camera.width - 1) * i / static_cast<double>(kSteps),
                                   (camera.height - 1) * j / static_cast<double>(kSteps));
       const Eigen::Vector3d ray = camera.unproject(pixel, 1.0);
-      const double x = ray.x(), y = ray.y(), r2 = x * x + y * y;
+      const double x = ray.x(), y = ray.y();
       const Eigen::Vector2d raw = camera.distort(corrected_pixel(camera, correction, {x, y}));
-      Vector5d along_x, along_y;
-      along_x << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x, x * r2 * r2 * r2;
-      along_y << y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y, y * r2 * r2 * r2;
+      const auto [constant, along_x, along_y] = linear_distortion(camera.lens, {x, y});
       H += along_x * along_x.transpose() + along_y * along_y.transpose();
-      g += along_x * ((raw.x() - corrected.cx) / corrected.fx - x);
-      g += along_y * ((raw.y() - corrected.cy) / corrected.fy - y);
+      g += along_x * ((raw.x() - corrected.cx) / corrected.fx - constant.x());
+      g += along_y * ((raw.y() - corrected.cy) / corrected.fy - constant.y());
     }
   }
-  const Vector5d k = H.ldlt().solve(g);
-  corrected.k1 = k(0);
-  corrected.k2 = k(1);
-  corrected.p1 = k(2);
-  corrected.p2 = k(3);
-  corrected.k3 = k(4);
+  set_linear_coefficients(corrected.lens, H.ldlt().solve(g));
   return corrected;
 }
 
