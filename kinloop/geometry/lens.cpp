@@ -89,7 +89,9 @@ std::optional<Eigen::Vector2d> newton(const LensDistortion& lens, const Eigen::V
     if (!step.allFinite()) return std::nullopt;
     p += step;
     if (step.squaredNorm() < kLastStep * kLastStep) {
-      const bool in_view = d.jacobian.determinant() > 0 && p.norm() < LensDistortion::kMaxRadius;
+      // Beyond a fold one eigenvalue is negative, or both.
+      const bool in_view =
+          d.jacobian.determinant() > 0 && d.jacobian.trace() > 0 && p.norm() < LensDistortion::kMaxRadius;
       return in_view ? std::optional(p) : std::nullopt;
     }
   }

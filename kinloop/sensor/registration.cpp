@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "kinloop/base/errors.hpp"
 
@@ -26,6 +27,16 @@ float edge(float ax, float ay, float bx, float by, float px, float py) {
   return (bx - ax) * (py - ay) - (by - ay) * (px - ax);
 }
 
+/// The ray of a raw pixel at z = 1; NaN for a pixel outside the lens's field of view, whose depth has no
+/// meaning.
+Eigen::Vector2f ray_of(const PinholeCamera& camera, const Eigen::Vector2d& raw) {
+  constexpr double kSamePixel = 0.1;
+  const Eigen::Vector2d undistorted = camera.undistort(raw);
+  if (!((camera.distort(undistorted) - raw).norm() < kSamePixel))
+    return Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
+  return camera.unproject(undistorted, 1).head<2>().cast<float>();
+}
+
 }  // namespace
 
 DepthRegistration::DepthRegistration(const RgbdCamera& camera)
@@ -38,8 +49,7 @@ DepthRegistration::DepthRegistration(const RgbdCamera& camera)
   rays_.reserve(static_cast<size_t>(depth_.width) * static_cast<size_t>(depth_.height));
   for (int y = 0; y < depth_.height; ++y) {
     for (int x = 0; x < depth_.width; ++x) {
-      const Eigen::Vector3d ray = depth_.unproject(depth_.undistort(Eigen::Vector2d(x, y)), 1);
-      rays_.emplace_back(ray.head<2>().cast<float>());
+      rays_.emplace_back(ray_of(depth_, Eigen::Vector2d(x, y)));
     }
   }
 }
@@ -49,7 +59,7 @@ DepthRegistration::Vertex DepthRegistration::vertex(const Eigen::Vector2f& ray, 
   constexpr float kMinDepthM = 1e-3F;
   if (!(depth_m > 0)) return {};
   const Eigen::Vector3f p = depth_m * (R_color_depth_ * ray.homogeneous()) + t_color_depth_;
-  if (p.z() < kMinDepthM) return {};
+  if (!(p.z() >= kMinDepthM)) return {};  // also without a ray
   const Eigen::Vector2d undistorted = color_.project(p.cast<double>());
   const double margin_x = kMargin * color_.width, margin_y = kMargin * color_.height;
   const bool near_image = undistorted.x() > -margin_x && undistorted.x() < color_.width + margin_x &&

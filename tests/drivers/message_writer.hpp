@@ -8,7 +8,6 @@
 
 #include <opencv2/core.hpp>
 
-#include "drivers/images/rational_lens.hpp"
 #include "kinloop/base/byte_reader.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
@@ -107,12 +106,7 @@ inline std::string info_message(Serialization kind, const PinholeCamera& c, cons
 
 inline std::string info_message(Serialization kind, const PinholeCamera& c,
                                 const std::string& model = "plumb_bob") {
-  return info_message(kind, c, model, {c.lens.k1, c.lens.k2, c.lens.p1, c.lens.p2, c.lens.k3}, "color");
-}
-
-inline std::string rational_info_message(Serialization kind, const RationalCamera& lens) {
-  const std::vector<double> distortion(lens.distortion.begin(), lens.distortion.end());
-  return info_message(kind, lens.pinhole, "rational_polynomial", distortion, "color");
+  return info_message(kind, c, model, lens_coefficients(c.lens), "color");
 }
 
 /// tf2_msgs/TFMessage with one transform.

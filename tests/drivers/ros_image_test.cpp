@@ -185,9 +185,27 @@ TEST(RosCameraInfo, BecomesACamera) {
   EXPECT_EQ(rectified.fx, 500);
   EXPECT_EQ(rectified.cy, 235);
   EXPECT_FALSE(rectified.has_distortion());
-  info.distortion_model = "equidistant";
-  EXPECT_THAT(input_error([&] { camera_from(info, false); }), HasSubstr("equidistant"));
+  info.distortion_model = "omnidirectional";
+  EXPECT_THAT(input_error([&] { camera_from(info, false); }),
+              AllOf(HasSubstr("omnidirectional"), HasSubstr("--camera")));
   EXPECT_THAT(input_error([&] { camera_from({}, false); }), HasSubstr("uncalibrated"));
+}
+
+TEST(RosCameraInfo, HasTheLensOfItsModel) {
+  RosCameraInfo info{640, 480, "rational_polynomial", {1, 2, 3, 4, 5, 6, 7, 8}, {}, {}};
+  info.K = {520, 0, 320, 0, 521, 240, 0, 0, 1};
+  const LensDistortion rational{LensModel::kRational, 1, 2, 3, 4, 5, 6, 7, 8};
+  EXPECT_EQ(camera_from(info, false).lens, rational);
+  info.D.resize(14, 0);  // thin prism and tilt, unused
+  EXPECT_EQ(camera_from(info, false).lens, rational);
+  info.D.back() = 0.1;
+  EXPECT_THAT(input_error([&] { camera_from(info, false); }), HasSubstr("14 coefficients"));
+  info.distortion_model = "equidistant";
+  info.D = {0, 0, 0, 0};
+  EXPECT_EQ(camera_from(info, false).lens.model, LensModel::kKannalaBrandt);
+  info.D = {0.1, 0.2, 0.3, 0.4};
+  EXPECT_EQ(lens_coefficients(camera_from(info, false).lens), info.D);
+  EXPECT_FALSE(camera_from(info, true).has_distortion());
 }
 
 TEST(RealsenseLens, IsApproximatedWithinATenthOfAPixel) {
@@ -195,8 +213,7 @@ TEST(RealsenseLens, IsApproximatedWithinATenthOfAPixel) {
   camera.width = 1280, camera.height = 720, camera.fx = camera.fy = 640, camera.cx = 640, camera.cy = 360;
   const std::array<double, 5> d = {-0.056, 0.068, 0.0003, 0.0005, -0.022};  // of a D455
   const auto fitted = brown_conrady_from(RealsenseLens::kInverse, d, camera);
-  camera.lens.k1 = fitted[0], camera.lens.k2 = fitted[1], camera.lens.p1 = fitted[2],
-  camera.lens.p2 = fitted[3], camera.lens.k3 = fitted[4];
+  camera.lens = lens_with(LensModel::kBrownConrady, fitted);
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0, 0), {1279, 0}, {640, 700}, {100, 400}}) {
     const double x = (pixel.x() - 640) / 640, y = (pixel.y() - 360) / 640, r2 = x * x + y * y;
     const double radial = 1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));

@@ -79,8 +79,10 @@ SavedMap some_saved_map() {
   saved.program = "kinloop test";
   saved.sessions = {{"a folder/with ümlaut", FrameId{0}}, {"another", FrameId{20}}};
   saved.options = {{"features.count", "1000"}, {"seed", "1"}};
-  saved.camera.color = {640, 480, 517.3, 516.5, 318.6, 255.3, 0.26, -0.95, -0.005, 0.0026, 1.16};
-  saved.camera.depth = PinholeCamera{640, 480, 585, 585, 320, 240};
+  const LensDistortion lens{LensModel::kBrownConrady, 0.26, -0.95, -0.005, 0.0026, 1.16};
+  saved.camera.color = {640, 480, 517.3, 516.5, 318.6, 255.3, lens};
+  const LensDistortion rational{LensModel::kRational, 3.13, 2.32, 8e-5, -5e-5, 0.13, 3.46, 3.35, 0.66};
+  saved.camera.depth = PinholeCamera{640, 480, 585, 585, 320, 240, rational};
   saved.camera.T_color_depth = some_pose(random);
   saved.camera.rolling_shutter_s = 0.1 + 0.2;  // many decimals
   saved.sensor = {{1e-300, 0.1, true}, {-0.0, 0, false}};
@@ -119,6 +121,8 @@ TEST(MapFile, RoundTripIsBitExact) {
 
   const SavedMap saved = some_saved_map();
   EXPECT_EQ(again.camera.T_color_depth.rotation.coeffs(), saved.camera.T_color_depth.rotation.coeffs());
+  EXPECT_EQ(again.camera.color, saved.camera.color);
+  EXPECT_EQ(again.camera.depth, saved.camera.depth);
   EXPECT_EQ(again.camera.rolling_shutter_s, saved.camera.rolling_shutter_s);
   EXPECT_EQ(again.sessions[0].input, saved.sessions[0].input);
   EXPECT_EQ(again.map.keyframes[3].T_world_camera.matrix(), saved.map.keyframes[3].T_world_camera.matrix());

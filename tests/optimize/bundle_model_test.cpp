@@ -122,6 +122,30 @@ TEST(SensorModel, CorrectedCameraMatchesTheCorrections) {
   }
 }
 
+TEST(SensorModel, TheCorrectedCameraKeepsTheModelOfItsLens) {
+  for (const LensDistortion& lens :
+       {LensDistortion{LensModel::kRational, 0.58, -2.49, 6.5e-4, -1.8e-4, 1.36, 0.46, -2.34, 1.3},
+        LensDistortion{LensModel::kKannalaBrandt, -0.0065, 0.0421, 0, 0, -0.0396, 0.0069}}) {
+    PinholeCamera camera = test::kinect();
+    camera.lens = lens;
+    const PinholeCamera same = corrected_camera(camera, SensorVector::Zero());
+    SensorVector correction = SensorVector::Zero();
+    correction(kFocalX) = correction(kFocalY) = 3;
+    correction(kRadial1) = 0.01;
+    const PinholeCamera corrected = corrected_camera(camera, correction);
+    EXPECT_EQ(corrected.lens.model, lens.model);
+    for (double x = -0.5; x <= 0.5; x += 0.1) {
+      for (double y = -0.4; y <= 0.4; y += 0.1) {
+        const Eigen::Vector2d ideal = camera.project({x, y, 1});
+        EXPECT_LT((same.distort(ideal) - camera.distort(ideal)).norm(), 1e-6);
+        const Eigen::Vector2d raw = corrected.distort(corrected.project({x, y, 1}));
+        const Eigen::Vector2d expected = camera.distort(corrected_pixel(camera, correction, {x, y}));
+        EXPECT_LT((raw - expected).norm(), 0.1) << x << " " << y;
+      }
+    }
+  }
+}
+
 TEST(SensorModel, EveryParameterHasAName) {
   std::vector<std::string> names;
   for (int i = 0; i < kSensorParameterCount; ++i) {

@@ -1,5 +1,6 @@
 #include "kinloop/sensor/camera_file.hpp"
 
+#include <array>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -119,6 +120,51 @@ TEST_F(CameraFile, WritingAndReadingGivesTheSameCamera) {
   EXPECT_EQ(camera.depth_offset_s, again.depth_offset_s);
   EXPECT_EQ(camera.T_color_depth.translation, again.T_color_depth.translation);
   EXPECT_LT((camera.T_color_depth.inverse() * again.T_color_depth).log().norm(), 1e-15);
+}
+
+TEST_F(CameraFile, EveryLensModelIsReadAndWritten) {
+  using enum LensModel;
+  for (const LensDistortion& lens :
+       {LensDistortion{kBrownConrady}, LensDistortion{kBrownConrady, 1, 2, 3, 4, 5},
+        LensDistortion{kRational, 3.1305770, 2, 3e-5, -4e-5, 1.0 / 3, 6, 7, 8},
+        lens_with(kKannalaBrandt, std::array{-0.01, 0.04, -1.0 / 30, 0.007})}) {
+    RgbdCamera camera = *camera_preset("freiburg3");
+    camera.color.lens = lens;
+    camera.depth = camera.color;
+    const auto path = folder_.path() / "written.yaml";
+    write_camera_file(path, camera);
+    const RgbdCamera again = read_camera_file(path);
+    EXPECT_EQ(again.color, camera.color) << read_file(path);
+    EXPECT_EQ(again.depth, camera.depth) << read_file(path);
+  }
+}
+
+TEST_F(CameraFile, TheNumberOfCoefficientsTellsTheModel) {
+  const std::string five = "distortion: [0.2624, -0.9531, -0.0054, 0.0026, 1.1633]";
+  const auto lens = [&](const std::string& lines) { return read(replaced(kGood, five, lines)).color.lens; };
+  EXPECT_EQ(lens("distortion: [1, 2, 3, 4, 5, 6, 7, 8]"),
+            (LensDistortion{LensModel::kRational, 1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(lens("model: kannala_brandt\ndistortion: [1, 2, 3, 4]").k4, 4);
+  EXPECT_TRUE(lens("model: none").is_identity());
+  EXPECT_EQ(lens("model: brown_conrady\n" + five).k3, 1.1633);
+}
+
+TEST_F(CameraFile, ALensThatContradictsItselfIsRejectedWithItsLine) {
+  const std::string five = "distortion: [0.2624, -0.9531, -0.0054, 0.0026, 1.1633]";
+  const auto lens = [&](const std::string& lines) { return error(replaced(kGood, five, lines)); };
+  EXPECT_THAT(lens("model: fisheye\n" + five), AllOf(HasSubstr("camera.yaml:7:"), HasSubstr("'model'"),
+                                                     HasSubstr("'fisheye'"), HasSubstr("kannala_brandt")));
+  EXPECT_THAT(
+      lens("model: kannala_brandt\n" + five),
+      AllOf(HasSubstr("camera.yaml:8:"), HasSubstr("'distortion'"), HasSubstr("a list of 4 numbers")));
+  EXPECT_THAT(lens("model: rational\n" + five),
+              AllOf(HasSubstr("camera.yaml:8:"), HasSubstr("a list of 8 numbers")));
+  EXPECT_THAT(lens("model: none\n" + five), AllOf(HasSubstr("camera.yaml:8:"), HasSubstr("none")));
+  EXPECT_THAT(lens("model: [1]\n" + five), AllOf(HasSubstr("camera.yaml:7:"), HasSubstr("'model'")));
+  EXPECT_THAT(lens("distortion: [1, 2, 3, 4]"),
+              AllOf(HasSubstr("camera.yaml:7:"), HasSubstr("a list of 5 or 8 numbers")));
+  EXPECT_THAT(lens("distortion: [1, 2, 3, 4, 5, .nan, 7, 8]"), HasSubstr("camera.yaml:7:"));
+  EXPECT_THAT(lens("model: kannala_brandt"), AllOf(HasSubstr("'distortion'"), HasSubstr("missing")));
 }
 
 TEST_F(CameraFile, UnknownKeyNamesFileLineAndTheKeysThereAre) {

@@ -1,5 +1,6 @@
 #include "kinloop/sensor/registration.hpp"
 
+#include <array>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -122,6 +123,29 @@ TEST(Registration, TheNearerSurfaceWinsAndEdgesStayEdges) {
     in_strip = now;
   }
   EXPECT_EQ(entered, 1) << "the wall is visible through holes in the strip";
+}
+
+TEST(Registration, ADepthLensOfTheRationalModelAndAFisheyeAreRegisteredToTheMillimetre) {
+  RgbdCamera camera = kinect2_like();
+  for (const LensDistortion& lens :
+       {LensDistortion{LensModel::kRational, 3.1305770, 2.3249390, 8.1e-05, -5.1e-05, 0.1304156, 3.4586515,
+                       3.3501145, 0.6629416},  // of an Azure Kinect
+        lens_with(LensModel::kKannalaBrandt, std::array{-0.0065, 0.0421, -0.0396, 0.0069})}) {
+    camera.depth->lens = lens;
+    const cv::Mat registered = DepthRegistration(camera)(depth_of(wall(), *camera.depth));
+    const Plane seen = wall().moved(camera.T_color_depth);
+    ASSERT_EQ(registered.size(), cv::Size(960, 540));
+    int compared = 0;
+    for (int y = 100; y < 440; y += 7) {
+      for (int x = 200; x < 760; x += 7) {
+        const float depth_m = registered.at<float>(y, x);
+        if (depth_m == 0) continue;
+        EXPECT_NEAR(depth_m, seen.depth_at(camera.color, x, y), 1e-3) << x << " " << y;
+        ++compared;
+      }
+    }
+    EXPECT_GT(compared, 3500);
+  }
 }
 
 TEST(Registration, UnknownStaysUnknown) {
