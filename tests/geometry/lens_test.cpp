@@ -128,7 +128,7 @@ TEST_P(LensOfADevice, DistortInvertsUndistort) {
 
 TEST_P(LensOfADevice, SelfCalibrationCanAdjustItsLinearTerms) {
   const LensDistortion& lens = GetParam().camera.lens;
-  for (const Eigen::Vector2d p : {Eigen::Vector2d(0, 0), {0.3, -0.2}, {-0.5, 0.4}}) {
+  for (const Eigen::Vector2d& p : {Eigen::Vector2d(0, 0), {0.3, -0.2}, {-0.5, 0.4}}) {
     LensDistortion other = lens;
     Eigen::Matrix<double, LinearDistortion::kTerms, 1> k;
     k << 0.1, -0.2, 0.01, 0.02, 0.05;
@@ -141,7 +141,7 @@ TEST_P(LensOfADevice, SelfCalibrationCanAdjustItsLinearTerms) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, LensOfADevice, testing::ValuesIn(devices()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& device) { return device.param.name; });
 
 TEST(LensDistortion, TheAxisStaysInPlace) {
   for (const Device& device : devices()) {
