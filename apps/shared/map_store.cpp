@@ -148,14 +148,17 @@ uint32_t OpenMap::component(size_t number) const {
 
 std::vector<PosedImage> OpenMap::views(size_t number) const {
   if (poses.empty()) return recorder.views(log, map, component(number));
-  std::unordered_map<FrameId, int64_t> stamp_of;
-  for (const LoggedFrame& entry : log) stamp_of.emplace(entry.frame, entry.stamp_ns);
+  std::unordered_map<FrameId, const LoggedFrame*> entry_of;
+  for (const LoggedFrame& entry : log) entry_of.emplace(entry.frame, &entry);
   std::vector<PosedImage> views;
   for (size_t i = 0; i < recorder.image_count(); ++i) {
-    const auto stamp = stamp_of.find(recorder.frame_of_image(i));
-    if (stamp == stamp_of.end()) continue;
-    const auto T_world_camera = pose_at(poses, stamp->second, kMaxAssociationNs * 2);
-    if (T_world_camera) views.push_back({i, *T_world_camera, velocity_at(poses, stamp->second)});
+    const auto entry = entry_of.find(recorder.frame_of_image(i));
+    if (entry == entry_of.end()) continue;
+    const LoggedFrame& frame = *entry->second;
+    const auto T_world_camera = pose_at(poses, frame.stamp_ns, kMaxAssociationNs * 2);
+    if (!T_world_camera) continue;
+    views.push_back(
+        {i, *T_world_camera, velocity_at(poses, frame.stamp_ns), static_cast<double>(frame.depth_lag_s)});
   }
   return views;
 }

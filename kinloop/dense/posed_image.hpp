@@ -17,6 +17,7 @@ struct PosedImage {
   size_t image = 0;  ///< index into the ImageStore
   SE3 T_world_camera;
   Velocity velocity = {};  ///< in camera axes
+  double depth_lag_s = 0;  ///< stamp of its depth image minus stamp of its colour image
   /// Gains for red, green and blue that compensate exposure and white balance, see color_gains.
   Eigen::Vector3f color_gain = Eigen::Vector3f::Ones();
 };
@@ -25,25 +26,28 @@ struct PosedImage {
 /// deformation of depth.
 struct DenseCamera {
   PinholeCamera color;       ///< of the raw colour image, to which depth is registered
-  double depth_delay_s = 0;  ///< time of the middle depth row after the stamp
+  double depth_delay_s = 0;  ///< time of the middle depth row after the stamp of depth
   double readout_s = 0;      ///< readout time from the first to the last depth row
   /// Added to inverse depth, 1/m: coefficients of 1, x, y, xx, xy, yy of the ray (x / z, y / z).
   Vector6d inverse_depth_correction = Vector6d::Zero();
 
-  /// Returns when a depth row was measured, relative to the stamp.
+  /// Returns when a depth row was measured, relative to the stamp of depth.
   [[nodiscard]] double time_of_row_s(double row) const {
     return depth_delay_s + readout_s * (row / color.height - 0.5);
   }
 
-  /// Returns the position, at the stamp, of a point measured at `p` in `row`. First order: turning by 1 rad/s
-  /// for 30 ms leaves an error of 0.5 mm at 1 m.
-  [[nodiscard]] Eigen::Vector3d deskew(const Eigen::Vector3d& p, double row, const Velocity& velocity) const {
-    return p + time_of_row_s(row) * (velocity.linear_m_s + velocity.angular_rad_s.cross(p));
+  /// Returns the position, at the stamp of colour, of a point measured at `p` in `row` of a depth image that
+  /// is `lag_s` younger. First order: turning by 1 rad/s for 30 ms leaves an error of 0.5 mm at 1 m.
+  [[nodiscard]] Eigen::Vector3d deskew(const Eigen::Vector3d& p, double row, const Velocity& velocity,
+                                       double lag_s) const {
+    return p + (lag_s + time_of_row_s(row)) * (velocity.linear_m_s + velocity.angular_rad_s.cross(p));
   }
 
   /// Inverse of `deskew`: returns where a point at `p` at the stamp, in front of the camera, was measured.
-  [[nodiscard]] Eigen::Vector3d undo_deskew(const Eigen::Vector3d& p, const Velocity& velocity) const {
-    return p - time_of_row_s(color.project(p).y()) * (velocity.linear_m_s + velocity.angular_rad_s.cross(p));
+  [[nodiscard]] Eigen::Vector3d undo_deskew(const Eigen::Vector3d& p, const Velocity& velocity,
+                                            double lag_s) const {
+    return p - (lag_s + time_of_row_s(color.project(p).y())) *
+                   (velocity.linear_m_s + velocity.angular_rad_s.cross(p));
   }
 
   /// Returns measured inverse depth, 1/m, corrected for the deformation.

@@ -1,21 +1,38 @@
 #pragma once
 // An RGB-D frame: colour and depth at one moment.
 
+#include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/base/ids.hpp"
+#include "kinloop/base/time.hpp"
 #include "kinloop/sensor/color_image.hpp"
 
 namespace kinloop {
 
 struct RgbdFrame {
-  FrameId id;             ///< index of the frame in its source, from 0
-  int64_t stamp_ns = 0;   ///< of the colour image
-  ColorImage color;       ///< decoded to BGR only when asked
-  cv::Mat depth_m;        ///< 32FC1, z in metres at each pixel of `color`, 0 = unknown
-  cv::Mat infrared = {};  ///< 16UC1, as seen by the depth camera; empty unless requested
+  FrameId id;                             ///< index of the frame in its source, from 0
+  int64_t stamp_ns = 0;                   ///< of the colour image
+  ColorImage color;                       ///< decoded to BGR only when asked
+  cv::Mat depth_m;                        ///< 32FC1, z in metres at each pixel of `color`, 0 = unknown
+  cv::Mat infrared = {};                  ///< 16UC1, as seen by the depth camera; empty unless requested
+  std::optional<int64_t> depth_stamp_ns;  ///< of the depth image; nullopt: not known
+
+  /// Returns the stamp of the depth image, that of colour where it is not known.
+  [[nodiscard]] int64_t depth_stamp_or_color_ns() const { return depth_stamp_ns.value_or(stamp_ns); }
 };
+
+/// Returns the time of the depth image minus that of colour, s; 0 where they are too far apart to be of one
+/// clock.
+inline float depth_lag_s(const RgbdFrame& frame) {
+  constexpr double kMaxLagNs = 5e7;
+  const int64_t depth_ns = frame.depth_stamp_or_color_ns();
+  // Compared in floating point, since the difference of arbitrary stamps overflows.
+  const bool near = std::abs(static_cast<double>(depth_ns) - static_cast<double>(frame.stamp_ns)) < kMaxLagNs;
+  return near ? static_cast<float>(to_seconds(depth_ns - frame.stamp_ns)) : 0.0F;
+}
 
 }  // namespace kinloop

@@ -9,8 +9,9 @@
 namespace kinloop {
 namespace {
 
-KeypointMeasurement measurement_of(const LoggedObservation& seen) {
+KeypointMeasurement measurement_of(const LoggedObservation& seen, float depth_lag_s) {
   KeypointMeasurement o;
+  o.depth_lag_s = static_cast<double>(depth_lag_s);
   o.pixel = seen.pixel.cast<double>();
   o.depth_m = static_cast<double>(seen.depth_m);
   o.sigma_px = static_cast<double>(seen.sigma_px);
@@ -28,7 +29,8 @@ SE3 refined_pose(const LoggedFrame& entry, const RollingShutterPose& guess, cons
   std::vector<PoseObservation> observations;
   for (const LoggedObservation& seen : entry.observations) {
     const LandmarkId landmark = map.resolve_merged(seen.landmark);
-    if (map.contains(landmark)) observations.push_back({measurement_of(seen), map.p_world(landmark)});
+    if (map.contains(landmark))
+      observations.push_back({measurement_of(seen, entry.depth_lag_s), map.p_world(landmark)});
   }
   AbsolutePoseOptions strict = options;
   strict.min_inliers = static_cast<int>(std::max(kMinInliers, observations.size() / 2 + 1));

@@ -16,9 +16,16 @@ PreparedFrame lost_frame(const LoggedFrame& entry) {
 }  // namespace
 
 LoggedFrame make_log_entry(const TrackResult& result, const PreparedFrame& frame, int image_height_px) {
-  LoggedFrame entry{
-      frame.id, frame.stamp_ns, result.status, result.reference, result.T_reference_camera, {}, false, {},
-      {}};
+  LoggedFrame entry{frame.id,
+                    frame.stamp_ns,
+                    result.status,
+                    result.reference,
+                    result.T_reference_camera,
+                    {},
+                    false,
+                    frame.features->depth_lag_s,
+                    {},
+                    {}};
   if (result.status == TrackStatus::kLost) entry.features = frame.features;
   const Features& features = *frame.features;
   entry.observations.reserve(result.matches.size());

@@ -29,8 +29,9 @@ struct LoggedFrame {
   TrackStatus status = TrackStatus::kLost;
   KeyframeId reference;
   SE3 T_reference_camera;
-  KeyframeId keyframe;  ///< valid if the frame became a keyframe
-  bool repeat = false;  ///< the camera delivered the previous, tracked image again
+  KeyframeId keyframe;    ///< valid if the frame became a keyframe
+  bool repeat = false;    ///< the camera delivered the previous, tracked image again
+  float depth_lag_s = 0;  ///< Features::depth_lag_s
   std::vector<LoggedObservation> observations;
   /// Set only for lost frames, to relocalize them in the final map.
   std::shared_ptr<const Features> features;

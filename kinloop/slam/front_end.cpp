@@ -6,7 +6,9 @@
 namespace kinloop {
 
 std::shared_ptr<const Features> FrontEnd::features(const PreparedFrame& frame) const {
-  return std::make_shared<const Features>(extract_features(frame.gray, frame.depth_m, camera_, options_));
+  Features features = extract_features(frame.gray, frame.depth_m, camera_, options_);
+  features.depth_lag_s = depth_lag_s(frame);
+  return std::make_shared<const Features>(std::move(features));
 }
 
 PreparedFrame FrontEnd::prepare(const RgbdFrame& frame) const {
@@ -18,6 +20,7 @@ PreparedFrame FrontEnd::prepare(const RgbdFrame& frame) const {
   PreparedFrame prepared;
   prepared.id = FrameId{first_frame_ + frame.id.value};
   prepared.stamp_ns = frame.stamp_ns;
+  prepared.depth_stamp_ns = frame.depth_stamp_ns;
   prepared.color = frame.color;
   prepared.depth_m = frame.depth_m;
   prepared.gray = frame.color.gray();

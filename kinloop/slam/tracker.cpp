@@ -213,7 +213,7 @@ MotionModel Tracker::motion_after(const PreparedFrame& frame, const TrackOutcome
 PreparedFrame Tracker::deskewed(const PreparedFrame& measured, const SensorVector& sensor,
                                 const MotionModel& motion) const {
   PreparedFrame frame = measured;
-  if (!sensor.isZero(0)) {
+  if (needs_deskewing(*measured.features, sensor)) {
     frame.features = std::make_shared<const Features>(
         deskew_features(*measured.features, camera_, sensor, motion.velocity()));
   }

@@ -79,6 +79,7 @@ Features as_features(const std::vector<FoundPatch>& found, const PreparedFrame& 
   Features features;
   features.scale_factor = like.scale_factor;
   features.level_count = like.level_count;
+  features.depth_lag_s = depth_lag_s(frame);
   for (const FoundPatch& patch : found) {
     const Eigen::Vector2f raw = patch.raw.cast<float>();
     const auto gradient = inverse_depth_gradient(frame.depth_m, raw);
@@ -135,9 +136,9 @@ std::optional<DirectlyTracked> track_directly(const PreparedFrame& frame, const 
   }
   const auto features = std::make_shared<const Features>(as_features(found, frame, c));
   const Features compensated =
-      c.search.sensor.isZero(0)
-          ? *features
-          : deskew_features(*features, c.search.camera, c.search.sensor, c.search.velocity);
+      needs_deskewing(*features, c.search.sensor)
+          ? deskew_features(*features, c.search.camera, c.search.sensor, c.search.velocity)
+          : *features;
   DirectlyTracked tracked{solve_pose(compensated, found, T_reference_aligned, c), features};
   const TrackStats& stats = tracked.result.stats;
   if (stats.inliers < c.options.min_confident_inliers) return std::nullopt;

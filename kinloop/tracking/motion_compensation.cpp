@@ -15,7 +15,7 @@ Eigen::Vector3d deskew_point(const KeypointMeasurement& m, const PinholeCamera& 
                              const SensorVector& sensor, const Velocity& velocity) {
   const double color_time_s = sensor(kRollingShutter) * m.row;
   const bool has_slope = m.inverse_depth_gradient.allFinite();
-  const double depth_time_s = sensor(kDepthDelay) + sensor(kDepthShutter) * m.row;
+  const double depth_time_s = m.depth_lag_s + sensor(kDepthDelay) + sensor(kDepthShutter) * m.row;
   const Eigen::Vector3d ray = corrected_ray(camera, sensor, m.pixel).homogeneous();
   const double inverse_depth = (1 + sensor(kDepthScale)) / m.depth_m +
                                sensor.segment<6>(kDepthOffset).dot(depth_offset_basis(camera, m.pixel));
@@ -36,6 +36,10 @@ Eigen::Vector3d deskew_point(const KeypointMeasurement& m, const PinholeCamera& 
 }
 
 }  // namespace
+
+bool needs_deskewing(const Features& features, const SensorVector& sensor) {
+  return features.depth_lag_s != 0 || !sensor.isZero(0);
+}
 
 Features deskew_features(const Features& features, const PinholeCamera& camera, const SensorVector& sensor,
                          const Velocity& velocity) {

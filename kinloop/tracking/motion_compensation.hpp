@@ -11,6 +11,9 @@
 
 namespace kinloop {
 
+/// Returns whether motion displaces the measurements: false for an ideal camera whose images are of one time.
+bool needs_deskewing(const Features& features, const SensorVector& sensor);
+
 /// Returns `features` with `pixels` and `depths_m` recomputed from the measurements, for a camera that
 /// deviates from `camera` by `sensor` and moves with `velocity`: the inverse of the model used by bundle
 /// adjustment. Keypoints without depth are only rotated, since the effect of translation depends on their

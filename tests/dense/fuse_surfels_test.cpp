@@ -25,8 +25,9 @@ struct Scene {
   std::vector<PosedImage> views;
   DenseCamera camera{.color = small_camera()};
 
-  void add(const RgbdImages& seen, const SE3& T_world_camera, const Velocity& velocity = {}) {
-    views.push_back({images.size(), T_world_camera, velocity});
+  void add(const RgbdImages& seen, const SE3& T_world_camera, const Velocity& velocity = {},
+           double depth_lag_s = 0) {
+    views.push_back({images.size(), T_world_camera, velocity, depth_lag_s});
     images.push_back({seen.color.clone(), seen.depth_m.clone()});
   }
 
@@ -118,16 +119,17 @@ TEST(FuseSurfels, DeskewsDelayedRollingShutterDepth) {
   scene.camera.depth_delay_s = 0.02;
   scene.camera.readout_s = 0.03;
   const Velocity velocity{{0.1, -0.2, 0.5}, {0.1, 0.6, 0.2}};
-  for (int view = 0; view < 2; ++view) {
+  constexpr double kLags_s[] = {-0.015, 0.018};
+  for (size_t view = 0; view < 2; ++view) {
     RgbdImages seen{cv::Mat(120, 160, CV_8UC3, cv::Scalar::all(50)), cv::Mat(120, 160, CV_32FC1)};
     for (int row = 0; row < 120; ++row) {
-      const double time_s = scene.camera.time_of_row_s(row);
+      const double time_s = kLags_s[view] + scene.camera.time_of_row_s(row);
       const SE3 T_world_camera{exp_so3(time_s * velocity.angular_rad_s), time_s * velocity.linear_m_s};
       view_of_wall(small_camera(), T_world_camera, kWallZ_m, {})
           .depth_m.row(row)
           .copyTo(seen.depth_m.row(row));
     }
-    scene.add(seen, {}, velocity);
+    scene.add(seen, {}, velocity, kLags_s[view]);
   }
   EXPECT_LT(median_error(scene.fused(), kWallZ_m), 5e-4);
   scene.camera.depth_delay_s = scene.camera.readout_s = 0;

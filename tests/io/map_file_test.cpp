@@ -7,6 +7,7 @@
 #include "kinloop/base/random.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/io/map_file/feature_serialization.hpp"
+#include "kinloop/io/map_file/map_tables.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -36,6 +37,7 @@ Features some_features(Random& random) {
     features.angles_rad.push_back(number());
     features.sigmas_px.push_back(number());
   }
+  features.depth_lag_s = static_cast<float>(random.uniform(-0.02, 0.02));
   features.descriptors = cv::Mat(static_cast<int>(kKeypoints), 32, CV_8UC1);
   for (int row = 0; row < features.descriptors.rows; ++row) {
     for (int col = 0; col < 32; ++col)
@@ -89,7 +91,8 @@ SavedMap some_saved_map() {
   saved.map = some_map(random).data();
   for (uint32_t i = 0; i < 3 * kKeyframes; ++i) {
     saved.frames.push_back({FrameId{i}, 33 * i, 0, KeyframeId{i / 3}, some_pose(random),
-                            i % 3 == 0 ? KeyframeId{i / 3} : KeyframeId{}, i % 3 == 1});
+                            i % 3 == 0 ? KeyframeId{i / 3} : KeyframeId{}, i % 3 == 1,
+                            static_cast<float>(random.uniform(-0.02, 0.02))});
   }
   return saved;
 }
@@ -126,11 +129,53 @@ TEST(MapFile, RoundTripIsBitExact) {
   EXPECT_EQ(again.camera.rolling_shutter_s, saved.camera.rolling_shutter_s);
   EXPECT_EQ(again.sessions[0].input, saved.sessions[0].input);
   EXPECT_EQ(again.map.keyframes[3].T_world_camera.matrix(), saved.map.keyframes[3].T_world_camera.matrix());
+  EXPECT_EQ(again.map.keyframes[3].features->depth_lag_s, saved.map.keyframes[3].features->depth_lag_s);
+  EXPECT_EQ(again.frames[5].depth_lag_s, saved.frames[5].depth_lag_s);
   EXPECT_EQ(again.map.loop_edges[0].information, saved.map.loop_edges[0].information);
 
   // Everything else: saved again, the file is identical byte for byte.
   write_map(b, again, images.size(), [&](size_t i) { return images[i]; });
   EXPECT_TRUE(read_file(a) == read_file(b));
+}
+
+/// Writes what version 1 of the format held: no stamps of depth.
+void write_version_1(const std::filesystem::path& from, const std::filesystem::path& to) {
+  namespace tables = map_tables;
+  const DatabaseReader reader(from, tables::kKind);
+  DatabaseWriter writer(to, {tables::kKind.application, 1});
+  for (const char* table :
+       {tables::kAbout, tables::kSession, tables::kOption, tables::kCamera, tables::kSensor,
+        tables::kKeyframe, tables::kLoopEdge, tables::kLandmark, tables::kFrame, tables::kImage}) {
+    bool created = false;
+    reader.read(table, [&](int64_t id, Row row) {
+      if (table == tables::kFrame) row.pop_back();
+      if (table == tables::kKeyframe) {
+        std::string& features = std::get<Blob>(row.back()).bytes;
+        features.resize(features.size() - sizeof(float));
+      }
+      std::vector<std::string> columns;
+      for (size_t i = 0; i < row.size(); ++i) columns.push_back("c" + std::to_string(i));
+      if (!std::exchange(created, true)) writer.create(table, columns);
+      writer.insert(table, id, row);
+      return true;
+    });
+  }
+  writer.commit();
+}
+
+TEST(MapFile, FilesOfVersion1AreReadWithoutStampsOfDepth) {
+  const test::TempFolder folder;
+  write_some_map(folder.path() / "new.kinmap");
+  write_version_1(folder.path() / "new.kinmap", folder.path() / "old.kinmap");
+  const auto [old, damage] = MapReader(folder.path() / "old.kinmap").read();
+  EXPECT_FALSE(damage.any()) << describe(damage);
+  const SavedMap saved = some_saved_map();
+  ASSERT_EQ(old.map.keyframes.size(), saved.map.keyframes.size());
+  ASSERT_EQ(old.frames.size(), saved.frames.size());
+  EXPECT_EQ(old.map.keyframes[3].features->sigmas_px, saved.map.keyframes[3].features->sigmas_px);
+  EXPECT_EQ(old.frames[5].stamp_ns, saved.frames[5].stamp_ns);
+  for (const Keyframe& keyframe : old.map.keyframes) EXPECT_EQ(keyframe.features->depth_lag_s, 0);
+  for (const SavedFrame& frame : old.frames) EXPECT_EQ(frame.depth_lag_s, 0);
 }
 
 TEST(MapFile, LeavesTheOldFileUntilTheNewOneIsWhole) {

@@ -84,6 +84,25 @@ TEST(Bundle, BuiltinAndCeresAgree) {
   EXPECT_EQ(builtin.outliers, ceres.outliers);
 }
 
+TEST(Bundle, TheDepthDelayIsRecoveredBesidesTheStampsOfDepth) {
+  BundleWorldSettings settings{.poses = 30, .points = 500, .sigma_px = 0.5, .sigma_inverse_depth = 1.5e-3};
+  settings.depth_lag_s = 0.018;
+  settings.sensor(kDepthDelay) = 0.015;
+  BundleWorld world = make_bundle_world(settings);
+  perturb(world, 0.02, 0.01);
+  world.problem.sensor.prior_sigma(kDepthDelay) = SensorCalibration::kUnknown;
+  BundleOptions options;
+  options.max_iterations = 20;
+  options.inverse_depth_sigma_per_m = 1.5e-3;
+  const BundleSolution solution = solve_bundle(world.problem, options);
+  EXPECT_NEAR(solution.sensor(kDepthDelay), 0.015, 0.001);
+  for (BundleObservation& o : world.problem.observations) o.depth_lag_s = 0;
+  const BundleSolution ignored = solve_bundle(world.problem, options);
+  EXPECT_LT(position_error_m(solution.T_world_camera, world.truth),
+            position_error_m(ignored.T_world_camera, world.truth));
+  EXPECT_LT(solution.chi2_after, ignored.chi2_after);
+}
+
 TEST(Bundle, RollingShutterAndDepthDelayAreRecovered) {
   BundleWorldSettings settings{.poses = 30, .points = 500, .sigma_px = 0.5, .sigma_inverse_depth = 1.5e-3};
   settings.sensor(kRollingShutter) = settings.sensor(kDepthShutter) = 0.030;

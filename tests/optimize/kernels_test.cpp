@@ -49,6 +49,7 @@ struct ObservedPoints {
       o.depth_m = lane == 3 ? 0 : p.z() + random.uniform(-0.02, 0.02);
       o.sigma_px = random.uniform(1, 3);
       o.row = random.uniform(-0.5, 0.5);
+      o.depth_lag_s = random.uniform(-0.02, 0.02);
       o.inverse_depth_gradient = {random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3)};
       if (lane == 5) o.inverse_depth_gradient.setConstant(test::kNan);
       observations.push_back(o);
@@ -121,7 +122,8 @@ TEST(ObservationBlock, ResidualsMatchTheSensorModel) {
       continue;
     }
     const bool has_slope = o.inverse_depth_gradient.allFinite();
-    const Eigen::Vector3d q = seen_at(has_slope ? s(kDepthDelay) + s(kDepthShutter) * o.row : color_s);
+    const Eigen::Vector3d q =
+        seen_at(has_slope ? o.depth_lag_s + s(kDepthDelay) + s(kDepthShutter) * o.row : color_s);
     double depth_error = (1 + s(kDepthScale)) / o.depth_m - 1 / q.z() +
                          s.segment<6>(kDepthOffset).dot(depth_offset_basis(scene.camera, o.pixel));
     if (has_slope) depth_error += o.inverse_depth_gradient.dot(pixel_of(q) - o.pixel);

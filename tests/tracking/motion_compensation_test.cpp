@@ -23,8 +23,9 @@ Features in_motion(const Features& still, const PinholeCamera& camera, const Sen
       pixel = corrected_pixel(
           camera, sensor, point_in_later_camera(p, velocity, sensor(kRollingShutter) * row).hnormalized());
     }
-    const Eigen::Vector3d p_at_depth =
-        point_in_later_camera(p, velocity, sensor(kDepthDelay) + sensor(kDepthShutter) * row);
+    const Eigen::Vector3d p_at_depth = point_in_later_camera(
+        p, velocity,
+        static_cast<double>(still.depth_lag_s) + sensor(kDepthDelay) + sensor(kDepthShutter) * row);
     moving.measured_pixels[i] = moving.raw_pixels[i] = pixel.cast<float>();
     moving.measured_depths_m[i] = static_cast<float>(p_at_depth.z());
   }
@@ -49,6 +50,7 @@ class MotionCompensation : public testing::Test {
 };
 
 TEST_F(MotionCompensation, MotionIsCompensated) {
+  ideal_.depth_lag_s = 0.012F;
   const Features moving = in_motion(ideal_, world_.camera, sensor_, velocity_);
   const Features undone = deskew_features(moving, world_.camera, sensor_, velocity_);
   ASSERT_EQ(undone.size(), ideal_.size());
@@ -60,6 +62,22 @@ TEST_F(MotionCompensation, MotionIsCompensated) {
     largest_shift_px = std::max<double>(largest_shift_px, (moving.pixels[i] - ideal_.pixels[i]).norm());
   }
   EXPECT_GT(largest_shift_px, 5);  // the motion is significant
+}
+
+TEST_F(MotionCompensation, DepthOfAnotherTimeIsMovedToTheStamp) {
+  ideal_.depth_lag_s = -0.02F;
+  sensor_.setZero();
+  EXPECT_TRUE(needs_deskewing(ideal_, sensor_));
+  const Features moving = in_motion(ideal_, world_.camera, sensor_, velocity_);
+  const Features undone = deskew_features(moving, world_.camera, sensor_, velocity_);
+  double largest_shift_m = 0;
+  for (size_t i = 0; i < ideal_.size(); ++i) {
+    EXPECT_NEAR(undone.depths_m[i], ideal_.depths_m[i], 1e-4F);
+    largest_shift_m = std::max<double>(largest_shift_m, std::abs(moving.depths_m[i] - ideal_.depths_m[i]));
+  }
+  EXPECT_GT(largest_shift_m, 0.01);
+  ideal_.depth_lag_s = 0;
+  EXPECT_FALSE(needs_deskewing(ideal_, sensor_));
 }
 
 TEST_F(MotionCompensation, LensAndDepthErrorsAreCorrected) {

@@ -12,6 +12,7 @@ namespace kinloop {
 struct FreeSpaceView {
   SE3 T_camera_world;
   Velocity velocity = {};
+  double depth_lag_s = 0;         ///< PosedImage::depth_lag_s
   std::vector<uint16_t> nearest;  ///< see ImageSurfels
 };
 

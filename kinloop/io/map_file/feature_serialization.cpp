@@ -1,5 +1,7 @@
 #include "kinloop/io/map_file/feature_serialization.hpp"
 
+#include <cmath>
+
 #include "kinloop/io/map_file/byte_stream.hpp"
 
 namespace kinloop {
@@ -21,7 +23,7 @@ void for_each_list(Self& features, Visit&& visit) {
 
 /// Optional lists may be empty.
 bool consistent(const Features& features) {
-  bool same = features.level_count > 0 && features.scale_factor > 1;
+  bool same = features.level_count > 0 && features.scale_factor > 1 && std::isfinite(features.depth_lag_s);
   for_each_list(features,
                 [&](const auto& list) { same = same && (list.empty() || list.size() == features.size()); });
   return same &&
@@ -55,6 +57,7 @@ std::string serialize_features(const Features& features) {
   const uint64_t count = descriptors.total() * descriptors.elemSize();
   put_values(bytes, &count, 1);
   put_values(bytes, descriptors.data, count);
+  put_values(bytes, &features.depth_lag_s, 1);
   return bytes;
 }
 
@@ -65,6 +68,7 @@ std::optional<Features> deserialize_features(const std::string& bytes) {
   features.level_count = reader.value<int>();
   for_each_list(features, [&]<class T>(std::vector<T>& list) { list = reader.list<T>(); });
   features.descriptors = descriptors_from(reader);
+  if (!reader.exhausted()) features.depth_lag_s = reader.value<float>();  // not in files of version 1
   if (!reader.exhausted() || !consistent(features)) return std::nullopt;
   return features;
 }

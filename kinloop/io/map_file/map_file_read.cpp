@@ -216,6 +216,7 @@ std::vector<SavedFrame> read_frames(const DatabaseReader& file, const Renumbered
     frame.keyframe = new_id(ids, KeyframeId{take_id(row)});
     frame.repeat = row.take<int64_t>() != 0;
     frame.T_reference_camera = take_pose(row);
+    if (!row.exhausted()) frame.depth_lag_s = static_cast<float>(row.take<double>());  // not in version 1
     if (!row.exhausted() || !frame.T_reference_camera.is_finite()) return false;
     frames.push_back(frame);
     return true;

@@ -124,13 +124,15 @@ void write_landmarks(DatabaseWriter& file, const MapData& map) {
 }
 
 void write_frames(DatabaseWriter& file, const std::vector<SavedFrame>& frames) {
-  file.create(tables::kFrame, with_pose({"frame", "stamp_ns", "status", "reference", "keyframe", "repeat"}));
+  file.create(tables::kFrame,
+              with_pose({"frame", "stamp_ns", "status", "reference", "keyframe", "repeat"}, {"depth_lag_s"}));
   int64_t id = 0;
   for (const SavedFrame& frame : frames) {
     Row row = {int64_t{frame.frame.value},    frame.stamp_ns,
                int64_t{frame.status},         int64_t{frame.reference.value},
                int64_t{frame.keyframe.value}, int64_t{frame.repeat}};
     add_pose(row, frame.T_reference_camera);
+    row.emplace_back(static_cast<double>(frame.depth_lag_s));
     file.insert(tables::kFrame, id++, row);
   }
 }

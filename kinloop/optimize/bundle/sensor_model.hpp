@@ -23,7 +23,7 @@ enum SensorParameter : int {
   kRadial1,         ///< added radial distortion, r^2
   kRadial2,         ///< added radial distortion, r^4
   kRollingShutter,  ///< readout time from the first to the last colour row, s
-  kDepthDelay,      ///< time of the depth measurement minus time of its colour image, s
+  kDepthDelay,      ///< time of the depth measurement minus its stamp, s
   kDepthShutter,    ///< readout time from the first to the last depth row, s
   kDepthScale,      ///< true inverse depth = (1 + scale) * measured + offset
   kDepthOffset,     ///< 1/m

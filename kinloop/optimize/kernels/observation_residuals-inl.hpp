@@ -135,7 +135,7 @@ struct Observed {
   const Camera& camera;
   const MeasurementModel& model;
   Vector3 p0;  // the point at the stamp of the frame
-  V row, inverse_sigma_px, inverse_depth, gradient_x, gradient_y;
+  V row, depth_lag, inverse_sigma_px, inverse_depth, gradient_x, gradient_y;
   Mask has_gradient, uses_pixel, uses_depth;
   V ray_x, ray_y;  // ray of the pixel in the nominal camera
   MovedPoint at_color;
@@ -149,6 +149,7 @@ struct Observed {
         model(m),
         p0(c.point({load(block.x, first), load(block.y, first), load(block.z, first)})),
         row(load(block.row, first)),
+        depth_lag(load(block.depth_lag_s, first)),
         inverse_sigma_px(load(block.inverse_sigma_px, first)),
         inverse_depth(load(block.inverse_depth_per_m, first)),
         gradient_x(load(block.gradient_x, first)),
@@ -180,7 +181,7 @@ struct Observed {
   /// For a surface of unknown gradient this motion is unknown. Assuming zero gradient would bias the delay
   /// towards zero, since most surfaces seen from above slope away from the camera.
   HWY_INLINE V depth_time() const {
-    const V time = all(model.sensor(kDepthDelay)) + all(model.sensor(kDepthShutter)) * row;
+    const V time = depth_lag + all(model.sensor(kDepthDelay)) + all(model.sensor(kDepthShutter)) * row;
     return hn::IfThenElse(has_gradient, time, color_time());
   }
   /// Sum of depth_offset_basis times the offset parameters.
