@@ -15,7 +15,6 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/options.hpp"
 #include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/time.hpp"
 #include "simulator/simulated_source.hpp"
 
 namespace kinloop {
@@ -61,7 +60,7 @@ void simulate(const SimulateArguments& arguments, const SimulationOptions& optio
   const Progress progress = make_progress_bar(arguments.quiet);
   const size_t frames = source->info().frames;
   while (const auto frame = source->next()) {
-    writer.append(*frame, frame->stamp_ns + to_ns(source->truth().depth_offset_s));
+    writer.append(*frame);
     report(progress, "rendering", frame->id.value + 1, frames);
   }
   writer.finish(source->info().ground_truth);

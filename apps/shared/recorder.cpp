@@ -20,7 +20,7 @@ void Recorder::add(RgbdFrame frame) {
   std::unique_lock lock(mutex_);
   rethrow();
   changed_.wait(lock, [&] { return queue_.size() < kMaxQueued || error_; });
-  writer_.add_to_lists(frame.stamp_ns, frame.stamp_ns);
+  writer_.add_to_lists(frame);
   queue_.push_back(std::move(frame));
   max_queued_ = std::max(max_queued_, queue_.size());
   changed_.notify_all();
@@ -44,7 +44,7 @@ void Recorder::work(const std::stop_token& stop) {
     lock.unlock();
     std::exception_ptr error;
     try {
-      writer_.write_images(frame, frame.stamp_ns);
+      writer_.write_images(frame);
     } catch (...) {
       error = std::current_exception();
     }

@@ -105,6 +105,7 @@ std::optional<RgbdFrame> RecordedSource::next() {
 RgbdFrame RecordedSource::read_images(const RecordedFrame& files) const {
   RgbdFrame frame;
   frame.stamp_ns = files.stamp_ns;
+  frame.depth_stamp_ns = files.depth_stamp_ns;
   if (video_) {
     frame.color = video_->read(files.video_frame);
     require_size(frame.color.size(), sequence_.video, camera_.color, kColorRemedy);

@@ -48,18 +48,19 @@ TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
   write_camera_file(folder_ / "camera.yaml", camera);
 }
 
-void TumWriter::append(const RgbdFrame& frame, int64_t depth_stamp_ns) {
+void TumWriter::append(const RgbdFrame& frame) {
   require(frame.stamp_ns > newest_ns_, "TumWriter: timestamps must increase");
-  write_images(frame, depth_stamp_ns);
-  add_to_lists(frame.stamp_ns, depth_stamp_ns);
+  write_images(frame);
+  add_to_lists(frame);
 }
 
-void TumWriter::write_images(const RgbdFrame& frame, int64_t depth_stamp_ns) const {
+void TumWriter::write_images(const RgbdFrame& frame) const {
   write_png(folder_ / color_name(frame.stamp_ns), frame.color.bgr());
-  write_depth_png(folder_ / depth_name(depth_stamp_ns), frame.depth_m, depth_scale_);
+  write_depth_png(folder_ / depth_name(frame.depth_stamp_or_color_ns()), frame.depth_m, depth_scale_);
 }
 
-void TumWriter::add_to_lists(int64_t stamp_ns, int64_t depth_stamp_ns) {
+void TumWriter::add_to_lists(const RgbdFrame& frame) {
+  const int64_t stamp_ns = frame.stamp_ns, depth_stamp_ns = frame.depth_stamp_or_color_ns();
   require(stamp_ns > newest_ns_, "TumWriter: timestamps must increase");
   newest_ns_ = stamp_ns;
   const std::string color = fmt::format("{} {}", format_stamp(stamp_ns), color_name(stamp_ns));

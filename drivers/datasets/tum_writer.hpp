@@ -25,13 +25,12 @@ class TumWriter {
 
   /// Adds a frame; its stamp must be later than the previous one. Depth is rounded to the camera's units per
   /// metre; values out of the 16-bit range are written as unknown.
-  void append(const RgbdFrame& frame, int64_t depth_stamp_ns);
-  void append(const RgbdFrame& frame) { append(frame, frame.stamp_ns); }
+  void append(const RgbdFrame& frame);
 
   /// The two halves of `append`: the images alone, which several threads may write at once, and the lines of
   /// the lists.
-  void write_images(const RgbdFrame& frame, int64_t depth_stamp_ns) const;
-  void add_to_lists(int64_t stamp_ns, int64_t depth_stamp_ns);
+  void write_images(const RgbdFrame& frame) const;
+  void add_to_lists(const RgbdFrame& frame);
 
   /// Writes the lists, and groundtruth.txt unless `ground_truth` is empty.
   void finish(const Trajectory& ground_truth = {});

@@ -23,6 +23,9 @@ class FramePairer {
   void add_color(int64_t stamp_ns, ColorImage image);
   void add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared = {});
 
+  /// Adds images that are known to belong together, whatever the stamp of depth.
+  void add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m);
+
   /// No more images will arrive: pairs the remaining ones as far as possible.
   void finish() { finished_ = true; }
 
@@ -37,7 +40,8 @@ class FramePairer {
  private:
   /// A colour image, or a depth image with its infrared image if available.
   struct Stamped {
-    int64_t stamp_ns = 0;
+    int64_t stamp_ns = 0;     ///< by which it is paired
+    int64_t measured_ns = 0;  ///< its own
     ColorImage color;
     cv::Mat depth_m, infrared;
   };

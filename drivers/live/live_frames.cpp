@@ -14,6 +14,12 @@ void LiveFrameBuffer::add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infra
   collect_ready();
 }
 
+void LiveFrameBuffer::add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m) {
+  const std::lock_guard lock(mutex_);
+  pairer_.add_pair(stamp_ns, std::move(image), depth_stamp_ns, std::move(depth_m));
+  collect_ready();
+}
+
 void LiveFrameBuffer::collect_ready() {
   while (auto frame = pairer_.next()) {
     ready_.push_back(std::move(*frame));

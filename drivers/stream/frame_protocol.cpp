@@ -135,6 +135,10 @@ std::optional<SentFrame> FrameProtocol::read_frame(const StopReading& stop) {
   try {
     const Json header = parsed_json(*text);
     frame.stamp_ns = field<int64_t>(header, "stamp_ns", "the time of the colour image, nanoseconds");
+    frame.depth_stamp_ns =
+        header.contains("depth_stamp_ns")
+            ? field<int64_t>(header, "depth_stamp_ns", "the time of the depth image, nanoseconds")
+            : frame.stamp_ns;
     color = announced_image(header, "color");
     depth = announced_image(header, "depth");
   } catch (const InputError& error) {

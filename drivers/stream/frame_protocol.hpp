@@ -29,7 +29,8 @@ struct SentImage {
 
 /// A frame as sent.
 struct SentFrame {
-  int64_t stamp_ns = 0;
+  int64_t stamp_ns = 0;        ///< of colour
+  int64_t depth_stamp_ns = 0;  ///< of depth
   SentImage color, depth;
 };
 

@@ -76,8 +76,7 @@ class StreamSource : public FrameSource {
       const PinholeCamera& depth_camera = camera_.depth ? *camera_.depth : camera_.color;
       ColorImage color = decode_sent_color(sent.color, camera_.color);
       cv::Mat depth_m = decode_sent_depth(sent.depth, depth_camera, camera_.depth_scale);
-      frames_.add_depth(sent.stamp_ns, std::move(depth_m));
-      frames_.add_color(sent.stamp_ns, std::move(color));
+      frames_.add_pair(sent.stamp_ns, std::move(color), sent.depth_stamp_ns, std::move(depth_m));
     } catch (const InputError& error) {
       const std::lock_guard lock(mutex_);
       skipped_.push_back({fmt::format("frame at {} ns", sent.stamp_ns), error.what()});

@@ -29,5 +29,5 @@ for stamp_ns, name in read_list(folder / "rgb.txt"):
         continue
     color, depth = (folder / name).read_bytes(), (folder / depth_name).read_bytes()
     kind = "png" if color.startswith(b"\x89PNG") else "jpeg"
-    send({"stamp_ns": stamp_ns, "color": {"encoding": kind, "bytes": len(color)},
+    send({"stamp_ns": stamp_ns, "depth_stamp_ns": depth_ns, "color": {"encoding": kind, "bytes": len(color)},
           "depth": {"encoding": "png", "bytes": len(depth)}}, color, depth)

@@ -83,7 +83,7 @@ TEST_F(BagTest, GivesTheFramesThatAFolderWithTheSameImagesGives) {
       cv::Mat millimetres;
       frame->depth_m.convertTo(millimetres, CV_16UC1, 1000);
       add(bag, kColor, frame->stamp_ns, frame->color.bgr(), "bgr8");
-      add(bag, kDepth, frame->stamp_ns, millimetres, "16UC1");
+      add(bag, kDepth, *frame->depth_stamp_ns, millimetres, "16UC1");
     }
   });
   const auto source = open_bag(path(), {});
@@ -94,6 +94,7 @@ TEST_F(BagTest, GivesTheFramesThatAFolderWithTheSameImagesGives) {
     ASSERT_TRUE(from_bag);
     EXPECT_EQ(from_bag->id, frame->id);
     EXPECT_EQ(from_bag->stamp_ns, frame->stamp_ns);
+    EXPECT_EQ(from_bag->depth_stamp_ns, frame->depth_stamp_ns);
     EXPECT_EQ(cv::norm(from_bag->color.bgr(), frame->color.bgr(), cv::NORM_INF), 0);
     EXPECT_EQ(cv::norm(from_bag->depth_m, frame->depth_m, cv::NORM_INF), 0);
   }

@@ -27,6 +27,7 @@ std::vector<Pair> taken(FramePairer& pairer) {
   while (const auto frame = pairer.next()) {
     const int64_t color_ms = frame->color.bgr().cols - 1;
     EXPECT_EQ(frame->stamp_ns, color_ms * kMs);
+    EXPECT_EQ(frame->depth_stamp_ns, frame->depth_m.at<int>(0) * kMs);
     pairs.push_back({color_ms, frame->depth_m.at<int>(0)});
   }
   return pairs;
@@ -81,6 +82,17 @@ TEST(FramePairer, LeavesOutImagesWithoutPartner) {
   pairer.finish();
   EXPECT_THAT(taken(pairer), testing::ElementsAre(Pair{100, 101}, Pair{166, 167}));
   EXPECT_EQ(pairer.unpaired(), 2U);
+}
+
+TEST(FramePairer, KeepsTogetherWhatWasAddedTogether) {
+  FramePairer pairer;
+  for (const int64_t ms : {100, 133, 166}) {
+    // Nearer to other colour images, and further away than any pair found by time.
+    pairer.add_pair(ms * kMs, cv::Mat(1, static_cast<int>(ms) + 1, CV_8UC3), (ms + 30) * kMs,
+                    numbered(ms + 30));
+    EXPECT_THAT(taken(pairer), testing::ElementsAre(Pair{ms, ms + 30}));
+  }
+  EXPECT_EQ(pairer.unpaired() + pairer.out_of_order(), 0U);
 }
 
 TEST(FramePairer, CountsTimeGoingBackwards) {

@@ -34,10 +34,11 @@ std::string start_record(const char* live = "false") {
 }
 
 std::string frame_record(int64_t stamp_ns, const std::string& color_encoding, const std::string& color,
-                         const std::string& depth_encoding, const std::string& depth) {
-  return record(fmt::format(R"({{"stamp_ns": {}, "color": {{"encoding": "{}", "bytes": {}}},
+                         const std::string& depth_encoding, const std::string& depth,
+                         const std::string& more = "") {
+  return record(fmt::format(R"({{"stamp_ns": {}{}, "color": {{"encoding": "{}", "bytes": {}}},
                                 "depth": {{"encoding": "{}", "bytes": {}}}}})",
-                            stamp_ns, color_encoding, color.size(), depth_encoding, depth.size()),
+                            stamp_ns, more, color_encoding, color.size(), depth_encoding, depth.size()),
                 color + depth);
 }
 
@@ -76,7 +77,8 @@ TEST(StreamSource, GivesTheFramesOfAFolderRawOrCompressed) {
         return raw ? test::pixels_of(image) : test::encoded(image, ".png");
       };
       bytes += frame_record(frame->stamp_ns, raw ? "bgr8" : "png", encoded(frame->color.bgr()),
-                            raw ? "16UC1" : "png", encoded(depth));
+                            raw ? "16UC1" : "png", encoded(depth),
+                            fmt::format(", \"depth_stamp_ns\": {}", *frame->depth_stamp_ns));
     }
     TumSource expected(sequence.path());
     const auto stream = stream_of(folder, bytes);
@@ -87,6 +89,7 @@ TEST(StreamSource, GivesTheFramesOfAFolderRawOrCompressed) {
       ASSERT_TRUE(sent);
       EXPECT_EQ(sent->id, frame->id);
       EXPECT_EQ(sent->stamp_ns, frame->stamp_ns);
+      EXPECT_EQ(sent->depth_stamp_ns, frame->depth_stamp_ns);
       EXPECT_EQ(cv::norm(sent->color.bgr(), frame->color.bgr(), cv::NORM_INF), 0);
       EXPECT_EQ(cv::norm(sent->depth_m, frame->depth_m, cv::NORM_INF), 0);
     }
@@ -130,6 +133,7 @@ TEST(StreamSource, AMalformedStreamEndsAfterItsGoodFrames) {
   for (const std::string& bad :
        {next.substr(0, 2), next.substr(0, 20), next.substr(0, next.size() - 1), record("{"), record("[]"),
         record("{}"), std::string("\xff\xff\xff\x7f"), std::string(4, '\0'),
+        record(R"({"stamp_ns": 1, "depth_stamp_ns": "later"})"),
         record(R"({"stamp_ns": 1, "color": {"encoding": "png", "bytes": 1e18}})"),
         record(R"({"stamp_ns": 1, "color": {"encoding": "png", "bytes": -5}})")}) {
     const auto stream = stream_of(folder, good + bad);

@@ -53,6 +53,7 @@ TEST(TumSource, GivesTheFramesInOrder) {
     const auto& frame = frames[static_cast<size_t>(i)];
     EXPECT_EQ(frame.id, FrameId{static_cast<uint32_t>(i)});
     EXPECT_EQ(frame.stamp_ns, *parse_stamp_ns(SequenceFolder::stamp(i)));
+    EXPECT_EQ(frame.depth_stamp_ns, *parse_stamp_ns(SequenceFolder::stamp(i, 0.005)));
     EXPECT_EQ(cv::norm(frame.color.bgr(), make_color(i), cv::NORM_INF), 0);
     EXPECT_FLOAT_EQ(frame.depth_m.at<float>(3, 3), 1.0F + 0.001F * static_cast<float>(i));
   }
