@@ -14,7 +14,7 @@ KinectNoise KinectNoise::none() {
   KinectNoise ideal;
   ideal.rolling_shutter_s = ideal.exposure_s = ideal.depth_delay_s = 0;
   ideal.depth_noise_per_m = ideal.disparity_step_px = 0;
-  ideal.holes = false;
+  ideal.depth_stamps = ideal.holes = false;
   ideal.min_depth_m = 0;
   ideal.max_depth_m = 5;
   ideal.image_noise = ideal.gain_change = 0;

@@ -15,6 +15,7 @@ struct KinectNoise {
   double rolling_shutter_s = 0.030;
   double exposure_s = 0.015;
   double depth_delay_s = 0.015;
+  bool depth_stamps = true;
   double depth_noise_per_m = kSensorInverseDepthSigmaPerM;
   double disparity_step_px = 0.125;
   bool holes = true;
@@ -32,7 +33,9 @@ struct KinectNoise {
     visit("rolling_shutter_s", self.rolling_shutter_s, "readout time from the first to the last image row, s",
           Range{0, 0.1});
     visit("exposure_s", self.exposure_s, "exposure time of a colour row, s", Range{0, 0.1});
-    visit("depth_delay_s", self.depth_delay_s, "delay of depth relative to colour, s", Range{-0.1, 0.1});
+    visit("depth_delay_s", self.depth_delay_s, "delay of depth relative to its stamp, s", Range{-0.1, 0.1});
+    visit("depth_stamps", self.depth_stamps,
+          "depth has stamps of its own, with drift, jitter and lost images; otherwise those of colour");
     visit("depth_noise_per_m", self.depth_noise_per_m, "k of the depth noise k z^2 metres, 0 = none",
           Range{0, 0.1});
     visit("disparity_step_px", self.disparity_step_px, "quantisation of disparity in pixels, 0 = none",

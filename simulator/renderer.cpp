@@ -103,7 +103,7 @@ int Renderer::color_packets(const CameraPath& path, int64_t stamp_ns) const {
   return blur_px > kWideBlur_px ? kMaxPackets : 1;
 }
 
-Renderer::RowPoses Renderer::row_poses(const CameraPath& path, int64_t row_ns, int packets) const {
+Renderer::RowPoses Renderer::row_poses(const CameraPath& path, const FrameStamps& row, int packets) const {
   const Offset* places = packets == 1 ? kFourPlaces.data() : kEightPlaces.data();
   const auto inverse_fx = static_cast<float>(1 / camera_.fx), inverse_fy = static_cast<float>(1 / camera_.fy);
   const int count = packets * kLanes;
@@ -111,10 +111,10 @@ Renderer::RowPoses Renderer::row_poses(const CameraPath& path, int64_t row_ns, i
   poses.packets = packets;
   for (int i = 0; i < count; ++i) {
     const double when_s = ((i + 0.5) / count - 0.5) * noise_.exposure_s;
-    poses.color[i / kLanes].set(i % kLanes, path.at(row_ns + to_ns(when_s)), places[i].x * inverse_fx,
+    poses.color[i / kLanes].set(i % kLanes, path.at(row.color_ns + to_ns(when_s)), places[i].x * inverse_fx,
                                 places[i].y * inverse_fy);
   }
-  const SE3 T_room_depth = path.at(row_ns + to_ns(noise_.depth_delay_s));
+  const SE3 T_room_depth = path.at(row.depth_ns + to_ns(noise_.depth_delay_s));
   for (int lane = 0; lane < kLanes; ++lane) poses.depth.set(lane, T_room_depth, 0, 0);
   return poses;
 }
@@ -190,17 +190,19 @@ void Renderer::render_tile(const Tile& tile, float gain, uint64_t seed, const Ro
   }
 }
 
-RgbdFrame Renderer::render(const CameraPath& path, int64_t stamp_ns, uint64_t frame_seed) const {
+RgbdFrame Renderer::render(const CameraPath& path, const FrameStamps& stamps, uint64_t frame_seed) const {
   const cv::Size size(camera_.width, camera_.height);
   RgbdFrame frame;
-  frame.stamp_ns = stamp_ns;
+  frame.stamp_ns = stamps.color_ns;
+  frame.depth_stamp_ns = stamps.depth_ns;
   cv::Mat color(size, CV_8UC3);
   ExactDepth exact{cv::Mat(size, CV_32FC1), cv::Mat(size, CV_32FC1, cv::Scalar(1))};
-  const int packets = color_packets(path, stamp_ns);
-  const auto gain = static_cast<float>(gain_at(noise_, to_seconds(stamp_ns)));
+  const int packets = color_packets(path, stamps.color_ns);
+  const auto gain = static_cast<float>(gain_at(noise_, to_seconds(stamps.color_ns)));
   parallel_for(static_cast<size_t>(size.height), threads_, [&](size_t begin, size_t end) {
     for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
-      const RowPoses poses = row_poses(path, row_stamp_ns(stamp_ns, row), packets);
+      const FrameStamps of_row{row_stamp_ns(stamps.color_ns, row), row_stamp_ns(stamps.depth_ns, row)};
+      const RowPoses poses = row_poses(path, of_row, packets);
       for (int x = 0; x < size.width; x += kTile) {
         render_tile(tile_rays(poses, row, x), gain, hash(frame_seed, 1), {&color, &exact});
       }

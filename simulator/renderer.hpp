@@ -7,6 +7,7 @@
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
 #include "simulator/camera_path.hpp"
+#include "simulator/depth_stamps.hpp"
 #include "simulator/kinect_model.hpp"
 #include "simulator/scene.hpp"
 
@@ -17,9 +18,10 @@ class Renderer {
  public:
   Renderer(const Scene& scene, const PinholeCamera& camera, const KinectNoise& noise, int threads);
 
-  /// `path` is in the room frame; `stamp_ns` is the middle of the exposure of the middle row. The frame has
-  /// no id.
-  [[nodiscard]] RgbdFrame render(const CameraPath& path, int64_t stamp_ns, uint64_t frame_seed) const;
+  /// `path` is in the room frame; the stamp of colour is the middle of the exposure of the middle row. The
+  /// frame has no id.
+  [[nodiscard]] RgbdFrame render(const CameraPath& path, const FrameStamps& stamps,
+                                 uint64_t frame_seed) const;
 
  private:
   struct RowImages;
@@ -28,7 +30,7 @@ class Renderer {
 
   [[nodiscard]] int64_t row_stamp_ns(int64_t stamp_ns, int row) const;
   [[nodiscard]] int color_packets(const CameraPath& path, int64_t stamp_ns) const;
-  [[nodiscard]] RowPoses row_poses(const CameraPath& path, int64_t row_ns, int packets) const;
+  [[nodiscard]] RowPoses row_poses(const CameraPath& path, const FrameStamps& row, int packets) const;
   [[nodiscard]] Tile tile_rays(const RowPoses& poses, int row, int begin) const;
   [[nodiscard]] cv::Vec3b to_bgr8(Lanes bgr, float gain, uint64_t bits) const;
   void render_tile(const Tile& tile, float gain, uint64_t seed, const RowImages& out) const;

@@ -44,6 +44,20 @@ cv::Mat as_stored(const cv::Mat& depth_m, double depth_scale) {
   return stored_m;
 }
 
+/// Stamps of the frames to render, from the times of the colour images.
+std::vector<sim::FrameStamps> stamps_to_render(const SimulationOptions& options,
+                                               const std::vector<int64_t>& color_ns, uint64_t seed) {
+  std::vector<sim::FrameStamps> stamps;
+  if (options.noise.depth_stamps) {
+    stamps = sim::with_depth_stamps(color_ns, seed);
+  } else {
+    for (const int64_t stamp_ns : color_ns) stamps.push_back({stamp_ns, stamp_ns});
+  }
+  const auto wanted = static_cast<size_t>(options.frames);
+  if (wanted > 0 && wanted < stamps.size()) stamps.resize(wanted);
+  return stamps;
+}
+
 uint64_t parse_seed(const std::string& spec, const std::string& text) {
   uint64_t seed = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
@@ -75,15 +89,13 @@ SimulatedSource::SimulatedSource(std::string name, uint64_t seed, const Simulati
   const bool own_path = !path.has_value();
   if (own_path) path = sim::handheld_path(seed);
   truth_ = {options.noise.rolling_shutter_s, options.noise.depth_delay_s};
-  std::vector<int64_t> stamps =
-      sim::frame_stamps(*path, own_path && options.fps <= 0 ? kDefaultFps : options.fps);
-  const auto wanted = static_cast<size_t>(options.frames);
-  if (wanted > 0 && wanted < stamps.size()) stamps.resize(wanted);
+  stamps_ = stamps_to_render(
+      options, sim::frame_stamps(*path, own_path && options.fps <= 0 ? kDefaultFps : options.fps), seed);
   setup_ = std::make_unique<const RenderSetup>(*path, camera_.color, options.noise, seed, threads);
   info_.name = std::move(name);
-  info_.frames = stamps.size();
-  for (const int64_t stamp_ns : stamps) {
-    info_.ground_truth.push_back({stamp_ns, setup_->room.T_world_room * setup_->path_in_room.at(stamp_ns)});
+  info_.frames = stamps_.size();
+  for (const auto& [color_ns, depth_ns] : stamps_) {
+    info_.ground_truth.push_back({color_ns, setup_->room.T_world_room * setup_->path_in_room.at(color_ns)});
   }
 }
 
@@ -91,8 +103,7 @@ SimulatedSource::~SimulatedSource() = default;
 
 RgbdFrame SimulatedSource::frame(size_t index) const {
   require(index < info_.frames, "a frame of the simulated sequence");
-  const int64_t stamp_ns = info_.ground_truth[index].stamp_ns;
-  RgbdFrame frame = setup_->renderer.render(setup_->path_in_room, stamp_ns, hash(seed_, index));
+  RgbdFrame frame = setup_->renderer.render(setup_->path_in_room, stamps_[index], hash(seed_, index));
   frame.id = FrameId{static_cast<uint32_t>(index)};
   frame.depth_m = as_stored(frame.depth_m, camera_.depth_scale);
   return frame;

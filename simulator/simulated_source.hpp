@@ -2,9 +2,10 @@
 // In: "sim:room" or "sim:room:SEED", optionally a recorded path. Out: the frames of a Kinect on that path
 // through a furnished room, with ground truth.
 // Time: the stamp of a frame is the middle of the exposure of the middle row of its colour image, and the
-// ground truth is the pose of the colour camera at that moment. Depth is registered to the (distorted) colour
-// image, z along the colour camera's optical axis, and rounded to the units of a depth file, so that a
-// written sequence reads back identically.
+// ground truth is the pose of the colour camera at that moment. Depth is measured `noise.depth_delay_s` after
+// its own stamp, which differs from that of colour by a few milliseconds (`noise.depth_stamps`). Depth is
+// registered to the (distorted) colour image, z along the colour camera's optical axis, and rounded to the
+// units of a depth file, so that a written sequence reads back identically.
 
 #include <filesystem>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <string>
 
 #include "kinloop/sensor/frame_source.hpp"
+#include "simulator/depth_stamps.hpp"
 #include "simulator/kinect_model.hpp"
 
 namespace kinloop {
@@ -38,7 +40,7 @@ struct SimulationOptions {
 /// Sensor parameters that kinloop has to estimate; not part of camera(), since no real camera reports them.
 struct SensorGroundTruth {
   double rolling_shutter_s = 0;
-  double depth_offset_s = 0;
+  double depth_offset_s = 0;  ///< time of depth minus its stamp
 };
 
 /// Renders a room on the fly.
@@ -72,6 +74,7 @@ class SimulatedSource : public FrameSource {
   SensorGroundTruth truth_;
   uint64_t seed_;
   std::unique_ptr<const RenderSetup> setup_;
+  std::vector<sim::FrameStamps> stamps_;  ///< of every frame
   size_t next_ = 0;
 };
 

@@ -168,6 +168,23 @@ TEST(SimulatedSource, DepthComesLater) {
   EXPECT_TRUE(same(source.frame(100).color.bgr(), ideal_source().frame(100).color.bgr()));
 }
 
+TEST(SimulatedSource, DepthIsThatOfItsOwnStamp) {
+  KinectNoise stamped = KinectNoise::none();
+  stamped.depth_stamps = true;
+  const SimulatedSource source("stamped", 1, small_options(stamped), 2);
+  const RgbdFrame frame = source.frame(100);
+  ASSERT_NE(*frame.depth_stamp_ns, frame.stamp_ns);
+  KinectNoise late = KinectNoise::none();
+  late.depth_delay_s = to_seconds(*frame.depth_stamp_ns - frame.stamp_ns);
+  const SimulatedSource delayed("delayed", 1, small_options(late), 2);
+  const auto& truth = delayed.info().ground_truth;
+  const auto at = std::find_if(truth.begin(), truth.end(),
+                               [&](const StampedPose& pose) { return pose.stamp_ns == frame.stamp_ns; });
+  const RgbdFrame expected = delayed.frame(static_cast<size_t>(at - truth.begin()));
+  EXPECT_TRUE(same(frame.depth_m, expected.depth_m));
+  EXPECT_TRUE(same(frame.color.bgr(), expected.color.bgr()));
+}
+
 TEST(SimulatedSource, ThePathKeepsClearOfEverything) {
   const SimulatedSource& source = ideal_source();
   for (const StampedPose& pose : source.info().ground_truth) {
@@ -238,7 +255,7 @@ TEST(TumWriter, WhatIsWrittenReadsBackAsTheSameFrames) {
   constexpr size_t kFrames = 3;
   for (size_t i = 0; i < kFrames; ++i) {
     const RgbdFrame frame = source.frame(i);
-    writer.append(frame, frame.stamp_ns + to_ns(source.truth().depth_offset_s));
+    writer.append(frame);
   }
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "rgb.txt"));  // not yet a sequence
   writer.finish(source.info().ground_truth);
@@ -252,6 +269,8 @@ TEST(TumWriter, WhatIsWrittenReadsBackAsTheSameFrames) {
     ASSERT_TRUE(frame.has_value());
     const RgbdFrame rendered = source.frame(i);
     EXPECT_EQ(frame->stamp_ns, rendered.stamp_ns);
+    EXPECT_EQ(frame->depth_stamp_ns, rendered.depth_stamp_ns);
+    EXPECT_NE(frame->depth_stamp_ns, frame->stamp_ns);
     EXPECT_TRUE(same(frame->color.bgr(), rendered.color.bgr()));
     EXPECT_TRUE(same(frame->depth_m, rendered.depth_m));
   }
