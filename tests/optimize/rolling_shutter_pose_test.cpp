@@ -31,7 +31,7 @@ std::vector<PoseObservation> observe(const RollingShutterPose& truth, const Sens
     o.p_reference = still.p_reference;
     o.row = still.pixel.y() / kinect().height - 0.5;
     const SE3 T_color = propagate_pose(truth.T_world_camera, truth.velocity, sensor(kRollingShutter) * o.row);
-    o.depth_lag_s = -0.012;
+    o.depth_lag_s = sensor.isZero(0) ? 0 : -0.012;
     const double depth_s = o.depth_lag_s + sensor(kDepthDelay) + sensor(kDepthShutter) * o.row;
     const SE3 T_depth = propagate_pose(truth.T_world_camera, truth.velocity, depth_s);
     o.pixel =

@@ -142,8 +142,7 @@ Renumbered take_keyframes(const std::map<uint32_t, Keyframe>& raw, MapData& map)
   return ids;
 }
 
-/// Keypoints assigned to a landmark.
-using Claims = std::set<Observation>;
+using Claims = std::set<Observation>;  ///< keypoints assigned to a landmark
 
 /// The landmark with its valid observations; nullopt if its anchor is lost.
 std::optional<Landmark> sound(Landmark landmark, const Renumbered& ids, const MapData& map, Claims& claims) {
