@@ -7,13 +7,18 @@
 //   fy: 516.469215
 //   cx: 318.643040
 //   cy: 255.313989
-//   distortion: [0.262383, -0.953104, -0.005358, 0.002628, 1.163314]   # k1 k2 p1 p2 k3; with 8: k4 k5 k6
-//   model: brown_conrady     # optional; rational has 8 coefficients, kannala_brandt 4, none has no
-//   distortion depth_scale: 5000        # units of the depth image per metre fps: 30 rolling_shutter_s: 0.03
-//   # optional, as all that follows depth_offset_s: 0.015 depth_shift_m: -0.002    # to be added to every
-//   measured depth depth: {width: 640, height: 480, fx: 585, fy: 585, cx: 320, cy: 240, distortion: [0, 0, 0,
-//   0, 0]} T_color_depth: {translation: [-0.024, 0.003, -0.005], rotation_vector: [-0.001, 0, 0.001]}
+//   distortion: [0.262383, -0.953104, -0.005358, 0.002628, 1.163314]  # k1 k2 p1 p2 k3
+//   depth_scale: 5000        # units of the depth image per metre
+//   fps: 30
+//   model: brown_conrady     # optional, as all that follows; see below
+//   rolling_shutter_s: 0.03
+//   depth_offset_s: 0.015
+//   depth_shift_m: -0.002    # to be added to every measured depth
+//   depth: {width: 640, height: 480, fx: 585, fy: 585, cx: 320, cy: 240, distortion: [0, 0, 0, 0, 0]}
+//   T_color_depth: {translation: [-0.024, 0.003, -0.005], rotation_vector: [-0.001, 0, 0.001]}
 //
+// Without `model` the lens is brown_conrady for 5 coefficients and rational for 8 (k4 k5 k6 follow);
+// kannala_brandt has 4 (k1 k2 k3 k4), and none has no key `distortion`.
 // `depth` is for depth that is not registered to colour; its width and height default to those of colour.
 
 #include <filesystem>

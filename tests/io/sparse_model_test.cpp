@@ -7,14 +7,12 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/io/sparse_model/colmap.hpp"
 #include "kinloop/io/sparse_model/model_images.hpp"
 #include "kinloop/io/sparse_model/nerfstudio.hpp"
-#include "tests/support/expect_error.hpp"
 #include "tests/support/synthetic_map.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -22,68 +20,6 @@ namespace kinloop {
 namespace {
 
 constexpr size_t kViews = 6;
-
-DenseCamera distorted_camera() {
-  DenseCamera camera;
-  camera.color = {640, 480, 517.3, 516.5, 318.6, 255.3, 0.26, -0.95, -0.005, 0.0026, 1.16};
-  return camera;
-}
-
-Velocity turning() {
-  return {Eigen::Vector3d::Zero(), {0.3, -0.8, 0.5}};
-}
-
-TEST(ImageUndistorter, DistortInvertsUndistort) {
-  const ImageUndistorter undistorter(distorted_camera(), 0.03);
-  for (double y = 5; y < 480; y += 47) {
-    for (double x = 5; x < 640; x += 63) {
-      const Eigen::Vector2d pixel = undistorter.undistort({x, y}, turning());
-      EXPECT_LT((undistorter.distort(pixel, turning()) - Eigen::Vector2d(x, y)).norm(), 1e-3)
-          << x << " " << y;
-    }
-  }
-}
-
-TEST(ImageUndistorter, EveryPixelComesFromInsideTheRawImage) {
-  for (const double k1 : {-0.15, 0.1}) {  // barrel and pincushion
-    DenseCamera camera;
-    camera.color = {320, 240, 260, 261, 158, 122, k1};
-    const ImageUndistorter undistorter(camera);
-    const cv::Mat raw = undistorter.raw_pixels({});
-    for (int row = 0; row < raw.rows; ++row) {
-      for (int col = 0; col < raw.cols; ++col) {
-        const auto& at = raw.at<cv::Vec2f>(row, col);
-        ASSERT_TRUE(at[0] >= -0.01 && at[1] >= -0.01 && at[0] <= 319.01 && at[1] <= 239.01) << k1;
-      }
-    }
-  }
-}
-
-TEST(ImageUndistorter, TurningDuringTheReadoutIsRemoved) {
-  // A ray that is still in the world, seen in a late row by a camera that turns.
-  DenseCamera camera;
-  camera.color = {640, 480, 500, 500, 320, 240};
-  const double readout_s = 0.03;
-  const ImageUndistorter undistorter(camera, readout_s);
-  const Eigen::Vector3d ray_at_stamp(0.1, 0.35, 1);
-  double row = 0;
-  Eigen::Vector2d raw;
-  for (int round = 0; round < 20; ++round) {
-    raw = camera.color.project(
-        point_in_later_camera(ray_at_stamp, turning(), readout_s * (row / camera.color.height - 0.5)));
-    row = raw.y();
-  }
-  const Eigen::Vector2d expected = undistorter.pinhole().project(ray_at_stamp);
-  EXPECT_GT((raw - camera.color.project(ray_at_stamp)).norm(), 2);
-  EXPECT_LT((undistorter.undistort(raw, turning()) - expected).norm(), 0.1);
-}
-
-TEST(ImageUndistorter, RejectsDistortionThatCannotBeInverted) {
-  DenseCamera camera;
-  camera.color = {640, 480, 500, 500, 320, 240, -2};
-  EXPECT_THAT(test::input_error([&] { const ImageUndistorter undistorter(camera); }),
-              testing::HasSubstr("check its calibration"));
-}
 
 /// A map of the synthetic world, its images, and a frame without keyframe.
 struct Scene {
@@ -278,36 +214,6 @@ TEST(ModelImages, KeepsPinholeImagesAndColorsThePoints) {
     for (const TrackElement& element : point.track) red += 30 + 10 * element.image;
     EXPECT_NEAR(point.color[0], red / static_cast<double>(point.track.size()), 3);
     EXPECT_NEAR(point.color[2], 10, 3);
-  }
-}
-
-TEST(ModelImages, UndistortsWhatTheLensBent) {
-  // A chequerboard of the pinhole camera, drawn through the lens.
-  const DenseCamera camera = distorted_camera();
-  const auto board = [](double x, double y) {
-    return (static_cast<int>(x + 800) / 40 + static_cast<int>(y + 800) / 40) % 2 == 0 ? 220 : 30;
-  };
-  cv::Mat raw(480, 640, CV_8UC3);
-  for (int row = 0; row < raw.rows; ++row) {
-    for (int col = 0; col < raw.cols; ++col) {
-      const Eigen::Vector2d ideal = camera.color.undistort({col, row});
-      raw.at<cv::Vec3b>(row, col) = cv::Vec3b::all(static_cast<uint8_t>(board(ideal.x(), ideal.y())));
-    }
-  }
-  const ImageUndistorter undistorter(camera);
-  const cv::Mat image = undistorter.color(raw, undistorter.raw_pixels({}));
-  const double shift_x = camera.color.cx - undistorter.pinhole().cx;
-  const double shift_y = camera.color.cy - undistorter.pinhole().cy;
-  const auto near_edge = [](double at) {
-    constexpr double kMarginPx = 3;
-    return std::abs(std::remainder(at, 40)) < kMarginPx;
-  };
-  for (int row = 0; row < image.rows; ++row) {
-    for (int col = 0; col < image.cols; ++col) {
-      const double x = col + shift_x, y = row + shift_y;
-      if (near_edge(x) || near_edge(y)) continue;
-      ASSERT_EQ(image.at<cv::Vec3b>(row, col)[0], board(x, y)) << col << " " << row;
-    }
   }
 }
 

@@ -5,9 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "drivers/datasets/camera_selection.hpp"
 #include "kinloop/base/text_file.hpp"
-#include "kinloop/sensor/camera_presets.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -239,75 +237,6 @@ TEST_F(CameraFile, WhatIsNotYamlAtAllIsRejected) {
   EXPECT_THAT(error("just words\n"), HasSubstr("expected keys"));
   EXPECT_THAT(error(std::string("\x89PNG\r\n\x1a\n\0\0", 10)), HasSubstr("camera.yaml"));
   EXPECT_THAT(input_error([&] { read_camera_file(folder_.path() / "none.yaml"); }), HasSubstr("none.yaml"));
-}
-
-TEST(CameraPreset, HoldsThePublishedValues) {
-  const auto fr1 = camera_preset("freiburg1");
-  ASSERT_TRUE(fr1);
-  EXPECT_EQ(fr1->color.fx, 517.306408);
-  EXPECT_EQ(fr1->color.lens.k3, 1.163314);
-  EXPECT_EQ(fr1->depth_scale, 5000);
-  EXPECT_EQ(camera_preset("freiburg2")->depth_scale, 5208);
-  EXPECT_EQ(camera_preset("freiburg2")->color.lens.p2, -0.000105);
-  EXPECT_FALSE(camera_preset("freiburg3")->color.has_distortion());
-  EXPECT_EQ(camera_preset("icl")->color.fy, 480);
-  for (const char* name : {"freiburg1", "freiburg2", "freiburg3", "icl"}) {
-    EXPECT_EQ(camera_preset(name)->color.width, 640);
-    EXPECT_EQ(camera_preset(name)->color.height, 480);
-  }
-  EXPECT_FALSE(camera_preset("freiburg4"));
-  EXPECT_FALSE(camera_preset(""));
-}
-
-class CameraChoice : public testing::Test {
- protected:
-  /// A folder with the lists of a sequence.
-  std::filesystem::path make_folder(const std::string& name) const {
-    folder_.write(name + "/associations.txt", "");
-    return folder_.path() / name;
-  }
-
-  TempFolder folder_;
-};
-
-TEST_F(CameraChoice, FolderNameTellsThePreset) {
-  EXPECT_EQ(choose_camera(make_folder("rgbd_dataset_freiburg1_desk")).color.fx, 517.306408);
-  EXPECT_EQ(choose_camera(make_folder("rgbd_dataset_freiburg2_xyz/")).depth_scale, 5208);
-  EXPECT_EQ(choose_camera(make_folder("freiburg3")).color.fx, 535.4);
-}
-
-TEST_F(CameraChoice, OnlyTheFoldersOwnNameCounts) {
-  EXPECT_THAT(input_error([&] { choose_camera(make_folder("freiburg1/mine")); }), HasSubstr("no camera"));
-}
-
-TEST_F(CameraChoice, FileInTheFolderWinsOverTheName) {
-  const auto folder = make_folder("freiburg1");
-  folder_.write("freiburg1/camera.yaml", kGood);
-  EXPECT_EQ(choose_camera(folder).color.fx, 517.3);
-}
-
-TEST_F(CameraChoice, ArgumentWinsOverAll) {
-  const auto folder = make_folder("freiburg1");
-  folder_.write("freiburg1/camera.yaml", kGood);
-  EXPECT_EQ(choose_camera(folder, "freiburg3").color.fx, 535.4);
-  const auto file = folder_.write("other.yaml", replaced(kGood, "517.3", "444"));
-  EXPECT_EQ(choose_camera(folder, file.string()).color.fx, 444);
-}
-
-TEST_F(CameraChoice, NeverGuesses) {
-  for (const char* name : {"mine", "freiburg", "freiburg1_and_freiburg2"}) {
-    const auto folder = make_folder(name);
-    EXPECT_THAT(input_error([&] { choose_camera(folder); }),
-                AllOf(HasSubstr(folder.string()), HasSubstr("camera.yaml"), HasSubstr("--camera")));
-  }
-  EXPECT_THAT(input_error([&] { choose_camera(make_folder("freiburg1"), "kinect"); }),
-              AllOf(HasSubstr("kinect"), HasSubstr("freiburg1")));
-}
-
-TEST_F(CameraChoice, BadFileInTheFolderIsAnErrorNotAReasonToGuess) {
-  const auto folder = make_folder("freiburg1");
-  folder_.write("freiburg1/camera.yaml", "width: 640\n");
-  EXPECT_THAT(input_error([&] { choose_camera(folder); }), HasSubstr("missing"));
 }
 
 }  // namespace

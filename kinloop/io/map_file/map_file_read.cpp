@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <unordered_map>
@@ -8,6 +9,7 @@
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
+#include "kinloop/io/map_file/camera_values.hpp"
 #include "kinloop/io/map_file/feature_serialization.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/io/map_file/map_tables.hpp"
@@ -36,34 +38,6 @@ std::map<std::string, double> read_camera(const DatabaseReader& file) {
     camera[name] = row.take<double>();
     return row.exhausted();
   });
-  return camera;
-}
-
-PinholeCamera lens_from(const std::map<std::string, double>& values, const std::string& prefix) {
-  const auto at = [&](const char* name) { return values.at(prefix + name); };
-  PinholeCamera c;
-  c.width = static_cast<int>(at("width")), c.height = static_cast<int>(at("height"));
-  c.fx = at("fx"), c.fy = at("fy"), c.cx = at("cx"), c.cy = at("cy");
-  LensDistortion& d = c.lens;
-  d.k1 = at("k1"), d.k2 = at("k2"), d.p1 = at("p1"), d.p2 = at("p2"), d.k3 = at("k3");
-  if (!values.contains(prefix + "lens_model")) return c;  // Brown-Conrady, and all older files
-  d.model = option_names(LensModel{}).at(static_cast<size_t>(at("lens_model"))).value;
-  d.k4 = at("k4"), d.k5 = at("k5"), d.k6 = at("k6");
-  return c;
-}
-
-RgbdCamera camera_from(const std::map<std::string, double>& values) {
-  RgbdCamera camera;
-  camera.color = lens_from(values, "");
-  camera.depth_scale = values.at("depth_scale");
-  camera.fps = values.at("fps");
-  camera.rolling_shutter_s = values.at("rolling_shutter_s");
-  camera.depth_offset_s = values.at("depth_offset_s");
-  if (!values.contains("depth.fx")) return camera;
-  camera.depth = lens_from(values, "depth.");
-  const auto at = [&](const char* name) { return values.at(std::string("T_color_depth.") + name); };
-  camera.T_color_depth = {Eigen::Quaterniond(at("qw"), at("qx"), at("qy"), at("qz")),
-                          {at("x"), at("y"), at("z")}};
   return camera;
 }
 
@@ -142,7 +116,8 @@ Renumbered take_keyframes(const std::map<uint32_t, Keyframe>& raw, MapData& map)
   return ids;
 }
 
-using Claims = std::set<Observation>;  ///< keypoints assigned to a landmark
+/// Keypoints assigned to a landmark.
+using Claims = std::set<Observation>;
 
 /// The landmark with its valid observations; nullopt if its anchor is lost.
 std::optional<Landmark> sound(Landmark landmark, const Renumbered& ids, const MapData& map, Claims& claims) {
@@ -216,7 +191,8 @@ std::vector<SavedFrame> read_frames(const DatabaseReader& file, const Renumbered
     frame.repeat = row.take<int64_t>() != 0;
     frame.T_reference_camera = take_pose(row);
     if (!row.exhausted()) frame.depth_lag_s = static_cast<float>(row.take<double>());  // not in version 1
-    if (!row.exhausted() || !frame.T_reference_camera.is_finite()) return false;
+    if (!row.exhausted() || !frame.T_reference_camera.is_finite() || !std::isfinite(frame.depth_lag_s))
+      return false;
     frames.push_back(frame);
     return true;
   });
@@ -254,12 +230,12 @@ std::pair<SavedMap, MapDamage> MapReader::read() const {
   MapDamage damage;
   const auto about = read_about(database_);
   damage.settings = !read_settings(database_, saved) || about.empty();
-  try {
-    saved.camera = camera_from(read_camera(database_));
-  } catch (const std::out_of_range&) {
+  const auto camera = camera_from(read_camera(database_));
+  if (!camera) {
     throw InputError(
         fmt::format("{}: damaged: the camera could not be read; create the map again", path_.string()));
   }
+  saved.camera = *camera;
   const Renumbered ids = take_keyframes(read_keyframes(database_), saved.map);
   if (ids.empty() && missing(about, tables::kKeyframe, 0) > 0) {
     throw InputError(

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/io/map_file/byte_stream.hpp"
+#include "kinloop/io/map_file/camera_values.hpp"
 #include "kinloop/io/map_file/feature_serialization.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/io/map_file/map_tables.hpp"
@@ -60,27 +61,7 @@ void write_settings(DatabaseWriter& file, const SavedMap& map) {
 void write_camera(DatabaseWriter& file, const RgbdCamera& camera) {
   file.create(tables::kCamera, {"name", "value"});
   int64_t id = 0;
-  const auto add = [&](const std::string& name, double value) {
-    file.insert(tables::kCamera, id++, {name, value});
-  };
-  const auto add_lens = [&](const std::string& prefix, const PinholeCamera& c) {
-    add(prefix + "width", c.width), add(prefix + "height", c.height);
-    add(prefix + "fx", c.fx), add(prefix + "fy", c.fy), add(prefix + "cx", c.cx), add(prefix + "cy", c.cy);
-    const LensDistortion& d = c.lens;
-    add(prefix + "k1", d.k1), add(prefix + "k2", d.k2), add(prefix + "p1", d.p1), add(prefix + "p2", d.p2);
-    add(prefix + "k3", d.k3);
-    if (d.model == LensModel::kBrownConrady) return;
-    add(prefix + "lens_model", static_cast<double>(d.model));
-    add(prefix + "k4", d.k4), add(prefix + "k5", d.k5), add(prefix + "k6", d.k6);
-  };
-  add_lens("", camera.color);
-  add("depth_scale", camera.depth_scale), add("fps", camera.fps);
-  add("rolling_shutter_s", camera.rolling_shutter_s), add("depth_offset_s", camera.depth_offset_s);
-  if (!camera.depth) return;
-  add_lens("depth.", *camera.depth);
-  Row pose;
-  add_pose(pose, camera.T_color_depth);
-  for (size_t i = 0; i < pose.size(); ++i) add("T_color_depth." + kPoseColumns[i], std::get<double>(pose[i]));
+  for (const auto& [name, value] : camera_values(camera)) file.insert(tables::kCamera, id++, {name, value});
 }
 
 void write_keyframes(DatabaseWriter& file, const MapData& map) {

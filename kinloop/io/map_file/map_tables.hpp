@@ -16,8 +16,7 @@ constexpr const char* kSensor = "sensor";       ///< value, sigma, used
 constexpr const char* kKeyframe = "keyframe";   ///< frame, stamp, component, pose, features
 constexpr const char* kLoopEdge = "loop_edge";  ///< a, b, motion, information, inliers
 constexpr const char* kLandmark = "landmark";   ///< anchor, position in its frame, observations
-constexpr const char* kFrame =
-    "frame";  ///< frame, stamp, status, reference, keyframe, repeat, pose, depth lag
+constexpr const char* kFrame = "frame";  ///< frame, stamp, status, reference, keyframe, repeat, pose, lag
 constexpr const char* kImage = "image";  ///< frame, rows, cols, colour, depth
 
 }  // namespace kinloop::map_tables

@@ -79,6 +79,11 @@ json time_of(int64_t stamp_ns) {
   return {{"sec", stamp_ns / kNsPerSecond}, {"nsec", stamp_ns % kNsPerSecond}};
 }
 
+const char* distortion_model(LensModel model) {
+  if (model == LensModel::kKannalaBrandt) return "kannala_brandt";
+  return model == LensModel::kRational ? "rational_polynomial" : "plumb_bob";
+}
+
 json field(const char* name, int offset, int type) {
   return {{"name", name}, {"offset", offset}, {"type", type}};
 }
@@ -174,8 +179,8 @@ std::string calibration(int64_t stamp_ns, const std::string& frame_id, const Pin
               {"frame_id", frame_id},
               {"width", c.width},
               {"height", c.height},
-              {"distortion_model", "plumb_bob"},
-              {"D", {c.k1, c.k2, c.p1, c.p2, c.k3}},
+              {"distortion_model", distortion_model(c.lens.model)},
+              {"D", lens_coefficients(c.lens)},
               {"K", {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}},
               {"R", {1, 0, 0, 0, 1, 0, 0, 0, 1}},
               {"P", {c.fx, 0, c.cx, 0, 0, c.fy, c.cy, 0, 0, 0, 1, 0}}}
