@@ -9,10 +9,10 @@
 
 namespace kinloop {
 
-/// Opens a recording with tracks COLOR (MJPG, YUY2 or NV12) and DEPTH (16 bits, millimetres). The cameras
-/// are those of the factory calibration attached to the file unless `camera` is given; depth is registered to
-/// colour. Damaged images are skipped and counted. Throws InputError if the
-/// file is not such a recording or lacks its calibration, and UsageError in a build without libavformat.
+/// Opens a recording with tracks COLOR (MJPG, YUY2 or NV12) and DEPTH (16 bits, millimetres). The cameras are
+/// those of the factory calibration attached to the file unless `camera` is given; depth is registered to
+/// colour. Damaged images are skipped and counted. Throws InputError if the file is not such a recording or
+/// lacks its calibration, and UsageError in a build without libavformat.
 std::unique_ptr<FrameSource> open_azure_recording(const std::filesystem::path& path,
                                                   const std::optional<RgbdCamera>& camera);
 

@@ -1,3 +1,4 @@
+#include <array>
 #include <cstring>
 #include <map>
 
@@ -180,7 +181,8 @@ MapRecording some_recording() {
   }
   recording.images = {{recording.trajectory[0].stamp_ns, 0}, {recording.trajectory[5].stamp_ns, 1}};
   recording.cloud = {{{1, 2, 3}, {4, 5, 6}}, {Rgb{255, 128, 0}, Rgb{1, 2, 3}}};
-  recording.camera = {640, 480, 517.3, 516.5, 318.6, 255.3, 0.26, -0.95, -0.005, 0.0026, 1.16};
+  const LensDistortion lens{LensModel::kBrownConrady, 0.26, -0.95, -0.005, 0.0026, 1.16};
+  recording.camera = {640, 480, 517.3, 516.5, 318.6, 255.3, lens};
   recording.frame = z_up_frame({0.1, -1, 0.2}, SE3());
   return recording;
 }
@@ -230,6 +232,25 @@ TEST(MapRecording, HoldsPosesCloudAndImages) {
   }
   EXPECT_EQ(cloud["data"], base64(points));
   EXPECT_EQ(cloud["point_stride"], 16);
+}
+
+TEST(MapRecording, NamesTheModelOfTheLens) {
+  const test::TempFolder folder;
+  MapRecording recording = some_recording();
+  const auto calibration = [&](const LensDistortion& lens) {
+    recording.camera.lens = lens;
+    write_map_recording(folder.path() / "m.mcap", recording, fake_jpeg);
+    return json_messages(folder.path() / "m.mcap")["/camera/calibration"].at(0);
+  };
+  const json brown = calibration({LensModel::kBrownConrady, 0.26, -0.95, -0.005, 0.0026, 1.16});
+  EXPECT_EQ(brown["distortion_model"], "plumb_bob");
+  EXPECT_EQ(brown["D"], json({0.26, -0.95, -0.005, 0.0026, 1.16}));
+  const json rational = calibration({LensModel::kRational, 1, 2, 3, 4, 5, 6, 7, 8});
+  EXPECT_EQ(rational["distortion_model"], "rational_polynomial");
+  EXPECT_EQ(rational["D"], json({1, 2, 3, 4, 5, 6, 7, 8}));
+  const json fisheye = calibration(lens_with(LensModel::kKannalaBrandt, std::array{0.1, 0.2, 0.3, 0.4}));
+  EXPECT_EQ(fisheye["distortion_model"], "kannala_brandt");
+  EXPECT_EQ(fisheye["D"], json({0.1, 0.2, 0.3, 0.4}));
 }
 
 TEST(MapRecording, LeavesOutWhatIsNotFinite) {
