@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "kinloop/base/text_file.hpp"
+#include "kinloop/sensor/camera_presets.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 
