@@ -9,7 +9,7 @@
 namespace kinloop::test {
 
 inline PinholeCamera small_camera() {
-  return {.width = 160, .height = 120, .fx = 130, .fy = 131, .cx = 79.5, .cy = 60.2};
+  return {.width = 160, .height = 120, .fx = 130, .fy = 131, .cx = 79.5, .cy = 60.2, .lens = {}};
 }
 
 /// A lens with as much distortion as that of TUM's freiburg1.

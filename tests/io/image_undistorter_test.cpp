@@ -62,7 +62,7 @@ TEST(ImageUndistorter, EveryPixelComesFromInsideTheRawImage) {
 TEST(ImageUndistorter, TurningDuringTheReadoutIsRemoved) {
   // A ray that is still in the world, seen in a late row by a camera that turns.
   DenseCamera camera;
-  camera.color = {640, 480, 500, 500, 320, 240};
+  camera.color = {640, 480, 500, 500, 320, 240, {}};
   const double readout_s = 0.03;
   const ImageUndistorter undistorter(camera, readout_s);
   const Eigen::Vector3d ray_at_stamp(0.1, 0.35, 1);

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 RgbdCamera any_camera() {
   RgbdCamera camera;
-  camera.color = {64, 48, 50, 50, 31.5, 23.5};
+  camera.color = {64, 48, 50, 50, 31.5, 23.5, {}};
   return camera;
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 RgbdCamera some_camera() {
   RgbdCamera camera;
-  camera.color = {640, 480, 525, 524, 319.5, 239.5};
+  camera.color = {640, 480, 525, 524, 319.5, 239.5, {}};
   camera.rolling_shutter_s = 0.02;
   camera.depth_offset_s = 0.01;
   return camera;
