@@ -59,7 +59,8 @@ class RecordingWriter {
 void write_map_recording(const std::filesystem::path& path, const MapRecording& recording,
                          const JpegLoader& load_jpeg) {
   constexpr int64_t kLast = std::numeric_limits<int64_t>::max();
-  const auto& [trajectory, images, cloud, camera, frame] = recording;
+  const Trajectory& trajectory = recording.trajectory;
+  const std::vector<StampedImage>& images = recording.images;
   RecordingWriter writer(path, recording);
   size_t next_pose = 0, next_image = 0;
   const auto pose_stamp = [&] {
