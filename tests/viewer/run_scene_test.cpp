@@ -25,7 +25,7 @@ constexpr int kWidth = 160, kHeight = 120;
 
 RgbdCamera small_camera() {
   RgbdCamera camera;
-  camera.color = {kWidth, kHeight, 140, 140, 79.5, 59.5};
+  camera.color = {kWidth, kHeight, 140, 140, 79.5, 59.5, {}};
   return camera;
 }
 
