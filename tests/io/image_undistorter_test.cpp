@@ -59,6 +59,19 @@ TEST(ImageUndistorter, EveryPixelComesFromInsideTheRawImage) {
   }
 }
 
+TEST(ImageUndistorter, OfAFisheyeImageTheMiddleIsKept) {
+  DenseCamera camera;  // 160 degrees over the width
+  camera.color = {1280, 960, 458, 459, 644, 478, lenses_of_every_model().back()};
+  const ImageUndistorter undistorter(camera);
+  const PinholeCamera& pinhole = undistorter.pinhole();
+  EXPECT_GT(pinhole.width, camera.color.width);
+  EXPECT_LE(pinhole.width, 2 * camera.color.width);
+  EXPECT_LE(pinhole.height, 2 * camera.color.height);
+  const Eigen::Vector2d corner(pinhole.width - 1, 0);
+  EXPECT_TRUE(camera.color.contains(undistorter.distort(corner, {})));
+  EXPECT_LT((undistorter.undistort(undistorter.distort(corner, {}), {}) - corner).norm(), 1e-3);
+}
+
 TEST(ImageUndistorter, TurningDuringTheReadoutIsRemoved) {
   // A ray that is still in the world, seen in a late row by a camera that turns.
   DenseCamera camera;

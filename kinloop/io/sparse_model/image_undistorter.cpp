@@ -21,7 +21,7 @@ std::optional<Eigen::Vector2d> ideal_pixel(const PinholeCamera& camera, const Ei
 }
 
 /// Returns the pinhole camera whose image is the largest rectangle inside the undistorted border of the raw
-/// image.
+/// image, at most twice as wide and high: the border of a fisheye image is far out.
 PinholeCamera inner_pinhole(const PinholeCamera& raw) {
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
   const double right = raw.width - 1, bottom = raw.height - 1;
@@ -34,11 +34,13 @@ PinholeCamera inner_pinhole(const PinholeCamera& raw) {
     if (const auto pixel = ideal_pixel(raw, {col, 0})) low.y() = std::max(low.y(), pixel->y());
     if (const auto pixel = ideal_pixel(raw, {col, bottom})) high.y() = std::min(high.y(), pixel->y());
   }
-  constexpr double kRounding = 1e-6, kMaxGrowth = 4;
-  low = (low.array() - kRounding).ceil();
-  high = (high.array() + kRounding).floor();
-  const Eigen::Array2d size = (high - low).array() + 1, raw_size(raw.width, raw.height);
-  if (!(size >= raw_size / kMaxGrowth).all() || !(size <= raw_size * kMaxGrowth).all())
+  constexpr double kRounding = 1e-6, kMaxGrowth = 2, kMaxShrinkage = 4;
+  const Eigen::Array2d raw_size(raw.width, raw.height), margin = raw_size * (kMaxGrowth - 1) / 2;
+  const bool known = low.allFinite() && high.allFinite();
+  low = (low.array() - kRounding).ceil().max((-margin).ceil());
+  high = (high.array() + kRounding).floor().min((raw_size - 1 + margin).floor());
+  const Eigen::Array2d size = (high - low).array() + 1;
+  if (!known || !(size >= raw_size / kMaxShrinkage).all())
     throw InputError("the lens distortion of the camera cannot be removed; check its calibration");
   PinholeCamera pinhole;
   pinhole.width = static_cast<int>(size.x());

@@ -11,7 +11,7 @@ namespace kinloop {
 
 /// Removes distortion, and the turning of the camera during the readout; its translation would require the
 /// depth of every pixel. The pinhole camera has the same focal length; its image is the largest rectangle
-/// without unknown pixels.
+/// without unknown pixels, at most twice as wide and high as the raw image.
 class ImageUndistorter {
  public:
   /// `rolling_shutter_s` is the readout time of the colour image. Throws InputError if the distortion cannot
