@@ -92,7 +92,7 @@ class Block {
   /// One of the `names`.
   [[nodiscard]] std::string name(const std::string& key, const std::vector<std::string>& names) const {
     const YAML::Node value = at(key, names.front());
-    const auto text = value.as<std::string>("");
+    auto text = value.as<std::string>("");
     if (std::find(names.begin(), names.end(), text) == names.end())
       reject(value, key, fmt::format("one of {}", fmt::join(names, ", ")));
     return text;
