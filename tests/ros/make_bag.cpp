@@ -46,7 +46,8 @@ void make_bag(const char* folder, const char* file) {
     const ros1::Image color = message_of(frame->stamp_ns, frame->color.bgr(), "bgr8");
     bag.write(topics.info, color.header.stamp, info_of(frame->stamp_ns, source.camera().color));
     bag.write(topics.color, color.header.stamp, color);
-    bag.write(topics.depth, color.header.stamp, message_of(frame->stamp_ns, frame->depth_m, "32FC1"));
+    const ros1::Image depth = message_of(frame->depth_stamp_or_color_ns(), frame->depth_m, "32FC1");
+    bag.write(topics.depth, depth.header.stamp, depth);
   }
   bag.close();
 }
