@@ -65,15 +65,14 @@ std::optional<RgbdFrame> TopicSource::next() {
   constexpr std::chrono::milliseconds kStep(100);
   std::chrono::milliseconds waited(0);
   bool begun = false;
-  while (ros::ok()) {
+  while (ros::ok() && !ended_) {
     if (auto frame = frames_.wait(kStep)) return frame;
     waited += kStep;
     begun = begun || frames_.delivered() > 0;
-    const bool idle =
-        options_.idle_s > 0 && begun && static_cast<double>(waited.count()) > 1000 * options_.idle_s;
-    if (idle) break;
+    ended_ = options_.idle_s > 0 && begun && static_cast<double>(waited.count()) > 1000 * options_.idle_s;
   }
-  return std::nullopt;
+  frames_.finish();
+  return frames_.wait(std::chrono::milliseconds(0));
 }
 
 std::vector<SkippedFrame> TopicSource::skipped() const {

@@ -42,6 +42,7 @@ class TopicSource : public FrameSource {
   RgbdCamera camera_;
   SourceInfo info_;
   LiveFrameBuffer frames_;
+  bool ended_ = false;  ///< no images came for `idle_s`
   mutable std::mutex skipped_mutex_;
   std::vector<SkippedFrame> skipped_;
   ros::Subscriber color_, depth_;

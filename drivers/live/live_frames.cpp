@@ -20,6 +20,12 @@ void LiveFrameBuffer::add_pair(int64_t stamp_ns, ColorImage image, int64_t depth
   collect_ready();
 }
 
+void LiveFrameBuffer::finish() {
+  const std::lock_guard lock(mutex_);
+  pairer_.finish();
+  collect_ready();
+}
+
 void LiveFrameBuffer::collect_ready() {
   while (auto frame = pairer_.next()) {
     ready_.push_back(std::move(*frame));

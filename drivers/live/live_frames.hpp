@@ -30,6 +30,9 @@ class LiveFrameBuffer {
   void add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared = {});
   void add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m);
 
+  /// No more images will arrive: pairs those that wait for a nearer partner.
+  void finish();
+
   /// Returns the oldest frame, waiting for one if necessary; nullopt after `timeout`.
   std::optional<RgbdFrame> wait(std::chrono::milliseconds timeout);
 

@@ -41,6 +41,17 @@ TEST(LiveFrameBuffer, WaitsForAnotherThread) {
   EXPECT_TRUE(frames.wait(milliseconds(10'000)));
 }
 
+TEST(LiveFrameBuffer, TheLastFrameWaitsForANearerPartnerUntilTheEnd) {
+  LiveFrameBuffer frames;
+  frames.add_color(100'000'000, color());
+  frames.add_depth(108'000'000, depth());
+  EXPECT_FALSE(frames.wait(milliseconds(1)));
+  frames.finish();
+  const auto last = frames.wait(milliseconds(0));
+  ASSERT_TRUE(last);
+  EXPECT_EQ(last->depth_stamp_ns, 108'000'000);
+}
+
 TEST(LiveFrameBuffer, SaysWhatWasLost) {
   LiveFrameBuffer frames;
   frames.add_color(100, color());
