@@ -6,31 +6,25 @@
 #include <fmt/format.h>
 
 #include "apps/run/frame_recorder.hpp"
-#include "apps/run/loop_pictures.hpp"
 #include "apps/run/run_arguments.hpp"
 #include "apps/run/run_logger.hpp"
 #include "apps/run/run_summary.hpp"
 #include "apps/run/run_viewer.hpp"
 #include "apps/run/run_warnings.hpp"
+#include "apps/run/write_run.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/interrupt.hpp"
 #include "apps/shared/map_store.hpp"
 #include "apps/shared/memory.hpp"
 #include "apps/shared/open_frame_source.hpp"
 #include "apps/shared/progress_bar.hpp"
-#include "apps/shared/report_file.hpp"
 #include "drivers/live/paced_source.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/text_file.hpp"
 #include "kinloop/base/writable_check.hpp"
 #include "kinloop/io/run_folder.hpp"
-#include "kinloop/loop/correct_loop.hpp"
-#include "kinloop/optimize/pose_graph/g2o_file.hpp"
-#include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/slam/session.hpp"
-#include "viewer/report/run_up_direction.hpp"
 
 namespace kinloop {
 namespace {
@@ -190,29 +184,6 @@ MapCloud map_cloud(Session& session, const std::string& frame, const Progress& p
   return map;
 }
 
-/// Returns the content of run.json; `map` is null if only poses are written.
-nlohmann::json summary_of(const RunOutcome& outcome, const std::optional<MapCloud>& map) {
-  auto summary = run_summary(outcome);
-  if (!map) return summary;
-  summary["up"] = to_json(map->up);
-  summary["map"].update(to_json(map->frame));
-  return summary;
-}
-
-/// Writes the frame table and, unless only poses are wanted (`map` is null), all results but the report.
-void write_results(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
-                   const std::optional<MapCloud>& map, const DenseRecorder& images, const FrameTable& frames,
-                   const nlohmann::json& summary) {
-  write_frame_table(folder.frames(), frames);
-  if (!map) return write_tum_trajectory(folder.trajectory(), trajectory);
-  const Slam& slam = outcome.slam;
-  write_run_files(folder, {trajectory, keyframe_trajectory(slam.map(), slam.component()),
-                           outcome.source.info().ground_truth, map->cloud, map->frame, summary});
-  write_camera_file(folder.camera(), calibrated_camera(outcome.source.camera(), slam.sensor()));
-  write_g2o(folder.graph(), {make_pose_graph(slam.map(), outcome.options.slam.loop), {}, true, {}});
-  write_loop_pictures(folder, slam, outcome.source.camera(), images);
-}
-
 /// Returns the time of everything but `Slam` and writing: the start of the process until `startup`, the dense
 /// map and saving.
 Timings program_timings(const ElapsedTime& startup, const DenseRecorder& recorder, const MapSaver* saver) {
@@ -220,22 +191,6 @@ Timings program_timings(const ElapsedTime& startup, const DenseRecorder& recorde
   timings.add("startup", startup);
   if (saver != nullptr) timings.add("saving the map", saver->total());
   return timings;
-}
-
-/// Writes all results, then run.json, which includes the time of that, and the report. Returns the content of
-/// run.json.
-nlohmann::json write_run(const RunFolder& folder, const RunOutcome& outcome, const Trajectory& trajectory,
-                         const std::optional<MapCloud>& map, const DenseRecorder& images,
-                         const FrameTable& frames, const nlohmann::json& map_file, Timings program) {
-  const Stopwatch writing;
-  auto summary = summary_of(outcome, map);
-  if (!map_file.is_null()) summary["map_file"] = map_file;
-  write_results(folder, outcome, trajectory, map, images, frames, summary);
-  program.add("writing", writing.elapsed());
-  add_timings(summary, outcome.slam.timings(), program);
-  write_file(folder.run_json(), summary.dump(2) + "\n");
-  if (map) write_report(folder);
-  return summary;
 }
 
 void print_summary(const nlohmann::json& summary, const RunFolder& folder, bool poses_only) {
@@ -297,9 +252,10 @@ ExitCode run(const RunArguments& arguments) {
   const auto points = map ? std::optional(map->cloud.size()) : std::nullopt;
   const RunOutcome outcome{
       *source, slam, options, evaluation, points, watch.wall_s(), threads, end != RunEnd::kComplete, dropped};
-  const auto summary = write_run(folder, outcome, trajectory, map, session.recorder(),
-                                 frames.table(slam.timings()), saved ? map_file_json(*saver) : nullptr,
-                                 program_timings(startup, session.recorder(), saver.get()));
+  const auto summary =
+      write_run(folder, {outcome, trajectory, map, session.recorder(), frames.table(slam.timings()),
+                         saved ? map_file_json(*saver) : nullptr,
+                         program_timings(startup, session.recorder(), saver.get())});
   if (!arguments.quiet) print_summary(summary, folder, poses_only);
   if (arguments.profile) fmt::print("{}", profile_text(summary));
   const bool useful = check_result(outcome, trajectory, depth);

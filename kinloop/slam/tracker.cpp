@@ -92,18 +92,10 @@ FrameTracking Tracker::complete(TrackOutcome outcome, const PreparedFrame& measu
 
 FrameTracking Tracker::with_keypoints(const FrameTracking& tracked, const TrackingContext& context,
                                       Timings& timings) const {
-  Stopwatch watch;
   FrameTracking all = tracked;
   all.has_keypoints = true;
-  all.frame.features = front_end_.features(tracked.frame);
-  timings.add("features", watch.lap());
-  all.frame = deskewed(all.frame, context.sensor, tracked.motion);
-  timings.add("motion compensation", watch.lap());
-  const FeatureGrid grid(*all.frame.features, camera_.width, camera_.height);
-  TrackResult result =
-      track_local_map(all.frame, grid, local_map_, located(tracked.outcome)->T_reference_camera,
-                      options_.tracking.local_map_window_px, camera_, options_.tracking);
-  timings.add("tracking", watch.lap());
+  TrackResult result = track_all_keypoints(all.frame, located(tracked.outcome)->T_reference_camera,
+                                           context.sensor, tracked.motion, timings);
   result.stats.attempts = 1;
   if (result.status == TrackStatus::kTracked) {
     all.outcome = Tracked{std::move(result)};
@@ -116,19 +108,28 @@ FrameTracking Tracker::with_keypoints(const FrameTracking& tracked, const Tracki
 /// The previous frame with all its keypoints, even if it was tracked without.
 TrackedFrame Tracker::previous_with_keypoints(const SensorVector& sensor, Timings& timings) const {
   if (previous_has_keypoints_) return *previous_;
-  Stopwatch watch;
   TrackedFrame previous = *previous_;
-  previous.frame.features = front_end_.features(previous.frame);
-  previous.frame = deskewed(previous.frame, sensor, motion_);
-  timings.add("features", watch.lap());
-  previous.landmark_of.assign(previous.frame.features->size(), LandmarkId{});
-  const FeatureGrid grid(*previous.frame.features, camera_.width, camera_.height);
   const TrackResult result =
-      track_local_map(previous.frame, grid, local_map_, previous.T_reference_camera,
-                      options_.tracking.local_map_window_px, camera_, options_.tracking);
+      track_all_keypoints(previous.frame, previous.T_reference_camera, sensor, motion_, timings);
+  previous.landmark_of.assign(previous.frame.features->size(), LandmarkId{});
   for (const LandmarkMatch& match : result.matches) previous.landmark_of[match.feature] = match.landmark;
-  timings.add("tracking", watch.lap());
   return previous;
+}
+
+/// Extracts the keypoints of a frame that was tracked directly, and matches them from its pose.
+TrackResult Tracker::track_all_keypoints(PreparedFrame& frame, const SE3& T_reference_camera,
+                                         const SensorVector& sensor, const MotionModel& motion,
+                                         Timings& timings) const {
+  Stopwatch watch;
+  frame.features = front_end_.features(frame);
+  timings.add("features", watch.lap());
+  frame = deskewed(frame, sensor, motion);
+  timings.add("motion compensation", watch.lap());
+  const FeatureGrid grid(*frame.features, camera_.width, camera_.height);
+  TrackResult result = track_local_map(frame, grid, local_map_, T_reference_camera,
+                                       options_.tracking.local_map_window_px, camera_, options_.tracking);
+  timings.add("tracking", watch.lap());
+  return result;
 }
 
 PredictedPose Tracker::predict(int64_t stamp_ns) const {

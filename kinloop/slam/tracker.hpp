@@ -92,6 +92,9 @@ class Tracker {
   [[nodiscard]] FrameTracking complete(TrackOutcome outcome, const PreparedFrame& measured,
                                        const SensorVector& sensor, Timings& timings) const;
   [[nodiscard]] TrackedFrame previous_with_keypoints(const SensorVector& sensor, Timings& timings) const;
+  TrackResult track_all_keypoints(PreparedFrame& frame, const SE3& T_reference_camera,
+                                  const SensorVector& sensor, const MotionModel& motion,
+                                  Timings& timings) const;
   [[nodiscard]] TrackResult track_previous(const PreparedFrame& frame, const TrackedFrame& previous) const;
   [[nodiscard]] TrackOutcome locate(const PreparedFrame& frame, const TrackingContext& context,
                                     Timings& timings) const;
