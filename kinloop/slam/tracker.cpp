@@ -177,9 +177,13 @@ TrackOutcome Tracker::start_map_or_lose(const PreparedFrame& frame) const {
   return NewMap{};
 }
 
-/// Drivers repeat the previous image in place of a lost one: the camera has moved, the image has not.
+/// Drivers repeat the previous image in place of a lost one: the camera has moved, the image has not. Images
+/// without landmarks, such as those of a covered lens, may be equal although the camera moves.
 bool Tracker::repeats_previous_image(const PreparedFrame& frame) const {
   if (!previous_ || lost_frames_ > 0) return false;
+  const auto& landmarks = previous_->landmark_of;
+  if (std::none_of(landmarks.begin(), landmarks.end(), [](LandmarkId id) { return id.valid(); }))
+    return false;
   const cv::Mat& a = previous_->frame.gray;
   const cv::Mat& b = frame.gray;
   return !a.empty() && a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;

@@ -174,6 +174,20 @@ TEST(Slam, ARepeatedImageKeepsItsPose) {
   EXPECT_EQ(std::count_if(slam.log().begin(), slam.log().end(), [](const auto& f) { return f.repeat; }), 1);
 }
 
+TEST(Slam, EqualBlackImagesAreNotRepeats) {
+  auto frames = recording().frames;
+  for (size_t i = 15; i < 22; ++i) {  // colour fails, depth goes on
+    frames[i].color = cv::Mat(frames[i].color.size(), CV_8UC3, cv::Scalar::all(0));
+  }
+  Slam slam(recording().camera);
+  for (const RgbdFrame& frame : frames) slam.process(frame);
+  const Trajectory estimate = slam.finish();
+  for (size_t i = 15; i < 22; ++i) EXPECT_FALSE(slam.log()[i].repeat) << i;
+  const auto ate = absolute_trajectory_error(estimate, recording().truth);
+  ASSERT_TRUE(ate.has_value());
+  EXPECT_LT(ate->error_m.max, 0.03);
+}
+
 /// (cv::Mat::zeros() would write into the pixels, which the recording shares.)
 RgbdFrame blackened(RgbdFrame frame) {
   frame.color = cv::Mat(frame.color.size(), CV_8UC3, cv::Scalar::all(0));
