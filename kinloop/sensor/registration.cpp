@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/geometry/field_of_view.hpp"
 
 namespace kinloop {
 namespace {
@@ -30,11 +31,9 @@ float edge(float ax, float ay, float bx, float by, float px, float py) {
 /// The ray of a raw pixel at z = 1; NaN for a pixel outside the lens's field of view, whose depth has no
 /// meaning.
 Eigen::Vector2f ray_of(const PinholeCamera& camera, const Eigen::Vector2d& raw) {
-  constexpr double kSamePixel = 0.1;
-  const Eigen::Vector2d undistorted = camera.undistort(raw);
-  if (!((camera.distort(undistorted) - raw).norm() < kSamePixel))
-    return Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
-  return camera.unproject(undistorted, 1).head<2>().cast<float>();
+  const auto undistorted = undistort_in_view(camera, raw);
+  if (!undistorted) return Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
+  return camera.unproject(*undistorted, 1).head<2>().cast<float>();
 }
 
 }  // namespace

@@ -3,22 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/geometry/field_of_view.hpp"
 
 namespace kinloop {
 namespace {
-
-/// Returns where a raw pixel would be without distortion; nullopt if the distortion model does not reach it.
-std::optional<Eigen::Vector2d> ideal_pixel(const PinholeCamera& camera, const Eigen::Vector2d& raw) {
-  constexpr double kTolerancePx = 0.1;
-  const Eigen::Vector2d ideal = camera.undistort(raw);
-  if (!((camera.distort(ideal) - raw).norm() < kTolerancePx)) return std::nullopt;
-  return ideal;
-}
 
 /// Returns the pinhole camera whose image is the largest rectangle inside the undistorted border of the raw
 /// image, at most twice as wide and high: the border of a fisheye image is far out.
@@ -27,12 +19,12 @@ PinholeCamera inner_pinhole(const PinholeCamera& raw) {
   const double right = raw.width - 1, bottom = raw.height - 1;
   Eigen::Vector2d low(-kUnknown, -kUnknown), high(kUnknown, kUnknown);
   for (int row = 0; row < raw.height; ++row) {
-    if (const auto pixel = ideal_pixel(raw, {0, row})) low.x() = std::max(low.x(), pixel->x());
-    if (const auto pixel = ideal_pixel(raw, {right, row})) high.x() = std::min(high.x(), pixel->x());
+    if (const auto pixel = undistort_in_view(raw, {0, row})) low.x() = std::max(low.x(), pixel->x());
+    if (const auto pixel = undistort_in_view(raw, {right, row})) high.x() = std::min(high.x(), pixel->x());
   }
   for (int col = 0; col < raw.width; ++col) {
-    if (const auto pixel = ideal_pixel(raw, {col, 0})) low.y() = std::max(low.y(), pixel->y());
-    if (const auto pixel = ideal_pixel(raw, {col, bottom})) high.y() = std::min(high.y(), pixel->y());
+    if (const auto pixel = undistort_in_view(raw, {col, 0})) low.y() = std::max(low.y(), pixel->y());
+    if (const auto pixel = undistort_in_view(raw, {col, bottom})) high.y() = std::min(high.y(), pixel->y());
   }
   constexpr double kRounding = 1e-6, kMaxGrowth = 2, kMaxShrinkage = 4;
   const Eigen::Array2d raw_size(raw.width, raw.height), margin = raw_size * (kMaxGrowth - 1) / 2;
