@@ -20,6 +20,9 @@ struct FileFrame {
   [[nodiscard]] Eigen::Vector3f to_file(const Eigen::Vector3f& v_world) const {
     return z_up ? Eigen::Vector3f((R_file_world * v_world.cast<double>()).cast<float>()) : v_world;
   }
+  [[nodiscard]] SE3 T_file_world() const {
+    return {z_up ? R_file_world : Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()};
+  }
 };
 
 /// Returns the frame with z along `up` in which the first camera looks along y.

@@ -26,7 +26,7 @@ class RecordingWriter {
   void write_pose(const StampedPose& stamped) {
     const auto& [stamp_ns, T_world_camera] = stamped;
     if (!T_world_camera.is_finite()) return;
-    const SE3 T_map_camera = T_map_world() * T_world_camera;
+    const SE3 T_map_camera = recording_.frame.T_file_world() * T_world_camera;
     file_.write(transforms_, stamp_ns,
                 foxglove::frame_transform(stamp_ns, kMapFrame, kCameraFrame, T_map_camera));
     file_.write(poses_, stamp_ns, foxglove::pose(stamp_ns, kMapFrame, T_map_camera));
@@ -47,8 +47,6 @@ class RecordingWriter {
   void commit() { file_.commit(); }
 
  private:
-  [[nodiscard]] SE3 T_map_world() const { return {recording_.frame.R_file_world, Eigen::Vector3d::Zero()}; }
-
   const MapRecording& recording_;
   McapWriter file_;
   uint16_t transforms_, poses_, clouds_, images_, calibrations_;

@@ -23,7 +23,7 @@ json transform_matrix(const SE3& T_file_camera) {
 
 /// The points, in the world frame as the writers of clouds expect.
 ColoredCloud cloud_of(const SparseModel& model) {
-  const Eigen::Quaterniond R_world_file = model.frame.R_file_world.conjugate();
+  const Eigen::Quaterniond R_world_file = model.frame.T_file_world().rotation.conjugate();
   ColoredCloud cloud;
   for (const ModelPoint& point : model.points) {
     cloud.points.emplace_back((R_world_file * point.p_file).cast<float>());

@@ -54,8 +54,7 @@ void add_point(SparseModel& model, ModelPoint point, const std::vector<ImagePixe
 SparseModel make_sparse_model(const Map& map, std::span<const ModelView> views,
                               const ImageUndistorter& undistorter, const FileFrame& frame) {
   SparseModel model{undistorter.pinhole(), frame, {}, {}};
-  const SE3 T_file_world{frame.z_up ? frame.R_file_world : Eigen::Quaterniond::Identity(),
-                         Eigen::Vector3d::Zero()};
+  const SE3 T_file_world = frame.T_file_world();
   std::unordered_map<FrameId, uint32_t> image_of_frame;
   for (const auto& [id, view] : views) {
     if (!view.T_world_camera.is_finite()) continue;
