@@ -45,19 +45,17 @@ LoggedFrame make_log_entry(const TrackResult& result, const PreparedFrame& frame
 }
 
 FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSearch& search) {
-  const auto is_lost = [&](size_t i) { return log[i].status == TrackStatus::kLost && log[i].features; };
-  const auto search_near = [&](size_t i, size_t neighbor) {
-    if (!is_lost(i) || log[neighbor].status != TrackStatus::kTracked) return;
-    const PreparedFrame frame = lost_frame(log[i]);
-    const auto found = search.nearby(frame, log[neighbor]);
-    if (found) log[i] = make_log_entry(*found, frame, image_height_px);
+  const auto relocalize = [&](LoggedFrame& entry, const auto& find) {
+    if (entry.status != TrackStatus::kLost || !entry.features) return;
+    const PreparedFrame frame = lost_frame(entry);
+    if (const std::optional<TrackResult> found = find(frame))
+      entry = make_log_entry(*found, frame, image_height_px);
   };
-  for (size_t i = 0; i < log.size(); ++i) {
-    if (!is_lost(i)) continue;
-    const PreparedFrame frame = lost_frame(log[i]);
-    const auto found = search.anywhere(frame);
-    if (found) log[i] = make_log_entry(*found, frame, image_height_px);
-  }
+  const auto search_near = [&](size_t i, size_t neighbor) {
+    if (log[neighbor].status != TrackStatus::kTracked) return;
+    relocalize(log[i], [&](const PreparedFrame& frame) { return search.nearby(frame, log[neighbor]); });
+  };
+  for (LoggedFrame& entry : log) relocalize(entry, search.anywhere);
   for (size_t i = log.size(); i-- > 1;) search_near(i - 1, i);
   for (size_t i = 1; i < log.size(); ++i) search_near(i, i - 1);
   return log;
