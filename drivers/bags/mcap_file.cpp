@@ -5,34 +5,21 @@
 #include "drivers/bags/chunk_decompression.hpp"
 #include "drivers/bags/record_file.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/mcap_format.hpp"
 
 namespace kinloop {
 namespace {
 
-using namespace std::string_view_literals;
-
-constexpr auto kMcapMagic = "\x89MCAP0\r\n"sv;
 constexpr size_t kRecordHeaderBytes = 9;                         // type and length
 constexpr size_t kFooterBytes = kRecordHeaderBytes + 8 + 8 + 4;  // summary, summary offsets, checksum
 
-/// Record types used here.
-enum Opcode : uint8_t {
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kStatistics = 0x0B,
-  kDataEnd = 0x0F
-};
-
 struct Record {
-  uint8_t opcode = 0;
+  McapOpcode opcode = {};
   Bytes content;
 };
 
 Record next_record(ByteReader& reader) {
-  const auto opcode = reader.number<uint8_t>();
+  const auto opcode = static_cast<McapOpcode>(reader.number<uint8_t>());
   return {opcode, reader.block(reader.number<uint64_t>())};
 }
 
@@ -57,7 +44,7 @@ class McapFile final : public RecordFile {
   bool read_file_record(std::optional<BagMessage>& message) override {
     const auto record = next_in_file();
     if (!record) return false;
-    if (record->opcode == kChunk) {
+    if (record->opcode == McapOpcode::kChunk) {
       read_chunk(record->content);
     } else {
       message = handle(*record);
@@ -73,10 +60,11 @@ class McapFile final : public RecordFile {
       const auto header = read_block(kRecordHeaderBytes, buffer_);
       if (!header) return end("the file is truncated");
       ByteReader reader(*header);
-      const auto opcode = reader.number<uint8_t>();
+      const auto opcode = static_cast<McapOpcode>(reader.number<uint8_t>());
       const auto length = reader.number<uint64_t>();
-      if (opcode == kDataEnd || opcode == kFooter) return std::nullopt;
-      const bool used = opcode == kSchema || opcode == kChannel || opcode == kMessage || opcode == kChunk;
+      if (opcode == McapOpcode::kDataEnd || opcode == McapOpcode::kFooter) return std::nullopt;
+      const bool used = opcode == McapOpcode::kSchema || opcode == McapOpcode::kChannel ||
+                        opcode == McapOpcode::kMessage || opcode == McapOpcode::kChunk;
       if (length > left()) return end("the file is truncated");
       if (!used) {
         move_to(position() + length);
@@ -113,9 +101,9 @@ class McapFile final : public RecordFile {
   std::optional<BagMessage> handle(const Record& record) {
     try {
       ByteReader reader(record.content);
-      if (record.opcode == kSchema) add_schema(reader);
-      if (record.opcode == kChannel) add_channel(reader);
-      if (record.opcode == kMessage) return message(reader);
+      if (record.opcode == McapOpcode::kSchema) add_schema(reader);
+      if (record.opcode == McapOpcode::kChannel) add_channel(reader);
+      if (record.opcode == McapOpcode::kMessage) return message(reader);
     } catch (const InputError& error) {
       report(fmt::format("a record is skipped: {}", error.what()));
     }
@@ -153,7 +141,8 @@ class McapFile final : public RecordFile {
     const uint64_t footer_start = size() - kMcapMagic.size() - kFooterBytes;
     move_to(footer_start);
     const auto footer = read_block(kFooterBytes + kMcapMagic.size(), buffer_);
-    if (!footer || as_text(*footer).substr(kFooterBytes) != kMcapMagic || (*footer)[0] != kFooter)
+    if (!footer || as_text(*footer).substr(kFooterBytes) != kMcapMagic ||
+        static_cast<McapOpcode>((*footer)[0]) != McapOpcode::kFooter)
       return false;
     ByteReader reader(footer->subspan(kRecordHeaderBytes));
     const auto start = reader.number<uint64_t>();
@@ -174,9 +163,9 @@ class McapFile final : public RecordFile {
       while (reader.left() > 0) {
         const Record record = next_record(reader);
         ByteReader content(record.content);
-        if (record.opcode == kSchema) add_schema(content);
-        if (record.opcode == kChannel) add_channel(content);
-        if (record.opcode == kStatistics) counted = add_counts(content);
+        if (record.opcode == McapOpcode::kSchema) add_schema(content);
+        if (record.opcode == McapOpcode::kChannel) add_channel(content);
+        if (record.opcode == McapOpcode::kStatistics) counted = add_counts(content);
       }
     } catch (const InputError&) {
       counted = false;

@@ -6,27 +6,13 @@
 #include <zstd.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/mcap_format.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr std::string_view kSignature = "\x89MCAP0\r\n";
 constexpr size_t kChunkBytes = size_t{1} << 20;
-
-enum class McapOpcode : uint8_t {
-  kHeader = 0x01,
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kMessageIndex = 0x07,
-  kChunkIndex = 0x08,
-  kStatistics = 0x0B,
-  kSummaryOffset = 0x0E,
-  kDataEnd = 0x0F
-};
 
 /// The fields of a record, one after the other.
 class McapFields {
@@ -70,7 +56,7 @@ uint32_t crc_of(std::string_view bytes, uint32_t before = 0) {
 }  // namespace
 
 McapWriter::McapWriter(const std::filesystem::path& path) : file_(path) {
-  put(kSignature);
+  put(kMcapMagic);
   put(McapFields().text("").text("kinloop").record(McapOpcode::kHeader));
 }
 
@@ -207,7 +193,7 @@ void McapWriter::commit() {
   close_chunk();
   put(McapFields().number(crc_).record(McapOpcode::kDataEnd));
   put_summary();
-  put(kSignature);
+  put(kMcapMagic);
   file_.commit();
 }
 
