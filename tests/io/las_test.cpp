@@ -1,6 +1,5 @@
 #include "kinloop/io/point_cloud/las.hpp"
 
-#include <cstring>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -8,18 +7,13 @@
 #include "kinloop/base/text_file.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tests/support/value_at.hpp"
 
 namespace kinloop {
 namespace {
 
+using test::value_at;
 using testing::HasSubstr;
-
-template <class T>
-T value_at(const std::string& bytes, size_t offset) {
-  T value{};
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
 
 /// A file as read by the specification of LAS 1.2.
 struct ReadLas {

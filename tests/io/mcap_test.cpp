@@ -1,5 +1,4 @@
 #include <array>
-#include <cstring>
 #include <map>
 
 #include <gmock/gmock.h>
@@ -12,18 +11,13 @@
 #include "kinloop/io/mcap/map_recording.hpp"
 #include "kinloop/io/mcap/mcap_writer.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tests/support/value_at.hpp"
 
 namespace kinloop {
 namespace {
 
 using nlohmann::json;
-
-template <class T>
-T number_at(const std::string& bytes, size_t offset) {
-  T value{};
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
+using test::value_at;
 
 struct FileRecord {
   uint8_t opcode = 0;
@@ -35,8 +29,8 @@ struct FileRecord {
 constexpr size_t kSignatureBytes = 8, kRecordStart = 9;
 
 FileRecord record_at(const std::string& file, size_t position) {
-  return {number_at<uint8_t>(file, position), position + kRecordStart,
-          static_cast<size_t>(number_at<uint64_t>(file, position + 1))};
+  return {value_at<uint8_t>(file, position), position + kRecordStart,
+          static_cast<size_t>(value_at<uint64_t>(file, position + 1))};
 }
 
 /// The records outside of chunks.
@@ -97,27 +91,27 @@ TEST(McapWriter, IndexesPointAtTheirMessages) {
   for (const FileRecord& index : records_of(file)) {
     if (index.opcode != kChunkIndex) continue;
     ++chunks;
-    const auto chunk_start = static_cast<size_t>(number_at<uint64_t>(file, index.start + 16));
+    const auto chunk_start = static_cast<size_t>(value_at<uint64_t>(file, index.start + 16));
     const FileRecord chunk = record_at(file, chunk_start);
     ASSERT_EQ(chunk.opcode, kChunk);
-    EXPECT_EQ(chunk.end() - chunk_start, number_at<uint64_t>(file, index.start + 24));
+    EXPECT_EQ(chunk.end() - chunk_start, value_at<uint64_t>(file, index.start + 24));
     EXPECT_EQ(file.substr(chunk.start, 16), file.substr(index.start, 16)) << "first and last stamp";
-    const auto size = number_at<uint64_t>(file, chunk.start + 16);
+    const auto size = value_at<uint64_t>(file, chunk.start + 16);
     const size_t data = chunk.start + 8 + 8 + 8 + 4 + 4 + 4 + 8;  // after "zstd" and its length
     const auto records = decompressed(
         "zstd", {reinterpret_cast<const uint8_t*>(file.data()) + data, chunk.end() - data}, size);
-    EXPECT_EQ(crc32(records), number_at<uint32_t>(file, chunk.start + 24));
+    EXPECT_EQ(crc32(records), value_at<uint32_t>(file, chunk.start + 24));
     const std::string text(records.begin(), records.end());
-    const auto offsets_bytes = number_at<uint32_t>(file, index.start + 32);
+    const auto offsets_bytes = value_at<uint32_t>(file, index.start + 32);
     for (size_t at = index.start + 36; at < index.start + 36 + offsets_bytes; at += 10) {
-      const auto topic = number_at<uint16_t>(file, at);
-      const FileRecord messages = record_at(file, static_cast<size_t>(number_at<uint64_t>(file, at + 2)));
+      const auto topic = value_at<uint16_t>(file, at);
+      const FileRecord messages = record_at(file, static_cast<size_t>(value_at<uint64_t>(file, at + 2)));
       ASSERT_EQ(messages.opcode, kMessageIndex);
-      EXPECT_EQ(number_at<uint16_t>(file, messages.start), topic);
+      EXPECT_EQ(value_at<uint16_t>(file, messages.start), topic);
       for (size_t entry = messages.start + 6; entry < messages.end(); entry += 16, ++indexed) {
-        const FileRecord message = record_at(text, static_cast<size_t>(number_at<uint64_t>(file, entry + 8)));
-        EXPECT_EQ(number_at<uint16_t>(text, message.start), topic);
-        EXPECT_EQ(number_at<uint64_t>(text, message.start + 6), number_at<uint64_t>(file, entry));
+        const FileRecord message = record_at(text, static_cast<size_t>(value_at<uint64_t>(file, entry + 8)));
+        EXPECT_EQ(value_at<uint16_t>(text, message.start), topic);
+        EXPECT_EQ(value_at<uint64_t>(text, message.start + 6), value_at<uint64_t>(file, entry));
       }
     }
   }
@@ -132,15 +126,15 @@ TEST(McapWriter, ChecksumsOfTheSectionsAreRight) {
   const auto records = records_of(file);
   const FileRecord footer = records.back();
   ASSERT_EQ(footer.opcode, kFooter);
-  const auto summary = static_cast<size_t>(number_at<uint64_t>(file, footer.start));
-  EXPECT_EQ(number_at<uint32_t>(file, footer.start + 16), crc_of_bytes(file, summary, footer.start + 16));
+  const auto summary = static_cast<size_t>(value_at<uint64_t>(file, footer.start));
+  EXPECT_EQ(value_at<uint32_t>(file, footer.start + 16), crc_of_bytes(file, summary, footer.start + 16));
   for (const FileRecord& record : records) {
     if (record.opcode == kDataEnd) {
       EXPECT_EQ(record.end(), summary);
-      EXPECT_EQ(number_at<uint32_t>(file, record.start), crc_of_bytes(file, 0, record.start - kRecordStart));
+      EXPECT_EQ(value_at<uint32_t>(file, record.start), crc_of_bytes(file, 0, record.start - kRecordStart));
     } else if (record.opcode == kSummaryOffset) {
-      const auto group = static_cast<size_t>(number_at<uint64_t>(file, record.start + 1));
-      EXPECT_EQ(number_at<uint8_t>(file, group), number_at<uint8_t>(file, record.start));
+      const auto group = static_cast<size_t>(value_at<uint64_t>(file, record.start + 1));
+      EXPECT_EQ(value_at<uint8_t>(file, group), value_at<uint8_t>(file, record.start));
     }
   }
 }

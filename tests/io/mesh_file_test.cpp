@@ -1,7 +1,5 @@
 #include "kinloop/io/mesh_file.hpp"
 
-#include <cstring>
-
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -9,10 +7,12 @@
 #include "kinloop/io/grid_file.hpp"
 #include "kinloop/io/point_cloud/pcd.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tests/support/value_at.hpp"
 
 namespace kinloop {
 namespace {
 
+using test::value_at;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -24,13 +24,6 @@ ColoredMesh square() {
   return mesh;
 }
 
-template <class T>
-T at(const std::string& bytes, size_t offset) {
-  T value{};
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
-
 TEST(MeshFile, PlyHoldsVerticesAndFaces) {
   const test::TempFolder folder;
   write_mesh(folder.path() / "m.ply", square());
@@ -39,8 +32,8 @@ TEST(MeshFile, PlyHoldsVerticesAndFaces) {
   EXPECT_THAT(bytes, HasSubstr("element face 2\n"));
   const size_t body = bytes.find("end_header\n") + 11;
   ASSERT_EQ(bytes.size(), body + 4 * 27 + 2 * 13);
-  EXPECT_EQ(at<uint8_t>(bytes, body + 4 * 27), 3);
-  EXPECT_EQ(at<uint32_t>(bytes, body + 4 * 27 + 9), 2U);
+  EXPECT_EQ(value_at<uint8_t>(bytes, body + 4 * 27), 3);
+  EXPECT_EQ(value_at<uint32_t>(bytes, body + 4 * 27 + 9), 2U);
 }
 
 TEST(MeshFile, ObjCountsFromOne) {
@@ -56,9 +49,9 @@ TEST(MeshFile, GltfAddsUp) {
   write_mesh(folder.path() / "m.glb", square());
   const std::string bytes = read_file(folder.path() / "m.glb");
   EXPECT_THAT(bytes, StartsWith("glTF"));
-  EXPECT_EQ(at<uint32_t>(bytes, 4), 2U);
-  EXPECT_EQ(at<uint32_t>(bytes, 8), bytes.size());
-  const auto json_bytes = at<uint32_t>(bytes, 12);
+  EXPECT_EQ(value_at<uint32_t>(bytes, 4), 2U);
+  EXPECT_EQ(value_at<uint32_t>(bytes, 8), bytes.size());
+  const auto json_bytes = value_at<uint32_t>(bytes, 12);
   EXPECT_EQ(json_bytes % 4, 0U);
   const auto scene = nlohmann::json::parse(bytes.substr(20, json_bytes));
   const size_t body = 20 + json_bytes + 8;
@@ -71,14 +64,14 @@ TEST(MeshFile, GltfAddsUp) {
   EXPECT_EQ(accessor("COLOR_0")["normalized"], true);
   EXPECT_EQ(accessor("NORMAL")["count"], 4);
   const size_t normals = scene["bufferViews"][3]["byteOffset"].get<size_t>();
-  EXPECT_EQ(at<float>(bytes, body + normals + 8), 1);
+  EXPECT_EQ(value_at<float>(bytes, body + normals + 8), 1);
   const size_t indices = scene["bufferViews"][2]["byteOffset"].get<size_t>();
-  EXPECT_EQ(at<uint32_t>(bytes, body + indices + 5 * 4), 3U);
+  EXPECT_EQ(value_at<uint32_t>(bytes, body + indices + 5 * 4), 3U);
 }
 
 /// The rotation of the node in a .glb.
 Eigen::Quaterniond node_rotation(const std::string& bytes) {
-  const auto scene = nlohmann::json::parse(bytes.substr(20, at<uint32_t>(bytes, 12)));
+  const auto scene = nlohmann::json::parse(bytes.substr(20, value_at<uint32_t>(bytes, 12)));
   const auto& q = scene["nodes"][0]["rotation"];
   return {q[3].get<double>(), q[0].get<double>(), q[1].get<double>(), q[2].get<double>()};
 }
@@ -99,7 +92,7 @@ TEST(MeshFile, WhatIsUpIsAlongZAndInGltfAlongY) {
   const std::string bytes = read_file(folder.path() / "m.ply");
   EXPECT_THAT(bytes, HasSubstr("comment frame z-up"));
   const size_t vertex = bytes.find("end_header\n") + 11 + 27;  // (1, 0, 1) in the world
-  EXPECT_NEAR(at<float>(bytes, vertex + 8), 0.6, 1e-6);
+  EXPECT_NEAR(value_at<float>(bytes, vertex + 8), 0.6, 1e-6);
 }
 
 TEST(Pcd, IsWhatTheFormatSays) {
@@ -108,8 +101,8 @@ TEST(Pcd, IsWhatTheFormatSays) {
   const std::string bytes = read_file(folder.path() / "c.pcd");
   EXPECT_THAT(bytes, HasSubstr("FIELDS x y z rgb\nSIZE 4 4 4 4\n"));
   EXPECT_THAT(bytes, HasSubstr("POINTS 1\nDATA binary\n"));
-  EXPECT_EQ(at<float>(bytes, bytes.size() - 8), -3);
-  EXPECT_EQ(at<uint32_t>(bytes, bytes.size() - 4), 0x0a141eU);
+  EXPECT_EQ(value_at<float>(bytes, bytes.size() - 8), -3);
+  EXPECT_EQ(value_at<uint32_t>(bytes, bytes.size() - 4), 0x0a141eU);
 }
 
 TEST(Pcd, HoldsNormalsAndIsUpright) {
@@ -120,8 +113,8 @@ TEST(Pcd, HoldsNormalsAndIsUpright) {
   EXPECT_THAT(bytes, HasSubstr("FIELDS x y z rgb normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4 4\n"
                                "TYPE F F F U F F F\nCOUNT 1 1 1 1 1 1 1\n"));
   EXPECT_THAT(bytes, HasSubstr("# frame z-up"));
-  EXPECT_NEAR(at<float>(bytes, bytes.size() - 20), -2, 1e-6);
-  EXPECT_NEAR(at<float>(bytes, bytes.size() - 4), 1, 1e-6);
+  EXPECT_NEAR(value_at<float>(bytes, bytes.size() - 20), -2, 1e-6);
+  EXPECT_NEAR(value_at<float>(bytes, bytes.size() - 4), 1, 1e-6);
 }
 
 TEST(GridFile, IsWhatMapServerReads) {

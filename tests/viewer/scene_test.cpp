@@ -1,12 +1,13 @@
 #include "viewer/scene/scene.hpp"
 
-#include <cstring>
-
 #include <gmock/gmock.h>
+
+#include "tests/support/value_at.hpp"
 
 namespace kinloop {
 namespace {
 
+using test::value_at;
 using testing::ElementsAre;
 
 /// The versions received by a browser that has seen `version` and takes everything.
@@ -74,38 +75,33 @@ TEST(Scene, ASlowBrowserEndsUpWithTheLastStateOfEverything) {
   EXPECT_EQ(slow, truth);
 }
 
-template <class T>
-T at(const Bytes& bytes, size_t offset) {
-  T value;
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
-
 TEST(Wire, HeaderHoldsKindIndexAndVersion) {
   const auto head = encode_header(PartKind::kCloud, 7, 123456789012345);
   const Bytes bytes(head.begin(), head.end());
-  EXPECT_EQ(at<uint32_t>(bytes, 0), 7U);
-  EXPECT_EQ(at<uint32_t>(bytes, 4), 7U);
-  EXPECT_EQ(at<double>(bytes, 8), 123456789012345.0);
+  EXPECT_EQ(value_at<uint32_t>(bytes, 0), 7U);
+  EXPECT_EQ(value_at<uint32_t>(bytes, 4), 7U);
+  EXPECT_EQ(value_at<double>(bytes, 8), 123456789012345.0);
 }
 
 TEST(Wire, APoseIsItsPlaceAndItsQuaternion) {
   const SE3 pose{exp_so3({0, 0, 1}), {1, 2, 3}};
   const Bytes bytes = encode_poses({&pose, 1});
   ASSERT_EQ(bytes.size(), 28U);
-  EXPECT_EQ(at<float>(bytes, 4), 2.0F);
-  EXPECT_NEAR(at<float>(bytes, 20), std::sin(0.5), 1e-7);
-  EXPECT_NEAR(at<float>(bytes, 24), std::cos(0.5), 1e-7);
+  EXPECT_EQ(value_at<float>(bytes, 4), 2.0F);
+  EXPECT_NEAR(value_at<float>(bytes, 20), std::sin(0.5), 1e-7);
+  EXPECT_NEAR(value_at<float>(bytes, 24), std::cos(0.5), 1e-7);
 }
 
 /// Decodes a cloud as the page does.
 std::vector<Eigen::Vector3f> decoded_points(const Bytes& bytes) {
-  std::vector<Eigen::Vector3f> points(at<uint32_t>(bytes, 4));
-  const auto unit_m = at<float>(bytes, 8);
-  const Eigen::Vector3f origin(at<float>(bytes, 12), at<float>(bytes, 16), at<float>(bytes, 20));
+  std::vector<Eigen::Vector3f> points(value_at<uint32_t>(bytes, 4));
+  const auto unit_m = value_at<float>(bytes, 8);
+  const Eigen::Vector3f origin(value_at<float>(bytes, 12), value_at<float>(bytes, 16),
+                               value_at<float>(bytes, 20));
   for (size_t i = 0; i < points.size(); ++i) {
     for (size_t k = 0; k < 3; ++k) {
-      points[i][static_cast<long>(k)] = static_cast<float>(at<int16_t>(bytes, 24 + 8 * i + 2 * k)) * unit_m;
+      points[i][static_cast<long>(k)] =
+          static_cast<float>(value_at<int16_t>(bytes, 24 + 8 * i + 2 * k)) * unit_m;
     }
     points[i] += origin;
   }
@@ -117,7 +113,7 @@ TEST(Wire, PointsKeepTheirPlaceToATenthOfAMillimetreAndTheirColour) {
       KeyframeId{5}, {{{1.00004F, -2, 3}, {0, 0.5F, 0.7F}, {-1, 0, 2}}, {{1, 2, 3}, {4, 5, 6}, {255, 0, 9}}}};
   const Bytes bytes = encode_cloud(piece);
   ASSERT_EQ(bytes.size(), 24U + 3 * 12);
-  EXPECT_EQ(at<uint32_t>(bytes, 0), 5U);
+  EXPECT_EQ(value_at<uint32_t>(bytes, 0), 5U);
   const auto points = decoded_points(bytes);
   for (size_t i = 0; i < 3; ++i)
     EXPECT_LT((points[i] - piece.cloud.points[i]).cwiseAbs().maxCoeff(), 5.1e-5F);
@@ -137,10 +133,10 @@ TEST(Wire, FeaturesAreSharesOfTheImage) {
   const std::vector<ShownFeature> features = {{{0.5F, 1.2F}, true}, {{0, 0.25F}, false}};
   const Bytes bytes = encode_features(features);
   ASSERT_EQ(bytes.size(), 16U);
-  EXPECT_NEAR(at<uint16_t>(bytes, 0), 32768, 1);
-  EXPECT_EQ(at<uint16_t>(bytes, 2), 65535);  // clamped to the image
-  EXPECT_EQ(at<uint16_t>(bytes, 4), 1);
-  EXPECT_EQ(at<uint16_t>(bytes, 12), 0);
+  EXPECT_NEAR(value_at<uint16_t>(bytes, 0), 32768, 1);
+  EXPECT_EQ(value_at<uint16_t>(bytes, 2), 65535);  // clamped to the image
+  EXPECT_EQ(value_at<uint16_t>(bytes, 4), 1);
+  EXPECT_EQ(value_at<uint16_t>(bytes, 12), 0);
 }
 
 }  // namespace
