@@ -22,15 +22,4 @@ FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const Rgb
                                               const SensorEstimate& known, const SlamOptions& options,
                                               const Progress& progress = {});
 
-/// Selects the tracked frames to refine.
-enum class FrameSelection {
-  kAll,
-  kNearKeyframes,  ///< those that keyframe velocities are computed from
-};
-
-/// Refines the poses of tracked frames against the landmarks they observed in the current map, with the given
-/// sensor corrections. The result does not depend on `threads`.
-FrameLog refine_frames(FrameLog log, const Map& map, const PinholeCamera& camera, const SensorVector& sensor,
-                       const AbsolutePoseOptions& options, FrameSelection which, int threads);
-
 }  // namespace kinloop

@@ -24,6 +24,7 @@ LoggedFrame make_log_entry(const TrackResult& result, const PreparedFrame& frame
                     {},
                     false,
                     frame.features->depth_lag_s,
+                    false,
                     {},
                     {}};
   if (result.status == TrackStatus::kLost) entry.features = frame.features;

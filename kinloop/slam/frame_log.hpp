@@ -32,6 +32,7 @@ struct LoggedFrame {
   KeyframeId keyframe;    ///< valid if the frame became a keyframe
   bool repeat = false;    ///< the camera delivered the previous, tracked image again
   float depth_lag_s = 0;  ///< Features::depth_lag_s
+  bool refined = false;   ///< refined during the run, its observations dropped (see LogLimiter)
   std::vector<LoggedObservation> observations;
   /// Set only for lost frames, to relocalize them in the final map.
   std::shared_ptr<const Features> features;

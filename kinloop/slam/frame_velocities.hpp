@@ -8,8 +8,11 @@
 
 namespace kinloop {
 
-/// Returns the velocity of every frame, from its neighbours in time; zero if it is lost or has no close
-/// neighbour.
+/// Returns the velocity of frame `i` of the log, from its neighbours in time; zero if it is lost or has no
+/// close neighbour.
+Velocity frame_velocity(const FrameLog& log, size_t i, const Map& map);
+
+/// Returns the velocity of every frame.
 std::vector<Velocity> frame_velocities(const FrameLog& log, const Map& map);
 
 /// Returns the velocities of the frames that became keyframes, indexed by keyframe.

@@ -80,6 +80,7 @@ FrameResult Slam::process(const PreparedFrame& measured) {
   log_.push_back(make_log_entry(result, tracking.frame, camera_.color.height));
   log_.back().repeat = tracking.repeat;
   log_.back().keyframe = keyframe;
+  log_limiter_.apply(log_, earlier_.frame_count, frame_refinement());
   timings_.add("mapping", module.lap());
 
   if (keyframe.valid()) {

@@ -23,6 +23,7 @@
 #include "kinloop/slam/mapper.hpp"
 #include "kinloop/slam/options.hpp"
 #include "kinloop/slam/place_recognition.hpp"
+#include "kinloop/slam/refine_frames.hpp"
 #include "kinloop/slam/timings.hpp"
 #include "kinloop/slam/tracker.hpp"
 
@@ -105,6 +106,10 @@ class Slam {
     return {map_, log_, sensor_.value, new_keyframe};
   }
 
+  [[nodiscard]] FrameRefinement frame_refinement() const {
+    return {map_, camera_.color, sensor_.value, options_.tracking.pose};
+  }
+
   RgbdCamera camera_;
   SlamOptions options_;
   Map map_;
@@ -115,6 +120,7 @@ class Slam {
   BackEnd back_end_;
 
   FrameLog log_;
+  LogLimiter log_limiter_;
   EarlierSessions earlier_;
   SensorEstimate sensor_;
   std::vector<Matrix6d> keyframe_covariance_;

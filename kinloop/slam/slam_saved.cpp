@@ -1,7 +1,7 @@
 // Slam with maps of earlier runs: continuing them, localization in them, saving.
 
 #include "kinloop/base/errors.hpp"
-#include "kinloop/slam/final_bundle_adjustment.hpp"
+#include "kinloop/slam/refine_frames.hpp"
 #include "kinloop/slam/saved_session.hpp"
 #include "kinloop/slam/slam.hpp"
 
@@ -46,10 +46,9 @@ SavedMap Slam::saved_map(const std::string& input) const {
 
 /// Refines the frames tracked on the map; the poses of the others are unknown.
 void Slam::finish_localization() {
-  log_ = refine_frames(std::move(log_), map_, camera_.color, sensor_.value, options_.tracking.pose,
-                       FrameSelection::kAll, options_.global_ba.threads);
+  log_ = refine_frames(std::move(log_), frame_refinement(), FrameSelection::kAll, options_.global_ba.threads);
   for (size_t i = earlier_.frame_count; i < log_.size(); ++i) {
-    if (log_[i].observations.empty()) log_[i].status = TrackStatus::kLost;
+    if (log_[i].observations.empty() && !log_[i].refined) log_[i].status = TrackStatus::kLost;
   }
 }
 
