@@ -91,19 +91,6 @@ std::unique_ptr<uint8_t[]> inflate(const PngContent& content) {
   return result == LIBDEFLATE_SUCCESS && written == size ? std::move(rows) : nullptr;
 }
 
-/// Undoes the filters of all rows. Returns false if one is unknown.
-bool unfilter_rows(const PngContent& content, uint8_t* rows) {
-  const size_t row_bytes = content.row_bytes();
-  const std::vector<uint8_t> zeros(row_bytes + kPngRowPadding, 0);
-  const uint8_t* above = zeros.data();
-  for (int y = 0; y < content.rows; ++y) {
-    uint8_t* row = rows + static_cast<size_t>(y) * (1 + row_bytes) + 1;  // behind the number of the filter
-    if (!unfilter_png_row(row[-1], content.pixel_bytes, row, above, row_bytes)) return false;
-    above = row;
-  }
-  return true;
-}
-
 /// Turns 16-bit numbers, high byte first, into those of the processor.
 cv::Mat from_big_endian(const cv::Mat& byte_pairs) {
   cv::Mat image(byte_pairs.size(), CV_16UC1);
@@ -122,7 +109,9 @@ cv::Mat decode_common_png(std::string_view bytes) {
   const auto content = png_content(bytes);
   if (!content) return {};
   const auto rows = inflate(*content);
-  if (!rows || !unfilter_rows(*content, rows.get())) return {};
+  if (!rows || !unfilter_png(rows.get(), static_cast<size_t>(content->rows), content->pixel_bytes,
+                             content->row_bytes()))
+    return {};
   const cv::Mat pixels(content->rows, content->cols, CV_8UC(static_cast<int>(content->pixel_bytes)),
                        rows.get() + 1, 1 + content->row_bytes());
   if (content->kind == kGrey16) return from_big_endian(pixels);

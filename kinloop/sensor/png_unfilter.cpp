@@ -6,6 +6,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <type_traits>
+#include <vector>
+
+#include "kinloop/sensor/png_row_group.hpp"
 
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -171,11 +174,8 @@ void unfilter_up(uint8_t* row, const uint8_t* above, size_t size) {
   for (size_t i = 0; i < size; ++i) row[i] = static_cast<uint8_t>(row[i] + above[i]);
 }
 
-}  // namespace
-
-bool unfilter_png_row(int filter, size_t pixel_bytes, uint8_t* row, const uint8_t* above, size_t size) {
-  constexpr int kUp = 2, kLast = 4;
-  if (filter < 0 || filter > kLast) return false;
+void unfilter_row(int filter, size_t pixel_bytes, uint8_t* row, const uint8_t* above, size_t size) {
+  constexpr int kUp = 2;
   if (filter == kUp) {
     unfilter_up(row, above, size);
   } else if (pixel_bytes == 1) {
@@ -186,6 +186,48 @@ bool unfilter_png_row(int filter, size_t pixel_bytes, uint8_t* row, const uint8_
     unfilter_row<3>(filter, row, above, size);
   } else {
     unfilter_row<4>(filter, row, above, size);
+  }
+}
+
+/// The rows from `row` on.
+PngRowGroup group_at(uint8_t* row, size_t stride) {
+  PngRowGroup group;
+  for (size_t k = 0; k < kPngGroupRows; ++k) {
+    group.rows[k] = row + k * stride;
+    group.filters[k] = group.rows[k][-1];
+  }
+  return group;
+}
+
+/// Paeth's filter alone takes longer for one row than all filters for a group.
+bool is_faster_together(const PngRowGroup& group) {
+  constexpr int kPaeth = 4;
+  return std::find(group.filters.begin(), group.filters.end(), kPaeth) != group.filters.end();
+}
+
+}  // namespace
+
+bool unfilter_png(uint8_t* rows, size_t count, size_t pixel_bytes, size_t row_bytes) {
+  constexpr int kLast = 4;
+  const size_t stride = 1 + row_bytes;
+  for (size_t y = 0; y < count; ++y) {
+    if (rows[y * stride] > kLast) return false;
+  }
+  const std::vector<uint8_t> zeros(row_bytes + kPngRowPadding, 0);
+  const uint8_t* above = zeros.data();
+  for (size_t y = 0; y < count;) {
+    uint8_t* row = rows + y * stride + 1;  // behind the number of the filter
+    const bool fits = kUnfiltersPngRowGroups && pixel_bytes == 2 && count - y >= kPngGroupRows;
+    const PngRowGroup group = fits ? group_at(row, stride) : PngRowGroup{};
+    if (is_faster_together(group)) {
+      unfilter_png_row_group(group, above, row_bytes / pixel_bytes);
+      above = group.rows.back();
+      y += kPngGroupRows;
+    } else {
+      unfilter_row(row[-1], pixel_bytes, row, above, row_bytes);
+      above = row;
+      ++y;
+    }
   }
   return true;
 }

@@ -1,17 +1,16 @@
 #pragma once
-// In: a filtered row of a PNG file. Out: its bytes (PNG specification, section 9.2).
+// In: the filtered rows of a PNG file. Out: their bytes (PNG specification, section 9.2).
 
 #include <cstddef>
 #include <cstdint>
 
 namespace kinloop {
 
-/// Bytes behind each row, and behind the row above, that `unfilter_png_row` may read.
+/// Bytes behind the last row that `unfilter_png` may read.
 inline constexpr size_t kPngRowPadding = 4;
 
-/// Undoes the filter with number `filter` (0 to 4) in `row` of `size` bytes, given the unfiltered row above
-/// (of zeros for the first row). `pixel_bytes` is 1 to 4 and divides `size`. Returns false for an unknown
-/// filter.
-bool unfilter_png_row(int filter, size_t pixel_bytes, uint8_t* row, const uint8_t* above, size_t size);
+/// Undoes the filters of `count` successive rows of `row_bytes` bytes, each behind the number of its filter
+/// (0 to 4). `pixel_bytes` is 1 to 4 and divides `row_bytes`. Returns false if a filter is unknown.
+bool unfilter_png(uint8_t* rows, size_t count, size_t pixel_bytes, size_t row_bytes);
 
 }  // namespace kinloop
