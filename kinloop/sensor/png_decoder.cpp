@@ -1,7 +1,9 @@
 #include "kinloop/sensor/png_decoder.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
@@ -95,10 +97,11 @@ std::unique_ptr<uint8_t[]> inflate(const PngContent& content) {
 cv::Mat from_big_endian(const cv::Mat& byte_pairs) {
   cv::Mat image(byte_pairs.size(), CV_16UC1);
   for (int y = 0; y < image.rows; ++y) {
-    const uint8_t* bytes = byte_pairs.ptr(y);
     auto* pixels = image.ptr<uint16_t>(y);
-    for (int x = 0; x < image.cols; ++x)
-      pixels[x] = static_cast<uint16_t>(bytes[2 * x] << 8 | bytes[2 * x + 1]);
+    std::memcpy(pixels, byte_pairs.ptr(y), sizeof(uint16_t) * static_cast<size_t>(image.cols));
+    if constexpr (std::endian::native == std::endian::little) {
+      for (int x = 0; x < image.cols; ++x) pixels[x] = static_cast<uint16_t>(pixels[x] << 8 | pixels[x] >> 8);
+    }
   }
   return image;
 }

@@ -1,6 +1,7 @@
 #include "kinloop/slam/tracker.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "kinloop/base/time.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
@@ -23,6 +24,16 @@ TrackResult* located(TrackOutcome& outcome) {
   if (auto* tracked = std::get_if<Tracked>(&outcome)) return &tracked->result;
   if (auto* relocalized = std::get_if<Relocalized>(&outcome)) return &relocalized->result;
   return nullptr;
+}
+
+/// Ends at the first row that differs.
+bool have_equal_pixels(const cv::Mat& a, const cv::Mat& b) {
+  if (a.empty() || a.size() != b.size() || a.type() != b.type()) return false;
+  const size_t row_bytes = a.elemSize() * static_cast<size_t>(a.cols);
+  for (int y = 0; y < a.rows; ++y) {
+    if (std::memcmp(a.ptr(y), b.ptr(y), row_bytes) != 0) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -184,9 +195,7 @@ bool Tracker::repeats_previous_image(const PreparedFrame& frame) const {
   const auto& landmarks = previous_->landmark_of;
   if (std::none_of(landmarks.begin(), landmarks.end(), [](LandmarkId id) { return id.valid(); }))
     return false;
-  const cv::Mat& a = previous_->frame.gray;
-  const cv::Mat& b = frame.gray;
-  return !a.empty() && a.size() == b.size() && cv::norm(a, b, cv::NORM_INF) == 0;
+  return have_equal_pixels(previous_->frame.gray, frame.gray);
 }
 
 TrackResult Tracker::previous_result() const {
