@@ -89,6 +89,18 @@ std::string lens_text(const PinholeCamera& lens) {
                      lens.fx, lens.fy, lens.cx, lens.cy, lens.has_distortion() ? ", distortion" : "");
 }
 
+std::string sensor_text(const DepthSensor& sensor) {
+  const auto origin = [&] {
+    if (sensor.origin == SensorOrigin::kCameraFile) return "named in the camera file";
+    return sensor.origin == SensorOrigin::kSource ? "known from the recording"
+                                                  : "assumed; name it in camera.yaml if it is another";
+  };
+  const std::string kind(name_of(sensor.kind)), model(name_of(sensor.model));
+  return fmt::format("{}: depth noise {:.1f} mm at 1 m, {:.1f} mm at 3 m ({})",
+                     kind == model ? kind : fmt::format("{}, {}", kind, model), 1e3 * sensor.noise.sigma_m(1),
+                     1e3 * sensor.noise.sigma_m(3), origin());
+}
+
 void print_times(const Probed& probed) {
   if (!probed.stamps_measured)
     return fmt::print("rate       none recorded, {} Hz assumed\n", probed.camera.fps);
@@ -134,6 +146,7 @@ void print_probed(const Probed& probed) {
     fmt::print("           depth camera {}, {:.1f} mm from colour\n", lens_text(*camera.depth),
                1e3 * camera.T_color_depth.translation.norm());
   }
+  fmt::print("sensor     {}\n", sensor_text(camera.sensor));
   print_times(probed);
   print_depth(probed);
   fmt::print("truth      {} poses\n", probed.truth);

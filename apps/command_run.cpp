@@ -208,7 +208,8 @@ ExitCode run(const RunArguments& arguments) {
   const int threads = arguments.threads > 0 ? arguments.threads : hardware_threads();
   auto start = open_initial_map(arguments);
   auto source = open_source(arguments, options_of(arguments, start, threads, false), threads);
-  const RunOptions options = options_of(arguments, start, threads, source->info().live);
+  const RunOptions options =
+      within_range(options_of(arguments, start, threads, source->info().live), source->camera().sensor);
   const RunFolder folder(arguments.output);
   const PacedSource* paced = arguments.pace_hz > 0 ? pace(source, arguments.pace_hz) : nullptr;
   const Progress progress = arguments.verbose ? make_stage_logger() : make_progress_bar(arguments.quiet);

@@ -133,7 +133,7 @@ CameraObservations thousand_observations() {
 void linearize_thousand(benchmark::State& state) {
   const auto observations = thousand_observations();
   const SensorVector sensor = SensorVector::Zero();
-  const MeasurementModel model{frames().camera, sensor, 6e-3, 0.5};
+  const MeasurementModel model{frames().camera, sensor, {6e-3}, 0.5};
   const BundleView view(SE3{}, Velocity::from_vector(Vector6d::Constant(0.1)));
   const std::array layouts{LinearColumns::of_pose(), LinearColumns::of_pose_and_velocity(),
                            LinearColumns::of_all()};

@@ -35,4 +35,10 @@ RunOptions run_options_with(RunOptions options, std::span<const std::string> ass
   return options;
 }
 
+RunOptions within_range(RunOptions options, const DepthSensor& sensor) {
+  options.dense.limits = within_range(options.dense.limits, sensor);
+  options.mesh.limits = options.occupancy.limits = options.viewer.limits = options.dense.limits;
+  return options;
+}
+
 }  // namespace kinloop

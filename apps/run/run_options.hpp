@@ -35,6 +35,9 @@ struct RunOptions {
   static OptionHistory history();
 };
 
+/// Narrows the limits of depth to the range of the sensor, see within_range.
+RunOptions within_range(RunOptions options, const DepthSensor& sensor);
+
 /// `options` with the assignments ("key=value") applied in order. The limits of depth are those of the dense
 /// map for everything made of depth: mesh, occupancy map, viewer.
 RunOptions run_options_with(RunOptions options, std::span<const std::string> assignments);

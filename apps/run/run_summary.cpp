@@ -9,6 +9,7 @@
 #include "apps/shared/version.hpp"
 #include "kinloop/base/quantile.hpp"
 #include "kinloop/base/time.hpp"
+#include "kinloop/slam/depth_noise_scale.hpp"
 #include "tools/evaluation/consistency.hpp"
 #include "viewer/report/report.hpp"
 
@@ -139,6 +140,9 @@ json run_summary(const RunOutcome& o) {
   summary["landmarks"] = o.slam.map().landmark_count();
   summary["loops"] = loops_json(o.slam.map());
   summary["sensor"] = sensor_json(o.slam.sensor());
+  summary["depth_sensor"] = name_of(o.source.camera().sensor.model);
+  const auto noise_scale = depth_noise_scale(o.slam, o.source.camera());
+  summary["depth_noise_scale"] = noise_scale ? json(*noise_scale) : json(nullptr);
   summary["wall_s"] = o.wall_s;
   summary["threads"] = o.threads;
   summary["frame_ms"] = {{"median", quantile(o.slam.timings().frame_ms, 0.5)},
@@ -179,6 +183,10 @@ std::string summary_text(const json& s) {
   if (s.contains("map")) {
     map = fmt::format("map        {} points, voxels of {} m\n", s["map"]["points"].get<long>(),
                       s["map"]["voxel_m"].get<double>());
+  }
+  if (s["depth_noise_scale"].is_number()) {
+    map += fmt::format("depth      noise {:.2f} times that expected of {}\n",
+                       s["depth_noise_scale"].get<double>(), s["depth_sensor"].get<std::string>());
   }
   std::string text = fmt::format(
       "frames     {} tracked of {} ({} in other map components, {} damaged, {} dropped)\n"

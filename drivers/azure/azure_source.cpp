@@ -32,6 +32,7 @@ class AzureSource : public FrameSource {
     } else {
       use_factory_calibration();
     }
+    camera_.sensor.set_by_source(DepthSensorModel::kAzureKinect);
     if (camera_.depth) registration_.emplace(camera_);
   }
 

@@ -29,6 +29,7 @@ OpenedSequence read_sequence(const std::filesystem::path& path,
   OpenedSequence opened{layout->read(path), {}};
   if (!given && !opened.sequence.camera) reject_without_camera(path, opened.sequence.camera_remedy);
   opened.camera = given ? *given : *opened.sequence.camera;
+  if (opened.sequence.sensor) opened.camera.sensor.set_by_source(*opened.sequence.sensor);
   return opened;
 }
 

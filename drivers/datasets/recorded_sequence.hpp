@@ -40,9 +40,10 @@ enum class DepthEncoding {
 };
 
 struct RecordedSequence {
-  std::string layout;                ///< for users: "7-Scenes"
-  std::optional<RgbdCamera> camera;  ///< nullopt if the files do not tell
-  std::string camera_remedy;         ///< what is missing if there is no camera
+  std::string layout;                      ///< for users: "7-Scenes"
+  std::optional<RgbdCamera> camera;        ///< nullopt if the files do not tell
+  std::optional<DepthSensorModel> sensor;  ///< nullopt if the layout does not tell
+  std::string camera_remedy;               ///< what is missing if there is no camera
   DepthEncoding depth_encoding = DepthEncoding::kImage;
   std::filesystem::path video;        ///< with the colour images; empty: each is a file
   bool stamps_measured = true;        ///< false: made from the frame rate

@@ -130,6 +130,7 @@ class Kinect1Source : public FrameSource {
                       camera_.color.width, camera_.color.height, kWidth, kHeight));
     }
     camera_.depth.reset();  // registered by the device
+    camera_.sensor.set_by_source(DepthSensorModel::kKinect1);
     info_.name = "kinect1";
     info_.live = true;
     device_ = std::make_unique<Device>(frames_);

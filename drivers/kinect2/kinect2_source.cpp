@@ -65,6 +65,7 @@ Kinect2Source::Kinect2Source(std::function<Kinect2Handle()> open, const KinectOp
         "kinect2: the --camera file has no 'depth' camera; create one with kinloop calibrate extrinsics, or "
         "omit --camera to use the factory calibration");
   }
+  rig.sensor.set_by_source(DepthSensorModel::kKinect2);
   rig.color = resized(rig.color, received_width(options));
   if (options.width == kKinect2DepthWidth) {
     const PinholeCamera view = view_of_depth_camera(*rig.depth);
@@ -77,6 +78,7 @@ Kinect2Source::Kinect2Source(std::function<Kinect2Handle()> open, const KinectOp
     shift_m_ = rig.depth_shift_m;
     registration_.emplace(rig);
     camera_.color = rig.color;
+    camera_.sensor = rig.sensor;
   }
   start_kinect2(handle_, listener_, options_);
 }

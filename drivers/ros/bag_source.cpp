@@ -70,9 +70,11 @@ class BagSource : public FrameSource {
  private:
   void use_realsense(bool has_camera) {
     of_sdk_ = true;
-    if (has_camera) return;
+    const auto set_sensor = [this] { camera_.sensor.set_by_source(DepthSensorModel::kRealsenseD4xx); };
+    if (has_camera) return set_sensor();
     const auto calibration = read_realsense_calibration(*file_, streams_, info_.name);
     camera_ = calibration.camera;
+    set_sensor();
     depth_unit_m_ = calibration.depth_unit_m;
   }
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+
 #include "kinloop/base/options.hpp"
+#include "kinloop/geometry/depth_sensor.hpp"
 
 namespace kinloop {
 
@@ -12,10 +15,13 @@ struct DepthLimits {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("min_depth_m", self.min_depth_m, "minimum depth, metres; also of meshes and occupancy maps",
+    visit("min_depth_m", self.min_depth_m,
+          "minimum depth, metres; also of meshes and occupancy maps; not below that of the sensor",
           Range{0.05, 10});
     visit("max_depth_m", self.max_depth_m,
-          "maximum depth, metres; also of meshes, occupancy maps and the live view", Range{0.1, 13});
+          "maximum depth, metres; also of meshes, occupancy maps and the live view; not beyond that of the "
+          "sensor",
+          Range{0.1, 13});
     visit(
         "max_incidence_deg", self.max_incidence_deg,
         "maximum incidence angle of a surface; steeper ones, and flying pixels at depth edges, are dropped, "
@@ -23,6 +29,14 @@ struct DepthLimits {
         Range{10, 89.9}, Expert{});
   }
 };
+
+/// Returns the limits narrowed to the range of the sensor, unless the sensor is only assumed.
+inline DepthLimits within_range(DepthLimits limits, const DepthSensor& sensor) {
+  if (sensor.origin == SensorOrigin::kAssumed) return limits;
+  limits.min_depth_m = std::max(limits.min_depth_m, sensor.min_depth_m);
+  limits.max_depth_m = std::min(limits.max_depth_m, sensor.max_depth_m);
+  return limits;
+}
 
 /// Options of the fusion of posed depth images into a coloured cloud.
 struct DenseOptions {
@@ -73,7 +87,8 @@ struct MeshOptions {
     visit("voxel_m", self.voxel_m, "voxel size, metres", Range{0.001, 0.5});
     visit("truncation_voxels", self.truncation_voxels, "TSDF truncation distance, voxels", Range{1, 20},
           Expert{});
-    visit("min_weight", self.min_weight, "minimum TSDF weight of a voxel; one image at z m weighs 1 / z^4",
+    visit("min_weight", self.min_weight,
+          "minimum TSDF weight of a voxel; one image at z m weighs 1 / z^4 (Kinect 1; others by their noise)",
           Range{0, 1e6}, Expert{});
     visit("min_component_triangles", self.min_component_triangles,
           "minimum triangles of a connected component", Range{0, 1e9});

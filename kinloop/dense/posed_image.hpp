@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/geometry/velocity.hpp"
 
 namespace kinloop {
@@ -30,6 +31,7 @@ struct DenseCamera {
   double readout_s = 0;      ///< readout time from the first to the last depth row
   /// Added to inverse depth, 1/m: coefficients of 1, x, y, xx, xy, yy of the ray (x / z, y / z).
   Vector6d inverse_depth_correction = Vector6d::Zero();
+  DepthNoise noise = {};  ///< on planes
 
   /// Returns when a depth row was measured, relative to the stamp of depth.
   [[nodiscard]] double time_of_row_s(double row) const {

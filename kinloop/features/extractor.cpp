@@ -80,12 +80,13 @@ float average_depth(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, do
 }
 
 std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
-                                                      const Eigen::Vector2f& raw_pixel) {
+                                                      const Eigen::Vector2f& raw_pixel,
+                                                      const DepthNoise& noise) {
   // The depth slope over a few pixels is smaller than the sensor's disparity quantisation; a wide, sparsely
   // sampled window averages it out.
   constexpr int kReach = 8, kStep = 2;
   constexpr int kMinValid = 60;           // of 81
-  constexpr double kMaxRms_per_m = 4e-3;  // deviation from a plane: three times the sensor noise
+  constexpr double kMaxRms_per_m = 4e-3;  // deviation from a plane: three times the noise of a Kinect 1
   const int x = cvRound(raw_pixel.x()), y = cvRound(raw_pixel.y());
   if (x < kReach || y < kReach || x + kReach >= depth_m.cols || y + kReach >= depth_m.rows) {
     return std::nullopt;
@@ -117,7 +118,8 @@ std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
   const Eigen::Vector3d plane = H.ldlt().solve(g);
   const double rms = std::sqrt(std::max(squares - plane.dot(g), 0.0) / valid);
   // Across an edge the slope would belong to no surface and be far too steep.
-  if (!(rms < kMaxRms_per_m)) return std::nullopt;
+  const double noise_ratio = noise.inverse_sigma_per_m(g0 / valid) / kSensorInverseDepthSigmaPerM;
+  if (!(rms < kMaxRms_per_m * std::max(1.0, noise_ratio))) return std::nullopt;
   return plane.tail<2>().cast<float>();
 }
 
@@ -137,7 +139,8 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
     features.raw_pixels.push_back(raw);
     features.pixels.push_back(camera.undistort(raw.cast<double>()).cast<float>());
     features.depths_m.push_back(depth_m.empty() ? 0 : average_depth(depth_m, raw, options.max_depth_step));
-    const auto slope = depth_m.empty() ? std::nullopt : inverse_depth_gradient(depth_m, raw);
+    const auto slope =
+        depth_m.empty() ? std::nullopt : inverse_depth_gradient(depth_m, raw, options.depth_noise);
     features.inverse_depth_gradients.push_back(slope.value_or(kUnknownSlope));
     features.measured_pixels.push_back(features.pixels.back());
     features.measured_depths_m.push_back(features.depths_m.back());

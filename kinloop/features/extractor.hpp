@@ -22,8 +22,9 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
 float average_depth(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, double max_relative_step);
 
 /// Returns the gradient of inverse depth around a raw pixel, 1/m per px; nullopt if depth is missing or the
-/// surface is not planar.
+/// surface is not planar, given the noise of depth.
 std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
-                                                      const Eigen::Vector2f& raw_pixel);
+                                                      const Eigen::Vector2f& raw_pixel,
+                                                      const DepthNoise& noise);
 
 }  // namespace kinloop

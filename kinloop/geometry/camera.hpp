@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "kinloop/geometry/depth_sensor.hpp"
 #include "kinloop/geometry/lens.hpp"
 #include "kinloop/geometry/se3.hpp"
 
@@ -61,6 +62,7 @@ struct RgbdCamera {
   /// The depth camera, if depth is not registered to colour.
   std::optional<PinholeCamera> depth;
   SE3 T_color_depth;  ///< used only with `depth`
+  DepthSensor sensor = {};
 };
 
 }  // namespace kinloop

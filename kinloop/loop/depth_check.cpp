@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "kinloop/features/matcher.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/loop/reproject.hpp"
 
 namespace kinloop {
@@ -41,9 +40,8 @@ std::optional<double> inverse_depth_difference(const Eigen::Vector2d& pixel, dou
 
 /// Compares the keypoints of `points` with the surfaces of `view`.
 DepthConsistency check_against_view(const Features& view, const Features& points, const SE3& T_view_points,
-                                    const PinholeCamera& camera, double position_sigma_m) {
+                                    const PinholeCamera& camera, const DepthCheckNoise& noise) {
   const FeatureGrid grid(view, camera.width, camera.height);
-  const double noise = DepthNoise{}.coefficient_per_m;  // of the inverse depth, independent of distance
   DepthConsistency depths;
   std::vector<uint32_t> near;
   for (uint32_t i = 0; i < points.size(); ++i) {
@@ -55,7 +53,10 @@ DepthConsistency check_against_view(const Features& view, const Features& points
     // d(1/z) = dz / z^2 for the noise of the point and of the pose, plus the noise of the surface.
     const double z2 = seen->depth_m * seen->depth_m;
     const double source2 = seen->source_depth_m * seen->source_depth_m;
-    const double tolerance = kSigmas * std::hypot(noise, noise * source2 / z2, position_sigma_m / z2);
+    const double of_surface = noise.depth.inverse_sigma_per_m(1 / seen->depth_m - *before);
+    const double of_source = noise.depth.inverse_sigma_per_m(1 / seen->source_depth_m);
+    const double tolerance =
+        kSigmas * std::hypot(of_surface, of_source * source2 / z2, noise.position_sigma_m / z2);
     if (std::abs(*before) <= tolerance) ++depths.consistent;
     if (*before > tolerance) ++depths.free_space_violations;
   }
@@ -71,9 +72,9 @@ DepthConsistency& DepthConsistency::operator+=(const DepthConsistency& other) {
 }
 
 DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b,
-                                const PinholeCamera& camera, double position_sigma_m) {
-  DepthConsistency depths = check_against_view(a, b, T_a_b, camera, position_sigma_m);
-  depths += check_against_view(b, a, T_a_b.inverse(), camera, position_sigma_m);
+                                const PinholeCamera& camera, const DepthCheckNoise& noise) {
+  DepthConsistency depths = check_against_view(a, b, T_a_b, camera, noise);
+  depths += check_against_view(b, a, T_a_b.inverse(), camera, noise);
   return depths;
 }
 

@@ -5,6 +5,7 @@
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {
@@ -17,10 +18,16 @@ struct DepthConsistency {
   DepthConsistency& operator+=(const DepthConsistency& other);
 };
 
+/// Uncertainty of the comparison: of both depths and of the pose.
+struct DepthCheckNoise {
+  DepthNoise depth;
+  double position_sigma_m = 0;
+};
+
 /// Compares the keypoints of each view with the planes measured around the keypoints of the other, within the
-/// noise of both depths and `position_sigma_m` of the pose.
+/// noise.
 DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b,
-                                const PinholeCamera& camera, double position_sigma_m);
+                                const PinholeCamera& camera, const DepthCheckNoise& noise);
 
 /// Returns whether free-space violations exceed one or two outliers and the given ratio of all keypoints,
 /// which is impossible in a scene of solid objects.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "kinloop/base/options.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/optimize/pose/pnp_ransac.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
@@ -23,6 +24,7 @@ struct LoopOptions {
   int covisibility_edge_min_landmarks = 60;
   double landmark_sigma_m = 0.05;
   double landmark_sigma_rad = 0.02;
+  DepthNoise depth_noise = {};  ///< on planes; Slam sets it from the camera
   PoseGraphOptions pose_graph;
 
   template <class Self, class Visit>

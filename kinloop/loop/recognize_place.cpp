@@ -22,8 +22,8 @@ bool is_verified(const TrackResult& result, const Features& features, const Loca
   if (result.status != TrackStatus::kTracked || result.stats.inliers < options.min_inliers) return false;
   if (!has_sufficient_inlier_ratio(result, features, options.min_inlier_ratio)) return false;
   const SE3& T_reference_camera = result.T_reference_camera;
-  const auto depths =
-      compare_depths(*local_map.features, features, T_reference_camera, camera, options.landmark_sigma_m);
+  const auto depths = compare_depths(*local_map.features, features, T_reference_camera, camera,
+                                     {options.depth_noise, options.landmark_sigma_m});
   return !violates_free_space(depths, options.max_free_space_violation_ratio) &&
          appearance_p_value(*local_map.features, features, T_reference_camera, camera) >= options.min_p_value;
 }

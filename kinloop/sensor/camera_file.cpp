@@ -180,6 +180,13 @@ PinholeCamera read_depth_camera(const Block& block, const PinholeCamera& color) 
                    block.has("height") ? block.size_px("height", "480") : color.height);
 }
 
+DepthSensor read_sensor(const Block& block) {
+  const auto names = names_of<DepthSensorModel>();
+  const auto at = std::find(names.begin(), names.end(), block.name("sensor", names)) - names.begin();
+  return depth_sensor(option_names(DepthSensorModel{})[static_cast<size_t>(at)].value,
+                      SensorOrigin::kCameraFile);
+}
+
 SE3 read_motion(const Block& block) {
   constexpr Range kRadians{-7, 7}, kMetres{-10, 10};
   return {exp_so3(block.vector3("rotation_vector", kRadians)), block.vector3("translation", kMetres)};
@@ -215,9 +222,10 @@ RgbdCamera read_camera_file(const std::filesystem::path& path) {
 }
 
 RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path& path) {
-  const Block block(path, "", parse_yaml(text, path),
-                    {"width", "height", "fx", "fy", "cx", "cy", "model", "distortion", "depth_scale", "fps",
-                     "rolling_shutter_s", "depth_offset_s", "depth_shift_m", "depth", "T_color_depth"});
+  const Block block(
+      path, "", parse_yaml(text, path),
+      {"width", "height", "fx", "fy", "cx", "cy", "model", "distortion", "depth_scale", "fps",
+       "rolling_shutter_s", "depth_offset_s", "depth_shift_m", "sensor", "depth", "T_color_depth"});
   RgbdCamera camera;
   camera.color = read_lens(block, block.size_px("width", "640"), block.size_px("height", "480"));
   camera.depth_scale = block.number("depth_scale", "5000", {1, 1e5});
@@ -225,6 +233,7 @@ RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path
   camera.rolling_shutter_s = block.number_or_zero("rolling_shutter_s", "seconds", {0, 1});
   camera.depth_offset_s = block.number_or_zero("depth_offset_s", "seconds", {-1, 1});
   camera.depth_shift_m = block.number_or_zero("depth_shift_m", "metres", {-1, 1});
+  if (block.has("sensor")) camera.sensor = read_sensor(block);
   if (block.has("depth")) {
     const Block depth(path, "depth.", block.at("depth", ""),
                       {"width", "height", "fx", "fy", "cx", "cy", "model", "distortion"});
@@ -249,6 +258,8 @@ void write_camera_file(const std::filesystem::path& path, const RgbdCamera& came
   if (camera.rolling_shutter_s != 0) text += fmt::format("rolling_shutter_s: {}\n", camera.rolling_shutter_s);
   if (camera.depth_offset_s != 0) text += fmt::format("depth_offset_s: {}\n", camera.depth_offset_s);
   if (camera.depth_shift_m != 0) text += fmt::format("depth_shift_m: {}\n", camera.depth_shift_m);
+  if (camera.sensor.origin != SensorOrigin::kAssumed)
+    text += fmt::format("sensor: {}\n", name_of(camera.sensor.model));
   if (camera.depth) {
     const Eigen::Vector3d& t = camera.T_color_depth.translation;
     const Eigen::Vector3d r = log_so3(camera.T_color_depth.rotation);

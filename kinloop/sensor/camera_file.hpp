@@ -14,6 +14,7 @@
 //   rolling_shutter_s: 0.03
 //   depth_offset_s: 0.015
 //   depth_shift_m: -0.002    # to be added to every measured depth
+//   sensor: kinect1          # a kind or a preset, see DepthSensorModel
 //   depth: {width: 640, height: 480, fx: 585, fy: 585, cx: 320, cy: 240, distortion: [0, 0, 0, 0, 0]}
 //   T_color_depth: {translation: [-0.024, 0.003, -0.005], rotation_vector: [-0.001, 0, 0.001]}
 //

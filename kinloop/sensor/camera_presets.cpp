@@ -12,6 +12,7 @@ RgbdCamera vga_camera(const PinholeCamera& lens, double depth_scale) {
   camera.color.height = 480;
   camera.depth_scale = depth_scale;
   camera.fps = 30;
+  camera.sensor.set_by_source(DepthSensorModel::kKinect1);
   return camera;
 }
 

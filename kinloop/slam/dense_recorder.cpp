@@ -21,12 +21,21 @@ ImageStoreOptions store_options(const RgbdCamera& camera, const DenseOptions& op
   return store;
 }
 
+SurfelCamera surfel_camera(const RgbdCamera& camera) {
+  return {camera.color.fx, camera.sensor.noise};
+}
+
+DenseOptions within_range(DenseOptions options, const DepthSensor& sensor) {
+  options.limits = within_range(options.limits, sensor);
+  return options;
+}
+
 }  // namespace
 
 DenseRecorder::DenseRecorder(const RgbdCamera& camera, const DenseOptions& options,
                              const ExecutorOptions& executor)
     : camera_(camera),
-      options_(options),
+      options_(within_range(options, camera.sensor)),
       images_(store_options(camera, options)),
       surfel_store_(static_cast<size_t>(options.surfel_memory_mib) * kMebibyte),
       lag_frames_(executor.dense_lag_frames),
@@ -63,12 +72,12 @@ bool DenseRecorder::should_record(const FrameResult& result) const {
 void DenseRecorder::submit(FrameId now) {
   if (pending_.empty() || executor_->busy(kJobKind)) return;
   auto encode = [this, pending = std::exchange(pending_, {}), store = images_.options(),
-                 focal_px = camera_.color.fx, options = options_]() -> Completion {
+                 lens = surfel_camera(camera_), options = options_]() -> Completion {
     std::vector<EncodedFrame> done;
     for (const PendingFrame& keyframe : pending) {
       StoredImages images = encode_images(keyframe.color, keyframe.depth_m, store);
       // From what a map file stores, so that a saved map gives the same cloud as its run.
-      const ImageSurfels surfels = extract_surfels(images.decoded, focal_px, options);
+      const ImageSurfels surfels = extract_surfels(images.decoded, lens, options);
       done.push_back({keyframe.frame, std::move(images.encoded), to_bytes(surfels)});
     }
     return [this, done = std::move(done)]() mutable { add(std::move(done)); };
@@ -130,7 +139,8 @@ void DenseRecorder::make_missing_patches(int threads) {
     std::vector<std::vector<uint8_t>> made(std::min(batch_size, missing.size() - first));
     parallel_for(made.size(), threads, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        made[i] = to_bytes(extract_surfels(images_.load(missing[first + i]), camera_.color.fx, options_));
+        made[i] =
+            to_bytes(extract_surfels(images_.load(missing[first + i]), surfel_camera(camera_), options_));
       }
     });
     for (size_t i = 0; i < made.size(); ++i)
@@ -167,7 +177,7 @@ UpEstimate DenseRecorder::up(std::span<const PosedImage> views, const DenseCamer
   wait_for_jobs();
   const auto load_surfels = [this](size_t image) {
     return recorded_[image].surfels ? surfels(image)
-                                    : extract_surfels(images_.load(image), camera_.color.fx, options_);
+                                    : extract_surfels(images_.load(image), surfel_camera(camera_), options_);
   };
   std::vector<SE3> T_world_cameras;
   for (const PosedImage& view : views) T_world_cameras.push_back(view.T_world_camera);
@@ -185,7 +195,8 @@ std::optional<RgbdImages> DenseRecorder::images_of(FrameId frame) const {
 }
 
 DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor) {
-  return {camera.color, sensor.value(kDepthDelay), sensor.value(kDepthShutter), Vector6d::Zero()};
+  return {camera.color, sensor.value(kDepthDelay), sensor.value(kDepthShutter), Vector6d::Zero(),
+          camera.sensor.noise};
 }
 
 DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& sensor) {

@@ -4,8 +4,8 @@ namespace kinloop {
 namespace {
 
 template <class SolverOptions>
-void set_noise(SolverOptions& solver, const NoiseOptions& noise) {
-  solver.inverse_depth_sigma_per_m = noise.inverse_depth_sigma_per_m;
+void set_noise(SolverOptions& solver, const NoiseOptions& noise, const DepthNoise& at_keypoints) {
+  solver.depth_noise = at_keypoints;
   solver.robust_width = noise.robust_width;
   solver.inlier_chi2_pixel = noise.inlier_chi2_pixel;
   solver.inlier_chi2_depth = noise.inlier_chi2_depth;
@@ -94,18 +94,28 @@ OptionHistory SlamOptions::history() {
   return history;
 }
 
-SlamOptions resolve_options(SlamOptions options) {
+DepthNoise keypoint_noise(const NoiseOptions& noise, const DepthNoise& sensor_noise) {
+  const double sensor_ratio = sensor_noise.coefficient_per_m / kSensorInverseDepthSigmaPerM;
+  return {noise.inverse_depth_sigma_per_m * sensor_ratio, sensor_noise.crossover_m};
+}
+
+SlamOptions resolve_options(SlamOptions options, const DepthNoise& sensor_noise) {
   validate(options);
   const NoiseOptions& noise = options.noise;
   TrackingOptions& tracking = options.tracking;
-  set_noise(tracking.pose, noise);
-  set_noise(options.mapping.local_ba, noise);
-  set_noise(options.global_ba, noise);
+  const DepthNoise at_keypoints = keypoint_noise(noise, sensor_noise);
+  set_noise(tracking.pose, noise, at_keypoints);
+  set_noise(options.mapping.local_ba, noise, at_keypoints);
+  set_noise(options.global_ba, noise, at_keypoints);
   tracking.pnp.pose = tracking.pose;
   // The same depth noise applies to both: they measure planes and points away from depth edges.
   const double keypoint_ratio = noise.inverse_depth_sigma_per_m / kKeypointInverseDepthSigmaPerM;
-  tracking.rigid.inverse_depth_sigma_per_m = kPointPairInverseDepthSigmaPerM * keypoint_ratio;
-  tracking.icp.inverse_depth_sigma_per_m = kSensorInverseDepthSigmaPerM * keypoint_ratio;
+  const double sensor_ratio = sensor_noise.coefficient_per_m / kSensorInverseDepthSigmaPerM;
+  tracking.rigid.depth_noise = {kPointPairInverseDepthSigmaPerM * keypoint_ratio * sensor_ratio,
+                                sensor_noise.crossover_m};
+  tracking.icp.depth_noise = sensor_noise.times(keypoint_ratio);
+  options.loop.depth_noise = sensor_noise;
+  options.features.depth_noise = sensor_noise;
   return options;
 }
 

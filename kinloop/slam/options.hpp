@@ -54,10 +54,12 @@ struct NoiseOptions {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("inverse_depth_sigma_per_m", self.inverse_depth_sigma_per_m,
-          "standard deviation of the inverse depth at keypoints, 1/m; about four times that of the sensor, "
-          "because keypoints lie on edges",
-          Range{1e-6, 1});
+    visit(
+        "inverse_depth_sigma_per_m", self.inverse_depth_sigma_per_m,
+        "standard deviation of the inverse depth of a Kinect 1 at keypoints, 1/m; about four times that on "
+        "planes, because keypoints lie on edges; that of another sensor (camera.yaml, sensor) is greater or "
+        "smaller in the same ratio",
+        Range{1e-6, 1});
     visit("robust_width", self.robust_width, "scale of the Huber loss, standard deviations", Range{0.1, 1e9});
     visit("inlier_chi2_pixel", self.inlier_chi2_pixel,
           "maximum squared pixel residual of an inlier (95 % of chi2, 2 DoF)", Range{0.1, 1e12}, Expert{});
@@ -110,8 +112,12 @@ struct SlamOptions {
   static OptionHistory history();
 };
 
-/// Returns the options that the modules use: `noise` copied to every solver, and the pose solver of tracking
-/// copied to RANSAC. Throws UsageError with key, value and expected range if a value is not allowed.
-SlamOptions resolve_options(SlamOptions options);
+/// Returns the noise of depth at keypoints, for a sensor with `sensor_noise` on planes.
+DepthNoise keypoint_noise(const NoiseOptions& noise, const DepthNoise& sensor_noise);
+
+/// Returns the options that the modules use: `noise`, and the noise of the sensor, copied to every solver,
+/// and the pose solver of tracking copied to RANSAC. Throws UsageError with key, value and expected range if
+/// a value is not allowed.
+SlamOptions resolve_options(SlamOptions options, const DepthNoise& sensor_noise = {});
 
 }  // namespace kinloop

@@ -45,7 +45,7 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
 
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary)
     : camera_(camera),
-      options_(resolve_options(options)),
+      options_(resolve_options(options, camera.sensor.noise)),
       front_end_(camera.color, options_.features),
       tracker_(camera.color, options_),
       mapper_(camera.color, options_),

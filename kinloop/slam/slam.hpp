@@ -85,6 +85,9 @@ class Slam {
 
   [[nodiscard]] const Timings& timings() const { return timings_; }
 
+  /// Returns the options in use, see `resolve_options`.
+  [[nodiscard]] const SlamOptions& options() const { return options_; }
+
   /// Returns the current sensor estimate.
   [[nodiscard]] const SensorEstimate& sensor() const { return sensor_; }
 

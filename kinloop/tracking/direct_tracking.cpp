@@ -82,7 +82,7 @@ Features as_features(const std::vector<FoundPatch>& found, const PreparedFrame& 
   features.depth_lag_s = depth_lag_s(frame);
   for (const FoundPatch& patch : found) {
     const Eigen::Vector2f raw = patch.raw.cast<float>();
-    const auto gradient = inverse_depth_gradient(frame.depth_m, raw);
+    const auto gradient = inverse_depth_gradient(frame.depth_m, raw, c.features.depth_noise);
     features.raw_pixels.push_back(raw);
     features.pixels.push_back(c.search.camera.undistort(patch.raw).cast<float>());
     features.depths_m.push_back(average_depth(frame.depth_m, raw, c.features.max_depth_step));

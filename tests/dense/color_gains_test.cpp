@@ -49,7 +49,7 @@ struct ExposureScene {
   }
 
   [[nodiscard]] SurfelLoader surfel_loader() const {
-    return [this](size_t i) { return extract_surfels(images[i], camera.color.fx, {}); };
+    return [this](size_t i) { return extract_surfels(images[i], {camera.color.fx}, {}); };
   }
 
   [[nodiscard]] std::vector<Eigen::Vector3f> gains(int threads = 1) const {

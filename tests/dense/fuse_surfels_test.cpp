@@ -33,7 +33,9 @@ struct Scene {
 
   [[nodiscard]] ColoredCloud fused(const DenseOptions& options = {}, int threads = 1,
                                    const Progress& progress = {}) const {
-    const auto load_surfels = [&](size_t i) { return extract_surfels(images[i], camera.color.fx, options); };
+    const auto load_surfels = [&](size_t i) {
+      return extract_surfels(images[i], {camera.color.fx}, options);
+    };
     return fuse_surfels(load_surfels, views, camera, options, threads, progress);
   }
 };

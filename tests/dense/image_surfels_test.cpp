@@ -16,7 +16,7 @@ using test::small_camera;
 using test::view_of_wall;
 
 ImageSurfels extract(const RgbdImages& images, const DenseOptions& options = {}) {
-  return extract_surfels(images, small_camera().fx, options);
+  return extract_surfels(images, {small_camera().fx}, options);
 }
 
 size_t pixel_count(const ImageSurfels& surfels) {

@@ -18,7 +18,7 @@ TEST(VoxelSamples, OfAWallLieOnTheWallWhateverTheLens) {
   const SE3 T_world_camera{exp_so3({0.2, -0.3, 0.5}), {4, -2, 1}};
   for (const auto& lens : {test::small_camera(), test::distorted_camera()}) {
     const auto surfels =
-        extract_surfels(test::view_of_wall(lens, T_world_camera, 2.503, {10, 120, 250}), lens.fx, {});
+        extract_surfels(test::view_of_wall(lens, T_world_camera, 2.503, {10, 120, 250}), {lens.fx}, {});
     VoxelGrid grid;
     for (const auto& sample :
          voxel_samples(surfels, {0, T_world_camera}, {.color = lens}, ray_table(lens), 0.01)) {
@@ -35,7 +35,7 @@ TEST(VoxelSamples, OfAWallLieOnTheWallWhateverTheLens) {
 
 TEST(VoxelSamples, FarOutOfTheWorldThereIsNothing) {
   const auto camera = test::small_camera();
-  const auto surfels = extract_surfels(test::view_of_wall(camera, {}, 1, {}), camera.fx, {});
+  const auto surfels = extract_surfels(test::view_of_wall(camera, {}, 1, {}), {camera.fx}, {});
   const SE3 nowhere{Eigen::Quaterniond::Identity(), {1e9, 0, 0}};
   EXPECT_TRUE(voxel_samples(surfels, {0, nowhere}, {.color = camera}, ray_table(camera), 0.01).empty());
 }

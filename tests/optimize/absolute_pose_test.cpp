@@ -46,7 +46,7 @@ TEST(AbsolutePose, NormalisedErrorIsConsistent) {
   for (int trial = 0; trial < kTrials; ++trial) {
     const SE3 truth = random_motion(random, 1.0, 1.0);
     const auto view = make_view(
-        truth, 100, {.sigma_px = 1.3, .sigma_inverse_depth = options.inverse_depth_sigma_per_m}, random);
+        truth, 100, {.sigma_px = 1.3, .sigma_inverse_depth = options.depth_noise.coefficient_per_m}, random);
     const auto solution =
         solve_absolute_pose(kinect(), view, truth * random_motion(random, 0.02, 0.01), options);
     ASSERT_TRUE(solution.has_value());
@@ -159,7 +159,7 @@ TEST(AbsolutePose, InformationIsTheCurvatureOfTheCost) {
     for (const auto& o : view) {
       const Eigen::Vector3d p = T.inverse() * o.p_reference;
       sum += (kinect().project(p) - o.pixel).squaredNorm() / (o.sigma_px * o.sigma_px);
-      const double sigma = AbsolutePoseOptions{}.inverse_depth_sigma_per_m;
+      const double sigma = AbsolutePoseOptions{}.depth_noise.coefficient_per_m;
       if (o.depth_m > 0) sum += std::pow((1 / p.z() - 1 / o.depth_m) / sigma, 2);
     }
     return sum;

@@ -109,7 +109,7 @@ BundleWorld free_world() {
 BundleOptions with_covariances() {
   BundleOptions options;
   options.max_iterations = 30;
-  options.inverse_depth_sigma_per_m = 2e-3;
+  options.depth_noise.coefficient_per_m = 2e-3;
   options.inlier_chi2_pixel = options.inlier_chi2_depth = 1e12;  // no outliers
   options.pose_covariances = true;
   return options;

@@ -93,7 +93,7 @@ TEST(Bundle, TheDepthDelayIsRecoveredBesidesTheStampsOfDepth) {
   world.problem.sensor.prior_sigma(kDepthDelay) = SensorCalibration::kUnknown;
   BundleOptions options;
   options.max_iterations = 20;
-  options.inverse_depth_sigma_per_m = 1.5e-3;
+  options.depth_noise.coefficient_per_m = 1.5e-3;
   const BundleSolution solution = solve_bundle(world.problem, options);
   EXPECT_NEAR(solution.sensor(kDepthDelay), 0.015, 0.001);
   for (BundleObservation& o : world.problem.observations) o.depth_lag_s = 0;
@@ -111,7 +111,7 @@ TEST(Bundle, RollingShutterAndDepthDelayAreRecovered) {
   perturb(world, 0.02, 0.01);
   BundleOptions options;
   options.max_iterations = 20;
-  options.inverse_depth_sigma_per_m = 1.5e-3;
+  options.depth_noise.coefficient_per_m = 1.5e-3;
   const double ignored = position_error_m(solve_bundle(world.problem, options).T_world_camera, world.truth);
 
   for (const int i : {kRollingShutter, kDepthDelay, kDepthShutter}) {
@@ -164,7 +164,7 @@ TEST(Bundle, SensorErrorsAreConsistentWithTheirCovariance) {
     world.problem.sensor.prior_sigma(kRollingShutter) = SensorCalibration::kUnknown;
     world.problem.sensor.prior_sigma(kDepthDelay) = SensorCalibration::kUnknown;
     BundleOptions options;
-    options.inverse_depth_sigma_per_m = 2e-3;
+    options.depth_noise.coefficient_per_m = 2e-3;
     options.pose_covariances = true;
     const BundleSolution solution = solve_bundle(world.problem, options);
     const Eigen::Matrix2d covariance =
@@ -225,7 +225,7 @@ TEST(Bundle, TenPercentOutliers) {
   perturb(world, 0.01, 0.005);
   BundleOptions options;
   options.rounds = 4;
-  options.inverse_depth_sigma_per_m = 2.85e-3;
+  options.depth_noise.coefficient_per_m = 2.85e-3;
   const BundleSolution solution = solve_bundle(world.problem, options);
   settings.outlier_fraction = 0;
   EXPECT_LT(position_error_m(solution.T_world_camera, world.truth), 0.005);

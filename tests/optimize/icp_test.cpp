@@ -123,7 +123,7 @@ TEST(Icp, ErrorStaysWithinTheStatedInformation) {
   for (const IcpOptions& options : {IcpOptions{}, by_depth_alone()}) {
     for (uint64_t seed = 1; seed <= 5; ++seed) {
       const auto [truth, solution] = align(corner_scene, small_camera(true), small_motion(),
-                                           options.inverse_depth_sigma_per_m, options, seed);
+                                           options.depth_noise.coefficient_per_m, options, seed);
       ASSERT_TRUE(solution.has_value());
       const Vector6d error = error_of(solution->T_reference_camera, truth);
       EXPECT_LT(error.norm(), 5e-3);

@@ -69,7 +69,7 @@ struct ObservedPoints {
   }
 
   [[nodiscard]] BundleView view() const { return {T_world_camera, velocity}; }
-  [[nodiscard]] MeasurementModel model() const { return {camera, sensor, kDepthSigma, kRobustWidth}; }
+  [[nodiscard]] MeasurementModel model() const { return {camera, sensor, {kDepthSigma}, kRobustWidth}; }
 };
 
 /// A linearised block with all derivatives.

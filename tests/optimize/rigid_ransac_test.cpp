@@ -66,7 +66,7 @@ TEST(RigidRansac, NormalisedErrorIsConsistent) {
   constexpr int kTrials = 200;
   for (int trial = 0; trial < kTrials; ++trial) {
     const SE3 truth = random_motion(random, 0.5, 0.4);
-    const auto pairs = make_pairs(truth, 80, 1.0, options.inverse_depth_sigma_per_m, 0, random);
+    const auto pairs = make_pairs(truth, 80, 1.0, options.depth_noise.coefficient_per_m, 0, random);
     const auto solution = solve_rigid_ransac(kinect(), pairs, options, 3);
     ASSERT_TRUE(solution.has_value());
     const Vector6d error = error_of(solution->T_a_b, truth);

@@ -56,7 +56,7 @@ TEST(SlamOptions, NoiseReachesEverySolver) {
       .inverse_depth_sigma_per_m = 0.012, .robust_width = 2, .inlier_chi2_pixel = 9, .inlier_chi2_depth = 6};
   const SlamOptions options = resolve_options(given);
   const auto expect_noise = [](const auto& solver) {
-    EXPECT_EQ(solver.inverse_depth_sigma_per_m, 0.012);
+    EXPECT_EQ(solver.depth_noise.coefficient_per_m, 0.012);
     EXPECT_EQ(solver.robust_width, 2);
     EXPECT_EQ(solver.inlier_chi2_pixel, 9);
     EXPECT_EQ(solver.inlier_chi2_depth, 6);
@@ -65,15 +65,15 @@ TEST(SlamOptions, NoiseReachesEverySolver) {
   expect_noise(options.tracking.pnp.pose);
   expect_noise(options.mapping.local_ba);
   expect_noise(options.global_ba);
-  EXPECT_DOUBLE_EQ(options.tracking.rigid.inverse_depth_sigma_per_m, 2 * kPointPairInverseDepthSigmaPerM);
-  EXPECT_DOUBLE_EQ(options.tracking.icp.inverse_depth_sigma_per_m, 2 * kSensorInverseDepthSigmaPerM);
+  EXPECT_DOUBLE_EQ(options.tracking.rigid.depth_noise.coefficient_per_m, 2 * kPointPairInverseDepthSigmaPerM);
+  EXPECT_DOUBLE_EQ(options.tracking.icp.depth_noise.coefficient_per_m, 2 * kSensorInverseDepthSigmaPerM);
 }
 
 TEST(SlamOptions, DefaultNoiseMatchesTheSolverDefaults) {
   const SlamOptions options = resolve_options({});
-  EXPECT_EQ(options.tracking.rigid.inverse_depth_sigma_per_m, kPointPairInverseDepthSigmaPerM);
-  EXPECT_EQ(options.tracking.icp.inverse_depth_sigma_per_m, kSensorInverseDepthSigmaPerM);
-  EXPECT_EQ(options.global_ba.inverse_depth_sigma_per_m, BundleOptions().inverse_depth_sigma_per_m);
+  EXPECT_EQ(options.tracking.rigid.depth_noise.coefficient_per_m, kPointPairInverseDepthSigmaPerM);
+  EXPECT_EQ(options.tracking.icp.depth_noise.coefficient_per_m, kSensorInverseDepthSigmaPerM);
+  EXPECT_EQ(options.global_ba.depth_noise.coefficient_per_m, BundleOptions().depth_noise.coefficient_per_m);
 }
 
 TEST(SlamOptions, FormerNamesAreRenamedOrRemoved) {

@@ -18,13 +18,15 @@ DenseOptions sampling(const ViewerOptions& options) {
 
 }  // namespace
 
-IncrementalCloud::IncrementalCloud(const PinholeCamera& camera, const ViewerOptions& options)
-    : camera_{.color = camera}, rays_(ray_table(camera)), options_(sampling(options)) {}
+IncrementalCloud::IncrementalCloud(const RgbdCamera& camera, const ViewerOptions& options)
+    : camera_{.color = camera.color, .noise = camera.sensor.noise},
+      rays_(ray_table(camera.color)),
+      options_(sampling(options)) {}
 
 CloudPiece IncrementalCloud::add_keyframe(KeyframeId anchor, const cv::Mat& color, const cv::Mat& depth_m,
                                           const SE3& T_world_camera) {
   VoxelGrid fresh;
-  const ImageSurfels surfels = extract_surfels({color, depth_m}, camera_.color.fx, options_);
+  const ImageSurfels surfels = extract_surfels({color, depth_m}, {camera_.color.fx, camera_.noise}, options_);
   for (const VoxelSample& sample :
        voxel_samples(surfels, {.T_world_camera = T_world_camera}, camera_, rays_, options_.voxel_m)) {
     if (!seen_.contains(sample.key)) fresh.add(sample, 0);

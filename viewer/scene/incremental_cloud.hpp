@@ -11,7 +11,7 @@ namespace kinloop {
 
 class IncrementalCloud {
  public:
-  IncrementalCloud(const PinholeCamera& camera, const ViewerOptions& options);
+  IncrementalCloud(const RgbdCamera& camera, const ViewerOptions& options);
 
   /// Returns the new points, in the camera frame of the keyframe `anchor`.
   CloudPiece add_keyframe(KeyframeId anchor, const cv::Mat& color, const cv::Mat& depth_m,

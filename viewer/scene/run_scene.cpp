@@ -56,7 +56,7 @@ const char* status_name(const FrameEvent& frame) {
 }  // namespace
 
 RunScene::RunScene(Scene& scene, RunInfo info)
-    : scene_(scene), info_(std::move(info)), cloud_(info_.camera.color, info_.options) {
+    : scene_(scene), info_(std::move(info)), cloud_(info_.camera, info_.options) {
   const PinholeCamera& camera = info_.camera.color;
   scene_.put(PartKind::kHello, 0,
              encode_json({{"run", scene_.run()},

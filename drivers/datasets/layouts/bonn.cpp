@@ -20,6 +20,7 @@ RecordedSequence read_bonn(const std::filesystem::path& folder) {
   camera.color = make_lens({640, 480}, 542.822841, 542.576870, 315.593520, 237.756098);
   camera.color.lens = {LensModel::kBrownConrady, 0.039903, -0.099343, -0.000730, -0.000144};
   sequence.camera = camera;
+  sequence.sensor = DepthSensorModel::kStructuredLight;  // an Xtion
   return sequence;
 }
 

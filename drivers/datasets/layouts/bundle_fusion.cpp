@@ -80,6 +80,7 @@ RecordedSequence read_bundle_fusion(const fs::path& folder) {
                          info.extrinsic("m_calibrationDepthExtrinsic")};
   const double depth_shift = info.numbers("m_depthShift", 1)[0];
   sequence.camera = camera_of(lenses, depth_shift, folder);
+  sequence.sensor = DepthSensorModel::kStructuredLight;  // a Structure Sensor
   move_to_color(lenses, sequence.ground_truth);
   return sequence;
 }

@@ -114,6 +114,7 @@ RecordedSequence read_open_loris(const fs::path& folder) {
   std::error_code absent;
   if (fs::exists(folder / "sensors.yaml", absent)) {
     sequence.camera = read_loris_camera(folder / "sensors.yaml");
+    sequence.sensor = DepthSensorModel::kRealsenseD4xx;
     sequence.camera->fps = median_rate_hz(sequence.frames, sequence.camera->fps);
   }
   sequence.ground_truth = read_loris_truth(folder);

@@ -46,6 +46,7 @@ RecordedSequence read_scannet(const fs::path& folder) {
       read_extrinsic(calibration / "extrinsic_color.txt"),
       read_extrinsic(calibration / "extrinsic_depth.txt")};
   sequence.camera = camera_of(lenses, kScanNetUnits, folder);
+  sequence.sensor = DepthSensorModel::kStructuredLight;  // a Structure Sensor
   sequence.ground_truth = truth_of(sequence.frames, [&](const RecordedFrame& frame, size_t) {
     const fs::path file = folder / "pose" / (frame.color.file.stem().string() + ".txt");
     std::error_code absent;

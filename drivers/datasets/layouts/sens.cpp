@@ -151,6 +151,7 @@ RecordedSequence read_sens(const fs::path& path) {
       lens_of(color_intrinsic, color_size, file), lens_of(depth_intrinsic, depth_size, file),
       rigid_motion(color_extrinsic).value_or(SE3{}), rigid_motion(depth_extrinsic).value_or(SE3{})};
   sequence.camera = camera_of(lenses, static_cast<double>(bytes.number<float>()), file);
+  sequence.sensor = DepthSensorModel::kStructuredLight;  // a Structure Sensor
   std::vector<std::optional<SE3>> poses;
   read_frames(bytes, file, bytes.number<uint64_t>(), sequence, poses);
   sequence.stamps_measured = has_increasing_stamps(sequence.frames);

@@ -47,6 +47,7 @@ RecordedSequence read_seven_scenes(const std::filesystem::path& folder) {
   RecordedSequence sequence = read_frame_files(folder);
   sequence.layout = "7-Scenes folder";
   sequence.camera = seven_scenes_camera();
+  sequence.sensor = DepthSensorModel::kKinect1;
   if (const auto camera = registered_camera(folder, image_size(sequence.frames, &RecordedFrame::color))) {
     sequence.camera = camera;
     sequence.layout = "3DMatch folder";

@@ -44,6 +44,7 @@ void finish_phone_sequence(RecordedSequence& sequence, std::span<const PinholeCa
   keep_increasing(sequence);
   sequence.camera = phone_camera(lenses, image_size(sequence.frames, &RecordedFrame::depth), file);
   sequence.camera->fps = median_rate_hz(sequence.frames, sequence.camera->fps);
+  sequence.sensor = DepthSensorModel::kIphone;
 }
 
 }  // namespace kinloop

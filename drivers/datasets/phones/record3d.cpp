@@ -77,6 +77,7 @@ RecordedSequence read_record3d(const fs::path& folder) {
   sequence.depth_encoding = DepthEncoding::kRawFloat32;
   sequence.camera = phone_camera(record3d_lenses(metadata, size, file), depth_size, file);
   sequence.camera->depth_scale = 1;
+  sequence.sensor = DepthSensorModel::kIphone;
   sequence.camera->fps = std::clamp(number("fps"), 1.0, 240.0);
   sequence.frames = pair_by_number(numbered_files(folder / "rgbd", "", ".jpg"),
                                    numbered_files(folder / "rgbd", "", ".depth"), sequence.camera->fps);

@@ -111,6 +111,7 @@ RecordedSequence read_stray_scanner(const fs::path& folder) {
     throw InputError(fmt::format("{}: empty; expected lines '{}'", file.string(), kStrayColumns));
   sequence.camera_remedy = "no camera_matrix.csv; export the recording again";
   sequence.camera = stray_camera(folder, lenses, sequence);
+  sequence.sensor = DepthSensorModel::kIphone;
   if (sequence.camera) sequence.camera->fps = median_rate_hz(sequence.frames, sequence.camera->fps);
   return sequence;
 }

@@ -11,7 +11,6 @@
 #include "kinloop/dense/rounded.hpp"
 #include "kinloop/dense/sharpness.hpp"
 #include "kinloop/dense/usable_depth.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
 
 namespace kinloop {
 namespace {
@@ -34,14 +33,33 @@ cv::Mat inverse(const cv::Mat& depth_m) {
   return result;
 }
 
-/// The noise of a structured-light camera is constant in inverse depth (see DepthNoise), and a plane is
-/// linear there: a bilateral filter (Tomasi and Manduchi 1998) removes noise and preserves planes and edges.
-cv::Mat smoothed(const cv::Mat& inverse_depth) {
+/// Applies `function` to every pixel.
+template <class Function>
+void apply(cv::Mat& image, const Function& function) {
+  for (int row = 0; row < image.rows; ++row) {
+    auto* values = image.ptr<float>(row);
+    for (int col = 0; col < image.cols; ++col) values[col] = function(values[col]);
+  }
+}
+
+/// A plane is linear in inverse depth, and the noise of a sensor that triangulates is constant there (see
+/// DepthNoise): a bilateral filter (Tomasi and Manduchi 1998) removes noise and preserves planes and edges.
+/// That of time of flight is constant in atan(crossover * inverse depth) / crossover, where a plane is nearly
+/// linear over a few pixels.
+cv::Mat smoothed(const cv::Mat& inverse_depth, const DepthNoise& noise) {
   constexpr int kDiameterPx = 5;
   constexpr double kSigmaPx = 2;
-  const double noise_per_m = DepthNoise().coefficient_per_m;
-  cv::Mat result;
-  cv::bilateralFilter(inverse_depth, result, kDiameterPx, 2.5 * noise_per_m, kSigmaPx, cv::BORDER_REPLICATE);
+  const auto crossover_m = static_cast<float>(noise.crossover_m);
+  cv::Mat evened = inverse_depth, result;
+  if (crossover_m > 0) {
+    evened = inverse_depth.clone();
+    apply(evened, [=](float value) { return std::atan(crossover_m * value) / crossover_m; });
+  }
+  cv::bilateralFilter(evened, result, kDiameterPx, 2.5 * noise.coefficient_per_m, kSigmaPx,
+                      cv::BORDER_REPLICATE);
+  if (crossover_m > 0) {
+    apply(result, [=](float value) { return std::tan(crossover_m * value) / crossover_m; });
+  }
   return result;
 }
 
@@ -67,15 +85,15 @@ struct BlockSums {
 /// Extracts the surfels of one image.
 class SurfelExtractor {
  public:
-  SurfelExtractor(const RgbdImages& images, const cv::Mat& inverse_depth, double focal_px,
+  SurfelExtractor(const RgbdImages& images, const cv::Mat& inverse_depth, const SurfelCamera& camera,
                   const DenseOptions& options)
       : color_(images.color),
-        focal_px_(focal_px),
+        focal_px_(camera.focal_px),
         voxel_m_(options.voxel_m),
         max_slope_(static_cast<float>(std::tan(options.limits.max_incidence_deg * M_PI / 180) *
-                                      kSlopeReachPx / focal_px)),
-        inverse_depth_(smoothed(inverse_depth)),
-        usable_(usable_pixels(images.depth_m, focal_px, options.limits)) {}
+                                      kSlopeReachPx / camera.focal_px)),
+        inverse_depth_(smoothed(inverse_depth, camera.noise)),
+        usable_(usable_pixels(images.depth_m, camera.focal_px, options.limits)) {}
 
   std::vector<Surfel> run() {
     points_.reserve(color_.total() / 4);
@@ -202,12 +220,13 @@ struct Header {
 
 }  // namespace
 
-ImageSurfels extract_surfels(const RgbdImages& images, double focal_px, const DenseOptions& options) {
+ImageSurfels extract_surfels(const RgbdImages& images, const SurfelCamera& camera,
+                             const DenseOptions& options) {
   require(images.color.type() == CV_8UC3 && images.depth_m.type() == CV_32FC1 &&
               images.color.size() == images.depth_m.size(),
           "extract_surfels: expected colour 8UC3 and depth 32FC1 of the same size");
   const cv::Mat inverse_depth = inverse(images.depth_m);
-  return {image_sharpness(images.color), SurfelExtractor(images, inverse_depth, focal_px, options).run(),
+  return {image_sharpness(images.color), SurfelExtractor(images, inverse_depth, camera, options).run(),
           nearest_depths(inverse_depth)};
 }
 

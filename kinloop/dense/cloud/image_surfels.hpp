@@ -10,6 +10,7 @@
 #include "kinloop/dense/cloud/colored_cloud.hpp"
 #include "kinloop/dense/image_store.hpp"
 #include "kinloop/dense/options.hpp"
+#include "kinloop/geometry/depth_noise.hpp"
 
 namespace kinloop {
 
@@ -41,9 +42,16 @@ struct ImageSurfels {
   std::vector<uint16_t> nearest;  ///< per tile, row-major: its nearest depth; 0 if any pixel is unknown
 };
 
-/// Extracts the surfels of an image taken with the given focal length. Pixels at depth edges, on surfaces at
+/// What the extraction of surfels needs to know of the camera.
+struct SurfelCamera {
+  double focal_px = 0;
+  DepthNoise noise = {};
+};
+
+/// Extracts the surfels of an image. Pixels at depth edges, on surfaces at
 /// grazing incidence or out of range are skipped.
-ImageSurfels extract_surfels(const RgbdImages& images, double focal_px, const DenseOptions& options);
+ImageSurfels extract_surfels(const RgbdImages& images, const SurfelCamera& camera,
+                             const DenseOptions& options);
 
 /// Returns at most `max_points` of the surfels, evenly spread, without the nearest depths.
 ImageSurfels thinned(const ImageSurfels& surfels, size_t max_points);

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "kinloop/base/parallel_for.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
 
 namespace kinloop {
 namespace {
@@ -154,11 +153,11 @@ void project(const FreeSpaceView& view, const DenseCamera& camera, BlockPoints& 
 }
 
 /// Counts the contradictions of one view to points projected into it.
-void count_contradictions_of(const std::vector<uint16_t>& corners, const PinholeCamera& camera,
+void count_contradictions_of(const std::vector<uint16_t>& corners, const DenseCamera& camera,
                              const BlockPoints& projected, const DenseOptions& options,
                              std::span<SurfacePoint> points) {
   constexpr double kTileShare = 1.0 / kTilePx;
-  const size_t corners_per_row = static_cast<size_t>(camera.width) / kTilePx + 1;
+  const size_t corners_per_row = static_cast<size_t>(camera.color.width) / kTilePx + 1;
   for (size_t i = 0; i < points.size(); ++i) {
     if (projected.in_view[i] == 0) continue;
     const auto col = static_cast<size_t>((projected.col[i] + kAroundPx) * kTileShare);
@@ -166,8 +165,8 @@ void count_contradictions_of(const std::vector<uint16_t>& corners, const Pinhole
     const uint16_t steps = corners[row * corners_per_row + col];
     const double here = projected.inverse_depth[i];
     const double behind = here - steps * kTileStep_per_m;  // of the surface; positive: free space
-    const double margin =
-        kMarginSigmas * DepthNoise().coefficient_per_m + kMarginVoxels * options.voxel_m * here * here;
+    const double margin = kMarginSigmas * camera.noise.inverse_sigma_per_m(here) +
+                          kMarginVoxels * options.voxel_m * here * here;
     const bool unknown = steps == 0;
     const bool in_sight = unknown | (behind >= -margin);
     const bool free = !unknown & (behind > margin) & options.carve;
@@ -189,7 +188,7 @@ void count_contradictions(std::span<SurfacePoint> points, std::span<const FreeSp
       for (size_t i = 0; i < views.size(); ++i) {
         if (!in_view(blocks[b], views[i], camera.color)) continue;
         project(views[i], camera, block_points);
-        count_contradictions_of(corners[i], camera.color, block_points, options, blocks[b].points);
+        count_contradictions_of(corners[i], camera, block_points, options, blocks[b].points);
       }
     }
   });

@@ -5,7 +5,6 @@
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
 
 namespace kinloop {
 namespace {
@@ -103,7 +102,7 @@ std::vector<VoxelSample> voxel_samples(const ImageSurfels& surfels, const PosedI
     const Eigen::Vector3f normal =
         normal_of(ray, Eigen::Vector2f(point.slope_x, point.slope_y) / kSlopeSteps);
     const float frontal = -normal.dot(ray.homogeneous().normalized());
-    const double sigma_m = DepthNoise().sigma_m(z);
+    const double sigma_m = camera.noise.sigma_m(z);
     VoxelSample& sample = samples.emplace_back();
     sample.key = voxel_key(corner);
     sample.offset = (p_voxels - corner).cast<float>();

@@ -18,7 +18,6 @@
 #pragma GCC diagnostic pop
 
 #include "kinloop/base/parallel_for.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
 
 namespace kinloop {
 namespace {
@@ -114,7 +113,7 @@ class BlockUpdate {
     if (ahead_m < truncation_m && view_.usable.at<uint8_t>(row, col) == 0) return;
     // Weight by the noise of depth here: free space far in front of a wall is as uncertain as the wall's
     // distance.
-    const double sigma_ratio = DepthNoise().sigma_m(1.0) / DepthNoise().sigma_m(p_camera.z());
+    const double sigma_ratio = camera_.noise.sigma_m(1.0) / camera_.noise.sigma_m(p_camera.z());
     const auto w = static_cast<float>(sigma_ratio * sigma_ratio);
     float* values = distance.buffer().data();
     float* weights = weight.buffer().data();

@@ -19,13 +19,14 @@ void add_lens(NamedValues& values, const std::string& prefix, const PinholeCamer
   add("k4", d.k4), add("k5", d.k5), add("k6", d.k6);
 }
 
-LensModel lens_model_from(double number) {
-  constexpr auto kModels = option_names(LensModel{});
-  const auto model = std::find_if(kModels.begin(), kModels.end(), [&](const auto& known) {
+template <NamedEnum Enum>
+Enum enum_from(double number) {
+  constexpr auto kValues = option_names(Enum{});
+  const auto value = std::find_if(kValues.begin(), kValues.end(), [&](const auto& known) {
     return static_cast<double>(known.value) == number;
   });
-  if (model == kModels.end()) throw std::out_of_range("lens_model");
-  return model->value;
+  if (value == kValues.end()) throw std::out_of_range("not a value of the enum");
+  return value->value;
 }
 
 PinholeCamera lens_from(const std::map<std::string, double>& values, const std::string& prefix) {
@@ -36,7 +37,7 @@ PinholeCamera lens_from(const std::map<std::string, double>& values, const std::
   LensDistortion& d = c.lens;
   d.k1 = at("k1"), d.k2 = at("k2"), d.p1 = at("p1"), d.p2 = at("p2"), d.k3 = at("k3");
   if (!values.contains(prefix + "lens_model")) return c;  // Brown-Conrady, and all older files
-  d.model = lens_model_from(at("lens_model"));
+  d.model = enum_from<LensModel>(at("lens_model"));
   d.k4 = at("k4"), d.k5 = at("k5"), d.k6 = at("k6");
   return c;
 }
@@ -49,6 +50,8 @@ NamedValues camera_values(const RgbdCamera& camera) {
   const auto add = [&](const char* name, double value) { values.emplace_back(name, value); };
   add("depth_scale", camera.depth_scale), add("fps", camera.fps);
   add("rolling_shutter_s", camera.rolling_shutter_s), add("depth_offset_s", camera.depth_offset_s);
+  if (camera.sensor.origin != SensorOrigin::kAssumed)
+    add("depth_sensor", static_cast<double>(camera.sensor.model));
   if (!camera.depth) return values;
   add_lens(values, "depth.", *camera.depth);
   const auto& [q, t] = camera.T_color_depth;
@@ -65,6 +68,9 @@ std::optional<RgbdCamera> camera_from(const std::map<std::string, double>& value
   camera.fps = values.at("fps");
   camera.rolling_shutter_s = values.at("rolling_shutter_s");
   camera.depth_offset_s = values.at("depth_offset_s");
+  if (values.contains("depth_sensor"))  // not in older files
+    camera.sensor =
+        depth_sensor(enum_from<DepthSensorModel>(values.at("depth_sensor")), SensorOrigin::kSource);
   if (!values.contains("depth.fx")) return camera;
   camera.depth = lens_from(values, "depth.");
   const auto at = [&](const char* name) { return values.at(std::string("T_color_depth.") + name); };

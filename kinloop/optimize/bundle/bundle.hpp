@@ -43,7 +43,7 @@ constexpr auto option_names(BundleSolver) {
       {{BundleSolver::kBuiltin, "builtin"}, {BundleSolver::kCeres, "ceres"}});
 }
 
-/// `robust_width`, `inlier_chi2_...` and `inverse_depth_sigma_per_m` describe the measurement noise. Slam
+/// `robust_width`, `inlier_chi2_...` and `depth_noise` describe the measurement noise. Slam
 /// sets them from SlamOptions::noise.
 struct BundleOptions {
   BundleSolver solver = BundleSolver::kBuiltin;
@@ -53,7 +53,7 @@ struct BundleOptions {
   double robust_width = kKeypointRobustWidth;    ///< scale of the Huber loss, standard deviations
   double inlier_chi2_pixel = kChi2At95With2Dof;  ///< maximum squared pixel residual of an inlier
   double inlier_chi2_depth = kChi2At95With1Dof;  ///< maximum squared depth residual
-  double inverse_depth_sigma_per_m = kKeypointInverseDepthSigmaPerM;
+  DepthNoise depth_noise = {kKeypointInverseDepthSigmaPerM};
   bool pose_covariances = false;  ///< compute the covariance of every pose
   int threads = 1;
 

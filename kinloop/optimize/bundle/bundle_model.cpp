@@ -21,7 +21,7 @@ std::vector<BundleView> views_of(const BundleTask& task, const BundleState& stat
 }
 
 MeasurementModel measurement_model(const BundleTask& task, const SensorVector& sensor) {
-  return {task.problem.camera, sensor, task.options.inverse_depth_sigma_per_m, task.options.robust_width};
+  return {task.problem.camera, sensor, task.options.depth_noise, task.options.robust_width};
 }
 
 ObservationBlock block_at(const BundleTask& task, const BundleBlock& block, const BundleState& state) {

@@ -94,7 +94,7 @@ class ColumnWriter {
   HWY_INLINE void write_depth_row() const {
     const Camera& c = o_.camera;
     const Projection& at = o_.depth;
-    const V scale = all(1 / o_.model.inverse_depth_sigma_per_m), zero = hn::Zero(D());
+    const V scale = o_.inverse_sigma_depth, zero = hn::Zero(D());
     // Derivative of the residual with respect to the pixel.
     const V du = scale * o_.gradient_x, dv = scale * o_.gradient_y;
     const Vector3 by_point = du * at.u_by_point(c) + dv * at.v_by_point(c) +

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/optimize/bundle/sensor_model.hpp"
 #include "kinloop/optimize/kernels/linear_columns.hpp"
 
@@ -26,7 +27,7 @@ struct BundleView {
 struct MeasurementModel {
   const PinholeCamera& camera;
   const SensorVector& sensor;
-  double inverse_depth_sigma_per_m = 0;
+  DepthNoise depth_noise;
   double robust_width = 0;  ///< scale of the Huber loss
 };
 

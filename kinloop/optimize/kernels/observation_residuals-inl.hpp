@@ -142,6 +142,7 @@ struct Observed {
   Projection color;
   MovedPoint at_depth;
   Projection depth;
+  V inverse_sigma_depth;  // 1 / standard deviation of the inverse depth, see DepthNoise
   V error_u, error_v, error_depth;
 
   HWY_INLINE Observed(const ObservationBlock& block, size_t first, const Camera& c, const MeasurementModel& m)
@@ -169,7 +170,9 @@ struct Observed {
     V error = all(1 + m.sensor(kDepthScale)) * inverse_depth - depth.inverse_z + offset();
     // Depth is measured later than colour, when another surface point lies at the pixel.
     error = error + gradient_x * (depth.u - pixel_x) + gradient_y * (depth.v - pixel_y);
-    error_depth = error * all(1 / m.inverse_depth_sigma_per_m);
+    const V share = all(m.depth_noise.crossover_m) * inverse_depth;
+    inverse_sigma_depth = all(1) / (all(m.depth_noise.coefficient_per_m) * (all(1) + share * share));
+    error_depth = error * inverse_sigma_depth;
   }
 
   static HWY_INLINE V load(const Lanes& lanes, size_t first) { return hn::LoadU(D(), &lanes[first]); }

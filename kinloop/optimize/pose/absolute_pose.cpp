@@ -33,7 +33,7 @@ class Solver {
  public:
   Solver(const PinholeCamera& camera, std::span<const PoseObservation> observations,
          const AbsolutePoseOptions& options)
-      : model_{camera, kIdealSensor, options.inverse_depth_sigma_per_m, options.robust_width},
+      : model_{camera, kIdealSensor, options.depth_noise, options.robust_width},
         observations_(blocks_of(observations)),
         options_(options) {}
 

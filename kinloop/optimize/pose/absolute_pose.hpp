@@ -22,7 +22,7 @@ struct PoseObservation : KeypointMeasurement {
   Eigen::Vector3d p_reference = Eigen::Vector3d::Zero();  ///< m
 };
 
-/// `robust_width`, `inlier_chi2_...` and `inverse_depth_sigma_per_m` describe the measurement noise. Slam
+/// `robust_width`, `inlier_chi2_...` and `depth_noise` describe the measurement noise. Slam
 /// sets them from SlamOptions::noise.
 struct AbsolutePoseOptions {
   int rounds = 4;
@@ -31,7 +31,7 @@ struct AbsolutePoseOptions {
   double inlier_chi2_pixel = kChi2At95With2Dof;  ///< maximum squared pixel residual of an inlier
   double inlier_chi2_depth =
       kChi2At95With1Dof;  ///< maximum squared depth residual; beyond it only the pixel is used
-  double inverse_depth_sigma_per_m = kKeypointInverseDepthSigmaPerM;
+  DepthNoise depth_noise = {kKeypointInverseDepthSigmaPerM};
   int min_inliers = 6;
 
   template <class Self, class Visit>

@@ -104,8 +104,7 @@ class Aligner {
 
     const double distance = n.dot(apart);
     const double z_partner = static_cast<double>(reference_.points[partner].z());
-    const double sigma =
-        options_.inverse_depth_sigma_per_m * std::hypot(p.z() * p.z(), z_partner * z_partner);
+    const double sigma = options_.depth_noise.difference_sigma_m(p.z(), z_partner);
     const double squared = distance * distance / (sigma * sigma);
     const HuberLoss loss{kRobustWidth};
     Vector6d J;  // with respect to x of T * exp(x): the point moves by R (rho + omega x p)

@@ -19,7 +19,7 @@ struct IcpOptions {
   int finest_width = 160;
   int levels = 3;
   int iterations = 7;
-  double inverse_depth_sigma_per_m = kSensorInverseDepthSigmaPerM;  ///< Slam sets it from SlamOptions::noise
+  DepthNoise depth_noise = {};  ///< Slam sets it from SlamOptions::noise
   double photometric_weight = 1;
   double min_overlap = 0.2;
 

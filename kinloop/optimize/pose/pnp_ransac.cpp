@@ -31,14 +31,13 @@ std::vector<Eigen::Vector3d> measured_points(const PinholeCamera& camera,
 /// Whether the side lengths of a sample agree with its measured depths, if any. This cheaply rejects most
 /// samples with an outlier before their pose is computed.
 bool sizes_agree(std::span<const PoseObservation> observations, const std::vector<Eigen::Vector3d>& measured,
-                 const std::vector<uint32_t>& sample, double inverse_depth_sigma_per_m) {
+                 const std::vector<uint32_t>& sample, const DepthNoise& noise) {
   constexpr double kMaxSigmas = 4;
   for (size_t i = 0; i < sample.size(); ++i) {
     const uint32_t a = sample[i], b = sample[(i + 1) % sample.size()];
     const double side_m = (observations[a].p_reference - observations[b].p_reference).norm();
     const double measured_m = (measured[a] - measured[b]).norm();
-    const double za = measured[a].z(), zb = measured[b].z();
-    const double sigma_m = inverse_depth_sigma_per_m * std::hypot(za * za, zb * zb);
+    const double sigma_m = noise.difference_sigma_m(measured[a].z(), measured[b].z());
     if (std::abs(side_m - measured_m) > kMaxSigmas * sigma_m) return false;  // false for NaN
   }
   return true;
@@ -125,7 +124,7 @@ std::optional<AbsolutePoseSolution> solve_pnp_ransac(const PinholeCamera& camera
   double samples = options.max_iterations;
   for (int i = 0; i < samples; ++i) {
     const std::vector<uint32_t> sample = draw_sample(random, usable, kSampleSize);
-    if (!sizes_agree(observations, measured, sample, options.pose.inverse_depth_sigma_per_m)) continue;
+    if (!sizes_agree(observations, measured, sample, options.pose.depth_noise)) continue;
     for (const SE3& T : solve_p3p(camera, observations, sample)) {
       const auto agree = pixel_inliers(camera, observations, T, options.pose);
       const int count = std::accumulate(agree.begin(), agree.end(), 0);

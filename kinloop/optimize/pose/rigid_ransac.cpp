@@ -18,9 +18,10 @@ constexpr uint32_t kPointsPerSample = 3;
 
 /// Covariance of a point measured by pixel and inverse depth: p = (x, y, 1) / w.
 Eigen::Matrix3d point_covariance(const PinholeCamera& camera, const Eigen::Vector3d& p, double sigma_px,
-                                 double inverse_depth_sigma) {
+                                 const DepthNoise& noise) {
   const double z = p.z();
-  const Eigen::Vector3d along = z * inverse_depth_sigma * p;  // dp / dw * sigma_w = z * p * sigma_w
+  const Eigen::Vector3d along =
+      z * noise.inverse_sigma_per_m(1 / z) * p;  // dp / dw * sigma_w = z * p * sigma_w
   Eigen::Matrix3d covariance = along * along.transpose();
   covariance(0, 0) += std::pow(z * sigma_px / camera.fx, 2);
   covariance(1, 1) += std::pow(z * sigma_px / camera.fy, 2);
@@ -35,16 +36,15 @@ struct PairWithCovariance {
 
 std::vector<PairWithCovariance> pairs_with_covariance(const PinholeCamera& camera,
                                                       std::span<const PointPair> pairs,
-                                                      double inverse_depth_sigma) {
+                                                      const DepthNoise& noise) {
   std::vector<PairWithCovariance> weighed;
   for (uint32_t i = 0; i < pairs.size(); ++i) {
     const PointPair& pair = pairs[i];
     const bool usable = pair.p_a.allFinite() && pair.p_b.allFinite() && pair.p_a.z() > 0 &&
                         pair.p_b.z() > 0 && pair.sigma_a_px > 0 && pair.sigma_b_px > 0;
     if (!usable) continue;
-    weighed.push_back({pair.p_a, pair.p_b,
-                       point_covariance(camera, pair.p_a, pair.sigma_a_px, inverse_depth_sigma),
-                       point_covariance(camera, pair.p_b, pair.sigma_b_px, inverse_depth_sigma), i});
+    weighed.push_back({pair.p_a, pair.p_b, point_covariance(camera, pair.p_a, pair.sigma_a_px, noise),
+                       point_covariance(camera, pair.p_b, pair.sigma_b_px, noise), i});
   }
   return weighed;
 }
@@ -133,7 +133,7 @@ std::optional<SE3> motion_of_sample(const std::vector<PairWithCovariance>& pairs
 
 std::optional<RigidSolution> solve_rigid_ransac(const PinholeCamera& camera, std::span<const PointPair> pairs,
                                                 const RigidRansacOptions& options, uint64_t seed) {
-  const auto weighed = pairs_with_covariance(camera, pairs, options.inverse_depth_sigma_per_m);
+  const auto weighed = pairs_with_covariance(camera, pairs, options.depth_noise);
   const int needed = std::max<int>(options.min_inliers, kPointsPerSample);
   if (weighed.size() < static_cast<size_t>(needed)) return std::nullopt;
 
@@ -162,7 +162,7 @@ std::optional<RigidSolution> solve_rigid_ransac(const PinholeCamera& camera, std
 std::optional<RigidSolution> refine_rigid(const PinholeCamera& camera, std::span<const PointPair> pairs,
                                           const SE3& T_a_b_guess, const RigidRansacOptions& options) {
   if (!T_a_b_guess.is_finite()) return std::nullopt;
-  const auto weighed = pairs_with_covariance(camera, pairs, options.inverse_depth_sigma_per_m);
+  const auto weighed = pairs_with_covariance(camera, pairs, options.depth_noise);
   auto solution = refine(weighed, pairs.size(), T_a_b_guess);
   if (!solution || solution->inlier_count < options.min_inliers) return std::nullopt;
   return solution;

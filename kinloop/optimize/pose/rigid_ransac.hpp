@@ -27,8 +27,7 @@ struct RigidRansacOptions {
   int max_iterations = 300;
   double confidence = 0.999;
   int min_inliers = 12;
-  double inverse_depth_sigma_per_m =
-      kPointPairInverseDepthSigmaPerM;  ///< Slam sets it from SlamOptions::noise
+  DepthNoise depth_noise = {kPointPairInverseDepthSigmaPerM};  ///< Slam sets it from SlamOptions::noise
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -78,7 +78,7 @@ class RollingShutterSolver {
 std::optional<RollingShutterPose> solve_rolling_shutter_pose(
     const PinholeCamera& camera, const SensorVector& sensor, std::span<const PoseObservation> observations,
     const RollingShutterPose& guess, const VelocitySigma& sigma, const AbsolutePoseOptions& options) {
-  const MeasurementModel model{camera, sensor, options.inverse_depth_sigma_per_m, options.robust_width};
+  const MeasurementModel model{camera, sensor, options.depth_noise, options.robust_width};
   RollingShutterSolver solver(model, observations, guess.velocity, sigma, options);
   RollingShutterPose pose = guess;
   solver.classify_guess(pose);
