@@ -93,6 +93,24 @@ TEST(ImageSurfels, NoiseIsSmoothedAndEdgesAreNot) {
   EXPECT_LT(rms, 0.45 * DepthNoise().coefficient_per_m);
 }
 
+TEST(ImageSurfels, NoiseOfTimeOfFlightIsSmoothedAtEveryDistance) {
+  const DepthNoise noise = DepthNoise::of(2e-3, 0.3e-3);
+  for (const double wall_m : {0.6, 3.5}) {
+    auto images = view_of_wall(small_camera(), {}, wall_m, {1, 2, 3});
+    Random random(1);
+    for (int i = 0; i < 160 * 120; ++i) {
+      auto& depth_m = images.depth_m.at<float>(i / 160, i % 160);
+      depth_m += static_cast<float>(noise.sigma_m(wall_m) * random.gaussian());
+    }
+    double squares_m2 = 0;
+    const auto surfels = extract_surfels(images, {small_camera().fx, noise}, {});
+    for (const auto& point : surfels.points)
+      squares_m2 += std::pow(1 / static_cast<double>(point.inverse_depth) - wall_m, 2);
+    const double rms_m = std::sqrt(squares_m2 / static_cast<double>(surfels.points.size()));
+    EXPECT_LT(rms_m, 0.5 * noise.sigma_m(wall_m)) << wall_m;
+  }
+}
+
 TEST(ImageSurfels, OutsideTheRangeThereIsNothing) {
   for (const double wall_m : {0.2, 9.0}) {
     EXPECT_TRUE(extract(view_of_wall(small_camera(), {}, wall_m, {})).points.empty());

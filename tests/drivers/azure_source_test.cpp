@@ -137,6 +137,7 @@ TEST_F(AzureRecordingTest, TheCameraIsThatOfTheFactoryAndDepthIsRegistered) {
             (std::vector<double>{0.5843808, -2.4942491, 0.0006530, -0.0001765, 1.3602830, 0.4647552,
                                  -2.3362464, 1.3011596}));
   EXPECT_EQ(camera.depth->lens.k6, 0.6629416);
+  EXPECT_EQ(camera.sensor.model, DepthSensorModel::kAzureKinect);
   for (int i = 0; i < 3; ++i) {
     const auto frame = source->next();
     ASSERT_TRUE(frame);

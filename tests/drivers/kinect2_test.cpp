@@ -198,6 +198,7 @@ TEST_F(Kinect2Replay, SurvivesUnpluggingAndReplugging) {
   options.reconnect_s = 0.1;
   Kinect2Source source(open, options, {});
   EXPECT_EQ(source.camera().color.width, 960);
+  EXPECT_EQ(source.camera().sensor.model, DepthSensorModel::kKinect2);
   EXPECT_TRUE(source.info().live);
   const auto first = source.next(), second = source.next();
   ASSERT_TRUE(first && second);

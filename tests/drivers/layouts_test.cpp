@@ -2,6 +2,8 @@
 
 #include "drivers/datasets/layouts/layouts.hpp"
 
+#include <map>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <opencv2/imgcodecs.hpp>
@@ -172,6 +174,40 @@ TEST_P(EveryLayout, MutatedFilesAreReadOrRefused) {
   EXPECT_LT(refused, kMutants);
 }
 
+TEST(Layouts, SetTheSensorThatTheyKnow) {
+  using enum DepthSensorModel;
+  const std::map<std::string, DepthSensorModel> known = {
+      {"OpenLORIS", kRealsenseD4xx}, {"7-Scenes", kKinect1},     {"BundleFusion", kStructuredLight},
+      {"ScanNet", kStructuredLight}, {"Stray Scanner", kIphone}, {"ScanNet recording", kStructuredLight},
+      {"3D Scanner App", kIphone},   {"Polycam", kIphone},       {"Record3D", kIphone}};
+  size_t found = 0;
+  for (const LayoutWriter& writer : test::layout_writers()) {
+    SCOPED_TRACE(writer.name);
+    const DepthSensor sensor = Written(writer, make_sample(2)).read().camera.sensor;
+    const auto expected = known.find(writer.name);
+    if (expected == known.end()) {
+      EXPECT_NE(sensor.origin, SensorOrigin::kCameraFile);
+      continue;
+    }
+    EXPECT_EQ(sensor.model, expected->second);
+    EXPECT_EQ(sensor.origin, SensorOrigin::kSource);
+    ++found;
+  }
+  EXPECT_GE(found, known.size() - 1);  // Stray Scanner needs a video encoder
+}
+
+TEST(Layouts, ACameraFileWithoutSensorLeavesThatOfTheLayout) {
+  const Sample sample = make_sample(2);
+  const Written written(writer_of("Polycam"), sample);
+  RgbdCamera camera = camera_in_millimetres(sample.lens);
+  const auto file = written.folder.path() / "given.yaml";
+  write_camera_file(file, camera);
+  EXPECT_EQ(read_sequence(written.path(), file.string()).camera.sensor.model, DepthSensorModel::kIphone);
+  camera.sensor = depth_sensor(DepthSensorModel::kKinect2, SensorOrigin::kSource);
+  write_camera_file(file, camera);
+  EXPECT_EQ(read_sequence(written.path(), file.string()).camera.sensor.model, DepthSensorModel::kKinect2);
+}
+
 INSTANTIATE_TEST_SUITE_P(Layouts, EveryLayout, testing::ValuesIn(test::layout_writers()),
                          [](const auto& layout) {
                            std::string name = layout.param.name;
@@ -201,8 +237,11 @@ Sample simulated_sample(int frames) {
   return sample;
 }
 
+/// As one sensor for all: its noise weighs the measurements.
 Trajectory trajectory_of(FrameSource& source) {
-  Slam slam(source.camera());
+  RgbdCamera camera = source.camera();
+  camera.sensor = {};
+  Slam slam(camera);
   while (const auto frame = source.next()) slam.process(*frame);
   return slam.finish();
 }

@@ -87,6 +87,7 @@ SavedMap some_saved_map() {
   saved.camera.depth = PinholeCamera{640, 480, 585, 585, 320, 240, rational};
   saved.camera.T_color_depth = some_pose(random);
   saved.camera.rolling_shutter_s = 0.1 + 0.2;  // many decimals
+  saved.camera.sensor.set_by_source(DepthSensorModel::kIphone);
   saved.sensor = {{1e-300, 0.1, true}, {-0.0, 0, false}};
   saved.map = some_map(random).data();
   for (uint32_t i = 0; i < 3 * kKeyframes; ++i) {
@@ -127,6 +128,8 @@ TEST(MapFile, RoundTripIsBitExact) {
   EXPECT_EQ(again.camera.color, saved.camera.color);
   EXPECT_EQ(again.camera.depth, saved.camera.depth);
   EXPECT_EQ(again.camera.rolling_shutter_s, saved.camera.rolling_shutter_s);
+  EXPECT_EQ(again.camera.sensor.model, DepthSensorModel::kIphone);
+  EXPECT_EQ(again.camera.sensor.origin, SensorOrigin::kSource);
   EXPECT_EQ(again.sessions[0].input, saved.sessions[0].input);
   EXPECT_EQ(again.map.keyframes[3].T_world_camera.matrix(), saved.map.keyframes[3].T_world_camera.matrix());
   EXPECT_EQ(again.map.keyframes[3].features->depth_lag_s, saved.map.keyframes[3].features->depth_lag_s);

@@ -19,7 +19,7 @@ using Lanes = ObservationBlock::Lanes;
 
 constexpr size_t kSize = ObservationBlock::kSize;
 constexpr double kRobustWidth = 0.5;
-constexpr double kDepthSigma = 6e-3;
+constexpr DepthNoise kDepthNoise = {6e-3, 0.8};
 
 SensorVector bent_sensor() {
   SensorVector sensor;
@@ -69,7 +69,7 @@ struct ObservedPoints {
   }
 
   [[nodiscard]] BundleView view() const { return {T_world_camera, velocity}; }
-  [[nodiscard]] MeasurementModel model() const { return {camera, sensor, {kDepthSigma}, kRobustWidth}; }
+  [[nodiscard]] MeasurementModel model() const { return {camera, sensor, kDepthNoise, kRobustWidth}; }
 };
 
 /// A linearised block with all derivatives.
@@ -127,7 +127,7 @@ TEST(ObservationBlock, ResidualsMatchTheSensorModel) {
     double depth_error = (1 + s(kDepthScale)) / o.depth_m - 1 / q.z() +
                          s.segment<6>(kDepthOffset).dot(depth_offset_basis(scene.camera, o.pixel));
     if (has_slope) depth_error += o.inverse_depth_gradient.dot(pixel_of(q) - o.pixel);
-    EXPECT_NEAR(r.depth[lane], depth_error / kDepthSigma, 1e-9);
+    EXPECT_NEAR(r.depth[lane], depth_error / kDepthNoise.inverse_sigma_per_m(1 / o.depth_m), 1e-9);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "kinloop/base/text_file.hpp"
@@ -119,6 +120,38 @@ TEST_F(CameraFile, WritingAndReadingGivesTheSameCamera) {
   EXPECT_EQ(camera.depth_offset_s, again.depth_offset_s);
   EXPECT_EQ(camera.T_color_depth.translation, again.T_color_depth.translation);
   EXPECT_LT((camera.T_color_depth.inverse() * again.T_color_depth).log().norm(), 1e-15);
+}
+
+TEST_F(CameraFile, EverySensorIsReadAndWritten) {
+  for (const auto& [model, name] : option_names(DepthSensorModel{})) {
+    const RgbdCamera camera = read(fmt::format("{}sensor: {}\n", kGood, name));
+    EXPECT_EQ(camera.sensor.model, model);
+    EXPECT_EQ(camera.sensor.origin, SensorOrigin::kCameraFile);
+    const DepthSensor preset = depth_sensor(model, SensorOrigin::kCameraFile);
+    EXPECT_EQ(camera.sensor.noise.sigma_m(2), preset.noise.sigma_m(2));
+    const auto path = folder_.path() / "written.yaml";
+    write_camera_file(path, camera);
+    EXPECT_EQ(read_camera_file(path).sensor.model, model);
+  }
+}
+
+TEST_F(CameraFile, AnAssumedSensorIsNotWritten) {
+  const auto path = folder_.path() / "written.yaml";
+  write_camera_file(path, read(kGood));
+  EXPECT_EQ(read_camera_file(path).sensor.origin, SensorOrigin::kAssumed);
+  RgbdCamera known = read(kGood);
+  known.sensor.set_by_source(DepthSensorModel::kKinect2);
+  write_camera_file(path, known);
+  EXPECT_EQ(read_camera_file(path).sensor.model, DepthSensorModel::kKinect2);
+}
+
+TEST_F(CameraFile, AnUnknownSensorIsRejectedWithItsLineAndThoseThereAre) {
+  for (const char* wrong : {"sonar", "Kinect1", "[kinect1]", "", "3"}) {
+    EXPECT_THAT(error(fmt::format("{}sensor: {}\n", kGood, wrong)),
+                AllOf(HasSubstr("camera.yaml:10: key 'sensor'"), HasSubstr("structured_light"),
+                      HasSubstr("time_of_flight"), HasSubstr("hololens")))
+        << wrong;
+  }
 }
 
 TEST_F(CameraFile, EveryLensModelIsReadAndWritten) {

@@ -69,6 +69,22 @@ TEST(SlamOptions, NoiseReachesEverySolver) {
   EXPECT_DOUBLE_EQ(options.tracking.icp.depth_noise.coefficient_per_m, 2 * kSensorInverseDepthSigmaPerM);
 }
 
+TEST(SlamOptions, TheNoiseOfTheSensorReachesEveryModule) {
+  const DepthNoise sensor = {3 * kSensorInverseDepthSigmaPerM, 1.5};
+  const SlamOptions options = resolve_options({}, sensor);
+  for (const DepthNoise& noise : {options.tracking.pose.depth_noise, options.tracking.pnp.pose.depth_noise,
+                                  options.mapping.local_ba.depth_noise, options.global_ba.depth_noise}) {
+    EXPECT_DOUBLE_EQ(noise.coefficient_per_m, 3 * kKeypointInverseDepthSigmaPerM);
+    EXPECT_EQ(noise.crossover_m, 1.5);
+  }
+  EXPECT_DOUBLE_EQ(options.tracking.rigid.depth_noise.coefficient_per_m, 3 * kPointPairInverseDepthSigmaPerM);
+  EXPECT_EQ(options.tracking.rigid.depth_noise.crossover_m, 1.5);
+  for (const DepthNoise& noise :
+       {options.tracking.icp.depth_noise, options.loop.depth_noise, options.features.depth_noise}) {
+    EXPECT_DOUBLE_EQ(noise.sigma_m(2), sensor.sigma_m(2));
+  }
+}
+
 TEST(SlamOptions, DefaultNoiseMatchesTheSolverDefaults) {
   const SlamOptions options = resolve_options({});
   EXPECT_EQ(options.tracking.rigid.depth_noise.coefficient_per_m, kPointPairInverseDepthSigmaPerM);
