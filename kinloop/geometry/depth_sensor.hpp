@@ -68,8 +68,7 @@ struct DepthSensor {
 /// - azure_kinect: fitted to Toelgyessy et al. 2021, "Evaluation of the Azure Kinect and its comparison to
 ///   Kinect v1 and Kinect v2", mode NFOV unbinned; range of the data sheet.
 /// - realsense_d4xx: Intel's "Tuning depth cameras for best performance": disparity noise of 0.08 px, over
-/// the
-///   focal length (424 px) times the baseline (50 mm) of a D435 of 848 x 480 pixels.
+///   the focal length (424 px) times the baseline (50 mm) of a D435 of 848 x 480 pixels.
 /// - realsense_l515: Intel's data sheet: at most 2.5 mm at 1 m and 15.5 mm at 9 m.
 /// - iphone, hololens: estimates; no measured law of the depth that their software delivers is known.
 DepthSensor depth_sensor(DepthSensorModel model, SensorOrigin origin);
