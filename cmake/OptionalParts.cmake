@@ -61,6 +61,7 @@ if(rosbag_FOUND AND PkgConfig_FOUND)
 endif()
 
 kinloop_optional(freenect libfreenect.h freenect)  # Kinect 1
+kinloop_optional(openni2 openni2/OpenNI.h OpenNI2)
 
 # ChArUco boards: OpenCV's aruco from before 4.7, part of the contributed modules.
 set(aruco_FOUND 0)

@@ -22,6 +22,7 @@ optional=(
   "occupancy maps: liboctomap-dev"
   "ChArUco boards: libopencv-contrib-dev"
   "Kinect 1: libfreenect-dev"
+  "OpenNI2: libopenni2-dev"
   "downloads: libcurl4-openssl-dev libarchive-dev"
   "distributed training: libopenmpi-dev openmpi-bin"
   "video: libavformat-dev libavcodec-dev libswscale-dev"

@@ -25,9 +25,10 @@ SourceRequest request_of(const LiveCaptureOptions& live, StillKind kind) {
 }  // namespace
 
 void add_live_options(CLI::App& command, LiveCaptureOptions& live) {
-  command.add_option("--live", live.source,
-                     "first capture images into DIR, a new folder, from this source: kinect1, kinect2, or "
-                     "any other\nsource of kinloop run");
+  command.add_option(
+      "--live", live.source,
+      "first capture images into DIR, a new folder, from this source: kinect1, kinect2, openni2, "
+      "or any other\nsource of kinloop run");
   command.add_option("--stills", live.wanted, "minimum number of images for --live")->capture_default_str();
   add_viewer_option(command, live.viewer);
 }

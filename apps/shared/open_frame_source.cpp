@@ -9,6 +9,8 @@
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
+#include "drivers/openni2/oni_source.hpp"
+#include "drivers/openni2/openni2_source.hpp"
 #include "drivers/ros/bag_source.hpp"
 #include "drivers/stream/stream_source.hpp"
 #include "kinloop/base/errors.hpp"
@@ -28,14 +30,19 @@ bool is_azure_recording(const std::string& sequence) {
   return sequence.ends_with(".mkv");
 }
 
+bool is_oni_recording(const std::string& sequence) {
+  return sequence.ends_with(".oni");
+}
+
 }  // namespace
 
 bool is_camera_or_stream(const std::string& sequence) {
-  return sequence == "kinect1" || sequence == "kinect2" || is_stream(sequence);
+  return sequence == "kinect1" || sequence == "kinect2" || sequence == "openni2" || is_stream(sequence);
 }
 
 bool is_recording(const std::string& sequence) {
-  return sequence.starts_with("sim:") || is_azure_recording(sequence) || is_bag(sequence);
+  return sequence.starts_with("sim:") || is_azure_recording(sequence) || is_oni_recording(sequence) ||
+         is_bag(sequence);
 }
 
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
@@ -48,11 +55,13 @@ std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   const auto camera = explicit_camera(request);
   if (sequence == "kinect1") return open_kinect1(request.kinect, camera);
   if (sequence == "kinect2") return open_kinect2(request.kinect, camera, request.kinect2_frames);
+  if (sequence == "openni2") return open_openni2(request.kinect, camera);
   if (is_stream(sequence)) return open_stream(sequence, camera);
   if (!is_recording(sequence)) return open_sequence(sequence, request.camera);
   if (!std::filesystem::exists(sequence))
     throw InputError(fmt::format("{}: no such file; check the path", sequence));
   if (is_azure_recording(sequence)) return open_azure_recording(sequence, camera);
+  if (is_oni_recording(sequence)) return open_oni_recording(sequence, camera);
   return open_bag(sequence, camera, request.topics);
 }
 

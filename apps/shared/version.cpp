@@ -9,6 +9,7 @@
 #include "drivers/datasets/reading/video_reader.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
+#include "drivers/openni2/openni2_source.hpp"
 #include "kinloop/dense/mesh/tsdf_volume.hpp"
 #include "kinloop/dense/occupancy.hpp"
 #include "kinloop/features/surf.hpp"
@@ -33,6 +34,7 @@ std::string version_text() {
       {"ChArUco boards", part(charuco_available(), "OpenCV's aruco")},
       {"Kinect 1", part(kinect1_available(), "libfreenect")},
       {"Kinect 2", part(kinect2_available(), "libfreenect2")},
+      {"OpenNI2", part(openni2_available(), "libOpenNI2")},
       {"ROS node", part(KINLOOP_ROS_FOUND, "roscpp")},
       {"video", part(video_available(), "libavformat, libavcodec or libswscale")},
       {"downloads", part(download_available(), "curl or libarchive")},

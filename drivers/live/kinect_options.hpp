@@ -21,7 +21,7 @@ constexpr auto option_names(KinectPipeline) {
       {{kAuto, "auto"}, {kCpu, "cpu"}, {kOpenGl, "opengl"}, {kOpenCl, "opencl"}, {kCuda, "cuda"}});
 }
 
-/// How a live Kinect is opened.
+/// How a live camera is opened.
 struct KinectOptions {
   std::string serial;
   KinectPipeline pipeline = KinectPipeline::kAuto;
@@ -32,7 +32,8 @@ struct KinectOptions {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("serial", self.serial, "serial number of the Kinect 2; empty: the first one");
+    visit("serial", self.serial,
+          "serial number of the Kinect 2, or URI of the OpenNI device; empty: the first one");
     visit("pipeline", self.pipeline, "depth decoder of the Kinect 2");
     visit("width", self.width,
           "width of a Kinect 2's frames, px: 1920, 960 or 512 (512 x 424, as the depth camera sees)",

@@ -106,11 +106,13 @@ TEST_F(CameraCommands, RecordGivesTheSameSequenceBack) {
 }
 
 TEST_F(CameraCommands, ReportsMissingCameras) {
-  for (const char* camera : {"kinect1", "kinect2"}) {
-    const bool known = has(std::string(camera) == "kinect1" ? "Kinect 1" : "Kinect 2");
-    const Run result = run(std::string("run ") + camera + " -o '" + at("out") + "'");
+  const std::pair<std::string, std::string> parts[] = {
+      {"kinect1", "Kinect 1"}, {"kinect2", "Kinect 2"}, {"openni2", "OpenNI2"}};
+  for (const auto& [camera, part] : parts) {
+    const bool known = has(part);
+    const Run result = run("run " + camera + " -o '" + at("out") + "'");
     EXPECT_EQ(result.exit_code, known ? kBadInput : kWrongUse) << result.err;
-    EXPECT_THAT(result.err, AllOf(HasSubstr(camera), HasSubstr(known ? "no Kinect" : "this build")));
+    EXPECT_THAT(result.err, AllOf(HasSubstr(camera), HasSubstr(known ? "no " : "this build")));
   }
 }
 

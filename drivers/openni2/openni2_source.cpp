@@ -1,0 +1,200 @@
+#include "drivers/openni2/openni2_source.hpp"
+
+#include "kinloop/base/errors.hpp"
+
+#ifdef KINLOOP_WITH_OPENNI2
+
+#include <chrono>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <openni2/OpenNI.h>
+
+#include "drivers/live/device_clock.hpp"
+#include "drivers/live/reconnection.hpp"
+#include "drivers/openni2/openni_image.hpp"
+#include "kinloop/base/log.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr std::chrono::milliseconds kSilence(2000);  ///< after which a camera counts as unplugged
+
+/// libOpenNI2 with its drivers.
+std::shared_ptr<void> load_library() {
+  if (openni::OpenNI::initialize() != openni::STATUS_OK)
+    throw InputError("openni2: no driver is found; install libopenni2-0");
+  return {nullptr, [](void*) { openni::OpenNI::shutdown(); }};
+}
+
+/// 640 x 480 at 30 Hz, or the mode that the device is in if it does not have that.
+void choose_mode(openni::VideoStream& stream, openni::PixelFormat pixels) {
+  openni::VideoMode mode;
+  mode.setResolution(640, 480), mode.setFps(30), mode.setPixelFormat(pixels);
+  stream.setVideoMode(mode);
+}
+
+/// Passes the images of one stream on, in the library's thread.
+class OpenNi2Listener : public openni::VideoStream::NewFrameListener {
+ public:
+  OpenNi2Listener(LiveFrameBuffer& to, DeviceClock& clock, bool depth)
+      : frames_(to), clock_(clock), depth_(depth) {}
+
+  void onNewFrame(openni::VideoStream& stream) override {
+    openni::VideoStream* streams[] = {&stream};
+    int index = 0;
+    openni::VideoFrameRef frame;
+    // Two calls may come for one frame, and readFrame would wait for the next.
+    if (openni::OpenNI::waitForAnyStream(streams, 1, &index, 0) != openni::STATUS_OK ||
+        stream.readFrame(&frame) != openni::STATUS_OK)
+      return;
+    OpenNiImage image;
+    image.width = frame.getWidth(), image.height = frame.getHeight();
+    image.stride = static_cast<size_t>(frame.getStrideInBytes());
+    image.pixels = static_cast<OpenNiPixels>(frame.getVideoMode().getPixelFormat());
+    image.mirrored = stream.getMirroringEnabled();
+    image.data = {static_cast<const uint8_t*>(frame.getData()), static_cast<size_t>(frame.getDataSize())};
+    const int64_t stamp_ns = clock_.stamp_ns(static_cast<uint32_t>(frame.getTimestamp()));
+    try {
+      if (depth_) return frames_.add_depth(stamp_ns, depth_from(image));
+      frames_.add_color(stamp_ns, color_from(image));
+    } catch (const InputError& error) {
+      if (!std::exchange(warned_, true)) log::warn("openni2: an image is left out: {}", error.what());
+    }
+  }
+
+ private:
+  LiveFrameBuffer& frames_;
+  DeviceClock& clock_;
+  bool depth_, warned_ = false;
+};
+
+/// The device and its streams.
+class OpenNi2Device {
+ public:
+  OpenNi2Device(const std::string& uri, LiveFrameBuffer& frames)
+      : on_color_(frames, clock_, false), on_depth_(frames, clock_, true) {
+    if (device_.open(uri.empty() ? openni::ANY_DEVICE : uri.c_str()) != openni::STATUS_OK)
+      throw InputError("openni2: no camera found" + (uri.empty() ? "" : " at " + uri) +
+                       "; connect it, and check its driver and the access rights (udev rules)");
+    open_stream(color_, openni::SENSOR_COLOR, openni::PIXEL_FORMAT_RGB888);
+    open_stream(depth_, openni::SENSOR_DEPTH, openni::PIXEL_FORMAT_DEPTH_1_MM);
+    constexpr auto kRegistered = openni::IMAGE_REGISTRATION_DEPTH_TO_COLOR;
+    if (!device_.isImageRegistrationModeSupported(kRegistered) ||
+        device_.setImageRegistrationMode(kRegistered) != openni::STATUS_OK)
+      log::warn("openni2: the device does not register depth to colour; calibrate it (kinloop calibrate)");
+    device_.setDepthColorSyncEnabled(true);  // a device without it is paired by time
+  }
+
+  void start() {
+    if (color_.addNewFrameListener(&on_color_) != openni::STATUS_OK ||
+        depth_.addNewFrameListener(&on_depth_) != openni::STATUS_OK || color_.start() != openni::STATUS_OK ||
+        depth_.start() != openni::STATUS_OK)
+      throw InputError("openni2: the streams do not start; unplug the camera and plug it in again");
+  }
+
+  [[nodiscard]] cv::Size size_of(bool depth) const {
+    const auto mode = (depth ? depth_ : color_).getVideoMode();
+    return {mode.getResolutionX(), mode.getResolutionY()};
+  }
+
+  /// The camera of colour as far as the library knows it.
+  [[nodiscard]] RgbdCamera camera() const {
+    RgbdCamera camera;
+    camera.color = camera_with_view("openni2", size_of(false), color_.getHorizontalFieldOfView(),
+                                    color_.getVerticalFieldOfView());
+    camera.fps = color_.getVideoMode().getFps();
+    return camera;
+  }
+
+ private:
+  void open_stream(openni::VideoStream& stream, openni::SensorType type, openni::PixelFormat pixels) {
+    if (stream.create(device_, type) != openni::STATUS_OK)
+      throw InputError("openni2: the camera does not have both colour and depth; use another");
+    choose_mode(stream, pixels);
+    stream.setMirroringEnabled(false);  // where it fails, the images are unmirrored
+  }
+
+  DeviceClock clock_{1e3};  ///< counts microseconds
+  OpenNi2Listener on_color_, on_depth_;
+  // A stream that is destroyed waits for the thread that calls its listener.
+  std::shared_ptr<void> library_ = load_library();
+  openni::Device device_;
+  openni::VideoStream color_, depth_;
+};
+
+class OpenNi2Source : public FrameSource {
+ public:
+  OpenNi2Source(const KinectOptions& options, const std::optional<RgbdCamera>& calibration)
+      : options_(options) {
+    info_.name = "openni2", info_.live = true;
+    open();
+    camera_ = calibration ? *calibration : device_->camera();
+    camera_.depth.reset();  // registered by the device
+    require_size(false), require_size(true);
+    device_->start();
+    if (!calibration)
+      log::warn("openni2: no --camera: distortion is unknown; calibrate your camera (kinloop calibrate)");
+  }
+
+  std::optional<RgbdFrame> next() override {
+    auto frame =
+        next_or_reconnect(frames_, {info_.name, kSilence, options_.reconnect_s, [this] { device_.reset(); },
+                                    [this] { open(), device_->start(); }});
+    if (frame && camera_.depth_shift_m != 0)
+      cv::add(frame->depth_m, camera_.depth_shift_m, frame->depth_m, frame->depth_m > 0);
+    return frame;
+  }
+  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
+    return to_skipped_frames(frames_.counts());
+  }
+
+ private:
+  void open() { device_ = std::make_unique<OpenNi2Device>(options_.serial, frames_); }
+
+  void require_size(bool depth) const {
+    const cv::Size size = device_->size_of(depth);
+    if (size == cv::Size(camera_.color.width, camera_.color.height)) return;
+    throw InputError(fmt::format("openni2: {} of {} x {} pixels where the camera has {} x {}",
+                                 depth ? "depth" : "colour", size.width, size.height, camera_.color.width,
+                                 camera_.color.height));
+  }
+
+  KinectOptions options_;
+  RgbdCamera camera_;
+  SourceInfo info_;
+  LiveFrameBuffer frames_;
+  std::unique_ptr<OpenNi2Device> device_;  // declared last: it fills the frames
+};
+
+}  // namespace
+
+bool openni2_available() {
+  return true;
+}
+
+std::unique_ptr<FrameSource> open_openni2(const KinectOptions& options,
+                                          const std::optional<RgbdCamera>& calibration) {
+  return std::make_unique<OpenNi2Source>(options, calibration);
+}
+
+}  // namespace kinloop
+
+#else
+
+namespace kinloop {
+
+bool openni2_available() {
+  return false;
+}
+
+std::unique_ptr<FrameSource> open_openni2(const KinectOptions&, const std::optional<RgbdCamera>&) {
+  throw UsageError("openni2: not supported by this build; install libopenni2-dev and rebuild");
+}
+
+}  // namespace kinloop
+
+#endif
