@@ -39,12 +39,15 @@ class OpenNi2Test : public testing::Test {
   void TearDown() override {
     color_.stop();
     depth_.stop();
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    wait_for_dummy();
     color_.destroy();
     depth_.destroy();
     device_.close();
     openni::OpenNI::shutdown();
   }
+
+  /// Until the threads of the dummy have passed their last frames on.
+  static void wait_for_dummy() { std::this_thread::sleep_for(std::chrono::milliseconds(200)); }
 
   static std::unique_ptr<FrameSource> open_dummy(std::optional<RgbdCamera> camera = dummy_camera()) {
     KinectOptions options;
@@ -106,6 +109,10 @@ TEST_F(OpenNi2Test, ARecordingOfTheLibraryHasTheLiveFrames) {
       ASSERT_TRUE(frame);
       live.push_back(frame->depth_m);
     }
+    // The library's recorder deadlocks if a frame arrives while it is destroyed.
+    color_.stop();
+    depth_.stop();
+    wait_for_dummy();
     recorder.stop();
     recorder.destroy();
   }
