@@ -14,7 +14,7 @@ namespace kinloop {
 
 /// The source selected by the user.
 struct SourceRequest {
-  std::string sequence;  ///< a folder, a recording in one file, sim:room, a camera or a stream
+  std::string sequence;               ///< a folder, a recording in one file, sim:room, a camera or a stream
   std::optional<std::string> camera;  ///< camera.yaml or a preset
   std::optional<std::string> topics;  ///< of a bag, "COLOR,DEPTH[,CAMERA_INFO]"
   SimulationOptions simulation;
