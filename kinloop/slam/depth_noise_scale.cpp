@@ -1,6 +1,7 @@
 #include "kinloop/slam/depth_noise_scale.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "kinloop/base/quantile.hpp"
@@ -24,27 +25,32 @@ std::optional<double> depth_residual(const BundleProblem& problem, const BundleO
   return r.depth[0];
 }
 
+/// Appends the absolute differences of all pairs, of at most 20 values that are evenly spread.
+void append_differences(const std::vector<double>& values, std::vector<double>& differences) {
+  constexpr size_t kMaxOfPoint = 20;
+  const size_t step = (values.size() + kMaxOfPoint - 1) / kMaxOfPoint;
+  for (size_t i = 0; i < values.size(); i += step) {
+    for (size_t j = i + step; j < values.size(); j += step)
+      differences.push_back(std::abs(values[i] - values[j]));
+  }
+}
+
 }  // namespace
 
 std::optional<double> depth_noise_scale(const BundleProblem& problem, const SensorVector& sensor,
                                         const BundleOptions& options) {
-  constexpr size_t kMinOfPoint = 3, kMinInAll = 100;
+  constexpr size_t kMinPairs = 100;
   constexpr double kMedianOfAbsolute = 0.6745;  // of a normal distribution, standard deviations
   const MeasurementModel model{problem.camera, sensor, options.depth_noise, options.robust_width};
   std::vector<std::vector<double>> residuals_of_point(problem.p_world.size());
   for (const BundleObservation& seen : problem.observations) {
     if (const auto residual = depth_residual(problem, seen, model, options.inlier_chi2_pixel))
-      residuals_of_point[seen.point].push_back(std::abs(*residual));
+      residuals_of_point[seen.point].push_back(*residual);
   }
-  std::vector<double> absolute;
-  for (const auto& residuals : residuals_of_point) {
-    if (residuals.size() < kMinOfPoint) continue;
-    // The point was fitted to its n depths, which takes one degree of freedom from them.
-    const auto n = static_cast<double>(residuals.size());
-    for (const double residual : residuals) absolute.push_back(residual * std::sqrt(n / (n - 1)));
-  }
-  if (absolute.size() < kMinInAll) return std::nullopt;
-  return median(std::move(absolute)) / kMedianOfAbsolute;
+  std::vector<double> differences;
+  for (const auto& residuals : residuals_of_point) append_differences(residuals, differences);
+  if (differences.size() < kMinPairs) return std::nullopt;
+  return median(std::move(differences)) / (kMedianOfAbsolute * std::numbers::sqrt2);
 }
 
 std::optional<double> depth_noise_scale(const Slam& slam, const RgbdCamera& camera) {
