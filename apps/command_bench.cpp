@@ -43,7 +43,7 @@ struct CloudArguments {
 
 void bench_cloud(const CloudArguments& arguments) {
   SimulationOptions options = with_assignments(SimulationOptions(), arguments.assignments);
-  options.noise = KinectNoise::none();
+  options.remove_noise();
   const auto source = make_simulated_source(arguments.scene, options, hardware_threads());
   SE3 T_truth_map;
   if (!arguments.trajectory.empty()) {

@@ -1,4 +1,5 @@
-// kinloop simulate: renders a simulated Kinect moving through a room and writes a sequence in TUM layout.
+// kinloop simulate: renders a simulated RGB-D camera moving through a room and writes a sequence in TUM
+// layout.
 
 #include <filesystem>
 #include <memory>
@@ -24,7 +25,7 @@ struct SimulateArguments {
   std::string scene = "room";
   std::filesystem::path path;
   std::filesystem::path output;
-  std::string noise = "kinect";
+  std::string noise = "kinect", sensor = "kinect1";
   uint64_t seed = 1;
   std::string frames, fps, size;      ///< as given; empty if not given
   std::vector<std::string> settings;  ///< key=value
@@ -34,8 +35,8 @@ struct SimulateArguments {
 
 SimulationOptions chosen_options(const SimulateArguments& arguments) {
   SimulationOptions options;
-  if (arguments.noise == "none") options.noise = KinectNoise::none();
-  std::vector<std::string> settings;
+  if (arguments.noise == "none") options.remove_noise();
+  std::vector<std::string> settings{"sensor=" + arguments.sensor};
   if (!arguments.frames.empty()) settings.push_back("frames=" + arguments.frames);
   if (!arguments.fps.empty()) settings.push_back("fps=" + arguments.fps);
   if (!arguments.size.empty()) {
@@ -56,12 +57,12 @@ void simulate(const SimulateArguments& arguments, const SimulationOptions& optio
   require_no_sequence(arguments.output);
   const std::string spec = fmt::format("sim:{}:{}", arguments.scene, arguments.seed);
   const auto source = make_simulated_source(spec, options, arguments.threads, path);
-  TumWriter writer(arguments.output, source->camera());
+  TumWriter writer(arguments.output, source->device());
   const Progress progress = make_progress_bar(arguments.quiet);
   const size_t frames = source->info().frames;
-  while (const auto frame = source->next()) {
-    writer.append(*frame);
-    report(progress, "rendering", frame->id.value + 1, frames);
+  for (size_t i = 0; i < frames; ++i) {
+    writer.append(source->device_frame(i));
+    report(progress, "rendering", i + 1, frames);
   }
   writer.finish(source->info().ground_truth);
   fmt::print("{} frames in {}\n", frames, arguments.output.string());
@@ -71,23 +72,30 @@ void simulate(const SimulateArguments& arguments, const SimulationOptions& optio
 
 void add_simulate_command(CLI::App& app) {
   auto arguments = std::make_shared<SimulateArguments>();
-  CLI::App* command =
-      app.add_subcommand("simulate",
-                         "Render what a Kinect would see when carried through a furnished room, and write it "
-                         "as a sequence in TUM\nlayout with ground truth. Without --path: a hand-held loop "
-                         "of about 18 s, as in `kinloop run sim:room`.");
+  CLI::App* command = app.add_subcommand(
+      "simulate",
+      "Render what an RGB-D camera would see when carried through a furnished room, and write it "
+      "as a sequence in TUM\nlayout with ground truth. Without --path: a hand-held loop "
+      "of about 18 s, as in `kinloop run sim:room`.");
   command->add_option("scene", arguments->scene, "the scene")->required()->check(one_of({"room"}));
   command->add_option("-o,--output", arguments->output, "folder for the sequence")->required();
   command->add_option("--path", arguments->path,
                       "trajectory to render along (TUM format); the room is built around it");
-  command->add_option("--noise", arguments->noise, "kinect, or none for an ideal sensor")
+  command
+      ->add_option("--sensor", arguments->sensor,
+                   "kinect1: depth registered to colour; kinect2 (time of flight) and realsense (stereo): a "
+                   "depth camera\nof its own")
+      ->check(one_of(names_of<SimulatedSensor>()))
+      ->capture_default_str();
+  command->add_option("--noise", arguments->noise, "kinect for that of the sensor, or none for an ideal one")
       ->check(one_of({"kinect", "none"}))
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "seed of the room and of the noise")->capture_default_str();
   command->add_option("--frames", arguments->frames, "stop after this many frames");
   command->add_option("--fps", arguments->fps,
                       "frames per second (default: the timestamps of --path, or 30)");
-  command->add_option("--size", arguments->size, "image size, WIDTHxHEIGHT (640x480)");
+  command->add_option("--size", arguments->size,
+                      "size of the colour image, WIDTHxHEIGHT (640x480; kinect2: 960x540)");
   add_set_option(*command, arguments->settings, "set any option below, key=value; overrides the flags");
   add_threads_option(*command, arguments->threads, "number of rendering threads");
   add_quiet_option(*command, arguments->quiet);

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/random.hpp"
+#include "simulator/deviates.hpp"
 
 namespace kinloop {
 
@@ -24,25 +24,6 @@ KinectNoise KinectNoise::none() {
 namespace sim {
 namespace {
 
-/// Sum of the four 16-bit parts of a word as a deviate of mean 0 and variance 1: close to normal, and cheap
-/// (Irwin and Hall 1927).
-double approximate_normal(uint64_t bits) {
-  const uint64_t sum = (bits & 0xffff) + ((bits >> 16) & 0xffff) + ((bits >> 32) & 0xffff) + (bits >> 48);
-  constexpr double kMean = 2 * 65535.0;
-  constexpr double kInverseSigma = 1.7320508075688772 / 65536;  // sqrt(12 / 4) / range
-  return (static_cast<double>(sum) - kMean) * kInverseSigma;
-}
-
-double uniform(uint64_t bits) {
-  return static_cast<double>(bits >> 11) * 0x1.0p-53;
-}
-
-/// Probability of losing depth by incidence angle: 0 below the first angle, 1 beyond the second.
-double grazing_loss(float cosine) {
-  constexpr double kSafeCosine = 0.31, kLostCosine = 0.12;  // 72 and 83 degrees off the normal
-  return std::clamp((kSafeCosine - static_cast<double>(cosine)) / (kSafeCosine - kLostCosine), 0.0, 1.0);
-}
-
 /// Whether depth jumps between neighbours, so that the correlation window covers two surfaces.
 bool at_edge(const cv::Mat& depth_m, int y, int x) {
   constexpr float kJump = 0.04F;
@@ -52,18 +33,6 @@ bool at_edge(const cv::Mat& depth_m, int y, int x) {
     if (std::abs(depth_m.at<float>(ny, nx) - here) > kJump * here) return true;
   }
   return false;
-}
-
-/// Marks the pixels of a row that the projector, right of the camera, cannot reach: scanning leftwards, a
-/// point is in shadow if its projector column x - d is not left of all previous ones.
-void cast_shadow(const float* depth_m, int width, std::vector<uint8_t>& shadow) {
-  const double scale = kDisparityScale * width / 640.0;
-  double leftmost = std::numeric_limits<double>::infinity();
-  for (int x = width - 1; x >= 0; --x) {
-    const double column = x - scale / static_cast<double>(depth_m[x]);
-    shadow[static_cast<size_t>(x)] = column >= leftmost ? 1 : 0;
-    leftmost = std::min(leftmost, column);
-  }
 }
 
 /// A smooth warp over the image, -1 to 1, that models residual lens errors of the infrared camera.
@@ -95,12 +64,13 @@ cv::Mat measured_depth(const ExactDepth& exact, const KinectNoise& noise, uint64
   const cv::Size size = exact.depth_m.size();
   cv::Mat result(size, CV_32FC1);
   const double noise_px = noise.depth_noise_per_m > 0 ? disparity_noise_px(noise) : 0;
+  const double disparity_scale = kDisparityScale * size.width / 640.0;
   parallel_for(static_cast<size_t>(size.height), threads, [&](size_t begin, size_t end) {
     std::vector<uint8_t> shadow(static_cast<size_t>(size.width), 0);
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       const auto* depth_m = exact.depth_m.ptr<float>(y);
       const auto* cosine = exact.cosine.ptr<float>(y);
-      if (noise.holes) cast_shadow(depth_m, size.width, shadow);
+      if (noise.holes) cast_shadow(depth_m, size.width, disparity_scale, shadow);
       for (int x = 0; x < size.width; ++x) {
         const uint64_t bits = hash(
             seed, static_cast<uint64_t>(y) * static_cast<uint64_t>(size.width) + static_cast<uint64_t>(x));

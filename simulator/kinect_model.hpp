@@ -7,6 +7,7 @@
 
 #include "kinloop/base/options.hpp"
 #include "kinloop/geometry/depth_noise.hpp"
+#include "simulator/exact_depth.hpp"
 
 namespace kinloop {
 
@@ -58,12 +59,6 @@ constexpr double kDisparityScale = 0.075 * 525;
 /// Returns the standard deviation of disparity noise before quantisation such that both together give the
 /// depth noise of the model; px.
 double disparity_noise_px(const KinectNoise& noise);
-
-/// Exact depth of every pixel and the cosine of its incidence angle (0 if the surface returns no depth), both
-/// 32FC1.
-struct ExactDepth {
-  cv::Mat depth_m, cosine;
-};
 
 /// Returns measured depth: 32FC1 metres, 0 = unknown. `seed` is that of the frame.
 cv::Mat measured_depth(const ExactDepth& exact, const KinectNoise& noise, uint64_t seed, int threads);

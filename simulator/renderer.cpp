@@ -56,10 +56,10 @@ struct PosePacket {
 
 }  // namespace
 
-/// The images of a frame before the depth sensor model.
-struct Renderer::RowImages {
-  cv::Mat* color;
-  ExactDepth* exact;
+/// What the pixels of a colour image share.
+struct Renderer::Exposure {
+  float gain;
+  uint64_t seed;
 };
 
 /// The camera poses during one row.
@@ -77,8 +77,13 @@ struct Renderer::Tile {
   RayBundle bundle;
 };
 
-Renderer::Renderer(const Scene& scene, const PinholeCamera& camera, const KinectNoise& noise, int threads)
-    : scene_(&scene), camera_(camera), noise_(noise), threads_(threads) {
+Renderer::Renderer(const Scene& scene, const PinholeCamera& camera, const KinectNoise& noise,
+                   RenderedImages images, int threads)
+    : scene_(&scene),
+      camera_(camera),
+      noise_(noise),
+      with_depth_(images == RenderedImages::kColorAndDepth),
+      threads_(threads) {
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const Eigen::Vector2d pixel = camera.undistort(Eigen::Vector2d(x, y));
@@ -134,7 +139,7 @@ Renderer::Tile Renderer::tile_rays(const RowPoses& poses, int row, int begin) co
       tile.bundle.extend(rays);
     }
   }
-  for (int x = begin; x < tile.end; x += kLanes) {
+  for (int x = begin; with_depth_ && x < tile.end; x += kLanes) {
     Lanes ray_x{}, ray_y{};
     for (int lane = 0; lane < kLanes; ++lane) {
       const size_t pixel = first + static_cast<size_t>(std::min(x + lane, camera_.width - 1));
@@ -161,28 +166,32 @@ cv::Vec3b Renderer::to_bgr8(Lanes bgr, float gain, uint64_t bits) const {
   return pixel;
 }
 
-void Renderer::render_tile(const Tile& tile, float gain, uint64_t seed, const RowImages& out) const {
+void Renderer::render_color(const Tile& tile, const std::vector<Candidate>& candidates,
+                            const Exposure& exposure, cv::Mat& out) const {
   // The footprints of samples overlap: each covers about half the pixel's width.
   constexpr float kSampleWidth = 0.6F;
   const auto sample_angle = static_cast<float>(kSampleWidth / camera_.fx);
-  const Bvh& bvh = scene_->bvh();
-  const std::vector<Candidate> candidates = bvh.candidates(tile.bundle);
-  auto* color = out.color->ptr<cv::Vec3b>(tile.row);
+  auto* color = out.ptr<cv::Vec3b>(tile.row);
   for (int x = tile.begin; x < tile.end; ++x) {
     Lanes sum = all_lanes(0);
     for (int p = 0; p < tile.packets; ++p) {
       const RayPacket& rays = tile.color[(x - tile.begin) * tile.packets + p];
-      sum += scene_->mean_color(rays, bvh.nearest(rays, kMaxRange_m, candidates), sample_angle);
+      sum += scene_->mean_color(rays, scene_->bvh().nearest(rays, kMaxRange_m, candidates), sample_angle);
     }
-    const uint64_t bits = hash(seed, static_cast<uint64_t>(tile.row) * static_cast<uint64_t>(camera_.width) +
-                                         static_cast<uint64_t>(x));
-    color[x] = to_bgr8(sum, gain / static_cast<float>(tile.packets), bits);
+    const uint64_t bits =
+        hash(exposure.seed, static_cast<uint64_t>(tile.row) * static_cast<uint64_t>(camera_.width) +
+                                static_cast<uint64_t>(x));
+    color[x] = to_bgr8(sum, exposure.gain / static_cast<float>(tile.packets), bits);
   }
-  auto* depth_m = out.exact->depth_m.ptr<float>(tile.row);
-  auto* cosine = out.exact->cosine.ptr<float>(tile.row);
+}
+
+void Renderer::render_depth(const Tile& tile, const std::vector<Candidate>& candidates,
+                            ExactDepth& out) const {
+  auto* depth_m = out.depth_m.ptr<float>(tile.row);
+  auto* cosine = out.cosine.ptr<float>(tile.row);
   for (int x = tile.begin; x < tile.end; x += kLanes) {
     const RayPacket& rays = tile.depth[(x - tile.begin) / kLanes];
-    const HitPacket hits = bvh.nearest(rays, kMaxRange_m, candidates);
+    const HitPacket hits = scene_->bvh().nearest(rays, kMaxRange_m, candidates);
     for (int lane = 0; lane < std::min(kLanes, tile.end - x); ++lane) {
       depth_m[x + lane] = hits.t[lane];  // z, since the rays are (x, y, 1) in the camera frame
       if (noise_.holes) cosine[x + lane] = scene_->infrared_cosine(rays, hits, lane);
@@ -196,20 +205,25 @@ RgbdFrame Renderer::render(const CameraPath& path, const FrameStamps& stamps, ui
   frame.stamp_ns = stamps.color_ns;
   frame.depth_stamp_ns = stamps.depth_ns;
   cv::Mat color(size, CV_8UC3);
-  ExactDepth exact{cv::Mat(size, CV_32FC1), cv::Mat(size, CV_32FC1, cv::Scalar(1))};
+  ExactDepth exact;
+  if (with_depth_) exact = {cv::Mat(size, CV_32FC1), cv::Mat(size, CV_32FC1, cv::Scalar(1))};
   const int packets = color_packets(path, stamps.color_ns);
-  const auto gain = static_cast<float>(gain_at(noise_, to_seconds(stamps.color_ns)));
+  const Exposure exposure{static_cast<float>(gain_at(noise_, to_seconds(stamps.color_ns))),
+                          hash(frame_seed, 1)};
   parallel_for(static_cast<size_t>(size.height), threads_, [&](size_t begin, size_t end) {
     for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
       const FrameStamps of_row{row_stamp_ns(stamps.color_ns, row), row_stamp_ns(stamps.depth_ns, row)};
       const RowPoses poses = row_poses(path, of_row, packets);
       for (int x = 0; x < size.width; x += kTile) {
-        render_tile(tile_rays(poses, row, x), gain, hash(frame_seed, 1), {&color, &exact});
+        const Tile tile = tile_rays(poses, row, x);
+        const std::vector<Candidate> candidates = scene_->bvh().candidates(tile.bundle);
+        render_color(tile, candidates, exposure, color);
+        if (with_depth_) render_depth(tile, candidates, exact);
       }
     }
   });
   frame.color = color;
-  frame.depth_m = measured_depth(exact, noise_, hash(frame_seed, 2), threads_);
+  if (with_depth_) frame.depth_m = measured_depth(exact, noise_, hash(frame_seed, 2), threads_);
   return frame;
 }
 

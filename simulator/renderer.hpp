@@ -1,6 +1,6 @@
 #pragma once
-// In: a scene, a camera and its path. Out: the two images of a frame, each row rendered from the camera pose
-// at its readout time.
+// In: a scene, a camera and its path. Out: the images of a frame, each row rendered from the camera pose at
+// its readout time.
 
 #include <vector>
 
@@ -13,10 +13,15 @@
 
 namespace kinloop::sim {
 
-/// Renders frames of one scene. Rows are independent, so the result is the same for any number of threads.
+/// Which images to render.
+enum class RenderedImages { kColor, kColorAndDepth };
+
+/// Renders frames of one scene, with the depth of a Kinect 1 where asked. Rows are independent, so the result
+/// is the same for any number of threads.
 class Renderer {
  public:
-  Renderer(const Scene& scene, const PinholeCamera& camera, const KinectNoise& noise, int threads);
+  Renderer(const Scene& scene, const PinholeCamera& camera, const KinectNoise& noise, RenderedImages images,
+           int threads);
 
   /// `path` is in the room frame; the stamp of colour is the middle of the exposure of the middle row. The
   /// frame has no id.
@@ -24,7 +29,7 @@ class Renderer {
                                  uint64_t frame_seed) const;
 
  private:
-  struct RowImages;
+  struct Exposure;
   struct RowPoses;
   struct Tile;
 
@@ -33,11 +38,14 @@ class Renderer {
   [[nodiscard]] RowPoses row_poses(const CameraPath& path, const FrameStamps& row, int packets) const;
   [[nodiscard]] Tile tile_rays(const RowPoses& poses, int row, int begin) const;
   [[nodiscard]] cv::Vec3b to_bgr8(Lanes bgr, float gain, uint64_t bits) const;
-  void render_tile(const Tile& tile, float gain, uint64_t seed, const RowImages& out) const;
+  void render_color(const Tile& tile, const std::vector<Candidate>& candidates, const Exposure& exposure,
+                    cv::Mat& out) const;
+  void render_depth(const Tile& tile, const std::vector<Candidate>& candidates, ExactDepth& out) const;
 
   const Scene* scene_;
   PinholeCamera camera_;
   KinectNoise noise_;
+  bool with_depth_;
   int threads_;
   std::vector<float> ray_x_, ray_y_;  ///< ray (x, y, 1) of every pixel centre
 };

@@ -74,17 +74,23 @@ Scene::FaceLookup Scene::look_up_face(const Primitive& solid, const SurfacePoint
   return lookup;
 }
 
-Lanes Scene::lane_color(const RayPacket& rays, const HitPacket& hits, int lane, float pixel_angle) const {
-  const int primitive = hits.primitive[lane];
-  if (primitive < 0) return all_lanes(0);
+Scene::SurfaceLook Scene::look_at(const RayPacket& rays, const HitPacket& hits, int lane,
+                                  float pixel_angle) const {
   const LaneRay ray = lane_ray(rays, hits.t, lane);
-  const Primitive& solid = primitives_[static_cast<size_t>(primitive)];
+  const Primitive& solid = primitives_[static_cast<size_t>(hits.primitive[lane])];
   const SurfacePoint point = locate(solid, solid.R_room_local.transpose() * (ray.point - solid.center));
   const FaceLookup lookup = look_up_face(solid, point, incidence(solid, ray), hits.t[lane] * pixel_angle);
   const Lanes albedo =
       lookup.texture->sample(lookup.face_texture->u0 + lookup.u_span * point.u,
                              lookup.face_texture->v0 + lookup.v_span * point.v, lookup.footprint_px);
-  return lookup.emissive ? albedo : albedo * light_.at(primitive, point);
+  return {point, albedo, lookup.emissive};
+}
+
+Lanes Scene::lane_color(const RayPacket& rays, const HitPacket& hits, int lane, float pixel_angle) const {
+  const int primitive = hits.primitive[lane];
+  if (primitive < 0) return all_lanes(0);
+  const SurfaceLook look = look_at(rays, hits, lane, pixel_angle);
+  return look.emissive ? look.albedo : look.albedo * light_.at(primitive, look.point);
 }
 
 Lanes Scene::mean_color(const RayPacket& rays, const HitPacket& hits, float pixel_angle) const {
@@ -114,6 +120,16 @@ float Scene::infrared_cosine(const RayPacket& rays, const HitPacket& hits, int l
   if (primitive < 0) return 0;
   const Primitive& solid = primitives_[static_cast<size_t>(primitive)];
   return solid.no_depth_return ? 0 : incidence(solid, lane_ray(rays, hits.t, lane));
+}
+
+float Scene::infrared_reflectance(const RayPacket& rays, const HitPacket& hits, int lane,
+                                  float pixel_angle) const {
+  constexpr float kWhite = 255, kLeast = 0.04F;  // glossy black plastic, as of a screen, still reflects
+  constexpr int kRed = 2;                        // the channel next to infrared
+  if (hits.primitive[lane] < 0) return 0;
+  const SurfaceLook look = look_at(rays, hits, lane, pixel_angle);
+  const float level = look.albedo[kRed] / kWhite;
+  return look.emissive ? kLeast : std::max(level * level, kLeast);  // textures have a gamma of about 2
 }
 
 double Scene::distance_to_surface(const Eigen::Vector3d& p_room) const {

@@ -25,6 +25,10 @@ class Scene {
   /// Returns the cosine of the incidence angle; 0 if the surface returns no infrared light.
   [[nodiscard]] float infrared_cosine(const RayPacket& rays, const HitPacket& hits, int lane) const;
 
+  /// Returns the share of infrared light that the surface reflects. `pixel_angle` as above.
+  [[nodiscard]] float infrared_reflectance(const RayPacket& rays, const HitPacket& hits, int lane,
+                                           float pixel_angle) const;
+
   /// Returns the unsigned distance from a point to the nearest surface.
   [[nodiscard]] double distance_to_surface(const Eigen::Vector3d& p_room) const;
 
@@ -37,8 +41,16 @@ class Scene {
     float footprint_px;
     bool emissive;
   };
+  /// A point of a surface and its colour in white light.
+  struct SurfaceLook {
+    SurfacePoint point;
+    Lanes albedo;
+    bool emissive;
+  };
   [[nodiscard]] FaceLookup look_up_face(const Primitive& solid, const SurfacePoint& point, float cosine,
                                         float footprint_m) const;
+  [[nodiscard]] SurfaceLook look_at(const RayPacket& rays, const HitPacket& hits, int lane,
+                                    float pixel_angle) const;
   [[nodiscard]] Lanes lane_color(const RayPacket& rays, const HitPacket& hits, int lane,
                                  float pixel_angle) const;
 

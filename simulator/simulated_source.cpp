@@ -1,5 +1,6 @@
 #include "simulator/simulated_source.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -8,7 +9,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/random.hpp"
 #include "kinloop/base/time.hpp"
-#include "kinloop/sensor/camera_presets.hpp"
+#include "kinloop/sensor/registration.hpp"
 #include "simulator/renderer.hpp"
 #include "simulator/room.hpp"
 
@@ -18,15 +19,33 @@ namespace {
 constexpr double kDefaultFps = 30;
 constexpr uint64_t kDefaultSeed = 1;
 
+/// The camera with an image of another size.
+void resize(PinholeCamera& c, double sx, double sy) {
+  if (sx == 1 && sy == 1) return;  // exactly
+  c = {static_cast<int>(std::lround(sx * c.width)),
+       static_cast<int>(std::lround(sy * c.height)),
+       sx * c.fx,
+       sy * c.fy,
+       sx * (c.cx + 0.5) - 0.5,
+       sy * (c.cy + 0.5) - 0.5,
+       c.lens};
+}
+
 RgbdCamera simulated_camera(const SimulationOptions& options) {
-  RgbdCamera camera = camera_preset("freiburg1").value();
-  PinholeCamera& c = camera.color;
-  const double sx = static_cast<double>(options.width) / c.width;
-  const double sy = static_cast<double>(options.height) / c.height;
-  c = {options.width,           options.height,          sx * c.fx, sy * c.fy,
-       sx * (c.cx + 0.5) - 0.5, sy * (c.cy + 0.5) - 0.5, c.lens};
-  if (sx == 1 && sy == 1) c = camera_preset("freiburg1").value().color;  // exactly
-  if (!options.lens_distortion) c.lens = {};
+  constexpr int kMinSize_px = 16;
+  RgbdCamera camera = sim::sensor_camera(options.sensor);
+  const int width = options.width > 0 ? options.width : camera.color.width;
+  const int height = options.height > 0 ? options.height : camera.color.height;
+  if (std::min(width, height) < kMinSize_px) {
+    throw UsageError(fmt::format("sim.width, sim.height: {} x {} is too small; expected at least {} x {}",
+                                 width, height, kMinSize_px, kMinSize_px));
+  }
+  const double sx = static_cast<double>(width) / camera.color.width;
+  const double sy = static_cast<double>(height) / camera.color.height;
+  resize(camera.color, sx, sy);
+  if (camera.depth) resize(*camera.depth, sx, sy);
+  if (!options.lens_distortion) camera.color.lens = {};
+  if (!options.lens_distortion && camera.depth) camera.depth->lens = {};
   if (options.fps > 0) camera.fps = options.fps;
   return camera;
 }
@@ -71,27 +90,42 @@ uint64_t parse_seed(const std::string& spec, const std::string& text) {
 }  // namespace
 
 struct SimulatedSource::RenderSetup {
-  RenderSetup(const Trajectory& path, const PinholeCamera& camera, const KinectNoise& noise, uint64_t seed,
-              int threads)
+  RenderSetup(const Trajectory& path, const RgbdCamera& device, const SimulationOptions& options,
+              uint64_t seed, int threads)
       : room(sim::build_room(path, seed, threads)),
         path_in_room(in_room(path, room.T_world_room.inverse())),
-        renderer(*room.scene, camera, noise, threads) {}
+        renderer(*room.scene, device.color, options.noise,
+                 device.depth ? sim::RenderedImages::kColor : sim::RenderedImages::kColorAndDepth, threads) {
+    if (!device.depth) return;
+    depth_camera.emplace(*room.scene, device, sim::DepthCameraNoise{options.tof, options.stereo}, threads);
+    registration.emplace(device);
+  }
 
   sim::Room room;
   sim::CameraPath path_in_room;
   sim::Renderer renderer;
+  std::optional<sim::DepthCamera> depth_camera;  ///< if depth has a camera of its own
+  std::optional<DepthRegistration> registration;
 };
+
+void SimulationOptions::remove_noise() {
+  noise = KinectNoise::none();
+  tof = TimeOfFlightNoise::none();
+  stereo = StereoNoise::none();
+}
 
 SimulatedSource::SimulatedSource(std::string name, uint64_t seed, const SimulationOptions& options,
                                  int threads, std::optional<Trajectory> path)
-    : camera_(simulated_camera(options)), seed_(seed) {
+    : device_(simulated_camera(options)),
+      camera_(device_.depth ? registered(device_) : device_),
+      seed_(seed) {
   validate(options, "sim.");
   const bool own_path = !path.has_value();
   if (own_path) path = sim::handheld_path(seed);
   truth_ = {options.noise.rolling_shutter_s, options.noise.depth_delay_s};
   stamps_ = stamps_to_render(
       options, sim::frame_stamps(*path, own_path && options.fps <= 0 ? kDefaultFps : options.fps), seed);
-  setup_ = std::make_unique<const RenderSetup>(*path, camera_.color, options.noise, seed, threads);
+  setup_ = std::make_unique<const RenderSetup>(*path, device_, options, seed, threads);
   info_.name = std::move(name);
   info_.frames = stamps_.size();
   for (const auto& [color_ns, depth_ns] : stamps_) {
@@ -101,11 +135,22 @@ SimulatedSource::SimulatedSource(std::string name, uint64_t seed, const Simulati
 
 SimulatedSource::~SimulatedSource() = default;
 
-RgbdFrame SimulatedSource::frame(size_t index) const {
+RgbdFrame SimulatedSource::device_frame(size_t index) const {
   require(index < info_.frames, "a frame of the simulated sequence");
-  RgbdFrame frame = setup_->renderer.render(setup_->path_in_room, stamps_[index], hash(seed_, index));
+  const uint64_t seed = hash(seed_, index);
+  RgbdFrame frame = setup_->renderer.render(setup_->path_in_room, stamps_[index], seed);
   frame.id = FrameId{static_cast<uint32_t>(index)};
-  frame.depth_m = as_stored(frame.depth_m, camera_.depth_scale);
+  if (setup_->depth_camera) {
+    const int64_t depth_ns = stamps_[index].depth_ns + to_ns(truth_.depth_offset_s);
+    frame.depth_m = setup_->depth_camera->measure(setup_->path_in_room.at(depth_ns), hash(seed, 2));
+  }
+  frame.depth_m = as_stored(frame.depth_m, device_.depth_scale);
+  return frame;
+}
+
+RgbdFrame SimulatedSource::frame(size_t index) const {
+  RgbdFrame frame = device_frame(index);
+  if (setup_->registration) frame.depth_m = (*setup_->registration)(frame.depth_m);
   return frame;
 }
 

@@ -1,11 +1,11 @@
 #pragma once
-// In: "sim:room" or "sim:room:SEED", optionally a recorded path. Out: the frames of a Kinect on that path
-// through a furnished room, with ground truth.
-// Time: the stamp of a frame is the middle of the exposure of the middle row of its colour image, and the
-// ground truth is the pose of the colour camera at that moment. Depth is measured `noise.depth_delay_s` after
-// its own stamp, which differs from that of colour by a few milliseconds (`noise.depth_stamps`). Depth is
-// registered to the (distorted) colour image, z along the colour camera's optical axis, and rounded to the
-// units of a depth file, so that a written sequence reads back identically.
+// In: "sim:room" or "sim:room:SEED", optionally a recorded path. Out: the frames of an RGB-D camera on that
+// path through a furnished room, with ground truth. Time: the stamp of a frame is the middle of the exposure
+// of the middle row of its colour image, and the ground truth is the pose of the colour camera at that
+// moment. Depth is measured `noise.depth_delay_s` after its own stamp, which differs from that of colour by a
+// few milliseconds (`noise.depth_stamps`). Depth is registered to the (distorted) colour image, z along the
+// colour camera's optical axis. It is rounded to the units of a depth file, that of a depth camera of its own
+// before it is registered, so that a written sequence reads back identically.
 
 #include <filesystem>
 #include <memory>
@@ -13,27 +13,38 @@
 #include <string>
 
 #include "kinloop/sensor/frame_source.hpp"
+#include "simulator/depth_camera.hpp"
 #include "simulator/depth_stamps.hpp"
 #include "simulator/kinect_model.hpp"
 
 namespace kinloop {
 
 struct SimulationOptions {
+  SimulatedSensor sensor = SimulatedSensor::kKinect1;
   double fps = 0;
   int frames = 0;
-  int width = 640;
-  int height = 480;
+  int width = 0;
+  int height = 0;
   bool lens_distortion = true;
-  KinectNoise noise;
+  KinectNoise noise;  ///< of colour and time of all sensors, of depth of a Kinect 1
+  TimeOfFlightNoise tof;
+  StereoNoise stereo;
+
+  /// Makes all sensors ideal.
+  void remove_noise();
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
+    visit("sensor", self.sensor, "depth sensor and its cameras");
     visit("fps", self.fps, "frames per second, 0 = the timestamps of the given path, else 30", Range{0, 240});
     visit("frames", self.frames, "number of frames, 0 = the whole path", Range{0, 10'000'000});
-    visit("width", self.width, "image width in px", Range{16, 4096});
-    visit("height", self.height, "image height in px", Range{16, 4096});
-    visit("lens_distortion", self.lens_distortion, "use the lens distortion of the freiburg1 camera");
+    visit("width", self.width,
+          "width of the colour image in px, 0 = that of the sensor; depth is scaled alike", Range{0, 4096});
+    visit("height", self.height, "height of the colour image in px, 0 = that of the sensor", Range{0, 4096});
+    visit("lens_distortion", self.lens_distortion, "use the lens distortion of the sensor's cameras");
     visit("noise", self.noise);
+    visit("tof", self.tof);
+    visit("stereo", self.stereo);
   }
 };
 
@@ -61,15 +72,21 @@ class SimulatedSource : public FrameSource {
   /// Returns frame `index` without advancing.
   [[nodiscard]] RgbdFrame frame(size_t index) const;
 
+  /// Returns the cameras of the device: with a depth camera if its depth is not registered to colour.
+  [[nodiscard]] const RgbdCamera& device() const { return device_; }
+
+  /// Returns frame `index` as the device delivers it: depth is that of `device().depth`, if any.
+  [[nodiscard]] RgbdFrame device_frame(size_t index) const;
+
   [[nodiscard]] const SensorGroundTruth& truth() const { return truth_; }
 
   /// Returns the unsigned distance from a point in the ground truth's world to the nearest surface.
   [[nodiscard]] double distance_to_surface(const Eigen::Vector3d& p_world) const;
 
  private:
-  struct RenderSetup;  ///< room, path and renderer
+  struct RenderSetup;  ///< room, path and renderers
 
-  RgbdCamera camera_;
+  RgbdCamera device_, camera_;
   SourceInfo info_;
   SensorGroundTruth truth_;
   uint64_t seed_;
