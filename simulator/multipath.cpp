@@ -37,8 +37,8 @@ RayPacket ray_packet(const std::array<Point, kLanes>& from, const std::array<Poi
 
 /// A surface point lit by the lamp at the camera.
 struct LitPoint {
-  Point position, normal;
-  float range_m, light;  ///< Lambert's cosine by the squared range
+  Point position = Point::Zero(), normal = Point::Zero();
+  float range_m = 0, light = 0;  ///< Lambert's cosine by the squared range
 };
 
 class LightPaths {
@@ -65,7 +65,8 @@ class LightPaths {
  private:
   [[nodiscard]] LitPoint lit_point(const RayPacket& rays, const HitPacket& hits, int lane) const {
     const Primitive& solid = scene_.primitives()[static_cast<size_t>(hits.primitive[lane])];
-    LitPoint point{lane_ray(rays, hits.t, lane).point, {}, 0, 0};
+    LitPoint point;
+    point.position = lane_ray(rays, hits.t, lane).point;
     point.normal = solid.R_room_local *
                    normal_at(solid, solid.R_room_local.transpose() * (point.position - solid.center));
     const Point to_lamp = lamp_ - point.position;

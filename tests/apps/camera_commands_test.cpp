@@ -15,6 +15,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 using test::kBadInput;
 using test::kDone;
@@ -103,6 +104,16 @@ TEST_F(CameraCommands, RecordGivesTheSameSequenceBack) {
     const auto name = std::filesystem::relative(entry.path(), at("b"));
     EXPECT_EQ(read_file(entry.path()), read_file(std::filesystem::path(at("c")) / name)) << name;
   }
+}
+
+TEST_F(CameraCommands, SimulatesADepthCameraOfItsOwn) {
+  ASSERT_EQ(
+      run("simulate room --sensor realsense --frames 2 --size 160x120 -q -o '" + at("a") + "'").exit_code,
+      kDone);
+  EXPECT_THAT(read_file(at("a/camera.yaml")),
+              AllOf(HasSubstr("sensor: realsense_d4xx"), HasSubstr("depth: {width: 212, height: 120")));
+  ASSERT_EQ(run("record '" + at("a") + "' -o '" + at("b") + "'").exit_code, kDone);
+  EXPECT_THAT(read_file(at("b/camera.yaml")), Not(HasSubstr("depth: {")));  // registered to colour
 }
 
 TEST_F(CameraCommands, ReportsMissingCameras) {

@@ -34,6 +34,7 @@ std::vector<MisuseCase> command_line_mistakes() {
       {"run sim:room --camera freiburg1", kWrongUse, {"--camera", "which has its own camera"}},
       {"simulate room --size 320 -o x", kWrongUse, {"--size", "'320'", "e.g. 320x240"}},
       {"simulate kitchen -o x", kWrongUse, {"'kitchen'", "one of room"}},
+      {"simulate room --sensor xbox -o x", kWrongUse, {"--sensor", "'xbox'", "kinect1, kinect2, realsense"}},
       {"record sim:room -o x --frames many", kWrongUse, {"--frames: 'many' is not a number"}},
       {"fetch tum/room", kWrongUse, {"'tum/room'", "tum/fr1_room"}},
       {"export out", kWrongUse, {"nothing to write", "--cloud, --octomap"}},
