@@ -23,12 +23,11 @@ constexpr double kStereoBaseline_m = 0.05;
 /// Returns the cameras at their usual size.
 ///
 /// - kinect1: those of TUM's freiburg1.
-/// - kinect2: 512 x 424 depth with the lens of libfreenect2's default parameters, and colour of 960 x 540, 52
-/// mm
-///   beside it. The device has 1920 x 1080, which takes four times as long to render and to process.
-/// - realsense: a D435. Depth of 848 x 480 at the left infrared camera with 90 degrees of view, colour of 640
-/// x
-///   480 15 mm beside it, both rectified.
+/// - kinect2: depth of 512 x 424 with the lens of libfreenect2's default parameters, and 52 mm beside it
+///   colour of 960 x 540. The device has 1920 x 1080, which takes four times as long to render and
+///   to process.
+/// - realsense: a D435, both images rectified. Depth of 848 x 480 at the left infrared camera with 90 degrees
+///   of view, and 15 mm beside it colour of 640 x 480.
 RgbdCamera sensor_camera(SimulatedSensor sensor);
 
 }  // namespace sim
