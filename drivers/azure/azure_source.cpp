@@ -12,6 +12,7 @@
 #include "drivers/live/frame_pairer.hpp"
 #include "drivers/ros/ros_image.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/image_file.hpp"
 #include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {
@@ -33,16 +34,14 @@ class AzureSource : public FrameSource {
       use_factory_calibration();
     }
     camera_.sensor.set_by_source(DepthSensorModel::kAzureKinect);
-    if (camera_.depth) registration_.emplace(camera_);
+    preparation_.emplace(camera_);
   }
 
   std::optional<RgbdFrame> next() override {
     while (true) {
       if (auto frame = pairer_.next()) {
         ++given_;
-        if (camera_.depth_shift_m != 0)
-          cv::add(frame->depth_m, camera_.depth_shift_m, frame->depth_m, frame->depth_m > 0);
-        if (registration_) frame->depth_m = (*registration_)(frame->depth_m);
+        frame->depth_m = (*preparation_)(frame->depth_m);
         return frame;
       }
       if (finished_) break;
@@ -114,6 +113,7 @@ class AzureSource : public FrameSource {
 
   void add_color(const MatroskaBlock& block) {
     const MatroskaTrack& track = file_.tracks()[color_track_];
+    require_encoded_size(block.data, camera_.color);
     ColorImage color = decoded_color(track, block.data);
     require_size(color.size(), camera_.color);
     pairer_.add_color(block.stamp_ns, std::move(color));
@@ -121,6 +121,7 @@ class AzureSource : public FrameSource {
 
   void add_depth(const MatroskaBlock& block) {
     const MatroskaTrack& track = file_.tracks()[depth_track_];
+    require_encoded_size(block.data, camera_.depth.value_or(camera_.color));
     cv::Mat depth_m = decoded_depth(track, block.data);
     require_size(depth_m.size(), camera_.depth ? *camera_.depth : camera_.color);
     pairer_.add_depth(block.stamp_ns, depth_m);
@@ -156,6 +157,11 @@ class AzureSource : public FrameSource {
         {track.width, track.height, 2 * static_cast<size_t>(track.width), "16UC1", kBigEndian, data});
   }
 
+  /// Before decoding: a small block may hold a huge image.
+  static void require_encoded_size(Bytes data, const PinholeCamera& camera) {
+    if (const auto size = encoded_size(as_text(data))) require_size(*size, camera);
+  }
+
   static void require_size(const cv::Size& size, const PinholeCamera& camera) {
     if (size.width == camera.width && size.height == camera.height) return;
     throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}", size.width, size.height,
@@ -171,7 +177,7 @@ class AzureSource : public FrameSource {
   MatroskaFile file_;
   size_t color_track_ = 0, depth_track_ = 0;
   RgbdCamera camera_;
-  std::optional<DepthRegistration> registration_;
+  std::optional<DepthPreparation> preparation_;
   FramePairer pairer_;
   bool finished_ = false;
   size_t given_ = 0;

@@ -22,6 +22,12 @@ void require_size(const cv::Size& size, const std::filesystem::path& path, const
                                      size.width, size.height, camera.width, camera.height, remedy));
 }
 
+/// Same before decoding: a small file may hold a huge image.
+void require_encoded_size(const std::string& bytes, const std::filesystem::path& path,
+                          const PinholeCamera& camera, const char* remedy) {
+  if (const auto size = encoded_size(bytes)) require_size(*size, path, camera, remedy);
+}
+
 /// Throws InputError if all files named in a list are missing.
 void require_some_there(const std::vector<RecordedFrame>& frames, ImageLocation RecordedFrame::*image,
                         const std::string& name) {
@@ -35,18 +41,14 @@ void require_some_there(const std::vector<RecordedFrame>& frames, ImageLocation 
 
 /// Makes depth of the lowest confidence unknown.
 void apply_confidence(const std::filesystem::path& file, cv::Mat& depth_m) {
-  const cv::Mat confidence = read_confidence_image(file);
-  if (confidence.size() != depth_m.size()) {
-    throw InputError(fmt::format("{}: {} x {} pixels where depth has {} x {}", file.string(), confidence.cols,
-                                 confidence.rows, depth_m.cols, depth_m.rows));
-  }
+  const cv::Mat confidence = read_confidence_image(file, depth_m.size());
   depth_m.setTo(0, confidence == 0);
 }
 
 }  // namespace
 
 RecordedSource::RecordedSource(std::string name, RecordedSequence sequence, const RgbdCamera& camera)
-    : camera_(camera), sequence_(std::move(sequence)) {
+    : camera_(camera), sequence_(std::move(sequence)), prepare_depth_(camera) {
   const auto& frames = sequence_.frames;
   info_.name = std::move(name);
   info_.description = describe(sequence_, camera_);
@@ -57,7 +59,6 @@ RecordedSource::RecordedSource(std::string name, RecordedSequence sequence, cons
   if (!video_) require_some_there(frames, &RecordedFrame::color, info_.name);
   require_some_there(frames, &RecordedFrame::depth, info_.name);
   require_expected_format();
-  if (camera_.depth) registration_.emplace(camera_);
 }
 
 void RecordedSource::require_expected_format() const {
@@ -84,7 +85,8 @@ std::optional<RgbdFrame> RecordedSource::next() {
   while (next_file_ < frames.size()) {
     const RecordedFrame& files = frames[next_file_++];
     try {
-      RgbdFrame frame = read_frame(files);
+      RgbdFrame frame = read_images(files);
+      frame.depth_m = prepare_depth_(frame.depth_m);
       frame.id = FrameId{next_id_++};
       return frame;
     } catch (const InputError& error) {
@@ -110,22 +112,18 @@ RgbdFrame RecordedSource::read_images(const RecordedFrame& files) const {
     frame.color = video_->read(files.video_frame);
     require_size(frame.color.size(), sequence_.video, camera_.color, kColorRemedy);
   } else {
-    frame.color = decode_color_image(read_bytes(files.color), files.color.file);
-    require_size(frame.color.size(), files.color.file, camera_.color, kColorRemedy);
+    std::string bytes = read_bytes(files.color);
+    require_encoded_size(bytes, files.color.file, camera_.color, kColorRemedy);
+    frame.color = decode_color_image(std::move(bytes), files.color.file);
   }
   const PinholeCamera& lens = camera_.depth ? *camera_.depth : camera_.color;
-  frame.depth_m = decode_depth(read_bytes(files.depth), files.depth.file, sequence_.depth_encoding,
-                               {lens.width, lens.height}, camera_.depth_scale);
+  const std::string bytes = read_bytes(files.depth);
+  if (sequence_.depth_encoding == DepthEncoding::kImage)
+    require_encoded_size(bytes, files.depth.file, lens, kDepthRemedy);
+  frame.depth_m = decode_depth(bytes, files.depth.file, sequence_.depth_encoding, {lens.width, lens.height},
+                               camera_.depth_scale);
   require_size(frame.depth_m.size(), files.depth.file, lens, kDepthRemedy);
   if (!files.confidence.empty()) apply_confidence(files.confidence, frame.depth_m);
-  return frame;
-}
-
-RgbdFrame RecordedSource::read_frame(const RecordedFrame& files) const {
-  RgbdFrame frame = read_images(files);
-  if (camera_.depth_shift_m != 0)
-    cv::add(frame.depth_m, camera_.depth_shift_m, frame.depth_m, frame.depth_m > 0);
-  if (registration_) frame.depth_m = (*registration_)(frame.depth_m);
   return frame;
 }
 

@@ -31,13 +31,12 @@ class RecordedSource : public FrameSource {
   /// Throws InputError if the first images are all of the wrong size or format.
   void require_expected_format() const;
   [[nodiscard]] RgbdFrame read_images(const RecordedFrame& files) const;
-  [[nodiscard]] RgbdFrame read_frame(const RecordedFrame& files) const;
 
   RgbdCamera camera_;
   RecordedSequence sequence_;
   SourceInfo info_;
-  std::optional<DepthRegistration> registration_;  ///< if depth is not registered to colour
-  std::unique_ptr<VideoReader> video_;             ///< if colour is a video
+  DepthPreparation prepare_depth_;
+  std::unique_ptr<VideoReader> video_;  ///< if colour is a video
   size_t next_file_ = 0;
   uint32_t next_id_ = 0;
 };

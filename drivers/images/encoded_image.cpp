@@ -102,7 +102,7 @@ cv::Mat decode_rvl(std::span<const uint8_t> bytes, cv::Size size) {
   NibbleReader reader(bytes);
   auto* pixel = depth.ptr<uint16_t>();
   auto left = static_cast<uint32_t>(size.area());
-  int value = 0;
+  uint32_t value = 0;  // wraps in damaged bytes
   while (left > 0) {
     const uint32_t zeros = reader.number();
     if (zeros > left) throw InputError("RVL depth is damaged");
@@ -112,7 +112,7 @@ cv::Mat decode_rvl(std::span<const uint8_t> bytes, cv::Size size) {
     if (others > left || (zeros == 0 && others == 0)) throw InputError("RVL depth is damaged");
     for (left -= others; others > 0; --others) {
       const uint32_t zigzag = reader.number();  // small numbers of either sign
-      value += static_cast<int>(zigzag >> 1U) ^ -static_cast<int>(zigzag & 1U);
+      value += (zigzag >> 1U) ^ (0U - (zigzag & 1U));
       *pixel++ = static_cast<uint16_t>(value);
     }
   }

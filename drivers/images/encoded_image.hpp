@@ -8,11 +8,12 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/sensor/color_image.hpp"
+#include "kinloop/sensor/image_limits.hpp"
 
 namespace kinloop {
 
 /// The largest image that is decoded, pixels; a header that claims more is damaged or hostile.
-constexpr int64_t kMaxImagePixels = int64_t{1} << 26;
+constexpr auto kMaxImagePixels = static_cast<int64_t>(kMaxDecodedPixels);
 
 /// Decodes a whole JPEG or PNG image to its own type. Throws InputError if it is neither, truncated, damaged
 /// or larger than kMaxImagePixels.

@@ -26,16 +26,14 @@ class OniSource : public FrameSource {
     camera_ = camera ? *camera : recorded_camera();
     require_size(color_, "colour", camera_.color);
     require_size(depth_, "depth", camera_.depth.value_or(camera_.color));
-    if (camera_.depth) registration_.emplace(camera_);
+    preparation_.emplace(camera_);
   }
 
   std::optional<RgbdFrame> next() override {
     while (true) {
       if (auto frame = pairer_.next()) {
         ++given_;
-        if (camera_.depth_shift_m != 0)
-          cv::add(frame->depth_m, camera_.depth_shift_m, frame->depth_m, frame->depth_m > 0);
-        if (registration_) frame->depth_m = (*registration_)(frame->depth_m);
+        frame->depth_m = (*preparation_)(frame->depth_m);
         return frame;
       }
       if (finished_) break;
@@ -148,7 +146,7 @@ class OniSource : public FrameSource {
   OniFile file_;
   uint32_t color_ = 0, depth_ = 0;
   RgbdCamera camera_;
-  std::optional<DepthRegistration> registration_;
+  std::optional<DepthPreparation> preparation_;
   FramePairer pairer_;
   bool finished_ = false;
   size_t given_ = 0;

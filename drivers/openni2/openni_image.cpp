@@ -8,7 +8,9 @@
 
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/ros/ros_image.hpp"
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -40,13 +42,19 @@ ColorImage as_stored_by_openni(const OpenNiImage& image) {
   }
 }
 
+/// Before decoding: a small JPEG may hold a huge image.
+void require_expected_size(const OpenNiImage& image) {
+  const auto size = encoded_size(as_text(image.data)).value_or(cv::Size());
+  if (size == cv::Size(image.width, image.height)) return;
+  throw InputError(fmt::format("a JPEG of {} x {} pixels where {} x {} are expected", size.width, size.height,
+                               image.width, image.height));
+}
+
 }  // namespace
 
 ColorImage color_from(const OpenNiImage& image) {
-  ColorImage color = as_stored_by_openni(image);
-  if (color.size() != cv::Size(image.width, image.height))
-    throw InputError(fmt::format("a JPEG of {} x {} pixels where {} x {} are expected", color.size().width,
-                                 color.size().height, image.width, image.height));
+  if (image.pixels == OpenNiPixels::kJpeg) require_expected_size(image);
+  const ColorImage color = as_stored_by_openni(image);
   if (!image.mirrored) return color;
   cv::Mat unmirrored;
   cv::flip(color.bgr(), unmirrored, 1);

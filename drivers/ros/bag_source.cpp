@@ -36,7 +36,7 @@ class BagSource : public FrameSource {
     } else if (!camera) {
       camera_ = read_bag_camera(*file_, streams_, info_.name);
     }
-    if (camera_.depth) registration_.emplace(camera_);
+    preparation_.emplace(camera_);
     for (const BagTopic* topic : file_->topics()) {
       if (topic->name == streams_.color) info_.frames = topic->messages;
     }
@@ -106,6 +106,7 @@ class BagSource : public FrameSource {
       throw InputError(fmt::format("expected an image message, found type {}", topic.type));
     const StampedCompressedImage m = read_compressed_image(reader);
     const int64_t stamp_ns = stamp_of(m.header, message);
+    if (const auto size = compressed_size(m.format, m.data)) require_camera_size(*size, is_color);
     if (is_color) return add_color(stamp_ns, color_from_compressed(m.data));
     add_depth(stamp_ns, depth_from_compressed(m.format, m.data));
   }
@@ -123,26 +124,25 @@ class BagSource : public FrameSource {
   }
 
   void add_color(int64_t stamp_ns, ColorImage image) {
-    require_size(image.size(), camera_.color, "specify the camera of these images with --camera");
+    require_camera_size(image.size(), true);
     pairer_.add_color(stamp_ns, std::move(image));
   }
 
   void add_depth(int64_t stamp_ns, cv::Mat depth_m) {
-    require_size(depth_m.size(), camera_.depth ? *camera_.depth : camera_.color,
-                 "is depth registered to colour?");
+    require_camera_size(depth_m.size(), false);
     pairer_.add_depth(stamp_ns, std::move(depth_m));
   }
 
-  static void require_size(const cv::Size& size, const PinholeCamera& camera, const char* remedy) {
+  void require_camera_size(const cv::Size& size, bool is_color) const {
+    const PinholeCamera& camera = is_color ? camera_.color : camera_.depth.value_or(camera_.color);
     if (size.width == camera.width && size.height == camera.height) return;
-    throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}; {}", size.width, size.height,
-                                 camera.width, camera.height, remedy));
+    throw InputError(fmt::format(
+        "{} x {} pixels where the camera has {} x {}; {}", size.width, size.height, camera.width, camera.height,
+        is_color ? "specify the camera of these images with --camera" : "is depth registered to colour?"));
   }
 
-  [[nodiscard]] RgbdFrame with_registered_depth(RgbdFrame frame) const {
-    if (camera_.depth_shift_m != 0)
-      cv::add(frame.depth_m, camera_.depth_shift_m, frame.depth_m, frame.depth_m > 0);
-    if (registration_) frame.depth_m = (*registration_)(frame.depth_m);
+  [[nodiscard]] RgbdFrame with_registered_depth(RgbdFrame frame) {
+    frame.depth_m = (*preparation_)(frame.depth_m);
     return frame;
   }
 
@@ -157,7 +157,7 @@ class BagSource : public FrameSource {
   RgbdCamera camera_;
   bool of_sdk_ = false;  ///< recorded by the RealSense SDK
   double depth_unit_m_ = kRosDepthUnitM;
-  std::optional<DepthRegistration> registration_;  ///< if depth is not registered to colour
+  std::optional<DepthPreparation> preparation_;
   FramePairer pairer_;
   bool finished_ = false;
   size_t given_ = 0;

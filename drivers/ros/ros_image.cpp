@@ -11,6 +11,7 @@
 #include "drivers/ros/lens_approximation.hpp"
 #include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -71,15 +72,34 @@ cv::Mat metres_from_inverse_depth(const cv::Mat& values, const DepthQuantisation
   return depth_m;
 }
 
-/// The content of compressed_depth_image_transport behind its header: a 16-bit PNG, or RVL with its size.
-cv::Mat compressed_depth_values(const std::string& format, Bytes data) {
-  if (format.find("rvl") == std::string::npos) return decode_embedded_image(data);
-  ByteReader reader(data);
+bool is_rvl(const std::string& format) {
+  return format.find("rvl") != std::string::npos;
+}
+
+bool has_depth_header(const std::string& format) {
+  return format.find("compressedDepth") != std::string::npos;
+}
+
+DepthQuantisation read_depth_header(ByteReader& reader) {
+  reader.number<int32_t>();  // format of the quantisation; there is only one
+  const auto a = reader.number<float>();
+  return {a, reader.number<float>()};
+}
+
+cv::Size read_rvl_size(ByteReader& reader) {
   const auto cols = reader.number<uint32_t>(), rows = reader.number<uint32_t>();
   constexpr uint32_t kMaxSide = 1U << 15;
   if (cols > kMaxSide || rows > kMaxSide)
     throw InputError(fmt::format("RVL depth claims {} x {} pixels", cols, rows));
-  return decode_rvl(reader.block(reader.left()), cv::Size(static_cast<int>(cols), static_cast<int>(rows)));
+  return {static_cast<int>(cols), static_cast<int>(rows)};
+}
+
+/// The content of compressed_depth_image_transport behind its header: a 16-bit PNG, or RVL with its size.
+cv::Mat compressed_depth_values(const std::string& format, Bytes data) {
+  if (!is_rvl(format)) return decode_embedded_image(data);
+  ByteReader reader(data);
+  const cv::Size size = read_rvl_size(reader);
+  return decode_rvl(reader.block(reader.left()), size);
 }
 
 bool has_prefix_of(const std::vector<double>& coefficients, size_t count) {
@@ -145,16 +165,20 @@ ColorImage color_from_compressed(std::span<const uint8_t> data) {
 cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data) {
   ByteReader reader(data);
   DepthQuantisation quantisation;
-  const bool has_header = format.find("compressedDepth") != std::string::npos;
-  if (has_header) {
-    reader.number<int32_t>();  // format of the quantisation; there is only one
-    quantisation = {reader.number<float>(), reader.number<float>()};
-  }
+  const bool has_header = has_depth_header(format);
+  if (has_header) quantisation = read_depth_header(reader);
   const cv::Mat values = compressed_depth_values(format, reader.block(reader.left()));
   if (values.type() != CV_16UC1)
     throw InputError(fmt::format("compressed depth '{}' that is not a 16-bit grey PNG", format));
   if (has_header && format.starts_with("32FC1")) return metres_from_inverse_depth(values, quantisation);
   return metres_from(values, kRosDepthUnitM);
+}
+
+std::optional<cv::Size> compressed_size(const std::string& format, std::span<const uint8_t> data) {
+  ByteReader reader(data);
+  if (has_depth_header(format)) read_depth_header(reader);
+  if (is_rvl(format)) return read_rvl_size(reader);
+  return encoded_size(as_text(reader.block(reader.left())));
 }
 
 PinholeCamera camera_from(const RosCameraInfo& info, bool rectified) {

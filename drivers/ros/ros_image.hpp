@@ -38,8 +38,13 @@ cv::Mat depth_from(const RosImage& image, double unit_m = kRosDepthUnitM);
 /// Same for sensor_msgs/CompressedImage: JPEG or PNG; depth as 16-bit PNG, or in the formats of
 /// compressed_depth_image_transport if `format` says so: 16-bit PNG, 32-bit depth as 16-bit PNG of quantised
 /// inverse depth, and RVL, each behind its header.
+/// Compare `compressed_size` with the camera first: a small message may hold a huge image.
 ColorImage color_from_compressed(std::span<const uint8_t> data);
 cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data);
+
+/// Returns the size of the image in a sensor_msgs/CompressedImage, without decoding it; nullopt if it cannot be
+/// decoded.
+std::optional<cv::Size> compressed_size(const std::string& format, std::span<const uint8_t> data);
 
 /// sensor_msgs/CameraInfo.
 struct RosCameraInfo {

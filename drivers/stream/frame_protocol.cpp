@@ -11,6 +11,7 @@
 #include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -152,6 +153,7 @@ std::optional<SentFrame> FrameProtocol::read_frame(const StopReading& stop) {
 
 ColorImage decode_sent_color(const SentImage& image, const PinholeCamera& camera) {
   const bool compressed = image.encoding == "jpeg" || image.encoding == "png";
+  if (const auto size = encoded_size(as_text(image.data)); compressed && size) require_camera_size(*size, camera);
   ColorImage color = compressed ? decode_embedded_color(image.data) : color_from(raw_image(image, camera));
   require_camera_size(color.size(), camera);
   return color;
@@ -159,6 +161,7 @@ ColorImage decode_sent_color(const SentImage& image, const PinholeCamera& camera
 
 cv::Mat decode_sent_depth(const SentImage& image, const PinholeCamera& camera, double depth_scale) {
   if (image.encoding != "png") return depth_from(raw_image(image, camera), 1 / depth_scale);
+  if (const auto size = encoded_size(as_text(image.data))) require_camera_size(*size, camera);
   cv::Mat units = decode_embedded_image(image.data);
   require_camera_size(units.size(), camera);
   if (units.type() != CV_16UC1) throw InputError("depth that is not a 16-bit grey PNG");

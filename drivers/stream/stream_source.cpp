@@ -26,7 +26,7 @@ class StreamSource : public FrameSource {
       throw InputError(fmt::format(
           "{}: the stream has no camera; send \"camera\" in its first record or use --camera FILE", name));
     camera_ = camera ? *camera : *start.camera;
-    if (camera_.depth) registration_.emplace(camera_);
+    preparation_.emplace(camera_);
     info_.name = name;
     info_.live = start.live;
     if (info_.live) thread_ = std::jthread([this](const std::stop_token& stop) { read_all(stop); });
@@ -83,10 +83,8 @@ class StreamSource : public FrameSource {
     }
   }
 
-  [[nodiscard]] RgbdFrame with_registered_depth(RgbdFrame frame) const {
-    if (camera_.depth_shift_m != 0)
-      cv::add(frame.depth_m, camera_.depth_shift_m, frame.depth_m, frame.depth_m > 0);
-    if (registration_) frame.depth_m = (*registration_)(frame.depth_m);
+  [[nodiscard]] RgbdFrame with_registered_depth(RgbdFrame frame) {
+    frame.depth_m = (*preparation_)(frame.depth_m);
     return frame;
   }
 
@@ -98,7 +96,7 @@ class StreamSource : public FrameSource {
   FrameProtocol protocol_;
   SourceInfo info_;
   RgbdCamera camera_;
-  std::optional<DepthRegistration> registration_;  ///< if depth is not registered to colour
+  std::optional<DepthPreparation> preparation_;
   LiveFrameBuffer frames_;
   mutable std::mutex mutex_;
   std::vector<SkippedFrame> skipped_;  ///< guarded by the mutex

@@ -60,12 +60,12 @@ class NibbleReader {
       number |= (nibble & kPayloadMask) << shift;
       if ((nibble & kMoreBit) == 0) return number;
     }
-    throw std::logic_error("unpack_depth: unterminated number");
+    throw InputError("packed depth is damaged");
   }
 
  private:
   uint32_t next() {
-    require(position_ / 2 < bytes_.size(), "unpack_depth: truncated");
+    if (position_ / 2 >= bytes_.size()) throw InputError("packed depth is truncated");
     const uint32_t byte = bytes_[position_ / 2];
     return position_++ % 2 == 0 ? byte & 15U : byte >> 4;
   }
@@ -104,13 +104,13 @@ std::vector<uint8_t> pack_depth(std::span<const uint16_t> values) {
 std::vector<uint16_t> unpack_depth(std::span<const uint8_t> bytes, size_t count) {
   NibbleReader reader(bytes);
   std::vector<uint16_t> values(count);
-  int32_t previous = 0;
+  uint32_t previous = 0;  // wraps in damaged bytes
   for (size_t i = 0; i < count;) {
     i += reader.read();
     const size_t known = reader.read();
-    require(i <= count && known <= count - i, "unpack_depth: more values than the image has");
+    if (i > count || known > count - i) throw InputError("packed depth has more values than the image");
     for (const size_t end = i + known; i < end; ++i) {
-      previous += unzigzag(reader.read());
+      previous += static_cast<uint32_t>(unzigzag(reader.read()));
       values[i] = static_cast<uint16_t>(previous);
     }
   }

@@ -11,7 +11,7 @@ namespace kinloop {
 /// and differences of successive values as variable-length numbers of three bits per nibble.
 std::vector<uint8_t> pack_depth(std::span<const uint16_t> values);
 
-/// Unpacks `count` values. Throws std::logic_error if `pack_depth` did not produce the bytes.
+/// Unpacks `count` values. Throws InputError if the bytes are damaged, or of fewer or more values.
 std::vector<uint16_t> unpack_depth(std::span<const uint8_t> bytes, size_t count);
 
 }  // namespace kinloop

@@ -2,10 +2,12 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/dense/depth_codec.hpp"
+#include "kinloop/sensor/image_file.hpp"
 #include "kinloop/sensor/jpeg_codec.hpp"
 
 namespace kinloop {
@@ -38,6 +40,18 @@ cv::Mat to_metres(const std::vector<uint16_t>& units, int rows, int cols, double
   return depth_m;
 }
 
+std::optional<std::vector<uint16_t>> try_unpack_depth(const std::vector<uint8_t>& bytes, size_t count) {
+  try {
+    return unpack_depth(bytes, count);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+size_t pixels_of(const EncodedImages& images) {
+  return static_cast<size_t>(images.rows) * static_cast<size_t>(images.cols);
+}
+
 cv::Mat decode_color(const std::vector<uint8_t>& jpeg) {
   return decode_jpeg({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
 }
@@ -62,9 +76,18 @@ StoredImages encode_images(const ColorImage& color, const cv::Mat& depth_m,
 }
 
 RgbdImages decode_images(const EncodedImages& images, const ImageStoreOptions& options) {
-  const auto depth =
-      unpack_depth(images.depth, static_cast<size_t>(images.rows) * static_cast<size_t>(images.cols));
-  return {decode_color(images.color), to_metres(depth, images.rows, images.cols, options.depth_scale)};
+  const auto depth = try_unpack_depth(images.depth, pixels_of(images));
+  cv::Mat color = decode_color(images.color);
+  if (depth && color.size() == cv::Size(images.cols, images.rows))
+    return {std::move(color), to_metres(*depth, images.rows, images.cols, options.depth_scale)};
+  return {cv::Mat(images.rows, images.cols, CV_8UC3, cv::Scalar::all(0)),
+          cv::Mat(images.rows, images.cols, CV_32FC1, cv::Scalar(0))};
+}
+
+bool is_decodable(const EncodedImages& images) {
+  const std::string_view color(reinterpret_cast<const char*>(images.color.data()), images.color.size());
+  return encoded_size(color) == cv::Size(images.cols, images.rows) &&
+         try_unpack_depth(images.depth, pixels_of(images)).has_value();
 }
 
 size_t ImageStore::add(const EncodedImages& images) {

@@ -43,7 +43,12 @@ struct StoredImages {
 /// Compresses images. Colour that came as JPEG stays as it is. Depth is rounded to the units of
 /// `options.depth_scale`; values out of their range become unknown.
 StoredImages encode_images(const ColorImage& color, const cv::Mat& depth_m, const ImageStoreOptions& options);
+/// Images that are damaged are black and of unknown depth.
 RgbdImages decode_images(const EncodedImages& images, const ImageStoreOptions& options);
+
+/// Returns whether the size of compressed images is that in the header of their colour, and their depth can be
+/// unpacked.
+bool is_decodable(const EncodedImages& images);
 
 class ImageStore {
  public:

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/mapped_file.hpp"
 #include "kinloop/base/text_file.hpp"
 
 namespace kinloop {
@@ -172,8 +171,8 @@ void write_vocabulary(const std::filesystem::path& path, const Vocabulary& vocab
 }
 
 Vocabulary read_vocabulary(const std::filesystem::path& path) {
-  const auto file = std::make_shared<const MappedFile>(path);
-  return parse_vocabulary(file->bytes(), path.string(), file);
+  const auto bytes = std::make_shared<const std::string>(read_file(path));
+  return parse_vocabulary(*bytes, path.string(), bytes);
 }
 
 }  // namespace kinloop

@@ -21,8 +21,8 @@ Vocabulary parse_vocabulary(std::string_view bytes, const std::string& name,
 /// Writes the file atomically.
 void write_vocabulary(const std::filesystem::path& path, const Vocabulary& vocabulary);
 
-/// Memory-maps the file: pages are read when words are looked up. Throws InputError as `parse_vocabulary`
-/// does, or if the file cannot be read.
+/// Reads the file into memory, so that nothing that happens to it afterwards matters. Throws InputError as
+/// `parse_vocabulary` does, or if the file cannot be read.
 Vocabulary read_vocabulary(const std::filesystem::path& path);
 
 }  // namespace kinloop

@@ -12,6 +12,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/fast_encoder.hpp"
+#include "kinloop/sensor/image_limits.hpp"
 #include "kinloop/sensor/jpeg_codec.hpp"
 #include "kinloop/sensor/png_decoder.hpp"
 
@@ -104,6 +105,15 @@ cv::Mat decode_image(std::string_view bytes) {
   return bytes.starts_with(kJpegSignature) ? decode_jpeg(bytes) : cv::Mat();
 }
 
+std::optional<cv::Size> encoded_size(std::string_view bytes) {
+  if (bytes.starts_with(kJpegSignature)) return jpeg_size(bytes);
+  constexpr size_t kType = 12, kWidth = 16, kHeight = 20, kEnd = 24;  // IHDR comes first
+  if (!bytes.starts_with(kPngSignature) || bytes.size() < kEnd || bytes.substr(kType, 4) != "IHDR") return std::nullopt;
+  const auto width = big_endian_at<uint32_t>(bytes, kWidth), height = big_endian_at<uint32_t>(bytes, kHeight);
+  if (width > kMaxPngSide_px || height > kMaxPngSide_px) return std::nullopt;
+  return cv::Size(static_cast<int>(width), static_cast<int>(height));
+}
+
 std::string_view image_damage(std::string_view bytes) {
   if (bytes.empty()) return "the file is empty; copy it again";
   if (bytes.starts_with(kPngSignature)) return png_damage(bytes);
@@ -112,11 +122,19 @@ std::string_view image_damage(std::string_view bytes) {
 }
 
 ColorImage read_color_image(const std::filesystem::path& path) {
-  return decode_color_image(read_file(path), path);
+  return decode_color_image(read_image_bytes(path), path);
 }
 
 cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale) {
-  return decode_depth_image(read_file(path), path, depth_scale);
+  return decode_depth_image(read_image_bytes(path), path, depth_scale);
+}
+
+std::string read_image_bytes(const std::filesystem::path& path) {
+  std::error_code absent;
+  const uint64_t size = std::filesystem::file_size(path, absent);
+  if (!absent && size > kMaxEncodedBytes)
+    fail(path, fmt::format("{} bytes, where an image has at most {}", size, kMaxEncodedBytes));
+  return read_file(path);
 }
 
 ColorImage decode_color_image(std::string bytes, const std::filesystem::path& path) {

@@ -3,6 +3,7 @@
 // here; the decoders alone would fill the missing part with grey.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,10 @@ class ImageFormatError : public InputError {
 /// they are damaged or no such file. Does not notice a truncated JPEG: see `image_damage`.
 cv::Mat decode_image(std::string_view bytes);
 
+/// Returns the size in the header of a PNG or JPEG file, which is the one that decoding gives; nullopt if it is no
+/// such file. A small file may hold a huge image: compare its size with that of the camera first.
+std::optional<cv::Size> encoded_size(std::string_view bytes);
+
 /// Reads an 8-bit colour or grey PNG or JPEG. A JPEG is kept as it is, with only its grey image decoded.
 /// Throws InputError naming the file and the problem.
 ColorImage read_color_image(const std::filesystem::path& path);
@@ -35,6 +40,9 @@ cv::Mat read_depth_image(const std::filesystem::path& path, double depth_scale);
 /// The same from the bytes of a file, or of a part of the file at `path`.
 ColorImage decode_color_image(std::string bytes, const std::filesystem::path& path);
 cv::Mat decode_depth_image(const std::string& bytes, const std::filesystem::path& path, double depth_scale);
+
+/// Returns the bytes of an image file. Throws InputError if it cannot be read, or is larger than any image.
+std::string read_image_bytes(const std::filesystem::path& path);
 
 /// Returns what is wrong with the bytes of a PNG or JPEG file ("truncated"), or an empty string if it is
 /// intact.

@@ -11,23 +11,39 @@
 namespace kinloop {
 namespace {
 
-cv::Mat decode_jpeg_as(std::string_view bytes, int type, TJPF pixel_format) {
-  const std::unique_ptr<void, decltype(&tjDestroy)> decoder(tjInitDecompress(), tjDestroy);
-  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+using JpegDecoder = std::unique_ptr<void, decltype(&tjDestroy)>;
+
+const unsigned char* data_of(std::string_view bytes) {
+  return reinterpret_cast<const unsigned char*>(bytes.data());
+}
+
+std::optional<cv::Size> read_jpeg_header(const JpegDecoder& decoder, std::string_view bytes) {
   int width = 0, height = 0, subsampling = 0, color_space = 0;
-  if (!decoder || tjDecompressHeader3(decoder.get(), data, bytes.size(), &width, &height, &subsampling,
-                                      &color_space) != 0) {
-    return {};
+  if (!decoder || tjDecompressHeader3(decoder.get(), data_of(bytes), bytes.size(), &width, &height,
+                                      &subsampling, &color_space) != 0) {
+    return std::nullopt;
   }
-  if (static_cast<uint64_t>(int64_t{width} * height) > kMaxDecodedPixels) return {};
-  cv::Mat image(height, width, type);
-  const int result = tjDecompress2(decoder.get(), data, bytes.size(), image.data, width,
-                                   static_cast<int>(image.step), height, pixel_format, 0);
+  return cv::Size(width, height);
+}
+
+cv::Mat decode_jpeg_as(std::string_view bytes, int type, TJPF pixel_format) {
+  const JpegDecoder decoder(tjInitDecompress(), tjDestroy);
+  const auto size = read_jpeg_header(decoder, bytes);
+  if (!size || static_cast<uint64_t>(int64_t{size->width} * size->height) > kMaxDecodedPixels) return {};
+  cv::Mat image(*size, type);
+  // A progressive file may have any number of scans, each over the whole image.
+  const int result =
+      tjDecompress2(decoder.get(), data_of(bytes), bytes.size(), image.data, size->width,
+                    static_cast<int>(image.step), size->height, pixel_format, TJFLAG_LIMITSCANS);
   const bool failed = result != 0 && tjGetErrorCode(decoder.get()) != TJERR_WARNING;
   return failed ? cv::Mat() : image;
 }
 
 }  // namespace
+
+std::optional<cv::Size> jpeg_size(std::string_view bytes) {
+  return read_jpeg_header(JpegDecoder(tjInitDecompress(), tjDestroy), bytes);
+}
 
 cv::Mat decode_jpeg(std::string_view bytes) {
   return decode_jpeg_as(bytes, CV_8UC3, TJPF_BGR);

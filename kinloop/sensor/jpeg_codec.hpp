@@ -2,12 +2,16 @@
 // In: the bytes of a JPEG file, or pixels. Out: pixels, or the bytes of a JPEG file, by libjpeg-turbo.
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 namespace kinloop {
+
+/// Returns the size in the header of a JPEG file; nullopt if it is no JPEG file.
+std::optional<cv::Size> jpeg_size(std::string_view bytes);
 
 /// Decodes a JPEG file to 8UC3 BGR. Empty if it is no JPEG file, or one that cannot be converted to BGR. As
 /// with other readers, errors within the compressed data spoil only the pixels behind them.

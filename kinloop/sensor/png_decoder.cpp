@@ -66,7 +66,9 @@ std::optional<PngContent> png_content(std::string_view bytes) {
     const auto type = bytes.substr(at + 4, 4), data = bytes.substr(at + 8, length);
     if (libdeflate_crc32(0, type.data(), 4 + length) != big_endian_at<uint32_t>(bytes, at + 8 + length))
       return std::nullopt;
-    if (type == "IHDR") {
+    const bool first = at == kSignature.size();
+    if (first != (type == "IHDR")) return std::nullopt;
+    if (first) {
       if (!read_header(data, content)) return std::nullopt;
     } else if (type == "IDAT") {
       content.deflated.append(data);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include <opencv2/core.hpp>
+
 #include "kinloop/base/errors.hpp"
 #include "kinloop/geometry/field_of_view.hpp"
 
@@ -119,6 +121,16 @@ cv::Mat DepthRegistration::operator()(const cv::Mat& depth_m) const {
     above = std::move(below);
   }
   return registered;
+}
+
+cv::Mat DepthPreparation::operator()(cv::Mat depth_m) {
+  if (camera_.depth_shift_m != 0) {
+    cv::add(depth_m, camera_.depth_shift_m, depth_m, depth_m > 0);
+    depth_m.setTo(0, depth_m < 0);
+  }
+  if (!camera_.depth) return depth_m;
+  if (!registration_) registration_.emplace(camera_);
+  return (*registration_)(depth_m);
 }
 
 RgbdCamera registered(RgbdCamera camera) {

@@ -1,6 +1,7 @@
 #pragma once
 // In: depth as measured by the depth camera. Out: depth per pixel of the colour camera.
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -37,6 +38,20 @@ class DepthRegistration {
   Eigen::Vector3f t_color_depth_;
   float longest_side_px_;              ///< limit for a triangle in the colour image
   std::vector<Eigen::Vector2f> rays_;  ///< of each depth pixel, x/z and y/z
+};
+
+/// Depth as a source reads it, to depth as its frames have it: shifted by the camera's `depth_shift_m`, and
+/// registered to colour if the camera has a depth camera of its own.
+class DepthPreparation {
+ public:
+  explicit DepthPreparation(const RgbdCamera& camera) : camera_(camera) {}
+
+  /// Works on the pixels of `depth_m`, which must have the size of the depth camera.
+  [[nodiscard]] cv::Mat operator()(cv::Mat depth_m);
+
+ private:
+  RgbdCamera camera_;
+  std::optional<DepthRegistration> registration_;  ///< made for the first image, which shows that the size is true
 };
 
 /// Returns the camera of frames whose depth is already registered and shifted: no depth camera of its own.

@@ -40,10 +40,10 @@ TEST(DepthCodec, MakesSmoothDepthMuchSmaller) {
 TEST(DepthCodec, RefusesBytesThatItDidNotMake) {
   const std::vector<uint16_t> values(100, 1234);
   auto bytes = pack_depth(values);
-  EXPECT_THROW(unpack_depth(bytes, 50), std::logic_error);
+  EXPECT_THROW(unpack_depth(bytes, 50), InputError);
   bytes.resize(bytes.size() / 2);
-  EXPECT_THROW(unpack_depth(bytes, 100), std::logic_error);
-  EXPECT_THROW(unpack_depth(std::vector<uint8_t>(20, 0xff), 100), std::logic_error);
+  EXPECT_THROW(unpack_depth(bytes, 100), InputError);
+  EXPECT_THROW(unpack_depth(std::vector<uint8_t>(20, 0xff), 100), InputError);
 }
 
 }  // namespace

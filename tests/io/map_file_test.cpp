@@ -8,6 +8,7 @@
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/io/map_file/feature_serialization.hpp"
 #include "kinloop/io/map_file/map_tables.hpp"
+#include "tests/io/sample_map.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -17,96 +18,11 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-constexpr size_t kKeyframes = 12, kKeypoints = 60, kImages = 5;
-
-Features some_features(Random& random) {
-  Features features;
-  for (size_t i = 0; i < kKeypoints; ++i) {
-    const auto number = [&] { return static_cast<float>(random.uniform(-1, 1) * 600); };
-    const auto pixel = [&] {
-      const float y = number();
-      return Eigen::Vector2f(number(), y);
-    };
-    features.pixels.push_back(pixel());
-    features.depths_m.push_back(i % 3 == 0 ? 0 : number());
-    features.raw_pixels.push_back(pixel());
-    features.measured_pixels.push_back(pixel());
-    features.measured_depths_m.push_back(number());
-    features.inverse_depth_gradients.emplace_back(number(), std::numeric_limits<float>::quiet_NaN());
-    features.levels.push_back(static_cast<int>(i % 8));
-    features.angles_rad.push_back(number());
-    features.sigmas_px.push_back(number());
-  }
-  features.depth_lag_s = static_cast<float>(random.uniform(-0.02, 0.02));
-  features.descriptors = cv::Mat(static_cast<int>(kKeypoints), 32, CV_8UC1);
-  for (int row = 0; row < features.descriptors.rows; ++row) {
-    for (int col = 0; col < 32; ++col)
-      features.descriptors.at<uint8_t>(row, col) = static_cast<uint8_t>(random.uniform(0, 255));
-  }
-  return features;
-}
-
-SE3 some_pose(Random& random) {
-  Vector6d twist;
-  for (int i = 0; i < 6; ++i) twist(i) = random.uniform(-1, 1);
-  return SE3::exp(twist);
-}
-
-/// Two disconnected components; keypoint i of every keyframe of a component observes its landmark i.
-Map some_map(Random& random) {
-  Map map;
-  std::vector<LandmarkId> landmarks;
-  for (uint32_t k = 0; k < kKeyframes; ++k) {
-    const bool begins = k % (kKeyframes / 2) == 0;
-    const uint32_t component = begins ? map.component_count() : map.component_count() - 1;
-    const auto features = std::make_shared<const Features>(some_features(random));
-    const KeyframeId id = map.add_keyframe(FrameId{3 * k}, 100 * k, some_pose(random), features, component);
-    if (begins) landmarks.clear();
-    for (uint32_t i = 0; i < kKeypoints; ++i) {
-      if (begins) {
-        landmarks.push_back(map.add_landmark(id, i, {random.uniform(-1, 1), -0.0, random.uniform(1, 2)}));
-      } else {
-        map.add_observation(landmarks[i], {id, i});
-      }
-    }
-  }
-  map.erase(LandmarkId{5});
-  map.add_loop_edge({KeyframeId{0}, KeyframeId{4}, some_pose(random), 3.5 * Matrix6d::Identity(), 77});
-  return map;
-}
-
-SavedMap some_saved_map() {
-  Random random(7);
-  SavedMap saved;
-  saved.program = "kinloop test";
-  saved.sessions = {{"a folder/with ümlaut", FrameId{0}}, {"another", FrameId{20}}};
-  saved.options = {{"features.count", "1000"}, {"seed", "1"}};
-  const LensDistortion lens{LensModel::kBrownConrady, 0.26, -0.95, -0.005, 0.0026, 1.16};
-  saved.camera.color = {640, 480, 517.3, 516.5, 318.6, 255.3, lens};
-  const LensDistortion rational{LensModel::kRational, 3.13, 2.32, 8e-5, -5e-5, 0.13, 3.46, 3.35, 0.66};
-  saved.camera.depth = PinholeCamera{640, 480, 585, 585, 320, 240, rational};
-  saved.camera.T_color_depth = some_pose(random);
-  saved.camera.rolling_shutter_s = 0.1 + 0.2;  // many decimals
-  saved.camera.sensor.set_by_source(DepthSensorModel::kIphone);
-  saved.sensor = {{1e-300, 0.1, true}, {-0.0, 0, false}};
-  saved.map = some_map(random).data();
-  for (uint32_t i = 0; i < 3 * kKeyframes; ++i) {
-    saved.frames.push_back({FrameId{i}, 33 * i, 0, KeyframeId{i / 3}, some_pose(random),
-                            i % 3 == 0 ? KeyframeId{i / 3} : KeyframeId{}, i % 3 == 1,
-                            static_cast<float>(random.uniform(-0.02, 0.02))});
-  }
-  return saved;
-}
-
-SavedImages some_images(size_t index) {
-  Random random(index);
-  SavedImages saved{FrameId{static_cast<uint32_t>(3 * index)}, {480, 640, {}, {}}};
-  for (int i = 0; i < 30000; ++i) {
-    saved.images.color.push_back(static_cast<uint8_t>(random.uniform(0, 255)));
-    saved.images.depth.push_back(static_cast<uint8_t>(random.uniform(0, 255)));
-  }
-  return saved;
-}
+using test::kKeyframes;
+using test::kKeypoints;
+using test::kImages;
+using test::some_images;
+using test::some_saved_map;
 
 void write_some_map(const std::filesystem::path& path) {
   write_map(path, some_saved_map(), kImages, some_images);

@@ -1,6 +1,5 @@
 #include "kinloop/place/vocabulary_file.hpp"
 
-#include <bit>
 #include <cstring>
 
 #include <gmock/gmock.h>
@@ -9,6 +8,7 @@
 #include "tests/place/synthetic.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tests/support/vocabulary_checksum.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
 
 namespace kinloop {
@@ -18,29 +18,10 @@ using test::input_error;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// The format as described in docs/place.md, implemented independently.
-constexpr size_t kHeaderBytes = 48;
-constexpr size_t kChecksumOffset = 40;
+// The format as described in docs/place.md.
+constexpr size_t kHeaderBytes = 48, kChecksumOffset = 40;
 
-uint64_t word_at(const std::string& bytes, size_t at) {
-  uint64_t word = 0;
-  for (size_t i = 0; i < 8; ++i) word |= uint64_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
-  return word;
-}
-
-std::string with_right_checksum(std::string bytes) {
-  const auto step = [](uint64_t sum, uint64_t word) { return std::rotl((sum ^ word) * 0x100000001b3, 29); };
-  uint64_t sum = 0xcbf29ce484222325, lanes[4] = {sum, sum, sum, sum};
-  const auto add = [&](size_t begin, size_t end) {
-    for (size_t i = 0; begin + 8 * i + 8 <= end; ++i)
-      lanes[i % 4] = step(lanes[i % 4], word_at(bytes, begin + 8 * i));
-  };
-  add(0, kChecksumOffset);
-  add(kHeaderBytes, bytes.size());
-  for (const uint64_t lane : lanes) sum = step(sum, lane);
-  for (size_t i = 0; i < 8; ++i) bytes[kChecksumOffset + i] = static_cast<char>(sum >> (8 * i));
-  return bytes;
-}
+using test::with_vocabulary_checksum;
 
 const Vocabulary& vocabulary() {
   static const Vocabulary kVocabulary = [] {
@@ -81,7 +62,7 @@ TEST(VocabularyFile, SavedAndLoadedIsTheSame) {
 }
 
 TEST(VocabularyFile, HasTheDocumentedChecksum) {
-  EXPECT_EQ(with_right_checksum(bytes()), bytes());
+  EXPECT_EQ(with_vocabulary_checksum(bytes()), bytes());
 }
 
 TEST(VocabularyFile, CutShortAnywhereIsAnError) {
@@ -115,13 +96,13 @@ TEST(VocabularyFile, OtherKindsAndVersionsAreNamed) {
               HasSubstr("not a kinloop vocabulary"));
   std::string other = bytes();
   other[8] = 1;
-  EXPECT_THAT(error_of(with_right_checksum(other)), HasSubstr("format 1, this program reads format 2"));
+  EXPECT_THAT(error_of(with_vocabulary_checksum(other)), HasSubstr("format 1, this program reads format 2"));
   other = bytes();
   other[12] = 77;
-  EXPECT_THAT(error_of(with_right_checksum(other)), HasSubstr("unknown descriptor kind 77"));
+  EXPECT_THAT(error_of(with_vocabulary_checksum(other)), HasSubstr("unknown descriptor kind 77"));
   other = bytes();
   other[12] = static_cast<char>(DescriptorKind::kSift);
-  EXPECT_THAT(error_of(with_right_checksum(other)), HasSubstr("descriptors of 32 bytes, expected 128"));
+  EXPECT_THAT(error_of(with_vocabulary_checksum(other)), HasSubstr("descriptors of 32 bytes, expected 128"));
 }
 
 TEST(VocabularyFile, NonsenseWithARightChecksumIsAnError) {
@@ -134,7 +115,7 @@ TEST(VocabularyFile, NonsenseWithARightChecksumIsAnError) {
       std::string altered = bytes();
       altered[at] = static_cast<char>(value);
       try {
-        const std::string right = with_right_checksum(altered);
+        const std::string right = with_vocabulary_checksum(altered);
         const Vocabulary sound = parse_vocabulary(right, "some.kinvoc", nullptr);
         (void)sound.quantize(cv::Mat(1, kOrbBytes, CV_8UC1, cv::Scalar(0x33)));
       } catch (const InputError& error) {
@@ -149,7 +130,7 @@ TEST(VocabularyFile, NonsenseWithARightChecksumIsAnError) {
 TEST(VocabularyFile, AHeaderThatClaimsAHugeTreeIsAnErrorAtOnce) {
   std::string huge = bytes().substr(0, kHeaderBytes);
   for (size_t at = 28; at < 36; ++at) huge[at] = '\xff';
-  EXPECT_THAT(error_of(with_right_checksum(huge)), HasSubstr("truncated"));
+  EXPECT_THAT(error_of(with_vocabulary_checksum(huge)), HasSubstr("truncated"));
 }
 
 TEST(VocabularyFile, FilesThatCannotBeUsedAreNamed) {
@@ -161,6 +142,14 @@ TEST(VocabularyFile, FilesThatCannotBeUsedAreNamed) {
   EXPECT_THAT(
       input_error([&] { write_vocabulary(folder.path() / "no" / "such" / "a.kinvoc", vocabulary()); }),
       HasSubstr("a.kinvoc"));
+}
+
+TEST(VocabularyFile, IsUsableWhateverHappensToTheFile) {
+  const test::TempFolder folder;
+  const auto path = folder.write("words.kinvoc", bytes());
+  const Vocabulary read = read_vocabulary(path);
+  std::filesystem::resize_file(path, 0);
+  EXPECT_EQ(serialize_vocabulary(read), bytes());
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ TEST(DescriptorFile, GivesBackWhatWasWritten) {
   const test::TempFolder folder;
   auto images = test::clustered_images(3, 20, 10, 1);
   images.insert(images.begin() + 1, cv::Mat());
-  const DescriptorFile file(written(folder, images));
+  DescriptorFile file(written(folder, images));
   EXPECT_EQ(file.kind(), DescriptorKind::kOrb);
   EXPECT_EQ(file.rows(), 60U);
   ASSERT_EQ(file.images(), images.size());
@@ -73,6 +73,14 @@ TEST(DescriptorFile, AnythingElseIsAnErrorThatNamesIt) {
   std::string altered = bytes;
   altered.back() = 1;  // 2^24 more descriptors for one image
   EXPECT_THAT(error_of(altered), HasSubstr("its images"));
+}
+
+TEST(DescriptorFile, CutShortWhileItIsReadIsAnError) {
+  const test::TempFolder folder;
+  const auto path = written(folder, {cv::Mat(2000, kOrbBytes, CV_8UC1, cv::Scalar(1)), cv::Mat(1, kOrbBytes, CV_8UC1, cv::Scalar(2))});
+  DescriptorFile file(path);
+  std::filesystem::resize_file(path, 1000);
+  EXPECT_THAT(test::input_error([&] { static_cast<void>(file.descriptors_of_image(0)); }), testing::HasSubstr("truncated"));
 }
 
 }  // namespace

@@ -56,15 +56,14 @@ void DescriptorFileWriter::commit() {
   file_.commit();
 }
 
-DescriptorFile::DescriptorFile(const std::filesystem::path& path) : file_(path) {
-  const auto fail = [&](const std::string& what) {
-    throw InputError(
-        fmt::format("{}: {}; create it again with 'kinloop vocab describe'", path.string(), what));
-  };
-  const std::string_view bytes = file_.bytes();
+DescriptorFile::DescriptorFile(std::filesystem::path path)
+    : path_(std::move(path)), file_(path_, std::ios::binary) {
+  std::error_code error;
+  const uint64_t size = std::filesystem::file_size(path_, error);
+  if (!file_ || error) throw InputError(fmt::format("{}: cannot be read; check the path", path_.string()));
   Header header;
-  if (bytes.size() < sizeof header) fail("truncated header");
-  std::memcpy(&header, bytes.data(), sizeof header);
+  if (size < sizeof header) fail("truncated header");
+  read(0, &header, sizeof header);
   if (header.magic != kMagic) fail("not a descriptor file");
   if (header.version != kVersion) {
     fail(fmt::format("format {}, this program reads format {}", header.version, kVersion));
@@ -72,27 +71,34 @@ DescriptorFile::DescriptorFile(const std::filesystem::path& path) : file_(path) 
   const auto kind = descriptor_kind(header.kind);
   if (!kind) fail(fmt::format("unknown descriptor kind {}", header.kind));
   kind_ = *kind;
-  const size_t left = bytes.size() - sizeof header, row_bytes = descriptor_traits(kind_).bytes;
+  const size_t left = size - sizeof header, row_bytes = descriptor_traits(kind_).bytes;
   if (header.rows > left / row_bytes || header.images > left / sizeof(uint32_t) ||
       header.rows * row_bytes + header.images * sizeof(uint32_t) != left) {
     fail("truncated or appended to");
   }
   std::vector<uint32_t> counts(header.images);
-  if (!counts.empty()) {
-    std::memcpy(counts.data(), bytes.data() + sizeof header + header.rows * row_bytes,
-                counts.size() * sizeof(uint32_t));
-  }
+  read(sizeof header + header.rows * row_bytes, counts.data(), counts.size() * sizeof(uint32_t));
   first_row_.resize(counts.size() + 1, 0);
   std::inclusive_scan(counts.begin(), counts.end(), first_row_.begin() + 1, std::plus<>(), size_t{0});
   if (rows() != header.rows) fail("the descriptor counts of its images do not add up");
 }
 
-cv::Mat DescriptorFile::descriptors_of_image(size_t image) const {
+void DescriptorFile::fail(const std::string& what) const {
+  throw InputError(fmt::format("{}: {}; create it again with 'kinloop vocab describe'", path_.string(), what));
+}
+
+void DescriptorFile::read(uint64_t offset, void* bytes, size_t size) {
+  file_.seekg(static_cast<std::streamoff>(offset));
+  file_.read(static_cast<char*>(bytes), static_cast<std::streamsize>(size));
+  if (!file_) fail("truncated while it was read");
+}
+
+cv::Mat DescriptorFile::descriptors_of_image(size_t image) {
   require(image < images(), "DescriptorFile: no such image");
   const size_t row_bytes = descriptor_traits(kind_).bytes, begin = first_row_[image];
-  // OpenCV has no const matrix; the mapping is read-only, and nobody writes to it.
-  auto* rows = const_cast<char*>(file_.bytes().data() + sizeof(Header) + begin * row_bytes);
-  return {static_cast<int>(first_row_[image + 1] - begin), static_cast<int>(row_bytes), CV_8UC1, rows};
+  cv::Mat rows(static_cast<int>(first_row_[image + 1] - begin), static_cast<int>(row_bytes), CV_8UC1);
+  read(sizeof(Header) + begin * row_bytes, rows.data, rows.total());
+  return rows;
 }
 
 }  // namespace kinloop

@@ -3,9 +3,10 @@
 // more data than fits into memory. docs/place.md describes the format.
 
 #include <filesystem>
+#include <fstream>
+#include <string>
 #include <vector>
 
-#include "kinloop/base/mapped_file.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "tools/vocabulary_training/training_set.hpp"
 
@@ -28,21 +29,25 @@ class DescriptorFileWriter {
   std::vector<uint32_t> counts_;  ///< number of descriptors per image
 };
 
-/// Such a file, memory-mapped.
+/// Such a file. Descriptors are read when they are asked for.
 class DescriptorFile {
  public:
   /// Throws InputError unless the file is complete and of this format.
-  explicit DescriptorFile(const std::filesystem::path& path);
+  explicit DescriptorFile(std::filesystem::path path);
 
   [[nodiscard]] DescriptorKind kind() const { return kind_; }
   [[nodiscard]] size_t images() const { return first_row_.size() - 1; }
   [[nodiscard]] size_t rows() const { return first_row_.back(); }
 
-  /// Returns the descriptors of an image, valid as long as this file.
-  [[nodiscard]] cv::Mat descriptors_of_image(size_t image) const;
+  /// Returns the descriptors of an image. Throws InputError if the file has been cut short since.
+  [[nodiscard]] cv::Mat descriptors_of_image(size_t image);
 
  private:
-  MappedFile file_;
+  [[noreturn]] void fail(const std::string& what) const;
+  void read(uint64_t offset, void* bytes, size_t size);
+
+  std::filesystem::path path_;
+  std::ifstream file_;
   DescriptorKind kind_ = DescriptorKind::kOrb;
   std::vector<size_t> first_row_;  ///< per image, plus an end entry
 };

@@ -147,7 +147,7 @@ LoadedTrainingSet read_training_set(const TrainingInput& input, const DescribeOp
                     }
                   });
   for (const fs::path& path : input.descriptor_files) {
-    const DescriptorFile file(path);
+    DescriptorFile file(path);
     require_kind(file, path, description.kind);
     const auto [first, last] = share_of(file.images(), communicator);
     for (size_t image = first; image < last; ++image) described.set.append(file.descriptors_of_image(image));

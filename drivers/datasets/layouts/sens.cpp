@@ -6,6 +6,9 @@
 //   uint32 width and height of colour, of depth; float units per metre; uint64 count of frames
 //   each: float[16] pose, uint64 times of colour and depth in microseconds, uint64 sizes, colour, depth
 
+#include <array>
+#include <fstream>
+
 #include <fmt/format.h>
 
 #include "drivers/datasets/layouts/layouts.hpp"
@@ -15,7 +18,6 @@
 #include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
-#include "kinloop/base/mapped_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -25,24 +27,33 @@ namespace fs = std::filesystem;
 /// Reads the file from the front. Errors name the file and the byte.
 class SensReader {
  public:
-  SensReader(std::string_view bytes, fs::path file)
-      : rest_(as_bytes(bytes)), size_(bytes.size()), file_(std::move(file)) {}
+  explicit SensReader(const fs::path& file) : stream_(file, std::ios::binary), file_(file) {
+    std::error_code error;
+    size_ = fs::file_size(file, error);
+    if (!stream_ || error)
+      throw InputError(fmt::format("{}: cannot be read; check its permissions", file.string()));
+  }
 
   [[noreturn]] void fail(const std::string& what) const {
     throw InputError(fmt::format("{}: at byte {}: {}", file_.string(), position(), what));
   }
-  [[nodiscard]] bool has(uint64_t count) const { return count <= rest_.left(); }
-  [[nodiscard]] size_t position() const { return size_ - rest_.left(); }
+  [[nodiscard]] bool has(uint64_t count) const { return count <= size_ - position_; }
+  [[nodiscard]] uint64_t position() const { return position_; }
 
   void skip(uint64_t count) {
     require_left(count);
-    rest_.block(count);
+    position_ += count;
+    stream_.seekg(static_cast<std::streamoff>(position_));
   }
 
   template <class Number>
   Number number() {
     require_left(sizeof(Number));
-    return rest_.number<Number>();
+    std::array<uint8_t, sizeof(Number)> bytes{};
+    stream_.read(reinterpret_cast<char*>(bytes.data()), bytes.size());
+    if (!stream_) fail("the file cannot be read; was it cut short?");
+    position_ += bytes.size();
+    return ByteReader(bytes).number<Number>();
   }
 
   Eigen::Matrix4d matrix() {
@@ -63,9 +74,9 @@ class SensReader {
     if (!has(count)) fail("the file is truncated; copy it again");
   }
 
-  ByteReader rest_;
-  size_t size_;
+  std::ifstream stream_;
   fs::path file_;
+  uint64_t size_ = 0, position_ = 0;
 };
 
 DepthEncoding depth_encoding(SensReader& bytes) {
@@ -136,8 +147,7 @@ std::string sens_evidence(const fs::path& path, const FolderContents& contents) 
 RecordedSequence read_sens(const fs::path& path) {
   constexpr uint32_t kVersion = 4;
   const fs::path file = sens_file(path, FolderContents(path));
-  const MappedFile mapped(file);
-  SensReader bytes(mapped.bytes(), file);
+  SensReader bytes(file);
   const auto version = bytes.number<uint32_t>();
   if (version != kVersion) bytes.fail(fmt::format("version {}, where {} can be read", version, kVersion));
   bytes.skip(bytes.number<uint64_t>());

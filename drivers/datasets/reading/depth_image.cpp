@@ -11,7 +11,6 @@
 #include "drivers/datasets/reading/numpy_file.hpp"
 #include "drivers/datasets/reading/pgm.hpp"
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
 namespace kinloop {
@@ -102,10 +101,14 @@ cv::Mat decode_depth(const std::string& bytes, const std::filesystem::path& file
   return metres_of_units(units, depth_scale);
 }
 
-cv::Mat read_confidence_image(const std::filesystem::path& file) {
-  const std::string bytes = read_file(file);
+cv::Mat read_confidence_image(const std::filesystem::path& file, cv::Size size) {
+  const std::string bytes = read_image_bytes(file);
   const auto damage = image_damage(bytes);
   if (!damage.empty()) reject_depth(file, std::string(damage));
+  if (const auto found = encoded_size(bytes); found && *found != size) {
+    reject_depth(file, fmt::format("{} x {} pixels where depth has {} x {}", found->width, found->height,
+                                   size.width, size.height));
+  }
   cv::Mat image = decode_image(bytes);
   if (image.empty()) reject_depth(file, "the file is damaged; copy it again");
   if (image.type() != CV_8UC1) reject_depth(file, "not an 8-bit grey image, as confidence is");

@@ -17,7 +17,7 @@ namespace kinloop {
 cv::Mat decode_depth(const std::string& bytes, const std::filesystem::path& file, DepthEncoding encoding,
                      cv::Size size, double depth_scale);
 
-/// Reads an 8-bit grey image. Throws InputError naming the file and the problem.
-cv::Mat read_confidence_image(const std::filesystem::path& file);
+/// Reads an 8-bit grey image of the size of depth. Throws InputError naming the file and the problem.
+cv::Mat read_confidence_image(const std::filesystem::path& file, cv::Size size);
 
 }  // namespace kinloop

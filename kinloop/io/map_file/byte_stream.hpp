@@ -56,6 +56,9 @@ class ValueReader {
     rest_.remove_prefix(count * sizeof(T));
   }
 
+  /// Returns whether a value was missing.
+  [[nodiscard]] bool truncated() const { return truncated_; }
+
   /// Returns whether all values were present and none is left.
   [[nodiscard]] bool exhausted() const { return !truncated_ && rest_.empty(); }
 

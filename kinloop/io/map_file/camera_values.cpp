@@ -1,6 +1,7 @@
 #include "kinloop/io/map_file/camera_values.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace kinloop {
@@ -29,10 +30,47 @@ Enum enum_from(double number) {
   return value->value;
 }
 
+[[noreturn]] void reject() {
+  throw std::out_of_range("not a value of a camera");
+}
+
+int side_from(double pixels) {
+  constexpr double kMaxSide_px = 30'000;  // as in camera.yaml
+  if (!(pixels >= 1 && pixels <= kMaxSide_px)) reject();
+  return static_cast<int>(pixels);
+}
+
+/// The ranges are wider than those of camera.yaml, since cameras are also estimated and cropped.
+void require_possible(const PinholeCamera& c) {
+  constexpr double kWidestShare = 0.01, kLongestShare = 1000, kMaxCentreShare = 100, kMaxCoefficient = 1e6;
+  const double side_px = std::max(c.width, c.height);
+  const auto in = [](double value, double low, double high) { return value >= low && value <= high; };
+  const LensDistortion& d = c.lens;
+  bool possible = in(c.fx, kWidestShare * side_px, kLongestShare * side_px) &&
+                  in(c.fy, kWidestShare * side_px, kLongestShare * side_px) &&
+                  in(std::abs(c.cx), 0, kMaxCentreShare * side_px) && in(std::abs(c.cy), 0, kMaxCentreShare * side_px);
+  for (const double k : {d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6})
+    possible = possible && in(std::abs(k), 0, kMaxCoefficient);
+  if (!possible) reject();
+}
+
+void require_possible(const RgbdCamera& c) {
+  constexpr double kMinScale = 1e-3, kMaxScale = 1e9, kMaxRate_hz = 1e6, kMaxTime_s = 10, kMaxDistance_m = 100,
+                   kTolerance = 1e-3;
+  require_possible(c.color);
+  if (c.depth) require_possible(*c.depth);
+  const auto in = [](double value, double low, double high) { return value >= low && value <= high; };
+  const bool possible = in(c.depth_scale, kMinScale, kMaxScale) && in(c.fps, 0, kMaxRate_hz) &&
+                        in(c.rolling_shutter_s, 0, kMaxTime_s) && in(c.depth_offset_s, -kMaxTime_s, kMaxTime_s) &&
+                        in(c.T_color_depth.translation.norm(), 0, kMaxDistance_m) &&
+                        in(c.T_color_depth.rotation.norm(), 1 - kTolerance, 1 + kTolerance);
+  if (!possible) reject();
+}
+
 PinholeCamera lens_from(const std::map<std::string, double>& values, const std::string& prefix) {
   const auto at = [&](const char* name) { return values.at(prefix + name); };
   PinholeCamera c;
-  c.width = static_cast<int>(at("width")), c.height = static_cast<int>(at("height"));
+  c.width = side_from(at("width")), c.height = side_from(at("height"));
   c.fx = at("fx"), c.fy = at("fy"), c.cx = at("cx"), c.cy = at("cy");
   LensDistortion& d = c.lens;
   d.k1 = at("k1"), d.k2 = at("k2"), d.p1 = at("p1"), d.p2 = at("p2"), d.k3 = at("k3");
@@ -40,6 +78,13 @@ PinholeCamera lens_from(const std::map<std::string, double>& values, const std::
   d.model = enum_from<LensModel>(at("lens_model"));
   d.k4 = at("k4"), d.k5 = at("k5"), d.k6 = at("k6");
   return c;
+}
+
+void add_depth_lens(const std::map<std::string, double>& values, RgbdCamera& camera) {
+  camera.depth = lens_from(values, "depth.");
+  const auto at = [&](const char* name) { return values.at(std::string("T_color_depth.") + name); };
+  camera.T_color_depth = {Eigen::Quaterniond(at("qw"), at("qx"), at("qy"), at("qz")),
+                          {at("x"), at("y"), at("z")}};
 }
 
 }  // namespace
@@ -71,11 +116,8 @@ std::optional<RgbdCamera> camera_from(const std::map<std::string, double>& value
   if (values.contains("depth_sensor"))  // not in older files
     camera.sensor =
         depth_sensor(enum_from<DepthSensorModel>(values.at("depth_sensor")), SensorOrigin::kSource);
-  if (!values.contains("depth.fx")) return camera;
-  camera.depth = lens_from(values, "depth.");
-  const auto at = [&](const char* name) { return values.at(std::string("T_color_depth.") + name); };
-  camera.T_color_depth = {Eigen::Quaterniond(at("qw"), at("qx"), at("qy"), at("qz")),
-                          {at("x"), at("y"), at("z")}};
+  if (values.contains("depth.fx")) add_depth_lens(values, camera);
+  require_possible(camera);
   return camera;
 } catch (const std::out_of_range&) {
   return std::nullopt;

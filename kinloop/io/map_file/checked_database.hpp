@@ -27,7 +27,7 @@ struct Blob {
 using Cell = std::variant<int64_t, double, std::string, Blob>;
 using Row = std::vector<Cell>;
 
-/// Reads the cells of a row one by one; returns zeros once one is missing or of another type.
+/// Reads the cells of a row one by one; returns zeros for those that are missing or of another type.
 class RowReader {
  public:
   explicit RowReader(const Row& row) : row_(row) {}
@@ -36,17 +36,29 @@ class RowReader {
   T take() {
     const T* cell = next_ < row_.size() ? std::get_if<T>(&row_[next_]) : nullptr;
     ++next_;
-    if (cell == nullptr) type_mismatch_ = true;
+    if (cell == nullptr) reject();
     return cell != nullptr ? *cell : T{};
   }
 
-  /// Returns whether every cell was present and none is left.
-  [[nodiscard]] bool exhausted() const { return !type_mismatch_ && next_ == row_.size(); }
+  /// Reads a number from `low` to `high`; any other is invalid.
+  template <class Number>
+  Number take_in(Number low, Number high) {
+    const auto number = take<Number>();
+    if (number >= low && number <= high) return number;
+    reject();
+    return low;
+  }
+
+  /// The row is invalid.
+  void reject() { valid_ = false; }
+
+  /// Returns whether every cell was present and valid and none is left.
+  [[nodiscard]] bool exhausted() const { return valid_ && next_ == row_.size(); }
 
  private:
   const Row& row_;
   size_t next_ = 0;
-  bool type_mismatch_ = false;
+  bool valid_ = true;
 };
 
 /// Application id and version in a file's header.

@@ -1,5 +1,6 @@
 #include "kinloop/io/map_file/feature_serialization.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "kinloop/io/map_file/byte_stream.hpp"
@@ -21,13 +22,36 @@ void for_each_list(Self& features, Visit&& visit) {
   visit(features.sigmas_px);
 }
 
-/// Optional lists may be empty.
+/// Every list has an entry per keypoint, except for the one that may be empty. Descriptors have 256 bits
+/// whatever their kind.
 bool consistent(const Features& features) {
-  bool same = features.level_count > 0 && features.scale_factor > 1 && std::isfinite(features.depth_lag_s);
-  for_each_list(features,
-                [&](const auto& list) { same = same && (list.empty() || list.size() == features.size()); });
-  return same &&
-         (features.descriptors.empty() || static_cast<size_t>(features.descriptors.rows) == features.size());
+  constexpr int kMaxLevels = 64, kDescriptorBytes = 32;
+  constexpr double kMaxScale = 10;
+  bool same = features.size() > 0 && features.level_count > 0 && features.level_count <= kMaxLevels &&
+              features.scale_factor > 1 && features.scale_factor <= kMaxScale;
+  for_each_list(features, [&](const auto& list) {
+    const bool optional = static_cast<const void*>(&list) == &features.inverse_depth_gradients;
+    same = same && (list.size() == features.size() || (optional && list.empty()));
+  });
+  const cv::Mat& descriptors = features.descriptors;
+  return same && static_cast<size_t>(descriptors.rows) == features.size() &&
+         descriptors.type() == CV_8UC1 && descriptors.cols == kDescriptorBytes;
+}
+
+/// Every number is one that a camera can have measured.
+bool possible(const Features& features) {
+  constexpr float kMaxPixel = 1e6F, kMaxDepthM = 1e6F, kMaxLag_s = 1e3F;
+  const auto all = [](const auto& list, const auto& is_possible) {
+    return std::all_of(list.begin(), list.end(), is_possible);
+  };
+  const auto is_pixel = [](const Eigen::Vector2f& p) { return p.cwiseAbs().maxCoeff() <= kMaxPixel && p.allFinite(); };
+  const auto is_depth = [](float depth_m) { return depth_m >= 0 && depth_m <= kMaxDepthM; };
+  return std::abs(features.depth_lag_s) <= kMaxLag_s && all(features.pixels, is_pixel) &&
+         all(features.raw_pixels, is_pixel) && all(features.measured_pixels, is_pixel) &&
+         all(features.depths_m, is_depth) && all(features.measured_depths_m, is_depth) &&
+         all(features.levels, [&](int level) { return level >= 0 && level < features.level_count; }) &&
+         all(features.angles_rad, [](float angle_rad) { return std::isfinite(angle_rad); }) &&
+         all(features.sigmas_px, [](float sigma_px) { return sigma_px > 0 && sigma_px <= kMaxPixel; });
 }
 
 cv::Mat descriptors_from(ValueReader& reader) {
@@ -35,7 +59,8 @@ cv::Mat descriptors_from(ValueReader& reader) {
   const auto rows = reader.value<int32_t>(), cols = reader.value<int32_t>();
   const auto values = reader.list<uint8_t>();
   const bool known = type == CV_8UC1 || type == CV_32FC1;
-  if (!known || rows < 0 || cols < 0) return {};
+  constexpr int32_t kMaxCols = 1024;
+  if (!known || rows < 0 || cols < 0 || cols > kMaxCols) return {};
   const size_t bytes = static_cast<size_t>(rows) * static_cast<size_t>(cols) * (type == CV_8UC1 ? 1 : 4);
   if (values.size() != bytes) return {};
   cv::Mat descriptors(rows, cols, type);
@@ -69,7 +94,7 @@ std::optional<Features> deserialize_features(const std::string& bytes) {
   for_each_list(features, [&]<class T>(std::vector<T>& list) { list = reader.list<T>(); });
   features.descriptors = descriptors_from(reader);
   if (!reader.exhausted()) features.depth_lag_s = reader.value<float>();  // not in files of version 1
-  if (!reader.exhausted() || !consistent(features)) return std::nullopt;
+  if (!reader.exhausted() || !consistent(features) || !possible(features)) return std::nullopt;
   return features;
 }
 

@@ -13,22 +13,12 @@
 #include "kinloop/io/map_file/feature_serialization.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/io/map_file/map_tables.hpp"
+#include "kinloop/io/map_file/row_values.hpp"
 
 namespace kinloop {
 namespace {
 
 namespace tables = map_tables;
-
-uint32_t take_id(RowReader& row) {
-  return static_cast<uint32_t>(row.take<int64_t>());
-}
-
-SE3 take_pose(RowReader& row) {
-  SE3 pose;
-  for (int i = 0; i < 3; ++i) pose.translation(i) = row.take<double>();
-  for (int i = 0; i < 4; ++i) pose.rotation.coeffs()(i) = row.take<double>();
-  return pose;
-}
 
 std::map<std::string, double> read_camera(const DatabaseReader& file) {
   std::map<std::string, double> camera;
@@ -56,36 +46,45 @@ bool read_settings(const DatabaseReader& file, SavedMap& map) {
   const auto sessions = file.read(tables::kSession, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     auto input = row.take<std::string>();
-    map.sessions.push_back({std::move(input), FrameId{take_id(row)}});
-    return row.exhausted();
+    const SavedSession session{std::move(input), FrameId{take_index(row, kMaxFrames)}};
+    const bool in_order = map.sessions.empty() || session.first_frame >= map.sessions.back().first_frame;
+    if (!row.exhausted() || !in_order) return false;
+    map.sessions.push_back(session);
+    return true;
   });
   const auto options = file.read(tables::kOption, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     auto key = row.take<std::string>();
-    map.options.emplace_back(std::move(key), row.take<std::string>());
-    return row.exhausted();
+    auto value = row.take<std::string>();
+    if (!row.exhausted()) return false;
+    map.options.emplace_back(std::move(key), std::move(value));
+    return true;
   });
   const auto sensor = file.read(tables::kSensor, [&](int64_t, const Row& cells) {
     RowReader row(cells);
-    const auto value = row.take<double>(), sigma = row.take<double>();
-    map.sensor.push_back({value, sigma, row.take<int64_t>() != 0});
-    return row.exhausted();
+    const double value = row.take_in(-kMaxParameter, kMaxParameter), sigma = row.take_in(0.0, kMaxParameter);
+    const SavedParameter parameter{value, sigma, row.take<int64_t>() != 0};
+    if (!row.exhausted()) return false;
+    map.sensor.push_back(parameter);
+    return true;
   });
   return !sessions.any() && !options.any() && !sensor.any();
 }
 
+/// The keyframes by their ids in the file.
 std::map<uint32_t, Keyframe> read_keyframes(const DatabaseReader& file) {
   std::map<uint32_t, Keyframe> keyframes;
   file.read(tables::kKeyframe, [&](int64_t id, const Row& cells) {
+    if (id < 0 || id >= kMaxKeyframes) return false;
     RowReader row(cells);
     Keyframe keyframe;
-    keyframe.frame = FrameId{take_id(row)};
-    keyframe.stamp_ns = row.take<int64_t>();
-    keyframe.component = take_id(row);
+    keyframe.frame = FrameId{take_index(row, kMaxFrames)};
+    keyframe.stamp_ns = take_stamp(row);
+    keyframe.component = take_index(row, id + 1);  // each component began with a keyframe
     keyframe.begins_component = row.take<int64_t>() != 0;
     keyframe.T_world_camera = take_pose(row);
     auto features = deserialize_features(row.take<Blob>().bytes);
-    if (!features || !row.exhausted() || !keyframe.T_world_camera.is_finite()) return false;
+    if (!features || !row.exhausted()) return false;
     keyframe.features = std::make_shared<const Features>(std::move(*features));
     keyframes.emplace(static_cast<uint32_t>(id), std::move(keyframe));
     return true;
@@ -131,21 +130,32 @@ std::optional<Landmark> sound(Landmark landmark, const Renumbered& ids, const Ma
     if (claims.contains(seen) || !observers.insert(seen.keyframe).second) continue;
     kept.push_back(seen);
   }
-  if (!observers.contains(landmark.anchor) || !landmark.p_anchor.allFinite()) return std::nullopt;
+  if (!observers.contains(landmark.anchor)) return std::nullopt;
   claims.insert(kept.begin(), kept.end());
   landmark.observations = std::move(kept);
   return landmark;
 }
 
+/// Landmarks are created at keypoints, rarely twice at the same one. Their ids have gaps where some were erased;
+/// beyond this limit an id is damaged, and the table indexed by ids would be absurdly large.
+int64_t landmark_limit(const MapData& map) {
+  constexpr size_t kPerKeypoint = 4;
+  size_t keypoints = 0;
+  for (const Keyframe& keyframe : map.keyframes) keypoints += keyframe.features->size();
+  return static_cast<int64_t>(kPerKeypoint * keypoints);
+}
+
 size_t read_landmarks(const DatabaseReader& file, const Renumbered& ids, MapData& map) {
   Claims claims;
   size_t count = 0;
+  const int64_t limit = landmark_limit(map);
   file.read(tables::kLandmark, [&](int64_t id, const Row& cells) {
+    if (id < 0 || id >= limit) return false;
     RowReader row(cells);
     Landmark landmark;
     landmark.id = LandmarkId{static_cast<uint32_t>(id)};
-    landmark.anchor = KeyframeId{take_id(row)};
-    for (int i = 0; i < 3; ++i) landmark.p_anchor(i) = row.take<double>();
+    landmark.anchor = take_keyframe(row);
+    for (int i = 0; i < 3; ++i) landmark.p_anchor(i) = row.take_in(-kMaxDistanceM, kMaxDistanceM);
     const Blob observations = row.take<Blob>();
     ValueReader reader(observations.bytes);
     landmark.observations = reader.list<Observation>();
@@ -164,15 +174,15 @@ void read_loop_edges(const DatabaseReader& file, const Renumbered& ids, MapData&
   file.read(tables::kLoopEdge, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     LoopEdge edge;
-    edge.a = new_id(ids, KeyframeId{take_id(row)});
-    edge.b = new_id(ids, KeyframeId{take_id(row)});
+    edge.a = new_id(ids, take_keyframe(row));
+    edge.b = new_id(ids, take_keyframe(row));
     edge.T_a_b = take_pose(row);
     const Blob information = row.take<Blob>();
     ValueReader reader(information.bytes);
     reader.copy(edge.information.data(), static_cast<size_t>(edge.information.size()));
-    edge.inliers = static_cast<int>(row.take<int64_t>());
-    const bool whole = reader.exhausted() && row.exhausted() && edge.T_a_b.is_finite();
-    if (!whole || !edge.a.valid() || !edge.b.valid()) return false;
+    edge.inliers = static_cast<int>(row.take_in<int64_t>(0, kMaxInliers));
+    const bool whole = reader.exhausted() && row.exhausted() && is_information(edge.information);
+    if (!whole || !edge.a.valid() || !edge.b.valid() || edge.a == edge.b) return false;
     map.loop_edges.push_back(edge);
     return true;
   });
@@ -183,16 +193,16 @@ std::vector<SavedFrame> read_frames(const DatabaseReader& file, const Renumbered
   file.read(tables::kFrame, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     SavedFrame frame;
-    frame.frame = FrameId{take_id(row)};
-    frame.stamp_ns = row.take<int64_t>();
-    frame.status = static_cast<int>(row.take<int64_t>());
-    frame.reference = new_id(ids, KeyframeId{take_id(row)});
-    frame.keyframe = new_id(ids, KeyframeId{take_id(row)});
+    frame.frame = FrameId{take_index(row, kMaxFrames)};
+    frame.stamp_ns = take_stamp(row);
+    frame.status = static_cast<int>(row.take_in<int64_t>(0, kMaxStatus));
+    frame.reference = new_id(ids, take_keyframe(row));
+    frame.keyframe = new_id(ids, take_keyframe(row));
     frame.repeat = row.take<int64_t>() != 0;
     frame.T_reference_camera = take_pose(row);
-    if (!row.exhausted()) frame.depth_lag_s = static_cast<float>(row.take<double>());  // not in version 1
-    if (!row.exhausted() || !frame.T_reference_camera.is_finite() || !std::isfinite(frame.depth_lag_s))
-      return false;
+    if (!row.exhausted())  // not in version 1
+      frame.depth_lag_s = static_cast<float>(row.take_in(-kMaxLagS, kMaxLagS));
+    if (!row.exhausted() || (!frames.empty() && frame.frame <= frames.back().frame)) return false;
     frames.push_back(frame);
     return true;
   });
@@ -203,8 +213,9 @@ std::vector<SavedFrame> read_frames(const DatabaseReader& file, const Renumbered
 size_t missing(const std::map<std::string, Cell>& about, const char* table, size_t found) {
   const auto count = about.find(table);
   if (count == about.end() || !std::holds_alternative<int64_t>(count->second)) return 0;
-  const auto written = static_cast<size_t>(std::get<int64_t>(count->second));
-  return written > found ? written - found : 0;
+  const int64_t written = std::get<int64_t>(count->second);
+  if (written < 0 || written > kMaxRows) return 0;
+  return static_cast<size_t>(written) > found ? static_cast<size_t>(written) - found : 0;
 }
 
 }  // namespace
@@ -248,8 +259,8 @@ std::pair<SavedMap, MapDamage> MapReader::read() const {
     if (const auto* text = std::get_if<std::string>(&program->second)) saved.program = *text;
   }
   if (const auto components = about.find("components"); components != about.end()) {
-    if (const auto* n = std::get_if<int64_t>(&components->second))
-      saved.map.component_count = std::max(saved.map.component_count, static_cast<uint32_t>(*n));
+    if (const auto* n = std::get_if<int64_t>(&components->second); n != nullptr && *n <= kMaxKeyframes)
+      saved.map.component_count = std::max(saved.map.component_count, static_cast<uint32_t>(std::max<int64_t>(*n, 0)));
   }
   damage.keyframes = missing(about, tables::kKeyframe, ids.size());
   damage.landmarks = missing(about, tables::kLandmark, landmarks);
@@ -260,16 +271,19 @@ std::pair<SavedMap, MapDamage> MapReader::read() const {
 
 size_t MapReader::read_images(const std::function<void(SavedImages)>& take) const {
   size_t count = 0;
+  const auto camera = camera_from(read_camera(database_));
   database_.read(tables::kImage, [&](int64_t, const Row& cells) {
     RowReader row(cells);
     SavedImages saved;
-    saved.frame = FrameId{take_id(row)};
-    saved.images.rows = static_cast<int>(row.take<int64_t>());
-    saved.images.cols = static_cast<int>(row.take<int64_t>());
+    saved.frame = FrameId{take_index(row, kMaxFrames)};
+    saved.images.rows = static_cast<int>(row.take_in<int64_t>(1, kMaxSide_px));
+    saved.images.cols = static_cast<int>(row.take_in<int64_t>(1, kMaxSide_px));
     const auto color = row.take<Blob>().bytes, depth = row.take<Blob>().bytes;
-    if (!row.exhausted()) return false;
+    if (!row.exhausted() || !camera) return false;
     saved.images.color.assign(color.begin(), color.end());
     saved.images.depth.assign(depth.begin(), depth.end());
+    const bool fits = saved.images.rows == camera->color.height && saved.images.cols == camera->color.width;
+    if (!fits || !is_decodable(saved.images)) return false;
     take(std::move(saved));
     ++count;
     return true;

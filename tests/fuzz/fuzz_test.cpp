@@ -1,0 +1,51 @@
+// Replays the corpus of every fuzz target, among it each input that once found a defect.
+
+#include "tests/fuzz/fuzz_target.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "kinloop/base/log.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace kinloop {
+namespace {
+
+class FuzzCorpusTest : public testing::TestWithParam<fuzz::FuzzTarget> {
+ protected:
+  FuzzCorpusTest() { log::set_level(spdlog::level::off); }
+  ~FuzzCorpusTest() override { log::set_level(spdlog::level::info); }
+
+  static std::vector<std::filesystem::path> corpus() {
+    std::vector<std::filesystem::path> files;
+    const auto folder = test::source_folder() / "tests/fuzz/corpus" / GetParam().name;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    return files;
+  }
+};
+
+TEST_P(FuzzCorpusTest, EveryInputIsReadOrRejected) {
+  const auto files = corpus();
+  ASSERT_FALSE(files.empty());
+  for (const auto& file : files) EXPECT_NO_THROW(GetParam().run(read_file(file))) << file;
+}
+
+TEST_P(FuzzCorpusTest, EveryInputMayBeCutShort) {
+  constexpr size_t kCuts = 5;
+  for (const auto& file : corpus()) {
+    const std::string bytes = read_file(file);
+    for (size_t i = 0; i < kCuts; ++i)
+      EXPECT_NO_THROW(GetParam().run(std::string_view(bytes).substr(0, bytes.size() * i / kCuts))) << file << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Targets, FuzzCorpusTest, testing::ValuesIn(fuzz::fuzz_targets()),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace
+}  // namespace kinloop
