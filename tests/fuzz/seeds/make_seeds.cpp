@@ -19,7 +19,7 @@
 #include "tests/drivers/layout_writers.hpp"
 #include "tests/drivers/mkv_writer.hpp"
 #include "tests/drivers/oni_writer.hpp"
-#include "tests/fuzz/seeds/ros1_bag_writer.hpp"
+#include "tests/drivers/ros1_bag_writer.hpp"
 #include "tests/fuzz/targets/map_rows.hpp"
 #include "tests/place/synthetic.hpp"
 #include "tests/support/synthetic_map.hpp"
@@ -241,7 +241,7 @@ test::WrittenBag ros2_bag(bool compressed) {
 
 void add_ros1_bags(const Corpus& corpus) {
   constexpr auto kKind = Serialization::kRos1;
-  Ros1BagWriter plain, realsense;
+  test::Ros1BagWriter plain, realsense;
   plain.add("/camera/rgb/camera_info", "sensor_msgs/CameraInfo", 1, test::info_message(kKind, small_lens()));
   const std::string color = "/device_0/sensor_1/Color_0", depth = "/device_0/sensor_0/Depth_0";
   realsense.add(color + "/info/camera_info", "sensor_msgs/CameraInfo", 1,

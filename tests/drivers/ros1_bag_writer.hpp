@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-namespace kinloop::fuzz {
+namespace kinloop::test {
 
 /// An uncompressed bag of one chunk.
 class Ros1BagWriter {
@@ -48,4 +48,4 @@ class Ros1BagWriter {
   std::string chunk_;
 };
 
-}  // namespace kinloop::fuzz
+}  // namespace kinloop::test
