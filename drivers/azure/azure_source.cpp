@@ -12,6 +12,7 @@
 #include "drivers/live/frame_pairer.hpp"
 #include "drivers/ros/ros_image.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/geometry/possible_camera.hpp"
 #include "kinloop/sensor/image_file.hpp"
 #include "kinloop/sensor/registration.hpp"
 
@@ -34,6 +35,7 @@ class AzureSource : public FrameSource {
       use_factory_calibration();
     }
     camera_.sensor.set_by_source(DepthSensorModel::kAzureKinect);
+    require_possible(camera_, info_.name);
     preparation_.emplace(camera_);
   }
 

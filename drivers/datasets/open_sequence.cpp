@@ -6,6 +6,7 @@
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
+#include "kinloop/geometry/possible_camera.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 
 namespace kinloop {
@@ -30,6 +31,7 @@ OpenedSequence read_sequence(const std::filesystem::path& path,
   if (!given && !opened.sequence.camera) reject_without_camera(path, opened.sequence.camera_remedy);
   opened.camera = given ? *given : *opened.sequence.camera;
   if (opened.sequence.sensor) opened.camera.sensor.set_by_source(*opened.sequence.sensor);
+  require_possible(opened.camera, path.string());
   return opened;
 }
 

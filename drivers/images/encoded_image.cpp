@@ -1,6 +1,7 @@
 #include "drivers/images/encoded_image.hpp"
 
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -93,6 +94,15 @@ ColorImage decode_embedded_color(std::span<const uint8_t> data) {
   if (image.type() == CV_8UC1) cv::cvtColor(image, image, cv::COLOR_GRAY2BGR);
   if (image.type() != CV_8UC3) throw InputError("a compressed colour image does not have 8 bits per channel");
   return image;
+}
+
+cv::Mat without_impossible_depth(cv::Mat depth_m) {
+  constexpr float kMost = std::numeric_limits<float>::max();
+  for (int y = 0; y < depth_m.rows; ++y) {
+    auto* row = depth_m.ptr<float>(y);
+    for (int x = 0; x < depth_m.cols; ++x) row[x] = row[x] > 0 && row[x] <= kMost ? row[x] : 0;
+  }
+  return depth_m;
 }
 
 cv::Mat decode_rvl(std::span<const uint8_t> bytes, cv::Size size) {

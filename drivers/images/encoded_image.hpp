@@ -23,6 +23,9 @@ cv::Mat decode_embedded_image(std::span<const uint8_t> bytes);
 /// channel.
 ColorImage decode_embedded_color(std::span<const uint8_t> bytes);
 
+/// Returns depth in metres (32FC1) with 0 = unknown in place of what is not finite and positive.
+cv::Mat without_impossible_depth(cv::Mat depth_m);
+
 /// Decodes 16-bit depth compressed with RVL (Wilson 2017) of `size` pixels to 16UC1. Throws InputError if
 /// truncated or of another size.
 cv::Mat decode_rvl(std::span<const uint8_t> bytes, cv::Size size);

@@ -8,6 +8,7 @@
 #include "drivers/openni2/oni_depth.hpp"
 #include "drivers/openni2/oni_file.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/geometry/possible_camera.hpp"
 #include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {
@@ -26,6 +27,7 @@ class OniSource : public FrameSource {
     camera_ = camera ? *camera : recorded_camera();
     require_size(color_, "colour", camera_.color);
     require_size(depth_, "depth", camera_.depth.value_or(camera_.color));
+    require_possible(camera_, info_.name);
     preparation_.emplace(camera_);
   }
 

@@ -9,6 +9,7 @@
 #include "drivers/ros/realsense_bag.hpp"
 #include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/geometry/possible_camera.hpp"
 #include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {
@@ -36,6 +37,7 @@ class BagSource : public FrameSource {
     } else if (!camera) {
       camera_ = read_bag_camera(*file_, streams_, info_.name);
     }
+    require_possible(camera_, info_.name);
     preparation_.emplace(camera_);
     for (const BagTopic* topic : file_->topics()) {
       if (topic->name == streams_.color) info_.frames = topic->messages;

@@ -150,11 +150,7 @@ cv::Mat color_from(const RosImage& image) {
 cv::Mat depth_from(const RosImage& image, double unit_m) {
   const std::string& e = image.encoding;
   if (e == "16UC1" || e == "mono16") return metres_from(native_pixels<uint16_t>(image, CV_16UC1), unit_m);
-  if (e == "32FC1") {
-    cv::Mat depth_m = native_pixels<float>(image, CV_32FC1);
-    cv::patchNaNs(depth_m, 0);
-    return depth_m;
-  }
+  if (e == "32FC1") return without_impossible_depth(native_pixels<float>(image, CV_32FC1));
   reject(e, "16UC1, 32FC1");
 }
 

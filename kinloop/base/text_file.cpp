@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 
 namespace kinloop {
@@ -74,7 +75,7 @@ double parse_double(const std::string& text, const std::filesystem::path& path, 
 }
 
 void throw_parse_error(const std::filesystem::path& path, size_t line, const std::string& what) {
-  throw InputError(fmt::format("{}:{}: {}", path.string(), line, what));
+  throw InputError(fmt::format("{}:{}: {}", path.string(), line, printable(what)));  // it may quote the file
 }
 
 AtomicFile::AtomicFile(std::filesystem::path path)

@@ -20,6 +20,7 @@ using test::input_error;
 using testing::AllOf;
 using testing::HasSubstr;
 
+using test::color_data;
 using test::depth_data;
 using test::kAzureCalibration;
 using test::kAzureColorSize;

@@ -79,13 +79,13 @@ class CraftedMapTest : public testing::Test {
   /// The damage, after the map has been used.
   static MapDamage damage_of(const MapReader& reader) {
     auto [saved, damage] = reader.read();
+    const cv::Size size(saved.camera.color.width, saved.camera.color.height);
     Map map;
-    map.append(saved.map);
+    map.append(std::move(saved.map));
     map.check_invariants();
     for (const Keyframe& keyframe : map.keyframes()) static_cast<void>(make_local_map(map, keyframe.id, {}));
     damage.images = reader.read_images([&](const SavedImages& images) {
       const RgbdImages decoded = decode_images(images.images, {});
-      const cv::Size size(saved.camera.color.width, saved.camera.color.height);
       EXPECT_TRUE(decoded.color.size() == size && decoded.depth_m.size() == size);
     });
     return damage;

@@ -1,7 +1,6 @@
 #include "drivers/datasets/reading/depth_image.hpp"
 
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -10,6 +9,7 @@
 
 #include "drivers/datasets/reading/numpy_file.hpp"
 #include "drivers/datasets/reading/pgm.hpp"
+#include "drivers/images/encoded_image.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
@@ -59,21 +59,11 @@ std::string inflate_zlib(const std::string& bytes, size_t size, const std::files
   return content;
 }
 
-cv::Mat without_unknown(cv::Mat depth_m) {
-  for (int y = 0; y < depth_m.rows; ++y) {
-    auto* row = depth_m.ptr<float>(y);
-    for (int x = 0; x < depth_m.cols; ++x) {
-      if (!(row[x] > 0) || !std::isfinite(row[x])) row[x] = 0;
-    }
-  }
-  return depth_m;
-}
-
 cv::Mat raw_metres(const std::string& bytes, cv::Size size, const std::filesystem::path& file) {
   require_length(bytes, pixels_of(size) * sizeof(float), file);
   cv::Mat depth_m(size, CV_32FC1);
   std::memcpy(depth_m.data, bytes.data(), bytes.size());
-  return without_unknown(depth_m);
+  return without_impossible_depth(depth_m);
 }
 
 }  // namespace
@@ -89,7 +79,7 @@ cv::Mat decode_depth(const std::string& bytes, const std::filesystem::path& file
     case DepthEncoding::kRawFloat32:
       return raw_metres(bytes, size, file);
     case DepthEncoding::kNumpy:
-      return without_unknown(decode_numpy_image(bytes, file));
+      return without_impossible_depth(decode_numpy_image(bytes, file));
     case DepthEncoding::kImage:
       break;
   }

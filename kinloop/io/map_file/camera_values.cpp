@@ -1,8 +1,9 @@
 #include "kinloop/io/map_file/camera_values.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
+
+#include "kinloop/geometry/possible_camera.hpp"
 
 namespace kinloop {
 namespace {
@@ -30,41 +31,9 @@ Enum enum_from(double number) {
   return value->value;
 }
 
-[[noreturn]] void reject() {
-  throw std::out_of_range("not a value of a camera");
-}
-
 int side_from(double pixels) {
-  constexpr double kMaxSide_px = 30'000;  // as in camera.yaml
-  if (!(pixels >= 1 && pixels <= kMaxSide_px)) reject();
-  return static_cast<int>(pixels);
-}
-
-/// The ranges are wider than those of camera.yaml, since cameras are also estimated and cropped.
-void require_possible(const PinholeCamera& c) {
-  constexpr double kWidestShare = 0.01, kLongestShare = 1000, kMaxCentreShare = 100, kMaxCoefficient = 1e6;
-  const double side_px = std::max(c.width, c.height);
-  const auto in = [](double value, double low, double high) { return value >= low && value <= high; };
-  const LensDistortion& d = c.lens;
-  bool possible = in(c.fx, kWidestShare * side_px, kLongestShare * side_px) &&
-                  in(c.fy, kWidestShare * side_px, kLongestShare * side_px) &&
-                  in(std::abs(c.cx), 0, kMaxCentreShare * side_px) && in(std::abs(c.cy), 0, kMaxCentreShare * side_px);
-  for (const double k : {d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6})
-    possible = possible && in(std::abs(k), 0, kMaxCoefficient);
-  if (!possible) reject();
-}
-
-void require_possible(const RgbdCamera& c) {
-  constexpr double kMinScale = 1e-3, kMaxScale = 1e9, kMaxRate_hz = 1e6, kMaxTime_s = 10, kMaxDistance_m = 100,
-                   kTolerance = 1e-3;
-  require_possible(c.color);
-  if (c.depth) require_possible(*c.depth);
-  const auto in = [](double value, double low, double high) { return value >= low && value <= high; };
-  const bool possible = in(c.depth_scale, kMinScale, kMaxScale) && in(c.fps, 0, kMaxRate_hz) &&
-                        in(c.rolling_shutter_s, 0, kMaxTime_s) && in(c.depth_offset_s, -kMaxTime_s, kMaxTime_s) &&
-                        in(c.T_color_depth.translation.norm(), 0, kMaxDistance_m) &&
-                        in(c.T_color_depth.rotation.norm(), 1 - kTolerance, 1 + kTolerance);
-  if (!possible) reject();
+  constexpr double kMaxSide_px = 1 << 15;
+  return pixels >= 1 && pixels <= kMaxSide_px ? static_cast<int>(pixels) : 0;
 }
 
 PinholeCamera lens_from(const std::map<std::string, double>& values, const std::string& prefix) {
@@ -117,7 +86,7 @@ std::optional<RgbdCamera> camera_from(const std::map<std::string, double>& value
     camera.sensor =
         depth_sensor(enum_from<DepthSensorModel>(values.at("depth_sensor")), SensorOrigin::kSource);
   if (values.contains("depth.fx")) add_depth_lens(values, camera);
-  require_possible(camera);
+  if (!is_possible(camera)) return std::nullopt;
   return camera;
 } catch (const std::out_of_range&) {
   return std::nullopt;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kinloop/base/byte_reader.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace kinloop::fuzz {
@@ -32,7 +33,7 @@ void expect_possible_frame(const RgbdFrame& frame, const PinholeCamera& camera) 
 bool is_possible_name(const std::filesystem::path& name) {
   constexpr size_t kMaxLength = 100;
   const std::string text = name.string();
-  return !text.empty() && text.size() < kMaxLength && text.find('\0') == std::string::npos &&
+  return !text.empty() && text.size() < kMaxLength && printable(text) == text &&
          name.is_relative() && std::find(name.begin(), name.end(), "..") == name.end() && name.has_filename();
 }
 

@@ -17,7 +17,7 @@ void expect_possible_damage(const MapDamage& damage) {
   static_cast<void>(describe(damage));
 }
 
-/// What a run does with a loaded map.
+/// What a run does with a loaded map before its first frame.
 void continue_map(const SavedMap& saved) {
   static const Vocabulary kVocabulary = load_default_vocabulary();
   SlamOptions options;
@@ -27,22 +27,21 @@ void continue_map(const SavedMap& saved) {
   slam.map().check_invariants();
   for (const Keyframe& keyframe : slam.map().keyframes())
     static_cast<void>(make_local_map(slam.map(), keyframe.id, options.local_map));
-  static_cast<void>(slam.finish());
 }
 
 /// What the commands on maps do with the images.
 void use_images(const MapReader& reader, const SavedMap& saved) {
-  DenseRecorder recorder(saved.camera, {});
+  DenseOptions options;
+  options.voxel_m = 0.1;  // coarse, for speed
+  DenseRecorder recorder(saved.camera, options);
   MapDamage damage;
   damage.images = reader.read_images([&](const SavedImages& images) { recorder.restore(images); });
   expect_possible_damage(damage);
   Map map;
   map.append(saved.map);
   const FrameLog log = logged_frames(saved, 0, 0);
-  for (uint32_t component = 0; component < std::min(map.component_count(), 3U); ++component) {
-    const auto views = recorder.views(log, map, component);
-    static_cast<void>(recorder.fuse_views(views, dense_camera(saved.camera, {}), 1, {}));
-  }
+  const auto views = recorder.views(log, map, 0);
+  static_cast<void>(recorder.fuse_views(views, dense_camera(saved.camera, {}), 1, {}));
 }
 
 }  // namespace
