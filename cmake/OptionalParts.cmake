@@ -79,6 +79,14 @@ if(freenect2_FOUND)
   set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_freenect2)
 endif()
 
+# RealSense: the SDK's own file defines a target.
+find_package(realsense2 QUIET)
+if(realsense2_FOUND)
+  add_library(kinloop_realsense2 INTERFACE)
+  target_link_libraries(kinloop_realsense2 INTERFACE ${realsense2_LIBRARY})
+  set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_realsense2)
+endif()
+
 # Video, as iPhone apps export colour: FFmpeg's libraries.
 kinloop_optional(video libavformat/avformat.h avformat avcodec swscale avutil)
 

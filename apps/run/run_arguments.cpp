@@ -11,9 +11,10 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
       "SEQUENCE", arguments.sequence,
       "a folder in TUM layout (rgb.txt, depth.txt, ...) or that of another dataset or app (see\n"
       "docs/cameras.md), a .sens file, a bag (.bag of ROS 1 or the RealSense SDK, .mcap or .db3 of\n"
-      "ROS 2 or their folder), a .mkv of the Azure Kinect, a .oni of OpenNI, kinect1, kinect2 or\n"
-      "openni2 (live; OpenNI: Xtion, Astra, Structure Core), frames from another program (-: standard\n"
-      "input, or unix:PATH: a socket), or sim:room, the simulated Kinect (sim:room:7: another room)");
+      "ROS 2 or their folder), a .mkv of the Azure Kinect, a .oni of OpenNI, kinect1, kinect2,\n"
+      "openni2 (Xtion, Astra, Structure Core) or realsense (live), frames from another program (-:\n"
+      "standard input, or unix:PATH: a socket), or sim:room, the simulated Kinect (sim:room:7: another "
+      "room)");
   command.add_option("-o,--output", arguments.output, "folder for the results")->capture_default_str();
   command.add_option(
       "--camera", arguments.camera,

@@ -80,7 +80,8 @@ std::string hint_for(const std::vector<RequiredFile>& missing, bool camera_known
   }
   const FolderContents beside(normal.has_parent_path() ? normal.parent_path() : fs::path("."));
   auto names = beside.folders();
-  for (const char* source : {"sim:room", "kinect1", "kinect2", "openni2"}) names.emplace_back(source);
+  for (const char* source : {"sim:room", "kinect1", "kinect2", "openni2", "realsense"})
+    names.emplace_back(source);
   const std::string guess = did_you_mean(name, names);
   throw InputError(
       fmt::format("{}: no such folder{}", path.string(), guess.empty() ? "; check the path" : guess));

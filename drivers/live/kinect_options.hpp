@@ -33,10 +33,11 @@ struct KinectOptions {
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit("serial", self.serial,
-          "serial number of the Kinect 2, or URI of the OpenNI device; empty: the first one");
+          "serial number of the camera, or URI of the OpenNI device; empty: the first one");
     visit("pipeline", self.pipeline, "depth decoder of the Kinect 2");
     visit("width", self.width,
-          "width of a Kinect 2's frames, px: 1920, 960 or 512 (512 x 424, as the depth camera sees)",
+          "width of colour, px: of a Kinect 2 1920, 960 or 512 (512 x 424, as the depth camera sees); of a "
+          "RealSense the nearest that it has",
           Range{512, 1920});
     visit("min_depth_m", self.min_depth_m, "depth below this is unknown, m", Range{0, 10});
     visit("max_depth_m", self.max_depth_m, "depth above this is unknown, m", Range{0.1, 20});

@@ -7,20 +7,17 @@ namespace {
 
 using Coefficients = std::array<double, 5>;  // k1, k2, p1, p2, k3
 
-/// librealsense's polynomial; with `modified` its tangential part takes the scaled coordinates.
-Eigen::Vector2d polynomial(const Coefficients& c, const Eigen::Vector2d& p, bool modified) {
-  const double r2 = p.squaredNorm();
-  const double radial = 1 + r2 * (c[0] + r2 * (c[1] + r2 * c[4]));
-  const Eigen::Vector2d scaled = radial * p;
-  const Eigen::Vector2d q = modified ? scaled : p;
-  return {scaled.x() + 2 * c[2] * q.x() * q.y() + c[3] * (r2 + 2 * q.x() * q.x()),
-          scaled.y() + 2 * c[3] * q.x() * q.y() + c[2] * (r2 + 2 * q.y() * q.y())};
+Eigen::Vector2d modified_brown_conrady(const Coefficients& c, const Eigen::Vector2d& ideal) {
+  const double r2 = ideal.squaredNorm();
+  const Eigen::Vector2d p = (1 + r2 * (c[0] + r2 * (c[1] + r2 * c[4]))) * ideal;
+  return {p.x() + 2 * c[2] * p.x() * p.y() + c[3] * (r2 + 2 * p.x() * p.x()),
+          p.y() + 2 * c[3] * p.x() * p.y() + c[2] * (r2 + 2 * p.y() * p.y())};
 }
 
 }  // namespace
 
-std::array<double, 5> brown_conrady_from(RealsenseLens lens, const Coefficients& coefficients,
-                                         const PinholeCamera& camera) {
+std::array<double, 5> brown_conrady_from_modified(const Coefficients& coefficients,
+                                                  const PinholeCamera& camera) {
   constexpr int kSteps = 20;  // per side
   constexpr int kEquations = 2 * (kSteps + 1) * (kSteps + 1);
   Eigen::MatrixXd A(kEquations, 5);
@@ -29,14 +26,11 @@ std::array<double, 5> brown_conrady_from(RealsenseLens lens, const Coefficients&
   for (int i = 0; i <= kSteps; ++i) {
     for (int j = 0; j <= kSteps; ++j) {
       const Eigen::Vector2d pixel(camera.width * i / double{kSteps}, camera.height * j / double{kSteps});
-      const Eigen::Vector2d p((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy);
-      const bool inverse = lens == RealsenseLens::kInverse;
-      const Eigen::Vector2d undistorted = inverse ? polynomial(coefficients, p, false) : p;
-      const Eigen::Vector2d distorted = inverse ? p : polynomial(coefficients, p, true);
-      const double x = undistorted.x(), y = undistorted.y(), r2 = undistorted.squaredNorm();
+      const Eigen::Vector2d ideal((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy);
+      const double x = ideal.x(), y = ideal.y(), r2 = ideal.squaredNorm();
       A.row(row) << x * r2, x * r2 * r2, 2 * x * y, r2 + 2 * x * x, x * r2 * r2 * r2;
       A.row(row + 1) << y * r2, y * r2 * r2, r2 + 2 * y * y, 2 * x * y, y * r2 * r2 * r2;
-      b.segment<2>(row) = distorted - undistorted;
+      b.segment<2>(row) = modified_brown_conrady(coefficients, ideal) - ideal;
       row += 2;
     }
   }

@@ -7,12 +7,10 @@
 
 namespace kinloop {
 
-/// The two variants of librealsense: `kInverse` maps distorted to undistorted coordinates; `kModified`
-/// multiplies the tangential part with the radial factor.
-enum class RealsenseLens { kInverse, kModified };
-
-/// Fits k1, k2, p1, p2, k3 by least squares over the pixels of `camera`, whose own distortion is ignored.
-std::array<double, 5> brown_conrady_from(RealsenseLens lens, const std::array<double, 5>& coefficients,
-                                         const PinholeCamera& camera);
+/// Fits k1, k2, p1, p2, k3 to librealsense's modified Brown-Conrady model, which multiplies the tangential
+/// part with the radial factor, by least squares over the pixels of `camera`, whose own distortion is
+/// ignored.
+std::array<double, 5> brown_conrady_from_modified(const std::array<double, 5>& coefficients,
+                                                  const PinholeCamera& camera);
 
 }  // namespace kinloop

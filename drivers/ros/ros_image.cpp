@@ -119,8 +119,8 @@ LensDistortion lens_of(const RosCameraInfo& info, const PinholeCamera& camera) {
   std::array<double, 5> brown{};
   if (d.size() <= brown.size()) std::copy(d.begin(), d.end(), brown.begin());
   if (model == "Inverse Brown Conrady" || model == "Modified Brown Conrady") {
-    const auto lens = model[0] == 'I' ? RealsenseLens::kInverse : RealsenseLens::kModified;
-    return lens_with(LensModel::kBrownConrady, brown_conrady_from(lens, brown, camera));
+    // The SDK projects by the same formula for both, and (since 2021) inverts it to unproject.
+    return lens_with(LensModel::kBrownConrady, brown_conrady_from_modified(brown, camera));
   }
   if ((model != "plumb_bob" && model != "Brown Conrady" && !model.empty()) || d.size() > brown.size()) {
     throw InputError(

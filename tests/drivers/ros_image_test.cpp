@@ -8,7 +8,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "drivers/ros/lens_approximation.hpp"
 #include "drivers/ros/ros_topics.hpp"
 #include "kinloop/base/byte_reader.hpp"
 #include "tests/drivers/sequence_folder.hpp"
@@ -208,18 +207,23 @@ TEST(RosCameraInfo, HasTheLensOfItsModel) {
   EXPECT_FALSE(camera_from(info, true).has_distortion());
 }
 
+/// The SDK projects by its modified Brown-Conrady model where it says inverse, too.
 TEST(RealsenseLens, IsApproximatedWithinATenthOfAPixel) {
-  PinholeCamera camera;
-  camera.width = 1280, camera.height = 720, camera.fx = camera.fy = 640, camera.cx = 640, camera.cy = 360;
-  const std::array<double, 5> d = {-0.056, 0.068, 0.0003, 0.0005, -0.022};  // of a D455
-  const auto fitted = brown_conrady_from(RealsenseLens::kInverse, d, camera);
-  camera.lens = lens_with(LensModel::kBrownConrady, fitted);
-  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0, 0), {1279, 0}, {640, 700}, {100, 400}}) {
-    const double x = (pixel.x() - 640) / 640, y = (pixel.y() - 360) / 640, r2 = x * x + y * y;
-    const double radial = 1 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]));
-    const Eigen::Vector2d ideal(x * radial + 2 * d[2] * x * y + d[3] * (r2 + 2 * x * x),
-                                y * radial + 2 * d[3] * x * y + d[2] * (r2 + 2 * y * y));
-    EXPECT_LT((camera.distort(640 * ideal + Eigen::Vector2d(640, 360)) - pixel).norm(), 0.1);
+  RosCameraInfo info;
+  info.width = 1280, info.height = 720, info.K = {640, 0, 640, 0, 640, 360, 0, 0, 1};
+  info.D = {-0.056, 0.068, 0.0003, 0.0005, -0.022};  // of a D455
+  for (const char* model : {"Inverse Brown Conrady", "Modified Brown Conrady"}) {
+    info.distortion_model = model;
+    const PinholeCamera camera = camera_from(info, false);
+    for (const Eigen::Vector2d& ideal : {Eigen::Vector2d(0, 0), {1279, 0}, {640, 700}, {100, 400}}) {
+      const double x = (ideal.x() - 640) / 640, y = (ideal.y() - 360) / 640, r2 = x * x + y * y;
+      const double radial = 1 + r2 * (info.D[0] + r2 * (info.D[1] + r2 * info.D[4]));
+      const double u = x * radial, v = y * radial;
+      const Eigen::Vector2d distorted(u + 2 * info.D[2] * u * v + info.D[3] * (r2 + 2 * u * u),
+                                      v + 2 * info.D[3] * u * v + info.D[2] * (r2 + 2 * v * v));
+      const Eigen::Vector2d pixel = 640 * distorted + Eigen::Vector2d(640, 360);
+      EXPECT_LT((camera.distort(ideal) - pixel).norm(), 0.1);
+    }
   }
 }
 
