@@ -99,7 +99,7 @@ void add_record_command(CLI::App& app) {
       app.add_subcommand("record", "Record a camera or any other source as a folder in TUM layout");
   command
       ->add_option("SOURCE", arguments->source,
-                   "kinect1, kinect2, openni2, realsense, a .bag file, a folder, sim:room")
+                   "kinect1, kinect2, openni2, realsense, orbbec, a .bag file, a folder, sim:room")
       ->required();
   command->add_option("-o,--output", arguments->output, "folder for the sequence")->required();
   command->add_option("--camera", arguments->camera, "camera.yaml or preset, as for kinloop run");

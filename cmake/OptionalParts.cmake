@@ -87,6 +87,16 @@ if(realsense2_FOUND)
   set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_realsense2)
 endif()
 
+# Orbbec: the file of OrbbecSDK 2 defines this target, that of version 1 another.
+find_package(OrbbecSDK QUIET CONFIG)
+set(orbbec_FOUND 0)
+if(TARGET ob::OrbbecSDK)
+  set(orbbec_FOUND 1)
+  add_library(kinloop_orbbec INTERFACE)
+  target_link_libraries(kinloop_orbbec INTERFACE ob::OrbbecSDK)
+  set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_orbbec)
+endif()
+
 # Video, as iPhone apps export colour: FFmpeg's libraries.
 kinloop_optional(video libavformat/avformat.h avformat avcodec swscale avutil)
 

@@ -1,5 +1,7 @@
 #include "apps/shared/open_frame_source.hpp"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 #include "drivers/kinect2/kinect2_source.hpp"
 #include "drivers/openni2/oni_source.hpp"
 #include "drivers/openni2/openni2_source.hpp"
+#include "drivers/orbbec/orbbec_source.hpp"
 #include "drivers/realsense/realsense_source.hpp"
 #include "drivers/ros/bag_source.hpp"
 #include "drivers/stream/stream_source.hpp"
@@ -38,8 +41,8 @@ bool is_oni_recording(const std::string& sequence) {
 }  // namespace
 
 bool is_camera_or_stream(const std::string& sequence) {
-  return sequence == "kinect1" || sequence == "kinect2" || sequence == "openni2" || sequence == "realsense" ||
-         is_stream(sequence);
+  constexpr std::array kCameras = {"kinect1", "kinect2", "openni2", "realsense", "orbbec"};
+  return std::find(kCameras.begin(), kCameras.end(), sequence) != kCameras.end() || is_stream(sequence);
 }
 
 bool is_recording(const std::string& sequence) {
@@ -59,6 +62,7 @@ std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   if (sequence == "kinect2") return open_kinect2(request.kinect, camera, request.kinect2_frames);
   if (sequence == "openni2") return open_openni2(request.kinect, camera);
   if (sequence == "realsense") return open_realsense(request.kinect, camera);
+  if (sequence == "orbbec") return open_orbbec(request.kinect, camera);
   if (is_stream(sequence)) return open_stream(sequence, camera);
   if (!is_recording(sequence)) return open_sequence(sequence, request.camera);
   if (!std::filesystem::exists(sequence))

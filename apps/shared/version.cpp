@@ -10,6 +10,7 @@
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
 #include "drivers/openni2/openni2_source.hpp"
+#include "drivers/orbbec/orbbec_source.hpp"
 #include "drivers/realsense/realsense_source.hpp"
 #include "kinloop/dense/mesh/tsdf_volume.hpp"
 #include "kinloop/dense/occupancy.hpp"
@@ -37,6 +38,7 @@ std::string version_text() {
       {"Kinect 2", part(kinect2_available(), "libfreenect2")},
       {"OpenNI2", part(openni2_available(), "libOpenNI2")},
       {"RealSense", part(realsense_available(), "librealsense2")},
+      {"Orbbec", part(orbbec_available(), "OrbbecSDK 2")},
       {"ROS node", part(KINLOOP_ROS_FOUND, "roscpp")},
       {"video", part(video_available(), "libavformat, libavcodec or libswscale")},
       {"downloads", part(download_available(), "curl or libarchive")},

@@ -23,6 +23,12 @@ size_t choose_device(const std::string& camera, const std::vector<std::string>& 
   return static_cast<size_t>(found - serials.begin());
 }
 
+StreamWidths stream_widths(int width, const std::optional<RgbdCamera>& calibration) {
+  StreamWidths widths{calibration ? calibration->color.width : width};
+  if (calibration && calibration->depth) widths.depth = calibration->depth->width;
+  return widths;
+}
+
 std::tuple<int, int, int> mode_distance(const StreamMode& mode, int width) {
   constexpr int kRateHz = 30;
   return {std::abs(mode.rate_hz - kRateHz), std::abs(mode.width - width), -mode.height};

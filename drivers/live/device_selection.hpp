@@ -1,9 +1,12 @@
 #pragma once
 // In: the devices that are connected, and the modes of one. Out: which to use.
 
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
+
+#include "kinloop/geometry/camera.hpp"
 
 namespace kinloop {
 
@@ -11,6 +14,15 @@ namespace kinloop {
 /// InputError that names `camera` if there is none; `udev_rules` says whose give access.
 size_t choose_device(const std::string& camera, const std::vector<std::string>& serials,
                      const std::string& wanted, const std::string& udev_rules);
+
+/// Widths of the images to be chosen, px.
+struct StreamWidths {
+  int color = 0;
+  int depth = 848;  ///< at which a RealSense D4xx and a Gemini measure best
+};
+
+/// Returns the widths of the calibration if given, else `width` for colour.
+StreamWidths stream_widths(int width, const std::optional<RgbdCamera>& calibration);
 
 /// Size and rate of a camera's images.
 struct StreamMode {

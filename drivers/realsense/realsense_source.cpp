@@ -21,11 +21,6 @@
 namespace kinloop {
 namespace {
 
-/// Widths to be chosen, px. A D4xx measures best with 848 pixels of width; an L515 has 1024.
-struct RealsenseWidths {
-  int color = 0, depth = 848;
-};
-
 /// A mode of one sensor of the device.
 struct RealsenseMode {
   size_t sensor = 0;
@@ -77,7 +72,7 @@ DepthSensorModel realsense_model(const std::string& name) {
 /// An open device and its two streams, which may be of one sensor.
 class RealsenseDevice {
  public:
-  RealsenseDevice(rs2::device device, const RealsenseWidths& widths)
+  RealsenseDevice(rs2::device device, const StreamWidths& widths)
       : device_(std::move(device)),
         sensors_(device_.query_sensors()),
         color_(nearest_mode(sensors_, RS2_STREAM_COLOR, RS2_FORMAT_BGR8, widths.color)),
@@ -146,7 +141,7 @@ class RealsenseDevice {
   std::array<DeviceClock, 3> clocks_{DeviceClock(1e3), DeviceClock(1e3), DeviceClock(1e3)};
 };
 
-LiveDevice open_device(const std::function<rs2::device()>& find, const RealsenseWidths& widths,
+LiveDevice open_device(const std::function<rs2::device()>& find, const StreamWidths& widths,
                        LiveFrameBuffer& frames) {
   try {
     const auto device = std::make_shared<RealsenseDevice>(find(), widths);
@@ -162,8 +157,7 @@ LiveDevice open_device(const std::function<rs2::device()>& find, const Realsense
 std::unique_ptr<FrameSource> open_realsense(const std::function<rs2::device()>& find,
                                             const KinectOptions& options,
                                             const std::optional<RgbdCamera>& calibration) {
-  RealsenseWidths widths{calibration ? calibration->color.width : options.width};
-  if (calibration && calibration->depth) widths.depth = calibration->depth->width;
+  const StreamWidths widths = stream_widths(options.width, calibration);
   const auto open = [=](LiveFrameBuffer& frames) { return open_device(find, widths, frames); };
   return open_live({"realsense", open, options.reconnect_s}, calibration);
 }

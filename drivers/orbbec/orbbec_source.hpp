@@ -1,0 +1,23 @@
+#pragma once
+// An Orbbec camera (Gemini, Femto, Astra) on USB, via OrbbecSDK 2 (optional dependency).
+
+#include <memory>
+#include <optional>
+
+#include "drivers/live/kinect_options.hpp"
+#include "kinloop/sensor/frame_source.hpp"
+
+namespace kinloop {
+
+/// Returns whether this build supports Orbbec cameras.
+bool orbbec_available();
+
+/// Opens the device with the serial number `options.serial`, or the first one, and starts colour in the mode
+/// nearest to `options.width` and 30 Hz, as JPEG if the device has that, and depth. The camera is
+/// `calibration` (with its depth camera) if given, else that of the device. Depth is registered to colour by
+/// kinloop. Throws InputError if there is no such device or it cannot be opened, and UsageError in a build
+/// without OrbbecSDK.
+std::unique_ptr<FrameSource> open_orbbec(const KinectOptions& options,
+                                         const std::optional<RgbdCamera>& calibration);
+
+}  // namespace kinloop
