@@ -31,7 +31,7 @@ constexpr double kRosDepthUnitM = 0.001;  ///< of 16-bit depth (REP 118)
 /// for other encodings and for truncated data.
 cv::Mat color_from(const RosImage& image);
 
-/// Converts 16UC1 or mono16 (in units of `unit_m`) and 32FC1 (metres; NaN = unknown), both of either byte
+/// Converts 16UC1 or mono16 (in units of `unit_m`) and 32FC1 (metres; unknown if not finite and positive), both of either byte
 /// order, to 32FC1 metres.
 cv::Mat depth_from(const RosImage& image, double unit_m = kRosDepthUnitM);
 

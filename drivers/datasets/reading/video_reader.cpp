@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/sensor/image_limits.hpp"
 
 #ifdef KINLOOP_WITH_VIDEO
 
@@ -50,6 +51,7 @@ class VideoReader::Decoder {
     codec_.reset(avcodec_alloc_context3(codec));
     const AVCodecParameters* parameters = format_->streams[stream_]->codecpar;
     codec_->thread_count = 1;
+    codec_->max_pixels = static_cast<int64_t>(kMaxDecodedPixels);
     const bool opened = avcodec_parameters_to_context(codec_.get(), parameters) >= 0 &&
                         avcodec_open2(codec_.get(), codec, nullptr) >= 0;
     if (!opened || codec_->width <= 0 || codec_->height <= 0)
