@@ -17,7 +17,6 @@ namespace {
 
 namespace tables = map_tables;
 using test::kImages;
-using test::kKeyframes;
 using testing::HasSubstr;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -114,7 +113,7 @@ TEST_F(CraftedMapTest, AKeyframeWithAnImpossibleValueIsLost) {
   const std::vector<Edit> edits = {
       new_id(-1), new_id(int64_t{1} << 32), cell(0, int64_t{-1}), cell(0, int64_t{1} << 32),
       cell(1, std::numeric_limits<int64_t>::min()), cell(2, int64_t{4'294'967'295}), cell(2, int64_t{-1}),
-      cell(2, int64_t{kKeyframes}), cell(4, kInfinity), cell(5, 1e300), cell(7, 5.0), cell(10, int64_t{1})};
+      cell(2, int64_t{1} << 24), cell(4, kInfinity), cell(5, 1e300), cell(7, 5.0), cell(10, int64_t{1})};
   for (size_t i = 0; i < edits.size(); ++i)
     EXPECT_EQ(damage_of(with(tables::kKeyframe, 3, edits[i])).keyframes, 1U) << i;
 }

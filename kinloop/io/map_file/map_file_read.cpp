@@ -62,7 +62,7 @@ bool read_settings(const DatabaseReader& file, SavedMap& map) {
   });
   const auto sensor = file.read(tables::kSensor, [&](int64_t, const Row& cells) {
     RowReader row(cells);
-    const double value = row.take_in(-kMaxParameter, kMaxParameter), sigma = row.take_in(0.0, kMaxParameter);
+    const double value = row.take_in(-kMaxParameter, kMaxParameter), sigma = row.take_in(0.0, kUnconstrained);
     const SavedParameter parameter{value, sigma, row.take<int64_t>() != 0};
     if (!row.exhausted()) return false;
     map.sensor.push_back(parameter);
@@ -80,7 +80,7 @@ std::map<uint32_t, Keyframe> read_keyframes(const DatabaseReader& file) {
     Keyframe keyframe;
     keyframe.frame = FrameId{take_index(row, kMaxFrames)};
     keyframe.stamp_ns = take_stamp(row);
-    keyframe.component = take_index(row, id + 1);  // each component began with a keyframe
+    keyframe.component = take_index(row, kMaxKeyframes);  // each begins with a keyframe
     keyframe.begins_component = row.take<int64_t>() != 0;
     keyframe.T_world_camera = take_pose(row);
     auto features = deserialize_features(row.take<Blob>().bytes);

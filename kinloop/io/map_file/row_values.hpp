@@ -3,6 +3,7 @@
 // checksums and come from anywhere.
 
 #include <cstdint>
+#include <limits>
 
 #include "kinloop/geometry/se3.hpp"
 #include "kinloop/io/map_file/checked_database.hpp"
@@ -19,6 +20,7 @@ constexpr int64_t kMaxSide_px = 1 << 15;
 constexpr double kMaxDistanceM = 1e6;
 constexpr double kMaxLagS = 1e3;
 constexpr double kMaxParameter = 1e6;  ///< of a sensor, in its own unit
+constexpr double kUnconstrained = std::numeric_limits<double>::infinity();  ///< standard deviation of such a parameter
 
 /// Reads a number from 0 to `limit` - 1.
 uint32_t take_index(RowReader& row, int64_t limit);
