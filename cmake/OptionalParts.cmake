@@ -97,6 +97,17 @@ if(TARGET ob::OrbbecSDK)
   set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_orbbec)
 endif()
 
+# OAK: the nodes that the driver uses came with depthai 3.
+find_package(depthai QUIET CONFIG)
+if(depthai_FOUND AND depthai_VERSION VERSION_LESS 3)
+  set(depthai_FOUND 0)
+endif()
+if(depthai_FOUND)
+  add_library(kinloop_depthai INTERFACE)
+  target_link_libraries(kinloop_depthai INTERFACE depthai::core)
+  set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_depthai)
+endif()
+
 # Video, as iPhone apps export colour: FFmpeg's libraries.
 kinloop_optional(video libavformat/avformat.h avformat avcodec swscale avutil)
 

@@ -11,6 +11,7 @@
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
+#include "drivers/oak/oak_source.hpp"
 #include "drivers/openni2/oni_source.hpp"
 #include "drivers/openni2/openni2_source.hpp"
 #include "drivers/orbbec/orbbec_source.hpp"
@@ -41,7 +42,7 @@ bool is_oni_recording(const std::string& sequence) {
 }  // namespace
 
 bool is_camera_or_stream(const std::string& sequence) {
-  constexpr std::array kCameras = {"kinect1", "kinect2", "openni2", "realsense", "orbbec"};
+  constexpr std::array kCameras = {"kinect1", "kinect2", "openni2", "realsense", "orbbec", "oak"};
   return std::find(kCameras.begin(), kCameras.end(), sequence) != kCameras.end() || is_stream(sequence);
 }
 
@@ -63,6 +64,7 @@ std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   if (sequence == "openni2") return open_openni2(request.kinect, camera);
   if (sequence == "realsense") return open_realsense(request.kinect, camera);
   if (sequence == "orbbec") return open_orbbec(request.kinect, camera);
+  if (sequence == "oak") return open_oak(request.kinect, camera);
   if (is_stream(sequence)) return open_stream(sequence, camera);
   if (!is_recording(sequence)) return open_sequence(sequence, request.camera);
   if (!std::filesystem::exists(sequence))

@@ -9,6 +9,7 @@
 #include "drivers/datasets/reading/video_reader.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
+#include "drivers/oak/oak_source.hpp"
 #include "drivers/openni2/openni2_source.hpp"
 #include "drivers/orbbec/orbbec_source.hpp"
 #include "drivers/realsense/realsense_source.hpp"
@@ -39,6 +40,7 @@ std::string version_text() {
       {"OpenNI2", part(openni2_available(), "libOpenNI2")},
       {"RealSense", part(realsense_available(), "librealsense2")},
       {"Orbbec", part(orbbec_available(), "OrbbecSDK 2")},
+      {"OAK", part(oak_available(), "depthai 3")},
       {"ROS node", part(KINLOOP_ROS_FOUND, "roscpp")},
       {"video", part(video_available(), "libavformat, libavcodec or libswscale")},
       {"downloads", part(download_available(), "curl or libarchive")},

@@ -80,7 +80,7 @@ std::string hint_for(const std::vector<RequiredFile>& missing, bool camera_known
   }
   const FolderContents beside(normal.has_parent_path() ? normal.parent_path() : fs::path("."));
   auto names = beside.folders();
-  for (const char* source : {"sim:room", "kinect1", "kinect2", "openni2", "realsense", "orbbec"})
+  for (const char* source : {"sim:room", "kinect1", "kinect2", "openni2", "realsense", "orbbec", "oak"})
     names.emplace_back(source);
   const std::string guess = did_you_mean(name, names);
   throw InputError(

@@ -117,11 +117,9 @@ TEST_F(CameraCommands, SimulatesADepthCameraOfItsOwn) {
 }
 
 TEST_F(CameraCommands, ReportsMissingCameras) {
-  const std::pair<std::string, std::string> parts[] = {{"kinect1", "Kinect 1"},
-                                                       {"kinect2", "Kinect 2"},
-                                                       {"openni2", "OpenNI2"},
-                                                       {"realsense", "RealSense"},
-                                                       {"orbbec", "Orbbec"}};
+  const std::pair<std::string, std::string> parts[] = {{"kinect1", "Kinect 1"}, {"kinect2", "Kinect 2"},
+                                                       {"openni2", "OpenNI2"},  {"realsense", "RealSense"},
+                                                       {"orbbec", "Orbbec"},    {"oak", "OAK"}};
   for (const auto& [camera, part] : parts) {
     const bool known = has(part);
     const Run result = run("run " + camera + " -o '" + at("out") + "'");
