@@ -1,4 +1,4 @@
-// kinloop record: records any source, usually a live camera, to a folder in TUM layout.
+// kinloop record: records any source, usually a live camera, to a folder in TUM layout or an MCAP file.
 
 #include <filesystem>
 #include <memory>
@@ -95,13 +95,13 @@ void record(const RecordArguments& arguments) {
 
 void add_record_command(CLI::App& app) {
   auto arguments = std::make_shared<RecordArguments>();
-  CLI::App* command =
-      app.add_subcommand("record", "Record a camera or any other source as a folder in TUM layout");
+  CLI::App* command = app.add_subcommand(
+      "record", "Record a camera or any other source as a folder in TUM layout, or as one MCAP file");
   command
       ->add_option("SOURCE", arguments->source,
-                   "kinect1, kinect2, openni2, realsense, orbbec, a .bag file, a folder, sim:room")
+                   "kinect1, kinect2, openni2, realsense, orbbec, oak, a .bag file, a folder, sim:room")
       ->required();
-  command->add_option("-o,--output", arguments->output, "folder for the sequence")->required();
+  command->add_option("-o,--output", arguments->output, "folder for the sequence, or FILE.mcap")->required();
   command->add_option("--camera", arguments->camera, "camera.yaml or preset, as for kinloop run");
   command->add_option("--topics", arguments->topics, "topics of a bag: COLOR,DEPTH[,CAMERA_INFO]");
   command->add_option("--frames", arguments->frames, "stop after this many frames");

@@ -16,8 +16,8 @@ namespace {
 
 constexpr const char* kWrittenLists[] = {"rgb.txt", "depth.txt", "associations.txt", "groundtruth.txt"};
 
-std::string color_name(int64_t stamp_ns) {
-  return fmt::format("rgb/{}.png", format_stamp(stamp_ns));
+std::string color_name(const RgbdFrame& frame) {
+  return fmt::format("rgb/{}.{}", format_stamp(frame.stamp_ns), frame.color.jpeg().empty() ? "png" : "jpg");
 }
 
 std::string depth_name(int64_t stamp_ns) {
@@ -55,7 +55,12 @@ void TumWriter::append(const RgbdFrame& frame) {
 }
 
 void TumWriter::write_images(const RgbdFrame& frame) const {
-  write_png(folder_ / color_name(frame.stamp_ns), frame.color.bgr());
+  const std::string_view jpeg = frame.color.jpeg();
+  if (jpeg.empty()) {
+    write_png(folder_ / color_name(frame), frame.color.bgr());
+  } else {
+    write_file(folder_ / color_name(frame), jpeg);
+  }
   write_depth_png(folder_ / depth_name(frame.depth_stamp_or_color_ns()), frame.depth_m, depth_scale_);
 }
 
@@ -63,7 +68,7 @@ void TumWriter::add_to_lists(const RgbdFrame& frame) {
   const int64_t stamp_ns = frame.stamp_ns, depth_stamp_ns = frame.depth_stamp_or_color_ns();
   require(stamp_ns > newest_ns_, "TumWriter: timestamps must increase");
   newest_ns_ = stamp_ns;
-  const std::string color = fmt::format("{} {}", format_stamp(stamp_ns), color_name(stamp_ns));
+  const std::string color = fmt::format("{} {}", format_stamp(stamp_ns), color_name(frame));
   const std::string depth = fmt::format("{} {}", format_stamp(depth_stamp_ns), depth_name(depth_stamp_ns));
   color_list_ += color + "\n";
   depth_list_ += depth + "\n";

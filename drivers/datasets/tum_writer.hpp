@@ -23,8 +23,8 @@ class TumWriter {
   /// InputError if the folder is not writable.
   TumWriter(std::filesystem::path folder, const RgbdCamera& camera);
 
-  /// Adds a frame; its stamp must be later than the previous one. Depth is rounded to the camera's units per
-  /// metre; values out of the 16-bit range are written as unknown.
+  /// Adds a frame; its stamp must be later than the previous one. Colour is the camera's JPEG, or else PNG.
+  /// Depth is rounded to the camera's units per metre; values out of the 16-bit range are written as unknown.
   void append(const RgbdFrame& frame);
 
   /// The two halves of `append`: the images alone, which several threads may write at once, and the lines of

@@ -7,6 +7,7 @@
 #include "drivers/live/frame_pairer.hpp"
 #include "drivers/ros/bag_camera.hpp"
 #include "drivers/ros/realsense_bag.hpp"
+#include "drivers/ros/recording_source.hpp"
 #include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/geometry/possible_camera.hpp"
@@ -23,9 +24,9 @@ std::set<std::string> names_of(const std::vector<const BagTopic*>& topics) {
 
 class BagSource : public FrameSource {
  public:
-  BagSource(const std::filesystem::path& path, const std::optional<RgbdCamera>& camera,
-            const std::optional<std::string>& topics)
-      : file_(open_message_file(path)) {
+  BagSource(std::unique_ptr<MessageFile> file, const std::filesystem::path& path,
+            const std::optional<RgbdCamera>& camera, const std::optional<std::string>& topics)
+      : file_(std::move(file)) {
     info_.name = path.string();
     const auto names = names_of(file_->topics());
     if (names.empty()) throw InputError(fmt::format("{}: no topic{}", info_.name, first_reason()));
@@ -176,7 +177,9 @@ bool is_bag(const std::filesystem::path& path) {
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& path,
                                       const std::optional<RgbdCamera>& camera,
                                       const std::optional<std::string>& topics) {
-  return std::make_unique<BagSource>(path, camera, topics);
+  auto file = open_message_file(path);
+  if (!topics && is_own_recording(*file)) return open_own_recording(std::move(file), path, camera);
+  return std::make_unique<BagSource>(std::move(file), path, camera, topics);
 }
 
 }  // namespace kinloop

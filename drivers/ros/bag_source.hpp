@@ -15,10 +15,10 @@ namespace kinloop {
 bool is_bag(const std::filesystem::path& path);
 
 /// Opens a bag on the topics of iai_kinect2 (/kinect2/{qhd,hd,sd}), of the usual drivers (/camera/...), of
-/// the RealSense SDK, or on `topics` ("COLOR,DEPTH[,CAMERA_INFO]"). The camera is `camera` if given, else
-/// that of the bag; depth that is not registered to colour is registered. Images that are damaged, of an
-/// unknown encoding, without partner or with decreasing time are skipped and counted. Throws InputError if
-/// the file is not a bag, has none of these topics or no calibration.
+/// the RealSense SDK, of `kinloop record`, or on `topics` ("COLOR,DEPTH[,CAMERA_INFO]"). The camera is
+/// `camera` if given, else that of the bag; depth that is not registered to colour is registered. Images that
+/// are damaged, of an unknown encoding, without partner or with decreasing time are skipped and counted.
+/// Throws InputError if the file is not a bag, has none of these topics or no calibration.
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& path,
                                       const std::optional<RgbdCamera>& camera,
                                       const std::optional<std::string>& topics = {});

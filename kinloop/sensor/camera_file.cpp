@@ -250,7 +250,7 @@ RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path
   return camera;
 }
 
-void write_camera_file(const std::filesystem::path& path, const RgbdCamera& camera) {
+std::string camera_file_text(const RgbdCamera& camera) {
   std::string text =
       lens_text(camera.color, "\n") + fmt::format("  # {}\n", coefficient_names(camera.color.lens.model));
   text += fmt::format("depth_scale: {}  # units of the depth image per metre\nfps: {}\n", camera.depth_scale,
@@ -267,7 +267,11 @@ void write_camera_file(const std::filesystem::path& path, const RgbdCamera& came
     text += fmt::format("T_color_depth: {{translation: [{}, {}, {}], rotation_vector: [{}, {}, {}]}}\n",
                         t.x(), t.y(), t.z(), r.x(), r.y(), r.z());
   }
-  write_file(path, text);
+  return text;
+}
+
+void write_camera_file(const std::filesystem::path& path, const RgbdCamera& camera) {
+  write_file(path, camera_file_text(camera));
 }
 
 }  // namespace kinloop

@@ -36,6 +36,9 @@ RgbdCamera read_camera_file(const std::filesystem::path& path);
 /// Same from the text of such a file, or JSON with the same keys; `path` is named in messages.
 RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path& path);
 
+/// Returns the text of camera.yaml.
+std::string camera_file_text(const RgbdCamera& camera);
+
 /// Writes camera.yaml atomically; reading it back gives the same camera to the last bit, except for the
 /// rotation of T_color_depth, which passes through a rotation vector.
 void write_camera_file(const std::filesystem::path& path, const RgbdCamera& camera);

@@ -78,19 +78,6 @@ cv::Mat decode(const std::filesystem::path& path, const std::string& bytes) {
   return image;
 }
 
-/// In one pass without branches, so that it is vectorised.
-cv::Mat to_metres(const cv::Mat& units, float metres_per_unit) {
-  constexpr uint16_t kUnknown = std::numeric_limits<uint16_t>::max();
-  cv::Mat depth_m(units.size(), CV_32FC1);
-  for (int y = 0; y < units.rows; ++y) {
-    const auto* in = units.ptr<uint16_t>(y);
-    auto* out = depth_m.ptr<float>(y);
-    for (int x = 0; x < units.cols; ++x)
-      out[x] = static_cast<float>(in[x] == kUnknown ? 0 : in[x]) * metres_per_unit;
-  }
-  return depth_m;
-}
-
 cv::Mat bgr_from(const cv::Mat& image) {
   if (image.channels() == 3) return image;
   cv::Mat bgr;
@@ -163,18 +150,36 @@ cv::Mat decode_depth_image(const std::string& bytes, const std::filesystem::path
                     "16-bit PNG",
                     path.string(), 8 * image.elemSize1(), image.channels()));
   }
-  return to_metres(image, static_cast<float>(1.0 / depth_scale));
+  return from_depth_units(image, depth_scale);
 }
 
 void write_png(const std::filesystem::path& path, const cv::Mat& image) {
   write_file(path, encode_png(image));
 }
 
-void write_depth_png(const std::filesystem::path& path, const cv::Mat& depth_m, double depth_scale) {
+cv::Mat to_depth_units(const cv::Mat& depth_m, double depth_scale) {
   cv::Mat units;
   depth_m.convertTo(units, CV_16UC1, depth_scale);
   units.setTo(0, units == std::numeric_limits<uint16_t>::max());
-  write_png(path, units);
+  return units;
+}
+
+/// In one pass without branches, so that it is vectorised.
+cv::Mat from_depth_units(const cv::Mat& units, double depth_scale) {
+  constexpr uint16_t kUnknown = std::numeric_limits<uint16_t>::max();
+  const auto metres_per_unit = static_cast<float>(1.0 / depth_scale);
+  cv::Mat depth_m(units.size(), CV_32FC1);
+  for (int y = 0; y < units.rows; ++y) {
+    const auto* in = units.ptr<uint16_t>(y);
+    auto* out = depth_m.ptr<float>(y);
+    for (int x = 0; x < units.cols; ++x)
+      out[x] = static_cast<float>(in[x] == kUnknown ? 0 : in[x]) * metres_per_unit;
+  }
+  return depth_m;
+}
+
+void write_depth_png(const std::filesystem::path& path, const cv::Mat& depth_m, double depth_scale) {
+  write_png(path, to_depth_units(depth_m, depth_scale));
 }
 
 }  // namespace kinloop

@@ -48,11 +48,17 @@ std::string read_image_bytes(const std::filesystem::path& path);
 /// intact.
 std::string_view image_damage(std::string_view bytes);
 
+/// Converts 32FC1 metres to 16-bit units, `depth_scale` per metre; 0 if unknown or too far for 16 bits (some
+/// readers take 65535 as unknown).
+cv::Mat to_depth_units(const cv::Mat& depth_m, double depth_scale);
+
+/// Converts 16-bit units, of which 0 and 65535 mean unknown, to 32FC1 metres.
+cv::Mat from_depth_units(const cv::Mat& units, double depth_scale);
+
 /// Writes an 8UC1, 8UC3 or 16UC1 image atomically.
 void write_png(const std::filesystem::path& path, const cv::Mat& image);
 
-/// Writes depth in `depth_scale` units per metre; 0 if unknown or too far for 16 bits (some readers take
-/// 65535 as unknown).
+/// Writes depth in `depth_scale` units per metre.
 void write_depth_png(const std::filesystem::path& path, const cv::Mat& depth_m, double depth_scale);
 
 }  // namespace kinloop

@@ -1,6 +1,7 @@
 #include "kinloop/io/mcap/mcap_writer.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <libdeflate.h>
 #include <zstd.h>
@@ -55,9 +56,10 @@ uint32_t crc_of(std::string_view bytes, uint32_t before = 0) {
 
 }  // namespace
 
-McapWriter::McapWriter(const std::filesystem::path& path) : file_(path) {
+McapWriter::McapWriter(const std::filesystem::path& path, const McapOptions& options)
+    : file_(path), compression_(options.compress ? "zstd" : "") {
   put(kMcapMagic);
-  put(McapFields().text("").text("kinloop").record(McapOpcode::kHeader));
+  put(McapFields().text(options.profile).text("kinloop").record(McapOpcode::kHeader));
 }
 
 void McapWriter::put(std::string_view bytes) {
@@ -72,14 +74,14 @@ uint16_t McapWriter::add_topic(const McapTopic& topic) {
   const std::string schema = McapFields()
                                  .number(id)
                                  .text(topic.schema_name)
-                                 .text("jsonschema")
+                                 .text(topic.schema_encoding)
                                  .text(topic.schema)
                                  .record(McapOpcode::kSchema);
   const std::string channel = McapFields()
                                   .number(id)
                                   .number(id)
                                   .text(topic.name)
-                                  .text("json")
+                                  .text(topic.message_encoding)
                                   .text("")  // no metadata
                                   .record(McapOpcode::kChannel);
   put(schema + channel);
@@ -112,14 +114,17 @@ void McapWriter::close_chunk() {
   const bool first = chunk_count_++ == 0;
   first_ns_ = first ? chunk_.first_ns : std::min(first_ns_, chunk_.first_ns);
   last_ns_ = first ? chunk_.last_ns : std::max(last_ns_, chunk_.last_ns);
-  const std::string packed = zstd_compressed(chunk_.records);
-  const uint64_t size = chunk_.records.size(), packed_size = packed.size(), start = position_;
+  const uint64_t size = chunk_.records.size(), start = position_;
+  const uint32_t crc = crc_of(chunk_.records);
+  const std::string packed =
+      compression_.empty() ? std::move(chunk_.records) : zstd_compressed(chunk_.records);
+  const uint64_t packed_size = packed.size();
   put(McapFields()
           .number(chunk_.first_ns)
           .number(chunk_.last_ns)
           .number(size)
-          .number(crc_of(chunk_.records))
-          .text("zstd")
+          .number(crc)
+          .text(compression_)
           .number(packed_size)
           .raw(packed)
           .record(McapOpcode::kChunk));
@@ -136,7 +141,7 @@ void McapWriter::close_chunk() {
                         .number(end - start)
                         .text(offsets.bytes())
                         .number(position_ - end)
-                        .text("zstd")
+                        .text(compression_)
                         .number(packed_size)
                         .number(size)
                         .record(McapOpcode::kChunkIndex);

@@ -13,18 +13,25 @@
 
 namespace kinloop {
 
-/// A topic whose messages are JSON.
+/// A topic, of messages in JSON unless it says otherwise.
 struct McapTopic {
   std::string name;
   std::string schema_name;
-  std::string schema;  ///< JSON Schema
+  std::string schema;
+  std::string schema_encoding = "jsonschema";
+  std::string message_encoding = "json";
+};
+
+struct McapOptions {
+  std::string profile;   ///< of the messages, as registered; empty: none
+  bool compress = true;  ///< chunks, with zstd
 };
 
 /// The file appears under its name only when complete.
 class McapWriter {
  public:
   /// Throws InputError if the file cannot be created.
-  explicit McapWriter(const std::filesystem::path& path);
+  explicit McapWriter(const std::filesystem::path& path, const McapOptions& options = {});
 
   /// Returns the number of the topic for `write`.
   uint16_t add_topic(const McapTopic& topic);
@@ -48,6 +55,7 @@ class McapWriter {
   [[nodiscard]] std::string statistics() const;
 
   AtomicFile file_;
+  std::string compression_;
   uint64_t position_ = 0;
   uint32_t crc_ = 0;  ///< of all bytes so far
   Chunk chunk_;

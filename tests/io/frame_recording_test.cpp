@@ -1,0 +1,135 @@
+#include "kinloop/io/mcap/frame_recording.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "drivers/datasets/open_sequence.hpp"
+#include "drivers/datasets/tum_writer.hpp"
+#include "drivers/ros/bag_source.hpp"
+#include "kinloop/base/recording_topics.hpp"
+#include "kinloop/base/text_file.hpp"
+#include "kinloop/sensor/jpeg_codec.hpp"
+#include "tests/drivers/mutation.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::input_error;
+using testing::HasSubstr;
+
+constexpr int kWidth = 48, kHeight = 36;
+constexpr int64_t kStart_ns = 1'305'031'910'765'238'001;
+
+RgbdCamera camera() {
+  RgbdCamera camera;
+  camera.color = {kWidth, kHeight, 40.125, 41, 23.5, 17.25, {}};
+  camera.color.lens.k1 = 0.1;
+  camera.fps = 29.5;
+  camera.rolling_shutter_s = 0.01;
+  camera.sensor.set_by_source(DepthSensorModel::kAzureKinect);
+  return camera;
+}
+
+/// Every second colour image is a JPEG; the stamps of depth wander.
+RgbdFrame frame(int i) {
+  Random random(static_cast<uint64_t>(i) + 1);
+  cv::Mat color(kHeight, kWidth, CV_8UC3), depth_m(kHeight, kWidth, CV_32FC1);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      color.at<cv::Vec3b>(y, x) = cv::Vec3b::all(static_cast<uint8_t>(5 * x + random.index(20)));
+      // Unknown, and too far for 16 bits, in places.
+      depth_m.at<float>(y, x) =
+          x % 7 == 0 ? 0 : 0.4F * static_cast<float>(x) + 0.0113F * static_cast<float>(y * i);
+    }
+  }
+  RgbdFrame frame;
+  frame.stamp_ns = kStart_ns + int64_t{i} * 33'333'333;
+  frame.depth_stamp_ns = frame.stamp_ns + (i - 3) * 9'000'001;
+  frame.depth_m = depth_m;
+  frame.color = color;
+  if (i % 2 == 1) {
+    const auto jpeg = encode_jpeg(color, 90);
+    frame.color = *ColorImage::from_jpeg({jpeg.begin(), jpeg.end()});
+  }
+  return frame;
+}
+
+constexpr int kFrames = 7;
+
+std::string record(const std::filesystem::path& path) {
+  FrameRecording recording(path, camera());
+  for (int i = 0; i < kFrames; ++i) recording.write(compress_frame(frame(i), camera().depth_scale));
+  recording.commit();
+  return path.string();
+}
+
+bool same(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
+}
+
+TEST(FrameRecording, GivesTheFramesOfAFolderRecordedFromTheSame) {
+  const test::TempFolder folder;
+  TumWriter writer(folder.path() / "tum", camera());
+  for (int i = 0; i < kFrames; ++i) writer.append(frame(i));
+  writer.finish();
+  const auto files = open_sequence((folder.path() / "tum").string(), {});
+  const auto recording = open_bag(record(folder.path() / "a.mcap"), {});
+  EXPECT_EQ(recording->info().frames, static_cast<size_t>(kFrames));
+  EXPECT_EQ(recording->camera().color, camera().color);
+  EXPECT_EQ(recording->camera().fps, camera().fps);
+  EXPECT_EQ(recording->camera().rolling_shutter_s, camera().rolling_shutter_s);
+  EXPECT_EQ(recording->camera().sensor.model, DepthSensorModel::kAzureKinect);
+  for (int i = 0; i < kFrames; ++i) {
+    const auto a = files->next(), b = recording->next();
+    ASSERT_TRUE(a && b) << i;
+    EXPECT_EQ(b->id, a->id);
+    EXPECT_EQ(b->stamp_ns, frame(i).stamp_ns);
+    EXPECT_EQ(b->stamp_ns, a->stamp_ns);
+    EXPECT_EQ(b->depth_stamp_ns, frame(i).depth_stamp_ns) << "even if it is nearer to another colour image";
+    EXPECT_EQ(b->depth_stamp_ns, a->depth_stamp_ns);
+    EXPECT_TRUE(same(a->depth_m, b->depth_m)) << i;
+    EXPECT_TRUE(same(a->color.gray(), b->color.gray())) << i;
+    EXPECT_TRUE(same(a->color.bgr(), b->color.bgr())) << i;
+    EXPECT_EQ(a->color.jpeg(), frame(i).color.jpeg()) << "the camera's own bytes";
+    EXPECT_EQ(b->color.jpeg(), frame(i).color.jpeg());
+  }
+  EXPECT_FALSE(recording->next());
+  EXPECT_TRUE(recording->skipped().empty());
+}
+
+TEST(FrameRecording, AnotherCameraKeepsTheUnitOfDepth) {
+  const test::TempFolder folder;
+  RgbdCamera other = camera();
+  other.color.fx = 50;
+  other.depth_scale = 1000;
+  const auto recording = open_bag(record(folder.path() / "a.mcap"), other);
+  EXPECT_EQ(recording->camera().color.fx, 50);
+  EXPECT_FLOAT_EQ(recording->next()->depth_m.at<float>(0, 1), 0.4F);
+  other.color.width = 640;
+  EXPECT_THAT(input_error([&] { open_bag(folder.path() / "a.mcap", other)->next(); }), HasSubstr("640 x 36"));
+}
+
+TEST(FrameRecording, ATruncatedFileGivesItsFirstFrames) {
+  const test::TempFolder folder;
+  std::string bytes = read_file(record(folder.path() / "a.mcap"));
+  const auto whole = open_bag(folder.write("whole.mcap", bytes), {});
+  bytes.resize(bytes.size() / 2);
+  // Too small for chunks of their own: the frames are in one, which is cut.
+  EXPECT_THAT(input_error([&] { open_bag(folder.write("cut.mcap", bytes), {})->next(); }),
+              HasSubstr("cut.mcap"));
+  EXPECT_TRUE(whole->next());
+}
+
+TEST(FrameRecording, NoMutatedFileBreaksTheReader) {
+  const test::TempFolder folder;
+  const std::string seed = read_file(record(folder.path() / "a.mcap"));
+  Random random(5);
+  for (int i = test::mutations(500); i > 0; --i)
+    test::read_all(folder.write("m.mcap", test::mutated(seed, random)));
+}
+
+}  // namespace
+}  // namespace kinloop
