@@ -116,6 +116,27 @@ TEST_F(CameraCommands, SimulatesADepthCameraOfItsOwn) {
   EXPECT_THAT(read_file(at("b/camera.yaml")), Not(HasSubstr("depth: {")));  // registered to colour
 }
 
+TEST_F(CameraCommands, RecordAsOneFileGivesTheSameSequence) {
+  ASSERT_EQ(run("simulate room --frames 6 --size 160x120 --quiet -o '" + at("a") + "'").exit_code, kDone);
+  ASSERT_EQ(run("record '" + at("a") + "' -o '" + at("b") + "'").exit_code, kDone);
+  const Run one_file = run("record '" + at("a") + "' -o '" + at("m.mcap") + "'");
+  ASSERT_EQ(one_file.exit_code, kDone) << one_file.err;
+  EXPECT_THAT(one_file.out, HasSubstr("6 frames"));
+  ASSERT_EQ(run("record '" + at("m.mcap") + "' -o '" + at("c") + "' --threads 1").exit_code, kDone);
+  for (const char* list : {"rgb.txt", "depth.txt", "associations.txt", "camera.yaml"})
+    EXPECT_EQ(read_file(std::filesystem::path(at("c")) / list),
+              read_file(std::filesystem::path(at("b")) / list));
+  for (const char* images : {"b/rgb", "b/depth"}) {
+    for (const auto& entry : std::filesystem::directory_iterator(at(images))) {
+      const auto name = std::filesystem::relative(entry.path(), at("b"));
+      EXPECT_EQ(read_file(entry.path()), read_file(std::filesystem::path(at("c")) / name)) << name;
+    }
+  }
+  const Run again = run("record '" + at("a") + "' -o '" + at("m.mcap") + "'");
+  EXPECT_EQ(again.exit_code, kBadInput);
+  EXPECT_THAT(again.err, HasSubstr("already exists"));
+}
+
 TEST_F(CameraCommands, ReportsMissingCameras) {
   const std::pair<std::string, std::string> parts[] = {{"kinect1", "Kinect 1"}, {"kinect2", "Kinect 2"},
                                                        {"openni2", "OpenNI2"},  {"realsense", "RealSense"},
