@@ -1,6 +1,6 @@
-// What reading costs beyond decoding: the same frames in every layout and container that the tests can write. Prints
-// CPU milliseconds per frame of each source, of decoding its images from memory, and their ratio, each the least of
-// several rounds in turn. Depth is registered where the container demands it, in both.
+// What reading costs beyond decoding: the same frames in every layout and container that the tests can write.
+// Prints CPU milliseconds per frame of each source, of decoding its images from memory, and their ratio, each
+// the least of several rounds in turn. Depth is registered where the container demands it, in both.
 //
 //   bench_reading SEQUENCE [FRAMES] [ROUNDS]
 
@@ -70,7 +70,8 @@ class Table {
       read_ms = std::min(read_ms, middle - start);
       if (static_cast<double>(count) != frames_) std::printf("%s: only %zu frames\n", name.c_str(), count);
     }
-    std::printf("%-34s%12.2f%12.2f%8.2f\n", name.c_str(), read_ms / frames_, decode_ms / frames_, read_ms / decode_ms);
+    std::printf("%-34s%12.2f%12.2f%8.2f\n", name.c_str(), read_ms / frames_, decode_ms / frames_,
+                read_ms / decode_ms);
     std::fflush(stdout);
   }
 
@@ -117,8 +118,8 @@ void add_layouts(const Table& table, const test::Sample& sample) {
         [&] {
           for (const auto& [color, depth] : images) {
             static_cast<void>(decode_color_image(color, "color"));
-            static_cast<void>(decode_depth(depth, "depth", opened.sequence.depth_encoding, {lens.width, lens.height},
-                                           opened.camera.depth_scale));
+            static_cast<void>(decode_depth(depth, "depth", opened.sequence.depth_encoding,
+                                           {lens.width, lens.height}, opened.camera.depth_scale));
           }
         });
   }
@@ -152,8 +153,10 @@ void decode(const BagImages& images, const PinholeCamera& lens) {
       static_cast<void>(color_from_compressed(as_bytes(images.colors[i])));
       static_cast<void>(depth_from_compressed("16UC1; compressedDepth", as_bytes(images.depths[i])));
     } else {
-      static_cast<void>(color_from({lens.width, lens.height, 3 * width, "bgr8", false, as_bytes(images.colors[i])}));
-      static_cast<void>(depth_from({lens.width, lens.height, 2 * width, "16UC1", false, as_bytes(images.depths[i])}));
+      static_cast<void>(
+          color_from({lens.width, lens.height, 3 * width, "bgr8", false, as_bytes(images.colors[i])}));
+      static_cast<void>(
+          depth_from({lens.width, lens.height, 2 * width, "16UC1", false, as_bytes(images.depths[i])}));
     }
   }
 }
@@ -163,7 +166,8 @@ constexpr const char* kColorTopic = "/camera/color/image_raw";
 constexpr const char* kDepthTopic = "/camera/aligned_depth_to_color/image_raw";
 
 test::WrittenBag bag_of(const test::Sample& sample, const BagImages& images, test::Serialization kind) {
-  test::WrittenBag bag = {{kInfoTopic, "sensor_msgs/msg/CameraInfo", 1, test::info_message(kind, sample.lens)}};
+  test::WrittenBag bag = {
+      {kInfoTopic, "sensor_msgs/msg/CameraInfo", 1, test::info_message(kind, sample.lens)}};
   for (size_t i = 0; i < sample.size(); ++i) {
     const int64_t stamp = 1 + sample.truth[i].stamp_ns;
     if (images.compressed) {
@@ -175,7 +179,8 @@ test::WrittenBag bag_of(const test::Sample& sample, const BagImages& images, tes
     } else {
       const std::string type = "sensor_msgs/msg/Image";
       bag.push_back({kColorTopic, type, stamp, test::image_message(kind, stamp, sample.colors[i], "bgr8")});
-      bag.push_back({kDepthTopic, type, stamp, test::image_message(kind, stamp, sample.depths_mm[i], "16UC1")});
+      bag.push_back(
+          {kDepthTopic, type, stamp, test::image_message(kind, stamp, sample.depths_mm[i], "16UC1")});
     }
   }
   return bag;
@@ -219,7 +224,8 @@ void add_compressed_chunks(const Table& table, const test::Sample& sample) {
     table.add(
         fmt::format("MCAP, {} chunks of raw images", compression), [&] { return open_bag(path, {}); },
         [&] {
-          for (const auto& [bytes, size] : packed) static_cast<void>(decompressed(compression, as_bytes(bytes), size));
+          for (const auto& [bytes, size] : packed)
+            static_cast<void>(decompressed(compression, as_bytes(bytes), size));
           decode(images, sample.lens);
         });
   }
@@ -262,10 +268,11 @@ void add_stream(const Table& table, const test::Sample& sample) {
   const BagImages images = bag_images(sample, false);
   std::string bytes = stream_record(R"({"kinloop": 1, "live": false})");
   for (size_t i = 0; i < sample.size(); ++i) {
-    bytes += stream_record(fmt::format(R"({{"stamp_ns": {}, "color": {{"encoding": "bgr8", "bytes": {}}}, )"
-                                       R"("depth": {{"encoding": "16UC1", "bytes": {}}}}})",
-                                       sample.truth[i].stamp_ns, images.colors[i].size(), images.depths[i].size()),
-                           images.colors[i] + images.depths[i]);
+    bytes +=
+        stream_record(fmt::format(R"({{"stamp_ns": {}, "color": {{"encoding": "bgr8", "bytes": {}}}, )"
+                                  R"("depth": {{"encoding": "16UC1", "bytes": {}}}}})",
+                                  sample.truth[i].stamp_ns, images.colors[i].size(), images.depths[i].size()),
+                      images.colors[i] + images.depths[i]);
   }
   const test::TempFolder folder;
   const auto path = folder.write("stream", bytes);
@@ -286,7 +293,9 @@ int main(int count, char** arguments) {
     std::fputs("usage: bench_reading SEQUENCE [FRAMES] [ROUNDS]\n", stderr);
     return 2;
   }
-  const auto number = [&](int place, int usual) { return place < count ? std::atoi(arguments[place]) : usual; };
+  const auto number = [&](int place, int usual) {
+    return place < count ? std::atoi(arguments[place]) : usual;
+  };
   const auto sample = kinloop::sample_of(arguments[1], static_cast<size_t>(number(2, 30)));
   const kinloop::Table table(sample.size(), number(3, 5));
   kinloop::add_layouts(table, sample);

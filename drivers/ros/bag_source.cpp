@@ -140,7 +140,8 @@ class BagSource : public FrameSource {
     const PinholeCamera& camera = is_color ? camera_.color : camera_.depth.value_or(camera_.color);
     if (size.width == camera.width && size.height == camera.height) return;
     throw InputError(fmt::format(
-        "{} x {} pixels where the camera has {} x {}; {}", size.width, size.height, camera.width, camera.height,
+        "{} x {} pixels where the camera has {} x {}; {}", size.width, size.height, camera.width,
+        camera.height,
         is_color ? "specify the camera of these images with --camera" : "is depth registered to colour?"));
   }
 

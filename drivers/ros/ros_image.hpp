@@ -31,8 +31,8 @@ constexpr double kRosDepthUnitM = 0.001;  ///< of 16-bit depth (REP 118)
 /// for other encodings and for truncated data.
 cv::Mat color_from(const RosImage& image);
 
-/// Converts 16UC1 or mono16 (in units of `unit_m`) and 32FC1 (metres; unknown if not finite and positive), both of either byte
-/// order, to 32FC1 metres.
+/// Converts 16UC1 or mono16 (in units of `unit_m`) and 32FC1 (metres; unknown if not finite and positive),
+/// both of either byte order, to 32FC1 metres.
 cv::Mat depth_from(const RosImage& image, double unit_m = kRosDepthUnitM);
 
 /// Same for sensor_msgs/CompressedImage: JPEG or PNG; depth as 16-bit PNG, or in the formats of
@@ -42,8 +42,8 @@ cv::Mat depth_from(const RosImage& image, double unit_m = kRosDepthUnitM);
 ColorImage color_from_compressed(std::span<const uint8_t> data);
 cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data);
 
-/// Returns the size of the image in a sensor_msgs/CompressedImage, without decoding it; nullopt if it cannot be
-/// decoded.
+/// Returns the size of the image in a sensor_msgs/CompressedImage, without decoding it; nullopt if it cannot
+/// be decoded.
 std::optional<cv::Size> compressed_size(const std::string& format, std::span<const uint8_t> data);
 
 /// sensor_msgs/CameraInfo.

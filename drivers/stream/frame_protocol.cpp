@@ -153,7 +153,8 @@ std::optional<SentFrame> FrameProtocol::read_frame(const StopReading& stop) {
 
 ColorImage decode_sent_color(const SentImage& image, const PinholeCamera& camera) {
   const bool compressed = image.encoding == "jpeg" || image.encoding == "png";
-  if (const auto size = encoded_size(as_text(image.data)); compressed && size) require_camera_size(*size, camera);
+  if (const auto size = encoded_size(as_text(image.data)); compressed && size)
+    require_camera_size(*size, camera);
   ColorImage color = compressed ? decode_embedded_color(image.data) : color_from(raw_image(image, camera));
   require_camera_size(color.size(), camera);
   return color;

@@ -46,8 +46,8 @@ StoredImages encode_images(const ColorImage& color, const cv::Mat& depth_m, cons
 /// Images that are damaged are black and of unknown depth.
 RgbdImages decode_images(const EncodedImages& images, const ImageStoreOptions& options);
 
-/// Returns whether the size of compressed images is that in the header of their colour, and their depth can be
-/// unpacked.
+/// Returns whether the size of compressed images is that in the header of their colour, and their depth can
+/// be unpacked.
 bool is_decodable(const EncodedImages& images);
 
 class ImageStore {

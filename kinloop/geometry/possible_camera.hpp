@@ -7,8 +7,8 @@
 
 namespace kinloop {
 
-/// Returns whether every number is finite and in a range that admits any camera, from fish-eye to telephoto, and
-/// crops of larger images.
+/// Returns whether every number is finite and in a range that admits any camera, from fish-eye to telephoto,
+/// and crops of larger images.
 bool is_possible(const PinholeCamera& camera);
 bool is_possible(const RgbdCamera& camera);
 

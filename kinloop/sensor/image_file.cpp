@@ -95,7 +95,8 @@ cv::Mat decode_image(std::string_view bytes) {
 std::optional<cv::Size> encoded_size(std::string_view bytes) {
   if (bytes.starts_with(kJpegSignature)) return jpeg_size(bytes);
   constexpr size_t kType = 12, kWidth = 16, kHeight = 20, kEnd = 24;  // IHDR comes first
-  if (!bytes.starts_with(kPngSignature) || bytes.size() < kEnd || bytes.substr(kType, 4) != "IHDR") return std::nullopt;
+  if (!bytes.starts_with(kPngSignature) || bytes.size() < kEnd || bytes.substr(kType, 4) != "IHDR")
+    return std::nullopt;
   const auto width = big_endian_at<uint32_t>(bytes, kWidth), height = big_endian_at<uint32_t>(bytes, kHeight);
   if (width > kMaxPngSide_px || height > kMaxPngSide_px) return std::nullopt;
   return cv::Size(static_cast<int>(width), static_cast<int>(height));

@@ -25,8 +25,8 @@ class ImageFormatError : public InputError {
 /// they are damaged or no such file. Does not notice a truncated JPEG: see `image_damage`.
 cv::Mat decode_image(std::string_view bytes);
 
-/// Returns the size in the header of a PNG or JPEG file, which is the one that decoding gives; nullopt if it is no
-/// such file. A small file may hold a huge image: compare its size with that of the camera first.
+/// Returns the size in the header of a PNG or JPEG file, which is the one that decoding gives; nullopt if it
+/// is no such file. A small file may hold a huge image: compare its size with that of the camera first.
 std::optional<cv::Size> encoded_size(std::string_view bytes);
 
 /// Reads an 8-bit colour or grey PNG or JPEG. A JPEG is kept as it is, with only its grey image decoded.

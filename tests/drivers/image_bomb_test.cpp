@@ -1,5 +1,5 @@
-// Small files that claim huge images: their size is compared with that of the camera before anything is decoded.
-// The images here are also damaged, so that decoding them first would give another message.
+// Small files that claim huge images: their size is compared with that of the camera before anything is
+// decoded. The images here are also damaged, so that decoding them first would give another message.
 
 #include <gmock/gmock.h>
 
@@ -72,7 +72,8 @@ TEST(ImageBomb, InABagIsSkipped) {
   };
   const test::WrittenBag bag = {
       {"/camera/color/camera_info", "sensor_msgs/msg/CameraInfo", 1, test::info_message(kKind, lens)},
-      {"/camera/color/image_raw/compressed", type, 1, test::compressed_message(kKind, 1, "jpeg", color_jpeg())},
+      {"/camera/color/image_raw/compressed", type, 1,
+       test::compressed_message(kKind, 1, "jpeg", color_jpeg())},
       depth("16UC1; compressedDepth png", depth_png()),
       depth("16UC1; compressedDepth rvl", rvl_size + "damaged")};
   const test::TempFolder folder;
@@ -86,8 +87,14 @@ TEST(ImageBomb, InAStreamIsAnError) {
   PinholeCamera camera;
   camera.width = test::kWidth, camera.height = test::kHeight;
   for (const std::string& image : {color_png(), color_jpeg()})
-    EXPECT_THAT(input_error([&] { decode_sent_color({"jpeg", bytes_of(image)}, camera); }), HasSubstr(kClaim));
-  EXPECT_THAT(input_error([&] { decode_sent_depth({"png", bytes_of(depth_png())}, camera, 1000); }), HasSubstr(kClaim));
+    EXPECT_THAT(input_error([&] {
+                  decode_sent_color({"jpeg", bytes_of(image)}, camera);
+                }),
+                HasSubstr(kClaim));
+  EXPECT_THAT(input_error([&] {
+                decode_sent_depth({"png", bytes_of(depth_png())}, camera, 1000);
+              }),
+              HasSubstr(kClaim));
 }
 
 TEST(ImageBomb, OfOpenNiIsAnError) {

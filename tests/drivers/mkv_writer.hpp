@@ -104,9 +104,10 @@ inline std::string mkv_bytes(const MkvParts& parts) {
                             element(0x465C, parts.calibration + '\0') + element(0x46AE, big_endian(7, 1))));
   }
   for (int i = 0; i < parts.frames; ++i) {
-    segment += element(0x1F43B675, element(0xE7, big_endian(static_cast<uint64_t>(33'333 * (i + 1)), 4)) +
-                                       block(1, 0, color_data(i)) +
-                                       block(2, 100, parts.depth_fourcc == "MPNG" ? depth_png(1500) : depth_data(1500)));
+    segment += element(0x1F43B675,
+                       element(0xE7, big_endian(static_cast<uint64_t>(33'333 * (i + 1)), 4)) +
+                           block(1, 0, color_data(i)) +
+                           block(2, 100, parts.depth_fourcc == "MPNG" ? depth_png(1500) : depth_data(1500)));
   }
   return header + element(0x18538067, segment);
 }

@@ -16,13 +16,16 @@ class Ros1BagWriter {
     if (is_new)
       chunk_ += record(field("op", "\x07") + field("conn", id) + field("topic", topic),
                        field("topic", topic) + field("type", type));
-    const auto seconds = static_cast<uint32_t>(stamp_ns / kSecond), rest = static_cast<uint32_t>(stamp_ns % kSecond);
-    chunk_ += record(field("op", "\x02") + field("conn", id) + field("time", number(seconds) + number(rest)), data);
+    const auto seconds = static_cast<uint32_t>(stamp_ns / kSecond),
+               rest = static_cast<uint32_t>(stamp_ns % kSecond);
+    chunk_ +=
+        record(field("op", "\x02") + field("conn", id) + field("time", number(seconds) + number(rest)), data);
   }
 
   [[nodiscard]] std::string bytes() const {
     const std::string header = record(
-        field("op", "\x03") + field("index_pos", std::string(8, '\0')) + field("conn_count", number(0U)), "    ");
+        field("op", "\x03") + field("index_pos", std::string(8, '\0')) + field("conn_count", number(0U)),
+        "    ");
     const auto size = static_cast<uint32_t>(chunk_.size());
     return "#ROSBAG V2.0\n" + header +
            record(field("op", "\x05") + field("compression", "none") + field("size", number(size)), chunk_);
@@ -31,9 +34,7 @@ class Ros1BagWriter {
  private:
   static constexpr int64_t kSecond = 1'000'000'000;
 
-  static std::string number(uint32_t value) {
-    return {reinterpret_cast<const char*>(&value), sizeof value};
-  }
+  static std::string number(uint32_t value) { return {reinterpret_cast<const char*>(&value), sizeof value}; }
   static std::string counted(const std::string& text) {
     return number(static_cast<uint32_t>(text.size())) + text;
   }

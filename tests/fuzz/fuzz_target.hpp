@@ -1,6 +1,6 @@
 #pragma once
-// A fuzz target: a reader that gets any bytes. libFuzzer runs it (libfuzzer/main.cpp), and the test replays its
-// corpus in every build.
+// A fuzz target: a reader that gets any bytes. libFuzzer runs it (libfuzzer/main.cpp), and the test replays
+// its corpus in every build.
 
 #include <span>
 #include <string_view>
@@ -9,8 +9,8 @@ namespace kinloop::fuzz {
 
 struct FuzzTarget {
   const char* name;  ///< also the folder of its corpus
-  /// Reads the bytes. Returns if they were read or rejected with an InputError of one line; any other exception
-  /// is a defect.
+  /// Reads the bytes. Returns if they were read or rejected with an InputError of one line; any other
+  /// exception is a defect.
   void (*run)(std::string_view bytes);
 };
 

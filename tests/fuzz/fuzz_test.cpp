@@ -1,7 +1,5 @@
 // Replays the corpus of every fuzz target, among it each input that once found a defect.
 
-#include "tests/fuzz/fuzz_target.hpp"
-
 #include <algorithm>
 #include <filesystem>
 #include <vector>
@@ -10,6 +8,7 @@
 
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/text_file.hpp"
+#include "tests/fuzz/fuzz_target.hpp"
 #include "tests/support/shared_data.hpp"
 
 namespace kinloop {
@@ -40,7 +39,8 @@ TEST_P(FuzzCorpusTest, EveryInputMayBeCutShort) {
   for (const auto& file : corpus()) {
     const std::string bytes = read_file(file);
     for (size_t i = 0; i < kCuts; ++i)
-      EXPECT_NO_THROW(GetParam().run(std::string_view(bytes).substr(0, bytes.size() * i / kCuts))) << file << i;
+      EXPECT_NO_THROW(GetParam().run(std::string_view(bytes).substr(0, bytes.size() * i / kCuts)))
+          << file << i;
   }
 }
 

@@ -53,8 +53,8 @@ class CraftedMapTest : public testing::Test {
     const auto path = folder.path() / "crafted.kinmap";
     DatabaseWriter writer(path, tables::kKind);
     for (const char* name :
-         {tables::kAbout, tables::kSession, tables::kOption, tables::kCamera, tables::kSensor, tables::kKeyframe,
-          tables::kLoopEdge, tables::kLandmark, tables::kFrame, tables::kImage}) {
+         {tables::kAbout, tables::kSession, tables::kOption, tables::kCamera, tables::kSensor,
+          tables::kKeyframe, tables::kLoopEdge, tables::kLandmark, tables::kFrame, tables::kImage}) {
       copy_table(reader, name, name == table ? row : -1, edit, writer);
     }
     writer.commit();
@@ -100,9 +100,15 @@ TEST_F(CraftedMapTest, AnUnchangedCopyIsWhole) {
 }
 
 TEST_F(CraftedMapTest, ALandmarkWithAnImpossibleValueIsLost) {
-  const std::vector<Edit> edits = {new_id(-1),         new_id(60'000'000),     new_id(int64_t{1} << 40),
-                                   cell(0, int64_t{-1}), cell(0, int64_t{1} << 33), cell(0, int64_t{9'999}),
-                                   cell(1, kInfinity),  cell(2, 1e300),         cell(4, Blob{"short"})};
+  const std::vector<Edit> edits = {new_id(-1),
+                                   new_id(60'000'000),
+                                   new_id(int64_t{1} << 40),
+                                   cell(0, int64_t{-1}),
+                                   cell(0, int64_t{1} << 33),
+                                   cell(0, int64_t{9'999}),
+                                   cell(1, kInfinity),
+                                   cell(2, 1e300),
+                                   cell(4, Blob{"short"})};
   for (size_t i = 0; i < edits.size(); ++i) {
     const MapDamage damage = damage_of(with(tables::kLandmark, 7, edits[i]));
     EXPECT_EQ(describe(damage), "1 landmarks") << i;
@@ -110,10 +116,18 @@ TEST_F(CraftedMapTest, ALandmarkWithAnImpossibleValueIsLost) {
 }
 
 TEST_F(CraftedMapTest, AKeyframeWithAnImpossibleValueIsLost) {
-  const std::vector<Edit> edits = {
-      new_id(-1), new_id(int64_t{1} << 32), cell(0, int64_t{-1}), cell(0, int64_t{1} << 32),
-      cell(1, std::numeric_limits<int64_t>::min()), cell(2, int64_t{4'294'967'295}), cell(2, int64_t{-1}),
-      cell(2, int64_t{1} << 24), cell(4, kInfinity), cell(5, 1e300), cell(7, 5.0), cell(10, int64_t{1})};
+  const std::vector<Edit> edits = {new_id(-1),
+                                   new_id(int64_t{1} << 32),
+                                   cell(0, int64_t{-1}),
+                                   cell(0, int64_t{1} << 32),
+                                   cell(1, std::numeric_limits<int64_t>::min()),
+                                   cell(2, int64_t{4'294'967'295}),
+                                   cell(2, int64_t{-1}),
+                                   cell(2, int64_t{1} << 24),
+                                   cell(4, kInfinity),
+                                   cell(5, 1e300),
+                                   cell(7, 5.0),
+                                   cell(10, int64_t{1})};
   for (size_t i = 0; i < edits.size(); ++i)
     EXPECT_EQ(damage_of(with(tables::kKeyframe, 3, edits[i])).keyframes, 1U) << i;
 }
@@ -145,16 +159,17 @@ TEST_F(CraftedMapTest, AKeyframeWithImpossibleFeaturesIsLost) {
 TEST_F(CraftedMapTest, ALoopWithAnImpossibleValueIsLost) {
   std::string infinite(36 * sizeof(double), '\0');
   std::memcpy(infinite.data(), &kInfinity, sizeof kInfinity);
-  const std::vector<Edit> edits = {cell(0, int64_t{-1}), cell(0, int64_t{4}),  cell(2, -kInfinity), cell(8, 7.0),
-                                   cell(9, Blob{"short"}), cell(9, Blob{infinite}), cell(10, int64_t{-1})};
+  const std::vector<Edit> edits = {cell(0, int64_t{-1}), cell(0, int64_t{4}),    cell(2, -kInfinity),
+                                   cell(8, 7.0),         cell(9, Blob{"short"}), cell(9, Blob{infinite}),
+                                   cell(10, int64_t{-1})};
   for (size_t i = 0; i < edits.size(); ++i)
     EXPECT_EQ(describe(damage_of(with(tables::kLoopEdge, 0, edits[i]))), "1 loops") << i;
 }
 
 TEST_F(CraftedMapTest, AFrameWithAnImpossibleValueIsLost) {
-  const std::vector<Edit> edits = {cell(0, int64_t{-1}), cell(0, int64_t{0}),      cell(0, int64_t{1} << 31),
+  const std::vector<Edit> edits = {cell(0, int64_t{-1}),      cell(0, int64_t{0}),  cell(0, int64_t{1} << 31),
                                    cell(1, int64_t{1} << 62), cell(2, int64_t{-1}), cell(3, int64_t{1} << 32),
-                                   cell(6, kInfinity),   cell(9, 3.0),             cell(13, kInfinity)};
+                                   cell(6, kInfinity),        cell(9, 3.0),         cell(13, kInfinity)};
   for (size_t i = 0; i < edits.size(); ++i)
     EXPECT_EQ(describe(damage_of(with(tables::kFrame, 9, edits[i]))), "1 frames") << i;
 }
@@ -162,7 +177,8 @@ TEST_F(CraftedMapTest, AFrameWithAnImpossibleValueIsLost) {
 TEST_F(CraftedMapTest, AnImageThatDoesNotFitIsLost) {
   const SavedImages images = test::some_images(1);
   const auto blob = [](const std::vector<uint8_t>& bytes) { return Blob{{bytes.begin(), bytes.end()}}; };
-  const auto other = encode_images(cv::Mat(60, 80, CV_8UC3, cv::Scalar(1)), cv::Mat(60, 80, CV_32FC1, cv::Scalar(1)), {});
+  const auto other =
+      encode_images(cv::Mat(60, 80, CV_8UC3, cv::Scalar(1)), cv::Mat(60, 80, CV_32FC1, cv::Scalar(1)), {});
   std::vector<uint8_t> longer = images.images.depth;
   longer.insert(longer.begin(), 40, uint8_t{0xff});
   const std::vector<Edit> edits = {cell(0, int64_t{-1}),
@@ -188,7 +204,8 @@ TEST_F(CraftedMapTest, AJpegThatIsDamagedBehindItsHeaderShowsNothing) {
 }
 
 TEST_F(CraftedMapTest, CountsThatCannotBeAreNotBelieved) {
-  for (const int64_t count : {int64_t{-10}, std::numeric_limits<int64_t>::min(), std::numeric_limits<int64_t>::max()}) {
+  for (const int64_t count :
+       {int64_t{-10}, std::numeric_limits<int64_t>::min(), std::numeric_limits<int64_t>::max()}) {
     for (int64_t row = 1; row <= 6; ++row) {
       const MapReader reader = with(tables::kAbout, row, cell(1, count));
       EXPECT_FALSE(damage_of(reader).any()) << describe(damage_of(reader));

@@ -18,9 +18,9 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
+using test::kImages;
 using test::kKeyframes;
 using test::kKeypoints;
-using test::kImages;
 using test::some_images;
 using test::some_saved_map;
 

@@ -19,7 +19,8 @@ inline std::string with_vocabulary_checksum(std::string bytes) {
   const auto step = [](uint64_t sum, uint64_t word) { return std::rotl((sum ^ word) * 0x100000001b3, 29); };
   uint64_t sum = 0xcbf29ce484222325, lanes[4] = {sum, sum, sum, sum};
   const auto add = [&](size_t begin, size_t end) {
-    for (size_t i = 0; begin + 8 * i + 8 <= end; ++i) lanes[i % 4] = step(lanes[i % 4], word_at(begin + 8 * i));
+    for (size_t i = 0; begin + 8 * i + 8 <= end; ++i)
+      lanes[i % 4] = step(lanes[i % 4], word_at(begin + 8 * i));
   };
   add(0, kChecksumOffset);
   add(kHeaderBytes, bytes.size());

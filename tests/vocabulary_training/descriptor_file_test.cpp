@@ -77,10 +77,12 @@ TEST(DescriptorFile, AnythingElseIsAnErrorThatNamesIt) {
 
 TEST(DescriptorFile, CutShortWhileItIsReadIsAnError) {
   const test::TempFolder folder;
-  const auto path = written(folder, {cv::Mat(2000, kOrbBytes, CV_8UC1, cv::Scalar(1)), cv::Mat(1, kOrbBytes, CV_8UC1, cv::Scalar(2))});
+  const auto path = written(folder, {cv::Mat(2000, kOrbBytes, CV_8UC1, cv::Scalar(1)),
+                                     cv::Mat(1, kOrbBytes, CV_8UC1, cv::Scalar(2))});
   DescriptorFile file(path);
   std::filesystem::resize_file(path, 1000);
-  EXPECT_THAT(test::input_error([&] { static_cast<void>(file.descriptors_of_image(0)); }), testing::HasSubstr("truncated"));
+  EXPECT_THAT(test::input_error([&] { static_cast<void>(file.descriptors_of_image(0)); }),
+              testing::HasSubstr("truncated"));
 }
 
 }  // namespace

@@ -84,7 +84,8 @@ DescriptorFile::DescriptorFile(std::filesystem::path path)
 }
 
 void DescriptorFile::fail(const std::string& what) const {
-  throw InputError(fmt::format("{}: {}; create it again with 'kinloop vocab describe'", path_.string(), what));
+  throw InputError(
+      fmt::format("{}: {}; create it again with 'kinloop vocab describe'", path_.string(), what));
 }
 
 void DescriptorFile::read(uint64_t offset, void* bytes, size_t size) {

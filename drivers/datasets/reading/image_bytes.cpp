@@ -14,8 +14,8 @@ namespace kinloop {
 std::string read_bytes(const ImageLocation& image) {
   if (image.size == 0) return read_image_bytes(image.file);
   if (image.size > kMaxEncodedBytes) {
-    throw InputError(fmt::format("{}: an image of {} bytes at byte {}, where one has at most {}", image.file.string(),
-                                 image.size, image.offset, kMaxEncodedBytes));
+    throw InputError(fmt::format("{}: an image of {} bytes at byte {}, where one has at most {}",
+                                 image.file.string(), image.size, image.offset, kMaxEncodedBytes));
   }
   std::ifstream stream(image.file, std::ios::binary);
   std::error_code error;

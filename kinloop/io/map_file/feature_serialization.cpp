@@ -34,8 +34,8 @@ bool consistent(const Features& features) {
     same = same && (list.size() == features.size() || (optional && list.empty()));
   });
   const cv::Mat& descriptors = features.descriptors;
-  return same && static_cast<size_t>(descriptors.rows) == features.size() &&
-         descriptors.type() == CV_8UC1 && descriptors.cols == kDescriptorBytes;
+  return same && static_cast<size_t>(descriptors.rows) == features.size() && descriptors.type() == CV_8UC1 &&
+         descriptors.cols == kDescriptorBytes;
 }
 
 /// Every number is one that a camera can have measured.
@@ -44,7 +44,9 @@ bool possible(const Features& features) {
   const auto all = [](const auto& list, const auto& is_possible) {
     return std::all_of(list.begin(), list.end(), is_possible);
   };
-  const auto is_pixel = [](const Eigen::Vector2f& p) { return p.cwiseAbs().maxCoeff() <= kMaxPixel && p.allFinite(); };
+  const auto is_pixel = [](const Eigen::Vector2f& p) {
+    return p.cwiseAbs().maxCoeff() <= kMaxPixel && p.allFinite();
+  };
   const auto is_depth = [](float depth_m) { return depth_m >= 0 && depth_m <= kMaxDepthM; };
   return std::abs(features.depth_lag_s) <= kMaxLag_s && all(features.pixels, is_pixel) &&
          all(features.raw_pixels, is_pixel) && all(features.measured_pixels, is_pixel) &&

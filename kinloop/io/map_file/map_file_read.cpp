@@ -136,8 +136,8 @@ std::optional<Landmark> sound(Landmark landmark, const Renumbered& ids, const Ma
   return landmark;
 }
 
-/// Landmarks are created at keypoints, rarely twice at the same one. Their ids have gaps where some were erased;
-/// beyond this limit an id is damaged, and the table indexed by ids would be absurdly large.
+/// Landmarks are created at keypoints, rarely twice at the same one. Their ids have gaps where some were
+/// erased; beyond this limit an id is damaged, and the table indexed by ids would be absurdly large.
 int64_t landmark_limit(const MapData& map) {
   constexpr size_t kPerKeypoint = 4;
   size_t keypoints = 0;
@@ -260,7 +260,8 @@ std::pair<SavedMap, MapDamage> MapReader::read() const {
   }
   if (const auto components = about.find("components"); components != about.end()) {
     if (const auto* n = std::get_if<int64_t>(&components->second); n != nullptr && *n <= kMaxKeyframes)
-      saved.map.component_count = std::max(saved.map.component_count, static_cast<uint32_t>(std::max<int64_t>(*n, 0)));
+      saved.map.component_count =
+          std::max(saved.map.component_count, static_cast<uint32_t>(std::max<int64_t>(*n, 0)));
   }
   damage.keyframes = missing(about, tables::kKeyframe, ids.size());
   damage.landmarks = missing(about, tables::kLandmark, landmarks);

@@ -11,7 +11,7 @@
 
 namespace kinloop {
 
-constexpr int64_t kMaxKeyframes = 1 << 24;       ///< five in a second for 38 days
+constexpr int64_t kMaxKeyframes = 1 << 24;        ///< five in a second for 38 days
 constexpr int64_t kMaxFrames = int64_t{1} << 31;  ///< 30 in a second for two years
 constexpr int64_t kMaxRows = int64_t{1} << 32;
 constexpr int64_t kMaxInliers = 1 << 24;
@@ -20,7 +20,8 @@ constexpr int64_t kMaxSide_px = 1 << 15;
 constexpr double kMaxDistanceM = 1e6;
 constexpr double kMaxLagS = 1e3;
 constexpr double kMaxParameter = 1e6;  ///< of a sensor, in its own unit
-constexpr double kUnconstrained = std::numeric_limits<double>::infinity();  ///< standard deviation of such a parameter
+constexpr double kUnconstrained =
+    std::numeric_limits<double>::infinity();  ///< standard deviation of such a parameter
 
 /// Reads a number from 0 to `limit` - 1.
 uint32_t take_index(RowReader& row, int64_t limit);

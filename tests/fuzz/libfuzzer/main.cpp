@@ -39,5 +39,6 @@ extern "C" size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t max_size);
 
 extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t max_size, unsigned seed) {
   static const bool kIsMap = std::string_view(chosen_target().name) == "map";
-  return kIsMap ? kinloop::fuzz::mutate_map(data, size, max_size, seed) : LLVMFuzzerMutate(data, size, max_size);
+  return kIsMap ? kinloop::fuzz::mutate_map(data, size, max_size, seed)
+                : LLVMFuzzerMutate(data, size, max_size);
 }

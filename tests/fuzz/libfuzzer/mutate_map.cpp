@@ -22,9 +22,9 @@ void mutate_bytes(std::string& bytes) {
 
 int64_t mutated(int64_t value, Random& random) {
   constexpr auto kNotable = std::to_array<int64_t>(
-      {0, 1, -1, 2, 255, 1 << 16, 60'000'000, std::numeric_limits<int32_t>::max(), std::numeric_limits<int32_t>::min(),
-       std::numeric_limits<uint32_t>::max(), int64_t{1} << 32, std::numeric_limits<int64_t>::max(),
-       std::numeric_limits<int64_t>::min()});
+      {0, 1, -1, 2, 255, 1 << 16, 60'000'000, std::numeric_limits<int32_t>::max(),
+       std::numeric_limits<int32_t>::min(), std::numeric_limits<uint32_t>::max(), int64_t{1} << 32,
+       std::numeric_limits<int64_t>::max(), std::numeric_limits<int64_t>::min()});
   switch (random.index(3)) {
     case 0:
       return kNotable[random.index(kNotable.size())];

@@ -1,5 +1,5 @@
-// Writes the seeds of the fuzz targets into tests/fuzz/corpus: make_fuzz_seeds FOLDER. Most are made by the writers
-// of the library and its tests; text that is short is given here.
+// Writes the seeds of the fuzz targets into tests/fuzz/corpus: make_fuzz_seeds FOLDER. Most are made by the
+// writers of the library and its tests; text that is short is given here.
 
 #include <cstdio>
 #include <filesystem>
@@ -101,14 +101,17 @@ void add_text(const Corpus& corpus) {
   corpus.add("options", "some", "seed=3\ndense.voxel_m=0.02\nexecutor.mode=live\nglobal_ba_enabled=false\n");
   corpus.add("options", "renamed", "dense.patch_memory_mib=32\nviewer.max_m=3\nfeatures.kind=sift\n");
   corpus.add("frame_lists", "associations", "-- associations.txt --\n1.0 rgb/1.png 1.01 depth/1.png\n");
-  corpus.add("frame_lists", "two",
-             "-- rgb.txt --\n# colour\n1.0 rgb/1.png\n1.1 rgb/2.png\n-- depth.txt --\n1.0 d/1.png\n1.1 d/2.png\n");
+  corpus.add(
+      "frame_lists", "two",
+      "-- rgb.txt --\n# colour\n1.0 rgb/1.png\n1.1 rgb/2.png\n-- depth.txt --\n1.0 d/1.png\n1.1 d/2.png\n");
 }
 
 void add_cameras(const Corpus& corpus) {
   RgbdCamera camera;
   camera.color = small_lens();
-  const auto text_of = [&] { return written("camera.yaml", [&](const fs::path& p) { write_camera_file(p, camera); }); };
+  const auto text_of = [&] {
+    return written("camera.yaml", [&](const fs::path& p) { write_camera_file(p, camera); });
+  };
   corpus.add("camera", "plain", text_of());
   camera.color.lens = {LensModel::kRational, 1, 2, 0.1, 0.2, 3, 4, 5, 6};
   camera.depth = small_lens();
@@ -128,10 +131,12 @@ void add_images(const Corpus& corpus) {
   const cv::Mat color = test::make_color(2, CV_8UC3, {16, 9});
   for (const int type : {CV_8UC3, CV_8UC1}) {
     const auto bytes = encode_jpeg(test::make_color(2, type, {16, 9}), 80);
-    corpus.add("jpeg", type == CV_8UC1 ? "gray" : "color", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    corpus.add("jpeg", type == CV_8UC1 ? "gray" : "color",
+               {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
   std::vector<uint8_t> progressive;
-  cv::imencode(".jpg", color, progressive, {cv::IMWRITE_JPEG_PROGRESSIVE, 1, cv::IMWRITE_JPEG_RST_INTERVAL, 2});
+  cv::imencode(".jpg", color, progressive,
+               {cv::IMWRITE_JPEG_PROGRESSIVE, 1, cv::IMWRITE_JPEG_RST_INTERVAL, 2});
   corpus.add("jpeg", "progressive", {reinterpret_cast<const char*>(progressive.data()), progressive.size()});
 }
 
@@ -152,22 +157,25 @@ void add_depth(const Corpus& corpus) {
   corpus.add("depth_encodings", "float", '\6' + size + raw + raw);
   corpus.add("depth_encodings", "numpy",
              '\7' + size + "\x93NUMPY\x01" + std::string("\0\x46\0", 3) +
-                 fmt::format("{:<69}\n", "{'descr': '<f4', 'fortran_order': False, 'shape': (6, 8), }") + raw + raw);
+                 fmt::format("{:<69}\n", "{'descr': '<f4', 'fortran_order': False, 'shape': (6, 8), }") +
+                 raw + raw);
 }
 
 void add_point_files(const Corpus& corpus) {
   const ColoredCloud cloud{{{0, 0, 1}, {0.5, 0, 1}, {0, 0.5, 1}}, {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, {}};
   corpus.add("ply", "cloud", written("a.ply", [&](const fs::path& p) { write_ply(p, cloud); }));
   corpus.add("pcd", "cloud", written("a.pcd", [&](const fs::path& p) { write_pcd(p, cloud); }));
-  corpus.add("ply", "ascii_mesh",
-             "ply\nformat ascii 1.0\ncomment frame z-up\nelement vertex 4\nproperty float x\nproperty double y\n"
-             "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
-             "property list uchar int vertex_indices\nend_header\n0 0 0 1 2 3\n1 0 0 1 2 3\n1 1 0 1 2 3\n"
-             "0 1 0 1 2 3\n4 0 1 2 3\n");
-  corpus.add("ply", "big_endian",
-             std::string("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-                         "property float z\nelement face 1\nproperty list uchar ushort vertex_index\nend_header\n") +
-                 std::string("\x3f\x80\0\0\x3f\x80\0\0\x3f\x80\0\0\3\0\0\0\0\0\0", 19));
+  corpus.add(
+      "ply", "ascii_mesh",
+      "ply\nformat ascii 1.0\ncomment frame z-up\nelement vertex 4\nproperty float x\nproperty double y\n"
+      "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0 1 2 3\n1 0 0 1 2 3\n1 1 0 1 2 3\n"
+      "0 1 0 1 2 3\n4 0 1 2 3\n");
+  corpus.add(
+      "ply", "big_endian",
+      std::string("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                  "property float z\nelement face 1\nproperty list uchar ushort vertex_index\nend_header\n") +
+          std::string("\x3f\x80\0\0\x3f\x80\0\0\x3f\x80\0\0\3\0\0\0\0\0\0", 19));
   const std::string fields = "FIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n";
   const std::string size = "WIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\n";
   corpus.add("pcd", "ascii", "VERSION .7\n" + fields + size + "DATA ascii\n0 0 1 255\nnan 1 1 65280\n");
@@ -202,7 +210,8 @@ void add_map(const Corpus& corpus) {
     add_view(built, world, test::observe(world, pose, {}, i), pose);
     saved.frames.push_back({FrameId{i}, i * 100'000'000LL, 0, KeyframeId{i}, {}, KeyframeId{i}});
   }
-  built.map.add_loop_edge({KeyframeId{0}, KeyframeId{2}, test::pose_on_arc(0).inverse() * test::pose_on_arc(2)});
+  built.map.add_loop_edge(
+      {KeyframeId{0}, KeyframeId{2}, test::pose_on_arc(0).inverse() * test::pose_on_arc(2)});
   saved.program = "kinloop";
   saved.sessions = {{"room", FrameId{0}}};
   saved.options = {{"seed", "1"}};
@@ -210,10 +219,13 @@ void add_map(const Corpus& corpus) {
   saved.sensor.resize(3);
   saved.map = built.map.data();
   const auto encoded = encode_images(cv::Mat(48, 64, CV_8UC3, cv::Scalar(1, 2, 3)),
-                                     cv::Mat(48, 64, CV_32FC1, cv::Scalar(1.5)), {}).encoded;
+                                     cv::Mat(48, 64, CV_32FC1, cv::Scalar(1.5)), {})
+                           .encoded;
   const test::TempFolder folder;
   const fs::path path = folder.path() / "map.kinmap";
-  write_map(path, saved, 2, [&](size_t i) { return SavedImages{FrameId{static_cast<uint32_t>(i)}, encoded}; });
+  write_map(path, saved, 2, [&](size_t i) {
+    return SavedImages{FrameId{static_cast<uint32_t>(i)}, encoded};
+  });
   corpus.add("map", "three_keyframes", to_bytes(read_rows(path)));
 }
 
@@ -226,9 +238,10 @@ test::WrittenBag ros2_bag(bool compressed) {
     if (compressed) {
       bag.push_back({"/camera/color/image_raw/compressed", "sensor_msgs/msg/CompressedImage", stamp,
                      test::compressed_message(kKind, stamp, "png", color_png())});
-      bag.push_back({"/camera/aligned_depth_to_color/image_raw/compressedDepth", "sensor_msgs/msg/CompressedImage",
-                     stamp, test::compressed_message(kKind, stamp, "16UC1; compressedDepth",
-                                                     std::string(12, '\0') + depth_png())});
+      bag.push_back({"/camera/aligned_depth_to_color/image_raw/compressedDepth",
+                     "sensor_msgs/msg/CompressedImage", stamp,
+                     test::compressed_message(kKind, stamp, "16UC1; compressedDepth",
+                                              std::string(12, '\0') + depth_png())});
       continue;
     }
     bag.push_back({"/camera/color/image_raw", "sensor_msgs/msg/Image", stamp,
@@ -276,7 +289,8 @@ void add_recordings(const Corpus& corpus) {
     chunks.compression = compression;
     corpus.add("mcap", compression, test::mcap_bytes(ros2_bag(false), chunks));
   }
-  corpus.add("sqlite_bag", "raw", written("a.db3", [](const fs::path& p) { test::write_db3(p, ros2_bag(false)); }));
+  corpus.add("sqlite_bag", "raw",
+             written("a.db3", [](const fs::path& p) { test::write_db3(p, ros2_bag(false)); }));
   test::MkvParts mkv;
   mkv.frames = 2, mkv.depth_fourcc = "MPNG";
   corpus.add("azure", "mjpg", test::mkv_bytes(mkv));
@@ -302,7 +316,8 @@ void add_layouts(const Corpus& corpus) {
     std::string name = layout.name;
     std::replace(name.begin(), name.end(), ' ', '_');
     if (name == "ScanNet_recording") {
-      for (const auto& entry : fs::directory_iterator(folder.path())) corpus.add("sens", "raw", read_file(entry.path()));
+      for (const auto& entry : fs::directory_iterator(folder.path()))
+        corpus.add("sens", "raw", read_file(entry.path()));
     } else {
       corpus.add_folder("layouts", name, folder.path());
     }
@@ -326,12 +341,15 @@ void add_connections(const Corpus& corpus) {
                    R"({"encoding": "32FC1", "bytes": 192}})") +
             std::string(144, '\x33') + std::string(192, '\x3f');
   corpus.add("stream", "two_frames", stream);
-  corpus.add("http", "page", "GET /?token=ab HTTP/1.1\r\nHost: localhost:8080\r\nOrigin: http://localhost:8080\r\n\r\n");
-  corpus.add("http", "feed",
-             "GET /feed?since=7&run=run HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-             "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n");
+  corpus.add("http", "page",
+             "GET /?token=ab HTTP/1.1\r\nHost: localhost:8080\r\nOrigin: http://localhost:8080\r\n\r\n");
+  corpus.add(
+      "http", "feed",
+      "GET /feed?since=7&run=run HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+      "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n");
   const std::string text = R"({"command":"pause"})", mask(4, '\0');
-  corpus.add("websocket", "command", "\x81" + std::string(1, static_cast<char>(0x80U | text.size())) + mask + text);
+  corpus.add("websocket", "command",
+             "\x81" + std::string(1, static_cast<char>(0x80U | text.size())) + mask + text);
   corpus.add("websocket", "ping_and_close", "\x89\x80" + mask + "\x88\x82" + mask + "\x03\xE8");
   corpus.add("websocket", "fragments", "\x01\x82" + mask + "{\"" + "\x80\x82" + mask + "a}");
 }

@@ -10,7 +10,8 @@ void read_camera_bytes(std::string_view bytes) {
       const RgbdCamera camera = read_camera_file(path);
       expect_possible(camera);
       write_camera_file(path, camera);
-      require(read_camera_file(path).color == camera.color, "a camera that was read is not the same when written");
+      require(read_camera_file(path).color == camera.color,
+              "a camera that was read is not the same when written");
     });
   });
 }

@@ -21,10 +21,12 @@ class Browser {
     own_end_ = ends[0];
     auto upgrade = [this](boost::beast::tcp_stream stream, ConnectionSlot slot, const Request& request,
                           const RequestTarget&) {
-      std::make_shared<WebSocketSession>(std::move(stream), std::move(slot), scene_, 0, [](Command) {})->start(request);
+      std::make_shared<WebSocketSession>(std::move(stream), std::move(slot), scene_, 0, [](Command) {
+      })->start(request);
     };
     const AccessPolicy loopback;
-    std::make_shared<HttpSession>(tcp::socket(context_, tcp::v4(), ends[1]), slot_, loopback, upgrade)->start();
+    std::make_shared<HttpSession>(tcp::socket(context_, tcp::v4(), ends[1]), slot_, loopback, upgrade)
+        ->start();
   }
   ~Browser() {
     ::close(own_end_);

@@ -29,8 +29,8 @@ cv::Mat decoded(const EncodedDepth& depth) {
   const Bytes bytes = as_bytes(depth.bytes);
   if (depth.encoding == 0) return decode_rvl(bytes, depth.size);
   if (depth.encoding <= 2) return decode_16z(bytes, depth.size, depth.encoding == 2);
-  return decode_depth(std::string(depth.bytes), "depth", static_cast<DepthEncoding>(depth.encoding - 3), depth.size,
-                      1000);
+  return decode_depth(std::string(depth.bytes), "depth", static_cast<DepthEncoding>(depth.encoding - 3),
+                      depth.size, 1000);
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ void expect_possible_lens(const PinholeCamera& lens) {
 
 void expect_possible_frame(const RgbdFrame& frame, const PinholeCamera& camera) {
   const cv::Size size(camera.width, camera.height);
-  require(frame.color.size() == size && frame.depth_m.size() == size, "images of another size than the camera's");
+  require(frame.color.size() == size && frame.depth_m.size() == size,
+          "images of another size than the camera's");
   require(frame.depth_m.type() == CV_32FC1 && frame.color.gray().type() == CV_8UC1, "images of another type");
   for (int y = 0; y < frame.depth_m.rows; ++y) {
     const auto* row = frame.depth_m.ptr<float>(y);
@@ -33,8 +34,8 @@ void expect_possible_frame(const RgbdFrame& frame, const PinholeCamera& camera) 
 bool is_possible_name(const std::filesystem::path& name) {
   constexpr size_t kMaxLength = 100;
   const std::string text = name.string();
-  return !text.empty() && text.size() < kMaxLength && printable(text) == text &&
-         name.is_relative() && std::find(name.begin(), name.end(), "..") == name.end() && name.has_filename();
+  return !text.empty() && text.size() < kMaxLength && printable(text) == text && name.is_relative() &&
+         std::find(name.begin(), name.end(), "..") == name.end() && name.has_filename();
 }
 
 }  // namespace
@@ -42,7 +43,8 @@ bool is_possible_name(const std::filesystem::path& name) {
 void expect_possible(const RgbdCamera& camera) {
   expect_possible_lens(camera.color);
   if (camera.depth) expect_possible_lens(*camera.depth);
-  require(camera.depth_scale > 0 && std::isfinite(camera.depth_scale), "a unit of depth that is not possible");
+  require(camera.depth_scale > 0 && std::isfinite(camera.depth_scale),
+          "a unit of depth that is not possible");
   require(camera.T_color_depth.is_finite(), "a pose that is not finite");
   require(std::isfinite(camera.fps) && std::isfinite(camera.depth_shift_m), "a camera that is not finite");
 }
@@ -73,8 +75,8 @@ void with_folder(std::string_view archive, const std::function<void(const std::f
     const size_t name_begin = at + kBegin.size(), name_end = archive.find(kEnd, name_begin);
     if (name_end == std::string_view::npos) break;
     const size_t begin = name_end + kEnd.size(), next = archive.find("\n-- ", begin - 1);
-    const auto content =
-        next == std::string_view::npos || next < begin ? archive.substr(begin) : archive.substr(begin, next - begin);
+    const auto content = next == std::string_view::npos || next < begin ? archive.substr(begin)
+                                                                        : archive.substr(begin, next - begin);
     const std::filesystem::path name(archive.substr(name_begin, name_end - name_begin));
     try {
       if (is_possible_name(name)) folder.write(name, next < begin ? std::string_view() : content);

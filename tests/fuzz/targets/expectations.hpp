@@ -32,7 +32,8 @@ void read_frames(FrameSource& source);
 /// Opens `path` as a recording of any kind and reads its frames.
 void read_recording(const std::filesystem::path& path);
 
-/// Writes the bytes to a file of this name in a temporary folder, calls `read` with its path, and removes both.
+/// Writes the bytes to a file of this name in a temporary folder, calls `read` with its path, and removes
+/// both.
 void with_file(const std::string& name, std::string_view bytes,
                const std::function<void(const std::filesystem::path&)>& read);
 

@@ -9,7 +9,8 @@ void read_frame_lists_bytes(std::string_view bytes) {
     accept([&] {
       const TumListing listing = read_tum_listing(folder);
       for (size_t i = 1; i < listing.frames.size(); ++i)
-        require(listing.frames[i].stamp_ns > listing.frames[i - 1].stamp_ns, "frames that are not in order of time");
+        require(listing.frames[i].stamp_ns > listing.frames[i - 1].stamp_ns,
+                "frames that are not in order of time");
     });
   });
 }

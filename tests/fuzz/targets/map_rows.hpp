@@ -21,8 +21,8 @@ struct MapRow {
 std::vector<MapRow> rows_of(std::string_view bytes);
 std::string to_bytes(const std::vector<MapRow>& rows);
 
-/// Writes a map file of these rows with right checksums. Of rows with the same id the last one counts; missing
-/// cells become 0.
+/// Writes a map file of these rows with right checksums. Of rows with the same id the last one counts;
+/// missing cells become 0.
 void write_rows(const std::filesystem::path& path, const std::vector<MapRow>& rows);
 
 /// Reads the rows of an intact map file.

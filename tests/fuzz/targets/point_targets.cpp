@@ -25,7 +25,8 @@ void read_ply_bytes(std::string_view bytes) {
 }
 
 void read_pcd_bytes(std::string_view bytes) {
-  with_file("a.pcd", bytes, [](const auto& path) { accept([&] { expect_possible_mesh(read_any_pcd(path).mesh); }); });
+  with_file("a.pcd", bytes,
+            [](const auto& path) { accept([&] { expect_possible_mesh(read_any_pcd(path).mesh); }); });
 }
 
 }  // namespace kinloop::fuzz

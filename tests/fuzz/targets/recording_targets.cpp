@@ -47,7 +47,8 @@ void read_sens_bytes(std::string_view bytes) {
 }
 
 void read_layout_bytes(std::string_view bytes) {
-  with_folder(bytes, [](const auto& folder) { accept([&] { read_frames(*open_sequence(folder.string())); }); });
+  with_folder(bytes,
+              [](const auto& folder) { accept([&] { read_frames(*open_sequence(folder.string())); }); });
 }
 
 void read_azure_calibration_bytes(std::string_view bytes) {

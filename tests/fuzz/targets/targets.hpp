@@ -1,6 +1,6 @@
 #pragma once
-// The functions of the targets, each in the file of its reader. To add one: write its file, list it in targets.cpp
-// and put a seed into corpus/<name>/.
+// The functions of the targets, each in the file of its reader. To add one: write its file, list it in
+// targets.cpp and put a seed into corpus/<name>/.
 
 #include <string_view>
 

@@ -9,7 +9,8 @@ void read_trajectory_bytes(std::string_view bytes) {
   with_file("trajectory.txt", bytes, [](const auto& path) {
     accept([&] {
       const Trajectory trajectory = read_tum_trajectory(path);
-      for (const StampedPose& pose : trajectory) require(pose.T_world_camera.is_finite(), "a pose not finite");
+      for (const StampedPose& pose : trajectory)
+        require(pose.T_world_camera.is_finite(), "a pose not finite");
       static_cast<void>(evaluate(trajectory, trajectory));
     });
   });
