@@ -39,17 +39,14 @@ class LiveSource : public FrameSource {
       : live_(live), device_(live.open(frames_)) {
     info_.name = live.name, info_.live = true;
     camera_ = calibration ? checked(live.name, *calibration, device_.camera) : device_.camera;
-    if (camera_.depth) registration_.emplace(camera_);
+    prepare_depth_.emplace(camera_);
   }
 
   std::optional<RgbdFrame> next() override {
     auto frame = next_or_reconnect(
         frames_, {live_.name, kSilenceOfUnplugged, live_.reconnect_s, [this] { device_.streams.reset(); },
                   [this] { device_ = live_.open(frames_); }});
-    if (!frame) return frame;
-    if (camera_.depth_shift_m != 0)
-      cv::add(frame->depth_m, camera_.depth_shift_m, frame->depth_m, frame->depth_m > 0);
-    if (registration_) frame->depth_m = (*registration_)(frame->depth_m);
+    if (frame) frame->depth_m = (*prepare_depth_)(frame->depth_m);
     return frame;
   }
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
@@ -62,7 +59,7 @@ class LiveSource : public FrameSource {
   LiveCamera live_;
   SourceInfo info_;
   RgbdCamera camera_;
-  std::optional<DepthRegistration> registration_;  ///< if depth is not registered to colour
+  std::optional<DepthPreparation> prepare_depth_;
   LiveFrameBuffer frames_;
   LiveDevice device_;  // declared last: it fills the frames
 };

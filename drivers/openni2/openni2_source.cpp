@@ -4,7 +4,6 @@
 
 #ifdef KINLOOP_WITH_OPENNI2
 
-#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,14 +11,12 @@
 #include <openni2/OpenNI.h>
 
 #include "drivers/live/device_clock.hpp"
-#include "drivers/live/reconnection.hpp"
+#include "drivers/live/live_source.hpp"
 #include "drivers/openni2/openni_image.hpp"
 #include "kinloop/base/log.hpp"
 
 namespace kinloop {
 namespace {
-
-constexpr std::chrono::milliseconds kSilence(2000);  ///< after which a camera counts as unplugged
 
 /// libOpenNI2 with its drivers.
 std::shared_ptr<void> load_library() {
@@ -33,6 +30,11 @@ void choose_mode(openni::VideoStream& stream, openni::PixelFormat pixels) {
   openni::VideoMode mode;
   mode.setResolution(640, 480), mode.setFps(30), mode.setPixelFormat(pixels);
   stream.setVideoMode(mode);
+}
+
+cv::Size size_of(const openni::VideoStream& stream) {
+  const auto mode = stream.getVideoMode();
+  return {mode.getResolutionX(), mode.getResolutionY()};
 }
 
 /// Passes the images of one stream on, in the library's thread.
@@ -94,16 +96,17 @@ class OpenNi2Device {
       throw InputError("openni2: the streams do not start; unplug the camera and plug it in again");
   }
 
-  [[nodiscard]] cv::Size size_of(bool depth) const {
-    const auto mode = (depth ? depth_ : color_).getVideoMode();
-    return {mode.getResolutionX(), mode.getResolutionY()};
-  }
-
-  /// The camera of colour as far as the library knows it.
-  [[nodiscard]] RgbdCamera camera() const {
+  /// The camera of colour, to which depth is registered. Only its size if its lens is `calibrated`.
+  [[nodiscard]] RgbdCamera camera(bool calibrated) const {
+    const cv::Size size = size_of(color_), depth_size = size_of(depth_);
+    if (depth_size != size)
+      throw InputError(fmt::format("openni2: depth of {} x {} pixels where colour has {} x {}",
+                                   depth_size.width, depth_size.height, size.width, size.height));
     RgbdCamera camera;
-    camera.color = camera_with_view("openni2", size_of(false), color_.getHorizontalFieldOfView(),
-                                    color_.getVerticalFieldOfView());
+    camera.color.width = size.width, camera.color.height = size.height;
+    if (!calibrated)
+      camera.color = camera_with_view("openni2", size, color_.getHorizontalFieldOfView(),
+                                      color_.getVerticalFieldOfView());
     camera.fps = color_.getVideoMode().getFps();
     return camera;
   }
@@ -124,52 +127,6 @@ class OpenNi2Device {
   openni::VideoStream color_, depth_;
 };
 
-class OpenNi2Source : public FrameSource {
- public:
-  OpenNi2Source(const KinectOptions& options, const std::optional<RgbdCamera>& calibration)
-      : options_(options) {
-    info_.name = "openni2", info_.live = true;
-    open();
-    camera_ = calibration ? *calibration : device_->camera();
-    camera_.depth.reset();  // registered by the device
-    require_size(false), require_size(true);
-    device_->start();
-    if (!calibration)
-      log::warn("openni2: no --camera: distortion is unknown; calibrate your camera (kinloop calibrate)");
-  }
-
-  std::optional<RgbdFrame> next() override {
-    auto frame =
-        next_or_reconnect(frames_, {info_.name, kSilence, options_.reconnect_s, [this] { device_.reset(); },
-                                    [this] { open(), device_->start(); }});
-    if (frame && camera_.depth_shift_m != 0)
-      cv::add(frame->depth_m, camera_.depth_shift_m, frame->depth_m, frame->depth_m > 0);
-    return frame;
-  }
-  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
-  [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
-    return to_skipped_frames(frames_.counts());
-  }
-
- private:
-  void open() { device_ = std::make_unique<OpenNi2Device>(options_.serial, frames_); }
-
-  void require_size(bool depth) const {
-    const cv::Size size = device_->size_of(depth);
-    if (size == cv::Size(camera_.color.width, camera_.color.height)) return;
-    throw InputError(fmt::format("openni2: {} of {} x {} pixels where the camera has {} x {}",
-                                 depth ? "depth" : "colour", size.width, size.height, camera_.color.width,
-                                 camera_.color.height));
-  }
-
-  KinectOptions options_;
-  RgbdCamera camera_;
-  SourceInfo info_;
-  LiveFrameBuffer frames_;
-  std::unique_ptr<OpenNi2Device> device_;  // declared last: it fills the frames
-};
-
 }  // namespace
 
 bool openni2_available() {
@@ -178,7 +135,16 @@ bool openni2_available() {
 
 std::unique_ptr<FrameSource> open_openni2(const KinectOptions& options,
                                           const std::optional<RgbdCamera>& calibration) {
-  return std::make_unique<OpenNi2Source>(options, calibration);
+  const auto open = [uri = options.serial, calibrated = calibration.has_value()](LiveFrameBuffer& frames) {
+    const auto device = std::make_shared<OpenNi2Device>(uri, frames);
+    const RgbdCamera camera = device->camera(calibrated);
+    device->start();
+    return LiveDevice{camera, device};
+  };
+  auto source = open_live({"openni2", open, options.reconnect_s}, calibration);
+  if (!calibration)
+    log::warn("openni2: no --camera: distortion is unknown; calibrate your camera (kinloop calibrate)");
+  return source;
 }
 
 }  // namespace kinloop

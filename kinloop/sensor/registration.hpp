@@ -51,8 +51,7 @@ class DepthPreparation {
 
  private:
   RgbdCamera camera_;
-  std::optional<DepthRegistration>
-      registration_;  ///< made for the first image, which shows that the size is true
+  std::optional<DepthRegistration> registration_;  // made when the first image shows that the size is true
 };
 
 /// Returns the camera of frames whose depth is already registered and shifted: no depth camera of its own.
