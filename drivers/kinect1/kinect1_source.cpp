@@ -4,16 +4,14 @@
 
 #ifdef KINLOOP_WITH_FREENECT
 
-#include <chrono>
 #include <thread>
 
-#include <fmt/format.h>
 #include <libfreenect.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "drivers/live/device_clock.hpp"
-#include "drivers/live/reconnection.hpp"
+#include "drivers/live/live_source.hpp"
 #include "kinloop/base/log.hpp"
 
 namespace kinloop {
@@ -22,13 +20,14 @@ namespace {
 constexpr int kWidth = 640, kHeight = 480;
 constexpr double kMillimetresPerMetre = 1000;
 constexpr double kNsPerTick = 1e9 / 60e6;  ///< the device counts at 60 MHz
-constexpr std::chrono::milliseconds kFrameTimeout(2000);
 
-/// Published for the Kinect 1 by several groups; an individual camera may differ by some per cent.
+/// Of colour, to which the device registers depth. Published for the Kinect 1 by several groups; an
+/// individual camera may differ by some per cent.
 RgbdCamera typical_camera() {
   RgbdCamera camera;
   camera.color.width = kWidth, camera.color.height = kHeight;
   camera.color.fx = camera.color.fy = 525, camera.color.cx = 319.5, camera.color.cy = 239.5;
+  camera.sensor.set_by_source(DepthSensorModel::kKinect1);
   return camera;
 }
 
@@ -120,47 +119,6 @@ class Device {
   std::jthread thread_;
 };
 
-class Kinect1Source : public FrameSource {
- public:
-  Kinect1Source(const KinectOptions& options, const std::optional<RgbdCamera>& calibration)
-      : options_(options), camera_(calibration ? *calibration : typical_camera()) {
-    if (camera_.color.width != kWidth || camera_.color.height != kHeight) {
-      throw InputError(
-          fmt::format("kinect1: the --camera file is for {} x {} pixels; the Kinect 1 gives {} x {}",
-                      camera_.color.width, camera_.color.height, kWidth, kHeight));
-    }
-    camera_.depth.reset();  // registered by the device
-    camera_.sensor.set_by_source(DepthSensorModel::kKinect1);
-    info_.name = "kinect1";
-    info_.live = true;
-    device_ = std::make_unique<Device>(frames_);
-    if (!calibration)
-      log::warn("kinect1: no --camera: using typical intrinsics; calibrate your camera (kinloop calibrate)");
-  }
-
-  std::optional<RgbdFrame> next() override {
-    auto frame = next_or_reconnect(
-        frames_, {info_.name, kFrameTimeout, options_.reconnect_s, [this] { device_.reset(); },
-                  [this] { device_ = std::make_unique<Device>(frames_); }});
-    if (!frame) return frame;
-    if (camera_.depth_shift_m != 0)
-      cv::add(frame->depth_m, camera_.depth_shift_m, frame->depth_m, frame->depth_m > 0);
-    return frame;
-  }
-  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
-  [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
-    return to_skipped_frames(frames_.counts());
-  }
-
- private:
-  KinectOptions options_;
-  RgbdCamera camera_;
-  SourceInfo info_;
-  LiveFrameBuffer frames_;
-  std::unique_ptr<Device> device_;  // declared last: it fills the frames
-};
-
 }  // namespace
 
 bool kinect1_available() {
@@ -169,7 +127,13 @@ bool kinect1_available() {
 
 std::unique_ptr<FrameSource> open_kinect1(const KinectOptions& options,
                                           const std::optional<RgbdCamera>& calibration) {
-  return std::make_unique<Kinect1Source>(options, calibration);
+  const auto open = [](LiveFrameBuffer& frames) {
+    return LiveDevice{typical_camera(), std::make_shared<Device>(frames)};
+  };
+  auto source = open_live({"kinect1", open, options.reconnect_s}, calibration);
+  if (!calibration)
+    log::warn("kinect1: no --camera: using typical intrinsics; calibrate your camera (kinloop calibrate)");
+  return source;
 }
 
 }  // namespace kinloop
