@@ -45,7 +45,7 @@ TEST_P(FuzzCorpusTest, EveryInputMayBeCutShort) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, FuzzCorpusTest, testing::ValuesIn(fuzz::fuzz_targets()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
 }  // namespace kinloop
