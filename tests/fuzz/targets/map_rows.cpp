@@ -3,6 +3,8 @@
 #include <array>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "kinloop/io/map_file/byte_stream.hpp"
 #include "kinloop/io/map_file/map_tables.hpp"
 
@@ -92,7 +94,7 @@ void write_rows(const std::filesystem::path& path, const std::vector<MapRow>& ro
   for (size_t table = 0; table < kTables.size(); ++table) {
     const auto [name, columns] = kTables[table];
     std::vector<std::string> names;
-    for (size_t i = 0; i < columns; ++i) names.push_back("c" + std::to_string(i));
+    for (size_t i = 0; i < columns; ++i) names.push_back(fmt::format("c{}", i));
     file.create(name, names);
     for (auto& [id, cells] : content[table]) {
       cells.resize(columns, int64_t{0});
