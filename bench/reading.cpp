@@ -17,6 +17,7 @@
 
 #include "drivers/azure/azure_source.hpp"
 #include "drivers/bags/chunk_decompression.hpp"
+#include "drivers/bags/message_file.hpp"
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/reading/depth_image.hpp"
 #include "drivers/datasets/reading/image_bytes.hpp"
@@ -32,6 +33,7 @@
 #include "tests/drivers/layout_writers.hpp"
 #include "tests/drivers/oni_writer.hpp"
 #include "tests/drivers/ros1_bag_writer.hpp"
+#include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace kinloop {
