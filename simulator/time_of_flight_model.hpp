@@ -11,8 +11,8 @@ namespace kinloop {
 /// Imperfections of simulated time of flight. Each can be switched off separately.
 ///
 /// Noise: 1.2 mm and 0.25 mm / m^2, added in quadrature, near the law that Fankhauser et al. 2015 ("Kinect v2
-/// for mobile robot navigation") give head-on: 1.3, 1.7, 2.7, 4.3 mm at 1, 2, 3, 4 m (from memory, not checked
-/// again).
+/// for mobile robot navigation") give head-on: 1.3, 1.7, 2.7, 4.3 mm at 1, 2, 3, 4 m (from memory, not
+/// checked again).
 struct TimeOfFlightNoise {
   double noise_floor_m = 1.2e-3;
   double noise_per_m = 0.25e-3;
