@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -72,8 +71,8 @@ DepthSensorModel realsense_model(const std::string& name) {
 /// An open device and its two streams, which may be of one sensor.
 class RealsenseDevice {
  public:
-  RealsenseDevice(rs2::device device, const StreamWidths& widths)
-      : device_(std::move(device)),
+  RealsenseDevice(const rs2::device& device, const StreamWidths& widths)
+      : device_(device),
         sensors_(device_.query_sensors()),
         color_(nearest_mode(sensors_, RS2_STREAM_COLOR, RS2_FORMAT_BGR8, widths.color)),
         depth_(nearest_mode(sensors_, RS2_STREAM_DEPTH, RS2_FORMAT_Z16, widths.depth)),
