@@ -6,24 +6,10 @@
 
 namespace kinloop {
 
-void add_run_arguments(CLI::App& command, RunArguments& arguments) {
-  command.add_option(
-      "SEQUENCE", arguments.sequence,
-      "a folder in TUM layout (rgb.txt, depth.txt, ...) or that of another dataset or app (see\n"
-      "docs/cameras.md), a .sens file, a bag (.bag of ROS 1 or the RealSense SDK, .mcap or .db3 of\n"
-      "ROS 2 or their folder), a .mkv of the Azure Kinect, a .oni of OpenNI, kinect1, kinect2,\n"
-      "openni2 (Xtion, Astra, Structure Core), realsense, orbbec or oak (live), frames from another\n"
-      "program (-: standard input, or unix:PATH: a socket), or sim:room, the simulated Kinect\n"
-      "(sim:room:7: another room)");
-  command.add_option("-o,--output", arguments.output, "folder for the results")->capture_default_str();
-  command.add_option(
-      "--camera", arguments.camera,
-      "camera.yaml or one of freiburg1, freiburg2, freiburg3, icl (default: camera.yaml in the folder, "
-      "else chosen by the folder's name)");
-  command.add_option("--topics", arguments.topics,
-                     "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
-  command.add_option("--vocabulary", arguments.vocabulary,
-                     "visual vocabulary from kinloop vocab train (default: built-in)");
+namespace {
+
+/// What is saved and continued.
+void add_map_arguments(CLI::App& command, RunArguments& arguments) {
   command.add_option("--save-map", arguments.save_map,
                      "file to save the map to (default: map.kinmap in the output folder)");
   command.add_option("--load-map", arguments.load_map,
@@ -43,6 +29,29 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
                   "interval between saves of the map during the run, s; 0 = only at the end")
       ->check(number(0, 1e6))
       ->capture_default_str();
+}
+
+}  // namespace
+
+void add_run_arguments(CLI::App& command, RunArguments& arguments) {
+  command.add_option(
+      "SEQUENCE", arguments.sequence,
+      "a folder in TUM layout (rgb.txt, depth.txt, ...) or that of another dataset or app (see\n"
+      "docs/cameras.md), a .sens file, a bag (.bag of ROS 1 or the RealSense SDK, .mcap or .db3 of\n"
+      "ROS 2 or their folder), a .mkv of the Azure Kinect, a .oni of OpenNI, kinect1, kinect2,\n"
+      "openni2 (Xtion, Astra, Structure Core), realsense, orbbec or oak (live), frames from another\n"
+      "program (-: standard input, or unix:PATH: a socket), or sim:room, the simulated Kinect\n"
+      "(sim:room:7: another room)");
+  command.add_option("-o,--output", arguments.output, "folder for the results")->capture_default_str();
+  command.add_option(
+      "--camera", arguments.camera,
+      "camera.yaml or one of freiburg1, freiburg2, freiburg3, icl (default: camera.yaml in the folder, "
+      "else chosen by the folder's name)");
+  command.add_option("--topics", arguments.topics,
+                     "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
+  command.add_option("--vocabulary", arguments.vocabulary,
+                     "visual vocabulary from kinloop vocab train (default: built-in)");
+  add_map_arguments(command, arguments);
   command.add_flag("--no-loop", arguments.no_loop, "do not close loops");
   command.add_option("--solver", arguments.solver, "pose graph solver: auto, builtin, ceres, g2o")
       ->check(one_of(names_of<PoseGraphSolver>()));

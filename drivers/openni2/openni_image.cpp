@@ -54,7 +54,7 @@ void require_expected_size(const OpenNiImage& image) {
 
 ColorImage color_from(const OpenNiImage& image) {
   if (image.pixels == OpenNiPixels::kJpeg) require_expected_size(image);
-  const ColorImage color = as_stored_by_openni(image);
+  ColorImage color = as_stored_by_openni(image);
   if (!image.mirrored) return color;
   cv::Mat unmirrored;
   cv::flip(color.bgr(), unmirrored, 1);
