@@ -9,6 +9,7 @@
 #include "drivers/azure/azure_calibration.hpp"
 #include "drivers/azure/matroska_file.hpp"
 #include "drivers/images/encoded_image.hpp"
+#include "drivers/images/first_reason.hpp"
 #include "drivers/live/frame_pairer.hpp"
 #include "drivers/ros/ros_image.hpp"
 #include "kinloop/base/errors.hpp"
@@ -49,7 +50,8 @@ class AzureSource : public FrameSource {
       if (finished_) break;
       read_block();
     }
-    if (given_ == 0) throw InputError(fmt::format("{}: no usable frame{}", info_.name, first_reason()));
+    if (given_ == 0)
+      throw InputError(fmt::format("{}: no usable frame{}", info_.name, first_reason(skipped())));
     return std::nullopt;
   }
 
@@ -168,11 +170,6 @@ class AzureSource : public FrameSource {
     if (size.width == camera.width && size.height == camera.height) return;
     throw InputError(fmt::format("{} x {} pixels where the camera has {} x {}", size.width, size.height,
                                  camera.width, camera.height));
-  }
-
-  [[nodiscard]] std::string first_reason() const {
-    const auto all = skipped();
-    return all.empty() ? "" : "; the first: " + all.front().reason;
   }
 
   SourceInfo info_;

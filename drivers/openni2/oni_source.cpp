@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "drivers/images/encoded_image.hpp"
+#include "drivers/images/first_reason.hpp"
 #include "drivers/live/frame_pairer.hpp"
 #include "drivers/openni2/oni_depth.hpp"
 #include "drivers/openni2/oni_file.hpp"
@@ -42,9 +43,8 @@ class OniSource : public FrameSource {
       read_image();
     }
     if (given_ > 0) return std::nullopt;
-    const auto all = skipped();
-    throw InputError(fmt::format("{}: no usable frame{}; record it again", info_.name,
-                                 all.empty() ? "" : " (" + all.front().reason + ")"));
+    throw InputError(
+        fmt::format("{}: no usable frame; record it again{}", info_.name, first_reason(skipped())));
   }
 
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }

@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "drivers/bags/ros2_folder.hpp"
+#include "drivers/images/first_reason.hpp"
 #include "drivers/live/frame_pairer.hpp"
 #include "drivers/ros/bag_camera.hpp"
 #include "drivers/ros/realsense_bag.hpp"
@@ -29,7 +30,7 @@ class BagSource : public FrameSource {
       : file_(std::move(file)) {
     info_.name = path.string();
     const auto names = names_of(file_->topics());
-    if (names.empty()) throw InputError(fmt::format("{}: no topic{}", info_.name, first_reason()));
+    if (names.empty()) throw InputError(fmt::format("{}: no topic{}", info_.name, first_reason(skipped())));
     const auto of_sdk = topics ? std::nullopt : realsense_streams(names, info_.name);
     streams_ = of_sdk ? *of_sdk : choose_streams(names, topics, info_.name);
     if (camera) camera_ = *camera;
@@ -55,7 +56,8 @@ class BagSource : public FrameSource {
       if (finished_) break;
       read_message();
     }
-    if (given_ == 0) throw InputError(fmt::format("{}: no usable frame{}", info_.name, first_reason()));
+    if (given_ == 0)
+      throw InputError(fmt::format("{}: no usable frame{}", info_.name, first_reason(skipped())));
     return std::nullopt;
   }
 
@@ -148,11 +150,6 @@ class BagSource : public FrameSource {
   [[nodiscard]] RgbdFrame with_registered_depth(RgbdFrame frame) {
     frame.depth_m = (*preparation_)(frame.depth_m);
     return frame;
-  }
-
-  [[nodiscard]] std::string first_reason() const {
-    const auto all = skipped();
-    return all.empty() ? "" : "; the first: " + all.front().reason;
   }
 
   std::unique_ptr<MessageFile> file_;

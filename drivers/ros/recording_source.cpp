@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "drivers/images/encoded_image.hpp"
+#include "drivers/images/first_reason.hpp"
 #include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/recording_topics.hpp"
@@ -40,9 +41,7 @@ class RecordingSource : public FrameSource {
       }
     }
     if (given_ > 0) return std::nullopt;
-    const auto reasons = skipped();
-    throw InputError(fmt::format("{}: no usable frame{}", info_.name,
-                                 reasons.empty() ? "" : "; the first: " + reasons.front().reason));
+    throw InputError(fmt::format("{}: no usable frame{}", info_.name, first_reason(skipped())));
   }
 
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }

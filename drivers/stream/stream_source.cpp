@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "drivers/images/first_reason.hpp"
 #include "drivers/live/live_frames.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/sensor/registration.hpp"
@@ -42,7 +43,7 @@ class StreamSource : public FrameSource {
     }
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     if (frames_.delivered() == 0)
-      throw InputError(fmt::format("{}: no usable frame{}", info_.name, first_reason()));
+      throw InputError(fmt::format("{}: no usable frame{}", info_.name, first_reason(skipped())));
     return std::nullopt;
   }
 
@@ -86,11 +87,6 @@ class StreamSource : public FrameSource {
   [[nodiscard]] RgbdFrame with_registered_depth(RgbdFrame frame) {
     frame.depth_m = (*preparation_)(frame.depth_m);
     return frame;
-  }
-
-  [[nodiscard]] std::string first_reason() const {
-    const auto all = skipped();
-    return all.empty() ? "" : "; the first: " + all.front().reason;
   }
 
   FrameProtocol protocol_;

@@ -23,10 +23,15 @@ using testing::HasSubstr;
 constexpr const char* kDummy = "Dummy";  ///< the library's own device: 320 x 240, a disc that moves
 constexpr int64_t kDummyPeriod_ns = 33'000'000;
 
-/// The library's dummy device. It is never closed: it does not wait for its threads, which then crash.
+/// The library's dummy device and its streams. They are never closed: it does not wait for its threads, which
+/// then crash.
 struct DummyDevice {
   openni::Device device;
-  bool opened = openni::OpenNI::initialize() == openni::STATUS_OK && device.open(kDummy) == openni::STATUS_OK;
+  openni::VideoStream color, depth;
+  bool opened = openni::OpenNI::initialize() == openni::STATUS_OK &&
+                device.open(kDummy) == openni::STATUS_OK &&
+                color.create(device, openni::SENSOR_COLOR) == openni::STATUS_OK &&
+                depth.create(device, openni::SENSOR_DEPTH) == openni::STATUS_OK;
 };
 DummyDevice& dummy() {
   static auto* const kDevice = new DummyDevice;
