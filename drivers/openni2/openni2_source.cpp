@@ -47,9 +47,9 @@ class OpenNi2Listener : public openni::VideoStream::NewFrameListener {
     openni::VideoStream* streams[] = {&stream};
     int index = 0;
     openni::VideoFrameRef frame;
-    // Two calls may come for one frame, and readFrame would wait for the next.
+    // Two calls may come for one frame: readFrame would wait for the next, or return none.
     if (openni::OpenNI::waitForAnyStream(streams, 1, &index, 0) != openni::STATUS_OK ||
-        stream.readFrame(&frame) != openni::STATUS_OK)
+        stream.readFrame(&frame) != openni::STATUS_OK || !frame.isValid())
       return;
     OpenNiImage image;
     image.width = frame.getWidth(), image.height = frame.getHeight();
