@@ -38,10 +38,20 @@ bool RunControl::paused() const {
 RunControl::Action RunControl::next_action(const std::function<bool()>& stop) {
   constexpr std::chrono::milliseconds kBetweenQuestions{100};
   std::unique_lock lock(mutex_);
+  if (std::exchange(saving_, false)) saved_ = Clock::now();
   while (paused_ && steps_ == 0 && !save_ && !stop()) changed_.wait_for(lock, kBetweenQuestions);
-  if (std::exchange(save_, false)) return Action::kSaveMap;
+  if (save_is_due()) {
+    save_ = false;
+    saving_ = true;
+    return Action::kSaveMap;
+  }
   if (steps_ > 0) --steps_;
   return Action::kProcessFrame;
+}
+
+bool RunControl::save_is_due() const {
+  const bool waits = paused_ && steps_ == 0;
+  return save_ && (waits || saved_ == Clock::time_point() || Clock::now() - saved_ >= between_saves_);
 }
 
 }  // namespace kinloop

@@ -2,6 +2,7 @@
 // Commands from viewers to a run: pause, resume, single step, save the map. The run asks for the next action
 // before every frame.
 
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
@@ -10,7 +11,10 @@ namespace kinloop {
 
 class RunControl {
  public:
-  explicit RunControl(bool paused = false) : paused_(paused) {}
+  /// While the run is not paused, the map is saved at most once in `between_saves`: however often it is
+  /// requested, the run proceeds.
+  explicit RunControl(bool paused = false, std::chrono::milliseconds between_saves = std::chrono::seconds(5))
+      : paused_(paused), between_saves_(between_saves) {}
 
   void pause();
   void resume();
@@ -26,11 +30,17 @@ class RunControl {
   Action next_action(const std::function<bool()>& stop);
 
  private:
+  using Clock = std::chrono::steady_clock;
+  [[nodiscard]] bool save_is_due() const;
+
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool paused_;
   int steps_ = 0;
   bool save_ = false;
+  bool saving_ = false;           ///< since the last action
+  Clock::time_point saved_ = {};  ///< end of the last save
+  Clock::duration between_saves_;
 };
 
 }  // namespace kinloop

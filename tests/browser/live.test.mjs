@@ -21,6 +21,17 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
 
   assert.equal(await page.title(), 'sim:room - kinloop');
 
+  // Without the token, or with that of an earlier run, a page shows the run but does not control it.
+  const spectator = await open(new URL('/', url).href);
+  await until(async () => (await seen(spectator)).badge.includes('paused'), 'a spectator sees the run');
+  for (const button of ['pause', 'step', 'save']) assert.ok(await spectator.isDisabled(`#${button}`));
+  await spectator.goto(`${new URL('/', url).href}?token=${'0'.repeat(32)}`);
+  await until(() => spectator.isEnabled('#pause'), 'the page does not know the token');
+  await spectator.click('#pause');
+  await until(() => spectator.isDisabled('#pause'), 'the command is refused');
+  assert.match(await spectator.getAttribute('#pause', 'title'), /Open the URL/);
+  await spectator.close();
+
   // The run waits for its first frame, and steps one frame at a time.
   await until(async () => (await seen(page)).badge.includes('paused'), 'the run waits');
   for (let i = 0; i < FEW_FRAMES; ++i) await page.keyboard.press('s');

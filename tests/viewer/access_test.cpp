@@ -7,35 +7,45 @@
 namespace kinloop {
 namespace {
 
-const AccessPolicy kHere{true, ""};
+const AccessPolicy kHere{true, "secret"};
 const AccessPolicy kAnywhere{false, "secret"};
 
 TEST(Access, LoopbackIsAuthorizedOnlyUnderLoopbackNames) {
   for (const char* host : {"localhost:8080", "127.0.0.1:8080", "[::1]:8080", "localhost", "127.0.0.2:9"}) {
-    EXPECT_TRUE(is_authorized({host, std::nullopt, ""}, kHere)) << host;
+    EXPECT_TRUE(may_view({host, std::nullopt, ""}, kHere)) << host;
   }
   // A name made to point here (DNS rebinding), and invalid names.
   for (const char* host : {"evil.example:8080", "localhost.evil.example:8080", "127.0.0.1.evil.example",
                            "128.0.0.1", "", ":", "]:"}) {
-    EXPECT_FALSE(is_authorized({host, std::nullopt, ""}, kHere)) << host;
+    EXPECT_FALSE(may_view({host, std::nullopt, ""}, kHere)) << host;
   }
 }
 
 TEST(Access, ForeignOriginsAreRejected) {
-  EXPECT_TRUE(is_authorized({"localhost:8080", "http://localhost:8080", ""}, kHere));
+  EXPECT_TRUE(may_view({"localhost:8080", "http://localhost:8080", ""}, kHere));
   for (const char* origin : {"http://evil.example", "http://localhost:9090", "https://localhost:8080", "null",
                              "", "http://localhost:8080.evil.example", "http://localhost"}) {
-    EXPECT_FALSE(is_authorized({"localhost:8080", origin, ""}, kHere)) << origin;
-    EXPECT_FALSE(is_authorized({"robot:8080", origin, "secret"}, kAnywhere)) << origin;
+    EXPECT_FALSE(may_view({"localhost:8080", origin, ""}, kHere)) << origin;
+    EXPECT_FALSE(may_view({"robot:8080", origin, "secret"}, kAnywhere)) << origin;
   }
 }
 
 TEST(Access, RemoteAccessRequiresTheToken) {
-  EXPECT_TRUE(is_authorized({"robot:8080", std::nullopt, "secret"}, kAnywhere));
-  EXPECT_TRUE(is_authorized({"robot:8080", "http://robot:8080", "secret"}, kAnywhere));
+  EXPECT_TRUE(may_view({"robot:8080", std::nullopt, "secret"}, kAnywhere));
+  EXPECT_TRUE(may_view({"robot:8080", "http://robot:8080", "secret"}, kAnywhere));
   for (const char* token : {"", "Secret", "secre", "secrets", "xxxxxx"}) {
-    EXPECT_FALSE(is_authorized({"robot:8080", std::nullopt, token}, kAnywhere)) << token;
+    EXPECT_FALSE(may_view({"robot:8080", std::nullopt, token}, kAnywhere)) << token;
   }
+}
+
+TEST(Access, ControlRequiresTheTokenOnEveryAddress) {
+  EXPECT_TRUE(may_control({"localhost:8080", std::nullopt, "secret"}, kHere));
+  EXPECT_TRUE(may_control({"robot:8080", std::nullopt, "secret"}, kAnywhere));
+  for (const char* token : {"", "Secret", "secre", "secrets"}) {
+    EXPECT_FALSE(may_control({"localhost:8080", std::nullopt, token}, kHere)) << token;
+    EXPECT_FALSE(may_control({"robot:8080", std::nullopt, token}, kAnywhere)) << token;
+  }
+  EXPECT_FALSE(may_control({"localhost:8080", "http://evil.example", "secret"}, kHere));
 }
 
 TEST(Access, TokensDiffer) {

@@ -44,6 +44,14 @@ std::string RawClient::read_all() {
   return all;
 }
 
+bool RawClient::receives(const std::string& text) {
+  std::string received;
+  while (received.find(text) == std::string::npos) {
+    if (!read_exactly(1, received)) return false;
+  }
+  return true;
+}
+
 std::string RawClient::get(const std::string& target, const std::string& headers, const std::string& host) {
   send("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\n" + headers + "\r\n");
   return read_all();

@@ -31,6 +31,9 @@ class RawClient {
   /// Reads until the other side closes, or nothing has come for some seconds.
   std::string read_all();
 
+  /// Reads until `text` has come; false if the other side closes, or nothing comes for some seconds.
+  bool receives(const std::string& text);
+
   /// Sends a request for `target` and returns the whole response. `headers` are additional lines, each
   /// terminated by CRLF.
   std::string get(const std::string& target, const std::string& headers = "",

@@ -237,6 +237,31 @@ TEST(RunControl, ProceedsUnlessPaused) {
             RunControl::Action::kProcessFrame);  // the run is to end
 }
 
+TEST(RunControl, ProceedsHoweverOftenASaveIsRequested) {
+  RunControl control(false, std::chrono::hours(1));
+  const auto never = [] { return false; };
+  int saves = 0;
+  for (int i = 0; i < 100; ++i) {
+    control.request_save();
+    saves += control.next_action(never) == RunControl::Action::kSaveMap;
+  }
+  EXPECT_EQ(saves, 1);
+  control.pause();
+  EXPECT_EQ(control.next_action(never), RunControl::Action::kSaveMap) << "a paused run loses no time";
+}
+
+TEST(RunControl, ASaveThatCameTooEarlyIsMadeUpFor) {
+  RunControl control(false, std::chrono::milliseconds(20));
+  const auto never = [] { return false; };
+  control.request_save();
+  EXPECT_EQ(control.next_action(never), RunControl::Action::kSaveMap);
+  control.request_save();
+  EXPECT_EQ(control.next_action(never), RunControl::Action::kProcessFrame);
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  EXPECT_EQ(control.next_action(never), RunControl::Action::kSaveMap);
+  EXPECT_EQ(control.next_action(never), RunControl::Action::kProcessFrame);
+}
+
 TEST(RunControl, AStepIsOneFrameAndSavingIsNoStep) {
   RunControl control;
   control.pause();

@@ -48,6 +48,9 @@ class Served {
   }
   [[nodiscard]] int port() const { return port_of(service_.url()); }
   [[nodiscard]] const std::string& url() const { return service_.url(); }
+  [[nodiscard]] std::string token() const { return url().substr(url().find("token=") + 6); }
+  /// The feed of a browser that opened the printed URL.
+  [[nodiscard]] std::string feed() const { return "/feed?token=" + token(); }
   [[nodiscard]] size_t browsers() const { return service_.browsers(); }
 
  private:
@@ -118,7 +121,7 @@ TEST(ViewerServer, RejectsForeignOriginsAndDnsRebinding) {
 
 TEST(ViewerServer, OnOtherAddressesTheTokenOfTheUrlIsNeeded) {
   const Served served("0.0.0.0:0");
-  const std::string token = served.url().substr(served.url().find("token=") + 6);
+  const std::string token = served.token();
   EXPECT_EQ(token.size(), 32U);
   EXPECT_THAT(RawClient(served.port()).get("/"), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(RawClient(served.port()).get("/?token=" + std::string(32, '0')), StartsWith("HTTP/1.1 403"));
@@ -153,16 +156,56 @@ TEST(ViewerServer, SendsEveryPartAndAfterABreakOnlyTheRest) {
   EXPECT_EQ(stranger.next_part()->index, 0U);
 }
 
+std::string command_frame(const std::string& name) {
+  return text_frame("{\"command\":\"" + name + "\"}");
+}
+
 TEST(ViewerServer, DispatchesCommands) {
   Served served;
   RawClient client(served.port());
-  ASSERT_TRUE(client.open_feed());
-  for (const char* name : {"pause", "step", "resume", "save"}) {
-    client.send(text_frame(std::string("{\"command\":\"") + name + "\"}"));
-  }
+  ASSERT_TRUE(client.open_feed(served.feed()));
+  for (const char* name : {"pause", "step", "resume", "save"}) client.send(command_frame(name));
   EXPECT_TRUE(becomes([&] { return served.commands().size() == 4; }));
   EXPECT_THAT(served.commands(),
               ElementsAre(Command::kPause, Command::kStep, Command::kResume, Command::kSave));
+}
+
+TEST(ViewerServer, OtherUsersOfTheMachineMayLookButNotControl) {
+  Served served;
+  served.put(PartKind::kStatus, 0, {7});
+  for (const std::string& feed : {std::string("/feed"), "/feed?token=" + std::string(32, '0')}) {
+    RawClient client(served.port());
+    ASSERT_TRUE(client.open_feed(feed));
+    ASSERT_TRUE(client.next_part());
+    client.send(command_frame("pause"));
+    EXPECT_TRUE(client.receives("Open the URL that kinloop printed")) << feed;
+  }
+  EXPECT_TRUE(served.commands().empty());
+}
+
+TEST(ViewerServer, ABrowserThatSendsTooManyCommandsIsDisconnected) {
+  Served served;
+  RawClient client(served.port());
+  ASSERT_TRUE(client.open_feed(served.feed()));
+  for (int i = 0; i < 1000; ++i) client.send(command_frame("save"));
+  EXPECT_TRUE(client.receives("Too many commands"));
+  EXPECT_GE(served.commands().size(), 100U);
+  EXPECT_LT(served.commands().size(), 1000U);
+}
+
+TEST(CommandRate, AllowsAHundredAtOnceAndTwentyASecond) {
+  CommandRate rate;
+  std::chrono::steady_clock::time_point now{std::chrono::hours(1)};
+  const auto allowed = [&](int asked) {
+    int count = 0;
+    for (int i = 0; i < asked; ++i) count += rate.allows(now);
+    return count;
+  };
+  EXPECT_EQ(allowed(200), 100);
+  now += std::chrono::seconds(1);
+  EXPECT_EQ(allowed(200), 20);
+  now += std::chrono::hours(1);
+  EXPECT_EQ(allowed(200), 100);
 }
 
 TEST(ViewerServer, DropsBrowsersThatSendAnythingElse) {
@@ -182,7 +225,7 @@ TEST(ViewerServer, DropsBrowsersThatSendAnythingElse) {
                              std::string(5000, 'x')};
   for (const std::string& bytes : bad) {
     RawClient client(served.port());
-    ASSERT_TRUE(client.open_feed());
+    ASSERT_TRUE(client.open_feed(served.feed()));
     client.send(bytes);
     EXPECT_TRUE(client.is_closed()) << bytes.substr(0, 30);
   }
@@ -251,6 +294,30 @@ TEST(ViewerServer, IdleConnectionsAreLimited) {
   EXPECT_EQ(part->body, "\x07");
   idle.clear();
   EXPECT_TRUE(becomes([&] { return RawClient(served.port()).get("/").starts_with("HTTP/1.1 200"); }));
+}
+
+TEST(ViewerServer, SilentAndSlowConnectionsLockNobodyOut) {
+  const Served served;
+  std::vector<RawClient> others;
+  for (size_t i = 0; i < 200; ++i) {
+    others.emplace_back(served.port());
+    if (i % 2 == 0) others.back().send("GET / HT");
+  }
+  EXPECT_THAT(RawClient(served.port()).get("/"), StartsWith("HTTP/1.1 200"));
+  EXPECT_TRUE(RawClient(served.port()).open_feed(served.feed()));
+}
+
+TEST(ViewerServer, SpectatorsLeavePlacesForThoseWithTheToken) {
+  const Served served;
+  std::vector<RawClient> browsers;
+  const auto opens = [&](const std::string& feed) {
+    browsers.emplace_back(served.port());
+    return browsers.back().open_feed(feed);
+  };
+  for (int i = 0; i < 16; ++i) ASSERT_TRUE(opens("/feed")) << i;
+  EXPECT_FALSE(opens("/feed"));
+  for (int i = 0; i < 16; ++i) EXPECT_TRUE(opens(served.feed())) << i;
+  EXPECT_FALSE(opens(served.feed()));
 }
 
 TEST(ViewerServer, SaysThatThePortIsTaken) {

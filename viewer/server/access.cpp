@@ -53,10 +53,14 @@ boost::asio::ip::address parse_ip(const std::string& text) {
 
 }  // namespace
 
-bool is_authorized(const RequestIdentity& identity, const AccessPolicy& rules) {
+bool may_view(const RequestIdentity& identity, const AccessPolicy& rules) {
   if (rules.loopback_only && !is_loopback_host(identity.host)) return false;
   if (identity.origin && !is_same_origin(*identity.origin, identity.host)) return false;
-  return rules.token.empty() || constant_time_equal(identity.token, rules.token);
+  return rules.loopback_only || constant_time_equal(identity.token, rules.token);
+}
+
+bool may_control(const RequestIdentity& identity, const AccessPolicy& rules) {
+  return may_view(identity, rules) && constant_time_equal(identity.token, rules.token);
 }
 
 std::string_view RequestTarget::value(std::string_view name) const {

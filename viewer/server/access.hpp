@@ -1,8 +1,9 @@
 #pragma once
-// In: the identity in a request. Out: whether it may see the run.
-// On the loopback address (127.0.0.1) any local program may connect. Web pages from elsewhere may not,
+// In: the identity in a request. Out: whether it may see the run, and whether it may control it.
+// On the loopback address (127.0.0.1) any local program may see the run. Web pages from elsewhere may not,
 // although the browser could connect for them: they are recognised by their Origin, and by a Host that is not
-// a name of this machine (DNS rebinding). On any other address every request needs the token of the URL.
+// a name of this machine (DNS rebinding). The token of the URL is needed to control the run, since other
+// users of the machine can connect, too; on any other address it is needed to see the run.
 
 #include <cstdint>
 #include <map>
@@ -14,7 +15,7 @@ namespace kinloop {
 
 struct AccessPolicy {
   bool loopback_only = true;
-  std::string token;  ///< token required in the URL; empty: none
+  std::string token;  ///< of the URL that kinloop prints
 };
 
 /// The identity in a request.
@@ -25,7 +26,8 @@ struct RequestIdentity {
   std::string_view token;  ///< of the URL
 };
 
-bool is_authorized(const RequestIdentity& identity, const AccessPolicy& rules);
+bool may_view(const RequestIdentity& identity, const AccessPolicy& rules);
+bool may_control(const RequestIdentity& identity, const AccessPolicy& rules);
 
 /// A path with its query, "/feed?since=7&token=ab". Nothing is percent-decoded; no name or value requires it.
 struct RequestTarget {

@@ -1,5 +1,6 @@
 #include "viewer/server/command.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -15,6 +16,16 @@ std::optional<Command> parse_command(std::string_view message) {
   if (name == "step") return Command::kStep;
   if (name == "save") return Command::kSave;
   return std::nullopt;
+}
+
+bool CommandRate::allows(std::chrono::steady_clock::time_point now) {
+  constexpr double kAtOnce = 100, kPerSecond = 20;
+  const std::chrono::duration<double> since = now - filled_;
+  left_ = std::min(kAtOnce, left_ + kPerSecond * since.count());
+  filled_ = now;
+  if (left_ < 1) return false;
+  left_ -= 1;
+  return true;
 }
 
 }  // namespace kinloop

@@ -33,9 +33,9 @@ RequestIdentity identity_of(const Request& request, const RequestTarget& target)
 
 }  // namespace
 
-HttpSession::HttpSession(boost::asio::ip::tcp::socket socket, ConnectionSlot slot, const AccessPolicy& rules,
+HttpSession::HttpSession(boost::asio::ip::tcp::socket socket, const AccessPolicy& rules,
                          UpgradeHandler on_upgrade)
-    : stream_(std::move(socket)), slot_(std::move(slot)), rules_(rules), on_upgrade_(std::move(on_upgrade)) {
+    : stream_(std::move(socket)), rules_(rules), on_upgrade_(std::move(on_upgrade)) {
   parser_.header_limit(kMaxHeaderBytes);
   parser_.body_limit(0);
 }
@@ -51,16 +51,22 @@ void HttpSession::start() {
   });
 }
 
+void HttpSession::close() {
+  stream_.close();
+}
+
 void HttpSession::handle() {
   const Request& request = parser_.get();
   const RequestTarget target = parse_target(view_of(request.target()));
-  if (!is_authorized(identity_of(request, target), rules_)) {
+  const RequestIdentity identity = identity_of(request, target);
+  if (!may_view(identity, rules_)) {
     return respond(http::status::forbidden, "text/plain", "open the URL that kinloop printed\n");
   }
   if (request.method() != http::verb::get) return respond(http::status::method_not_allowed, "text/plain", "");
   if (target.path == "/") return respond(http::status::ok, "text/html; charset=utf-8", viewer_page());
   if (target.path == "/feed" && beast::websocket::is_upgrade(request)) {
-    return on_upgrade_(std::move(stream_), std::move(slot_), request, target);
+    if (on_upgrade_(stream_, {request, target, may_control(identity, rules_)})) return;
+    return respond(http::status::service_unavailable, "text/plain", "too many browsers; close one\n");
   }
   respond(http::status::not_found, "text/plain", "not found; the only page is /\n");
 }

@@ -11,21 +11,25 @@ namespace kinloop {
 
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  /// Takes over the connection of an authorised browser; the target contains the last version it has seen.
-  using UpgradeHandler =
-      std::function<void(boost::beast::tcp_stream, ConnectionSlot, const Request&, const RequestTarget&)>;
+  /// An authorised browser asks for a WebSocket.
+  struct Upgrade {
+    const Request& request;
+    const RequestTarget& target;  ///< with the last version that the browser has seen
+    bool may_control;
+  };
+  /// Takes over the connection; returns false, and leaves it, if there are too many browsers.
+  using UpgradeHandler = std::function<bool(boost::beast::tcp_stream&, const Upgrade&)>;
 
-  HttpSession(boost::asio::ip::tcp::socket socket, ConnectionSlot slot, const AccessPolicy& rules,
-              UpgradeHandler on_upgrade);
+  HttpSession(boost::asio::ip::tcp::socket socket, const AccessPolicy& rules, UpgradeHandler on_upgrade);
 
   void start();
+  void close();
 
  private:
   void handle();
   void respond(boost::beast::http::status status, std::string_view type, std::string_view body);
 
   boost::beast::tcp_stream stream_;
-  ConnectionSlot slot_;
   AccessPolicy rules_;
   UpgradeHandler on_upgrade_;
   boost::beast::flat_buffer buffer_;

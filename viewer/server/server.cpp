@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
-#include "viewer/server/http_session.hpp"
 
 namespace kinloop {
 namespace {
@@ -48,10 +47,8 @@ ViewerServer::ViewerServer(asio::io_context& context, const ListenAddress& liste
     : scene_(scene),
       on_command_(std::move(on_command)),
       acceptor_(listen_at(context, listen)),
-      pause_(context),
-      slots_(std::make_shared<int>()) {
-  rules_.loopback_only = is_loopback_address(listen);
-  if (!rules_.loopback_only) rules_.token = random_token();
+      pause_(context) {
+  rules_ = {is_loopback_address(listen), random_token()};
   accept_next();
 }
 
@@ -59,23 +56,31 @@ std::string ViewerServer::url() const {
   const auto at = acceptor_.local_endpoint();
   const std::string address =
       at.address().is_unspecified() ? asio::ip::host_name() : at.address().to_string();
-  return fmt::format("http://{}:{}/{}",
+  return fmt::format("http://{}:{}/?token={}",
                      address.find(':') == std::string::npos ? address : "[" + address + "]", at.port(),
-                     rules_.token.empty() ? "" : "?token=" + rules_.token);
+                     rules_.token);
 }
 
 void ViewerServer::accept_next() {
   acceptor_.async_accept([this](boost::system::error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
     if (error) return retry_accept();
-    if (slots_.use_count() <= kMaxConnections) {
-      auto accept_websocket = [this](auto&&... arguments) {
-        this->accept_websocket(std::forward<decltype(arguments)>(arguments)...);
-      };
-      std::make_shared<HttpSession>(std::move(socket), slots_, rules_, accept_websocket)->start();
-    }
-    accept_next();  // the socket is closed here if it was not handed over
+    answer(std::move(socket));
+    accept_next();
   });
+}
+
+void ViewerServer::answer(tcp::socket socket) {
+  boost::system::error_code error;
+  const auto client = socket.remote_endpoint(error).address();
+  if (error) return;  // disconnected again
+  const auto session = std::make_shared<HttpSession>(
+      std::move(socket), rules_,
+      [this](boost::beast::tcp_stream& stream, const HttpSession::Upgrade& upgrade) {
+        return accept_websocket(stream, upgrade);
+      });
+  requests_.add(session, client);
+  session->start();
 }
 
 /// The process is out of descriptors or the like; an immediate retry would fail, too.
@@ -87,12 +92,20 @@ void ViewerServer::retry_accept() {
   });
 }
 
-void ViewerServer::accept_websocket(boost::beast::tcp_stream stream, ConnectionSlot slot,
-                                    const Request& request, const RequestTarget& target) {
-  const auto browser = std::make_shared<WebSocketSession>(std::move(stream), std::move(slot), scene_,
-                                                          version_seen(target, scene_), on_command_);
+bool ViewerServer::accept_websocket(boost::beast::tcp_stream& stream, const HttpSession::Upgrade& upgrade) {
+  std::erase_if(browsers_, [](const auto& browser) { return browser.expired(); });
+  const auto spectators = std::count_if(browsers_.begin(), browsers_.end(), [](const auto& browser) {
+    const auto watching = browser.lock();
+    return watching && !watching->may_control();
+  });
+  if (browsers_.size() >= kMaxBrowsers) return false;
+  if (!upgrade.may_control && static_cast<size_t>(spectators) >= kMaxSpectators) return false;
+  const auto browser =
+      std::make_shared<WebSocketSession>(std::move(stream), scene_, version_seen(upgrade.target, scene_),
+                                         upgrade.may_control ? on_command_ : std::function<void(Command)>());
   browsers_.push_back(browser);
-  browser->start(request);
+  browser->start(upgrade.request);
+  return true;
 }
 
 void ViewerServer::send_changes() {

@@ -12,15 +12,17 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "viewer/server/access.hpp"
+#include "viewer/server/http_session.hpp"
+#include "viewer/server/pending_requests.hpp"
 #include "viewer/server/websocket_session.hpp"
 
 namespace kinloop {
 
 class ViewerServer {
  public:
-  /// Maximum number of connections; further ones are closed at once, so that the run keeps its file
-  /// descriptors.
-  static constexpr long kMaxConnections = 64;
+  /// Maximum number of browsers, and of those without the token, so that the run keeps its file descriptors
+  /// and those with the token find a place.
+  static constexpr size_t kMaxBrowsers = 32, kMaxSpectators = 16;
 
   /// Starts listening. Throws InputError if the address is not available. The scene must outlive this object.
   ViewerServer(boost::asio::io_context& context, const ListenAddress& listen, const Scene& scene,
@@ -38,15 +40,15 @@ class ViewerServer {
  private:
   void accept_next();
   void retry_accept();
-  void accept_websocket(boost::beast::tcp_stream stream, ConnectionSlot slot, const Request& request,
-                        const RequestTarget& target);
+  void answer(boost::asio::ip::tcp::socket socket);
+  bool accept_websocket(boost::beast::tcp_stream& stream, const HttpSession::Upgrade& upgrade);
 
   const Scene& scene_;
   std::function<void(Command)> on_command_;
   boost::asio::ip::tcp::acceptor acceptor_;
   boost::asio::steady_timer pause_;
   AccessPolicy rules_;
-  ConnectionSlot slots_;  // every connection holds a copy
+  PendingRequests requests_;
   std::vector<std::weak_ptr<WebSocketSession>> browsers_;
 };
 

@@ -16,13 +16,9 @@ constexpr std::chrono::seconds kIdleTimeout{30};  // a ping is sent after half o
 
 }  // namespace
 
-WebSocketSession::WebSocketSession(beast::tcp_stream stream, ConnectionSlot slot, const Scene& scene,
-                                   uint64_t seen, std::function<void(Command)> on_command)
-    : socket_(std::move(stream)),
-      slot_(std::move(slot)),
-      scene_(scene),
-      seen_(seen),
-      on_command_(std::move(on_command)) {}
+WebSocketSession::WebSocketSession(beast::tcp_stream stream, const Scene& scene, uint64_t seen,
+                                   std::function<void(Command)> on_command)
+    : socket_(std::move(stream)), scene_(scene), seen_(seen), on_command_(std::move(on_command)) {}
 
 void WebSocketSession::start(const Request& request) {
   auto& stream = beast::get_lowest_layer(socket_);
@@ -65,9 +61,21 @@ void WebSocketSession::read_next() {
     const auto command = parse_command({static_cast<const char*>(bytes.data()), bytes.size()});
     self->received_.clear();
     if (!command) return beast::get_lowest_layer(self->socket_).close();
-    self->on_command_(*command);
-    self->read_next();
+    self->take_command(*command);
   });
+}
+
+void WebSocketSession::take_command(Command command) {
+  if (!may_control()) return refuse("Open the URL that kinloop printed to control the run.");
+  if (!rate_.allows(std::chrono::steady_clock::now())) return refuse("Too many commands.");
+  on_command_(command);
+  read_next();
+}
+
+/// Closes the connection; the page shows the reason.
+void WebSocketSession::refuse(const char* reason) {
+  socket_.async_close({websocket::close_code::policy_error, reason},
+                      [self = shared_from_this()](beast::error_code) {});
 }
 
 }  // namespace kinloop

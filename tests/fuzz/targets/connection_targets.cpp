@@ -15,18 +15,17 @@ using boost::asio::ip::tcp;
 /// A browser that sends bytes and reads all answers, at the other end of a pair of sockets.
 class Browser {
  public:
-  Browser() : slot_(std::make_shared<int>()) {
+  Browser() {
     int ends[2] = {};
     require(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends) == 0, "socketpair");
     own_end_ = ends[0];
-    auto upgrade = [this](boost::beast::tcp_stream stream, ConnectionSlot slot, const Request& request,
-                          const RequestTarget&) {
-      std::make_shared<WebSocketSession>(std::move(stream), std::move(slot), scene_, 0, [](Command) {
-      })->start(request);
+    auto upgrade = [this](boost::beast::tcp_stream& stream, const HttpSession::Upgrade& request) {
+      std::make_shared<WebSocketSession>(std::move(stream), scene_, 0, [](Command) {
+      })->start(request.request);
+      return true;
     };
     const AccessPolicy loopback;
-    std::make_shared<HttpSession>(tcp::socket(context_, tcp::v4(), ends[1]), slot_, loopback, upgrade)
-        ->start();
+    std::make_shared<HttpSession>(tcp::socket(context_, tcp::v4(), ends[1]), loopback, upgrade)->start();
   }
   ~Browser() {
     ::close(own_end_);
@@ -59,7 +58,6 @@ class Browser {
   }
 
   Scene scene_{"run"};
-  ConnectionSlot slot_;
   boost::asio::io_context context_{1};
   int own_end_ = -1;
 };

@@ -3,14 +3,17 @@
 
 import { decode } from './messages.js';
 
+const POLICY_ERROR = 1008; // the close code of a command that is refused
 const SHORTEST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 8000;
 
 export class Connection {
-  /** Calls onMessage({ kind, index, body }) for every message, onChange(connected) on connection and disconnection. */
-  constructor({ onMessage, onChange }) {
-    this.onMessage = onMessage;
-    this.onChange = onChange;
+  /**
+   * Calls onMessage({ kind, index, body }) for every message, onChange(connected) on connection and disconnection,
+   * onRefused(reason) if a command is refused.
+   */
+  constructor({ onMessage, onChange, onRefused }) {
+    Object.assign(this, { onMessage, onChange, onRefused });
     this.run = '';
     this.version = 0;
     this.bytes = 0;
@@ -29,7 +32,10 @@ export class Connection {
       this.onChange(true);
     };
     this.socket.onmessage = ({ data }) => this.take(data);
-    this.socket.onclose = () => this.openLater();
+    this.socket.onclose = ({ code, reason }) => {
+      if (code === POLICY_ERROR) this.onRefused(reason);
+      this.openLater();
+    };
   }
 
   take(data) {

@@ -17,7 +17,11 @@ import { World } from './world.js';
 const world = new World();
 const view = new View(document.getElementById('scene'), world);
 const images = new Images(document.getElementById('images'));
-const connection = new Connection({ onMessage: onMessage, onChange: (connected) => panel.state.setConnected(connected) });
+const connection = new Connection({
+  onMessage,
+  onChange: (connected) => panel.state.setConnected(connected),
+  onRefused: (reason) => panel.state.refuseControl(reason),
+});
 const panel = new Panel({ world, view, connection });
 world.onProblem = (text) => panel.state.showProblem(text);
 let run;

@@ -11,6 +11,7 @@ export class RunState {
     this.live = false;
     this.status = undefined;
     this.problem = '';
+    this.noControl = new URLSearchParams(location.search).has('token') ? '' : 'Open the URL that kinloop printed to control the run.';
   }
 
   greet({ live }) {
@@ -30,11 +31,17 @@ export class RunState {
     this.show(this.status);
   }
 
+  /** Disables the controls and shows why. */
+  refuseControl(reason) {
+    this.noControl = reason;
+    this.show(this.status);
+  }
+
   get paused() {
     return this.status?.paused ?? false;
   }
 
-  /** Whether the program processes frames and accepts commands. */
+  /** Whether the program processes frames. */
   get running() {
     return this.connected && this.live && this.status?.stage === 'mapping';
   }
@@ -47,7 +54,10 @@ export class RunState {
     at('message').textContent = message;
     document.body.classList.toggle('disconnected', !this.connected);
     at('run').hidden = !this.live || status?.stage === 'calibrating';
-    CONTROLS.forEach((id) => (at(id).disabled = !this.running));
+    CONTROLS.forEach((id) => {
+      at(id).disabled = !this.running || this.noControl !== '';
+      if (this.noControl) at(id).title = this.noControl;
+    });
     at('pause').textContent = this.running && this.paused ? 'Resume' : 'Pause';
     if (status) at('facts').replaceChildren(...facts(status).map(([what, figure]) => fact(what, figure)));
     at('facts').hidden = at('facts').childElementCount === 0;
