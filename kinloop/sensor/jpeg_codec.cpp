@@ -1,5 +1,6 @@
 #include "kinloop/sensor/jpeg_codec.hpp"
 
+#include <charconv>
 #include <cstdint>
 #include <memory>
 
@@ -26,6 +27,18 @@ std::optional<cv::Size> read_jpeg_header(const JpegDecoder& decoder, std::string
   return cv::Size(width, height);
 }
 
+/// Whether a warning means damage. Some cameras pad the compressed data with a few bytes.
+bool means_damage(std::string_view warning) {
+  constexpr std::string_view kCorrupt = "Corrupt JPEG data: ", kExtraneous = " extraneous bytes";
+  constexpr unsigned kMaxPaddingBytes = 8;
+  if (!warning.starts_with(kCorrupt)) return true;
+  warning.remove_prefix(kCorrupt.size());
+  unsigned bytes = 0;
+  const auto [end, error] = std::from_chars(warning.data(), warning.data() + warning.size(), bytes);
+  warning.remove_prefix(static_cast<size_t>(end - warning.data()));
+  return error != std::errc() || bytes > kMaxPaddingBytes || !warning.starts_with(kExtraneous);
+}
+
 cv::Mat decode_jpeg_as(std::string_view bytes, int type, TJPF pixel_format) {
   const JpegDecoder decoder(tjInitDecompress(), tjDestroy);
   const auto size = read_jpeg_header(decoder, bytes);
@@ -35,7 +48,9 @@ cv::Mat decode_jpeg_as(std::string_view bytes, int type, TJPF pixel_format) {
   const int result =
       tjDecompress2(decoder.get(), data_of(bytes), bytes.size(), image.data, size->width,
                     static_cast<int>(image.step), size->height, pixel_format, TJFLAG_LIMITSCANS);
-  const bool failed = result != 0 && tjGetErrorCode(decoder.get()) != TJERR_WARNING;
+  if (result == 0) return image;
+  const bool failed =
+      tjGetErrorCode(decoder.get()) != TJERR_WARNING || means_damage(tjGetErrorStr2(decoder.get()));
   return failed ? cv::Mat() : image;
 }
 

@@ -13,8 +13,8 @@ namespace kinloop {
 /// Returns the size in the header of a JPEG file; nullopt if it is no JPEG file.
 std::optional<cv::Size> jpeg_size(std::string_view bytes);
 
-/// Decodes a JPEG file to 8UC3 BGR. Empty if it is no JPEG file, or one that cannot be converted to BGR. As
-/// with other readers, errors within the compressed data spoil only the pixels behind them.
+/// Decodes a JPEG file to 8UC3 BGR. Empty if it is no JPEG file, one that cannot be converted to BGR, or one
+/// whose compressed data are damaged, as far as that shows: JPEG has no checksum.
 cv::Mat decode_jpeg(std::string_view bytes);
 
 /// Decodes only the luma of a JPEG file, to 8UC1: saves the transforms of the chroma. Empty as above.

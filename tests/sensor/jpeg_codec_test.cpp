@@ -49,6 +49,26 @@ TEST(DecodeJpeg, OtherFilesAndDamagedHeadersGiveNothing) {
   }
 }
 
+TEST(DecodeJpeg, DamagedDataThatStillDecodeGiveNothing) {
+  const std::string whole = encoded(make_color(1), ".jpg");
+  std::string emptied = whole;  // the second half of the data are zeros
+  std::fill(emptied.begin() + static_cast<long>(whole.size() / 2), emptied.end() - 2, '\0');
+  const std::string padded =
+      whole.substr(0, whole.size() - 2) + std::string(100, '\x55') + whole.substr(whole.size() - 2);
+  for (auto* decode : {decode_jpeg, decode_jpeg_gray}) {
+    EXPECT_TRUE(decode(whole.substr(0, whole.size() / 2) + "\xff\xd9").empty()) << "data end early";
+    EXPECT_TRUE(decode(emptied).empty());
+    EXPECT_TRUE(decode(padded).empty()) << "more data than the image takes";
+  }
+}
+
+TEST(DecodeJpeg, AFewPaddingBytesAreNoDamage) {
+  const std::string whole = encoded(make_color(1), ".jpg");
+  const std::string padded =
+      whole.substr(0, whole.size() - 2) + std::string(2, '\0') + whole.substr(whole.size() - 2);
+  EXPECT_EQ(largest_difference(decode_jpeg(padded), decode_jpeg(whole)), 0);
+}
+
 /// A sampling of the single-byte damages: whatever is returned has the size that the header gives.
 TEST(DecodeJpeg, DamagedFilesDoNoHarm) {
   const std::string whole = encoded(make_color(5), ".jpg");
