@@ -11,6 +11,7 @@
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/open_frame_source.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
@@ -54,11 +55,10 @@ void bench_cloud(const CloudArguments& arguments) {
     T_truth_map = ate->T_truth_estimate;
   }
   const CloudQuality quality = cloud_quality(read_ply(arguments.cloud), *source, T_truth_map);
-  fmt::print("{}\n", nlohmann::json({{"points", quality.points},
-                                     {"accuracy_median_m", quality.accuracy_median_m},
-                                     {"accuracy_p95_m", quality.accuracy_p95_m},
-                                     {"completeness", quality.completeness}})
-                         .dump());
+  fmt::print("{}\n", json_text({{"points", quality.points},
+                                {"accuracy_median_m", quality.accuracy_median_m},
+                                {"accuracy_p95_m", quality.accuracy_p95_m},
+                                {"completeness", quality.completeness}}));
 }
 
 void add_cloud(CLI::App& bench) {

@@ -11,6 +11,7 @@
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/writable_check.hpp"
@@ -39,7 +40,7 @@ Examples:
 void write_results(const CalibrateArguments& arguments, const RgbdCamera& camera,
                    const nlohmann::json& figures, const std::string& sections, const char* page = ".html") {
   write_camera_file(arguments.output, camera);
-  write_file(arguments.sibling_file(".json"), figures.dump(2) + "\n");
+  write_file(arguments.sibling_file(".json"), json_text(figures, 2) + "\n");
   const std::string subtitle = fmt::format("{}, board {}, squares of {} mm", arguments.folder.string(),
                                            arguments.board, 1000 * arguments.square_m);
   write_file(arguments.sibling_file(page), calibration_page("Calibration", subtitle, sections));
@@ -99,7 +100,7 @@ void calibrate_extrinsics(const CalibrateArguments& arguments) {
 std::optional<double> relative_focal_sigma(std::filesystem::path camera_file) {
   camera_file.replace_extension(".json");
   if (!std::filesystem::exists(camera_file)) return std::nullopt;
-  const auto figures = nlohmann::json::parse(read_file(camera_file), nullptr, false);
+  const auto figures = parse_json(read_file(camera_file));
   const nlohmann::json::json_pointer fx("/infrared/fx");
   if (figures.is_discarded() || !figures.contains(fx)) return std::nullopt;
   const double value = figures[fx].value("value", 0.0);
@@ -145,7 +146,7 @@ void calibrate_depth(const CalibrateArguments& arguments) {
   camera.depth_shift_m = shift.shift_m;
   camera.depth_scale = arguments.depth_scale;
   auto figures = std::filesystem::exists(arguments.sibling_file(".json"))
-                     ? nlohmann::json::parse(read_file(arguments.sibling_file(".json")), nullptr, false)
+                     ? parse_json(read_file(arguments.sibling_file(".json")))
                      : nlohmann::json::object();
   if (!figures.is_object()) figures = nlohmann::json::object();
   figures["depth_shift"] = to_json(shift);

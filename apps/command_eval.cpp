@@ -7,6 +7,8 @@
 
 #include "apps/shared/commands.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
+#include "kinloop/base/time.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {
@@ -51,16 +53,29 @@ void print_table(const Evaluation& evaluation) {
       100 * evaluation.coverage.time_fraction, 100 * evaluation.coverage.matched_fraction);
 }
 
+/// Reads a trajectory; refuses positions so far away that the figures would be noise.
+Trajectory read_plausible(const std::filesystem::path& path) {
+  constexpr double kFarthestM = 1e6;
+  Trajectory trajectory = read_tum_trajectory(path);
+  for (const auto& [stamp_ns, T] : trajectory) {
+    if (T.translation.cwiseAbs().maxCoeff() <= kFarthestM) continue;
+    throw InputError(
+        fmt::format("{}: the position at {} s is over {} km from the origin; correct or delete the line",
+                    path.string(), format_stamp(stamp_ns), kFarthestM / 1000));
+  }
+  return trajectory;
+}
+
 void run_eval(const EvalArguments& arguments) {
-  const Trajectory estimate = read_tum_trajectory(arguments.estimate);
-  const Trajectory truth = read_tum_trajectory(arguments.truth);
+  const Trajectory estimate = read_plausible(arguments.estimate);
+  const Trajectory truth = read_plausible(arguments.truth);
   const auto evaluation = evaluate(estimate, truth);
   if (!evaluation) {
     throw InputError(fmt::format("{}: {}; give the ground truth of the same recording",
                                  arguments.truth.string(), evaluation_failure(estimate, truth)));
   }
   if (arguments.json) {
-    fmt::print("{}\n", to_json(*evaluation).dump(2));
+    fmt::print("{}\n", json_text(to_json(*evaluation), 2));
   } else {
     print_table(*evaluation);
   }

@@ -12,6 +12,7 @@
 #include "apps/shared/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/output_file.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/writable_check.hpp"
@@ -145,8 +146,11 @@ void run_export(const ExportArguments& arguments) {
                          progress);
   }
   if (arguments.quiet) return;
-  for (const auto& path : arguments.files()) fmt::print("written: {}\n", path.string());
-  for (const auto& path : arguments.folders()) fmt::print("written: {}\n", path.string());
+  // One of the files may be standard output.
+  const auto files = arguments.files();
+  std::FILE* to = std::any_of(files.begin(), files.end(), is_standard_output) ? stderr : stdout;
+  for (const auto& path : files) fmt::print(to, "written: {}\n", path.string());
+  for (const auto& path : arguments.folders()) fmt::print(to, "written: {}\n", path.string());
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "apps/features/feature_table.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/options.hpp"
 #include "kinloop/base/writable_check.hpp"
 #include "kinloop/features/surf.hpp"
@@ -38,7 +39,7 @@ void run_features(ComparisonArguments arguments, const std::vector<std::string>&
   if (!arguments.pictures.empty()) require_writable_folder(arguments.pictures);
   const auto figures = compare_detectors(arguments);
   if (as_json) {
-    fmt::print("{}\n", comparison_json(figures).dump(2));
+    fmt::print("{}\n", json_text(comparison_json(figures), 2));
     return;
   }
   fmt::print("{}", comparison_table(figures));

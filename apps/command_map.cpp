@@ -10,7 +10,9 @@
 #include "apps/shared/map_store.hpp"
 #include "apps/shared/open_frame_source.hpp"
 #include "apps/shared/progress_bar.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/writable_check.hpp"
@@ -120,7 +122,8 @@ void merge(const MergeArguments& arguments) {
               arguments.output.string());
   }
   if (!arguments.quiet) {
-    fmt::print("{} keyframes in {} component(s), {} loops between the two maps, in {}\n",
+    fmt::print(message_stream(arguments.output),
+               "{} keyframes in {} component(s), {} loops between the two maps, in {}\n",
                slam.map().keyframes().size(), components_of(slam.map().keyframes()), found,
                arguments.output.string());
   }
@@ -134,7 +137,7 @@ void add_info(CLI::App& map) {
   command->add_flag("--json", *as_json, "print as JSON");
   command->callback([path, as_json] {
     const json info = map_info(map_file_of(*path));
-    fmt::print("{}", *as_json ? info.dump(2) + "\n" : text_of(info));
+    fmt::print("{}", *as_json ? json_text(info, 2) + "\n" : text_of(info));
   });
 }
 

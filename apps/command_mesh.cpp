@@ -6,6 +6,7 @@
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/map_store.hpp"
 #include "apps/shared/progress_bar.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/writable_check.hpp"
@@ -40,8 +41,8 @@ void make_mesh(MeshArguments arguments) {
                                      arguments.threads, make_progress_bar(arguments.quiet));
   write_mesh(arguments.output, mesh, file_frame(arguments.frame, open.up(0), views));
   if (!arguments.quiet) {
-    fmt::print("{} vertices, {} triangles, voxels of {} m, in {:.1f} s\n", mesh.points.size(),
-               mesh.triangles.size(), open.options.mesh.voxel_m, watch.wall_s());
+    fmt::print(message_stream(arguments.output), "{} vertices, {} triangles, voxels of {} m, in {:.1f} s\n",
+               mesh.points.size(), mesh.triangles.size(), open.options.mesh.voxel_m, watch.wall_s());
   }
 }
 

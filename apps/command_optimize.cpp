@@ -11,7 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/shared/commands.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/writable_check.hpp"
@@ -118,8 +120,9 @@ std::string page(const std::string& title, const std::vector<Pose>& before, cons
 
 template <class Pose>
 void print(const BasicPoseGraph<Pose>& graph, const BasicPoseGraphSolution<Pose>& solution, size_t parts,
-           const G2oFile& file, bool json) {
-  if (json) {
+           const G2oFile& file, const OptimizeArguments& arguments) {
+  std::FILE* to = message_stream(arguments.output);
+  if (arguments.json) {
     const nlohmann::ordered_json figures = {
         {"chi2_before", solution.chi2_before},
         {"chi2_after", solution.chi2_after},
@@ -132,13 +135,13 @@ void print(const BasicPoseGraph<Pose>& graph, const BasicPoseGraphSolution<Pose>
         {"parts", parts},
         {"repaired_edges", file.repaired_lines.size()},
     };
-    fmt::print("{}\n", figures.dump(2));
+    fmt::print(to, "{}\n", ordered_json_text(figures, 2));
     return;
   }
-  fmt::print("graph       {} vertices, {} edges\n", graph.T_world_vertex.size(), graph.edges.size());
-  fmt::print("solver      {}: {} iterations, {:.3f} s{}\n", name_of(solution.solver), solution.iterations,
+  fmt::print(to, "graph       {} vertices, {} edges\n", graph.T_world_vertex.size(), graph.edges.size());
+  fmt::print(to, "solver      {}: {} iterations, {:.3f} s{}\n", name_of(solution.solver), solution.iterations,
              solution.seconds, solution.converged ? "" : ", not converged");
-  fmt::print("chi2        {} -> {}\n", solution.chi2_before, solution.chi2_after);
+  fmt::print(to, "chi2        {} -> {}\n", solution.chi2_before, solution.chi2_after);
 }
 
 void optimize(const OptimizeArguments& arguments) {
@@ -155,7 +158,7 @@ void optimize(const OptimizeArguments& arguments) {
         if (!arguments.report.empty()) {
           write_file(arguments.report, page(arguments.input.string(), before, graph, solution));
         }
-        print(graph, solution, parts, file, arguments.json);
+        print(graph, solution, parts, file, arguments);
       },
       file.graph);
 }

@@ -8,6 +8,7 @@
 
 #include "apps/shared/commands.hpp"
 #include "apps/shared/report_file.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/writable_check.hpp"
@@ -33,7 +34,7 @@ void report(const ReportArguments& arguments) {
   const std::filesystem::path page = arguments.page.empty() ? "comparison.html" : arguments.page;
   require_writable_file(page);
   write_comparison(runs, page);
-  fmt::print("{}\n", page.string());
+  fmt::print(message_stream(page), "{}\n", page.string());
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/quantile.hpp"
 #include "kinloop/base/text_file.hpp"
@@ -227,20 +228,25 @@ void write_loop_pictures(const RunFolder& folder, const Slam& slam, const RgbdCa
                {reinterpret_cast<const char*>(loop->jpeg.data()), loop->jpeg.size()});
     index.push_back(to_json(loop->picture));
   }
-  write_file(folder.loop_images() / kIndexName, index.dump(2) + "\n");
+  write_file(folder.loop_images() / kIndexName, json_text(index, 2) + "\n");
 }
 
 std::vector<LoopPicture> read_loop_pictures(const RunFolder& folder) {
   const auto path = folder.loop_images() / kIndexName;
   std::vector<LoopPicture> pictures;
   if (!std::filesystem::exists(path)) return pictures;
-  try {
-    for (const json& entry : json::parse(read_file(path))) pictures.push_back(from_json(entry));
-  } catch (const json::exception& error) {
+  const json index = parse_json(read_file(path));
+  const auto fail = [&](const char* what) {
     throw InputError(
         fmt::format("{}: not the index of loop pictures that kinloop run writes ({}); remove "
                     "it to generate the report without loop images",
-                    path.string(), error.what()));
+                    path.string(), what));
+  };
+  if (index.is_discarded()) fail("not JSON");
+  try {
+    for (const json& entry : index) pictures.push_back(from_json(entry));
+  } catch (const json::exception& error) {
+    fail(error.what());
   }
   std::erase_if(pictures, [&](const LoopPicture& picture) {
     return !std::filesystem::exists(folder.loop_images() / picture.file);

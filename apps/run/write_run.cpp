@@ -2,6 +2,7 @@
 
 #include "apps/run/loop_pictures.hpp"
 #include "apps/shared/report_file.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/loop/correct_loop.hpp"
@@ -22,13 +23,13 @@ nlohmann::json summary_of(const RunContents& contents) {
 }
 
 /// Writes everything but run.json and the report.
-void write_results(const RunFolder& folder, const RunContents& contents, const nlohmann::json& summary) {
+void write_results(const RunFolder& folder, const RunContents& contents) {
   write_frame_table(folder.frames(), contents.frames);
   if (!contents.map) return write_tum_trajectory(folder.trajectory(), contents.trajectory);
   const Slam& slam = contents.outcome.slam;
   const FrameSource& source = contents.outcome.source;
   write_run_files(folder, {contents.trajectory, keyframe_trajectory(slam.map(), slam.component()),
-                           source.info().ground_truth, contents.map->cloud, contents.map->frame, summary});
+                           source.info().ground_truth, contents.map->cloud, contents.map->frame, nullptr});
   write_camera_file(folder.camera(), calibrated_camera(source.camera(), slam.sensor()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), contents.outcome.options.slam.loop), {}, true, {}});
   write_loop_pictures(folder, slam, source.camera(), contents.images);
@@ -39,10 +40,10 @@ void write_results(const RunFolder& folder, const RunContents& contents, const n
 nlohmann::json write_run(const RunFolder& folder, RunContents contents) {
   const Stopwatch writing;
   auto summary = summary_of(contents);
-  write_results(folder, contents, summary);
+  write_results(folder, contents);
   contents.program.add("writing", writing.elapsed());
   add_timings(summary, contents.outcome.slam.timings(), contents.program);
-  write_file(folder.run_json(), summary.dump(2) + "\n");
+  write_file(folder.run_json(), json_text(summary, 2) + "\n");
   if (contents.map) write_report(folder);
   return summary;
 }

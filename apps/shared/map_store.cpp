@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <string_view>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -16,6 +17,15 @@
 
 namespace kinloop {
 
+namespace {
+
+/// Returns whether an option says how this machine works, not what a map is like: no map file holds it.
+bool is_of_the_machine(std::string_view key) {
+  return key == "threads" || key.ends_with(".threads");
+}
+
+}  // namespace
+
 void MapSaver::save() {
   const Stopwatch watch;
   contents_.recorder.wait_for_jobs();
@@ -23,6 +33,7 @@ void MapSaver::save() {
   saved.program = program_name();
   RunOptions options = contents_.options;
   for (const OptionEntry& entry : option_entries(options)) {
+    if (is_of_the_machine(entry.key)) continue;
     saved.options.emplace_back(entry.key, to_text(entry.value));
   }
   write_map(path_, saved, contents_.recorder.image_count(),
@@ -95,6 +106,7 @@ RunOptions restore_options(const SavedMap& saved, const RunOptions& options, con
     for (const auto& [name, value] : saved.options) {
       const ResolvedKey resolved = resolve_key(entries, name, history);
       if (resolved.kind != kind || !resolved.key.starts_with(prefix)) continue;
+      if (is_of_the_machine(resolved.key)) continue;  // of maps up to version 0.1
       if (applied.insert(resolved.key).second)
         apply_assignment(entries, fmt::format("{}={}", resolved.key, value));
     }

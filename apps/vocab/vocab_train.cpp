@@ -14,6 +14,7 @@
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/options.hpp"
+#include "kinloop/base/output_file.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/stopwatch.hpp"
 #include "kinloop/base/writable_check.hpp"
@@ -60,6 +61,13 @@ DescribeOptions make_description(const InputArguments& arguments) {
   return {arguments.features, *kind, arguments.threads};
 }
 
+/// Throws InputError unless the output can be written, and read again for its figures.
+void require_regular_output(const fs::path& path) {
+  require_writable_file(path);
+  if (output_place(path).is_stream)
+    throw InputError(fmt::format("{}: is not a file; give the name of a file", path.string()));
+}
+
 void warn_of_unreadable(const std::vector<fs::path>& unreadable) {
   if (unreadable.empty()) return;
   log::warn("skipped {} files that are not readable images, the first: {}", unreadable.size(),
@@ -82,7 +90,7 @@ void train(const TrainArguments& arguments) {
   const auto ranks = join_mpi();
   const bool first = ranks->rank() == 0;
   const Progress progress = make_progress_bar(arguments.input.quiet || !first);
-  if (first) require_writable_file(arguments.input.output);
+  if (first) require_regular_output(arguments.input.output);
   const DescribeOptions description = make_description(arguments.input);
   ScratchMemory memory(arguments.memory_mb << 20, arguments.scratch);
 
@@ -110,7 +118,7 @@ void train(const TrainArguments& arguments) {
 
 void describe(const InputArguments& arguments) {
   const DescribeOptions description = make_description(arguments);
-  require_writable_file(arguments.output);
+  require_regular_output(arguments.output);
   const TrainingInput input = list_training_input(arguments.inputs);
   if (!input.descriptor_files.empty()) {
     throw UsageError(fmt::format("{}: contains descriptors already; use it with 'kinloop vocab train'",

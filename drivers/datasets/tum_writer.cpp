@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/output_file.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/base/writable_check.hpp"
@@ -44,6 +45,7 @@ TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
       depth_list_(color_list_),
       pair_list_("# colour timestamp, colour filename, depth timestamp, depth filename\n") {
   require_no_sequence(folder_);
+  lock_ = std::make_unique<const FolderLock>(folder_);
   for (const char* images : {"rgb", "depth"}) require_writable_folder(folder_ / images);
   write_camera_file(folder_ / "camera.yaml", camera);
 }
@@ -59,7 +61,7 @@ void TumWriter::write_images(const RgbdFrame& frame) const {
   if (jpeg.empty()) {
     write_png(folder_ / color_name(frame), frame.color.bgr());
   } else {
-    write_file(folder_ / color_name(frame), jpeg);
+    write_file(folder_ / color_name(frame), jpeg, Durability::kWithTheOthers);
   }
   write_depth_png(folder_ / depth_name(frame.depth_stamp_or_color_ns()), frame.depth_m, depth_scale_);
 }
@@ -76,6 +78,7 @@ void TumWriter::add_to_lists(const RgbdFrame& frame) {
 }
 
 void TumWriter::finish(const Trajectory& ground_truth) {
+  flush_files(folder_);
   if (!ground_truth.empty()) write_tum_trajectory(folder_ / "groundtruth.txt", ground_truth);
   write_file(folder_ / "associations.txt", pair_list_);
   write_file(folder_ / "depth.txt", depth_list_);

@@ -4,8 +4,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 
+#include "kinloop/base/folder_lock.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
@@ -37,6 +39,7 @@ class TumWriter {
 
  private:
   std::filesystem::path folder_;
+  std::unique_ptr<const FolderLock> lock_;
   double depth_scale_;
   int64_t newest_ns_;
   std::string color_list_, depth_list_, pair_list_;

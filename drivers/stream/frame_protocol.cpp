@@ -10,6 +10,7 @@
 #include "drivers/ros/ros_image.hpp"
 #include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
@@ -22,13 +23,10 @@ constexpr uint32_t kMaxHeaderBytes = 1U << 20;
 constexpr uint64_t kMaxImageBytes = uint64_t{1} << 28;
 constexpr int kProtocolVersion = 1;
 
-/// Throws InputError with the JSON library's message, without its prefix.
 Json parsed_json(const std::string& text) {
-  try {
-    return Json::parse(text);
-  } catch (const Json::exception&) {
-    throw InputError("the header is not JSON");
-  }
+  Json value = parse_json(text);
+  if (value.is_discarded()) throw InputError("the header is not JSON");
+  return value;
 }
 
 template <class Value>
@@ -66,7 +64,7 @@ StreamStart start_of(const Json& header, const std::string& name) {
   start.live = header.value("live", true);
   if (header.contains("camera")) {
     const Json& camera = header["camera"];
-    start.camera = read_camera_text(camera.is_string() ? camera.get<std::string>() : camera.dump(), name);
+    start.camera = read_camera_text(camera.is_string() ? camera.get<std::string>() : json_text(camera), name);
   }
   return start;
 }

@@ -11,9 +11,17 @@
 
 namespace kinloop {
 
+void throw_no_access(const std::filesystem::path& path, const std::error_code& error) {
+  const char* remedy = "check the path";
+  if (error == std::errc::permission_denied) remedy = "check the permissions of the folders on its path";
+  if (error == std::errc::filename_too_long) remedy = "use shorter names";
+  throw InputError(fmt::format("{}: cannot be accessed ({}); {}", path.string(), error.message(), remedy));
+}
+
 void require_folder(const std::filesystem::path& folder) {
   std::error_code error;
   if (!std::filesystem::exists(folder, error)) {
+    if (error) throw_no_access(folder, error);
     throw InputError(fmt::format("{}: no such folder; check the path", folder.string()));
   }
   if (!std::filesystem::is_directory(folder, error)) {
@@ -48,8 +56,10 @@ std::vector<TextLine> read_table(const std::filesystem::path& path) {
 
 std::string read_file(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error))
+  if (!std::filesystem::exists(path, error)) {
+    if (error) throw_no_access(path, error);
     throw InputError(fmt::format("{}: no such file; check the path", path.string()));
+  }
   if (!std::filesystem::is_regular_file(path, error)) {
     throw InputError(fmt::format("{}: not a regular file", path.string()));
   }
@@ -78,32 +88,20 @@ void throw_parse_error(const std::filesystem::path& path, size_t line, const std
   throw InputError(fmt::format("{}:{}: {}", path.string(), line, printable(what)));  // it may quote the file
 }
 
-AtomicFile::AtomicFile(std::filesystem::path path)
-    : path_(std::move(path)), temporary_(path_.string() + ".tmp"), stream_(temporary_, std::ios::binary) {
-  if (!stream_) {
-    throw InputError(
-        fmt::format("{}: cannot be written; check that the folder exists and is writable", path_.string()));
-  }
-}
-
-AtomicFile::~AtomicFile() {
-  if (committed_) return;
-  stream_.close();
-  std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
+AtomicFile::AtomicFile(std::filesystem::path path, Durability durability)
+    : file_(std::move(path), durability), stream_(file_.temporary(), std::ios::binary) {
+  if (!stream_) throw InputError(fmt::format("{}: cannot be written", file_.path().string()));
 }
 
 void AtomicFile::commit() {
   stream_.close();
-  if (stream_.fail()) throw InputError(fmt::format("{}: writing failed; is the disk full?", path_.string()));
-  std::error_code error;
-  std::filesystem::rename(temporary_, path_, error);
-  if (error) throw InputError(fmt::format("{}: cannot be replaced: {}", path_.string(), error.message()));
-  committed_ = true;
+  if (stream_.fail())
+    throw InputError(fmt::format("{}: writing failed; is the disk full?", file_.path().string()));
+  file_.commit();
 }
 
-void write_file(const std::filesystem::path& path, std::string_view content) {
-  AtomicFile file(path);
+void write_file(const std::filesystem::path& path, std::string_view content, Durability durability) {
+  AtomicFile file(path, durability);
   file.stream().write(content.data(), static_cast<std::streamsize>(content.size()));
   file.commit();
 }

@@ -6,7 +6,10 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
+
+#include "kinloop/base/output_file.hpp"
 
 namespace kinloop {
 
@@ -15,6 +18,9 @@ struct TextLine {
   size_t number = 0;
   std::vector<std::string> fields;
 };
+
+/// Throws InputError for a path that the system does not let this user look at: no permission, or too long.
+[[noreturn]] void throw_no_access(const std::filesystem::path& path, const std::error_code& error);
 
 /// Throws InputError unless `folder` exists and is a folder.
 void require_folder(const std::filesystem::path& folder);
@@ -35,15 +41,11 @@ double parse_double(const std::string& text, const std::filesystem::path& path, 
 /// Throws InputError with the message "FILE:LINE: what".
 [[noreturn]] void throw_parse_error(const std::filesystem::path& path, size_t line, const std::string& what);
 
-/// An output file that appears under its name only when complete: written as "NAME.tmp" and renamed by
-/// `commit()`. Without a commit (an exception, a kill) an existing file of that name stays unchanged.
+/// An output file that appears under its name only when complete, see OutputFile.
 class AtomicFile {
  public:
   /// Throws InputError if the file cannot be created.
-  explicit AtomicFile(std::filesystem::path path);
-  ~AtomicFile();
-  AtomicFile(const AtomicFile&) = delete;
-  AtomicFile& operator=(const AtomicFile&) = delete;
+  explicit AtomicFile(std::filesystem::path path, Durability durability = Durability::kAtOnce);
 
   std::ostream& stream() { return stream_; }
 
@@ -51,13 +53,12 @@ class AtomicFile {
   void commit();
 
  private:
-  std::filesystem::path path_;
-  std::filesystem::path temporary_;
+  OutputFile file_;
   std::ofstream stream_;
-  bool committed_ = false;
 };
 
 /// Writes `content` as the whole file, atomically.
-void write_file(const std::filesystem::path& path, std::string_view content);
+void write_file(const std::filesystem::path& path, std::string_view content,
+                Durability durability = Durability::kAtOnce);
 
 }  // namespace kinloop

@@ -8,6 +8,7 @@
 
 #include "kinloop/base/anonymous_temp_file.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/output_file.hpp"
 #include "kinloop/base/text_file.hpp"
 
 namespace kinloop {
@@ -29,16 +30,9 @@ int try_to_write_in(const std::filesystem::path& folder) {
 
 void require_writable_file(const std::filesystem::path& path) {
   if (path.empty()) return;
-  std::error_code absent;
-  const auto status = std::filesystem::status(path, absent);
-  if (!path.has_filename() || std::filesystem::is_directory(status)) {
-    throw InputError(fmt::format("{}: is a folder; give the name of a file in it", path.string()));
-  }
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    throw InputError(
-        fmt::format("{}: is not a regular file and cannot be replaced; give another name", path.string()));
-  }
-  const auto folder = path.parent_path();
+  const OutputPlace place = output_place(path);
+  if (place.is_stream) return;
+  const auto folder = place.target.parent_path();
   require_writable_folder(folder.empty() ? "." : folder);
 }
 

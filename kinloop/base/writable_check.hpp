@@ -5,8 +5,8 @@
 
 namespace kinloop {
 
-/// Throws InputError unless a file can be written at `path`: creates missing parent folders, then writes and
-/// removes a temporary file beside it. An empty path (output not requested) passes.
+/// Throws InputError unless a file can be written at `path`, see OutputFile: creates missing parent folders,
+/// then writes and removes a temporary file beside it. An empty path (output not requested) passes.
 void require_writable_file(const std::filesystem::path& path);
 
 /// Same for files in `folder`, which is created if missing.

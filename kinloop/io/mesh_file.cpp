@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
 
@@ -158,7 +159,7 @@ std::string glb_bytes(const FileMesh& file) {
       {"buffers", {{{"byteLength", buffer.size()}}}},
       {"bufferViews", views},
       {"accessors", accessors}};
-  std::string text = scene.dump();
+  std::string text = json_text(scene);
   text.append((4 - text.size() % 4) % 4, ' ');
 
   std::string bytes = "glTF";

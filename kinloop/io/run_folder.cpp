@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
+#include "kinloop/base/output_file.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/writable_check.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
@@ -19,6 +21,19 @@ RunFolder::RunFolder(std::filesystem::path path) : path_(std::move(path)) {
                     path_.string(), list));
   }
   require_writable_folder(path_);
+  lock_ = std::make_shared<const FolderLock>(path_);
+  remove_leftovers();
+}
+
+void RunFolder::remove_leftovers() const {
+  remove_abandoned_files(loop_images());
+  // Version 0.1 wrote NAME.tmp.
+  for (const auto& file : {trajectory(), keyframes(), ground_truth(), frames(), map(), map_file(), camera(),
+                           graph(), run_json(), report()}) {
+    std::error_code ignored;
+    const std::filesystem::path leftover = file.string() + ".tmp";
+    if (std::filesystem::is_regular_file(leftover, ignored)) std::filesystem::remove(leftover, ignored);
+  }
 }
 
 RunFolder RunFolder::open_existing(std::filesystem::path path) {
@@ -39,11 +54,12 @@ void write_run_files(const RunFolder& folder, const RunFiles& files) {
     write_tum_trajectory(folder.ground_truth(), files.ground_truth);
   }
   write_ply(folder.map(), files.map, files.frame);
-  write_file(folder.run_json(), files.metrics.dump(2) + "\n");
+  if (files.metrics.is_null()) return;
+  write_file(folder.run_json(), json_text(files.metrics, 2) + "\n");
 }
 
 nlohmann::json read_run_json(const std::filesystem::path& path) {
-  auto metrics = nlohmann::json::parse(read_file(path), nullptr, false);
+  auto metrics = parse_json(read_file(path));
   if (!metrics.is_object()) {
     throw InputError(fmt::format("{}: not a JSON object; run kinloop again", path.string()));
   }

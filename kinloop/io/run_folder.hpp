@@ -2,9 +2,11 @@
 // The output folder of a run: files under fixed names, each written atomically.
 
 #include <filesystem>
+#include <memory>
 
 #include <nlohmann/json.hpp>
 
+#include "kinloop/base/folder_lock.hpp"
 #include "kinloop/dense/cloud/colored_cloud.hpp"
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/io/file_frame.hpp"
@@ -18,8 +20,9 @@ constexpr const char* kMapFileName = "map.kinmap";
 class RunFolder {
  public:
   /// Creates the folder if missing and checks that it is writable, so that a run does not fail at its end.
-  /// Refuses a folder that holds a sequence, whose camera.yaml and groundtruth.txt would be overwritten.
-  /// Throws InputError naming the folder and the remedy.
+  /// Refuses a folder that holds a sequence, whose camera.yaml and groundtruth.txt would be overwritten, and
+  /// one that another run writes into. Removes temporary files of killed runs. Throws InputError naming the
+  /// folder and the remedy.
   explicit RunFolder(std::filesystem::path path);
 
   /// Opens the folder of an earlier run read-only; it may be on a read-only disk.
@@ -40,8 +43,10 @@ class RunFolder {
 
  private:
   RunFolder() = default;
+  void remove_leftovers() const;
 
   std::filesystem::path path_;
+  std::shared_ptr<const FolderLock> lock_;  ///< null for the folder of an earlier run
 };
 
 /// A run's results, as values.
@@ -51,7 +56,7 @@ struct RunFiles {
   Trajectory ground_truth;  ///< if empty, no file is written and an old one is removed
   ColoredCloud map;         ///< in the world frame
   FileFrame frame;          ///< of map.ply
-  nlohmann::json metrics;   ///< run.json
+  nlohmann::json metrics;   ///< run.json; null: not written
 };
 
 /// Writes all of these files (camera.yaml, graph.g2o, frames.txt, loops and report.html are written

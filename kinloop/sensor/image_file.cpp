@@ -155,7 +155,7 @@ cv::Mat decode_depth_image(const std::string& bytes, const std::filesystem::path
 }
 
 void write_png(const std::filesystem::path& path, const cv::Mat& image) {
-  write_file(path, encode_png(image));
+  write_file(path, encode_png(image), Durability::kWithTheOthers);
 }
 
 cv::Mat to_depth_units(const cv::Mat& depth_m, double depth_scale) {

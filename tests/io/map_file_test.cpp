@@ -108,7 +108,8 @@ TEST(MapFile, LeavesTheOldFileUntilTheNewOneIsWhole) {
   };
   EXPECT_THROW(write_map(path, some_saved_map(), kImages, broken), InputError);
   EXPECT_TRUE(read_file(path) == before);
-  EXPECT_FALSE(std::filesystem::exists(path.string() + ".tmp"));
+  const std::filesystem::directory_iterator files(folder.path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1) << "only the map";
 }
 
 TEST(MapFile, SaysWhatIsWrongWithAFileThatIsNone) {

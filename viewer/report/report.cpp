@@ -8,6 +8,7 @@
 #include "kinloop/base/base64.hpp"
 #include "kinloop/base/embedded_file.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/time.hpp"
 #include "tools/evaluation/evaluate.hpp"
 #include "viewer/report/report_text.hpp"
@@ -189,7 +190,7 @@ json report_data(std::span<const RunReport> runs) {
 
 std::string render_report(std::span<const RunReport> runs) {
   constexpr std::string_view kSlot = "{\"runs\":[]}";
-  std::string text = report_data(runs).dump(-1, ' ', true, json::error_handler_t::replace);
+  std::string text = json_text(report_data(runs), -1, JsonCharacters::kAscii);
   // "</script>" in a name would end the element that holds the data.
   for (size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at))
     text.replace(at, 1, "\\u003c");

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "kinloop/base/json.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -33,7 +35,7 @@ class Writer {
 }  // namespace
 
 Bytes encode_json(const nlohmann::json& json) {
-  const std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string text = json_text(json);
   return {text.begin(), text.end()};
 }
 

@@ -3,13 +3,18 @@
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/text_file.hpp"
 
 namespace kinloop {
 
 nlohmann::json read_json(const std::filesystem::path& file) {
+  const std::string text = read_file(file);
+  if (is_nested_too_deeply(text))
+    throw InputError(fmt::format("{}: more than {} brackets are open at once; copy it again", file.string(),
+                                 kMaxJsonDepth));
   try {
-    return nlohmann::json::parse(read_file(file));
+    return nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
     throw InputError(
         fmt::format("{}: not JSON: wrong or cut off at byte {}; copy it again", file.string(), error.byte));

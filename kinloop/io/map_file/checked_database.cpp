@@ -92,25 +92,19 @@ void FinalizeStatement::operator()(sqlite3_stmt* statement) const {
 }
 
 DatabaseWriter::DatabaseWriter(std::filesystem::path path, const DatabaseFormat& kind)
-    : path_(std::move(path)), temporary_(path_.string() + ".tmp") {
-  std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
+    : file_(std::move(path)) {
   sqlite3* database = nullptr;
-  const int opened = sqlite3_open(temporary_.c_str(), &database);
+  // No other process knows the file, so none of SQLite's locks are needed.
+  const int opened = sqlite3_open_v2(file_.temporary().c_str(), &database,
+                                     SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "unix-none");
   database_.reset(database);
   if (opened != SQLITE_OK) fail();
-  // A crash only leaves a temporary file behind, so no journal is needed.
-  execute("PRAGMA page_size=16384; PRAGMA journal_mode=OFF; PRAGMA locking_mode=EXCLUSIVE");
+  // A crash only leaves a temporary file behind, so no journal is needed; OutputFile flushes to the disk.
+  execute(
+      "PRAGMA page_size=16384; PRAGMA journal_mode=OFF; PRAGMA locking_mode=EXCLUSIVE; PRAGMA "
+      "synchronous=OFF");
   execute(fmt::format("PRAGMA application_id={}; PRAGMA user_version={}", kind.application, kind.version));
   execute("BEGIN");
-}
-
-DatabaseWriter::~DatabaseWriter() {
-  if (committed_) return;
-  inserts_.clear();
-  database_.reset();
-  std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
 }
 
 void DatabaseWriter::create(const std::string& table, const std::vector<std::string>& columns) {
@@ -140,10 +134,7 @@ void DatabaseWriter::commit() {
   execute("COMMIT");
   inserts_.clear();
   database_.reset();
-  std::error_code error;
-  std::filesystem::rename(temporary_, path_, error);
-  if (error) throw InputError(fmt::format("{}: cannot be replaced: {}", path_.string(), error.message()));
-  committed_ = true;
+  file_.commit();
 }
 
 void DatabaseWriter::execute(const std::string& sql) {
@@ -153,7 +144,7 @@ void DatabaseWriter::execute(const std::string& sql) {
 void DatabaseWriter::fail() const {
   throw InputError(
       fmt::format("{}: cannot be written ({}); check that the folder is writable and the disk is not full",
-                  path_.string(), sqlite3_errmsg(database_.get())));
+                  file_.path().string(), sqlite3_errmsg(database_.get())));
 }
 
 DatabaseReader::DatabaseReader(std::filesystem::path path, const DatabaseFormat& kind)

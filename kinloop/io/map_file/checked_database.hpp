@@ -11,6 +11,8 @@
 #include <variant>
 #include <vector>
 
+#include "kinloop/base/output_file.hpp"
+
 struct sqlite3;
 struct sqlite3_stmt;
 
@@ -75,12 +77,11 @@ struct FinalizeStatement {
 };
 using Statement = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 
-/// Writes a file beside `path` that is renamed once complete.
+/// Writes such a file; it appears under its name once complete, see OutputFile.
 class DatabaseWriter {
  public:
   /// Throws InputError if the file cannot be created.
   DatabaseWriter(std::filesystem::path path, const DatabaseFormat& kind);
-  ~DatabaseWriter();
   DatabaseWriter(const DatabaseWriter&) = delete;
   DatabaseWriter& operator=(const DatabaseWriter&) = delete;
 
@@ -97,11 +98,9 @@ class DatabaseWriter {
   void execute(const std::string& sql);
   [[noreturn]] void fail() const;
 
-  std::filesystem::path path_;
-  std::filesystem::path temporary_;
+  OutputFile file_;
   std::unique_ptr<sqlite3, CloseDatabase> database_;
   std::map<std::string, Statement> inserts_;  // by table
-  bool committed_ = false;
 };
 
 /// The damage found in a table.

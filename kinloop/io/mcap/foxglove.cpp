@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kinloop/base/base64.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
 
@@ -60,7 +61,7 @@ json pose_schema() {
 
 McapTopic topic(const std::string& name, const char* schema_name, json properties) {
   properties["timestamp"] = time_schema();
-  return {name, schema_name, object_schema(schema_name, properties).dump()};
+  return {name, schema_name, json_text(object_schema(schema_name, properties))};
 }
 
 json to_json(const Eigen::Vector3d& v) {
@@ -134,16 +135,15 @@ McapTopic calibration_topic(const std::string& name) {
 
 std::string frame_transform(int64_t stamp_ns, const std::string& parent, const std::string& child,
                             const SE3& T_parent_child) {
-  return json{{"timestamp", time_of(stamp_ns)},
-              {"parent_frame_id", parent},
-              {"child_frame_id", child},
-              {"translation", to_json(T_parent_child.translation)},
-              {"rotation", to_json(T_parent_child.rotation)}}
-      .dump();
+  return json_text({{"timestamp", time_of(stamp_ns)},
+                    {"parent_frame_id", parent},
+                    {"child_frame_id", child},
+                    {"translation", to_json(T_parent_child.translation)},
+                    {"rotation", to_json(T_parent_child.rotation)}});
 }
 
 std::string pose(int64_t stamp_ns, const std::string& frame_id, const SE3& pose) {
-  return json{{"timestamp", time_of(stamp_ns)}, {"frame_id", frame_id}, {"pose", to_json(pose)}}.dump();
+  return json_text({{"timestamp", time_of(stamp_ns)}, {"frame_id", frame_id}, {"pose", to_json(pose)}});
 }
 
 std::string point_cloud(int64_t stamp_ns, const std::string& frame_id, const ColoredCloud& cloud,
@@ -162,29 +162,30 @@ std::string point_cloud(int64_t stamp_ns, const std::string& frame_id, const Col
   const json fields = {field("x", 0, kFloat32),   field("y", 4, kFloat32),    field("z", 8, kFloat32),
                        field("red", 12, kUint8),  field("green", 13, kUint8), field("blue", 14, kUint8),
                        field("alpha", 15, kUint8)};
-  return json{{"timestamp", time_of(stamp_ns)}, {"frame_id", frame_id}, {"pose", to_json(SE3())},
-              {"point_stride", kStride},        {"fields", fields},     {"data", base64(data)}}
-      .dump();
+  return json_text({{"timestamp", time_of(stamp_ns)},
+                    {"frame_id", frame_id},
+                    {"pose", to_json(SE3())},
+                    {"point_stride", kStride},
+                    {"fields", fields},
+                    {"data", base64(data)}});
 }
 
 std::string jpeg_image(int64_t stamp_ns, const std::string& frame_id, std::string_view jpeg) {
-  return json{
-      {"timestamp", time_of(stamp_ns)}, {"frame_id", frame_id}, {"format", "jpeg"}, {"data", base64(jpeg)}}
-      .dump();
+  return json_text(
+      {{"timestamp", time_of(stamp_ns)}, {"frame_id", frame_id}, {"format", "jpeg"}, {"data", base64(jpeg)}});
 }
 
 std::string calibration(int64_t stamp_ns, const std::string& frame_id, const PinholeCamera& camera) {
   const PinholeCamera& c = camera;
-  return json{{"timestamp", time_of(stamp_ns)},
-              {"frame_id", frame_id},
-              {"width", c.width},
-              {"height", c.height},
-              {"distortion_model", distortion_model(c.lens.model)},
-              {"D", lens_coefficients(c.lens)},
-              {"K", {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}},
-              {"R", {1, 0, 0, 0, 1, 0, 0, 0, 1}},
-              {"P", {c.fx, 0, c.cx, 0, 0, c.fy, c.cy, 0, 0, 0, 1, 0}}}
-      .dump();
+  return json_text({{"timestamp", time_of(stamp_ns)},
+                    {"frame_id", frame_id},
+                    {"width", c.width},
+                    {"height", c.height},
+                    {"distortion_model", distortion_model(c.lens.model)},
+                    {"D", lens_coefficients(c.lens)},
+                    {"K", {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1}},
+                    {"R", {1, 0, 0, 0, 1, 0, 0, 0, 1}},
+                    {"P", {c.fx, 0, c.cx, 0, 0, c.fy, c.cy, 0, 0, 0, 1, 0}}});
 }
 
 }  // namespace kinloop::foxglove

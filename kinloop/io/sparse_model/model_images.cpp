@@ -36,7 +36,7 @@ Colors write_image(const std::filesystem::path& folder, const ModelImage& image,
   const cv::Mat color = resample ? undistorter.color(raw.color, raw_pixels) : raw.color;
   const auto jpeg = resample ? encode_jpeg(color, store.options().jpeg_quality) : std::move(encoded.color);
   write_file(folder / "images" / (image.name + ".jpg"),
-             {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+             {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}, Durability::kWithTheOthers);
   if (with_depth) {
     write_depth_png(folder / "depth" / (image.name + ".png"), undistorter.depth(raw.depth_m, raw_pixels),
                     kDepthUnitsPerM);
@@ -72,6 +72,7 @@ void write_model_images(const std::filesystem::path& folder, SparseModel& model,
     });
     report(progress, "images", first + count, colors.size());
   }
+  flush_files(folder);
   set_colors(model, colors);
 }
 

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 
@@ -54,7 +55,7 @@ void write_nerfstudio(const std::filesystem::path& folder, const SparseModel& mo
   }
   make_folder(folder);
   write_ply(folder / kPointsName, cloud_of(model), model.frame);
-  write_file(folder / "transforms.json", scene.dump(1) + "\n");
+  write_file(folder / "transforms.json", json_text(scene, 1) + "\n");
 }
 
 }  // namespace kinloop
