@@ -18,9 +18,11 @@
 #include "apps/shared/memory.hpp"
 #include "apps/shared/open_frame_source.hpp"
 #include "apps/shared/progress_bar.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "drivers/live/paced_source.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/output_file.hpp"
 #include "kinloop/base/parallel_for.hpp"
 #include "kinloop/base/writable_check.hpp"
 #include "kinloop/io/run_folder.hpp"
@@ -137,21 +139,6 @@ void apply_initial_map(InitialMap& start, const std::filesystem::path& path, Ses
   if (with_images) load_images(start.reader, path, shift, session.recorder());
 }
 
-/// Returns the exit code for scripts: whether tracking was lost at the end or never started.
-ExitCode tracking_exit_code(const Slam& slam, const std::filesystem::path& details) {
-  const auto log = slam.session_log();
-  if (!log.empty() && is_tracked_in(slam.component(), log.back(), slam.map())) return ExitCode::kDone;
-  log::error("{}; see {}", describe_tracking_loss(slam.map()), details.string());
-  return ExitCode::kTrackingLost;
-}
-
-void warn_of_skipped(const FrameSource& source) {
-  const auto skipped = source.skipped();
-  if (skipped.empty()) return;
-  log::warn("{} frames were skipped; the first: {}: {}", skipped.size(), skipped.front().name,
-            skipped.front().reason);
-}
-
 /// Returns the camera for the run: when a map is continued, in the depth unit of its images.
 RgbdCamera camera_of(const FrameSource& source, const std::optional<InitialMap>& start,
                      const RunArguments& arguments) {
@@ -168,6 +155,9 @@ std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolde
   if (arguments.localize) return nullptr;
   const auto path = arguments.save_map.empty() ? folder.map_file() : arguments.save_map;
   require_writable_file(path);
+  if (output_place(path).is_stream)
+    throw UsageError(
+        fmt::format("--save-map {}: is not a file; the map is saved again and again", path.string()));
   return std::make_unique<MapSaver>(path, what, arguments.autosave_s);
 }
 
@@ -194,9 +184,9 @@ Timings program_timings(const ElapsedTime& startup, const DenseRecorder& recorde
 }
 
 void print_summary(const nlohmann::json& summary, const RunFolder& folder, bool poses_only) {
-  fmt::print("{}results    {} ({})\n", summary_text(summary), folder.path().string(),
-             poses_only ? "trajectory.txt; use --report for cloud and report"
-                        : "trajectory.txt, map.ply, report.html");
+  print_text(fmt::format("{}results    {} ({})\n", summary_text(summary), folder.path().string(),
+                         poses_only ? "trajectory.txt; use --report for cloud and report"
+                                    : "trajectory.txt, map.ply, report.html"));
 }
 
 SessionOptions session_options(const RunOptions& options, int threads, bool poses_only) {
@@ -246,7 +236,6 @@ ExitCode run(const RunArguments& arguments) {
   std::optional<MapCloud> map;
   if (!poses_only) map = map_cloud(session, arguments.frame, progress);
   release_freed_memory();
-  warn_of_skipped(*source);
 
   const auto evaluation = evaluate(trajectory, source->info().ground_truth);
   const size_t dropped = paced != nullptr ? paced->dropped() : 0;
@@ -258,11 +247,12 @@ ExitCode run(const RunArguments& arguments) {
                          saved ? map_file_json(*saver) : nullptr,
                          program_timings(startup, session.recorder(), saver.get())});
   if (!arguments.quiet) print_summary(summary, folder, poses_only);
-  if (arguments.profile) fmt::print("{}", profile_text(summary));
+  if (arguments.profile) print_text(profile_text(summary));
   const bool useful = check_result(outcome, trajectory, depth);
+  const int signal = received_signal();
   if (shown) serve_until_interrupted(shown->viewer);
   if (!useful || (saver && !saved) || end == RunEnd::kSourceFailed) return ExitCode::kBadInput;
-  return tracking_exit_code(slam, map ? folder.report() : folder.frames());
+  return exit_code(slam, signal, map ? folder.report() : folder.frames());
 }
 
 void print_options(const std::string& which) {

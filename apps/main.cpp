@@ -1,36 +1,36 @@
 // The kinloop program: parses the command line, runs one command, and turns exceptions into one line and an
 // exit code.
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <new>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
-#include <spdlog/sinks/stdout_color_sinks.h>
 
 #include "apps/run/run_viewer.hpp"
 #include "apps/shared/command_line.hpp"
 #include "apps/shared/commands.hpp"
+#include "apps/shared/failure.hpp"
+#include "apps/shared/log_output.hpp"
 #include "apps/shared/memory.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "apps/shared/version.hpp"
 #include "kinloop/base/errors.hpp"
-#include "kinloop/base/input_error_with_hint.hpp"
 #include "kinloop/base/log.hpp"
 
 namespace {
 
 using kinloop::ExitCode;
 
-void set_up_log() {
-  // Results go to standard output, messages to standard error.
-  auto logger = spdlog::stderr_color_st("kinloop");
-  logger->set_pattern("%^%l:%$ %v");
-  spdlog::set_default_logger(logger);
-}
+constexpr const char* kExitCodes =
+    R"(Exit codes: 0 done; 1 internal error; 2 wrong use; 3 bad input, or results that could not be written;
+4 tracking lost and not regained; 129, 130, 143 a run ended by SIGHUP, Ctrl-C, SIGTERM (its results are written);
+141 the reader of standard output has gone. See docs/reliability.md.)";
 
 ExitCode run(int argc, char** argv) {
   if (argc <= 1) {
@@ -62,6 +62,7 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_mesh_command(app);
   kinloop::add_help_command(app);
   kinloop::add_version_command(app);
+  app.footer(kExitCodes);  // not before: commands would inherit it
   const std::vector<std::string> words(argv + 1, argv + argc);
   kinloop::find_command(app,
                         words);  // for an unknown command CLI11 only says that a command is missing
@@ -75,33 +76,45 @@ ExitCode run(int argc, char** argv) {
   return exit_code;
 }
 
-}  // namespace
+/// Returns the exit code after reporting what could not be printed. A reader that has seen enough (head)
+/// needs no message.
+ExitCode standard_output_failed(int error) {
+  if (error == EPIPE) return ExitCode::kOutputClosed;
+  kinloop::log::error("standard output: cannot be written ({}); the results in files are complete",
+                      std::generic_category().message(error));
+  return ExitCode::kBadInput;
+}
 
-int main(int argc, char** argv) {
-  kinloop::retain_freed_memory();
-  std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit is an error like a full disk
-  cv::setNumThreads(1);           // only parallel_for and the executor start threads
-  set_up_log();
+ExitCode report(const std::exception& exception) {
+  const auto* system = dynamic_cast<const std::system_error*>(&exception);
+  if (system != nullptr && std::ferror(stdout) != 0) return standard_output_failed(system->code().value());
+  const kinloop::Failure failure = kinloop::describe_failure(exception);
+  kinloop::log::error("{}", failure.message);
+  std::fputs(failure.hint.c_str(), stderr);
+  return failure.exit_code;
+}
+
+ExitCode run_and_report(int argc, char** argv) {
   try {
     auto words = kinloop::join_viewer_address({argv, argv + argc});
     std::vector<char*> joined;
     for (std::string& word : words) joined.push_back(word.data());
-    return static_cast<int>(run(static_cast<int>(joined.size()), joined.data()));
-  } catch (const kinloop::UsageError& error) {
-    kinloop::log::error("{}", error.what());
-    return static_cast<int>(ExitCode::kWrongUse);
-  } catch (const kinloop::InputErrorWithHint& error) {
-    kinloop::log::error("{}", error.what());
-    fmt::print(stderr, "{}", error.hint());
-    return static_cast<int>(ExitCode::kBadInput);
-  } catch (const kinloop::InputError& error) {
-    kinloop::log::error("{}", error.what());
-    return static_cast<int>(ExitCode::kBadInput);
-  } catch (const std::bad_alloc&) {
-    kinloop::log::error("out of memory; try a larger --set dense.voxel_m or a shorter sequence");
-    return static_cast<int>(ExitCode::kBadInput);
+    const ExitCode exit_code = run(static_cast<int>(joined.size()), joined.data());
+    const int error = kinloop::flush_standard_output();
+    return exit_code == ExitCode::kDone && error != 0 ? standard_output_failed(error) : exit_code;
   } catch (const std::exception& error) {
-    kinloop::log::error("internal error: {} (please report it)", error.what());
-    return 1;
+    return report(error);
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  kinloop::reserve_standard_descriptors();
+  kinloop::retain_freed_memory();
+  std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit is an error like a full disk
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away must not end a run before its results are written
+  cv::setNumThreads(1);           // only parallel_for and the executor start threads
+  kinloop::set_up_log();
+  return static_cast<int>(run_and_report(argc, argv));
 }

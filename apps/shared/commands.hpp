@@ -6,8 +6,18 @@
 
 namespace kinloop {
 
-/// Exit codes of the command line contract.
-enum class ExitCode : int { kDone = 0, kWrongUse = 2, kBadInput = 3, kTrackingLost = 4 };
+/// Exit codes of the command line contract; an interrupted run ends with 128 + the signal, as in a shell.
+enum class ExitCode : int {
+  kDone = 0,
+  kInternalError = 1,
+  kWrongUse = 2,
+  kBadInput = 3,
+  kTrackingLost = 4,
+  kHungUp = 129,
+  kInterrupted = 130,
+  kOutputClosed = 141,
+  kTerminated = 143
+};
 
 /// Prints the most important commands; the output of plain `kinloop`.
 void print_quick_start();

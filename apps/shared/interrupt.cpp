@@ -8,11 +8,12 @@ namespace kinloop {
 namespace {
 
 // A signal handler can only access globals; this is the only one of the program.
-volatile std::sig_atomic_t g_interrupted = 0;
+volatile std::sig_atomic_t g_signal = 0;
 
 void on_signal(int signal) {
-  g_interrupted = 1;
-  std::signal(signal, SIG_DFL);
+  if (g_signal == 0) g_signal = signal;
+  // When a terminal is closed, the kernel and the shell may both send SIGHUP: a second one means nothing.
+  if (signal != SIGHUP) std::signal(signal, SIG_DFL);
 }
 
 }  // namespace
@@ -20,10 +21,15 @@ void on_signal(int signal) {
 void install_interrupt_handler() {
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
+  if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+}
+
+int received_signal() {
+  return g_signal;
 }
 
 bool interrupted() {
-  return g_interrupted != 0;
+  return received_signal() != 0;
 }
 
 void wait_for_interrupt() {

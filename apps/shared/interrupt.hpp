@@ -1,12 +1,16 @@
 #pragma once
-// Ctrl-C asks the run to finish with the result so far; a second one ends the program at once.
+// Ctrl-C, SIGTERM and SIGHUP (a terminal that is closed) ask the run to finish with the result so far. A
+// second Ctrl-C or SIGTERM ends the program at once.
 
 namespace kinloop {
 
-/// Installs the handler for SIGINT and SIGTERM.
+/// Installs the handler. Under nohup SIGHUP stays ignored.
 void install_interrupt_handler();
 
-/// Returns whether one of them was received.
+/// Returns the signal received first, or 0.
+int received_signal();
+
+/// Returns whether one was received.
 bool interrupted();
 
 /// Waits for one.

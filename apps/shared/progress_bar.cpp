@@ -27,6 +27,11 @@ size_t terminal_columns() {
   return known ? size.ws_col : kDefaultColumns;
 }
 
+/// Without an exception if the terminal is gone: the run goes on.
+void put(const std::string& text) {
+  std::fputs(text.c_str(), stderr);
+}
+
 /// "17 s", "3 min 05 s", "2 h 10 min".
 std::string duration_text(double seconds) {
   constexpr long kMinute = 60, kHour = 3600;
@@ -73,7 +78,7 @@ class Bar {
     if (time.elapsed_s - last_drawn_s_ < kRedrawS && !finished_) return;
     last_drawn_s_ = time.elapsed_s;
     // One column is left free: some terminals wrap when the last one is written.
-    fmt::print(stderr, "\r{}{}", progress_line(now, time, terminal_columns() - 1), kClearRest);
+    put(fmt::format("\r{}{}", progress_line(now, time, terminal_columns() - 1), kClearRest));
     std::fflush(stderr);
     line_open_ = true;
     if (finished_) end_line();  // other output may follow
@@ -84,12 +89,12 @@ class Bar {
     if (time.elapsed_s - last_drawn_s_ < kLineS && !(finished_ && lines_ > 0)) return;
     last_drawn_s_ = time.elapsed_s;
     ++lines_;
-    fmt::print(stderr, "{}\n", progress_line(now, time, kDefaultColumns));
+    put(progress_line(now, time, kDefaultColumns) + "\n");
     std::fflush(stderr);
   }
 
   void end_line() {
-    if (line_open_) fmt::print(stderr, "\n");
+    if (line_open_) put("\n");
     line_open_ = false;
   }
 
