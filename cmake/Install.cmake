@@ -1,5 +1,7 @@
-# `cmake --install` installs the program, the headers, the libraries and kinloopConfig.cmake.
+# `cmake --install` installs the program, the headers, the libraries and kinloopConfig.cmake. Components are the packages
+# of Packages.cmake.
 include(CMakePackageConfigHelpers)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 
 install(TARGETS kinloop ${modules} kinloop_opencv kinloop_cholmod kinloop_codecs kinloop_compression kinloop_hwy EXPORT kinloopTargets)
 get_property(parts GLOBAL PROPERTY KINLOOP_OPTIONAL_PARTS)
@@ -13,7 +15,7 @@ if(TARGET kinloop_openvdb)
   install(TARGETS kinloop_openvdb EXPORT kinloopTargets)
 endif()
 if(KINLOOP_PROGRAM)
-  install(TARGETS kinloop_program)
+  install(TARGETS kinloop_program COMPONENT program)
 endif()
 install(DIRECTORY kinloop drivers simulator tools DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kinloop
         FILES_MATCHING PATTERN "*.hpp")
