@@ -60,6 +60,7 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_map_command(app);
   kinloop::add_export_command(app);
   kinloop::add_mesh_command(app);
+  kinloop::add_reproduce_command(app);
   kinloop::add_help_command(app);
   kinloop::add_version_command(app);
   app.footer(kExitCodes);  // not before: commands would inherit it

@@ -42,7 +42,7 @@ for argument in "$@"; do
     --tests) optional+=("tests of the pages: chromium") ;;
     --checks)
       optional+=("tests of the pages: chromium")
-      required+=(clang-format clang-tidy doxygen python3)
+      required+=(clang-format clang-tidy doxygen python3 mkdocs mkdocs-material python3-pymdownx)
       ;;
     *)
       echo "usage: $0 [--minimal] [--tests | --checks]" >&2

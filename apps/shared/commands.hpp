@@ -40,5 +40,6 @@ void add_view_command(CLI::App& app);
 void add_map_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_mesh_command(CLI::App& app);
+void add_reproduce_command(CLI::App& app);
 
 }  // namespace kinloop
