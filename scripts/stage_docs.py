@@ -44,17 +44,15 @@ def stage_page(page, staging):
 def link_reference(staging):
     """Names like kinloop::Session in api.md become links into the reference, as Doxygen makes them."""
     page = staging / "api.md"
-    names = {path.stem: path.name for path in (staging / "api").glob("*kinloop_1_1*.html")}
 
     def link(match):
-        word = "".join("_" + c.lower() if c.isupper() else c for c in match[1])
         for kind in ("class", "struct"):
-            stem = f"{kind}kinloop_1_1{word}"
-            if stem in names:
-                return f"[kinloop::{match[1]}](api/{names[stem]})"
-        return f"`kinloop::{match[1]}`"
+            file = f"api/{kind}kinloop_1_1{match[1]}.html"
+            if (staging / file).exists():
+                return f"[kinloop::{match[1]}](<{file}>)"
+        return f"`kinloop::{match[0][len('kinloop::'):]}`"
 
-    text = re.sub(r"(?<![`:\w])kinloop::([A-Z]\w*)(?!\w|::)", link, page.read_text())
+    text = re.sub(r"(?<![`:\w])kinloop::(\w+)(?!\w|::)(?=[,| ])|(?<![`:\w])kinloop::\w+::\w+", link, page.read_text())
     page.write_text(text + "\n[The complete reference](api/index.html), made by Doxygen from the headers.\n")
 
 
