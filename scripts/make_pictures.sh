@@ -2,6 +2,7 @@
 # Regenerates the pictures of README and docs (docs/images) from the release build.
 # Usage: scripts/make_pictures.sh            the simulated room: map, viewer, reports; after ./test.sh, a few minutes
 #        scripts/make_pictures.sh --curves   the curves of docs/place.md, from ../shared/data; 20 CPU minutes
+#        scripts/make_pictures.sh --paper FOLDER    the pictures of docs/paper.md, from `kinloop reproduce -o FOLDER`
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -24,8 +25,9 @@ draw_curves() {  # as in docs/place.md: every 6th pose of a handheld path throug
 case "${1:-}" in
   "") KINLOOP_PAGES_SOURCE="$PWD/viewer/pages" KINLOOP_SCREENSHOTS="$images" node scripts/make_pictures.mjs ;;
   --curves) draw_curves ;;
+  --paper) KINLOOP_PAGES_SOURCE="$PWD/viewer/pages" KINLOOP_SCREENSHOTS="$images" node scripts/make_paper_pictures.mjs "$2" ;;
   *)
-    echo "usage: $0 [--curves]" >&2
+    echo "usage: $0 [--curves | --paper FOLDER]" >&2
     exit 2
     ;;
 esac

@@ -58,7 +58,7 @@ cv::Mat draw_board(const PinholeCamera& camera, const std::vector<Eigen::Vector3
   for (size_t i = 0; i < rays.size(); ++i) {
     const Eigen::Vector3d ray = T_board_camera.rotation * rays[i];
     const Eigen::Vector3d p = T_board_camera.translation - T_board_camera.translation.z() / ray.z() * ray;
-    const auto width = static_cast<size_t>(camera.width * kSamplesPerSide);
+    const size_t width = static_cast<size_t>(camera.width) * kSamplesPerSide;
     sums.at<double>(static_cast<int>(i / width) / kSamplesPerSide,
                     static_cast<int>(i % width) / kSamplesPerSide) += brightness(p.x(), p.y());
   }

@@ -33,7 +33,7 @@ double figure_of(const std::string& output, const std::string& name) {
 /// Images that are not trained on: the sequence, or a second simulated room.
 std::string held_out_images(Chapter& chapter, const ReproduceFolder& folder) {
   if (!folder.arguments.images.empty()) return folder.sequence;
-  const std::string room = folder.at("room2");
+  std::string room = folder.at("room2");
   run_program(chapter, {"simulate", "room", "--seed", "2", "--frames", "60", "-q", "-o", room});
   return room;
 }
