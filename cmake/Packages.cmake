@@ -5,6 +5,10 @@
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 set(KINLOOP_MAINTAINER "kinloop maintainers <kinloop@users.noreply.github.com>" CACHE STRING "Maintainer of the packages")
 
+if(NOT KINLOOP_PAGES_FOUND AND NOT "pages" IN_LIST KINLOOP_WITHOUT)
+  message(FATAL_ERROR "The viewer and report pages could not be built; -DKINLOOP_WITHOUT=pages leaves them out")
+endif()
+
 # The date is that of the sources, so that the same sources give the same packages.
 execute_process(COMMAND git -C ${PROJECT_SOURCE_DIR} log -1 --format=%cD OUTPUT_VARIABLE KINLOOP_CHANGELOG_DATE
                 OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)

@@ -9,7 +9,7 @@ find_program(NODE_PROGRAM NAMES node nodejs)
 find_program(NPM_PROGRAM npm)
 
 # The packages of package-lock.json are fetched once, and again when that file changes.
-if(NPM_PROGRAM AND NODE_PROGRAM AND NOT KINLOOP_MINIMAL)
+if(NPM_PROGRAM AND NODE_PROGRAM AND NOT KINLOOP_MINIMAL AND NOT "pages" IN_LIST KINLOOP_WITHOUT)
   set(installed ${KINLOOP_PAGES_SOURCE}/node_modules/.package-lock.json)
   set(KINLOOP_PAGES_FOUND 1)
   if(NOT EXISTS ${installed} OR ${KINLOOP_PAGES_SOURCE}/package-lock.json IS_NEWER_THAN ${installed})

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Installs kinloop's build dependencies: packages of Debian 12 or Ubuntu 22.04 and newer, only those that are
 # missing.
-# Usage: scripts/install_dependencies.sh [--minimal] [--tests | --checks]
+# Usage: scripts/install_dependencies.sh [--minimal] [--tests | --checks | --packages]
 #   --minimal  required packages only
 #   --tests    also a browser for the tests of the pages
 #   --checks   and the tools of the format, tidy and documentation checks
+#   --packages what scripts/build_packages.sh and scripts/build_portable.sh need
 set -euo pipefail
 
 required=(
@@ -44,8 +45,9 @@ for argument in "$@"; do
       optional+=("tests of the pages: chromium")
       required+=(clang-format clang-tidy doxygen python3 mkdocs mkdocs-material python3-pymdownx)
       ;;
+    --packages) required+=(file lintian python3 zstd) ;;
     *)
-      echo "usage: $0 [--minimal] [--tests | --checks]" >&2
+      echo "usage: $0 [--minimal] [--tests | --checks | --packages]" >&2
       exit 2
       ;;
   esac
