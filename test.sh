@@ -20,7 +20,7 @@ fail_before_tests() {
 
 scripts/install_dependencies.sh --tests "$@" || fail_before_tests "The packages could not be installed."
 cmake --preset release -DKINLOOP_TESTS=ON -DKINLOOP_BENCH=ON -DKINLOOP_EXAMPLES=ON \
-  -DKINLOOP_MINIMAL="$([[ $# -gt 0 ]] && echo ON || echo OFF)" || fail_before_tests "Configuring failed."
+  -DKINLOOP_PYTHON=ON -DKINLOOP_MINIMAL="$([[ $# -gt 0 ]] && echo ON || echo OFF)" || fail_before_tests "Configuring failed."
 NINJA_STATUS="[%p, %f of %t, %e s] " cmake --build --preset release --parallel "$jobs" ||
   fail_before_tests "The build failed."
 

@@ -26,6 +26,7 @@ optional=(
   "OpenNI2: libopenni2-dev"
   "downloads: libcurl4-openssl-dev libarchive-dev"
   "distributed training: libopenmpi-dev openmpi-bin"
+  "Python: python3-dev pybind11-dev python3-numpy python3-pytest"
   "video: libavformat-dev libavcodec-dev libswscale-dev"
   "ROS node: librosbag-storage-dev libsensor-msgs-dev libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev python3-roslaunch python3-rosbag"
 )

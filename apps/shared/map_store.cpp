@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/version.hpp"
+#include "apps/shared/program_name.hpp"
 #include "kinloop/base/association.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/shared/download.hpp"
+#include "apps/shared/program_name.hpp"
 #include "drivers/datasets/reading/video_reader.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
@@ -23,10 +24,6 @@
 
 namespace kinloop {
 
-std::string program_name() {
-  return "kinloop " KINLOOP_VERSION;
-}
-
 std::string version_text() {
   const auto part = [](bool in, const char* what) {
     return in ? std::string("yes") : fmt::format("no ({} not found at build time)", what);
@@ -42,6 +39,8 @@ std::string version_text() {
       {"Orbbec", part(orbbec_available(), "OrbbecSDK 2")},
       {"OAK", part(oak_available(), "depthai 3")},
       {"ROS node", part(KINLOOP_ROS_FOUND, "roscpp")},
+      {"Python",
+       KINLOOP_PYTHON_FOUND ? "yes" : "no (KINLOOP_PYTHON is off, or pybind11 was not found at build time)"},
       {"video", part(video_available(), "libavformat, libavcodec or libswscale")},
       {"downloads", part(download_available(), "curl or libarchive")},
       {"distributed training", part(mpi_available(), "MPI")},

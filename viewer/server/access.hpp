@@ -15,7 +15,8 @@ namespace kinloop {
 
 struct AccessPolicy {
   bool loopback_only = true;
-  std::string token;  ///< of the URL that kinloop prints
+  std::string token;                ///< of the URL that kinloop prints
+  bool framed_by_loopback = false;  ///< pages of this machine, such as a notebook, may frame the page
 };
 
 /// The identity in a request.
@@ -47,6 +48,7 @@ std::string random_token();
 struct ListenAddress {
   std::string address = "127.0.0.1";
   uint16_t port = 8080;
+  bool framed_by_loopback = false;  ///< AccessPolicy::framed_by_loopback
 };
 
 /// Parses "", "PORT" or "ADDRESS:PORT" (an IPv6 address in brackets). Throws UsageError for anything else.

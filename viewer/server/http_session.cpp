@@ -13,12 +13,15 @@ namespace http = beast::http;
 constexpr std::chrono::seconds kTimeout{10};  // for the whole request, and for its response
 constexpr uint32_t kMaxHeaderBytes = 8192;
 
-// The page is one file: it may load nothing, and no other page may frame it. The referrer could leak the
-// token. (blob: and data: are textures inside a mesh.)
+// The page is one file: it may load nothing, and no other page may frame it, unless the rules say so. The
+// referrer could leak the token. (blob: and data: are textures inside a mesh.)
 constexpr const char* kContentPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self' blob: "
     "data:; "
-    "img-src blob: data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+    "img-src blob: data:; base-uri 'none'; form-action 'none'; ";
+constexpr const char* kUnframed = "frame-ancestors 'none'";
+constexpr const char* kFramedByLoopback =
+    "frame-ancestors http://localhost:* https://localhost:* http://127.0.0.1:* https://127.0.0.1:*";
 
 std::string_view view_of(beast::string_view text) {
   return {text.data(), text.size()};
@@ -77,7 +80,8 @@ void HttpSession::respond(http::status status, std::string_view type, std::strin
   response->result(status);
   response->set(http::field::content_type, beast::string_view(type.data(), type.size()));
   response->set(http::field::cache_control, "no-store");
-  response->set("Content-Security-Policy", kContentPolicy);
+  response->set("Content-Security-Policy",
+                std::string(kContentPolicy) + (rules_.framed_by_loopback ? kFramedByLoopback : kUnframed));
   response->set("X-Content-Type-Options", "nosniff");
   response->set("Referrer-Policy", "no-referrer");
   response->body() = beast::span<const char>(body.data(), body.size());

@@ -49,6 +49,7 @@ ViewerServer::ViewerServer(asio::io_context& context, const ListenAddress& liste
       acceptor_(listen_at(context, listen)),
       pause_(context) {
   rules_ = {is_loopback_address(listen), random_token()};
+  rules_.framed_by_loopback = rules_.loopback_only && listen.framed_by_loopback;
   accept_next();
 }
 

@@ -1,0 +1,20 @@
+#pragma once
+// Clouds and meshes in Python: the data and the frame of their files.
+
+#include "kinloop/dense/cloud/colored_cloud.hpp"
+#include "kinloop/dense/mesh/colored_mesh.hpp"
+#include "kinloop/io/file_frame.hpp"
+
+namespace kinloop::python {
+
+struct PyCloud {
+  ColoredCloud cloud;
+  FileFrame frame;
+};
+
+struct PyMesh {
+  ColoredMesh mesh;
+  FileFrame frame;
+};
+
+}  // namespace kinloop::python

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "apps/shared/map_store.hpp"
+#include "python/bindings/bindings.hpp"
+
+namespace kinloop::python {
+
+/// A map file opened for reading.
+struct PyMap {
+  PyMap(const std::filesystem::path& file, const std::vector<std::string>& assignments)
+      : path(map_file_of(file)), open(open_map(path, assignments)) {}
+
+  std::filesystem::path path;
+  std::mutex mutex;  ///< locked without the GIL
+  OpenMap open;
+  py::object cloud = py::none();  ///< once it has been asked for
+};
+
+}  // namespace kinloop::python

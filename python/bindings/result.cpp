@@ -1,0 +1,143 @@
+#include "python/bindings/result.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "kinloop/io/run_folder.hpp"
+#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/sensor/camera_file.hpp"
+#include "python/bindings/arrays.hpp"
+#include "python/bindings/dense.hpp"
+#include "python/bindings/gil.hpp"
+#include "python/bindings/options.hpp"
+#include "python/bindings/pose_graph.hpp"
+
+namespace kinloop::python {
+namespace {
+
+template <class Read>
+auto read_slam(const Result& result, const Read& read) {
+  return without_gil([&] { return result.run->with_slam(read); });
+}
+
+py::object cloud_of(Result& result) {
+  if (!result.cloud.is_none()) return result.cloud;
+  PythonProgress progress{py::none()};
+  auto cloud = without_gil([&] {
+    return PyCloud{result.run->fuse_cloud(progress.function()), result.run->file_frame()};
+  });
+  progress.rethrow();
+  result.cloud = py::cast(std::move(cloud));
+  return result.cloud;
+}
+
+PyMesh mesh_of(const Result& result, const py::kwargs& options) {
+  const auto assignments = assignments_of(options, "mesh.");
+  PythonProgress progress{py::none()};
+  auto mesh = without_gil([&] {
+    const MeshOptions settings = run_options_with(result.run->options(), assignments).mesh;
+    return PyMesh{result.run->reconstruct(settings, progress.function()), result.run->file_frame()};
+  });
+  progress.rethrow();
+  return mesh;
+}
+
+RgbdCamera calibrated(const Result& result) {
+  return read_slam(result,
+                   [&](const Slam& slam) { return calibrated_camera(result.run->camera(), slam.sensor()); });
+}
+
+PyTrajectory keyframes_of(const Result& result) {
+  return read_slam(result, [](const Slam& slam) {
+    return PyTrajectory{keyframe_trajectory(slam.map(), slam.component())};
+  });
+}
+
+PyPoseGraph pose_graph_of(const Result& result) {
+  return read_slam(result, [&](const Slam& slam) {
+    return PyPoseGraph{{make_pose_graph(slam.map(), slam.options().loop), {}, true, {}}};
+  });
+}
+
+std::vector<std::pair<uint32_t, uint32_t>> loops_of(const Result& result) {
+  return read_slam(result, [](const Slam& slam) {
+    std::vector<std::pair<uint32_t, uint32_t>> loops;
+    for (const auto& loop : slam.map().loop_edges()) loops.emplace_back(loop.a.value, loop.b.value);
+    return loops;
+  });
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> landmarks_of(const Result& result) {
+  return read_slam(result, [](const Slam& slam) {
+    const auto ids = slam.map().landmark_ids();
+    Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> points(static_cast<long>(ids.size()), 3);
+    for (size_t i = 0; i < ids.size(); ++i)
+      points.row(static_cast<long>(i)) = slam.map().p_world(ids[i]).transpose();
+    return points;
+  });
+}
+
+std::pair<size_t, size_t> frame_counts(const Result& result) {
+  return {read_slam(result, [](const Slam& slam) { return slam.session_log().size(); }),
+          result.trajectory.poses.size()};
+}
+
+/// The files of `kinloop run` but for figures and report.
+void save_result(Result& result, const std::filesystem::path& path) {
+  const RunFolder folder(path);
+  const py::object object = cloud_of(result);
+  const auto& cloud = object.cast<const PyCloud&>();
+  const auto [frames, tracked] = frame_counts(result);
+  const nlohmann::json figures = {{"frames", frames}, {"tracked", tracked}};
+  const RgbdCamera camera = calibrated(result);
+  const PyTrajectory keyframes = keyframes_of(result);
+  const PyPoseGraph graph = pose_graph_of(result);
+  without_gil([&] {
+    write_run_files(folder,
+                    {result.trajectory.poses, keyframes.poses, {}, cloud.cloud, cloud.frame, figures});
+    write_camera_file(folder.camera(), camera);
+    write_g2o(folder.graph(), graph.file);
+    result.run->save_map(folder.map_file());
+  });
+}
+
+}  // namespace
+
+void bind_result(py::module_& module) {
+  py::class_<Result>(module, "Result",
+                     "What a run gives: Slam.finish() returns it. All is in the world frame, metres.")
+      .def_property_readonly(
+          "trajectory", [](const Result& r) { return r.trajectory; },
+          "The final Trajectory of all located frames.")
+      .def_property_readonly("keyframes", &keyframes_of, "The Trajectory of the keyframes.")
+      .def_property_readonly("cloud", &cloud_of,
+                             "The coloured Cloud of all surfaces, made when first asked for.")
+      .def("mesh", &mesh_of, R"(Returns the surfaces as a coloured Mesh.
+
+Keywords are the options mesh.* of the program: mesh(voxel_m=0.02). Raises UsageError if this build has no OpenVDB.)")
+      .def_property_readonly("camera", &calibrated, "The Camera, with what was calibrated during the run.")
+      .def_property_readonly("landmarks", &landmarks_of, "The landmarks of the map, float64 (N, 3).")
+      .def_property_readonly("loops", &loops_of, "The loops closed, as pairs of keyframes.")
+      .def("pose_graph", &pose_graph_of, "Returns the PoseGraph of the keyframes.")
+      .def_property_readonly(
+          "frames", [](const Result& r) { return frame_counts(r).first; }, "Number of frames processed.")
+      .def(
+          "save_map",
+          [](const Result& r, const std::filesystem::path& path) {
+            without_gil([&] { r.run->save_map(path); });
+          },
+          py::arg("path"),
+          "Writes the map file (.kinmap), to be continued or localised in. Raises InputError.")
+      .def("save", &save_result, py::arg("folder"),
+           "Writes trajectory.txt, keyframes.txt, map.ply, map.kinmap, graph.g2o and camera.yaml, under the "
+           "names of "
+           "kinloop run, into a folder that kinloop view, export and mesh take. Raises InputError.")
+      .def("__repr__", [](const Result& r) {
+        const auto [frames, tracked] = frame_counts(r);
+        return fmt::format("<kinloop.Result: {} of {} frames located>", tracked, frames);
+      });
+}
+
+}  // namespace kinloop::python

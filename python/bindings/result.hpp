@@ -1,0 +1,15 @@
+#pragma once
+
+#include "python/bindings/slam.hpp"
+#include "python/bindings/trajectory.hpp"
+
+namespace kinloop::python {
+
+/// The result of a run.
+struct Result {
+  std::shared_ptr<Run> run;
+  PyTrajectory trajectory;
+  py::object cloud;  ///< a PyCloud once it has been asked for, else None
+};
+
+}  // namespace kinloop::python

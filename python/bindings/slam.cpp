@@ -1,0 +1,153 @@
+#include "python/bindings/slam.hpp"
+
+#include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
+
+#include "apps/shared/map_store.hpp"
+#include "apps/shared/memory.hpp"
+#include "apps/shared/open_frame_source.hpp"
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/base/time.hpp"
+#include "kinloop/dense/mesh/reconstruct_mesh.hpp"
+
+namespace kinloop::python {
+namespace {
+
+/// A map file to continue, read.
+struct StartingMap {
+  std::filesystem::path path;
+  MapReader reader;
+  SavedMap saved;
+};
+
+std::optional<StartingMap> open_starting_map(const RunSettings& settings) {
+  if (settings.localize && settings.load_map.empty())
+    throw UsageError("localize=True requires load_map=FILE");
+  if (settings.load_map.empty()) return std::nullopt;
+  const auto path = map_file_of(settings.load_map);
+  MapReader reader(path);
+  SavedMap saved = read_map_with_warnings(reader, path);
+  return StartingMap{path, std::move(reader), std::move(saved)};
+}
+
+/// As `kinloop run` does: frames must use the same features as the map.
+RunOptions options_of(const RunSettings& settings, const std::optional<StartingMap>& start, int threads) {
+  RunOptions options;
+  if (start) options = restore_options(start->saved, options, "features.");
+  const FeatureKind features = options.slam.features.kind;
+  options.slam.global_ba.threads = threads;
+  options.slam.localize_only = settings.localize;
+  options = run_options_with(options, settings.assignments);
+  if (start && options.slam.features.kind != features)
+    throw UsageError(fmt::format("features.kind: must be {}, as in the loaded map", name_of(features)));
+  return options;
+}
+
+uint64_t next_run_id() {
+  static std::atomic<uint64_t> last = 0;
+  return ++last;
+}
+
+/// Once for the process, before the first image: see `retain_freed_memory` and `Session`.
+void set_up_process() {
+  static const bool once = [] {
+    cv::setNumThreads(1);
+    retain_freed_memory();
+    return true;
+  }();
+  static_cast<void>(once);
+}
+
+}  // namespace
+
+Run::Run(const RgbdCamera& camera, const RunSettings& settings)
+    : camera_(camera),
+      threads_(settings.threads > 0 ? settings.threads : hardware_threads()),
+      id_(next_run_id()),
+      prepare_depth_(camera) {
+  set_up_process();
+  auto start = open_starting_map(settings);
+  options_ = within_range(options_of(settings, start, threads_), camera.sensor);
+  if (start) {
+    require_same_camera(start->saved, start->path, camera_);
+    camera_.depth_scale = start->saved.camera.depth_scale;  // that of its images
+  }
+  slam_.emplace(camera_, options_.slam, open_vocabulary(settings.vocabulary, options_.slam.features));
+  recorder_.emplace(camera_, options_.dense, options_.slam.executor);
+  slam_->add_listener(*recorder_);
+  if (!start) return;
+  const uint32_t shift = slam_->add_map(std::move(start->saved));
+  load_images(start->reader, start->path, shift, *recorder_);
+}
+
+FrameResult Run::process(const PyFrame& frame) {
+  const std::lock_guard lock(mutex_);
+  require(!trajectory_, "Slam.process: finish() has ended this run; create another Slam");
+  if (frame.prepared_for == 0 || frame.prepared_for == id_) {
+    if (const auto reader = frame.reader.lock()) {
+      if (input_.empty()) input_ = reader->info().name;
+      reader->prepare_for(id_, slam_->front_end(), slam_->expects_keypoints());
+    }
+  }
+  return process_next(frame.prepared_for == id_ ? frame.data : slam_->prepare(frame.raw()));
+}
+
+FrameResult Run::process(const ArrayFrame& given) {
+  const std::lock_guard lock(mutex_);
+  require(!trajectory_, "Slam.process: finish() has ended this run; create another Slam");
+  RgbdFrame frame;
+  frame.id = FrameId{next_id_};
+  frame.stamp_ns = given.stamp_ns;
+  frame.depth_stamp_ns = given.depth_stamp_ns;
+  frame.color = given.color;
+  frame.depth_m = prepare_depth_(given.depth_m);
+  return process_next(slam_->prepare(frame));
+}
+
+FrameResult Run::process_next(PreparedFrame frame) {
+  if (frame.stamp_ns <= last_stamp_ns_) {
+    throw UsageError(fmt::format("frame at {} s after one at {} s: stamps must increase",
+                                 format_stamp(frame.stamp_ns), format_stamp(last_stamp_ns_)));
+  }
+  last_stamp_ns_ = frame.stamp_ns;
+  const uint32_t first = slam_->front_end().first_frame();
+  frame.id.value = std::max(frame.id.value, first + next_id_);  // a second source begins with 0 again
+  next_id_ = frame.id.value - first + 1;
+  return slam_->process(frame);
+}
+
+Trajectory Run::finish(const Progress& progress) {
+  const std::lock_guard lock(mutex_);
+  if (!trajectory_) trajectory_ = slam_->finish(progress);
+  return *trajectory_;
+}
+
+ColoredCloud Run::fuse_cloud(const Progress& progress) {
+  const std::lock_guard lock(mutex_);
+  return recorder_->fuse(*slam_, threads_, progress);
+}
+
+ColoredMesh Run::reconstruct(const MeshOptions& options, const Progress& progress) {
+  const std::lock_guard lock(mutex_);
+  const DenseCamera camera = dense_camera(camera_, slam_->sensor());
+  const auto views = recorder_->with_color_gains(recorder_->views(*slam_), camera, threads_);
+  return reconstruct_mesh(recorder_->images(), views, camera, options, threads_, progress);
+}
+
+UpEstimate Run::up() {
+  const std::lock_guard lock(mutex_);
+  return recorder_->up(*slam_);
+}
+
+FileFrame Run::file_frame() {
+  const std::lock_guard lock(mutex_);
+  return kinloop::file_frame("z-up", recorder_->up(*slam_), recorder_->views(*slam_));
+}
+
+void Run::save_map(const std::filesystem::path& path) {
+  const std::lock_guard lock(mutex_);
+  MapSaver(path, {*slam_, *recorder_, options_, input_.empty() ? "Python" : input_}, 0).save();
+}
+
+}  // namespace kinloop::python

@@ -1,0 +1,80 @@
+#pragma once
+// A run in Python: SLAM, the images for its dense map, and what is needed to save it.
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "apps/run/run_options.hpp"
+#include "kinloop/dense/mesh/colored_mesh.hpp"
+#include "kinloop/io/file_frame.hpp"
+#include "kinloop/sensor/registration.hpp"
+#include "kinloop/slam/dense_recorder.hpp"
+#include "kinloop/slam/slam.hpp"
+#include "python/bindings/source.hpp"
+
+namespace kinloop::python {
+
+/// What `Slam` takes.
+struct RunSettings {
+  std::vector<std::string> assignments;
+  std::string vocabulary;          ///< a file; empty: the built-in
+  std::filesystem::path load_map;  ///< empty: none
+  bool localize = false;
+  int threads = 0;  ///< 0: all
+};
+
+/// A frame as arrays, of which `color` holds its own pixels.
+struct ArrayFrame {
+  int64_t stamp_ns = 0;
+  std::optional<int64_t> depth_stamp_ns;
+  ColorImage color;
+  cv::Mat depth_m;  ///< as measured
+};
+
+/// Its functions may be called from several threads, without the GIL.
+class Run {
+ public:
+  Run(const RgbdCamera& camera, const RunSettings& settings);
+
+  FrameResult process(const PyFrame& frame);
+  FrameResult process(const ArrayFrame& frame);
+  /// Returns the final trajectory; a second call returns it again.
+  Trajectory finish(const Progress& progress);
+
+  /// Calls `read(slam)` while no frame is processed.
+  template <class Read>
+  auto with_slam(const Read& read) {
+    const std::lock_guard lock(mutex_);
+    return read(std::as_const(*slam_));
+  }
+
+  [[nodiscard]] ColoredCloud fuse_cloud(const Progress& progress);
+  [[nodiscard]] ColoredMesh reconstruct(const MeshOptions& options, const Progress& progress);
+  [[nodiscard]] FileFrame file_frame();
+  [[nodiscard]] UpEstimate up();
+  void save_map(const std::filesystem::path& path);
+
+  [[nodiscard]] const RgbdCamera& camera() const { return camera_; }
+  [[nodiscard]] const RunOptions& options() const { return options_; }
+
+ private:
+  FrameResult process_next(PreparedFrame frame);
+
+  std::mutex mutex_;
+  RgbdCamera camera_;
+  RunOptions options_;
+  int threads_;
+  uint64_t id_;
+  std::string input_;  // for the map file
+  std::optional<Slam> slam_;
+  std::optional<DenseRecorder> recorder_;
+  DepthPreparation prepare_depth_;
+  std::optional<Trajectory> trajectory_;  // set by finish
+  uint32_t next_id_ = 0;                  // of a frame in arrays, without those of loaded maps
+  int64_t last_stamp_ns_ = std::numeric_limits<int64_t>::min();
+};
+
+}  // namespace kinloop::python

@@ -1,0 +1,124 @@
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "kinloop/base/errors.hpp"
+#include "python/bindings/dense.hpp"
+#include "python/bindings/gil.hpp"
+#include "python/bindings/map_file.hpp"
+#include "python/bindings/result.hpp"
+#include "viewer/saved_run.hpp"
+#include "viewer/server/service.hpp"
+
+namespace kinloop::python {
+namespace {
+
+/// Serves a run to browsers on this machine.
+class PyViewer {
+ public:
+  PyViewer(SavedRun run, uint16_t port) : run_(std::move(run)) {
+    ListenAddress listen;
+    listen.port = port;
+    listen.framed_by_loopback = true;
+    service_.emplace(
+        listen,
+        [this](Scene& scene, size_t) {
+          if (!std::exchange(shown_, true)) show_saved_run(scene, run_);
+        },
+        [](Command) {});
+    url_ = service_->url();
+  }
+
+  [[nodiscard]] const std::string& url() const { return url_; }
+  [[nodiscard]] size_t browsers() const { return service_ ? service_->browsers() : 0; }
+  void close() { service_.reset(); }
+
+ private:
+  SavedRun run_;
+  std::string url_;
+  bool shown_ = false;                    // of the service's thread
+  std::optional<ViewerService> service_;  // declared last: its thread uses the others
+};
+
+SavedRun shown_result(const py::object& object) {
+  const auto& result = object.cast<const Result&>();
+  const py::object cloud = object.attr("cloud");
+  SavedRun run;
+  run.name = "Python";
+  run.cloud = cloud.cast<const PyCloud&>().cloud;
+  run.path = result.trajectory.poses;
+  without_gil([&] {
+    run.up = result.run->up().direction;
+    result.run->with_slam([&](const Slam& slam) {
+      for (const Keyframe& k : slam.map().keyframes())
+        run.keyframes.push_back({k.stamp_ns, k.T_world_camera});
+      for (const LoopEdge& loop : slam.map().loop_edges()) run.loops.emplace_back(loop.a, loop.b);
+      run.metrics["landmarks"] = slam.map().landmark_count();
+    });
+  });
+  return run;
+}
+
+SavedRun shown_map(const py::object& object) {
+  auto& map = object.cast<PyMap&>();
+  const py::object cloud = object.attr("cloud");
+  SavedRun run;
+  run.name = map.path.string();
+  run.cloud = cloud.cast<const PyCloud&>().cloud;
+  without_gil([&] {
+    const std::lock_guard lock(map.mutex);
+    run.path = trajectory_of(map.open.session_log(0), map.open.map);
+    for (const Keyframe& k : map.open.map.keyframes())
+      run.keyframes.push_back({k.stamp_ns, k.T_world_camera});
+    for (const LoopEdge& loop : map.open.map.loop_edges()) run.loops.emplace_back(loop.a, loop.b);
+    run.metrics["landmarks"] = map.open.map.landmark_count();
+    run.up = map.open.up(0).direction;
+  });
+  return run;
+}
+
+SavedRun shown(const py::object& what) {
+  if (py::isinstance<Result>(what)) return shown_result(what);
+  if (py::isinstance<PyMap>(what)) return shown_map(what);
+  if (!py::isinstance<py::str>(what) && !py::hasattr(what, "__fspath__"))
+    throw UsageError(
+        "view: expected a Result, a Map, or the path of a run's folder, a map file, a cloud or a mesh");
+  const auto path = what.cast<std::filesystem::path>();
+  if (path.extension() != ".kinmap") return without_gil([&] { return read_saved_run(path); });
+  return shown_map(
+      py::cast(without_gil([&] { return std::make_shared<PyMap>(path, std::vector<std::string>()); })));
+}
+
+std::unique_ptr<PyViewer> view(const py::object& what, uint16_t port) {
+  SavedRun run = shown(what);
+  return without_gil([&] { return std::make_unique<PyViewer>(std::move(run), port); });
+}
+
+}  // namespace
+
+void bind_viewer(py::module_& module) {
+  py::class_<PyViewer>(
+      module, "Viewer",
+      "A page on this machine (127.0.0.1) that shows a map; a notebook shows it in its cell.")
+      .def_property_readonly("url", &PyViewer::url, "Address of the page.")
+      .def_property_readonly("browsers", &PyViewer::browsers, "Number of browsers connected.")
+      .def(
+          "close", [](PyViewer& viewer) { without_gil([&] { viewer.close(); }); }, "Stops serving.")
+      .def("__enter__", [](py::object self) { return self; })
+      .def("__exit__", [](PyViewer& viewer, const py::args&) { without_gil([&] { viewer.close(); }); })
+      .def("_repr_html_",
+           [](const PyViewer& viewer) {
+             return fmt::format(
+                 "<iframe src=\"{0}\" width=\"100%\" height=\"600\" style=\"border:0\"></iframe>"
+                 "<div><a href=\"{0}\" target=\"_blank\">{0}</a></div>",
+                 viewer.url());
+           })
+      .def("__repr__",
+           [](const PyViewer& viewer) { return fmt::format("<kinloop.Viewer: {}>", viewer.url()); });
+  module.def("view", &view, py::arg("what"), py::arg("port") = 0, R"(Shows a map in a browser or a notebook.
+
+what: a Result, a Map, or the path of a run's folder, a map file, a cloud or a mesh. port: 0 = any free one.
+Returns a Viewer, which serves until close() or until nothing refers to it. Pages of other machines cannot see it.)");
+}
+
+}  // namespace kinloop::python
