@@ -78,3 +78,7 @@ __all__ = [
     "set_log_level",
     "view",
 ]
+
+for _name in __all__:
+    globals()[_name].__module__ = "kinloop"  # where users know them from
+del _name

@@ -1,0 +1,15 @@
+#!/usr/bin/env python3
+"""Writes a map as a COLMAP model, from which Gaussian splatting starts without COLMAP's hours.
+
+  export_colmap.py MAP FOLDER            MAP: a map file, or the folder of a run
+
+Train, for example:  gsplat: simple_trainer.py default --data_dir FOLDER    nerfstudio: ns-train splatfacto colmap --data FOLDER
+"""
+import sys
+
+import kinloop
+
+map_file, folder = sys.argv[1:]
+m = kinloop.Map.load(map_file)
+m.export_colmap(folder)
+print(f"{m}, {len(m.landmarks)} points: {folder}")

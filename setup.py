@@ -1,0 +1,69 @@
+"""Builds the Python package kinloop: CMake compiles the module, setuptools makes the wheel.
+
+Variables of the environment: KINLOOP_CMAKE_ARGS, further arguments of CMake; KINLOOP_BUILD_FOLDER, the folder to build in
+(default: build/wheel, so that a second build takes seconds).
+"""
+
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+ROOT = pathlib.Path(__file__).resolve().parent
+VERSION = re.search(r"project\(kinloop VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+OPTIONS = {
+    "CMAKE_BUILD_TYPE": "Release",
+    "CMAKE_UNITY_BUILD": "ON",
+    "CMAKE_UNITY_BUILD_BATCH_SIZE": "12",
+    "KINLOOP_PYTHON": "ON",
+    "KINLOOP_PROGRAM": "OFF",
+    "KINLOOP_TESTS": "OFF",
+    "KINLOOP_BENCH": "OFF",
+    "KINLOOP_EXAMPLES": "OFF",
+    "KINLOOP_WERROR": "OFF",
+    "Python3_EXECUTABLE": sys.executable,
+}
+
+
+class CMakeBuild(build_ext):
+    """Builds the only extension with CMake and copies it to where setuptools expects it."""
+
+    def build_extension(self, extension):
+        build = pathlib.Path(os.environ.get("KINLOOP_BUILD_FOLDER", ROOT / "build" / "wheel"))
+        arguments = [f"-D{name}={value}" for name, value in OPTIONS.items()]
+        arguments += shlex.split(os.environ.get("KINLOOP_CMAKE_ARGS", ""))
+        generator = ["-G", "Ninja"] if shutil.which("ninja") else []
+        subprocess.run(["cmake", "-S", ROOT, "-B", build, *generator, *arguments], check=True)
+        if "KINLOOP_PYTHON_FOUND:INTERNAL=1" not in (build / "CMakeCache.txt").read_text():
+            sys.exit("pybind11 or the headers of Python were not found: apt-get install pybind11-dev python3-dev")
+        jobs = subprocess.run([ROOT / "scripts" / "build_jobs.sh"], check=True, capture_output=True, text=True).stdout
+        subprocess.run(["cmake", "--build", build, "--target", "_kinloop", "--parallel", jobs.strip()], check=True)
+        target = pathlib.Path(self.get_ext_fullpath(extension.name))
+        target.parent.mkdir(parents=True, exist_ok=True)
+        (module,) = (build / "python" / "kinloop").glob("_kinloop*.so")
+        shutil.copyfile(module, target)
+
+
+setup(
+    name="kinloop",
+    version=VERSION,
+    description="RGB-D visual SLAM on an ordinary CPU",
+    long_description=(ROOT / "docs" / "python.md").read_text(),
+    long_description_content_type="text/markdown",
+    license_files=["LICENSE"],
+    python_requires=">=3.9",
+    install_requires=["numpy"],
+    extras_require={"open3d": ["open3d"], "pandas": ["pandas"]},
+    packages=["kinloop"],
+    package_dir={"kinloop": "python/kinloop"},
+    package_data={"kinloop": ["py.typed", "_kinloop.pyi"]},
+    ext_modules=[Extension("kinloop._kinloop", sources=[])],
+    cmdclass={"build_ext": CMakeBuild},
+    zip_safe=False,
+)

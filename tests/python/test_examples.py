@@ -1,0 +1,66 @@
+"""The scripts of examples/python and the code of docs/python.md."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+from conftest import SOURCE
+
+import kinloop
+
+
+@pytest.fixture
+def example(tmp_path):
+    """Runs an example in a folder of its own; returns what it prints."""
+
+    def run(name, *arguments):
+        command = [sys.executable, SOURCE / "examples/python" / name, *map(str, arguments)]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return run
+
+
+def test_map_a_folder(example, sequence, program_run, tmp_path):
+    assert "120 of 120 frames located" in example("map_a_folder.py", sequence, "out")
+    assert (tmp_path / "out/trajectory.txt").read_bytes() == (program_run / "trajectory.txt").read_bytes()
+
+
+def test_live_loop(example, sequence, tmp_path):
+    assert "ms per frame" in example("live_loop.py", sequence)
+    truth = sequence / "groundtruth.txt"
+    assert kinloop.evaluate(tmp_path / "trajectory.txt", truth).ate_m.rmse < 0.05
+
+
+def test_compare(example, sequence, program_run, tmp_path):
+    (tmp_path / "empty.txt").write_text("0 0 0 0 0 0 0 1\n")
+    table = example("compare.py", sequence / "groundtruth.txt", program_run / "trajectory.txt", "empty.txt").splitlines()
+    assert len(table) == 3 and table[1].startswith("trajectory") and "%" in table[1]
+    assert "give the ground truth of the same recording" in table[2]
+
+
+def test_localize(example, sequence, program_run, tmp_path):
+    assert "120 of 120 frames located" in example("localize.py", program_run, sequence)
+    e = kinloop.evaluate(tmp_path / "located.txt", program_run / "trajectory.txt")
+    assert e.ate_m.rmse < 0.02
+
+
+def test_export_colmap(example, program_run, tmp_path):
+    example("export_colmap.py", program_run, "model")
+    assert list(tmp_path.glob("model/sparse/0/cameras.*")) and list(tmp_path.glob("model/images/*"))
+
+
+GUIDE = (SOURCE / "docs/python.md").read_text()
+BLOCKS = re.findall(r"^```python\n(.*?)^```", GUIDE, re.DOTALL | re.MULTILINE)
+
+
+def test_guide(sequence, tmp_path, monkeypatch):
+    """Runs all blocks of the guide in order, as a reader would in one session."""
+    (tmp_path / "recording").symlink_to(sequence)
+    monkeypatch.chdir(tmp_path)
+    assert len(BLOCKS) >= 8
+    names = {}
+    for block in BLOCKS:
+        exec(compile(block, "docs/python.md", "exec"), names)
