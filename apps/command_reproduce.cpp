@@ -10,6 +10,7 @@
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/version.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/writable_check.hpp"
 
@@ -50,7 +51,7 @@ void reproduce(const ReproduceArguments& arguments) {
     page += fmt::format("\n{}", to_markdown(chapter));
     if (!chapter.figures.is_null()) figures[chapter.title] = chapter.figures;
     write_file(folder.at("reproduced.md"), page);
-    write_file(folder.at("figures.json"), fmt::format("{}\n", figures.dump(2)));
+    write_file(folder.at("figures.json"), fmt::format("{}\n", json_text(figures, 2)));
   };
   add(data_chapter(folder));
   add(feature_chapter(folder));

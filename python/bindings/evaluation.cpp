@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/gil.hpp"
 #include "python/bindings/stamps.hpp"
@@ -33,7 +34,7 @@ py::array_t<double> per_error(const Evaluation& evaluation, const T& value) {
 }
 
 py::object evaluation_dict(const Evaluation& evaluation) {
-  return py::module_::import("json").attr("loads")(to_json(evaluation).dump());
+  return py::module_::import("json").attr("loads")(json_text(to_json(evaluation)));
 }
 
 std::string evaluation_text(const Evaluation& e) {

@@ -63,7 +63,8 @@ seed give the same vocabulary. Raises InputError for too few images.)")
             const cv::Mat gray = gray_image(image, "image");
             return without_gil([&] {
               std::map<uint32_t, float> weights;
-              for (const auto& [word, weight] : vocabulary.bow_of(vocabulary.quantize(orb_descriptors(gray)).words))
+              for (const auto& [word, weight] :
+                   vocabulary.bow_of(vocabulary.quantize(orb_descriptors(gray)).words))
                 weights[word.value] = weight;
               return weights;
             });

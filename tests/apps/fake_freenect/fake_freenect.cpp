@@ -2,7 +2,9 @@
 // frame, colour of increasing brightness, and the device's 60 MHz clock. (Debian's fakenect only supports raw
 // disparity.)
 
+#include <chrono>
 #include <cstdint>
+#include <thread>
 #include <vector>
 
 #include <libfreenect.h>
@@ -80,8 +82,10 @@ int freenect_stop_depth(freenect_device*) {
   return 0;
 }
 
-/// One frame per call; the clock wraps around. Nothing after the fifth, as if unplugged.
+/// One frame per call, slowly enough that a busy machine loses none; the clock wraps around. Nothing after
+/// the fifth, as if unplugged.
 int freenect_process_events_timeout(freenect_context*, timeval*) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
   constexpr uint32_t kFrames = 5, kTicksPerFrame = 2'000'000, kPixels = 640 * 480;
   if (frame == kFrames) return -1;
   const uint32_t ticks = 0xffffffffU - kTicksPerFrame + frame * kTicksPerFrame;
