@@ -9,7 +9,7 @@
 #include "apps/reproduce/chapters.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
-#include "apps/shared/version.hpp"
+#include "apps/shared/program_name.hpp"
 #include "kinloop/base/json.hpp"
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/base/writable_check.hpp"
