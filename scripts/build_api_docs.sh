@@ -3,6 +3,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
+rm -rf build/api
 mkdir -p build/api
 doxygen docs/Doxyfile
 echo "API reference: $PWD/build/api/html/index.html"

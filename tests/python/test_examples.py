@@ -1,4 +1,4 @@
-"""The scripts of examples/python and the code of docs/python.md."""
+"""The scripts of examples/python and the code of docs/python.md and README."""
 
 import re
 import subprocess
@@ -52,15 +52,18 @@ def test_export_colmap(example, program_run, tmp_path):
     assert list(tmp_path.glob("model/sparse/0/cameras.*")) and list(tmp_path.glob("model/images/*"))
 
 
-GUIDE = (SOURCE / "docs/python.md").read_text()
-BLOCKS = re.findall(r"^```python\n(.*?)^```", GUIDE, re.DOTALL | re.MULTILINE)
+def blocks_of(document):
+    text = (SOURCE / document).read_text()
+    return re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
 
 
-def test_guide(sequence, tmp_path, monkeypatch):
-    """Runs all blocks of the guide in order, as a reader would in one session."""
+@pytest.mark.parametrize("document, least", [("docs/python.md", 8), ("README.md", 1)])
+def test_documents(document, least, sequence, tmp_path, monkeypatch):
+    """Runs all blocks of a document in order, as a reader would in one session."""
     (tmp_path / "recording").symlink_to(sequence)
     monkeypatch.chdir(tmp_path)
-    assert len(BLOCKS) >= 8
+    blocks = blocks_of(document)
+    assert len(blocks) >= least
     names = {}
-    for block in BLOCKS:
-        exec(compile(block, "docs/python.md", "exec"), names)
+    for block in blocks:
+        exec(compile(block, document, "exec"), names)
