@@ -62,9 +62,10 @@ struct ExportArguments {
 };
 
 void write_cloud(const ExportArguments& arguments, OpenMap& open, const Progress& progress) {
+  const auto views = open.views(arguments.session);
+  require_images(views.size(), arguments.map);
   const ColoredCloud cloud = open.cloud(arguments.session, arguments.threads, progress);
-  const FileFrame frame =
-      file_frame(arguments.frame, open.up(arguments.session), open.views(arguments.session));
+  const FileFrame frame = file_frame(arguments.frame, open.up(arguments.session), views);
   if (arguments.cloud.extension() == ".pcd") return write_pcd(arguments.cloud, cloud, frame);
   if (arguments.cloud.extension() == ".las") return write_las(arguments.cloud, cloud, frame);
   write_ply(arguments.cloud, cloud, frame);
@@ -90,6 +91,7 @@ void write_trajectory(const std::filesystem::path& path, const Trajectory& traje
 void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Progress& progress) {
   const ImageStore& images = open.recorder.images();
   const auto views = open.views(arguments.session);
+  require_images(views.size(), arguments.map);
   const PinholeCamera& camera = open.saved.camera.color;
   const OccupancyOptions& options = open.options.occupancy;
   const UpEstimate up = open.up(arguments.session);

@@ -37,6 +37,7 @@ void make_mesh(MeshArguments arguments) {
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const DenseCamera camera = open.dense_camera();
   const auto views = open.recorder.with_color_gains(open.views(0), camera, arguments.threads);
+  require_images(views.size(), arguments.map);
   const auto mesh = reconstruct_mesh(open.recorder.images(), views, camera, open.options.mesh,
                                      arguments.threads, make_progress_bar(arguments.quiet));
   write_mesh(arguments.output, mesh, file_frame(arguments.frame, open.up(0), views));

@@ -32,10 +32,7 @@ void export_sparse_model(const SparseModelRequest& request, OpenMap& open, const
   const ImageUndistorter undistorter = make_undistorter(open, request.map);
   const FileFrame frame = file_frame(request.frame, open.up(request.session), views);
   SparseModel model = make_sparse_model(open.map, model_views(open, views), undistorter, frame);
-  if (model.images.empty()) {
-    throw InputError(
-        fmt::format("{}: holds no images with known poses; map the recording again", request.map.string()));
-  }
+  require_images(model.images.size(), request.map);
   const bool same_folder = request.colmap == request.nerfstudio;
   const auto write_images = [&](const std::filesystem::path& folder, bool depth) {
     write_model_images(folder, model, open.recorder.images(), undistorter, {depth, request.threads},

@@ -78,6 +78,12 @@ void require_different_file(const char* option, const std::filesystem::path& out
       fmt::format("{} {}: would overwrite the input map; give another name", option, output.string()));
 }
 
+void require_images(size_t count, const std::filesystem::path& map) {
+  if (count > 0) return;
+  throw InputError(
+      fmt::format("{}: holds no images with known poses; map the recording again", map.string()));
+}
+
 SavedMap read_map_with_warnings(const MapReader& reader, const std::filesystem::path& path) {
   auto [saved, damage] = reader.read();
   if (damage.any()) log::warn("{}: damaged; lost: {}", path.string(), describe(damage));

@@ -69,6 +69,10 @@ void require_same_camera(const SavedMap& saved, const std::filesystem::path& pat
 void require_different_file(const char* option, const std::filesystem::path& output,
                             const std::filesystem::path& input);
 
+/// Throws InputError if a map has no images with known poses: a result made of them would be empty, and would
+/// replace an earlier one.
+void require_images(size_t count, const std::filesystem::path& map);
+
 /// A map file opened for reading.
 struct OpenMap {
   SavedMap saved;  ///< all but its map and frames

@@ -145,11 +145,22 @@ TEST_F(MapCommand, ExportOfImagesNeedsImages) {
   write_map(at("no_images.kinmap"), saved, 0, {});
   EXPECT_EQ(run("export " + at("no_images.kinmap") + " --colmap " + at("none")), kBadInput);
   EXPECT_THAT(err_, HasSubstr("no_images.kinmap: holds no images"));
-  EXPECT_EQ(run("export " + at("no_images.kinmap") + " -q --mcap " + at("none.mcap") + " --cloud " +
-                at("none.las")),
-            0)
-      << err_;
+  EXPECT_EQ(run("export " + at("no_images.kinmap") + " -q --mcap " + at("none.mcap")), 0) << err_;
   EXPECT_EQ(run("export " + ran() + " --mcap " + at("m.bag")), kWrongUse);
+}
+
+TEST_F(MapCommand, AMapWithoutImagesReplacesNoEarlierResult) {
+  SavedMap saved = MapReader(ran() + "/map.kinmap").read().first;
+  write_map(at("no_images.kinmap"), saved, 0, {});
+  for (const std::string words :
+       {"export --cloud earlier.ply", "export --grid earlier.pgm", "mesh -o earlier.ply"}) {
+    const size_t name = words.find("earlier");
+    const std::string file = at(words.substr(name));
+    write_file(file, "an earlier result");
+    EXPECT_EQ(run(words.substr(0, name) + file + " " + at("no_images.kinmap")), kBadInput) << words;
+    EXPECT_THAT(err_, HasSubstr("no_images.kinmap: holds no images")) << words;
+    EXPECT_EQ(read_file(file), "an earlier result") << words;
+  }
 }
 
 TEST_F(MapCommand, InfoSaysWhatAMapHolds) {
