@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -115,7 +116,12 @@ int main(int argc, char** argv) {
   kinloop::retain_freed_memory();
   std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit is an error like a full disk
   std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away must not end a run before its results are written
-  cv::setNumThreads(1);           // only parallel_for and the executor start threads
-  kinloop::set_up_log();
-  return static_cast<int>(run_and_report(argc, argv));
+  try {
+    cv::setNumThreads(1);  // only parallel_for and the executor start threads
+    kinloop::set_up_log();
+    return static_cast<int>(run_and_report(argc, argv));
+  } catch (const std::bad_alloc&) {  // before the log is set up, or while a failure is reported
+    std::fputs("error: out of memory\n", stderr);
+    return static_cast<int>(ExitCode::kBadInput);
+  }
 }
