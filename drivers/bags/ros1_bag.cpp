@@ -119,8 +119,9 @@ class Ros1Bag final : public RecordFile {
   void add_connection(const BagFields& fields, Bytes data) {
     const auto name = printable(fields.text("topic"));
     const BagFields details(data);
-    connections_[fields.number<uint32_t>("conn")] = name;
+    const auto id = fields.number<uint32_t>("conn");
     topics_.emplace(name, BagTopic{name, printable(details.text("type")), "ros1", 0});
+    connections_[id] = name;  // not before: a damaged record must not leave one without topic
   }
 
   std::optional<BagMessage> message(const BagFields& fields, Bytes data) {

@@ -79,8 +79,7 @@ class OniSource : public FrameSource {
 
   void require_size(uint32_t node, const char* name, const PinholeCamera& camera) const {
     const OniStream& images = stream(node);
-    if (images.width == 0 || images.height == 0 ||
-        int64_t{images.width} * int64_t{images.height} > kMaxImagePixels) {
+    if (images.width == 0 || images.height == 0 || images.width > kMaxImagePixels / images.height) {
       throw InputError(fmt::format("{}: {} of {} x {} pixels is not possible; record it again", info_.name,
                                    name, images.width, images.height));
     }

@@ -71,7 +71,7 @@ TEST_F(AzureRecordingTest, AGivenCameraTakesImagesAsTheyAre) {
   without.calibration.clear();
   const auto frame = open(mkv_bytes(without), camera)->next();
   ASSERT_TRUE(frame);
-  const auto jpeg = color_data(0);
+  const auto jpeg = color_data(0, kAzureColorSize);
   EXPECT_EQ(
       cv::norm(frame->color.bgr(),
                cv::imdecode(std::vector<uint8_t>(jpeg.begin(), jpeg.end()), cv::IMREAD_COLOR), cv::NORM_INF),
@@ -124,7 +124,7 @@ TEST_F(AzureRecordingTest, NoMutatedFileBreaksTheReader) {
   MkvParts parts;
   parts.frames = 1;
   const std::string bytes = mkv_bytes(parts);
-  const size_t structure = bytes.size() - depth_data(0).size();  // the pixels of depth cannot be wrong
+  const size_t structure = bytes.size() - depth_data(0, kAzureDepthSize).size();  // the pixels of depth cannot be wrong
   Random random(22);
   for (int i = test::mutations(500); i > 0; --i) {
     const auto path =

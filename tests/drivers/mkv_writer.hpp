@@ -65,14 +65,14 @@ inline std::string block(unsigned track_number, int stamp_us, const std::string&
                            big_endian(0x80, 1) + data);
 }
 
-inline std::string depth_data(uint16_t millimetres) {
+inline std::string depth_data(uint16_t millimetres, cv::Size size) {
   std::string data;
-  for (int i = 0; i < kAzureDepthSize.area(); ++i) data += big_endian(millimetres, 2);
+  for (int i = 0; i < size.area(); ++i) data += big_endian(millimetres, 2);
   return data;
 }
 
-inline std::string depth_png(uint16_t millimetres) {
-  return encoded(make_depth(millimetres, kAzureDepthSize), ".png");
+inline std::string depth_png(uint16_t millimetres, cv::Size size) {
+  return encoded(make_depth(millimetres, size), ".png");
 }
 
 struct MkvParts {
@@ -80,11 +80,12 @@ struct MkvParts {
   std::string depth_name = "DEPTH";
   std::string depth_fourcc = "b16g";  ///< or MPNG
   int frames = 3;
+  cv::Size color_size = kAzureColorSize, depth_size = kAzureDepthSize;
 };
 
-inline std::string color_data(int i) {
+inline std::string color_data(int i, cv::Size size) {
   cv::Mat small = make_color(i, CV_8UC3, {16, 9}), color;
-  cv::resize(small, color, kAzureColorSize, 0, 0, cv::INTER_LINEAR);
+  cv::resize(small, color, size, 0, 0, cv::INTER_LINEAR);
   return encoded(color, ".jpg");
 }
 
@@ -95,8 +96,8 @@ inline std::string mkv_bytes(const MkvParts& parts) {
                               element(0x4282, "matroska") + element(0x4287, big_endian(4, 1)) +
                               element(0x4285, big_endian(2, 1)));
   std::string segment = element(0x1549A966, element(0x2AD7B1, big_endian(1000, 4)));  // microseconds
-  segment += element(0x1654AE6B, track(1, "COLOR", kAzureColorSize, "MJPG") +
-                                     track(2, parts.depth_name, kAzureDepthSize, parts.depth_fourcc));
+  segment += element(0x1654AE6B, track(1, "COLOR", parts.color_size, "MJPG") +
+                                     track(2, parts.depth_name, parts.depth_size, parts.depth_fourcc));
   if (!parts.calibration.empty()) {
     segment += element(
         0x1941A469,
@@ -104,10 +105,10 @@ inline std::string mkv_bytes(const MkvParts& parts) {
                             element(0x465C, parts.calibration + '\0') + element(0x46AE, big_endian(7, 1))));
   }
   for (int i = 0; i < parts.frames; ++i) {
-    segment += element(0x1F43B675,
-                       element(0xE7, big_endian(static_cast<uint64_t>(33'333 * (i + 1)), 4)) +
-                           block(1, 0, color_data(i)) +
-                           block(2, 100, parts.depth_fourcc == "MPNG" ? depth_png(1500) : depth_data(1500)));
+    const std::string depth =
+        parts.depth_fourcc == "MPNG" ? depth_png(1500, parts.depth_size) : depth_data(1500, parts.depth_size);
+    segment += element(0x1F43B675, element(0xE7, big_endian(static_cast<uint64_t>(33'333 * (i + 1)), 4)) +
+                                       block(1, 0, color_data(i, parts.color_size)) + block(2, 100, depth));
   }
   return header + element(0x18538067, segment);
 }

@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/random.hpp"
 #include "kinloop/base/text_file.hpp"
+#include "tests/drivers/mutation.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/support/shared_data.hpp"
 
@@ -41,6 +43,18 @@ TEST_P(FuzzCorpusTest, EveryInputMayBeCutShort) {
     for (size_t i = 0; i < kCuts; ++i)
       EXPECT_NO_THROW(GetParam().run(std::string_view(bytes).substr(0, bytes.size() * i / kCuts)))
           << file << i;
+  }
+}
+
+/// Without the feedback of libFuzzer; with sanitizers where the test runs with them.
+TEST_P(FuzzCorpusTest, EveryInputMayBeChanged) {
+  Random random(7);
+  for (const auto& file : corpus()) {
+    const std::string bytes = read_file(file);
+    for (int i = test::mutations(100); i > 0; --i) {
+      const std::string input = test::mutated(bytes, random);
+      EXPECT_NO_THROW(GetParam().run(input)) << file << ", mutation " << i;
+    }
   }
 }
 

@@ -151,7 +151,6 @@ void read_faces(Body& body, const PlyElement& element, MeshBuilder& builder) {
 }
 
 void skip(Body& body, const PlyElement& element) {
-  if (element.properties.empty()) return;
   for (size_t i = 0; i < element.count; ++i) {
     for (const PlyProperty& property : element.properties) next_value(body, property);
   }
@@ -170,6 +169,7 @@ PointFile read_any_ply(const std::filesystem::path& path) {
   const VertexFields fields = vertex_fields(*vertices, body);
   MeshBuilder builder(fields.colored());
   for (const PlyElement& element : header.elements) {
+    if (element.properties.empty()) continue;  // whatever its count
     body.require_room(element);
     if (&element == &*vertices) {
       read_vertices(body, element, fields, builder);

@@ -293,6 +293,7 @@ void add_recordings(const Corpus& corpus) {
              written("a.db3", [](const fs::path& p) { test::write_db3(p, ros2_bag(false)); }));
   test::MkvParts mkv;
   mkv.frames = 2, mkv.depth_fourcc = "MPNG";
+  mkv.color_size = {16, 9}, mkv.depth_size = {12, 10};  // those of the target's camera
   corpus.add("azure", "mjpg", test::mkv_bytes(mkv));
   test::OniWriterStream depth{1, 2, "NONE", 100, kSmall}, color{2, 3, "NONE", 200, kSmall};
   std::string oni = test::oni_header() + test::oni_stream(depth, 2) + test::oni_stream(color, 2) +

@@ -33,7 +33,13 @@ void read_sqlite_bag_bytes(std::string_view bytes) {
 }
 
 void read_azure_bytes(std::string_view bytes) {
-  constexpr auto kOpen = [](const std::filesystem::path& path) { return open_azure_recording(path, {}); };
+  // That of the factory is for images of at least 320 x 288 pixels, of which a frame takes a second here.
+  constexpr auto kOpen = [](const std::filesystem::path& path) {
+    RgbdCamera camera;
+    camera.color = {16, 9, 14, 14, 8, 4, {}};
+    camera.depth = {12, 10, 8, 8, 6, 5, {}};
+    return open_azure_recording(path, camera);
+  };
   read_recorded_bytes<kOpen>("a.mkv", bytes);
 }
 
