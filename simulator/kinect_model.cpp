@@ -94,9 +94,9 @@ cv::Mat measured_depth(const ExactDepth& exact, const KinectNoise& noise, uint64
 
 double gain_at(const KinectNoise& noise, double time_s) {
   constexpr double kSlow_s = 7.3, kFast_s = 3.1;
-  constexpr double kTurn = 2 * std::numbers::pi;
+  constexpr double kTwoPi = 2 * std::numbers::pi;
   return 1 + noise.gain_change *
-                 (0.6 * std::sin(kTurn * time_s / kSlow_s) + 0.4 * std::sin(kTurn * time_s / kFast_s));
+                 (0.6 * std::sin(kTwoPi * time_s / kSlow_s) + 0.4 * std::sin(kTwoPi * time_s / kFast_s));
 }
 
 float noisy_level(float level, const KinectNoise& noise, uint32_t random_bits) {

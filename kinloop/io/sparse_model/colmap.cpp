@@ -7,9 +7,6 @@
 namespace kinloop {
 namespace {
 
-/// COLMAP's pixel of the centre of the top left pixel.
-constexpr double kPixelCenter = 0.5;
-
 std::string cameras_text(const PinholeCamera& camera) {
   return fmt::format("# CAMERA_ID MODEL WIDTH HEIGHT fx fy cx cy\n1 PINHOLE {} {} {} {} {} {}\n",
                      camera.width, camera.height, camera.fx, camera.fy, camera.cx + kPixelCenter,

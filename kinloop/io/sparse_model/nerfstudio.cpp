@@ -36,7 +36,6 @@ ColoredCloud cloud_of(const SparseModel& model) {
 }  // namespace
 
 void write_nerfstudio(const std::filesystem::path& folder, const SparseModel& model) {
-  constexpr double kPixelCenter = 0.5;  // of the top left pixel
   const PinholeCamera& camera = model.camera;
   json scene = {{"camera_model", "OPENCV"},
                 {"w", camera.width},

@@ -14,6 +14,9 @@
 
 namespace kinloop {
 
+/// Both coordinates of the centre of the top left pixel in files of COLMAP and Nerfstudio; ours are 0.
+inline constexpr double kPixelCenter = 0.5;
+
 /// A stored image with its pose, and the frame that it belongs to.
 struct ModelView {
   FrameId frame;
