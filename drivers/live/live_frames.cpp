@@ -1,22 +1,27 @@
 #include "drivers/live/live_frames.hpp"
 
+#include <algorithm>
+
+#include "kinloop/base/log.hpp"
+
 namespace kinloop {
 
 void LiveFrameBuffer::add_color(int64_t stamp_ns, ColorImage image) {
   const std::lock_guard lock(mutex_);
-  pairer_.add_color(stamp_ns, std::move(image));
+  pairer_.add_color(continued(stamp_ns), std::move(image));
   collect_ready();
 }
 
 void LiveFrameBuffer::add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared) {
   const std::lock_guard lock(mutex_);
-  pairer_.add_depth(stamp_ns, std::move(depth_m), std::move(infrared));
+  pairer_.add_depth(continued(stamp_ns), std::move(depth_m), std::move(infrared));
   collect_ready();
 }
 
 void LiveFrameBuffer::add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m) {
   const std::lock_guard lock(mutex_);
-  pairer_.add_pair(stamp_ns, std::move(image), depth_stamp_ns, std::move(depth_m));
+  const int64_t color_ns = continued(stamp_ns);
+  pairer_.add_pair(color_ns, std::move(image), depth_stamp_ns + shift_ns_, std::move(depth_m));
   collect_ready();
 }
 
@@ -24,6 +29,18 @@ void LiveFrameBuffer::finish() {
   const std::lock_guard lock(mutex_);
   pairer_.finish();
   collect_ready();
+}
+
+int64_t LiveFrameBuffer::continued(int64_t stamp_ns) {
+  constexpr int64_t kSecondNs = 1'000'000'000, kPauseNs = 100'000'000;
+  if (newest_ns_ && stamp_ns + shift_ns_ < *newest_ns_ - kSecondNs) {
+    log::warn("the clock of the images was set back by {:.1f} s; stamps continue from before",
+              1e-9 * static_cast<double>(*newest_ns_ - shift_ns_ - stamp_ns));
+    shift_ns_ = *newest_ns_ + kPauseNs - stamp_ns;
+  }
+  const int64_t result_ns = stamp_ns + shift_ns_;
+  newest_ns_ = std::max(newest_ns_.value_or(result_ns), result_ns);
+  return result_ns;
 }
 
 void LiveFrameBuffer::collect_ready() {

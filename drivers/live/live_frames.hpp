@@ -19,7 +19,9 @@ struct LostImageCounts {
   size_t out_of_order = 0;  ///< images with a stamp not after the previous one
 };
 
-/// One thread may fill it while another empties it.
+/// One thread may fill it while another empties it. When the clock of the images is set back by more than a
+/// second, as by a time server or a bag played again, stamps go on from the newest one; smaller steps back
+/// are images out of order.
 class LiveFrameBuffer {
  public:
   static constexpr size_t kBuffered = 4;
@@ -43,6 +45,7 @@ class LiveFrameBuffer {
 
  private:
   void collect_ready();
+  int64_t continued(int64_t stamp_ns);
 
   size_t capacity_;
   mutable std::mutex mutex_;
@@ -50,6 +53,8 @@ class LiveFrameBuffer {
   FramePairer pairer_;
   std::deque<RgbdFrame> ready_;
   size_t dropped_ = 0, delivered_ = 0;
+  int64_t shift_ns_ = 0;  ///< added to all stamps since the clock was set back
+  std::optional<int64_t> newest_ns_;
 };
 
 /// Converts the lost images to the form of `FrameSource::skipped`.

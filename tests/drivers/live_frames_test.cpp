@@ -1,5 +1,6 @@
 #include "drivers/live/live_frames.hpp"
 
+#include <algorithm>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -30,6 +31,27 @@ TEST(LiveFrameBuffer, GivesFramesInOrderAndLosesTheOldest) {
   int64_t expected = 10 - static_cast<int64_t>(LiveFrameBuffer::kBuffered);
   while (const auto frame = frames.wait(milliseconds(1))) EXPECT_EQ(frame->stamp_ns, ++expected * 33'000'000);
   EXPECT_EQ(expected, 10);
+}
+
+TEST(LiveFrameBuffer, StampsContinueWhenTheClockIsSetBack) {
+  LiveFrameBuffer frames;
+  constexpr int64_t kMilliNs = 1'000'000, kHourNs = 3600 * 1000 * kMilliNs;
+  std::vector<int64_t> given_ms;
+  // An hour back, then two hours on by mistake for one image, which ends in another step back.
+  for (const int64_t stamp_ns : {kHourNs, kHourNs + 33 * kMilliNs, 40 * kMilliNs, 73 * kMilliNs, 2 * kHourNs,
+                                 106 * kMilliNs, 139 * kMilliNs}) {
+    frames.add_color(stamp_ns, color());
+    frames.add_depth(stamp_ns + kMilliNs, depth());
+    frames.add_color(stamp_ns + 5 * kMilliNs, color());  // without depth: the frame before is settled
+    if (const auto frame = frames.wait(milliseconds(1))) {
+      EXPECT_EQ(frame->depth_stamp_or_color_ns() - frame->stamp_ns, kMilliNs);
+      given_ms.push_back((frame->stamp_ns - kHourNs) / kMilliNs);
+    }
+  }
+  EXPECT_THAT(given_ms,
+              testing::ElementsAre(0, 33, 138, 171, testing::Gt(3'600'000), testing::_, testing::_));
+  EXPECT_TRUE(std::is_sorted(given_ms.begin(), given_ms.end()));
+  EXPECT_EQ(frames.counts().out_of_order, 0U);
 }
 
 TEST(LiveFrameBuffer, WaitsForAnotherThread) {
