@@ -1,7 +1,9 @@
 // kinloop record: records any source, usually a live camera, to a folder in TUM layout or an MCAP file.
 
+#include <exception>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -76,19 +78,26 @@ void record(const RecordArguments& arguments) {
   install_interrupt_handler();
   const Stopwatch watch;
   size_t frames = 0;
-  while (!interrupted()) {
-    auto frame = source->next();
+  std::exception_ptr failure;  // of the source; what was recorded before is completed
+  while (!interrupted() && !limit_reached(arguments, frames, watch)) {
+    std::optional<RgbdFrame> frame;
+    try {
+      frame = source->next();
+    } catch (const InputError&) {
+      failure = std::current_exception();
+    }
     if (!frame) break;
     recorder.add(std::move(*frame));
     ++frames;
-    if (limit_reached(arguments, frames, watch)) break;
   }
+  if (frames == 0 && failure) std::rethrow_exception(failure);
   recorder.finish(source->info().ground_truth);
   if (paced != nullptr) fmt::print("{} frames were dropped\n", paced->dropped());
   const size_t lost = source->skipped().size();
   if (lost > 0) log::warn("{} images were lost; the first: {}", lost, source->skipped().front().reason);
   fmt::print("{} frames in {} ({:.1f} per second, at most {} queued for writing)\n", frames,
              arguments.output.string(), static_cast<double>(frames) / watch.wall_s(), recorder.max_queued());
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace

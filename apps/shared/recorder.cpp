@@ -7,6 +7,7 @@
 
 #include "drivers/datasets/tum_writer.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/output_file.hpp"
 #include "kinloop/io/mcap/frame_recording.hpp"
 #include "kinloop/sensor/registration.hpp"
 
@@ -47,6 +48,7 @@ class McapFrameWriter : public FrameWriter {
 
 std::unique_ptr<FrameWriter> make_frame_writer(const std::filesystem::path& path, const RgbdCamera& camera) {
   if (path.extension() != ".mcap") return std::make_unique<TumFrameWriter>(path, camera);
+  clear_abandoned_files(path.parent_path());
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored))
     throw InputError(

@@ -20,7 +20,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder)
         "{}: another run is writing into this folder; wait for its end or choose another folder with -o",
         folder.string()));
   }
-  remove_abandoned_files(folder);
+  clear_abandoned_files(folder);
 }
 
 FolderLock::~FolderLock() {

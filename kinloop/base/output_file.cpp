@@ -15,6 +15,8 @@
 #include <unistd.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
+#include "kinloop/base/mcap_format.hpp"
 
 namespace kinloop {
 namespace {
@@ -132,6 +134,25 @@ int copy_all(int from, int to) {
   }
 }
 
+bool is_recording(int descriptor) {
+  std::array<char, kMcapMagic.size()> head{};
+  return pread(descriptor, head.data(), head.size(), 0) == static_cast<ssize_t>(head.size()) &&
+         std::string_view(head.data(), head.size()) == kMcapMagic;
+}
+
+void clear_abandoned(const fs::path& file, int descriptor) {
+  if (!is_recording(descriptor)) {
+    unlink(file.c_str());
+    return;
+  }
+  std::string name = file.filename().string();
+  name = "recovered-" + name.substr(kPrefix.size(), name.size() - kPrefix.size() - kSuffix.size()) + ".mcap";
+  const fs::path recovered = file.parent_path() / name;
+  std::error_code error;
+  if (fs::exists(recovered, error) || rename(file.c_str(), recovered.c_str()) != 0) return;
+  log::warn("{}: recovered from a recording that was cut short", recovered.string());
+}
+
 }  // namespace
 
 OutputPlace output_place(const fs::path& path) {
@@ -209,14 +230,20 @@ void OutputFile::fail(int error) const {
       fmt::format("{}: cannot be written ({}); is the disk full?", path_.string(), text_of(error)));
 }
 
-void remove_abandoned_files(const fs::path& folder) {
+void OutputFile::keep_incomplete() noexcept {
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
+  if (place_.is_stream || fs::exists(place_.target, error)) return;
+  if (rename(temporary_.c_str(), place_.target.c_str()) == 0) temporary_.clear();
+}
+
+void clear_abandoned_files(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) continue;
     const int descriptor = open(entry.path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (descriptor < 0) continue;
-    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) unlink(entry.path().c_str());
+    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) clear_abandoned(entry.path(), descriptor);
     close(descriptor);
   }
 }

@@ -46,6 +46,9 @@ class OutputFile {
   /// failure.
   void commit();
 
+  /// Gives an incomplete file its name, if that is free: of a recording, a part is better than nothing.
+  void keep_incomplete() noexcept;
+
  private:
   void replace_target();
   void copy_to_stream() const;
@@ -58,8 +61,9 @@ class OutputFile {
   int descriptor_ = -1;  ///< of the temporary file; holds its lock
 };
 
-/// Removes the temporary files that killed processes left in `folder`.
-void remove_abandoned_files(const std::filesystem::path& folder);
+/// Removes the temporary files that killed processes left in `folder`. MCAP files, which are recordings, are
+/// kept and named recovered-PID-N.mcap: they can be read up to the kill.
+void clear_abandoned_files(const std::filesystem::path& folder);
 
 /// Flushes all files written with Durability::kWithTheOthers on the disk of `folder`.
 void flush_files(const std::filesystem::path& folder);

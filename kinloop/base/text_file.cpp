@@ -100,6 +100,11 @@ void AtomicFile::commit() {
   file_.commit();
 }
 
+void AtomicFile::keep_incomplete() noexcept {
+  stream_.close();
+  file_.keep_incomplete();
+}
+
 void write_file(const std::filesystem::path& path, std::string_view content, Durability durability) {
   AtomicFile file(path, durability);
   file.stream().write(content.data(), static_cast<std::streamsize>(content.size()));

@@ -52,6 +52,9 @@ class AtomicFile {
   /// Flushes, checks that everything was written (a full disk throws InputError) and renames.
   void commit();
 
+  /// See OutputFile.
+  void keep_incomplete() noexcept;
+
  private:
   OutputFile file_;
   std::ofstream stream_;

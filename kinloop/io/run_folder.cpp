@@ -26,7 +26,7 @@ RunFolder::RunFolder(std::filesystem::path path) : path_(std::move(path)) {
 }
 
 void RunFolder::remove_leftovers() const {
-  remove_abandoned_files(loop_images());
+  clear_abandoned_files(loop_images());
   // Version 0.1 wrote NAME.tmp.
   for (const auto& file : {trajectory(), keyframes(), ground_truth(), frames(), map(), map_file(), camera(),
                            graph(), run_json(), report()}) {

@@ -137,6 +137,39 @@ TEST_F(CameraCommands, RecordAsOneFileGivesTheSameSequence) {
   EXPECT_THAT(again.err, HasSubstr("already exists"));
 }
 
+TEST_F(CameraCommands, ARecordingWhoseSourceFailsKeepsTheFramesBefore) {
+  ASSERT_EQ(run("simulate room --frames 6 --size 160x120 --quiet -o '" + at("a") + "'").exit_code, kDone);
+  const auto send = test::source_folder() / "examples/python/stream_frames.py";
+  ASSERT_EQ(shell("python3 '" + send.string() + "' '" + at("a") + "' >'" + at("bytes") + "'").exit_code,
+            kDone);
+  for (const char* recording : {"folder", "file.mcap"}) {
+    const Run cut =
+        shell("head -c -1 '" + at("bytes") + "' | '" KINLOOP_PROGRAM "' record - -o '" + at(recording) + "'");
+    EXPECT_EQ(cut.exit_code, kBadInput) << cut.err;
+    EXPECT_THAT(cut.out, HasSubstr("5 frames"));
+    const Run read = run("probe '" + at(recording) + "'");
+    EXPECT_THAT(read.out, HasSubstr("5 frames, 0 damaged")) << read.err;
+  }
+}
+
+TEST_F(CameraCommands, ARecordingThatFillsTheDiskKeepsTheFramesBefore) {
+  const Run full = run("record sim:room --frames 40 -o '" + at("file.mcap") + "'", "ulimit -f 8000;");
+  EXPECT_EQ(full.exit_code, kBadInput) << full.err;
+  EXPECT_THAT(full.err, HasSubstr("disk full"));
+  EXPECT_THAT(run("probe '" + at("file.mcap") + "'").out, HasSubstr("640 x 480"));
+}
+
+TEST_F(CameraCommands, TheNextRecordingRecoversThatOfAKilledProcess) {
+  ASSERT_EQ(run("record sim:room --frames 6 -o '" + at("whole.mcap") + "'").exit_code, kDone);
+  const std::string bytes = read_file(at("whole.mcap"));
+  folder_.write("kinloop-1-0.tmp", bytes.substr(0, bytes.size() / 2));
+  const Run next = run("record sim:room --frames 1 -o '" + at("next.mcap") + "'");
+  EXPECT_EQ(next.exit_code, kDone);
+  EXPECT_THAT(next.err, HasSubstr("recovered-1-0.mcap"));
+  EXPECT_FALSE(std::filesystem::exists(at("kinloop-1-0.tmp")));
+  EXPECT_EQ(run("probe '" + at("recovered-1-0.mcap") + "'").exit_code, kDone);
+}
+
 TEST_F(CameraCommands, ReportsMissingCameras) {
   const std::pair<std::string, std::string> parts[] = {{"kinect1", "Kinect 1"}, {"kinect2", "Kinect 2"},
                                                        {"openni2", "OpenNI2"},  {"realsense", "RealSense"},

@@ -123,7 +123,7 @@ TEST(OutputFile, TemporaryFilesAreUniqueAndLeaveNothing) {
     OutputFile a(folder.path() / "out.txt"), b(folder.path() / "out.txt");
     EXPECT_NE(a.temporary(), b.temporary());
     EXPECT_THAT(a.temporary().filename().string(), HasSubstr(std::to_string(getpid())));
-    remove_abandoned_files(folder.path());
+    clear_abandoned_files(folder.path());
     EXPECT_TRUE(fs::exists(a.temporary())) << "in use";
   }
   EXPECT_TRUE(fs::is_empty(folder.path()));

@@ -50,6 +50,15 @@ FrameRecording::FrameRecording(const std::filesystem::path& path, const RgbdCame
       camera_yaml_(file_.add_topic(ros_messages::string_topic(recording::kCameraTopic))),
       camera_info_(file_.add_topic(ros_messages::camera_info_topic(recording::kCameraInfoTopic))) {}
 
+FrameRecording::~FrameRecording() {
+  if (!empty_ && !complete_) file_.keep_incomplete();
+}
+
+void FrameRecording::commit() {
+  file_.commit();
+  complete_ = true;
+}
+
 void FrameRecording::write(const CompressedFrame& frame) {
   const int64_t stamp_ns = frame.stamp_ns;
   if (empty_) {

@@ -27,17 +27,22 @@ class FrameRecording {
   /// Throws InputError if the file cannot be created.
   FrameRecording(const std::filesystem::path& path, const RgbdCamera& camera);
 
+  /// Without `commit` (a full disk, an exception) the frames so far are kept, in a file without index.
+  ~FrameRecording();
+  FrameRecording(const FrameRecording&) = delete;
+  FrameRecording& operator=(const FrameRecording&) = delete;
+
   /// Stamps must increase.
   void write(const CompressedFrame& frame);
 
   /// Completes the file and gives it its name.
-  void commit() { file_.commit(); }
+  void commit();
 
  private:
   RgbdCamera camera_;
   McapWriter file_;
   uint16_t color_, depth_, camera_yaml_, camera_info_;
-  bool empty_ = true;
+  bool empty_ = true, complete_ = false;
 };
 
 }  // namespace kinloop

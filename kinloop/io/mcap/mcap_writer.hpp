@@ -42,6 +42,9 @@ class McapWriter {
   /// Writes the summary and renames the file. Throws InputError on failure.
   void commit();
 
+  /// Gives the file its name without a summary: readers find its messages by reading the whole of it.
+  void keep_incomplete() noexcept { file_.keep_incomplete(); }
+
  private:
   struct Chunk {
     std::string records;
