@@ -1,7 +1,8 @@
-// Preloaded into a program: makes the n-th call of one kind fail.
+// Preloaded into a program: makes the n-th call of one kind fail, or kills the program there.
 //   FAULT_CALL   open, read, write, fsync, rename, malloc or thread
 //   FAULT_AT     number of the call that fails, counted from 1; 0: none, only count
 //   FAULT_STICKY all calls from then on fail, as on a full disk
+//   FAULT_KILL   the program is killed (SIGKILL) instead
 //   FAULT_COUNT  file for the number of calls
 // Calls are counted from the start of main: what the dynamic loader and static initialisers do is not kinloop's.
 #define _GNU_SOURCE
@@ -9,6 +10,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -22,13 +24,15 @@ enum Call { kNone, kOpen, kRead, kWrite, kFsync, kRename, kMalloc, kThread };
 
 static enum Call failing = kNone;
 static long fail_at = 0;
-static int sticky = 0;
+static int sticky = 0, kills = 0;
 static atomic_long calls;
 
 static int fails(enum Call call) {
   if (call != failing) return 0;
   const long number = atomic_fetch_add(&calls, 1) + 1;
-  return fail_at != 0 && (sticky ? number >= fail_at : number == fail_at);
+  const int now = fail_at != 0 && (sticky ? number >= fail_at : number == fail_at);
+  if (now && kills) raise(SIGKILL);
+  return now;
 }
 
 static void write_count(void) {
@@ -49,6 +53,7 @@ static int armed_main(int argc, char** argv, char** environment) {
   const char *call = getenv("FAULT_CALL"), *at = getenv("FAULT_AT");
   fail_at = at ? atol(at) : 0;
   sticky = getenv("FAULT_STICKY") != NULL;
+  kills = getenv("FAULT_KILL") != NULL;
   atexit(write_count);
   for (int i = kOpen; call && i <= kThread; ++i)
     if (strcmp(call, kNames[i]) == 0) failing = (enum Call)i;
