@@ -124,7 +124,8 @@ TEST_F(AzureRecordingTest, NoMutatedFileBreaksTheReader) {
   MkvParts parts;
   parts.frames = 1;
   const std::string bytes = mkv_bytes(parts);
-  const size_t structure = bytes.size() - depth_data(0, kAzureDepthSize).size();  // the pixels of depth cannot be wrong
+  const size_t structure =
+      bytes.size() - depth_data(0, kAzureDepthSize).size();  // the pixels of depth cannot be wrong
   Random random(22);
   for (int i = test::mutations(500); i > 0; --i) {
     const auto path =
