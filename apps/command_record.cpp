@@ -94,7 +94,7 @@ void record(const RecordArguments& arguments) {
   recorder.finish(source->info().ground_truth);
   if (paced != nullptr) fmt::print("{} frames were dropped\n", paced->dropped());
   const size_t lost = source->skipped().size();
-  if (lost > 0) log::warn("{} images were lost; the first: {}", lost, source->skipped().front().reason);
+  if (lost > 0) log::warn("images lost: {}; the first: {}", lost, source->skipped().front().reason);
   fmt::print("{} frames in {} ({:.1f} per second, at most {} queued for writing)\n", frames,
              arguments.output.string(), static_cast<double>(frames) / watch.wall_s(), recorder.max_queued());
   if (failure) std::rethrow_exception(failure);

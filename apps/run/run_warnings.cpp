@@ -22,8 +22,9 @@ std::string explain_empty_map(const RunOutcome& o) {
 bool check_skipped(const FrameSource& source, size_t processed) {
   const auto skipped = source.skipped();
   if (skipped.empty()) return true;
-  log::warn("{} frames were skipped; the first: {}: {}", skipped.size(), skipped.front().name,
-            skipped.front().reason);
+  log::warn("{} skipped; the first: {}: {}",
+            skipped.size() == 1 ? "1 frame was" : fmt::format("{} frames were", skipped.size()),
+            skipped.front().name, skipped.front().reason);
   if (skipped.size() <= processed) return true;
   log::error("{}: over half of the frames could not be used ({} of {}); the results cover the others",
              source.info().name, skipped.size(), skipped.size() + processed);

@@ -174,7 +174,8 @@ TEST(Report, ToleratesFiguresOfTheWrongKind) {
 TEST(Report, StationaryCameraGivesFiniteNumbers) {
   RunReport run;
   run.estimate.assign(5, {0, {Eigen::Quaterniond::Identity(), {1, 2, 3}}});
-  for (const auto& x : data_of(run)["path"]["x"]) EXPECT_TRUE(x.is_number());
+  const auto data = data_of(run);
+  for (const auto& x : data["path"]["x"]) EXPECT_TRUE(x.is_number());
 }
 
 class FrameTableFile : public testing::Test {

@@ -218,6 +218,11 @@ struct Header {
   uint32_t points = 0, tiles = 0;
 };
 
+/// An image may have no surfels, and memcpy takes no null pointer.
+void copy_bytes(const void* from, size_t count, void* to) {
+  if (count > 0) std::memcpy(to, from, count);
+}
+
 }  // namespace
 
 ImageSurfels extract_surfels(const RgbdImages& images, const SurfelCamera& camera,
@@ -244,8 +249,8 @@ std::vector<uint8_t> to_bytes(const ImageSurfels& surfels) {
   const size_t tile_bytes = surfels.nearest.size() * sizeof(uint16_t);
   std::vector<uint8_t> bytes(sizeof(Header) + point_bytes + tile_bytes);
   std::memcpy(bytes.data(), &header, sizeof(Header));
-  std::memcpy(bytes.data() + sizeof(Header), surfels.points.data(), point_bytes);
-  std::memcpy(bytes.data() + sizeof(Header) + point_bytes, surfels.nearest.data(), tile_bytes);
+  copy_bytes(surfels.points.data(), point_bytes, bytes.data() + sizeof(Header));
+  copy_bytes(surfels.nearest.data(), tile_bytes, bytes.data() + sizeof(Header) + point_bytes);
   return bytes;
 }
 
@@ -258,8 +263,8 @@ ImageSurfels surfels_from_bytes(std::span<const uint8_t> bytes) {
   const size_t point_bytes = surfels.points.size() * sizeof(Surfel);
   const size_t tile_bytes = surfels.nearest.size() * sizeof(uint16_t);
   require(bytes.size() == sizeof(Header) + point_bytes + tile_bytes, "surfels_from_bytes: invalid data");
-  std::memcpy(surfels.points.data(), bytes.data() + sizeof(Header), point_bytes);
-  std::memcpy(surfels.nearest.data(), bytes.data() + sizeof(Header) + point_bytes, tile_bytes);
+  copy_bytes(bytes.data() + sizeof(Header), point_bytes, surfels.points.data());
+  copy_bytes(bytes.data() + sizeof(Header) + point_bytes, tile_bytes, surfels.nearest.data());
   return surfels;
 }
 

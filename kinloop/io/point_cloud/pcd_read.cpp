@@ -176,7 +176,8 @@ std::string binary_from_text(std::string_view text, const Header& header, const 
         } else if (field.type == NumberType::kFloat) {
           put(static_cast<float>(*value), sizeof(float));
         } else {
-          put(static_cast<int64_t>(std::isfinite(*value) ? *value : 0), size_of(field.type));
+          constexpr double kMaxInteger = 4294967295;  // of all types; 0 stands for what is none
+          put(static_cast<int64_t>(std::abs(*value) <= kMaxInteger ? *value : 0), size_of(field.type));
         }
       }
     }
