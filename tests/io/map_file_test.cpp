@@ -208,7 +208,7 @@ TEST(MapFile, NoFlippedBytesCrash) {
     const double reach = i % 2 == 0 ? 40000 : static_cast<double>(bytes.size());
     const int count = 1 + i % 10;
     for (int k = 0; k < count; ++k) {
-      flipped[static_cast<size_t>(random.uniform(0, reach))] = static_cast<char>(random.uniform(0, 256));
+      flipped[static_cast<size_t>(random.uniform(0, reach))] = static_cast<char>(random.index(256));
     }
     expect_sound(folder.write("flipped", flipped));
   }

@@ -253,9 +253,11 @@ BundleCovariance BundleSchur::covariance_of(const Reduced& system) const {
   if (!normal_.task.options.pose_covariances) return covariance;
   const auto diagonal = cholesky_.inverse_diagonal();
   for (size_t camera = 0; camera < diagonal.size(); ++camera) {
+    auto& pose = covariance.poses[normal_.pose_of_camera[camera]];
+    pose = diagonal[camera];
+    if (B.cols() == 0) continue;  // no sensor parameter is estimated
     const auto J_sensor = A_inverse_B.middleRows<kCameraDof>(static_cast<Eigen::Index>(kCameraDof * camera));
-    covariance.poses[normal_.pose_of_camera[camera]] =
-        diagonal[camera] + J_sensor * sensor * J_sensor.transpose();
+    pose += J_sensor * sensor * J_sensor.transpose();
   }
   return covariance;
 }

@@ -125,6 +125,7 @@ bool SparseCholesky<B>::factorize(const BlockMatrix<B>& matrix) {
 template <int B>
 template <class Right>
 Right SparseCholesky<B>::solve(const Right& right) const {
+  if (right.size() == 0) return right;
   Right x(right.rows(), right.cols());  // in elimination order
   for (size_t k = 0; k < column_of_.size(); ++k) {
     x.template middleRows<B>(B * static_cast<Eigen::Index>(k)) =
