@@ -2,7 +2,7 @@
 # Regenerates the pictures of README and docs (docs/images) from the release build.
 # Usage: scripts/make_pictures.sh            the simulated room: map, viewer, reports; after ./test.sh, a few minutes
 #        scripts/make_pictures.sh --curves   the curves of docs/place.md, from ../shared/data; 20 CPU minutes
-#        scripts/make_pictures.sh --movie    the moving picture of the README; needs img2webp (package webp); 2 minutes
+#        scripts/make_pictures.sh --movie    the moving picture of the README; needs img2webp (package webp); 10 minutes
 #        scripts/make_pictures.sh --paper FOLDER    the pictures of docs/paper.md, from `kinloop reproduce -o FOLDER`
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -27,7 +27,8 @@ make_movie() {
   work="$(mktemp -d)"
   trap 'rm -rf "$work"' EXIT
   KINLOOP_PAGES_SOURCE="$PWD/viewer/pages" node scripts/make_movie.mjs "$work"
-  img2webp -loop 0 -lossy -q 55 -m 6 -d 120 "$work"/*.png -o "$images/growing_map.webp"
+  local pictures=("$work"/*.png)
+  img2webp -loop 0 -lossy -q 50 -m 6 -d 120 "${pictures[@]}" -d 3000 "${pictures[-1]}" -o "$images/growing_map.webp"
 }
 
 case "${1:-}" in

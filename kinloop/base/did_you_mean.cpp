@@ -28,6 +28,22 @@ size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// Returns the word nearest to `text` if at most every third letter differs; null if there is none.
+const std::string* nearest_word(std::string_view text, std::span<const std::string> words) {
+  constexpr size_t kLettersPerEdit = 3;
+  const std::string* nearest = nullptr;
+  size_t fewer_than = std::max(text.size(), kLettersPerEdit) / kLettersPerEdit + 1;
+  for (const std::string& word : words) {
+    const auto [shorter, longer] = std::minmax({word.size(), text.size()});
+    if (longer - shorter >= fewer_than) continue;  // at least as many edits; a text may have megabytes
+    const size_t edits = edit_distance(word, text);
+    if (edits >= fewer_than) continue;
+    nearest = &word;
+    fewer_than = edits;
+  }
+  return nearest;
+}
+
 /// Words that end in ".text"; a few at most.
 std::vector<std::string> words_ending_in(std::string_view text, std::span<const std::string> words) {
   constexpr size_t kMaxCount = 4;
@@ -42,16 +58,11 @@ std::vector<std::string> words_ending_in(std::string_view text, std::span<const 
 }  // namespace
 
 std::string did_you_mean(std::string_view text, std::span<const std::string> words) {
-  constexpr size_t kLettersPerEdit = 3;
-  const auto distance = [&](const std::string& word) { return edit_distance(word, text); };
-  const auto nearest = std::min_element(
-      words.begin(), words.end(), [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
-  if (!text.empty() && nearest != words.end() &&
-      distance(*nearest) * kLettersPerEdit <= std::max(text.size(), kLettersPerEdit)) {
+  if (text.empty()) return {};
+  if (const std::string* nearest = nearest_word(text, words))
     return fmt::format("; did you mean '{}'?", *nearest);
-  }
   const auto endings = words_ending_in(text, words);
-  if (text.empty() || endings.empty()) return {};
+  if (endings.empty()) return {};
   return fmt::format("; did you mean {}?", fmt::join(endings, " or "));
 }
 

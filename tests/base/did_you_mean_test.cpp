@@ -22,6 +22,7 @@ TEST(DidYouMean, SuggestsNothingIfNoWordIsNear) {
   for (const char* far : {"foo", "x", "go", "render", "emulation", ""}) {
     EXPECT_THAT(did_you_mean(far, kCommands), IsEmpty()) << far;
   }
+  EXPECT_THAT(did_you_mean(std::string(size_t{1} << 24, 'a'), kKeys), IsEmpty()) << "and at once";
   EXPECT_THAT(did_you_mean("run", {}), IsEmpty());
 }
 
