@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <string>
@@ -109,9 +110,24 @@ ExitCode run_and_report(int argc, char** argv) {
   }
 }
 
+/// What ends the program where an exception cannot be caught, as in the destructors of libraries that allocate.
+[[noreturn]] void end_by_uncaught_exception() {
+  try {
+    if (const std::exception_ptr exception = std::current_exception()) std::rethrow_exception(exception);
+  } catch (const std::bad_alloc&) {
+    std::fputs("error: out of memory\n", stderr);
+    std::_Exit(static_cast<int>(ExitCode::kBadInput));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: internal error: %s (please report it)\n", error.what());
+  } catch (...) {
+  }
+  std::abort();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::set_terminate(end_by_uncaught_exception);
   kinloop::reserve_standard_descriptors();
   kinloop::retain_freed_memory();
   std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit is an error like a full disk

@@ -69,11 +69,11 @@ PointCloud2 empty_cloud(const Header& header) {
 NodeOutput::NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, std::string world,
                        std::string camera_frame)
     : camera_(camera), world_(std::move(world)), camera_frame_(std::move(camera_frame)) {
-  constexpr uint32_t kQueue = 10;
-  tf_ = node.advertise<TFMessage>("/tf", kQueue);
-  pose_ = node.advertise<PoseStamped>("pose", kQueue);
+  constexpr uint32_t kMaxUnsent = 10;
+  tf_ = node.advertise<TFMessage>("/tf", kMaxUnsent);
+  pose_ = node.advertise<PoseStamped>("pose", kMaxUnsent);
   path_ = node.advertise<Path>("path", 1, true);
-  cloud_ = node.advertise<PointCloud2>("cloud", kQueue);
+  cloud_ = node.advertise<PointCloud2>("cloud", kMaxUnsent);
 }
 
 void NodeOutput::publish_pose(const FrameResult& result) {

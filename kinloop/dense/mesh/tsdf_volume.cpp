@@ -15,6 +15,7 @@
 #pragma GCC diagnostic ignored "-Wshadow"
 #include <openvdb/Grid.h>
 #include <openvdb/openvdb.h>
+#include <tbb/global_control.h>
 #pragma GCC diagnostic pop
 
 #include "kinloop/base/parallel_for.hpp"
@@ -56,6 +57,8 @@ struct TsdfVolume::Volume {
     blocks.push_back({distance.touchLeaf(voxel), weight.touchLeaf(voxel)});
   }
 
+  // OpenVDB clears its trees with TBB, which ends the process when the system refuses it a thread.
+  tbb::global_control one_thread{tbb::global_control::max_allowed_parallelism, 1};
   FloatTree distance;
   FloatTree weight;
   std::vector<Block> blocks;  // in order of first allocation
