@@ -157,9 +157,7 @@ json status_of(const SavedRun& run) {
 
 SavedRun read_saved_run(const fs::path& path) {
   SavedRun run = fs::is_directory(path) ? read_folder(path) : read_single_file(path);
-  run.name = input_name(run.metrics.contains("input") && run.metrics["input"].is_string()
-                            ? run.metrics["input"].get<std::string>()
-                            : fs::absolute(path).string());
+  run.name = run_name(run.metrics, path);
   return run;
 }
 

@@ -121,7 +121,7 @@ RunReport read_run(const RunFolder& folder) {
   }
   RunReport run;
   run.metrics = read_run_json(folder.run_json());
-  run.name = input_name(run.metrics.value("input", folder.path().string()));
+  run.name = run_name(run.metrics, folder.path());
   run.estimate = read_tum_trajectory(folder.trajectory());
   run.keyframes = read_if_there(folder.keyframes());
   run.truth = read_if_there(folder.ground_truth());

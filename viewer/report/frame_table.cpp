@@ -1,5 +1,7 @@
 #include "viewer/report/frame_table.hpp"
 
+#include <limits>
+
 #include <fmt/format.h>
 
 #include "kinloop/base/text_file.hpp"
@@ -9,6 +11,22 @@ namespace kinloop {
 namespace {
 
 constexpr size_t kFields = 5;
+
+FrameRow parse_row(const TextLine& line, const std::filesystem::path& path) {
+  if (line.fields.size() != kFields)
+    throw_parse_error(path, line.number, "expected 'stamp status features tracked ms'");
+  const auto stamp_ns = parse_stamp_ns(line.fields[0]);
+  if (!stamp_ns)
+    throw_parse_error(path, line.number, fmt::format("'{}' is not a time stamp", line.fields[0]));
+  const auto count = [&](const std::string& field) {
+    const double number = parse_double(field, path, line.number);
+    if (number < 0 || number > std::numeric_limits<int>::max())
+      throw_parse_error(path, line.number, fmt::format("'{}' is not a number of features", field));
+    return static_cast<int>(number);
+  };
+  return {*stamp_ns, line.fields[1], count(line.fields[2]), count(line.fields[3]),
+          parse_double(line.fields[4], path, line.number)};
+}
 
 }  // namespace
 
@@ -23,16 +41,7 @@ void write_frame_table(const std::filesystem::path& path, const FrameTable& tabl
 
 FrameTable read_frame_table(const std::filesystem::path& path) {
   FrameTable table;
-  for (const TextLine& line : read_table(path)) {
-    if (line.fields.size() != kFields)
-      throw_parse_error(path, line.number, "expected 'stamp status features tracked ms'");
-    const auto stamp_ns = parse_stamp_ns(line.fields[0]);
-    if (!stamp_ns)
-      throw_parse_error(path, line.number, fmt::format("'{}' is not a time stamp", line.fields[0]));
-    const auto number = [&](size_t field) { return parse_double(line.fields[field], path, line.number); };
-    table.push_back(
-        {*stamp_ns, line.fields[1], static_cast<int>(number(2)), static_cast<int>(number(3)), number(4)});
-  }
+  for (const TextLine& line : read_table(path)) table.push_back(parse_row(line, path));
   return table;
 }
 

@@ -157,6 +157,13 @@ std::string input_name(std::string_view input) {
   return last_components(input, 1);
 }
 
+std::string run_name(const json& figures, const std::filesystem::path& path) {
+  const auto input = figures.find("input");
+  if (input == figures.end() || !input->is_string())
+    return input_name(std::filesystem::absolute(path).string());
+  return input_name(input->get<std::string>());
+}
+
 std::vector<std::string> unique_short_names(std::span<const std::string> paths) {
   constexpr size_t kMaxCount = 20;  // a path given twice stays ambiguous
   std::vector<std::string> names;

@@ -2,6 +2,7 @@
 // In: the results of one or several runs. Out: one self-contained HTML page.
 // The page itself (viewer/pages/src/report) draws; this module computes its data from the files of the run.
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,6 +35,9 @@ struct RunReport {
 
 /// Returns the display name of an input: the last component of a path, anything else ("sim:room") unchanged.
 std::string input_name(std::string_view input);
+
+/// Returns the display name of a run: its input according to `figures`, its run.json, else its path.
+std::string run_name(const nlohmann::json& figures, const std::filesystem::path& path);
 
 /// Returns the last components of the paths, as many as needed to distinguish them.
 std::vector<std::string> unique_short_names(std::span<const std::string> paths);

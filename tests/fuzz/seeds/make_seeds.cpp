@@ -10,6 +10,7 @@
 #include "kinloop/base/text_file.hpp"
 #include "kinloop/dense/depth_codec.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
+#include "kinloop/io/mesh_file.hpp"
 #include "kinloop/io/point_cloud/pcd.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
@@ -165,6 +166,8 @@ void add_point_files(const Corpus& corpus) {
   const ColoredCloud cloud{{{0, 0, 1}, {0.5, 0, 1}, {0, 0.5, 1}}, {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, {}};
   corpus.add("ply", "cloud", written("a.ply", [&](const fs::path& p) { write_ply(p, cloud); }));
   corpus.add("pcd", "cloud", written("a.pcd", [&](const fs::path& p) { write_pcd(p, cloud); }));
+  const ColoredMesh mesh{cloud.points, cloud.colors, {{0, 1, 2}}};
+  corpus.add("glb", "mesh", written("a.glb", [&](const fs::path& p) { write_mesh(p, mesh); }));
   corpus.add(
       "ply", "ascii_mesh",
       "ply\nformat ascii 1.0\ncomment frame z-up\nelement vertex 4\nproperty float x\nproperty double y\n"

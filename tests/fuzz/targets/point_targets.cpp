@@ -2,6 +2,7 @@
 #include "kinloop/io/point_cloud/point_file.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
+#include "viewer/glb_file.hpp"
 
 namespace kinloop::fuzz {
 namespace {
@@ -22,6 +23,10 @@ void read_ply_bytes(std::string_view bytes) {
     accept([&] { static_cast<void>(read_ply(path)); });
     accept([&] { static_cast<void>(read_ply_frame(path)); });
   });
+}
+
+void read_glb_bytes(std::string_view bytes) {
+  with_file("a.glb", bytes, [](const auto& path) { accept([&] { static_cast<void>(read_glb(path)); }); });
 }
 
 void read_pcd_bytes(std::string_view bytes) {

@@ -18,6 +18,7 @@ constexpr auto kTargets = std::to_array<FuzzTarget>({
     {"descriptors", read_descriptors_bytes},
     {"frame_lists", read_frame_lists_bytes},
     {"g2o", read_g2o_bytes},
+    {"glb", read_glb_bytes},
     {"http", read_http_bytes},
     {"jpeg", read_jpeg_bytes},
     {"layouts", read_layout_bytes},

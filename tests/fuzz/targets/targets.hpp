@@ -15,6 +15,7 @@ void read_depth_encodings_bytes(std::string_view bytes);
 void read_descriptors_bytes(std::string_view bytes);
 void read_frame_lists_bytes(std::string_view bytes);
 void read_g2o_bytes(std::string_view bytes);
+void read_glb_bytes(std::string_view bytes);
 void read_http_bytes(std::string_view bytes);
 void read_jpeg_bytes(std::string_view bytes);
 void read_layout_bytes(std::string_view bytes);
