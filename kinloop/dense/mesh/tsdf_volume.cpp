@@ -15,7 +15,7 @@
 #pragma GCC diagnostic ignored "-Wshadow"
 #include <openvdb/Grid.h>
 #include <openvdb/openvdb.h>
-#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 #pragma GCC diagnostic pop
 
 #include "kinloop/base/parallel_for.hpp"
@@ -40,6 +40,13 @@ double crossing(float a, float b) {
   return static_cast<double>(a) / (static_cast<double>(a) - static_cast<double>(b));
 }
 
+/// Runs what OpenVDB gives to the threads of TBB on this one: TBB ends the process when the system refuses it
+/// a thread.
+template <class Function>
+auto on_this_thread(const Function& run) {
+  return tbb::task_arena(1).execute(run);
+}
+
 }  // namespace
 
 /// Distances and their weights, as two grids with identical leaves.
@@ -50,6 +57,14 @@ struct TsdfVolume::Volume {
   };
 
   explicit Volume(float truncation_m) : distance(truncation_m), weight(0) {}
+  ~Volume() {
+    on_this_thread([&] {
+      distance.clear();
+      weight.clear();
+    });
+  }
+  Volume(const Volume&) = delete;
+  Volume& operator=(const Volume&) = delete;
 
   void touch(const Coord& voxel) {
     Leaf* existing = distance.probeLeaf(voxel);
@@ -57,8 +72,6 @@ struct TsdfVolume::Volume {
     blocks.push_back({distance.touchLeaf(voxel), weight.touchLeaf(voxel)});
   }
 
-  // OpenVDB clears its trees with TBB, which ends the process when the system refuses it a thread.
-  tbb::global_control one_thread{tbb::global_control::max_allowed_parallelism, 1};
   FloatTree distance;
   FloatTree weight;
   std::vector<Block> blocks;  // in order of first allocation
@@ -139,6 +152,11 @@ class SurfaceNets {
  public:
   SurfaceNets(const FloatTree& distance, const FloatTree& weight, const MeshOptions& options)
       : distance_(distance), weight_(weight), options_(options), vertex_of_(-1), vertices_(vertex_of_) {}
+  ~SurfaceNets() {
+    on_this_thread([&] { vertex_of_.clear(); });
+  }
+  SurfaceNets(const SurfaceNets&) = delete;
+  SurfaceNets& operator=(const SurfaceNets&) = delete;
 
   ColoredMesh run() {
     for (auto leaf = distance_tree().cbeginLeaf(); leaf; ++leaf) {
@@ -271,7 +289,7 @@ ColoredMesh TsdfVolume::surface() const {
 }
 
 size_t TsdfVolume::bytes() const {
-  return volume_->distance.memUsage() + volume_->weight.memUsage();
+  return on_this_thread([&] { return volume_->distance.memUsage() + volume_->weight.memUsage(); });
 }
 
 }  // namespace kinloop
