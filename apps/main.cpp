@@ -110,7 +110,8 @@ ExitCode run_and_report(int argc, char** argv) {
   }
 }
 
-/// What ends the program where an exception cannot be caught, as in the destructors of libraries that allocate.
+/// What ends the program where an exception cannot be caught, as in the destructors of libraries that
+/// allocate.
 [[noreturn]] void end_by_uncaught_exception() {
   try {
     if (const std::exception_ptr exception = std::current_exception()) std::rethrow_exception(exception);
