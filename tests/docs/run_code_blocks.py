@@ -60,7 +60,7 @@ def shell_blocks(text):
 
 def is_shell(block):
     """Not a diagram or the output of a program."""
-    return re.match(r"(kinloop|mpirun|bench_place|\S+/\S+|cmake|apt|apt-get|pip|podman|tar) ", block[0][1] + " ") is not None
+    return re.match(r"(#|kinloop|mpirun|bench_place|\S+/\S+|cmake|apt|apt-get|pip|podman|tar) ", block[0][1] + " ") is not None
 
 
 def link_stills(source, target):
