@@ -110,11 +110,16 @@ ExitCode run_and_report(int argc, char** argv) {
   }
 }
 
+/// Whether an allocation of this thread has failed. An exception that leaves a noexcept function of a
+/// library, as when libstdc++ lists a folder, is unknown to the terminate handler.
+thread_local bool memory_ran_out = false;
+
 /// What ends the program where an exception cannot be caught, as in the destructors of libraries that
 /// allocate.
 [[noreturn]] void end_by_uncaught_exception() {
   try {
     if (const std::exception_ptr exception = std::current_exception()) std::rethrow_exception(exception);
+    if (memory_ran_out) throw std::bad_alloc();
   } catch (const std::bad_alloc&) {
     std::fputs("error: out of memory\n", stderr);
     std::_Exit(static_cast<int>(ExitCode::kBadInput));
@@ -129,6 +134,10 @@ ExitCode run_and_report(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::set_terminate(end_by_uncaught_exception);
+  std::set_new_handler([] {
+    memory_ran_out = true;
+    throw std::bad_alloc();
+  });
   kinloop::reserve_standard_descriptors();
   kinloop::retain_freed_memory();
   std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit is an error like a full disk

@@ -18,9 +18,9 @@ namespace {
 using nlohmann::json;
 
 /// Constants of the glTF 2.0 specification.
-const std::map<int, NumberType> kComponents = {{5120, NumberType::kInt8},   {5121, NumberType::kUint8},
-                                               {5122, NumberType::kInt16},  {5123, NumberType::kUint16},
-                                               {5125, NumberType::kUint32}, {5126, NumberType::kFloat}};
+const std::map<size_t, NumberType> kComponents = {{5120, NumberType::kInt8},   {5121, NumberType::kUint8},
+                                                  {5122, NumberType::kInt16},  {5123, NumberType::kUint16},
+                                                  {5125, NumberType::kUint32}, {5126, NumberType::kFloat}};
 const std::map<std::string, size_t> kWidths = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
                                                {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
 
@@ -74,6 +74,16 @@ class GlbValidator {
     if (!gltf_.is_object()) fail("its JSON part is damaged");
   }
 
+  /// A count, an offset or an index; others, such as 1e21, cannot be converted.
+  [[nodiscard]] size_t natural(const json& value) const {
+    if (!value.is_number_unsigned()) fail("a count, an offset or an index is no natural number");
+    return value.get<size_t>();
+  }
+
+  [[nodiscard]] size_t natural(const json& object, const char* name, size_t otherwise) const {
+    return object.contains(name) ? natural(object.at(name)) : otherwise;
+  }
+
   [[nodiscard]] const json& list(const char* name) const {
     return gltf_.contains(name) ? gltf_.at(name) : none_;
   }
@@ -97,21 +107,20 @@ class GlbValidator {
     }
     for (size_t i = 0; i < buffers.size(); ++i) {
       const bool inside = i == 0 && !buffers[i].contains("uri");
-      if (inside && buffers[i].at("byteLength").get<size_t>() > binary_.size())
-        fail("its buffer is truncated");
+      if (inside && natural(buffers[i].at("byteLength")) > binary_.size()) fail("its buffer is truncated");
     }
     for (const json& view : views) {
-      const auto size = buffers.at(view.at("buffer").get<size_t>()).at("byteLength").get<size_t>();
-      const auto begin = view.value("byteOffset", size_t{0}), length = view.at("byteLength").get<size_t>();
+      const size_t size = natural(buffers.at(natural(view.at("buffer"))).at("byteLength"));
+      const size_t begin = natural(view, "byteOffset", 0), length = natural(view.at("byteLength"));
       if (begin > size || length > size - begin) fail("a part of its buffer is out of range");
     }
   }
 
   /// Stride and size of an element, in bytes.
   std::pair<size_t, size_t> step_and_size(const json& accessor, const json& view) const {
-    const size_t size = size_of(kComponents.at(accessor.at("componentType").get<int>())) *
+    const size_t size = size_of(kComponents.at(natural(accessor.at("componentType")))) *
                         kWidths.at(accessor.at("type").get<std::string>());
-    const size_t step = view.value("byteStride", size);
+    const size_t step = natural(view, "byteStride", size);
     if (step < size) fail("a byteStride is too small");
     return {step, size};
   }
@@ -119,10 +128,10 @@ class GlbValidator {
   void check_accessor(size_t number) const {
     const json& accessor = list("accessors").at(number);
     if (!accessor.contains("bufferView")) return;
-    const json& view = list("bufferViews").at(accessor.at("bufferView").get<size_t>());
+    const json& view = list("bufferViews").at(natural(accessor.at("bufferView")));
     const auto [step, size] = step_and_size(accessor, view);
-    const auto count = accessor.at("count").get<size_t>(), begin = accessor.value("byteOffset", size_t{0}),
-               length = view.at("byteLength").get<size_t>();
+    const size_t count = natural(accessor.at("count")), begin = natural(accessor, "byteOffset", 0),
+                 length = natural(view.at("byteLength"));
     const size_t room = begin < length ? length - begin : 0;
     if (count > 0 && (room < size || (count - 1) > (room - size) / step)) {
       fail(fmt::format("its accessor {} is out of range", number));
@@ -133,25 +142,23 @@ class GlbValidator {
     const json& accessors = list("accessors");
     const json& attributes = primitive.at("attributes");
     if (!attributes.contains("POSITION")) fail("a mesh has no positions");
-    const auto vertices = accessors.at(attributes["POSITION"].get<size_t>()).at("count").get<size_t>();
+    const size_t vertices = natural(accessors.at(natural(attributes["POSITION"])).at("count"));
     for (const json& attribute : attributes) {
-      if (accessors.at(attribute.get<size_t>()).at("count").get<size_t>() != vertices) {
+      if (natural(accessors.at(natural(attribute)).at("count")) != vertices) {
         fail("a mesh has attributes of different lengths");
       }
     }
-    if (primitive.contains("indices"))
-      check_indices(accessors.at(primitive["indices"].get<size_t>()), vertices);
+    if (primitive.contains("indices")) check_indices(accessors.at(natural(primitive["indices"])), vertices);
   }
 
   void check_indices(const json& accessor, size_t vertices) const {
     if (!accessor.contains("bufferView")) return;
-    const json& view = list("bufferViews").at(accessor["bufferView"].get<size_t>());
+    const json& view = list("bufferViews").at(natural(accessor["bufferView"]));
     const bool inside = view.at("buffer") == 0 && !list("buffers").at(0).contains("uri");
     if (!inside) return;
-    const NumberType type = kComponents.at(accessor.at("componentType").get<int>());
-    const size_t step = step_and_size(accessor, view).first, count = accessor.at("count").get<size_t>();
-    const char* at =
-        binary_.data() + view.value("byteOffset", size_t{0}) + accessor.value("byteOffset", size_t{0});
+    const NumberType type = kComponents.at(natural(accessor.at("componentType")));
+    const size_t step = step_and_size(accessor, view).first, count = natural(accessor.at("count"));
+    const char* at = binary_.data() + natural(view, "byteOffset", 0) + natural(accessor, "byteOffset", 0);
     for (size_t i = 0; i < count; ++i) {
       const double index = number_at(at + i * step, type);
       if (!(index < static_cast<double>(vertices))) {

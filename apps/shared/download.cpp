@@ -56,8 +56,7 @@ using Curl = std::unique_ptr<CURL, decltype(&curl_easy_cleanup)>;
 
 Curl make_request(const std::string& url, Part& part) {
   constexpr long kStalledBytes = 1, kStalledSeconds = 60, kRedirects = 5, kConnectSeconds = 20;
-  Curl curl(curl_easy_init(), curl_easy_cleanup);
-  require(curl != nullptr, "curl_easy_init");
+  Curl curl(require_memory(curl_easy_init()), curl_easy_cleanup);
   curl_easy_setopt(curl.get(), CURLOPT_URL, url.c_str());
   curl_easy_setopt(curl.get(), CURLOPT_FOLLOWLOCATION, 1L);
   curl_easy_setopt(curl.get(), CURLOPT_MAXREDIRS, kRedirects);
@@ -76,8 +75,7 @@ Curl make_request(const std::string& url, Part& part) {
 
 /// Size of the file by a HEAD request; -1 if the server does not report it.
 curl_off_t size_at(const std::string& url) {
-  Curl curl(curl_easy_init(), curl_easy_cleanup);
-  require(curl != nullptr, "curl_easy_init");
+  Curl curl(require_memory(curl_easy_init()), curl_easy_cleanup);
   curl_easy_setopt(curl.get(), CURLOPT_URL, url.c_str());
   curl_easy_setopt(curl.get(), CURLOPT_NOBODY, 1L);
   curl_easy_setopt(curl.get(), CURLOPT_FOLLOWLOCATION, 1L);
@@ -150,8 +148,8 @@ void unpack(const std::filesystem::path& file, const std::filesystem::path& fold
   constexpr size_t kBlockBytes = 1U << 16;
   constexpr int kFlags =
       ARCHIVE_EXTRACT_TIME | ARCHIVE_EXTRACT_SECURE_NODOTDOT | ARCHIVE_EXTRACT_SECURE_SYMLINKS;
-  const Reader reader(archive_read_new(), archive_read_free);
-  const Writer writer(archive_write_disk_new(), archive_write_free);
+  const Reader reader(require_memory(archive_read_new()), archive_read_free);
+  const Writer writer(require_memory(archive_write_disk_new()), archive_write_free);
   archive_read_support_filter_all(reader.get());
   archive_read_support_format_all(reader.get());
   archive_write_disk_set_options(writer.get(), kFlags);

@@ -46,7 +46,7 @@ std::string fourcc_of(const AVCodecParameters& codec) {
 
 struct MatroskaFile::Implementation {
   std::unique_ptr<AVFormatContext, CloseFormat> format;
-  std::unique_ptr<AVPacket, FreePacket> packet{av_packet_alloc()};
+  std::unique_ptr<AVPacket, FreePacket> packet{require_memory(av_packet_alloc())};
   std::vector<MatroskaTrack> tracks;
 };
 
@@ -54,7 +54,7 @@ MatroskaFile::MatroskaFile(const std::filesystem::path& path)
     : implementation_(std::make_unique<Implementation>()) {
   av_log_set_level(AV_LOG_QUIET);  // what is wrong is reported by us
   const AVInputFormat* matroska = av_find_input_format("matroska");
-  AVFormatContext* raw = avformat_alloc_context();
+  AVFormatContext* raw = require_memory(avformat_alloc_context());
   AVDictionary* options = nullptr;
   av_dict_set(&options, "protocol_whitelist", "file", 0);
   const int result =

@@ -50,8 +50,8 @@ std::vector<uint8_t> decompressed_lz4(Bytes data, uint64_t size) {
 }
 
 std::vector<uint8_t> decompressed_zstd(Bytes data, uint64_t size) {
-  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
-  if (!context) throw std::bad_alloc();
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(require_memory(ZSTD_createDCtx()),
+                                                                     ZSTD_freeDCtx);
   return decompress_in_steps(data, size, [&](Bytes& input, std::span<uint8_t> output) {
     ZSTD_inBuffer in{input.data(), input.size(), 0};
     ZSTD_outBuffer out{output.data(), output.size(), 0};

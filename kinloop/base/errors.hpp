@@ -3,6 +3,7 @@
 // bad file or option throws one of the two exceptions below, which `main` prints; an estimate that is
 // expected to fail at times returns an optional value.
 
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -23,6 +24,13 @@ class UsageError : public std::runtime_error {
 /// Throws std::logic_error unless `condition` holds, in release builds too.
 inline void require(bool condition, const char* what) {
   if (!condition) throw std::logic_error(what);
+}
+
+/// Returns what a C library allocated; throws std::bad_alloc if it is null.
+template <typename T>
+T* require_memory(T* allocated) {
+  if (allocated == nullptr) throw std::bad_alloc();
+  return allocated;
 }
 
 }  // namespace kinloop

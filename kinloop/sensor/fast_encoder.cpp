@@ -63,7 +63,7 @@ std::vector<uint8_t> filtered(const cv::Mat& ordered) {
 std::string compressed(const std::vector<uint8_t>& bytes) {
   constexpr int kLightest = 1;
   const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
-      libdeflate_alloc_compressor(kLightest), &libdeflate_free_compressor);
+      require_memory(libdeflate_alloc_compressor(kLightest)), &libdeflate_free_compressor);
   std::string zlib(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()), '\0');
   zlib.resize(
       libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), zlib.data(), zlib.size()));

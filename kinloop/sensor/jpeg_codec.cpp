@@ -40,7 +40,7 @@ bool means_damage(std::string_view warning) {
 }
 
 cv::Mat decode_jpeg_as(std::string_view bytes, int type, TJPF pixel_format) {
-  const JpegDecoder decoder(tjInitDecompress(), tjDestroy);
+  const JpegDecoder decoder(require_memory(tjInitDecompress()), tjDestroy);
   const auto size = read_jpeg_header(decoder, bytes);
   if (!size || static_cast<uint64_t>(int64_t{size->width} * size->height) > kMaxDecodedPixels) return {};
   cv::Mat image(*size, type);
@@ -57,7 +57,7 @@ cv::Mat decode_jpeg_as(std::string_view bytes, int type, TJPF pixel_format) {
 }  // namespace
 
 std::optional<cv::Size> jpeg_size(std::string_view bytes) {
-  return read_jpeg_header(JpegDecoder(tjInitDecompress(), tjDestroy), bytes);
+  return read_jpeg_header(JpegDecoder(require_memory(tjInitDecompress()), tjDestroy), bytes);
 }
 
 cv::Mat decode_jpeg(std::string_view bytes) {
@@ -73,7 +73,7 @@ std::vector<uint8_t> encode_jpeg(const cv::Mat& image, int quality) {
           "encode_jpeg: expected 8UC1 or 8UC3");
   const bool gray = image.type() == CV_8UC1;
   const int subsampling = gray ? TJSAMP_GRAY : TJSAMP_420;
-  const std::unique_ptr<void, decltype(&tjDestroy)> encoder(tjInitCompress(), tjDestroy);
+  const std::unique_ptr<void, decltype(&tjDestroy)> encoder(require_memory(tjInitCompress()), tjDestroy);
   std::vector<uint8_t> bytes(tjBufSize(image.cols, image.rows, subsampling));
   unsigned char* begin = bytes.data();
   unsigned long size = bytes.size();

@@ -13,6 +13,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/byte_reader.hpp"
+#include "kinloop/base/errors.hpp"
 #include "kinloop/sensor/image_limits.hpp"
 #include "kinloop/sensor/libpng_decoder.hpp"
 #include "kinloop/sensor/png_unfilter.hpp"
@@ -85,8 +86,7 @@ std::unique_ptr<uint8_t[]> inflate(const PngContent& content) {
   const size_t size = content.size();
   if (size > kMaxInflation * content.deflated.size()) return nullptr;
   const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> decompressor(
-      libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
-  if (!decompressor) return nullptr;
+      require_memory(libdeflate_alloc_decompressor()), libdeflate_free_decompressor);
   auto rows = std::make_unique_for_overwrite<uint8_t[]>(size + kPngRowPadding);
   std::fill_n(rows.get() + size, kPngRowPadding, uint8_t{0});
   size_t written = 0;

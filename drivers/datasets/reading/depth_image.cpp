@@ -49,8 +49,8 @@ cv::Mat raw_units(const std::string& bytes, cv::Size size, const std::filesystem
 /// The size of the image is known, so that a bomb cannot expand to more.
 std::string inflate_zlib(const std::string& bytes, size_t size, const std::filesystem::path& file) {
   using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>;
-  const Decompressor decompressor(libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
-  require(decompressor != nullptr, "libdeflate_alloc_decompressor");
+  const Decompressor decompressor(require_memory(libdeflate_alloc_decompressor()),
+                                  libdeflate_free_decompressor);
   std::string content(size, '\0');
   const auto result = libdeflate_zlib_decompress(decompressor.get(), bytes.data(), bytes.size(),
                                                  content.data(), content.size(), nullptr);

@@ -43,12 +43,15 @@ FormatContext open_video(const std::filesystem::path& file) {
 class VideoReader::Decoder {
  public:
   explicit Decoder(const std::filesystem::path& file)
-      : file_(file), format_(open_video(file)), frame_(av_frame_alloc()), packet_(av_packet_alloc()) {
+      : file_(file),
+        format_(open_video(file)),
+        frame_(require_memory(av_frame_alloc())),
+        packet_(require_memory(av_packet_alloc())) {
     const AVCodec* codec = nullptr;
     if (avformat_find_stream_info(format_.get(), nullptr) >= 0)
       stream_ = av_find_best_stream(format_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
     if (stream_ < 0) throw InputError(fmt::format("{}: contains no video", file.string()));
-    codec_.reset(avcodec_alloc_context3(codec));
+    codec_.reset(require_memory(avcodec_alloc_context3(codec)));
     const AVCodecParameters* parameters = format_->streams[stream_]->codecpar;
     codec_->thread_count = 1;
     codec_->max_pixels = static_cast<int64_t>(kMaxDecodedPixels);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <new>
 #include <numeric>
 
 #include <cholmod.h>
@@ -55,7 +56,7 @@ struct Ordering {
   double flops = std::numeric_limits<double>::infinity();
 };
 
-/// Computes an ordering by one of CHOLMOD's methods; infinite flops on failure.
+/// Computes an ordering by one of CHOLMOD's methods; infinite flops if it cannot.
 Ordering order_by(int method, const BlockPattern& pattern, LowerColumns& columns) {
   Cholmod cholmod;
   cholmod->nmethods = 1;
@@ -74,6 +75,7 @@ Ordering order_by(int method, const BlockPattern& pattern, LowerColumns& columns
   matrix.packed = 1;
   cholmod_factor* factor = cholmod_analyze(&matrix, cholmod.get());
   Ordering ordering;
+  if (cholmod->status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
   if (factor == nullptr) return ordering;
   const auto* permutation = static_cast<const int*>(factor->Perm);
   ordering.order.assign(permutation, permutation + pattern.size);
@@ -85,7 +87,7 @@ Ordering order_by(int method, const BlockPattern& pattern, LowerColumns& columns
 Ordering best_ordering(const BlockPattern& pattern) {
   LowerColumns columns = lower_columns(pattern);
   Ordering best = order_by(CHOLMOD_AMD, pattern, columns);
-  require(!best.order.empty(), "sparse elimination: out of memory while ordering");
+  require(!best.order.empty(), "sparse elimination: no ordering");
   if (best.flops < kDissectFlops) return best;
   Ordering dissected = order_by(CHOLMOD_METIS, pattern, columns);
   return dissected.flops < best.flops ? dissected : best;
