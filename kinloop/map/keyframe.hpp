@@ -21,7 +21,7 @@ struct Keyframe {
   SE3 T_world_camera;
   std::shared_ptr<const Features> features;
   std::vector<LandmarkId> landmark_of;
-  std::shared_ptr<const std::vector<Patch>> patches = {};  ///< per keypoint; null in a loaded map
+  std::shared_ptr<const KeypointPatches> patches = {};  ///< null in a loaded map
 };
 
 /// Keypoint `feature` of `keyframe`.

@@ -32,7 +32,7 @@ struct LocalView {
   KeyframeId keyframe;
   SE3 T_keyframe_reference;
   std::shared_ptr<const Features> features;
-  std::shared_ptr<const std::vector<Patch>> patches;  ///< may be null
+  std::shared_ptr<const KeypointPatches> patches;  ///< may be null
 };
 
 /// Landmarks in the frame of `reference`, as a structure of arrays.

@@ -190,10 +190,10 @@ void Map::set_features(KeyframeId id, std::shared_ptr<const Features> features) 
   keyframe.features = std::move(features);
 }
 
-void Map::set_patches(KeyframeId id, std::vector<Patch> patches) {
+void Map::set_patches(KeyframeId id, KeypointPatches patches) {
   Keyframe& keyframe = keyframe_ref(id);
-  require(patches.size() == keyframe.features->size(), "set_patches: one patch per keypoint expected");
-  keyframe.patches = std::make_shared<const std::vector<Patch>>(std::move(patches));
+  require(patches.keypoints() == keyframe.features->size(), "set_patches: number of keypoints differs");
+  keyframe.patches = std::make_shared<const KeypointPatches>(std::move(patches));
 }
 
 bool Map::contains(LandmarkId id) const {

@@ -70,7 +70,7 @@ class Map {
   void set_features(KeyframeId id, std::shared_ptr<const Features> features);
 
   /// Stores image patches of the keypoints of a keyframe.
-  void set_patches(KeyframeId id, std::vector<Patch> patches);
+  void set_patches(KeyframeId id, KeypointPatches patches);
 
   /// Increments the epoch after a correction of the whole map (loop correction, global bundle adjustment,
   /// self-calibration), so that updates computed before it are dropped.

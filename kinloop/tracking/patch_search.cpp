@@ -37,7 +37,8 @@ std::optional<ExpectedPatch> PatchPredictor::expect(uint32_t index, const Eigen:
   const LocalMap& map = search_.local_map;
   const LocalView& view = map.views[map.view_of[index]];
   const uint32_t feature = map.feature_of[index];
-  if (!view.patches || (*view.patches)[feature].octave == Patch::kNone) return std::nullopt;
+  const Patch* patch = view.patches ? view.patches->find(feature) : nullptr;
+  if (patch == nullptr) return std::nullopt;
   // Follow two neighbours of the keypoint on its surface into the frame.
   constexpr double kStep_px = 4;
   const Eigen::Vector3d p_view = view.T_keyframe_reference * map.p_reference[index];
@@ -64,16 +65,15 @@ std::optional<ExpectedPatch> PatchPredictor::expect(uint32_t index, const Eigen:
   const double ratio = std::abs(frame_steps.determinant() / view_steps.determinant());
   if (!std::isfinite(ratio) || !(ratio > kMinAreaRatio) || !(ratio < 1 / kMinAreaRatio)) return std::nullopt;
   const Eigen::Matrix2d warp = view_steps * frame_steps.inverse();
-  const int octave =
-      std::clamp((*view.patches)[feature].octave + static_cast<int>(std::lround(std::log2(ratio) / 2)), 0,
-                 static_cast<int>(kOctaves) - 1);
+  const int octave = std::clamp(patch->octave + static_cast<int>(std::lround(std::log2(ratio) / 2)), 0,
+                                static_cast<int>(kOctaves) - 1);
   return ExpectedPatch{index, raw, octave, warp};
 }
 
 std::optional<FoundPatch> find_patch(const ImageOctaves& octaves, const ExpectedPatch& expected,
                                      const LocalMap& map, float max_shift_px) {
   constexpr float kMinCorrelation = 0.9F;
-  const Patch& patch = (*map.views[map.view_of[expected.index]].patches)[map.feature_of[expected.index]];
+  const Patch& patch = *map.views[map.view_of[expected.index]].patches->find(map.feature_of[expected.index]);
   const int octave = std::min(expected.octave, static_cast<int>(octaves.size()) - 1);
   const Eigen::Matrix2d source_per_target = expected.warp * std::ldexp(1.0, octave - patch.octave);
   const auto made = make_template(patch, source_per_target.cast<float>());

@@ -38,7 +38,7 @@ Patch patch_at(const cv::Mat& image, const Eigen::Vector2f& pixel) {
   features.raw_pixels = {pixel};
   features.pixels = {pixel};
   features.levels = {0};
-  return cut_patches({image}, features, {true}).front();
+  return *cut_patches({image}, features, {true}).find(0);
 }
 
 constexpr int kWidth_px = 100, kHeight_px = 80;
@@ -108,9 +108,10 @@ TEST(CutPatches, LeavesOutKeypointsAtTheBorderAndUnwantedOnes) {
   features.pixels = features.raw_pixels;
   features.levels = {0, 0, 0};
   const auto patches = cut_patches({image}, features, {true, true, false});
-  EXPECT_EQ(patches[0].octave, 0);
-  EXPECT_EQ(patches[1].octave, Patch::kNone);
-  EXPECT_EQ(patches[2].octave, Patch::kNone);
+  ASSERT_NE(patches.find(0), nullptr);
+  EXPECT_EQ(patches.find(0)->octave, 0);
+  EXPECT_EQ(patches.find(1), nullptr);
+  EXPECT_EQ(patches.find(2), nullptr);
 }
 
 PinholeCamera vga_camera() {
@@ -188,7 +189,7 @@ TEST_F(Wall, RefinementMovesKeypointsToTheirLandmarks) {
   const std::vector<bool> all(seen.size(), true);
   const ImageOctaves octaves = make_octaves(view({}, kFine_per_m), 4);
   map.views.push_back({KeyframeId{0}, SE3{}, at_keyframe,
-                       std::make_shared<const std::vector<Patch>>(cut_patches(octaves, *at_keyframe, all))});
+                       std::make_shared<const KeypointPatches>(cut_patches(octaves, *at_keyframe, all))});
   matches.erase(matches.begin());               // the first keypoint matches nothing
   matches.front().landmark = LandmarkId{1000};  // the second a landmark beyond the local map
   PreparedFrame frame;
