@@ -57,6 +57,7 @@ RunOptions options_of(const RunArguments& arguments, const std::optional<Initial
   options.slam.global_ba.threads = threads;
   options.slam.localize_only = arguments.localize;
   if (arguments.pace_hz > 0 || live) options.slam.executor.mode = ExecutorMode::kLive;
+  if (arguments.memory_mib > 0) options = with_memory_limit(options, arguments.memory_mib);
   options = run_options_with(options, arguments.assignments);
   if (start && options.slam.features.kind != features)
     throw UsageError(fmt::format("features.kind: must be {}, as in the loaded map", name_of(features)));

@@ -29,6 +29,11 @@ void add_map_arguments(CLI::App& command, RunArguments& arguments) {
                   "interval between saves of the map during the run, s; 0 = only at the end")
       ->check(number(0, 1e6))
       ->capture_default_str();
+  command
+      .add_option("--memory", arguments.memory_mib,
+                  "memory for images, descriptors and patches of the map, MiB; the oldest beyond it are\n"
+                  "kept in a temporary file (in TMPDIR); does not affect the results")
+      ->check(whole_number(1, 1000000));
 }
 
 }  // namespace

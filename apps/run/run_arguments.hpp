@@ -30,6 +30,7 @@ struct RunArguments {
   bool localize = false;
   bool report = false;
   double autosave_s = 30;
+  int memory_mib = 0;  ///< 0: that of the options
   std::vector<std::string> assignments;
 };
 

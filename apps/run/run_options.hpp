@@ -38,6 +38,10 @@ struct RunOptions {
 /// Narrows the limits of depth to the range of the sensor, see within_range.
 RunOptions within_range(RunOptions options, const DepthSensor& sensor);
 
+/// Divides this memory among images, descriptors and patches of keyframes; the fusion of the dense map, which
+/// comes after them, gets no more than it.
+RunOptions with_memory_limit(RunOptions options, int memory_mib);
+
 /// `options` with the assignments ("key=value") applied in order. The limits of depth are those of the dense
 /// map for everything made of depth: mesh, occupancy map, viewer.
 RunOptions run_options_with(RunOptions options, std::span<const std::string> assignments);

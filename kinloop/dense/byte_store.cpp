@@ -1,6 +1,5 @@
 #include "kinloop/dense/byte_store.hpp"
 
-#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,13 +10,6 @@
 
 namespace kinloop {
 namespace {
-
-/// TMPDIR, else /tmp; std::filesystem::temp_directory_path throws if TMPDIR is not a folder.
-std::filesystem::path temporary_folder() {
-  std::error_code error;
-  const auto folder = std::filesystem::temp_directory_path(error);
-  return error ? std::filesystem::path("TMPDIR") : folder;
-}
 
 [[noreturn]] void throw_no_room() {
   throw InputError(

@@ -2,6 +2,7 @@
 // The features of an image: keypoints, their depths and descriptors.
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,6 +28,8 @@ struct Features {
   std::vector<float> angles_rad;  ///< orientation in the image
   std::vector<float> sigmas_px;   ///< standard deviation of `pixels`; grows with the level
   cv::Mat descriptors;            ///< N x 32 of 8UC1 (ORB), or N x D of 32FC1 (SIFT, SURF)
+  /// Keeps the memory of `descriptors` alive if it is not OpenCV's own.
+  std::shared_ptr<const uint8_t> descriptor_storage;
 
   [[nodiscard]] size_t size() const { return pixels.size(); }
 };

@@ -3,6 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "kinloop/features/features.hpp"
@@ -19,30 +22,30 @@ struct Patch {
   int octave = 0;
 };
 
-/// Patches of some of the keypoints of an image. The others take no space: a map holds these for ever.
+/// Patches of some of the keypoints of an image. The others take no space: a map keeps these.
 class KeypointPatches {
  public:
-  explicit KeypointPatches(size_t keypoints) : index_of_(keypoints, kNone) {}
+  /// `patches[k]` is that of the k-th keypoint for which `has_patch` is set.
+  KeypointPatches(const std::vector<bool>& has_patch, const std::vector<Patch>& patches);
 
-  /// Adds the patch of a keypoint that has none.
-  void add(size_t keypoint, const Patch& patch) {
-    index_of_.at(keypoint) = static_cast<uint32_t>(patches_.size());
-    patches_.push_back(patch);
-  }
-  void shrink_to_fit() { patches_.shrink_to_fit(); }
+  /// The same patches in another place in memory.
+  KeypointPatches(const KeypointPatches& other, std::shared_ptr<const Patch> storage)
+      : index_of_(other.index_of_), patches_(std::move(storage)), patch_count_(other.patch_count_) {}
 
   /// The patch of a keypoint; null if it has none.
   [[nodiscard]] const Patch* find(size_t keypoint) const {
     const uint32_t index = index_of_[keypoint];
-    return index == kNone ? nullptr : &patches_[index];
+    return index == kNone ? nullptr : patches_.get() + index;
   }
   [[nodiscard]] size_t keypoints() const { return index_of_.size(); }
+  [[nodiscard]] std::span<const Patch> patches() const { return {patches_.get(), patch_count_}; }
 
  private:
   static constexpr uint32_t kNone = UINT32_MAX;
 
   std::vector<uint32_t> index_of_;  // in patches_, per keypoint
-  std::vector<Patch> patches_;
+  std::shared_ptr<const Patch> patches_;
+  size_t patch_count_ = 0;
 };
 
 /// Patches of the keypoints for which `wanted` is set; a keypoint near the border has none.

@@ -76,6 +76,7 @@ struct SlamOptions {
   int lost_frames_before_new_component = 5;
   bool global_ba_enabled = true;
   bool localize_only = false;
+  int keyframe_memory_mib = 1024;
   NoiseOptions noise;
   FeatureOptions features;
   TrackingOptions tracking;
@@ -98,6 +99,11 @@ struct SlamOptions {
     visit("global_ba_enabled", self.global_ba_enabled,
           "run global bundle adjustment after loop closures and at the end");
     visit("localize_only", self.localize_only, "localize in a loaded map without changing it", Expert{});
+    visit(
+        "keyframe_memory_mib", self.keyframe_memory_mib,
+        "memory for descriptors and patches of keyframes before the oldest are spilled to a temporary file, "
+        "MiB",
+        Range{0, 1e6});
     visit("noise", self.noise);
     visit("features", self.features);
     visit("tracking", self.tracking);

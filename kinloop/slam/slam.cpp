@@ -46,6 +46,7 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary)
     : camera_(camera),
       options_(resolve_options(options, camera.sensor.noise)),
+      keyframe_memory_(static_cast<size_t>(options_.keyframe_memory_mib) << 20),
       front_end_(camera.color, options_.features),
       tracker_(camera.color, options_),
       mapper_(camera.color, options_),
@@ -124,6 +125,7 @@ void Slam::apply_sensor_estimate(const SensorEstimate& sensor) {
 KeyframeId Slam::insert_keyframe(const FrameTracking& tracking) {
   const KeyframeId id = mapper_.insert_keyframe(map_, tracking, sensor_.value);
   places_.add(map_.keyframe(id));
+  keyframe_memory_.apply_limit(map_);
   map_changed_ = true;
   return id;
 }

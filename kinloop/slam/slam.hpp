@@ -14,6 +14,7 @@
 #include "kinloop/base/progress.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
+#include "kinloop/map/keyframe_memory.hpp"
 #include "kinloop/place/vocabulary.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
 #include "kinloop/slam/back_end/back_end.hpp"
@@ -116,6 +117,7 @@ class Slam {
   RgbdCamera camera_;
   SlamOptions options_;
   Map map_;
+  KeyframeMemory keyframe_memory_;
   FrontEnd front_end_;
   Tracker tracker_;
   Mapper mapper_;

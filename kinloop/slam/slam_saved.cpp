@@ -25,6 +25,7 @@ uint32_t Slam::add_map(SavedMap saved) {
   if (end == 0) return shift;
   mapper_.continue_from(KeyframeId{end - 1});
   for (uint32_t id = begin; id < end; ++id) places_.add(map_.keyframe(KeyframeId{id}));
+  keyframe_memory_.apply_limit(map_);
   for (uint32_t id = begin; !first && id < end; ++id) {
     find_loops(KeyframeId{id});
     apply_results(back_end_.apply_remaining(job_context()));

@@ -169,6 +169,16 @@ TEST_F(Outputs, MapFilesAreTheSameForAnyNumberOfThreads) {
   EXPECT_TRUE(read_file(at("1/map.kinmap")) == read_file(at("3/map.kinmap")));
 }
 
+TEST_F(Outputs, AMemoryLimitDoesNotChangeThem) {
+  const std::string folder = sequence(30);
+  for (const char* memory : {"1", "1000"})
+    ASSERT_EQ(run("run '" + folder + "' -q --memory " + memory + " -o '" + at(memory) + "'").exit_code,
+              kDone);
+  for (const char* name : {"trajectory.txt", "map.ply"})
+    EXPECT_TRUE(read_file(at(std::string("1/") + name)) == read_file(at(std::string("1000/") + name)))
+        << name;
+}
+
 TEST_F(Outputs, FilesAreFlushedOnceEach) {
   if (shell("strace -V").exit_code != 0) GTEST_SKIP() << "strace is not installed";
   const Run done = shell("strace -f -y -e trace=fsync,fdatasync -o '" + at("trace") + "' " + kProgram +

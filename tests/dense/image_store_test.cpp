@@ -1,6 +1,5 @@
 #include "kinloop/dense/image_store.hpp"
 
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
@@ -8,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "kinloop/base/random.hpp"
+#include "tests/support/environment.hpp"
 #include "tests/support/expect_error.hpp"
 
 namespace kinloop {
@@ -107,12 +107,8 @@ TEST(ImageStore, DepthThatUnitsCannotHoldIsUnknown) {
 TEST(ImageStore, MissingTempFolderIsReported) {
   const auto images = some_images(1);
   ImageStore store({.memory_limit_bytes = 0});
-  const char* before = std::getenv("TMPDIR");
-  const std::string saved = before == nullptr ? "" : before;
-  setenv("TMPDIR", "/proc/no-such-folder", 1);
-  const auto message = test::input_error([&] { store.add(images); });
-  before == nullptr ? unsetenv("TMPDIR") : setenv("TMPDIR", saved.c_str(), 1);
-  EXPECT_THAT(message, HasSubstr("set TMPDIR to another folder"));
+  const test::EnvironmentVariable elsewhere("TMPDIR", "/proc/no-such-folder");
+  EXPECT_THAT(test::input_error([&] { store.add(images); }), HasSubstr("set TMPDIR to another folder"));
 }
 
 }  // namespace

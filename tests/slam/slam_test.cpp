@@ -100,6 +100,10 @@ TEST(Slam, ResultsAreBitwiseReproducible) {
   expect_same(run(recording().frames, {}), run(recording().frames, {}));
 }
 
+TEST(Slam, DescriptorsOnDiskGiveIdenticalResults) {
+  expect_same(run(recording().frames, {.keyframe_memory_mib = 0}), run(recording().frames, {}));
+}
+
 TEST(Slam, PipelineGivesIdenticalResults) {
   ReplayedSource source;
   Slam slam(source.camera());
