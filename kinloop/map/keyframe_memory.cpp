@@ -8,7 +8,7 @@
 namespace kinloop {
 namespace {
 
-static_assert(std::is_trivially_copyable_v<Patch>);
+static_assert(std::is_trivially_destructible_v<Patch>);  // it is read from the file in place
 
 std::span<const uint8_t> descriptor_bytes(const Keyframe& keyframe) {
   const cv::Mat& descriptors = keyframe.features->descriptors;
