@@ -42,8 +42,8 @@ TEST(ImageSurfels, ThinnedTheyStillCoverTheImage) {
     const auto some = thinned(surfels, most);
     EXPECT_LE(some.points.size(), most);
     EXPECT_GE(2 * some.points.size() + 2, std::min(most, surfels.points.size()));
-    EXPECT_LT(some.points.front().row, 8 * kPixelSteps);
-    EXPECT_GT(some.points.back().row, 100 * kPixelSteps);
+    EXPECT_LT(some.points.front().row, 8 * some.pixel_steps);
+    EXPECT_GT(some.points.back().row, 100 * some.pixel_steps);
   }
 }
 
@@ -67,10 +67,33 @@ TEST(ImageSurfels, PointsLieOnTheSurfaceAndKnowItsSlope) {
   ASSERT_GT(surfels.points.size(), 1000U);
   for (const auto& point : surfels.points) {
     const Eigen::Vector2d pixel(point.col, point.row);
-    const double expected = n.dot(small_camera().unproject(pixel / kPixelSteps, 1));
+    const double expected = n.dot(small_camera().unproject(pixel / surfels.pixel_steps, 1));
     EXPECT_NEAR(static_cast<double>(point.inverse_depth), expected, 1e-3 * expected);
     EXPECT_NEAR(static_cast<float>(point.slope_x) / kSlopeSteps, n.x() / expected, 0.05);
     EXPECT_NEAR(static_cast<float>(point.slope_y) / kSlopeSteps, n.y() / expected, 0.05);
+  }
+}
+
+TEST(ImageSurfels, PositionsOfWideAndHighImagesAreRight) {
+  for (const cv::Size size :
+       {cv::Size(1024, 20), cv::Size(1920, 20), cv::Size(20, 1300), cv::Size(8000, 20)}) {
+    // Inverse depth tells where each pixel is.
+    const auto depth_at = [](double col, double row) { return 1 + (col + row) / 4000; };
+    RgbdImages images{cv::Mat(size, CV_8UC3, cv::Scalar::all(9)), cv::Mat(size, CV_32FC1)};
+    for (int row = 0; row < size.height; ++row) {
+      for (int col = 0; col < size.width; ++col)
+        images.depth_m.at<float>(row, col) = static_cast<float>(depth_at(col, row));
+    }
+    const auto surfels = extract_surfels(images, {1000}, {});
+    const int steps = surfels.pixel_steps;
+    int furthest = 0;
+    for (const Surfel& point : surfels.points) {
+      const double col = static_cast<double>(point.col) / steps, row = static_cast<double>(point.row) / steps;
+      EXPECT_NEAR(1 / static_cast<double>(point.inverse_depth), depth_at(col, row), 3e-3) << size;
+      furthest = std::max(furthest, (point.col + point.row) / steps);
+    }
+    EXPECT_GT(furthest, size.width + size.height - 16) << size;
+    EXPECT_EQ(surfels_from_bytes(to_bytes(surfels)).pixel_steps, steps);
   }
 }
 
@@ -86,7 +109,7 @@ TEST(ImageSurfels, NoiseIsSmoothedAndEdgesAreNot) {
   double squares = 0;
   const auto surfels = extract(images);
   for (const auto& point : surfels.points) {
-    const double truth = point.col < 80 * kPixelSteps ? 1 / 2.0 : 1 / 3.0;
+    const double truth = point.col < 80 * surfels.pixel_steps ? 1 / 2.0 : 1 / 3.0;
     squares += std::pow(static_cast<double>(point.inverse_depth) - truth, 2);
   }
   const double rms = std::sqrt(squares / static_cast<double>(surfels.points.size()));
@@ -139,8 +162,9 @@ TEST(ImageSurfels, SurfacesSeenAtAGrazingAngleAreLeftOut) {
       images.depth_m.col(col).setTo(static_cast<float>(1.5 / (1 - x * std::tan(angle_deg * M_PI / 180))));
     }
     size_t middle = 0;
-    for (const auto& point : extract(images).points) {
-      if (std::abs(point.col / kPixelSteps - 79) < 2) middle += point.pixels;
+    const auto surfels = extract(images);
+    for (const auto& point : surfels.points) {
+      if (std::abs(point.col / surfels.pixel_steps - 79) < 2) middle += point.pixels;
     }
     EXPECT_EQ(middle > 0, seen) << angle_deg << " degrees";
   }

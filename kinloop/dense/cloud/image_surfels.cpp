@@ -63,6 +63,14 @@ cv::Mat smoothed(const cv::Mat& inverse_depth, const DepthNoise& noise) {
   return result;
 }
 
+/// As many as positions of 16 bits allow.
+int pixel_steps_of(const cv::Size& size) {
+  constexpr int kPositions = std::numeric_limits<uint16_t>::max() + 1;
+  int steps = ImageSurfels{}.pixel_steps;
+  while (std::max(size.width, size.height) * steps > kPositions) steps /= 2;
+  return steps;
+}
+
 /// Sums over the usable pixels of a block.
 struct BlockSums {
   float inverse_depth = 0;
@@ -88,6 +96,7 @@ class SurfelExtractor {
   SurfelExtractor(const RgbdImages& images, const cv::Mat& inverse_depth, const SurfelCamera& camera,
                   const DenseOptions& options)
       : color_(images.color),
+        pixel_steps_(pixel_steps_of(images.color.size())),
         focal_px_(camera.focal_px),
         voxel_m_(options.voxel_m),
         max_slope_(static_cast<float>(std::tan(options.limits.max_incidence_deg * M_PI / 180) *
@@ -153,7 +162,7 @@ class SurfelExtractor {
   void add_surfel(const BlockSums& sums) {
     const int count = kCount != 0 ? kCount : sums.count;
     const auto mean = [=](int sum) { return (sum + count / 2) / count; };
-    const auto place = [&](int sum) { return static_cast<uint16_t>(mean(sum * kPixelSteps)); };
+    const auto place = [&](int sum) { return static_cast<uint16_t>(mean(sum * pixel_steps_)); };
     const auto channel = [&](int sum) { return static_cast<uint8_t>(mean(sum)); };
     const int row = sums.rows / count, col = sums.cols / count;
     points_.push_back({sums.inverse_depth / static_cast<float>(count),
@@ -187,6 +196,7 @@ class SurfelExtractor {
   }
 
   const cv::Mat& color_;
+  int pixel_steps_;
   double focal_px_, voxel_m_;
   float max_slope_;
   cv::Mat inverse_depth_, usable_;
@@ -215,6 +225,7 @@ std::vector<uint16_t> nearest_depths(const cv::Mat& inverse_depth) {
 /// Header of the serialised surfels.
 struct Header {
   float sharpness = 0;
+  int32_t pixel_steps = 0;
   uint32_t points = 0, tiles = 0;
 };
 
@@ -231,19 +242,19 @@ ImageSurfels extract_surfels(const RgbdImages& images, const SurfelCamera& camer
               images.color.size() == images.depth_m.size(),
           "extract_surfels: expected colour 8UC3 and depth 32FC1 of the same size");
   const cv::Mat inverse_depth = inverse(images.depth_m);
-  return {image_sharpness(images.color), SurfelExtractor(images, inverse_depth, camera, options).run(),
-          nearest_depths(inverse_depth)};
+  return {image_sharpness(images.color), pixel_steps_of(images.color.size()),
+          SurfelExtractor(images, inverse_depth, camera, options).run(), nearest_depths(inverse_depth)};
 }
 
 ImageSurfels thinned(const ImageSurfels& surfels, size_t max_points) {
-  ImageSurfels some{surfels.sharpness, {}, {}};
+  ImageSurfels some{surfels.sharpness, surfels.pixel_steps, {}, {}};
   const size_t step = surfels.points.size() / max_points + 1;
   for (size_t i = 0; i < surfels.points.size(); i += step) some.points.push_back(surfels.points[i]);
   return some;
 }
 
 std::vector<uint8_t> to_bytes(const ImageSurfels& surfels) {
-  const Header header{surfels.sharpness, static_cast<uint32_t>(surfels.points.size()),
+  const Header header{surfels.sharpness, surfels.pixel_steps, static_cast<uint32_t>(surfels.points.size()),
                       static_cast<uint32_t>(surfels.nearest.size())};
   const size_t point_bytes = surfels.points.size() * sizeof(Surfel);
   const size_t tile_bytes = surfels.nearest.size() * sizeof(uint16_t);
@@ -258,7 +269,7 @@ ImageSurfels surfels_from_bytes(std::span<const uint8_t> bytes) {
   Header header;
   require(bytes.size() >= sizeof(Header), "surfels_from_bytes: too short");
   std::memcpy(&header, bytes.data(), sizeof(Header));
-  ImageSurfels surfels{header.sharpness, std::vector<Surfel>(header.points),
+  ImageSurfels surfels{header.sharpness, header.pixel_steps, std::vector<Surfel>(header.points),
                        std::vector<uint16_t>(header.tiles)};
   const size_t point_bytes = surfels.points.size() * sizeof(Surfel);
   const size_t tile_bytes = surfels.nearest.size() * sizeof(uint16_t);

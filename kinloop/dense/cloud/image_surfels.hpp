@@ -14,16 +14,13 @@
 
 namespace kinloop {
 
-/// Subpixel steps of a surfel's image position.
-constexpr int kPixelSteps = 64;
-
 /// Quantisation steps of a surfel's slope.
 constexpr float kSlopeSteps = 24;
 
 /// A small surface element: the mean of up to 4 x 4 pixels.
 struct Surfel {
   float inverse_depth = 0;    ///< 1/m
-  uint16_t col = 0, row = 0;  ///< in the raw image, in steps of 1 / kPixelSteps pixel
+  uint16_t col = 0, row = 0;  ///< in the raw image, in steps of 1 / ImageSurfels::pixel_steps pixel
   Rgb color{};
   uint8_t pixels = 0;  ///< number of pixels averaged
   int8_t slope_x = 0,
@@ -37,7 +34,8 @@ constexpr int kTilePx = 4;
 constexpr double kTileStep_per_m = 1.0 / 3000;
 
 struct ImageSurfels {
-  float sharpness = 0;  ///< of the colour image
+  float sharpness = 0;   ///< of the colour image
+  int pixel_steps = 64;  ///< subpixel steps of positions
   std::vector<Surfel> points;
   std::vector<uint16_t> nearest;  ///< per tile, row-major: its nearest depth; 0 if any pixel is unknown
 };

@@ -10,12 +10,12 @@ namespace kinloop {
 namespace {
 
 /// Bilinear interpolation of the ray.
-Eigen::Vector2f ray_at(const RayTable& rays, const Surfel& point) {
-  constexpr float kStep = 1.0F / kPixelSteps;
-  const int col = std::min(point.col / kPixelSteps, rays.width - 2);
-  const int row = std::min(point.row / kPixelSteps, rays.height - 2);
-  const float right = static_cast<float>(point.col) * kStep - static_cast<float>(col);
-  const float down = static_cast<float>(point.row) * kStep - static_cast<float>(row);
+Eigen::Vector2f ray_at(const RayTable& rays, const Surfel& point, int pixel_steps) {
+  const float step = 1.0F / static_cast<float>(pixel_steps);
+  const int col = std::min(point.col / pixel_steps, rays.width - 2);
+  const int row = std::min(point.row / pixel_steps, rays.height - 2);
+  const float right = static_cast<float>(point.col) * step - static_cast<float>(col);
+  const float down = static_cast<float>(point.row) * step - static_cast<float>(row);
   const auto* above =
       &rays.rays[static_cast<size_t>(row) * static_cast<size_t>(rays.width) + static_cast<size_t>(col)];
   const auto* below = above + rays.width;
@@ -89,12 +89,12 @@ std::vector<VoxelSample> voxel_samples(const ImageSurfels& surfels, const PosedI
   std::vector<VoxelSample> samples;
   samples.reserve(surfels.points.size());
   for (const Surfel& point : surfels.points) {
-    const Eigen::Vector2f ray = ray_at(rays, point);
+    const Eigen::Vector2f ray = ray_at(rays, point, surfels.pixel_steps);
     const auto x = static_cast<double>(ray.x()), y = static_cast<double>(ray.y());
     const double inverse_depth = camera.correct_inverse_depth(static_cast<double>(point.inverse_depth), x, y);
     if (!(inverse_depth > 0)) continue;
     const double z = 1 / inverse_depth;
-    const double row = static_cast<double>(point.row) / kPixelSteps;
+    const double row = static_cast<double>(point.row) / surfels.pixel_steps;
     const Eigen::Vector3d p = camera.deskew({x * z, y * z, z}, row, view.velocity, view.depth_lag_s);
     const Eigen::Vector3d p_voxels = (R * p + view.T_world_camera.translation) / voxel_m;
     if (!(p_voxels.cwiseAbs().maxCoeff() < kEnd)) continue;
