@@ -75,7 +75,7 @@ float average_depth(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, do
       high = std::max(high, z);
     }
   }
-  if (valid < kMinValid || high - low > static_cast<float>(max_relative_step) * low) return 0;
+  if (valid < kMinValid || !(high - low <= static_cast<float>(max_relative_step) * low)) return 0;
   return sum / static_cast<float>(valid);
 }
 

@@ -27,7 +27,7 @@ struct Features {
   std::vector<int> levels;        ///< pyramid level, 0 = full resolution
   std::vector<float> angles_rad;  ///< orientation in the image
   std::vector<float> sigmas_px;   ///< standard deviation of `pixels`; grows with the level
-  cv::Mat descriptors;            ///< N x 32 of 8UC1 (ORB), or N x D of 32FC1 (SIFT, SURF)
+  cv::Mat descriptors;            ///< N x 32 of 8UC1; those of SIFT and SURF are binary, too
   /// Keeps the memory of `descriptors` alive if it is not OpenCV's own.
   std::shared_ptr<const uint8_t> descriptor_storage;
 

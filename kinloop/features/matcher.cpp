@@ -61,6 +61,11 @@ bool plausible(const ProjectedPoint& point, const Features& features, uint32_t i
   return depth_m <= 0 || std::abs(depth_m - point.depth_m) <= max_depth_error * point.depth_m;
 }
 
+/// Row or column of a position in cells; that at the border for one outside, the first one for NaN.
+int nearest_cell(double position, int count) {
+  return static_cast<int>(std::fmin(std::fmax(position, 0), count - 1));
+}
+
 }  // namespace
 
 std::vector<Match> match_brute_force(const cv::Mat& a, const cv::Mat& b, bool cross_check) {
@@ -106,11 +111,11 @@ size_t FeatureGrid::cell_index(int row, int column) const {
 }
 
 int FeatureGrid::column_of(double x) const {
-  return std::clamp(static_cast<int>(x / kCellPx), 0, columns_ - 1);
+  return nearest_cell(x / kCellPx, columns_);
 }
 
 int FeatureGrid::row_of(double y) const {
-  return std::clamp(static_cast<int>(y / kCellPx), 0, rows_ - 1);
+  return nearest_cell(y / kCellPx, rows_);
 }
 
 void FeatureGrid::features_in_area(const Eigen::Vector2d& pixel, double radius_px,

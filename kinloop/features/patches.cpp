@@ -44,6 +44,7 @@ KeypointPatches::KeypointPatches(const std::vector<bool>& has_patch, const std::
 
 KeypointPatches cut_patches(const ImageOctaves& octaves, const Features& features,
                             const std::vector<bool>& wanted) {
+  require(!octaves.empty(), "cut_patches: no image");
   std::vector<bool> has_patch(features.size(), false);
   std::vector<Patch> patches;
   for (size_t i = 0; i < features.size(); ++i) {

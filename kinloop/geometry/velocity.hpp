@@ -1,6 +1,8 @@
 #pragma once
 // How a camera moves at a moment, and where it is shortly before and after.
 
+#include <cstdint>
+
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {
@@ -14,6 +16,9 @@ struct Velocity {
   static Velocity from_vector(const Vector6d& v) { return {v.head<3>(), v.tail<3>()}; }
   [[nodiscard]] Vector6d vector() const;
 };
+
+/// Shortest time over which a velocity is determined: below it, the noise of two poses is most of it.
+constexpr int64_t kMinVelocityInterval_ns = 3'000'000;
 
 /// Velocity of a camera that moves by SE3::exp(twist) in `dt_s` at constant twist: the same at every moment
 /// of that motion.

@@ -40,10 +40,10 @@ struct LoopOptions {
     visit("consistent_keyframes", self.consistent_keyframes,
           "consecutive keyframes that must agree on a candidate (temporal consistency)", Range{1, 20},
           Expert{});
-    visit("max_hamming_distance", self.max_hamming_distance, "maximum Hamming distance of a match, bits",
-          Range{1, 256}, Expert{});
-    visit("min_matches", self.min_matches, "minimum descriptor matches of a candidate", Range{4, 1000},
-          Expert{});
+    visit("max_hamming_distance", self.max_hamming_distance,
+          "maximum Hamming distance of a match in relocalization, bits", Range{1, 256}, Expert{});
+    visit("min_matches", self.min_matches, "minimum descriptor matches of a candidate in relocalization",
+          Range{4, 1000}, Expert{});
     visit("min_inliers", self.min_inliers, "minimum inlier landmarks of a verified loop", Range{10, 1000});
     visit("min_inlier_ratio", self.min_inlier_ratio,
           "minimum inlier fraction of the visible landmarks, or of the keypoints if there are "

@@ -29,6 +29,7 @@ void KeyframeMemory::apply_limit(Map& map) {
     const Keyframe& keyframe = map.keyframe(KeyframeId{next_counted_});
     bytes_in_memory_ += descriptor_bytes(keyframe).size() + patch_bytes(keyframe).size();
   }
+  const size_t on_disk_before = bytes_on_disk();
   try {
     while (!failed_ && bytes_in_memory_ > limit_bytes_ && next_moved_ < next_counted_)
       move_to_disk(map, KeyframeId{next_moved_++});
@@ -36,7 +37,8 @@ void KeyframeMemory::apply_limit(Map& map) {
     failed_ = true;
     log::warn("{}. All descriptors of the map stay in memory", error.what());
   }
-  file_.drop_pages();
+  // What is written soon fills the memory of the pages that were read.
+  if (bytes_on_disk() > on_disk_before) file_.drop_pages();
 }
 
 void KeyframeMemory::move_to_disk(Map& map, KeyframeId id) {

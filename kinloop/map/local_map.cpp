@@ -10,12 +10,12 @@ namespace {
 
 constexpr double kMinViewingCosine = 0.5;  // descriptors rarely match across a viewpoint change of 60 degrees
 
-/// Predicts the pyramid level of a point at `distance_m` that was seen on level `observed_levels` from
-/// `observed_distances_m`.
-int predict_level(int observed_levels, double observed_distances_m, double distance_m,
+/// Predicts the pyramid level of a point at `distance_m` that was seen on level `observed_level` from
+/// `observed_distance_m`.
+int predict_level(int observed_level, double observed_distance_m, double distance_m,
                   const Features& features) {
   const double level =
-      observed_levels + std::log(observed_distances_m / distance_m) / std::log(features.scale_factor);
+      observed_level + std::log(observed_distance_m / distance_m) / std::log(features.scale_factor);
   return std::clamp(static_cast<int>(std::lround(level)), 0, features.level_count - 1);
 }
 

@@ -1,8 +1,8 @@
 #include "kinloop/mapping/bundle_adjustment.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
-#include <set>
 
 #include "kinloop/features/keypoint_measurements.hpp"
 
@@ -11,30 +11,32 @@ namespace {
 
 /// Landmarks observed by the keyframes and by at least two keyframes in total, in order of id.
 std::vector<LandmarkId> confirmed_landmarks(const Map& map, const std::vector<KeyframeId>& keyframes) {
-  std::set<LandmarkId> ids;
+  std::vector<LandmarkId> ids;
   for (const KeyframeId keyframe : keyframes) {
     for (const LandmarkId id : map.keyframe(keyframe).landmark_of) {
-      if (id.valid() && map.landmark(id).observations.size() >= 2) ids.insert(id);
+      if (id.valid() && map.landmark(id).observations.size() >= 2) ids.push_back(id);
     }
   }
-  return {ids.begin(), ids.end()};
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
 }
 
 /// Returns at most `max_count` keyframes outside `window` that observe `landmarks`, most observations first.
 std::vector<KeyframeId> observers_outside(const Map& map, const std::vector<KeyframeId>& window,
                                           const std::vector<LandmarkId>& landmarks, int max_count) {
-  std::vector<std::pair<int, KeyframeId>> counts;
-  for (const Keyframe& keyframe : map.keyframes()) counts.emplace_back(0, keyframe.id);
+  std::vector<int> counts(map.keyframes().size(), 0);  // per keyframe
   for (const LandmarkId id : landmarks) {
-    for (const auto& observation : map.landmark(id).observations) --counts[observation.keyframe.value].first;
+    for (const auto& observation : map.landmark(id).observations) ++counts[observation.keyframe.value];
   }
-  for (const KeyframeId id : window) counts[id.value].first = 0;
-  std::sort(counts.begin(), counts.end());
+  for (const KeyframeId id : window) counts[id.value] = 0;
   std::vector<KeyframeId> observers;
-  for (const auto& [negative_count, id] : counts) {
-    if (negative_count == 0 || static_cast<int>(observers.size()) >= max_count) break;
-    observers.push_back(id);
+  for (uint32_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] > 0) observers.push_back(KeyframeId{i});
   }
+  std::stable_sort(observers.begin(), observers.end(),
+                   [&](KeyframeId a, KeyframeId b) { return counts[a.value] > counts[b.value]; });
+  observers.resize(std::min(observers.size(), static_cast<size_t>(max_count)));
   return observers;
 }
 
@@ -66,10 +68,11 @@ BundleAdjustmentProblem make_problem(const Map& map, const std::vector<KeyframeI
   problem.landmarks = landmarks;
   problem.newest_keyframe = map.keyframes().back().id;
   problem.epoch = map.epoch();
-  std::map<KeyframeId, uint32_t> pose_of;
+  constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+  std::vector<uint32_t> pose_of(map.keyframes().size(), kNone);  // per keyframe
   for (uint32_t i = 0; i < keyframes.size(); ++i) {
     const Keyframe& keyframe = map.keyframe(keyframes[i]);
-    pose_of[keyframe.id] = i;
+    pose_of[keyframe.id.value] = i;
     problem.bundle.T_world_camera.push_back(keyframe.T_world_camera);
     problem.bundle.fixed.push_back(i >= free_keyframes || keyframe.id.value == 0 ? 1 : 0);
   }
@@ -77,11 +80,11 @@ BundleAdjustmentProblem make_problem(const Map& map, const std::vector<KeyframeI
   for (uint32_t point = 0; point < landmarks.size(); ++point) {
     problem.bundle.p_world.push_back(map.p_world(landmarks[point]));
     for (const Observation& seen : map.landmark(landmarks[point]).observations) {
-      const auto pose = pose_of.find(seen.keyframe);
-      if (pose == pose_of.end()) continue;
+      const uint32_t pose = pose_of[seen.keyframe.value];
+      if (pose == kNone) continue;
       const Features& features = *map.keyframe(seen.keyframe).features;
       problem.bundle.observations.push_back(
-          {measurement_of(features, seen.feature, camera, measured), pose->second, point});
+          {measurement_of(features, seen.feature, camera, measured), pose, point});
       problem.observations.emplace_back(landmarks[point], seen);
     }
   }

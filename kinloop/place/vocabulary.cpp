@@ -33,7 +33,8 @@ bool is_tree(std::span<const uint32_t> child_counts, int depth) {
   return false;
 }
 
-struct MinimizerState {
+/// Where a descent ended.
+struct LeafAndAncestor {
   uint32_t node;   ///< the leaf
   uint32_t above;  ///< ancestor at the requested level
 };
@@ -48,7 +49,7 @@ struct DescentTree {
 template <class Space>
 [[gnu::always_inline]] inline void descend(const DescentTree& tree,
                                            std::span<const typename Space::Point> centres,
-                                           const cv::Mat& descriptors, MinimizerState* found) {
+                                           const cv::Mat& descriptors, LeafAndAncestor* found) {
   for (int row = 0; row < descriptors.rows; ++row) {
     const auto& descriptor = *reinterpret_cast<const typename Space::Point*>(descriptors.ptr(row));
     uint32_t node = 0, above = 0;
@@ -69,7 +70,7 @@ template <class Space>
 }
 
 KINLOOP_POPCOUNT_CLONES void descend_bits(const DescentTree& tree, std::span<const BinaryDescriptor> centres,
-                                          const cv::Mat& descriptors, MinimizerState* found) {
+                                          const cv::Mat& descriptors, LeafAndAncestor* found) {
   descend<HammingSpace>(tree, centres, descriptors, found);
 }
 
@@ -121,7 +122,7 @@ QuantizedFeatures Vocabulary::quantize(const cv::Mat& descriptors, int levels_up
   require(descriptors.type() == CV_8UC1 &&
               static_cast<size_t>(descriptors.cols) == descriptor_traits(tree_.kind).bytes,
           "the descriptors are not of the vocabulary's kind");
-  std::vector<MinimizerState> found(static_cast<size_t>(descriptors.rows));
+  std::vector<LeafAndAncestor> found(static_cast<size_t>(descriptors.rows));
   const DescentTree tree{tree_.child_counts.data(), first_child_.data(), tree_.depth - levels_up};
   dispatch_space(tree_.kind, [&]<class Space>(Space) {
     const auto centres = as_points<Space>(tree_.centres);

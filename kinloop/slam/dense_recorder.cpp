@@ -129,7 +129,7 @@ std::vector<PosedImage> DenseRecorder::views(const FrameLog& log, const Map& map
   return views;
 }
 
-void DenseRecorder::make_missing_patches(int threads) {
+void DenseRecorder::extract_missing_surfels(int threads) {
   std::vector<size_t> missing;
   for (size_t i = 0; i < recorded_.size(); ++i) {
     if (!recorded_[i].surfels) missing.push_back(i);
@@ -153,7 +153,7 @@ std::vector<PosedImage> DenseRecorder::with_color_gains(std::span<const PosedIma
   std::vector<PosedImage> corrected(views.begin(), views.end());
   if (!options_.compensate_exposure) return corrected;
   wait_for_jobs();
-  make_missing_patches(threads);
+  extract_missing_surfels(threads);
   const Stopwatch watch;
   const auto gains = color_gains([this](size_t image) { return surfels(image); }, views, camera, threads);
   for (size_t i = 0; i < gains.size(); ++i) corrected[i].color_gain = gains[i];
@@ -164,7 +164,7 @@ std::vector<PosedImage> DenseRecorder::with_color_gains(std::span<const PosedIma
 ColoredCloud DenseRecorder::fuse_views(std::span<const PosedImage> views, const DenseCamera& camera,
                                        int threads, const Progress& progress) {
   wait_for_jobs();
-  make_missing_patches(threads);
+  extract_missing_surfels(threads);  // also without colour gains
   const auto corrected = with_color_gains(views, camera, threads);
   const Stopwatch watch;
   ColoredCloud cloud = fuse_surfels([this](size_t image) { return surfels(image); }, corrected, camera,

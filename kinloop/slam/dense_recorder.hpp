@@ -102,7 +102,7 @@ class DenseRecorder : public Listener {
   void submit(FrameId now);
   void add(std::vector<EncodedFrame> frames);
   void complete(const std::vector<FinishedJob>& jobs);
-  void make_missing_patches(int threads);
+  void extract_missing_surfels(int threads);
   [[nodiscard]] ImageSurfels surfels(size_t image) const {
     return surfels_from_bytes(surfel_store_.load(*recorded_[image].surfels));
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <future>
+#include <iterator>
 
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/thread_priority.hpp"
@@ -56,16 +57,13 @@ class ModalExecutor : public Executor {
 
  private:
   std::vector<FinishedJob> collect_if(const std::function<bool(const JobInFlight&)>& is_due) {
+    // No job that is due stays in the list if the result of one is an exception.
+    const auto first_due = std::stable_partition(jobs_.begin(), jobs_.end(),
+                                                 [&](const JobInFlight& job) { return !is_due(job); });
+    std::vector<JobInFlight> due(std::make_move_iterator(first_due), std::make_move_iterator(jobs_.end()));
+    jobs_.erase(first_due, jobs_.end());
     std::vector<FinishedJob> finished;
-    std::vector<JobInFlight> remaining;
-    for (JobInFlight& job : jobs_) {
-      if (is_due(job)) {
-        finished.push_back(job.result.get());
-      } else {
-        remaining.push_back(std::move(job));
-      }
-    }
-    jobs_ = std::move(remaining);
+    for (JobInFlight& job : due) finished.push_back(job.result.get());
     return finished;
   }
 

@@ -40,7 +40,7 @@ struct ExecutorOptions {
           "frames until a loop correction is applied", Range{1, 1000}, Expert{});
     visit("global_ba_lag_frames", self.global_ba_lag_frames,
           "frames until a global bundle adjustment is applied", Range{1, 1000}, Expert{});
-    visit("dense_lag_frames", self.dense_lag_frames, "frames until a keyframe's depth patch is applied",
+    visit("dense_lag_frames", self.dense_lag_frames, "frames until the surfels of a keyframe are added",
           Range{1, 1000}, Expert{});
   }
 };

@@ -1,5 +1,6 @@
 #include "kinloop/slam/slam.hpp"
 
+#include "kinloop/base/errors.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/slam/final_bundle_adjustment.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
@@ -56,6 +57,8 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
 }
 
 FrameResult Slam::process(const PreparedFrame& measured) {
+  require(session_log().empty() || measured.stamp_ns > session_log().back().stamp_ns,
+          "process: frames must be in order of time");
   const Stopwatch watch;
   timings_.add("decoding", measured.decoding);
   timings_.add("image preparation", measured.preparing);

@@ -58,7 +58,8 @@ std::optional<PatchTemplate> make_template(const Patch& patch, const Eigen::Matr
   constexpr float kReach = kHalf + 1;
   const Eigen::Array2f extent = source_per_target.cwiseAbs() * Eigen::Vector2f(kReach, kReach);
   const Eigen::Array2f low = patch.center.array() - extent, high = patch.center.array() + extent;
-  if (!(low >= 0).all() || !(high < Patch::kSize - 1).all()) return std::nullopt;
+  constexpr float kRounding = 1e-3F;  // of the positions below, which are sums
+  if (!(low >= kRounding).all() || !(high < Patch::kSize - 1 - kRounding).all()) return std::nullopt;
 
   std::array<float, kBorder * kBorder> warped{};
   for (int row = 0; row < kBorder; ++row) {

@@ -16,7 +16,7 @@ constexpr double kDefaultTurnRate_rad_s = 1.0;
 }  // namespace
 
 void MotionModel::update(const SE3& T_previous_current, int64_t duration_ns) {
-  if (duration_ns <= 0) return;
+  if (duration_ns < kMinVelocityInterval_ns) return;
   const double duration_s = to_seconds(duration_ns);
   const Velocity velocity = velocity_of_twist(T_previous_current.log(), duration_s);
   if (velocity_) {

@@ -36,7 +36,7 @@ PreviousPoints points_of(const TrackedFrame& previous, const LocalMap& local_map
 }
 
 /// Input of one tracking method.
-struct TrackingContext {
+struct TwoFrames {
   const PreparedFrame& frame;
   const FeatureGrid& grid;
   const TrackedFrame& previous;
@@ -45,7 +45,7 @@ struct TrackingContext {
   const TrackingOptions& options;
 };
 
-PoseObservation observation_of(const TrackingContext& t, size_t point, uint32_t feature) {
+PoseObservation observation_of(const TwoFrames& t, size_t point, uint32_t feature) {
   const Features& before = *t.previous.frame.features;
   // A point known only from the previous frame is as uncertain as its keypoint there.
   const double sigma_before =
@@ -68,8 +68,7 @@ FramePose keep_inliers(const AbsolutePoseSolution& solution, const std::vector<P
   return pose;
 }
 
-std::optional<FramePose> solve(const TrackingContext& t, const std::vector<Match>& matches,
-                               const SE3& guess) {
+std::optional<FramePose> solve(const TwoFrames& t, const std::vector<Match>& matches, const SE3& guess) {
   if (static_cast<int>(matches.size()) < t.options.min_matches) return std::nullopt;
   std::vector<PoseObservation> observations;
   std::vector<uint32_t> features;
@@ -95,7 +94,7 @@ SearchRadius predicted_window(const PredictedPose& predicted, const PinholeCamer
   };
 }
 
-std::optional<FramePose> track_by_projection(const TrackingContext& t, const SE3& T_reference_camera,
+std::optional<FramePose> track_by_projection(const TwoFrames& t, const SE3& T_reference_camera,
                                              const SearchRadius& window_px) {
   const Features& before = *t.previous.frame.features;
   const SE3 T_camera_reference = T_reference_camera.inverse();
@@ -119,7 +118,7 @@ std::optional<FramePose> track_by_projection(const TrackingContext& t, const SE3
 }
 
 /// Estimates rigid 3D-3D motion from the matches with depth on both sides.
-std::optional<SE3> rigid_guess(const TrackingContext& t, const std::vector<PoseObservation>& observations,
+std::optional<SE3> rigid_guess(const TwoFrames& t, const std::vector<PoseObservation>& observations,
                                uint64_t seed) {
   const SE3 T_previous_reference = t.previous.T_reference_camera.inverse();
   std::vector<PointPair> pairs;
@@ -135,7 +134,7 @@ std::optional<SE3> rigid_guess(const TrackingContext& t, const std::vector<PoseO
 
 /// Brute-force Hamming matching with the match screening of the ORB paper, then RANSAC: P3P, and rigid 3D-3D
 /// if that fails.
-std::optional<FramePose> track_by_brute_force(const TrackingContext& t, uint64_t seed) {
+std::optional<FramePose> track_by_brute_force(const TwoFrames& t, uint64_t seed) {
   const cv::Mat& all = t.previous.frame.features->descriptors;
   cv::Mat descriptors;
   for (const uint32_t feature : t.points.features) descriptors.push_back(all.row(static_cast<int>(feature)));
@@ -181,7 +180,7 @@ std::optional<FramePose> estimate_pose_from_previous_frame(
     const LocalMap& local_map, const PredictedPose& predicted, const PinholeCamera& camera,
     const TrackingOptions& options, uint64_t seed) {
   const PreviousPoints points = points_of(previous, local_map, camera);
-  const TrackingContext t{frame, grid, previous, points, camera, options};
+  const TwoFrames t{frame, grid, previous, points, camera, options};
   std::optional<FramePose> best;
   int attempts = 0;
   // A few chance matches can agree on a wrong pose, so try the next method if the support is small.

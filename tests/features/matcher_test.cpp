@@ -1,5 +1,7 @@
 #include "kinloop/features/matcher.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "kinloop/features/hamming.hpp"
@@ -90,6 +92,18 @@ TEST(FeatureGrid, FindsWhatAScanFinds) {
     std::sort(found.begin(), found.end());
     EXPECT_EQ(found, expected);
   }
+}
+
+TEST(FeatureGrid, PositionsThatAreNoNumbersAreAtTheBorder) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Features features;
+  features.pixels = {{std::numeric_limits<float>::quiet_NaN(), -kInfinity}, {1e6F, 1e30F}, {5, 5}};
+  const FeatureGrid grid(features, 640, 480);
+  std::vector<uint32_t> found;
+  grid.features_in_area({5, 5}, 2, found);
+  EXPECT_EQ(found, std::vector<uint32_t>{2});
+  grid.features_in_area({5, 5}, 1e300, found);
+  EXPECT_EQ(found, (std::vector<uint32_t>{2, 1}));
 }
 
 TEST(ProjectionMatching, FindsThePointsBehindTheKeypoints) {

@@ -114,8 +114,13 @@ TEST(Executor, RejectsASecondJobOfTheSameKind) {
 
 TEST(Executor, RethrowsExceptionsOfJobs) {
   const auto lagged = executor(ExecutorMode::kLagged);
+  Diary diary;
   lagged->submit(FrameId{0}, {"paint", 3, []() -> Completion { throw std::runtime_error("no"); }});
+  lagged->submit(FrameId{0}, job("dry", 9, diary));
   EXPECT_THROW(lagged->collect(FrameId{3}), std::runtime_error);
+  EXPECT_FALSE(lagged->busy("paint"));
+  complete(lagged->drain());
+  EXPECT_THAT(diary, ElementsAre("dry"));
 }
 
 }  // namespace

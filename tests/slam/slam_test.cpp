@@ -300,6 +300,15 @@ TEST(Slam, RejectsImagesOfAnotherSize) {
   EXPECT_THROW((void)slam.prepare(frame), std::logic_error);
 }
 
+TEST(Slam, RejectsFramesThatAreNotInOrderOfTime) {
+  Slam slam(recording().camera);
+  slam.process(recording().frames[1]);
+  EXPECT_THROW(slam.process(recording().frames[0]), std::logic_error);
+  EXPECT_THROW(slam.process(recording().frames[1]), std::logic_error);
+  slam.process(recording().frames[2]);
+  EXPECT_EQ(slam.finish().size(), 2U);
+}
+
 TEST(Slam, MapInvariantsHold) {
   Slam slam(recording().camera);
   for (const RgbdFrame& frame : recording().frames) {

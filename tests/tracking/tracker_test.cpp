@@ -169,6 +169,17 @@ TEST(MotionModel, ExtrapolatesTheVelocity) {
   EXPECT_EQ(motion.predict(33'000'000).T.translation.norm(), 0);
 }
 
+TEST(MotionModel, FramesAMicrosecondApartGiveNoVelocity) {
+  MotionModel motion;
+  const SE3 moved{exp_so3(Eigen::Vector3d::Zero()), {0.001, 0, 0}};
+  motion.update(moved, 33'000'000);
+  const PredictedPose before = motion.predict(33'000'000);
+  motion.update(moved, 1'000);
+  const PredictedPose after = motion.predict(33'000'000);
+  EXPECT_EQ(after.T.translation, before.T.translation);
+  EXPECT_EQ(after.sigma_m, before.sigma_m);
+}
+
 TEST(MotionModel, UncertaintyGrowsWithTime) {
   MotionModel motion;
   motion.update(camera_at(0.02, {0.01, 0, 0}), 33'000'000);

@@ -10,8 +10,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kinloop/features/kernels/corner_scores.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
-// must come after highway.h
-#include <hwy/highway.h>
+#include <hwy/highway.h>         // after foreach_target.h
 
 #include "kinloop/base/highway_compat-inl.hpp"
 

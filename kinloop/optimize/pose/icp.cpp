@@ -90,8 +90,8 @@ class Aligner {
     if (!(pixel.x() > -0.5 && pixel.y() > -0.5)) return;
     // The first cell starts half a pixel before its centre.
     const Eigen::Vector2d from_corner = pixel.array() + 0.5;
+    if (!(from_corner.x() < reference_.width && from_corner.y() < reference_.height)) return;
     const int x = static_cast<int>(from_corner.x()), y = static_cast<int>(from_corner.y());
-    if (x >= reference_.width || y >= reference_.height) return;
     const size_t partner = grid_index(reference_.width, x, y);
     const Eigen::Vector3d n = reference_.normals[partner].cast<double>();
     if (n.isZero()) return;
