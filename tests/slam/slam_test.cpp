@@ -101,7 +101,9 @@ TEST(Slam, ResultsAreBitwiseReproducible) {
 }
 
 TEST(Slam, DescriptorsOnDiskGiveIdenticalResults) {
-  expect_same(run(recording().frames, {.keyframe_memory_mib = 0}), run(recording().frames, {}));
+  SlamOptions on_disk;
+  on_disk.keyframe_memory_mib = 0;
+  expect_same(run(recording().frames, on_disk), run(recording().frames, {}));
 }
 
 TEST(Slam, PipelineGivesIdenticalResults) {
