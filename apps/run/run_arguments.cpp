@@ -42,7 +42,7 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
   command.add_option(
       "SEQUENCE", arguments.sequence,
       "a folder in TUM layout (rgb.txt, depth.txt, ...) or that of another dataset or app (see\n"
-      "docs/cameras.md), a .sens file, a bag (.bag of ROS 1 or the RealSense SDK, .mcap or .db3 of\n"
+      "docs/recordings.md), a .sens file, a bag (.bag of ROS 1 or the RealSense SDK, .mcap or .db3 of\n"
       "ROS 2 or their folder), a .mkv of the Azure Kinect, a .oni of OpenNI, kinect1, kinect2,\n"
       "openni2 (Xtion, Astra, Structure Core), realsense, orbbec or oak (live), frames from another\n"
       "program (-: standard input, or unix:PATH: a socket), or sim:room, the simulated Kinect\n"

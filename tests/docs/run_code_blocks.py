@@ -33,13 +33,13 @@ SHORTER = [
 ]
 RUN_ELSEWHERE = [
     (r"\./demo\.sh|\./test\.sh|scripts/install_dependencies|cmake ", ".ci/run"),
-    (r"scripts/build_packages|apt install|pip |podman |tar -xf|\S*/bin/kinloop", "hosted CI, the job packages"),
+    (r"scripts/build_packages|(sudo )?apt install|pip |podman |tar -xf|\S*/bin/kinloop", "hosted CI, the job packages"),
     (r"kinloop run kinect[12]", "tests of the drivers: it needs the camera"),
     (r"kinloop fetch", "Fetch.*: it needs the network"),
     (r"kinloop reproduce -o", "Reproduce.*, with a short sequence: it takes five CPU minutes"),
     (r"mpirun", "VocabCommand.SeveralProcessesGiveIdenticalBytes"),
     (r"bench_place|scripts/train_default_vocabulary", "by hand: it takes minutes"),
-    (r"apt-get install.*aarch64|scripts/aarch64_sysroot|qemu-aarch64", "by hand: it needs another architecture"),
+    (r"(sudo )?apt-get install.*aarch64|scripts/aarch64_sysroot|qemu-aarch64", "by hand: it needs another architecture"),
 ]
 
 
@@ -60,7 +60,7 @@ def shell_blocks(text):
 
 def is_shell(block):
     """Not a diagram or the output of a program."""
-    return re.match(r"(#|kinloop|mpirun|bench_place|\S+/\S+|cmake|apt|apt-get|pip|podman|tar) ", block[0][1] + " ") is not None
+    return re.match(r"(#|kinloop|mpirun|bench_place|\S+/\S+|cmake|sudo|apt|apt-get|pip|podman|tar) ", block[0][1] + " ") is not None
 
 
 def link_stills(source, target):

@@ -18,7 +18,7 @@ std::string seven_scenes_evidence(const std::filesystem::path&, const FolderCont
   return frame_files_evidence(contents);
 }
 
-/// The dataset has no calibration of colour; this is the one of docs/cameras.md, checked on RedKitchen.
+/// The dataset has no calibration of colour; this is the one of docs/recordings.md, checked on RedKitchen.
 RgbdCamera seven_scenes_camera() {
   RgbdCamera camera;
   camera.depth_scale = 1000;
