@@ -15,9 +15,9 @@ namespace kinloop {
 namespace {
 
 constexpr const char* kEvalFooter = R"(
-Both files hold lines "timestamp tx ty tz qx qy qz qw". Figures are those of the TUM RGB-D benchmark's tools: poses
+Both files contain lines "timestamp tx ty tz qx qy qz qw". Figures are those of the TUM RGB-D benchmark's tools: poses
 at most 0.02 s apart are associated, the estimate is rigidly aligned to the ground truth (no scale).
-  ATE   distance between positions over the whole path           evaluate_ate.py
+  ATE   distance between positions over the whole path          evaluate_ate.py
   RPE   error of the motion over 1 s and from frame to frame    evaluate_rpe.py --fixed_delta
 
 Examples:
@@ -88,9 +88,9 @@ void add_eval_command(CLI::App& app) {
       app.add_subcommand("eval", "Compare a trajectory with ground truth: ATE, RPE, coverage");
   command->footer(kEvalFooter);
   auto arguments = std::make_shared<EvalArguments>();
-  command->add_option("estimate", arguments->estimate, "The estimated trajectory, in TUM format")->required();
-  command->add_option("groundtruth", arguments->truth, "The true trajectory, in TUM format")->required();
-  command->add_flag("--json", arguments->json, "Print the figures as JSON");
+  command->add_option("estimate", arguments->estimate, "the estimated trajectory, in TUM format")->required();
+  command->add_option("groundtruth", arguments->truth, "the true trajectory, in TUM format")->required();
+  command->add_flag("--json", arguments->json, "print the figures as JSON");
   command->callback([arguments] { run_eval(*arguments); });
 }
 

@@ -179,7 +179,7 @@ void add_export_command(CLI::App& app) {
   add_poses_option(*command, arguments->poses);
   command->add_option(
       "--session", arguments->session,
-      "session number, counted from 1; 0 = the last; of a disconnected map, its component is written");
+      "session number, counted from 1; 0 = the last; of a disconnected map, only its component is written");
   add_frame_option(*command, arguments->frame);
   add_set_option(*command, arguments->assignments);
   add_threads_option(*command, arguments->threads);

@@ -24,8 +24,9 @@ sequence with itself some frames later. Each figure is the median over the seeds
 below it. Each seed draws different RANSAC samples, repeats the timing and, for a sequence, selects different pairs.
   ms             to detect and describe, CPU time of one thread
   matches        pairs of mutual nearest neighbours
-  screened       of these, with at most four times the smallest distance (ORB: or 40 bits)
-  inliers        of these, 3 px from one camera motion (P3P); one image: one homography; two: one epipolar geometry
+  screened       of these, those with at most four times the smallest distance (ORB: at least 40 bits)
+  inliers        of these, those within 3 px of one camera motion (P3P), one homography (one image) or one epipolar
+                 geometry (two images)
   repeatability  fraction of the visible keypoints detected again within 3 px of the ground truth
   precision      fraction of screened matches within 3 px of the ground truth, and the median error
 
@@ -56,27 +57,27 @@ void add_features_command(CLI::App& app) {
   auto assignments = std::make_shared<std::vector<std::string>>();
   auto json = std::make_shared<bool>(false);
   auto& request = arguments->request;
-  command->add_option("input", request.input, "An image, a folder in TUM layout, or sim:room")->required();
-  command->add_option("second", request.other_image, "A second image to compare with the first");
+  command->add_option("input", request.input, "an image, a folder in TUM layout, or sim:room")->required();
+  command->add_option("second", request.other_image, "a second image to compare with the first");
   command->add_option("--camera", request.camera, "camera.yaml or preset, as for kinloop run");
   command->add_option("-o,--output", arguments->pictures,
-                      "Folder for images of the matches of one pair: all, screened, inliers");
-  command->add_option("--pairs", request.pairs, "Number of frame pairs per seed, spread over the sequence")
+                      "folder for pictures of the matches of one pair: all, screened, inliers");
+  command->add_option("--pairs", request.pairs, "number of frame pairs per seed, spread over the sequence")
       ->check(whole_number(1, 100000))
       ->capture_default_str();
-  command->add_option("--gap", request.gap, "Frames between the two images of a pair")
+  command->add_option("--gap", request.gap, "frames between the two images of a pair")
       ->check(whole_number(1, 100000))
       ->capture_default_str();
   command
       ->add_option(
           "--seeds", request.seeds,
-          "Number of random seeds for pairs and samples; each figure is given with its range over the seeds")
+          "number of random seeds for pairs and samples; each figure is given with its range over the seeds")
       ->check(whole_number(1, 1000))
       ->capture_default_str();
-  command->add_option("--detectors", arguments->wanted, "Run only these: sift,surf,orb-opencv,orb")
+  command->add_option("--detectors", arguments->wanted, "run only these: sift,surf,orb-opencv,orb")
       ->delimiter(',');
   add_set_option(*command, *assignments, "set a feature option, e.g. count=500");
-  command->add_flag("--json", *json, "Print the figures as JSON");
+  command->add_flag("--json", *json, "print the figures as JSON");
   command->callback([arguments, assignments, json] { run_features(*arguments, *assignments, *json); });
 }
 

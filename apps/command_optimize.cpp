@@ -27,7 +27,7 @@ constexpr const char* kOptimizeFooter = R"(
 chi2 is the sum over all edges of e' Omega e, with the error e as in g2o's EDGE_SE3:QUAT and EDGE_SE2; it is
 always given without the robust kernel, so that runs can be compared. 'seconds' is the time of the solver only.
 A file without vertices starts from poses chained along a spanning tree; without a FIX line the first vertex of
-each connected part is held. Edges between successive ids are treated as odometry: the robust kernel does not apply to them.
+each connected part is fixed. Edges between successive ids are treated as odometry: the robust kernel does not apply to them.
 
 Examples:
   kinloop optimize sphere2500.g2o -o solved.g2o --report solved.html          with pictures before and after
@@ -167,7 +167,7 @@ void optimize(const OptimizeArguments& arguments) {
 
 void add_optimize_command(CLI::App& app) {
   auto arguments = std::make_shared<OptimizeArguments>();
-  CLI::App* command = app.add_subcommand("optimize", "Optimize the pose graph of a .g2o file");
+  CLI::App* command = app.add_subcommand("optimize", "Optimise the pose graph of a .g2o file");
   command->footer(kOptimizeFooter);
   command->add_option("input", arguments->input, "the graph")->required()->type_name("IN.g2o");
   command->add_option("-o,--output", arguments->output, "file for the optimised graph")

@@ -174,9 +174,8 @@ void add_probe_command(CLI::App& app) {
   command->add_option("PATH", arguments->sequence, "a folder or file, as for kinloop run")->required();
   command->add_option("--camera", arguments->camera, "camera.yaml or preset, as for kinloop run");
   command->footer(
-      "Decodes 30 frames spread over the sequence. Alignment is the shift by which the borders of near "
-      "objects\n"
-      "in depth meet edges in colour best; it is 0 if depth is registered.");
+      "Decodes 30 frames spread over the sequence. Alignment is the shift that best brings the borders of\n"
+      "near objects in depth onto edges in colour; it is about 0 if depth is registered.");
   command->callback([arguments] { probe(*arguments); });
 }
 

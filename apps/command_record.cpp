@@ -108,7 +108,7 @@ void add_record_command(CLI::App& app) {
       "record", "Record a camera or any other source as a folder in TUM layout, or as one MCAP file");
   command
       ->add_option("SOURCE", arguments->source,
-                   "kinect1, kinect2, openni2, realsense, orbbec, oak, a .bag file, a folder, sim:room")
+                   "kinect1, kinect2, openni2, realsense, orbbec, oak, or any other source of kinloop run")
       ->required();
   command->add_option("-o,--output", arguments->output, "folder for the sequence, or FILE.mcap")->required();
   command->add_option("--camera", arguments->camera, "camera.yaml or preset, as for kinloop run");

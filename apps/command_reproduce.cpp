@@ -32,7 +32,7 @@ namespace {
 
 constexpr const char* kReproduceFooter = R"(
 Runs features, vocab, calibrate and run, and writes reproduced.md (tables, pictures, the commands), figures.json and
-the reports. Without data the simulated Kinect is used; that takes about five CPU minutes.
+the reports. Without data the simulated Kinect is used; that takes about three CPU minutes.
 
 Examples:
   kinloop reproduce -o reproduced
@@ -42,9 +42,8 @@ void reproduce(const ReproduceArguments& arguments) {
   require_writable_folder(arguments.output);
   ReproduceFolder folder{arguments, {}};
   std::string page = fmt::format(
-      "# \"Kinect Based 3D Visual SLAM\" made anew\n\nBy `kinloop reproduce`, {}. Every table is followed "
-      "back to the "
-      "commands above it.\n",
+      "# \"Kinect Based 3D Visual SLAM\", reproduced\n\nBy `kinloop reproduce`, {}. The commands above each "
+      "table produced it.\n",
       program_name());
   nlohmann::json figures;
   const auto add = [&](const Chapter& chapter) {
@@ -65,7 +64,7 @@ void reproduce(const ReproduceArguments& arguments) {
 
 void add_reproduce_command(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("reproduce", "Make the tables and figures of the founding paper anew");
+      app.add_subcommand("reproduce", "Reproduce the tables and figures of the founding paper");
   command->footer(kReproduceFooter);
   auto arguments = std::make_shared<ReproduceArguments>();
   command->add_option("SEQUENCE", arguments->sequence,

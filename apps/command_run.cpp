@@ -157,8 +157,8 @@ std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolde
   const auto path = arguments.save_map.empty() ? folder.map_file() : arguments.save_map;
   require_writable_file(path);
   if (output_place(path).is_stream)
-    throw UsageError(
-        fmt::format("--save-map {}: is not a file; the map is saved again and again", path.string()));
+    throw UsageError(fmt::format(
+        "--save-map {}: not a regular file, which is needed to save the map repeatedly", path.string()));
   return std::make_unique<MapSaver>(path, what, arguments.autosave_s);
 }
 

@@ -87,7 +87,7 @@ void add_simulate_command(CLI::App& app) {
                    "depth camera\nof its own")
       ->check(one_of(names_of<SimulatedSensor>()))
       ->capture_default_str();
-  command->add_option("--noise", arguments->noise, "kinect for that of the sensor, or none for an ideal one")
+  command->add_option("--noise", arguments->noise, "kinect: the noise of the sensor; none: an ideal sensor")
       ->check(one_of({"kinect", "none"}))
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "seed of the room and of the noise")->capture_default_str();

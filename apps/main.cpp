@@ -32,7 +32,7 @@ using kinloop::ExitCode;
 constexpr const char* kExitCodes =
     R"(Exit codes: 0 done; 1 internal error; 2 wrong use; 3 bad input, or results that could not be written;
 4 tracking lost and not regained; 129, 130, 143 a run ended by SIGHUP, Ctrl-C, SIGTERM (its results are written);
-141 the reader of standard output has gone. See docs/reliability.md.)";
+141 the reader of standard output is gone. See docs/reliability.md.)";
 
 ExitCode run(int argc, char** argv) {
   if (argc <= 1) {

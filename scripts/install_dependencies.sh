@@ -44,6 +44,7 @@ for argument in "$@"; do
     --tests) optional+=("tests of the pages: chromium") ;;
     --checks)
       optional+=("tests of the pages: chromium")
+      optional+=("fuzzing: clang libclang-rt-dev")
       required+=(clang-format clang-tidy doxygen python3 mkdocs mkdocs-material python3-pymdownx)
       ;;
     --packages) required+=(file lintian python3 zstd) ;;

@@ -87,8 +87,13 @@ def program_page(program, version):
     page += [".SH SYNOPSIS", "\\fBkinloop\\fR \\fICOMMAND\\fR [\\fIOPTIONS\\fR]", ".SH DESCRIPTION",
              escape(program.description), ".SH COMMANDS", *rows(program.subcommands)]
     page += options_sections(program)
-    page += [".SH EXIT STATUS", ".TP", "0", "done", ".TP", "2", "the command line is wrong", ".TP", "3",
-             "the input is bad", ".TP", "4", "tracking was lost for most of the sequence"]
+    page.append(".SH EXIT STATUS")
+    for code, meaning in (("0", "done"), ("1", "internal error"), ("2", "wrong use"),
+                          ("3", "bad input, or results that could not be written"),
+                          ("4", "tracking lost and not regained"),
+                          ("129, 130, 143", "a run ended by SIGHUP, SIGINT (Ctrl-C), SIGTERM; its results are written"),
+                          ("141", "the reader of standard output is gone")):
+        page += [".TP", code, escape(meaning)]
     others = [f".BR kinloop\\-{child.name} (1)," for child in program.children]
     return page + [".SH SEE ALSO", *others, ".BR kinloop\\-options (7)"]
 

@@ -39,7 +39,8 @@ struct SimulationOptions {
     visit("fps", self.fps, "frames per second, 0 = the timestamps of the given path, else 30", Range{0, 240});
     visit("frames", self.frames, "number of frames, 0 = the whole path", Range{0, 10'000'000});
     visit("width", self.width,
-          "width of the colour image in px, 0 = that of the sensor; depth is scaled alike", Range{0, 4096});
+          "width of the colour image in px, 0 = that of the sensor; depth is scaled in proportion",
+          Range{0, 4096});
     visit("height", self.height, "height of the colour image in px, 0 = that of the sensor", Range{0, 4096});
     visit("lens_distortion", self.lens_distortion, "use the lens distortion of the sensor's cameras");
     visit("noise", self.noise);

@@ -28,7 +28,7 @@ struct StereoNoise {
           Range{0, 2});
     visit("disparity_step_px", self.disparity_step_px, "quantisation of disparity in pixels, 0 = none",
           Range{0, 4});
-    visit("window_px", self.window_px, "width of the matching window, within which noise is alike",
+    visit("window_px", self.window_px, "width of the matching window, within which noise is correlated",
           Range{1, 31});
     visit("fattening", self.fattening, "near objects are half a window too wide");
     visit("min_contrast", self.min_contrast,

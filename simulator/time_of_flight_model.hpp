@@ -33,7 +33,8 @@ struct TimeOfFlightNoise {
           Range{0, 0.1});
     visit("max_noise_m", self.max_noise_m, "depth noisier than this is unknown, m", Range{0.001, 10});
     visit("flying_pixels", self.flying_pixels, "depth between both surfaces in pixels that see two");
-    visit("multipath", self.multipath, "depth too large in corners, which light reaches by way of others");
+    visit("multipath", self.multipath,
+          "depth too large in concave corners, which also receive light from other surfaces");
     visit("min_depth_m", self.min_depth_m, "depth below this is unknown, m", Range{0, 10});
     visit("max_depth_m", self.max_depth_m, "depth above this is unknown, m", Range{0.1, 18});
   }

@@ -41,9 +41,9 @@ nlohmann::json calibrate(Chapter& chapter, const ReproduceFolder& folder, const 
 
 void calibrate_drawn_stills(Chapter& chapter, const ReproduceFolder& folder) {
   chapter.text = fmt::format(
-      "The paper calibrates a Kinect 2 by chessboards. Here {} stills of a board are drawn as a known camera "
-      "sees "
-      "them; --stills takes real ones.",
+      "The paper calibrates a Kinect 2 with chessboards. Here {} stills of a board are drawn as a known "
+      "camera "
+      "sees them; pass real ones with --stills.",
       kDrawnStills);
   const std::string stills = folder.at("stills");
   draw_board_stills(stills, kDrawnStills);
@@ -90,7 +90,7 @@ Chapter calibration_chapter(const ReproduceFolder& folder) {
     return chapter;
   }
   chapter.text =
-      "The paper calibrates a Kinect 2 by chessboards: each camera alone, then the transform between them.";
+      "The paper calibrates a Kinect 2 with chessboards: each camera alone, then the transform between them.";
   const bool folders = std::filesystem::is_directory(stills / "colour");
   const std::string color = (folders ? stills / "colour" : stills).string();
   chapter.figures["colour"] = calibrate(chapter, folder, "intrinsics", {color}, "colour");

@@ -75,7 +75,7 @@ Chapter mapping_chapter(const ReproduceFolder& folder) {
   chapter.text =
       "The paper shows a room with and without loop closing, a map of a million points and the trajectory "
       "against "
-      "the truth. Errors are the ATE in metres. The third row takes the shutter for a global one; the last "
+      "the truth. Errors are the ATE in metres. The third row assumes a global shutter; the last "
       "has smaller voxels.";
   MarkdownTable table{{"", "tracked", "keyframes", "loops", "ATE, m", "largest, m", "points", "CPU s"}};
   for (const Variant& variant : variants()) {

@@ -40,7 +40,7 @@ void add_set_option(CLI::App& command, std::vector<std::string>& assignments, co
 void add_frame_option(CLI::App& command, std::string& frame) {
   command
       .add_option("--frame", frame,
-                  "axes of the cloud or mesh: z-up, or camera (the first camera's, y down), the frame of\n"
+                  "axes of the cloud or mesh: z-up, or camera: those of the first camera (y down), as in\n"
                   "the trajectory")
       ->check(one_of({"z-up", "camera"}))
       ->capture_default_str();

@@ -37,7 +37,7 @@ struct KinectOptions {
     visit("pipeline", self.pipeline, "depth decoder of the Kinect 2");
     visit("width", self.width,
           "width of colour, px: of a Kinect 2 1920, 960 or 512 (512 x 424, as the depth camera sees); of a "
-          "RealSense, Orbbec or OAK the nearest that it has",
+          "RealSense, Orbbec or OAK the nearest available",
           Range{512, 1920});
     visit("min_depth_m", self.min_depth_m, "depth below this is unknown, m", Range{0, 10});
     visit("max_depth_m", self.max_depth_m, "depth above this is unknown, m", Range{0.1, 20});

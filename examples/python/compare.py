@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares trajectories of one recording with the truth: kinloop's, and those of other programs.
+"""Compares trajectories of one recording with ground truth: kinloop's and those of other programs.
 
   compare.py TRUTH.txt ESTIMATE.txt...   files in TUM format
 """

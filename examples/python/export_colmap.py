@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes a map as a COLMAP model, from which Gaussian splatting starts without COLMAP's hours.
+"""Writes a map as a COLMAP model, so that Gaussian splatting can start without running COLMAP for hours.
 
   export_colmap.py MAP FOLDER            MAP: a map file, or the folder of a run
 

@@ -3,7 +3,7 @@
 
   live_loop.py [RECORDING]               a recording stands in for the camera (default: sim:room)
 
-Replace `images` by the driver of your camera. Colour is uint8 (H, W, 3), red first; depth is uint16 with a known number
+Replace `images` with the driver of your camera. Colour is uint8 (H, W, 3), red first; depth is uint16 with a known number
 of units per metre, or float32 in metres.
 """
 import sys

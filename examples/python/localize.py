@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Locates a camera in a map of an earlier run, without changing the map.
+"""Localises a recording in the map of an earlier run, without changing the map.
 
   localize.py MAP RECORDING              MAP: a map file, or the folder of a run
 """

@@ -40,7 +40,7 @@ struct ExecutorOptions {
           "frames until a loop correction is applied", Range{1, 1000}, Expert{});
     visit("global_ba_lag_frames", self.global_ba_lag_frames,
           "frames until a global bundle adjustment is applied", Range{1, 1000}, Expert{});
-    visit("dense_lag_frames", self.dense_lag_frames, "frames until the surfels of a keyframe are added",
+    visit("dense_lag_frames", self.dense_lag_frames, "frames until a keyframe's surfels are applied",
           Range{1, 1000}, Expert{});
   }
 };
@@ -91,14 +91,14 @@ struct SlamOptions {
   static void fields(Self& self, Visit&& visit) {
     visit("seed", self.seed, "random seed", Range{0, 1e9});
     visit("min_initial_keypoints", self.min_initial_keypoints,
-          "minimum keypoints with depth to initialize the map", Range{10, 10000});
+          "minimum keypoints with depth to initialise the map", Range{10, 10000});
     visit("lost_frames_before_new_component", self.lost_frames_before_new_component,
           "consecutive lost frames before a new map component is started, to be merged when a "
           "place is recognised; 0 = never",
           Range{0, 100000});
     visit("global_ba_enabled", self.global_ba_enabled,
           "run global bundle adjustment after loop closures and at the end");
-    visit("localize_only", self.localize_only, "localize in a loaded map without changing it", Expert{});
+    visit("localize_only", self.localize_only, "localise in a loaded map without changing it", Expert{});
     visit(
         "keyframe_memory_mib", self.keyframe_memory_mib,
         "memory for descriptors and patches of keyframes before the oldest are spilled to a temporary file, "

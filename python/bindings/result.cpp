@@ -106,8 +106,9 @@ void save_result(Result& result, const std::filesystem::path& path) {
 }  // namespace
 
 void bind_result(py::module_& module) {
-  py::class_<Result>(module, "Result",
-                     "What a run gives: Slam.finish() returns it. All is in the world frame, metres.")
+  py::class_<Result>(
+      module, "Result",
+      "The result of a run, returned by Slam.finish(). Everything is in the world frame, in metres.")
       .def_property_readonly(
           "trajectory", [](const Result& r) { return r.trajectory; },
           "The final Trajectory of all located frames.")

@@ -118,7 +118,7 @@ void bind_viewer(py::module_& module) {
   module.def("view", &view, py::arg("what"), py::arg("port") = 0, R"(Shows a map in a browser or a notebook.
 
 what: a Result, a Map, or the path of a run's folder, a map file, a cloud or a mesh. port: 0 = any free one.
-Returns a Viewer, which serves until close() or until nothing refers to it. Pages of other machines cannot see it.)");
+Returns a Viewer, which serves until close() or until nothing refers to it. Other machines cannot see it.)");
 }
 
 }  // namespace kinloop::python

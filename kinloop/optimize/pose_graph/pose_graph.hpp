@@ -98,7 +98,7 @@ struct PoseGraphOptions {
     visit("solver", self.solver, "solver; auto: builtin");
     visit("method", self.method, "step strategy; auto: dogleg (builtin), levenberg (g2o, ceres)", Expert{});
     visit("start", self.start,
-          "initialization: the given poses, a spanning tree, or rotations then translations by linear least "
+          "initialisation: the given poses, a spanning tree, or rotations then translations by linear least "
           "squares; auto: the best of given and chordal (built-in), given (g2o, ceres)",
           Expert{});
     visit("max_iterations", self.max_iterations, "maximum number of iterations", Range{0, 100000}, Expert{});
