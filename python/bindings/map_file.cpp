@@ -34,8 +34,7 @@ FileFrame map_frame(OpenMap& open) {
 
 std::shared_ptr<PyMap> load_map(const std::filesystem::path& path, const py::object& options,
                                 const py::kwargs& keywords) {
-  const auto assignments = assignments_of(options, keywords);
-  return without_gil([&] { return std::make_shared<PyMap>(path, assignments); });
+  return open_py_map(path, assignments_of(options, keywords));
 }
 
 py::object map_cloud(PyMap& map) {
@@ -93,6 +92,13 @@ std::vector<std::string> session_inputs(const PyMap& map) {
 }
 
 }  // namespace
+
+std::shared_ptr<PyMap> open_py_map(const std::filesystem::path& file_or_folder,
+                                   const std::vector<std::string>& assignments) {
+  auto file = map_file_of(file_or_folder);
+  auto map = without_gil([&] { return open_map(file, assignments); });
+  return std::make_shared<PyMap>(std::move(file), std::move(map));
+}
 
 void bind_map_file(py::module_& module) {
   py::class_<PyMap, std::shared_ptr<PyMap>>(module, "Map",

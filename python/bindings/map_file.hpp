@@ -8,15 +8,19 @@
 
 namespace kinloop::python {
 
-/// A map file opened for reading.
+/// A map file opened for reading. Made and destroyed with the GIL: it holds a Python object.
 struct PyMap {
-  PyMap(const std::filesystem::path& file, const std::vector<std::string>& assignments)
-      : path(map_file_of(file)), open(open_map(path, assignments)) {}
+  PyMap(std::filesystem::path file, OpenMap map) : path(std::move(file)), open(std::move(map)) {}
 
   std::filesystem::path path;
   std::mutex mutex;  ///< locked without the GIL
   OpenMap open;
   py::object cloud = py::none();  ///< once it has been asked for
 };
+
+/// Opens a map file, or that of a run's folder; called with the GIL, which is released while the file is
+/// read.
+std::shared_ptr<PyMap> open_py_map(const std::filesystem::path& file_or_folder,
+                                   const std::vector<std::string>& assignments);
 
 }  // namespace kinloop::python
