@@ -3,6 +3,7 @@
 import ast
 import re
 import sys
+import threading
 import types
 import urllib.request
 
@@ -83,6 +84,31 @@ def test_pose_graph(tmp_path, program):
         graph.add_edge(0, 9, side)
     with pytest.raises(kinloop.InputError, match="missing.g2o"):
         kinloop.PoseGraph.load(tmp_path / "missing.g2o")
+
+
+def test_pose_graph_may_be_read_and_extended_while_it_is_optimised():
+    graph, step = kinloop.PoseGraph(), rotation_z(0.1)
+    step[0, 3] = 0.1
+    for i in range(2000):
+        graph.add_vertex(rotation_z(0.11 * i))
+        if i > 0:
+            graph.add_edge(i - 1, i, step)
+    done, added = threading.Event(), []
+
+    def extend():
+        while not done.is_set():
+            added.append(graph.add_vertex(step))
+            assert len(graph.poses) == len(graph) == 2000 + len(added)
+
+    thread = threading.Thread(target=extend)
+    thread.start()
+    try:
+        graph.optimize()
+    finally:
+        done.set()
+        thread.join()
+    assert added and len(graph) == 2000 + len(added)
+    np.testing.assert_array_equal(graph.poses[-1], step)
 
 
 def test_pose_graph_in_the_plane(tmp_path):
@@ -174,6 +200,17 @@ def test_viewer_serves_on_loopback_and_may_be_framed_by_a_notebook(result, progr
             urllib.request.urlopen(viewer.url, timeout=5)
     with pytest.raises(kinloop.UsageError, match="view: expected"):
         kinloop.view(3)
+
+
+def test_a_viewer_may_be_closed_by_several_threads(program_run):
+    for _ in range(5):
+        viewer = kinloop.view(program_run / "map.ply")
+        threads = [threading.Thread(target=viewer.close) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        assert viewer.browsers == 0
+        for thread in threads:
+            thread.join()
 
 
 def test_conversions_to_other_packages(result, monkeypatch):
