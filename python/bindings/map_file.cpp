@@ -34,11 +34,12 @@ FileFrame map_frame(OpenMap& open) {
 
 std::shared_ptr<PyMap> load_map(const std::filesystem::path& path, const py::object& options,
                                 const py::kwargs& keywords) {
-  return open_py_map(path, assignments_of(options, keywords));
+  const auto assignments = assignments_of(options, keywords);
+  return without_gil([&] { return std::make_shared<PyMap>(path, assignments); });
 }
 
 py::object map_cloud(PyMap& map) {
-  if (!map.cloud.is_none()) return map.cloud;
+  if (map.cloud) return map.cloud;
   PythonProgress progress{py::none()};
   auto cloud = use(map, [&](OpenMap& open) {
     return PyCloud{open.cloud(0, hardware_threads(), progress.function()), map_frame(open)};
@@ -92,13 +93,6 @@ std::vector<std::string> session_inputs(const PyMap& map) {
 }
 
 }  // namespace
-
-std::shared_ptr<PyMap> open_py_map(const std::filesystem::path& file_or_folder,
-                                   const std::vector<std::string>& assignments) {
-  auto file = map_file_of(file_or_folder);
-  auto map = without_gil([&] { return open_map(file, assignments); });
-  return std::make_shared<PyMap>(std::move(file), std::move(map));
-}
 
 void bind_map_file(py::module_& module) {
   py::class_<PyMap, std::shared_ptr<PyMap>>(module, "Map",

@@ -8,19 +8,15 @@
 
 namespace kinloop::python {
 
-/// A map file opened for reading. Made and destroyed with the GIL: it holds a Python object.
+/// A map file opened for reading. Constructed without the GIL, so it must not touch a Python object then.
 struct PyMap {
-  PyMap(std::filesystem::path file, OpenMap map) : path(std::move(file)), open(std::move(map)) {}
+  PyMap(const std::filesystem::path& file, const std::vector<std::string>& assignments)
+      : path(map_file_of(file)), open(open_map(path, assignments)) {}
 
   std::filesystem::path path;
   std::mutex mutex;  ///< locked without the GIL
   OpenMap open;
-  py::object cloud = py::none();  ///< once it has been asked for
+  py::object cloud;  ///< null until it has been asked for
 };
-
-/// Opens a map file, or that of a run's folder; called with the GIL, which is released while the file is
-/// read.
-std::shared_ptr<PyMap> open_py_map(const std::filesystem::path& file_or_folder,
-                                   const std::vector<std::string>& assignments);
 
 }  // namespace kinloop::python

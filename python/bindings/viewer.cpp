@@ -89,7 +89,8 @@ SavedRun shown(const py::object& what) {
         "view: expected a Result, a Map, or the path of a run's folder, a map file, a cloud or a mesh");
   const auto path = what.cast<std::filesystem::path>();
   if (path.extension() != ".kinmap") return without_gil([&] { return read_saved_run(path); });
-  return shown_map(py::cast(open_py_map(path, {})));
+  return shown_map(
+      py::cast(without_gil([&] { return std::make_shared<PyMap>(path, std::vector<std::string>()); })));
 }
 
 std::unique_ptr<PyViewer> view(const py::object& what, uint16_t port) {

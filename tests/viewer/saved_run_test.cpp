@@ -3,6 +3,7 @@
 #include "viewer/saved_run.hpp"
 
 #include <cstring>
+#include <limits>
 
 #include <gmock/gmock.h>
 
