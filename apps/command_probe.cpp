@@ -46,7 +46,7 @@ void take_frames(FrameSource& source, Probed& probed) {
 }
 
 /// Decodes frames spread over the sequence; of a video, which can only be read in order, the first.
-Probed probe_layout(const std::string& path, const std::optional<std::string>& camera) {
+Probed probe_layout(const std::string& path, const std::optional<CameraArgument>& camera) {
   OpenedSequence opened = read_sequence(path, camera);
   RecordedSequence& sequence = opened.sequence;
   Probed probed;

@@ -66,7 +66,7 @@ std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   if (sequence == "orbbec") return open_orbbec(request.kinect, camera);
   if (sequence == "oak") return open_oak(request.kinect, camera);
   if (is_stream(sequence)) return open_stream(sequence, camera);
-  if (!is_recording(sequence)) return open_sequence(sequence, request.camera);
+  if (!is_recording(sequence)) return open_sequence(sequence, camera);
   if (!std::filesystem::exists(sequence))
     throw InputError(fmt::format("{}: no such file; check the path", sequence));
   if (is_azure_recording(sequence)) return open_azure_recording(sequence, camera);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "drivers/datasets/camera_selection.hpp"
 #include "drivers/live/kinect_options.hpp"
 #include "kinloop/features/options.hpp"
 #include "kinloop/place/vocabulary.hpp"
@@ -14,8 +15,8 @@ namespace kinloop {
 
 /// The source selected by the user.
 struct SourceRequest {
-  std::string sequence;               ///< a folder, a recording in one file, sim:room, a camera or a stream
-  std::optional<std::string> camera;  ///< camera.yaml or a preset
+  std::string sequence;  ///< a folder, a recording in one file, sim:room, a camera or a stream
+  std::optional<CameraArgument> camera;
   std::optional<std::string> topics;  ///< of a bag, "COLOR,DEPTH[,CAMERA_INFO]"
   SimulationOptions simulation;
   KinectOptions kinect;

@@ -76,6 +76,7 @@ std::string decimated(const ColoredCloud& cloud, const CloudView& view) {
     piece.cloud.points.push_back(mixed.points[i]);
     piece.cloud.colors.push_back(mixed.colors[i]);
   }
+  if (piece.cloud.size() == 0) return {};
   const Bytes bytes = encode_cloud(piece);
   return {bytes.begin(), bytes.end()};
 }

@@ -27,6 +27,13 @@ std::optional<RgbdCamera> preset_in_name(const std::string& name) {
   return found;
 }
 
+RgbdCamera named_camera(const std::string& preset_or_file) {
+  if (const auto preset = camera_preset(preset_or_file)) return *preset;
+  if (std::filesystem::exists(preset_or_file)) return read_camera_file(preset_or_file);
+  throw InputError(
+      fmt::format("--camera {}: neither a file nor a preset ({})", preset_or_file, kPresetNames));
+}
+
 }  // namespace
 
 std::optional<RgbdCamera> preset_of_folder(const std::filesystem::path& folder) {
@@ -34,14 +41,10 @@ std::optional<RgbdCamera> preset_of_folder(const std::filesystem::path& folder) 
 }
 
 RgbdCamera choose_camera(const std::filesystem::path& folder,
-                         const std::optional<std::string>& camera_argument) {
+                         const std::optional<CameraArgument>& camera_argument) {
   if (camera_argument) {
-    if (const auto preset = camera_preset(*camera_argument)) return *preset;
-    if (!std::filesystem::exists(*camera_argument)) {
-      throw InputError(
-          fmt::format("--camera {}: neither a file nor a preset ({})", *camera_argument, kPresetNames));
-    }
-    return read_camera_file(*camera_argument);
+    if (const auto* camera = std::get_if<RgbdCamera>(&*camera_argument)) return *camera;
+    return named_camera(std::get<std::string>(*camera_argument));
   }
   constexpr bool kCameraKnown = false;
   const auto file = folder / "camera.yaml";

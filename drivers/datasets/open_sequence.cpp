@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/camera_selection.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
@@ -13,7 +12,7 @@ namespace kinloop {
 namespace {
 
 std::optional<RgbdCamera> camera_given(const std::filesystem::path& path,
-                                       const std::optional<std::string>& camera_argument) {
+                                       const std::optional<CameraArgument>& camera_argument) {
   if (camera_argument) return choose_camera(path, camera_argument);
   const auto file = path / "camera.yaml";
   std::error_code absent;
@@ -23,7 +22,7 @@ std::optional<RgbdCamera> camera_given(const std::filesystem::path& path,
 }  // namespace
 
 OpenedSequence read_sequence(const std::filesystem::path& path,
-                             const std::optional<std::string>& camera_argument) {
+                             const std::optional<CameraArgument>& camera_argument) {
   const SequenceLayout* layout = recognise_layout(path);
   if (layout == nullptr) reject_sequence(path, camera_argument.has_value());
   const auto given = camera_given(path, camera_argument);
@@ -36,7 +35,7 @@ OpenedSequence read_sequence(const std::filesystem::path& path,
 }
 
 std::unique_ptr<FrameSource> open_sequence(const std::string& path,
-                                           const std::optional<std::string>& camera_argument) {
+                                           const std::optional<CameraArgument>& camera_argument) {
   OpenedSequence opened = read_sequence(path, camera_argument);
   return std::make_unique<RecordedSource>(path, std::move(opened.sequence), opened.camera);
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "drivers/datasets/camera_selection.hpp"
 #include "drivers/datasets/recorded_sequence.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 
@@ -17,14 +18,14 @@ struct OpenedSequence {
   RgbdCamera camera;
 };
 
-/// Reads the lists, poses and calibration of a recorded sequence. The camera is `camera_argument` (a preset
-/// or a file) if given, else camera.yaml in the folder, else that of the layout. Throws InputError with the
-/// remedy if the path is in no known layout or has no camera.
+/// Reads the lists, poses and calibration of a recorded sequence. The camera is `camera_argument` if given,
+/// else camera.yaml in the folder, else that of the layout. Throws InputError with the remedy if the path is
+/// in no known layout or has no camera.
 OpenedSequence read_sequence(const std::filesystem::path& path,
-                             const std::optional<std::string>& camera_argument = {});
+                             const std::optional<CameraArgument>& camera_argument = {});
 
 /// Opens a sequence in any layout; `info().description` says which.
 std::unique_ptr<FrameSource> open_sequence(const std::string& path,
-                                           const std::optional<std::string>& camera_argument = {});
+                                           const std::optional<CameraArgument>& camera_argument = {});
 
 }  // namespace kinloop

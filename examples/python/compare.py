@@ -8,6 +8,8 @@ import sys
 
 import kinloop
 
+if len(sys.argv) < 3:
+    sys.exit(__doc__)
 truth, *estimates = sys.argv[1:]
 print(f"{'':24} {'ATE m':>8} {'max m':>8} {'RPE m/s':>8} {'deg/s':>8} {'covered':>8}")
 for path in estimates:

@@ -9,7 +9,10 @@ import sys
 
 import kinloop
 
+if len(sys.argv) != 3:
+    sys.exit(__doc__)
 map_file, folder = sys.argv[1:]
-m = kinloop.Map.load(map_file)
-m.export_colmap(folder)
-print(f"{m}, {len(m.landmarks)} points: {folder}")
+
+loaded = kinloop.Map.load(map_file)
+loaded.export_colmap(folder)
+print(f"{loaded}, {len(loaded.landmarks)} points: {folder}")

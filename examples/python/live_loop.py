@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A loop over your own camera: NumPy arrays in, poses out.
+"""A loop over your own camera: NumPy arrays in, poses out; writes trajectory.txt, in TUM format.
 
   live_loop.py [RECORDING]               a recording stands in for the camera (default: sim:room)
 
@@ -13,15 +13,15 @@ import numpy as np
 
 import kinloop
 
-recording = sys.argv[1] if len(sys.argv) > 1 else "sim:room"
+source = kinloop.open(sys.argv[1] if len(sys.argv) > 1 else "sim:room")
 
 
 def images():
-    for frame in kinloop.open(recording):
-        yield frame.stamp_s, frame.rgb, (1000 * frame.depth_m).astype(np.uint16)
+    for frame in source:
+        yield frame.stamp_s, frame.rgb, np.round(1000 * frame.depth_m).astype(np.uint16)
 
 
-camera = kinloop.open(recording).camera  # or kinloop.Camera(width=640, height=480, fx=525, ...)
+camera = source.camera  # or kinloop.Camera(width=640, height=480, fx=525, ...)
 slam = kinloop.Slam(camera, executor={"mode": "live"})  # corrections are applied when they are ready
 times_s = []
 for stamp_s, rgb, depth in images():

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Sends a folder in TUM layout to kinloop, as a camera would; docs/protocol.md describes the format.
 
-  examples/python/stream_frames.py FOLDER | kinloop run - -o out
+  stream_frames.py FOLDER [--live] | kinloop run - -o out
+
+FOLDER holds camera.yaml too. --live: frames that come too fast are dropped, as with a camera.
 """
 import json
 import pathlib
@@ -20,6 +22,8 @@ def send(header, *images):
     sys.stdout.buffer.flush()
 
 
+if len(sys.argv) < 2:
+    sys.exit(__doc__)
 folder = pathlib.Path(sys.argv[1])
 send({"kinloop": 1, "live": "--live" in sys.argv, "camera": (folder / "camera.yaml").read_text()})
 depths = read_list(folder / "depth.txt")

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <opencv2/core/mat.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/base/errors.hpp"
@@ -50,13 +50,20 @@ void require_size(const cv::Mat& image, const PinholeCamera& camera, const char*
                                image.rows, camera.width, camera.height));
 }
 
+constexpr float kMaxDepthM = 1e4F;
+
+/// Whether every pixel is a distance or 0, in metres.
+bool holds_distances(const cv::Mat& depth) {
+  return cv::checkRange(depth, true, nullptr, 0, double{kMaxDepthM});
+}
+
 /// Metres with 0 for all that is no distance.
 cv::Mat checked_metres(const cv::Mat& depth) {
   cv::Mat metres;
   depth.convertTo(metres, CV_32FC1);
   for (int y = 0; y < metres.rows; ++y) {
     auto* row = metres.ptr<float>(y);
-    for (int x = 0; x < metres.cols; ++x) row[x] = row[x] > 0 && row[x] < 1e4F ? row[x] : 0.0F;
+    for (int x = 0; x < metres.cols; ++x) row[x] = row[x] > 0 && row[x] < kMaxDepthM ? row[x] : 0.0F;
   }
   return metres;
 }
@@ -81,7 +88,8 @@ ArrayFrame frame_of_arrays(const py::array& rgb, const py::array& depth, const R
   require_size(measured, camera.depth ? *camera.depth : camera.color, "depth");
   const bool share_color = !conversion.copy && color.bgr;
   const bool share_depth = !conversion.copy && measured.data == depth.data() && measured.type() == CV_32FC1 &&
-                           camera.depth_shift_m == 0;  // a shift works on the pixels
+                           camera.depth_shift_m == 0 &&  // a shift works on the pixels
+                           without_gil([&] { return holds_distances(measured); });
   ArrayFrame frame;
   cv::Mat shared_color, shared_depth;
   if (share_color) shared_color = keep_alive(color.pixels, rgb);

@@ -10,7 +10,7 @@ namespace kinloop::python {
 /// How arrays become a frame.
 struct ArrayConversion {
   double depth_scale = 1000;  ///< units per metre of integer depth
-  bool copy = true;           ///< false: share the memory where the layout allows it
+  bool copy = true;           ///< false: share the memory where layout and values allow it
 };
 
 /// Returns the images of the arrays; stamps are left to the caller. Throws UsageError, naming the argument,

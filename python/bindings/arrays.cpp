@@ -37,11 +37,13 @@ bool is_of(const py::array& array) {
   throw UsageError(fmt::format("{}: expected {}, got {}", name, expected, describe_array(array)));
 }
 
-/// Rows of pixels at positive strides, as OpenCV has them; other layouts are copied first.
+/// Rows of aligned pixels at positive strides, as OpenCV has them; other layouts are copied first.
 py::array with_rows(const py::array& array, py::ssize_t pixel_bytes) {
   const bool rows = array.strides(1) == pixel_bytes && array.strides(0) >= pixel_bytes * array.shape(1);
-  if (rows) return array;
-  return py::array::ensure(array, py::array::c_style | py::array::forcecast);
+  const bool aligned = (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) != 0 &&
+                       array.strides(0) % array.itemsize() == 0;
+  if (rows && aligned) return array;
+  return array.attr("copy")();
 }
 
 /// The image shares the array's memory: the caller's object must live as long.
@@ -90,7 +92,7 @@ ArrayImage rgb_image(const py::array& rgb, const char* name) {
   const bool reversed = rgb.strides(2) == -1 && rgb.strides(1) == 3 && rgb.strides(0) >= 3 * rgb.shape(1);
   if (reversed) return {mat_over(rgb, CV_8UC3, data - 2), true};
   if (rgb.strides(2) != 1 || rgb.strides(1) != 3 || rgb.strides(0) < 3 * rgb.shape(1)) {
-    const py::array rows = py::array::ensure(rgb, py::array::c_style | py::array::forcecast);
+    const py::array rows = rgb.attr("copy")();
     return {mat_over(rows, CV_8UC3, rows.data()).clone(), false};
   }
   return {mat_over(rgb, CV_8UC3, data), false};

@@ -39,7 +39,7 @@ std::shared_ptr<PyMap> load_map(const std::filesystem::path& path, const py::obj
 }
 
 py::object map_cloud(PyMap& map) {
-  if (!map.cloud.is_none()) return map.cloud;
+  if (map.cloud) return map.cloud;
   PythonProgress progress{py::none()};
   auto cloud = use(map, [&](OpenMap& open) {
     return PyCloud{open.cloud(0, hardware_threads(), progress.function()), map_frame(open)};

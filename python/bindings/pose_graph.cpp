@@ -1,5 +1,7 @@
 #include "python/bindings/pose_graph.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
@@ -94,17 +96,16 @@ void add_edge(PyPoseGraph& graph, uint32_t a, uint32_t b, const Eigen::Matrix4d&
 
 PoseGraphSummary optimize(PyPoseGraph& graph, const py::kwargs& options) {
   const auto settings = with_assignments(PoseGraphOptions{}, assignments_of(options));
-  return without_gil([&] {
-    return std::visit(
-        [&](auto& g) {
-          auto solution = solve_pose_graph(g, settings);
-          g.T_world_vertex = std::move(solution.T_world_vertex);
-          return PoseGraphSummary{solution.chi2_before, solution.chi2_after,
-                                  solution.iterations,  solution.seconds,
-                                  solution.converged,   std::string(name_of(solution.solver))};
-        },
-        graph.file.graph);
-  });
+  return std::visit(
+      [&](auto& g) {
+        const auto copy = g;  // other threads may read and extend the graph meanwhile
+        const auto solution = without_gil([&] { return solve_pose_graph(copy, settings); });
+        std::copy(solution.T_world_vertex.begin(), solution.T_world_vertex.end(), g.T_world_vertex.begin());
+        return PoseGraphSummary{solution.chi2_before, solution.chi2_after,
+                                solution.iterations,  solution.seconds,
+                                solution.converged,   std::string(name_of(solution.solver))};
+      },
+      graph.file.graph);
 }
 
 size_t vertex_count(const PyPoseGraph& graph) {

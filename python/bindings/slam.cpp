@@ -59,6 +59,15 @@ void set_up_process() {
   static_cast<void>(once);
 }
 
+void require_size(const RgbdFrame& frame, const PinholeCamera& camera) {
+  const cv::Size size(camera.width, camera.height), color = frame.color.size();
+  if (color == size && frame.depth_m.size() == size) return;
+  throw UsageError(
+      fmt::format("frame: {} x {} pixels where the camera of this Slam has {} x {}; pass Slam the camera of "
+                  "its source",
+                  color.width, color.height, size.width, size.height));
+}
+
 }  // namespace
 
 Run::Run(const RgbdCamera& camera, const RunSettings& settings)
@@ -81,9 +90,14 @@ Run::Run(const RgbdCamera& camera, const RunSettings& settings)
   load_images(start->reader, start->path, shift, *recorder_);
 }
 
+void Run::require_unfinished() const {
+  if (trajectory_) throw UsageError("Slam.process: finish() has ended this run; create another Slam");
+}
+
 FrameResult Run::process(const PyFrame& frame) {
   const std::lock_guard lock(mutex_);
-  require(!trajectory_, "Slam.process: finish() has ended this run; create another Slam");
+  require_unfinished();
+  require_size(frame.data, camera_.color);
   if (frame.prepared_for == 0 || frame.prepared_for == id_) {
     if (const auto reader = frame.reader.lock()) {
       if (input_.empty()) input_ = reader->info().name;
@@ -95,7 +109,7 @@ FrameResult Run::process(const PyFrame& frame) {
 
 FrameResult Run::process(const ArrayFrame& given) {
   const std::lock_guard lock(mutex_);
-  require(!trajectory_, "Slam.process: finish() has ended this run; create another Slam");
+  require_unfinished();
   RgbdFrame frame;
   frame.id = FrameId{next_id_};
   frame.stamp_ns = given.stamp_ns;

@@ -39,6 +39,7 @@ class Run {
  public:
   Run(const RgbdCamera& camera, const RunSettings& settings);
 
+  /// Both throw UsageError for images of another size than the camera's, and after `finish`.
   FrameResult process(const PyFrame& frame);
   FrameResult process(const ArrayFrame& frame);
   /// Returns the final trajectory; a second call returns it again.
@@ -61,6 +62,7 @@ class Run {
   [[nodiscard]] const RunOptions& options() const { return options_; }
 
  private:
+  void require_unfinished() const;
   FrameResult process_next(PreparedFrame frame);
 
   std::mutex mutex_;

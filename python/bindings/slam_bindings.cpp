@@ -104,8 +104,9 @@ process(stamp_s, rgb, depth, *, depth_scale=None, depth_stamp_s=None, copy=True)
   depth: along z at each colour pixel, 0 = unknown; float32 (H, W) in metres, or uint16 (H, W) with depth_scale units
     per metre (default: the camera's). If the camera has a depth camera of its own, depth is as that one sees it.
   depth_stamp_s: time of depth, if it differs from that of colour.
-  copy: False shares the memory of float32 depth, and of rgb that is a reversed view of BGR (bgr[:, :, ::-1]), and keeps
-    the arrays alive. They must not change before finish(): a buffer that a camera fills again needs copy=True.
+  copy: False shares the memory of float32 depth, if it is aligned and finite, and of rgb that is a reversed view of BGR
+    (bgr[:, :, ::-1]), and keeps the arrays alive. They must not change before finish(): a buffer that a camera fills
+    again needs copy=True.
 
 Returns T_world_camera, float64 (4, 4), metres; None while tracking is lost. Later corrections of the map do not change
 poses already returned: finish() returns the final ones. The GIL is released.)")

@@ -70,8 +70,7 @@ std::shared_ptr<FrameReader> open_reader(const std::filesystem::path& sequence, 
   const RunOptions settings = run_options_with({}, assignments_of(options, keywords));
   SourceRequest request;
   request.sequence = sequence.string();
-  if (!camera.is_none())
-    request.camera = py::cast<std::string>(py::module_::import("os").attr("fspath")(camera));
+  if (!camera.is_none()) request.camera = camera_argument(camera, "camera");
   request.topics = topics;
   request.simulation = settings.sim;
   request.kinect = settings.kinect;
@@ -132,6 +131,7 @@ another thread.)")
       .def("__iter__", [](py::object self) { return self; })
       .def("__next__", &next_frame)
       .def("__len__", [](const FrameReader& r) { return r.info().frames; })
+      .def("__bool__", [](const FrameReader&) { return true; })  // a camera has no length
       .def_property_readonly(
           "camera", [](const FrameReader& r) { return r.camera(); }, "The Camera.")
       .def_property_readonly(
@@ -156,7 +156,8 @@ another thread.)")
              R"(Opens a recording or a camera.
 
 sequence: whatever kinloop run takes: a folder in TUM layout or of another dataset, a bag, .mkv, .oni, kinect1, ...,
-  sim:room. camera: a camera.yaml or preset instead of the recording's. topics: of a bag, "COLOR,DEPTH[,CAMERA_INFO]".
+  sim:room. camera: a Camera, a camera.yaml or a preset instead of the recording's. topics: of a bag,
+  "COLOR,DEPTH[,CAMERA_INFO]".
 options: kinect.* and sim.* of kinloop run --set: kinloop.open("sim:room", sim={"frames": 100}).
 Returns a Source. Raises InputError or UsageError.)");
 }

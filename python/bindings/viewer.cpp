@@ -20,7 +20,7 @@ class PyViewer {
     ListenAddress listen;
     listen.port = port;
     listen.framed_by_loopback = true;
-    service_.emplace(
+    service_ = std::make_unique<ViewerService>(
         listen,
         [this](Scene& scene, size_t) {
           if (!std::exchange(shown_, true)) show_saved_run(scene, run_);
@@ -31,13 +31,17 @@ class PyViewer {
 
   [[nodiscard]] const std::string& url() const { return url_; }
   [[nodiscard]] size_t browsers() const { return service_ ? service_->browsers() : 0; }
-  void close() { service_.reset(); }
+  /// Called with the GIL, like `browsers`: another thread sees either a running service or none.
+  void close() {
+    auto ended = std::move(service_);
+    without_gil([&] { ended.reset(); });
+  }
 
  private:
   SavedRun run_;
   std::string url_;
-  bool shown_ = false;                    // of the service's thread
-  std::optional<ViewerService> service_;  // declared last: its thread uses the others
+  bool shown_ = false;                      // of the service's thread
+  std::unique_ptr<ViewerService> service_;  // declared last: its thread uses the others
 };
 
 SavedRun shown_result(const py::object& object) {
@@ -102,10 +106,9 @@ void bind_viewer(py::module_& module) {
       "A page on this machine (127.0.0.1) that shows a map; a notebook shows it in its cell.")
       .def_property_readonly("url", &PyViewer::url, "Address of the page.")
       .def_property_readonly("browsers", &PyViewer::browsers, "Number of browsers connected.")
-      .def(
-          "close", [](PyViewer& viewer) { without_gil([&] { viewer.close(); }); }, "Stops serving.")
+      .def("close", &PyViewer::close, "Stops serving.")
       .def("__enter__", [](py::object self) { return self; })
-      .def("__exit__", [](PyViewer& viewer, const py::args&) { without_gil([&] { viewer.close(); }); })
+      .def("__exit__", [](PyViewer& viewer, const py::args&) { viewer.close(); })
       .def("_repr_html_",
            [](const PyViewer& viewer) {
              return fmt::format(

@@ -1,7 +1,7 @@
 // kinloop view and the report of a run in a simulated room.
 
 import assert from 'node:assert/strict';
-import { readFileSync, statSync } from 'node:fs';
+import { mkdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
@@ -9,6 +9,19 @@ import { withBrowser, paintedPixels, seen, until } from './harness.mjs';
 
 const FAST = ['--set', 'sim.fps=10', '--set', 'sim.width=320', '--set', 'sim.height=240'];
 const MOST_BYTES = 5e6;
+const LONG_RUN = 150_000; // frames: more than a function takes as arguments
+
+/** The folder of a run with so many frames, of which every thousandth is lost. */
+function writeLongRun(folder) {
+  mkdirSync(folder);
+  const frames = Array.from({ length: LONG_RUN }, (_, i) => i);
+  const write = (name, line) => writeFileSync(join(folder, name), frames.map(line).join('\n'));
+  const place = (i, error) => `${i / 30} ${Math.cos(i / 1500) + error} 0 ${Math.sin(i / 1500)} 0 0 0 1`;
+  write('trajectory.txt', (i) => place(i, 0.01 * Math.sin(i)));
+  write('groundtruth.txt', (i) => place(i, 0));
+  write('frames.txt', (i) => `${i / 30} ${i % 1000 === 999 ? 'lost' : 'tracked'} ${900 + (i % 100)} 500 ${10 + (i % 13)}`);
+  writeFileSync(join(folder, 'run.json'), JSON.stringify({ frames: LONG_RUN, tracked: LONG_RUN }));
+}
 
 await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const [out, plain] = [join(folder, 'out'), join(folder, 'no_loop')];
@@ -57,6 +70,23 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   assert.deepEqual(columns, ['', 'out', 'no_loop', 'trajectory.txt']);
   await shoot(side, 'comparison', { fullPage: true });
 
+  // A run of more than an hour: every section is there, and no plot has many more points than pixels. A section that
+  // fails leaves the others.
+  const [long, longReport] = [join(folder, 'long'), join(folder, 'long.html')];
+  writeLongRun(long);
+  assert.equal(await kinloop('report', long, '-o', longReport).ended, 0);
+  const hours = await open(pathToFileURL(longReport).href);
+  assert.deepEqual(await hours.locator('h2').allTextContents(), ['Trajectory', 'Absolute trajectory error', 'Tracking']);
+  assert.ok((await hours.locator('figcaption').allTextContents()).some((text) => text.includes('(150 frames)')), 'lost frames are counted');
+  const drawn = await hours.locator('svg').evaluateAll((plots) => plots.reduce((sum, plot) => sum + plot.outerHTML.length, 0));
+  assert.ok(drawn < MOST_BYTES, `${drawn} bytes of plots`);
+  await hours.close();
+  writeFileSync(longReport, readFileSync(longReport, 'utf8').replace('"frames":{', '"unknown":{'));
+  const partial = await open(pathToFileURL(longReport).href);
+  assert.deepEqual(await partial.locator('h2').allTextContents(), ['Trajectory', 'Absolute trajectory error']);
+  assert.equal(await partial.getByText('A section cannot be shown').count(), 1);
+  await partial.close();
+
   // kinloop view DIR, a map file, and a single cloud.
   const [map, cloud] = [join(out, 'map.kinmap'), join(out, 'map.ply')];
   for (const what of [out, map, cloud]) {
@@ -77,5 +107,14 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     assert.equal(download.suggestedFilename(), 'kinloop.png');
     await page.waitForTimeout(500);
     await shoot(page, { [out]: 'view-folder', [map]: 'view-map', [cloud]: 'view-cloud' }[what]);
+
+    // Another run takes the place of this one: the renderer keeps nothing of it.
+    const released = await page.evaluate(() => {
+      const { world, view } = window.kinloop;
+      const before = view.renderer.info.memory.geometries;
+      world.clear();
+      return before - view.renderer.info.memory.geometries;
+    });
+    assert.ok(released > 0, 'pieces are released');
   }
 });

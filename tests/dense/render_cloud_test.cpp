@@ -59,6 +59,27 @@ TEST(RenderCloud, OfNothingIsEmpty) {
   EXPECT_TRUE(render_cloud(room(), from_above(-1)).empty());
 }
 
+TEST(RenderCloud, PointsThatAreNowhereChangeNothing) {
+  ColoredCloud cloud = room();
+  const cv::Mat expected = render_cloud(cloud, from_above(kEverywhere));
+  constexpr float kInfinity = std::numeric_limits<float>::infinity(), kLargest = 3e38F;
+  for (const float x :
+       {std::numeric_limits<float>::quiet_NaN(), kInfinity, -kInfinity, kLargest, -kLargest}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Eigen::Vector3f p(1, 1, 1);
+      p[axis] = x;
+      cloud.points.insert(cloud.points.begin(), 1000, p);
+      cloud.colors.insert(cloud.colors.begin(), 1000, {1, 2, 3});
+    }
+  }
+  const cv::Mat drawn = render_cloud(cloud, from_above(kEverywhere));
+  ASSERT_EQ(drawn.size(), expected.size());
+  EXPECT_EQ(cv::norm(drawn, expected, cv::NORM_INF), 0);
+  cloud.points.resize(1000);  // none of the room
+  cloud.colors.resize(1000);
+  EXPECT_TRUE(render_cloud(cloud, from_above(kEverywhere)).empty());
+}
+
 TEST(RenderCloud, OfOnePointIsThatPoint) {
   ColoredCloud cloud;
   cloud.points.emplace_back(5, 6, 7);

@@ -23,6 +23,12 @@ def example(tmp_path):
     return run
 
 
+@pytest.mark.parametrize("name", ["compare", "export_colmap", "localize", "map_a_folder", "stream_frames"])
+def test_usage(name):
+    done = subprocess.run([sys.executable, SOURCE / f"examples/python/{name}.py"], capture_output=True, text=True)
+    assert done.returncode == 1 and f"\n  {name}.py " in done.stderr and "Traceback" not in done.stderr
+
+
 def test_map_a_folder(example, sequence, program_run, tmp_path):
     assert "120 of 120 frames located" in example("map_a_folder.py", sequence, "out")
     assert (tmp_path / "out/trajectory.txt").read_bytes() == (program_run / "trajectory.txt").read_bytes()

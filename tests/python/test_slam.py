@@ -75,6 +75,32 @@ def test_layouts_and_units_of_arrays_do_not_matter(sequence):
         np.testing.assert_allclose(pose, poses[0], atol=1e-6)
 
 
+@pytest.mark.parametrize("copy", [True, False])
+def test_depth_that_cannot_be_shared_is_copied(sequence, copy):
+    """Misaligned memory, rows at odd strides, and pixels without a distance."""
+
+    def misaligned(depth):
+        return np.frombuffer(b"-" + depth.tobytes(), np.float32, offset=1).reshape(depth.shape)
+
+    def odd_rows(depth):
+        height, width = depth.shape
+        rows = np.ndarray(depth.shape, np.float32, np.zeros(height * (4 * width + 2), np.uint8), strides=(4 * width + 2, 4))
+        rows[:] = depth
+        return rows
+
+    def unknown_is_not_finite(depth):
+        return np.where(depth > 0, depth, np.where(np.arange(depth.shape[1]) % 2, np.nan, -np.inf)).astype(np.float32)
+
+    def poses(convert):
+        slam = kinloop.Slam(kinloop.open(sequence).camera)
+        frames = [(stamp_s, rgb, convert(depth_m)) for _, (stamp_s, rgb, depth_m) in zip(range(5), arrays_of(sequence))]
+        return [slam.process(*frame, copy=copy) for frame in frames]
+
+    expected = poses(np.ascontiguousarray)
+    for convert in (misaligned, odd_rows, unknown_is_not_finite):
+        np.testing.assert_array_equal(poses(convert), expected, convert.__name__)
+
+
 def test_bad_arrays_are_named(sequence):
     source = kinloop.open(sequence)
     frame = next(source)
@@ -130,6 +156,30 @@ def test_source(sequence):
     assert len(kinloop.open("sim:room", sim={"frames": 7})) == 7
 
 
+def test_camera_of_a_source(sequence):
+    camera = kinloop.Camera.from_yaml(sequence / "camera.yaml")
+    wider = kinloop.Camera(width=320, height=240, fx=camera.fx * 1.1, fy=camera.fy * 1.1, cx=160, cy=120)
+    assert kinloop.open(sequence, camera=wider).camera.fx == wider.fx
+    assert kinloop.open(sequence, camera=sequence / "camera.yaml").camera == camera
+    with pytest.raises(kinloop.UsageError, match="camera: expected a Camera"):
+        kinloop.open(sequence, camera=3)
+    with pytest.raises(kinloop.UsageError, match="simulated"):
+        kinloop.open("sim:room", camera=camera)
+
+
+def test_a_source_without_length_is_true(sequence):
+    assert kinloop.open(sequence)
+    assert type(kinloop.open(sequence)).__bool__
+
+
+def test_frame_of_another_size_is_refused_and_the_source_goes_on(sequence):
+    source = kinloop.open(sequence)
+    slam = kinloop.Slam("freiburg1")
+    with pytest.raises(kinloop.UsageError, match="frame: 320 x 240 pixels where the camera of this Slam has 640 x 480"):
+        slam.process(next(source))
+    assert kinloop.Slam(source.camera).process(next(source)) is not None
+
+
 def test_damaged_frame_is_skipped_and_named(sequence, tmp_path):
     import shutil
 
@@ -165,7 +215,7 @@ def test_a_finished_run_is_over(sequence):
     slam = kinloop.Slam(source.camera)
     slam.process(next(source))
     assert len(slam.finish().trajectory) == len(slam.finish().trajectory) == 1
-    with pytest.raises(RuntimeError, match="finish"):
+    with pytest.raises(kinloop.UsageError, match="finish"):
         slam.process(next(source))
 
 

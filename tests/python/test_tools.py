@@ -1,7 +1,9 @@
 """Map files, pose graphs, places, calibration, viewer, conversions, and the stubs."""
 
 import ast
+import re
 import sys
+import threading
 import types
 import urllib.request
 
@@ -82,6 +84,31 @@ def test_pose_graph(tmp_path, program):
         graph.add_edge(0, 9, side)
     with pytest.raises(kinloop.InputError, match="missing.g2o"):
         kinloop.PoseGraph.load(tmp_path / "missing.g2o")
+
+
+def test_pose_graph_may_be_read_and_extended_while_it_is_optimised():
+    graph, step = kinloop.PoseGraph(), rotation_z(0.1)
+    step[0, 3] = 0.1
+    for i in range(2000):
+        graph.add_vertex(rotation_z(0.11 * i))
+        if i > 0:
+            graph.add_edge(i - 1, i, step)
+    done, added = threading.Event(), []
+
+    def extend():
+        while not done.is_set():
+            added.append(graph.add_vertex(step))
+            assert len(graph.poses) == len(graph) == 2000 + len(added)
+
+    thread = threading.Thread(target=extend)
+    thread.start()
+    try:
+        graph.optimize()
+    finally:
+        done.set()
+        thread.join()
+    assert added and len(graph) == 2000 + len(added)
+    np.testing.assert_array_equal(graph.poses[-1], step)
 
 
 def test_pose_graph_in_the_plane(tmp_path):
@@ -175,6 +202,17 @@ def test_viewer_serves_on_loopback_and_may_be_framed_by_a_notebook(result, progr
         kinloop.view(3)
 
 
+def test_a_viewer_may_be_closed_by_several_threads(program_run):
+    for _ in range(5):
+        viewer = kinloop.view(program_run / "map.ply")
+        threads = [threading.Thread(target=viewer.close) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        assert viewer.browsers == 0
+        for thread in threads:
+            thread.join()
+
+
 def test_conversions_to_other_packages(result, monkeypatch):
     # Both are large: their interfaces are replaced by ones that keep what they get.
     class Kept(types.SimpleNamespace):
@@ -225,6 +263,70 @@ def test_stubs_have_every_public_name_and_no_other():
     public, stubs = set(public_names()), set(stub_names())
     assert public - stubs == set()
     assert {name for name in stubs - public if not name.split(".")[-1].startswith("__")} == set()
+
+
+def stub_functions():
+    """(name, definition) of every function and member in the stubs; overloads several times."""
+    tree = ast.parse((SOURCE / "python/kinloop/_kinloop.pyi").read_text())
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            yield node.name, node
+        if isinstance(node, ast.ClassDef):
+            yield from ((f"{node.name}.{member.name}", member) for member in node.body if isinstance(member, ast.FunctionDef))
+
+
+def module_member(name):
+    """A function, property or static method, as its class stores it."""
+    owner, _, member = name.rpartition(".")
+    return vars(getattr(kinloop, owner) if owner else kinloop)[member]
+
+
+def arguments_of(definition):
+    """Names and defaults of a function: 'a', 'b=0', '*', 'c=None', '**'. The types are not compared."""
+
+    def text(name, default):
+        if default is None:
+            return name
+        value = ast.literal_eval(default)
+        return f"{name}={float(value) if type(value) is int else value!r}"
+
+    a = definition.args
+    positional = [None] * (len(a.args) - len(a.defaults)) + a.defaults
+    found = [text(arg.arg, default) for arg, default in zip(a.args, positional) if arg.arg != "self"]
+    if a.vararg or a.kwonlyargs:
+        found.append("*")
+    found += [text(arg.arg, default) for arg, default in zip(a.kwonlyargs, a.kw_defaults)]
+    return found + ["**"] * bool(a.kwarg)
+
+
+def module_signatures(name):
+    """The definitions that a TypeError lists, since far too many arguments match none."""
+    function = kinloop
+    for part in name.removesuffix(".__init__").split("."):
+        function = getattr(function, part)
+    with pytest.raises(TypeError) as error:
+        function(*[object()] * 30)
+    lines = re.findall(r"^ +\d+\. [^(]*(\(.*\))(?: -> .*)?$", str(error.value), re.MULTILINE)
+    return [ast.parse(f"def f{arguments}: ...".replace("::", ".")).body[0] for arguments in lines]
+
+
+def test_stubs_say_what_is_a_property_and_what_is_static():
+    for name, definition in stub_functions():
+        kinds = {decorator.id for decorator in definition.decorator_list} - {"overload"}
+        member = module_member(name)
+        actual = {kind for kind, type_ in (("property", property), ("staticmethod", staticmethod)) if isinstance(member, type_)}
+        assert kinds == actual, name
+
+
+def test_stubs_have_the_arguments_and_defaults_of_the_module():
+    stubs = {}
+    for name, definition in stub_functions():
+        special = name.split(".")[-1].startswith("__") and not name.endswith("__init__")
+        if not special and not isinstance(module_member(name), (property, types.FunctionType)):
+            stubs.setdefault(name, []).append(arguments_of(definition))
+    del stubs["Camera.__init__"]  # takes any keywords; the stub lists the keys of camera.yaml
+    for name, expected in stubs.items():
+        assert [arguments_of(signature) for signature in module_signatures(name)] == expected, name
 
 
 def test_everything_has_a_docstring():

@@ -3,6 +3,7 @@
 #include "viewer/saved_run.hpp"
 
 #include <cstring>
+#include <limits>
 
 #include <gmock/gmock.h>
 
@@ -117,6 +118,21 @@ TEST_F(SavedRunTest, SaysWhatCannotBeShown) {
                     "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
                     "property float z\nend_header\n"),
               HasSubstr("holds no points"));
+}
+
+TEST(SavedCloud, PointsThatAreNowhereAreLeftOut) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  ColoredCloud cloud;
+  for (int i = 0; i < 100; ++i) cloud.points.emplace_back(0.01F * static_cast<float>(i), 0.5F, 0.1F);
+  for (int i = 0; i < 100; ++i) cloud.points.emplace_back(i % 2 == 0 ? kNan : kInfinity, -kInfinity, 3e38F);
+  cloud.colors.resize(cloud.points.size());
+  const auto pieces = split_into_pieces(cloud);
+  ASSERT_EQ(pieces.size(), 1U);
+  EXPECT_EQ(pieces[0].cloud.size(), 100U);
+  cloud.points.assign(3, Eigen::Vector3f::Constant(kNan));
+  cloud.colors.resize(3);
+  EXPECT_TRUE(split_into_pieces(cloud).empty());
 }
 
 TEST(SavedCloud, FarPointsDoNotCoarsenTheOthers) {

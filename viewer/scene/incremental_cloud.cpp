@@ -1,6 +1,5 @@
 #include "viewer/scene/incremental_cloud.hpp"
 
-#include <numeric>
 #include <utility>
 
 #include "kinloop/base/random.hpp"
@@ -45,15 +44,18 @@ CloudPiece IncrementalCloud::add_keyframe(KeyframeId anchor, const cv::Mat& colo
 }
 
 ColoredCloud shuffled(const ColoredCloud& cloud) {
-  std::vector<uint32_t> order(cloud.size());
-  std::iota(order.begin(), order.end(), 0U);
-  Random random(cloud.size());
+  std::vector<uint32_t> order;
+  order.reserve(cloud.size());
+  for (uint32_t i = 0; i < cloud.size(); ++i) {
+    if (is_drawable(cloud.points[i])) order.push_back(i);
+  }
+  Random random(order.size());
   for (uint32_t left = static_cast<uint32_t>(order.size()); left > 1; --left) {
     std::swap(order[left - 1], order[random.index(left)]);  // Fisher and Yates
   }
   ColoredCloud mixed;
-  mixed.points.reserve(cloud.size());
-  mixed.colors.reserve(cloud.size());
+  mixed.points.reserve(order.size());
+  mixed.colors.reserve(order.size());
   for (const uint32_t i : order) {
     mixed.points.push_back(cloud.points[i]);
     mixed.colors.push_back(cloud.colors[i]);

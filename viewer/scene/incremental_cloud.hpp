@@ -31,8 +31,8 @@ class IncrementalCloud {
   std::vector<Eigen::Vector3f> normals_;
 };
 
-/// Returns the points in a deterministic random order, so that any prefix is a thinned cloud; browsers draw a
-/// prefix if they cannot draw all points.
+/// Returns the drawable points in a deterministic random order, so that any prefix is a thinned cloud;
+/// browsers draw a prefix if they cannot draw all points.
 ColoredCloud shuffled(const ColoredCloud& cloud);
 
 }  // namespace kinloop

@@ -43,8 +43,8 @@ void append_pieces(const ColoredCloud& cloud, std::vector<CloudPiece>& pieces) {
 
 std::vector<CloudPiece> split_into_pieces(const ColoredCloud& cloud) {
   std::vector<CloudPiece> pieces;
-  if (cloud.size() == 0) return pieces;
   const ColoredCloud mixed = shuffled(cloud);
+  if (mixed.size() == 0) return pieces;
   const Eigen::AlignedBox3f box = outlier_fence(mixed);
   ColoredCloud near, far;
   for (size_t i = 0; i < mixed.size(); ++i) {

@@ -22,4 +22,11 @@ struct ColoredCloud {
   [[nodiscard]] size_t size() const { return points.size(); }
 };
 
+/// Returns whether a point can be drawn: its coordinates are finite, and so small that no sum of a few of
+/// them overflows. Files of other programs have points that are neither.
+inline bool is_drawable(const Eigen::Vector3f& point) {
+  constexpr float kFarthestM = 1e9F;
+  return (point.array().abs() < kFarthestM).all();  // false for NaN
+}
+
 }  // namespace kinloop

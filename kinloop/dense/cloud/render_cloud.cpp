@@ -25,12 +25,13 @@ constexpr double kMaxHeightShare = 1.2;  ///< maximum height of the picture rela
 /// The cloud in picture axes: x right, y down, z away from the viewer, metres.
 using ViewPoints = std::vector<Eigen::Vector3f>;
 
-/// Indices of the points below the cut.
+/// Indices of the drawable points below the cut.
 std::vector<size_t> points_below(const ColoredCloud& cloud, const CloudView& view) {
   const Eigen::Vector3f up = view.up.normalized().cast<float>();
   std::vector<size_t> kept;
   for (size_t i = 0; i < cloud.size(); ++i) {
-    if (static_cast<double>(up.dot(cloud.points[i])) <= view.cut_above_m) kept.push_back(i);
+    const Eigen::Vector3f& p = cloud.points[i];
+    if (is_drawable(p) && static_cast<double>(up.dot(p)) <= view.cut_above_m) kept.push_back(i);
   }
   return kept;
 }

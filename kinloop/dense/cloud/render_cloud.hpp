@@ -21,7 +21,7 @@ struct CloudView {
 };
 
 /// Renders the cloud in parallel projection, its long side horizontal and its tall side at the back, with
-/// shading at depth edges. 8UC4 (BGRA), transparent where empty; empty for an empty cloud.
+/// shading at depth edges. 8UC4 (BGRA), transparent where empty; empty for a cloud without drawable points.
 cv::Mat render_cloud(const ColoredCloud& cloud, const CloudView& view);
 
 }  // namespace kinloop

@@ -7,7 +7,7 @@ import { sharedUniforms } from '../shared/cloudMaterial.js';
 import { cloudPiece, placePiece } from '../shared/cloudPiece.js';
 import { count } from '../shared/format.js';
 import { readCloud } from '../shared/readCloud.js';
-import { element, figure, section } from './page.js';
+import { element, figure, problem, section } from './page.js';
 
 const FIELD_OF_VIEW_DEG = 45;
 const HEIGHT_BY_WIDTH = 0.55;
@@ -17,10 +17,19 @@ export function cloudSection([run]) {
   const piece = readCloud(Uint8Array.from(atob(run.cloud), (character) => character.charCodeAt(0)).buffer, 0);
   const canvas = element('canvas', { class: 'cloud', tabindex: '0', 'aria-label': '3D map' });
   const shown = figure(canvas, `${count(piece.count)} points, up to just above the highest camera position. Drag to rotate, scroll to zoom, right-drag to pan.`);
-  requestAnimationFrame(() => show(canvas, piece, run.up)); // once the canvas has a size
+  requestAnimationFrame(() => tryToShow(canvas, piece, run.up)); // once the canvas has a size
   const made = section('3D map', shown);
   made.classList.add('screen-only');
   return made;
+}
+
+/** Not every browser has WebGL. */
+function tryToShow(canvas, piece, up) {
+  try {
+    show(canvas, piece, up);
+  } catch (error) {
+    canvas.replaceWith(problem('The map', error));
+  }
 }
 
 function show(canvas, piece, up) {

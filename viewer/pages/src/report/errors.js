@@ -3,7 +3,7 @@
 import { binX, line, rectY, ruleY } from '@observablehq/plot';
 
 import { figure, legend, row, section } from './page.js';
-import { draw, rows } from './plot.js';
+import { draw, extent, outline, rows } from './plot.js';
 
 export function errorSection(all) {
   const runs = all.filter((run) => run.errors);
@@ -23,7 +23,7 @@ export function errorSection(all) {
 
 function overTime(runs) {
   const marks = runs.flatMap((run) => [
-    line(rows(run.errors), { x: 't', y: 'mm', stroke: run.color, strokeWidth: 1.3 }),
+    line(outline(rows(run.errors), 'mm'), { x: 't', y: 'mm', stroke: run.color, strokeWidth: 1.3 }),
     ruleY([1000 * run.evaluation.ate.rmse_m], { stroke: run.color, strokeDasharray: '5 4' }),
   ]);
   return draw('ATE over time', marks, { x: { label: 's' }, y: { label: 'mm', domain: fromZero(runs) } });
@@ -40,5 +40,5 @@ function histogram(runs) {
 }
 
 function fromZero(runs) {
-  return [0, Math.max(...runs.flatMap((run) => run.errors.mm)) || 1];
+  return [0, extent(runs.flatMap((run) => run.errors.mm))[1] || 1];
 }

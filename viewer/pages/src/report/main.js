@@ -13,7 +13,7 @@ import { cloudSection } from './cloud.js';
 import { detailsSection } from './details.js';
 import { errorSection } from './errors.js';
 import { moduleSection } from './modules.js';
-import { element } from './page.js';
+import { element, problem } from './page.js';
 import { pathSection } from './paths.js';
 import { loopSection, mapSection } from './pictures.js';
 import { headSection, summarySection } from './summary.js';
@@ -37,4 +37,13 @@ runs.forEach((run, index) => (run.color = `var(--run${index % 6})`));
 document.title = `${runs.map((run) => run.name).join(', ')} - kinloop`;
 const main = document.querySelector('main');
 if (runs.length === 0) main.append(element('p', {}, 'No runs.'));
-else main.append(...SECTIONS.map((section) => section(runs)).filter(Boolean));
+else main.append(...SECTIONS.map(made).filter(Boolean));
+
+/** A section that fails leaves the others as they are. */
+function made(section) {
+  try {
+    return section(runs);
+  } catch (error) {
+    return problem('A section', error);
+  }
+}

@@ -12,6 +12,11 @@ export function section(title, ...children) {
   return element('section', {}, element('h2', {}, title), ...children);
 }
 
+/** A line in place of what cannot be shown. */
+export function problem(what, error) {
+  return element('p', { class: 'soft' }, `${what} cannot be shown: ${error.message}`);
+}
+
 /** Figures side by side if there is space. */
 export function row(...figures) {
   return element('div', { class: 'row' }, ...figures);

@@ -3,7 +3,7 @@
 import { dot, line, link } from '@observablehq/plot';
 
 import { figure, legend, row, section } from './page.js';
-import { draw, evenRanges, rows } from './plot.js';
+import { buckets, draw, evenRanges, rows } from './plot.js';
 
 const GAP_S = 0.5; // frames further apart are not connected
 
@@ -33,11 +33,12 @@ function pathPlot(name, runs, truth, up) {
   });
 }
 
-/** The rows of a path, with the index of their segment: tracking loss separates segments. */
+/** The places of a path, with the index of their segment: tracking loss separates segments. */
 function pieces(path) {
   let piece = 0;
-  return rows(path).map((place, i, all) => {
+  const places = rows(path).map((place, i, all) => {
     if (i > 0 && place.t - all[i - 1].t > GAP_S) ++piece;
     return { ...place, piece };
   });
+  return buckets(places).map(([first]) => first);
 }

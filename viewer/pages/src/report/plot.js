@@ -15,6 +15,7 @@ import { plot } from '@observablehq/plot';
 const MARGINS = 62; // margins of the page and a figure, left and right
 const WIDTH = Math.max(320, Math.min(560, innerWidth - MARGINS)); // no wider than a phone, so that letters
                                                                   // keep their size
+const MOST_BUCKETS = 20000; // far more than a plot has pixels, and than a run of ten minutes has frames
 const STYLE = { fontSize: '13px', background: 'transparent', color: 'var(--soft)', overflow: 'visible' };
 
 /** A plot with `marks`; `title` is the accessible description. */
@@ -25,7 +26,7 @@ export function draw(title, marks, options = {}) {
 /** Ranges of x and y for a plot with equal scales on both axes that is neither too high nor too flat. */
 export function evenRanges(xs, ys) {
   const [lowest, highest] = [0.3, 0.8]; // height relative to width
-  const spread = (values) => (values.length ? [Math.min(...values), Math.max(...values)] : [0, 1]);
+  const spread = (values) => (values.length ? extent(values) : [0, 1]);
   const widened = ([low, high], size) => [(low + high - size) / 2, (low + high + size) / 2];
   const [x, y] = [spread(xs), spread(ys)];
   const margin = 1.08;
@@ -38,6 +39,26 @@ export function evenRanges(xs, ys) {
 export function rows(columns) {
   const names = Object.keys(columns);
   return columns[names[0]].map((_, i) => Object.fromEntries(names.map((name) => [name, columns[name][i]])));
+}
+
+/** [least, greatest] of the values; as arguments of Math.min, those of a long run would overflow the stack. */
+export function extent(values) {
+  return values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+}
+
+/** Successive rows together, so that no plot of a long run is drawn of more than MOST_BUCKETS; else each alone. */
+export function buckets(rows) {
+  const size = Math.max(1, Math.ceil(rows.length / MOST_BUCKETS));
+  return Array.from({ length: Math.ceil(rows.length / size) }, (_, i) => rows.slice(i * size, (i + 1) * size));
+}
+
+/** The rows with the least and the greatest `y` of every bucket: peaks stay. */
+export function outline(rows, y) {
+  return buckets(rows).flatMap((bucket) => {
+    const low = bucket.reduce((a, b) => (b[y] < a[y] ? b : a));
+    const high = bucket.reduce((a, b) => (b[y] > a[y] ? b : a));
+    return bucket.filter((row) => row === low || row === high);
+  });
 }
 
 /** The quantile at `share` of the values. */

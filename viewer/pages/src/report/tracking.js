@@ -3,7 +3,7 @@
 import { line, ruleX, ruleY } from '@observablehq/plot';
 
 import { figure, legend, row, section } from './page.js';
-import { draw, quantile, rows } from './plot.js';
+import { buckets, draw, outline, quantile, rows } from './plot.js';
 
 export function trackingSection(all) {
   const runs = all.filter((run) => run.frames.t.length > 0);
@@ -24,9 +24,10 @@ function features(runs) {
   const marks = [];
   for (const run of runs) {
     const frames = rows(run.frames);
-    marks.push(ruleX(frames.filter(({ status }) => status === 'lost'), { x: 't', stroke: 'var(--bad)', strokeOpacity: 0.6 }));
-    if (runs.length === 1) marks.push(line(frames, { x: 't', y: 'features', stroke: 'var(--truth)', strokeWidth: 1 }));
-    marks.push(line(frames, { x: 't', y: 'tracked', stroke: run.color, strokeWidth: 1.2 }));
+    const lost = buckets(frames).map((some) => some.find(({ status }) => status === 'lost')).filter(Boolean);
+    marks.push(ruleX(lost, { x: 't', stroke: 'var(--bad)', strokeOpacity: 0.6 }));
+    if (runs.length === 1) marks.push(line(outline(frames, 'features'), { x: 't', y: 'features', stroke: 'var(--truth)', strokeWidth: 1 }));
+    marks.push(line(outline(frames, 'tracked'), { x: 't', y: 'tracked', stroke: run.color, strokeWidth: 1.2 }));
   }
   return draw('Features over time', [...marks, ruleY([0])], { x: { label: 's' }, y: { label: 'features' } });
 }
@@ -34,7 +35,7 @@ function features(runs) {
 function times(runs) {
   const most = Math.max(...runs.map((run) => 1.5 * quantile(run.frames.ms, 0.99)));
   const marks = runs.flatMap((run) => [
-    line(rows(run.frames), { x: 't', y: ({ ms }) => Math.min(ms, most), stroke: run.color, strokeWidth: 1 }),
+    line(outline(rows(run.frames), 'ms'), { x: 't', y: ({ ms }) => Math.min(ms, most), stroke: run.color, strokeWidth: 1 }),
     ruleY([quantile(run.frames.ms, 0.5)], { stroke: run.color, strokeDasharray: '5 4' }),
   ]);
   return draw('Time per frame', marks, { x: { label: 's' }, y: { label: 'ms', domain: [0, most] } });

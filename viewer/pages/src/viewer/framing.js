@@ -58,7 +58,7 @@ export function frame(places, direction, tan) {
   const up = direction.clone().cross(right);
   // A point is in view if |across| <= tan * (its distance along the view): two linear bounds per axis.
   const across = [right, up].map((axis, i) => {
-    const reach = (sign) => Math.max(...places.map((place) => sign * place.dot(axis) + tan[i] * place.dot(direction)));
+    const reach = (sign) => places.reduce((most, place) => Math.max(most, sign * place.dot(axis) + tan[i] * place.dot(direction)), -Infinity);
     const [high, low] = [reach(1), reach(-1)];
     return { eye: (high - low) / 2, away: (high + low) / (2 * tan[i]) };
   });

@@ -17,10 +17,16 @@ export class Images {
       this.features = body;
       if (this.bitmap) this.drawColor();
     } else if (kind === 'colorImage') {
-      this.bitmap = await createImageBitmap(body);
+      const bitmap = await decoded(body);
+      if (!bitmap) return;
+      this.bitmap?.close();
+      this.bitmap = bitmap;
       this.drawColor();
     } else if (kind === 'depthImage') {
-      draw(this.depth, await createImageBitmap(body));
+      const bitmap = await decoded(body);
+      if (!bitmap) return;
+      draw(this.depth, bitmap);
+      bitmap.close(); // pixels are released long before the garbage is collected
     } else {
       return;
     }
@@ -37,6 +43,11 @@ export class Images {
       paint.fillRect((x / FULL_SCALE) * width - 1, (y / FULL_SCALE) * height - 1, tracked ? 3 : 2, tracked ? 3 : 2);
     }
   }
+}
+
+/** The image; undefined if it is damaged: the next one comes soon. */
+function decoded(jpeg) {
+  return createImageBitmap(jpeg).catch(() => undefined);
 }
 
 function draw(canvas, bitmap) {

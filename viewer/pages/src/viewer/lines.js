@@ -15,6 +15,7 @@ export class Lines {
   }
 
   reserve(points) {
+    this.object.geometry.dispose(); // the renderer's copy of the buffer so far
     this.attribute = new BufferAttribute(new Float32Array(3 * points), 3);
     this.object.geometry.setAttribute('position', this.attribute);
   }

@@ -49,6 +49,7 @@ export class World {
     this.truthPose = OWN_WORLD;
     this.cameraPose = undefined;
     this.frustum = [0.6, 0.45];
+    this.layers.cloud.traverse(dispose);
     this.layers.cloud.clear();
     this.moved = true;
   }
@@ -76,7 +77,10 @@ export class World {
 
   takePiece(index, piece) {
     const before = this.pieces.get(index);
-    if (before) this.layers.cloud.remove(before.object);
+    if (before) {
+      this.layers.cloud.remove(before.object);
+      dispose(before.object);
+    }
     const object = cloudPiece(piece, this.uniforms);
     this.pieces.set(index, { object, anchor: piece.anchor });
     this.layers.cloud.add(object);
@@ -182,6 +186,13 @@ export class World {
   thin(share) {
     for (const { object } of this.pieces.values()) thinPiece(object, share);
   }
+}
+
+/** Releases what the renderer keeps of an object, which it would otherwise keep forever. */
+function dispose({ geometry, material }) {
+  geometry?.dispose();
+  material?.map?.dispose();
+  material?.dispose();
 }
 
 /** The eight edges of a pyramid that looks along z; `frustum`: half its width and height at z = 1. */
