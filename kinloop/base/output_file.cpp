@@ -134,6 +134,23 @@ int copy_all(int from, int to) {
   }
 }
 
+/// Renames a file unless there is one of the new name. Returns errno, or 0.
+int rename_to_free_name(const fs::path& from, const fs::path& to) {
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+  if (errno != EINVAL && errno != ENOSYS) return errno;  // else the file system does not know the flag
+  std::error_code absent;
+  if (fs::exists(fs::symlink_status(to, absent))) return EEXIST;
+  return rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
+}
+
+/// Where a recording goes whose own name is not known or not free.
+fs::path recovered_name(const fs::path& temporary) {
+  const std::string name = temporary.filename().string();
+  return temporary.parent_path() /
+         ("recovered-" + name.substr(kPrefix.size(), name.size() - kPrefix.size() - kSuffix.size()) +
+          ".mcap");
+}
+
 bool is_recording(int descriptor) {
   std::array<char, kMcapMagic.size()> head{};
   return pread(descriptor, head.data(), head.size(), 0) == static_cast<ssize_t>(head.size()) &&
@@ -145,11 +162,8 @@ void clear_abandoned(const fs::path& file, int descriptor) {
     unlink(file.c_str());
     return;
   }
-  std::string name = file.filename().string();
-  name = "recovered-" + name.substr(kPrefix.size(), name.size() - kPrefix.size() - kSuffix.size()) + ".mcap";
-  const fs::path recovered = file.parent_path() / name;
-  std::error_code error;
-  if (fs::exists(recovered, error) || rename(file.c_str(), recovered.c_str()) != 0) return;
+  const fs::path recovered = recovered_name(file);
+  if (rename_to_free_name(file, recovered) != 0) return;
   log::warn("{}: recovered from a recording that was cut short", recovered.string());
 }
 
@@ -198,20 +212,27 @@ OutputFile::~OutputFile() {
   close(descriptor_);
 }
 
-void OutputFile::commit() {
+void OutputFile::commit(Existing existing) {
   if (place_.is_stream) {
     copy_to_stream();
   } else {
-    replace_target();
+    take_name(existing);
   }
 }
 
-void OutputFile::replace_target() {
+void OutputFile::take_name(Existing existing) {
   const bool at_once = durability_ == Durability::kAtOnce;
   if (at_once) {
     if (const int error = flush(descriptor_); error != 0) fail(error);
   }
-  if (rename(temporary_.c_str(), place_.target.c_str()) != 0) fail(errno);
+  const int error = existing == Existing::kKept ? rename_to_free_name(temporary_, place_.target)
+                    : rename(temporary_.c_str(), place_.target.c_str()) == 0 ? 0
+                                                                             : errno;
+  if (error == EEXIST) {
+    const std::string taken = path_.string();
+    throw InputError(fmt::format("{}: another process has written it meanwhile; give another name", taken));
+  }
+  if (error != 0) fail(error);
   temporary_.clear();
   if (at_once) flush_folder(folder_of(place_.target));
 }
@@ -230,10 +251,14 @@ void OutputFile::fail(int error) const {
       fmt::format("{}: cannot be written ({}); is the disk full?", path_.string(), text_of(error)));
 }
 
-void OutputFile::keep_incomplete() noexcept {
-  std::error_code error;
-  if (place_.is_stream || fs::exists(place_.target, error)) return;
-  if (rename(temporary_.c_str(), place_.target.c_str()) == 0) temporary_.clear();
+void OutputFile::keep_recording() noexcept {
+  if (place_.is_stream) return;
+  if (rename_to_free_name(temporary_, place_.target) != 0) {
+    const fs::path recovered = recovered_name(temporary_);
+    if (rename_to_free_name(temporary_, recovered) != 0) return;
+    log::warn("{}: the recording is kept as {}", path_.string(), recovered.string());
+  }
+  temporary_.clear();
 }
 
 void clear_abandoned_files(const fs::path& folder) {
