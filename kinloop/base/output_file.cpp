@@ -62,13 +62,20 @@ OutputPlace follow_links(const fs::path& path) {
   return place;
 }
 
+/// The mode to create a file with: what will replace an old file or go through a pipe is for this user alone,
+/// until it gets the mode of the old one.
+mode_t initial_mode(const OutputPlace& place) {
+  constexpr mode_t kAll = 0666, kOwner = 0600;  // without the bits of umask
+  std::error_code absent;
+  return fs::exists(place.target, absent) || place.is_stream ? kOwner : kAll;
+}
+
 /// Creates a new file that no other process uses; returns its descriptor, or -1 with errno set.
-int create_temporary(const fs::path& folder, fs::path& path) {
-  constexpr mode_t kMode = 0666;  // without the bits of umask
+int create_temporary(const fs::path& folder, mode_t mode, fs::path& path) {
   constexpr int kMostTries = 10000;
   for (int i = 0; i < kMostTries; ++i) {
     path = folder / fmt::format("{}{}-{}{}", kPrefix, getpid(), i, kSuffix);
-    const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+    const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     if (descriptor < 0 && errno == EEXIST) continue;
     if (descriptor < 0) return -1;
     // Another process may have taken it for an abandoned one until the lock is held.
@@ -100,12 +107,13 @@ int open_folder(const fs::path& folder) {
   return open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
-/// The new name of a file is on the disk when its folder is.
-void flush_folder(const fs::path& folder) {
+/// The new name of a file is on the disk when its folder is. Returns errno, or 0.
+int flush_folder(const fs::path& folder) {
   const int descriptor = open_folder(folder);
-  if (descriptor < 0) return;  // a folder may be writable but not readable
-  flush(descriptor);
+  if (descriptor < 0) return 0;  // a folder may be writable but not readable
+  const int error = flush(descriptor);
   close(descriptor);
+  return error;
 }
 
 /// Returns errno, or 0.
@@ -199,7 +207,7 @@ OutputFile::OutputFile(fs::path path, Durability durability)
     : path_(std::move(path)), place_(output_place(path_)), durability_(durability) {
   std::error_code error;
   const fs::path folder = place_.is_stream ? fs::temp_directory_path(error) : folder_of(place_.target);
-  descriptor_ = create_temporary(folder, temporary_);
+  descriptor_ = create_temporary(folder, initial_mode(place_), temporary_);
   if (descriptor_ < 0) {
     throw InputError(fmt::format("{}: cannot be written ({}); check that the folder exists and is writable",
                                  path_.string(), text_of(errno)));
@@ -234,7 +242,8 @@ void OutputFile::take_name(Existing existing) {
   }
   if (error != 0) fail(error);
   temporary_.clear();
-  if (at_once) flush_folder(folder_of(place_.target));
+  if (const int unflushed = at_once ? flush_folder(folder_of(place_.target)) : 0; unflushed != 0)
+    fail(unflushed);
 }
 
 void OutputFile::copy_to_stream() const {

@@ -195,6 +195,20 @@ TEST_F(Outputs, FilesAreFlushedOnceEach) {
   EXPECT_THAT(trace, HasSubstr("/out>)"));
 }
 
+TEST_F(Outputs, TheNewContentOfAPrivateFileIsPrivateFromTheStart) {
+  if (shell("strace -V").exit_code != 0) GTEST_SKIP() << "strace is not installed";
+  const auto file = folder_.write("words.txt", "old");
+  std::filesystem::permissions(file,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  const Run done = shell("umask 0; strace -f -e trace=open,openat -o '" + at("trace") + "' " + kProgram +
+                         " vocab export default -o '" + file.string() + "'");
+  if (done.err.find("ptrace") != std::string::npos) GTEST_SKIP() << "strace is not permitted";
+  ASSERT_EQ(done.exit_code, kDone) << done.err;
+  const std::string trace = read_file(at("trace"));
+  EXPECT_THAT(trace, HasSubstr("O_RDWR|O_CREAT|O_EXCL|O_CLOEXEC, 0600"));
+  EXPECT_EQ(trace.find("O_RDWR|O_CREAT|O_EXCL|O_CLOEXEC, 0666"), std::string::npos) << trace;
+}
+
 TEST_F(Outputs, EvalRefusesPositionsBeyondTheWorld) {
   const std::string good = "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n3 0 1 0 0 0 0 1\n";
   folder_.write("good.txt", good);
