@@ -7,6 +7,7 @@
 
 #include "tests/apps/program_test.hpp"
 #include "tests/support/private_device.hpp"
+#include "tests/support/shared_data.hpp"
 
 namespace kinloop {
 namespace {
@@ -51,6 +52,32 @@ TEST_F(ExitCodes, AnInterruptedRunSavesAndTellsTheSignal) {
     const auto summary = nlohmann::json::parse(read_file(at("out/run.json")));
     EXPECT_TRUE(summary.at("interrupted").get<bool>()) << signal;
     EXPECT_TRUE(std::filesystem::exists(at("out/report.html"))) << signal;
+  }
+}
+
+TEST_F(ExitCodes, AnInterruptedRunDoesNotWaitForASilentSender) {
+  const auto send = test::source_folder() / "examples/python/stream_frames.py";
+  folder_.write("interrupt.sh", R"(cd "${0%/*}"
+rm -rf fifo out log code
+mkfifo fifo
+exec 3<>fifo
+{ sh -c 'echo $$ >pid; exec "$0" run - -v -o out' "$1" <fifo 3>&- 2>log >/dev/null; echo $? >code; } &
+cat bytes >&3
+wait_for() { i=0; while ! "$@" && [ $i -lt 300 ]; do sleep 0.1; i=$((i+1)); done; }
+wait_for grep -q 'keyframe 0 ' log
+kill -INT $(cat pid)
+wait_for test -s code
+cat code
+exec 3>&-
+wait)");
+  const std::string python = "python3 '" + send.string() + "' '" + sequence(10) + "' ";
+  for (const char* live : {"", "--live"}) {
+    ASSERT_EQ(shell(python + live + " >'" + at("bytes") + "'").exit_code, kDone);
+    const Run done = shell("sh '" + at("interrupt.sh") + "' " + kProgram);
+    EXPECT_EQ(done.out, "130\n") << live << read_file(at("log"));
+    const auto summary = nlohmann::json::parse(read_file(at("out/run.json")));
+    EXPECT_TRUE(summary.at("interrupted").get<bool>()) << live;
+    EXPECT_TRUE(std::filesystem::exists(at("out/report.html"))) << live;
   }
 }
 
