@@ -70,7 +70,7 @@ wait_for test -s code
 cat code
 exec 3>&-
 wait)");
-  const std::string python = "python3 '" + send.string() + "' '" + sequence(10) + "' ";
+  const std::string python = "python3 '" + send.string() + "' '" + sequence(4) + "' ";
   for (const char* live : {"", "--live"}) {
     ASSERT_EQ(shell(python + live + " >'" + at("bytes") + "'").exit_code, kDone);
     const Run done = shell("sh '" + at("interrupt.sh") + "' " + kProgram);
