@@ -41,6 +41,7 @@ SourceRequest request_of(const RecordArguments& arguments) {
   if (!arguments.topics.empty()) request.topics = arguments.topics;
   request.kinect = with_assignments(KinectOptions{}, arguments.assignments);
   request.threads = arguments.threads;
+  request.stop = interrupted;
   return request;
 }
 

@@ -13,6 +13,7 @@
 #include "apps/run/run_warnings.hpp"
 #include "apps/run/write_run.hpp"
 #include "apps/shared/commands.hpp"
+#include "apps/shared/failure.hpp"
 #include "apps/shared/interrupt.hpp"
 #include "apps/shared/map_store.hpp"
 #include "apps/shared/memory.hpp"
@@ -80,6 +81,7 @@ SourceRequest request_of(const RunArguments& arguments, const RunOptions& option
   request.simulation = options.sim;
   request.kinect = options.kinect;
   request.threads = threads;
+  request.stop = interrupted;
   return request;
 }
 
@@ -102,7 +104,8 @@ const PacedSource* pace(std::unique_ptr<FrameSource>& source, double hz) {
 enum class RunEnd { kComplete, kInterrupted, kSourceFailed };
 
 /// Processes all frames, waiting while the run is paused (`wait_until_resumed`). A source that fails after
-/// its first frame ends the run like Ctrl-C does: what has been mapped is kept.
+/// its first frame ends the run like Ctrl-C does: what has been mapped is kept. Not so a fault of the
+/// program.
 RunEnd process_all(Session& session, MapSaver* saver, const Progress& progress,
                    const std::function<void()>& wait_until_resumed) {
   const size_t frames = session.source().info().frames;
@@ -111,9 +114,11 @@ RunEnd process_all(Session& session, MapSaver* saver, const Progress& progress,
   const auto next = [&]() -> std::optional<PreparedFrame> {
     try {
       return session.next();
-    } catch (const InputError& error) {
+    } catch (const std::logic_error&) {
+      throw;
+    } catch (const std::exception& error) {
       if (done == 0) throw;
-      log::error("{}", error.what());
+      log::error("{}", describe_failure(error).message);
       failed = true;
       return std::nullopt;
     }
@@ -124,13 +129,14 @@ RunEnd process_all(Session& session, MapSaver* saver, const Progress& progress,
     ++done;
     if (progress) progress({"mapping", done, frames, progress_note(result, session.slam().map())});
     if (saver != nullptr) saver->save_if_due();
-    if (!interrupted()) continue;
-    // A second Ctrl-C ends the program before the map is finished.
-    if (saver != nullptr) saver->try_save();
-    log::warn("interrupted: finishing with {} frames", session.slam().session_log().size());
-    return RunEnd::kInterrupted;
+    if (interrupted()) break;
   }
-  return failed ? RunEnd::kSourceFailed : RunEnd::kComplete;
+  if (failed) return RunEnd::kSourceFailed;
+  if (!interrupted()) return RunEnd::kComplete;  // interrupted while the source was silent, too
+  // A second Ctrl-C ends the program before the map is finished.
+  if (saver != nullptr) saver->try_save();
+  log::warn("interrupted: finishing with {} frames", session.slam().session_log().size());
+  return RunEnd::kInterrupted;
 }
 
 /// Adds the map to continue to the session, and its images if they are recorded.

@@ -19,6 +19,7 @@ SourceRequest request_of(const LiveCaptureOptions& live, StillKind kind) {
   request.sequence = live.source;
   request.kinect.width = kFullWidth;
   if (kind == StillKind::kPairs) request.kinect2_frames = Kinect2Frames::kSeparate;
+  request.stop = interrupted;
   return request;
 }
 

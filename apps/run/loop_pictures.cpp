@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -30,6 +32,7 @@ constexpr size_t kMaxPictures = 12;
 constexpr int kImageWidthPx = 560;  // width of each of the two
 constexpr int kJpegQuality = 75;
 constexpr const char* kIndexName = "loops.json";
+constexpr std::string_view kExtension = ".jpg";
 
 /// A loop to draw, with the pair of keyframes that shows it best.
 struct ShownLoop {
@@ -141,7 +144,7 @@ LoopPicture describe(const ShownLoop& shown, const Landmarks& landmarks, const M
       errors_px.push_back((*landmark.observed_in_second - landmark.predicted).norm());
   }
   LoopPicture picture;
-  picture.file = fmt::format("{}_{}.jpg", format_stamp(a.stamp_ns), format_stamp(b.stamp_ns));
+  picture.file = fmt::format("{}_{}{}", format_stamp(a.stamp_ns), format_stamp(b.stamp_ns), kExtension);
   picture.stamp_a_ns = a.stamp_ns;
   picture.stamp_b_ns = b.stamp_ns;
   picture.reprojected = static_cast<int>(landmarks.size());
@@ -183,23 +186,60 @@ json to_json(const LoopPicture& picture) {
           {"inliers", picture.inliers}};
 }
 
+/// A count of the index. Throws InputError if it is not a whole number that int holds.
+int take_count(const json& entry, const char* key) {
+  const auto& value = entry.at(key);
+  if (!value.is_number_unsigned() || value.get<uint64_t>() > std::numeric_limits<int>::max())
+    throw InputError(fmt::format("\"{}\": expected a whole number", key));
+  return static_cast<int>(value.get<uint64_t>());
+}
+
 LoopPicture from_json(const json& entry) {
   const auto stamp = [&](const char* key) {
     return parse_stamp_ns(entry.at(key).get_ref<const std::string&>()).value_or(0);
   };
   // Only a file name, not a path: a report must not include files from elsewhere.
   const std::filesystem::path file = entry.at("file").get<std::string>();
-  return {file.filename().string(), stamp("stamp_a"),      stamp("stamp_b"),
-          entry.at("reprojected"),  entry.at("observed"),  entry.at("median_error_px"),
-          entry.at("distance_m"),   entry.at("angle_deg"), entry.at("inliers")};
+  return {file.filename().string(),
+          stamp("stamp_a"),
+          stamp("stamp_b"),
+          take_count(entry, "reprojected"),
+          take_count(entry, "observed"),
+          entry.at("median_error_px"),
+          entry.at("distance_m"),
+          entry.at("angle_deg"),
+          take_count(entry, "inliers")};
+}
+
+/// Returns whether `text` is a stamp as in the name of a picture.
+bool is_stamp(std::string_view text) {
+  const auto stamp_ns = parse_stamp_ns(text);
+  return stamp_ns && format_stamp(*stamp_ns) == text;
+}
+
+/// Returns whether a file has the name of a picture, STAMP_STAMP.jpg.
+bool is_picture_name(std::string_view name) {
+  if (!name.ends_with(kExtension)) return false;
+  const std::string_view stamps = name.substr(0, name.size() - kExtension.size());
+  const size_t middle = stamps.find('_');
+  return middle != std::string_view::npos && is_stamp(stamps.substr(0, middle)) &&
+         is_stamp(stamps.substr(middle + 1));
+}
+
+/// Returns whether a file is a JPEG image: not a link, which may lead to any file.
+bool is_picture(const std::filesystem::path& file) {
+  constexpr uintmax_t kMaxBytes = uintmax_t{16} << 20;
+  std::error_code absent;
+  return std::filesystem::is_regular_file(std::filesystem::symlink_status(file, absent)) &&
+         std::filesystem::file_size(file, absent) <= kMaxBytes && jpeg_size(read_file(file)).has_value();
 }
 
 /// Removes the pictures of an earlier run but no other files, which belong to the user.
 void remove_pictures(const std::filesystem::path& folder) {
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-    if (entry.path().extension() == ".jpg" || entry.path().filename() == kIndexName)
-      std::filesystem::remove(entry.path(), ignored);
+    const std::string name = entry.path().filename().string();
+    if (is_picture_name(name) || name == kIndexName) std::filesystem::remove(entry.path(), ignored);
   }
 }
 
@@ -247,9 +287,11 @@ std::vector<LoopPicture> read_loop_pictures(const RunFolder& folder) {
     for (const json& entry : index) pictures.push_back(from_json(entry));
   } catch (const json::exception& error) {
     fail(error.what());
+  } catch (const InputError& error) {
+    fail(error.what());
   }
   std::erase_if(pictures, [&](const LoopPicture& picture) {
-    return !std::filesystem::exists(folder.loop_images() / picture.file);
+    return picture.file.empty() || !is_picture(folder.loop_images() / picture.file);
   });
   return pictures;
 }

@@ -28,7 +28,8 @@ struct LoopPicture {
 void write_loop_pictures(const RunFolder& folder, const Slam& slam, const RgbdCamera& camera,
                          const DenseRecorder& recorder);
 
-/// Reads the index loops.json; empty if the folder has none.
+/// Reads the index loops.json; empty if the folder has none. Leaves out what is not a JPEG image in the
+/// folder itself. Throws InputError naming the index if it is damaged.
 std::vector<LoopPicture> read_loop_pictures(const RunFolder& folder);
 
 }  // namespace kinloop

@@ -1,5 +1,6 @@
 #include "apps/shared/interrupt.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <thread>
@@ -7,11 +8,13 @@
 namespace kinloop {
 namespace {
 
-// A signal handler can only access globals; this is the only one of the program.
-volatile std::sig_atomic_t g_signal = 0;
+// A signal handler can only access globals; this is the only one of the program. Threads of sources read it.
+std::atomic<int> g_signal = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
 
 void on_signal(int signal) {
-  if (g_signal == 0) g_signal = signal;
+  int none = 0;
+  g_signal.compare_exchange_strong(none, signal);
   // When a terminal is closed, the kernel and the shell may both send SIGHUP: a second one means nothing.
   if (signal != SIGHUP) std::signal(signal, SIG_DFL);
 }

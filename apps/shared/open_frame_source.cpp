@@ -59,13 +59,15 @@ std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
     return make_simulated_source(sequence, request.simulation, request.threads);
   }
   const auto camera = explicit_camera(request);
-  if (sequence == "kinect1") return open_kinect1(request.kinect, camera);
-  if (sequence == "kinect2") return open_kinect2(request.kinect, camera, request.kinect2_frames);
-  if (sequence == "openni2") return open_openni2(request.kinect, camera);
-  if (sequence == "realsense") return open_realsense(request.kinect, camera);
-  if (sequence == "orbbec") return open_orbbec(request.kinect, camera);
-  if (sequence == "oak") return open_oak(request.kinect, camera);
-  if (is_stream(sequence)) return open_stream(sequence, camera);
+  KinectOptions kinect = request.kinect;
+  kinect.stop = request.stop;
+  if (sequence == "kinect1") return open_kinect1(kinect, camera);
+  if (sequence == "kinect2") return open_kinect2(kinect, camera, request.kinect2_frames);
+  if (sequence == "openni2") return open_openni2(kinect, camera);
+  if (sequence == "realsense") return open_realsense(kinect, camera);
+  if (sequence == "orbbec") return open_orbbec(kinect, camera);
+  if (sequence == "oak") return open_oak(kinect, camera);
+  if (is_stream(sequence)) return open_stream(sequence, camera, request.stop);
   if (!is_recording(sequence)) return open_sequence(sequence, camera);
   if (!std::filesystem::exists(sequence))
     throw InputError(fmt::format("{}: no such file; check the path", sequence));

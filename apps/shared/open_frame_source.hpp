@@ -22,6 +22,7 @@ struct SourceRequest {
   KinectOptions kinect;
   Kinect2Frames kinect2_frames = Kinect2Frames::kRegistered;
   int threads = 1;
+  StopRequest stop = {};  ///< ends a source whose sender or device is silent
 };
 
 /// Returns whether the source is a camera or another program, which give each frame once.

@@ -11,6 +11,7 @@
 
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/progress_bar.hpp"
+#include "kinloop/base/anonymous_temp_file.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
 #include "kinloop/base/options.hpp"
@@ -51,7 +52,7 @@ struct TrainArguments {
   std::vector<fs::path> held_out;
   TrainOptions training;
   size_t memory_mb = half_of_memory_mb();
-  fs::path scratch = fs::temp_directory_path();
+  fs::path scratch = temporary_folder();
 };
 
 DescribeOptions make_description(const InputArguments& arguments) {

@@ -170,6 +170,8 @@ WRAP(int, ftruncate64, (int file, off64_t size), (file, size), kWrite, ENOSPC, -
 WRAP(int, fsync, (int file), (file), kFsync, EIO, -1)
 WRAP(int, fdatasync, (int file), (file), kFsync, EIO, -1)
 WRAP(int, rename, (const char* from, const char* to), (from, to), kRename, EACCES, -1)
+WRAP(int, renameat2, (int a, const char* from, int b, const char* to, unsigned flags), (a, from, b, to, flags), kRename,
+     EACCES, -1)
 
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*start)(void*), void* argument) {
   static int (*real)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);

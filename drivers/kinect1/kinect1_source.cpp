@@ -130,7 +130,7 @@ std::unique_ptr<FrameSource> open_kinect1(const KinectOptions& options,
   const auto open = [](LiveFrameBuffer& frames) {
     return LiveDevice{typical_camera(), std::make_shared<Device>(frames)};
   };
-  auto source = open_live({"kinect1", open, options.reconnect_s}, calibration);
+  auto source = open_live({"kinect1", open, options.reconnect_s, options.stop}, calibration);
   if (!calibration)
     log::warn("kinect1: no --camera: using typical intrinsics; calibrate your camera (kinloop calibrate)");
   return source;

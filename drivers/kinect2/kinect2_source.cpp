@@ -94,8 +94,9 @@ void Kinect2Source::reopen() {
 }
 
 std::optional<RgbdFrame> Kinect2Source::next() {
-  auto frame = next_or_reconnect(frames_, {info_.name, kFrameTimeout, options_.reconnect_s,
-                                           [this] { close_kinect2(handle_); }, [this] { reopen(); }});
+  auto frame =
+      next_or_reconnect(frames_, {info_.name, kFrameTimeout, options_.reconnect_s,
+                                  [this] { close_kinect2(handle_); }, [this] { reopen(); }, options_.stop});
   if (!frame) return frame;
   if (shift_m_ != 0) cv::add(frame->depth_m, shift_m_, frame->depth_m, frame->depth_m > 0);
   if (registration_) frame->depth_m = (*registration_)(frame->depth_m);

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "kinloop/base/options.hpp"
+#include "kinloop/sensor/frame_source.hpp"
 
 namespace kinloop {
 
@@ -29,6 +30,7 @@ struct KinectOptions {
   double min_depth_m = 0.5;
   double max_depth_m = 8;
   double reconnect_s = 10;
+  StopRequest stop = {};  ///< of the caller, not an option: ends the wait for an unplugged camera
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

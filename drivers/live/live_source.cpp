@@ -45,7 +45,7 @@ class LiveSource : public FrameSource {
   std::optional<RgbdFrame> next() override {
     auto frame = next_or_reconnect(
         frames_, {live_.name, kSilenceOfUnplugged, live_.reconnect_s, [this] { device_.streams.reset(); },
-                  [this] { device_ = live_.open(frames_); }});
+                  [this] { device_ = live_.open(frames_); }, live_.stop});
     if (frame) frame->depth_m = (*prepare_depth_)(frame->depth_m);
     return frame;
   }

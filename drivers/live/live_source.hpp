@@ -24,6 +24,7 @@ struct LiveCamera {
   std::string name;  ///< in messages
   std::function<LiveDevice(LiveFrameBuffer& frames)> open;
   double reconnect_s = 0;  ///< time to wait for an unplugged camera
+  StopRequest stop = {};   ///< ends that wait
 };
 
 /// Opens the device. Its camera is `calibration` if given, else that of the device. Throws InputError if the

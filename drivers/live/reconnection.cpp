@@ -10,6 +10,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+bool stopped(const Reconnection& camera) {
+  return camera.stop && camera.stop();
+}
+
 bool reopened(const Reconnection& camera) {
   camera.close();
   try {
@@ -24,10 +28,11 @@ bool reopened(const Reconnection& camera) {
 
 std::optional<RgbdFrame> next_or_reconnect(LiveFrameBuffer& frames, const Reconnection& camera) {
   if (auto frame = frames.wait(camera.timeout)) return frame;
+  if (stopped(camera)) return std::nullopt;
   log::warn("{}: no frames for {} s; waiting up to {} s for the camera to return", camera.name,
             std::chrono::duration<double>(camera.timeout).count(), camera.max_wait_s);
   const auto until = Clock::now() + std::chrono::duration<double>(camera.max_wait_s);
-  while (Clock::now() < until) {
+  while (Clock::now() < until && !stopped(camera)) {
     if (!reopened(camera)) {
       std::this_thread::sleep_for(camera.timeout / 2);
     } else if (auto frame = frames.wait(camera.timeout)) {
@@ -35,7 +40,8 @@ std::optional<RgbdFrame> next_or_reconnect(LiveFrameBuffer& frames, const Reconn
       return frame;
     }
   }
-  log::error("{}: the camera did not return; finishing with the frames received", camera.name);
+  if (!stopped(camera))
+    log::error("{}: the camera did not return; finishing with the frames received", camera.name);
   return std::nullopt;
 }
 

@@ -17,10 +17,11 @@ struct Reconnection {
   double max_wait_s = 0;                ///< maximum time to wait for its return
   std::function<void()> close;
   std::function<void()> open;  ///< throws InputError if there is no camera
+  StopRequest stop = {};       ///< ends the wait for its return
 };
 
 /// Returns the next frame of the camera that fills `frames`. If none arrives, closes and reopens the camera
-/// until one does; nullopt if it did not return.
+/// until one does; nullopt if it did not return or `stop` said so.
 std::optional<RgbdFrame> next_or_reconnect(LiveFrameBuffer& frames, const Reconnection& camera);
 
 }  // namespace kinloop

@@ -152,7 +152,7 @@ std::unique_ptr<FrameSource> open_oak(const KinectOptions& options,
       throw InputError(fmt::format("oak: {}; unplug the camera and plug it in again", error.what()));
     }
   };
-  return open_live({"oak", open, options.reconnect_s}, calibration);
+  return open_live({"oak", open, options.reconnect_s, options.stop}, calibration);
 }
 
 }  // namespace kinloop

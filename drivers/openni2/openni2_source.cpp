@@ -141,7 +141,7 @@ std::unique_ptr<FrameSource> open_openni2(const KinectOptions& options,
     device->start();
     return LiveDevice{camera, device};
   };
-  auto source = open_live({"openni2", open, options.reconnect_s}, calibration);
+  auto source = open_live({"openni2", open, options.reconnect_s, options.stop}, calibration);
   if (!calibration)
     log::warn("openni2: no --camera: distortion is unknown; calibrate your camera (kinloop calibrate)");
   return source;

@@ -178,7 +178,7 @@ std::unique_ptr<FrameSource> open_orbbec(const KinectOptions& options,
       throw InputError(fmt::format("orbbec: {}; unplug the camera and plug it in again", error.what()));
     }
   };
-  return open_live({"orbbec", open, options.reconnect_s}, calibration);
+  return open_live({"orbbec", open, options.reconnect_s, options.stop}, calibration);
 }
 
 }  // namespace kinloop

@@ -158,7 +158,7 @@ std::unique_ptr<FrameSource> open_realsense(const std::function<rs2::device()>& 
                                             const std::optional<RgbdCamera>& calibration) {
   const StreamWidths widths = stream_widths(options.width, calibration);
   const auto open = [=](LiveFrameBuffer& frames) { return open_device(find, widths, frames); };
-  return open_live({"realsense", open, options.reconnect_s}, calibration);
+  return open_live({"realsense", open, options.reconnect_s, options.stop}, calibration);
 }
 
 bool realsense_available() {

@@ -3,14 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <utility>
 
-namespace kinloop {
+#include "kinloop/sensor/frame_source.hpp"
 
-/// Returns whether reading should stop.
-using StopReading = std::function<bool()>;
+namespace kinloop {
 
 /// An open file, closed at the end.
 class Descriptor {
@@ -31,7 +29,7 @@ class ByteStream {
 
   /// Fills `buffer`, waiting for data; returns the number of bytes read, fewer at the end of the stream or if
   /// `stop` said so, which is asked ten times a second.
-  size_t read(std::span<uint8_t> buffer, const StopReading& stop) const;
+  size_t read(std::span<uint8_t> buffer, const StopRequest& stop) const;
 
  private:
   Descriptor descriptor_;
@@ -41,7 +39,7 @@ class ByteStream {
 ByteStream open_standard_input();
 
 /// Creates a socket that only this user may connect to, waits for one connection and removes the socket.
-/// Throws InputError if it cannot be created.
-ByteStream accept_connection(const std::filesystem::path& path);
+/// Throws InputError if it cannot be created, as where another process listens, or if `stop` said so.
+ByteStream accept_connection(const std::filesystem::path& path, const StopRequest& stop = {});
 
 }  // namespace kinloop

@@ -87,7 +87,7 @@ void FrameProtocol::reject(const std::string& what) const {
   throw InputError(fmt::format("{}: record {}: {}; see docs/protocol.md", name_, record_, what));
 }
 
-std::optional<std::string> FrameProtocol::read_header(const StopReading& stop) {
+std::optional<std::string> FrameProtocol::read_header(const StopRequest& stop) {
   std::array<uint8_t, sizeof(uint32_t)> prefix{};
   const size_t read = bytes_.read(prefix, stop);
   if (stop() || read == 0) return std::nullopt;
@@ -100,7 +100,7 @@ std::optional<std::string> FrameProtocol::read_header(const StopReading& stop) {
   return std::string(as_text(data));
 }
 
-std::vector<uint8_t> FrameProtocol::read_data(uint64_t size, const StopReading& stop) const {
+std::vector<uint8_t> FrameProtocol::read_data(uint64_t size, const StopRequest& stop) const {
   constexpr uint64_t kStep = uint64_t{1} << 22;  // memory grows with what has really arrived
   std::vector<uint8_t> data;
   while (data.size() < size) {
@@ -113,8 +113,9 @@ std::vector<uint8_t> FrameProtocol::read_data(uint64_t size, const StopReading& 
   return data;
 }
 
-StreamStart FrameProtocol::read_start() {
-  const auto header = read_header([] { return false; });
+StreamStart FrameProtocol::read_start(const StopRequest& stop) {
+  const auto header = read_header(stop);
+  if (stop()) throw InputError(fmt::format("{}: stopped before its first record", name_));
   if (!header) reject("the stream is empty");
   try {
     return start_of(parsed_json(*header), name_);
@@ -125,7 +126,7 @@ StreamStart FrameProtocol::read_start() {
   }
 }
 
-std::optional<SentFrame> FrameProtocol::read_frame(const StopReading& stop) {
+std::optional<SentFrame> FrameProtocol::read_frame(const StopRequest& stop) {
   ++record_;
   const auto text = read_header(stop);
   if (!text || stop()) return std::nullopt;

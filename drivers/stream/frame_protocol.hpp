@@ -40,15 +40,16 @@ class FrameProtocol {
  public:
   FrameProtocol(ByteStream bytes, std::string name) : bytes_(std::move(bytes)), name_(std::move(name)) {}
 
-  StreamStart read_start();
+  /// Throws InputError also if `stop` said so.
+  StreamStart read_start(const StopRequest& stop);
 
   /// Returns the next frame; nullopt at the end of the stream, or if `stop` said so.
-  std::optional<SentFrame> read_frame(const StopReading& stop);
+  std::optional<SentFrame> read_frame(const StopRequest& stop);
 
  private:
   [[noreturn]] void reject(const std::string& what) const;
-  std::optional<std::string> read_header(const StopReading& stop);
-  std::vector<uint8_t> read_data(uint64_t size, const StopReading& stop) const;
+  std::optional<std::string> read_header(const StopRequest& stop);
+  std::vector<uint8_t> read_data(uint64_t size, const StopRequest& stop) const;
 
   ByteStream bytes_;
   std::string name_;

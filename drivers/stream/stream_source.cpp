@@ -20,9 +20,10 @@ constexpr std::chrono::milliseconds kLookInterval(100);
 
 class StreamSource : public FrameSource {
  public:
-  StreamSource(ByteStream bytes, const std::string& name, const std::optional<RgbdCamera>& camera)
-      : protocol_(std::move(bytes), name) {
-    const StreamStart start = protocol_.read_start();
+  StreamSource(ByteStream bytes, const std::string& name, const std::optional<RgbdCamera>& camera,
+               StopRequest stop)
+      : protocol_(std::move(bytes), name), stop_(std::move(stop)) {
+    const StreamStart start = protocol_.read_start([this] { return stopped(); });
     if (!camera && !start.camera)
       throw InputError(fmt::format(
           "{}: the stream has no camera; send \"camera\" in its first record or use --camera FILE", name));
@@ -30,7 +31,7 @@ class StreamSource : public FrameSource {
     preparation_.emplace(camera_);
     info_.name = name;
     info_.live = start.live;
-    if (info_.live) thread_ = std::jthread([this](const std::stop_token& stop) { read_all(stop); });
+    if (info_.live) thread_ = std::jthread([this](const std::stop_token& token) { read_all(token); });
   }
 
   std::optional<RgbdFrame> next() override {
@@ -39,10 +40,10 @@ class StreamSource : public FrameSource {
       if (auto frame = frames_.wait(info_.live && !ended ? kLookInterval : std::chrono::milliseconds(0)))
         return with_registered_depth(std::move(*frame));
       if (ended) break;
-      if (!info_.live) read_one([] { return false; });
+      if (!info_.live) read_one([this] { return stopped(); });
     }
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-    if (frames_.delivered() == 0)
+    if (frames_.delivered() == 0 && !stopped())
       throw InputError(fmt::format("{}: no usable frame{}", info_.name, first_reason(skipped())));
     return std::nullopt;
   }
@@ -57,16 +58,18 @@ class StreamSource : public FrameSource {
   }
 
  private:
+  [[nodiscard]] bool stopped() const { return stop_ && stop_(); }
+
   void read_all(const std::stop_token& stop) {
-    while (!ended_ && !stop.stop_requested()) read_one([&] { return stop.stop_requested(); });
+    while (!ended_) read_one([&] { return stop.stop_requested() || stopped(); });
   }
 
   /// Passes the next frame on, or notes the end of the stream and why.
-  void read_one(const StopReading& stop) {
+  void read_one(const StopRequest& stop) {
     try {
       const auto sent = protocol_.read_frame(stop);
       if (sent) return add(*sent);
-    } catch (const InputError&) {
+    } catch (...) {  // also of the system and of OpenCV: `next` rethrows it
       failure_ = std::current_exception();
     }
     ended_ = true;
@@ -90,6 +93,7 @@ class StreamSource : public FrameSource {
   }
 
   FrameProtocol protocol_;
+  StopRequest stop_;
   SourceInfo info_;
   RgbdCamera camera_;
   std::optional<DepthPreparation> preparation_;
@@ -107,15 +111,15 @@ bool is_stream(const std::string& sequence) {
   return sequence == "-" || sequence.starts_with(kSocketPrefix);
 }
 
-std::unique_ptr<FrameSource> open_stream(const std::string& sequence,
-                                         const std::optional<RgbdCamera>& camera) {
-  if (sequence == "-") return open_stream(open_standard_input(), sequence, camera);
-  return open_stream(accept_connection(sequence.substr(kSocketPrefix.size())), sequence, camera);
+std::unique_ptr<FrameSource> open_stream(const std::string& sequence, const std::optional<RgbdCamera>& camera,
+                                         const StopRequest& stop) {
+  if (sequence == "-") return open_stream(open_standard_input(), sequence, camera, stop);
+  return open_stream(accept_connection(sequence.substr(kSocketPrefix.size()), stop), sequence, camera, stop);
 }
 
 std::unique_ptr<FrameSource> open_stream(ByteStream bytes, const std::string& name,
-                                         const std::optional<RgbdCamera>& camera) {
-  return std::make_unique<StreamSource>(std::move(bytes), name, camera);
+                                         const std::optional<RgbdCamera>& camera, const StopRequest& stop) {
+  return std::make_unique<StreamSource>(std::move(bytes), name, camera, stop);
 }
 
 }  // namespace kinloop

@@ -17,11 +17,12 @@ bool is_stream(const std::string& sequence);
 /// stream is read continuously and loses frames that are not taken in time; another one waits for its
 /// consumer. Frames whose images cannot be decoded are skipped and counted. Throws InputError naming stream
 /// and record, also from `next`, if the stream does not follow the protocol.
-std::unique_ptr<FrameSource> open_stream(const std::string& sequence,
-                                         const std::optional<RgbdCamera>& camera);
+std::unique_ptr<FrameSource> open_stream(const std::string& sequence, const std::optional<RgbdCamera>& camera,
+                                         const StopRequest& stop = {});
 
 /// Same for bytes from elsewhere.
 std::unique_ptr<FrameSource> open_stream(ByteStream bytes, const std::string& name,
-                                         const std::optional<RgbdCamera>& camera);
+                                         const std::optional<RgbdCamera>& camera,
+                                         const StopRequest& stop = {});
 
 }  // namespace kinloop

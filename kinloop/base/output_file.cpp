@@ -62,13 +62,20 @@ OutputPlace follow_links(const fs::path& path) {
   return place;
 }
 
+/// The mode to create a file with: what will replace an old file or go through a pipe is for this user alone,
+/// until it gets the mode of the old one.
+mode_t initial_mode(const OutputPlace& place) {
+  constexpr mode_t kAll = 0666, kOwner = 0600;  // without the bits of umask
+  std::error_code absent;
+  return fs::exists(place.target, absent) || place.is_stream ? kOwner : kAll;
+}
+
 /// Creates a new file that no other process uses; returns its descriptor, or -1 with errno set.
-int create_temporary(const fs::path& folder, fs::path& path) {
-  constexpr mode_t kMode = 0666;  // without the bits of umask
+int create_temporary(const fs::path& folder, mode_t mode, fs::path& path) {
   constexpr int kMostTries = 10000;
   for (int i = 0; i < kMostTries; ++i) {
     path = folder / fmt::format("{}{}-{}{}", kPrefix, getpid(), i, kSuffix);
-    const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+    const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     if (descriptor < 0 && errno == EEXIST) continue;
     if (descriptor < 0) return -1;
     // Another process may have taken it for an abandoned one until the lock is held.
@@ -100,12 +107,13 @@ int open_folder(const fs::path& folder) {
   return open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
-/// The new name of a file is on the disk when its folder is.
-void flush_folder(const fs::path& folder) {
+/// The new name of a file is on the disk when its folder is. Returns errno, or 0.
+int flush_folder(const fs::path& folder) {
   const int descriptor = open_folder(folder);
-  if (descriptor < 0) return;  // a folder may be writable but not readable
-  flush(descriptor);
+  if (descriptor < 0) return 0;  // a folder may be writable but not readable
+  const int error = flush(descriptor);
   close(descriptor);
+  return error;
 }
 
 /// Returns errno, or 0.
@@ -134,6 +142,23 @@ int copy_all(int from, int to) {
   }
 }
 
+/// Renames a file unless there is one of the new name. Returns errno, or 0.
+int rename_to_free_name(const fs::path& from, const fs::path& to) {
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+  if (errno != EINVAL && errno != ENOSYS) return errno;  // else the file system does not know the flag
+  std::error_code absent;
+  if (fs::exists(fs::symlink_status(to, absent))) return EEXIST;
+  return rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
+}
+
+/// Where a recording goes whose own name is not known or not free.
+fs::path recovered_name(const fs::path& temporary) {
+  const std::string name = temporary.filename().string();
+  return temporary.parent_path() /
+         ("recovered-" + name.substr(kPrefix.size(), name.size() - kPrefix.size() - kSuffix.size()) +
+          ".mcap");
+}
+
 bool is_recording(int descriptor) {
   std::array<char, kMcapMagic.size()> head{};
   return pread(descriptor, head.data(), head.size(), 0) == static_cast<ssize_t>(head.size()) &&
@@ -145,11 +170,8 @@ void clear_abandoned(const fs::path& file, int descriptor) {
     unlink(file.c_str());
     return;
   }
-  std::string name = file.filename().string();
-  name = "recovered-" + name.substr(kPrefix.size(), name.size() - kPrefix.size() - kSuffix.size()) + ".mcap";
-  const fs::path recovered = file.parent_path() / name;
-  std::error_code error;
-  if (fs::exists(recovered, error) || rename(file.c_str(), recovered.c_str()) != 0) return;
+  const fs::path recovered = recovered_name(file);
+  if (rename_to_free_name(file, recovered) != 0) return;
   log::warn("{}: recovered from a recording that was cut short", recovered.string());
 }
 
@@ -185,7 +207,7 @@ OutputFile::OutputFile(fs::path path, Durability durability)
     : path_(std::move(path)), place_(output_place(path_)), durability_(durability) {
   std::error_code error;
   const fs::path folder = place_.is_stream ? fs::temp_directory_path(error) : folder_of(place_.target);
-  descriptor_ = create_temporary(folder, temporary_);
+  descriptor_ = create_temporary(folder, initial_mode(place_), temporary_);
   if (descriptor_ < 0) {
     throw InputError(fmt::format("{}: cannot be written ({}); check that the folder exists and is writable",
                                  path_.string(), text_of(errno)));
@@ -198,22 +220,30 @@ OutputFile::~OutputFile() {
   close(descriptor_);
 }
 
-void OutputFile::commit() {
+void OutputFile::commit(Existing existing) {
   if (place_.is_stream) {
     copy_to_stream();
   } else {
-    replace_target();
+    take_name(existing);
   }
 }
 
-void OutputFile::replace_target() {
+void OutputFile::take_name(Existing existing) {
   const bool at_once = durability_ == Durability::kAtOnce;
   if (at_once) {
     if (const int error = flush(descriptor_); error != 0) fail(error);
   }
-  if (rename(temporary_.c_str(), place_.target.c_str()) != 0) fail(errno);
+  const int error = existing == Existing::kKept ? rename_to_free_name(temporary_, place_.target)
+                    : rename(temporary_.c_str(), place_.target.c_str()) == 0 ? 0
+                                                                             : errno;
+  if (error == EEXIST) {
+    const std::string taken = path_.string();
+    throw InputError(fmt::format("{}: another process has written it meanwhile; give another name", taken));
+  }
+  if (error != 0) fail(error);
   temporary_.clear();
-  if (at_once) flush_folder(folder_of(place_.target));
+  if (const int unflushed = at_once ? flush_folder(folder_of(place_.target)) : 0; unflushed != 0)
+    fail(unflushed);
 }
 
 void OutputFile::copy_to_stream() const {
@@ -230,10 +260,14 @@ void OutputFile::fail(int error) const {
       fmt::format("{}: cannot be written ({}); is the disk full?", path_.string(), text_of(error)));
 }
 
-void OutputFile::keep_incomplete() noexcept {
-  std::error_code error;
-  if (place_.is_stream || fs::exists(place_.target, error)) return;
-  if (rename(temporary_.c_str(), place_.target.c_str()) == 0) temporary_.clear();
+void OutputFile::keep_recording() noexcept {
+  if (place_.is_stream) return;
+  if (rename_to_free_name(temporary_, place_.target) != 0) {
+    const fs::path recovered = recovered_name(temporary_);
+    if (rename_to_free_name(temporary_, recovered) != 0) return;
+    log::warn("{}: the recording is kept as {}", path_.string(), recovered.string());
+  }
+  temporary_.clear();
 }
 
 void clear_abandoned_files(const fs::path& folder) {

@@ -25,6 +25,9 @@ bool is_standard_output(const std::filesystem::path& path);
 /// When the content is on the disk: many small files are faster flushed together.
 enum class Durability { kAtOnce, kWithTheOthers };
 
+/// What becomes of an older file of the same name.
+enum class Existing { kReplaced, kKept };
+
 /// An output, written to a temporary file. Without `commit()` (an exception, a kill) an existing file stays
 /// as it is. The temporary file is locked while it is in use, so that those of killed processes can be told
 /// apart.
@@ -43,14 +46,15 @@ class OutputFile {
   [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
 
   /// Flushes the content to the disk and renames the file, or copies it to the stream. Throws InputError on
-  /// failure.
-  void commit();
+  /// failure, and if there is an older file that is to be kept.
+  void commit(Existing existing = Existing::kReplaced);
 
-  /// Gives an incomplete file its name, if that is free: of a recording, a part is better than nothing.
-  void keep_incomplete() noexcept;
+  /// Gives a recording that is incomplete, or whose commit failed, its name if that is free, else
+  /// recovered-PID-N.mcap: a part is better than nothing.
+  void keep_recording() noexcept;
 
  private:
-  void replace_target();
+  void take_name(Existing existing);
   void copy_to_stream() const;
   [[noreturn]] void fail(int error) const;
 

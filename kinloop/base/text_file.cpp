@@ -93,16 +93,16 @@ AtomicFile::AtomicFile(std::filesystem::path path, Durability durability)
   if (!stream_) throw InputError(fmt::format("{}: cannot be written", file_.path().string()));
 }
 
-void AtomicFile::commit() {
+void AtomicFile::commit(Existing existing) {
   stream_.close();
   if (stream_.fail())
     throw InputError(fmt::format("{}: writing failed; is the disk full?", file_.path().string()));
-  file_.commit();
+  file_.commit(existing);
 }
 
-void AtomicFile::keep_incomplete() noexcept {
+void AtomicFile::keep_recording() noexcept {
   stream_.close();
-  file_.keep_incomplete();
+  file_.keep_recording();
 }
 
 void write_file(const std::filesystem::path& path, std::string_view content, Durability durability) {

@@ -50,10 +50,10 @@ class AtomicFile {
   std::ostream& stream() { return stream_; }
 
   /// Flushes, checks that everything was written (a full disk throws InputError) and renames.
-  void commit();
+  void commit(Existing existing = Existing::kReplaced);
 
   /// See OutputFile.
-  void keep_incomplete() noexcept;
+  void keep_recording() noexcept;
 
  private:
   OutputFile file_;

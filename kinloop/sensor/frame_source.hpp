@@ -2,6 +2,7 @@
 // Frame sources: recorded sequences, the simulator, cameras.
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +27,10 @@ struct SourceInfo {
   bool live = false;        ///< frames arrive in real time and are lost if not taken
   Trajectory ground_truth;  ///< empty if there is none
 };
+
+/// Returns whether a source should end, as after Ctrl-C. A source that waits for its sender or device asks
+/// several times a second, on any of its threads; once true, it must stay so. Empty: never.
+using StopRequest = std::function<bool()>;
 
 class FrameSource {
  public:

@@ -1,11 +1,24 @@
 // Slam with maps of earlier runs: continuing them, localization in them, saving.
 
+#include <algorithm>
+
 #include "kinloop/base/errors.hpp"
 #include "kinloop/slam/refine_frames.hpp"
 #include "kinloop/slam/saved_session.hpp"
 #include "kinloop/slam/slam.hpp"
 
 namespace kinloop {
+namespace {
+
+/// The id after those of all frames, at least `first`. A damaged file may have keyframes but no frames.
+uint32_t next_frame(const FrameLog& log, const std::vector<Keyframe>& keyframes, uint32_t first) {
+  uint32_t next = first;
+  for (const LoggedFrame& entry : log) next = std::max(next, entry.frame.value + 1);
+  for (const Keyframe& keyframe : keyframes) next = std::max(next, keyframe.frame.value + 1);
+  return next;
+}
+
+}  // namespace
 
 uint32_t Slam::add_map(SavedMap saved) {
   require(session_log().empty(), "add_map: must be called before the first frame");
@@ -13,12 +26,13 @@ uint32_t Slam::add_map(SavedMap saved) {
   const auto begin = static_cast<uint32_t>(map_.keyframes().size());
   const uint32_t shift = front_end_.first_frame();
   const FrameLog log = logged_frames(saved, begin, shift);
+  for (Keyframe& keyframe : saved.map.keyframes) keyframe.frame.value += shift;
   for (const SavedSession& session : saved.sessions) {
     earlier_.sessions.push_back({session.input, FrameId{session.first_frame.value + shift}});
   }
   log_.insert(log_.end(), log.begin(), log.end());
   earlier_.frame_count = log_.size();
-  front_end_ = FrontEnd(camera_.color, options_.features, log_.empty() ? 0 : log_.back().frame.value + 1);
+  front_end_ = FrontEnd(camera_.color, options_.features, next_frame(log, saved.map.keyframes, shift));
   if (first) sensor_ = sensor_estimate(saved.sensor, nominal_sensor(camera_));
   map_.append(std::move(saved.map));
   const auto end = static_cast<uint32_t>(map_.keyframes().size());

@@ -7,6 +7,7 @@
 
 #include "tests/apps/program_test.hpp"
 #include "tests/support/private_device.hpp"
+#include "tests/support/shared_data.hpp"
 
 namespace kinloop {
 namespace {
@@ -51,6 +52,32 @@ TEST_F(ExitCodes, AnInterruptedRunSavesAndTellsTheSignal) {
     const auto summary = nlohmann::json::parse(read_file(at("out/run.json")));
     EXPECT_TRUE(summary.at("interrupted").get<bool>()) << signal;
     EXPECT_TRUE(std::filesystem::exists(at("out/report.html"))) << signal;
+  }
+}
+
+TEST_F(ExitCodes, AnInterruptedRunDoesNotWaitForASilentSender) {
+  const auto send = test::source_folder() / "examples/python/stream_frames.py";
+  folder_.write("interrupt.sh", R"(cd "${0%/*}"
+rm -rf fifo out log code
+mkfifo fifo
+exec 3<>fifo
+{ sh -c 'echo $$ >pid; exec "$0" run - -v -o out' "$1" <fifo 3>&- 2>log >/dev/null; echo $? >code; } &
+cat bytes >&3
+wait_for() { i=0; while ! "$@" && [ $i -lt 300 ]; do sleep 0.1; i=$((i+1)); done; }
+wait_for grep -q 'keyframe 0 ' log
+kill -INT $(cat pid)
+wait_for test -s code
+cat code
+exec 3>&-
+wait)");
+  const std::string python = "python3 '" + send.string() + "' '" + sequence(4) + "' ";
+  for (const char* live : {"", "--live"}) {
+    ASSERT_EQ(shell(python + live + " >'" + at("bytes") + "'").exit_code, kDone);
+    const Run done = shell("sh '" + at("interrupt.sh") + "' " + kProgram);
+    EXPECT_EQ(done.out, "130\n") << live << read_file(at("log"));
+    const auto summary = nlohmann::json::parse(read_file(at("out/run.json")));
+    EXPECT_TRUE(summary.at("interrupted").get<bool>()) << live;
+    EXPECT_TRUE(std::filesystem::exists(at("out/report.html"))) << live;
   }
 }
 
@@ -193,6 +220,20 @@ TEST_F(Outputs, FilesAreFlushedOnceEach) {
     written += entry.is_regular_file() ? 1 : 0;
   EXPECT_EQ(flushed, written) << trace;
   EXPECT_THAT(trace, HasSubstr("/out>)"));
+}
+
+TEST_F(Outputs, TheNewContentOfAPrivateFileIsPrivateFromTheStart) {
+  if (shell("strace -V").exit_code != 0) GTEST_SKIP() << "strace is not installed";
+  const auto file = folder_.write("words.txt", "old");
+  std::filesystem::permissions(file,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  const Run done = shell("umask 0; strace -f -e trace=open,openat -o '" + at("trace") + "' " + kProgram +
+                         " vocab export default -o '" + file.string() + "'");
+  if (done.err.find("ptrace") != std::string::npos) GTEST_SKIP() << "strace is not permitted";
+  ASSERT_EQ(done.exit_code, kDone) << done.err;
+  const std::string trace = read_file(at("trace"));
+  EXPECT_THAT(trace, HasSubstr("O_RDWR|O_CREAT|O_EXCL|O_CLOEXEC, 0600"));
+  EXPECT_EQ(trace.find("O_RDWR|O_CREAT|O_EXCL|O_CLOEXEC, 0666"), std::string::npos) << trace;
 }
 
 TEST_F(Outputs, EvalRefusesPositionsBeyondTheWorld) {

@@ -38,6 +38,11 @@ TEST_F(GettingStarted, HelpIsTheSameInBothOrders) {
   EXPECT_EQ(run("version").out, run("--version").out);
 }
 
+TEST_F(GettingStarted, NeedsNoFolderForTemporaryFiles) {
+  for (const char* command : {"version", "help vocab train"})
+    EXPECT_EQ(run(command, "TMPDIR=/nonexistent").exit_code, kDone) << command;
+}
+
 TEST_F(GettingStarted, HelpMentionsNoInternalFiles) {
   for (const char* command : {"run", "eval", "features", "calibrate", "export", "simulate", "record"}) {
     EXPECT_THAT(run(std::string("help ") + command).out, Not(HasSubstr("shared/data"))) << command;

@@ -1,5 +1,7 @@
 // Map files, end to end: run, map, export.
 
+#include <set>
+
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -222,6 +224,31 @@ TEST_F(MapCommand, MergesMaps) {
   EXPECT_EQ(info["components"], 1);
   EXPECT_EQ(info["frames"], 40);
   EXPECT_GE(info["images"], info["keyframes"]);
+}
+
+/// Numbers of the images of a COLMAP model that observe points.
+std::set<size_t> images_with_points(const std::filesystem::path& model) {
+  std::set<size_t> images;
+  for (const TextLine& point : read_table(model / "sparse/0/points3D.txt")) {
+    constexpr size_t kFirstObservation = 8;  // after id, position, colour and error
+    for (size_t i = kFirstObservation; i < point.fields.size(); i += 2)
+      images.insert(std::stoul(point.fields[i]));
+  }
+  return images;
+}
+
+TEST_F(MapCommand, BothHalvesOfAMergedMapAreExported) {
+  const std::string folder = ran();
+  ASSERT_EQ(run("map merge -q " + folder + " " + folder + " -o " + at("halves.kinmap")), 0) << err_;
+  ASSERT_EQ(run("export -q " + folder + " --colmap " + at("one")), 0) << err_;
+  ASSERT_EQ(run("export -q " + at("halves.kinmap") + " --colmap " + at("two")), 0) << err_;
+  const auto one = images_with_points(at("one")), two = images_with_points(at("two"));
+  EXPECT_EQ(two.size(), 2 * one.size());
+  const auto all = [](const std::string& model) {
+    return std::distance(std::filesystem::directory_iterator(at(model + "/images")), {});
+  };
+  EXPECT_EQ(all("two"), 2 * all("one"));
+  EXPECT_GT(*two.rbegin(), static_cast<size_t>(all("one"))) << "images of the second map, too";
 }
 
 TEST_F(MapCommand, FailureToSaveTheMapDoesNotEndTheRun) {

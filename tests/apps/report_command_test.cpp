@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 
+#include "kinloop/sensor/jpeg_codec.hpp"
 #include "tests/apps/program_test.hpp"
 
 namespace kinloop {
@@ -19,6 +21,18 @@ class ReportCommand : public test::ProgramTest {
     ASSERT_EQ(run("simulate room --frames 8 --size 160x120 -q -o '" + at("data/walk") + "'").exit_code,
               kDone);
     ASSERT_EQ(run("run '" + at("data/walk") + "/' -q -o '" + at("out") + "'").exit_code, kDone);
+  }
+
+  static std::string jpeg() {
+    const auto bytes = encode_jpeg(cv::Mat(8, 8, CV_8UC3, cv::Scalar::all(0)), 50);
+    return {bytes.begin(), bytes.end()};
+  }
+
+  /// An index of one picture.
+  static std::string index_of(const std::string& file, const std::string& inliers = "0") {
+    return R"([{"stamp_a": "1", "stamp_b": "2", "reprojected": 1, "observed": 0, "median_error_px": 0,
+      "distance_m": 0, "angle_deg": 0, "inliers": )" +
+           inliers + R"(, "file": ")" + file + "\"}]";
   }
 
   /// The figures of the first run on the page.
@@ -49,7 +63,7 @@ TEST_F(ReportCommand, RunsAreLabelledByTheirFolders) {
 }
 
 TEST_F(ReportCommand, PicturesOfLoopsHaveTheirFigures) {
-  folder_.write("out/loops/1.000000_1.200000.jpg", "\xff\xd8 a picture");
+  folder_.write("out/loops/1.000000_1.200000.jpg", jpeg());
   folder_.write("out/loops/loops.json", R"([{"file": "1.000000_1.200000.jpg", "stamp_a": "1.000000",
     "stamp_b": "1.200000", "reprojected": 300, "observed": 200, "median_error_px": 0.817, "distance_m": 0.421,
     "angle_deg": 12.34, "inliers": 77}, {"file": "gone.jpg", "stamp_a": "1", "stamp_b": "2", "reprojected": 1,
@@ -64,11 +78,33 @@ TEST_F(ReportCommand, PicturesOfLoopsHaveTheirFigures) {
 }
 
 TEST_F(ReportCommand, IncludesNoFilesFromOutsideTheFolder) {
-  folder_.write("secret.jpg", "secret");
-  folder_.write("out/loops/loops.json", R"([{"file": "../../secret.jpg", "stamp_a": "1", "stamp_b": "2",
-    "reprojected": 1, "observed": 0, "median_error_px": 0, "distance_m": 0, "angle_deg": 0, "inliers": 0}])");
-  ASSERT_EQ(run("report '" + at("out") + "'").exit_code, kDone);
-  EXPECT_EQ(shown("out/report.html")[0]["loopPictures"].size(), 0U);
+  folder_.write("secret.jpg", jpeg());
+  folder_.write("out/loops/text.jpg", "not a picture");
+  std::filesystem::create_symlink("../../secret.jpg", at("out/loops/link.jpg"));
+  for (const char* file : {"../../secret.jpg", "link.jpg", "text.jpg", "", ".", ".."}) {
+    folder_.write("out/loops/loops.json", index_of(file));
+    const Run done = run("report '" + at("out") + "'");
+    ASSERT_EQ(done.exit_code, kDone) << file << done.err;
+    EXPECT_EQ(shown("out/report.html")[0]["loopPictures"].size(), 0U) << file;
+  }
+}
+
+TEST_F(ReportCommand, ANewRunRemovesOnlyItsOwnPictures) {
+  for (const char* file : {"1.000000_1.200000.jpg", "holiday.jpg", "2024_05.jpg"})
+    folder_.write(std::string("out/loops/") + file, jpeg());
+  ASSERT_EQ(run("run '" + at("data/walk") + "' -q -o '" + at("out") + "'").exit_code, kDone);
+  EXPECT_FALSE(std::filesystem::exists(at("out/loops/1.000000_1.200000.jpg")));
+  EXPECT_TRUE(std::filesystem::exists(at("out/loops/holiday.jpg")));
+  EXPECT_TRUE(std::filesystem::exists(at("out/loops/2024_05.jpg")));
+}
+
+TEST_F(ReportCommand, CountsOfTheIndexMustBeWholeNumbers) {
+  for (const char* count : {"1e300", "-1", "0.5", "4294967296"}) {
+    folder_.write("out/loops/loops.json", index_of("x.jpg", count));
+    const Run done = run("report '" + at("out") + "'");
+    EXPECT_EQ(done.exit_code, kBadInput) << count;
+    EXPECT_THAT(done.err, HasSubstr("\"inliers\": expected a whole number")) << count;
+  }
 }
 
 TEST_F(ReportCommand, ADamagedIndexIsNamed) {

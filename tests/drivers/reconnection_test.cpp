@@ -17,13 +17,13 @@ class FakeCamera {
  public:
   explicit FakeCamera(std::vector<int> plan) : plan_(std::move(plan)) { open(); }
 
-  std::optional<RgbdFrame> next(double max_wait_s = 10) {
+  std::optional<RgbdFrame> next(double max_wait_s = 10, const StopRequest& stop = {}) {
     return next_or_reconnect(frames_, {"fake", milliseconds(5), max_wait_s,
                                        [this] {
                                          if (open_) calls_.emplace_back("close");
                                          open_ = false;
                                        },
-                                       [this] { open(); }});
+                                       [this] { open(); }, stop});
   }
   [[nodiscard]] const std::vector<std::string>& calls() const { return calls_; }
 
@@ -67,6 +67,14 @@ TEST(Reconnection, OpensACameraAnewThatComesBackWithoutFrames) {
   FakeCamera camera({0, 0, 1});
   EXPECT_TRUE(camera.next());
   EXPECT_THAT(camera.calls(), ElementsAre("open", "close", "open", "close", "open"));
+}
+
+TEST(Reconnection, StopsWhenAsked) {
+  FakeCamera camera({0});
+  const auto begin = std::chrono::steady_clock::now();
+  int asked = 0;
+  EXPECT_FALSE(camera.next(100, [&] { return ++asked > 2; }));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(50));
 }
 
 TEST(Reconnection, GivesUpInTheEnd) {

@@ -1,10 +1,15 @@
 #include "drivers/stream/stream_source.hpp"
 
+#include <array>
+#include <atomic>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include "drivers/datasets/tum_source.hpp"
@@ -176,6 +181,58 @@ TEST(StreamSource, ASocketIsCreatedAndRemoved) {
   EXPECT_EQ(count_stream_frames(*stream), 1U);
   EXPECT_THAT(input_error([&] { open_stream("unix:" + std::string(200, 'x'), {}); }), HasSubstr("unix:"));
   EXPECT_THAT(input_error([&] { open_stream("unix:/nowhere/camera.sock", {}); }), HasSubstr("/nowhere"));
+}
+
+TEST(StreamSource, ASilentSenderIsNotWaitedForOnceStopped) {
+  for (const char* live : {"true", "false"}) {
+    std::array<int, 2> pipe{};
+    ASSERT_EQ(::pipe(pipe.data()), 0);
+    const Descriptor sender(pipe[1]);
+    const std::string bytes = start_record(live) + png_frame(100) + png_frame(200).substr(0, 50);
+    ASSERT_EQ(::write(sender.number(), bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+    std::atomic<bool> stop = false;
+    const auto stream = open_stream(ByteStream(Descriptor(pipe[0])), "test", {}, [&] { return stop.load(); });
+    EXPECT_TRUE(stream->next());
+    stop = true;
+    EXPECT_FALSE(stream->next()) << "half a frame is no error";
+  }
+}
+
+TEST(StreamSource, StoppingBeforeTheFirstRecordIsAnError) {
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe(pipe.data()), 0);
+  const Descriptor sender(pipe[1]);
+  EXPECT_THAT(
+      input_error([&] { open_stream(ByteStream(Descriptor(pipe[0])), "test", {}, [] { return true; }); }),
+      HasSubstr("stopped"));
+}
+
+/// Binds a socket to `path`, as a run that was killed leaves it.
+void leave_socket(const std::filesystem::path& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.string().copy(address.sun_path, sizeof(address.sun_path) - 1);
+  const Descriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
+  ASSERT_EQ(::bind(socket.number(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+}
+
+TEST(StreamSource, OnlyAbandonedSocketsAreReplaced) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "camera.sock";
+  leave_socket(path);
+  std::atomic<bool> stop = false;
+  std::string stopped;
+  std::jthread first(
+      [&] { stopped = input_error([&] { accept_connection(path, [&] { return stop.load(); }); }); });
+  struct stat file {};
+  while (::stat(path.c_str(), &file) != 0 || (file.st_mode & 0777) != 0600) std::this_thread::yield();
+  const auto open_second = [&] { open_stream("unix:" + path.string(), {}, [] { return true; }); };
+  EXPECT_THAT(input_error(open_second), HasSubstr("choose another path"));
+  EXPECT_TRUE(std::filesystem::is_socket(path));
+  stop = true;
+  first.join();
+  EXPECT_THAT(stopped, HasSubstr("stopped before a program connected"));
+  EXPECT_FALSE(std::filesystem::exists(path));
 }
 
 TEST(StreamSource, NoMutatedStreamBreaksTheReader) {

@@ -70,6 +70,26 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
 }
 
+TEST(FrameRecording, OfTwoWithOneNameTheSecondIsKeptBesideTheFirst) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "a.mcap";
+  {
+    FrameRecording second(path, camera());
+    second.write(compress_frame(frame(3), camera().depth_scale));
+    record(path);
+    const std::string first = read_file(path);
+    EXPECT_THAT(input_error([&] { second.commit(); }), HasSubstr("a.mcap: another process has written it"));
+    EXPECT_TRUE(read_file(path) == first);
+  }
+  std::vector<std::string> recovered;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("recovered-") && name.ends_with(".mcap")) recovered.push_back(entry.path().string());
+  }
+  ASSERT_EQ(recovered.size(), 1U);
+  EXPECT_TRUE(open_bag(recovered.front(), {}, {})->next());
+}
+
 TEST(FrameRecording, GivesTheFramesOfAFolderRecordedFromTheSame) {
   const test::TempFolder folder;
   TumWriter writer(folder.path() / "tum", camera());

@@ -145,6 +145,22 @@ TEST(SavedMap, TwoMapsAreMerged) {
   EXPECT_EQ(slam.saved_map("").sessions.size(), 2U);
 }
 
+TEST(SavedMap, KeyframesOfMergedMapsKeepTheirFrames) {
+  SavedMap a = first_half();
+  const SavedMap b = a;
+  a.frames.clear();  // lost with a damaged part of the file
+  Slam slam(walk().camera);
+  slam.add_map(a);
+  const uint32_t shift = slam.add_map(b);
+  EXPECT_GT(shift, a.map.keyframes.back().frame.value);
+  for (const Keyframe& keyframe : b.map.keyframes) {
+    const Keyframe& added =
+        slam.map().keyframe(KeyframeId{keyframe.id.value + static_cast<uint32_t>(a.map.keyframes.size())});
+    EXPECT_EQ(added.frame.value, keyframe.frame.value + shift);
+    EXPECT_EQ(added.stamp_ns, keyframe.stamp_ns);
+  }
+}
+
 TEST(SavedMap, MapsOfDifferentPlacesStayApart) {
   const SavedMap a = first_half();
   Slam other(walk().camera);

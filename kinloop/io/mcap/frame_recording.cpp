@@ -51,11 +51,11 @@ FrameRecording::FrameRecording(const std::filesystem::path& path, const RgbdCame
       camera_info_(file_.add_topic(ros_messages::camera_info_topic(recording::kCameraInfoTopic))) {}
 
 FrameRecording::~FrameRecording() {
-  if (!empty_ && !complete_) file_.keep_incomplete();
+  if (!empty_ && !complete_) file_.keep_recording();
 }
 
 void FrameRecording::commit() {
-  file_.commit();
+  file_.commit(Existing::kKept);
   complete_ = true;
 }
 

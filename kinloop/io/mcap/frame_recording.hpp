@@ -27,7 +27,8 @@ class FrameRecording {
   /// Throws InputError if the file cannot be created.
   FrameRecording(const std::filesystem::path& path, const RgbdCamera& camera);
 
-  /// Without `commit` (a full disk, an exception) the frames so far are kept, in a file without index.
+  /// Without `commit` (a full disk, an exception) the frames so far are kept, in a file without index; if its
+  /// name is taken, in recovered-PID-N.mcap.
   ~FrameRecording();
   FrameRecording(const FrameRecording&) = delete;
   FrameRecording& operator=(const FrameRecording&) = delete;
@@ -35,7 +36,7 @@ class FrameRecording {
   /// Stamps must increase.
   void write(const CompressedFrame& frame);
 
-  /// Completes the file and gives it its name.
+  /// Completes the file and gives it its name. Throws InputError if another process has taken the name.
   void commit();
 
  private:

@@ -194,12 +194,12 @@ void McapWriter::put_summary() {
   put(McapFields().number(crc_).bytes());
 }
 
-void McapWriter::commit() {
+void McapWriter::commit(Existing existing) {
   close_chunk();
   put(McapFields().number(crc_).record(McapOpcode::kDataEnd));
   put_summary();
   put(kMcapMagic);
-  file_.commit();
+  file_.commit(existing);
 }
 
 }  // namespace kinloop

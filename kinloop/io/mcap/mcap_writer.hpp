@@ -40,10 +40,10 @@ class McapWriter {
   void write(uint16_t topic, int64_t stamp_ns, std::string_view message);
 
   /// Writes the summary and renames the file. Throws InputError on failure.
-  void commit();
+  void commit(Existing existing = Existing::kReplaced);
 
   /// Gives the file its name without a summary: readers find its messages by reading the whole of it.
-  void keep_incomplete() noexcept { file_.keep_incomplete(); }
+  void keep_recording() noexcept { file_.keep_recording(); }
 
  private:
   struct Chunk {
