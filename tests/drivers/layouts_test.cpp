@@ -383,6 +383,19 @@ TEST(Layouts, WhatIsMissingOrWrongIsNamedWithTheRemedy) {
   }
 }
 
+TEST(Layouts, NestedYamlIsAnErrorNotACrash) {
+  constexpr size_t kDepth = 100'000;
+  std::string sequences;
+  for (size_t i = 0; i < kDepth; ++i) sequences += "- ";
+  for (const std::string& nested : {std::string(kDepth, '['), std::string(kDepth, '{'), sequences}) {
+    for (const char* file : {"sensors.yaml", "trans_matrix.yaml"}) {
+      const Written written(writer_of("OpenLORIS"), make_sample(2));
+      write_file(written.path() / file, "%YAML:1.0\n---\n" + nested);
+      EXPECT_THAT(input_error([&] { static_cast<void>(written.open()); }), HasSubstr("not a YAML file"));
+    }
+  }
+}
+
 TEST(FoldersWithoutLists, ArePairedByTimeByNumberOrByOrder) {
   const Sample sample = make_sample(3);
   const auto paired = [&](std::vector<std::string> color, std::vector<std::string> depth) {
