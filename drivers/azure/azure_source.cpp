@@ -57,10 +57,10 @@ class AzureSource : public FrameSource {
 
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
+  [[nodiscard]] SkippedFrames skipped() const override {
     auto all = skipped_;
-    all.insert(all.end(), pairer_.unpaired(), {"image", "no image of the other camera within 0.02 s"});
-    all.insert(all.end(), pairer_.out_of_order(), {"image", "its timestamp does not increase"});
+    all.add({"image", "no image of the other camera within 0.02 s"}, pairer_.unpaired());
+    all.add({"image", "its timestamp does not increase"}, pairer_.out_of_order());
     return all;
   }
 
@@ -110,7 +110,7 @@ class AzureSource : public FrameSource {
       if (block->track == color_track_) add_color(*block);
       if (block->track == depth_track_) add_depth(*block);
     } catch (const InputError& error) {
-      skipped_.push_back(
+      skipped_.add(
           {fmt::format("{} at {} ns", file_.tracks()[block->track].name, block->stamp_ns), error.what()});
     }
   }
@@ -180,7 +180,7 @@ class AzureSource : public FrameSource {
   FramePairer pairer_;
   bool finished_ = false;
   size_t given_ = 0;
-  std::vector<SkippedFrame> skipped_;
+  SkippedFrames skipped_;
 };
 
 }  // namespace

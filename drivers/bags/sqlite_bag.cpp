@@ -63,10 +63,10 @@ class SqliteBag : public MessageFile {
     return std::nullopt;
   }
 
-  [[nodiscard]] std::vector<SkippedFrame> damage() const override { return damage_; }
+  [[nodiscard]] SkippedFrames damage() const override { return damage_; }
 
  private:
-  void report(const std::string& what) { damage_.push_back({name_, what}); }
+  void report(const std::string& what) { damage_.add({name_, what}); }
 
   void end(const std::string& why) {
     report("damaged from here on: " + why);
@@ -149,7 +149,7 @@ class SqliteBag : public MessageFile {
   int64_t last_row_ = 0;  ///< rows of damaged pages may come again
   std::map<int64_t, BagTopic> topics_;
   std::vector<uint8_t> decompressed_;
-  std::vector<SkippedFrame> damage_;
+  SkippedFrames damage_;
 };
 
 }  // namespace

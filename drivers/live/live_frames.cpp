@@ -72,11 +72,11 @@ LostImageCounts LiveFrameBuffer::counts() const {
   return {dropped_, pairer_.unpaired(), pairer_.out_of_order()};
 }
 
-std::vector<SkippedFrame> to_skipped_frames(const LostImageCounts& counts) {
-  std::vector<SkippedFrame> skipped;
-  skipped.insert(skipped.end(), counts.dropped, {"frame", "dropped: the consumer was too slow"});
-  skipped.insert(skipped.end(), counts.unpaired, {"image", "no image of the other camera at that time"});
-  skipped.insert(skipped.end(), counts.out_of_order, {"image", "its timestamp does not increase"});
+SkippedFrames to_skipped_frames(const LostImageCounts& counts) {
+  SkippedFrames skipped;
+  skipped.add({"frame", "dropped: the consumer was too slow"}, counts.dropped);
+  skipped.add({"image", "no image of the other camera at that time"}, counts.unpaired);
+  skipped.add({"image", "its timestamp does not increase"}, counts.out_of_order);
   return skipped;
 }
 

@@ -58,6 +58,6 @@ class LiveFrameBuffer {
 };
 
 /// Converts the lost images to the form of `FrameSource::skipped`.
-std::vector<SkippedFrame> to_skipped_frames(const LostImageCounts& counts);
+SkippedFrames to_skipped_frames(const LostImageCounts& counts);
 
 }  // namespace kinloop

@@ -107,7 +107,7 @@ TEST_P(EveryLayout, SkipsDamagedAndMissingDepth) {
   EXPECT_TRUE(source.next());
   EXPECT_FALSE(source.next());
   ASSERT_EQ(source.skipped().size(), 1U);
-  EXPECT_THAT(source.skipped()[0].reason, HasSubstr("damaged.png"));
+  EXPECT_THAT(source.skipped().front().reason, HasSubstr("damaged.png"));
 }
 
 /// Byte flips, cuts, insertions and copies, in the files that are parsed and in the images.

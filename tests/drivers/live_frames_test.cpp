@@ -74,13 +74,28 @@ TEST(LiveFrameBuffer, TheLastFrameWaitsForANearerPartnerUntilTheEnd) {
   EXPECT_EQ(last->depth_stamp_ns, 108'000'000);
 }
 
+TEST(SkippedFrames, AreAllCountedAndTheFirstKept) {
+  SkippedFrames skipped = to_skipped_frames({size_t{1} << 40, 3, 0});
+  skipped.add({"image", "damaged"});
+  EXPECT_EQ(skipped.size(), (size_t{1} << 40) + 4);
+  EXPECT_EQ(std::distance(skipped.begin(), skipped.end()), SkippedFrames::kKept);
+  EXPECT_EQ(skipped.front().name, "frame");
+  SkippedFrames all;
+  all.add({"first", "of another list"});
+  all.add(skipped);
+  EXPECT_EQ(all.size(), skipped.size() + 1);
+  EXPECT_EQ(all.front().name, "first");
+  all.clear();
+  EXPECT_TRUE(all.empty());
+}
+
 TEST(LiveFrameBuffer, SaysWhatWasLost) {
   LiveFrameBuffer frames;
   frames.add_color(100, color());
   frames.add_color(50, color());
   const auto skipped = to_skipped_frames(frames.counts());
   ASSERT_EQ(skipped.size(), 1U);
-  EXPECT_THAT(skipped[0].reason, testing::HasSubstr("does not increase"));
+  EXPECT_THAT(skipped.front().reason, testing::HasSubstr("does not increase"));
 }
 
 }  // namespace

@@ -324,6 +324,28 @@ TEST_F(Ros2BagTest, SizesThatCannotBeAreNotAllocated) {
               HasSubstr("a.mcap"));
 }
 
+TEST_F(Ros2BagTest, MillionsOfBadRecordsAreCountedNotListed) {
+  std::string records;  // messages too short for their header
+  constexpr size_t kRecords = 1'000'000;
+  const std::string record = test::McapRecord().with_opcode(5);
+  for (size_t i = 0; i < kRecords; ++i) records += record;
+  const std::string data = test::compressed("zstd", records);
+  const std::string chunk = test::McapRecord()
+                                .number(uint64_t{0})
+                                .number(uint64_t{0})
+                                .number(uint64_t{records.size()})
+                                .number(uint32_t{0})
+                                .text("zstd")
+                                .number(uint64_t{data.size()})
+                                .raw(data)
+                                .with_opcode(6);
+  const std::string start = test::mcap_bytes({}, {.compression = "", .summary = false});
+  const auto damage = open_message_file(folder.write("a.mcap", start + chunk))->damage();
+  EXPECT_GT(damage.size(), SkippedFrames::kKept);
+  EXPECT_LT(damage.size(), kRecords / 10);
+  EXPECT_EQ(std::distance(damage.begin(), damage.end()), SkippedFrames::kKept);
+}
+
 TEST_F(Ros2BagTest, NamesWhatIsMissing) {
   auto bag = bag_of(sequence.path());
   bag.erase(bag.begin());

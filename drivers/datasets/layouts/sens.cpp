@@ -113,7 +113,7 @@ void read_frames(SensReader& bytes, const fs::path& file, uint64_t count, Record
     frame.depth.offset = bytes.position() + color_size;
     bytes.skip(color_size + depth_size);
     if (color_size == 0 || depth_size == 0) {
-      sequence.skipped.push_back(
+      sequence.skipped.add(
           {fmt::format("frame {}", i), fmt::format("{}: frame {} lacks an image", file.string(), i)});
       poses.pop_back();
       continue;

@@ -232,7 +232,7 @@ void keep_increasing(RecordedSequence& sequence) {
       continue;
     }
     const std::string name = frame.color.file.filename().string();
-    sequence.skipped.push_back({name, fmt::format("{}: its time repeats", frame.color.file.string())});
+    sequence.skipped.add({name, fmt::format("{}: its time repeats", frame.color.file.string())});
   }
   frames = std::move(kept);
   sequence.ground_truth = sorted_by_time(std::move(sequence.ground_truth));
