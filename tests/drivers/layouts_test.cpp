@@ -343,6 +343,8 @@ TEST(Layouts, WhatIsMissingOrWrongIsNamedWithTheRemedy) {
        R"({"camera": {"w": 32, "h": 24, "fx": 24, "fy": 24, "cx": 15, "cy": 11}})",
        {"cam_params.json: no number 'scale'"}},
       {"Replica", "traj.txt", "1 0 0\n0 x 0\n", {"traj.txt:2: 'x' is not a number"}},
+      {"Replica", "traj.txt", "1 0 1e999\n", {"traj.txt:1: '1e999' is not a number"}},
+      {"Replica", "traj.txt", "1 0 1.5.3\n", {"traj.txt:1: '1.5.3' is not a number"}},
       {"OpenLORIS", "sensors.yaml", nullptr, {"no sensors.yaml", "--camera"}},
       {"OpenLORIS", "sensors.yaml", "{", {"sensors.yaml: not a YAML file"}},
       {"BundleFusion", "info.txt", "m_colorWidth = 32\n", {"info.txt: no 'm_colorHeight"}},
