@@ -13,6 +13,7 @@
 #include "drivers/live/frame_pairer.hpp"
 #include "drivers/ros/ros_image.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/time.hpp"
 #include "kinloop/geometry/possible_camera.hpp"
 #include "kinloop/sensor/image_file.hpp"
 #include "kinloop/sensor/registration.hpp"
@@ -120,7 +121,7 @@ class AzureSource : public FrameSource {
     require_encoded_size(block.data, camera_.color);
     ColorImage color = decoded_color(track, block.data);
     require_size(color.size(), camera_.color);
-    pairer_.add_color(block.stamp_ns, std::move(color));
+    pairer_.add_color(checked_stamp_ns(block.stamp_ns), std::move(color));
   }
 
   void add_depth(const MatroskaBlock& block) {
@@ -128,7 +129,7 @@ class AzureSource : public FrameSource {
     require_encoded_size(block.data, camera_.depth.value_or(camera_.color));
     cv::Mat depth_m = decoded_depth(track, block.data);
     require_size(depth_m.size(), camera_.depth ? *camera_.depth : camera_.color);
-    pairer_.add_depth(block.stamp_ns, depth_m);
+    pairer_.add_depth(checked_stamp_ns(block.stamp_ns), depth_m);
   }
 
   static ColorImage decoded_color(const MatroskaTrack& track, Bytes data) {

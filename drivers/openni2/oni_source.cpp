@@ -9,6 +9,7 @@
 #include "drivers/openni2/oni_depth.hpp"
 #include "drivers/openni2/oni_file.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/time.hpp"
 #include "kinloop/geometry/possible_camera.hpp"
 #include "kinloop/sensor/registration.hpp"
 
@@ -100,8 +101,9 @@ class OniSource : public FrameSource {
       return pairer_.finish();
     }
     try {
-      if (image->node == color_) pairer_.add_color(image->stamp_ns, decoded_color(image->data));
-      if (image->node == depth_) pairer_.add_depth(image->stamp_ns, decoded_depth(image->data));
+      const int64_t stamp_ns = checked_stamp_ns(image->stamp_ns);
+      if (image->node == color_) pairer_.add_color(stamp_ns, decoded_color(image->data));
+      if (image->node == depth_) pairer_.add_depth(stamp_ns, decoded_depth(image->data));
     } catch (const InputError& error) {
       skipped_.add({fmt::format("{} at {} ns", image->node == color_ ? "colour" : "depth", image->stamp_ns),
                     error.what()});

@@ -11,6 +11,7 @@
 #include "drivers/ros/recording_source.hpp"
 #include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/time.hpp"
 #include "kinloop/geometry/possible_camera.hpp"
 #include "kinloop/sensor/registration.hpp"
 
@@ -118,7 +119,7 @@ class BagSource : public FrameSource {
 
   /// Some drivers leave the stamp empty.
   static int64_t stamp_of(const RosHeader& header, const BagMessage& message) {
-    return header.stamp_ns != 0 ? header.stamp_ns : message.log_ns;
+    return header.stamp_ns != 0 ? header.stamp_ns : checked_stamp_ns(message.log_ns);
   }
 
   /// Newer files of the SDK write the version "1" in place of the frame, and the unit after depth images.

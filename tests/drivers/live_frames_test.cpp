@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "kinloop/base/time.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -72,6 +74,21 @@ TEST(LiveFrameBuffer, TheLastFrameWaitsForANearerPartnerUntilTheEnd) {
   const auto last = frames.wait(milliseconds(0));
   ASSERT_TRUE(last);
   EXPECT_EQ(last->depth_stamp_ns, 108'000'000);
+}
+
+TEST(LiveFrameBuffer, StampsAtTheEndsOfTimeDoNotOverflow) {
+  LiveFrameBuffer frames;
+  for (int i = 0; i < 4; ++i) {
+    for (const int64_t stamp_ns :
+         {std::numeric_limits<int64_t>::max(), std::numeric_limits<int64_t>::min()}) {
+      frames.add_color(stamp_ns, color());
+      frames.add_depth(stamp_ns, depth());
+      frames.add_pair(stamp_ns, color(), ~stamp_ns, depth());
+    }
+  }
+  frames.finish();
+  while (const auto frame = frames.wait(milliseconds(0))) EXPECT_LE(frame->stamp_ns, kMaxStampNs);
+  EXPECT_GT(frames.counts().out_of_order, 0U);
 }
 
 TEST(SkippedFrames, AreAllCountedAndTheFirstKept) {
