@@ -32,7 +32,7 @@ struct Probed {
   std::vector<int64_t> stamps_ns;
   std::vector<double> depth_minus_color_s;
   std::vector<RgbdFrame> frames;
-  std::vector<SkippedFrame> skipped;
+  SkippedFrames skipped;
   size_t truth = 0;
 };
 

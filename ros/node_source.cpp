@@ -75,11 +75,11 @@ std::optional<RgbdFrame> TopicSource::next() {
   return frames_.wait(std::chrono::milliseconds(0));
 }
 
-std::vector<SkippedFrame> TopicSource::skipped() const {
+SkippedFrames TopicSource::skipped() const {
   const std::lock_guard lock(skipped_mutex_);
   auto all = skipped_;
   const auto lost = to_skipped_frames(frames_.counts());
-  all.insert(all.end(), lost.begin(), lost.end());
+  all.add(lost);
   return all;
 }
 
@@ -106,7 +106,7 @@ void TopicSource::on_depth(const boost::shared_ptr<const Image>& message) {
 void TopicSource::skip(const std::string& topic, const std::string& reason) {
   const std::lock_guard lock(skipped_mutex_);
   if (skipped_.empty()) log::warn("{}: {}", topic, reason);
-  skipped_.push_back({topic, reason});
+  skipped_.add({topic, reason});
 }
 
 }  // namespace kinloop::ros1

@@ -30,7 +30,7 @@ class TopicSource : public FrameSource {
   std::optional<RgbdFrame> next() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override;
+  [[nodiscard]] SkippedFrames skipped() const override;
 
  private:
   void on_color(const boost::shared_ptr<const Image>& message);
@@ -44,7 +44,7 @@ class TopicSource : public FrameSource {
   LiveFrameBuffer frames_;
   bool ended_ = false;  ///< no images came for `idle_s`
   mutable std::mutex skipped_mutex_;
-  std::vector<SkippedFrame> skipped_;
+  SkippedFrames skipped_;
   ros::Subscriber color_, depth_;
 };
 

@@ -68,7 +68,7 @@ class SimulatedSource : public FrameSource {
   std::optional<RgbdFrame> next() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return {}; }
+  [[nodiscard]] SkippedFrames skipped() const override { return {}; }
 
   /// Returns frame `index` without advancing.
   [[nodiscard]] RgbdFrame frame(size_t index) const;

@@ -133,7 +133,8 @@ json run_summary(const RunOutcome& o) {
   summary["tracked"] = tracked;
   summary["tracked_densely"] = dense_only;
   summary["tracked_in_other_components"] = not_lost - tracked;  // in components not joined by any loop
-  summary["skipped"] = skipped_json(o.source);
+  summary["skipped"] = skipped_json(o.source);                  // the first ones
+  summary["skipped_total"] = o.source.skipped().size();
   summary["dropped"] = o.dropped;
   summary["interrupted"] = o.interrupted;
   summary["keyframes"] = o.slam.map().keyframes().size();
@@ -195,9 +196,10 @@ std::string summary_text(const json& s) {
       "time       {:.1f} s, {:.1f} ms per frame (median), {:.1f} ms (95th percentile)\n"
       "memory     {:.0f} MiB peak\n",
       s["tracked"].get<long>(), s["frames"].get<long>(), s["tracked_in_other_components"].get<long>(),
-      s["skipped"].size(), s["dropped"].get<long>(), s["keyframes"].get<long>(), s["landmarks"].get<long>(),
-      s["loops"].size(), map, s["wall_s"].get<double>(), s["frame_ms"]["median"].get<double>(),
-      s["frame_ms"]["p95"].get<double>(), s["peak_memory_mib"].get<double>());
+      s["skipped_total"].get<size_t>(), s["dropped"].get<long>(), s["keyframes"].get<long>(),
+      s["landmarks"].get<long>(), s["loops"].size(), map, s["wall_s"].get<double>(),
+      s["frame_ms"]["median"].get<double>(), s["frame_ms"]["p95"].get<double>(),
+      s["peak_memory_mib"].get<double>());
   if (!s.contains("evaluation")) return text;
   const json& e = s["evaluation"];
   return text + fmt::format("error      ATE {:.4f} m\n", e["ate"]["rmse_m"].get<double>());

@@ -13,6 +13,7 @@
 #include "drivers/live/frame_pairer.hpp"
 #include "drivers/ros/ros_image.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/time.hpp"
 #include "kinloop/geometry/possible_camera.hpp"
 #include "kinloop/sensor/image_file.hpp"
 #include "kinloop/sensor/registration.hpp"
@@ -57,10 +58,10 @@ class AzureSource : public FrameSource {
 
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
+  [[nodiscard]] SkippedFrames skipped() const override {
     auto all = skipped_;
-    all.insert(all.end(), pairer_.unpaired(), {"image", "no image of the other camera within 0.02 s"});
-    all.insert(all.end(), pairer_.out_of_order(), {"image", "its timestamp does not increase"});
+    all.add({"image", "no image of the other camera within 0.02 s"}, pairer_.unpaired());
+    all.add({"image", "its timestamp does not increase"}, pairer_.out_of_order());
     return all;
   }
 
@@ -110,7 +111,7 @@ class AzureSource : public FrameSource {
       if (block->track == color_track_) add_color(*block);
       if (block->track == depth_track_) add_depth(*block);
     } catch (const InputError& error) {
-      skipped_.push_back(
+      skipped_.add(
           {fmt::format("{} at {} ns", file_.tracks()[block->track].name, block->stamp_ns), error.what()});
     }
   }
@@ -120,7 +121,7 @@ class AzureSource : public FrameSource {
     require_encoded_size(block.data, camera_.color);
     ColorImage color = decoded_color(track, block.data);
     require_size(color.size(), camera_.color);
-    pairer_.add_color(block.stamp_ns, std::move(color));
+    pairer_.add_color(checked_stamp_ns(block.stamp_ns), std::move(color));
   }
 
   void add_depth(const MatroskaBlock& block) {
@@ -128,7 +129,7 @@ class AzureSource : public FrameSource {
     require_encoded_size(block.data, camera_.depth.value_or(camera_.color));
     cv::Mat depth_m = decoded_depth(track, block.data);
     require_size(depth_m.size(), camera_.depth ? *camera_.depth : camera_.color);
-    pairer_.add_depth(block.stamp_ns, depth_m);
+    pairer_.add_depth(checked_stamp_ns(block.stamp_ns), depth_m);
   }
 
   static ColorImage decoded_color(const MatroskaTrack& track, Bytes data) {
@@ -180,7 +181,7 @@ class AzureSource : public FrameSource {
   FramePairer pairer_;
   bool finished_ = false;
   size_t given_ = 0;
-  std::vector<SkippedFrame> skipped_;
+  SkippedFrames skipped_;
 };
 
 }  // namespace

@@ -13,6 +13,9 @@ namespace {
 constexpr size_t kRecordHeaderBytes = 9;                         // type and length
 constexpr size_t kFooterBytes = kRecordHeaderBytes + 8 + 8 + 4;  // summary, summary offsets, checksum
 
+/// Of a chunk: compressed, a file of a few bytes holds millions.
+constexpr size_t kMaxBadRecords = 10'000;
+
 struct Record {
   McapOpcode opcode = {};
   Bytes content;
@@ -38,6 +41,7 @@ class McapFile final : public RecordFile {
 
  private:
   std::optional<BagMessage> read_chunk_record(ByteReader& records) override {
+    if (reported() > reported_before_chunk_ + kMaxBadRecords) throw InputError("too many bad records");
     return handle(next_record(records));
   }
 
@@ -91,6 +95,7 @@ class McapFile final : public RecordFile {
       if (!compression.empty()) chunk_ = decompressed(compression, data, size);
       const Bytes records = compression.empty() ? data : Bytes(chunk_);
       if (crc != 0 && crc32(records) != crc) throw InputError("the checksum is wrong");
+      reported_before_chunk_ = reported();
       open_chunk(records);
     } catch (const InputError& error) {
       report(fmt::format("a chunk is skipped: {}", error.what()));
@@ -190,6 +195,7 @@ class McapFile final : public RecordFile {
   std::map<uint16_t, BagTopic> channels_;
   std::vector<uint8_t> buffer_;  ///< the current record of the file
   std::vector<uint8_t> chunk_;   ///< decompressed
+  size_t reported_before_chunk_ = 0;
 };
 
 }  // namespace

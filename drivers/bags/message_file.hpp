@@ -44,7 +44,7 @@ class MessageFile {
   virtual std::optional<BagMessage> next() = 0;
 
   /// Returns the damaged parts found since `select`, or by opening the file.
-  [[nodiscard]] virtual std::vector<SkippedFrame> damage() const = 0;
+  [[nodiscard]] virtual SkippedFrames damage() const = 0;
 };
 
 /// Returns a type in the form of ROS 1: "sensor_msgs/Image" for "sensor_msgs/msg/Image".

@@ -73,7 +73,7 @@ std::optional<Bytes> RecordFile::read_block(uint64_t length, std::vector<uint8_t
 }
 
 void RecordFile::report(const std::string& what) {
-  damage_.push_back({name_, fmt::format("at byte {}: {}", record_start_, what)});
+  damage_.add({name_, fmt::format("at byte {}: {}", record_start_, what)});
 }
 
 void RecordFile::stop(const std::string& why) {

@@ -19,7 +19,7 @@ class RecordFile : public MessageFile {
  public:
   void select(const std::set<std::string>& topics) final;
   std::optional<BagMessage> next() final;
-  [[nodiscard]] std::vector<SkippedFrame> damage() const final { return damage_; }
+  [[nodiscard]] SkippedFrames damage() const final { return damage_; }
 
  protected:
   /// Throws InputError if the file cannot be opened, and with the text `otherwise` if it does not begin with
@@ -55,6 +55,7 @@ class RecordFile : public MessageFile {
   std::optional<Bytes> read_block(uint64_t length, std::vector<uint8_t>& buffer);
 
   void report(const std::string& what);
+  [[nodiscard]] size_t reported() const { return damage_.size(); }
   /// Reports damage and goes to the end of the file.
   void stop(const std::string& why);
 
@@ -68,7 +69,7 @@ class RecordFile : public MessageFile {
   std::set<std::string> selected_;
   bool counting_ = false;
   ByteReader records_{Bytes()};  ///< what is left of the chunk
-  std::vector<SkippedFrame> damage_;
+  SkippedFrames damage_;
 };
 
 }  // namespace kinloop

@@ -96,11 +96,11 @@ class FileSequence : public MessageFile {
     return std::nullopt;
   }
 
-  [[nodiscard]] std::vector<SkippedFrame> damage() const override {
-    std::vector<SkippedFrame> all;
+  [[nodiscard]] SkippedFrames damage() const override {
+    SkippedFrames all;
     for (const auto& file : files_) {
       const auto damage = file->damage();
-      all.insert(all.end(), damage.begin(), damage.end());
+      all.add(damage);
     }
     return all;
   }

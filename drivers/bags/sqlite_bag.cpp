@@ -1,5 +1,6 @@
 #include "drivers/bags/sqlite_bag.hpp"
 
+#include <limits>
 #include <map>
 
 #include <fmt/ranges.h>
@@ -7,6 +8,7 @@
 
 #include "drivers/bags/chunk_decompression.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/untrusted_database.hpp"
 
 namespace kinloop {
 namespace {
@@ -39,36 +41,43 @@ class SqliteBag : public MessageFile {
     for (const auto& [id, topic] : topics_) {
       if (topics.contains(topic.name)) ids.push_back(id);
     }
-    messages_ = prepared(
-        fmt::format("SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN ({}) ORDER BY rowid",
-                    fmt::join(ids, ",")));
+    last_row_ = std::numeric_limits<int64_t>::min();
+    messages_ = prepared(fmt::format(
+        "SELECT topic_id, timestamp, data, rowid FROM messages WHERE topic_id IN ({}) ORDER BY rowid",
+        fmt::join(ids, ",")));
   }
 
   std::optional<BagMessage> next() override {
     while (messages_) {
       const int result = sqlite3_step(messages_.get());
-      if (result != SQLITE_ROW) {
-        if (result != SQLITE_DONE)
-          report(fmt::format("damaged from here on: {}", printable(sqlite3_errmsg(database_.get()))));
+      if (result == SQLITE_DONE) {
         messages_.reset();
-        break;
+      } else if (result != SQLITE_ROW) {
+        end(printable(sqlite3_errmsg(database_.get())));
+      } else if (sqlite3_column_int64(messages_.get(), 3) <= last_row_) {
+        end("its pages form a cycle");
+      } else if (auto message = current()) {
+        return message;
       }
-      if (auto message = current()) return message;
     }
     return std::nullopt;
   }
 
-  [[nodiscard]] std::vector<SkippedFrame> damage() const override { return damage_; }
+  [[nodiscard]] SkippedFrames damage() const override { return damage_; }
 
  private:
-  void report(const std::string& what) { damage_.push_back({name_, what}); }
+  void report(const std::string& what) { damage_.add({name_, what}); }
+
+  void end(const std::string& why) {
+    report("damaged from here on: " + why);
+    messages_.reset();
+  }
 
   [[noreturn]] void reject(const std::string& why) const {
     throw InputError(fmt::format(
         "{}: not a readable ROS 2 bag: {}; if it is damaged, try `sqlite3 {} .recover`", name_, why, name_));
   }
 
-  /// The file may come from anywhere: it must not run code of its own, and no row may exceed the limit.
   void open() {
     sqlite3* raw = nullptr;
     const int result =
@@ -76,12 +85,7 @@ class SqliteBag : public MessageFile {
     database_.reset(raw);
     if (result != SQLITE_OK)
       throw InputError(fmt::format("{}: cannot be opened; check the path and the rights", name_));
-    sqlite3_limit(raw, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxBlockBytes));
-    sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-    sqlite3_db_config(raw, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-    sqlite3_db_config(raw, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
-    sqlite3_db_config(raw, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
-    sqlite3_exec(raw, "PRAGMA cell_size_check=ON", nullptr, nullptr, nullptr);
+    set_untrusted(raw, std::filesystem::file_size(name_), kMaxBlockBytes);
   }
 
   [[nodiscard]] Statement prepared(const std::string& sql) const {
@@ -121,6 +125,7 @@ class SqliteBag : public MessageFile {
 
   /// The message of the current row; nullopt, and counted, if it is damaged.
   std::optional<BagMessage> current() {
+    last_row_ = sqlite3_column_int64(messages_.get(), 3);
     const auto topic = topics_.find(sqlite3_column_int64(messages_.get(), 0));
     if (topic == topics_.end()) return std::nullopt;
     const auto* data = static_cast<const uint8_t*>(sqlite3_column_blob(messages_.get(), 2));
@@ -140,10 +145,11 @@ class SqliteBag : public MessageFile {
 
   std::string name_;
   Database database_;
-  Statement messages_;  ///< closed before the database
+  Statement messages_;    ///< closed before the database
+  int64_t last_row_ = 0;  ///< rows of damaged pages may come again
   std::map<int64_t, BagTopic> topics_;
   std::vector<uint8_t> decompressed_;
-  std::vector<SkippedFrame> damage_;
+  SkippedFrames damage_;
 };
 
 }  // namespace

@@ -48,7 +48,7 @@ struct RecordedSequence {
   std::filesystem::path video;        ///< with the colour images; empty: each is a file
   bool stamps_measured = true;        ///< false: made from the frame rate
   std::vector<RecordedFrame> frames;  ///< in order of time
-  std::vector<SkippedFrame> skipped;  ///< listed, but not usable
+  SkippedFrames skipped;              ///< listed, but not usable
   Trajectory ground_truth;            ///< of the colour camera; empty if there is none
 };
 

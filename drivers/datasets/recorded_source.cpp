@@ -91,15 +91,14 @@ std::optional<RgbdFrame> RecordedSource::next() {
       return frame;
     } catch (const InputError& error) {
       const bool in_video = video_ != nullptr;
-      skipped.push_back({(in_video ? files.depth : files.color).file.filename().string(), error.what()});
+      if (first_failure_.empty()) first_failure_ = error.what();
+      skipped.add({(in_video ? files.depth : files.color).file.filename().string(), error.what()});
     }
   }
   if (next_id_ == 0) {
-    if (skipped.size() < frames.size() || frames.empty())
-      throw InputError(fmt::format("{}: no frame to read", info_.name));
-    const SkippedFrame& first = skipped[skipped.size() - frames.size()];  // after those of the lists
+    if (first_failure_.empty()) throw InputError(fmt::format("{}: no frame to read", info_.name));
     throw InputError(fmt::format("{}: none of the {} frames is usable; the first: {}", info_.name,
-                                 info_.frames, first.reason));
+                                 info_.frames, first_failure_));
   }
   return std::nullopt;
 }

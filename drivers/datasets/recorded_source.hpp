@@ -25,7 +25,7 @@ class RecordedSource : public FrameSource {
   std::optional<RgbdFrame> next() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return sequence_.skipped; }
+  [[nodiscard]] SkippedFrames skipped() const override { return sequence_.skipped; }
 
  private:
   /// Throws InputError if the first images are all of the wrong size or format.
@@ -39,6 +39,7 @@ class RecordedSource : public FrameSource {
   std::unique_ptr<VideoReader> video_;  ///< if colour is a video
   size_t next_file_ = 0;
   uint32_t next_id_ = 0;
+  std::string first_failure_;  ///< why the first frame that was read is not usable
 };
 
 }  // namespace kinloop

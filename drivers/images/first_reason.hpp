@@ -8,7 +8,7 @@
 namespace kinloop {
 
 /// Returns the reason why the first frame was skipped, to be appended to a message; empty if none was.
-inline std::string first_reason(const std::vector<SkippedFrame>& skipped) {
+inline std::string first_reason(const SkippedFrames& skipped) {
   return skipped.empty() ? "" : "; the first: " + skipped.front().reason;
 }
 

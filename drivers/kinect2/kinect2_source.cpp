@@ -108,9 +108,9 @@ std::optional<RgbdFrame> Kinect2Source::next() {
   return frame;
 }
 
-std::vector<SkippedFrame> Kinect2Source::skipped() const {
+SkippedFrames Kinect2Source::skipped() const {
   auto skipped = to_skipped_frames(frames_.counts());
-  skipped.insert(skipped.end(), listener_.faulty(), {"image", "marked as faulty by the driver"});
+  skipped.add({"image", "marked as faulty by the driver"}, listener_.faulty());
   return skipped;
 }
 

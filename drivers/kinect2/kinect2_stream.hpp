@@ -27,7 +27,7 @@ class Kinect2Source : public FrameSource {
   std::optional<RgbdFrame> next() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override;
+  [[nodiscard]] SkippedFrames skipped() const override;
 
  private:
   void reopen();

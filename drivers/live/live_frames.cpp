@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/time.hpp"
 
 namespace kinloop {
 
@@ -21,7 +22,7 @@ void LiveFrameBuffer::add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infra
 void LiveFrameBuffer::add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m) {
   const std::lock_guard lock(mutex_);
   const int64_t color_ns = continued(stamp_ns);
-  pairer_.add_pair(color_ns, std::move(image), depth_stamp_ns + shift_ns_, std::move(depth_m));
+  pairer_.add_pair(color_ns, std::move(image), shifted(depth_stamp_ns), std::move(depth_m));
   collect_ready();
 }
 
@@ -33,14 +34,19 @@ void LiveFrameBuffer::finish() {
 
 int64_t LiveFrameBuffer::continued(int64_t stamp_ns) {
   constexpr int64_t kSecondNs = 1'000'000'000, kPauseNs = 100'000'000;
+  stamp_ns = std::clamp(stamp_ns, -kMaxStampNs, kMaxStampNs);
   if (newest_ns_ && stamp_ns + shift_ns_ < *newest_ns_ - kSecondNs) {
     log::warn("the clock of the images was set back by {:.1f} s; stamps continue from before",
               1e-9 * static_cast<double>(*newest_ns_ - shift_ns_ - stamp_ns));
     shift_ns_ = *newest_ns_ + kPauseNs - stamp_ns;
   }
-  const int64_t result_ns = stamp_ns + shift_ns_;
+  const int64_t result_ns = shifted(stamp_ns);
   newest_ns_ = std::max(newest_ns_.value_or(result_ns), result_ns);
   return result_ns;
+}
+
+int64_t LiveFrameBuffer::shifted(int64_t stamp_ns) const {
+  return std::clamp(std::clamp(stamp_ns, -kMaxStampNs, kMaxStampNs) + shift_ns_, -kMaxStampNs, kMaxStampNs);
 }
 
 void LiveFrameBuffer::collect_ready() {
@@ -72,11 +78,11 @@ LostImageCounts LiveFrameBuffer::counts() const {
   return {dropped_, pairer_.unpaired(), pairer_.out_of_order()};
 }
 
-std::vector<SkippedFrame> to_skipped_frames(const LostImageCounts& counts) {
-  std::vector<SkippedFrame> skipped;
-  skipped.insert(skipped.end(), counts.dropped, {"frame", "dropped: the consumer was too slow"});
-  skipped.insert(skipped.end(), counts.unpaired, {"image", "no image of the other camera at that time"});
-  skipped.insert(skipped.end(), counts.out_of_order, {"image", "its timestamp does not increase"});
+SkippedFrames to_skipped_frames(const LostImageCounts& counts) {
+  SkippedFrames skipped;
+  skipped.add({"frame", "dropped: the consumer was too slow"}, counts.dropped);
+  skipped.add({"image", "no image of the other camera at that time"}, counts.unpaired);
+  skipped.add({"image", "its timestamp does not increase"}, counts.out_of_order);
   return skipped;
 }
 

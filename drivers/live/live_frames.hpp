@@ -46,6 +46,8 @@ class LiveFrameBuffer {
  private:
   void collect_ready();
   int64_t continued(int64_t stamp_ns);
+  /// Adds the shift. Impossible stamps become the last possible one: they no longer increase.
+  [[nodiscard]] int64_t shifted(int64_t stamp_ns) const;
 
   size_t capacity_;
   mutable std::mutex mutex_;
@@ -58,6 +60,6 @@ class LiveFrameBuffer {
 };
 
 /// Converts the lost images to the form of `FrameSource::skipped`.
-std::vector<SkippedFrame> to_skipped_frames(const LostImageCounts& counts);
+SkippedFrames to_skipped_frames(const LostImageCounts& counts);
 
 }  // namespace kinloop

@@ -51,9 +51,7 @@ class LiveSource : public FrameSource {
   }
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
-    return to_skipped_frames(frames_.counts());
-  }
+  [[nodiscard]] SkippedFrames skipped() const override { return to_skipped_frames(frames_.counts()); }
 
  private:
   LiveCamera live_;

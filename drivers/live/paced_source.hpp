@@ -29,7 +29,7 @@ class PacedSource : public FrameSource {
   std::optional<RgbdFrame> next() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return source_->camera(); }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return source_->skipped(); }
+  [[nodiscard]] SkippedFrames skipped() const override { return source_->skipped(); }
 
   /// Number of frames that arrived but were not taken.
   [[nodiscard]] size_t dropped() const { return dropped_; }

@@ -168,7 +168,7 @@ std::optional<OniImage> OniFile::next() {
       if (stamp_us > kMaxStamp_us) throw InputError(fmt::format("impossible time stamp {} us", stamp_us));
       return OniImage{record->node, static_cast<int64_t>(1000 * stamp_us), *data};
     } catch (const InputError& error) {
-      damage_.push_back({name_, fmt::format("at byte {}: {}", at, error.what())});
+      damage_.add({name_, fmt::format("at byte {}: {}", at, error.what())});
     }
   }
   return std::nullopt;
@@ -209,7 +209,7 @@ std::optional<Bytes> OniFile::read_block(uint64_t length, std::vector<uint8_t>& 
 }
 
 void OniFile::stop(uint64_t at, const std::string& why) {
-  if (!reported_) damage_.push_back({name_, fmt::format("at byte {}: {}; the rest is not read", at, why)});
+  if (!reported_) damage_.add({name_, fmt::format("at byte {}: {}; the rest is not read", at, why)});
   position_ = size_;
 }
 

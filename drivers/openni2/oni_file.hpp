@@ -49,7 +49,7 @@ class OniFile {
   /// Returns the next image; nullopt at the end.
   std::optional<OniImage> next();
 
-  [[nodiscard]] const std::vector<SkippedFrame>& damage() const { return damage_; }
+  [[nodiscard]] const SkippedFrames& damage() const { return damage_; }
 
  private:
   struct Record {
@@ -73,7 +73,7 @@ class OniFile {
   bool reported_ = false;
   std::map<uint32_t, OniStream> streams_;
   std::vector<uint8_t> header_, fields_, payload_;
-  std::vector<SkippedFrame> damage_;
+  SkippedFrames damage_;
 };
 
 }  // namespace kinloop

@@ -9,6 +9,7 @@
 #include "drivers/openni2/oni_depth.hpp"
 #include "drivers/openni2/oni_file.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/time.hpp"
 #include "kinloop/geometry/possible_camera.hpp"
 #include "kinloop/sensor/registration.hpp"
 
@@ -49,11 +50,11 @@ class OniSource : public FrameSource {
 
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
+  [[nodiscard]] SkippedFrames skipped() const override {
     auto all = skipped_;
-    all.insert(all.end(), file_.damage().begin(), file_.damage().end());
-    all.insert(all.end(), pairer_.unpaired(), {"image", "no image of the other camera within 0.02 s"});
-    all.insert(all.end(), pairer_.out_of_order(), {"image", "its timestamp does not increase"});
+    all.add(file_.damage());
+    all.add({"image", "no image of the other camera within 0.02 s"}, pairer_.unpaired());
+    all.add({"image", "its timestamp does not increase"}, pairer_.out_of_order());
     return all;
   }
 
@@ -100,12 +101,12 @@ class OniSource : public FrameSource {
       return pairer_.finish();
     }
     try {
-      if (image->node == color_) pairer_.add_color(image->stamp_ns, decoded_color(image->data));
-      if (image->node == depth_) pairer_.add_depth(image->stamp_ns, decoded_depth(image->data));
+      const int64_t stamp_ns = checked_stamp_ns(image->stamp_ns);
+      if (image->node == color_) pairer_.add_color(stamp_ns, decoded_color(image->data));
+      if (image->node == depth_) pairer_.add_depth(stamp_ns, decoded_depth(image->data));
     } catch (const InputError& error) {
-      skipped_.push_back(
-          {fmt::format("{} at {} ns", image->node == color_ ? "colour" : "depth", image->stamp_ns),
-           error.what()});
+      skipped_.add({fmt::format("{} at {} ns", image->node == color_ ? "colour" : "depth", image->stamp_ns),
+                    error.what()});
     }
   }
 
@@ -151,7 +152,7 @@ class OniSource : public FrameSource {
   FramePairer pairer_;
   bool finished_ = false;
   size_t given_ = 0;
-  std::vector<SkippedFrame> skipped_;
+  SkippedFrames skipped_;
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "drivers/ros/recording_source.hpp"
 #include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/time.hpp"
 #include "kinloop/geometry/possible_camera.hpp"
 #include "kinloop/sensor/registration.hpp"
 
@@ -63,12 +64,12 @@ class BagSource : public FrameSource {
 
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
+  [[nodiscard]] SkippedFrames skipped() const override {
     auto all = skipped_;
     const auto damage = file_->damage();
-    all.insert(all.end(), damage.begin(), damage.end());
-    all.insert(all.end(), pairer_.unpaired(), {"image", "no image of the other camera within 0.02 s"});
-    all.insert(all.end(), pairer_.out_of_order(), {"image", "its timestamp does not increase"});
+    all.add(damage);
+    all.add({"image", "no image of the other camera within 0.02 s"}, pairer_.unpaired());
+    all.add({"image", "its timestamp does not increase"}, pairer_.out_of_order());
     return all;
   }
 
@@ -93,7 +94,7 @@ class BagSource : public FrameSource {
     try {
       add(*message);
     } catch (const InputError& error) {
-      skipped_.push_back({message->topic->name, error.what()});
+      skipped_.add({message->topic->name, error.what()});
     }
   }
 
@@ -118,7 +119,7 @@ class BagSource : public FrameSource {
 
   /// Some drivers leave the stamp empty.
   static int64_t stamp_of(const RosHeader& header, const BagMessage& message) {
-    return header.stamp_ns != 0 ? header.stamp_ns : message.log_ns;
+    return header.stamp_ns != 0 ? header.stamp_ns : checked_stamp_ns(message.log_ns);
   }
 
   /// Newer files of the SDK write the version "1" in place of the frame, and the unit after depth images.
@@ -162,7 +163,7 @@ class BagSource : public FrameSource {
   FramePairer pairer_;
   bool finished_ = false;
   size_t given_ = 0;
-  std::vector<SkippedFrame> skipped_;
+  SkippedFrames skipped_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "drivers/ros/realsense_bag.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
 
@@ -65,7 +66,8 @@ std::optional<double> read_unit(const BagMessage& message) {
     unit_m = double{reader.number<float>()};
   } else {
     if (!is_depth_units(reader.string())) return std::nullopt;
-    unit_m = std::strtod(reader.string().c_str(), nullptr);
+    const std::string text = reader.string();
+    std::from_chars(text.data(), text.data() + text.size(), unit_m);  // strtod depends on the locale
   }
   constexpr double kMinUnitM = 1e-6, kMaxUnitM = 0.1;
   if (!(unit_m >= kMinUnitM && unit_m <= kMaxUnitM)) return std::nullopt;

@@ -36,7 +36,7 @@ class RecordingSource : public FrameSource {
       try {
         if (auto frame = completed_by(*message)) return frame;
       } catch (const InputError& error) {
-        skipped_.push_back({message->topic->name, error.what()});
+        skipped_.add({message->topic->name, error.what()});
         color_.reset();
       }
     }
@@ -46,10 +46,10 @@ class RecordingSource : public FrameSource {
 
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
+  [[nodiscard]] SkippedFrames skipped() const override {
     auto all = skipped_;
     const auto damage = file_->damage();
-    all.insert(all.end(), damage.begin(), damage.end());
+    all.add(damage);
     return all;
   }
 
@@ -104,7 +104,7 @@ class RecordingSource : public FrameSource {
   RgbdCamera camera_;
   std::optional<Color> color_;
   uint32_t given_ = 0;
-  std::vector<SkippedFrame> skipped_;
+  SkippedFrames skipped_;
 };
 
 }  // namespace

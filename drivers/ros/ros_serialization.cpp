@@ -64,7 +64,7 @@ RosHeader RosReader::header() {
   if (!cdr_) number<uint32_t>();  // sequence number
   RosHeader header;
   const auto seconds = cdr_ ? int64_t{number<int32_t>()} : int64_t{number<uint32_t>()};
-  header.stamp_ns = seconds * kNsPerSecond + number<uint32_t>();
+  header.stamp_ns = checked_stamp_ns(seconds * kNsPerSecond + number<uint32_t>());
   header.frame_id = string();
   return header;
 }

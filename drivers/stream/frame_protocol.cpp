@@ -1,6 +1,8 @@
 #include "drivers/stream/frame_protocol.hpp"
 
 #include <limits>
+#include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +13,7 @@
 #include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/json.hpp"
+#include "kinloop/base/time.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/image_file.hpp"
 
@@ -29,13 +32,28 @@ Json parsed_json(const std::string& text) {
   return value;
 }
 
+/// Returns whether a value can be read as this type. nlohmann converts floats and booleans to integers, also
+/// out of range.
+template <class Value>
+bool is_readable(const Json& value) {
+  if constexpr (std::is_integral_v<Value>) {
+    if (value.is_number_unsigned()) return std::in_range<Value>(value.get<uint64_t>());
+    return value.is_number_integer() && std::in_range<Value>(value.get<int64_t>());
+  }
+  return true;
+}
+
 template <class Value>
 Value field(const Json& header, const char* key, const char* expected) {
   try {
-    return header.at(key).get<Value>();
-  } catch (const Json::exception&) {
-    throw InputError(fmt::format("the header has no \"{}\": {}", key, expected));
+    if (is_readable<Value>(header.at(key))) return header.at(key).get<Value>();
+  } catch (const Json::exception&) {  // reported below
   }
+  throw InputError(fmt::format("the header has no \"{}\": {}", key, expected));
+}
+
+int64_t stamp_field(const Json& header, const char* key, const char* expected) {
+  return checked_stamp_ns(field<int64_t>(header, key, expected));
 }
 
 /// The announcement of an image: its encoding, and its size in bytes.
@@ -134,10 +152,10 @@ std::optional<SentFrame> FrameProtocol::read_frame(const StopRequest& stop) {
   AnnouncedImage color, depth;
   try {
     const Json header = parsed_json(*text);
-    frame.stamp_ns = field<int64_t>(header, "stamp_ns", "the time of the colour image, nanoseconds");
+    frame.stamp_ns = stamp_field(header, "stamp_ns", "the time of the colour image, nanoseconds");
     frame.depth_stamp_ns =
         header.contains("depth_stamp_ns")
-            ? field<int64_t>(header, "depth_stamp_ns", "the time of the depth image, nanoseconds")
+            ? stamp_field(header, "depth_stamp_ns", "the time of the depth image, nanoseconds")
             : frame.stamp_ns;
     color = announced_image(header, "color");
     depth = announced_image(header, "depth");

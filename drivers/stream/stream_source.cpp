@@ -50,10 +50,10 @@ class StreamSource : public FrameSource {
 
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override {
+  [[nodiscard]] SkippedFrames skipped() const override {
     auto all = to_skipped_frames(frames_.counts());
     const std::lock_guard lock(mutex_);
-    all.insert(all.end(), skipped_.begin(), skipped_.end());
+    all.add(skipped_);
     return all;
   }
 
@@ -83,7 +83,7 @@ class StreamSource : public FrameSource {
       frames_.add_pair(sent.stamp_ns, std::move(color), sent.depth_stamp_ns, std::move(depth_m));
     } catch (const InputError& error) {
       const std::lock_guard lock(mutex_);
-      skipped_.push_back({fmt::format("frame at {} ns", sent.stamp_ns), error.what()});
+      skipped_.add({fmt::format("frame at {} ns", sent.stamp_ns), error.what()});
     }
   }
 
@@ -99,8 +99,8 @@ class StreamSource : public FrameSource {
   std::optional<DepthPreparation> preparation_;
   LiveFrameBuffer frames_;
   mutable std::mutex mutex_;
-  std::vector<SkippedFrame> skipped_;  ///< guarded by the mutex
-  std::exception_ptr failure_;         ///< written before ended_
+  SkippedFrames skipped_;       ///< guarded by the mutex
+  std::exception_ptr failure_;  ///< written before ended_
   std::atomic<bool> ended_ = false;
   std::jthread thread_;  ///< declared last: it fills the frames
 };

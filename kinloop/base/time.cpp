@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/base/errors.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -20,11 +22,17 @@ std::optional<int64_t> parse_scientific(std::string_view text) {
   double seconds = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  if (!std::isfinite(seconds) || std::abs(seconds) > 9e9) return std::nullopt;
+  if (!std::isfinite(seconds) || std::abs(seconds) > to_seconds(kMaxStampNs)) return std::nullopt;
   return to_ns(seconds);
 }
 
 }  // namespace
+
+int64_t checked_stamp_ns(int64_t stamp_ns) {
+  if (is_possible_stamp(stamp_ns)) return stamp_ns;
+  throw InputError(fmt::format("a time of {:.0f} s, more than 73 years from zero; correct the clock",
+                               to_seconds(stamp_ns)));
+}
 
 std::optional<int64_t> parse_stamp_ns(std::string_view text) {
   if (text.empty()) return std::nullopt;
@@ -43,6 +51,7 @@ std::optional<int64_t> parse_stamp_ns(std::string_view text) {
   constexpr int64_t kMaxSeconds = 9'000'000'000;
   if (!seconds || !nanoseconds || *seconds > kMaxSeconds || *seconds < 0) return std::nullopt;
   const int64_t stamp_ns = *seconds * kNsPerSecond + *nanoseconds;
+  if (!is_possible_stamp(stamp_ns)) return std::nullopt;
   return negative ? -stamp_ns : stamp_ns;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include <fmt/format.h>
 
@@ -19,8 +20,10 @@ bool in(double value, double low, double high) {
 
 bool is_possible(const PinholeCamera& c) {
   constexpr int kMaxSide_px = 1 << 15;
+  constexpr int64_t kMaxPixels = int64_t{1} << 26;  // as for decoded images
   constexpr double kWidestShare = 0.01, kLongestShare = 1000, kMaxCentreShare = 100, kMaxCoefficient = 1e6;
   if (c.width < 1 || c.height < 1 || c.width > kMaxSide_px || c.height > kMaxSide_px) return false;
+  if (int64_t{c.width} * c.height > kMaxPixels) return false;
   const double side_px = std::max(c.width, c.height);
   const auto is_focal_length = [&](double f) {
     return in(f, kWidestShare * side_px, kLongestShare * side_px);

@@ -1,5 +1,6 @@
 #include "kinloop/io/file_frame.hpp"
 
+#include <cmath>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -27,13 +28,14 @@ std::vector<std::string> format_frame_comments(const FileFrame& frame) {
 }
 
 FileFrame parse_frame_comments(const std::vector<std::string>& comments) {
+  constexpr double kTolerance = 1e-3;
   for (const std::string& comment : comments) {
     std::istringstream words(comment);
     std::string key;
     double x = 0, y = 0, z = 0, w = 0;
     if (!(words >> key >> x >> y >> z >> w) || key != kRotation) continue;
     const Eigen::Quaterniond q(w, x, y, z);
-    if (q.coeffs().allFinite() && q.norm() > 0) return {true, q.normalized()};
+    if (std::abs(q.norm() - 1) < kTolerance) return {true, q.normalized()};
   }
   return {};
 }

@@ -5,19 +5,13 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
+#include "kinloop/sensor/skipped_frames.hpp"
 
 namespace kinloop {
-
-/// A frame that was skipped, and why.
-struct SkippedFrame {
-  std::string name;
-  std::string reason;
-};
 
 /// Properties of a source. `frames` is 0 for a live camera.
 struct SourceInfo {
@@ -43,7 +37,7 @@ class FrameSource {
   [[nodiscard]] virtual const SourceInfo& info() const = 0;
 
   /// Returns the frames skipped so far.
-  [[nodiscard]] virtual std::vector<SkippedFrame> skipped() const = 0;
+  [[nodiscard]] virtual SkippedFrames skipped() const = 0;
 };
 
 }  // namespace kinloop

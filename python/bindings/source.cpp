@@ -22,7 +22,7 @@ RgbdFrame PyFrame::raw() const {
   return frame;
 }
 
-std::vector<SkippedFrame> FrameReader::skipped() {
+SkippedFrames FrameReader::skipped() {
   const std::lock_guard lock(mutex_);
   return skipped_;
 }
@@ -144,10 +144,13 @@ another thread.)")
           "skipped",
           [](FrameReader& reader) {
             std::vector<std::pair<std::string, std::string>> names;
-            for (const auto& frame : reader.skipped()) names.emplace_back(frame.name, frame.reason);
+            const SkippedFrames skipped = reader.skipped();
+            for (const auto& frame : skipped) names.emplace_back(frame.name, frame.reason);
+            if (skipped.size() > names.size())
+              names.emplace_back("...", fmt::format("and {} more", skipped.size() - names.size()));
             return names;
           },
-          "Frames skipped so far, as (name, reason).")
+          "Frames skipped so far, as (name, reason): the first 100, then one entry that counts the others.")
       .def("__repr__", [](const FrameReader& r) {
         return fmt::format("<kinloop.Source: {}, {} frames>", r.info().name, r.info().frames);
       });

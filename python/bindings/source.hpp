@@ -34,7 +34,7 @@ class FrameReader : public std::enable_shared_from_this<FrameReader> {
   [[nodiscard]] const RgbdCamera& camera() const { return source_->camera(); }
   [[nodiscard]] const SourceInfo& info() const { return source_->info(); }
   /// Returns the frames skipped so far; of a source that is read ahead, all once it is at its end.
-  [[nodiscard]] std::vector<SkippedFrame> skipped();
+  [[nodiscard]] SkippedFrames skipped();
 
   /// Returns the next frame, or nothing at the end.
   std::optional<PyFrame> next();
@@ -52,7 +52,7 @@ class FrameReader : public std::enable_shared_from_this<FrameReader> {
   uint32_t first_frame_ = 0;
   std::optional<FramePipeline> pipeline_;
   bool ended_ = false;
-  std::vector<SkippedFrame> skipped_;
+  SkippedFrames skipped_;
 };
 
 }  // namespace kinloop::python

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kinloop/base/errors.hpp"
 #include "kinloop/base/random.hpp"
 
 namespace kinloop {
@@ -17,7 +18,7 @@ TEST(ParseStamp, ParsesExactly) {
   EXPECT_EQ(parse_stamp_ns("-0.25"), -250000000);
   EXPECT_EQ(parse_stamp_ns("-3.000000001"), -3000000001);
   EXPECT_EQ(parse_stamp_ns("0.1234567899"), 123456789);  // digits below a nanosecond are truncated
-  EXPECT_EQ(parse_stamp_ns("9000000000"), 9000000000000000000);
+  EXPECT_EQ(parse_stamp_ns("2305843009"), 2305843009000000000);
 }
 
 TEST(ParseStamp, TakesExponents) {
@@ -43,6 +44,9 @@ TEST(ParseStamp, RejectsWhatIsNotAFiniteDecimalNumber) {
                            "-inf",
                            "1e400",
                            "1e30",
+                           "2305843010",
+                           "-2305843010",
+                           "2.4e9",
                            "9000000001",
                            "99999999999999999999999",
                            "-9999999999",
@@ -55,6 +59,13 @@ TEST(ParseStamp, RejectsWhatIsNotAFiniteDecimalNumber) {
                            "+-1"}) {
     EXPECT_FALSE(parse_stamp_ns(text)) << "'" << text << "'";
   }
+}
+
+TEST(CheckedStamp, RefusesStampsWhoseDifferencesOverflow) {
+  EXPECT_EQ(checked_stamp_ns(-kMaxStampNs), -kMaxStampNs);
+  for (const int64_t stamp_ns : {kMaxStampNs + 1, -kMaxStampNs - 1, std::numeric_limits<int64_t>::min(),
+                                 std::numeric_limits<int64_t>::max()})
+    EXPECT_THROW(checked_stamp_ns(stamp_ns), InputError);
 }
 
 TEST(FormatStamp, HasSixDecimalsAndMoreOnlyWhereNeeded) {

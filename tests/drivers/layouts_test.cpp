@@ -107,7 +107,7 @@ TEST_P(EveryLayout, SkipsDamagedAndMissingDepth) {
   EXPECT_TRUE(source.next());
   EXPECT_FALSE(source.next());
   ASSERT_EQ(source.skipped().size(), 1U);
-  EXPECT_THAT(source.skipped()[0].reason, HasSubstr("damaged.png"));
+  EXPECT_THAT(source.skipped().front().reason, HasSubstr("damaged.png"));
 }
 
 /// Byte flips, cuts, insertions and copies, in the files that are parsed and in the images.
@@ -343,6 +343,8 @@ TEST(Layouts, WhatIsMissingOrWrongIsNamedWithTheRemedy) {
        R"({"camera": {"w": 32, "h": 24, "fx": 24, "fy": 24, "cx": 15, "cy": 11}})",
        {"cam_params.json: no number 'scale'"}},
       {"Replica", "traj.txt", "1 0 0\n0 x 0\n", {"traj.txt:2: 'x' is not a number"}},
+      {"Replica", "traj.txt", "1 0 1e999\n", {"traj.txt:1: '1e999' is not a number"}},
+      {"Replica", "traj.txt", "1 0 1.5.3\n", {"traj.txt:1: '1.5.3' is not a number"}},
       {"OpenLORIS", "sensors.yaml", nullptr, {"no sensors.yaml", "--camera"}},
       {"OpenLORIS", "sensors.yaml", "{", {"sensors.yaml: not a YAML file"}},
       {"BundleFusion", "info.txt", "m_colorWidth = 32\n", {"info.txt: no 'm_colorHeight"}},
@@ -380,6 +382,19 @@ TEST(Layouts, WhatIsMissingOrWrongIsNamedWithTheRemedy) {
     }
     const std::string message = input_error([&] { static_cast<void>(written.open()); });
     for (const char* piece : bad.said) EXPECT_THAT(message, HasSubstr(piece));
+  }
+}
+
+TEST(Layouts, NestedYamlIsAnErrorNotACrash) {
+  constexpr size_t kDepth = 100'000;
+  std::string sequences;
+  for (size_t i = 0; i < kDepth; ++i) sequences += "- ";
+  for (const std::string& nested : {std::string(kDepth, '['), std::string(kDepth, '{'), sequences}) {
+    for (const char* file : {"sensors.yaml", "trans_matrix.yaml"}) {
+      const Written written(writer_of("OpenLORIS"), make_sample(2));
+      write_file(written.path() / file, "%YAML:1.0\n---\n" + nested);
+      EXPECT_THAT(input_error([&] { static_cast<void>(written.open()); }), HasSubstr("not a YAML file"));
+    }
   }
 }
 

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "kinloop/base/time.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -74,13 +76,43 @@ TEST(LiveFrameBuffer, TheLastFrameWaitsForANearerPartnerUntilTheEnd) {
   EXPECT_EQ(last->depth_stamp_ns, 108'000'000);
 }
 
+TEST(LiveFrameBuffer, StampsAtTheEndsOfTimeDoNotOverflow) {
+  LiveFrameBuffer frames;
+  for (int i = 0; i < 4; ++i) {
+    for (const int64_t stamp_ns :
+         {std::numeric_limits<int64_t>::max(), std::numeric_limits<int64_t>::min()}) {
+      frames.add_color(stamp_ns, color());
+      frames.add_depth(stamp_ns, depth());
+      frames.add_pair(stamp_ns, color(), ~stamp_ns, depth());
+    }
+  }
+  frames.finish();
+  while (const auto frame = frames.wait(milliseconds(0))) EXPECT_LE(frame->stamp_ns, kMaxStampNs);
+  EXPECT_GT(frames.counts().out_of_order, 0U);
+}
+
+TEST(SkippedFrames, AreAllCountedAndTheFirstKept) {
+  SkippedFrames skipped = to_skipped_frames({size_t{1} << 40, 3, 0});
+  skipped.add({"image", "damaged"});
+  EXPECT_EQ(skipped.size(), (size_t{1} << 40) + 4);
+  EXPECT_EQ(std::distance(skipped.begin(), skipped.end()), SkippedFrames::kKept);
+  EXPECT_EQ(skipped.front().name, "frame");
+  SkippedFrames all;
+  all.add({"first", "of another list"});
+  all.add(skipped);
+  EXPECT_EQ(all.size(), skipped.size() + 1);
+  EXPECT_EQ(all.front().name, "first");
+  all.clear();
+  EXPECT_TRUE(all.empty());
+}
+
 TEST(LiveFrameBuffer, SaysWhatWasLost) {
   LiveFrameBuffer frames;
   frames.add_color(100, color());
   frames.add_color(50, color());
   const auto skipped = to_skipped_frames(frames.counts());
   ASSERT_EQ(skipped.size(), 1U);
-  EXPECT_THAT(skipped[0].reason, testing::HasSubstr("does not increase"));
+  EXPECT_THAT(skipped.front().reason, testing::HasSubstr("does not increase"));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ class NumberedSource : public FrameSource {
   }
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return {}; }
+  [[nodiscard]] SkippedFrames skipped() const override { return {}; }
 
  private:
   RgbdCamera camera_;

@@ -4,6 +4,7 @@
 #include "drivers/bags/message_file.hpp"
 #include "drivers/datasets/tum_source.hpp"
 #include "drivers/ros/bag_source.hpp"
+#include "kinloop/base/text_file.hpp"
 #include "kinloop/sensor/registration.hpp"
 #include "tests/drivers/bag_writers.hpp"
 #include "tests/drivers/mutation.hpp"
@@ -240,6 +241,58 @@ TEST_F(Ros2BagTest, ATruncatedDatabaseGivesFramesOrAnError) {
   }
 }
 
+constexpr size_t kPageBytes = 4096;
+
+std::string big_endian(uint64_t value, int bytes) {
+  std::string text;
+  for (int i = bytes - 1; i >= 0; --i) text += static_cast<char>(value >> (8 * i));
+  return text;
+}
+
+/// An interior page of a table whose children are all the same page.
+std::string page_of_one_child(uint32_t child) {
+  constexpr size_t kCells = 100, kCellBytes = 5;
+  std::string page = '\x05' + big_endian(0, 2) + big_endian(kCells, 2) +
+                     big_endian(kPageBytes - kCells * kCellBytes, 2) + '\0' + big_endian(child, 4);
+  for (size_t i = 0; i < kCells; ++i) page += big_endian(kPageBytes - (kCells - i) * kCellBytes, 2);
+  page.resize(kPageBytes - kCells * kCellBytes);
+  for (size_t i = 0; i < kCells; ++i) page += big_endian(child, 4) + static_cast<char>(i + 1);
+  return page;
+}
+
+/// The root page of the table of messages.
+uint32_t root_of_messages(const std::filesystem::path& path) {
+  sqlite3* database = nullptr;
+  sqlite3_stmt* statement = nullptr;
+  sqlite3_open(path.c_str(), &database);
+  sqlite3_prepare_v2(database, "SELECT rootpage FROM sqlite_master WHERE name='messages'", -1, &statement,
+                     nullptr);
+  sqlite3_step(statement);
+  const auto root = static_cast<uint32_t>(sqlite3_column_int64(statement, 0));
+  sqlite3_finalize(statement);
+  sqlite3_close(database);
+  return root;
+}
+
+TEST_F(Ros2BagTest, ATreeOfSharedPagesEnds) {
+  const auto path = folder.path() / "a.db3";
+  const test::SequenceFolder two(2);
+  write_db3(path, bag_of(two.path()));
+  std::string file = read_file(path);
+  const size_t root = (root_of_messages(path) - 1) * kPageBytes;
+  file += file.substr(root, kPageBytes);
+  constexpr int kLevels = 8;  // of 101 children: 10^16 rows
+  for (int i = 0; i < kLevels; ++i) {
+    const std::string parent = page_of_one_child(static_cast<uint32_t>(file.size() / kPageBytes));
+    if (i + 1 < kLevels) file += parent;
+    if (i + 1 == kLevels) file.replace(root, kPageBytes, parent);
+  }
+  file.replace(28, 4, big_endian(file.size() / kPageBytes, 4));
+  const auto source = open_bag(folder.write("b.db3", file), {});
+  EXPECT_EQ(count_frames(*source), 2U);
+  EXPECT_THAT(reasons_of(*source), HasSubstr("damaged from here on"));
+}
+
 TEST_F(Ros2BagTest, ADamagedChunkIsSkippedAndCounted) {
   std::string file = mcap_bytes(bag_of(sequence.path()), {});
   file[file.size() / 2] = static_cast<char>(file[file.size() / 2] ^ 0x55);
@@ -269,6 +322,28 @@ TEST_F(Ros2BagTest, SizesThatCannotBeAreNotAllocated) {
   const std::string record = test::McapRecord().number(uint8_t{5}).number(uint64_t{1} << 60U).bytes();
   EXPECT_THAT(input_error([&] { open_bag(folder.write("a.mcap", start + record), {}); }),
               HasSubstr("a.mcap"));
+}
+
+TEST_F(Ros2BagTest, MillionsOfBadRecordsAreCountedNotListed) {
+  std::string records;  // messages too short for their header
+  constexpr size_t kRecords = 1'000'000;
+  const std::string record = test::McapRecord().with_opcode(5);
+  for (size_t i = 0; i < kRecords; ++i) records += record;
+  const std::string data = test::compressed("zstd", records);
+  const std::string chunk = test::McapRecord()
+                                .number(uint64_t{0})
+                                .number(uint64_t{0})
+                                .number(uint64_t{records.size()})
+                                .number(uint32_t{0})
+                                .text("zstd")
+                                .number(uint64_t{data.size()})
+                                .raw(data)
+                                .with_opcode(6);
+  const std::string start = test::mcap_bytes({}, {.compression = "", .summary = false});
+  const auto damage = open_message_file(folder.write("a.mcap", start + chunk))->damage();
+  EXPECT_GT(damage.size(), SkippedFrames::kKept);
+  EXPECT_LT(damage.size(), kRecords / 10);
+  EXPECT_EQ(std::distance(damage.begin(), damage.end()), SkippedFrames::kKept);
 }
 
 TEST_F(Ros2BagTest, NamesWhatIsMissing) {

@@ -148,6 +148,22 @@ TEST(StreamSource, AMalformedStreamEndsAfterItsGoodFrames) {
   }
 }
 
+TEST(StreamSource, AStampIsAnIntegerInRange) {
+  const test::TempFolder folder;
+  for (const char* wrong : {"true", "1e300", "2.5", "-1e19", "18446744073709551615", "9223372036854775807",
+                            "-9223372036854775808"}) {
+    const std::string good = start_record() + png_frame(100);
+    const std::string bad =
+        record(fmt::format(R"({{"stamp_ns": {}, "color": {{"encoding": "bgr8", "bytes": 0}},
+                                "depth": {{"encoding": "16UC1", "bytes": 0}}}})",
+                           wrong));
+    const auto stream = stream_of(folder, good + bad);
+    EXPECT_TRUE(stream->next());
+    EXPECT_THAT(input_error([&] { stream->next(); }),
+                AllOf(HasSubstr("test: record 2"), HasSubstr("docs/protocol.md")));
+  }
+}
+
 TEST(StreamSource, NamesWhatIsWrongWithTheStart) {
   const test::TempFolder folder;
   EXPECT_THAT(input_error([&] { stream_of(folder, ""); }), HasSubstr("empty"));

@@ -111,8 +111,8 @@ class OneBadFrame : public testing::Test {
     TumSource source(sequence_.path());
     EXPECT_THAT(indices(read_all(source)), ElementsAre(0, 2));
     ASSERT_THAT(source.skipped(), SizeIs(1));
-    EXPECT_EQ(source.skipped()[0].name, "1.png");
-    EXPECT_THAT(source.skipped()[0].reason, AllOf(HasSubstr(file), HasSubstr(reason)));
+    EXPECT_EQ(source.skipped().front().name, "1.png");
+    EXPECT_THAT(source.skipped().front().reason, AllOf(HasSubstr(file), HasSubstr(reason)));
     EXPECT_EQ(source.info().frames, 3U);
   }
 
@@ -180,8 +180,8 @@ TEST(TumSourceTime, RowThatRepeatsATimeStampIsSkipped) {
   TumSource source(sequence.path());
   EXPECT_THAT(indices(read_all(source)), ElementsAre(0, 2));
   ASSERT_THAT(source.skipped(), SizeIs(1));
-  EXPECT_EQ(source.skipped()[0].name, "rgb/1.png");
-  EXPECT_THAT(source.skipped()[0].reason,
+  EXPECT_EQ(source.skipped().front().name, "rgb/1.png");
+  EXPECT_THAT(source.skipped().front().reason,
               AllOf(HasSubstr("rgb.txt:2:"), HasSubstr("repeats that of line 1")));
   EXPECT_EQ(source.info().frames, 3U);
 }
@@ -194,7 +194,7 @@ TEST(TumSourceTime, RowThatGoesBackIsSkipped) {
   TumSource source(sequence.path());
   EXPECT_THAT(indices(read_all(source)), ElementsAre(0, 1, 3));
   ASSERT_THAT(source.skipped(), SizeIs(1));
-  EXPECT_THAT(source.skipped()[0].reason,
+  EXPECT_THAT(source.skipped().front().reason,
               AllOf(HasSubstr("associations.txt:4:"), HasSubstr("is earlier than"), HasSubstr("line 3")));
 }
 

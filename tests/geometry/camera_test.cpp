@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/base/random.hpp"
+#include "kinloop/geometry/possible_camera.hpp"
 #include "tests/support/random_vectors.hpp"
 
 namespace kinloop {
@@ -149,6 +150,15 @@ TEST(PinholeCamera, ALensNoOneBuildsStillGivesNumbers) {
   PinholeCamera c = freiburg1();
   c.lens.k1 = -50, c.lens.k2 = 900;
   for (int u = 0; u < 640; u += 40) EXPECT_TRUE(c.undistort({u, u * 0.75}).allFinite());
+}
+
+TEST(PinholeCamera, HasNoMorePixelsThanADecodedImage) {
+  PinholeCamera c = freiburg1();
+  c.width = c.height = 8192;
+  c.fx = c.fy = 8000;
+  EXPECT_TRUE(is_possible(c));
+  c.height = 8193;
+  EXPECT_FALSE(is_possible(c));
 }
 
 TEST(PinholeCamera, ContainsTheCentresOfItsPixels) {

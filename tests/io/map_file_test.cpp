@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
+#include <sqlite3.h>
 
 #include "kinloop/base/random.hpp"
 #include "kinloop/base/text_file.hpp"
@@ -95,6 +96,42 @@ TEST(MapFile, FilesOfVersion1AreReadWithoutStampsOfDepth) {
   EXPECT_EQ(old.frames[5].stamp_ns, saved.frames[5].stamp_ns);
   for (const Keyframe& keyframe : old.map.keyframes) EXPECT_EQ(keyframe.features->depth_lag_s, 0);
   for (const SavedFrame& frame : old.frames) EXPECT_EQ(frame.depth_lag_s, 0);
+}
+
+/// Replaces a table by a view.
+void put_view(const std::filesystem::path& map, const std::string& table, const std::string& select) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(map.c_str(), &database), SQLITE_OK);
+  const std::string sql = "DROP TABLE " + table + "; CREATE VIEW " + table + " AS " + select;
+  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(database);
+}
+
+TEST(MapFile, AViewIsNotReadAsATable) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "map.kinmap";
+  for (const char* endless :
+       {"WITH RECURSIVE r(id) AS (SELECT 1 UNION ALL SELECT id + 1 FROM r) SELECT id, 0 AS checksum FROM r",
+        "SELECT 1 AS id, zeroblob(900000000) AS a, 0 AS checksum"}) {
+    write_some_map(path);
+    put_view(path, map_tables::kLandmark, endless);
+    const auto damage = MapReader(path).read().second;
+    EXPECT_GT(damage.landmarks, 0U);
+    EXPECT_EQ(damage.keyframes, 0U);
+  }
+}
+
+TEST(MapFile, APathMayBeginWithTwoSlashes) {
+  const test::TempFolder folder;
+  write_some_map(folder.path() / "map.kinmap");
+  EXPECT_FALSE(MapReader("/" + (folder.path() / "map.kinmap").string()).read().second.any());
+}
+
+TEST(MapFile, AFormatBelowOneIsDamageNotANewerFormat) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "map.kinmap";
+  { DatabaseWriter(path, {map_tables::kKind.application, 0}).commit(); }
+  EXPECT_THAT(test::input_error([&] { const MapReader reader(path); }), HasSubstr("has format 0"));
 }
 
 TEST(MapFile, LeavesTheOldFileUntilTheNewOneIsWhole) {

@@ -111,6 +111,25 @@ TEST(Ply, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT(test::input_error([&] { read_ply(path); }), HasSubstr("not a number"));
 }
 
+TEST(Ply, ARotationIsAUnitQuaternion) {
+  EXPECT_FALSE(parse_frame_comments({"rotation_xyzw 1e200 0 0 1e200"}).z_up);
+  EXPECT_FALSE(parse_frame_comments({"rotation_xyzw 0 0 0 2"}).z_up);
+  EXPECT_FALSE(parse_frame_comments({"rotation_xyzw 0 0 0 0"}).z_up);
+  EXPECT_TRUE(parse_frame_comments({"rotation_xyzw 0 0.6 0 0.8"}).z_up);
+}
+
+TEST(Ply, RefusesPointsThatAreNotFinite) {
+  const test::TempFolder folder;
+  for (const float value :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    ColoredCloud cloud = some_cloud(3);
+    cloud.points[1].y() = value;
+    write_ply(folder.path() / "map.ply", cloud);
+    EXPECT_THAT(test::input_error([&] { read_ply(folder.path() / "map.ply"); }),
+                HasSubstr("map.ply: a coordinate is not a finite number"));
+  }
+}
+
 TEST(Ply, AFullDiskIsAnErrorThatNamesTheFile) {
   const test::TempFolder folder;
   const auto message = test::on_a_full_disk(

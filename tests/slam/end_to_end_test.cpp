@@ -37,7 +37,7 @@ class WithoutDepthStamps : public FrameSource {
   }
   [[nodiscard]] const RgbdCamera& camera() const override { return source_.camera(); }
   [[nodiscard]] const SourceInfo& info() const override { return source_.info(); }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return source_.skipped(); }
+  [[nodiscard]] SkippedFrames skipped() const override { return source_.skipped(); }
 
  private:
   FrameSource& source_;

@@ -52,7 +52,7 @@ class ReplayedSource : public FrameSource {
   }
   [[nodiscard]] const RgbdCamera& camera() const override { return recording().camera; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] std::vector<SkippedFrame> skipped() const override { return {}; }
+  [[nodiscard]] SkippedFrames skipped() const override { return {}; }
 
   size_t fail_at = 1000000;
 

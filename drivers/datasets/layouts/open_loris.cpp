@@ -1,10 +1,11 @@
 // OpenLORIS-Scene (Shi et al. 2020): color.txt and aligned_depth.txt ("stamp file"), depth in millimetres,
 // sensors.yaml and trans_matrix.yaml by OpenCV, and groundtruth.txt of the robot's base_link.
 
+#include <algorithm>
 #include <map>
 
 #include <fmt/format.h>
-#include <opencv2/core.hpp>
+#include <yaml-cpp/yaml.h>
 
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/reading/image_pairs.hpp"
@@ -28,39 +29,37 @@ std::string open_loris_evidence(const fs::path&, const FolderContents& contents)
   return fits ? "color.txt, aligned_depth.txt" : "";
 }
 
-/// Calls `read` with the file's content; OpenCV's exceptions become InputError.
+/// The file as OpenCV writes it, passed to `read`; exceptions of the parser become InputError. OpenCV's own
+/// parser exhausts the stack on nested input and allocates whatever size a damaged matrix claims.
 template <class Read>
-auto with_storage(const fs::path& file, const Read& read) {
+auto with_yaml(const fs::path& file, const Read& read) {
   const std::string text = read_file(file);
+  const size_t begin = text.starts_with("%YAML") ? std::min(text.find('\n'), text.size()) : 0;  // "%YAML:1.0"
   try {
-    return read(cv::FileStorage(
-        text, cv::FileStorage::READ | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML));
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::exception&) {  // its parser also throws what the standard library throws
+    return read(YAML::Load(text.substr(begin)));
+  } catch (const YAML::Exception&) {
     throw InputError(fmt::format("{}: not a YAML file by OpenCV; copy it again", file.string()));
   }
 }
 
-/// The numbers of a matrix. OpenCV's own reader would allocate whatever size a damaged file claims.
-std::vector<double> numbers_of(const cv::FileNode& matrix) {
+/// The numbers of a matrix.
+std::vector<double> numbers_of(const YAML::Node& matrix) {
   std::vector<double> numbers;
-  for (const cv::FileNode& value : matrix["data"]) numbers.push_back(value.real());
+  for (const YAML::Node& value : matrix["data"]) numbers.push_back(value.as<double>());
   return numbers;
 }
 
 /// "intrinsics" are fx, cx, fy, cy.
 RgbdCamera read_loris_camera(const fs::path& file) {
   constexpr double kMillimetres = 1000;
-  return with_storage(file, [&](const cv::FileStorage& storage) {
-    const cv::FileNode node = storage[kColorFrame];
-    const auto k =
-        node.isMap() && node["intrinsics"].isMap() ? numbers_of(node["intrinsics"]) : std::vector<double>();
+  return with_yaml(file, [&](const YAML::Node& root) {
+    const YAML::Node node = root[kColorFrame];
+    const auto k = node && node["intrinsics"] ? numbers_of(node["intrinsics"]) : std::vector<double>();
     if (k.size() != 4) {
       throw InputError(
           fmt::format("{}: no '{}' with four 'intrinsics'; copy it again", file.string(), kColorFrame));
     }
-    const cv::Size size = checked_size(node["width"].real(), node["height"].real(), file);
+    const cv::Size size = checked_size(node["width"].as<double>(), node["height"].as<double>(), file);
     const PinholeCamera lens = checked_lens(make_lens(size, k[0], k[2], k[1], k[3]), file);
     return camera_of({lens, lens, {}, {}}, kMillimetres, file);
   });
@@ -70,11 +69,12 @@ RgbdCamera read_loris_camera(const fs::path& file) {
 std::optional<SE3> read_base_to_color(const fs::path& file) {
   constexpr int kLongestChain = 8;
   std::map<std::string, std::pair<std::string, SE3>> parent_of;
-  with_storage(file, [&](const cv::FileStorage& storage) {
-    for (const cv::FileNode& entry : storage["trans_matrix"]) {
+  with_yaml(file, [&](const YAML::Node& root) {
+    for (const YAML::Node& entry : root["trans_matrix"]) {
       const auto matrix = matrix_of(numbers_of(entry["matrix"]));
       const auto T = matrix ? rigid_motion(*matrix) : std::nullopt;
-      if (T) parent_of[entry["child_frame"].string()] = {entry["parent_frame"].string(), *T};
+      if (T)
+        parent_of[entry["child_frame"].as<std::string>()] = {entry["parent_frame"].as<std::string>(), *T};
     }
     return true;
   });

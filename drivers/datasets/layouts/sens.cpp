@@ -18,6 +18,7 @@
 #include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/log.hpp"
+#include "kinloop/base/time.hpp"
 
 namespace kinloop {
 namespace {
@@ -97,7 +98,8 @@ PinholeCamera lens_of(const Eigen::Matrix4d& k, cv::Size size, const fs::path& f
 void read_frames(SensReader& bytes, const fs::path& file, uint64_t count, RecordedSequence& sequence,
                  std::vector<std::optional<SE3>>& poses) {
   constexpr int64_t kNsPerMicrosecond = 1000;
-  constexpr uint64_t kHeader = 16 * sizeof(float) + 4 * sizeof(uint64_t), kMaxStamp = 1ULL << 53;
+  constexpr uint64_t kHeader = 16 * sizeof(float) + 4 * sizeof(uint64_t),
+                     kMaxStamp = kMaxStampNs / kNsPerMicrosecond;
   for (uint64_t i = 0; i < count && bytes.has(kHeader); ++i) {
     poses.push_back(rigid_motion(bytes.matrix()));
     const auto color_stamp = std::min(bytes.number<uint64_t>(), kMaxStamp);
@@ -113,7 +115,7 @@ void read_frames(SensReader& bytes, const fs::path& file, uint64_t count, Record
     frame.depth.offset = bytes.position() + color_size;
     bytes.skip(color_size + depth_size);
     if (color_size == 0 || depth_size == 0) {
-      sequence.skipped.push_back(
+      sequence.skipped.add(
           {fmt::format("frame {}", i), fmt::format("{}: frame {} lacks an image", file.string(), i)});
       poses.pop_back();
       continue;

@@ -99,7 +99,7 @@ RecordedSequence read_stray_scanner(const fs::path& folder) {
     std::error_code absent;
     if (fs::exists(confidence, absent)) frame.confidence = confidence;
     if (!sequence.frames.empty() && stamp_ns <= sequence.frames.back().stamp_ns) {
-      sequence.skipped.push_back(
+      sequence.skipped.add(
           {image.string(), fmt::format("{}:{}: time does not increase", file.string(), line.number)});
       continue;
     }

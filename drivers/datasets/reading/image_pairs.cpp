@@ -162,7 +162,7 @@ std::vector<RecordedFrame> pair_by_number(const std::vector<NumberedFile>& color
     if (d == depth.end()) break;
     if (d->number != c.number || previous == c.number) continue;
     previous = c.number;
-    const int64_t stamp_ns = to_ns(static_cast<double>(std::min(c.number, kMaxNumber)) / fps);
+    const int64_t stamp_ns = checked_stamp(static_cast<double>(std::min(c.number, kMaxNumber)) / fps, c.path);
     frames.push_back({stamp_ns, stamp_ns, {c.path}, {d->path}, {}, 0});
   }
   if (frames.empty()) {
@@ -232,7 +232,7 @@ void keep_increasing(RecordedSequence& sequence) {
       continue;
     }
     const std::string name = frame.color.file.filename().string();
-    sequence.skipped.push_back({name, fmt::format("{}: its time repeats", frame.color.file.string())});
+    sequence.skipped.add({name, fmt::format("{}: its time repeats", frame.color.file.string())});
   }
   frames = std::move(kept);
   sequence.ground_truth = sorted_by_time(std::move(sequence.ground_truth));
@@ -247,8 +247,7 @@ Trajectory sorted_by_time(Trajectory trajectory) {
 }
 
 int64_t checked_stamp(double seconds, const fs::path& file) {
-  constexpr double kMax_s = 8e9;
-  if (!(std::abs(seconds) <= kMax_s))
+  if (!(std::abs(seconds) <= to_seconds(kMaxStampNs)))
     throw InputError(fmt::format("{}: {} is not a time in seconds", file.string(), seconds));
   return to_ns(seconds);
 }

@@ -44,6 +44,14 @@ std::optional<SE3> motion_of(std::span<const double> v) {
   return T;
 }
 
+namespace {
+
+bool is_separator(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ',';
+}
+
+}  // namespace
+
 std::vector<double> read_numbers(const std::filesystem::path& file) {
   const std::string text = read_file(file);
   std::vector<double> numbers;
@@ -51,15 +59,14 @@ std::vector<double> read_numbers(const std::filesystem::path& file) {
   const char* at = text.data();
   const char* end = at + text.size();
   while (at != end) {
-    const bool separates = *at == ' ' || *at == '\t' || *at == '\r' || *at == '\n' || *at == ',';
-    if (separates) {
+    if (is_separator(*at)) {
       line += *at == '\n' ? 1 : 0;
       ++at;
       continue;
     }
     double value = 0;
     const auto [next, error] = std::from_chars(*at == '+' ? at + 1 : at, end, value);
-    if (error == std::errc::invalid_argument) {
+    if (error != std::errc() || (next != end && !is_separator(*next))) {
       const std::string_view rest(at, static_cast<size_t>(end - at));
       const std::string_view word = rest.substr(0, std::min<size_t>(rest.find_first_of(" \t\r\n,"), 20));
       throw_parse_error(file, line, fmt::format("'{}' is not a number; correct the file", word));

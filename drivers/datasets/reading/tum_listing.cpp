@@ -20,7 +20,7 @@ namespace {
 struct StampedRows {
   std::vector<int64_t> stamps_ns;
   std::vector<TextLine> lines;
-  std::vector<SkippedFrame> skipped;
+  SkippedFrames skipped;
 };
 
 int64_t stamp_of(const std::filesystem::path& file, const TextLine& line, size_t column) {
@@ -57,7 +57,7 @@ StampedRows read_stamped_rows(const std::filesystem::path& file, const std::stri
     }
     if (rows.skipped.empty()) first_skipped_line = line.number;
     const char* what = stamp_ns == rows.stamps_ns.back() ? "repeats" : "is earlier than";
-    rows.skipped.push_back(
+    rows.skipped.add(
         {line.fields[1], fmt::format("{}:{}: timestamp {} {} that of line {}", file.string(), line.number,
                                      line.fields[0], what, rows.lines.back().number)});
   }
@@ -110,7 +110,7 @@ TumListing associate_lists(const std::filesystem::path& folder, const std::strin
   const StampedRows depth = read_stamped_rows(folder / depth_list, "timestamp depth_file");
   TumListing listing;
   listing.skipped = color.skipped;
-  listing.skipped.insert(listing.skipped.end(), depth.skipped.begin(), depth.skipped.end());
+  listing.skipped.add(depth.skipped);
   const auto files = [&](const StampedRows& rows) {
     std::vector<std::filesystem::path> paths;
     for (const TextLine& line : rows.lines) paths.push_back(folder / line.fields[1]);

@@ -11,7 +11,7 @@ namespace kinloop {
 
 struct TumListing {
   std::vector<RecordedFrame> frames;  ///< in order of time
-  std::vector<SkippedFrame> skipped;  ///< rows whose time stamp repeats or precedes an earlier one
+  SkippedFrames skipped;              ///< rows whose time stamp repeats or precedes an earlier one
 };
 
 /// Reads associations.txt ("stamp colour stamp depth" per line), or rgb.txt and depth.txt ("stamp file" per

@@ -1,5 +1,7 @@
 #include "drivers/datasets/reading/video_reader.hpp"
 
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "kinloop/base/errors.hpp"
@@ -10,6 +12,7 @@
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
+#include <libavutil/dict.h>
 #include <libavutil/log.h>
 #include <libswscale/swscale.h>
 }
@@ -31,11 +34,28 @@ using CodecContext = std::unique_ptr<AVCodecContext, AvFree<avcodec_free_context
 using Frame = std::unique_ptr<AVFrame, AvFree<av_frame_free>>;
 using Packet = std::unique_ptr<AVPacket, AvFree<av_packet_free>>;
 
+/// The file may come from anywhere: other demuxers than that of MP4 open further files and addresses.
 FormatContext open_video(const std::filesystem::path& file) {
   AVFormatContext* format = nullptr;
-  if (avformat_open_input(&format, file.c_str(), nullptr, nullptr) != 0)
+  AVDictionary* options = nullptr;
+  av_dict_set(&options, "protocol_whitelist", "file", 0);
+  av_dict_set(&options, "format_whitelist", "mov,mp4,m4a,3gp,3g2,mj2", 0);
+  const int result =
+      avformat_open_input(&format, fmt::format("file:{}", file.string()).c_str(), nullptr, &options);
+  av_dict_free(&options);
+  if (result != 0)
     throw InputError(fmt::format("{}: not a video, or truncated; copy it again", file.string()));
   return FormatContext(format);
+}
+
+/// Decodes a little of each stream, no image above the limit of pixels.
+bool find_stream_info(AVFormatContext& format) {
+  std::vector<AVDictionary*> options(format.nb_streams);
+  for (AVDictionary*& option : options)
+    av_dict_set_int(&option, "max_pixels", static_cast<int64_t>(kMaxDecodedPixels), 0);
+  const int result = avformat_find_stream_info(&format, options.data());
+  for (AVDictionary*& option : options) av_dict_free(&option);
+  return result >= 0;
 }
 
 }  // namespace
@@ -48,7 +68,7 @@ class VideoReader::Decoder {
         frame_(require_memory(av_frame_alloc())),
         packet_(require_memory(av_packet_alloc())) {
     const AVCodec* codec = nullptr;
-    if (avformat_find_stream_info(format_.get(), nullptr) >= 0)
+    if (find_stream_info(*format_))
       stream_ = av_find_best_stream(format_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
     if (stream_ < 0) throw InputError(fmt::format("{}: contains no video", file.string()));
     codec_.reset(require_memory(avcodec_alloc_context3(codec)));

@@ -7,6 +7,7 @@
 #include <sqlite3.h>
 
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/untrusted_database.hpp"
 
 namespace kinloop {
 namespace {
@@ -52,7 +53,7 @@ void bind(sqlite3_stmt* statement, int place, const Cell& cell) {
   }
 }
 
-std::string serialize_features(sqlite3_stmt* statement, int column) {
+std::string column_bytes(sqlite3_stmt* statement, int column) {
   const void* bytes = sqlite3_column_blob(statement, column);
   const auto count = static_cast<size_t>(sqlite3_column_bytes(statement, column));
   return bytes == nullptr ? std::string() : std::string(static_cast<const char*>(bytes), count);
@@ -65,16 +66,16 @@ Cell cell_of(sqlite3_stmt* statement, int column) {
     case SQLITE_FLOAT:
       return sqlite3_column_double(statement, column);
     case SQLITE_TEXT:
-      return serialize_features(statement, column);
+      return column_bytes(statement, column);
     default:
-      return Blob{serialize_features(statement, column)};
+      return Blob{column_bytes(statement, column)};
   }
 }
 
-/// Formats a path as an SQLite URI.
+/// Formats a path as an SQLite URI. With an authority, which is empty, as "//" could begin the path.
 std::string uri_of(const std::filesystem::path& path) {
-  std::string uri = "file:";
-  for (const char c : path.string()) {
+  std::string uri = "file://";
+  for (const char c : std::filesystem::absolute(path).string()) {
     const bool special = c == '?' || c == '#' || c == '%';
     uri += special ? fmt::format("%{:02x}", static_cast<unsigned char>(c)) : std::string(1, c);
   }
@@ -158,14 +159,18 @@ DatabaseReader::DatabaseReader(std::filesystem::path path, const DatabaseFormat&
   database_.reset(database);
   if (opened != SQLITE_OK) throw InputError(fmt::format("{}: cannot be opened", path_.string()));
   // With a writable schema SQLite reads a file that is shorter than its header says, as far as possible.
-  sqlite3_exec(database, "PRAGMA writable_schema=ON; PRAGMA cell_size_check=ON; PRAGMA trusted_schema=OFF",
-               nullptr, nullptr, nullptr);
+  sqlite3_exec(database, "PRAGMA writable_schema=ON", nullptr, nullptr, nullptr);
+  set_untrusted(database, std::filesystem::file_size(path_), std::numeric_limits<int>::max());
   if (pragma("application_id") != kind.application) {
     throw InputError(fmt::format(
         "{}: not a kinloop map, or damaged at its beginning; give the map.kinmap of a run", path_.string()));
   }
   const int64_t version = pragma("user_version");
-  if (version < 1 || version > kind.version) {
+  if (version < 1) {
+    throw InputError(fmt::format("{}: has format {}, which no kinloop writes: it is damaged; copy it again",
+                                 path_.string(), version));
+  }
+  if (version > kind.version) {
     throw InputError(fmt::format("{}: has format {}, newer than the supported {}; use a newer kinloop",
                                  path_.string(), version, kind.version));
   }

@@ -4,6 +4,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "kinloop/base/time.hpp"
+
 namespace kinloop {
 
 uint32_t take_index(RowReader& row, int64_t limit) {
@@ -15,7 +17,6 @@ KeyframeId take_keyframe(RowReader& row) {
 }
 
 int64_t take_stamp(RowReader& row) {
-  constexpr int64_t kMaxStampNs = int64_t{1} << 61;
   return row.take_in(-kMaxStampNs, kMaxStampNs);
 }
 

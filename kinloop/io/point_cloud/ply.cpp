@@ -120,6 +120,7 @@ ColoredCloud read_ply(const std::filesystem::path& path) {
     Eigen::Vector3f v;
     std::memcpy(v.data(), from, kVectorBytes);
     from += kVectorBytes;
+    if (!v.allFinite()) throw_bad(path, "a coordinate is not a finite number");
     return header.frame.z_up ? Eigen::Vector3f((R_world_file * v.cast<double>()).cast<float>()) : v;
   };
   ColoredCloud cloud;
