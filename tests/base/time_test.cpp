@@ -61,6 +61,16 @@ TEST(ParseStamp, RejectsWhatIsNotAFiniteDecimalNumber) {
   }
 }
 
+TEST(SplitStamp, RoundsDown) {
+  for (const int64_t stamp_ns :
+       {int64_t{0}, int64_t{-1}, int64_t{1}, -kNsPerSecond, 1 - kNsPerSecond, -kMaxStampNs}) {
+    const auto [seconds, nanoseconds] = split_stamp(stamp_ns);
+    EXPECT_EQ(seconds * kNsPerSecond + nanoseconds, stamp_ns);
+    EXPECT_GE(nanoseconds, 0);
+    EXPECT_LT(nanoseconds, kNsPerSecond);
+  }
+}
+
 TEST(CheckedStamp, RefusesStampsWhoseDifferencesOverflow) {
   EXPECT_EQ(checked_stamp_ns(-kMaxStampNs), -kMaxStampNs);
   for (const int64_t stamp_ns : {kMaxStampNs + 1, -kMaxStampNs - 1, std::numeric_limits<int64_t>::min(),
