@@ -88,7 +88,7 @@ TEST(FormatStamp, HasSixDecimalsAndMoreOnlyWhereNeeded) {
 TEST(FormatStamp, ParsesBackToTheSameStamp) {
   Random random(1);
   for (int i = 0; i < 10000; ++i) {
-    const auto magnitude = static_cast<int64_t>(random.next() % 9'000'000'000'000'000'000ULL);
+    const auto magnitude = static_cast<int64_t>(random.next() % uint64_t{kMaxStampNs});
     const int64_t stamp_ns = i % 2 == 0 ? magnitude : -(magnitude >> (i % 60));
     ASSERT_EQ(parse_stamp_ns(format_stamp(stamp_ns)), stamp_ns);
   }
