@@ -46,7 +46,7 @@ class GlbValidator {
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(fmt::format("{}: {}", path_.string(), printable(what)));
+    throw InputError(fmt::format("{}: {}", path_.string(), ascii_excerpt(what)));
   }
 
  private:

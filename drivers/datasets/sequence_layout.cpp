@@ -99,7 +99,7 @@ std::string advice_for_file(const fs::path& file) {
       {{".mp4", ".avi", ".mov", ".webm"},
        "a video, which kinloop cannot read yet; colour and depth images are needed, in a folder in TUM "
        "layout"},
-      {{".oni", ".klg", ".svo"},
+      {{".klg", ".svo"},
        "a recording of another program, which kinloop cannot read yet; convert it to TUM layout"},
       {{".r3d"}, "a zip archive of Record3D; unpack it with unzip and give the folder"},
       {{".tgz", ".gz", ".tar", ".zip", ".7z", ".bz2", ".xz"}, "an archive; unpack it and give the folder"},

@@ -21,8 +21,8 @@ void require_no_sequence(const std::filesystem::path& folder);
 /// (rgb.txt, depth.txt, associations.txt).
 class TumWriter {
  public:
-  /// Creates the folder if needed, removes the lists of an older sequence and writes camera.yaml. Throws
-  /// InputError if the folder is not writable.
+  /// Creates the folder if needed, locks it and writes camera.yaml. Throws InputError if the folder holds a
+  /// sequence or is not writable.
   TumWriter(std::filesystem::path folder, const RgbdCamera& camera);
 
   /// Adds a frame; its stamp must be later than the previous one. Colour is the camera's JPEG, or else PNG.

@@ -2,7 +2,12 @@
 
 #include "drivers/kinect2/kinect2_device.hpp"
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <libfreenect2/config.h>
 #include <libfreenect2/logger.h>
 #include <libfreenect2/packet_pipeline.h>
@@ -39,12 +44,12 @@ Kinect2Handle open_kinect2_device(const KinectOptions& options, const MakePipeli
         "kinect2: no Kinect 2 found; connect USB 3 and power, and check the access rights "
         "(libfreenect2's udev rules)");
   }
-  std::string known;
-  for (int i = 0; i < count; ++i) known += (i == 0 ? "" : ", ") + context->getDeviceSerialNumber(i);
-  const std::string serial = options.serial.empty() ? context->getDeviceSerialNumber(0) : options.serial;
-  if (known.find(serial) == std::string::npos) {
-    throw InputError(
-        fmt::format("kinect2: no Kinect 2 with the serial number {}; there are: {}", serial, known));
+  std::vector<std::string> known;
+  for (int i = 0; i < count; ++i) known.push_back(context->getDeviceSerialNumber(i));
+  const std::string serial = options.serial.empty() ? known.front() : options.serial;
+  if (std::find(known.begin(), known.end(), serial) == known.end()) {
+    throw InputError(fmt::format("kinect2: no Kinect 2 with the serial number {}; there are: {}", serial,
+                                 fmt::join(known, ", ")));
   }
   libfreenect2::Freenect2Device* device = nullptr;
   if (make_pipeline) {

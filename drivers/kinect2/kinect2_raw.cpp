@@ -67,6 +67,16 @@ size_t packets(const RawPacketCounts& recording) {
   return recording.depth + recording.color;
 }
 
+/// Closes the device however the recording ends.
+struct ClosedAtEnd {
+  Kinect2Handle& handle;
+
+  explicit ClosedAtEnd(Kinect2Handle& open) : handle(open) {}
+  ~ClosedAtEnd() { close_kinect2(handle); }
+  ClosedAtEnd(const ClosedAtEnd&) = delete;
+  ClosedAtEnd& operator=(const ClosedAtEnd&) = delete;
+};
+
 }  // namespace
 
 Kinect2PacketWriter::Kinect2PacketWriter(std::filesystem::path folder) : folder_(std::move(folder)) {
@@ -93,7 +103,9 @@ bool Kinect2PacketWriter::onNewFrame(Frame::Type type, Frame* frame) {
 void Kinect2PacketWriter::write(const Frame& frame, const char* ending) {
   const auto file = folder_ / fmt::format("{}_packet_{}{}", frame.timestamp, frame.sequence, ending);
   // For a raw frame this is its total size.
-  write_file(file, std::string_view(reinterpret_cast<const char*>(frame.data), frame.bytes_per_pixel));
+  // Not flushed one by one: this is a callback of the USB threads.
+  write_file(file, std::string_view(reinterpret_cast<const char*>(frame.data), frame.bytes_per_pixel),
+             Durability::kWithTheOthers);
 }
 
 void Kinect2PacketWriter::count(size_t& packets, std::optional<uint32_t>& last, uint32_t number) {
@@ -113,6 +125,7 @@ RawPacketCounts record_packets(Kinect2Handle handle, const KinectOptions& option
                                const std::function<bool(const RawPacketCounts&)>& should_stop) {
   constexpr std::chrono::milliseconds kBetweenLooks(10), kFrameTimeout(1000);
   Kinect2PacketWriter writer(folder);
+  const ClosedAtEnd closed_at_end(handle);  // before the writer goes, which the device's threads call
   start_kinect2(handle, writer, options);
   const auto infrared = handle.device->getIrCameraParams();
   const auto color = handle.device->getColorCameraParams();
@@ -129,6 +142,7 @@ RawPacketCounts record_packets(Kinect2Handle handle, const KinectOptions& option
   if (!should_stop(written))
     log::warn("kinect2: no more packets; the camera may be unplugged. Finishing the recording");
   close_kinect2(handle);
+  flush_files(folder);
   return writer.written();
 }
 

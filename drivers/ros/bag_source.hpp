@@ -1,7 +1,6 @@
 #pragma once
-// In: a bag with the topics of an RGB-D camera: ROS 1 (.bag, via librosbag-storage, an optional dependency),
-// also as recorded by the RealSense SDK, or ROS 2 (.mcap, .db3 or their folder, without ROS). Out: its
-// frames.
+// In: a bag with the topics of an RGB-D camera: ROS 1 (.bag), also as recorded by the RealSense SDK, or ROS 2
+// (.mcap, .db3 or their folder); all are read without ROS. Out: its frames.
 
 #include <filesystem>
 #include <memory>

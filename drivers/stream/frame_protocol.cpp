@@ -1,6 +1,5 @@
 #include "drivers/stream/frame_protocol.hpp"
 
-#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -180,13 +179,10 @@ ColorImage decode_sent_color(const SentImage& image, const PinholeCamera& camera
 cv::Mat decode_sent_depth(const SentImage& image, const PinholeCamera& camera, double depth_scale) {
   if (image.encoding != "png") return depth_from(raw_image(image, camera), 1 / depth_scale);
   if (const auto size = encoded_size(as_text(image.data))) require_camera_size(*size, camera);
-  cv::Mat units = decode_embedded_image(image.data);
+  const cv::Mat units = decode_embedded_image(image.data);
   require_camera_size(units.size(), camera);
   if (units.type() != CV_16UC1) throw InputError("depth that is not a 16-bit grey PNG");
-  units.setTo(0, units == std::numeric_limits<uint16_t>::max());
-  cv::Mat depth_m;
-  units.convertTo(depth_m, CV_32FC1, 1 / depth_scale);
-  return depth_m;
+  return from_depth_units(units, depth_scale);
 }
 
 }  // namespace kinloop

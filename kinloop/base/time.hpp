@@ -27,6 +27,17 @@ std::optional<int64_t> parse_stamp_ns(std::string_view seconds);
 /// Formats a stamp as seconds with six decimals, as in TUM files; with more only if the stamp needs them.
 std::string format_stamp(int64_t stamp_ns);
 
+/// Whole seconds, rounded down, and the nanoseconds after them: a stamp as ROS has it.
+struct SplitStamp {
+  int64_t seconds = 0;
+  int64_t nanoseconds = 0;  ///< from 0 to 999,999,999
+};
+
+constexpr SplitStamp split_stamp(int64_t stamp_ns) {
+  const int64_t seconds = stamp_ns / kNsPerSecond - (stamp_ns % kNsPerSecond < 0 ? 1 : 0);
+  return {seconds, stamp_ns - seconds * kNsPerSecond};
+}
+
 /// Converts seconds to nanoseconds, rounded.
 int64_t to_ns(double seconds);
 

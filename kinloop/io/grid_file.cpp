@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/base/errors.hpp"
+#include "kinloop/base/json.hpp"
 #include "kinloop/base/text_file.hpp"
 
 namespace kinloop {
 namespace {
+
+constexpr std::string_view kFirstKey = "image: ";
 
 /// The intensities of map_server.
 char grey_of(Occupancy occupancy) {
@@ -20,6 +24,15 @@ char grey_of(Occupancy occupancy) {
   }
 }
 
+/// Throws InputError if the file is there and is not the description of a grid, e.g. camera.yaml.
+void require_replaceable(const std::filesystem::path& description, const std::filesystem::path& picture) {
+  std::error_code absent;
+  if (!std::filesystem::exists(description, absent)) return;
+  if (std::filesystem::is_regular_file(description) && read_file(description).starts_with(kFirstKey)) return;
+  throw InputError(fmt::format("{}: the description of the grid would replace this file; name {} otherwise",
+                               description.string(), picture.filename().string()));
+}
+
 }  // namespace
 
 void write_grid(const std::filesystem::path& path, const OccupancyGrid& grid) {
@@ -31,13 +44,14 @@ void write_grid(const std::filesystem::path& path, const OccupancyGrid& grid) {
           grid.cells[static_cast<size_t>(row) * static_cast<size_t>(grid.width) + static_cast<size_t>(col)]);
     }
   }
-  write_file(path, picture);
   auto description = path;
   description.replace_extension(".yaml");
-  write_file(description,
-             fmt::format("image: {}\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\n"
-                         "occupied_thresh: 0.65\nfree_thresh: 0.196\n",
-                         path.filename().string(), grid.cell_m, grid.origin_x_m, grid.origin_y_m));
+  require_replaceable(description, path);
+  write_file(path, picture);
+  write_file(description, fmt::format("{}{}\nresolution: {}\norigin: [{}, {}, 0.0]\nnegate: 0\n"
+                                      "occupied_thresh: 0.65\nfree_thresh: 0.196\n",
+                                      kFirstKey, json_text(path.filename().string()), grid.cell_m,
+                                      grid.origin_x_m, grid.origin_y_m));
 }
 
 }  // namespace kinloop

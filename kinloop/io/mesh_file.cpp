@@ -1,6 +1,7 @@
 #include "kinloop/io/mesh_file.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -144,7 +145,7 @@ GlbBuffer glb_buffer(const FileMesh& file) {
   return buffer;
 }
 
-std::string glb_bytes(const FileMesh& file) {
+std::string glb_bytes(const FileMesh& file, const std::filesystem::path& path) {
   const auto [buffer, views, accessors] = glb_buffer(file);
   const json primitive = {
       {"attributes", {{"POSITION", 0}, {"COLOR_0", 1}, {"NORMAL", 3}}}, {"indices", 2}, {"material", 0}};
@@ -168,8 +169,11 @@ std::string glb_bytes(const FileMesh& file) {
     put_values(bytes, &value, 1);
   };
   constexpr size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
+  const size_t total = kHeaderBytes + kChunkHeaderBytes + text.size() + kChunkHeaderBytes + buffer.size();
+  if (!std::in_range<uint32_t>(total))
+    throw InputError(fmt::format("{}: {} bytes, more than .glb can hold; write .ply", path.string(), total));
   put(2);
-  put(kHeaderBytes + kChunkHeaderBytes + text.size() + kChunkHeaderBytes + buffer.size());
+  put(total);
   put(text.size());
   bytes += "JSON" + text;
   put(buffer.size());
@@ -190,7 +194,7 @@ void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, cons
   const FileMesh file{mesh, frame, vertex_normals(mesh)};
   if (path.extension() == ".ply") return write_file(path, ply_bytes(file));
   if (path.extension() == ".obj") return write_file(path, obj_text(file));
-  write_file(path, glb_bytes(file));
+  write_file(path, glb_bytes(file, path));
 }
 
 }  // namespace kinloop

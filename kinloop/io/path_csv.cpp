@@ -17,9 +17,9 @@ void write_path_csv(const std::filesystem::path& path, const Trajectory& traject
     if (!T.is_finite()) continue;
     const auto& t = T.translation;
     const auto& q = T.rotation;
-    fmt::print(file.stream(), "{},{},{},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f}\n",
-               stamp_ns / kNsPerSecond, stamp_ns % kNsPerSecond, frame_id, t.x(), t.y(), t.z(), q.x(), q.y(),
-               q.z(), q.w());
+    const auto [seconds, nanoseconds] = split_stamp(stamp_ns);
+    fmt::print(file.stream(), "{},{},{},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f}\n", seconds,
+               nanoseconds, frame_id, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
   }
   file.commit();
 }

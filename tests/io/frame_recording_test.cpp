@@ -120,6 +120,20 @@ TEST(FrameRecording, GivesTheFramesOfAFolderRecordedFromTheSame) {
   EXPECT_TRUE(recording->skipped().empty());
 }
 
+TEST(FrameRecording, AFrameBeforeZeroKeepsItsStamp) {
+  const test::TempFolder folder;
+  RgbdFrame early = frame(0);
+  early.stamp_ns = -1'250'000'000;
+  early.depth_stamp_ns = -1'240'000'001;
+  FrameRecording writer(folder.path() / "a.mcap", camera());
+  writer.write(compress_frame(early, camera().depth_scale));
+  writer.commit();
+  const auto read = open_bag(folder.path() / "a.mcap", {})->next();
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->stamp_ns, early.stamp_ns);
+  EXPECT_EQ(read->depth_stamp_ns, early.depth_stamp_ns);
+}
+
 TEST(FrameRecording, AnotherCameraKeepsTheUnitOfDepth) {
   const test::TempFolder folder;
   RgbdCamera other = camera();

@@ -49,6 +49,14 @@ TEST(PathCsv, HasOneLinePerFinitePoseWithTheExactStamp) {
   EXPECT_NEAR(std::stod(cell("pose.orientation.w")), T.rotation.w(), 1e-9);
 }
 
+TEST(PathCsv, StampsBeforeZeroAreRoundedDown) {
+  const test::TempFolder folder;
+  write_path_csv(folder.path() / "p.csv", {{-250'000'000, SE3()}}, "world");
+  const auto rows = read_csv(folder.path() / "p.csv");
+  EXPECT_EQ(rows.at(1).at(0), "-1");
+  EXPECT_EQ(rows.at(1).at(1), "750000000");
+}
+
 TEST(PathCsv, AnEmptyTrajectoryHasOnlyTheFieldNames) {
   const test::TempFolder folder;
   write_path_csv(folder.path() / "p.csv", {}, "world");

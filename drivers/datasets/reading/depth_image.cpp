@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <cstring>
-#include <limits>
 
 #include <fmt/format.h>
 #include <libdeflate.h>
@@ -30,13 +29,6 @@ void require_length(const std::string& bytes, size_t expected, const std::filesy
   if (bytes.size() == expected) return;
   reject_depth(file, fmt::format("a depth image of {} bytes where the camera's size needs {}; copy it again",
                                  bytes.size(), expected));
-}
-
-cv::Mat metres_of_units(cv::Mat units, double depth_scale) {
-  units.setTo(0, units == std::numeric_limits<uint16_t>::max());
-  cv::Mat depth_m;
-  units.convertTo(depth_m, CV_32FC1, 1.0 / depth_scale);
-  return depth_m;
 }
 
 cv::Mat raw_units(const std::string& bytes, cv::Size size, const std::filesystem::path& file) {
@@ -72,9 +64,9 @@ cv::Mat decode_depth(const std::string& bytes, const std::filesystem::path& file
                      cv::Size size, double depth_scale) {
   switch (encoding) {
     case DepthEncoding::kRawUint16:
-      return metres_of_units(raw_units(bytes, size, file), depth_scale);
+      return from_depth_units(raw_units(bytes, size, file), depth_scale);
     case DepthEncoding::kZlibUint16:
-      return metres_of_units(
+      return from_depth_units(
           raw_units(inflate_zlib(bytes, pixels_of(size) * sizeof(uint16_t), file), size, file), depth_scale);
     case DepthEncoding::kRawFloat32:
       return raw_metres(bytes, size, file);
@@ -88,7 +80,7 @@ cv::Mat decode_depth(const std::string& bytes, const std::filesystem::path& file
   if (units.empty()) reject_depth(file, "the PGM is truncated or damaged; copy it again");
   if (units.type() != CV_16UC1)
     throw ImageFormatError(fmt::format("{}: a PGM of 8 bits; export depth with 16 bits", file.string()));
-  return metres_of_units(units, depth_scale);
+  return from_depth_units(units, depth_scale);
 }
 
 cv::Mat read_confidence_image(const std::filesystem::path& file, cv::Size size) {

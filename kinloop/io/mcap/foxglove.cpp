@@ -77,7 +77,8 @@ json to_json(const SE3& T) {
 }
 
 json time_of(int64_t stamp_ns) {
-  return {{"sec", stamp_ns / kNsPerSecond}, {"nsec", stamp_ns % kNsPerSecond}};
+  const auto [seconds, nanoseconds] = split_stamp(stamp_ns);
+  return {{"sec", seconds}, {"nsec", nanoseconds}};
 }
 
 const char* distortion_model(LensModel model) {

@@ -1,5 +1,10 @@
 #include "kinloop/io/mcap/ros_messages.hpp"
 
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "kinloop/base/errors.hpp"
 #include "kinloop/base/time.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
 
@@ -68,8 +73,10 @@ class CdrWriter {
     return *this;
   }
   CdrWriter& header(int64_t stamp_ns) {
-    number(static_cast<int32_t>(stamp_ns / kNsPerSecond));
-    return number(static_cast<uint32_t>(stamp_ns % kNsPerSecond)).text(kFrame);
+    const auto [seconds, nanoseconds] = split_stamp(stamp_ns);
+    if (!std::in_range<int32_t>(seconds))
+      throw InputError(fmt::format("a time of {} s, beyond 2038, cannot be written for ROS 2", seconds));
+    return number(static_cast<int32_t>(seconds)).number(static_cast<uint32_t>(nanoseconds)).text(kFrame);
   }
   [[nodiscard]] const std::string& bytes() const { return bytes_; }
 

@@ -75,7 +75,7 @@ std::optional<size_t> parse_count(std::string_view word) {
   return parse_all<size_t>(word);
 }
 
-std::string printable(std::string text) {
+std::string ascii_excerpt(std::string text) {
   constexpr size_t kLongest = 200;
   constexpr char kFirst = ' ', kLast = '~';
   if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";

@@ -37,6 +37,6 @@ std::optional<size_t> parse_count(std::string_view word);
 
 /// Shortens `text`, which may come from a damaged file, and reduces it to plain ASCII for messages on a
 /// terminal.
-std::string printable(std::string text);
+std::string ascii_excerpt(std::string text);
 
 }  // namespace kinloop

@@ -39,7 +39,7 @@ struct Header {
 };
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
-  throw InputError(fmt::format("{}: {}", path.string(), printable(what)));
+  throw InputError(fmt::format("{}: {}", path.string(), ascii_excerpt(what)));
 }
 
 using Words = std::vector<std::string>;

@@ -25,7 +25,9 @@ struct Line {
     return first.empty() ? std::string() : std::string(first.data(), text.data() + text.size());
   }
 
-  [[noreturn]] void fail(const std::string& what) const { throw_parse_error(path, number, printable(what)); }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw_parse_error(path, number, ascii_excerpt(what));
+  }
 };
 
 NumberType number_type(Line& line) {

@@ -52,7 +52,7 @@ class Body {
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(fmt::format("{}: {}; the file is damaged", path_.string(), printable(what)));
+    throw InputError(fmt::format("{}: {}; the file is damaged", path_.string(), ascii_excerpt(what)));
   }
 
  private:
