@@ -274,6 +274,15 @@ TEST_F(CameraCommands, CalibrateSuggestsTheDetectedBoardSize) {
   EXPECT_THAT(square.err, HasSubstr("30 mm is 0.03"));
 }
 
+TEST_F(CameraCommands, CalibrateRefusesANameThatItsOtherResultsTake) {
+  std::filesystem::create_directory(at("empty"));
+  for (const char* name : {"cam.json", "cam.html"}) {
+    const Run refused = run("calibrate intrinsics '" + at("empty") + "' --square 0.03 -o '" + at(name) + "'");
+    EXPECT_EQ(refused.exit_code, kWrongUse) << name;
+    EXPECT_THAT(refused.err, HasSubstr(".yaml")) << name;
+  }
+}
+
 TEST_F(CameraCommands, CalibrateSaysWhatIsWrong) {
   EXPECT_EQ(run("calibrate intrinsics '" + at("absent") + "' --square 0.03").exit_code, kBadInput);
   std::filesystem::create_directory(at("empty"));
