@@ -66,6 +66,15 @@ TEST_F(Fetch, DownloadsAndUnpacksAndNamesTheLicence) {
   EXPECT_THAT(fetch(server).out, HasSubstr("already exists"));
 }
 
+TEST_F(Fetch, FollowsALinkToTheFolder) {
+  const test::HttpServer server(kPath, archive_);
+  std::filesystem::create_directory(at("disk"));
+  std::filesystem::create_directory_symlink("disk", at("data"));
+  const Run result = fetch(server);
+  EXPECT_EQ(result.exit_code, kDone) << result.err;
+  EXPECT_TRUE(std::filesystem::exists(at("disk/rgbd_dataset_freiburg1_room/rgb.txt")));
+}
+
 TEST_F(Fetch, ResumesAnInterruptedDownload) {
   test::HttpServer server(kPath, archive_);
   server.hang_up_after = 100'000;
