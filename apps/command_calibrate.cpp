@@ -103,8 +103,12 @@ std::optional<double> relative_focal_sigma(std::filesystem::path camera_file) {
   const auto figures = parse_json(read_file(camera_file));
   const nlohmann::json::json_pointer fx("/infrared/fx");
   if (figures.is_discarded() || !figures.contains(fx)) return std::nullopt;
-  const double value = figures[fx].value("value", 0.0);
-  return value > 0 ? std::optional(figures[fx].value("deviation", 0.0) / value) : std::nullopt;
+  const auto number = [&](const char* key) {
+    const nlohmann::json& figure = figures[fx];
+    return figure.is_object() && figure.contains(key) && figure[key].is_number() ? figure[key].get<double>()
+                                                                                 : 0.0;
+  };
+  return number("value") > 0 ? std::optional(number("deviation") / number("value")) : std::nullopt;
 }
 
 /// The boards of all shots with depth, with poses from both cameras, which are held fixed.
@@ -153,6 +157,19 @@ void calibrate_depth(const CalibrateArguments& arguments) {
   write_results(arguments, camera, figures, depth_section(shift), "_depth.html");
 }
 
+/// Throws before any work is done if one of the results could not be written, or would replace another.
+void require_outputs(const CalibrateArguments& arguments) {
+  const std::string extension = arguments.output.extension().string();
+  if (extension == ".json" || extension == ".html")
+    throw UsageError(
+        fmt::format("-o {}: a result of that name is written beside the camera file; its name must end in "
+                    ".yaml",
+                    arguments.output.string()));
+  for (const auto& path : {arguments.output, arguments.sibling_file(".json"), arguments.sibling_file(".html"),
+                           arguments.sibling_file("_depth.html")})
+    require_writable_file(path);
+}
+
 void add_common(CLI::App& command, const std::shared_ptr<CalibrateArguments>& a) {
   command.add_option("DIR", a->folder, "folder of images")->required();
   command.add_option("--board", a->board, "inner corners, columns x rows; or charuco:SQUARES:DICTIONARY")
@@ -184,7 +201,7 @@ void add_calibrate_command(CLI::App& app) {
     CLI::App* sub = command->add_subcommand(name, help);
     add_common(*sub, arguments);
     sub->callback([arguments, work] {
-      require_writable_file(arguments->output);
+      require_outputs(*arguments);
       work(*arguments);
     });
     return std::pair(sub, arguments);

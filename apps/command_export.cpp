@@ -109,6 +109,30 @@ void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Prog
   if (!arguments.grid.empty()) write_grid(arguments.grid, occupancy.grid());
 }
 
+/// Throws UsageError if two options name one file.
+void require_distinct_files(const ExportArguments& a) {
+  const std::vector<std::pair<const char*, const std::filesystem::path*>> all = {
+      {"--poses", &a.poses},           {"--cloud", &a.cloud},
+      {"--octomap", &a.octomap},       {"--grid", &a.grid},
+      {"--trajectory", &a.trajectory}, {"--keyframes", &a.keyframes},
+      {"--graph", &a.graph},           {"--mcap", &a.mcap}};
+  const auto canonical = [](const std::filesystem::path& path) {
+    std::error_code unknown;
+    const auto found = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
+    return unknown ? path : found;
+  };
+  for (size_t i = 0; i < all.size(); ++i) {
+    for (size_t j = i + 1; j < all.size(); ++j) {
+      const auto& [first, one] = all[i];
+      const auto& [second, other] = all[j];
+      if (one->empty() || other->empty() || canonical(*one) != canonical(*other)) continue;
+      if (std::filesystem::exists(*one) && output_place(*one).is_stream) continue;
+      throw UsageError(
+          fmt::format("{} and {}: both name {}; give different names", first, second, one->string()));
+    }
+  }
+}
+
 /// Throws before any work is done if the arguments make no sense or a result could not be written.
 void check(const ExportArguments& arguments) {
   if (arguments.wants_nothing())
@@ -119,6 +143,7 @@ void check(const ExportArguments& arguments) {
   require_extension("--octomap", arguments.octomap, {".bt", ".ot"});
   require_extension("--grid", arguments.grid, {".pgm"});
   require_extension("--mcap", arguments.mcap, {".mcap"});
+  require_distinct_files(arguments);
   const auto map = map_file_of(arguments.map);
   require_different_file("--trajectory", arguments.trajectory, map);
   require_different_file("--keyframes", arguments.keyframes, map);

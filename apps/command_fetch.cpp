@@ -10,6 +10,7 @@
 #include "apps/shared/download.hpp"
 #include "apps/shared/progress_bar.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/output_file.hpp"
 #include "kinloop/base/writable_check.hpp"
 
 namespace kinloop {
@@ -69,7 +70,9 @@ void fetch(const FetchArguments& arguments) {
     throw InputError(
         fmt::format("{}: not a sequence: contains no {}/rgb.txt", archive.string(), sequence.folder));
   }
+  flush_files(beside);
   std::filesystem::rename(beside / sequence.folder, folder);
+  flush_files(arguments.output);  // before the archive is removed
   std::error_code ignored;
   std::filesystem::remove_all(beside, ignored);
   std::filesystem::remove(archive, ignored);

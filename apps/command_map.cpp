@@ -11,6 +11,7 @@
 #include "apps/shared/open_frame_source.hpp"
 #include "apps/shared/progress_bar.hpp"
 #include "apps/shared/standard_output.hpp"
+#include "kinloop/base/byte_reader.hpp"
 #include "kinloop/base/errors.hpp"
 #include "kinloop/base/json.hpp"
 #include "kinloop/base/log.hpp"
@@ -68,10 +69,11 @@ json map_info(const std::filesystem::path& path) {
 
 std::string text_of(const json& info) {
   constexpr double kMebi = 1 << 20;
-  std::string text = fmt::format("file       {}, {:.1f} MiB, by {}\n", info["file"].get<std::string>(),
-                                 info["bytes"].get<double>() / kMebi, info["program"].get<std::string>());
+  std::string text =
+      fmt::format("file       {}, {:.1f} MiB, by {}\n", info["file"].get<std::string>(),
+                  info["bytes"].get<double>() / kMebi, printable(info["program"].get<std::string>()));
   for (const json& session : info["sessions"]) {
-    text += fmt::format("session    {}, {} frames\n", session["input"].get<std::string>(),
+    text += fmt::format("session    {}, {} frames\n", printable(session["input"].get<std::string>()),
                         session["frames"].get<long>());
   }
   const std::string lost = info["lost"];
@@ -104,7 +106,7 @@ void merge(const MergeArguments& arguments) {
   if (a.camera.depth_scale != b.camera.depth_scale)
     throw InputError(fmt::format("{}: depth in {} units per metre, but {} in {}", path_b.string(),
                                  b.camera.depth_scale, a.camera.depth_scale, path_a.string()));
-  RunOptions options = restore_options(a, {});
+  RunOptions options = restore_options(a, path_a);
   options.slam.global_ba.threads = hardware_threads();
   options.slam.localize_only = false;
   options = run_options_with(options, arguments.assignments);

@@ -53,7 +53,7 @@ RunOptions options_of(const RunArguments& arguments, const std::optional<Initial
                       bool live) {
   RunOptions options;
   // Frames must use the same features as the map.
-  if (start) options = restore_options(start->saved, options, "features.");
+  if (start) options = restore_options(start->saved, arguments.load_map, "features.");
   const FeatureKind features = options.slam.features.kind;
   options.slam.global_ba.threads = threads;
   options.slam.localize_only = arguments.localize;

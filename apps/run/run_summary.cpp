@@ -24,8 +24,8 @@ double peak_memory_mib() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-/// The input as an absolute path, valid in other folders and later.
-std::string absolute_input_name(const std::string& input) {
+/// The input as given; `.` and `..`, which name nothing in other folders, as an absolute path.
+std::string lasting_input_name(const std::string& input) {
   const std::string name = input_name(input);
   if (name != "." && name != "..") return input;
   return std::filesystem::weakly_canonical(input).string();
@@ -128,7 +128,7 @@ json run_summary(const RunOutcome& o) {
                                         [](const auto& f) { return f.status == TrackStatus::kDenseOnly; });
   json summary;
   summary["version"] = version_text();
-  summary["input"] = absolute_input_name(o.source.info().name);
+  summary["input"] = lasting_input_name(o.source.info().name);
   summary["frames"] = log.size();
   summary["tracked"] = tracked;
   summary["tracked_densely"] = dense_only;

@@ -12,6 +12,7 @@
 #include <archive.h>
 #include <archive_entry.h>
 #include <curl/curl.h>
+#include <unistd.h>
 
 namespace kinloop {
 namespace {
@@ -33,9 +34,11 @@ struct Part {
 
   /// Returns whether everything reached the disk.
   bool close() {
-    const bool good = file == nullptr || std::fclose(file) == 0;
+    if (file == nullptr) return true;
+    const bool flushed = std::fflush(file) == 0 && fsync(fileno(file)) == 0;
+    const bool closed = std::fclose(file) == 0;
     file = nullptr;
-    return good;
+    return flushed && closed;
   }
 };
 
@@ -54,16 +57,36 @@ int show(void* user, curl_off_t total, curl_off_t now, curl_off_t, curl_off_t) {
 
 using Curl = std::unique_ptr<CURL, decltype(&curl_easy_cleanup)>;
 
-Curl make_request(const std::string& url, Part& part) {
+/// Only HTTPS, also after redirections, unless the user's own URL is HTTP.
+void restrict_protocols(CURL* curl, bool plain) {
+#if LIBCURL_VERSION_NUM >= 0x075500
+  const char* protocols = plain ? "http,https" : "https";
+  curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, protocols);
+  curl_easy_setopt(curl, CURLOPT_REDIR_PROTOCOLS_STR, protocols);
+#else
+  const long protocols = plain ? CURLPROTO_HTTP | CURLPROTO_HTTPS : CURLPROTO_HTTPS;
+  curl_easy_setopt(curl, CURLOPT_PROTOCOLS, protocols);
+  curl_easy_setopt(curl, CURLOPT_REDIR_PROTOCOLS, protocols);
+#endif
+}
+
+/// A request that gives up when the server is silent, and never leaves HTTPS.
+Curl make_request(const std::string& url) {
   constexpr long kStalledBytes = 1, kStalledSeconds = 60, kRedirects = 5, kConnectSeconds = 20;
   Curl curl(require_memory(curl_easy_init()), curl_easy_cleanup);
   curl_easy_setopt(curl.get(), CURLOPT_URL, url.c_str());
   curl_easy_setopt(curl.get(), CURLOPT_FOLLOWLOCATION, 1L);
   curl_easy_setopt(curl.get(), CURLOPT_MAXREDIRS, kRedirects);
+  restrict_protocols(curl.get(), url.starts_with("http:"));
   curl_easy_setopt(curl.get(), CURLOPT_FAILONERROR, 1L);
   curl_easy_setopt(curl.get(), CURLOPT_CONNECTTIMEOUT, kConnectSeconds);
   curl_easy_setopt(curl.get(), CURLOPT_LOW_SPEED_LIMIT, kStalledBytes);
   curl_easy_setopt(curl.get(), CURLOPT_LOW_SPEED_TIME, kStalledSeconds);
+  return curl;
+}
+
+Curl make_download(const std::string& url, Part& part) {
+  Curl curl = make_request(url);
   curl_easy_setopt(curl.get(), CURLOPT_RESUME_FROM_LARGE, part.begin);
   curl_easy_setopt(curl.get(), CURLOPT_WRITEFUNCTION, take);
   curl_easy_setopt(curl.get(), CURLOPT_WRITEDATA, &part);
@@ -75,11 +98,8 @@ Curl make_request(const std::string& url, Part& part) {
 
 /// Size of the file by a HEAD request; -1 if the server does not report it.
 curl_off_t size_at(const std::string& url) {
-  Curl curl(require_memory(curl_easy_init()), curl_easy_cleanup);
-  curl_easy_setopt(curl.get(), CURLOPT_URL, url.c_str());
+  const Curl curl = make_request(url);
   curl_easy_setopt(curl.get(), CURLOPT_NOBODY, 1L);
-  curl_easy_setopt(curl.get(), CURLOPT_FOLLOWLOCATION, 1L);
-  curl_easy_setopt(curl.get(), CURLOPT_FAILONERROR, 1L);
   const CURLcode code = curl_easy_perform(curl.get());
   if (code != CURLE_OK)
     throw InputError(fmt::format("{}: {}; try again later", url, curl_easy_strerror(code)));
@@ -128,7 +148,7 @@ void download(const std::string& url, const std::filesystem::path& file, const P
     Part part(part_path);
     part.progress = &progress;
     if (size < 0 || part.begin < size) {
-      const CURLcode code = curl_easy_perform(make_request(url, part).get());
+      const CURLcode code = curl_easy_perform(make_download(url, part).get());
       if (!part.close()) throw InputError(fmt::format("{}: the disk is full", part_path.string()));
       if (code != CURLE_OK) {
         throw InputError(
@@ -155,13 +175,15 @@ void unpack(const std::filesystem::path& file, const std::filesystem::path& fold
   archive_write_disk_set_options(writer.get(), kFlags);
   check_archive_result(archive_read_open_filename(reader.get(), file.c_str(), kBlockBytes), reader.get(),
                        file);
+  std::filesystem::create_directories(folder);
+  const auto place = std::filesystem::canonical(folder);  // links on the way to it are the user's own
   archive_entry* entry = nullptr;
   while (true) {
     const int code = archive_read_next_header(reader.get(), &entry);
     if (code == ARCHIVE_EOF) return;
     check_archive_result(code, reader.get(), file);
     const std::filesystem::path name = std::filesystem::path(archive_entry_pathname(entry)).relative_path();
-    archive_entry_set_pathname(entry, (folder / name).c_str());
+    archive_entry_set_pathname(entry, (place / name).c_str());
     if (archive_entry_hardlink(entry) != nullptr) {
       throw InputError(fmt::format("{}: contains a link, {}, which a sequence never has; not unpacked",
                                    file.string(), name.string()));

@@ -24,6 +24,17 @@ bool is_of_the_machine(std::string_view key) {
   return key == "threads" || key.ends_with(".threads");
 }
 
+/// Throws InputError naming the file: the value is not of the command line.
+void apply_saved(const std::vector<OptionEntry>& entries, const std::filesystem::path& path,
+                 const std::string& assignment) {
+  try {
+    apply_assignment(entries, assignment);
+  } catch (const UsageError& error) {
+    throw InputError(
+        fmt::format("{}: damaged option: {}; map the recording again", path.string(), error.what()));
+  }
+}
+
 }  // namespace
 
 void MapSaver::save() {
@@ -100,9 +111,10 @@ void load_images(const MapReader& reader, const std::filesystem::path& path, uin
   if (damage.any()) log::warn("{}: damaged; lost: {}", path.string(), describe(damage));
 }
 
-RunOptions restore_options(const SavedMap& saved, const RunOptions& options, const std::string& prefix) {
+RunOptions restore_options(const SavedMap& saved, const std::filesystem::path& path,
+                           const std::string& prefix) {
   using Kind = ResolvedKey::Kind;
-  RunOptions restored = options;
+  RunOptions restored;
   const auto entries = option_entries(restored);
   const OptionHistory history = RunOptions::history();
   std::set<std::string> applied;
@@ -114,7 +126,7 @@ RunOptions restore_options(const SavedMap& saved, const RunOptions& options, con
       if (resolved.kind != kind || !resolved.key.starts_with(prefix)) continue;
       if (is_of_the_machine(resolved.key)) continue;  // of maps up to version 0.1
       if (applied.insert(resolved.key).second)
-        apply_assignment(entries, fmt::format("{}={}", resolved.key, value));
+        apply_saved(entries, path, fmt::format("{}={}", resolved.key, value));
     }
   }
   return restored;
@@ -139,7 +151,7 @@ OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<
   const MapReader reader(path);
   SavedMap saved = read_map_with_warnings(reader, path);
   const RunOptions options =
-      within_range(run_options_with(restore_options(saved, {}), assignments), saved.camera.sensor);
+      within_range(run_options_with(restore_options(saved, path), assignments), saved.camera.sensor);
   OpenMap open{{}, options, {}, logged_frames(saved, 0, 0), DenseRecorder(saved.camera, options.dense), {}};
   open.map.append(std::move(saved.map));
   open.saved = std::move(saved);

@@ -59,8 +59,10 @@ SavedMap read_map_with_warnings(const MapReader& reader, const std::filesystem::
 void load_images(const MapReader& reader, const std::filesystem::path& path, uint32_t shift,
                  DenseRecorder& recorder);
 
-/// Returns `options` with the values that a map was made with; only those whose key begins with `prefix`.
-RunOptions restore_options(const SavedMap& saved, const RunOptions& options, const std::string& prefix = {});
+/// Returns the options that the map at `path` was made with, if their key begins with `prefix`; else the
+/// defaults. Throws InputError naming the file if it holds a value out of range.
+RunOptions restore_options(const SavedMap& saved, const std::filesystem::path& path,
+                           const std::string& prefix = {});
 
 /// Throws InputError unless `camera` is the camera of the map in `path`.
 void require_same_camera(const SavedMap& saved, const std::filesystem::path& path, const RgbdCamera& camera);

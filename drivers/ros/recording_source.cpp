@@ -8,6 +8,7 @@
 #include "drivers/images/first_reason.hpp"
 #include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/base/errors.hpp"
+#include "kinloop/base/log.hpp"
 #include "kinloop/base/recording_topics.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/image_file.hpp"
@@ -25,6 +26,10 @@ class RecordingSource : public FrameSource {
     camera_ = camera.value_or(recorded);
     camera_.depth_scale = recorded.depth_scale;
     camera_.depth.reset();  // registered when it was recorded
+    if (camera && camera->depth_shift_m != 0)
+      log::warn("{}: the depth_shift_m of --camera is not used: depth was corrected when it was recorded",
+                info_.name);
+    camera_.depth_shift_m = recorded.depth_shift_m;
     for (const BagTopic* topic : file_->topics()) {
       if (topic->name == recording::kColorTopic) info_.frames = topic->messages;
     }

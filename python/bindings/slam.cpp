@@ -34,7 +34,7 @@ std::optional<StartingMap> open_starting_map(const RunSettings& settings) {
 /// As `kinloop run` does: frames must use the same features as the map.
 RunOptions options_of(const RunSettings& settings, const std::optional<StartingMap>& start, int threads) {
   RunOptions options;
-  if (start) options = restore_options(start->saved, options, "features.");
+  if (start) options = restore_options(start->saved, start->path, "features.");
   const FeatureKind features = options.slam.features.kind;
   options.slam.global_ba.threads = threads;
   options.slam.localize_only = settings.localize;

@@ -66,6 +66,15 @@ TEST_F(Fetch, DownloadsAndUnpacksAndNamesTheLicence) {
   EXPECT_THAT(fetch(server).out, HasSubstr("already exists"));
 }
 
+TEST_F(Fetch, FollowsALinkToTheFolder) {
+  const test::HttpServer server(kPath, archive_);
+  std::filesystem::create_directory(at("disk"));
+  std::filesystem::create_directory_symlink("disk", at("data"));
+  const Run result = fetch(server);
+  EXPECT_EQ(result.exit_code, kDone) << result.err;
+  EXPECT_TRUE(std::filesystem::exists(at("disk/rgbd_dataset_freiburg1_room/rgb.txt")));
+}
+
 TEST_F(Fetch, ResumesAnInterruptedDownload) {
   test::HttpServer server(kPath, archive_);
   server.hang_up_after = 100'000;
@@ -272,6 +281,15 @@ TEST_F(CameraCommands, CalibrateSuggestsTheDetectedBoardSize) {
   const Run square = run(start + "--board 5x7 --square 30");
   EXPECT_EQ(square.exit_code, kWrongUse);
   EXPECT_THAT(square.err, HasSubstr("30 mm is 0.03"));
+}
+
+TEST_F(CameraCommands, CalibrateRefusesANameThatItsOtherResultsTake) {
+  std::filesystem::create_directory(at("empty"));
+  for (const char* name : {"cam.json", "cam.html"}) {
+    const Run refused = run("calibrate intrinsics '" + at("empty") + "' --square 0.03 -o '" + at(name) + "'");
+    EXPECT_EQ(refused.exit_code, kWrongUse) << name;
+    EXPECT_THAT(refused.err, HasSubstr(".yaml")) << name;
+  }
 }
 
 TEST_F(CameraCommands, CalibrateSaysWhatIsWrong) {

@@ -61,10 +61,11 @@ TEST_F(ExitCodes, AnInterruptedRunDoesNotWaitForASilentSender) {
 rm -rf fifo out log code
 mkfifo fifo
 exec 3<>fifo
-{ sh -c 'echo $$ >pid; exec "$0" run - -v -o out' "$1" <fifo 3>&- 2>log >/dev/null; echo $? >code; } &
+{ sh -c 'echo $$ >pid; exec "$0" run - -v -o out' "$1" <fifo 2>log >/dev/null; echo $? >code; } 3>&- &
 cat bytes >&3
 wait_for() { i=0; while ! "$@" && [ $i -lt 300 ]; do sleep 0.1; i=$((i+1)); done; }
 wait_for grep -q 'keyframe 0 ' log
+sleep 2  # until all frames are taken
 kill -INT $(cat pid)
 wait_for test -s code
 cat code

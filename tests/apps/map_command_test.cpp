@@ -259,6 +259,21 @@ TEST_F(MapCommand, FailureToSaveTheMapDoesNotEndTheRun) {
   EXPECT_TRUE(std::filesystem::exists(at("full/trajectory.txt")));
 }
 
+TEST_F(MapCommand, TextOfAMapFileDoesNotReachTheTerminalRaw) {
+  SavedMap saved = MapReader(ran() + "/map.kinmap").read().first;
+  saved.program = "x\x1b[31m";
+  saved.sessions.front().input = "y\x1b[31m";
+  write_map(at("colored.kinmap"), saved, 0, {});
+  ASSERT_EQ(run("map info " + at("colored.kinmap")), 0) << err_;
+  EXPECT_EQ(out_.find('\x1b'), std::string::npos);
+}
+
+TEST_F(MapCommand, ABadOptionOfAMapFileIsBadInput) {
+  write_with_options(ran() + "/map.kinmap", at("options.kinmap"), {{"dense.voxel_m", "wide"}});
+  EXPECT_EQ(run("export " + at("options.kinmap") + " --cloud " + at("o.ply")), kBadInput);
+  EXPECT_THAT(err_, testing::AllOf(HasSubstr("options.kinmap: "), HasSubstr("dense.voxel_m")));
+}
+
 TEST_F(MapCommand, SaysWhatIsWrong) {
   EXPECT_EQ(run("run sim:room --localize -o " + at("x")), kWrongUse);
   EXPECT_THAT(err_, HasSubstr("--load-map"));
@@ -271,6 +286,8 @@ TEST_F(MapCommand, SaysWhatIsWrong) {
   EXPECT_EQ(run("export " + ran()), kWrongUse);
   EXPECT_EQ(run("export " + ran() + " --cloud x.jpg"), kWrongUse);
   EXPECT_EQ(run("export " + ran() + " --trajectory " + ran() + "/map.kinmap"), kWrongUse);
+  EXPECT_EQ(run("export " + ran() + " --trajectory " + at("t") + " --keyframes " + at("./t")), kWrongUse);
+  EXPECT_THAT(err_, testing::AllOf(HasSubstr("--trajectory"), HasSubstr("--keyframes")));
   EXPECT_EQ(run("map merge " + ran() + " " + ran() + " -o " + ran() + "/map.kinmap"), kWrongUse);
   EXPECT_THAT(err_, HasSubstr("give another name"));
   EXPECT_EQ(run("run sim:room --set sim.width=320 --set sim.height=240 --set sim.frames=3 -o " + at("x") +

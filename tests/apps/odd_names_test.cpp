@@ -37,5 +37,14 @@ TEST_F(OddNames, LineBreaksInAMessageAreEscaped) {
   EXPECT_THAT(refused.err, HasSubstr("no\\nsuch\\x1b[31mfile: no such file"));
 }
 
+TEST_F(OddNames, ControlCharactersOfUnicodeInAMessageAreEscaped) {
+  for (const std::string control : {"\u009b31m", "\u202e", "\u2066"}) {
+    const Run refused = run("eval 'a" + control + "b' x");
+    EXPECT_EQ(refused.exit_code, kBadInput);
+    EXPECT_EQ(refused.err.find(control), std::string::npos);
+  }
+  EXPECT_THAT(run("eval 'caf\u00e9' x").err, HasSubstr("caf\u00e9"));
+}
+
 }  // namespace
 }  // namespace kinloop
