@@ -10,7 +10,7 @@
 namespace kinloop {
 namespace {
 
-Bytes small_jpeg(const cv::Mat& color) {
+WireBytes small_jpeg(const cv::Mat& color) {
   constexpr int kWidth = 640, kQuality = 90;
   const double scale = std::min(1.0, static_cast<double>(kWidth) / color.cols);
   cv::Mat small;
@@ -19,7 +19,7 @@ Bytes small_jpeg(const cv::Mat& color) {
 }
 
 /// The board's corners; green if the image was kept.
-Bytes corners_of(const CaptureFeedback& feedback) {
+WireBytes corners_of(const CaptureFeedback& feedback) {
   std::vector<ShownFeature> corners;
   if (feedback.view) {
     const Eigen::Vector2d size(feedback.view->width, feedback.view->height);

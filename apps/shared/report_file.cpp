@@ -77,7 +77,7 @@ std::string decimated(const ColoredCloud& cloud, const CloudView& view) {
     piece.cloud.colors.push_back(mixed.colors[i]);
   }
   if (piece.cloud.size() == 0) return {};
-  const Bytes bytes = encode_cloud(piece);
+  const WireBytes bytes = encode_cloud(piece);
   return {bytes.begin(), bytes.end()};
 }
 

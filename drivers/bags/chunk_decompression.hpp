@@ -12,9 +12,9 @@ namespace kinloop {
 /// No message or chunk may be larger; more means a damaged length.
 constexpr uint64_t kMaxBlockBytes = uint64_t{1} << 29;
 
-/// Decompresses the first `size` bytes of "lz4" (frame format), "zstd" or "bz2". Throws InputError for another
-/// compression, data that are damaged or shorter, and a size above kMaxBlockBytes. Memory grows with what has
-/// really been decompressed.
+/// Decompresses the first `size` bytes of "lz4" (frame format), "zstd" or "bz2". Throws InputError for
+/// another compression, data that are damaged or shorter, and a size above kMaxBlockBytes. Memory grows with
+/// what has really been decompressed.
 std::vector<uint8_t> decompressed(std::string_view compression, Bytes data, uint64_t size);
 
 /// Returns whether the data begin like a zstd frame.

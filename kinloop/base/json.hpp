@@ -1,7 +1,7 @@
 #pragma once
-// JSON as text. Output passes through here, as text that is not UTF-8 (a path may hold any bytes) must not end
-// a run. Input is parsed here, or by readers that name the byte of an error, which check its depth here: what
-// is deeply nested must not exhaust the stack.
+// JSON as text. Output passes through here, as text that is not UTF-8 (a path may hold any bytes) must not
+// end a run. Input is parsed here, or by readers that name the byte of an error, which check its depth here:
+// what is deeply nested must not exhaust the stack.
 
 #include <string>
 #include <string_view>

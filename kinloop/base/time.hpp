@@ -20,8 +20,8 @@ constexpr bool is_possible_stamp(int64_t stamp_ns) {
 /// Returns the stamp; throws InputError if it is not possible.
 int64_t checked_stamp_ns(int64_t stamp_ns);
 
-/// Parses decimal seconds ("1305031910.765238") exactly; nullopt if the text is not a finite decimal number, or
-/// not that of a possible stamp.
+/// Parses decimal seconds ("1305031910.765238") exactly; nullopt if the text is not a finite decimal number,
+/// or not that of a possible stamp.
 std::optional<int64_t> parse_stamp_ns(std::string_view seconds);
 
 /// Formats a stamp as seconds with six decimals, as in TUM files; with more only if the stamp needs them.

@@ -386,10 +386,10 @@ TEST(Layouts, WhatIsMissingOrWrongIsNamedWithTheRemedy) {
 }
 
 TEST(Layouts, NestedYamlIsAnErrorNotACrash) {
-  constexpr size_t kDepth = 100'000;
+  constexpr size_t kBrackets = 100'000;
   std::string sequences;
-  for (size_t i = 0; i < kDepth; ++i) sequences += "- ";
-  for (const std::string& nested : {std::string(kDepth, '['), std::string(kDepth, '{'), sequences}) {
+  for (size_t i = 0; i < kBrackets; ++i) sequences += "- ";
+  for (const std::string& nested : {std::string(kBrackets, '['), std::string(kBrackets, '{'), sequences}) {
     for (const char* file : {"sensors.yaml", "trans_matrix.yaml"}) {
       const Written written(writer_of("OpenLORIS"), make_sample(2));
       write_file(written.path() / file, "%YAML:1.0\n---\n" + nested);

@@ -83,7 +83,7 @@ TEST_F(SavedRunTest, OfAGlbFileIsItsBytes) {
   write_mesh(folder_.path() / "m.glb", triangle());
   const SavedRun run = read_saved_run(folder_.path() / "m.glb");
   const std::string bytes = read_file(folder_.path() / "m.glb");
-  EXPECT_EQ(*part(run, PartKind::kModel)->body, Bytes(bytes.begin(), bytes.end()));
+  EXPECT_EQ(*part(run, PartKind::kModel)->body, WireBytes(bytes.begin(), bytes.end()));
 }
 
 TEST_F(SavedRunTest, ADamagedGlbIsReportedBeforeServing) {

@@ -36,7 +36,7 @@ TEST(Scene, AChangedPartTakesTheEndOfTheQueueAndItsOldStateIsGone) {
   scene.put(PartKind::kCloud, 0, {2});
   scene.put(PartKind::kCamera, 0, {3});
   EXPECT_THAT(versions_after(scene, 0), ElementsAre(2, 3));
-  EXPECT_EQ(*scene.next_after(2)->body, Bytes{3});
+  EXPECT_EQ(*scene.next_after(2)->body, WireBytes{3});
 }
 
 TEST(Scene, WhatStaysTheSameIsNotSentAgain) {
@@ -48,18 +48,18 @@ TEST(Scene, WhatStaysTheSameIsNotSentAgain) {
 
 TEST(Scene, HoldsNoMoreThanItsParts) {
   Scene scene("run");
-  for (uint8_t i = 0; i < 200; ++i) scene.put(PartKind::kColorImage, 0, Bytes(1000, i));
+  for (uint8_t i = 0; i < 200; ++i) scene.put(PartKind::kColorImage, 0, WireBytes(1000, i));
   EXPECT_EQ(scene.bytes(), 1000U);
   EXPECT_EQ(versions_after(scene, 0).size(), 1U);
 }
 
 TEST(Scene, ASlowBrowserEndsUpWithTheLastStateOfEverything) {
   Scene scene("run");
-  std::map<std::pair<PartKind, uint32_t>, Bytes> slow, truth;
+  std::map<std::pair<PartKind, uint32_t>, WireBytes> slow, truth;
   uint64_t seen = 0;
   for (uint32_t step = 0; step < 1000; ++step) {
     const uint32_t index = step * 7 % 13;
-    const Bytes body = {static_cast<uint8_t>(step % 251)};
+    const WireBytes body = {static_cast<uint8_t>(step % 251)};
     scene.put(PartKind::kCloud, index, body);
     truth[{PartKind::kCloud, index}] = body;
     if (step % 5 != 0) continue;  // takes one part for every five that change
@@ -77,7 +77,7 @@ TEST(Scene, ASlowBrowserEndsUpWithTheLastStateOfEverything) {
 
 TEST(Wire, HeaderHoldsKindIndexAndVersion) {
   const auto head = encode_header(PartKind::kCloud, 7, 123456789012345);
-  const Bytes bytes(head.begin(), head.end());
+  const WireBytes bytes(head.begin(), head.end());
   EXPECT_EQ(value_at<uint32_t>(bytes, 0), 7U);
   EXPECT_EQ(value_at<uint32_t>(bytes, 4), 7U);
   EXPECT_EQ(value_at<double>(bytes, 8), 123456789012345.0);
@@ -85,7 +85,7 @@ TEST(Wire, HeaderHoldsKindIndexAndVersion) {
 
 TEST(Wire, APoseIsItsPlaceAndItsQuaternion) {
   const SE3 pose{exp_so3({0, 0, 1}), {1, 2, 3}};
-  const Bytes bytes = encode_poses({&pose, 1});
+  const WireBytes bytes = encode_poses({&pose, 1});
   ASSERT_EQ(bytes.size(), 28U);
   EXPECT_EQ(value_at<float>(bytes, 4), 2.0F);
   EXPECT_NEAR(value_at<float>(bytes, 20), std::sin(0.5), 1e-7);
@@ -93,7 +93,7 @@ TEST(Wire, APoseIsItsPlaceAndItsQuaternion) {
 }
 
 /// Decodes a cloud as the page does.
-std::vector<Eigen::Vector3f> decoded_points(const Bytes& bytes) {
+std::vector<Eigen::Vector3f> decoded_points(const WireBytes& bytes) {
   std::vector<Eigen::Vector3f> points(value_at<uint32_t>(bytes, 4));
   const auto unit_m = value_at<float>(bytes, 8);
   const Eigen::Vector3f origin(value_at<float>(bytes, 12), value_at<float>(bytes, 16),
@@ -111,7 +111,7 @@ std::vector<Eigen::Vector3f> decoded_points(const Bytes& bytes) {
 TEST(Wire, PointsKeepTheirPlaceToATenthOfAMillimetreAndTheirColour) {
   const CloudPiece piece{
       KeyframeId{5}, {{{1.00004F, -2, 3}, {0, 0.5F, 0.7F}, {-1, 0, 2}}, {{1, 2, 3}, {4, 5, 6}, {255, 0, 9}}}};
-  const Bytes bytes = encode_cloud(piece);
+  const WireBytes bytes = encode_cloud(piece);
   ASSERT_EQ(bytes.size(), 24U + 3 * 12);
   EXPECT_EQ(value_at<uint32_t>(bytes, 0), 5U);
   const auto points = decoded_points(bytes);
@@ -131,7 +131,7 @@ TEST(Wire, ALargePieceOfTheWorldFitsToo) {
 
 TEST(Wire, FeaturesAreSharesOfTheImage) {
   const std::vector<ShownFeature> features = {{{0.5F, 1.2F}, true}, {{0, 0.25F}, false}};
-  const Bytes bytes = encode_features(features);
+  const WireBytes bytes = encode_features(features);
   ASSERT_EQ(bytes.size(), 16U);
   EXPECT_NEAR(value_at<uint16_t>(bytes, 0), 32768, 1);
   EXPECT_EQ(value_at<uint16_t>(bytes, 2), 65535);  // clamped to the image

@@ -34,9 +34,9 @@ class Served {
               commands_.push_back(command);
             }) {}
 
-  void put(PartKind kind, uint32_t index, Bytes body) {
+  void put(PartKind kind, uint32_t index, WireBytes body) {
     const std::lock_guard lock(mutex_);
-    waiting_.push_back({kind, index, 0, std::make_shared<const Bytes>(std::move(body))});
+    waiting_.push_back({kind, index, 0, std::make_shared<const WireBytes>(std::move(body))});
   }
   std::vector<Command> commands() {
     const std::lock_guard lock(mutex_);
@@ -255,7 +255,7 @@ TEST(ViewerServer, AStalledBrowserDoesNotBlockOthers) {
   constexpr uint8_t kRounds = 60, kParts = 16;
   const double before_mib = resident_mib();
   for (uint8_t round = 1; round <= kRounds; ++round) {
-    for (uint8_t i = 0; i < kParts; ++i) served.put(PartKind::kCloud, i, Bytes(kMib, round));
+    for (uint8_t i = 0; i < kParts; ++i) served.put(PartKind::kCloud, i, WireBytes(kMib, round));
     served.put(PartKind::kStatus, 0, {round});
     while (true) {  // the reader gets this round while the others are stalled
       const auto part = reader.next_part();

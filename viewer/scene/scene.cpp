@@ -2,7 +2,7 @@
 
 namespace kinloop {
 
-void Scene::put(PartKind kind, uint32_t index, Bytes body) {
+void Scene::put(PartKind kind, uint32_t index, WireBytes body) {
   auto [known, is_new] = version_of_.try_emplace({kind, index}, 0);
   if (!is_new) {
     const auto before = parts_.find(known->second);
@@ -12,7 +12,7 @@ void Scene::put(PartKind kind, uint32_t index, Bytes body) {
   }
   bytes_ += body.size();
   known->second = ++newest_;
-  parts_[newest_] = {kind, index, newest_, std::make_shared<const Bytes>(std::move(body))};
+  parts_[newest_] = {kind, index, newest_, std::make_shared<const WireBytes>(std::move(body))};
 }
 
 std::optional<ScenePart> Scene::next_after(uint64_t version) const {

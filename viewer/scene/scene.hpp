@@ -22,7 +22,7 @@ struct ScenePart {
   PartKind kind = PartKind::kHello;
   uint32_t index = 0;
   uint64_t version = 0;
-  std::shared_ptr<const Bytes> body;
+  std::shared_ptr<const WireBytes> body;
 };
 
 class Scene {
@@ -33,7 +33,7 @@ class Scene {
   [[nodiscard]] const std::string& run() const { return run_; }
 
   /// Replaces a part; does nothing if it is unchanged.
-  void put(PartKind kind, uint32_t index, Bytes body);
+  void put(PartKind kind, uint32_t index, WireBytes body);
 
   /// Returns the first part that changed after `version`; nullopt if up to date.
   [[nodiscard]] std::optional<ScenePart> next_after(uint64_t version) const;

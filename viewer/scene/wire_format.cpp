@@ -26,20 +26,20 @@ class Writer {
   void put(const Eigen::Vector3f& v) {
     for (const float x : v) put(x);
   }
-  [[nodiscard]] Bytes take() { return std::move(bytes_); }
+  [[nodiscard]] WireBytes take() { return std::move(bytes_); }
 
  private:
-  Bytes bytes_;
+  WireBytes bytes_;
 };
 
 }  // namespace
 
-Bytes encode_json(const nlohmann::json& json) {
+WireBytes encode_json(const nlohmann::json& json) {
   const std::string text = json_text(json);
   return {text.begin(), text.end()};
 }
 
-Bytes encode_poses(std::span<const SE3> poses) {
+WireBytes encode_poses(std::span<const SE3> poses) {
   Writer body(poses.size() * 7 * sizeof(float));
   for (const SE3& pose : poses) {
     body.put(Eigen::Vector3f(pose.translation.cast<float>()));
@@ -48,7 +48,7 @@ Bytes encode_poses(std::span<const SE3> poses) {
   return body.take();
 }
 
-Bytes encode_path(std::span<const PathPoint> points) {
+WireBytes encode_path(std::span<const PathPoint> points) {
   Writer body(points.size() * sizeof(PathPoint));
   for (const PathPoint& point : points) {
     body.put(point.reference.value);
@@ -57,7 +57,7 @@ Bytes encode_path(std::span<const PathPoint> points) {
   return body.take();
 }
 
-Bytes encode_pairs(std::span<const std::pair<KeyframeId, KeyframeId>> pairs) {
+WireBytes encode_pairs(std::span<const std::pair<KeyframeId, KeyframeId>> pairs) {
   Writer body(pairs.size() * 2 * sizeof(uint32_t));
   for (const auto& [a, b] : pairs) {
     body.put(a.value);
@@ -66,13 +66,13 @@ Bytes encode_pairs(std::span<const std::pair<KeyframeId, KeyframeId>> pairs) {
   return body.take();
 }
 
-Bytes encode_points(std::span<const Eigen::Vector3f> points) {
+WireBytes encode_points(std::span<const Eigen::Vector3f> points) {
   Writer body(points.size() * sizeof(Eigen::Vector3f));
   for (const auto& point : points) body.put(point);
   return body.take();
 }
 
-Bytes encode_features(std::span<const ShownFeature> features) {
+WireBytes encode_features(std::span<const ShownFeature> features) {
   constexpr float kUnits = std::numeric_limits<uint16_t>::max();
   const auto units = [](float share) {
     return static_cast<uint16_t>(std::lround(kUnits * std::clamp(share, 0.F, 1.F)));
@@ -87,7 +87,7 @@ Bytes encode_features(std::span<const ShownFeature> features) {
   return body.take();
 }
 
-Bytes encode_cloud(const CloudPiece& piece) {
+WireBytes encode_cloud(const CloudPiece& piece) {
   constexpr float kMaxUnits = std::numeric_limits<int16_t>::max();
   constexpr float kFinestM = 1e-4F;
   const auto& points = piece.cloud.points;
@@ -118,7 +118,7 @@ Bytes encode_cloud(const CloudPiece& piece) {
   return body.take();
 }
 
-Bytes encode_mesh(const ColoredMesh& mesh) {
+WireBytes encode_mesh(const ColoredMesh& mesh) {
   constexpr size_t kMaxBytesPerVertex = 16;
   Writer body(3 * sizeof(uint32_t) + mesh.points.size() * kMaxBytesPerVertex +
               mesh.triangles.size() * sizeof(Triangle));

@@ -21,7 +21,7 @@
 
 namespace kinloop {
 
-using Bytes = std::vector<uint8_t>;
+using WireBytes = std::vector<uint8_t>;
 
 /// The kind of a message, with the content of its body.
 enum class PartKind : uint32_t {
@@ -67,27 +67,27 @@ struct ShownFeature {
 
 // Bodies.
 
-Bytes encode_json(const nlohmann::json& json);
+WireBytes encode_json(const nlohmann::json& json);
 
 /// 7 f32: translation, then the quaternion x, y, z, w.
-Bytes encode_poses(std::span<const SE3> poses);
+WireBytes encode_poses(std::span<const SE3> poses);
 
-Bytes encode_path(std::span<const PathPoint> points);
+WireBytes encode_path(std::span<const PathPoint> points);
 
-Bytes encode_pairs(std::span<const std::pair<KeyframeId, KeyframeId>> pairs);
+WireBytes encode_pairs(std::span<const std::pair<KeyframeId, KeyframeId>> pairs);
 
-Bytes encode_points(std::span<const Eigen::Vector3f> points);
+WireBytes encode_points(std::span<const Eigen::Vector3f> points);
 
-Bytes encode_features(std::span<const ShownFeature> features);
+WireBytes encode_features(std::span<const ShownFeature> features);
 
 /// u32 anchor (all bits set: the world), u32 n, f32 metres per unit, 3 f32 origin; n times 4 i16 (x, y, z in
 /// units from the origin, 0), n times 4 u8 (red, green, blue, 0). The unit is chosen so that the piece fits:
 /// a tenth of a millimetre for the view of a single camera.
-Bytes encode_cloud(const CloudPiece& piece);
+WireBytes encode_cloud(const CloudPiece& piece);
 
 /// u32 n vertices, u32 m triangles, u32 whether there are colours; n times 3 f32 (x, y, z in the world), m
 /// times 3 u32 (vertex indices), n times 4 u8 (red, green, blue, 0) if there are colours.
-Bytes encode_mesh(const ColoredMesh& mesh);
+WireBytes encode_mesh(const ColoredMesh& mesh);
 
 /// Returns the header that precedes a message's body.
 std::array<uint8_t, kHeaderBytes> encode_header(PartKind kind, uint32_t index, uint64_t version);
