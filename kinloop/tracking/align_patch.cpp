@@ -1,5 +1,6 @@
 #include "kinloop/tracking/align_patch.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <Eigen/LU>
@@ -17,7 +18,8 @@ void subtract_mean(Texels& values) {
 
 /// Bilinear interpolation between texels. The caller checks that the position is inside.
 float interpolate(const Patch& patch, float x, float y) {
-  const int column = static_cast<int>(x), row = static_cast<int>(y);
+  constexpr int kLast = Patch::kSize - 2;  // a rounded position may be that of the last texel
+  const int column = std::min(static_cast<int>(x), kLast), row = std::min(static_cast<int>(y), kLast);
   const float fx = x - static_cast<float>(column), fy = y - static_cast<float>(row);
   const uint8_t* upper = patch.texels.data() + row * Patch::kSize + column;
   const uint8_t* lower = upper + Patch::kSize;
@@ -58,8 +60,7 @@ std::optional<PatchTemplate> make_template(const Patch& patch, const Eigen::Matr
   constexpr float kReach = kHalf + 1;
   const Eigen::Array2f extent = source_per_target.cwiseAbs() * Eigen::Vector2f(kReach, kReach);
   const Eigen::Array2f low = patch.center.array() - extent, high = patch.center.array() + extent;
-  constexpr float kRounding = 1e-3F;  // of the positions below, which are sums
-  if (!(low >= kRounding).all() || !(high < Patch::kSize - 1 - kRounding).all()) return std::nullopt;
+  if (!(low >= 0).all() || !(high < Patch::kSize - 1).all()) return std::nullopt;
 
   std::array<float, kBorder * kBorder> warped{};
   for (int row = 0; row < kBorder; ++row) {
