@@ -4,8 +4,8 @@
 //   FAULT_STICKY all calls from then on fail, as on a full disk
 //   FAULT_KILL   the program is killed (SIGKILL) instead
 //   FAULT_COUNT  file for the number of calls; for the keys of all sites, a line each
-// A site is where memory is allocated: the chain of callers, as offsets in their libraries, so that its key is the same
-// in every run. The first allocation there fails.
+// A site is where memory is allocated: the caller of the allocator (often operator new) and the caller of that, as
+// offsets in their libraries, so that its key is the same in every run. The first allocation there fails.
 // Calls are counted from the start of main: what the dynamic loader and static initialisers do is not kinloop's.
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -40,7 +40,7 @@ static int fails(enum Call call) {
   return now;
 }
 
-enum { kCallers = 6, kMostSites = 1 << 18 };
+enum { kCallers = 2, kMostSites = 1 << 18 };
 static _Atomic uint64_t sites[kMostSites];  // a hash table of keys; 0 = free
 static _Thread_local int in_site = 0;       // finding the callers may allocate
 
