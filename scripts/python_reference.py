@@ -7,7 +7,10 @@ import ast
 import importlib
 import inspect
 import sys
+import textwrap
 from pathlib import Path
+
+WIDTH = 80  # letters of a line of code on the page
 
 
 def fenced(language, text):
@@ -19,7 +22,8 @@ def signatures(functions):
     lines = []
     for function in functions:
         function.args.args = [argument for argument in function.args.args if argument.arg != "self"]
-        lines.append(f"{function.name}({ast.unparse(function.args)}) -> {ast.unparse(function.returns)}")
+        signature = f"{function.name}({ast.unparse(function.args)}) -> {ast.unparse(function.returns)}"
+        lines.append(textwrap.fill(signature, WIDTH, subsequent_indent="    ", break_on_hyphens=False))
     return fenced("python", "\n".join(lines))
 
 
