@@ -42,7 +42,7 @@ json loops_json(const Map& map) {
 }
 
 json options_json(RunOptions options) {
-  json values;
+  json values = json::object();
   for (const OptionEntry& entry : option_entries(options)) {
     std::visit([&](const auto& value) { values[entry.key] = value; }, entry.value);
   }
@@ -126,7 +126,7 @@ json run_summary(const RunOutcome& o) {
       std::count_if(log.begin(), log.end(), [](const auto& f) { return f.status != TrackStatus::kLost; });
   const auto dense_only = std::count_if(log.begin(), log.end(),
                                         [](const auto& f) { return f.status == TrackStatus::kDenseOnly; });
-  json summary;
+  json summary = json::object();  // [] on null crashes when memory runs out
   summary["version"] = version_text();
   summary["input"] = lasting_input_name(o.source.info().name);
   summary["frames"] = log.size();

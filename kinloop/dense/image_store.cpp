@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -72,6 +73,7 @@ StoredImages encode_images(const ColorImage& color, const cv::Mat& depth_m,
   const auto units = to_units(depth_m, options.depth_scale);
   EncodedImages encoded{rows, cols, encode_color(color, options.jpeg_quality), pack_depth(units)};
   RgbdImages decoded{decode_color(encoded.color), to_metres(units, rows, cols, options.depth_scale)};
+  if (decoded.color.size() != depth_m.size()) throw std::bad_alloc();  // it has been decoded before
   return {std::move(encoded), std::move(decoded)};
 }
 
