@@ -9,12 +9,12 @@
 #include "apps/run/cloud_quality.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
-#include "apps/shared/open_frame_source.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/stopwatch.hpp"
+#include "kinloop/core/text/json.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
+#include "session/open_frame_source.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {

@@ -10,13 +10,13 @@
 #include "apps/calibrate/calibration_views.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/text/json.hpp"
 #include "kinloop/sensor/camera_file.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

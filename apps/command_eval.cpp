@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "apps/shared/commands.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/text/json.hpp"
+#include "kinloop/core/time.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {

@@ -5,17 +5,15 @@
 #include <fmt/format.h>
 
 #include "apps/export/export_map_recording.hpp"
-#include "apps/export/export_sparse_model.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
-#include "apps/shared/map_store.hpp"
 #include "apps/shared/progress_bar.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/output_file.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/output_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/occupancy.hpp"
 #include "kinloop/io/grid_file.hpp"
 #include "kinloop/io/path_csv.hpp"
@@ -23,7 +21,9 @@
 #include "kinloop/io/point_cloud/pcd.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/loop/correct_loop.hpp"
-#include "kinloop/optimize/pose_graph/g2o_file.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
+#include "session/export_sparse_model.hpp"
+#include "session/map_store.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,9 +9,9 @@
 #include "apps/features/feature_table.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/options.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/options.hpp"
+#include "kinloop/core/text/json.hpp"
 #include "kinloop/features/surf.hpp"
 #include "tools/feature_comparison/detectors.hpp"
 

@@ -9,9 +9,9 @@
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/download.hpp"
 #include "apps/shared/progress_bar.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/output_file.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/output_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,16 +7,16 @@
 
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
-#include "apps/shared/map_store.hpp"
-#include "apps/shared/open_frame_source.hpp"
 #include "apps/shared/progress_bar.hpp"
 #include "apps/shared/standard_output.hpp"
-#include "kinloop/base/byte_reader.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/text/json.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
+#include "session/map_store.hpp"
+#include "session/open_frame_source.hpp"
 
 namespace kinloop {
 namespace {

@@ -4,14 +4,14 @@
 
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
-#include "apps/shared/map_store.hpp"
 #include "apps/shared/progress_bar.hpp"
 #include "apps/shared/standard_output.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/mesh/reconstruct_mesh.hpp"
 #include "kinloop/io/mesh_file.hpp"
+#include "session/map_store.hpp"
 
 namespace kinloop {
 namespace {

@@ -12,12 +12,12 @@
 
 #include "apps/shared/commands.hpp"
 #include "apps/shared/standard_output.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/writable_check.hpp"
-#include "kinloop/optimize/pose_graph/g2o_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/text/json.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
 #include "viewer/report/graph_report.hpp"
 
 namespace kinloop {

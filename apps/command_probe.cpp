@@ -6,12 +6,12 @@
 #include <fmt/format.h>
 
 #include "apps/shared/commands.hpp"
-#include "apps/shared/open_frame_source.hpp"
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/probe/sequence_statistics.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
+#include "session/open_frame_source.hpp"
 
 namespace kinloop {
 namespace {

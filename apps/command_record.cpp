@@ -10,15 +10,15 @@
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/interrupt.hpp"
-#include "apps/shared/open_frame_source.hpp"
 #include "apps/shared/recorder.hpp"
 #include "drivers/kinect2/kinect2_raw.hpp"
 #include "drivers/live/paced_source.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/options.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/options.hpp"
+#include "kinloop/core/stopwatch.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
+#include "session/open_frame_source.hpp"
 
 namespace kinloop {
 namespace {

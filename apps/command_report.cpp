@@ -9,9 +9,9 @@
 #include "apps/shared/commands.hpp"
 #include "apps/shared/report_file.hpp"
 #include "apps/shared/standard_output.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,10 +9,10 @@
 #include "apps/reproduce/chapters.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
-#include "apps/shared/program_name.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/text/json.hpp"
+#include "session/program_name.hpp"
 
 namespace kinloop {
 

@@ -13,9 +13,9 @@
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/progress_bar.hpp"
 #include "drivers/datasets/tum_writer.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/options.hpp"
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/options.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "simulator/simulated_source.hpp"
 
 namespace kinloop {

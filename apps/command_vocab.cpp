@@ -8,8 +8,8 @@
 
 #include "apps/shared/commands.hpp"
 #include "apps/vocab/vocab_train.hpp"
-#include "kinloop/base/stopwatch.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/stopwatch.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
 #include "tools/vocabulary_training/dbow2_text.hpp"

@@ -19,11 +19,11 @@
 #include "apps/shared/commands.hpp"
 #include "apps/shared/failure.hpp"
 #include "apps/shared/log_output.hpp"
-#include "apps/shared/memory.hpp"
 #include "apps/shared/standard_output.hpp"
 #include "apps/shared/version.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
+#include "session/memory.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/core/stopwatch.hpp"
 #include "kinloop/optimize/bundle/bundle.hpp"
 #include "tests/optimize/bundle_world.hpp"
 

@@ -5,14 +5,14 @@
 #include <benchmark/benchmark.h>
 #include <opencv2/features2d.hpp>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/optimize/bundle/bundle.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
-#include "kinloop/tracking/tracker.hpp"
+#include "kinloop/tracking/local_map_tracking.hpp"
 #include "simulator/simulated_source.hpp"
 
 namespace kinloop {

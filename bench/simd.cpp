@@ -3,7 +3,7 @@
 #include <benchmark/benchmark.h>
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/features/kernels/corner_scores.hpp"
 #include "kinloop/features/kernels/gaussian_blur.hpp"

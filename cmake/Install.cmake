@@ -17,7 +17,7 @@ endif()
 if(KINLOOP_PROGRAM)
   install(TARGETS kinloop_program COMPONENT program)
 endif()
-install(DIRECTORY kinloop drivers simulator tools DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kinloop
+install(DIRECTORY kinloop drivers simulator tools session DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kinloop
         FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT kinloopTargets NAMESPACE kinloop:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kinloop)
 configure_package_config_file(cmake/kinloopConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/kinloopConfig.cmake

@@ -7,7 +7,7 @@
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/place_index.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 
 int main(int argc, char** argv) try {
   if (argc < 3) {

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "drivers/datasets/tum_source.hpp"
-#include "kinloop/slam/session.hpp"
+#include "session/session.hpp"
 
 int main(int argc, char** argv) try {
   if (argc != 2) {

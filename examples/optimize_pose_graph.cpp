@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "kinloop/optimize/pose_graph/g2o_file.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 
 namespace {

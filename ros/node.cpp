@@ -14,12 +14,12 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 
 #include "drivers/datasets/camera_selection.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/options.hpp"
-#include "kinloop/slam/session.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/options.hpp"
 #include "ros/node_output.hpp"
 #include "ros/node_source.hpp"
+#include "session/session.hpp"
 
 namespace kinloop::ros1 {
 namespace {

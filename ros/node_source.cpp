@@ -8,8 +8,8 @@
 #include <ros/ros.h>
 #include <ros/topic.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop::ros1 {
 namespace {

@@ -7,9 +7,9 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop::sim {
 namespace {

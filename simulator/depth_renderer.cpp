@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinloop/base/association.hpp"
-#include "kinloop/base/quantile.hpp"
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/association.hpp"
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/options.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/core/options.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 #include "simulator/exact_depth.hpp"
 
 namespace kinloop {

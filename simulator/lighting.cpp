@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 
 namespace kinloop::sim {
 

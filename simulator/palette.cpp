@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "simulator/paint.hpp"
 
 namespace kinloop::sim {

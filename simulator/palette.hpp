@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "simulator/primitive.hpp"
 #include "simulator/texture.hpp"
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/quantile.hpp"
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/random.hpp"
 #include "simulator/camera_path.hpp"
 #include "simulator/room_layout.hpp"
 

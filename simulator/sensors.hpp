@@ -1,8 +1,8 @@
 #pragma once
 // The simulated sensors and their cameras.
 
-#include "kinloop/base/options.hpp"
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/core/options.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/sensor/registration.hpp"
 #include "simulator/renderer.hpp"
 #include "simulator/room.hpp"

@@ -6,8 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "simulator/deviates.hpp"
 
 namespace kinloop {

@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -4,8 +4,8 @@
 #include <complex>
 #include <numbers>
 
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "simulator/deviates.hpp"
 
 namespace kinloop {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/options.hpp"
 #include "simulator/exact_depth.hpp"
 
 namespace kinloop {

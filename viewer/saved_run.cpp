@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/io/point_cloud/point_file.hpp"

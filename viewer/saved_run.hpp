@@ -6,7 +6,7 @@
 
 #include "kinloop/dense/mesh/colored_mesh.hpp"
 #include "kinloop/geometry/trajectory.hpp"
-#include "viewer/options.hpp"
+#include "session/viewer_options.hpp"
 #include "viewer/scene/scene.hpp"
 
 namespace kinloop {

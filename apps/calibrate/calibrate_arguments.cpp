@@ -1,7 +1,7 @@
 #include "apps/calibrate/calibrate_arguments.hpp"
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/options.hpp"
 #include "tools/calibration/charuco.hpp"
 
 namespace kinloop {

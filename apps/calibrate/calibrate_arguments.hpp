@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/calibrate/live_capture.hpp"
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "tools/calibration/board.hpp"
 #include "tools/calibration/options.hpp"
 

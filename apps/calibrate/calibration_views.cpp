@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "apps/shared/progress_bar.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 
 namespace kinloop {

@@ -9,6 +9,7 @@
 
 #include "apps/calibrate/calibrate_arguments.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 #include "tools/calibration/find_board.hpp"
 #include "tools/calibration/rig.hpp"
 

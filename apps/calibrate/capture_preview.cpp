@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/sensor/jpeg_codec.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 
 namespace kinloop {
 namespace {

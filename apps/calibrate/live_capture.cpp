@@ -7,8 +7,8 @@
 #include "apps/calibrate/capture_preview.hpp"
 #include "apps/run/run_viewer.hpp"
 #include "apps/shared/interrupt.hpp"
-#include "apps/shared/open_frame_source.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/log.hpp"
+#include "session/open_frame_source.hpp"
 
 namespace kinloop {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "kinloop/io/mcap/map_recording.hpp"
+#include "tools/export/mcap/map_recording.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 // Writes a session of a map as a recording for Foxglove.
 
-#include "apps/shared/map_store.hpp"
+#include "session/map_store.hpp"
 
 namespace kinloop {
 

@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/stopwatch.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/stopwatch.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 #include "tools/feature_comparison/detectors.hpp"
 #include "tools/feature_comparison/draw_matches.hpp"
 

@@ -9,10 +9,10 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "apps/shared/open_frame_source.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/random.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
+#include "session/open_frame_source.hpp"
 
 namespace kinloop {
 namespace {

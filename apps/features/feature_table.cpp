@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/quantile.hpp"
+#include "kinloop/core/quantile.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

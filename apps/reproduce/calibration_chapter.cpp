@@ -5,7 +5,7 @@
 
 #include "apps/reproduce/board_stills.hpp"
 #include "apps/reproduce/chapters.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 namespace {

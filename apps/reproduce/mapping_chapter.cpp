@@ -4,7 +4,7 @@
 
 #include "apps/reproduce/chapters.hpp"
 #include "apps/reproduce/trajectory_picture.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/run_folder.hpp"
 #include "tools/evaluation/evaluate.hpp"
 

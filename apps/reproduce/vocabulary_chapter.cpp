@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "apps/reproduce/chapters.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/quantile.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/quantile.hpp"
 
 namespace kinloop {
 namespace {

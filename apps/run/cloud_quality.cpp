@@ -5,8 +5,8 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/quantile.hpp"
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/cloud/voxel_samples.hpp"
 
 namespace kinloop {

@@ -1,8 +1,8 @@
 #pragma once
 // Records a row per frame for frames.txt.
 
+#include "kinloop/core/timings.hpp"
 #include "kinloop/slam/listener.hpp"
-#include "kinloop/slam/timings.hpp"
 #include "viewer/report/frame_table.hpp"
 
 namespace kinloop {

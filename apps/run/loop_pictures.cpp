@@ -12,15 +12,15 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/quantile.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
-#include "kinloop/loop/loop_overlap.hpp"
-#include "kinloop/sensor/jpeg_codec.hpp"
-#include "kinloop/slam/frame_velocities.hpp"
+#include "apps/run/loop_overlap.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/text/json.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/core/time.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
+#include "kinloop/tracking/frame_velocities.hpp"
 
 namespace kinloop {
 namespace {

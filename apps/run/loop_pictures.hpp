@@ -7,7 +7,8 @@
 
 #include "kinloop/io/run_folder.hpp"
 #include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/slam/dense_recorder.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
+#include "session/dense_recorder.hpp"
 
 namespace kinloop {
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 namespace {

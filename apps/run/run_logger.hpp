@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "kinloop/base/progress.hpp"
+#include "kinloop/core/progress.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 #include "kinloop/slam/listener.hpp"
 

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "apps/run/depth_noise_scale.hpp"
 #include "apps/shared/version.hpp"
-#include "kinloop/base/quantile.hpp"
-#include "kinloop/base/time.hpp"
-#include "kinloop/slam/depth_noise_scale.hpp"
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/time.hpp"
 #include "tools/evaluation/consistency.hpp"
 #include "viewer/report/report.hpp"
 

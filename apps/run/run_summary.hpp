@@ -6,9 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/run/run_options.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 #include "kinloop/slam/slam.hpp"
+#include "session/run_options.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {

@@ -7,9 +7,9 @@
 #include <unistd.h>
 
 #include "apps/shared/interrupt.hpp"
-#include "apps/shared/map_store.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
+#include "session/map_store.hpp"
 #include "viewer/report/report.hpp"
 #include "viewer/saved_run.hpp"
 

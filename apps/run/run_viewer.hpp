@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "kinloop/io/run_folder.hpp"
-#include "kinloop/slam/session.hpp"
+#include "session/session.hpp"
 #include "viewer/live_viewer.hpp"
 
 namespace kinloop {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 

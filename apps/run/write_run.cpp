@@ -2,11 +2,11 @@
 
 #include "apps/run/loop_pictures.hpp"
 #include "apps/shared/report_file.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/text/json.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/loop/correct_loop.hpp"
-#include "kinloop/optimize/pose_graph/g2o_file.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "viewer/report/run_up_direction.hpp"
 

@@ -8,7 +8,7 @@
 #include "apps/run/run_summary.hpp"
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/io/run_folder.hpp"
-#include "kinloop/slam/session.hpp"
+#include "session/session.hpp"
 #include "viewer/report/frame_table.hpp"
 
 namespace kinloop {

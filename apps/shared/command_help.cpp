@@ -9,7 +9,7 @@
 #include "apps/shared/command_line.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/version.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

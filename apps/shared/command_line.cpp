@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "kinloop/base/did_you_mean.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/text/did_you_mean.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "kinloop/base/did_you_mean.hpp"
+#include "kinloop/core/text/did_you_mean.hpp"
 
 namespace kinloop {
 namespace {

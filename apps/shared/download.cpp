@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_DOWNLOAD
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "kinloop/base/progress.hpp"
+#include "kinloop/core/progress.hpp"
 
 namespace kinloop {
 

@@ -7,9 +7,8 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/input_error_with_hint.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,7 +9,7 @@
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 namespace {

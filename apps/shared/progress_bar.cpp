@@ -10,7 +10,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/core/stopwatch.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "kinloop/base/progress.hpp"
+#include "kinloop/core/progress.hpp"
 
 namespace kinloop {
 

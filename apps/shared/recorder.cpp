@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/tum_writer.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/output_file.hpp"
-#include "kinloop/io/mcap/frame_recording.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/output_file.hpp"
 #include "kinloop/sensor/registration.hpp"
+#include "tools/export/mcap/frame_recording.hpp"
 
 namespace kinloop {
 namespace {

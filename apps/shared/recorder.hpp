@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
 
 namespace kinloop {

@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 
 #include "apps/run/loop_pictures.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/dense/cloud/render_cloud.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
-#include "kinloop/sensor/jpeg_codec.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "viewer/report/report.hpp"
 #include "viewer/report/run_up_direction.hpp"
 #include "viewer/scene/incremental_cloud.hpp"

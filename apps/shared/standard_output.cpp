@@ -5,7 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "kinloop/base/output_file.hpp"
+#include "kinloop/core/files/output_file.hpp"
 
 namespace kinloop {
 

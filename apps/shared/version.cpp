@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "apps/shared/download.hpp"
-#include "apps/shared/program_name.hpp"
 #include "drivers/datasets/reading/video_reader.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
@@ -18,6 +17,7 @@
 #include "kinloop/dense/occupancy.hpp"
 #include "kinloop/features/surf.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
+#include "session/program_name.hpp"
 #include "tools/calibration/charuco.hpp"
 #include "tools/feature_comparison/detectors.hpp"
 #include "tools/vocabulary_training/mpi_communicator.hpp"

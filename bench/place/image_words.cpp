@@ -6,7 +6,7 @@
 #include <cstring>
 #include <numeric>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/features/hamming.hpp"
 
 namespace kinloop {

@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "drivers/datasets/tum_source.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "tools/vocabulary_training/training_images.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <opencv2/flann.hpp>
 
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/place/descriptor_space.hpp"
 
 namespace kinloop {

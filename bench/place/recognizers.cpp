@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bench/place/place_search.hpp"
-#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/core/stopwatch.hpp"
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/loop/recognize_place.hpp"
 

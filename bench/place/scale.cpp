@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "bench/place/places.hpp"
-#include "kinloop/base/quantile.hpp"
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/stopwatch.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/place_index.hpp"
 

@@ -17,8 +17,8 @@
 
 #include "bench/up/planes.hpp"
 #include "drivers/datasets/tum_source.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/cloud/surface_normals.hpp"
 #include "kinloop/dense/cloud/voxel_samples.hpp"
 #include "kinloop/geometry/up_direction.hpp"

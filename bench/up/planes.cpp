@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 
 namespace kinloop {
 namespace {

@@ -12,10 +12,10 @@
 #include "drivers/images/first_reason.hpp"
 #include "drivers/live/frame_pairer.hpp"
 #include "drivers/ros/ros_image.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/time.hpp"
-#include "kinloop/geometry/possible_camera.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/time.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
+#include "kinloop/sensor/possible_camera.hpp"
 #include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_VIDEO
 
@@ -16,7 +16,7 @@ extern "C" {
 #include <libavutil/log.h>
 }
 
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 namespace {

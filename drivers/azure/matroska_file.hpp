@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 
 namespace kinloop {
 

@@ -9,7 +9,7 @@
 #include <lz4frame.h>
 #include <zstd.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

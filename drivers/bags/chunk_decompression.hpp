@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 
 namespace kinloop {
 

@@ -4,8 +4,8 @@
 
 #include "drivers/bags/chunk_decompression.hpp"
 #include "drivers/bags/record_file.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/mcap_format.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/sensor/mcap_format.hpp"
 
 namespace kinloop {
 namespace {

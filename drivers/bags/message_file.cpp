@@ -6,7 +6,7 @@
 #include "drivers/bags/ros1_bag.hpp"
 #include "drivers/bags/ros2_folder.hpp"
 #include "drivers/bags/sqlite_bag.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 
 namespace kinloop {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "drivers/bags/chunk_decompression.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 

@@ -8,8 +8,8 @@
 
 #include "drivers/bags/mcap_file.hpp"
 #include "drivers/bags/sqlite_bag.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,8 +7,8 @@
 #include <sqlite3.h>
 
 #include "drivers/bags/chunk_decompression.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/untrusted_database.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/untrusted_database.hpp"
 
 namespace kinloop {
 namespace {

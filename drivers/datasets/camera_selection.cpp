@@ -6,7 +6,7 @@
 
 #include "drivers/datasets/folder_contents.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/camera_presets.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <variant>
 
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -5,8 +5,8 @@
 
 #include "drivers/datasets/reading/depth_image.hpp"
 #include "drivers/datasets/reading/image_bytes.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "drivers/datasets/folder_contents.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
-#include "kinloop/base/did_you_mean.hpp"
-#include "kinloop/base/input_error_with_hint.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/text/did_you_mean.hpp"
 
 namespace kinloop {
 namespace {

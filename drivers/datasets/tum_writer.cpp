@@ -4,13 +4,13 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/output_file.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/output_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/sensor/camera_file.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

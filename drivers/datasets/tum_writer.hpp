@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
-#include "kinloop/base/folder_lock.hpp"
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/core/files/folder_lock.hpp"
 #include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
 
 namespace kinloop {

@@ -7,8 +7,8 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/sensor/color_image.hpp"
-#include "kinloop/sensor/image_limits.hpp"
+#include "kinloop/sensor/images/color_image.hpp"
+#include "kinloop/sensor/images/image_limits.hpp"
 
 namespace kinloop {
 

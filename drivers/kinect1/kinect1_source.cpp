@@ -1,6 +1,6 @@
 #include "drivers/kinect1/kinect1_source.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_FREENECT
 
@@ -12,7 +12,7 @@
 
 #include "drivers/live/device_clock.hpp"
 #include "drivers/live/live_source.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 namespace {

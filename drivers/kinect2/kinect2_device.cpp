@@ -12,7 +12,7 @@
 #include <libfreenect2/logger.h>
 #include <libfreenect2/packet_pipeline.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

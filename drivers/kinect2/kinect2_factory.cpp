@@ -6,7 +6,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "drivers/kinect2/kinect2_device.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,6 +1,6 @@
 #include "drivers/kinect2/kinect2_raw.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_FREENECT2
 
@@ -13,9 +13,9 @@
 
 #include "drivers/kinect2/kinect2_factory.hpp"
 #include "drivers/kinect2/kinect2_packets.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 
 namespace kinloop {

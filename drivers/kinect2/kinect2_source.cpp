@@ -1,6 +1,6 @@
 #include "drivers/kinect2/kinect2_source.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_FREENECT2
 

@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

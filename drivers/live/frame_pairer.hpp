@@ -7,7 +7,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/association.hpp"
+#include "kinloop/core/association.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
 
 namespace kinloop {

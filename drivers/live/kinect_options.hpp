@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/options.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 
 namespace kinloop {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 

@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "drivers/live/reconnection.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {

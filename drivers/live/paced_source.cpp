@@ -3,7 +3,7 @@
 #include <chrono>
 #include <thread>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 

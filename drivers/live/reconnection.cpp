@@ -2,8 +2,8 @@
 
 #include <thread>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 namespace {

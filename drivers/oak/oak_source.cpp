@@ -1,6 +1,6 @@
 #include "drivers/oak/oak_source.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_DEPTHAI
 
@@ -21,7 +21,7 @@
 #include "drivers/live/device_selection.hpp"
 #include "drivers/live/live_source.hpp"
 #include "drivers/ros/ros_image.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 namespace {

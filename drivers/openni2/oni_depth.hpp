@@ -3,7 +3,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 
 namespace kinloop {
 

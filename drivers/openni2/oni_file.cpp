@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "drivers/openni2/openni_image.hpp"
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 
 namespace kinloop {

@@ -8,9 +8,9 @@
 #include "drivers/live/frame_pairer.hpp"
 #include "drivers/openni2/oni_depth.hpp"
 #include "drivers/openni2/oni_file.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/time.hpp"
-#include "kinloop/geometry/possible_camera.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/time.hpp"
+#include "kinloop/sensor/possible_camera.hpp"
 #include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {

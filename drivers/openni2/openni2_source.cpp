@@ -1,6 +1,6 @@
 #include "drivers/openni2/openni2_source.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_OPENNI2
 
@@ -13,7 +13,7 @@
 #include "drivers/live/device_clock.hpp"
 #include "drivers/live/live_source.hpp"
 #include "drivers/openni2/openni_image.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 namespace {

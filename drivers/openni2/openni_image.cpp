@@ -8,9 +8,9 @@
 
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/ros/ros_image.hpp"
-#include "kinloop/base/byte_reader.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

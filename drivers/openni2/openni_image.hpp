@@ -6,9 +6,9 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/color_image.hpp"
+#include "kinloop/sensor/images/color_image.hpp"
 
 namespace kinloop {
 

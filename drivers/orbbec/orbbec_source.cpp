@@ -1,6 +1,6 @@
 #include "drivers/orbbec/orbbec_source.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_ORBBEC
 
@@ -17,7 +17,7 @@
 #include "drivers/live/live_source.hpp"
 #include "drivers/ros/realsense_bag.hpp"
 #include "drivers/ros/ros_image.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinloop/base/quantile.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 

@@ -1,6 +1,6 @@
 #include "drivers/realsense/realsense_source.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_REALSENSE2
 

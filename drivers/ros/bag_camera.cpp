@@ -6,7 +6,7 @@
 
 #include "drivers/ros/frame_tree.hpp"
 #include "drivers/ros/ros_serialization.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "drivers/bags/message_file.hpp"
 #include "drivers/ros/ros_topics.hpp"
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

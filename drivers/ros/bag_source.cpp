@@ -10,9 +10,9 @@
 #include "drivers/ros/realsense_bag.hpp"
 #include "drivers/ros/recording_source.hpp"
 #include "drivers/ros/ros_serialization.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/time.hpp"
-#include "kinloop/geometry/possible_camera.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/time.hpp"
+#include "kinloop/sensor/possible_camera.hpp"
 #include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "drivers/ros/ros_serialization.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,11 +7,11 @@
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/images/first_reason.hpp"
 #include "drivers/ros/ros_serialization.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/recording_topics.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera_file.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
+#include "kinloop/sensor/recording_topics.hpp"
 
 namespace kinloop {
 namespace {

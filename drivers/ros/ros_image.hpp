@@ -12,7 +12,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/color_image.hpp"
+#include "kinloop/sensor/images/color_image.hpp"
 
 namespace kinloop {
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "drivers/ros/ros_image.hpp"
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {

@@ -9,12 +9,12 @@
 
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/ros/ros_image.hpp"
-#include "kinloop/base/byte_reader.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
+#include "kinloop/core/text/json.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/sensor/camera_file.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "drivers/images/first_reason.hpp"
 #include "drivers/live/live_frames.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {

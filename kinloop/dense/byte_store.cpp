@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "kinloop/base/anonymous_temp_file.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/anonymous_temp_file.hpp"
 
 namespace kinloop {
 namespace {

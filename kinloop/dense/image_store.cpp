@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/dense/depth_codec.hpp"
-#include "kinloop/sensor/image_file.hpp"
-#include "kinloop/sensor/jpeg_codec.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,7 +9,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/dense/byte_store.hpp"
-#include "kinloop/sensor/color_image.hpp"
+#include "kinloop/sensor/images/color_image.hpp"
 
 namespace kinloop {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/dense/cloud/voxel_samples.hpp"
 #include "kinloop/dense/usable_depth.hpp"
 

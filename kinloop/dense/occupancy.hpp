@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/base/progress.hpp"
+#include "kinloop/core/progress.hpp"
 #include "kinloop/dense/image_store.hpp"
 #include "kinloop/dense/options.hpp"
 #include "kinloop/dense/posed_image.hpp"

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "kinloop/base/options.hpp"
-#include "kinloop/geometry/depth_sensor.hpp"
+#include "kinloop/core/options.hpp"
+#include "kinloop/sensor/depth_sensor.hpp"
 
 namespace kinloop {
 

@@ -5,8 +5,8 @@
 #include <cstddef>
 
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/geometry/velocity.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 
 namespace kinloop {
 

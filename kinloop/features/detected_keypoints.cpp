@@ -5,8 +5,8 @@
 
 #include <opencv2/features2d.hpp>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/features/surf.hpp"
 

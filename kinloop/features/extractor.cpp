@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/features/corner_detector.hpp"
 #include "kinloop/features/detected_keypoints.hpp"
 #include "kinloop/features/hamming.hpp"

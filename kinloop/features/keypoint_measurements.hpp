@@ -2,7 +2,7 @@
 // In: the features of an image. Out: one keypoint of them as the estimators take it.
 
 #include "kinloop/features/features.hpp"
-#include "kinloop/geometry/keypoint_measurement.hpp"
+#include "kinloop/sensor/keypoint_measurement.hpp"
 
 namespace kinloop {
 

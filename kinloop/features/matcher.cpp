@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/features/kernels/hamming_rows.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "kinloop/base/options.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/core/options.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 
 namespace kinloop {
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <optional>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

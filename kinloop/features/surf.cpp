@@ -9,7 +9,7 @@
 #include <dlib/image_keypoint.h>
 #endif
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 

@@ -1,6 +1,7 @@
 #include "kinloop/geometry/camera.hpp"
 
 namespace kinloop {
+
 Eigen::Matrix<double, 2, 3> PinholeCamera::project_jacobian(const Eigen::Vector3d& p) const {
   const double inv_z = 1.0 / p.z();
   Eigen::Matrix<double, 2, 3> J;
@@ -18,6 +19,13 @@ Eigen::Vector2d PinholeCamera::undistort(const Eigen::Vector2d& raw) const {
   if (!has_distortion()) return raw;
   const Eigen::Vector2d p = lens.undistort({(raw.x() - cx) / fx, (raw.y() - cy) / fy});
   return {fx * p.x() + cx, fy * p.y() + cy};
+}
+
+std::optional<Eigen::Vector2d> undistort_in_view(const PinholeCamera& camera, const Eigen::Vector2d& raw) {
+  constexpr double kSamePixel_px = 0.1;
+  const Eigen::Vector2d undistorted = camera.undistort(raw);
+  if (!((camera.distort(undistorted) - raw).norm() < kSamePixel_px)) return std::nullopt;
+  return undistorted;
 }
 
 }  // namespace kinloop

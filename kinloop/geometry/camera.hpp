@@ -7,7 +7,6 @@
 
 #include <Eigen/Core>
 
-#include "kinloop/geometry/depth_sensor.hpp"
 #include "kinloop/geometry/lens.hpp"
 #include "kinloop/geometry/se3.hpp"
 
@@ -51,18 +50,8 @@ struct PinholeCamera {
   }
 };
 
-/// The calibration of an RGB-D camera, the content of `camera.yaml`.
-struct RgbdCamera {
-  PinholeCamera color;
-  double depth_scale = 5000;     ///< units of the depth image per metre
-  double depth_shift_m = 0;      ///< added to measured depth
-  double fps = 30;               ///< frames per second
-  double rolling_shutter_s = 0;  ///< readout time from the first colour row to the last
-  double depth_offset_s = 0;     ///< time of the depth measurement minus its stamp
-  /// The depth camera, if depth is not registered to colour.
-  std::optional<PinholeCamera> depth;
-  SE3 T_color_depth;  ///< used only with `depth`
-  DepthSensor sensor = {};
-};
+/// Returns the undistorted pixel of a raw one; nullopt if that is outside the lens's field of view:
+/// distorting the result would not lead back to `raw`.
+std::optional<Eigen::Vector2d> undistort_in_view(const PinholeCamera& camera, const Eigen::Vector2d& raw);
 
 }  // namespace kinloop

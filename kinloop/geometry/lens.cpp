@@ -6,7 +6,7 @@
 
 #include <Eigen/LU>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

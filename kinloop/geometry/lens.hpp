@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/options.hpp"
 
 namespace kinloop {
 

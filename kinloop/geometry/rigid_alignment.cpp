@@ -2,7 +2,7 @@
 
 #include <Eigen/SVD>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 

@@ -1,6 +1,6 @@
 #include "kinloop/geometry/velocity.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/text/json.hpp"
 
 namespace kinloop {
 namespace {

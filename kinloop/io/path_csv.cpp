@@ -2,8 +2,8 @@
 
 #include <fmt/ostream.h>
 
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "kinloop/base/folder_lock.hpp"
+#include "kinloop/core/files/folder_lock.hpp"
 #include "kinloop/dense/cloud/colored_cloud.hpp"
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/io/file_frame.hpp"

@@ -5,8 +5,8 @@
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/geometry/se3.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 
 namespace kinloop {
 

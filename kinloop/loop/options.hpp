@@ -1,10 +1,10 @@
 #pragma once
 
-#include "kinloop/base/options.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/core/options.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/optimize/pose/pnp_ransac.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 
 namespace kinloop {
 

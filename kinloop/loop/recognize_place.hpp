@@ -7,7 +7,7 @@
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/loop/options.hpp"
 #include "kinloop/map/local_map.hpp"
-#include "kinloop/tracking/tracker.hpp"
+#include "kinloop/tracking/local_map_tracking.hpp"
 
 namespace kinloop {
 

@@ -1,6 +1,6 @@
 #include "kinloop/loop/relocalize.hpp"
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 
 namespace kinloop {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "kinloop/base/ids.hpp"
+#include "kinloop/core/ids.hpp"
 #include "kinloop/features/features.hpp"
 #include "kinloop/features/patches.hpp"
 #include "kinloop/geometry/se3.hpp"

@@ -2,7 +2,7 @@
 // In: a growing map. Out: the same map, whose oldest descriptors and patches are in a temporary file once all
 // of them take more memory than a limit. They are read like memory.
 
-#include "kinloop/base/anonymous_temp_file.hpp"
+#include "kinloop/core/files/anonymous_temp_file.hpp"
 #include "kinloop/map/map.hpp"
 
 namespace kinloop {

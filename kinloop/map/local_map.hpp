@@ -8,7 +8,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/options.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/map.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/options.hpp"
 #include "kinloop/optimize/bundle/bundle.hpp"
 
 namespace kinloop {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "kinloop/base/ids.hpp"
+#include "kinloop/core/ids.hpp"
 
 namespace kinloop {
 

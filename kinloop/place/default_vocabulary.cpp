@@ -1,6 +1,6 @@
 #include "kinloop/place/default_vocabulary.hpp"
 
-#include "kinloop/base/embedded_file.hpp"
+#include "kinloop/core/files/embedded_file.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
 
 KINLOOP_EMBED_FILE(default_vocabulary, KINLOOP_DEFAULT_VOCABULARY)

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/place/binary_descriptor.hpp"
 #include "kinloop/place/descriptor_kind.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/features/kernels/hamming_rows.hpp"
 
 namespace kinloop {

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "kinloop/base/ids.hpp"
+#include "kinloop/core/ids.hpp"
 #include "kinloop/place/bow_vector.hpp"
 
 namespace kinloop {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/place/descriptor_space.hpp"
 
 namespace kinloop {

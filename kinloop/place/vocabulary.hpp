@@ -12,7 +12,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/ids.hpp"
+#include "kinloop/core/ids.hpp"
 #include "kinloop/place/bow_vector.hpp"
 #include "kinloop/place/descriptor_kind.hpp"
 

@@ -25,7 +25,7 @@
 #include <filesystem>
 #include <string>
 
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
 #include "kinloop/sensor/skipped_frames.hpp"
 

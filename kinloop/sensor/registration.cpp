@@ -7,8 +7,9 @@
 
 #include <opencv2/core.hpp>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/geometry/field_of_view.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 namespace {

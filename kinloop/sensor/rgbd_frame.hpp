@@ -7,9 +7,9 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/ids.hpp"
-#include "kinloop/base/time.hpp"
-#include "kinloop/sensor/color_image.hpp"
+#include "kinloop/core/ids.hpp"
+#include "kinloop/core/time.hpp"
+#include "kinloop/sensor/images/color_image.hpp"
 
 namespace kinloop {
 

@@ -94,9 +94,27 @@ OptionHistory SlamOptions::history() {
   return history;
 }
 
-DepthNoise keypoint_noise(const NoiseOptions& noise, const DepthNoise& sensor_noise) {
-  const double sensor_ratio = sensor_noise.coefficient_per_m / kSensorInverseDepthSigmaPerM;
-  return {noise.inverse_depth_sigma_per_m * sensor_ratio, sensor_noise.crossover_m};
+TrackerOptions tracker_options(const SlamOptions& o) {
+  return {o.features,
+          o.tracking,
+          o.local_map,
+          o.min_initial_keypoints,
+          o.lost_frames_before_new_component,
+          o.localize_only,
+          static_cast<uint64_t>(o.seed)};
+}
+
+MapperOptions mapper_options(const SlamOptions& o) {
+  return {o.tracking.keyframe, o.local_map, o.mapping, o.localize_only};
+}
+
+PlaceOptions place_options(const SlamOptions& o) {
+  return {o.tracking, o.local_map, o.loop, static_cast<uint64_t>(o.seed)};
+}
+
+BackEndOptions back_end_options(const SlamOptions& o) {
+  return {o.executor, o.tracking,  o.local_map,         o.mapping,
+          o.loop,     o.global_ba, o.global_ba_enabled, o.self_calibration};
 }
 
 SlamOptions resolve_options(SlamOptions options, const DepthNoise& sensor_noise) {

@@ -1,8 +1,9 @@
 #pragma once
 // Conversion between the frames and sensor estimate of a run and their form in a map file.
 
-#include "kinloop/io/map_file/map_file.hpp"
-#include "kinloop/slam/self_calibration.hpp"
+#include "kinloop/back_end/self_calibration.hpp"
+#include "kinloop/map/saved_map.hpp"
+#include "kinloop/tracking/frame_log.hpp"
 
 namespace kinloop {
 

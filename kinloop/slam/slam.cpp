@@ -1,8 +1,8 @@
 #include "kinloop/slam/slam.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/back_end/final_bundle_adjustment.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
-#include "kinloop/slam/final_bundle_adjustment.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
 
@@ -49,10 +49,10 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
       options_(resolve_options(options, camera.sensor.noise)),
       keyframe_memory_(static_cast<size_t>(options_.keyframe_memory_mib) << 20),
       front_end_(camera.color, options_.features),
-      tracker_(camera.color, options_),
-      mapper_(camera.color, options_),
-      places_(camera.color, options_, std::move(vocabulary)),
-      back_end_(map_, camera, options_) {
+      tracker_(camera.color, tracker_options(options_)),
+      mapper_(camera.color, mapper_options(options_)),
+      places_(camera.color, place_options(options_), std::move(vocabulary)),
+      back_end_(map_, camera, back_end_options(options_)) {
   sensor_.value = nominal_sensor(camera);
 }
 
@@ -68,7 +68,10 @@ FrameResult Slam::process(const PreparedFrame& measured) {
   back_end_.submit(measured.id, job_context());
   timings_.add("back end scheduling", module.lap());
 
-  const TrackingContext context{map_, places_, sensor_.value};
+  const Relocalizer relocalize = [this](const PreparedFrame& frame) {
+    return places_.relocalize(frame, map_);
+  };
+  const TrackingContext context{map_, sensor_.value, relocalize};
   FrameTracking tracking = tracker_.track(measured, context, timings_);
   module.lap();
   bool needs_keyframe = tracking.has_keypoints && mapper_.needs_keyframe(map_, tracking);
@@ -152,7 +155,8 @@ Trajectory Slam::finish(const Progress& progress) {
     finish_localization();
   } else if (options_.global_ba_enabled) {
     const Stopwatch adjusting;
-    auto adjusted = final_bundle_adjustment(map_, log_, camera_, sensor_, options_, progress);
+    auto adjusted =
+        final_bundle_adjustment(map_, log_, camera_, sensor_, back_end_options(options_), progress);
     sensor_ = std::move(adjusted.sensor);
     keyframe_covariance_ = std::move(adjusted.keyframe_covariance);
     map_.advance_epoch();

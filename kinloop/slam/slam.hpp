@@ -11,22 +11,22 @@
 #include <span>
 #include <vector>
 
-#include "kinloop/base/progress.hpp"
-#include "kinloop/geometry/camera.hpp"
-#include "kinloop/io/map_file/map_file.hpp"
+#include "kinloop/back_end/back_end.hpp"
+#include "kinloop/back_end/refine_frames.hpp"
+#include "kinloop/core/progress.hpp"
+#include "kinloop/core/timings.hpp"
+#include "kinloop/loop/place_recognition.hpp"
 #include "kinloop/map/keyframe_memory.hpp"
+#include "kinloop/map/saved_map.hpp"
+#include "kinloop/mapping/mapper.hpp"
 #include "kinloop/place/vocabulary.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
-#include "kinloop/slam/back_end/back_end.hpp"
-#include "kinloop/slam/frame_log.hpp"
-#include "kinloop/slam/front_end.hpp"
 #include "kinloop/slam/listener.hpp"
-#include "kinloop/slam/mapper.hpp"
 #include "kinloop/slam/options.hpp"
-#include "kinloop/slam/place_recognition.hpp"
-#include "kinloop/slam/refine_frames.hpp"
-#include "kinloop/slam/timings.hpp"
-#include "kinloop/slam/tracker.hpp"
+#include "kinloop/tracking/frame_log.hpp"
+#include "kinloop/tracking/front_end.hpp"
+#include "kinloop/tracking/tracker.hpp"
 
 namespace kinloop {
 

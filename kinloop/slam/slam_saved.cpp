@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/slam/refine_frames.hpp"
+#include "kinloop/back_end/refine_frames.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/slam/saved_session.hpp"
 #include "kinloop/slam/slam.hpp"
 

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "kinloop/features/options.hpp"
+#include "kinloop/tracking/local_map_tracking.hpp"
 #include "kinloop/tracking/patch_search.hpp"
-#include "kinloop/tracking/tracker.hpp"
 
 namespace kinloop {
 

@@ -6,8 +6,8 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/ids.hpp"
-#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/core/ids.hpp"
+#include "kinloop/core/stopwatch.hpp"
 #include "kinloop/features/image_octaves.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/geometry/se3.hpp"

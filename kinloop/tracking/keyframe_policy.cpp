@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "kinloop/base/quantile.hpp"
+#include "kinloop/core/quantile.hpp"
 
 namespace kinloop {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "kinloop/tracking/tracker.hpp"
+#include "kinloop/tracking/local_map_tracking.hpp"
 
 namespace kinloop {
 

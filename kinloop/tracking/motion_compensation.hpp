@@ -7,7 +7,7 @@
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/optimize/bundle/sensor_model.hpp"
+#include "kinloop/sensor/sensor_model.hpp"
 
 namespace kinloop {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 namespace {

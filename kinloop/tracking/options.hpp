@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/options.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 #include "kinloop/optimize/pose/icp.hpp"
 #include "kinloop/optimize/pose/pnp_ransac.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "kinloop/map/local_map.hpp"
-#include "kinloop/optimize/bundle/sensor_model.hpp"
+#include "kinloop/sensor/sensor_model.hpp"
 
 namespace kinloop {
 

@@ -3,8 +3,8 @@
 
 #include <span>
 
+#include "kinloop/tracking/local_map_tracking.hpp"
 #include "kinloop/tracking/patch_search.hpp"
-#include "kinloop/tracking/tracker.hpp"
 
 namespace kinloop {
 

@@ -8,7 +8,7 @@
 #include <pybind11/numpy.h>
 
 #include "kinloop/geometry/se3.hpp"
-#include "kinloop/sensor/color_image.hpp"
+#include "kinloop/sensor/images/color_image.hpp"
 #include "python/bindings/bindings.hpp"
 
 namespace kinloop::python {

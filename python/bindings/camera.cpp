@@ -6,7 +6,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "drivers/datasets/camera_selection.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 
 namespace kinloop::python {

@@ -4,7 +4,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/io/mesh_file.hpp"
 #include "kinloop/io/point_cloud/las.hpp"
 #include "kinloop/io/point_cloud/pcd.hpp"

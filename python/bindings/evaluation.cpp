@@ -2,8 +2,8 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/json.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/text/json.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/gil.hpp"
 #include "python/bindings/stamps.hpp"

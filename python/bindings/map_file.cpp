@@ -5,9 +5,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "apps/export/export_sparse_model.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/writable_check.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/mesh/reconstruct_mesh.hpp"
 #include "kinloop/loop/correct_loop.hpp"
 #include "python/bindings/dense.hpp"
@@ -15,6 +14,7 @@
 #include "python/bindings/options.hpp"
 #include "python/bindings/pose_graph.hpp"
 #include "python/bindings/trajectory.hpp"
+#include "session/export_sparse_model.hpp"
 
 namespace kinloop::python {
 namespace {

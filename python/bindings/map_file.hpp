@@ -3,8 +3,8 @@
 #include <memory>
 #include <mutex>
 
-#include "apps/shared/map_store.hpp"
 #include "python/bindings/bindings.hpp"
+#include "session/map_store.hpp"
 
 namespace kinloop::python {
 

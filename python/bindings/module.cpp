@@ -1,9 +1,8 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/input_error_with_hint.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/options.hpp"
 #include "python/bindings/bindings.hpp"
 
 namespace kinloop::python {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/base/progress.hpp"
+#include "kinloop/core/progress.hpp"
 #include "python/bindings/bindings.hpp"
 
 namespace kinloop::python {

@@ -5,8 +5,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/place_index.hpp"

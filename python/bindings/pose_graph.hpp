@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kinloop/optimize/pose_graph/g2o_file.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
 
 namespace kinloop::python {
 

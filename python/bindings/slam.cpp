@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
-#include "apps/shared/map_store.hpp"
-#include "apps/shared/memory.hpp"
-#include "apps/shared/open_frame_source.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/dense/mesh/reconstruct_mesh.hpp"
+#include "session/map_store.hpp"
+#include "session/memory.hpp"
+#include "session/open_frame_source.hpp"
 
 namespace kinloop::python {
 namespace {

@@ -7,13 +7,13 @@
 #include <optional>
 #include <string>
 
-#include "apps/run/run_options.hpp"
 #include "kinloop/dense/mesh/colored_mesh.hpp"
 #include "kinloop/io/file_frame.hpp"
 #include "kinloop/sensor/registration.hpp"
-#include "kinloop/slam/dense_recorder.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "python/bindings/source.hpp"
+#include "session/dense_recorder.hpp"
+#include "session/run_options.hpp"
 
 namespace kinloop::python {
 

@@ -3,7 +3,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "python/bindings/array_frame.hpp"
 #include "python/bindings/camera.hpp"
 #include "python/bindings/gil.hpp"

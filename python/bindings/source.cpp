@@ -4,15 +4,15 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "apps/run/run_options.hpp"
-#include "apps/shared/open_frame_source.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/camera.hpp"
 #include "python/bindings/options.hpp"
 #include "python/bindings/stamps.hpp"
 #include "python/bindings/trajectory.hpp"
+#include "session/open_frame_source.hpp"
+#include "session/run_options.hpp"
 
 namespace kinloop::python {
 

@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/slam/frame_pipeline.hpp"
-#include "kinloop/slam/front_end.hpp"
+#include "kinloop/tracking/front_end.hpp"
 #include "python/bindings/bindings.hpp"
+#include "session/frame_pipeline.hpp"
 
 namespace kinloop::python {
 

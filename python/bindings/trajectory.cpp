@@ -6,8 +6,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/io/path_csv.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/stamps.hpp"

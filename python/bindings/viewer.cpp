@@ -2,7 +2,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "python/bindings/dense.hpp"
 #include "python/bindings/gil.hpp"
 #include "python/bindings/map_file.hpp"

@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 #include <unistd.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "tests/apps/program_test.hpp"
 
 namespace kinloop {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/bags/mcap_file.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "tests/apps/program_test.hpp"
 

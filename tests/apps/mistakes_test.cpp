@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/core/stopwatch.hpp"
 
 namespace kinloop {
 namespace {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "kinloop/sensor/jpeg_codec.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/apps/program_test.hpp"
 
 namespace kinloop {

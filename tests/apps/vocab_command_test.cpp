@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "tests/apps/program_test.hpp"
 
 namespace kinloop {

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "tools/calibration/board.hpp"
 #include "tools/calibration/lens.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "tests/dense/plane_view.hpp"
 #include "tests/support/random_vectors.hpp"
 

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "drivers/datasets/tum_source.hpp"
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/time.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/time.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 #include "tests/dense/plane_view.hpp"
 #include "tests/support/shared_data.hpp"
 

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "tests/support/environment.hpp"
 #include "tests/support/expect_error.hpp"
 

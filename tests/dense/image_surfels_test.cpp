@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/base/random.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 #include "tests/dense/plane_view.hpp"
 
 namespace kinloop {

@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/dense/cloud/point_colors.hpp"
 #include "kinloop/dense/mesh/reconstruct_mesh.hpp"
 #include "kinloop/dense/occupancy.hpp"
 #include "kinloop/dense/usable_depth.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 #include "tests/dense/plane_view.hpp"
 
 namespace kinloop {

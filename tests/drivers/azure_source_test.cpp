@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "drivers/azure/azure_calibration.hpp"
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/sensor/registration.hpp"
 #include "tests/drivers/mkv_writer.hpp"
 #include "tests/drivers/mutation.hpp"

@@ -7,8 +7,8 @@
 #include <libdeflate.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/time.hpp"
 #include "tests/drivers/test_video.hpp"
 
 namespace kinloop::test {

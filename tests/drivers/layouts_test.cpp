@@ -10,7 +10,7 @@
 
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/recorded_source.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "tests/drivers/layout_writers.hpp"

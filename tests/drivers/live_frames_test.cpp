@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
 

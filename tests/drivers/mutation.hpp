@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 
 #include "drivers/ros/bag_source.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/random.hpp"
 
 namespace kinloop::test {
 

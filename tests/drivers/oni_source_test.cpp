@@ -5,7 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "drivers/openni2/oni_depth.hpp"
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/drivers/oni_writer.hpp"
 #include "tests/drivers/sequence_folder.hpp"

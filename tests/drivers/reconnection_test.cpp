@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

@@ -4,7 +4,7 @@
 #include "drivers/bags/message_file.hpp"
 #include "drivers/datasets/tum_source.hpp"
 #include "drivers/ros/bag_source.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/sensor/registration.hpp"
 #include "tests/drivers/bag_writers.hpp"
 #include "tests/drivers/mutation.hpp"

@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "drivers/ros/ros_topics.hpp"
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"
 

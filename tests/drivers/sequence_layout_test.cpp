@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "drivers/datasets/folder_contents.hpp"
-#include "kinloop/base/input_error_with_hint.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "drivers/datasets/tum_source.hpp"
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 #include "tests/drivers/message_writer.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/drivers/sequence_folder.hpp"

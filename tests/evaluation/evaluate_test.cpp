@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/time.hpp"
 #include "tests/support/random_vectors.hpp"
 #include "tests/support/shared_data.hpp"
 

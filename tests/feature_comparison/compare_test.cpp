@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/features/surf.hpp"
 #include "tests/features/cluttered_image.hpp"
 #include "tools/feature_comparison/detectors.hpp"

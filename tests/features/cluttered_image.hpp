@@ -2,7 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/geometry/camera.hpp"
 
 namespace kinloop::test {

@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/random.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/support/shared_data.hpp"

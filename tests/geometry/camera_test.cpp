@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/base/random.hpp"
-#include "kinloop/geometry/possible_camera.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/sensor/possible_camera.hpp"
 #include "tests/support/random_vectors.hpp"
 
 namespace kinloop {

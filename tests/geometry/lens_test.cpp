@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/geometry/camera.hpp"
 
 namespace kinloop {

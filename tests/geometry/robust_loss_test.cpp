@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 
 namespace kinloop {
 namespace {

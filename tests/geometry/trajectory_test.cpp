@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/time.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temp_folder.hpp"

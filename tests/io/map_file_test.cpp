@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <sqlite3.h>
 
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/io/map_file/feature_serialization.hpp"
 #include "kinloop/io/map_file/map_tables.hpp"
 #include "tests/io/sample_map.hpp"

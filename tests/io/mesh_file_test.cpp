@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/grid_file.hpp"
 #include "kinloop/io/point_cloud/pcd.hpp"
 #include "tests/support/expect_error.hpp"

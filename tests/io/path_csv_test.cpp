@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace kinloop {

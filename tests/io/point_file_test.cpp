@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/mesh_file.hpp"
 #include "kinloop/io/point_cloud/lzf.hpp"
 #include "kinloop/io/point_cloud/pcd.hpp"

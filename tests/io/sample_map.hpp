@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 
 namespace kinloop::test {

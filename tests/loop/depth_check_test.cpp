@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 #include "tests/support/random_vectors.hpp"
 #include "tests/support/synthetic_world.hpp"
 

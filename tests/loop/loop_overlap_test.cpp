@@ -1,4 +1,4 @@
-#include "kinloop/loop/loop_overlap.hpp"
+#include "apps/run/loop_overlap.hpp"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/log.hpp"
 #include "tests/support/environment.hpp"
 #include "tests/support/synthetic_world.hpp"
 #include "tests/support/temp_folder.hpp"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "tests/support/synthetic_world.hpp"
 
 namespace kinloop {

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "tests/optimize/synthetic_view.hpp"
 
 namespace kinloop {

@@ -1,10 +1,10 @@
-#include "kinloop/optimize/pose_graph/g2o_file.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "tests/optimize/pose_graph_world.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"

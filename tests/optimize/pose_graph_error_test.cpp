@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/optimize/pose_graph/pose_graph_kernel.hpp"
-#include "kinloop/optimize/pose_graph/pose_graph_structure.hpp"
+#include "kinloop/optimize/pose_graph/solvers/pose_graph_kernel.hpp"
+#include "kinloop/optimize/pose_graph/solvers/pose_graph_structure.hpp"
 #include "tests/optimize/pose_graph_world.hpp"
 
 namespace kinloop {

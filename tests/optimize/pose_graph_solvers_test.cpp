@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/optimize/pose_graph/chordal_initialization.hpp"
-#include "kinloop/optimize/pose_graph/pose_graph_structure.hpp"
+#include "kinloop/optimize/pose_graph/solvers/pose_graph_structure.hpp"
 #include "tests/optimize/pose_graph_world.hpp"
 #include "tests/support/expect_error.hpp"
 

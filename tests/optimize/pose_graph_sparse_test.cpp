@@ -4,10 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/base/random.hpp"
-#include "kinloop/optimize/pose_graph/newton_solver.hpp"
-#include "kinloop/optimize/pose_graph/sparse_cholesky.hpp"
-#include "kinloop/optimize/pose_graph/sparse_elimination.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/optimize/linear/sparse_cholesky.hpp"
+#include "kinloop/optimize/linear/sparse_elimination.hpp"
+#include "kinloop/optimize/pose_graph/solvers/newton_solver.hpp"
 
 namespace kinloop {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph_error.hpp"
 

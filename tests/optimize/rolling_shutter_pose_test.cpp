@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "tests/optimize/synthetic_view.hpp"
 #include "tests/support/random_vectors.hpp"
 

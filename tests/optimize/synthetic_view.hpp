@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 #include "tests/support/random_vectors.hpp"
 

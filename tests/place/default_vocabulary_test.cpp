@@ -6,9 +6,9 @@
 
 #include <gmock/gmock.h>
 
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/place/place_index.hpp"
 #include "kinloop/place/vocabulary_file.hpp"

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/place/descriptor_space.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
 #include "tests/support/temp_folder.hpp"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/place/binary_descriptor.hpp"
 
 namespace kinloop::test {

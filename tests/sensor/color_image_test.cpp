@@ -1,9 +1,9 @@
-#include "kinloop/sensor/color_image.hpp"
+#include "kinloop/sensor/images/color_image.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/sensor/jpeg_codec.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 
 namespace kinloop {

@@ -1,9 +1,9 @@
-#include "kinloop/sensor/fast_encoder.hpp"
+#include "kinloop/sensor/images/fast_encoder.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

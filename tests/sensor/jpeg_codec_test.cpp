@@ -1,4 +1,4 @@
-#include "kinloop/sensor/jpeg_codec.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 
 #include <string>
 

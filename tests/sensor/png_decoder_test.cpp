@@ -1,4 +1,4 @@
-#include "kinloop/sensor/png_decoder.hpp"
+#include "kinloop/sensor/images/png_decoder.hpp"
 
 #include <filesystem>
 #include <string>
@@ -10,9 +10,9 @@
 #include <png.h>
 #include <zlib.h>
 
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/sensor/libpng_decoder.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/sensor/images/libpng_decoder.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/shared_data.hpp"
 

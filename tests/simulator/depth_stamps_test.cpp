@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/base/association.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/association.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "drivers/datasets/tum_source.hpp"
 #include "drivers/datasets/tum_writer.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "simulator/simulated_source.hpp"
 #include "tests/support/temp_folder.hpp"
 

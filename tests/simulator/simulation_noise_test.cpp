@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "simulator/kinect_model.hpp"
 
 namespace kinloop::sim {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/base/random.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/time.hpp"
 #include "simulator/camera_path.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/shared_data.hpp"

@@ -10,9 +10,9 @@
 
 #include "drivers/datasets/tum_source.hpp"
 #include "drivers/datasets/tum_writer.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/time.hpp"
 #include "simulator/room_layout.hpp"
 #include "simulator/simulated_source.hpp"
 #include "tests/support/shared_data.hpp"

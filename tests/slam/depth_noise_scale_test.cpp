@@ -1,4 +1,4 @@
-#include "kinloop/slam/depth_noise_scale.hpp"
+#include "apps/run/depth_noise_scale.hpp"
 
 #include <gtest/gtest.h>
 

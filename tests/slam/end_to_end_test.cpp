@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/slam/session.hpp"
+#include "session/session.hpp"
 #include "simulator/simulated_source.hpp"
 #include "tools/evaluation/evaluate.hpp"
 

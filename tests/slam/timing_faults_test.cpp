@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "drivers/live/live_frames.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "tests/slam/recording.hpp"
 #include "tools/evaluation/evaluate.hpp"

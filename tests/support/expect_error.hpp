@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop::test {
 

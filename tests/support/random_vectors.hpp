@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 
 namespace kinloop::test {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/features/features.hpp"
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/geometry/camera.hpp"

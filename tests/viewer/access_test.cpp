@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,10 +6,10 @@
 
 #include <gmock/gmock.h>
 
-#include "kinloop/base/base64.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/text/base64.hpp"
+#include "kinloop/core/time.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "viewer/report/report_text.hpp"
 #include "viewer/report/svg_plot.hpp"

@@ -11,8 +11,8 @@
 #include <gmock/gmock.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "viewer/run_control.hpp"

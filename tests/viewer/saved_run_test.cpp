@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/mesh_file.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/support/expect_error.hpp"

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "tests/viewer/raw_client.hpp"
 #include "viewer/server/service.hpp"
 

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/writable_check.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 #include "tools/calibration/edge_width.hpp"
 #include "tools/calibration/find_board.hpp"
 

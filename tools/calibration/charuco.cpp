@@ -1,6 +1,6 @@
 #include "tools/calibration/charuco.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_ARUCO
 

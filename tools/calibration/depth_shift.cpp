@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/quantile.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/quantile.hpp"
 
 namespace kinloop {
 namespace {

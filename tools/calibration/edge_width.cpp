@@ -5,8 +5,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/quantile.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/quantile.hpp"
 #include "tools/calibration/find_board.hpp"
 
 namespace kinloop {

@@ -8,11 +8,11 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/quantile.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 #include "tools/calibration/board_size.hpp"
 #include "tools/calibration/charuco.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/progress.hpp"
+#include "kinloop/core/progress.hpp"
 #include "tools/calibration/board.hpp"
 
 namespace kinloop {

@@ -8,7 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "tools/calibration/board_residual.hpp"
 
 namespace kinloop {

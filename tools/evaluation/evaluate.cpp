@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/geometry/rigid_alignment.hpp"
 
 namespace kinloop {

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "kinloop/base/association.hpp"
+#include "kinloop/core/association.hpp"
 #include "kinloop/geometry/trajectory.hpp"
 #include "tools/evaluation/statistics.hpp"
 

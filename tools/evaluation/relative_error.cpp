@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/time.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {

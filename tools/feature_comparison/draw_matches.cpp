@@ -4,8 +4,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/random.hpp"
 
 namespace kinloop {
 namespace {

@@ -8,8 +8,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/optimize/pose/pnp_ransac.hpp"

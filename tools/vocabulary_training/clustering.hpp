@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/options.hpp"
 #include "kinloop/place/descriptor_space.hpp"
 #include "tools/vocabulary_training/communicator.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "tools/vocabulary_training/training_set.hpp"
 
 namespace kinloop {

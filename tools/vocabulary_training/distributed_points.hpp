@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "tools/vocabulary_training/clustering.hpp"
 
 namespace kinloop {

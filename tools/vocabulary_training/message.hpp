@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "tools/vocabulary_training/communicator.hpp"
 
 namespace kinloop {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdlib>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_MPI
 

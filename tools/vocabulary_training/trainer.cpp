@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/random.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "tools/vocabulary_training/clustering.hpp"
 #include "tools/vocabulary_training/message.hpp"
 #include "tools/vocabulary_training/tree_level.hpp"

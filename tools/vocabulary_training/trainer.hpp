@@ -7,8 +7,8 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/options.hpp"
-#include "kinloop/base/progress.hpp"
+#include "kinloop/core/options.hpp"
+#include "kinloop/core/progress.hpp"
 #include "kinloop/place/vocabulary.hpp"
 #include "tools/vocabulary_training/clustering.hpp"
 #include "tools/vocabulary_training/communicator.hpp"

@@ -8,12 +8,12 @@
 #include <fmt/format.h>
 #include <opencv2/features2d.hpp>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/surf.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 #include "tools/vocabulary_training/descriptor_file.hpp"
 
 namespace kinloop {

@@ -10,7 +10,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/progress.hpp"
+#include "kinloop/core/progress.hpp"
 #include "kinloop/features/options.hpp"
 #include "tools/vocabulary_training/communicator.hpp"
 #include "tools/vocabulary_training/training_set.hpp"

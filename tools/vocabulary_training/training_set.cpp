@@ -1,6 +1,6 @@
 #include "tools/vocabulary_training/training_set.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 

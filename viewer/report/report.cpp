@@ -5,11 +5,11 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "kinloop/base/base64.hpp"
-#include "kinloop/base/embedded_file.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/json.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/embedded_file.hpp"
+#include "kinloop/core/text/base64.hpp"
+#include "kinloop/core/text/json.hpp"
+#include "kinloop/core/time.hpp"
 #include "tools/evaluation/evaluate.hpp"
 #include "viewer/report/report_text.hpp"
 #include "viewer/report/run_up_direction.hpp"

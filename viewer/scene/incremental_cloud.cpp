@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/dense/cloud/voxel_grid.hpp"
 
 namespace kinloop {

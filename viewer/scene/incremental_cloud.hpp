@@ -4,7 +4,7 @@
 #include <unordered_set>
 
 #include "kinloop/dense/cloud/voxel_samples.hpp"
-#include "viewer/options.hpp"
+#include "session/viewer_options.hpp"
 #include "viewer/scene/wire_format.hpp"
 
 namespace kinloop {

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "kinloop/slam/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
+#include "kinloop/tracking/frame_log.hpp"
 #include "viewer/scene/wire_format.hpp"
 
 namespace kinloop {

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/geometry/up_direction.hpp"
-#include "kinloop/sensor/jpeg_codec.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include "kinloop/base/json.hpp"
+#include "kinloop/core/text/json.hpp"
 
 namespace kinloop {
 namespace {

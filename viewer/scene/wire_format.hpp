@@ -15,7 +15,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include "kinloop/base/ids.hpp"
+#include "kinloop/core/ids.hpp"
 #include "kinloop/dense/mesh/colored_mesh.hpp"
 #include "kinloop/geometry/se3.hpp"
 

@@ -7,7 +7,7 @@
 #include <boost/asio/ip/host_name.hpp>
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

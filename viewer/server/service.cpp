@@ -4,8 +4,8 @@
 #include <chrono>
 #include <thread>
 
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/thread_priority.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/threads/thread_priority.hpp"
 #include "viewer/server/server.hpp"
 
 namespace kinloop {

@@ -1,6 +1,6 @@
 #include "viewer/server/viewer_page.hpp"
 
-#include "kinloop/base/embedded_file.hpp"
+#include "kinloop/core/files/embedded_file.hpp"
 
 KINLOOP_EMBED_FILE(embedded_viewer_page, KINLOOP_PAGE)
 

@@ -12,8 +12,8 @@
 #include "drivers/datasets/reading/frame_files.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "drivers/datasets/reading/two_lenses.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -8,7 +8,7 @@
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 namespace {

@@ -10,9 +10,9 @@
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/sensor/camera_presets.hpp"
 
 namespace kinloop {

@@ -12,9 +12,9 @@
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "drivers/datasets/reading/tum_listing.hpp"
 #include "drivers/datasets/reading/two_lenses.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 namespace {

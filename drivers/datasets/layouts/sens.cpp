@@ -15,10 +15,10 @@
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "drivers/datasets/reading/two_lenses.hpp"
-#include "kinloop/base/byte_reader.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,7 +6,7 @@
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/reading/tum_listing.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 namespace {

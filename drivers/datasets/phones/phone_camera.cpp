@@ -7,8 +7,8 @@
 #include "drivers/datasets/reading/image_bytes.hpp"
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/quantile.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/quantile.hpp"
 #include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {

@@ -11,8 +11,8 @@
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/reading/json_file.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 
 namespace kinloop {
 namespace {

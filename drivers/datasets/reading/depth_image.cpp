@@ -9,8 +9,8 @@
 #include "drivers/datasets/reading/numpy_file.hpp"
 #include "drivers/datasets/reading/pgm.hpp"
 #include "drivers/images/encoded_image.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/sensor/image_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/reading/pgm.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/sensor/image_file.hpp"
-#include "kinloop/sensor/image_limits.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
+#include "kinloop/sensor/images/image_limits.hpp"
 
 namespace kinloop {
 std::string read_bytes(const ImageLocation& image) {

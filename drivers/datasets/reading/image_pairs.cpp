@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/association.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/quantile.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/association.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 namespace {

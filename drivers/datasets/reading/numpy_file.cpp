@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/byte_reader.hpp"
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,11 +7,11 @@
 
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
-#include "kinloop/base/association.hpp"
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
-#include "kinloop/base/text_file.hpp"
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/association.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/sensor/image_limits.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/sensor/images/image_limits.hpp"
 
 #ifdef KINLOOP_WITH_VIDEO
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/cloud/voxel_samples.hpp"
 
 namespace kinloop {

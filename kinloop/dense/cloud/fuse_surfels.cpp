@@ -4,8 +4,8 @@
 #include <limits>
 #include <utility>
 
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/quantile.hpp"
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/cloud/space_carving.hpp"
 #include "kinloop/dense/cloud/surface_points.hpp"
 

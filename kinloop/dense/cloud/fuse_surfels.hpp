@@ -4,7 +4,7 @@
 #include <functional>
 #include <span>
 
-#include "kinloop/base/progress.hpp"
+#include "kinloop/core/progress.hpp"
 #include "kinloop/dense/cloud/colored_cloud.hpp"
 #include "kinloop/dense/cloud/image_surfels.hpp"
 #include "kinloop/dense/options.hpp"

@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/dense/rounded.hpp"
 #include "kinloop/dense/sharpness.hpp"
 #include "kinloop/dense/usable_depth.hpp"

@@ -10,7 +10,7 @@
 #include "kinloop/dense/cloud/colored_cloud.hpp"
 #include "kinloop/dense/image_store.hpp"
 #include "kinloop/dense/options.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 
 namespace kinloop {
 

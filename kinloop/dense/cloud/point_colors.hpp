@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "kinloop/base/progress.hpp"
+#include "kinloop/core/progress.hpp"
 #include "kinloop/dense/cloud/colored_cloud.hpp"
 #include "kinloop/dense/image_store.hpp"
 #include "kinloop/dense/posed_image.hpp"

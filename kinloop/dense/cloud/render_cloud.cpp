@@ -10,9 +10,9 @@
 #include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/parallel_for.hpp"
-#include "kinloop/base/quantile.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 
 namespace kinloop {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 
 namespace kinloop {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/cloud/point_colors.hpp"
 #include "kinloop/dense/usable_depth.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "kinloop/base/progress.hpp"
+#include "kinloop/core/progress.hpp"
 #include "kinloop/dense/image_store.hpp"
 #include "kinloop/dense/mesh/tsdf_volume.hpp"
 #include "kinloop/dense/posed_image.hpp"

@@ -2,7 +2,7 @@
 
 #include "kinloop/dense/mesh/tsdf_volume.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_OPENVDB
 
@@ -18,7 +18,7 @@
 #include <tbb/task_arena.h>
 #pragma GCC diagnostic pop
 
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 
 namespace kinloop {
 namespace {

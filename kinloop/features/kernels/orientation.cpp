@@ -9,7 +9,7 @@
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
 #include <hwy/highway.h>         // after foreach_target.h
 
-#include "kinloop/base/highway_compat-inl.hpp"
+#include "kinloop/core/highway_compat-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {

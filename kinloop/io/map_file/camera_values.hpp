@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

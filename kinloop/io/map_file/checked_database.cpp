@@ -6,8 +6,8 @@
 #include <libdeflate.h>
 #include <sqlite3.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/untrusted_database.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/untrusted_database.hpp"
 
 namespace kinloop {
 namespace {

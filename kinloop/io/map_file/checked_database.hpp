@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "kinloop/base/output_file.hpp"
+#include "kinloop/core/files/output_file.hpp"
 
 struct sqlite3;
 struct sqlite3_stmt;

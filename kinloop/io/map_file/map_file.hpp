@@ -10,47 +10,10 @@
 #include <vector>
 
 #include "kinloop/dense/image_store.hpp"
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/io/map_file/checked_database.hpp"
-#include "kinloop/map/map.hpp"
+#include "kinloop/map/saved_map.hpp"
 
 namespace kinloop {
-
-/// A frame of a run and its pose relative to a keyframe.
-struct SavedFrame {
-  FrameId frame;
-  int64_t stamp_ns = 0;
-  int status = 0;  ///< a TrackStatus
-  KeyframeId reference;
-  SE3 T_reference_camera;
-  KeyframeId keyframe;  ///< valid if the frame became a keyframe
-  bool repeat = false;
-  float depth_lag_s = 0;  ///< stamp of its depth image minus `stamp_ns`
-};
-
-/// A run that created or continued the map.
-struct SavedSession {
-  std::string input;    ///< as given by the user
-  FrameId first_frame;  ///< the session extends to the first frame of the next one
-};
-
-/// One self-calibrated sensor parameter.
-struct SavedParameter {
-  double value = 0;
-  double sigma = 0;
-  bool used = false;
-};
-
-/// The whole map except its images.
-struct SavedMap {
-  std::string program;  ///< version of the program that wrote it
-  std::vector<SavedSession> sessions;
-  std::vector<std::pair<std::string, std::string>> options;  ///< options of the latest run, key and value
-  RgbdCamera camera;
-  std::vector<SavedParameter> sensor;
-  MapData map;
-  std::vector<SavedFrame> frames;
-};
 
 /// The images of a frame.
 struct SavedImages {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
 #include "kinloop/io/map_file/camera_values.hpp"
 #include "kinloop/io/map_file/feature_serialization.hpp"

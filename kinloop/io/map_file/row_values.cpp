@@ -4,7 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "kinloop/base/time.hpp"
+#include "kinloop/core/time.hpp"
 
 namespace kinloop {
 

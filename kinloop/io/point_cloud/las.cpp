@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
 
 namespace kinloop {

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/point_cloud/lzf.hpp"
 #include "kinloop/io/point_cloud/mesh_builder.hpp"
 #include "kinloop/io/point_cloud/number_types.hpp"

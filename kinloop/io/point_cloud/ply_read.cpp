@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/point_cloud/mesh_builder.hpp"
 #include "kinloop/io/point_cloud/ply_header.hpp"
 #include "kinloop/io/point_cloud/point_file.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/optimize/bundle/bundle_model.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
 

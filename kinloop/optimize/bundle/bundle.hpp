@@ -10,12 +10,12 @@
 
 #include <Eigen/Core>
 
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/options.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
-#include "kinloop/geometry/keypoint_measurement.hpp"
 #include "kinloop/geometry/se3.hpp"
-#include "kinloop/optimize/bundle/sensor_model.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
+#include "kinloop/sensor/keypoint_measurement.hpp"
+#include "kinloop/sensor/sensor_model.hpp"
 
 namespace kinloop {
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
 
 namespace kinloop {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 
 namespace kinloop {
 namespace {

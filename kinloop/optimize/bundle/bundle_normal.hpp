@@ -11,7 +11,7 @@
 
 #include "kinloop/optimize/bundle/bundle_model.hpp"
 #include "kinloop/optimize/kernels/bundle_products.hpp"
-#include "kinloop/optimize/pose_graph/sparse_cholesky.hpp"
+#include "kinloop/optimize/linear/sparse_cholesky.hpp"
 
 namespace kinloop {
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/LU>
 
-#include "kinloop/base/parallel_for.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/optimize/kernels/gram.hpp"
 
 namespace kinloop {

@@ -1,6 +1,6 @@
 #include "kinloop/optimize/kernels/gram.hpp"
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kinloop/optimize/kernels/gram.cpp"
@@ -8,7 +8,7 @@
 // after it
 #include <hwy/highway.h>
 
-#include "kinloop/base/highway_compat-inl.hpp"
+#include "kinloop/core/highway_compat-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "kinloop/optimize/bundle/sensor_model.hpp"
+#include "kinloop/sensor/sensor_model.hpp"
 
 namespace kinloop {
 

@@ -6,7 +6,7 @@
 // after it
 #include <hwy/highway.h>
 
-#include "kinloop/base/highway_compat-inl.hpp"
+#include "kinloop/core/highway_compat-inl.hpp"
 #include "kinloop/optimize/kernels/observation_residuals-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

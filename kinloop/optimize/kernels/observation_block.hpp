@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
-#include "kinloop/geometry/depth_noise.hpp"
-#include "kinloop/optimize/bundle/sensor_model.hpp"
 #include "kinloop/optimize/kernels/linear_columns.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
+#include "kinloop/sensor/sensor_model.hpp"
 
 namespace kinloop {
 

@@ -14,7 +14,7 @@
 
 #include <hwy/highway.h>
 
-#include "kinloop/base/highway_compat-inl.hpp"
+#include "kinloop/core/highway_compat-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinloop::HWY_NAMESPACE {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/optimize/kernels/bundle_products.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 

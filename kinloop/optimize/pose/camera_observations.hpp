@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "kinloop/geometry/keypoint_measurement.hpp"
 #include "kinloop/optimize/kernels/observation_block.hpp"
+#include "kinloop/sensor/keypoint_measurement.hpp"
 
 namespace kinloop {
 

@@ -5,7 +5,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/geometry/robust_loss.hpp"
 
 namespace kinloop {

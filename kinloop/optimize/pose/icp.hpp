@@ -8,10 +8,10 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/options.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/geometry/depth_noise.hpp"
 #include "kinloop/geometry/se3.hpp"
+#include "kinloop/sensor/depth_noise.hpp"
 
 namespace kinloop {
 

@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/base/errors.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/optimize/pose/icp.hpp"
 
 namespace kinloop {

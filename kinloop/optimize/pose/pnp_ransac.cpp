@@ -7,7 +7,7 @@
 
 #include <opencv2/calib3d.hpp>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "kinloop/optimize/pose/ransac.hpp"
 
 namespace kinloop {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 
 namespace kinloop {
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
-#include "kinloop/optimize/bundle/sensor_model.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
+#include "kinloop/sensor/sensor_model.hpp"
 
 namespace kinloop {
 

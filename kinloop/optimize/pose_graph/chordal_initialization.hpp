@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "kinloop/optimize/pose_graph/pose_graph_system.hpp"
+#include "kinloop/optimize/pose_graph/solvers/pose_graph_system.hpp"
 
 namespace kinloop {
 

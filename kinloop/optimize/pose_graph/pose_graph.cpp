@@ -1,11 +1,11 @@
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/base/stopwatch.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/stopwatch.hpp"
 #include "kinloop/optimize/pose_graph/chordal_initialization.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph_error.hpp"
-#include "kinloop/optimize/pose_graph/pose_graph_solvers.hpp"
-#include "kinloop/optimize/pose_graph/pose_graph_structure.hpp"
+#include "kinloop/optimize/pose_graph/solvers/pose_graph_solvers.hpp"
+#include "kinloop/optimize/pose_graph/solvers/pose_graph_structure.hpp"
 
 namespace kinloop {
 namespace {

@@ -13,7 +13,7 @@
 
 #include <Eigen/Core>
 
-#include "kinloop/base/options.hpp"
+#include "kinloop/core/options.hpp"
 #include "kinloop/geometry/se2.hpp"
 #include "kinloop/geometry/se3.hpp"
 

@@ -1,8 +1,8 @@
 #include "kinloop/optimize/pose_graph/pose_graph_covariance.hpp"
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/optimize/pose_graph/pose_graph_structure.hpp"
-#include "kinloop/optimize/pose_graph/pose_graph_system.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/optimize/pose_graph/solvers/pose_graph_structure.hpp"
+#include "kinloop/optimize/pose_graph/solvers/pose_graph_system.hpp"
 
 namespace kinloop {
 

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "kinloop/base/log.hpp"
+#include "kinloop/core/log.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/fuzz/libfuzzer/mutate_map.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "kinloop/base/random.hpp"
+#include "kinloop/core/random.hpp"
 #include "tests/fuzz/targets/map_rows.hpp"
 
 extern "C" size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t max_size);

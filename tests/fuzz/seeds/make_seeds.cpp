@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/base/text_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/dense/depth_codec.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/io/mesh_file.hpp"
@@ -15,7 +15,7 @@
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
 #include "kinloop/sensor/camera_file.hpp"
-#include "kinloop/sensor/jpeg_codec.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/drivers/bag_writers.hpp"
 #include "tests/drivers/layout_writers.hpp"
 #include "tests/drivers/mkv_writer.hpp"

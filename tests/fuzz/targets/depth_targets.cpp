@@ -3,7 +3,7 @@
 #include "drivers/datasets/reading/depth_image.hpp"
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/openni2/oni_depth.hpp"
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/dense/depth_codec.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinloop/base/byte_reader.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace kinloop::fuzz {

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "kinloop/base/errors.hpp"
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop::fuzz {
 

@@ -1,4 +1,4 @@
-#include "kinloop/optimize/pose_graph/g2o_file.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 

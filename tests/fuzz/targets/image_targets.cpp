@@ -1,8 +1,8 @@
 #include <opencv2/core.hpp>
 
 #include "drivers/images/encoded_image.hpp"
-#include "kinloop/sensor/image_file.hpp"
-#include "kinloop/sensor/jpeg_codec.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 

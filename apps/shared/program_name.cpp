@@ -1,9 +1,0 @@
-#include "apps/shared/program_name.hpp"
-
-namespace kinloop {
-
-std::string program_name() {
-  return "kinloop " KINLOOP_VERSION;
-}
-
-}  // namespace kinloop

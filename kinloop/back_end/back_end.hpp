@@ -1,0 +1,79 @@
+#pragma once
+// Schedules slow work on the map: decides which jobs are due, copies their problems out of the map, submits
+// them to the executor and applies the results.
+//
+// At most one job of a kind is in flight. A solution is stale if the whole map has moved since its problem
+// was copied. Stale solutions are dropped. The job is then due again at once if it moves the whole map; a
+// local bundle adjustment is not repeated, since the next keyframe brings another.
+
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "kinloop/back_end/executor.hpp"
+#include "kinloop/back_end/global_ba_job.hpp"
+#include "kinloop/back_end/local_ba_job.hpp"
+#include "kinloop/back_end/loop_correction_job.hpp"
+#include "kinloop/back_end/loop_verification_job.hpp"
+#include "kinloop/back_end/self_calibration_job.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
+
+namespace kinloop {
+
+/// Effects of the applied results.
+struct AppliedResults {
+  bool map_changed = false;
+  std::optional<SensorEstimate> sensor;                           ///< set if newly estimated
+  std::vector<std::pair<std::string_view, ElapsedTime>> elapsed;  ///< per job, including stale ones
+  std::vector<std::string_view> stale;                            ///< kinds of stale jobs
+};
+
+class BackEnd {
+ public:
+  /// Changes `map` only in `apply_due` and `apply_remaining`. `map` must outlive this object.
+  BackEnd(Map& map, const RgbdCamera& camera, const BackEndOptions& options);
+  BackEnd(const BackEnd&) = delete;
+  BackEnd& operator=(const BackEnd&) = delete;
+
+  /// Adds loop candidates. Verified ones are added to the map and corrected.
+  void add_loop_candidates(LoopCandidates candidates) { verification_.kind.add(std::move(candidates)); }
+
+  /// Submits the jobs due at frame `now`.
+  void submit(FrameId now, const JobContext& context);
+
+  /// Applies the results that are due at frame `now`.
+  AppliedResults apply_due(FrameId now);
+
+  /// Waits for all jobs, applies their results and corrects the remaining loops.
+  AppliedResults apply_remaining(const JobContext& context);
+
+ private:
+  /// A kind of job, and whether its latest result was stale and must be recomputed.
+  template <class Kind>
+  struct Slot {
+    Kind kind;
+    bool stale = false;
+  };
+
+  template <class Kind>
+  void submit(Slot<Kind>& slot, FrameId now, const JobContext& context);
+  template <class Kind>
+  void solve_now(Slot<Kind>& slot, const JobContext& context);
+  template <class Kind>
+  void apply(Slot<Kind>& slot, typename Kind::Solution solution);
+  void complete(const std::vector<FinishedJob>& jobs);
+  [[nodiscard]] bool global_correction_in_flight() const;
+
+  Map& map_;
+  Slot<LoopVerificationJob> verification_;
+  Slot<LoopCorrectionJob> correction_;
+  Slot<GlobalBaJob> global_ba_;
+  Slot<LocalBaJob> local_ba_;
+  Slot<SelfCalibrationJob> self_calibration_;
+  AppliedResults results_;              // since they were last returned
+  bool loops_corrected_ = false;        // by `results_`
+  std::unique_ptr<Executor> executor_;  // last member: its jobs end before the rest is destroyed
+};
+
+}  // namespace kinloop

@@ -1,0 +1,39 @@
+#pragma once
+// The interface of back-end jobs and the results of their solutions.
+//
+// Each kind of job is a class with
+//   kName, Problem, Solution
+//   kMovesWholeMap                   such jobs wait for corrections and are repeated when stale
+//   lag_frames()                     frames until the solution is applied, in lagged mode
+//   is_due(context)                  whether a job should start
+//   make_problem(context)            copies all its data out of the map
+//   static solve(problem)            pure function; runs on another thread
+//   apply(map, solution)             returns nothing if the solution is stale
+//   on_stale(solution)               keeps what the next problem needs of it
+
+#include <optional>
+#include <vector>
+
+#include "kinloop/back_end/options.hpp"
+#include "kinloop/loop/verify_loop.hpp"
+#include "kinloop/tracking/frame_log.hpp"
+
+namespace kinloop {
+
+/// State of the run passed to jobs.
+struct JobContext {
+  const Map& map;
+  const FrameLog& log;
+  const SensorVector& sensor;
+  KeyframeId new_keyframe;  ///< valid if one was just inserted
+};
+
+/// Effects of an applied solution.
+struct AppliedSolution {
+  bool map_changed = true;
+  std::vector<LoopConstraint> loops = {};     ///< added to the map, to be corrected
+  bool loops_corrected = false;               ///< the pose graph was solved with all its loops
+  std::optional<SensorEstimate> sensor = {};  ///< set if newly estimated
+};
+
+}  // namespace kinloop

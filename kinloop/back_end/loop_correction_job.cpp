@@ -1,0 +1,37 @@
+#include "kinloop/back_end/loop_correction_job.hpp"
+
+#include <utility>
+
+namespace kinloop {
+
+void LoopCorrectionJob::add(const LoopConstraint& loop) {
+  merges_.insert(merges_.end(), loop.merges.begin(), loop.merges.end());
+  loops_waiting_ = true;
+}
+
+bool LoopCorrectionJob::is_due(const JobContext& /*context*/) const {
+  return loops_waiting_;
+}
+
+LoopCorrectionJob::Problem LoopCorrectionJob::make_problem(const JobContext& context) {
+  loops_waiting_ = false;
+  return {make_loop_problem(context.map, std::exchange(merges_, {}), options_), options_};
+}
+
+MapUpdate LoopCorrectionJob::solve(const Problem& problem) {
+  return correct_loop(problem.problem, problem.options);
+}
+
+std::optional<AppliedSolution> LoopCorrectionJob::apply(Map& map, const MapUpdate& update) {
+  if (!map.apply(update)) return std::nullopt;
+  map.advance_epoch();
+  AppliedSolution applied;
+  applied.loops_corrected = true;
+  return applied;
+}
+
+void LoopCorrectionJob::on_stale(const MapUpdate& update) {
+  merges_.insert(merges_.end(), update.merges.begin(), update.merges.end());
+}
+
+}  // namespace kinloop

@@ -1,0 +1,39 @@
+#pragma once
+// Loop correction: distributes the drift over all keyframes and merges the landmarks matched by loops.
+
+#include "kinloop/back_end/job_context.hpp"
+
+namespace kinloop {
+
+class LoopCorrectionJob {
+ public:
+  static constexpr const char* kName = "loop correction";
+  static constexpr bool kMovesWholeMap = true;
+  struct Problem {
+    LoopProblem problem;
+    LoopOptions options;
+  };
+  using Solution = MapUpdate;
+
+  explicit LoopCorrectionJob(const BackEndOptions& options)
+      : options_(options.loop), lag_frames_(options.executor.loop_correction_lag_frames) {}
+
+  /// Adds a loop of the map to the next job.
+  void add(const LoopConstraint& loop);
+
+  [[nodiscard]] int lag_frames() const { return lag_frames_; }
+  [[nodiscard]] bool is_due(const JobContext& context) const;
+  [[nodiscard]] Problem make_problem(const JobContext& context);
+  [[nodiscard]] static Solution solve(const Problem& problem);
+  [[nodiscard]] static std::optional<AppliedSolution> apply(Map& map, const Solution& update);
+  /// The loops stay in the map; their landmark merges are kept for the next job.
+  void on_stale(const Solution& update);
+
+ private:
+  LoopOptions options_;
+  int lag_frames_;
+  bool loops_waiting_ = false;
+  std::vector<std::pair<LandmarkId, LandmarkId>> merges_;  // landmark merges of the waiting loops
+};
+
+}  // namespace kinloop

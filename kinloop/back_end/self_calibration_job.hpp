@@ -1,0 +1,43 @@
+#pragma once
+// Self-calibration of the sensor times during the run, with the map adjusted to them.
+
+#include "kinloop/back_end/job_context.hpp"
+#include "kinloop/back_end/self_calibration.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
+
+namespace kinloop {
+
+class SelfCalibrationJob {
+ public:
+  static constexpr const char* kName = "self-calibration";
+  static constexpr bool kMovesWholeMap = true;
+  struct Problem {
+    BundleAdjustmentProblem problem;
+    SelfCalibrationOptions calibration;
+    BundleOptions options;
+  };
+  using Solution = SelfCalibrationResult;
+
+  SelfCalibrationJob(const RgbdCamera& camera, const BackEndOptions& options)
+      : camera_(camera),
+        calibration_(options.self_calibration),
+        options_(options.global_ba),
+        lag_frames_(options.executor.global_ba_lag_frames),
+        min_keyframes_(static_cast<size_t>(options.self_calibration.min_keyframes)) {}
+
+  [[nodiscard]] int lag_frames() const { return lag_frames_; }
+  [[nodiscard]] bool is_due(const JobContext& context) const;
+  [[nodiscard]] Problem make_problem(const JobContext& context) const;
+  [[nodiscard]] static Solution solve(const Problem& problem);
+  [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& result);
+  void on_stale(const Solution& /*result*/) {}
+
+ private:
+  RgbdCamera camera_;
+  SelfCalibrationOptions calibration_;
+  BundleOptions options_;
+  int lag_frames_;
+  size_t min_keyframes_;  // map size required for the next job
+};
+
+}  // namespace kinloop

@@ -1,0 +1,67 @@
+#pragma once
+// Text files, read line by line with errors that name file and line, and output files that are written beside
+// their target and renamed.
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "kinloop/core/files/output_file.hpp"
+
+namespace kinloop {
+
+/// One line of a table: its number (from 1) and its whitespace-separated fields.
+struct TextLine {
+  size_t number = 0;
+  std::vector<std::string> fields;
+};
+
+/// Throws InputError for a path that the system does not let this user look at: no permission, or too long.
+[[noreturn]] void throw_no_access(const std::filesystem::path& path, const std::error_code& error);
+
+/// Throws InputError unless `folder` exists and is a folder.
+void require_folder(const std::filesystem::path& folder);
+
+/// Creates the folder and its missing parents. Throws InputError on failure.
+void make_folder(const std::filesystem::path& folder);
+
+/// Returns the lines of a whitespace-separated table without blank lines, lines that begin with '#' and the
+/// byte-order mark. Throws InputError if the file cannot be read.
+std::vector<TextLine> read_table(const std::filesystem::path& path);
+
+/// Returns the whole file as bytes. Throws InputError if it cannot be read.
+std::string read_file(const std::filesystem::path& path);
+
+/// Parses all of `text` as a finite number; throws InputError naming file, line and text otherwise.
+double parse_double(const std::string& text, const std::filesystem::path& path, size_t line);
+
+/// Throws InputError with the message "FILE:LINE: what".
+[[noreturn]] void throw_parse_error(const std::filesystem::path& path, size_t line, const std::string& what);
+
+/// An output file that appears under its name only when complete, see OutputFile.
+class AtomicFile {
+ public:
+  /// Throws InputError if the file cannot be created.
+  explicit AtomicFile(std::filesystem::path path, Durability durability = Durability::kAtOnce);
+
+  std::ostream& stream() { return stream_; }
+
+  /// Flushes, checks that everything was written (a full disk throws InputError) and renames.
+  void commit(Existing existing = Existing::kReplaced);
+
+  /// See OutputFile.
+  void keep_recording() noexcept;
+
+ private:
+  OutputFile file_;
+  std::ofstream stream_;
+};
+
+/// Writes `content` as the whole file, atomically.
+void write_file(const std::filesystem::path& path, std::string_view content,
+                Durability durability = Durability::kAtOnce);
+
+}  // namespace kinloop

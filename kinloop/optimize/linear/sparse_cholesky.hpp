@@ -1,0 +1,71 @@
+#pragma once
+// Sparse Cholesky factorisation of symmetric positive definite matrices of B x B blocks: solves linear
+// systems and computes the diagonal blocks of the inverse.
+//
+// Used by pose graphs (B = 3 and 6; 2 and 3 for chordal initialization) and the camera systems of bundle
+// adjustment (B = 6 and 12). A multifrontal factorisation (Duff and Reid 1983) on dense Eigen blocks. It is
+// single-threaded, sums in a fixed order and calls no BLAS, so its result is bitwise reproducible on any
+// machine.
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "kinloop/optimize/linear/sparse_elimination.hpp"
+
+namespace kinloop {
+
+/// The blocks of a symmetric matrix in the order of its BlockPattern.
+template <int B>
+struct BlockMatrix {
+  using Block = Eigen::Matrix<double, B, B>;
+
+  std::vector<Block> diagonal;
+  std::vector<Block> off_diagonal;
+
+  explicit BlockMatrix(const BlockPattern& pattern)
+      : diagonal(pattern.size, Block::Zero()), off_diagonal(pattern.off_diagonal.size(), Block::Zero()) {}
+
+  void set_zero() {
+    std::fill(diagonal.begin(), diagonal.end(), Block::Zero());
+    std::fill(off_diagonal.begin(), off_diagonal.end(), Block::Zero());
+  }
+};
+
+/// Returns matrix * x.
+template <int B>
+Eigen::VectorXd multiply(const BlockPattern& pattern, const BlockMatrix<B>& matrix, const Eigen::VectorXd& x);
+
+/// Cholesky factor of block matrices of one pattern.
+template <int B>
+class SparseCholesky {
+ public:
+  /// The plan must outlive this object.
+  explicit SparseCholesky(const EliminationPlan& plan);
+
+  /// Factorises `matrix`. Returns false if it is not positive definite; `solve` must not be called then.
+  [[nodiscard]] bool factorize(const BlockMatrix<B>& matrix);
+
+  /// Returns x with matrix * x = right for each column of `right`, a VectorXd or a MatrixXd.
+  template <class Right>
+  [[nodiscard]] Right solve(const Right& right) const;
+
+  /// Returns the diagonal blocks of the inverse without computing the rest (Takahashi et al. 1973).
+  [[nodiscard]] std::vector<typename BlockMatrix<B>::Block> inverse_diagonal() const;
+
+ private:
+  using Panel = Eigen::Map<Eigen::MatrixXd>;
+
+  Panel panel(size_t supernode);
+  [[nodiscard]] Eigen::Map<const Eigen::MatrixXd> panel(size_t supernode) const;
+  void assemble(size_t supernode, const BlockMatrix<B>& matrix);
+
+  const EliminationPlan* plan_;
+  std::vector<uint32_t> column_of_;       // block column of the matrix at each elimination position
+  std::vector<size_t> panel_begin_;       // index into values_
+  std::unique_ptr<double[]> values_;      // the factor: a dense panel per supernode
+  std::vector<Eigen::MatrixXd> updates_;  // update that each supernode subtracts from its ancestors
+};
+
+}  // namespace kinloop

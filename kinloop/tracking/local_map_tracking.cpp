@@ -1,0 +1,109 @@
+#include "kinloop/tracking/local_map_tracking.hpp"
+
+#include <algorithm>
+
+#include "kinloop/features/keypoint_measurements.hpp"
+#include "kinloop/tracking/previous_frame.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Landmarks of the local map expected in view, with the index of each in the local map.
+struct VisibleLandmarks {
+  std::vector<ProjectedPoint> projected;
+  std::vector<uint32_t> index_in_local_map;
+};
+
+VisibleLandmarks project_local_map(const LocalMap& local_map, const Features& features,
+                                   const SE3& T_reference_camera, double window_px,
+                                   const PinholeCamera& camera) {
+  VisibleLandmarks visible;
+  for (uint32_t i = 0; i < local_map.size(); ++i) {
+    const auto expected = project_landmark(local_map, i, features, T_reference_camera, window_px, camera);
+    if (!expected) continue;
+    visible.projected.push_back(*expected);
+    visible.index_in_local_map.push_back(i);
+  }
+  return visible;
+}
+
+/// Refines the pose on landmarks of the local map and, if these are few, also on unmapped points of the
+/// previous frame.
+TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const LocalMap& local_map,
+                   const FramePose& guess, double window_px, const PinholeCamera& camera,
+                   const TrackingOptions& options) {
+  const Features& features = *frame.features;
+  const auto visible = project_local_map(local_map, features, guess.T_reference_camera, window_px, camera);
+  const auto matches = match_by_projection(visible.projected, features, grid, {});
+  std::vector<PoseObservation> observations;
+  std::vector<bool> taken(features.size(), false);
+  for (const Match& match : matches) {
+    taken[match.b] = true;
+    observations.push_back({compensated_measurement(features, match.b),
+                            local_map.p_reference[visible.index_in_local_map[match.a]]});
+  }
+  if (static_cast<int>(matches.size()) < options.sufficient_landmarks) {
+    for (size_t i = 0; i < guess.support.size(); ++i) {
+      if (!taken[guess.features[i]]) observations.push_back(guess.support[i]);
+    }
+  }
+  TrackResult result;
+  result.reference = local_map.reference;
+  result.stats.visible_landmarks = static_cast<int>(visible.projected.size());
+  const auto solution = solve_absolute_pose(camera, observations, guess.T_reference_camera, options.pose);
+  if (!solution || solution->inlier_count < options.min_inliers) return result;
+  result.status = TrackStatus::kTracked;
+  result.T_reference_camera = solution->T_reference_camera;
+  result.information = solution->information;
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (solution->inliers[i])
+      result.matches.push_back({local_map.ids[visible.index_in_local_map[matches[i].a]], matches[i].b});
+  }
+  result.stats.inliers = static_cast<int>(result.matches.size());
+  return result;
+}
+
+}  // namespace
+
+bool has_sufficient_inlier_ratio(const TrackResult& result, const Features& features,
+                                 double min_inlier_ratio) {
+  const int findable = std::min(result.stats.visible_landmarks, static_cast<int>(features.size()));
+  return result.stats.inliers >= min_inlier_ratio * findable;
+}
+
+TrackResult track_local_map(const PreparedFrame& frame, const FeatureGrid& grid, const LocalMap& local_map,
+                            const SE3& T_reference_camera_guess, double window_px,
+                            const PinholeCamera& camera, const TrackingOptions& options) {
+  FramePose guess;
+  guess.T_reference_camera = T_reference_camera_guess;
+  return refine(frame, grid, local_map, guess, window_px, camera, options);
+}
+
+TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, const LocalMap& local_map,
+                  const PredictedPose& predicted, const PinholeCamera& camera, const TrackingOptions& options,
+                  uint64_t seed) {
+  const FeatureGrid grid(*frame.features, camera.width, camera.height);
+  const auto guess =
+      estimate_pose_from_previous_frame(frame, grid, previous, local_map, predicted, camera, options, seed);
+  if (!guess) {
+    // Tracking against the previous frame can fail, e.g. by motion blur; the local map may still be visible.
+    const TrackResult result =
+        track_local_map(frame, grid, local_map, predicted.T, options.wide_window_px, camera, options);
+    return has_sufficient_inlier_ratio(result, *frame.features, options.min_inlier_ratio) ? result
+                                                                                          : TrackResult{};
+  }
+  TrackResult result = refine(frame, grid, local_map, *guess, options.local_map_window_px, camera, options);
+  if (guess->from_brute_force &&
+      !has_sufficient_inlier_ratio(result, *frame.features, options.min_inlier_ratio))
+    return {};
+  if (result.status == TrackStatus::kLost) {
+    result.T_reference_camera = guess->T_reference_camera;
+    result.information = guess->information;
+    result.status = guess->dense ? TrackStatus::kDenseOnly : TrackStatus::kTracked;
+  }
+  result.stats.previous_frame_inliers = static_cast<int>(guess->support.size());
+  result.stats.attempts = guess->attempts;
+  return result;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,51 @@
+#include "session/export_sparse_model.hpp"
+
+#include <fmt/format.h>
+
+#include "kinloop/core/errors.hpp"
+#include "tools/export/sparse_model/colmap.hpp"
+#include "tools/export/sparse_model/model_images.hpp"
+#include "tools/export/sparse_model/nerfstudio.hpp"
+
+namespace kinloop {
+namespace {
+
+std::vector<ModelView> model_views(const OpenMap& open, const std::vector<PosedImage>& views) {
+  std::vector<ModelView> with_frames;
+  for (const PosedImage& view : views)
+    with_frames.push_back({open.recorder.frame_of_image(view.image), view});
+  return with_frames;
+}
+
+ImageUndistorter make_undistorter(const OpenMap& open, const std::filesystem::path& map) {
+  try {
+    return ImageUndistorter(open.dense_camera(), open.rolling_shutter_s());
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", map.string(), error.what()));
+  }
+}
+
+}  // namespace
+
+void export_sparse_model(const SparseModelRequest& request, OpenMap& open, const Progress& progress) {
+  const auto views = open.views(request.session);
+  const ImageUndistorter undistorter = make_undistorter(open, request.map);
+  const FileFrame frame = file_frame(request.frame, open.up(request.session), views);
+  SparseModel model = make_sparse_model(open.map, model_views(open, views), undistorter, frame);
+  require_images(model.images.size(), request.map);
+  const bool same_folder = request.colmap == request.nerfstudio;
+  const auto write_images = [&](const std::filesystem::path& folder, bool depth) {
+    write_model_images(folder, model, open.recorder.images(), undistorter, {depth, request.threads},
+                       progress);
+  };
+  if (!request.nerfstudio.empty()) {
+    write_images(request.nerfstudio, true);
+    write_nerfstudio(request.nerfstudio, model);
+  }
+  if (!request.colmap.empty()) {
+    if (!same_folder) write_images(request.colmap, false);
+    write_colmap_model(request.colmap, model);
+  }
+}
+
+}  // namespace kinloop

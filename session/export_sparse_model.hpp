@@ -1,0 +1,23 @@
+#pragma once
+// Writes the images of a map with their cameras and points for COLMAP and Nerfstudio.
+
+#include <filesystem>
+#include <string>
+
+#include "session/map_store.hpp"
+
+namespace kinloop {
+
+/// Either folder may be empty (not requested); both may be the same.
+struct SparseModelRequest {
+  std::filesystem::path map;  ///< named in errors
+  std::filesystem::path colmap, nerfstudio;
+  std::string frame;
+  size_t session = 0;
+  int threads = 1;
+};
+
+/// Writes images and model into the folders. Throws InputError if the map has no images with known poses.
+void export_sparse_model(const SparseModelRequest& request, OpenMap& open, const Progress& progress);
+
+}  // namespace kinloop

@@ -1,0 +1,41 @@
+#include "session/frame_pipeline.hpp"
+
+#include <utility>
+
+namespace kinloop {
+
+FramePipeline::FramePipeline(FrameSource& source, const FrontEnd& front_end)
+    : source_(source), front_end_(front_end), frames_(kFramesAhead), thread_([this] { run_ahead(); }) {}
+
+FramePipeline::~FramePipeline() {
+  frames_.close();
+}
+
+void FramePipeline::run_ahead() {
+  try {
+    Stopwatch watch;
+    while (const auto frame = source_.next()) {
+      const ElapsedTime decoding = watch.elapsed();
+      PreparedFrame prepared = front_end_.prepare(*frame);
+      prepared.decoding = decoding;
+      if (features_wanted_) {
+        const Stopwatch extracting;
+        prepared.features = front_end_.features(prepared);
+        prepared.extracting = extracting.elapsed();
+      }
+      if (!frames_.push(std::move(prepared))) break;
+      watch = Stopwatch();
+    }
+  } catch (...) {
+    error_ = std::current_exception();
+  }
+  frames_.close();
+}
+
+std::optional<PreparedFrame> FramePipeline::next() {
+  auto frame = frames_.pop();
+  if (!frame && error_) std::rethrow_exception(std::exchange(error_, nullptr));
+  return frame;
+}
+
+}  // namespace kinloop

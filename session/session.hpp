@@ -1,0 +1,110 @@
+#pragma once
+// Runs SLAM on a frame source and writes the results:
+//
+//   TumSource source(folder);
+//   Session session(source);
+//   session.run();
+//   session.write_trajectory("trajectory.txt");
+//   session.write_cloud("map.ply");
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kinloop/core/progress.hpp"
+#include "kinloop/dense/options.hpp"
+#include "kinloop/io/file_frame.hpp"
+#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/slam/slam.hpp"
+#include "session/dense_recorder.hpp"
+#include "session/frame_pipeline.hpp"
+
+namespace kinloop {
+
+/// Returns the default options, with the final bundle adjustment on all CPUs.
+SlamOptions default_slam_options();
+
+struct SessionOptions {
+  SlamOptions slam = default_slam_options();
+  DenseOptions dense = {};
+  bool record_images = true;  ///< keeps the images of keyframes; required for the cloud
+  int threads = 0;            ///< for the cloud; 0 = all CPUs
+};
+
+/// Information in a map file about how it was made.
+struct MapFileNotes {
+  std::string input;                                         ///< empty: the name of the source
+  std::string program;                                       ///< name and version
+  std::vector<std::pair<std::string, std::string>> options;  ///< keys and values
+};
+
+/// The coloured cloud of a map and the frame of the file.
+struct MapCloud {
+  ColoredCloud cloud;
+  UpEstimate up;
+  FileFrame frame;  ///< z up
+};
+
+/// Runs SLAM from a source to the output files. Disables OpenCV threads for the whole process, so that the
+/// result is the same on any machine; a session uses its own threads.
+class Session {
+ public:
+  /// `source` must outlive this object.
+  explicit Session(FrameSource& source, const SessionOptions& options = {});
+
+  /// Uses `camera` instead of `source.camera()`, e.g. with another depth unit, and the given vocabulary
+  /// instead of the default.
+  Session(FrameSource& source, const SessionOptions& options, const RgbdCamera& camera,
+          Vocabulary vocabulary);
+
+  /// Continues a saved map. Call before the first frame. Returns the offset added to its frame ids. Restore
+  /// its images separately (`recorder().restore`), with their frames shifted by the offset.
+  uint32_t add_map(SavedMap saved) { return slam_.add_map(std::move(saved)); }
+
+  /// `listener` must outlive this object.
+  void add_listener(Listener& listener) { slam_.add_listener(listener); }
+
+  /// Processes all remaining frames of the source, then calls `finish`. Rethrows errors of the source.
+  const Trajectory& run(const Progress& progress = {});
+
+  /// Returns the next frame, prepared ahead on another thread, or nothing at the end of the source.
+  std::optional<PreparedFrame> next();
+
+  /// Processes a frame returned by `next`. Call in order.
+  FrameResult process(const PreparedFrame& frame) { return slam_.process(frame); }
+
+  /// Ends the run, also before the end of the source: adjusts the whole map and refines every frame.
+  const Trajectory& finish(const Progress& progress = {});
+
+  /// Returns the current poses of all located frames.
+  [[nodiscard]] Trajectory trajectory() const { return slam_.trajectory(); }
+
+  /// Returns the cloud of the current map. Waits for recorded images in flight.
+  [[nodiscard]] MapCloud cloud(const Progress& progress = {});
+
+  // Write output files: to a temporary file first, then renamed. Each throws InputError if it cannot be
+  // written.
+
+  void write_trajectory(const std::filesystem::path& path) const;               ///< TUM format
+  void write_cloud(const std::filesystem::path& path);                          ///< PLY, z up
+  void write_map(const std::filesystem::path& path, const MapFileNotes& = {});  ///< can be continued later
+
+  [[nodiscard]] const Slam& slam() const { return slam_; }
+  [[nodiscard]] DenseRecorder& recorder() { return recorder_; }
+  [[nodiscard]] const DenseRecorder& recorder() const { return recorder_; }
+  [[nodiscard]] const FrameSource& source() const { return source_; }
+  [[nodiscard]] int threads() const { return threads_; }
+
+ private:
+  FrameSource& source_;
+  int threads_;
+  Slam slam_;
+  DenseRecorder recorder_;
+  std::optional<FramePipeline> pipeline_;  // from the first frame to `finish`
+  Trajectory trajectory_;                  // result of `finish`
+};
+
+}  // namespace kinloop

@@ -1,0 +1,92 @@
+#include "kinloop/back_end/refine_frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include "kinloop/slam/slam.hpp"
+#include "tests/slam/recording.hpp"
+
+namespace kinloop {
+namespace {
+
+/// A run over the first frames of the simulated room, not finished.
+struct Run {
+  test::Recording recording = test::record_simulation("sim:room", 30);
+  SlamOptions options;
+  Slam slam{recording.camera, options};
+
+  Run() {
+    for (const RgbdFrame& frame : recording.frames) slam.process(frame);
+  }
+
+  [[nodiscard]] FrameRefinement refinement() const {
+    return {slam.map(), recording.camera.color, slam.sensor().value, options.tracking.pose};
+  }
+};
+
+const Run& run() {
+  static const Run kRun;
+  return kRun;
+}
+
+/// The log of the run as it is if the limiter is applied after each frame.
+FrameLog limited_log(const LogLimits& limits) {
+  LogLimiter limiter(limits);
+  FrameLog log;
+  for (const LoggedFrame& entry : run().slam.log()) {
+    log.push_back(entry);
+    limiter.apply(log, 0, run().refinement());
+  }
+  return log;
+}
+
+/// The log as it is at the end of the run.
+FrameLog finished(const FrameLog& log) {
+  return refine_frames(log, run().refinement(), FrameSelection::kAll, 1);
+}
+
+TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
+  constexpr size_t kKept = 8;
+  const FrameLog& tracked = run().slam.log();
+  const FrameLog limited = limited_log({kKept, 100});
+  const FrameLog limited_end = finished(limited), unlimited_end = finished(tracked);
+  double moved_m = 0;
+  for (size_t i = 0; i < limited.size(); ++i) {
+    SCOPED_TRACE(i);
+    const bool old = i + kKept < limited.size(), observed = !tracked[i].observations.empty();
+    EXPECT_EQ(limited[i].observations.empty(), old || !observed);
+    EXPECT_EQ(limited[i].refined, old && observed);
+    const Map& map = run().slam.map();
+    const SE3 expected = world_pose(unlimited_end[i], map);
+    // The velocity comes from neighbours that are refined or not.
+    EXPECT_LT((world_pose(limited_end[i], map).translation - expected.translation).norm(), 2e-4);
+    moved_m = std::max(moved_m, (world_pose(tracked[i], map).translation - expected.translation).norm());
+  }
+  EXPECT_GT(moved_m, 2e-4) << "nothing was refined";
+}
+
+TEST(LogLimiter, ChangesNothingWithinItsLimits) {
+  const FrameLog limited = limited_log({run().slam.log().size(), 100});
+  for (size_t i = 0; i < limited.size(); ++i) {
+    EXPECT_EQ(limited[i].observations.size(), run().slam.log()[i].observations.size());
+    EXPECT_EQ(limited[i].T_reference_camera.translation, run().slam.log()[i].T_reference_camera.translation);
+  }
+}
+
+TEST(LogLimiter, KeepsTheFeaturesOfTheLatestLostFrames) {
+  LogLimiter limiter({100, 3});
+  FrameLog log;
+  for (uint32_t i = 0; i < 10; ++i) {
+    LoggedFrame& entry = log.emplace_back();
+    entry.frame = FrameId{i};
+    if (i % 2 == 0) entry.features = std::make_shared<const Features>();
+    limiter.apply(log, 0, run().refinement());
+  }
+  std::vector<uint32_t> kept;
+  for (const LoggedFrame& entry : log) {
+    if (entry.features) kept.push_back(entry.frame.value);
+  }
+  EXPECT_EQ(kept, (std::vector<uint32_t>{4, 6, 8}));
+}
+
+}  // namespace
+}  // namespace kinloop

@@ -1,0 +1,69 @@
+#pragma once
+// In: a map, and the poses of its images. Out: cameras, points and tracks in the way of structure from
+// motion, for COLMAP and for programs that learn radiance fields or Gaussian splats.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "kinloop/dense/cloud/colored_cloud.hpp"
+#include "kinloop/io/file_frame.hpp"
+#include "kinloop/map/map.hpp"
+#include "tools/export/sparse_model/image_undistorter.hpp"
+
+namespace kinloop {
+
+/// Both coordinates of the centre of the top left pixel in files of COLMAP and Nerfstudio; ours are 0.
+inline constexpr double kPixelCenter = 0.5;
+
+/// A stored image with its pose, and the frame that it belongs to.
+struct ModelView {
+  FrameId frame;
+  PosedImage view;
+};
+
+/// Point `point` of the model as seen in an image.
+struct ModelObservation {
+  Eigen::Vector2d pixel;  ///< of the pinhole camera
+  uint32_t point = 0;
+};
+
+struct ModelImage {
+  std::string name;   ///< without folder and extension
+  size_t stored = 0;  ///< index into the ImageStore
+  Velocity velocity;
+  SE3 T_file_camera;
+  std::vector<ModelObservation> observations;  ///< none unless the frame is a keyframe
+};
+
+/// Observation `observation` of image `image`.
+struct TrackElement {
+  uint32_t image = 0;
+  uint32_t observation = 0;
+};
+
+struct ModelPoint {
+  Eigen::Vector3d p_file;
+  Rgb color = {};       ///< set by write_model_images
+  double error_px = 0;  ///< mean reprojection error
+  std::vector<TrackElement> track;
+};
+
+/// Everything is in the frame of the file.
+struct SparseModel {
+  PinholeCamera camera;
+  FileFrame frame;
+  std::vector<ModelImage> images;
+  std::vector<ModelPoint> points;
+};
+
+/// Observations that are further from the projection of their point are left out, as COLMAP does by default.
+constexpr double kMaxReprojectionErrorPx = 4;
+
+/// Returns the images with finite poses, and the landmarks that at least two of them observe. A landmark
+/// follows the pose of its anchor's image; without that image it is left out.
+SparseModel make_sparse_model(const Map& map, std::span<const ModelView> views,
+                              const ImageUndistorter& undistorter, const FileFrame& frame);
+
+}  // namespace kinloop
