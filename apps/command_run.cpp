@@ -111,7 +111,7 @@ RunEnd process_all(Session& session, MapSaver* saver, const Progress& progress,
   const size_t frames = session.source().info().frames;
   size_t done = 0;
   bool failed = false;
-  const auto next = [&]() -> std::optional<PreparedFrame> {
+  const auto next = [&]() -> std::optional<Frame> {
     try {
       return session.next();
     } catch (const std::logic_error&) {
@@ -125,7 +125,7 @@ RunEnd process_all(Session& session, MapSaver* saver, const Progress& progress,
   };
   while (const auto frame = next()) {
     if (wait_until_resumed) wait_until_resumed();
-    const FrameResult result = session.process(*frame);
+    const TrackedFrame result = session.process(*frame);
     ++done;
     if (progress) progress({"mapping", done, frames, progress_note(result, session.slam().map())});
     if (saver != nullptr) saver->save_if_due();

@@ -12,7 +12,7 @@
 #include "kinloop/optimize/bundle/bundle.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
-#include "kinloop/tracking/local_map_tracking.hpp"
+#include "kinloop/tracking/keypoint_tracking.hpp"
 #include "simulator/simulated_source.hpp"
 
 namespace kinloop {
@@ -21,7 +21,7 @@ namespace {
 /// Two successive frames of the simulated room.
 struct Frames {
   PinholeCamera camera;
-  PreparedFrame first, second;
+  Frame first, second;
 
   Frames() {
     const auto source = make_simulated_source("sim:room", {}, 2);
@@ -30,8 +30,8 @@ struct Frames {
     second = prepare(source->frame(101));
   }
 
-  [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const {
-    PreparedFrame prepared;
+  [[nodiscard]] Frame prepare(const Frame& frame) const {
+    Frame prepared;
     prepared.id = frame.id;
     prepared.stamp_ns = frame.stamp_ns;
     prepared.depth_m = frame.depth_m;
@@ -104,10 +104,18 @@ void track_frame(benchmark::State& state) {
     }
   }
   const LocalMap view = make_local_map(map, keyframe, {});
-  const TrackedFrame previous{frames().first, SE3{}, map.keyframe(keyframe).landmark_of};
+  TrackedFrame previous = unlocated(frames().first);
+  previous.outcome = TrackingOutcome::kTracked;
+  previous.reference = keyframe;
+  previous.frame = std::make_shared<const Frame>(frames().first);
+  const auto& landmark_of = map.keyframe(keyframe).landmark_of;
+  for (uint32_t i = 0; i < landmark_of.size(); ++i) {
+    if (landmark_of[i].valid()) previous.matches.push_back({landmark_of[i], i});
+  }
+  const TrackingOptions options;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        track(frames().second, previous, view, {SE3{}, 0.01, 0.02}, frames().camera, {}, 1));
+        track_keypoints(frames().second, previous, {SE3{}, 0.01, 0.02}, {view, frames().camera, options}, 1));
   }
 }
 BENCHMARK(track_frame)->Unit(benchmark::kMillisecond);

@@ -12,10 +12,10 @@
 #include "kinloop/dense/cloud/fuse_surfels.hpp"
 #include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
+#include "kinloop/map/frame_log.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/slam.hpp"
-#include "kinloop/tracking/frame_log.hpp"
 
 namespace kinloop {
 
@@ -29,7 +29,7 @@ class DenseRecorder : public Listener {
  public:
   DenseRecorder(const RgbdCamera& camera, const DenseOptions& options, const ExecutorOptions& executor = {});
 
-  void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
+  void on_frame(const TrackedFrame& result) override;
   void on_map(const Map&) override {}
 
   /// Restores the images of a map file. Their depth must be in the units of the camera.
@@ -99,7 +99,7 @@ class DenseRecorder : public Listener {
     std::optional<size_t> surfels;  // index into surfel_store_; unset for restored images until computed
   };
 
-  [[nodiscard]] bool should_record(const FrameResult& result) const;
+  [[nodiscard]] bool should_record(const TrackedFrame& tracked) const;
   void submit(FrameId now);
   void add(std::vector<EncodedFrame> frames);
   void complete(const std::vector<FinishedJob>& jobs);

@@ -70,7 +70,7 @@ std::map<size_t, std::vector<size_t>> choose_starts(const PairsRequest& request,
   return seeds_of;
 }
 
-PairView view_of(const RgbdFrame& frame, const Trajectory& truth) {
+PairView view_of(const Frame& frame, const Trajectory& truth) {
   return {frame.color.gray(), frame.depth_m, pose_at(truth, frame.stamp_ns, kMaxTruthGapNs)};
 }
 

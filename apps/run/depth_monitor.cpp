@@ -26,7 +26,8 @@ size_t bin_of(double depth_m, size_t bins) {
 
 }  // namespace
 
-void DepthMonitor::on_frame(const FrameResult&, const PreparedFrame& frame) {
+void DepthMonitor::on_frame(const TrackedFrame& tracked) {
+  const Frame& frame = *tracked.frame;
   constexpr int kStep_px = 16;  // a sample is enough
   for (int row = 0; row < frame.depth_m.rows; row += kStep_px) {
     for (int col = 0; col < frame.depth_m.cols; col += kStep_px) {

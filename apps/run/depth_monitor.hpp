@@ -18,7 +18,7 @@ class DepthMonitor : public Listener {
       : limits_(options.limits), scale_(depth_scale) {}
 
   /// Warns after the first frames. Throws InputError if no camera can have measured such depth.
-  void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
+  void on_frame(const TrackedFrame& result) override;
   void on_map(const Map&) override {}
 
   /// Returns what is wrong with the depth so far, with the remedy; empty if nothing is.

@@ -3,23 +3,16 @@
 namespace kinloop {
 namespace {
 
-const char* to_string(TrackStatus status) {
-  switch (status) {
-    case TrackStatus::kTracked:
-      return "tracked";
-    case TrackStatus::kDenseOnly:
-      return "dense";
-    case TrackStatus::kLost:
-      return "lost";
-  }
-  return "";
+const char* status_of(const TrackedFrame& tracked) {
+  if (tracked.is_lost()) return "lost";
+  return tracked.method == TrackingMethod::kDense ? "dense" : "tracked";
 }
 
 }  // namespace
 
-void FrameRecorder::on_frame(const FrameResult& result, const PreparedFrame& frame) {
-  rows_.push_back({result.stamp_ns, to_string(result.status), static_cast<int>(frame.features->size()),
-                   result.stats.inliers, 0});
+void FrameRecorder::on_frame(const TrackedFrame& tracked) {
+  rows_.push_back({tracked.stamp_ns, status_of(tracked), static_cast<int>(tracked.features().size()),
+                   tracked.evidence.inliers, 0});
 }
 
 FrameTable FrameRecorder::table(const Timings& times) const {

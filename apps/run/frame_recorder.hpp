@@ -9,7 +9,7 @@ namespace kinloop {
 
 class FrameRecorder : public Listener {
  public:
-  void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
+  void on_frame(const TrackedFrame& result) override;
   void on_map(const Map&) override {}
 
   /// Returns the rows, with the time of each frame.

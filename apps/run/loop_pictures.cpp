@@ -19,8 +19,8 @@
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/map/frame_velocities.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
-#include "kinloop/tracking/frame_velocities.hpp"
 
 namespace kinloop {
 namespace {

@@ -10,28 +10,22 @@
 namespace kinloop {
 namespace {
 
-const char* describe_tracking(const FrameResult& result) {
-  if (result.relocalized) return "relocalised";
-  switch (result.status) {
-    case TrackStatus::kTracked:
-      return "tracking";
-    case TrackStatus::kDenseOnly:
-      return "tracking by depth and intensity only";
-    case TrackStatus::kLost:
-      return "lost";
-  }
-  return "";
+const char* describe_tracking(const TrackedFrame& tracked) {
+  if (tracked.is_lost()) return "lost";
+  if (tracked.outcome == TrackingOutcome::kRelocalized) return "relocalised";
+  return tracked.method == TrackingMethod::kDense ? "tracking by depth and intensity only" : "tracking";
 }
 
 }  // namespace
 
-void RunLogger::on_frame(const FrameResult& result, const PreparedFrame&) {
-  if (result.status != status_ || result.relocalized) {
-    const int seen = result.stats.inliers;
-    log::info("frame {} ({} s): {}{}", result.frame.value, format_stamp(result.stamp_ns),
-              describe_tracking(result), seen > 0 ? fmt::format(", {} landmarks observed", seen) : "");
+void RunLogger::on_frame(const TrackedFrame& tracked) {
+  const std::string_view state = describe_tracking(tracked);
+  if (state != state_ || tracked.outcome == TrackingOutcome::kRelocalized) {
+    const int seen = tracked.evidence.inliers;
+    log::info("frame {} ({} s): {}{}", tracked.id.value, format_stamp(tracked.stamp_ns), state,
+              seen > 0 ? fmt::format(", {} landmarks observed", seen) : "");
   }
-  status_ = result.status;
+  state_ = state;
 }
 
 void RunLogger::on_map(const Map& map) {
@@ -73,7 +67,7 @@ Progress make_stage_logger() {
   };
 }
 
-std::string progress_note(const FrameResult& result, const Map& map) {
+std::string progress_note(const TrackedFrame& result, const Map& map) {
   return fmt::format("{}, {} keyframes, {} loops", describe_tracking(result), map.keyframes().size(),
                      map.loop_edges().size());
 }

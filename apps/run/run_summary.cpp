@@ -122,10 +122,10 @@ json run_summary(const RunOutcome& o) {
   const uint32_t component = o.slam.component();
   const auto tracked = std::count_if(
       log.begin(), log.end(), [&](const auto& f) { return is_tracked_in(component, f, o.slam.map()); });
-  const auto not_lost =
-      std::count_if(log.begin(), log.end(), [](const auto& f) { return f.status != TrackStatus::kLost; });
-  const auto dense_only = std::count_if(log.begin(), log.end(),
-                                        [](const auto& f) { return f.status == TrackStatus::kDenseOnly; });
+  const auto not_lost = std::count_if(log.begin(), log.end(), [](const auto& f) { return !f.is_lost(); });
+  const auto dense_only = std::count_if(log.begin(), log.end(), [](const auto& f) {
+    return !f.is_lost() && f.method == TrackingMethod::kDense;
+  });
   json summary = json::object();  // [] on null crashes when memory runs out
   summary["version"] = version_text();
   summary["input"] = lasting_input_name(o.source.info().name);

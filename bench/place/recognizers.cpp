@@ -91,7 +91,7 @@ Detection detect(std::span<const Place> places, const Vocabulary& vocabulary, co
     const Place& place = places[query];
     if (!place.T_scene_camera) continue;
     const auto allowed = [&](KeyframeId id) { return is_admissible(place, places[id.value]); };
-    PreparedFrame frame;
+    Frame frame;
     frame.features = std::make_shared<const Features>(place.features);
     for (const auto& candidate : index.query(index.bow_of(id_of(query)), 5, allowed)) {
       const Place& found = places[candidate.keyframe.value];

@@ -93,7 +93,7 @@ void Kinect2Source::reopen() {
   start_kinect2(handle_, listener_, options_);
 }
 
-std::optional<RgbdFrame> Kinect2Source::next() {
+std::optional<Frame> Kinect2Source::next() {
   auto frame =
       next_or_reconnect(frames_, {info_.name, kFrameTimeout, options_.reconnect_s,
                                   [this] { close_kinect2(handle_); }, [this] { reopen(); }, options_.stop});

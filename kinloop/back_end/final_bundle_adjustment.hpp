@@ -5,8 +5,8 @@
 #include "kinloop/back_end/options.hpp"
 #include "kinloop/back_end/self_calibration.hpp"
 #include "kinloop/core/progress.hpp"
+#include "kinloop/map/frame_log.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
-#include "kinloop/tracking/frame_log.hpp"
 
 namespace kinloop {
 

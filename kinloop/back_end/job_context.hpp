@@ -16,7 +16,7 @@
 
 #include "kinloop/back_end/options.hpp"
 #include "kinloop/loop/verify_loop.hpp"
-#include "kinloop/tracking/frame_log.hpp"
+#include "kinloop/map/frame_log.hpp"
 
 namespace kinloop {
 

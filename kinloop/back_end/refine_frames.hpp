@@ -3,9 +3,9 @@
 
 #include <deque>
 
+#include "kinloop/map/frame_log.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 #include "kinloop/sensor/sensor_model.hpp"
-#include "kinloop/tracking/frame_log.hpp"
 
 namespace kinloop {
 

@@ -5,9 +5,9 @@
 // cannot deform the map. The final adjustment estimates all parameters.
 
 #include "kinloop/core/options.hpp"
+#include "kinloop/map/frame_velocities.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
-#include "kinloop/tracking/frame_velocities.hpp"
 
 namespace kinloop {
 

@@ -1,6 +1,6 @@
 #include "kinloop/back_end/self_calibration_job.hpp"
 
-#include "kinloop/tracking/frame_velocities.hpp"
+#include "kinloop/map/frame_velocities.hpp"
 
 namespace kinloop {
 

@@ -32,6 +32,9 @@ struct Features {
   std::shared_ptr<const uint8_t> descriptor_storage;
 
   [[nodiscard]] size_t size() const { return pixels.size(); }
+
+  /// False for landmarks found by their patches, without keypoint detection.
+  [[nodiscard]] bool has_descriptors() const { return pixels.empty() || !descriptors.empty(); }
 };
 
 }  // namespace kinloop

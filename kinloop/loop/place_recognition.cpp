@@ -16,20 +16,22 @@ void PlaceRecognition::add(const Keyframe& keyframe) {
   nodes_[keyframe.id.value] = std::move(quantized.nodes);
 }
 
-std::optional<TrackResult> PlaceRecognition::relocalize(const PreparedFrame& frame, const Map& map) const {
-  return kinloop::relocalize(frame, bow_of(*frame.features), map, index_, camera_, options_.local_map,
-                             options_.loop, options_.tracking, hash(options_.seed, frame.id.value));
+std::optional<TrackedFrame> PlaceRecognition::relocalize(const Frame& frame, const Map& map) const {
+  auto found = kinloop::relocalize(frame, bow_of(*frame.features), map, index_, camera_, options_.local_map,
+                                   options_.loop, options_.tracking, hash(options_.seed, frame.id.value));
+  if (found) found->outcome = TrackingOutcome::kRelocalized;
+  return found;
 }
 
-std::optional<TrackResult> PlaceRecognition::locate_near(const PreparedFrame& frame, const Map& map,
-                                                         KeyframeId reference,
-                                                         const SE3& T_reference_camera) const {
+std::optional<TrackedFrame> PlaceRecognition::locate_near(const Frame& frame, const Map& map,
+                                                          KeyframeId reference,
+                                                          const SE3& T_reference_camera) const {
   const LocalMap local_map = make_local_map(map, reference, options_.local_map);
   const FeatureGrid grid(*frame.features, camera_.width, camera_.height);
-  TrackResult result = track_local_map(frame, grid, local_map, T_reference_camera, options_.loop.window_px,
-                                       camera_, options_.tracking);
+  TrackedFrame result = track_local_map(frame, grid, T_reference_camera, options_.loop.window_px,
+                                        {local_map, camera_, options_.tracking});
   const bool confident =
-      result.stats.inliers >= options_.tracking.min_confident_inliers &&
+      result.evidence.inliers >= options_.tracking.min_confident_inliers &&
       has_sufficient_inlier_ratio(result, *frame.features, options_.tracking.min_inlier_ratio);
   if (!confident) return std::nullopt;
   return result;

@@ -26,12 +26,12 @@ class PlaceRecognition {
   void add(const Keyframe& keyframe);
 
   /// Returns the pose of `frame` relative to the most similar keyframe that passes geometric verification.
-  [[nodiscard]] std::optional<TrackResult> relocalize(const PreparedFrame& frame, const Map& map) const;
+  [[nodiscard]] std::optional<TrackedFrame> relocalize(const Frame& frame, const Map& map) const;
 
   /// Returns the pose of `frame` if it is close to T_reference_camera and many landmarks agree.
-  [[nodiscard]] std::optional<TrackResult> locate_near(const PreparedFrame& frame, const Map& map,
-                                                       KeyframeId reference,
-                                                       const SE3& T_reference_camera) const;
+  [[nodiscard]] std::optional<TrackedFrame> locate_near(const Frame& frame, const Map& map,
+                                                        KeyframeId reference,
+                                                        const SE3& T_reference_camera) const;
 
   /// Returns loops between `keyframe`, the one added last, and earlier keyframes, to be verified.
   LoopCandidates find_loops(const Map& map, KeyframeId keyframe);

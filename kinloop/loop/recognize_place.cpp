@@ -17,9 +17,9 @@ std::vector<Match> match_descriptors(const Features& features, const LocalMap& l
   return kept;
 }
 
-bool is_verified(const TrackResult& result, const Features& features, const LocalMap& local_map,
+bool is_verified(const TrackedFrame& result, const Features& features, const LocalMap& local_map,
                  const PinholeCamera& camera, const LoopOptions& options) {
-  if (result.status != TrackStatus::kTracked || result.stats.inliers < options.min_inliers) return false;
+  if (result.is_lost() || result.evidence.inliers < options.min_inliers) return false;
   if (!has_sufficient_inlier_ratio(result, features, options.min_inlier_ratio)) return false;
   const SE3& T_reference_camera = result.T_reference_camera;
   const auto depths = compare_depths(*local_map.features, features, T_reference_camera, camera,
@@ -30,9 +30,9 @@ bool is_verified(const TrackResult& result, const Features& features, const Loca
 
 }  // namespace
 
-std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const LocalMap& local_map,
-                                           const PinholeCamera& camera, const LoopOptions& options,
-                                           const TrackingOptions& tracking, uint64_t seed) {
+std::optional<TrackedFrame> recognize_place(const Frame& frame, const LocalMap& local_map,
+                                            const PinholeCamera& camera, const LoopOptions& options,
+                                            const TrackingOptions& tracking, uint64_t seed) {
   const Features& features = *frame.features;
   const auto matches = match_descriptors(features, local_map, options);
   if (static_cast<int>(matches.size()) < options.min_matches) return std::nullopt;
@@ -45,17 +45,16 @@ std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const Loc
   return confirm_pose(frame, local_map, initial->T_reference_camera, camera, options, tracking);
 }
 
-std::optional<TrackResult> confirm_pose(const PreparedFrame& frame, const LocalMap& local_map,
-                                        const SE3& T_reference_camera, const PinholeCamera& camera,
-                                        const LoopOptions& options, const TrackingOptions& tracking) {
+std::optional<TrackedFrame> confirm_pose(const Frame& frame, const LocalMap& local_map,
+                                         const SE3& T_reference_camera, const PinholeCamera& camera,
+                                         const LoopOptions& options, const TrackingOptions& tracking) {
   const Features& features = *frame.features;
   const FeatureGrid grid(features, camera.width, camera.height);
-  TrackResult result =
-      track_local_map(frame, grid, local_map, T_reference_camera, options.window_px, camera, tracking);
-  if (result.status != TrackStatus::kTracked) return std::nullopt;
+  const TrackingTarget target{local_map, camera, tracking};
+  TrackedFrame result = track_local_map(frame, grid, T_reference_camera, options.window_px, target);
+  if (result.is_lost()) return std::nullopt;
   // Match again from the improved pose, which centres the search windows correctly.
-  result = track_local_map(frame, grid, local_map, result.T_reference_camera, tracking.local_map_window_px,
-                           camera, tracking);
+  result = track_local_map(frame, grid, result.T_reference_camera, tracking.local_map_window_px, target);
   if (!is_verified(result, features, local_map, camera, options)) return std::nullopt;
   return result;
 }

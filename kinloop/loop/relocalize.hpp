@@ -10,9 +10,9 @@ namespace kinloop {
 
 /// Estimates the pose of `frame` relative to the most similar keyframe that passes geometric verification
 /// (the result's `reference`). `bow` is the frame's bag of words.
-std::optional<TrackResult> relocalize(const PreparedFrame& frame, const BowVector& bow, const Map& map,
-                                      const PlaceIndex& index, const PinholeCamera& camera,
-                                      const LocalMapOptions& local_map, const LoopOptions& options,
-                                      const TrackingOptions& tracking, uint64_t seed);
+std::optional<TrackedFrame> relocalize(const Frame& frame, const BowVector& bow, const Map& map,
+                                       const PlaceIndex& index, const PinholeCamera& camera,
+                                       const LocalMapOptions& local_map, const LoopOptions& options,
+                                       const TrackingOptions& tracking, uint64_t seed);
 
 }  // namespace kinloop

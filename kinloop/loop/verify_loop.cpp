@@ -33,7 +33,7 @@ LoopConstraint make_loop_constraint(const Map& map, const VerifiedLoop& loop, co
   const auto& [id, found] = loop;
   LoopConstraint constraint;
   constraint.edge = {found.reference, id, found.T_reference_camera,
-                     edge_information(found.stats.inliers, options), found.stats.inliers};
+                     edge_information(found.evidence.inliers, options), found.evidence.inliers};
   for (const LandmarkMatch& match : found.matches) {
     const LandmarkId newer = map.keyframe(id).landmark_of[match.feature];
     if (newer.valid() && newer != match.landmark && map.contains(match.landmark)) {

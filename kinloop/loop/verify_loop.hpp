@@ -20,14 +20,14 @@ struct LoopCandidate {
 /// A keyframe and the loops proposed for it.
 struct LoopCandidates {
   KeyframeId keyframe;
-  PreparedFrame frame;                ///< its features
+  Frame frame;                        ///< its features
   std::vector<LoopCandidate> places;  ///< most similar first
 };
 
 /// The pose of `keyframe` relative to the place it revisits.
 struct VerifiedLoop {
   KeyframeId keyframe;
-  TrackResult result;
+  TrackedFrame result;
 };
 
 /// A verified loop: the edge, and landmark pairs of the keyframe and the old place to merge.

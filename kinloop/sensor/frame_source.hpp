@@ -7,8 +7,8 @@
 #include <string>
 
 #include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/sensor/frame.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
-#include "kinloop/sensor/rgbd_frame.hpp"
 #include "kinloop/sensor/skipped_frames.hpp"
 
 namespace kinloop {
@@ -31,7 +31,7 @@ class FrameSource {
   virtual ~FrameSource() = default;
 
   /// Returns the next frame in order of time; nullopt at the end. Damaged frames are skipped and counted.
-  virtual std::optional<RgbdFrame> next() = 0;
+  virtual std::optional<Frame> next() = 0;
 
   [[nodiscard]] virtual const RgbdCamera& camera() const = 0;
   [[nodiscard]] virtual const SourceInfo& info() const = 0;

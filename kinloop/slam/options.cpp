@@ -105,7 +105,7 @@ TrackerOptions tracker_options(const SlamOptions& o) {
 }
 
 MapperOptions mapper_options(const SlamOptions& o) {
-  return {o.tracking.keyframe, o.local_map, o.mapping, o.localize_only};
+  return {o.local_map, o.mapping};
 }
 
 PlaceOptions place_options(const SlamOptions& o) {

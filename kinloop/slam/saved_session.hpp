@@ -3,11 +3,11 @@
 
 #include "kinloop/back_end/self_calibration.hpp"
 #include "kinloop/map/saved_map.hpp"
-#include "kinloop/tracking/frame_log.hpp"
 
 namespace kinloop {
 
-std::vector<SavedFrame> saved_frames(const FrameLog& log);
+/// Returns the frames without what a map file does not hold: matches and features.
+FrameLog saved_frames(const FrameLog& log);
 
 /// Returns the log of a saved map with keyframe and frame ids shifted past the existing ones. The file does
 /// not hold the observations of frames. A frame whose keyframe is missing counts as lost.

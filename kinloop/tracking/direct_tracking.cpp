@@ -14,15 +14,16 @@ namespace kinloop {
 namespace {
 
 /// Moves the prediction by aligning the image with the previous one around its landmarks.
-SE3 align_with_previous(const PreparedFrame& frame, const SE3& T_reference_predicted,
+SE3 align_with_previous(const Frame& frame, const SE3& T_reference_predicted,
                         const DirectTrackingContext& c) {
   constexpr size_t kMaxPoints = 150;
   const auto& index_of = c.search.local_map.index_of;
   const SE3 T_predicted_reference = T_reference_predicted.inverse();
   std::vector<AlignmentPoint> points;
-  const Features& before = *c.previous.frame.features;
+  const Features& before = c.previous.features();
+  const std::vector<LandmarkId> landmark_of = landmark_of_keypoint(c.previous);
   for (size_t i = 0; i < before.size(); ++i) {
-    const auto known = index_of.find(c.previous.landmark_of[i]);
+    const auto known = index_of.find(landmark_of[i]);
     if (known == index_of.end()) continue;
     const Eigen::Vector3d p_camera = T_predicted_reference * c.search.local_map.p_reference[known->second];
     const auto raw = raw_pixel_of(p_camera, c.search.camera, c.search.sensor, c.search.velocity);
@@ -33,7 +34,7 @@ SE3 align_with_previous(const PreparedFrame& frame, const SE3& T_reference_predi
     points.resize(kMaxPoints);
   }
   return T_reference_predicted *
-         align_images(c.previous.frame.octaves, frame.octaves, points, c.search.camera);
+         align_images(c.previous.frame->octaves, frame.octaves, points, c.search.camera);
 }
 
 /// A step that visits all of `count` indices in an order without relation to them: the local map begins with
@@ -73,7 +74,7 @@ std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const
 }
 
 /// The found landmarks in the form of keypoints.
-Features as_features(const std::vector<FoundPatch>& found, const PreparedFrame& frame,
+Features as_features(const std::vector<FoundPatch>& found, const Frame& frame,
                      const DirectTrackingContext& c) {
   const Features& like = *c.search.local_map.features;
   Features features;
@@ -98,34 +99,37 @@ Features as_features(const std::vector<FoundPatch>& found, const PreparedFrame& 
   return features;
 }
 
-TrackResult solve_pose(const Features& compensated, const std::vector<FoundPatch>& found, const SE3& guess,
-                       const DirectTrackingContext& c) {
+/// Estimates the pose from the landmarks found, whose positions are `compensated` for motion.
+std::optional<TrackedFrame> solve_pose(const Frame& frame, const Features& compensated,
+                                       const std::vector<FoundPatch>& found, const SE3& guess,
+                                       const DirectTrackingContext& c) {
   std::vector<PoseObservation> observations;
   for (size_t i = 0; i < found.size(); ++i) {
     observations.push_back(
         {compensated_measurement(compensated, i), c.search.local_map.p_reference[found[i].index]});
   }
-  TrackResult result;
   const auto solution = solve_absolute_pose(c.search.camera, observations, guess, c.options.pose);
-  if (!solution) return result;
-  result.status = TrackStatus::kTracked;
-  result.reference = c.search.local_map.reference;
-  result.T_reference_camera = solution->T_reference_camera;
-  result.information = solution->information;
+  if (!solution) return std::nullopt;
+  TrackedFrame tracked = unlocated(frame);
+  tracked.outcome = TrackingOutcome::kTracked;
+  tracked.method = TrackingMethod::kPatches;
+  tracked.reference = c.search.local_map.reference;
+  tracked.T_reference_camera = solution->T_reference_camera;
+  tracked.covariance = covariance_from_information(solution->information);
   for (uint32_t i = 0; i < found.size(); ++i) {
-    if (solution->inliers[i]) result.matches.push_back({c.search.local_map.ids[found[i].index], i});
+    if (solution->inliers[i]) tracked.matches.push_back({c.search.local_map.ids[found[i].index], i});
   }
-  result.stats.inliers = static_cast<int>(result.matches.size());
-  return result;
+  tracked.evidence.inliers = static_cast<int>(tracked.matches.size());
+  return tracked;
 }
 
 }  // namespace
 
-std::optional<DirectlyTracked> track_directly(const PreparedFrame& frame, const SE3& T_reference_predicted,
-                                              const DirectTrackingContext& c) {
+std::optional<TrackedFrame> track_directly(const Frame& frame, const SE3& T_reference_predicted,
+                                           const DirectTrackingContext& c) {
   constexpr double kMinConsistent = 0.7;  // of those found
   constexpr float kMaxShift_px = 4;
-  if (c.previous.frame.octaves.empty() || frame.octaves.empty()) return std::nullopt;
+  if (c.previous.frame->octaves.empty() || frame.octaves.empty()) return std::nullopt;
   const SE3 T_reference_aligned = align_with_previous(frame, T_reference_predicted, c);
   const auto expected = choose_landmarks(T_reference_aligned, c);
   if (static_cast<int>(expected.size()) < c.options.min_confident_inliers) return std::nullopt;
@@ -134,19 +138,23 @@ std::optional<DirectlyTracked> track_directly(const PreparedFrame& frame, const 
     if (const auto at = find_patch(frame.octaves, patch, c.search.local_map, kMaxShift_px))
       found.push_back(*at);
   }
-  const auto features = std::make_shared<const Features>(as_features(found, frame, c));
+  Frame with_landmarks = frame;
+  with_landmarks.features = std::make_shared<const Features>(as_features(found, frame, c));
+  const Features& features = *with_landmarks.features;
   const Features compensated =
-      needs_deskewing(*features, c.search.sensor)
-          ? deskew_features(*features, c.search.camera, c.search.sensor, c.search.velocity)
-          : *features;
-  DirectlyTracked tracked{solve_pose(compensated, found, T_reference_aligned, c), features};
-  const TrackStats& stats = tracked.result.stats;
-  if (stats.inliers < c.options.min_confident_inliers) return std::nullopt;
-  if (stats.inliers < c.options.min_inlier_ratio * static_cast<double>(expected.size())) return std::nullopt;
-  if (stats.inliers < kMinConsistent * static_cast<double>(found.size())) return std::nullopt;
-  tracked.result.stats.visible_landmarks = static_cast<int>(expected.size());
-  tracked.result.stats.previous_frame_inliers = static_cast<int>(found.size());
-  tracked.result.stats.attempts = 1;
+      needs_deskewing(features, c.search.sensor)
+          ? deskew_features(features, c.search.camera, c.search.sensor, c.search.velocity)
+          : features;
+  auto tracked = solve_pose(with_landmarks, compensated, found, T_reference_aligned, c);
+  if (!tracked) return std::nullopt;
+  const int inliers = tracked->evidence.inliers;
+  if (inliers < c.options.min_confident_inliers) return std::nullopt;
+  if (inliers < c.options.min_inlier_ratio * static_cast<double>(expected.size())) return std::nullopt;
+  if (inliers < kMinConsistent * static_cast<double>(found.size())) return std::nullopt;
+  tracked->evidence.visible_landmarks = static_cast<int>(expected.size());
+  tracked->evidence.previous_frame_inliers = static_cast<int>(found.size());
+  tracked->evidence.attempts = 1;
+  tracked->frame = std::make_shared<const Frame>(std::move(with_landmarks));
   return tracked;
 }
 

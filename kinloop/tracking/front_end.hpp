@@ -3,8 +3,7 @@
 
 #include "kinloop/features/options.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/rgbd_frame.hpp"
-#include "kinloop/tracking/frame.hpp"
+#include "kinloop/sensor/frame.hpp"
 
 namespace kinloop {
 
@@ -16,11 +15,11 @@ class FrontEnd {
       : camera_(camera), options_(options), first_frame_(first_frame) {}
 
   /// Returns the frame with its grey octaves, without features. Throws std::logic_error unless both images
-  /// have the camera's size and the types of RgbdFrame.
-  [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const;
+  /// have the camera's size and the types of Frame.
+  [[nodiscard]] Frame prepare(Frame frame) const;
 
   /// Returns keypoints with descriptors and depth.
-  [[nodiscard]] std::shared_ptr<const Features> features(const PreparedFrame& frame) const;
+  [[nodiscard]] std::shared_ptr<const Features> features(const Frame& frame) const;
 
   [[nodiscard]] uint32_t first_frame() const { return first_frame_; }
 

@@ -19,10 +19,11 @@ struct PreviousPoints {
 
 PreviousPoints points_of(const TrackedFrame& previous, const LocalMap& local_map,
                          const PinholeCamera& camera) {
-  const Features& features = *previous.frame.features;
+  const Features& features = previous.features();
+  const std::vector<LandmarkId> landmark_of = landmark_of_keypoint(previous);
   PreviousPoints points;
   for (uint32_t i = 0; i < features.size(); ++i) {
-    const auto known = local_map.index_of.find(previous.landmark_of[i]);
+    const auto known = local_map.index_of.find(landmark_of[i]);
     const bool mapped = known != local_map.index_of.end();
     if (!mapped && !(features.depths_m[i] > 0)) continue;
     points.p_reference.push_back(mapped ? local_map.p_reference[known->second]
@@ -37,7 +38,7 @@ PreviousPoints points_of(const TrackedFrame& previous, const LocalMap& local_map
 
 /// Input of one tracking method.
 struct TwoFrames {
-  const PreparedFrame& frame;
+  const Frame& frame;
   const FeatureGrid& grid;
   const TrackedFrame& previous;
   const PreviousPoints& points;
@@ -46,7 +47,7 @@ struct TwoFrames {
 };
 
 PoseObservation observation_of(const TwoFrames& t, size_t point, uint32_t feature) {
-  const Features& before = *t.previous.frame.features;
+  const Features& before = t.previous.features();
   // A point known only from the previous frame is as uncertain as its keypoint there.
   const double sigma_before =
       t.points.mapped[point] ? 0.0 : static_cast<double>(before.sigmas_px[t.points.features[point]]);
@@ -62,7 +63,7 @@ FramePose keep_inliers(const AbsolutePoseSolution& solution, const std::vector<P
   pose.information = solution.information;
   for (size_t i = 0; i < observations.size(); ++i) {
     if (!solution.inliers[i]) continue;
-    pose.support.push_back(observations[i]);
+    pose.inliers.push_back(observations[i]);
     pose.features.push_back(features[i]);
   }
   return pose;
@@ -96,7 +97,7 @@ SearchRadius predicted_window(const PredictedPose& predicted, const PinholeCamer
 
 std::optional<FramePose> track_by_projection(const TwoFrames& t, const SE3& T_reference_camera,
                                              const SearchRadius& window_px) {
-  const Features& before = *t.previous.frame.features;
+  const Features& before = t.previous.features();
   const SE3 T_camera_reference = T_reference_camera.inverse();
   std::vector<ProjectedPoint> projected;
   std::vector<uint32_t> point_of;
@@ -135,7 +136,7 @@ std::optional<SE3> rigid_guess(const TwoFrames& t, const std::vector<PoseObserva
 /// Brute-force Hamming matching with the match screening of the ORB paper, then RANSAC: P3P, and rigid 3D-3D
 /// if that fails.
 std::optional<FramePose> track_by_brute_force(const TwoFrames& t, uint64_t seed) {
-  const cv::Mat& all = t.previous.frame.features->descriptors;
+  const cv::Mat& all = t.previous.features().descriptors;
   cv::Mat descriptors;
   for (const uint32_t feature : t.points.features) descriptors.push_back(all.row(static_cast<int>(feature)));
   const auto matches =
@@ -155,19 +156,17 @@ std::optional<FramePose> track_by_brute_force(const TwoFrames& t, uint64_t seed)
 /// Estimates the pose of `frame` by dense alignment of its depth and grey images to those of `previous`,
 /// starting from `T_reference_camera_guess`. Its information is small in directions that surfaces and
 /// intensities leave unconstrained. nullopt if the overlap is too small.
-std::optional<FramePose> align_to_previous_frame(const PreparedFrame& frame, const TrackedFrame& previous,
-                                                 const SE3& T_reference_camera_guess,
-                                                 const PinholeCamera& camera,
-                                                 const TrackingOptions& options) {
+std::optional<FramePose> align_to_previous_frame(const TwoFrames& t, const SE3& T_reference_camera_guess) {
   constexpr double kMinOverlap = 0.4;  // fraction of the depth pixels; less overlap may be another place
-  const IcpCamera grids = make_icp_camera(camera, options.icp);
+  const Frame& before = *t.previous.frame;
+  const IcpCamera grids = make_icp_camera(t.camera, t.options.icp);
   const auto aligned =
-      align_icp(grids, make_icp_frame(grids, previous.frame.depth_m, previous.frame.gray),
-                make_icp_frame(grids, frame.depth_m, frame.gray),
-                previous.T_reference_camera.inverse() * T_reference_camera_guess, options.icp);
+      align_icp(grids, make_icp_frame(grids, before.depth_m, before.gray),
+                make_icp_frame(grids, t.frame.depth_m, t.frame.gray),
+                t.previous.T_reference_camera.inverse() * T_reference_camera_guess, t.options.icp);
   if (!aligned || aligned->overlap < kMinOverlap) return std::nullopt;
   FramePose pose;
-  pose.T_reference_camera = previous.T_reference_camera * aligned->T_reference_camera;
+  pose.T_reference_camera = t.previous.T_reference_camera * aligned->T_reference_camera;
   pose.information = aligned->information;
   pose.dense = true;
   return pose;
@@ -175,26 +174,26 @@ std::optional<FramePose> align_to_previous_frame(const PreparedFrame& frame, con
 
 }  // namespace
 
-std::optional<FramePose> estimate_pose_from_previous_frame(
-    const PreparedFrame& frame, const FeatureGrid& grid, const TrackedFrame& previous,
-    const LocalMap& local_map, const PredictedPose& predicted, const PinholeCamera& camera,
-    const TrackingOptions& options, uint64_t seed) {
-  const PreviousPoints points = points_of(previous, local_map, camera);
-  const TwoFrames t{frame, grid, previous, points, camera, options};
+std::optional<FramePose> estimate_pose_from_previous_frame(const ConsecutiveFrames& frames,
+                                                           const PredictedPose& predicted, uint64_t seed) {
+  const auto& [local_map, camera, options] = frames.target;
+  const PreviousPoints points = points_of(frames.previous, local_map, camera);
+  const TwoFrames t{frames.frame, frames.grid, frames.previous, points, camera, options};
   std::optional<FramePose> best;
   int attempts = 0;
-  // A few chance matches can agree on a wrong pose, so try the next method if the support is small.
+  // A few chance matches can agree on a wrong pose, so try the next method if the inliers are few.
   const auto accept = [&](std::optional<FramePose> pose) {
     ++attempts;
-    if (pose && (!best || pose->support.size() > best->support.size())) best = std::move(pose);
+    if (pose && (!best || pose->inliers.size() > best->inliers.size())) best = std::move(pose);
     if (best) best->attempts = attempts;
-    return best && static_cast<int>(best->support.size()) >= options.min_confident_inliers;
+    return best && static_cast<int>(best->inliers.size()) >= t.options.min_confident_inliers;
   };
-  if (accept(track_by_projection(t, predicted.T, predicted_window(predicted, camera, options)))) return best;
-  const auto wide = [&](double) { return options.wide_window_px; };
+  if (accept(track_by_projection(t, predicted.T, predicted_window(predicted, t.camera, t.options))))
+    return best;
+  const auto wide = [&t](double) { return t.options.wide_window_px; };
   if (accept(track_by_projection(t, predicted.T, wide))) return best;
   if (accept(track_by_brute_force(t, seed)) || best) return best;
-  accept(align_to_previous_frame(frame, previous, predicted.T, camera, options));
+  accept(align_to_previous_frame(t, predicted.T));
   return best;
 }
 

@@ -59,7 +59,7 @@ void set_up_process() {
   static_cast<void>(once);
 }
 
-void require_size(const RgbdFrame& frame, const PinholeCamera& camera) {
+void require_size(const Frame& frame, const PinholeCamera& camera) {
   const cv::Size size(camera.width, camera.height), color = frame.color.size();
   if (color == size && frame.depth_m.size() == size) return;
   throw UsageError(
@@ -94,7 +94,7 @@ void Run::require_unfinished() const {
   if (trajectory_) throw UsageError("Slam.process: finish() has ended this run; create another Slam");
 }
 
-FrameResult Run::process(const PyFrame& frame) {
+TrackedFrame Run::process(const PyFrame& frame) {
   const std::lock_guard lock(mutex_);
   require_unfinished();
   require_size(frame.data, camera_.color);
@@ -104,22 +104,22 @@ FrameResult Run::process(const PyFrame& frame) {
       reader->prepare_for(id_, slam_->front_end(), slam_->expects_keypoints());
     }
   }
-  return process_next(frame.prepared_for == id_ ? frame.data : slam_->prepare(frame.raw()));
+  return process_next(frame.prepared_for == id_ ? frame.data : slam_->front_end().prepare(frame.raw()));
 }
 
-FrameResult Run::process(const ArrayFrame& given) {
+TrackedFrame Run::process(const ArrayFrame& given) {
   const std::lock_guard lock(mutex_);
   require_unfinished();
-  RgbdFrame frame;
+  Frame frame;
   frame.id = FrameId{next_id_};
   frame.stamp_ns = given.stamp_ns;
   frame.depth_stamp_ns = given.depth_stamp_ns;
   frame.color = given.color;
   frame.depth_m = prepare_depth_(given.depth_m);
-  return process_next(slam_->prepare(frame));
+  return process_next(slam_->front_end().prepare(frame));
 }
 
-FrameResult Run::process_next(PreparedFrame frame) {
+TrackedFrame Run::process_next(Frame frame) {
   if (frame.stamp_ns <= last_stamp_ns_) {
     throw UsageError(fmt::format("frame at {} s after one at {} s: stamps must increase",
                                  format_stamp(frame.stamp_ns), format_stamp(last_stamp_ns_)));

@@ -40,8 +40,8 @@ class Run {
   Run(const RgbdCamera& camera, const RunSettings& settings);
 
   /// Both throw UsageError for images of another size than the camera's, and after `finish`.
-  FrameResult process(const PyFrame& frame);
-  FrameResult process(const ArrayFrame& frame);
+  TrackedFrame process(const PyFrame& frame);
+  TrackedFrame process(const ArrayFrame& frame);
   /// Returns the final trajectory; a second call returns it again.
   Trajectory finish(const Progress& progress);
 
@@ -63,7 +63,7 @@ class Run {
 
  private:
   void require_unfinished() const;
-  FrameResult process_next(PreparedFrame frame);
+  TrackedFrame process_next(Frame frame);
 
   std::mutex mutex_;
   RgbdCamera camera_;

@@ -37,8 +37,8 @@ SE3 drifted_ring_pose(int i) {
   return T_world_camera;
 }
 
-SlamOptions ring_options() {
-  SlamOptions options;
+BackEndOptions ring_options() {
+  BackEndOptions options;
   options.executor.mode = ExecutorMode::kInline;  // jobs submitted at frame n are applied at n + 1
   options.self_calibration.min_keyframes = 20;
   return options;

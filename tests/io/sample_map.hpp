@@ -85,9 +85,16 @@ inline SavedMap some_saved_map() {
   saved.sensor = {{1e-300, 0.1, true}, {-0.0, 0, false}};
   saved.map = some_map(random).data();
   for (uint32_t i = 0; i < 3 * kKeyframes; ++i) {
-    saved.frames.push_back({FrameId{i}, 33 * i, 0, KeyframeId{i / 3}, some_pose(random),
-                            i % 3 == 0 ? KeyframeId{i / 3} : KeyframeId{}, i % 3 == 1,
-                            static_cast<float>(random.uniform(-0.02, 0.02))});
+    TrackedFrame frame;
+    frame.id = FrameId{i};
+    frame.stamp_ns = 33 * i;
+    frame.outcome = TrackingOutcome::kTracked;
+    if (i % 3 == 1) frame.method = TrackingMethod::kRepeat;
+    frame.reference = KeyframeId{i / 3};
+    if (i % 3 == 0) frame.keyframe = KeyframeId{i / 3};
+    frame.T_reference_camera = some_pose(random);
+    frame.depth_stamp_difference_s = static_cast<float>(random.uniform(-0.02, 0.02));
+    saved.frames.push_back(frame);
   }
   return saved;
 }

@@ -30,7 +30,7 @@ class WithoutDepthStamps : public FrameSource {
  public:
   explicit WithoutDepthStamps(FrameSource& source) : source_(source) {}
 
-  std::optional<RgbdFrame> next() override {
+  std::optional<Frame> next() override {
     auto frame = source_.next();
     if (frame) frame->depth_stamp_ns.reset();
     return frame;

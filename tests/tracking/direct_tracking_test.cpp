@@ -192,7 +192,7 @@ TEST_F(Wall, RefinementMovesKeypointsToTheirLandmarks) {
                        std::make_shared<const KeypointPatches>(cut_patches(octaves, *at_keyframe, all))});
   matches.erase(matches.begin());               // the first keypoint matches nothing
   matches.front().landmark = LandmarkId{1000};  // the second a landmark beyond the local map
-  PreparedFrame frame;
+  Frame frame;
   frame.octaves = make_octaves(view(truth, kFine_per_m), 4);
   frame.features = std::make_shared<const Features>(keypoints_at(detected));
   const SensorVector sensor = SensorVector::Zero();

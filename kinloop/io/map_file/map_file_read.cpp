@@ -188,21 +188,30 @@ void read_loop_edges(const DatabaseReader& file, const Renumbered& ids, MapData&
   });
 }
 
-std::vector<SavedFrame> read_frames(const DatabaseReader& file, const Renumbered& ids) {
-  std::vector<SavedFrame> frames;
+/// Sets outcome and method from the numbers in the file.
+void set_status(TrackedFrame& frame, int64_t status, bool repeat) {
+  constexpr int64_t kTracked = 0, kDense = 1;
+  if (status != kTracked && status != kDense) return;
+  frame.outcome = TrackingOutcome::kTracked;
+  if (status == kDense) frame.method = TrackingMethod::kDense;
+  if (repeat) frame.method = TrackingMethod::kRepeat;
+}
+
+FrameLog read_frames(const DatabaseReader& file, const Renumbered& ids) {
+  FrameLog frames;
   file.read(tables::kFrame, [&](int64_t, const Row& cells) {
     RowReader row(cells);
-    SavedFrame frame;
-    frame.frame = FrameId{take_index(row, kMaxFrames)};
+    TrackedFrame frame;
+    frame.id = FrameId{take_index(row, kMaxFrames)};
     frame.stamp_ns = take_stamp(row);
-    frame.status = static_cast<int>(row.take_in<int64_t>(0, kMaxStatus));
+    const int64_t status = row.take_in<int64_t>(0, kMaxStatus);
     frame.reference = new_id(ids, take_keyframe(row));
     frame.keyframe = new_id(ids, take_keyframe(row));
-    frame.repeat = row.take<int64_t>() != 0;
+    set_status(frame, status, row.take<int64_t>() != 0);
     frame.T_reference_camera = take_pose(row);
     if (!row.exhausted())  // not in version 1
-      frame.depth_lag_s = static_cast<float>(row.take_in(-kMaxLagS, kMaxLagS));
-    if (!row.exhausted() || (!frames.empty() && frame.frame <= frames.back().frame)) return false;
+      frame.depth_stamp_difference_s = static_cast<float>(row.take_in(-kMaxLagS, kMaxLagS));
+    if (!row.exhausted() || (!frames.empty() && frame.id <= frames.back().id)) return false;
     frames.push_back(frame);
     return true;
   });

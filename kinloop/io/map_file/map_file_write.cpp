@@ -104,16 +104,22 @@ void write_landmarks(DatabaseWriter& file, const MapData& map) {
   }
 }
 
-void write_frames(DatabaseWriter& file, const std::vector<SavedFrame>& frames) {
+/// The number of a frame's status in the file.
+int64_t status_number(const TrackedFrame& frame) {
+  if (frame.is_lost()) return 2;
+  return frame.method == TrackingMethod::kDense ? 1 : 0;
+}
+
+void write_frames(DatabaseWriter& file, const FrameLog& frames) {
   file.create(tables::kFrame,
               with_pose({"frame", "stamp_ns", "status", "reference", "keyframe", "repeat"}, {"depth_lag_s"}));
   int64_t id = 0;
-  for (const SavedFrame& frame : frames) {
-    Row row = {int64_t{frame.frame.value},    frame.stamp_ns,
-               int64_t{frame.status},         int64_t{frame.reference.value},
-               int64_t{frame.keyframe.value}, int64_t{frame.repeat}};
+  for (const TrackedFrame& frame : frames) {
+    Row row = {int64_t{frame.id.value},       frame.stamp_ns,
+               status_number(frame),          int64_t{frame.reference.value},
+               int64_t{frame.keyframe.value}, int64_t{frame.is_repeat()}};
     add_pose(row, frame.T_reference_camera);
-    row.emplace_back(static_cast<double>(frame.depth_lag_s));
+    row.emplace_back(static_cast<double>(frame.depth_stamp_difference_s));
     file.insert(tables::kFrame, id++, row);
   }
 }

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "kinloop/sensor/sensor_model.hpp"
-#include "kinloop/tracking/frame_log.hpp"
+#include "kinloop/geometry/velocity.hpp"
+#include "kinloop/map/frame_log.hpp"
 
 namespace kinloop {
 

@@ -1,4 +1,4 @@
-#include "kinloop/tracking/local_map_tracking.hpp"
+#include "kinloop/tracking/keypoint_tracking.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,81 +17,83 @@ PredictedPose uncertain(const SE3& T_reference_camera) {
   return {T_reference_camera, 0.01, 0.02};
 }
 
-class Tracker : public testing::Test {
+class KeypointTracking : public testing::Test {
  protected:
-  Tracker() {
+  KeypointTracking() {
     const auto view = test::observe(world_, SE3{}, {}, 2);
     const KeyframeId keyframe = test::add_view(built_, world_, view, SE3{});
     local_map_ = make_local_map(built_.map, keyframe, {});
-    previous_ = TrackedFrame{test::make_frame(0, view), SE3{}, built_.map.keyframe(keyframe).landmark_of};
+    previous_ = test::tracked_as(keyframe, built_.map, test::make_frame(0, view));
   }
 
-  TrackResult track_at(const SE3& T_world_camera, const SE3& predicted,
-                       const test::ObservationNoise& noise = {}) const {
+  [[nodiscard]] TrackingTarget target() const { return {local_map_, world_.camera, options_}; }
+
+  TrackedFrame track_at(const SE3& T_world_camera, const SE3& predicted,
+                        const test::ObservationNoise& noise = {}) const {
     const auto view = test::observe(world_, T_world_camera, noise, 3);
-    return track(test::make_frame(1, view), previous_, local_map_, uncertain(predicted), world_.camera, {},
-                 4);
+    return track_keypoints(test::make_frame(1, view), previous_, uncertain(predicted), target(), 4);
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
   test::SyntheticMap built_;
   LocalMap local_map_;
   TrackedFrame previous_;
+  TrackingOptions options_;
 };
 
-TEST_F(Tracker, FollowsASmallMotion) {
+TEST_F(KeypointTracking, FollowsASmallMotion) {
   const SE3 truth = camera_at(0.05, {0.03, 0.01, -0.02});
-  const TrackResult result = track_at(truth, SE3{});
-  ASSERT_EQ(result.status, TrackStatus::kTracked);
-  EXPECT_GT(result.stats.inliers, 150);
+  const TrackedFrame result = track_at(truth, SE3{});
+  ASSERT_TRUE(result.is_located());
+  EXPECT_GT(result.evidence.inliers, 150);
   EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.005);
   EXPECT_LT(test::angle_rad(result.T_reference_camera, truth), 0.002);
 }
 
-TEST_F(Tracker, MatchesVisibleLandmarks) {
+TEST_F(KeypointTracking, MatchesVisibleLandmarks) {
   const SE3 truth = camera_at(0.05, {0.03, 0.01, -0.02});
   const auto view = test::observe(world_, truth, {}, 3);
-  const TrackResult result =
-      track(test::make_frame(1, view), previous_, local_map_, uncertain(SE3{}), world_.camera, {}, 4);
+  const TrackedFrame result =
+      track_keypoints(test::make_frame(1, view), previous_, uncertain(SE3{}), target(), 4);
   ASSERT_FALSE(result.matches.empty());
   for (const LandmarkMatch& match : result.matches) {
     EXPECT_EQ(match.landmark, built_.landmark_of_point.at(view.point_of[match.feature]));
   }
 }
 
-TEST_F(Tracker, RecoversFromAnUnpredictedJump) {
+TEST_F(KeypointTracking, RecoversFromAnUnpredictedJump) {
   const SE3 truth = camera_at(0.35, {0.15, 0.05, 0.1});
-  const TrackResult result = track_at(truth, SE3{});
-  ASSERT_EQ(result.status, TrackStatus::kTracked);
-  EXPECT_GT(result.stats.attempts, 1);
+  const TrackedFrame result = track_at(truth, SE3{});
+  ASSERT_TRUE(result.is_located());
+  EXPECT_GT(result.evidence.attempts, 1);
   EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.01);
 }
 
-TEST_F(Tracker, UsesTheMapWhenDepthIsMissing) {
+TEST_F(KeypointTracking, UsesTheMapWhenDepthIsMissing) {
   const SE3 truth = camera_at(0.04, {0.02, 0, 0});
-  const TrackResult result = track_at(truth, SE3{}, {0.5, 1.425e-3, 12, 1.0});
-  ASSERT_EQ(result.status, TrackStatus::kTracked);
+  const TrackedFrame result = track_at(truth, SE3{}, {0.5, 1.425e-3, 12, 1.0});
+  ASSERT_TRUE(result.is_located());
   EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.005);
 }
 
-TEST_F(Tracker, IsLostInAnUnknownPlace) {
-  const TrackResult result = track_at(camera_at(3.14159, {0, 0, 0}), SE3{});
-  EXPECT_EQ(result.status, TrackStatus::kLost);
+TEST_F(KeypointTracking, IsLostInAnUnknownPlace) {
+  const TrackedFrame result = track_at(camera_at(3.14159, {0, 0, 0}), SE3{});
+  EXPECT_TRUE(result.is_lost());
   EXPECT_TRUE(result.matches.empty());
 }
 
-TEST_F(Tracker, IsLostOnABlackImage) {
+TEST_F(KeypointTracking, IsLostOnABlackImage) {
   test::SyntheticView nothing;
   nothing.features = std::make_shared<const Features>();
-  const TrackResult result =
-      track(test::make_frame(1, nothing), previous_, local_map_, uncertain(SE3{}), world_.camera, {}, 4);
-  EXPECT_EQ(result.status, TrackStatus::kLost);
+  const TrackedFrame result =
+      track_keypoints(test::make_frame(1, nothing), previous_, uncertain(SE3{}), target(), 4);
+  EXPECT_TRUE(result.is_lost());
 }
 
 /// A wall 2 m ahead with a texture too smooth for corners, seen from `x_m` to the right.
-PreparedFrame soft_wall(const PinholeCamera& camera, double x_m) {
+Frame soft_wall(const PinholeCamera& camera, double x_m) {
   constexpr double kWall_m = 2;
-  PreparedFrame frame;
+  Frame frame;
   frame.features = std::make_shared<const Features>();
   frame.depth_m = cv::Mat(camera.height, camera.width, CV_32FC1, cv::Scalar(kWall_m));
   frame.gray.create(camera.height, camera.width, CV_8UC1);
@@ -105,33 +107,34 @@ PreparedFrame soft_wall(const PinholeCamera& camera, double x_m) {
   return frame;
 }
 
-TEST_F(Tracker, FallsBackToDenseAlignmentWithoutKeypoints) {
-  previous_ = TrackedFrame{soft_wall(world_.camera, 0), SE3{}, {}};
+TEST_F(KeypointTracking, FallsBackToDenseAlignmentWithoutKeypoints) {
+  previous_ = unlocated(soft_wall(world_.camera, 0));
+  previous_.outcome = TrackingOutcome::kTracked;
+  previous_.reference = local_map_.reference;
+  previous_.frame = std::make_shared<const Frame>(soft_wall(world_.camera, 0));
   const SE3 truth = camera_at(0, {0.02, 0, 0});
-  const PreparedFrame frame = soft_wall(world_.camera, 0.02);
-  TrackingOptions options;
-  const TrackResult result = track(frame, previous_, local_map_, uncertain(SE3{}), world_.camera, options, 4);
-  EXPECT_EQ(result.status, TrackStatus::kDenseOnly);
+  const Frame frame = soft_wall(world_.camera, 0.02);
+  const TrackedFrame result = track_keypoints(frame, previous_, uncertain(SE3{}), target(), 4);
+  EXPECT_EQ(result.method, TrackingMethod::kDense);
   EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.001);
   EXPECT_LT(test::angle_rad(result.T_reference_camera, truth), 0.001);
 
-  options.icp.photometric_weight = 0;
-  const TrackResult by_depth =
-      track(frame, previous_, local_map_, uncertain(SE3{}), world_.camera, options, 4);
-  EXPECT_EQ(by_depth.status, TrackStatus::kDenseOnly);
+  options_.icp.photometric_weight = 0;
+  const TrackedFrame by_depth = track_keypoints(frame, previous_, uncertain(SE3{}), target(), 4);
+  EXPECT_EQ(by_depth.method, TrackingMethod::kDense);
   EXPECT_GT(test::distance_m(by_depth.T_reference_camera, truth), 0.015) << "a wall does not constrain it";
-  EXPECT_LT(by_depth.information(0, 0), 0.01 * result.information(0, 0)) << "and the information shows it";
+  EXPECT_GT(by_depth.covariance(0, 0), 100 * result.covariance(0, 0)) << "and the covariance shows it";
 }
 
-TEST_F(Tracker, GivesTheSameResultTwice) {
+TEST_F(KeypointTracking, GivesTheSameResultTwice) {
   const SE3 truth = camera_at(0.35, {0.15, 0.05, 0.1});
-  const TrackResult a = track_at(truth, SE3{}), b = track_at(truth, SE3{});
+  const TrackedFrame a = track_at(truth, SE3{}), b = track_at(truth, SE3{});
   EXPECT_EQ(a.T_reference_camera.matrix(), b.T_reference_camera.matrix());
   EXPECT_EQ(a.matches.size(), b.matches.size());
 }
 
-TEST_F(Tracker, InformationIsConsistentWithTheErrors) {
-  // The squared error in units of the reported information has mean 6 (chi2 with 6 degrees of freedom).
+TEST_F(KeypointTracking, CovarianceIsConsistentWithTheErrors) {
+  // The squared error in units of the reported covariance has mean 6 (chi2 with 6 degrees of freedom).
   double sum = 0;
   constexpr int kTrials = 40;
   for (uint64_t trial = 0; trial < kTrials; ++trial) {
@@ -144,11 +147,11 @@ TEST_F(Tracker, InformationIsConsistentWithTheErrors) {
         if (landmark == exact.ids[i]) exact.p_reference[i] = world_.p_world[point];
       }
     }
-    const TrackResult result =
-        track(test::make_frame(1, view), previous_, exact, uncertain(truth), world_.camera, {}, trial);
-    ASSERT_EQ(result.status, TrackStatus::kTracked);
+    const TrackedFrame result = track_keypoints(test::make_frame(1, view), previous_, uncertain(truth),
+                                                {exact, world_.camera, options_}, trial);
+    ASSERT_TRUE(result.is_located());
     const Vector6d error = (result.T_reference_camera.inverse() * truth).log();
-    sum += error.dot(result.information * error);
+    sum += error.dot(result.covariance.inverse() * error);
   }
   EXPECT_GT(sum / kTrials, 3.0);
   EXPECT_LT(sum / kTrials, 12.0);
@@ -158,12 +161,12 @@ TEST(MotionModel, ExtrapolatesTheVelocity) {
   MotionModel motion;
   EXPECT_EQ(motion.predict(1'000'000).T.translation.norm(), 0);
   const SE3 step = camera_at(0.02, {0.01, 0, 0});
-  motion.update(step, 33'000'000);
+  motion.update(motion.velocity_of(step, 33'000'000), 33'000'000);
   EXPECT_LT((motion.predict(33'000'000).T.inverse() * step).log().norm(), 1e-12);
   EXPECT_LT((motion.predict(66'000'000).T.inverse() * (step * step)).log().norm(), 1e-12);
   EXPECT_LT(motion.predict(10'000'000'000).T.translation.norm(),
-            0.2);          // a long gap is not extrapolated blindly
-  motion.update(step, 0);  // a repeated stamp is ignored
+            0.2);                                 // a long gap is not extrapolated blindly
+  motion.update(motion.velocity_of(step, 0), 0);  // a repeated stamp is ignored
   EXPECT_TRUE(motion.predict(33'000'000).T.is_finite());
   motion.reset();
   EXPECT_EQ(motion.predict(33'000'000).T.translation.norm(), 0);
@@ -172,9 +175,9 @@ TEST(MotionModel, ExtrapolatesTheVelocity) {
 TEST(MotionModel, FramesAMicrosecondApartGiveNoVelocity) {
   MotionModel motion;
   const SE3 moved{exp_so3(Eigen::Vector3d::Zero()), {0.001, 0, 0}};
-  motion.update(moved, 33'000'000);
+  motion.update(motion.velocity_of(moved, 33'000'000), 33'000'000);
   const PredictedPose before = motion.predict(33'000'000);
-  motion.update(moved, 1'000);
+  motion.update(motion.velocity_of(moved, 1'000), 1'000);
   const PredictedPose after = motion.predict(33'000'000);
   EXPECT_EQ(after.T.translation, before.T.translation);
   EXPECT_EQ(after.sigma_m, before.sigma_m);
@@ -182,7 +185,7 @@ TEST(MotionModel, FramesAMicrosecondApartGiveNoVelocity) {
 
 TEST(MotionModel, UncertaintyGrowsWithTime) {
   MotionModel motion;
-  motion.update(camera_at(0.02, {0.01, 0, 0}), 33'000'000);
+  motion.update(motion.velocity_of(camera_at(0.02, {0.01, 0, 0}), 33'000'000), 33'000'000);
   const PredictedPose soon = motion.predict(33'000'000), late = motion.predict(330'000'000);
   EXPECT_GT(soon.sigma_m, 0);
   EXPECT_GT(soon.sigma_rad, 0);
@@ -212,7 +215,7 @@ TEST(MotionModel, UncertaintyFollowsTheMotion) {
       turn += error.tail<3>().squaredNorm() / (3 * predicted.sigma_rad * predicted.sigma_rad);
       ++count;
     }
-    motion.update(step, kStep_ns);
+    motion.update(motion.velocity_of(step, kStep_ns), kStep_ns);
   }
   EXPECT_NEAR(shift / count, 1, 0.2);
   EXPECT_NEAR(turn / count, 1, 0.2);
@@ -221,13 +224,18 @@ TEST(MotionModel, UncertaintyFollowsTheMotion) {
 class KeyframePolicy : public testing::Test {
  protected:
   [[nodiscard]] bool asks(const SE3& T_last_keyframe_camera, int inliers, int reference_landmarks) {
-    result_.status = TrackStatus::kTracked;
-    result_.stats.inliers = inliers;
-    return needs_keyframe({result_, frame_, {T_last_keyframe_camera}, 5, reference_landmarks}, {});
+    result_.evidence.inliers = inliers;
+    return needs_keyframe({result_, {T_last_keyframe_camera}, 5, reference_landmarks}, {});
   }
 
-  PreparedFrame frame_ = test::make_frame(1, test::observe(test::make_world(3000, 1), SE3{}, {}, 2));
-  TrackResult result_;
+  KeyframePolicy() {
+    const Frame frame = test::make_frame(1, test::observe(test::make_world(3000, 1), SE3{}, {}, 2));
+    result_ = unlocated(frame);
+    result_.outcome = TrackingOutcome::kTracked;
+    result_.frame = std::make_shared<const Frame>(frame);
+  }
+
+  TrackedFrame result_;
 };
 
 TEST_F(KeyframePolicy, NoKeyframeForAStationaryCamera) {
@@ -241,11 +249,10 @@ TEST_F(KeyframePolicy, LargeRotationOrTranslationTriggersAKeyframe) {
 }
 
 TEST_F(KeyframePolicy, DirectTrackingSpacesKeyframesByTranslationNotByRotation) {
-  result_.status = TrackStatus::kTracked;
-  result_.stats.inliers = 300;
+  result_.evidence.inliers = 300;
   const KeyframeOptions options, direct = spaced_for_direct_tracking(options);
   const auto motion = [&](const SE3& T, const KeyframeOptions& o) {
-    return motion_from_nearest(*frame_.features, std::vector{T}, o);
+    return motion_from_nearest(result_.features(), std::vector{T}, o);
   };
   const SE3 turned = camera_at(0.25, {0, 0, 0}), shifted = camera_at(0, {0.25, 0, 0});
   EXPECT_DOUBLE_EQ(motion(turned, direct), motion(turned, options));
@@ -253,9 +260,9 @@ TEST_F(KeyframePolicy, DirectTrackingSpacesKeyframesByTranslationNotByRotation) 
   // A motion between the two limits triggers a keyframe only without direct tracking.
   const double share = 1.2 / motion(shifted, options);
   const SE3 between = camera_at(0, {0.25 * share, 0, 0});
-  EXPECT_TRUE(needs_keyframe({result_, frame_, {between}, 5, 300}, options));
-  EXPECT_FALSE(needs_keyframe({result_, frame_, {between}, 5, 300}, direct));
-  EXPECT_TRUE(needs_keyframe({result_, frame_, {turned}, 5, 300}, direct));
+  EXPECT_TRUE(needs_keyframe({result_, {between}, 5, 300}, options));
+  EXPECT_FALSE(needs_keyframe({result_, {between}, 5, 300}, direct));
+  EXPECT_TRUE(needs_keyframe({result_, {turned}, 5, 300}, direct));
 }
 
 TEST_F(KeyframePolicy, LowOverlapTriggersAKeyframeOnceTheCameraMoves) {
@@ -264,12 +271,11 @@ TEST_F(KeyframePolicy, LowOverlapTriggersAKeyframeOnceTheCameraMoves) {
 }
 
 TEST_F(KeyframePolicy, NoKeyframeNearAnExistingOne) {
-  result_.status = TrackStatus::kTracked;
-  result_.stats.inliers = 100;  // of 300: tracking weakens
+  result_.evidence.inliers = 100;  // of 300: tracking weakens
   const SE3 far_off = camera_at(0.5, {1, 0, 0}), on_the_way = camera_at(0.15, {0, 0, 0}),
             near_by = camera_at(0.01, {0.01, 0, 0});
-  EXPECT_TRUE(needs_keyframe({result_, frame_, {far_off, on_the_way}, 5, 300}, {}));
-  EXPECT_FALSE(needs_keyframe({result_, frame_, {far_off, near_by}, 5, 300}, {}));
+  EXPECT_TRUE(needs_keyframe({result_, {far_off, on_the_way}, 5, 300}, {}));
+  EXPECT_FALSE(needs_keyframe({result_, {far_off, near_by}, 5, 300}, {}));
 }
 
 TEST(MotionsFromKeyframes, CoverTheLastAndTheCovisibleKeyframes) {
@@ -278,27 +284,27 @@ TEST(MotionsFromKeyframes, CoverTheLastAndTheCovisibleKeyframes) {
                                camera_at(3.1, {0, 0.1, 0})};
   test::SyntheticMap built;
   for (const SE3& pose : poses) test::add_view(built, world, test::observe(world, pose, {}, 2), pose);
-  TrackResult result;
-  result.status = TrackStatus::kTracked;
+  TrackedFrame result;
+  result.outcome = TrackingOutcome::kTracked;
   result.reference = KeyframeId{0};
   result.T_reference_camera = camera_at(0.05, {0.05, 0, 0});
   const auto& landmark_of = built.map.keyframe(KeyframeId{0}).landmark_of;
   for (uint32_t i = 0; i < landmark_of.size(); ++i) {
     if (landmark_of[i].valid()) result.matches.push_back({landmark_of[i], i});
   }
-  const auto motions = motions_from_keyframes(built.map, result, KeyframeId{3});
+  const auto motions = motions_from_keyframes(built.map, result);
   ASSERT_EQ(motions.size(), 3U);  // relative to 3, the last, and to 0 and 1, but not to 2
   EXPECT_LT(test::distance_m(motions[0], poses[3].inverse() * result.T_reference_camera), 1e-12);
   EXPECT_LT(test::distance_m(motions[1], result.T_reference_camera), 1e-12);
   EXPECT_LT(test::distance_m(motions[2], poses[1].inverse() * result.T_reference_camera), 1e-12);
 
   result.matches.clear();  // tracked only by points of the previous frame, so no keyframe shares landmarks
-  EXPECT_EQ(motions_from_keyframes(built.map, result, KeyframeId{3}).size(), 1U);
+  EXPECT_EQ(motions_from_keyframes(built.map, result).size(), 1U);
 }
 
 TEST_F(KeyframePolicy, ALostFrameNeverBecomesAKeyframe) {
-  result_.status = TrackStatus::kLost;
-  EXPECT_FALSE(needs_keyframe({result_, frame_, {camera_at(1, {1, 1, 1})}, 5, 300}, {}));
+  result_.outcome = TrackingOutcome::kLost;
+  EXPECT_FALSE(needs_keyframe({result_, {camera_at(1, {1, 1, 1})}, 5, 300}, {}));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "kinloop/tracking/frame_velocities.hpp"
+#include "kinloop/map/frame_velocities.hpp"
 
 #include <cmath>
 
@@ -13,19 +13,19 @@ constexpr int64_t kMaxNeighbour_ns = 150'000'000;
 }  // namespace
 
 Velocity frame_velocity(const FrameLog& log, size_t i, const Map& map) {
-  if (log[i].status == TrackStatus::kLost) return {};
+  if (log[i].is_lost()) return {};
   // A repeated image carries no information about motion, so the frame that it repeats is used.
   size_t own = i, next = i + 1;
   const auto is_near = [&](size_t other) {
     return std::abs(log[i].stamp_ns - log[other].stamp_ns) < kMaxNeighbour_ns;
   };
-  while (own > 0 && log[own].repeat && is_near(own)) --own;
-  while (next < log.size() && log[next].repeat && is_near(next)) ++next;
+  while (own > 0 && log[own].is_repeat() && is_near(own)) --own;
+  while (next < log.size() && log[next].is_repeat() && is_near(next)) ++next;
   const auto usable = [&](size_t other) {
     return is_tracked_in(map.keyframe(log[i].reference).component, log[other], map) && is_near(other);
   };
   size_t previous = own > 0 ? own - 1 : own;
-  while (previous > 0 && log[previous].repeat && is_near(previous)) --previous;
+  while (previous > 0 && log[previous].is_repeat() && is_near(previous)) --previous;
   const size_t before = previous < own && usable(previous) ? previous : own;
   const size_t after = next < log.size() && usable(next) ? next : own;
   const int64_t duration_ns = log[after].stamp_ns - log[before].stamp_ns;
