@@ -123,8 +123,8 @@ std::vector<PosedImage> DenseRecorder::views(const FrameLog& log, const Map& map
     const auto entry = entry_of.find(recorded_[i].frame);
     if (entry == entry_of.end()) continue;
     const LoggedFrame& logged = log[entry->second];
-    views.push_back(
-        {i, world_pose(logged, map), velocities[entry->second], static_cast<double>(logged.depth_lag_s)});
+    views.push_back({i, world_pose(logged, map), velocities[entry->second],
+                     static_cast<double>(logged.depth_stamp_difference_s)});
   }
   return views;
 }
@@ -202,7 +202,7 @@ DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimat
 DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& sensor) {
   DenseCamera dense = time_calibrated_camera(camera, sensor);
   dense.color = calibrated_camera(camera, sensor).color;
-  dense.inverse_depth_correction = sensor.value.segment<6>(kDepthOffset);
+  dense.inverse_depth_correction = sensor.value.segment<6>(kInverseDepthBias);
   return dense;
 }
 

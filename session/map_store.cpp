@@ -188,8 +188,8 @@ std::vector<PosedImage> OpenMap::views(size_t number) const {
     const LoggedFrame& frame = *entry->second;
     const auto T_world_camera = pose_at(poses, frame.stamp_ns, kMaxAssociationNs * 2);
     if (!T_world_camera) continue;
-    views.push_back(
-        {i, *T_world_camera, velocity_at(poses, frame.stamp_ns), static_cast<double>(frame.depth_lag_s)});
+    views.push_back({i, *T_world_camera, velocity_at(poses, frame.stamp_ns),
+                     static_cast<double>(frame.depth_stamp_difference_s)});
   }
   return views;
 }

@@ -9,9 +9,9 @@
 namespace kinloop {
 namespace {
 
-KeypointMeasurement measurement_of(const LoggedObservation& seen, float depth_lag_s) {
+KeypointMeasurement measurement_of(const LoggedObservation& seen, float depth_stamp_difference_s) {
   KeypointMeasurement o;
-  o.depth_lag_s = static_cast<double>(depth_lag_s);
+  o.depth_stamp_difference_s = static_cast<double>(depth_stamp_difference_s);
   o.pixel = seen.pixel.cast<double>();
   o.depth_m = static_cast<double>(seen.depth_m);
   o.sigma_px = static_cast<double>(seen.sigma_px);
@@ -25,7 +25,7 @@ std::vector<PoseObservation> pose_observations(const LoggedFrame& entry, const M
   for (const LoggedObservation& seen : entry.observations) {
     const LandmarkId landmark = map.resolve_merged(seen.landmark);
     if (map.contains(landmark))
-      observations.push_back({measurement_of(seen, entry.depth_lag_s), map.p_world(landmark)});
+      observations.push_back({measurement_of(seen, entry.depth_stamp_difference_s), map.p_world(landmark)});
   }
   return observations;
 }

@@ -32,7 +32,7 @@ SensorEstimate with_fixed_from(SensorEstimate estimate, const SensorEstimate& be
 SensorVector nominal_sensor(const RgbdCamera& camera) {
   SensorVector known = SensorVector::Zero();
   known(kRollingShutter) = known(kDepthShutter) = camera.rolling_shutter_s;
-  known(kDepthDelay) = camera.depth_offset_s;
+  known(kDepthDelay) = camera.depth_delay_s;
   return known;
 }
 
@@ -42,7 +42,7 @@ RgbdCamera calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sen
       std::any_of(sensor.used.begin(), sensor.used.begin() + kRollingShutter, [](bool used) { return used; });
   if (lens_found) calibrated.color = corrected_camera(camera.color, sensor.value);
   calibrated.rolling_shutter_s = sensor.value(kRollingShutter);
-  calibrated.depth_offset_s = sensor.value(kDepthDelay);
+  calibrated.depth_delay_s = sensor.value(kDepthDelay);
   return calibrated;
 }
 
@@ -60,7 +60,8 @@ SensorVector prior_sigmas(const PinholeCamera& camera, const SelfCalibrationOpti
   sigma(kFocalY) = options.focal_sigma * camera.fy;
   sigma(kCenterX) = sigma(kCenterY) = options.center_sigma_px;
   sigma(kRadial1) = sigma(kRadial2) = options.radial_sigma;
-  for (int k = kDepthOffset; k <= kDepthOffsetYY; ++k) sigma(k) = options.depth_offset_sigma_per_m;
+  for (int k = kInverseDepthBias; k <= kInverseDepthBiasYY; ++k)
+    sigma(k) = options.inverse_depth_bias_sigma_per_m;
   return sigma;
 }
 

@@ -19,7 +19,7 @@ struct SelfCalibrationOptions {
   double center_sigma_px = 5;
   double radial_sigma = 0.05;
   double time_sigma_s = 0.03;
-  double depth_offset_sigma_per_m = 0.002;
+  double inverse_depth_bias_sigma_per_m = 0.002;
   double max_sigma_ratio = 0.4;
   double min_sigmas = 3;
 
@@ -40,7 +40,7 @@ struct SelfCalibrationOptions {
           Range{0, 10}, Expert{});
     visit("time_sigma_s", self.time_sigma_s, "prior on readout times and depth delay (1 sigma), s",
           Range{0, 1}, Expert{});
-    visit("depth_offset_sigma_per_m", self.depth_offset_sigma_per_m,
+    visit("inverse_depth_bias_sigma_per_m", self.inverse_depth_bias_sigma_per_m,
           "prior on the inverse depth distortion (1 sigma), 1/m", Range{0, 1}, Expert{});
     visit("max_sigma_ratio", self.max_sigma_ratio,
           "accept a parameter only if its posterior sigma is below this fraction of its prior sigma",

@@ -19,7 +19,7 @@ struct SavedFrame {
   SE3 T_reference_camera;
   KeyframeId keyframe;  ///< valid if the frame became a keyframe
   bool repeat = false;
-  float depth_lag_s = 0;  ///< stamp of its depth image minus `stamp_ns`
+  float depth_stamp_difference_s = 0;  ///< stamp of its depth image minus `stamp_ns`
 };
 
 /// A run that created or continued the map.

@@ -49,7 +49,8 @@ Eigen::Vector2d corrected_ray(const PinholeCamera& camera, const SensorVector& s
   return ray;
 }
 
-Eigen::Matrix<double, 6, 1> depth_offset_basis(const PinholeCamera& camera, const Eigen::Vector2d& pixel) {
+Eigen::Matrix<double, 6, 1> inverse_depth_bias_basis(const PinholeCamera& camera,
+                                                     const Eigen::Vector2d& pixel) {
   const double x = (pixel.x() - camera.cx) / camera.fx, y = (pixel.y() - camera.cy) / camera.fy;
   Eigen::Matrix<double, 6, 1> basis;
   basis << 1, x, y, x * x, x * y, y * y;

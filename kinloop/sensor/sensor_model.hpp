@@ -13,25 +13,25 @@
 
 namespace kinloop {
 
-/// Sensor corrections that bundle adjustment can estimate, as indices into a SensorVector. The depth offset
-/// is a second-order polynomial over the image in ray coordinates (x / z, y / z).
+/// Sensor corrections that bundle adjustment can estimate, as indices into a SensorVector. The bias of
+/// inverse depth is a second-order polynomial over the image in ray coordinates (x / z, y / z).
 enum SensorParameter : int {
-  kFocalX,          ///< added to fx, px
-  kFocalY,          ///< added to fy, px
-  kCenterX,         ///< added to cx, px
-  kCenterY,         ///< added to cy, px
-  kRadial1,         ///< added radial distortion, r^2
-  kRadial2,         ///< added radial distortion, r^4
-  kRollingShutter,  ///< readout time from the first to the last colour row, s
-  kDepthDelay,      ///< time of the depth measurement minus its stamp, s
-  kDepthShutter,    ///< readout time from the first to the last depth row, s
-  kDepthScale,      ///< true inverse depth = (1 + scale) * measured + offset
-  kDepthOffset,     ///< 1/m
-  kDepthOffsetX,
-  kDepthOffsetY,
-  kDepthOffsetXX,
-  kDepthOffsetXY,
-  kDepthOffsetYY,
+  kFocalX,            ///< added to fx, px
+  kFocalY,            ///< added to fy, px
+  kCenterX,           ///< added to cx, px
+  kCenterY,           ///< added to cy, px
+  kRadial1,           ///< added radial distortion, r^2
+  kRadial2,           ///< added radial distortion, r^4
+  kRollingShutter,    ///< readout time from the first to the last colour row, s
+  kDepthDelay,        ///< time of the depth measurement minus its stamp, s
+  kDepthShutter,      ///< readout time from the first to the last depth row, s
+  kDepthScale,        ///< true inverse depth = (1 + scale) * measured + bias
+  kInverseDepthBias,  ///< 1/m
+  kInverseDepthBiasX,
+  kInverseDepthBiasY,
+  kInverseDepthBiasXX,
+  kInverseDepthBiasXY,
+  kInverseDepthBiasYY,
   kSensorParameterCount
 };
 
@@ -70,9 +70,10 @@ Eigen::Vector2d corrected_pixel(const PinholeCamera& camera, const SensorVector&
 Eigen::Vector2d corrected_ray(const PinholeCamera& camera, const SensorVector& sensor,
                               const Eigen::Vector2d& pixel);
 
-/// Returns the monomials of the depth offset at an undistorted pixel, in order of the parameters from
-/// kDepthOffset.
-Eigen::Matrix<double, 6, 1> depth_offset_basis(const PinholeCamera& camera, const Eigen::Vector2d& pixel);
+/// Returns the monomials of the inverse depth bias at an undistorted pixel, in order of the parameters from
+/// kInverseDepthBias.
+Eigen::Matrix<double, 6, 1> inverse_depth_bias_basis(const PinholeCamera& camera,
+                                                     const Eigen::Vector2d& pixel);
 
 /// Returns `camera` with the corrected focal length, principal point and distortion, by a fit over the image.
 /// The fit error is below 0.1 px for small corrections.

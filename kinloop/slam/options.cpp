@@ -29,6 +29,7 @@ std::vector<RenamedOption> renamed_options() {
           {"executor.verify_lag_frames", "executor.loop_verification_lag_frames"},
           {"executor.loop_lag_frames", "executor.loop_correction_lag_frames"},
           {"self_calibration.first_keyframes", "self_calibration.min_keyframes"},
+          {"self_calibration.depth_offset_sigma_per_m", "self_calibration.inverse_depth_bias_sigma_per_m"},
           {"self_calibration.max_sigma_share", "self_calibration.max_sigma_ratio"},
           {"tracking.keyframe.min_tracked_share", "tracking.keyframe.min_tracked_ratio"},
           {"tracking.keyframe.max_shift", "tracking.keyframe.max_relative_translation"},

@@ -7,7 +7,7 @@ std::vector<SavedFrame> saved_frames(const FrameLog& log) {
   saved.reserve(log.size());
   for (const LoggedFrame& entry : log) {
     saved.push_back({entry.frame, entry.stamp_ns, static_cast<int>(entry.status), entry.reference,
-                     entry.T_reference_camera, entry.keyframe, entry.repeat, entry.depth_lag_s});
+                     entry.T_reference_camera, entry.keyframe, entry.repeat, entry.depth_stamp_difference_s});
   }
   return saved;
 }
@@ -25,7 +25,7 @@ FrameLog logged_frames(const SavedMap& saved, uint32_t first_keyframe, uint32_t 
     entry.reference = shifted(frame.reference);
     entry.T_reference_camera = frame.T_reference_camera;
     entry.keyframe = shifted(frame.keyframe);
-    entry.depth_lag_s = frame.depth_lag_s;
+    entry.depth_stamp_difference_s = frame.depth_stamp_difference_s;
     entry.repeat = frame.repeat && !log.empty() && log.back().status != TrackStatus::kLost;
     const bool known = frame.status >= 0 && frame.status < static_cast<int>(TrackStatus::kLost);
     if (known && entry.reference.valid()) entry.status = static_cast<TrackStatus>(frame.status);

@@ -79,7 +79,7 @@ Features as_features(const std::vector<FoundPatch>& found, const PreparedFrame& 
   Features features;
   features.scale_factor = like.scale_factor;
   features.level_count = like.level_count;
-  features.depth_lag_s = depth_lag_s(frame);
+  features.depth_stamp_difference_s = depth_stamp_difference_s(frame);
   for (const FoundPatch& patch : found) {
     const Eigen::Vector2f raw = patch.raw.cast<float>();
     const auto gradient = inverse_depth_gradient(frame.depth_m, raw, c.features.depth_noise);

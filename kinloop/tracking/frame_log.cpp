@@ -23,7 +23,7 @@ LoggedFrame make_log_entry(const TrackResult& result, const PreparedFrame& frame
                     result.T_reference_camera,
                     {},
                     false,
-                    frame.features->depth_lag_s,
+                    frame.features->depth_stamp_difference_s,
                     false,
                     {},
                     {}};

@@ -29,10 +29,10 @@ struct LoggedFrame {
   TrackStatus status = TrackStatus::kLost;
   KeyframeId reference;
   SE3 T_reference_camera;
-  KeyframeId keyframe;    ///< valid if the frame became a keyframe
-  bool repeat = false;    ///< the camera delivered the previous, tracked image again
-  float depth_lag_s = 0;  ///< Features::depth_lag_s
-  bool refined = false;   ///< refined during the run, its observations dropped (see LogLimiter)
+  KeyframeId keyframe;                 ///< valid if the frame became a keyframe
+  bool repeat = false;                 ///< the camera delivered the previous, tracked image again
+  float depth_stamp_difference_s = 0;  ///< Features::depth_stamp_difference_s
+  bool refined = false;                ///< refined during the run, its observations dropped (see LogLimiter)
   std::vector<LoggedObservation> observations;
   /// Set only for lost frames, to relocalize them in the final map.
   std::shared_ptr<const Features> features;

@@ -7,7 +7,7 @@ namespace kinloop {
 
 std::shared_ptr<const Features> FrontEnd::features(const PreparedFrame& frame) const {
   Features features = extract_features(frame.gray, frame.depth_m, camera_, options_);
-  features.depth_lag_s = depth_lag_s(frame);
+  features.depth_stamp_difference_s = depth_stamp_difference_s(frame);
   return std::make_shared<const Features>(std::move(features));
 }
 

@@ -15,10 +15,12 @@ Eigen::Vector3d deskew_point(const KeypointMeasurement& m, const PinholeCamera& 
                              const SensorVector& sensor, const Velocity& velocity) {
   const double color_time_s = sensor(kRollingShutter) * m.row;
   const bool has_slope = m.inverse_depth_gradient.allFinite();
-  const double depth_time_s = m.depth_lag_s + sensor(kDepthDelay) + sensor(kDepthShutter) * m.row;
+  const double depth_time_s =
+      m.depth_stamp_difference_s + sensor(kDepthDelay) + sensor(kDepthShutter) * m.row;
   const Eigen::Vector3d ray = corrected_ray(camera, sensor, m.pixel).homogeneous();
-  const double inverse_depth = (1 + sensor(kDepthScale)) / m.depth_m +
-                               sensor.segment<6>(kDepthOffset).dot(depth_offset_basis(camera, m.pixel));
+  const double inverse_depth =
+      (1 + sensor(kDepthScale)) / m.depth_m +
+      sensor.segment<6>(kInverseDepthBias).dot(inverse_depth_bias_basis(camera, m.pixel));
   constexpr int kRounds = 3;  // converges at once: the two times differ by a fraction of a frame
   double z = 1 / inverse_depth;
   Eigen::Vector3d p = point_in_earlier_camera(z * ray, velocity, color_time_s);
@@ -38,7 +40,7 @@ Eigen::Vector3d deskew_point(const KeypointMeasurement& m, const PinholeCamera& 
 }  // namespace
 
 bool needs_deskewing(const Features& features, const SensorVector& sensor) {
-  return features.depth_lag_s != 0 || !sensor.isZero(0);
+  return features.depth_stamp_difference_s != 0 || !sensor.isZero(0);
 }
 
 Features deskew_features(const Features& features, const PinholeCamera& camera, const SensorVector& sensor,

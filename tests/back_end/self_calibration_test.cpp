@@ -12,7 +12,7 @@ RgbdCamera some_camera() {
   RgbdCamera camera;
   camera.color = {640, 480, 525, 524, 319.5, 239.5, {}};
   camera.rolling_shutter_s = 0.02;
-  camera.depth_offset_s = 0.01;
+  camera.depth_delay_s = 0.01;
   return camera;
 }
 
@@ -31,7 +31,7 @@ TEST(SelfCalibration, WithoutEstimatesTheCameraIsUnchanged) {
   EXPECT_EQ(calibrated.color.fx, 525);
   EXPECT_EQ(calibrated.color.lens.k1, 0);
   EXPECT_EQ(calibrated.rolling_shutter_s, 0.02);
-  EXPECT_EQ(calibrated.depth_offset_s, 0.01);
+  EXPECT_EQ(calibrated.depth_delay_s, 0.01);
 }
 
 TEST(SelfCalibration, EstimatesAreAppliedToTheCamera) {

@@ -91,7 +91,7 @@ BundleWorld free_world() {
     world.problem.sensor.prior_sigma(k) = SensorCalibration::kUnknown;
   }
   world.problem.sensor.prior_sigma(kFocalX) = 3;
-  world.problem.sensor.prior_sigma(kDepthOffset) = 0.002;
+  world.problem.sensor.prior_sigma(kInverseDepthBias) = 0.002;
   // Points without observations would be empty columns of the dense system.
   std::vector<uint32_t> index(world.points.size(), 0);
   std::vector<Eigen::Vector3d> seen;
@@ -135,8 +135,8 @@ TEST(BundleCovariance, MatchesTheDenseSystem) {
       const Eigen::Index first = DenseSystem::pose(static_cast<Eigen::Index>(i));
       EXPECT_LT(difference(solution.pose_covariance[i], covariance.block<6, 6>(first, first)), 1e-6) << i;
     }
-    for (const int a : {kRollingShutter, kDepthDelay, kFocalX, kDepthOffset}) {
-      for (const int b : {kRollingShutter, kDepthDelay, kFocalX, kDepthOffset}) {
+    for (const int a : {kRollingShutter, kDepthDelay, kFocalX, kInverseDepthBias}) {
+      for (const int b : {kRollingShutter, kDepthDelay, kFocalX, kInverseDepthBias}) {
         const Eigen::Index s = system.sensor();
         const double scale = std::sqrt(covariance(s + a, s + a) * covariance(s + b, s + b));
         EXPECT_NEAR(solution.sensor_covariance(a, b) / scale, covariance(s + a, s + b) / scale, 1e-6);

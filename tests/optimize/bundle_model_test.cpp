@@ -32,7 +32,7 @@ struct Sample {
     observation.depth_m = p_camera.z() + 0.02;
     observation.sigma_px = 1.3;
     observation.row = random.uniform(-0.5, 0.5);
-    observation.depth_lag_s = random.uniform(-0.02, 0.02);
+    observation.depth_stamp_difference_s = random.uniform(-0.02, 0.02);
     observation.inverse_depth_gradient = {random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3)};
     sensor << 5, -3, 1, 2, 0.05, -0.03, 0.03, 0.015, 0.02, 0.01, 0.002, 0.001, -0.001, 0.003, 0.002, -0.002;
   }

@@ -86,7 +86,7 @@ TEST(Bundle, BuiltinAndCeresAgree) {
 
 TEST(Bundle, TheDepthDelayIsRecoveredBesidesTheStampsOfDepth) {
   BundleWorldSettings settings{.poses = 30, .points = 500, .sigma_px = 0.5, .sigma_inverse_depth = 1.5e-3};
-  settings.depth_lag_s = 0.018;
+  settings.depth_stamp_difference_s = 0.018;
   settings.sensor(kDepthDelay) = 0.015;
   BundleWorld world = make_bundle_world(settings);
   perturb(world, 0.02, 0.01);
@@ -96,7 +96,7 @@ TEST(Bundle, TheDepthDelayIsRecoveredBesidesTheStampsOfDepth) {
   options.depth_noise.coefficient_per_m = 1.5e-3;
   const BundleSolution solution = solve_bundle(world.problem, options);
   EXPECT_NEAR(solution.sensor(kDepthDelay), 0.015, 0.001);
-  for (BundleObservation& o : world.problem.observations) o.depth_lag_s = 0;
+  for (BundleObservation& o : world.problem.observations) o.depth_stamp_difference_s = 0;
   const BundleSolution ignored = solve_bundle(world.problem, options);
   EXPECT_LT(position_error_m(solution.T_world_camera, world.truth),
             position_error_m(ignored.T_world_camera, world.truth));
@@ -129,15 +129,15 @@ TEST(Bundle, RollingShutterAndDepthDelayAreRecovered) {
   }
 }
 
-TEST(Bundle, FocalLengthAndDepthOffsetAreRecovered) {
+TEST(Bundle, FocalLengthAndInverseDepthBiasAreRecovered) {
   BundleWorldSettings settings{.poses = 30, .points = 500, .sigma_px = 0.5, .sigma_inverse_depth = 1.5e-3};
   settings.sensor(kFocalX) = 0.01 * test::kinect().fx;
   settings.sensor(kFocalY) = 0.01 * test::kinect().fy;
   settings.sensor(kCenterX) = 2;
-  settings.sensor(kDepthOffset) = 0.004;
+  settings.sensor(kInverseDepthBias) = 0.004;
   BundleWorld world = make_bundle_world(settings);
   perturb(world, 0.02, 0.01);
-  for (const int i : {kFocalX, kFocalY, kCenterX, kCenterY, kDepthOffset}) {
+  for (const int i : {kFocalX, kFocalY, kCenterX, kCenterY, kInverseDepthBias}) {
     world.problem.sensor.prior_sigma(i) = SensorCalibration::kUnknown;
   }
   BundleOptions options;
@@ -146,7 +146,7 @@ TEST(Bundle, FocalLengthAndDepthOffsetAreRecovered) {
   EXPECT_NEAR(solution.sensor(kFocalX), settings.sensor(kFocalX), 0.5);
   EXPECT_NEAR(solution.sensor(kFocalY), settings.sensor(kFocalY), 0.5);
   EXPECT_NEAR(solution.sensor(kCenterX), 2, 0.5);
-  EXPECT_NEAR(solution.sensor(kDepthOffset), 0.004, 0.0005);
+  EXPECT_NEAR(solution.sensor(kInverseDepthBias), 0.004, 0.0005);
   EXPECT_EQ(solution.sensor(kRadial1), 0) << "constant";
   EXPECT_EQ(solution.sensor_covariance(kRadial1, kRadial1), 0);
 }

@@ -49,7 +49,7 @@ struct ObservedPoints {
       o.depth_m = lane == 3 ? 0 : p.z() + random.uniform(-0.02, 0.02);
       o.sigma_px = random.uniform(1, 3);
       o.row = random.uniform(-0.5, 0.5);
-      o.depth_lag_s = random.uniform(-0.02, 0.02);
+      o.depth_stamp_difference_s = random.uniform(-0.02, 0.02);
       o.inverse_depth_gradient = {random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3)};
       if (lane == 5) o.inverse_depth_gradient.setConstant(test::kNan);
       observations.push_back(o);
@@ -123,9 +123,9 @@ TEST(ObservationBlock, ResidualsMatchTheSensorModel) {
     }
     const bool has_slope = o.inverse_depth_gradient.allFinite();
     const Eigen::Vector3d q =
-        seen_at(has_slope ? o.depth_lag_s + s(kDepthDelay) + s(kDepthShutter) * o.row : color_s);
+        seen_at(has_slope ? o.depth_stamp_difference_s + s(kDepthDelay) + s(kDepthShutter) * o.row : color_s);
     double depth_error = (1 + s(kDepthScale)) / o.depth_m - 1 / q.z() +
-                         s.segment<6>(kDepthOffset).dot(depth_offset_basis(scene.camera, o.pixel));
+                         s.segment<6>(kInverseDepthBias).dot(inverse_depth_bias_basis(scene.camera, o.pixel));
     if (has_slope) depth_error += o.inverse_depth_gradient.dot(pixel_of(q) - o.pixel);
     EXPECT_NEAR(r.depth[lane], depth_error / kDepthNoise.inverse_sigma_per_m(1 / o.depth_m), 1e-9);
   }
@@ -210,7 +210,7 @@ struct LinearBundle {
   }
   static SensorVector free_parameters() {
     SensorVector sigma = SensorVector::Zero();
-    sigma(kFocalY) = sigma(kRollingShutter) = sigma(kDepthDelay) = sigma(kDepthOffsetXY) = 1;
+    sigma(kFocalY) = sigma(kRollingShutter) = sigma(kDepthDelay) = sigma(kInverseDepthBiasXY) = 1;
     return sigma;
   }
   [[nodiscard]] Eigen::MatrixXd gram() const {
@@ -253,7 +253,7 @@ TEST(LinearColumns, OfBundleHoldTheFreeSensorParameters) {
         EXPECT_EQ(J(i, static_cast<Eigen::Index>(*bundle.layout.point + c)),
                   all.at(lane, row, *all.layout.point + c));
       }
-      for (const size_t k : {kFocalY, kRollingShutter, kDepthDelay, kDepthOffsetXY}) {
+      for (const size_t k : {kFocalY, kRollingShutter, kDepthDelay, kInverseDepthBiasXY}) {
         EXPECT_EQ(J(i, bundle.layout.of_sensor[k]),
                   all.at(lane, row, static_cast<size_t>(all.layout.of_sensor[k])));
       }

@@ -31,8 +31,8 @@ std::vector<PoseObservation> observe(const RollingShutterPose& truth, const Sens
     o.p_reference = still.p_reference;
     o.row = still.pixel.y() / kinect().height - 0.5;
     const SE3 T_color = propagate_pose(truth.T_world_camera, truth.velocity, sensor(kRollingShutter) * o.row);
-    o.depth_lag_s = sensor.isZero(0) ? 0 : -0.012;
-    const double depth_s = o.depth_lag_s + sensor(kDepthDelay) + sensor(kDepthShutter) * o.row;
+    o.depth_stamp_difference_s = sensor.isZero(0) ? 0 : -0.012;
+    const double depth_s = o.depth_stamp_difference_s + sensor(kDepthDelay) + sensor(kDepthShutter) * o.row;
     const SE3 T_depth = propagate_pose(truth.T_world_camera, truth.velocity, depth_s);
     o.pixel =
         kinect().project(T_color.inverse() * o.p_reference) + sigma_px * test::gaussian_vector<2>(random);

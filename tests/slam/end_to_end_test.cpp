@@ -87,7 +87,7 @@ TEST(EndToEnd, SelfCalibrationFindsTheReadoutTime) {
   EXPECT_TRUE(sensor.used[kRollingShutter]);
   EXPECT_NEAR(sensor.value(kRollingShutter), truth.rolling_shutter_s, 0.005);
   EXPECT_TRUE(sensor.used[kDepthDelay]);
-  EXPECT_GT(sensor.value(kDepthDelay), 0.5 * truth.depth_offset_s);
+  EXPECT_GT(sensor.value(kDepthDelay), 0.5 * truth.depth_delay_s);
 }
 
 /// A sensor without errors but for depth images at times of their own.

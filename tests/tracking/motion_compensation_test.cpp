@@ -23,9 +23,10 @@ Features in_motion(const Features& still, const PinholeCamera& camera, const Sen
       pixel = corrected_pixel(
           camera, sensor, point_in_later_camera(p, velocity, sensor(kRollingShutter) * row).hnormalized());
     }
-    const Eigen::Vector3d p_at_depth = point_in_later_camera(
-        p, velocity,
-        static_cast<double>(still.depth_lag_s) + sensor(kDepthDelay) + sensor(kDepthShutter) * row);
+    const Eigen::Vector3d p_at_depth =
+        point_in_later_camera(p, velocity,
+                              static_cast<double>(still.depth_stamp_difference_s) + sensor(kDepthDelay) +
+                                  sensor(kDepthShutter) * row);
     moving.measured_pixels[i] = moving.raw_pixels[i] = pixel.cast<float>();
     moving.measured_depths_m[i] = static_cast<float>(p_at_depth.z());
   }
@@ -50,7 +51,7 @@ class MotionCompensation : public testing::Test {
 };
 
 TEST_F(MotionCompensation, MotionIsCompensated) {
-  ideal_.depth_lag_s = 0.012F;
+  ideal_.depth_stamp_difference_s = 0.012F;
   const Features moving = in_motion(ideal_, world_.camera, sensor_, velocity_);
   const Features undone = deskew_features(moving, world_.camera, sensor_, velocity_);
   ASSERT_EQ(undone.size(), ideal_.size());
@@ -65,7 +66,7 @@ TEST_F(MotionCompensation, MotionIsCompensated) {
 }
 
 TEST_F(MotionCompensation, DepthOfAnotherTimeIsMovedToTheStamp) {
-  ideal_.depth_lag_s = -0.02F;
+  ideal_.depth_stamp_difference_s = -0.02F;
   sensor_.setZero();
   EXPECT_TRUE(needs_deskewing(ideal_, sensor_));
   const Features moving = in_motion(ideal_, world_.camera, sensor_, velocity_);
@@ -76,7 +77,7 @@ TEST_F(MotionCompensation, DepthOfAnotherTimeIsMovedToTheStamp) {
     largest_shift_m = std::max<double>(largest_shift_m, std::abs(moving.depths_m[i] - ideal_.depths_m[i]));
   }
   EXPECT_GT(largest_shift_m, 0.01);
-  ideal_.depth_lag_s = 0;
+  ideal_.depth_stamp_difference_s = 0;
   EXPECT_FALSE(needs_deskewing(ideal_, sensor_));
 }
 
@@ -85,7 +86,7 @@ TEST_F(MotionCompensation, LensAndDepthErrorsAreCorrected) {
   sensor_(kCenterY) = -2;
   sensor_(kRadial1) = 0.01;
   Features moving = in_motion(ideal_, world_.camera, sensor_, velocity_);
-  sensor_(kDepthOffset) = 0.01;  // the measured inverse depth is too small by this
+  sensor_(kInverseDepthBias) = 0.01;  // the measured inverse depth is too small by this
   for (float& depth_m : moving.measured_depths_m) depth_m = 1 / (1 / depth_m - 0.01F);
   const Features undone = deskew_features(moving, world_.camera, sensor_, velocity_);
   for (size_t i = 0; i < ideal_.size(); ++i) {

@@ -201,7 +201,7 @@ std::vector<SavedFrame> read_frames(const DatabaseReader& file, const Renumbered
     frame.repeat = row.take<int64_t>() != 0;
     frame.T_reference_camera = take_pose(row);
     if (!row.exhausted())  // not in version 1
-      frame.depth_lag_s = static_cast<float>(row.take_in(-kMaxLagS, kMaxLagS));
+      frame.depth_stamp_difference_s = static_cast<float>(row.take_in(-kMaxLagS, kMaxLagS));
     if (!row.exhausted() || (!frames.empty() && frame.frame <= frames.back().frame)) return false;
     frames.push_back(frame);
     return true;

@@ -113,7 +113,7 @@ void write_frames(DatabaseWriter& file, const std::vector<SavedFrame>& frames) {
                int64_t{frame.status},         int64_t{frame.reference.value},
                int64_t{frame.keyframe.value}, int64_t{frame.repeat}};
     add_pose(row, frame.T_reference_camera);
-    row.emplace_back(static_cast<double>(frame.depth_lag_s));
+    row.emplace_back(static_cast<double>(frame.depth_stamp_difference_s));
     file.insert(tables::kFrame, id++, row);
   }
 }

@@ -41,7 +41,7 @@ struct ObservationBlock {
   Lanes inverse_sigma_px{};          ///< 1 / standard deviation of the pixel
   Lanes row{};                       ///< KeypointMeasurement::row
   Lanes inverse_depth_per_m{};       ///< measured, 0 = unknown
-  Lanes depth_lag_s{};               ///< KeypointMeasurement::depth_lag_s
+  Lanes depth_stamp_difference_s{};  ///< KeypointMeasurement::depth_stamp_difference_s
   Lanes gradient_x{}, gradient_y{};  ///< KeypointMeasurement::inverse_depth_gradient, 0 if unknown
   Lanes has_gradient{};              ///< 1 = known
   Lanes uses_pixel{}, uses_depth{};  ///< 1 = in use; depth is used only with its pixel

@@ -135,7 +135,7 @@ struct Observed {
   const Camera& camera;
   const MeasurementModel& model;
   Vector3 p0;  // the point at the stamp of the frame
-  V row, depth_lag, inverse_sigma_px, inverse_depth, gradient_x, gradient_y;
+  V row, depth_stamp_difference, inverse_sigma_px, inverse_depth, gradient_x, gradient_y;
   Mask has_gradient, uses_pixel, uses_depth;
   V ray_x, ray_y;  // ray of the pixel in the nominal camera
   MovedPoint at_color;
@@ -150,7 +150,7 @@ struct Observed {
         model(m),
         p0(c.point({load(block.x, first), load(block.y, first), load(block.z, first)})),
         row(load(block.row, first)),
-        depth_lag(load(block.depth_lag_s, first)),
+        depth_stamp_difference(load(block.depth_stamp_difference_s, first)),
         inverse_sigma_px(load(block.inverse_sigma_px, first)),
         inverse_depth(load(block.inverse_depth_per_m, first)),
         gradient_x(load(block.gradient_x, first)),
@@ -167,7 +167,7 @@ struct Observed {
     const V pixel_x = load(block.pixel_x, first), pixel_y = load(block.pixel_y, first);
     error_u = (color.u - pixel_x) * inverse_sigma_px;
     error_v = (color.v - pixel_y) * inverse_sigma_px;
-    V error = all(1 + m.sensor(kDepthScale)) * inverse_depth - depth.inverse_z + offset();
+    V error = all(1 + m.sensor(kDepthScale)) * inverse_depth - depth.inverse_z + bias();
     // Depth is measured later than colour, when another surface point lies at the pixel.
     error = error + gradient_x * (depth.u - pixel_x) + gradient_y * (depth.v - pixel_y);
     const V share = all(m.depth_noise.crossover_m) * inverse_depth;
@@ -184,14 +184,17 @@ struct Observed {
   /// For a surface of unknown gradient this motion is unknown. Assuming zero gradient would bias the delay
   /// towards zero, since most surfaces seen from above slope away from the camera.
   HWY_INLINE V depth_time() const {
-    const V time = depth_lag + all(model.sensor(kDepthDelay)) + all(model.sensor(kDepthShutter)) * row;
+    const V time =
+        depth_stamp_difference + all(model.sensor(kDepthDelay)) + all(model.sensor(kDepthShutter)) * row;
     return hn::IfThenElse(has_gradient, time, color_time());
   }
-  /// Sum of depth_offset_basis times the offset parameters.
-  HWY_INLINE V offset() const {
+  /// Sum of inverse_depth_bias_basis times the parameters of the bias.
+  HWY_INLINE V bias() const {
     const SensorVector& s = model.sensor;
-    return all(s(kDepthOffset)) + ray_x * (all(s(kDepthOffsetX)) + ray_x * all(s(kDepthOffsetXX))) +
-           ray_y * (all(s(kDepthOffsetY)) + ray_x * all(s(kDepthOffsetXY)) + ray_y * all(s(kDepthOffsetYY)));
+    return all(s(kInverseDepthBias)) +
+           ray_x * (all(s(kInverseDepthBiasX)) + ray_x * all(s(kInverseDepthBiasXX))) +
+           ray_y * (all(s(kInverseDepthBiasY)) + ray_x * all(s(kInverseDepthBiasXY)) +
+                    ray_y * all(s(kInverseDepthBiasYY)));
   }
 
   HWY_INLINE V pixel_squared() const { return error_u * error_u + error_v * error_v; }

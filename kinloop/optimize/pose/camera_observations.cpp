@@ -27,7 +27,7 @@ void set_measurement(ObservationBlock& block, size_t lane, const KeypointMeasure
   block.pixel_y[lane] = measured.pixel.y();
   block.inverse_sigma_px[lane] = 1 / measured.sigma_px;
   block.row[lane] = measured.row;
-  block.depth_lag_s[lane] = measured.depth_lag_s;
+  block.depth_stamp_difference_s[lane] = measured.depth_stamp_difference_s;
   block.inverse_depth_per_m[lane] = has_depth ? 1 / measured.depth_m : 0;
   block.gradient_x[lane] = has_gradient ? measured.inverse_depth_gradient.x() : 0;
   block.gradient_y[lane] = has_gradient ? measured.inverse_depth_gradient.y() : 0;
