@@ -109,10 +109,9 @@ void windowed_distances() {
 }
 
 void normal_equations() {
-  const SensorVector sensor = SensorVector::Zero();
-  const MeasurementModel model{input().camera, sensor, {6e-3}, 0.5};
+  const Sensor sensor{input().camera};
   const BundleView view(SE3{}, Velocity::from_vector(Vector6d::Constant(0.1)));
-  benchmark::DoNotOptimize(input().observations.linearize(view, model, LinearColumns::of_all()));
+  benchmark::DoNotOptimize(input().observations.linearize(view, sensor, LinearColumns::of_all()));
 }
 
 void gram_matrix() {

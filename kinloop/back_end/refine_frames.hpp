@@ -4,7 +4,7 @@
 #include <deque>
 
 #include "kinloop/optimize/pose/absolute_pose.hpp"
-#include "kinloop/sensor/sensor_model.hpp"
+#include "kinloop/sensor/sensor.hpp"
 #include "kinloop/tracking/frame_log.hpp"
 
 namespace kinloop {
@@ -12,8 +12,7 @@ namespace kinloop {
 /// What the poses of frames are refined with.
 struct FrameRefinement {
   const Map& map;
-  const PinholeCamera& camera;
-  const SensorVector& sensor;  ///< corrections of the sensor
+  const Sensor& sensor;
   const AbsolutePoseOptions& options;
 };
 

@@ -66,29 +66,28 @@ KeyframeId Mapper::add_keyframe(Map& map, const FrameTracking& tracking) const {
 /// Moves the keypoints of a new keyframe to where its landmarks are found by their patches in earlier
 /// keyframes.
 void Mapper::refine_observations(Map& map, KeyframeId id, const LocalMap& known,
-                                 const FrameTracking& tracking, const SensorVector& sensor) const {
+                                 const FrameTracking& tracking, const Sensor& sensor) const {
   const Keyframe& keyframe = map.keyframe(id);
   std::vector<LandmarkMatch> matches;
   for (uint32_t feature = 0; feature < keyframe.landmark_of.size(); ++feature) {
     if (keyframe.landmark_of[feature].valid()) matches.push_back({keyframe.landmark_of[feature], feature});
   }
   const Velocity velocity = tracking.motion.velocity();
-  const Features refined =
-      refine_keypoints(tracking.frame, matches, located(tracking.outcome)->T_reference_camera,
-                       {known, camera_, sensor, velocity});
-  map.set_features(id, std::make_shared<const Features>(deskew_features(refined, camera_, sensor, velocity)));
+  const Features refined = refine_keypoints(
+      tracking.frame, matches, located(tracking.outcome)->T_reference_camera, {known, sensor, velocity});
+  map.set_features(id, std::make_shared<const Features>(deskew_features(refined, sensor, velocity)));
 }
 
-KeyframeId Mapper::insert_keyframe(Map& map, const FrameTracking& tracking, const SensorVector& sensor) {
+KeyframeId Mapper::insert_keyframe(Map& map, const FrameTracking& tracking, const Sensor& sensor) {
   const TrackResult* result = located(tracking.outcome);
   LocalMap known;  // as seen from earlier keyframes
   if (result != nullptr) known = make_local_map(map, result->reference, options_.local_map);
   const KeyframeId id = add_keyframe(map, tracking);
   if (result != nullptr) add_observations(map, id, result->matches);
-  match_local_map(map, id, make_local_map(map, id, options_.local_map), camera_, options_.mapping);
+  match_local_map(map, id, make_local_map(map, id, options_.local_map), sensor.camera, options_.mapping);
   if (result != nullptr) refine_observations(map, id, known, tracking, sensor);
-  create_landmarks_from_depth(map, id, camera_, options_.mapping);
-  triangulate_landmarks(map, id, camera_, options_.mapping);
+  create_landmarks_from_depth(map, id, sensor.camera, options_.mapping);
+  triangulate_landmarks(map, id, sensor.camera, options_.mapping);
   cull_landmarks(map, options_.mapping);
   map.set_patches(id, cut_patches(tracking.frame.octaves, *map.keyframe(id).features, observed(map, id)));
   last_keyframe_ = id;

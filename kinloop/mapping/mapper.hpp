@@ -16,7 +16,7 @@ struct MapperOptions {
 
 class Mapper {
  public:
-  Mapper(const PinholeCamera& camera, const MapperOptions& options) : camera_(camera), options_(options) {}
+  explicit Mapper(const MapperOptions& options) : options_(options) {}
 
   /// Continues after `newest`, a keyframe of a loaded map.
   void continue_from(KeyframeId newest) { last_keyframe_ = newest; }
@@ -29,17 +29,15 @@ class Mapper {
   /// enough new content.
   [[nodiscard]] bool needs_keyframe(const Map& map, const FrameTracking& tracking) const;
 
-  /// Adds the frame to the map: its keyframe, observations and new landmarks. Culls bad landmarks. `sensor`
-  /// is that of the motion compensation.
-  KeyframeId insert_keyframe(Map& map, const FrameTracking& tracking, const SensorVector& sensor);
+  /// Adds the frame to the map: its keyframe, observations and new landmarks. Culls bad landmarks.
+  KeyframeId insert_keyframe(Map& map, const FrameTracking& tracking, const Sensor& sensor);
 
  private:
   [[nodiscard]] int frames_since_keyframe(const Map& map, FrameId frame) const;
   KeyframeId add_keyframe(Map& map, const FrameTracking& tracking) const;
   void refine_observations(Map& map, KeyframeId id, const LocalMap& known, const FrameTracking& tracking,
-                           const SensorVector& sensor) const;
+                           const Sensor& sensor) const;
 
-  PinholeCamera camera_;
   MapperOptions options_;
   KeyframeId last_keyframe_;
   FrameId last_check_{0};  // the last frame for which `may_need_keyframe` was true

@@ -39,6 +39,11 @@ FrameResult frame_result(const FrameTracking& tracking, const TrackResult& resul
   return frame;
 }
 
+SlamOptions validated(const SlamOptions& options) {
+  validate(options);
+  return options;
+}
+
 }  // namespace
 
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
@@ -46,15 +51,14 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
 
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary)
     : camera_(camera),
-      options_(resolve_options(options, camera.sensor.noise)),
+      options_(validated(options)),
+      sensor_estimate_(nominal_estimate(make_sensor(camera, options.noise))),
       keyframe_memory_(static_cast<size_t>(options_.keyframe_memory_mib) << 20),
-      front_end_(camera.color, options_.features),
-      tracker_(camera.color, tracker_options(options_)),
-      mapper_(camera.color, mapper_options(options_)),
-      places_(camera.color, place_options(options_), std::move(vocabulary)),
-      back_end_(map_, camera, back_end_options(options_)) {
-  sensor_.value = nominal_sensor(camera);
-}
+      front_end_(sensor(), options_.features),
+      tracker_(sensor(), tracker_options(options_)),
+      mapper_(mapper_options(options_)),
+      places_(sensor(), place_options(options_), std::move(vocabulary)),
+      back_end_(map_, sensor(), back_end_options(options_)) {}
 
 FrameResult Slam::process(const PreparedFrame& measured) {
   require(session_log().empty() || measured.stamp_ns > session_log().back().stamp_ns,
@@ -71,7 +75,7 @@ FrameResult Slam::process(const PreparedFrame& measured) {
   const Relocalizer relocalize = [this](const PreparedFrame& frame) {
     return places_.relocalize(frame, map_);
   };
-  const TrackingContext context{map_, sensor_.value, relocalize};
+  const TrackingContext context{map_, sensor(), relocalize};
   FrameTracking tracking = tracker_.track(measured, context, timings_);
   module.lap();
   bool needs_keyframe = tracking.has_keypoints && mapper_.needs_keyframe(map_, tracking);
@@ -118,18 +122,18 @@ void Slam::apply_results(const AppliedResults& results) {
 }
 
 /// Uses this sensor from now on and updates the keyframes.
-void Slam::apply_sensor_estimate(const SensorEstimate& sensor) {
-  sensor_ = with_fixed_from(sensor, sensor_);
+void Slam::apply_sensor_estimate(const SensorEstimate& estimate) {
+  sensor_estimate_ = with_fixed_from(estimate, sensor_estimate_);
   const auto velocities = keyframe_velocities(log_, map_);
   for (uint32_t i = 0; i < velocities.size(); ++i) {
     const Features& features = *map_.keyframe(KeyframeId{i}).features;
-    map_.set_features(KeyframeId{i}, std::make_shared<const Features>(deskew_features(
-                                         features, camera_.color, sensor_.value, velocities[i])));
+    map_.set_features(KeyframeId{i},
+                      std::make_shared<const Features>(deskew_features(features, sensor(), velocities[i])));
   }
 }
 
 KeyframeId Slam::insert_keyframe(const FrameTracking& tracking) {
-  const KeyframeId id = mapper_.insert_keyframe(map_, tracking, sensor_.value);
+  const KeyframeId id = mapper_.insert_keyframe(map_, tracking, sensor());
   places_.add(map_.keyframe(id));
   keyframe_memory_.apply_limit(map_);
   map_changed_ = true;
@@ -156,8 +160,8 @@ Trajectory Slam::finish(const Progress& progress) {
   } else if (options_.global_ba_enabled) {
     const Stopwatch adjusting;
     auto adjusted =
-        final_bundle_adjustment(map_, log_, camera_, sensor_, back_end_options(options_), progress);
-    sensor_ = std::move(adjusted.sensor);
+        final_bundle_adjustment(map_, log_, sensor_estimate_, back_end_options(options_), progress);
+    sensor_estimate_ = std::move(adjusted.sensor);
     keyframe_covariance_ = std::move(adjusted.keyframe_covariance);
     map_.advance_epoch();
     timings_.add("final bundle adjustment", adjusting.elapsed());

@@ -22,6 +22,7 @@
 #include "kinloop/place/vocabulary.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
 #include "kinloop/sensor/rgbd_frame.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/options.hpp"
 #include "kinloop/tracking/frame_log.hpp"
@@ -86,11 +87,14 @@ class Slam {
 
   [[nodiscard]] const Timings& timings() const { return timings_; }
 
-  /// Returns the options in use, see `resolve_options`.
+  /// Returns the options in use.
   [[nodiscard]] const SlamOptions& options() const { return options_; }
 
-  /// Returns the current sensor estimate.
-  [[nodiscard]] const SensorEstimate& sensor() const { return sensor_; }
+  /// Returns the sensor in use: the camera, its noise and the corrections estimated so far.
+  [[nodiscard]] const Sensor& sensor() const { return sensor_estimate_.sensor; }
+
+  /// Returns the same with the standard deviations of the corrections.
+  [[nodiscard]] const SensorEstimate& sensor_estimate() const { return sensor_estimate_; }
 
   /// Returns the pose covariance of each keyframe from the final adjustment (see FinalBundleAdjustment);
   /// empty before it.
@@ -101,21 +105,20 @@ class Slam {
 
  private:
   void apply_results(const AppliedResults& results);
-  void apply_sensor_estimate(const SensorEstimate& sensor);
+  void apply_sensor_estimate(const SensorEstimate& estimate);
   KeyframeId insert_keyframe(const FrameTracking& tracking);
   void find_loops(KeyframeId keyframe);
   void finish_localization();
   void notify_listeners(const FrameResult& result, const PreparedFrame& frame);
   [[nodiscard]] JobContext job_context(KeyframeId new_keyframe = {}) const {
-    return {map_, log_, sensor_.value, new_keyframe};
+    return {map_, log_, sensor(), new_keyframe};
   }
 
-  [[nodiscard]] FrameRefinement frame_refinement() const {
-    return {map_, camera_.color, sensor_.value, options_.tracking.pose};
-  }
+  [[nodiscard]] FrameRefinement frame_refinement() const { return {map_, sensor(), options_.tracking.pose}; }
 
   RgbdCamera camera_;
   SlamOptions options_;
+  SensorEstimate sensor_estimate_;
   Map map_;
   KeyframeMemory keyframe_memory_;
   FrontEnd front_end_;
@@ -127,7 +130,6 @@ class Slam {
   FrameLog log_;
   LogLimiter log_limiter_;
   EarlierSessions earlier_;
-  SensorEstimate sensor_;
   std::vector<Matrix6d> keyframe_covariance_;
   Timings timings_;
   std::vector<Listener*> listeners_;

@@ -14,12 +14,11 @@ struct VisibleLandmarks {
   std::vector<uint32_t> index_in_local_map;
 };
 
-VisibleLandmarks project_local_map(const LocalMap& local_map, const Features& features,
-                                   const SE3& T_reference_camera, double window_px,
-                                   const PinholeCamera& camera) {
+VisibleLandmarks project_local_map(const TrackingInput& in, const SE3& T_reference_camera, double window_px) {
   VisibleLandmarks visible;
-  for (uint32_t i = 0; i < local_map.size(); ++i) {
-    const auto expected = project_landmark(local_map, i, features, T_reference_camera, window_px, camera);
+  for (uint32_t i = 0; i < in.local_map.size(); ++i) {
+    const auto expected = project_landmark(in.local_map, i, *in.frame.features, T_reference_camera, window_px,
+                                           in.sensor.camera);
     if (!expected) continue;
     visible.projected.push_back(*expected);
     visible.index_in_local_map.push_back(i);
@@ -29,12 +28,11 @@ VisibleLandmarks project_local_map(const LocalMap& local_map, const Features& fe
 
 /// Refines the pose on landmarks of the local map and, if these are few, also on unmapped points of the
 /// previous frame.
-TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const LocalMap& local_map,
-                   const FramePose& guess, double window_px, const PinholeCamera& camera,
-                   const TrackingOptions& options) {
-  const Features& features = *frame.features;
-  const auto visible = project_local_map(local_map, features, guess.T_reference_camera, window_px, camera);
-  const auto matches = match_by_projection(visible.projected, features, grid, {});
+TrackResult refine(const TrackingInput& in, const FramePose& guess, double window_px) {
+  const Features& features = *in.frame.features;
+  const LocalMap& local_map = in.local_map;
+  const auto visible = project_local_map(in, guess.T_reference_camera, window_px);
+  const auto matches = match_by_projection(visible.projected, features, in.grid, {});
   std::vector<PoseObservation> observations;
   std::vector<bool> taken(features.size(), false);
   for (const Match& match : matches) {
@@ -42,16 +40,17 @@ TrackResult refine(const PreparedFrame& frame, const FeatureGrid& grid, const Lo
     observations.push_back({compensated_measurement(features, match.b),
                             local_map.p_reference[visible.index_in_local_map[match.a]]});
   }
-  if (static_cast<int>(matches.size()) < options.sufficient_landmarks) {
-    for (size_t i = 0; i < guess.support.size(); ++i) {
-      if (!taken[guess.features[i]]) observations.push_back(guess.support[i]);
+  if (static_cast<int>(matches.size()) < in.options.sufficient_landmarks) {
+    for (size_t i = 0; i < guess.inliers.size(); ++i) {
+      if (!taken[guess.features[i]]) observations.push_back(guess.inliers[i]);
     }
   }
   TrackResult result;
   result.reference = local_map.reference;
   result.stats.visible_landmarks = static_cast<int>(visible.projected.size());
-  const auto solution = solve_absolute_pose(camera, observations, guess.T_reference_camera, options.pose);
-  if (!solution || solution->inlier_count < options.min_inliers) return result;
+  const auto solution =
+      solve_absolute_pose(in.sensor, observations, guess.T_reference_camera, in.options.pose);
+  if (!solution || solution->inlier_count < in.options.min_inliers) return result;
   result.status = TrackStatus::kTracked;
   result.T_reference_camera = solution->T_reference_camera;
   result.information = solution->information;
@@ -71,37 +70,31 @@ bool has_sufficient_inlier_ratio(const TrackResult& result, const Features& feat
   return result.stats.inliers >= min_inlier_ratio * findable;
 }
 
-TrackResult track_local_map(const PreparedFrame& frame, const FeatureGrid& grid, const LocalMap& local_map,
-                            const SE3& T_reference_camera_guess, double window_px,
-                            const PinholeCamera& camera, const TrackingOptions& options) {
+TrackResult track_local_map(const TrackingInput& in, const SE3& T_reference_camera_guess, double window_px) {
   FramePose guess;
   guess.T_reference_camera = T_reference_camera_guess;
-  return refine(frame, grid, local_map, guess, window_px, camera, options);
+  return refine(in, guess, window_px);
 }
 
-TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, const LocalMap& local_map,
-                  const PredictedPose& predicted, const PinholeCamera& camera, const TrackingOptions& options,
+TrackResult track(const TrackingInput& in, const TrackedFrame& previous, const PredictedPose& predicted,
                   uint64_t seed) {
-  const FeatureGrid grid(*frame.features, camera.width, camera.height);
-  const auto guess =
-      estimate_pose_from_previous_frame(frame, grid, previous, local_map, predicted, camera, options, seed);
+  const TrackingOptions& options = in.options;
+  const Features& features = *in.frame.features;
+  const auto guess = estimate_pose_from_previous_frame(in, previous, predicted, seed);
   if (!guess) {
     // Tracking against the previous frame can fail, e.g. by motion blur; the local map may still be visible.
-    const TrackResult result =
-        track_local_map(frame, grid, local_map, predicted.T, options.wide_window_px, camera, options);
-    return has_sufficient_inlier_ratio(result, *frame.features, options.min_inlier_ratio) ? result
-                                                                                          : TrackResult{};
+    const TrackResult result = track_local_map(in, predicted.T, options.wide_window_px);
+    return has_sufficient_inlier_ratio(result, features, options.min_inlier_ratio) ? result : TrackResult{};
   }
-  TrackResult result = refine(frame, grid, local_map, *guess, options.local_map_window_px, camera, options);
-  if (guess->from_brute_force &&
-      !has_sufficient_inlier_ratio(result, *frame.features, options.min_inlier_ratio))
+  TrackResult result = refine(in, *guess, options.local_map_window_px);
+  if (guess->from_brute_force && !has_sufficient_inlier_ratio(result, features, options.min_inlier_ratio))
     return {};
   if (result.status == TrackStatus::kLost) {
     result.T_reference_camera = guess->T_reference_camera;
     result.information = guess->information;
     result.status = guess->dense ? TrackStatus::kDenseOnly : TrackStatus::kTracked;
   }
-  result.stats.previous_frame_inliers = static_cast<int>(guess->support.size());
+  result.stats.previous_frame_inliers = static_cast<int>(guess->inliers.size());
   result.stats.attempts = guess->attempts;
   return result;
 }

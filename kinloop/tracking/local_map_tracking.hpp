@@ -5,8 +5,9 @@
 
 #include <vector>
 
-#include "kinloop/geometry/camera.hpp"
+#include "kinloop/features/matcher.hpp"
 #include "kinloop/map/local_map.hpp"
+#include "kinloop/sensor/sensor.hpp"
 #include "kinloop/tracking/frame.hpp"
 #include "kinloop/tracking/motion_model.hpp"
 #include "kinloop/tracking/options.hpp"
@@ -41,10 +42,18 @@ struct TrackResult {
   TrackStats stats;
 };
 
-/// Tracks `frame` against `previous` and `local_map`, starting from the predicted T_reference_camera. `seed`
-/// drives RANSAC.
-TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, const LocalMap& local_map,
-                  const PredictedPose& predicted, const PinholeCamera& camera, const TrackingOptions& options,
+/// A frame and what it is tracked with. The frame is motion-compensated.
+struct TrackingInput {
+  const PreparedFrame& frame;
+  const LocalMap& local_map;
+  const Sensor& sensor;
+  const TrackingOptions& options;
+  FeatureGrid grid{*frame.features, sensor.camera.width, sensor.camera.height};
+};
+
+/// Tracks a frame against `previous` and the local map, starting from the predicted T_reference_camera.
+/// `seed` drives RANSAC.
+TrackResult track(const TrackingInput& in, const TrackedFrame& previous, const PredictedPose& predicted,
                   uint64_t seed);
 
 /// Returns whether enough of the visible landmarks were matched (their number is limited by the frame's
@@ -53,11 +62,9 @@ TrackResult track(const PreparedFrame& frame, const TrackedFrame& previous, cons
 bool has_sufficient_inlier_ratio(const TrackResult& result, const Features& features,
                                  double min_inlier_ratio);
 
-/// Matches the landmarks of `local_map` with keypoints of `frame` near their projections under
+/// Matches the landmarks of the local map with keypoints of the frame near their projections under
 /// `T_reference_camera_guess`, and refines the pose on them. `window_px` is the half side of the search
 /// windows. Used by `track` and for place recognition.
-TrackResult track_local_map(const PreparedFrame& frame, const FeatureGrid& grid, const LocalMap& local_map,
-                            const SE3& T_reference_camera_guess, double window_px,
-                            const PinholeCamera& camera, const TrackingOptions& options);
+TrackResult track_local_map(const TrackingInput& in, const SE3& T_reference_camera_guess, double window_px);
 
 }  // namespace kinloop

@@ -68,11 +68,11 @@ FrameTracking Tracker::repeat_previous(const PreparedFrame& measured) const {
 
 /// Tracks against patches of the local map. Not after a loss, when the prediction is unknown.
 std::optional<DirectlyTracked> Tracker::track_directly(const PreparedFrame& measured,
-                                                       const SensorVector& sensor) const {
+                                                       const Sensor& sensor) const {
   constexpr int64_t kMaxGap_ns = kNsPerSecond / 10;  // patches look too different after a longer motion
   if (!previous_ || lost_frames_ > 0 || options_.localize_only) return std::nullopt;
   if (measured.stamp_ns - previous_->frame.stamp_ns > kMaxGap_ns) return std::nullopt;
-  const PatchSearch search{local_map_, camera_, sensor, motion_.velocity()};
+  const PatchSearch search{local_map_, sensor, motion_.velocity()};
   const DirectTrackingContext context{*previous_, search, options_.features, options_.tracking};
   return kinloop::track_directly(measured, predict(measured.stamp_ns).T, context);
 }
@@ -93,8 +93,8 @@ FrameTracking Tracker::track_by_keypoints(PreparedFrame measured, const Tracking
 }
 
 /// Adds what follows from the outcome: the motion, and the frame compensated for it.
-FrameTracking Tracker::complete(TrackOutcome outcome, const PreparedFrame& measured,
-                                const SensorVector& sensor, Timings& timings) const {
+FrameTracking Tracker::complete(TrackOutcome outcome, const PreparedFrame& measured, const Sensor& sensor,
+                                Timings& timings) const {
   const Stopwatch watch;
   const MotionModel motion = motion_after(measured, outcome);
   PreparedFrame frame = deskewed(measured, sensor, motion);
@@ -118,7 +118,7 @@ FrameTracking Tracker::with_keypoints(const FrameTracking& tracked, const Tracki
 }
 
 /// The previous frame with all its keypoints, even if it was tracked without.
-TrackedFrame Tracker::previous_with_keypoints(const SensorVector& sensor, Timings& timings) const {
+TrackedFrame Tracker::previous_with_keypoints(const Sensor& sensor, Timings& timings) const {
   if (previous_has_keypoints_) return *previous_;
   TrackedFrame previous = *previous_;
   const TrackResult result =
@@ -130,16 +130,15 @@ TrackedFrame Tracker::previous_with_keypoints(const SensorVector& sensor, Timing
 
 /// Extracts the keypoints of a frame that was tracked directly, and matches them from its pose.
 TrackResult Tracker::track_all_keypoints(PreparedFrame& frame, const SE3& T_reference_camera,
-                                         const SensorVector& sensor, const MotionModel& motion,
+                                         const Sensor& sensor, const MotionModel& motion,
                                          Timings& timings) const {
   Stopwatch watch;
   frame.features = front_end_.features(frame);
   timings.add("features", watch.lap());
   frame = deskewed(frame, sensor, motion);
   timings.add("motion compensation", watch.lap());
-  const FeatureGrid grid(*frame.features, camera_.width, camera_.height);
-  TrackResult result = track_local_map(frame, grid, local_map_, T_reference_camera,
-                                       options_.tracking.local_map_window_px, camera_, options_.tracking);
+  TrackResult result = track_local_map({frame, local_map_, sensor, options_.tracking}, T_reference_camera,
+                                       options_.tracking.local_map_window_px);
   timings.add("tracking", watch.lap());
   return result;
 }
@@ -156,7 +155,7 @@ TrackOutcome Tracker::locate(const PreparedFrame& frame, const TrackingContext& 
   std::optional<TrackedFrame> previous;
   if (previous_) previous = previous_with_keypoints(context.sensor, timings);
   const Stopwatch watch;
-  TrackResult tracked = previous ? track_previous(frame, *previous) : TrackResult{};
+  TrackResult tracked = previous ? track_previous(frame, *previous, context.sensor) : TrackResult{};
   timings.add("tracking", watch.elapsed());
   // Dense odometry measures the motion between consecutive frames, not across a gap.
   if (lost_frames_ > 0 && tracked.status == TrackStatus::kDenseOnly) tracked = {};
@@ -177,8 +176,9 @@ TrackOutcome Tracker::locate(const PreparedFrame& frame, const TrackingContext& 
   return Lost{tracked.stats};
 }
 
-TrackResult Tracker::track_previous(const PreparedFrame& frame, const TrackedFrame& previous) const {
-  return kinloop::track(frame, previous, local_map_, predict(frame.stamp_ns), camera_, options_.tracking,
+TrackResult Tracker::track_previous(const PreparedFrame& frame, const TrackedFrame& previous,
+                                    const Sensor& sensor) const {
+  return kinloop::track({frame, local_map_, sensor, options_.tracking}, previous, predict(frame.stamp_ns),
                         hash(options_.seed, frame.id.value));
 }
 
@@ -225,12 +225,12 @@ MotionModel Tracker::motion_after(const PreparedFrame& frame, const TrackOutcome
 }
 
 /// Returns the frame as an ideal global-shutter camera would have measured it, given its motion.
-PreparedFrame Tracker::deskewed(const PreparedFrame& measured, const SensorVector& sensor,
+PreparedFrame Tracker::deskewed(const PreparedFrame& measured, const Sensor& sensor,
                                 const MotionModel& motion) const {
   PreparedFrame frame = measured;
   if (needs_deskewing(*measured.features, sensor)) {
-    frame.features = std::make_shared<const Features>(
-        deskew_features(*measured.features, camera_, sensor, motion.velocity()));
+    frame.features =
+        std::make_shared<const Features>(deskew_features(*measured.features, sensor, motion.velocity()));
   }
   return frame;
 }

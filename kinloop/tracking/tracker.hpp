@@ -63,7 +63,7 @@ using Relocalizer = std::function<std::optional<TrackResult>(const PreparedFrame
 /// What the tracker needs from the rest of the system.
 struct TrackingContext {
   const Map& map;
-  const SensorVector& sensor;
+  const Sensor& sensor;
   const Relocalizer& relocalize;
 };
 
@@ -71,8 +71,8 @@ struct TrackingContext {
 /// state.
 class Tracker {
  public:
-  Tracker(const PinholeCamera& camera, const TrackerOptions& options)
-      : camera_(camera), options_(options), front_end_(camera, options.features) {}
+  Tracker(const Sensor& sensor, const TrackerOptions& options)
+      : options_(options), front_end_(sensor, options.features) {}
 
   /// Locates `measured` from the current state. Adds the elapsed times to `timings`.
   [[nodiscard]] FrameTracking track(const PreparedFrame& measured, const TrackingContext& context,
@@ -99,25 +99,24 @@ class Tracker {
   [[nodiscard]] FrameTracking repeat_previous(const PreparedFrame& measured) const;
   [[nodiscard]] PredictedPose predict(int64_t stamp_ns) const;
   [[nodiscard]] std::optional<DirectlyTracked> track_directly(const PreparedFrame& measured,
-                                                              const SensorVector& sensor) const;
+                                                              const Sensor& sensor) const;
   [[nodiscard]] FrameTracking track_by_keypoints(PreparedFrame measured, const TrackingContext& context,
                                                  Timings& timings) const;
   [[nodiscard]] FrameTracking complete(TrackOutcome outcome, const PreparedFrame& measured,
-                                       const SensorVector& sensor, Timings& timings) const;
-  [[nodiscard]] TrackedFrame previous_with_keypoints(const SensorVector& sensor, Timings& timings) const;
-  TrackResult track_all_keypoints(PreparedFrame& frame, const SE3& T_reference_camera,
-                                  const SensorVector& sensor, const MotionModel& motion,
-                                  Timings& timings) const;
-  [[nodiscard]] TrackResult track_previous(const PreparedFrame& frame, const TrackedFrame& previous) const;
+                                       const Sensor& sensor, Timings& timings) const;
+  [[nodiscard]] TrackedFrame previous_with_keypoints(const Sensor& sensor, Timings& timings) const;
+  TrackResult track_all_keypoints(PreparedFrame& frame, const SE3& T_reference_camera, const Sensor& sensor,
+                                  const MotionModel& motion, Timings& timings) const;
+  [[nodiscard]] TrackResult track_previous(const PreparedFrame& frame, const TrackedFrame& previous,
+                                           const Sensor& sensor) const;
   [[nodiscard]] TrackOutcome locate(const PreparedFrame& frame, const TrackingContext& context,
                                     Timings& timings) const;
   [[nodiscard]] TrackOutcome start_map_or_lose(const PreparedFrame& frame) const;
   [[nodiscard]] MotionModel motion_after(const PreparedFrame& frame, const TrackOutcome& outcome) const;
-  [[nodiscard]] PreparedFrame deskewed(const PreparedFrame& measured, const SensorVector& sensor,
+  [[nodiscard]] PreparedFrame deskewed(const PreparedFrame& measured, const Sensor& sensor,
                                        const MotionModel& motion) const;
   void remember(const FrameTracking& latest);
 
-  PinholeCamera camera_;
   TrackerOptions options_;
   FrontEnd front_end_;
   std::optional<TrackedFrame> previous_;  // the last located frame; none before the first

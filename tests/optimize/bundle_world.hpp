@@ -54,7 +54,7 @@ struct BundleWorld {
 inline bool observe(const BundleWorldSettings& settings, double t, const Eigen::Vector3d& p_world,
                     Random& random, BundleObservation& o) {
   // Only for settings without distortion.
-  const PinholeCamera camera = corrected_camera(kinect(), settings.sensor);
+  const PinholeCamera camera = corrected_camera({kinect(), {}, settings.sensor});
   Eigen::Vector3d p;
   for (int i = 0; i < 8; ++i) {  // row and time depend on each other
     p = path(t + settings.sensor(kRollingShutter) * o.row).inverse() * p_world;
@@ -93,7 +93,7 @@ inline Eigen::Vector3d random_wall_point(Random& random) {
 inline BundleWorld make_bundle_world(const BundleWorldSettings& settings) {
   BundleWorld world;
   Random random(settings.seed);
-  world.problem.camera = kinect();
+  world.problem.sensor = kinect_sensor();
   for (int i = 0; i < settings.poses; ++i) {
     world.truth.push_back(path(i * settings.spacing_s));
     world.problem.velocities.push_back(path_velocity(i * settings.spacing_s));

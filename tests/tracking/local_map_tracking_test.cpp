@@ -29,7 +29,7 @@ class Tracker : public testing::Test {
   TrackResult track_at(const SE3& T_world_camera, const SE3& predicted,
                        const test::ObservationNoise& noise = {}) const {
     const auto view = test::observe(world_, T_world_camera, noise, 3);
-    return track(test::make_frame(1, view), previous_, local_map_, uncertain(predicted), world_.camera, {},
+    return track({test::make_frame(1, view), local_map_, sensor_, options_}, previous_, uncertain(predicted),
                  4);
   }
 
@@ -37,6 +37,8 @@ class Tracker : public testing::Test {
   test::SyntheticMap built_;
   LocalMap local_map_;
   TrackedFrame previous_;
+  const Sensor sensor_{world_.camera};
+  const TrackingOptions options_;
 };
 
 TEST_F(Tracker, FollowsASmallMotion) {
@@ -52,7 +54,7 @@ TEST_F(Tracker, MatchesVisibleLandmarks) {
   const SE3 truth = camera_at(0.05, {0.03, 0.01, -0.02});
   const auto view = test::observe(world_, truth, {}, 3);
   const TrackResult result =
-      track(test::make_frame(1, view), previous_, local_map_, uncertain(SE3{}), world_.camera, {}, 4);
+      track({test::make_frame(1, view), local_map_, sensor_, options_}, previous_, uncertain(SE3{}), 4);
   ASSERT_FALSE(result.matches.empty());
   for (const LandmarkMatch& match : result.matches) {
     EXPECT_EQ(match.landmark, built_.landmark_of_point.at(view.point_of[match.feature]));
@@ -84,7 +86,7 @@ TEST_F(Tracker, IsLostOnABlackImage) {
   test::SyntheticView nothing;
   nothing.features = std::make_shared<const Features>();
   const TrackResult result =
-      track(test::make_frame(1, nothing), previous_, local_map_, uncertain(SE3{}), world_.camera, {}, 4);
+      track({test::make_frame(1, nothing), local_map_, sensor_, options_}, previous_, uncertain(SE3{}), 4);
   EXPECT_EQ(result.status, TrackStatus::kLost);
 }
 
@@ -110,14 +112,13 @@ TEST_F(Tracker, FallsBackToDenseAlignmentWithoutKeypoints) {
   const SE3 truth = camera_at(0, {0.02, 0, 0});
   const PreparedFrame frame = soft_wall(world_.camera, 0.02);
   TrackingOptions options;
-  const TrackResult result = track(frame, previous_, local_map_, uncertain(SE3{}), world_.camera, options, 4);
+  const TrackResult result = track({frame, local_map_, sensor_, options}, previous_, uncertain(SE3{}), 4);
   EXPECT_EQ(result.status, TrackStatus::kDenseOnly);
   EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.001);
   EXPECT_LT(test::angle_rad(result.T_reference_camera, truth), 0.001);
 
   options.icp.photometric_weight = 0;
-  const TrackResult by_depth =
-      track(frame, previous_, local_map_, uncertain(SE3{}), world_.camera, options, 4);
+  const TrackResult by_depth = track({frame, local_map_, sensor_, options}, previous_, uncertain(SE3{}), 4);
   EXPECT_EQ(by_depth.status, TrackStatus::kDenseOnly);
   EXPECT_GT(test::distance_m(by_depth.T_reference_camera, truth), 0.015) << "a wall does not constrain it";
   EXPECT_LT(by_depth.information(0, 0), 0.01 * result.information(0, 0)) << "and the information shows it";
@@ -145,7 +146,7 @@ TEST_F(Tracker, InformationIsConsistentWithTheErrors) {
       }
     }
     const TrackResult result =
-        track(test::make_frame(1, view), previous_, exact, uncertain(truth), world_.camera, {}, trial);
+        track({test::make_frame(1, view), exact, sensor_, options_}, previous_, uncertain(truth), trial);
     ASSERT_EQ(result.status, TrackStatus::kTracked);
     const Vector6d error = (result.T_reference_camera.inverse() * truth).log();
     sum += error.dot(result.information * error);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kinloop/loop/place_recognition.hpp"
 #include "kinloop/tracking/tracker.hpp"
 #include "tests/support/synthetic_map.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
@@ -20,8 +21,8 @@ Vocabulary world_vocabulary(const test::SyntheticWorld& world) {
   return train_vocabulary(images, options);
 }
 
-SlamOptions impatient() {
-  SlamOptions options;
+TrackerOptions impatient() {
+  TrackerOptions options;
   options.lost_frames_before_new_component = 2;
   return options;
 }
@@ -49,7 +50,7 @@ class TrackerOutcome : public testing::Test {
     frame.gray.setTo(id_ + 1);  // no frame repeats the previous image
     ++id_;
     Timings timings;
-    FrameTracking tracking = tracker_.track(frame, {built_.map, places_, sensor_}, timings);
+    FrameTracking tracking = tracker_.track(frame, {built_.map, sensor_, relocalize_}, timings);
     const TrackResult* result = located(tracking.outcome);
     tracker_.update(built_.map, result != nullptr ? result->reference : tracker_.reference(), &tracking);
     return tracking;
@@ -62,10 +63,13 @@ class TrackerOutcome : public testing::Test {
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
+  Sensor sensor_{world_.camera};
   test::SyntheticMap built_;
-  PlaceRecognition places_{world_.camera, impatient(), world_vocabulary(world_)};
-  Tracker tracker_{world_.camera, impatient()};
-  SensorVector sensor_ = SensorVector::Zero();
+  PlaceRecognition places_{sensor_, {}, world_vocabulary(world_)};
+  Relocalizer relocalize_ = [this](const PreparedFrame& frame) {
+    return places_.relocalize(frame, built_.map);
+  };
+  Tracker tracker_{sensor_, impatient()};
   uint32_t id_ = 0;
 };
 
@@ -130,7 +134,7 @@ TEST_F(TrackerOutcome, TrackHasNoSideEffects) {
   const auto view = test::observe(world_, pose(1.7), {}, 9);
   PreparedFrame frame = test::make_frame(50, view);
   frame.gray.setTo(200);
-  const TrackingContext context{built_.map, places_, sensor_};
+  const TrackingContext context{built_.map, sensor_, relocalize_};
   Timings timings;
   const FrameTracking once = tracker_.track(frame, context, timings);
   const FrameTracking again = tracker_.track(frame, context, timings);

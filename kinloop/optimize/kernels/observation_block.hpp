@@ -7,9 +7,10 @@
 
 #include <Eigen/Core>
 
+#include "kinloop/geometry/se3.hpp"
+#include "kinloop/geometry/velocity.hpp"
 #include "kinloop/optimize/kernels/linear_columns.hpp"
-#include "kinloop/sensor/depth_noise.hpp"
-#include "kinloop/sensor/sensor_model.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -21,14 +22,6 @@ struct BundleView {
 
   BundleView(const SE3& T_world_camera, const Velocity& v)
       : R_camera_world(T_world_camera.R().transpose()), center(T_world_camera.translation), velocity(v) {}
-};
-
-/// Camera, sensor corrections and noise model of a measurement.
-struct MeasurementModel {
-  const PinholeCamera& camera;
-  const SensorVector& sensor;
-  DepthNoise depth_noise;
-  double robust_width = 0;  ///< scale of the Huber loss
 };
 
 /// Observations in structure-of-arrays layout. Empty lanes are not in use.
@@ -68,12 +61,11 @@ constexpr double kMinObservedDepth_m = 1e-3;  ///< closer points and points behi
 constexpr double kBehindCameraSquared = 1e6;
 
 /// Returns the residuals of all measurements, in use or not.
-BlockResiduals block_residuals(const ObservationBlock& block, const BundleView& view,
-                               const MeasurementModel& model);
+BlockResiduals block_residuals(const ObservationBlock& block, const BundleView& view, const Sensor& sensor);
 
 /// Returns the robust cost of each observation, over its parts in use.
 ObservationBlock::Lanes block_cost(const ObservationBlock& block, const BundleView& view,
-                                   const MeasurementModel& model);
+                                   const Sensor& sensor);
 
 constexpr size_t kRowsPerObservation = 3;  ///< u, v, depth
 
@@ -81,7 +73,6 @@ constexpr size_t kRowsPerObservation = 3;  ///< u, v, depth
 /// robust weight and zero where not in use. `columns` must be zero-initialised. Returns the robust cost like
 /// block_cost.
 ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const BundleView& view,
-                                        const MeasurementModel& model, const LinearColumns& layout,
-                                        double* columns);
+                                        const Sensor& sensor, const LinearColumns& layout, double* columns);
 
 }  // namespace kinloop
