@@ -245,8 +245,7 @@ void remove_pictures(const std::filesystem::path& folder) {
 
 }  // namespace
 
-void write_loop_pictures(const RunFolder& folder, const Slam& slam, const RgbdCamera& camera,
-                         const DenseRecorder& recorder) {
+void write_loop_pictures(const RunFolder& folder, const Slam& slam, const DenseRecorder& recorder) {
   remove_pictures(folder.loop_images());
   const Map& map = slam.map();
   const auto chosen = choose_loops(map);
