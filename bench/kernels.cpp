@@ -107,9 +107,11 @@ void track_frame(benchmark::State& state) {
   }
   const LocalMap view = make_local_map(map, keyframe, {});
   const TrackedFrame previous{frames().first, SE3{}, map.keyframe(keyframe).landmark_of};
+  const Sensor sensor{frames().camera};
+  const TrackingOptions options;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        track(frames().second, previous, view, {SE3{}, 0.01, 0.02}, frames().camera, {}, 1));
+        track({frames().second, view, sensor, options}, previous, {SE3{}, 0.01, 0.02}, 1));
   }
 }
 BENCHMARK(track_frame)->Unit(benchmark::kMillisecond);
