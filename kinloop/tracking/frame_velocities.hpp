@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kinloop/sensor/sensor_model.hpp"
+#include "kinloop/geometry/velocity.hpp"
 #include "kinloop/tracking/frame_log.hpp"
 
 namespace kinloop {
