@@ -8,7 +8,6 @@
 #include "kinloop/features/patches.hpp"
 #include "kinloop/tracking/align_images.hpp"
 #include "kinloop/tracking/align_patch.hpp"
-#include "kinloop/tracking/motion_compensation.hpp"
 #include "kinloop/tracking/refine_keypoints.hpp"
 
 namespace kinloop {
