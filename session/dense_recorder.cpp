@@ -194,15 +194,16 @@ std::optional<RgbdImages> DenseRecorder::images_of(FrameId frame) const {
   return images_.load(static_cast<size_t>(recorded - recorded_.begin()));
 }
 
-DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor) {
-  return {camera.color, sensor.value(kDepthDelay), sensor.value(kDepthShutter), Vector6d::Zero(),
+DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& estimate) {
+  const SensorVector& corrections = estimate.sensor.corrections;
+  return {camera.color, corrections(kDepthDelay), corrections(kDepthShutter), Vector6d::Zero(),
           camera.sensor.noise};
 }
 
-DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& sensor) {
-  DenseCamera dense = time_calibrated_camera(camera, sensor);
-  dense.color = calibrated_camera(camera, sensor).color;
-  dense.inverse_depth_correction = sensor.value.segment<6>(kDepthOffset);
+DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& estimate) {
+  DenseCamera dense = time_calibrated_camera(camera, estimate);
+  dense.color = calibrated_camera(camera, estimate).color;
+  dense.inverse_depth_correction = estimate.sensor.corrections.segment<6>(kInverseDepthBias);
   return dense;
 }
 

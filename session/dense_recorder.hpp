@@ -14,16 +14,17 @@
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/map/frame_log.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/slam.hpp"
 
 namespace kinloop {
 
 /// Returns the camera with all estimated sensor corrections, for poses that were estimated along with them.
-DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
+DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& estimate);
 
 /// Returns the nominal camera with only the estimated times applied, for poses from another source.
-DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
+DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& estimate);
 
 class DenseRecorder : public Listener {
  public:
@@ -67,14 +68,14 @@ class DenseRecorder : public Listener {
 
   /// Fuses the component in which the run of `slam` was tracked.
   ColoredCloud fuse(const Slam& slam, int threads, const Progress& progress) {
-    return fuse_views(views(slam), dense_camera(camera_, slam.sensor()), threads, progress);
+    return fuse_views(views(slam), dense_camera(camera_, slam.sensor_estimate()), threads, progress);
   }
 
   /// Estimates the up direction from the surfaces in `views`.
   UpEstimate up(std::span<const PosedImage> views, const DenseCamera& camera);
 
   /// Estimates the up direction of the component in which the run of `slam` was tracked.
-  UpEstimate up(const Slam& slam) { return up(views(slam), dense_camera(camera_, slam.sensor())); }
+  UpEstimate up(const Slam& slam) { return up(views(slam), dense_camera(camera_, slam.sensor_estimate())); }
 
   /// Returns the recorded images of a frame, if any. Every keyframe is recorded.
   [[nodiscard]] std::optional<RgbdImages> images_of(FrameId frame) const;

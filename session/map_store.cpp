@@ -12,6 +12,7 @@
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/io/run_folder.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/saved_session.hpp"
 #include "session/program_name.hpp"
 
@@ -195,13 +196,13 @@ std::vector<PosedImage> OpenMap::views(size_t number) const {
 }
 
 DenseCamera OpenMap::dense_camera() const {
-  const SensorEstimate sensor = sensor_estimate(saved.sensor, nominal_sensor(saved.camera));
-  return poses.empty() ? kinloop::dense_camera(saved.camera, sensor)
-                       : time_calibrated_camera(saved.camera, sensor);
+  const SensorEstimate estimate = sensor_estimate(saved.sensor, make_sensor(saved.camera));
+  return poses.empty() ? kinloop::dense_camera(saved.camera, estimate)
+                       : time_calibrated_camera(saved.camera, estimate);
 }
 
 double OpenMap::rolling_shutter_s() const {
-  return sensor_estimate(saved.sensor, nominal_sensor(saved.camera)).value(kRollingShutter);
+  return sensor_estimate(saved.sensor, make_sensor(saved.camera)).sensor.corrections(kRollingShutter);
 }
 
 ColoredCloud OpenMap::cloud(size_t number, int threads, const Progress& progress) {

@@ -141,7 +141,7 @@ Frame SimulatedSource::device_frame(size_t index) const {
   Frame frame = setup_->renderer.render(setup_->path_in_room, stamps_[index], seed);
   frame.id = FrameId{static_cast<uint32_t>(index)};
   if (setup_->depth_camera) {
-    const int64_t depth_ns = stamps_[index].depth_ns + to_ns(truth_.depth_offset_s);
+    const int64_t depth_ns = stamps_[index].depth_ns + to_ns(truth_.depth_delay_s);
     frame.depth_m = setup_->depth_camera->measure(setup_->path_in_room.at(depth_ns), hash(seed, 2));
   }
   frame.depth_m = as_stored(frame.depth_m, device_.depth_scale);

@@ -52,7 +52,7 @@ struct SimulationOptions {
 /// Sensor parameters that kinloop has to estimate; not part of camera(), since no real camera reports them.
 struct SensorGroundTruth {
   double rolling_shutter_s = 0;
-  double depth_offset_s = 0;  ///< time of depth minus its stamp
+  double depth_delay_s = 0;  ///< time of depth minus its stamp
 };
 
 /// Renders a room on the fly.

@@ -163,7 +163,7 @@ struct DrawnLoop {
 };
 
 /// Draws a loop; nothing if one of its images was not recorded.
-std::optional<DrawnLoop> draw(const ShownLoop& shown, const Map& map, const RollingShutterCamera& newer,
+std::optional<DrawnLoop> draw(const ShownLoop& shown, const Map& map, const MovingSensor& newer,
                               const DenseRecorder& recorder) {
   const auto first = recorder.images_of(map.keyframe(shown.pair.older).frame);
   const auto second = recorder.images_of(map.keyframe(shown.pair.newer).frame);
@@ -245,8 +245,7 @@ void remove_pictures(const std::filesystem::path& folder) {
 
 }  // namespace
 
-void write_loop_pictures(const RunFolder& folder, const Slam& slam, const RgbdCamera& camera,
-                         const DenseRecorder& recorder) {
+void write_loop_pictures(const RunFolder& folder, const Slam& slam, const DenseRecorder& recorder) {
   remove_pictures(folder.loop_images());
   const Map& map = slam.map();
   const auto chosen = choose_loops(map);
@@ -256,8 +255,7 @@ void write_loop_pictures(const RunFolder& folder, const Slam& slam, const RgbdCa
   std::vector<std::optional<DrawnLoop>> drawn(chosen.size());
   parallel_for(chosen.size(), hardware_threads(), [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const RollingShutterCamera newer{camera.color, slam.sensor().value,
-                                       velocities[chosen[i].pair.newer.value]};
+      const MovingSensor newer{slam.sensor(), velocities[chosen[i].pair.newer.value]};
       drawn[i] = draw(chosen[i], map, newer, recorder);
     }
   });

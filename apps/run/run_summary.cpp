@@ -10,6 +10,7 @@
 #include "apps/shared/version.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 #include "tools/evaluation/consistency.hpp"
 #include "viewer/report/report.hpp"
 
@@ -49,12 +50,12 @@ json options_json(RunOptions options) {
   return values;
 }
 
-json sensor_json(const SensorEstimate& sensor) {
+json sensor_json(const SensorEstimate& estimate) {
   json parameters = json::object();
   for (int k = 0; k < kSensorParameterCount; ++k) {
-    if (!sensor.used[static_cast<size_t>(k)]) continue;
-    parameters[sensor_parameter_name(static_cast<SensorParameter>(k))] = {{"value", sensor.value(k)},
-                                                                          {"sigma", sensor.sigma(k)}};
+    if (!estimate.used[static_cast<size_t>(k)]) continue;
+    parameters[sensor_parameter_name(static_cast<SensorParameter>(k))] = {
+        {"value", estimate.sensor.corrections(k)}, {"sigma", estimate.sigma(k)}};
   }
   return parameters;
 }
@@ -140,9 +141,9 @@ json run_summary(const RunOutcome& o) {
   summary["keyframes"] = o.slam.map().keyframes().size();
   summary["landmarks"] = o.slam.map().landmark_count();
   summary["loops"] = loops_json(o.slam.map());
-  summary["sensor"] = sensor_json(o.slam.sensor());
+  summary["sensor"] = sensor_json(o.slam.sensor_estimate());
   summary["depth_sensor"] = name_of(o.source.camera().sensor.model);
-  const auto noise_scale = depth_noise_scale(o.slam, o.source.camera());
+  const auto noise_scale = depth_noise_scale(o.slam);
   summary["depth_noise_scale"] = noise_scale ? json(*noise_scale) : json(nullptr);
   summary["wall_s"] = o.wall_s;
   summary["threads"] = o.threads;

@@ -30,9 +30,9 @@ void write_results(const RunFolder& folder, const RunContents& contents) {
   const FrameSource& source = contents.outcome.source;
   write_run_files(folder, {contents.trajectory, keyframe_trajectory(slam.map(), slam.component()),
                            source.info().ground_truth, contents.map->cloud, contents.map->frame, nullptr});
-  write_camera_file(folder.camera(), calibrated_camera(source.camera(), slam.sensor()));
+  write_camera_file(folder.camera(), calibrated_camera(source.camera(), slam.sensor_estimate()));
   write_g2o(folder.graph(), {make_pose_graph(slam.map(), contents.outcome.options.slam.loop), {}, true, {}});
-  write_loop_pictures(folder, slam, source.camera(), contents.images);
+  write_loop_pictures(folder, slam, contents.images);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "kinloop/back_end/options.hpp"
 #include "kinloop/loop/verify_loop.hpp"
 #include "kinloop/map/frame_log.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 
 namespace kinloop {
 
@@ -24,7 +25,7 @@ namespace kinloop {
 struct JobContext {
   const Map& map;
   const FrameLog& log;
-  const SensorVector& sensor;
+  const Sensor& sensor;     ///< with the current corrections
   KeyframeId new_keyframe;  ///< valid if one was just inserted
 };
 

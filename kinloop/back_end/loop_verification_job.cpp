@@ -12,14 +12,14 @@ bool LoopVerificationJob::is_due(const JobContext& /*context*/) const {
   return !waiting_.empty();
 }
 
-LoopVerificationJob::Problem LoopVerificationJob::make_problem(const JobContext& /*context*/) {
-  return {std::exchange(waiting_, {}), camera_, loop_, tracking_};
+LoopVerificationJob::Problem LoopVerificationJob::make_problem(const JobContext& context) {
+  return {std::exchange(waiting_, {}), context.sensor, loop_, tracking_};
 }
 
 std::vector<VerifiedLoop> LoopVerificationJob::solve(const Problem& problem) {
   std::vector<VerifiedLoop> loops;
   for (const LoopCandidates& candidates : problem.candidates) {
-    auto loop = verify_loop(candidates, problem.camera, problem.loop, problem.tracking);
+    auto loop = verify_loop(candidates, problem.sensor, problem.loop, problem.tracking);
     if (loop) loops.push_back(std::move(*loop));
   }
   return loops;

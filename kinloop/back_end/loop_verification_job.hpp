@@ -2,7 +2,7 @@
 // Verifies loop candidates geometrically; accepted ones become edges of the map.
 
 #include "kinloop/back_end/job_context.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -12,15 +12,14 @@ class LoopVerificationJob {
   static constexpr bool kMovesWholeMap = false;
   struct Problem {
     std::vector<LoopCandidates> candidates;
-    PinholeCamera camera;
+    Sensor sensor;
     LoopOptions loop;
     TrackingOptions tracking;
   };
   using Solution = std::vector<VerifiedLoop>;
 
-  LoopVerificationJob(const RgbdCamera& camera, const BackEndOptions& options)
-      : camera_(camera.color),
-        loop_(options.loop),
+  explicit LoopVerificationJob(const BackEndOptions& options)
+      : loop_(options.loop),
         tracking_(options.tracking),
         lag_frames_(options.executor.loop_verification_lag_frames) {}
 
@@ -36,7 +35,6 @@ class LoopVerificationJob {
   void on_stale(const Solution& /*loops*/) {}
 
  private:
-  PinholeCamera camera_;
   LoopOptions loop_;
   TrackingOptions tracking_;
   int lag_frames_;

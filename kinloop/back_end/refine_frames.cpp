@@ -11,7 +11,7 @@ namespace {
 
 KeypointMeasurement measurement_of(const MatchMeasurement& seen, float depth_stamp_difference_s) {
   KeypointMeasurement o;
-  o.depth_lag_s = static_cast<double>(depth_stamp_difference_s);
+  o.depth_stamp_difference_s = static_cast<double>(depth_stamp_difference_s);
   o.pixel = seen.pixel.cast<double>();
   o.depth_m = static_cast<double>(seen.depth_m);
   o.sigma_px = static_cast<double>(seen.sigma_px);
@@ -45,8 +45,7 @@ SE3 refined_pose(const FrameLog& log, size_t i, const FrameRefinement& refinemen
   AbsolutePoseOptions strict = refinement.options;
   strict.min_inliers = static_cast<int>(std::max(kMinInliers, observations.size() / 2 + 1));
   const RollingShutterPose guess{world_pose(entry, map), frame_velocity(log, i, map)};
-  const auto found =
-      solve_rolling_shutter_pose(refinement.camera, refinement.sensor, observations, guess, {}, strict);
+  const auto found = solve_rolling_shutter_pose(refinement.sensor, observations, guess, {}, strict);
   const SE3 T_world_camera = found ? found->T_world_camera : guess.T_world_camera;
   return map.keyframe(entry.reference).T_world_camera.inverse() * T_world_camera;
 }

@@ -81,7 +81,7 @@ float average_depth(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, do
 
 std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
                                                       const Eigen::Vector2f& raw_pixel,
-                                                      const DepthNoise& noise) {
+                                                      const Sensor& sensor) {
   // The depth slope over a few pixels is smaller than the sensor's disparity quantisation; a wide, sparsely
   // sampled window averages it out.
   constexpr int kReach = 8, kStep = 2;
@@ -118,12 +118,12 @@ std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
   const Eigen::Vector3d plane = H.ldlt().solve(g);
   const double rms = std::sqrt(std::max(squares - plane.dot(g), 0.0) / valid);
   // Across an edge the slope would belong to no surface and be far too steep.
-  const double noise_ratio = noise.inverse_sigma_per_m(g0 / valid) / kSensorInverseDepthSigmaPerM;
-  if (!(rms < kMaxRms_per_m * std::max(1.0, noise_ratio))) return std::nullopt;
+  const double sigma_per_m = sensor.noise.plane.inverse_sigma_per_m(g0 / valid);
+  if (!(rms < kMaxRms_per_m * std::max(1.0, sigma_per_m / kSensorInverseDepthSigmaPerM))) return std::nullopt;
   return plane.tail<2>().cast<float>();
 }
 
-Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const PinholeCamera& camera,
+Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Sensor& sensor,
                           const FeatureOptions& options) {
   require(gray.type() == CV_8UC1, "extract_features: the image must be 8-bit grey");
   require(depth_m.empty() || (depth_m.type() == CV_32FC1 && depth_m.size() == gray.size()),
@@ -137,10 +137,9 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
   for (const DetectedKeypoint& point : image.points) {
     const Eigen::Vector2f& raw = point.raw_pixel;
     features.raw_pixels.push_back(raw);
-    features.pixels.push_back(camera.undistort(raw.cast<double>()).cast<float>());
+    features.pixels.push_back(sensor.camera.undistort(raw.cast<double>()).cast<float>());
     features.depths_m.push_back(depth_m.empty() ? 0 : average_depth(depth_m, raw, options.max_depth_step));
-    const auto slope =
-        depth_m.empty() ? std::nullopt : inverse_depth_gradient(depth_m, raw, options.depth_noise);
+    const auto slope = depth_m.empty() ? std::nullopt : inverse_depth_gradient(depth_m, raw, sensor);
     features.inverse_depth_gradients.push_back(slope.value_or(kUnknownSlope));
     features.measured_pixels.push_back(features.pixels.back());
     features.measured_depths_m.push_back(features.depths_m.back());

@@ -15,7 +15,7 @@ namespace kinloop {
 struct Features {
   double scale_factor = 1.2;  ///< size ratio of one pyramid level to the next
   int level_count = 8;
-  float depth_lag_s = 0;                ///< stamp of the depth image minus stamp of the colour image
+  float depth_stamp_difference_s = 0;   ///< stamp of the depth image minus stamp of the colour image
   std::vector<Eigen::Vector2f> pixels;  ///< undistorted, motion-compensated
   std::vector<float> depths_m;          ///< z, motion-compensated, 0 = unknown
   /// Where each was detected, distorted; the row gives its readout time under a rolling shutter.

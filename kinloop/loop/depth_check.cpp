@@ -40,23 +40,24 @@ std::optional<double> inverse_depth_difference(const Eigen::Vector2d& pixel, dou
 
 /// Compares the keypoints of `points` with the surfaces of `view`.
 DepthConsistency check_against_view(const Features& view, const Features& points, const SE3& T_view_points,
-                                    const PinholeCamera& camera, const DepthCheckNoise& noise) {
-  const FeatureGrid grid(view, camera.width, camera.height);
+                                    const Sensor& sensor, double position_sigma_m) {
+  const DepthNoise& noise = sensor.noise.plane;
+  const FeatureGrid grid(view, sensor.camera.width, sensor.camera.height);
   DepthConsistency depths;
   std::vector<uint32_t> near;
   for (uint32_t i = 0; i < points.size(); ++i) {
     if (!on_plane(points, i)) continue;
-    const auto seen = reproject(points, i, T_view_points, camera, 0);
+    const auto seen = reproject(points, i, T_view_points, sensor.camera, 0);
     if (!seen) continue;
     const auto before = inverse_depth_difference(seen->pixel, 1 / seen->depth_m, view, grid, near);
     if (!before) continue;
     // d(1/z) = dz / z^2 for the noise of the point and of the pose, plus the noise of the surface.
     const double z2 = seen->depth_m * seen->depth_m;
     const double source2 = seen->source_depth_m * seen->source_depth_m;
-    const double of_surface = noise.depth.inverse_sigma_per_m(1 / seen->depth_m - *before);
-    const double of_source = noise.depth.inverse_sigma_per_m(1 / seen->source_depth_m);
+    const double of_surface = noise.inverse_sigma_per_m(1 / seen->depth_m - *before);
+    const double of_source = noise.inverse_sigma_per_m(1 / seen->source_depth_m);
     const double tolerance =
-        kSigmas * std::hypot(of_surface, of_source * source2 / z2, noise.position_sigma_m / z2);
+        kSigmas * std::hypot(of_surface, of_source * source2 / z2, position_sigma_m / z2);
     if (std::abs(*before) <= tolerance) ++depths.consistent;
     if (*before > tolerance) ++depths.free_space_violations;
   }
@@ -71,10 +72,10 @@ DepthConsistency& DepthConsistency::operator+=(const DepthConsistency& other) {
   return *this;
 }
 
-DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b,
-                                const PinholeCamera& camera, const DepthCheckNoise& noise) {
-  DepthConsistency depths = check_against_view(a, b, T_a_b, camera, noise);
-  depths += check_against_view(b, a, T_a_b.inverse(), camera, noise);
+DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b, const Sensor& sensor,
+                                double position_sigma_m) {
+  DepthConsistency depths = check_against_view(a, b, T_a_b, sensor, position_sigma_m);
+  depths += check_against_view(b, a, T_a_b.inverse(), sensor, position_sigma_m);
   return depths;
 }
 

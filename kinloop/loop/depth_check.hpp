@@ -4,9 +4,8 @@
 // it differs.
 
 #include "kinloop/features/features.hpp"
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
-#include "kinloop/sensor/depth_noise.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -18,16 +17,10 @@ struct DepthConsistency {
   DepthConsistency& operator+=(const DepthConsistency& other);
 };
 
-/// Uncertainty of the comparison: of both depths and of the pose.
-struct DepthCheckNoise {
-  DepthNoise depth;
-  double position_sigma_m = 0;
-};
-
 /// Compares the keypoints of each view with the planes measured around the keypoints of the other, within the
-/// noise.
-DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b,
-                                const PinholeCamera& camera, const DepthCheckNoise& noise);
+/// noise of depth and the standard deviation of the relative position.
+DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b, const Sensor& sensor,
+                                double position_sigma_m);
 
 /// Returns whether free-space violations exceed one or two outliers and the given ratio of all keypoints,
 /// which is impossible in a scene of solid objects.

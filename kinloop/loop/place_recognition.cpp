@@ -17,8 +17,8 @@ void PlaceRecognition::add(const Keyframe& keyframe) {
 }
 
 std::optional<TrackedFrame> PlaceRecognition::relocalize(const Frame& frame, const Map& map) const {
-  auto found = kinloop::relocalize(frame, bow_of(*frame.features), map, index_, camera_, options_.local_map,
-                                   options_.loop, options_.tracking, hash(options_.seed, frame.id.value));
+  auto found = kinloop::relocalize(frame, bow_of(*frame.features), {map, index_, sensor_, options_},
+                                   hash(options_.seed, frame.id.value));
   if (found) found->outcome = TrackingOutcome::kRelocalized;
   return found;
 }
@@ -27,9 +27,8 @@ std::optional<TrackedFrame> PlaceRecognition::locate_near(const Frame& frame, co
                                                           KeyframeId reference,
                                                           const SE3& T_reference_camera) const {
   const LocalMap local_map = make_local_map(map, reference, options_.local_map);
-  const FeatureGrid grid(*frame.features, camera_.width, camera_.height);
-  TrackedFrame result = track_local_map(frame, grid, T_reference_camera, options_.loop.window_px,
-                                        {local_map, camera_, options_.tracking});
+  TrackedFrame result = track_local_map({frame, local_map, sensor_, options_.tracking}, T_reference_camera,
+                                        options_.loop.window_px);
   const bool confident =
       result.evidence.inliers >= options_.tracking.min_confident_inliers &&
       has_sufficient_inlier_ratio(result, *frame.features, options_.tracking.min_inlier_ratio);
@@ -59,10 +58,10 @@ std::vector<ProposedLoop> PlaceRecognition::propose_loops(const Map& map, Keyfra
     const Keyframe& reference = map.keyframe(candidate);
     const auto predicted = predict_view(map, candidate, id, travelled_m[candidate.value]);
     if (predicted &&
-        !may_overlap(*reference.features, *predicted, camera_, options_.tracking.pnp.min_inliers))
+        !may_overlap(*reference.features, *predicted, sensor_.camera, options_.tracking.pnp.min_inliers))
       continue;
-    const auto pose = propose_pose(indexed_view(reference), indexed_view(keyframe), predicted, camera_,
-                                   options_.tracking.pnp, hash(seed, candidate.value));
+    const auto pose = propose_pose({indexed_view(reference), indexed_view(keyframe), predicted}, sensor_,
+                                   options_.tracking, hash(seed, candidate.value));
     if (pose) proposed.push_back({candidate, *pose, predicted});
   }
   return proposed;

@@ -9,18 +9,11 @@
 
 namespace kinloop {
 
-/// What place recognition uses.
-struct PlaceOptions {
-  TrackingOptions tracking;
-  LocalMapOptions local_map;
-  LoopOptions loop;
-  uint64_t seed = 1;
-};
-
 class PlaceRecognition {
  public:
-  PlaceRecognition(const PinholeCamera& camera, const PlaceOptions& options, Vocabulary vocabulary)
-      : camera_(camera), options_(options), vocabulary_(std::move(vocabulary)) {}
+  /// The corrections of `sensor` are not used: frames and keyframes are motion-compensated.
+  PlaceRecognition(const Sensor& sensor, const PlaceOptions& options, Vocabulary vocabulary)
+      : sensor_(sensor), options_(options), vocabulary_(std::move(vocabulary)) {}
 
   /// Adds a new keyframe to the index.
   void add(const Keyframe& keyframe);
@@ -45,7 +38,7 @@ class PlaceRecognition {
   [[nodiscard]] std::vector<ProposedLoop> propose_loops(const Map& map, KeyframeId keyframe,
                                                         const std::vector<KeyframeId>& candidates) const;
 
-  PinholeCamera camera_;
+  Sensor sensor_;
   PlaceOptions options_;
   Vocabulary vocabulary_;
   PlaceIndex index_;

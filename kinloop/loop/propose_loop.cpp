@@ -22,10 +22,8 @@ bool agrees_with_prediction(const PredictedView& predicted, const Eigen::Vector3
   return angle_rad <= direction_bound_rad(predicted.bound, p_camera);
 }
 
-std::vector<PoseObservation> matched_observations(const IndexedView& reference_view,
-                                                  const IndexedView& camera_view,
-                                                  const std::optional<PredictedView>& predicted,
-                                                  const PinholeCamera& camera) {
+std::vector<PoseObservation> matched_observations(const ViewPair& views, const PinholeCamera& camera) {
+  const auto& [reference_view, camera_view, predicted] = views;
   const Features &reference = reference_view.features, &features = camera_view.features;
   std::vector<PoseObservation> observations;
   for (const Match& match : match_by_nodes({reference.descriptors, reference_view.nodes},
@@ -42,19 +40,18 @@ std::vector<PoseObservation> matched_observations(const IndexedView& reference_v
 
 }  // namespace
 
-std::optional<SE3> propose_pose(const IndexedView& reference_view, const IndexedView& camera_view,
-                                const std::optional<PredictedView>& predicted, const PinholeCamera& camera,
-                                const PnpRansacOptions& options, uint64_t seed) {
-  const auto observations = matched_observations(reference_view, camera_view, predicted, camera);
-  if (static_cast<int>(observations.size()) < options.min_inliers) return std::nullopt;
+std::optional<SE3> propose_pose(const ViewPair& views, const Sensor& sensor, const TrackingOptions& options,
+                                uint64_t seed) {
+  const auto observations = matched_observations(views, sensor.camera);
+  PnpRansacOptions limited = options.pnp;
+  if (static_cast<int>(observations.size()) < limited.min_inliers) return std::nullopt;
   // A pose with fewer inliers than required is of no use, so RANSAC need not sample long enough to find it.
   constexpr uint32_t kSampleSize = 3;
-  PnpRansacOptions limited = options;
   limited.max_iterations = static_cast<int>(std::min<double>(
-      options.max_iterations, std::ceil(required_samples(options.min_inliers, observations.size(),
-                                                         kSampleSize, options.confidence))));
+      limited.max_iterations, std::ceil(required_samples(limited.min_inliers, observations.size(),
+                                                         kSampleSize, limited.confidence))));
   limited.max_iterations = std::max(limited.max_iterations, 1);
-  const auto solution = solve_pnp_ransac(camera, observations, limited, seed);
+  const auto solution = solve_pnp_ransac(sensor, observations, limited, options.pose, seed);
   if (!solution) return std::nullopt;
   return solution->T_reference_camera;
 }

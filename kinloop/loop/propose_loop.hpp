@@ -24,10 +24,15 @@ struct ProposedLoop {
   std::optional<PredictedView> predicted;  ///< nullopt between components
 };
 
-/// Estimates the pose of `camera_view` relative to `reference_view` from their keypoints alone: matching by
+/// Two keyframes that may show one place.
+struct ViewPair {
+  IndexedView reference, camera;
+  const std::optional<PredictedView>& predicted;  ///< of the camera relative to the reference
+};
+
+/// Estimates the pose of the camera relative to the reference from their keypoints alone: matching by
 /// vocabulary nodes, matches against `predicted` dropped, P3P with RANSAC. nullopt if too few agree.
-std::optional<SE3> propose_pose(const IndexedView& reference_view, const IndexedView& camera_view,
-                                const std::optional<PredictedView>& predicted, const PinholeCamera& camera,
-                                const PnpRansacOptions& options, uint64_t seed);
+std::optional<SE3> propose_pose(const ViewPair& views, const Sensor& sensor, const TrackingOptions& options,
+                                uint64_t seed);
 
 }  // namespace kinloop

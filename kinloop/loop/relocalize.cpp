@@ -4,13 +4,12 @@
 
 namespace kinloop {
 
-std::optional<TrackedFrame> relocalize(const Frame& frame, const BowVector& bow, const Map& map,
-                                       const PlaceIndex& index, const PinholeCamera& camera,
-                                       const LocalMapOptions& local_map, const LoopOptions& options,
-                                       const TrackingOptions& tracking, uint64_t seed) {
-  for (const auto& candidate : index.query(bow, static_cast<size_t>(options.max_candidates))) {
-    const LocalMap candidate_map = make_local_map(map, candidate.keyframe, local_map);
-    auto result = recognize_place(frame, candidate_map, camera, options, tracking,
+std::optional<TrackedFrame> relocalize(const Frame& frame, const BowVector& bow, const PlaceSearch& search,
+                                       uint64_t seed) {
+  const auto& [map, index, sensor, options] = search;
+  for (const auto& candidate : index.query(bow, static_cast<size_t>(options.loop.max_candidates))) {
+    const LocalMap local_map = make_local_map(map, candidate.keyframe, options.local_map);
+    auto result = recognize_place({frame, local_map, sensor, options.tracking}, options.loop,
                                   hash(seed, candidate.keyframe.value));
     if (result) return result;
   }

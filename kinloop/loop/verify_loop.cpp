@@ -16,11 +16,11 @@ LoopCandidates make_loop_candidates(const Map& map, KeyframeId id, const std::ve
   return candidates;
 }
 
-std::optional<VerifiedLoop> verify_loop(const LoopCandidates& candidates, const PinholeCamera& camera,
+std::optional<VerifiedLoop> verify_loop(const LoopCandidates& candidates, const Sensor& sensor,
                                         const LoopOptions& options, const TrackingOptions& tracking) {
   for (const auto& [proposed, local_map] : candidates.places) {
     auto found =
-        confirm_pose(candidates.frame, local_map, proposed.T_reference_camera, camera, options, tracking);
+        confirm_pose({candidates.frame, local_map, sensor, tracking}, proposed.T_reference_camera, options);
     if (!found) continue;
     if (proposed.predicted && !is_explained_by_drift(*proposed.predicted, found->T_reference_camera))
       continue;

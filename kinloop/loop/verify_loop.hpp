@@ -42,7 +42,7 @@ LoopCandidates make_loop_candidates(const Map& map, KeyframeId keyframe,
                                     const LocalMapOptions& local_map);
 
 /// Verifies the candidates in order and returns the first that `confirm_pose` confirms and drift explains.
-std::optional<VerifiedLoop> verify_loop(const LoopCandidates& candidates, const PinholeCamera& camera,
+std::optional<VerifiedLoop> verify_loop(const LoopCandidates& candidates, const Sensor& sensor,
                                         const LoopOptions& options, const TrackingOptions& tracking);
 
 /// Converts a verified loop to a constraint on the current map.

@@ -8,7 +8,7 @@ TrackedFrame unlocated(const Frame& frame) {
   TrackedFrame tracked;
   tracked.id = frame.id;
   tracked.stamp_ns = frame.stamp_ns;
-  tracked.depth_stamp_difference_s = frame.features->depth_lag_s;
+  tracked.depth_stamp_difference_s = frame.features->depth_stamp_difference_s;
   return tracked;
 }
 

@@ -34,27 +34,26 @@ KeyframeId add_keyframe(Map& map, const TrackedFrame& tracked) {
 /// Moves the keypoints of a new keyframe to where its landmarks are found by their patches in earlier
 /// keyframes, whose local map is `before`.
 void Mapper::refine_observations(Map& map, KeyframeId id, const LocalMap& before, const TrackedFrame& tracked,
-                                 const SensorVector& sensor) const {
+                                 const Sensor& sensor) const {
   const Keyframe& keyframe = map.keyframe(id);
   std::vector<LandmarkMatch> matches;
   for (uint32_t feature = 0; feature < keyframe.landmark_of.size(); ++feature) {
     if (keyframe.landmark_of[feature].valid()) matches.push_back({keyframe.landmark_of[feature], feature});
   }
   const Features refined = refine_keypoints(*tracked.frame, matches, tracked.T_reference_camera,
-                                            {before, camera_, sensor, tracked.velocity});
-  map.set_features(
-      id, std::make_shared<const Features>(deskew_features(refined, camera_, sensor, tracked.velocity)));
+                                            {before, sensor, tracked.velocity});
+  map.set_features(id, std::make_shared<const Features>(deskew_features(refined, sensor, tracked.velocity)));
 }
 
-KeyframeId Mapper::insert(Map& map, const TrackedFrame& tracked, const SensorVector& sensor) const {
+KeyframeId Mapper::insert(Map& map, const TrackedFrame& tracked, const Sensor& sensor) const {
   LocalMap before;  // as seen from earlier keyframes
   if (tracked.is_located()) before = make_local_map(map, tracked.reference, options_.local_map);
   const KeyframeId id = add_keyframe(map, tracked);
   add_observations(map, id, tracked.matches);
-  match_local_map(map, id, make_local_map(map, id, options_.local_map), camera_, options_.mapping);
+  match_local_map(map, id, make_local_map(map, id, options_.local_map), sensor.camera, options_.mapping);
   if (tracked.is_located()) refine_observations(map, id, before, tracked, sensor);
-  create_landmarks_from_depth(map, id, camera_, options_.mapping);
-  triangulate_landmarks(map, id, camera_, options_.mapping);
+  create_landmarks_from_depth(map, id, sensor.camera, options_.mapping);
+  triangulate_landmarks(map, id, sensor.camera, options_.mapping);
   cull_landmarks(map, options_.mapping);
   map.set_patches(id, cut_patches(tracked.frame->octaves, *map.keyframe(id).features, observed(map, id)));
   return id;

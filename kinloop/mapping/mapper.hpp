@@ -4,7 +4,7 @@
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/map/tracked_frame.hpp"
 #include "kinloop/mapping/options.hpp"
-#include "kinloop/sensor/sensor_model.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -16,17 +16,16 @@ struct MapperOptions {
 
 class Mapper {
  public:
-  Mapper(const PinholeCamera& camera, const MapperOptions& options) : camera_(camera), options_(options) {}
+  explicit Mapper(const MapperOptions& options) : options_(options) {}
 
   /// Adds the frame, whose keypoints are matched, to the map: its keyframe, observations and new landmarks.
-  /// Culls bad landmarks. `sensor` is that of the motion compensation.
-  KeyframeId insert(Map& map, const TrackedFrame& tracked, const SensorVector& sensor) const;
+  /// Culls bad landmarks.
+  KeyframeId insert(Map& map, const TrackedFrame& tracked, const Sensor& sensor) const;
 
  private:
   void refine_observations(Map& map, KeyframeId id, const LocalMap& before, const TrackedFrame& tracked,
-                           const SensorVector& sensor) const;
+                           const Sensor& sensor) const;
 
-  PinholeCamera camera_;
   MapperOptions options_;
 };
 

@@ -48,11 +48,12 @@ struct Frame {
 
 /// Returns the time of the depth image minus that of colour, s; 0 where they are too far apart to be of one
 /// clock.
-inline float depth_lag_s(const Frame& frame) {
-  constexpr double kMaxLagNs = 5e7;
+inline float depth_stamp_difference_s(const Frame& frame) {
+  constexpr double kMaxDifference_ns = 5e7;
   const int64_t depth_ns = frame.depth_stamp_or_color_ns();
   // Compared in floating point, since the difference of arbitrary stamps overflows.
-  const bool near = std::abs(static_cast<double>(depth_ns) - static_cast<double>(frame.stamp_ns)) < kMaxLagNs;
+  const bool near =
+      std::abs(static_cast<double>(depth_ns) - static_cast<double>(frame.stamp_ns)) < kMaxDifference_ns;
   return near ? static_cast<float>(to_seconds(depth_ns - frame.stamp_ns)) : 0.0F;
 }
 

@@ -3,14 +3,6 @@
 namespace kinloop {
 namespace {
 
-template <class SolverOptions>
-void set_noise(SolverOptions& solver, const NoiseOptions& noise, const DepthNoise& at_keypoints) {
-  solver.depth_noise = at_keypoints;
-  solver.robust_width = noise.robust_width;
-  solver.inlier_chi2_pixel = noise.inlier_chi2_pixel;
-  solver.inlier_chi2_depth = noise.inlier_chi2_depth;
-}
-
 /// Options that have moved since the previous version.
 std::vector<RenamedOption> renamed_options() {
   return {{"view.max_keyframes", "local_map.max_keyframes"},
@@ -29,6 +21,7 @@ std::vector<RenamedOption> renamed_options() {
           {"executor.verify_lag_frames", "executor.loop_verification_lag_frames"},
           {"executor.loop_lag_frames", "executor.loop_correction_lag_frames"},
           {"self_calibration.first_keyframes", "self_calibration.min_keyframes"},
+          {"self_calibration.depth_offset_sigma_per_m", "self_calibration.inverse_depth_bias_sigma_per_m"},
           {"self_calibration.max_sigma_share", "self_calibration.max_sigma_ratio"},
           {"tracking.keyframe.min_tracked_share", "tracking.keyframe.min_tracked_ratio"},
           {"tracking.keyframe.max_shift", "tracking.keyframe.max_relative_translation"},
@@ -115,26 +108,6 @@ PlaceOptions place_options(const SlamOptions& o) {
 BackEndOptions back_end_options(const SlamOptions& o) {
   return {o.executor, o.tracking,  o.local_map,         o.mapping,
           o.loop,     o.global_ba, o.global_ba_enabled, o.self_calibration};
-}
-
-SlamOptions resolve_options(SlamOptions options, const DepthNoise& sensor_noise) {
-  validate(options);
-  const NoiseOptions& noise = options.noise;
-  TrackingOptions& tracking = options.tracking;
-  const DepthNoise at_keypoints = keypoint_noise(noise, sensor_noise);
-  set_noise(tracking.pose, noise, at_keypoints);
-  set_noise(options.mapping.local_ba, noise, at_keypoints);
-  set_noise(options.global_ba, noise, at_keypoints);
-  tracking.pnp.pose = tracking.pose;
-  // The same depth noise applies to both: they measure planes and points away from depth edges.
-  const double keypoint_ratio = noise.inverse_depth_sigma_per_m / kKeypointInverseDepthSigmaPerM;
-  const double sensor_ratio = sensor_noise.coefficient_per_m / kSensorInverseDepthSigmaPerM;
-  tracking.rigid.depth_noise = {kPointPairInverseDepthSigmaPerM * keypoint_ratio * sensor_ratio,
-                                sensor_noise.crossover_m};
-  tracking.icp.depth_noise = sensor_noise.times(keypoint_ratio);
-  options.loop.depth_noise = sensor_noise;
-  options.features.depth_noise = sensor_noise;
-  return options;
 }
 
 }  // namespace kinloop

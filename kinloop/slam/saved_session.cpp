@@ -29,25 +29,25 @@ FrameLog logged_frames(const SavedMap& saved, uint32_t first_keyframe, uint32_t 
   return log;
 }
 
-std::vector<SavedParameter> saved_sensor(const SensorEstimate& sensor) {
+std::vector<SavedParameter> saved_sensor(const SensorEstimate& estimate) {
   std::vector<SavedParameter> saved;
   for (int k = 0; k < kSensorParameterCount; ++k) {
-    saved.push_back({sensor.value(k), sensor.sigma(k), sensor.used[static_cast<size_t>(k)]});
+    saved.push_back(
+        {estimate.sensor.corrections(k), estimate.sigma(k), estimate.used[static_cast<size_t>(k)]});
   }
   return saved;
 }
 
-SensorEstimate sensor_estimate(const std::vector<SavedParameter>& saved, const SensorVector& known) {
-  SensorEstimate sensor;
-  sensor.value = known;
-  if (saved.size() != kSensorParameterCount) return sensor;
+SensorEstimate sensor_estimate(const std::vector<SavedParameter>& saved, const Sensor& nominal) {
+  SensorEstimate estimate = nominal_estimate(nominal);
+  if (saved.size() != kSensorParameterCount) return estimate;
   for (int k = 0; k < kSensorParameterCount; ++k) {
     const auto& [value, sigma, used] = saved[static_cast<size_t>(k)];
-    sensor.value(k) = value;
-    sensor.sigma(k) = sigma;
-    sensor.used[static_cast<size_t>(k)] = used;
+    estimate.sensor.corrections(k) = value;
+    estimate.sigma(k) = sigma;
+    estimate.used[static_cast<size_t>(k)] = used;
   }
-  return sensor;
+  return estimate;
 }
 
 }  // namespace kinloop

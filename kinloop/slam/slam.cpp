@@ -33,6 +33,11 @@ bool is_prepared(const Frame& frame) {
   return !frame.gray.empty();
 }
 
+SlamOptions validated(const SlamOptions& options) {
+  validate(options);
+  return options;
+}
+
 }  // namespace
 
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
@@ -40,17 +45,16 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
 
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary)
     : camera_(camera),
-      options_(resolve_options(options, camera.sensor.noise)),
+      options_(validated(options)),
+      sensor_estimate_(nominal_estimate(make_sensor(camera, options.noise))),
       keyframe_memory_(static_cast<size_t>(options_.keyframe_memory_mib) << 20),
-      front_end_(camera.color, options_.features),
-      tracker_(camera.color, tracker_options(options_), timings_),
+      front_end_(sensor(), options_.features),
+      tracker_(sensor(), tracker_options(options_), timings_),
       keyframes_(options_.tracking.keyframe),
       relocalizer_([this](const Frame& frame) { return places_.relocalize(frame, map_); }),
-      mapper_(camera.color, mapper_options(options_)),
-      places_(camera.color, place_options(options_), std::move(vocabulary)),
-      back_end_(map_, camera, back_end_options(options_)) {
-  sensor_.value = nominal_sensor(camera);
-}
+      mapper_(mapper_options(options_)),
+      places_(sensor(), place_options(options_), std::move(vocabulary)),
+      back_end_(map_, sensor(), back_end_options(options_)) {}
 
 TrackedFrame Slam::process(const Frame& frame) {
   if (!is_prepared(frame)) return process(front_end_.prepare(frame));
@@ -60,11 +64,8 @@ TrackedFrame Slam::process(const Frame& frame) {
   apply_results(back_end_.apply_due(frame.id));
   submit_jobs(frame.id);
 
-  TrackedFrame tracked = tracker_.track(frame, {map_, sensor_.value, relocalizer_});
-  const auto rematch = [&](const TrackedFrame& by_patches) {
-    return tracker_.rematch_keypoints(by_patches, sensor_.value);
-  };
-  if (auto selected = keyframes_.select(tracked, map_, rematch); selected && !options_.localize_only) {
+  TrackedFrame tracked = tracker_.track(frame, {map_, sensor(), relocalizer_});
+  if (auto selected = select_keyframe(tracked)) {
     tracked = *std::move(selected);
     insert_keyframe(tracked);
   }
@@ -77,6 +78,14 @@ TrackedFrame Slam::process(const Frame& frame) {
   return publish(std::move(tracked));
 }
 
+/// Returns the frame with all of its keypoints if it should become a keyframe.
+std::optional<TrackedFrame> Slam::select_keyframe(const TrackedFrame& tracked) {
+  if (options_.localize_only) return std::nullopt;
+  return keyframes_.select(tracked, map_, [this](const TrackedFrame& by_patches) {
+    return tracker_.rematch_keypoints(by_patches, sensor());
+  });
+}
+
 void Slam::submit_jobs(FrameId now, KeyframeId new_keyframe) {
   const ScopedTimer timer(timings_, "back end scheduling");
   back_end_.submit(now, job_context(new_keyframe));
@@ -84,7 +93,7 @@ void Slam::submit_jobs(FrameId now, KeyframeId new_keyframe) {
 
 void Slam::insert_keyframe(TrackedFrame& tracked) {
   const ScopedTimer timer(timings_, "mapping");
-  tracked.keyframe = mapper_.insert(map_, tracked, sensor_.value);
+  tracked.keyframe = mapper_.insert(map_, tracked, sensor());
   if (tracked.outcome == TrackingOutcome::kNewMap) tracked.reference = tracked.keyframe;
   places_.add(map_.keyframe(tracked.keyframe));
   keyframe_memory_.apply_limit(map_);
@@ -117,13 +126,13 @@ void Slam::apply_results(const AppliedResults& results) {
 }
 
 /// Uses this sensor from now on and updates the keyframes.
-void Slam::apply_sensor_estimate(const SensorEstimate& sensor) {
-  sensor_ = with_fixed_from(sensor, sensor_);
+void Slam::apply_sensor_estimate(const SensorEstimate& estimate) {
+  sensor_estimate_ = with_fixed_from(estimate, sensor_estimate_);
   const auto velocities = keyframe_velocities(log_, map_);
   for (uint32_t i = 0; i < velocities.size(); ++i) {
     const Features& features = *map_.keyframe(KeyframeId{i}).features;
-    map_.set_features(KeyframeId{i}, std::make_shared<const Features>(deskew_features(
-                                         features, camera_.color, sensor_.value, velocities[i])));
+    map_.set_features(KeyframeId{i},
+                      std::make_shared<const Features>(deskew_features(features, sensor(), velocities[i])));
   }
 }
 
@@ -147,8 +156,8 @@ Trajectory Slam::finish(const Progress& progress) {
   } else if (options_.global_ba_enabled) {
     const Stopwatch adjusting;
     auto adjusted =
-        final_bundle_adjustment(map_, log_, camera_, sensor_, back_end_options(options_), progress);
-    sensor_ = std::move(adjusted.sensor);
+        final_bundle_adjustment(map_, log_, sensor_estimate_, back_end_options(options_), progress);
+    sensor_estimate_ = std::move(adjusted.sensor);
     keyframe_covariance_ = std::move(adjusted.keyframe_covariance);
     map_.advance_epoch();
     timings_.add("final bundle adjustment", adjusting.elapsed());

@@ -22,6 +22,7 @@
 #include "kinloop/mapping/mapper.hpp"
 #include "kinloop/place/vocabulary.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/options.hpp"
 #include "kinloop/tracking/front_end.hpp"
@@ -84,11 +85,14 @@ class Slam {
 
   [[nodiscard]] const Timings& timings() const { return timings_; }
 
-  /// Returns the options in use, see `resolve_options`.
+  /// Returns the options in use.
   [[nodiscard]] const SlamOptions& options() const { return options_; }
 
-  /// Returns the current sensor estimate.
-  [[nodiscard]] const SensorEstimate& sensor() const { return sensor_; }
+  /// Returns the sensor in use: the camera, its noise and the corrections estimated so far.
+  [[nodiscard]] const Sensor& sensor() const { return sensor_estimate_.sensor; }
+
+  /// Returns the same with the standard deviations of the corrections.
+  [[nodiscard]] const SensorEstimate& sensor_estimate() const { return sensor_estimate_; }
 
   /// Returns the pose covariance of each keyframe from the final adjustment (see FinalBundleAdjustment);
   /// empty before it.
@@ -99,7 +103,8 @@ class Slam {
 
  private:
   void apply_results(const AppliedResults& results);
-  void apply_sensor_estimate(const SensorEstimate& sensor);
+  void apply_sensor_estimate(const SensorEstimate& estimate);
+  [[nodiscard]] std::optional<TrackedFrame> select_keyframe(const TrackedFrame& tracked);
   void insert_keyframe(TrackedFrame& tracked);
   void find_loops(KeyframeId keyframe);
   void submit_jobs(FrameId now, KeyframeId new_keyframe = {});
@@ -107,15 +112,14 @@ class Slam {
   void add_to_log(const TrackedFrame& tracked);
   TrackedFrame publish(TrackedFrame tracked);
   [[nodiscard]] JobContext job_context(KeyframeId new_keyframe = {}) const {
-    return {map_, log_, sensor_.value, new_keyframe};
+    return {map_, log_, sensor(), new_keyframe};
   }
 
-  [[nodiscard]] FrameRefinement frame_refinement() const {
-    return {map_, camera_.color, sensor_.value, options_.tracking.pose};
-  }
+  [[nodiscard]] FrameRefinement frame_refinement() const { return {map_, sensor(), options_.tracking.pose}; }
 
   RgbdCamera camera_;
   SlamOptions options_;
+  SensorEstimate sensor_estimate_;
   Map map_;
   KeyframeMemory keyframe_memory_;
   Timings timings_;
@@ -130,7 +134,6 @@ class Slam {
   FrameLog log_;
   LogLimiter log_limiter_;
   EarlierSessions earlier_;
-  SensorEstimate sensor_;
   std::vector<Matrix6d> keyframe_covariance_;
   std::vector<Listener*> listeners_;
   bool map_changed_ = false;  // since the last notification of the listeners

@@ -32,8 +32,8 @@ uint32_t Slam::add_map(SavedMap saved) {
   }
   log_.insert(log_.end(), log.begin(), log.end());
   earlier_.frame_count = log_.size();
-  front_end_ = FrontEnd(camera_.color, options_.features, next_frame(log, saved.map.keyframes, shift));
-  if (first) sensor_ = sensor_estimate(saved.sensor, nominal_sensor(camera_));
+  front_end_ = FrontEnd(sensor(), options_.features, next_frame(log, saved.map.keyframes, shift));
+  if (first) sensor_estimate_ = kinloop::sensor_estimate(saved.sensor, make_sensor(camera_, options_.noise));
   map_.append(std::move(saved.map));
   const auto end = static_cast<uint32_t>(map_.keyframes().size());
   if (end == 0) return shift;
@@ -52,7 +52,7 @@ SavedMap Slam::saved_map(const std::string& input) const {
   saved.sessions = earlier_.sessions;
   if (!session_log().empty()) saved.sessions.push_back({input, FrameId{front_end_.first_frame()}});
   saved.camera = camera_;
-  saved.sensor = saved_sensor(sensor_);
+  saved.sensor = saved_sensor(sensor_estimate_);
   saved.map = map_.data();
   saved.frames = saved_frames(log_);
   return saved;

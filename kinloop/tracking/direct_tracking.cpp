@@ -26,7 +26,7 @@ SE3 align_with_previous(const Frame& frame, const SE3& T_reference_predicted,
     const auto known = index_of.find(landmark_of[i]);
     if (known == index_of.end()) continue;
     const Eigen::Vector3d p_camera = T_predicted_reference * c.search.local_map.p_reference[known->second];
-    const auto raw = raw_pixel_of(p_camera, c.search.camera, c.search.sensor, c.search.velocity);
+    const auto raw = raw_pixel_of(c.search.sensor, p_camera, c.search.velocity);
     if (raw) points.push_back({p_camera, before.raw_pixels[i].cast<double>(), *raw});
   }
   if (points.size() > kMaxPoints) {  // evenly over the list, which begins with the finest level
@@ -34,7 +34,7 @@ SE3 align_with_previous(const Frame& frame, const SE3& T_reference_predicted,
     points.resize(kMaxPoints);
   }
   return T_reference_predicted *
-         align_images(c.previous.frame->octaves, frame.octaves, points, c.search.camera);
+         align_images(c.previous.frame->octaves, frame.octaves, points, c.search.sensor.camera);
 }
 
 /// A step that visits all of `count` indices in an order without relation to them: the local map begins with
@@ -50,7 +50,8 @@ std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const
   constexpr int kCell_px = 40, kMaxPerCell = 4;
   constexpr double kMargin_px = 8, kMinViewingCosine = 0.5;
   const PatchPredictor predictor(c.search, T_reference_camera);
-  const int columns = c.search.camera.width / kCell_px + 1, rows = c.search.camera.height / kCell_px + 1;
+  const int columns = c.search.sensor.camera.width / kCell_px + 1,
+            rows = c.search.sensor.camera.height / kCell_px + 1;
   Eigen::ArrayXXi taken = Eigen::ArrayXXi::Zero(rows, columns);
   std::vector<ExpectedPatch> chosen;
   const auto count_all = static_cast<uint32_t>(c.search.local_map.size());
@@ -60,11 +61,11 @@ std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const
     if (-c.search.local_map.viewing_directions[i].dot(from_camera) < kMinViewingCosine * from_camera.norm())
       continue;
     const auto nominal = predictor.nominal_pixel(i);
-    if (!nominal || !c.search.camera.contains(*nominal)) continue;
+    if (!nominal || !c.search.sensor.camera.contains(*nominal)) continue;
     int& count = taken(static_cast<int>(nominal->y()) / kCell_px, static_cast<int>(nominal->x()) / kCell_px);
     if (count >= kMaxPerCell) continue;
     const auto raw = predictor.raw_pixel(i);
-    if (!raw || !c.search.camera.contains(*raw, kMargin_px)) continue;
+    if (!raw || !c.search.sensor.camera.contains(*raw, kMargin_px)) continue;
     if (const auto expected = predictor.expect(i, *raw)) {
       chosen.push_back(*expected);
       ++count;
@@ -80,12 +81,12 @@ Features as_features(const std::vector<FoundPatch>& found, const Frame& frame,
   Features features;
   features.scale_factor = like.scale_factor;
   features.level_count = like.level_count;
-  features.depth_lag_s = depth_lag_s(frame);
+  features.depth_stamp_difference_s = depth_stamp_difference_s(frame);
   for (const FoundPatch& patch : found) {
     const Eigen::Vector2f raw = patch.raw.cast<float>();
-    const auto gradient = inverse_depth_gradient(frame.depth_m, raw, c.features.depth_noise);
+    const auto gradient = inverse_depth_gradient(frame.depth_m, raw, c.search.sensor);
     features.raw_pixels.push_back(raw);
-    features.pixels.push_back(c.search.camera.undistort(patch.raw).cast<float>());
+    features.pixels.push_back(c.search.sensor.camera.undistort(patch.raw).cast<float>());
     features.depths_m.push_back(average_depth(frame.depth_m, raw, c.features.max_depth_step));
     features.inverse_depth_gradients.push_back(
         gradient.value_or(Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN())));
@@ -108,7 +109,7 @@ std::optional<TrackedFrame> solve_pose(const Frame& frame, const Features& compe
     observations.push_back(
         {compensated_measurement(compensated, i), c.search.local_map.p_reference[found[i].index]});
   }
-  const auto solution = solve_absolute_pose(c.search.camera, observations, guess, c.options.pose);
+  const auto solution = solve_absolute_pose(c.search.sensor, observations, guess, c.options.pose);
   if (!solution) return std::nullopt;
   TrackedFrame tracked = unlocated(frame);
   tracked.outcome = TrackingOutcome::kTracked;
@@ -141,10 +142,9 @@ std::optional<TrackedFrame> track_directly(const Frame& frame, const SE3& T_refe
   Frame with_landmarks = frame;
   with_landmarks.features = std::make_shared<const Features>(as_features(found, frame, c));
   const Features& features = *with_landmarks.features;
-  const Features compensated =
-      needs_deskewing(features, c.search.sensor)
-          ? deskew_features(features, c.search.camera, c.search.sensor, c.search.velocity)
-          : features;
+  const Features compensated = needs_deskewing(features, c.search.sensor)
+                                   ? deskew_features(features, c.search.sensor, c.search.velocity)
+                                   : features;
   auto tracked = solve_pose(with_landmarks, compensated, found, T_reference_aligned, c);
   if (!tracked) return std::nullopt;
   const int inliers = tracked->evidence.inliers;

@@ -7,13 +7,13 @@
 namespace kinloop {
 
 std::shared_ptr<const Features> FrontEnd::features(const Frame& frame) const {
-  Features features = extract_features(frame.gray, frame.depth_m, camera_, options_);
-  features.depth_lag_s = depth_lag_s(frame);
+  Features features = extract_features(frame.gray, frame.depth_m, sensor_, options_);
+  features.depth_stamp_difference_s = depth_stamp_difference_s(frame);
   return std::make_shared<const Features>(std::move(features));
 }
 
 Frame FrontEnd::prepare(Frame frame) const {
-  const cv::Size size(camera_.width, camera_.height);
+  const cv::Size size(sensor_.camera.width, sensor_.camera.height);
   require(frame.color.size() == size, "prepare: color image must be of the camera's size");
   require(frame.depth_m.type() == CV_32FC1 && frame.depth_m.size() == size,
           "prepare: depth image must be 32FC1 in metres, of the camera's size");

@@ -14,12 +14,11 @@ struct VisibleLandmarks {
   std::vector<uint32_t> index_in_local_map;
 };
 
-VisibleLandmarks project_local_map(const LocalMap& local_map, const Features& features,
-                                   const SE3& T_reference_camera, double window_px,
-                                   const PinholeCamera& camera) {
+VisibleLandmarks project_local_map(const TrackingInput& in, const SE3& T_reference_camera, double window_px) {
   VisibleLandmarks visible;
-  for (uint32_t i = 0; i < local_map.size(); ++i) {
-    const auto expected = project_landmark(local_map, i, features, T_reference_camera, window_px, camera);
+  for (uint32_t i = 0; i < in.local_map.size(); ++i) {
+    const auto expected = project_landmark(in.local_map, i, *in.frame.features, T_reference_camera, window_px,
+                                           in.sensor.camera);
     if (!expected) continue;
     visible.projected.push_back(*expected);
     visible.index_in_local_map.push_back(i);
@@ -29,12 +28,11 @@ VisibleLandmarks project_local_map(const LocalMap& local_map, const Features& fe
 
 /// Refines the pose on landmarks of the local map and, if these are few, also on unmapped points of the
 /// previous frame.
-TrackedFrame refine(const Frame& frame, const FeatureGrid& grid, const FramePose& guess, double window_px,
-                    const TrackingTarget& target) {
-  const auto& [local_map, camera, options] = target;
-  const Features& features = *frame.features;
-  const auto visible = project_local_map(local_map, features, guess.T_reference_camera, window_px, camera);
-  const auto matches = match_by_projection(visible.projected, features, grid, {});
+TrackedFrame refine(const TrackingInput& in, const FramePose& guess, double window_px) {
+  const Features& features = *in.frame.features;
+  const LocalMap& local_map = in.local_map;
+  const auto visible = project_local_map(in, guess.T_reference_camera, window_px);
+  const auto matches = match_by_projection(visible.projected, features, in.grid, {});
   std::vector<PoseObservation> observations;
   std::vector<bool> taken(features.size(), false);
   for (const Match& match : matches) {
@@ -42,16 +40,17 @@ TrackedFrame refine(const Frame& frame, const FeatureGrid& grid, const FramePose
     observations.push_back({compensated_measurement(features, match.b),
                             local_map.p_reference[visible.index_in_local_map[match.a]]});
   }
-  if (static_cast<int>(matches.size()) < options.sufficient_landmarks) {
+  if (static_cast<int>(matches.size()) < in.options.sufficient_landmarks) {
     for (size_t i = 0; i < guess.inliers.size(); ++i) {
       if (!taken[guess.features[i]]) observations.push_back(guess.inliers[i]);
     }
   }
-  TrackedFrame tracked = unlocated(frame);
+  TrackedFrame tracked = unlocated(in.frame);
   tracked.reference = local_map.reference;
   tracked.evidence.visible_landmarks = static_cast<int>(visible.projected.size());
-  const auto solution = solve_absolute_pose(camera, observations, guess.T_reference_camera, options.pose);
-  if (!solution || solution->inlier_count < options.min_inliers) return tracked;
+  const auto solution =
+      solve_absolute_pose(in.sensor, observations, guess.T_reference_camera, in.options.pose);
+  if (!solution || solution->inlier_count < in.options.min_inliers) return tracked;
   tracked.outcome = TrackingOutcome::kTracked;
   tracked.T_reference_camera = solution->T_reference_camera;
   tracked.covariance = covariance_from_information(solution->information);
@@ -71,28 +70,25 @@ bool has_sufficient_inlier_ratio(const TrackedFrame& tracked, const Features& fe
   return tracked.evidence.inliers >= min_inlier_ratio * findable;
 }
 
-TrackedFrame track_local_map(const Frame& frame, const FeatureGrid& grid, const SE3& T_reference_camera_guess,
-                             double window_px, const TrackingTarget& target) {
+TrackedFrame track_local_map(const TrackingInput& in, const SE3& T_reference_camera_guess, double window_px) {
   FramePose guess;
   guess.T_reference_camera = T_reference_camera_guess;
-  return refine(frame, grid, guess, window_px, target);
+  return refine(in, guess, window_px);
 }
 
-TrackedFrame track_keypoints(const Frame& frame, const TrackedFrame& previous, const PredictedPose& predicted,
-                             const TrackingTarget& target, uint64_t seed) {
-  const TrackingOptions& options = target.options;
+TrackedFrame track_keypoints(const TrackingInput& in, const TrackedFrame& previous,
+                             const PredictedPose& predicted, uint64_t seed) {
   const auto has_enough_inliers = [&](const TrackedFrame& tracked) {
-    return has_sufficient_inlier_ratio(tracked, *frame.features, options.min_inlier_ratio);
+    return has_sufficient_inlier_ratio(tracked, *in.frame.features, in.options.min_inlier_ratio);
   };
-  const FeatureGrid grid(*frame.features, target.camera.width, target.camera.height);
-  const auto guess = estimate_pose_from_previous_frame({frame, grid, previous, target}, predicted, seed);
+  const auto guess = estimate_pose_from_previous_frame(in, previous, predicted, seed);
   if (!guess) {
     // Tracking against the previous frame can fail, e.g. by motion blur; the local map may still be visible.
-    TrackedFrame tracked = track_local_map(frame, grid, predicted.T, options.wide_window_px, target);
-    return has_enough_inliers(tracked) ? tracked : unlocated(frame);
+    TrackedFrame tracked = track_local_map(in, predicted.T, in.options.wide_window_px);
+    return has_enough_inliers(tracked) ? tracked : unlocated(in.frame);
   }
-  TrackedFrame tracked = refine(frame, grid, *guess, options.local_map_window_px, target);
-  if (guess->from_brute_force && !has_enough_inliers(tracked)) return unlocated(frame);
+  TrackedFrame tracked = refine(in, *guess, in.options.local_map_window_px);
+  if (guess->from_brute_force && !has_enough_inliers(tracked)) return unlocated(in.frame);
   if (tracked.is_lost()) {
     tracked.outcome = TrackingOutcome::kTracked;
     tracked.method = guess->dense ? TrackingMethod::kDense : TrackingMethod::kKeypoints;

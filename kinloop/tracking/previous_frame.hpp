@@ -8,7 +8,7 @@
 
 namespace kinloop {
 
-/// A pose and the observations that support it.
+/// A pose and the observations that agree with it.
 struct FramePose {
   SE3 T_reference_camera;
   Matrix6d information = Matrix6d::Zero();
@@ -19,19 +19,12 @@ struct FramePose {
   bool dense = false;             ///< from dense alignment, without inliers
 };
 
-/// A frame and the one before it.
-struct ConsecutiveFrames {
-  const Frame& frame;
-  const FeatureGrid& grid;  ///< of the keypoints of `frame`
-  const TrackedFrame& previous;
-  const TrackingTarget& target;
-};
-
-/// Estimates the pose of `frame` by the first of these methods with a reliable result: matching keypoints of
-/// `previous` within the uncertainty of the prediction, in wider windows, by brute force with RANSAC (P3P,
+/// Estimates the pose of the frame by the first of these methods with a reliable result: matching keypoints
+/// of `previous` within the uncertainty of the prediction, in wider windows, by brute force with RANSAC (P3P,
 /// then rigid 3D-3D). If none is reliable, returns the result with the most inliers; if there is none, that
 /// of dense alignment; nullopt if all fail.
-std::optional<FramePose> estimate_pose_from_previous_frame(const ConsecutiveFrames& frames,
+std::optional<FramePose> estimate_pose_from_previous_frame(const TrackingInput& in,
+                                                           const TrackedFrame& previous,
                                                            const PredictedPose& predicted, uint64_t seed);
 
 }  // namespace kinloop

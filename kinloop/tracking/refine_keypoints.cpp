@@ -17,7 +17,7 @@ Features refine_keypoints(const Frame& frame, std::span<const LandmarkMatch> mat
     const auto found = find_patch(frame.octaves, *expected, search.local_map, kMaxShift_px);
     if (!found) continue;
     refined.raw_pixels[feature] = found->raw.cast<float>();
-    refined.measured_pixels[feature] = search.camera.undistort(found->raw).cast<float>();
+    refined.measured_pixels[feature] = search.sensor.camera.undistort(found->raw).cast<float>();
     refined.sigmas_px[feature] *= kSigmaRatio;
   }
   return refined;

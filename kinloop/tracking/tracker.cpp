@@ -64,12 +64,12 @@ TrackedFrame Tracker::repeat_previous(Frame frame) const {
 }
 
 /// Tracks against patches of the local map. Not after a loss, when the prediction is unknown.
-std::optional<TrackedFrame> Tracker::track_by_patches(const Frame& frame, const SensorVector& sensor) const {
+std::optional<TrackedFrame> Tracker::track_by_patches(const Frame& frame, const Sensor& sensor) const {
   const ScopedTimer timer(timings_, "direct tracking");
   constexpr int64_t kMaxGap_ns = kNsPerSecond / 10;  // patches look too different after a longer motion
   if (!previous_ || lost_frames_ > 0 || options_.localize_only) return std::nullopt;
   if (frame.stamp_ns - previous_->stamp_ns > kMaxGap_ns) return std::nullopt;
-  const PatchSearch search{local_map_, camera_, sensor, motion_.velocity()};
+  const PatchSearch search{local_map_, sensor, motion_.velocity()};
   return track_directly(frame, predict(frame.stamp_ns).T,
                         {*previous_, search, options_.features, options_.tracking});
 }
@@ -106,8 +106,7 @@ TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context)
   return max_lost > 0 && lost_frames_ >= max_lost ? start_map_or_lose(frame) : tracked;
 }
 
-std::optional<TrackedFrame> Tracker::track_from_previous(const Frame& frame,
-                                                         const SensorVector& sensor) const {
+std::optional<TrackedFrame> Tracker::track_from_previous(const Frame& frame, const Sensor& sensor) const {
   if (!previous_) return std::nullopt;
   TrackedFrame previous = *previous_;
   if (!previous.features().has_descriptors()) {
@@ -115,11 +114,11 @@ std::optional<TrackedFrame> Tracker::track_from_previous(const Frame& frame,
     previous.T_reference_camera = previous_->T_reference_camera;
   }
   const ScopedTimer timer(timings_, "tracking");
-  return track_keypoints(frame, previous, predict(frame.stamp_ns), target(),
+  return track_keypoints({frame, local_map_, sensor, options_.tracking}, previous, predict(frame.stamp_ns),
                          hash(options_.seed, frame.id.value));
 }
 
-TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const SensorVector& sensor) const {
+TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Sensor& sensor) const {
   Frame frame = *tracked.frame;
   {
     const ScopedTimer timer(timings_, "features");
@@ -127,9 +126,8 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
   }
   frame = deskewed(std::move(frame), sensor, tracked.velocity);
   const ScopedTimer timer(timings_, "tracking");
-  const FeatureGrid grid(*frame.features, camera_.width, camera_.height);
-  TrackedFrame rematched = track_local_map(frame, grid, tracked.T_reference_camera,
-                                           options_.tracking.local_map_window_px, target());
+  TrackedFrame rematched = track_local_map({frame, local_map_, sensor, options_.tracking},
+                                           tracked.T_reference_camera, options_.tracking.local_map_window_px);
   rematched.evidence.attempts = 1;
   rematched.velocity = tracked.velocity;
   rematched.frame = std::make_shared<const Frame>(std::move(frame));
@@ -151,7 +149,7 @@ TrackedFrame Tracker::start_map_or_lose(const Frame& frame) const {
 }
 
 /// Adds what follows from the pose: the velocity, and the frame compensated for it.
-TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const SensorVector& sensor) const {
+TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Sensor& sensor) const {
   tracked.velocity = velocity_of(tracked);
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
   return tracked;
@@ -169,11 +167,11 @@ Velocity Tracker::velocity_of(const TrackedFrame& tracked) const {
 }
 
 /// Returns the frame as an ideal global-shutter camera would have measured it, given its motion.
-Frame Tracker::deskewed(Frame measured, const SensorVector& sensor, const Velocity& velocity) const {
+Frame Tracker::deskewed(Frame measured, const Sensor& sensor, const Velocity& velocity) const {
   const ScopedTimer timer(timings_, "motion compensation");
   if (needs_deskewing(*measured.features, sensor)) {
     measured.features =
-        std::make_shared<const Features>(deskew_features(*measured.features, camera_, sensor, velocity));
+        std::make_shared<const Features>(deskew_features(*measured.features, sensor, velocity));
   }
   return measured;
 }

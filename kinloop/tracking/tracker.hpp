@@ -28,7 +28,7 @@ using Relocalizer = std::function<std::optional<TrackedFrame>(const Frame&)>;
 /// What the tracker needs from the rest of the system.
 struct TrackingContext {
   const Map& map;
-  const SensorVector& sensor;
+  const Sensor& sensor;
   const Relocalizer& relocalize;
 };
 
@@ -36,15 +36,15 @@ struct TrackingContext {
 class Tracker {
  public:
   /// `timings`, to which the time of each stage is added, must outlive this object.
-  Tracker(const PinholeCamera& camera, const TrackerOptions& options, Timings& timings)
-      : camera_(camera), options_(options), front_end_(camera, options.features), timings_(timings) {}
+  Tracker(const Sensor& sensor, const TrackerOptions& options, Timings& timings)
+      : options_(options), front_end_(sensor, options.features), timings_(timings) {}
 
   /// Tracks a prepared frame from the current state.
   [[nodiscard]] TrackedFrame track(const Frame& frame, const TrackingContext& context) const;
 
   /// Extracts all keypoints of a frame that was tracked by patches, and matches them with the local map from
   /// its pose. The result is lost if too few match.
-  [[nodiscard]] TrackedFrame rematch_keypoints(const TrackedFrame& tracked, const SensorVector& sensor) const;
+  [[nodiscard]] TrackedFrame rematch_keypoints(const TrackedFrame& tracked, const Sensor& sensor) const;
 
   /// Makes `latest` the previous frame. If it became a keyframe, the local map is built around that, else
   /// around the keyframe that shares most landmarks with it.
@@ -60,26 +60,22 @@ class Tracker {
   [[nodiscard]] KeyframeId reference() const { return local_map_.reference; }
 
  private:
-  [[nodiscard]] TrackingTarget target() const { return {local_map_, camera_, options_.tracking}; }
   [[nodiscard]] bool repeats_previous_image(const Frame& frame) const;
   [[nodiscard]] TrackedFrame repeat_previous(Frame frame) const;
   [[nodiscard]] PredictedPose predict(int64_t stamp_ns) const;
-  [[nodiscard]] std::optional<TrackedFrame> track_by_patches(const Frame& frame,
-                                                             const SensorVector& sensor) const;
+  [[nodiscard]] std::optional<TrackedFrame> track_by_patches(const Frame& frame, const Sensor& sensor) const;
   [[nodiscard]] TrackedFrame track_by_keypoints(Frame frame, const TrackingContext& context) const;
   [[nodiscard]] TrackedFrame locate(const Frame& frame, const TrackingContext& context) const;
   [[nodiscard]] std::optional<TrackedFrame> track_from_previous(const Frame& frame,
-                                                                const SensorVector& sensor) const;
+                                                                const Sensor& sensor) const;
   [[nodiscard]] TrackedFrame start_map_or_lose(const Frame& frame) const;
-  [[nodiscard]] TrackedFrame with_motion(TrackedFrame tracked, Frame measured,
-                                         const SensorVector& sensor) const;
+  [[nodiscard]] TrackedFrame with_motion(TrackedFrame tracked, Frame measured, const Sensor& sensor) const;
   [[nodiscard]] Velocity velocity_of(const TrackedFrame& tracked) const;
-  [[nodiscard]] Frame deskewed(Frame measured, const SensorVector& sensor, const Velocity& velocity) const;
+  [[nodiscard]] Frame deskewed(Frame measured, const Sensor& sensor, const Velocity& velocity) const;
   [[nodiscard]] bool follows_previous(const TrackedFrame& tracked) const;
   void remember(const TrackedFrame& latest);
   void express_previous_in(KeyframeId reference, const Map& map);
 
-  PinholeCamera camera_;
   TrackerOptions options_;
   FrontEnd front_end_;
   Timings& timings_;

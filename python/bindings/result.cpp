@@ -45,8 +45,9 @@ PyMesh mesh_of(const Result& result, const py::kwargs& options) {
 }
 
 RgbdCamera calibrated(const Result& result) {
-  return read_slam(result,
-                   [&](const Slam& slam) { return calibrated_camera(result.run->camera(), slam.sensor()); });
+  return read_slam(result, [&](const Slam& slam) {
+    return calibrated_camera(result.run->camera(), slam.sensor_estimate());
+  });
 }
 
 PyTrajectory keyframes_of(const Result& result) {

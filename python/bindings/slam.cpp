@@ -144,7 +144,7 @@ ColoredCloud Run::fuse_cloud(const Progress& progress) {
 
 ColoredMesh Run::reconstruct(const MeshOptions& options, const Progress& progress) {
   const std::lock_guard lock(mutex_);
-  const DenseCamera camera = dense_camera(camera_, slam_->sensor());
+  const DenseCamera camera = dense_camera(camera_, slam_->sensor_estimate());
   const auto views = recorder_->with_color_gains(recorder_->views(*slam_), camera, threads_);
   return reconstruct_mesh(recorder_->images(), views, camera, options, threads_, progress);
 }

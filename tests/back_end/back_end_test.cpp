@@ -55,12 +55,6 @@ class BackEndTest : public testing::Test {
     }
   }
 
-  static RgbdCamera camera(const test::SyntheticWorld& world) {
-    RgbdCamera camera;
-    camera.color = world.camera;
-    return camera;
-  }
-
   Map& map() { return built_.map; }
 
   void see_the_start_again() {
@@ -88,9 +82,9 @@ class BackEndTest : public testing::Test {
   test::SyntheticMap built_;
   const KeyframeId last_{kRingKeyframes - 1};
   FrameLog log_;
-  SensorVector sensor_ = SensorVector::Zero();
+  Sensor sensor_{world_.camera};
   FrameId now_{0};
-  BackEnd back_end_{built_.map, camera(world_), ring_options()};
+  BackEnd back_end_{built_.map, sensor_, ring_options()};
 };
 
 TEST_F(BackEndTest, NoJobIsDueInitially) {

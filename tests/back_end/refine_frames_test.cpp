@@ -19,7 +19,7 @@ struct Run {
   }
 
   [[nodiscard]] FrameRefinement refinement() const {
-    return {slam.map(), recording.camera.color, slam.sensor().value, options.tracking.pose};
+    return {slam.map(), slam.sensor(), options.tracking.pose};
   }
 };
 

@@ -40,7 +40,7 @@ FreeSpaceView random_view(Random& random, const PinholeCamera& camera) {
   const Eigen::Vector3d turn = test::gaussian_vector<3>(random);
   view.T_camera_world = {exp_so3(0.3 * turn), {0.2 * random.gaussian(), 0.2 * random.gaussian(), 0}};
   view.velocity = {{0.3, -0.2, 0.4}, {0.5, -0.6, 0.2}};
-  view.depth_lag_s = 0.1 * (random.uniform() - 0.5);
+  view.depth_stamp_difference_s = 0.1 * (random.uniform() - 0.5);
   for (int i = 0; i < (camera.width / kTilePx) * (camera.height / kTilePx); ++i) {
     const double z = 0.8 + 2 * random.uniform();
     view.nearest.push_back(random.uniform() < 0.1 ? uint16_t{0}
@@ -70,7 +70,7 @@ int contradiction(const SurfacePoint& point, const FreeSpaceView& view, const De
                   const DenseOptions& options) {
   const Eigen::Vector3d p_stamp = view.T_camera_world * point.p_world.cast<double>();
   if (!(p_stamp.z() > 0)) return 0;
-  const Eigen::Vector3d p = camera.undo_deskew(p_stamp, view.velocity, view.depth_lag_s);
+  const Eigen::Vector3d p = camera.undo_deskew(p_stamp, view.velocity, view.depth_stamp_difference_s);
   if (!(p.z() > 0) || !camera.color.contains(camera.color.project(p))) return 0;
   const Eigen::Vector2d pixel = camera.color.distort(camera.color.project(p));
   if (!camera.color.contains(pixel, 2)) return 0;

@@ -31,7 +31,7 @@ inline Features some_features(Random& random) {
     features.angles_rad.push_back(number());
     features.sigmas_px.push_back(1 + std::abs(number()));
   }
-  features.depth_lag_s = static_cast<float>(random.uniform(-0.02, 0.02));
+  features.depth_stamp_difference_s = static_cast<float>(random.uniform(-0.02, 0.02));
   features.descriptors = cv::Mat(static_cast<int>(kKeypoints), 32, CV_8UC1);
   for (int row = 0; row < features.descriptors.rows; ++row) {
     for (int col = 0; col < 32; ++col)

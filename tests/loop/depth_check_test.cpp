@@ -67,7 +67,7 @@ class DepthCheck : public testing::Test {
   DepthConsistency compare(const Scene& scene_a, const SE3& T_world_a, const Scene& scene_b,
                            const SE3& T_world_b, const SE3& error = {}) const {
     return compare_depths(seen(scene_a, camera_, T_world_a, 1), seen(scene_b, camera_, T_world_b, 2),
-                          T_world_a.inverse() * T_world_b * error, camera_, {{}, kPositionSigma_m});
+                          T_world_a.inverse() * T_world_b * error, Sensor{camera_}, kPositionSigma_m);
   }
 
   PinholeCamera camera_ = test::make_world(0, 1).camera;
@@ -121,8 +121,8 @@ TEST_F(DepthCheck, IsSymmetric) {
   other.wall_m = 3.4;
   const Features a = seen(scene_, camera_, T_world_a_, 1), b = seen(other, camera_, T_world_b_, 2);
   const SE3 T_a_b = T_world_a_.inverse() * T_world_b_;
-  const auto forth = compare_depths(a, b, T_a_b, camera_, {{}, kPositionSigma_m});
-  const auto back = compare_depths(b, a, T_a_b.inverse(), camera_, {{}, kPositionSigma_m});
+  const auto forth = compare_depths(a, b, T_a_b, Sensor{camera_}, kPositionSigma_m);
+  const auto back = compare_depths(b, a, T_a_b.inverse(), Sensor{camera_}, kPositionSigma_m);
   EXPECT_EQ(forth.free_space_violations, back.free_space_violations);
   EXPECT_EQ(forth.consistent, back.consistent);
 }
@@ -133,7 +133,7 @@ TEST_F(DepthCheck, WithoutDepthNothingIsCompared) {
   Features b = seen({2.6}, camera_, T_world_b_, 2);
   b.depths_m.assign(b.size(), 0);
   const auto depths =
-      compare_depths(a, b, T_world_a_.inverse() * T_world_b_, camera_, {{}, kPositionSigma_m});
+      compare_depths(a, b, T_world_a_.inverse() * T_world_b_, Sensor{camera_}, kPositionSigma_m);
   EXPECT_EQ(depths.consistent + depths.free_space_violations, 0);
   EXPECT_FALSE(violates_free_space(depths, 0));
 }

@@ -34,11 +34,7 @@ class LoopOverlap : public testing::Test {
     return 0;
   }
 
-  [[nodiscard]] RollingShutterCamera still() const {
-    RollingShutterCamera camera;
-    camera.camera = world_.camera;
-    return camera;
-  }
+  [[nodiscard]] MovingSensor still() const { return {Sensor{world_.camera}, {}}; }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
   test::ObservationNoise noise_;
@@ -99,8 +95,8 @@ TEST_F(LoopOverlap, WrongPoseGivesLargeResiduals) {
 /// While the camera turns by 1 rad/s with a readout time of 0.03 s, the rows above and below the middle are
 /// shifted by up to 8 px.
 TEST_F(LoopOverlap, RollingShutterShiftsRows) {
-  RollingShutterCamera moving = still();
-  moving.sensor(kRollingShutter) = 0.03;
+  MovingSensor moving = still();
+  moving.sensor.corrections(kRollingShutter) = 0.03;
   moving.velocity.angular_rad_s.y() = 1;
   const auto at_rest = reproject_landmarks(built_.map, KeyframeId{2}, KeyframeId{2}, still());
   const auto read = reproject_landmarks(built_.map, KeyframeId{2}, KeyframeId{2}, moving);

@@ -72,7 +72,7 @@ class Loop : public testing::Test {
 
   [[nodiscard]] std::optional<SE3> propose(KeyframeId keyframe, KeyframeId candidate,
                                            const std::optional<PredictedView>& predicted) const {
-    return propose_pose(view_of(candidate), view_of(keyframe), predicted, world_.camera, {}, 3);
+    return propose_pose({view_of(candidate), view_of(keyframe), predicted}, sensor_, {}, 3);
   }
 
   [[nodiscard]] std::optional<PredictedView> predict(KeyframeId keyframe, KeyframeId candidate) const {
@@ -93,10 +93,11 @@ class Loop : public testing::Test {
 
   [[nodiscard]] std::optional<VerifiedLoop> verify(KeyframeId keyframe,
                                                    const std::vector<KeyframeId>& candidates) const {
-    return verify_loop(question(keyframe, candidates), world_.camera, {}, {});
+    return verify_loop(question(keyframe, candidates), sensor_, {}, {});
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
+  const Sensor sensor_{world_.camera};
   Vocabulary vocabulary_;
   test::SyntheticMap built_;
   PlaceIndex places_;
@@ -165,9 +166,9 @@ TEST_F(Loop, InliersAreNotEnoughIfFreeSpaceIsViolated) {
   LocalMap& local_map = loop.places[0].local_map;
   const auto features = local_map.features;
   local_map.features = facing(*features, 1);
-  EXPECT_TRUE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  EXPECT_TRUE(verify_loop(loop, sensor_, {}, {}).has_value());
   local_map.features = facing(*features, 1.3F);
-  EXPECT_FALSE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  EXPECT_FALSE(verify_loop(loop, sensor_, {}, {}).has_value());
 }
 
 /// A repeated structure can pass every other check.
@@ -176,11 +177,11 @@ TEST_F(Loop, PoseThatDriftCannotExplainIsRejected) {
   ASSERT_EQ(loop.places.size(), 1U);
   auto& predicted = loop.places[0].proposed.predicted;
   ASSERT_TRUE(predicted.has_value());
-  EXPECT_TRUE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  EXPECT_TRUE(verify_loop(loop, sensor_, {}, {}).has_value());
   predicted->T_reference_camera.translation.x() += 3.61;
-  EXPECT_FALSE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  EXPECT_FALSE(verify_loop(loop, sensor_, {}, {}).has_value());
   predicted = std::nullopt;  // another component: nothing is known
-  EXPECT_TRUE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  EXPECT_TRUE(verify_loop(loop, sensor_, {}, {}).has_value());
 }
 
 TEST_F(Loop, ProposedPoseIsNearTheTruth) {
@@ -223,8 +224,8 @@ TEST_F(Loop, CorrectionDistributesTheDrift) {
 TEST_F(Loop, ALostFrameIsRelocalized) {
   const SE3 pose = true_pose(10) * camera_at(0.04, {0.05, 0.02, 0.03});
   const auto view = test::observe(world_, pose, {}, 99);
-  const auto found = relocalize(test::make_frame(500, view), bow_of(*view.features), built_.map, places_,
-                                world_.camera, {}, {}, {}, 5);
+  const auto found =
+      relocalize(test::make_frame(500, view), bow_of(*view.features), {built_.map, places_, sensor_, {}}, 5);
   ASSERT_TRUE(found.has_value());
   const SE3 truth = true_pose(static_cast<int>(found->reference.value)).inverse() * pose;
   // The surrounding map is itself distorted by a few millimetres between keyframes.
@@ -234,9 +235,9 @@ TEST_F(Loop, ALostFrameIsRelocalized) {
 TEST_F(Loop, AFrameFromAnotherPlaceIsNotRelocalized) {
   const auto elsewhere = test::make_world(4000, 77);
   const auto view = test::observe(elsewhere, true_pose(10), {}, 99);
-  EXPECT_FALSE(relocalize(test::make_frame(500, view), bow_of(*view.features), built_.map, places_,
-                          world_.camera, {}, {}, {}, 5)
-                   .has_value());
+  EXPECT_FALSE(
+      relocalize(test::make_frame(500, view), bow_of(*view.features), {built_.map, places_, sensor_, {}}, 5)
+          .has_value());
 }
 
 }  // namespace

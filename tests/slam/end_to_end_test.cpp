@@ -55,8 +55,8 @@ FinishedRun run_simulation(const SlamOptions& options, const SimulationOptions& 
   const Trajectory estimate = session.run();
   const auto ate = absolute_trajectory_error(estimate, source->info().ground_truth);
   const Slam& slam = session.slam();
-  return {ate ? ate->error_m.rmse : 1e9,  slam.log().size(), estimate.size(),
-          slam.map().loop_edges().size(), slam.sensor(),     simulated->truth()};
+  return {ate ? ate->error_m.rmse : 1e9,  slam.log().size(),      estimate.size(),
+          slam.map().loop_edges().size(), slam.sensor_estimate(), simulated->truth()};
 }
 
 /// The walk mapped with default options, computed once for all tests of this file.
@@ -85,9 +85,9 @@ TEST(EndToEnd, SelfCalibrationFindsTheReadoutTime) {
   const auto& [ate_m, frames, tracked, loops, sensor, truth] = finished_walk();
   ASSERT_GT(truth.rolling_shutter_s, 0.02);  // not in camera.yaml
   EXPECT_TRUE(sensor.used[kRollingShutter]);
-  EXPECT_NEAR(sensor.value(kRollingShutter), truth.rolling_shutter_s, 0.005);
+  EXPECT_NEAR(sensor.sensor.corrections(kRollingShutter), truth.rolling_shutter_s, 0.005);
   EXPECT_TRUE(sensor.used[kDepthDelay]);
-  EXPECT_GT(sensor.value(kDepthDelay), 0.5 * truth.depth_offset_s);
+  EXPECT_GT(sensor.sensor.corrections(kDepthDelay), 0.5 * truth.depth_delay_s);
 }
 
 /// A sensor without errors but for depth images at times of their own.
@@ -98,7 +98,7 @@ TEST(EndToEnd, StampsOfDepthMakeAnExactSensorMoreAccurate) {
   const FinishedRun with = run_simulation({}, walk, true), without = run_simulation({}, walk, false);
   EXPECT_EQ(with.tracked, with.frames);
   EXPECT_LT(with.ate_m, without.ate_m);
-  EXPECT_NEAR(with.sensor.value(kDepthDelay), 0, 0.001);
+  EXPECT_NEAR(with.sensor.sensor.corrections(kDepthDelay), 0, 0.001);
 }
 
 }  // namespace

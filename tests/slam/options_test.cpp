@@ -50,46 +50,11 @@ TEST(SlamOptions, MaximumThreadCountIsAllowed) {
   EXPECT_NO_THROW(validate(options));
 }
 
-TEST(SlamOptions, NoiseReachesEverySolver) {
-  SlamOptions given;
-  given.noise = {
-      .inverse_depth_sigma_per_m = 0.012, .robust_width = 2, .inlier_chi2_pixel = 9, .inlier_chi2_depth = 6};
-  const SlamOptions options = resolve_options(given);
-  const auto expect_noise = [](const auto& solver) {
-    EXPECT_EQ(solver.depth_noise.coefficient_per_m, 0.012);
-    EXPECT_EQ(solver.robust_width, 2);
-    EXPECT_EQ(solver.inlier_chi2_pixel, 9);
-    EXPECT_EQ(solver.inlier_chi2_depth, 6);
-  };
-  expect_noise(options.tracking.pose);
-  expect_noise(options.tracking.pnp.pose);
-  expect_noise(options.mapping.local_ba);
-  expect_noise(options.global_ba);
-  EXPECT_DOUBLE_EQ(options.tracking.rigid.depth_noise.coefficient_per_m, 2 * kPointPairInverseDepthSigmaPerM);
-  EXPECT_DOUBLE_EQ(options.tracking.icp.depth_noise.coefficient_per_m, 2 * kSensorInverseDepthSigmaPerM);
-}
-
-TEST(SlamOptions, TheNoiseOfTheSensorReachesEveryModule) {
-  const DepthNoise sensor = {3 * kSensorInverseDepthSigmaPerM, 1.5};
-  const SlamOptions options = resolve_options({}, sensor);
-  for (const DepthNoise& noise : {options.tracking.pose.depth_noise, options.tracking.pnp.pose.depth_noise,
-                                  options.mapping.local_ba.depth_noise, options.global_ba.depth_noise}) {
-    EXPECT_DOUBLE_EQ(noise.coefficient_per_m, 3 * kKeypointInverseDepthSigmaPerM);
-    EXPECT_EQ(noise.crossover_m, 1.5);
-  }
-  EXPECT_DOUBLE_EQ(options.tracking.rigid.depth_noise.coefficient_per_m, 3 * kPointPairInverseDepthSigmaPerM);
-  EXPECT_EQ(options.tracking.rigid.depth_noise.crossover_m, 1.5);
-  for (const DepthNoise& noise :
-       {options.tracking.icp.depth_noise, options.loop.depth_noise, options.features.depth_noise}) {
-    EXPECT_DOUBLE_EQ(noise.sigma_m(2), sensor.sigma_m(2));
-  }
-}
-
-TEST(SlamOptions, DefaultNoiseMatchesTheSolverDefaults) {
-  const SlamOptions options = resolve_options({});
-  EXPECT_EQ(options.tracking.rigid.depth_noise.coefficient_per_m, kPointPairInverseDepthSigmaPerM);
-  EXPECT_EQ(options.tracking.icp.depth_noise.coefficient_per_m, kSensorInverseDepthSigmaPerM);
-  EXPECT_EQ(options.global_ba.depth_noise.coefficient_per_m, BundleOptions().depth_noise.coefficient_per_m);
+TEST(SlamOptions, NoiseReachesTheSensor) {
+  SlamOptions options;
+  options.noise.robust_width = 2;
+  const Slam slam(any_camera(), options);
+  EXPECT_EQ(slam.sensor().noise.robust_width, 2);
 }
 
 TEST(SlamOptions, FormerNamesAreRenamedOrRemoved) {

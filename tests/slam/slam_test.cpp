@@ -74,7 +74,8 @@ Vocabulary small_vocabulary(const FeatureOptions& features) {
   std::vector<cv::Mat> descriptors;
   for (size_t i = 0; i < recording().frames.size(); i += 10) {
     const cv::Mat gray = recording().frames[i].color.gray();
-    descriptors.push_back(extract_features(gray, cv::Mat(), recording().camera.color, features).descriptors);
+    descriptors.push_back(
+        extract_features(gray, cv::Mat(), Sensor{recording().camera.color}, features).descriptors);
   }
   TrainOptions training;
   training.depth = 2;

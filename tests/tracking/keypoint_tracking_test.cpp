@@ -26,18 +26,21 @@ class KeypointTracking : public testing::Test {
     previous_ = test::tracked_as(keyframe, built_.map, test::make_frame(0, view));
   }
 
-  [[nodiscard]] TrackingTarget target() const { return {local_map_, world_.camera, options_}; }
+  [[nodiscard]] TrackedFrame track(const Frame& frame, const PredictedPose& predicted) const {
+    return track_keypoints({frame, local_map_, sensor_, options_}, previous_, predicted, 4);
+  }
 
-  TrackedFrame track_at(const SE3& T_world_camera, const SE3& predicted,
-                        const test::ObservationNoise& noise = {}) const {
+  [[nodiscard]] TrackedFrame track_at(const SE3& T_world_camera, const SE3& predicted,
+                                      const test::ObservationNoise& noise = {}) const {
     const auto view = test::observe(world_, T_world_camera, noise, 3);
-    return track_keypoints(test::make_frame(1, view), previous_, uncertain(predicted), target(), 4);
+    return track(test::make_frame(1, view), uncertain(predicted));
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
   test::SyntheticMap built_;
   LocalMap local_map_;
   TrackedFrame previous_;
+  Sensor sensor_{world_.camera};
   TrackingOptions options_;
 };
 
@@ -53,8 +56,7 @@ TEST_F(KeypointTracking, FollowsASmallMotion) {
 TEST_F(KeypointTracking, MatchesVisibleLandmarks) {
   const SE3 truth = camera_at(0.05, {0.03, 0.01, -0.02});
   const auto view = test::observe(world_, truth, {}, 3);
-  const TrackedFrame result =
-      track_keypoints(test::make_frame(1, view), previous_, uncertain(SE3{}), target(), 4);
+  const TrackedFrame result = track(test::make_frame(1, view), uncertain(SE3{}));
   ASSERT_FALSE(result.matches.empty());
   for (const LandmarkMatch& match : result.matches) {
     EXPECT_EQ(match.landmark, built_.landmark_of_point.at(view.point_of[match.feature]));
@@ -85,8 +87,7 @@ TEST_F(KeypointTracking, IsLostInAnUnknownPlace) {
 TEST_F(KeypointTracking, IsLostOnABlackImage) {
   test::SyntheticView nothing;
   nothing.features = std::make_shared<const Features>();
-  const TrackedFrame result =
-      track_keypoints(test::make_frame(1, nothing), previous_, uncertain(SE3{}), target(), 4);
+  const TrackedFrame result = track(test::make_frame(1, nothing), uncertain(SE3{}));
   EXPECT_TRUE(result.is_lost());
 }
 
@@ -114,13 +115,13 @@ TEST_F(KeypointTracking, FallsBackToDenseAlignmentWithoutKeypoints) {
   previous_.frame = std::make_shared<const Frame>(soft_wall(world_.camera, 0));
   const SE3 truth = camera_at(0, {0.02, 0, 0});
   const Frame frame = soft_wall(world_.camera, 0.02);
-  const TrackedFrame result = track_keypoints(frame, previous_, uncertain(SE3{}), target(), 4);
+  const TrackedFrame result = track(frame, uncertain(SE3{}));
   EXPECT_EQ(result.method, TrackingMethod::kDense);
   EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.001);
   EXPECT_LT(test::angle_rad(result.T_reference_camera, truth), 0.001);
 
   options_.icp.photometric_weight = 0;
-  const TrackedFrame by_depth = track_keypoints(frame, previous_, uncertain(SE3{}), target(), 4);
+  const TrackedFrame by_depth = track(frame, uncertain(SE3{}));
   EXPECT_EQ(by_depth.method, TrackingMethod::kDense);
   EXPECT_GT(test::distance_m(by_depth.T_reference_camera, truth), 0.015) << "a wall does not constrain it";
   EXPECT_GT(by_depth.covariance(0, 0), 100 * result.covariance(0, 0)) << "and the covariance shows it";
@@ -147,8 +148,8 @@ TEST_F(KeypointTracking, CovarianceIsConsistentWithTheErrors) {
         if (landmark == exact.ids[i]) exact.p_reference[i] = world_.p_world[point];
       }
     }
-    const TrackedFrame result = track_keypoints(test::make_frame(1, view), previous_, uncertain(truth),
-                                                {exact, world_.camera, options_}, trial);
+    const TrackedFrame result = track_keypoints({test::make_frame(1, view), exact, sensor_, options_},
+                                                previous_, uncertain(truth), trial);
     ASSERT_TRUE(result.is_located());
     const Vector6d error = (result.T_reference_camera.inverse() * truth).log();
     sum += error.dot(result.covariance.inverse() * error);

@@ -60,11 +60,11 @@ class TrackerOutcome : public testing::Test {
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
   test::SyntheticMap built_;
-  PlaceRecognition places_{world_.camera, {}, world_vocabulary(world_)};
+  Sensor sensor_{world_.camera};
+  PlaceRecognition places_{sensor_, {}, world_vocabulary(world_)};
   Relocalizer relocalize_ = [this](const Frame& frame) { return places_.relocalize(frame, built_.map); };
   Timings timings_;
-  Tracker tracker_{world_.camera, impatient(), timings_};
-  SensorVector sensor_ = SensorVector::Zero();
+  Tracker tracker_{sensor_, impatient(), timings_};
   uint32_t id_ = 0;
 };
 

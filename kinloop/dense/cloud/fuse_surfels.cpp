@@ -127,8 +127,8 @@ class Fusion {
     for_each_batch("carving", [&](size_t first, std::vector<ImageSurfels>& batch) {
       for (size_t i = 0; i < batch.size(); ++i) {
         const PosedImage& view = views_[first + i];
-        views.push_back(
-            {view.T_world_camera.inverse(), view.velocity, view.depth_lag_s, std::move(batch[i].nearest)});
+        views.push_back({view.T_world_camera.inverse(), view.velocity, view.depth_stamp_difference_s,
+                         std::move(batch[i].nearest)});
       }
       if (views.size() >= kViews) flush();
     });

@@ -105,7 +105,7 @@ void project_with(const Distort& distort, const FreeSpaceView& view, const Dense
   const double wx = w.x(), wy = w.y(), wz = w.z();
   const double last_col = lens.width - 1, last_row = lens.height - 1;
   const double row_time_s = camera.readout_s / lens.height;
-  const double first_row_s = view.depth_lag_s + camera.time_of_row_s(0);
+  const double first_row_s = view.depth_stamp_difference_s + camera.time_of_row_s(0);
   for (size_t i = 0; i < points.count; ++i) {
     const double x = r00 * points.x[i] + r01 * points.y[i] + r02 * points.z[i] + tx;
     const double y = r10 * points.x[i] + r11 * points.y[i] + r12 * points.z[i] + ty;

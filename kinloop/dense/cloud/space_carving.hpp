@@ -12,8 +12,8 @@ namespace kinloop {
 struct FreeSpaceView {
   SE3 T_camera_world;
   Velocity velocity = {};
-  double depth_lag_s = 0;         ///< PosedImage::depth_lag_s
-  std::vector<uint16_t> nearest;  ///< see ImageSurfels
+  double depth_stamp_difference_s = 0;  ///< PosedImage::depth_stamp_difference_s
+  std::vector<uint16_t> nearest;        ///< see ImageSurfels
 };
 
 /// Adds to each point the number of views that contradict it. For a point that `options.min_observations`

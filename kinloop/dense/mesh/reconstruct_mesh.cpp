@@ -61,7 +61,8 @@ void for_each_view(const ImageStore& images, std::span<const PosedImage> views, 
         const cv::Mat depth_m = images.load(views[first + i].image).depth_m;
         batch[i] = {corrected_depth(undistorted(depth_m, raw_pixels), camera),
                     undistorted(usable_pixels(depth_m, camera.color.fx, limits), raw_pixels),
-                    views[first + i].T_world_camera, views[first + i].velocity, views[first + i].depth_lag_s};
+                    views[first + i].T_world_camera, views[first + i].velocity,
+                    views[first + i].depth_stamp_difference_s};
       }
     });
     for (size_t i = 0; i < count; ++i) {

@@ -115,7 +115,8 @@ class BlockUpdate {
   void update(Leaf& distance, Leaf& weight, unsigned i, const Eigen::Vector3d& p_stamp) const {
     const double nearest_m = options_.limits.min_depth_m / 2;
     if (p_stamp.z() < nearest_m) return;
-    const Eigen::Vector3d p_camera = camera_.undo_deskew(p_stamp, view_.velocity, view_.depth_lag_s);
+    const Eigen::Vector3d p_camera =
+        camera_.undo_deskew(p_stamp, view_.velocity, view_.depth_stamp_difference_s);
     if (p_camera.z() < nearest_m) return;
     const Eigen::Vector2d pixel = camera_.color.project(p_camera);
     const int col = static_cast<int>(std::lround(pixel.x())), row = static_cast<int>(std::lround(pixel.y()));
@@ -265,7 +266,7 @@ void TsdfVolume::allocate_blocks(const TsdfView& view) {
       const double depth_m = view.depth_m.at<float>(row, col);
       for (double z = depth_m - reach_m; z <= depth_m + reach_m; z += step_m) {
         const Eigen::Vector3d p_camera = camera_.deskew(camera_.color.unproject(Eigen::Vector2d(col, row), z),
-                                                        row, view.velocity, view.depth_lag_s);
+                                                        row, view.velocity, view.depth_stamp_difference_s);
         const Eigen::Vector3d p = view.T_world_camera * p_camera / options_.voxel_m;
         const auto origin = [](double x) { return static_cast<int>(std::floor(x)) & ~(kLeafVoxels - 1); };
         touched.emplace_back(origin(p.x()), origin(p.y()), origin(p.z()));

@@ -21,7 +21,7 @@ struct TsdfView {
   cv::Mat usable;   ///< 8UC1: nonzero if in range and not at a depth edge, i.e. may define a surface
   SE3 T_world_camera;
   Velocity velocity = {};
-  double depth_lag_s = 0;  ///< PosedImage::depth_lag_s
+  double depth_stamp_difference_s = 0;  ///< PosedImage::depth_stamp_difference_s
 };
 
 class TsdfVolume {

@@ -20,7 +20,7 @@ void read_option_bytes(std::string_view bytes) {
       bytes.remove_prefix(std::min(bytes.size(), line.size() + 1));
       apply_assignment(entries, line, history);
     }
-    static_cast<void>(resolve_options(options.slam));
+    validate(options.slam);
     const auto written = option_entries(options);
     for (const OptionEntry& entry : written) entry.set(to_text(entry.value));
     const auto read = option_entries(options);

@@ -1,4 +1,5 @@
 #pragma once
+// How much measurements deviate from the truth, and from which deviation on they count as outliers.
 
 #include "kinloop/core/options.hpp"
 #include "kinloop/sensor/depth_noise.hpp"
@@ -29,7 +30,21 @@ struct NoiseOptions {
   }
 };
 
-/// Returns the noise of depth at keypoints, for a sensor with `sensor_noise` on planes.
-DepthNoise keypoint_noise(const NoiseOptions& noise, const DepthNoise& sensor_noise);
+/// The noise of the measurements of one sensor, as every estimator uses it. The defaults are those of a
+/// Kinect 1.
+struct NoiseModel {
+  DepthNoise plane = {};                                      ///< of depth on planes
+  DepthNoise keypoint = {kKeypointInverseDepthSigmaPerM};     ///< of depth at keypoints
+  DepthNoise point_pair = {kPointPairInverseDepthSigmaPerM};  ///< where depth alone decides on a motion
+  DepthNoise surface = {};                                    ///< of the surfaces that ICP aligns
+  double robust_width = kKeypointRobustWidth;    ///< scale of the Huber loss, standard deviations
+  double inlier_chi2_pixel = kChi2At95With2Dof;  ///< maximum squared pixel residual of an inlier
+  /// Maximum squared depth residual of an inlier; beyond it only the pixel is used.
+  double inlier_chi2_depth = kChi2At95With1Dof;
+};
+
+/// Returns the noise of a sensor with the noise `plane` on planes. `options` sets that at keypoints, and
+/// scales that of pairs of points and of surfaces in the same ratio.
+NoiseModel make_noise_model(const NoiseOptions& options, const DepthNoise& plane);
 
 }  // namespace kinloop
