@@ -17,9 +17,9 @@ PredictedPose uncertain(const SE3& T_reference_camera) {
   return {T_reference_camera, 0.01, 0.02};
 }
 
-class Tracker : public testing::Test {
+class KeypointTracking : public testing::Test {
  protected:
-  Tracker() {
+  KeypointTracking() {
     const auto view = test::observe(world_, SE3{}, {}, 2);
     const KeyframeId keyframe = test::add_view(built_, world_, view, SE3{});
     local_map_ = make_local_map(built_.map, keyframe, {});
@@ -39,7 +39,7 @@ class Tracker : public testing::Test {
   TrackedFrame previous_;
 };
 
-TEST_F(Tracker, FollowsASmallMotion) {
+TEST_F(KeypointTracking, FollowsASmallMotion) {
   const SE3 truth = camera_at(0.05, {0.03, 0.01, -0.02});
   const TrackResult result = track_at(truth, SE3{});
   ASSERT_EQ(result.status, TrackStatus::kTracked);
@@ -48,7 +48,7 @@ TEST_F(Tracker, FollowsASmallMotion) {
   EXPECT_LT(test::angle_rad(result.T_reference_camera, truth), 0.002);
 }
 
-TEST_F(Tracker, MatchesVisibleLandmarks) {
+TEST_F(KeypointTracking, MatchesVisibleLandmarks) {
   const SE3 truth = camera_at(0.05, {0.03, 0.01, -0.02});
   const auto view = test::observe(world_, truth, {}, 3);
   const TrackResult result =
@@ -59,7 +59,7 @@ TEST_F(Tracker, MatchesVisibleLandmarks) {
   }
 }
 
-TEST_F(Tracker, RecoversFromAnUnpredictedJump) {
+TEST_F(KeypointTracking, RecoversFromAnUnpredictedJump) {
   const SE3 truth = camera_at(0.35, {0.15, 0.05, 0.1});
   const TrackResult result = track_at(truth, SE3{});
   ASSERT_EQ(result.status, TrackStatus::kTracked);
@@ -67,20 +67,20 @@ TEST_F(Tracker, RecoversFromAnUnpredictedJump) {
   EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.01);
 }
 
-TEST_F(Tracker, UsesTheMapWhenDepthIsMissing) {
+TEST_F(KeypointTracking, UsesTheMapWhenDepthIsMissing) {
   const SE3 truth = camera_at(0.04, {0.02, 0, 0});
   const TrackResult result = track_at(truth, SE3{}, {0.5, 1.425e-3, 12, 1.0});
   ASSERT_EQ(result.status, TrackStatus::kTracked);
   EXPECT_LT(test::distance_m(result.T_reference_camera, truth), 0.005);
 }
 
-TEST_F(Tracker, IsLostInAnUnknownPlace) {
+TEST_F(KeypointTracking, IsLostInAnUnknownPlace) {
   const TrackResult result = track_at(camera_at(3.14159, {0, 0, 0}), SE3{});
   EXPECT_EQ(result.status, TrackStatus::kLost);
   EXPECT_TRUE(result.matches.empty());
 }
 
-TEST_F(Tracker, IsLostOnABlackImage) {
+TEST_F(KeypointTracking, IsLostOnABlackImage) {
   test::SyntheticView nothing;
   nothing.features = std::make_shared<const Features>();
   const TrackResult result =
@@ -105,7 +105,7 @@ PreparedFrame soft_wall(const PinholeCamera& camera, double x_m) {
   return frame;
 }
 
-TEST_F(Tracker, FallsBackToDenseAlignmentWithoutKeypoints) {
+TEST_F(KeypointTracking, FallsBackToDenseAlignmentWithoutKeypoints) {
   previous_ = TrackedFrame{soft_wall(world_.camera, 0), SE3{}, {}};
   const SE3 truth = camera_at(0, {0.02, 0, 0});
   const PreparedFrame frame = soft_wall(world_.camera, 0.02);
@@ -123,14 +123,14 @@ TEST_F(Tracker, FallsBackToDenseAlignmentWithoutKeypoints) {
   EXPECT_LT(by_depth.information(0, 0), 0.01 * result.information(0, 0)) << "and the information shows it";
 }
 
-TEST_F(Tracker, GivesTheSameResultTwice) {
+TEST_F(KeypointTracking, GivesTheSameResultTwice) {
   const SE3 truth = camera_at(0.35, {0.15, 0.05, 0.1});
   const TrackResult a = track_at(truth, SE3{}), b = track_at(truth, SE3{});
   EXPECT_EQ(a.T_reference_camera.matrix(), b.T_reference_camera.matrix());
   EXPECT_EQ(a.matches.size(), b.matches.size());
 }
 
-TEST_F(Tracker, InformationIsConsistentWithTheErrors) {
+TEST_F(KeypointTracking, InformationIsConsistentWithTheErrors) {
   // The squared error in units of the reported information has mean 6 (chi2 with 6 degrees of freedom).
   double sum = 0;
   constexpr int kTrials = 40;
