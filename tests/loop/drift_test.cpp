@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/random_vectors.hpp"
+#include "tests/support/random_map.hpp"
 #include "tests/support/synthetic_map.hpp"
 
 namespace kinloop {
@@ -60,23 +60,171 @@ TEST_F(Drift, NoPredictionAcrossComponents) {
   EXPECT_TRUE(predict_view(map_, elsewhere, next, distances[1]).has_value());
 }
 
-TEST(DriftBoundTest, GrowsWithTheDistance) {
-  const DriftBound near = drift_bound(1), far = drift_bound(10);
-  EXPECT_GT(near.translation_m, 0);
-  EXPECT_GT(near.rotation_rad, 0);
-  EXPECT_GT(far.translation_m, near.translation_m);
-  EXPECT_GT(far.rotation_rad, near.rotation_rad);
+/// A map of random keyframes of two components, with loop edges among them.
+Map random_map(Random& random, int loops) {
+  Map map;
+  constexpr uint32_t kKeyframes = 16;
+  for (uint32_t i = 0; i < kKeyframes; ++i) {
+    map.add_keyframe(FrameId{i}, i, test::random_step(random, 1, 0.4), std::make_shared<const Features>(),
+                     i < kKeyframes - 3 ? 0 : 1);
+  }
+  for (int i = 0; i < loops; ++i) {
+    LoopEdge loop;
+    loop.a = KeyframeId{random.index(kKeyframes - 3)};
+    loop.b = KeyframeId{random.index(kKeyframes - 3)};
+    loop.T_a_b = test::random_step(random, 0.3, 0.1);
+    if (loop.a != loop.b) map.add_loop_edge(loop);
+  }
+  return map;
 }
 
-TEST(DriftBoundTest, ErrorsWithinTheBoundAreExplained) {
-  const PredictedView predicted{test::camera_at(0.3, {1, 0, 2}), {0.2, 0.1}};
-  Vector6d small, far, turned;
-  small << 0.1, 0, 0.1, 0, 0.05, 0;
-  far << 3.61, 0, 0, 0, 0, 0;
-  turned << 0, 0, 0, 0, 1.5, 0;
-  EXPECT_TRUE(is_explained_by_drift(predicted, predicted.T_reference_camera * SE3::exp(small)));
-  EXPECT_FALSE(is_explained_by_drift(predicted, predicted.T_reference_camera * SE3::exp(far)));
-  EXPECT_FALSE(is_explained_by_drift(predicted, predicted.T_reference_camera * SE3::exp(turned)));
+double length_m(const SE3& T) {
+  return T.translation.norm() + T.angle_rad();
+}
+
+/// Shortest paths between all pairs (Floyd and Warshall).
+std::vector<std::vector<double>> all_distances(const Map& map) {
+  const size_t count = map.keyframes().size();
+  std::vector<std::vector<double>> d(count,
+                                     std::vector<double>(count, std::numeric_limits<double>::infinity()));
+  const auto connect = [&](size_t a, size_t b, double length) {
+    d[a][b] = d[b][a] = std::min(d[a][b], length);
+  };
+  for (size_t i = 0; i < count; ++i) d[i][i] = 0;
+  for (size_t i = 1; i < count; ++i) {
+    const Keyframe &a = map.keyframes()[i - 1], &b = map.keyframes()[i];
+    if (a.component == b.component)
+      connect(i - 1, i, length_m(a.T_world_camera.inverse() * b.T_world_camera));
+  }
+  for (const LoopEdge& loop : map.loop_edges()) connect(loop.a.value, loop.b.value, length_m(loop.T_a_b));
+  for (size_t k = 0; k < count; ++k) {
+    for (size_t i = 0; i < count; ++i) {
+      for (size_t j = 0; j < count; ++j) d[i][j] = std::min(d[i][j], d[i][k] + d[k][j]);
+    }
+  }
+  return d;
+}
+
+TEST(TravelledDistances, AreTheShortestPaths) {
+  Random random(5);
+  int shortened = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    const int loops = trial % 4;
+    const Map map = random_map(random, loops);
+    const auto expected = all_distances(map);
+    for (uint32_t from = 0; from < expected.size(); ++from) {
+      const auto found = travelled_distances(map, KeyframeId{from});
+      for (size_t to = 0; to < found.size(); ++to) {
+        if (std::isinf(expected[from][to])) {
+          EXPECT_EQ(found[to], expected[from][to]);
+        } else {
+          EXPECT_NEAR(found[to], expected[from][to], 1e-12);
+        }
+      }
+    }
+    // Without loops, the parts of a path add up; with them, they may be longer than the whole.
+    shortened += expected[0][6] + expected[6][12] > expected[0][12] + 1e-9 ? 1 : 0;
+    if (loops == 0) {
+      EXPECT_NEAR(expected[0][6] + expected[6][12], expected[0][12], 1e-12);
+    }
+  }
+  EXPECT_GT(shortened, 5);
+}
+
+/// 10 cm and 6 degrees before the first step, then 5 cm and 1.7 degrees for each metre travelled.
+TEST(DriftBoundTest, IsABasePlusAShareOfTheDistance) {
+  for (const double distance_m : {0.0, 1.0, 7.5, 100.0}) {
+    EXPECT_DOUBLE_EQ(drift_bound(distance_m).translation_m, 0.1 + 0.05 * distance_m);
+    EXPECT_DOUBLE_EQ(drift_bound(distance_m).rotation_rad, 0.1 + 0.03 * distance_m);
+  }
+}
+
+/// The direction of a point from the predicted camera and from any camera within the bound.
+TEST(DriftBoundTest, TheDirectionBoundIsTheLargestDeviation) {
+  Random random(6);
+  const auto unit = [&] { return test::gaussian_vector<3>(random).normalized().eval(); };
+  const auto angle = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::atan2(a.cross(b).norm(), a.dot(b));
+  };
+  for (int trial = 0; trial < 40; ++trial) {
+    const DriftBound bound{random.uniform(0.02, 0.8), random.uniform(0.02, 0.5)};
+    const double distance_m = random.uniform(1, 4);
+    const Eigen::Vector3d p = distance_m * unit();
+    const double limit_rad = direction_bound_rad(bound, p);
+    double largest_rad = 0;
+    for (int sample = 0; sample < 2000; ++sample) {
+      const double turn_rad = bound.rotation_rad * std::cbrt(random.uniform());
+      const double shift_m = bound.translation_m * std::cbrt(random.uniform());
+      const SE3 error{exp_so3(turn_rad * unit()), shift_m * unit()};
+      largest_rad = std::max(largest_rad, angle(p, error.inverse() * p));
+    }
+    EXPECT_LE(largest_rad, limit_rad);
+    EXPECT_GT(largest_rad, 0.8 * limit_rad);
+    // The worst case: a step perpendicular to the new direction, and a turn in the same plane.
+    const Eigen::Vector3d axis = p.cross(unit()).normalized();
+    const double by_step_rad = std::asin(bound.translation_m / distance_m);
+    const Eigen::Vector3d seen_after = exp_so3(by_step_rad * axis) * p.normalized();
+    const SE3 worst{exp_so3(-bound.rotation_rad * axis), bound.translation_m * seen_after.cross(axis)};
+    const Eigen::Vector3d step = bound.translation_m * axis.cross(seen_after);
+    const SE3 other{worst.rotation, step};
+    const double reached = std::max(angle(p, worst.inverse() * p), angle(p, other.inverse() * p));
+    EXPECT_NEAR(reached, limit_rad, 1e-9);
+  }
+  EXPECT_NEAR(direction_bound_rad({2, 0.1}, {0, 0, 1}), 0.1 + std::acos(0.0), 1e-12)
+      << "beyond the point: any direction";
+}
+
+/// A turn at either end of the path, and a shift, up to the bound: the turn at the reference moves the camera
+/// by its lever.
+TEST(DriftBoundTest, ErrorsUpToTheBoundAreExplainedAndLargerOnesAreNot) {
+  Random random(8);
+  const auto unit = [&] { return test::gaussian_vector<3>(random).normalized().eval(); };
+  for (int trial = 0; trial < 500; ++trial) {
+    const PredictedView predicted{test::random_step(random, 2, 0.5), drift_bound(random.uniform(0, 30))};
+    const DriftBound& bound = predicted.bound;
+    const double share = random.uniform();
+    const SE3 at_reference{exp_so3(share * 0.999 * bound.rotation_rad * unit()), Eigen::Vector3d::Zero()};
+    const SE3 at_camera{exp_so3((1 - share) * 0.999 * bound.rotation_rad * unit()),
+                        0.999 * bound.translation_m * unit()};
+    const SE3& T = predicted.T_reference_camera;
+    EXPECT_TRUE(is_explained_by_drift(predicted, at_reference * T * at_camera));
+    const double reach_m = bound.translation_m + bound.rotation_rad * T.translation.norm();
+    const SE3 too_far{Eigen::Quaterniond::Identity(), 1.001 * reach_m * unit()};
+    const SE3 turned{exp_so3(1.001 * bound.rotation_rad * unit()), Eigen::Vector3d::Zero()};
+    EXPECT_FALSE(is_explained_by_drift(predicted, T * too_far));
+    EXPECT_FALSE(is_explained_by_drift(predicted, T * turned));
+  }
+}
+
+/// Odometry with errors in every step, each in a direction of its own, of twice the size found in practice
+/// (2 % of the path, a degree for each metre): on the way back the loop is never refused.
+TEST(DriftBoundTest, SimulatedOdometryStaysWithinTheBound) {
+  constexpr double kStep_m = 0.2, kPerMetre_m = 0.04, kPerMetre_rad = 0.035;
+  for (uint64_t seed = 0; seed < 50; ++seed) {
+    Random random(seed);
+    const auto unit = [&] { return test::gaussian_vector<3>(random).normalized().eval(); };
+    Map map;
+    SE3 truth, estimate;
+    const int steps = 20 + static_cast<int>(random.index(150));
+    for (int i = 0; i <= steps; ++i) {
+      map.add_keyframe(FrameId{static_cast<uint32_t>(i)}, i, estimate, std::make_shared<const Features>());
+      const SE3 step{exp_so3({0, 6.28 / steps, 0}), {kStep_m, 0, 0}};  // one round
+      const double travelled_m = length_m(step);
+      const SE3 error{exp_so3(kPerMetre_rad * travelled_m * unit()), kPerMetre_m * travelled_m * unit()};
+      if (i == steps) break;
+      truth = truth * step;
+      estimate = estimate * step * error;
+    }
+    const KeyframeId first{0}, last{static_cast<uint32_t>(steps)};
+    const auto predicted = predict_view(map, first, last, travelled_distances(map, last)[0]);
+    ASSERT_TRUE(predicted);
+    EXPECT_TRUE(is_explained_by_drift(*predicted, truth)) << seed;
+    SE3 elsewhere = truth;
+    elsewhere.translation.y() +=
+        2 * predicted->bound.translation_m +
+        predicted->bound.rotation_rad * predicted->T_reference_camera.translation.norm();
+    EXPECT_FALSE(is_explained_by_drift(*predicted, elsewhere)) << seed;
+  }
 }
 
 class DriftOverlap : public testing::Test {

@@ -29,15 +29,15 @@ struct Arrival {
 
 using Arrivals = std::vector<Arrival>;
 
-const test::Recording& short_recording() {
+const test::Recording& clip() {
   static const test::Recording kRecording = test::record_simulation("sim:room", kClipFrames);
   return kRecording;
 }
 
 Arrivals arrivals_without_faults() {
   Arrivals all;
-  for (size_t i = 0; i < short_recording().frames.size(); ++i) {
-    const Frame& frame = short_recording().frames[i];
+  for (size_t i = 0; i < clip().frames.size(); ++i) {
+    const Frame& frame = clip().frames[i];
     all.push_back({i, false, frame.stamp_ns});
     all.push_back({i, true, frame.depth_stamp_or_color_ns()});
   }
@@ -58,7 +58,7 @@ struct Outcome {
 /// Maps as live mode does, frame by frame.
 Outcome map_live(const Arrivals& arrivals) {
   LiveFrameBuffer buffer(arrivals.size());
-  Slam slam(short_recording().camera, {});
+  Slam slam(clip().camera, {});
   Outcome outcome;
   int64_t newest_ns = std::numeric_limits<int64_t>::min();
   const auto take = [&] {
@@ -72,7 +72,7 @@ Outcome map_live(const Arrivals& arrivals) {
     }
   };
   for (const Arrival& arrival : arrivals) {
-    const Frame& frame = short_recording().frames[arrival.frame];
+    const Frame& frame = clip().frames[arrival.frame];
     if (arrival.is_depth) {
       buffer.add_depth(arrival.stamp_ns, frame.depth_m);
     } else {
@@ -82,7 +82,7 @@ Outcome map_live(const Arrivals& arrivals) {
   }
   buffer.finish();
   take();
-  const auto ate = absolute_trajectory_error(slam.finish(), short_recording().truth);
+  const auto ate = absolute_trajectory_error(slam.finish(), clip().truth);
   outcome.ate_m = ate ? ate->error_m.rmse : 1;
   return outcome;
 }
@@ -167,7 +167,7 @@ TEST(TimingFaults, AnyRateFrom5To90Hz) {
   for (const int64_t hz : {5, 15, 60, 90}) {
     Arrivals arrivals = arrivals_without_faults();
     for (Arrival& arrival : arrivals) {
-      const int64_t after_color_ns = arrival.stamp_ns - short_recording().frames[arrival.frame].stamp_ns;
+      const int64_t after_color_ns = arrival.stamp_ns - clip().frames[arrival.frame].stamp_ns;
       arrival.stamp_ns = static_cast<int64_t>(arrival.frame) * kSecondNs / hz + after_color_ns;
     }
     const Outcome outcome = map_live(arrivals);

@@ -60,4 +60,13 @@ inline TrackedFrame tracked_as(KeyframeId keyframe, const Map& map, const Frame&
   return tracked;
 }
 
+/// Moves the whole map: keyframes, and the landmarks with them.
+inline void move_world(Map& map, const SE3& T_new_world) {
+  MapUpdate update;
+  update.epoch = map.epoch();
+  for (const Keyframe& keyframe : map.keyframes())
+    update.T_world_camera.emplace_back(keyframe.id, T_new_world * keyframe.T_world_camera);
+  map.apply(update);
+}
+
 }  // namespace kinloop::test
