@@ -1,4 +1,4 @@
-#include "kinloop/dense/cloud/render_cloud.hpp"
+#include "viewer/report/render_cloud.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -22,7 +22,7 @@ ColoredCloud room() {
   return cloud;
 }
 
-CloudView from_above(double cut_above_m) {
+CloudPictureOptions from_above(double cut_above_m) {
   return {.up = {0, 0, 1}, .elevation_deg = 90, .cut_above_m = cut_above_m, .point_m = 0.02, .width_px = 300};
 }
 

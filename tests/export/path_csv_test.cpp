@@ -1,4 +1,4 @@
-#include "kinloop/io/path_csv.hpp"
+#include "tools/export/path_csv.hpp"
 
 #include <limits>
 #include <sstream>

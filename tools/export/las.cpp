@@ -1,4 +1,4 @@
-#include "kinloop/io/point_cloud/las.hpp"
+#include "tools/export/las.hpp"
 
 #include <cmath>
 #include <limits>

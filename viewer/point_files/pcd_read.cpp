@@ -9,10 +9,10 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/io/point_cloud/lzf.hpp"
-#include "kinloop/io/point_cloud/mesh_builder.hpp"
-#include "kinloop/io/point_cloud/number_types.hpp"
-#include "kinloop/io/point_cloud/point_file.hpp"
+#include "viewer/point_files/lzf.hpp"
+#include "viewer/point_files/mesh_builder.hpp"
+#include "viewer/point_files/number_types.hpp"
+#include "viewer/point_files/point_file.hpp"
 
 namespace kinloop {
 namespace {

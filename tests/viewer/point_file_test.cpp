@@ -1,4 +1,4 @@
-#include "kinloop/io/point_cloud/point_file.hpp"
+#include "viewer/point_files/point_file.hpp"
 
 #include <bit>
 #include <cmath>
@@ -9,11 +9,11 @@
 
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/mesh_file.hpp"
-#include "kinloop/io/point_cloud/lzf.hpp"
 #include "kinloop/io/point_cloud/pcd.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "viewer/point_files/lzf.hpp"
 
 namespace kinloop {
 namespace {

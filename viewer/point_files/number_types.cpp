@@ -1,4 +1,4 @@
-#include "kinloop/io/point_cloud/number_types.hpp"
+#include "viewer/point_files/number_types.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "kinloop/io/grid_file.hpp"
+#include "tools/export/grid_file.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "kinloop/dense/cloud/render_cloud.hpp"
+#include "viewer/report/render_cloud.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ constexpr double kMaxHeightShare = 1.2;  ///< maximum height of the picture rela
 using ViewPoints = std::vector<Eigen::Vector3f>;
 
 /// Indices of the drawable points below the cut.
-std::vector<size_t> points_below(const ColoredCloud& cloud, const CloudView& view) {
+std::vector<size_t> points_below(const ColoredCloud& cloud, const CloudPictureOptions& view) {
   const Eigen::Vector3f up = view.up.normalized().cast<float>();
   std::vector<size_t> kept;
   for (size_t i = 0; i < cloud.size(); ++i) {
@@ -38,7 +38,7 @@ std::vector<size_t> points_below(const ColoredCloud& cloud, const CloudView& vie
 
 /// Rows: right, away and up, where `right` is the horizontal direction of largest extent.
 Eigen::Matrix3d level_axes(const ColoredCloud& cloud, const std::vector<size_t>& kept,
-                           const CloudView& view) {
+                           const CloudPictureOptions& view) {
   const Eigen::Vector3d up = view.up.normalized();
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const size_t i : kept) mean += cloud.points[i].cast<double>();
@@ -69,7 +69,8 @@ Eigen::Matrix3d level_axes(const ColoredCloud& cloud, const std::vector<size_t>&
   return axes;
 }
 
-ViewPoints to_view(const ColoredCloud& cloud, const std::vector<size_t>& kept, const CloudView& view) {
+ViewPoints to_view(const ColoredCloud& cloud, const std::vector<size_t>& kept,
+                   const CloudPictureOptions& view) {
   const Eigen::Matrix3d axes = level_axes(cloud, kept, view);
   const double elevation_rad = view.elevation_deg * std::numbers::pi / 180;
   const double s = std::sin(elevation_rad), c = std::cos(elevation_rad);
@@ -96,7 +97,7 @@ struct Canvas {
 
 /// Draws every point as a square of size `point_m` with a z-buffer.
 Canvas splat(const ColoredCloud& cloud, const std::vector<size_t>& kept, const ViewPoints& points,
-             const CloudView& view) {
+             const CloudPictureOptions& view) {
   const auto [left, right] = inlier_range(points, 0);
   const auto [top, bottom] = inlier_range(points, 1);
   const double shown_m = std::max({right - left, (bottom - top) / kMaxHeightShare, view.point_m});
@@ -185,7 +186,7 @@ cv::Mat finish(const Canvas& canvas) {
 
 }  // namespace
 
-cv::Mat render_cloud(const ColoredCloud& cloud, const CloudView& view) {
+cv::Mat render_cloud(const ColoredCloud& cloud, const CloudPictureOptions& view) {
   require(view.up.norm() > 0 && view.width_px > 0 && view.point_m > 0,
           "render_cloud: the view needs an up direction and a size");
   const auto kept = points_below(cloud, view);

@@ -1,4 +1,4 @@
-#include "kinloop/core/threads/channel.hpp"
+#include "session/channel.hpp"
 
 #include <atomic>
 #include <memory>

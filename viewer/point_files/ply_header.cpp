@@ -1,4 +1,4 @@
-#include "kinloop/io/point_cloud/ply_header.hpp"
+#include "viewer/point_files/ply_header.hpp"
 
 #include <algorithm>
 #include <map>

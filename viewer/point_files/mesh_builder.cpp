@@ -1,4 +1,4 @@
-#include "kinloop/io/point_cloud/mesh_builder.hpp"
+#include "viewer/point_files/mesh_builder.hpp"
 
 #include <algorithm>
 #include <cmath>

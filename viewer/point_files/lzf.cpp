@@ -1,4 +1,4 @@
-#include "kinloop/io/point_cloud/lzf.hpp"
+#include "viewer/point_files/lzf.hpp"
 
 #include <cstdint>
 

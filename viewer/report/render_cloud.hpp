@@ -10,7 +10,7 @@
 
 namespace kinloop {
 
-struct CloudView {
+struct CloudPictureOptions {
   Eigen::Vector3d up = {0, -1,
                         0};   ///< in the world frame; default: the y axis of the first camera points down
   double elevation_deg = 55;  ///< elevation of the viewer above the horizon; 90 = straight from above
@@ -22,6 +22,6 @@ struct CloudView {
 
 /// Renders the cloud in parallel projection, its long side horizontal and its tall side at the back, with
 /// shading at depth edges. 8UC4 (BGRA), transparent where empty; empty for a cloud without drawable points.
-cv::Mat render_cloud(const ColoredCloud& cloud, const CloudView& view);
+cv::Mat render_cloud(const ColoredCloud& cloud, const CloudPictureOptions& view);
 
 }  // namespace kinloop

@@ -1,4 +1,4 @@
-#include "viewer/glb_file.hpp"
+#include "viewer/point_files/glb_file.hpp"
 
 #include <array>
 #include <map>
@@ -10,7 +10,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/io/point_cloud/number_types.hpp"
+#include "viewer/point_files/number_types.hpp"
 
 namespace kinloop {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/io/point_cloud/number_types.hpp"
+#include "viewer/point_files/number_types.hpp"
 
 namespace kinloop {
 
