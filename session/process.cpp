@@ -1,4 +1,4 @@
-#include "session/memory.hpp"
+#include "session/process.hpp"
 
 #include <cstdlib>
 
@@ -7,6 +7,10 @@
 #endif
 
 namespace kinloop {
+
+std::string program_name() {
+  return "kinloop " KINLOOP_VERSION;
+}
 
 // Images are allocated and freed by the thousand. By default glibc returns their memory to the system each
 // time and gets it back page by page, which costs a third of the decoding time; and it keeps a heap for every

@@ -1,6 +1,12 @@
 #pragma once
+// What concerns the whole process: its name and its memory.
+
+#include <string>
 
 namespace kinloop {
+
+/// Returns "kinloop" and its version.
+std::string program_name();
 
 /// Makes the allocator keep freed memory for reuse; call it once, at the start.
 void retain_freed_memory();
