@@ -1,4 +1,4 @@
-#include "apps/reproduce/chapter.hpp"
+#include "apps/reproduce/chapters.hpp"
 
 #include <array>
 #include <cstdio>
@@ -11,6 +11,7 @@
 #include "kinloop/core/log.hpp"
 
 namespace kinloop {
+
 namespace {
 
 constexpr const char* kPlainCharacters =
