@@ -16,7 +16,7 @@
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "session/map_store.hpp"
-#include "session/open_frame_source.hpp"
+#include "session/run_plan.hpp"
 
 namespace kinloop {
 namespace {

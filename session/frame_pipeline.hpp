@@ -6,9 +6,9 @@
 #include <optional>
 #include <thread>
 
-#include "kinloop/core/threads/channel.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 #include "kinloop/tracking/front_end.hpp"
+#include "session/channel.hpp"
 
 namespace kinloop {
 

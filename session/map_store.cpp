@@ -14,7 +14,7 @@
 #include "kinloop/io/run_folder.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/saved_session.hpp"
-#include "session/program_name.hpp"
+#include "session/process.hpp"
 
 namespace kinloop {
 
@@ -117,7 +117,7 @@ RunOptions restore_options(const SavedMap& saved, const std::filesystem::path& p
   using Kind = ResolvedKey::Kind;
   RunOptions restored;
   const auto entries = option_entries(restored);
-  const OptionHistory history = RunOptions::history();
+  const OptionHistory history = option_history<RunOptions>();
   std::set<std::string> applied;
   // Where several former options are one now, its own name comes first, then the first of theirs. Other
   // versions of the program may have options that this one does not have.

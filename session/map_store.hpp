@@ -1,5 +1,6 @@
 #pragma once
-// Saving maps during runs, and opening map files.
+// In: a run, or a map file. Out: its map in a file, saved repeatedly; or an opened map with images, log and
+// options.
 
 #include <filesystem>
 

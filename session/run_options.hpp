@@ -31,8 +31,6 @@ struct RunOptions {
     visit("kinect", self.kinect);
     visit("viewer", self.viewer);
   }
-
-  static OptionHistory history();
 };
 
 /// Narrows the limits of depth to the range of the sensor, see within_range.

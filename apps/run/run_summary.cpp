@@ -119,6 +119,7 @@ void add_timings(json& summary, const Timings& slam, const Timings& program) {
 }
 
 json run_summary(const RunOutcome& o) {
+  const FrameSource& source = *o.plan.source;
   const auto log = o.slam.session_log();
   const uint32_t component = o.slam.component();
   const auto tracked = std::count_if(
@@ -129,35 +130,35 @@ json run_summary(const RunOutcome& o) {
   });
   json summary = json::object();  // [] on null crashes when memory runs out
   summary["version"] = version_text();
-  summary["input"] = lasting_input_name(o.source.info().name);
+  summary["input"] = lasting_input_name(source.info().name);
   summary["frames"] = log.size();
   summary["tracked"] = tracked;
   summary["tracked_densely"] = dense_only;
   summary["tracked_in_other_components"] = not_lost - tracked;  // in components not joined by any loop
-  summary["skipped"] = skipped_json(o.source);                  // the first ones
-  summary["skipped_total"] = o.source.skipped().size();
-  summary["dropped"] = o.dropped;
+  summary["skipped"] = skipped_json(source);                    // the first ones
+  summary["skipped_total"] = source.skipped().size();
+  summary["dropped"] = o.plan.dropped();
   summary["interrupted"] = o.interrupted;
   summary["keyframes"] = o.slam.map().keyframes().size();
   summary["landmarks"] = o.slam.map().landmark_count();
   summary["loops"] = loops_json(o.slam.map());
   summary["sensor"] = sensor_json(o.slam.sensor_estimate());
-  summary["depth_sensor"] = name_of(o.source.camera().sensor.model);
+  summary["depth_sensor"] = name_of(source.camera().sensor.model);
   const auto noise_scale = depth_noise_scale(o.slam);
   summary["depth_noise_scale"] = noise_scale ? json(*noise_scale) : json(nullptr);
   summary["wall_s"] = o.wall_s;
-  summary["threads"] = o.threads;
+  summary["threads"] = o.plan.threads;
   summary["frame_ms"] = {{"median", quantile(o.slam.timings().frame_ms, 0.5)},
                          {"p95", quantile(o.slam.timings().frame_ms, 0.95)}};
   summary["peak_memory_mib"] = peak_memory_mib();
-  if (o.map_points) summary["map"] = {{"points", *o.map_points}, {"voxel_m", o.options.dense.voxel_m}};
+  if (o.map_points) summary["map"] = {{"points", *o.map_points}, {"voxel_m", o.plan.options.dense.voxel_m}};
   const auto poses = poses_with_covariance(o.slam, component);
   summary["keyframe_covariances"] = covariances_json(poses);
   if (o.evaluation) {
     summary["evaluation"] = to_json(*o.evaluation);
-    summary["evaluation"]["consistency"] = consistency_json(poses, o.source.info().ground_truth);
+    summary["evaluation"]["consistency"] = consistency_json(poses, source.info().ground_truth);
   }
-  summary["options"] = options_json(o.options);
+  summary["options"] = options_json(o.plan.options);
   return summary;
 }
 

@@ -11,7 +11,7 @@
 #include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
-#include "kinloop/sensor/recording_topics.hpp"
+#include "kinloop/sensor/recording_format.hpp"
 
 namespace kinloop {
 namespace {

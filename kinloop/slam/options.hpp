@@ -55,8 +55,6 @@ struct SlamOptions {
     visit("self_calibration", self.self_calibration);
     visit("executor", self.executor);
   }
-
-  static OptionHistory history();
 };
 
 // The part of the options that each module uses.

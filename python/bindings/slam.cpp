@@ -4,45 +4,13 @@
 #include <opencv2/core/utility.hpp>
 
 #include "kinloop/core/errors.hpp"
-#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/dense/mesh/reconstruct_mesh.hpp"
 #include "session/map_store.hpp"
-#include "session/memory.hpp"
-#include "session/open_frame_source.hpp"
+#include "session/process.hpp"
 
 namespace kinloop::python {
 namespace {
-
-/// A map file to continue, read.
-struct StartingMap {
-  std::filesystem::path path;
-  MapReader reader;
-  SavedMap saved;
-};
-
-std::optional<StartingMap> open_starting_map(const RunSettings& settings) {
-  if (settings.localize && settings.load_map.empty())
-    throw UsageError("localize=True requires load_map=FILE");
-  if (settings.load_map.empty()) return std::nullopt;
-  const auto path = map_file_of(settings.load_map);
-  MapReader reader(path);
-  SavedMap saved = read_map_with_warnings(reader, path);
-  return StartingMap{path, std::move(reader), std::move(saved)};
-}
-
-/// As `kinloop run` does: frames must use the same features as the map.
-RunOptions options_of(const RunSettings& settings, const std::optional<StartingMap>& start, int threads) {
-  RunOptions options;
-  if (start) options = restore_options(start->saved, start->path, "features.");
-  const FeatureKind features = options.slam.features.kind;
-  options.slam.global_ba.threads = threads;
-  options.slam.localize_only = settings.localize;
-  options = run_options_with(options, settings.assignments);
-  if (start && options.slam.features.kind != features)
-    throw UsageError(fmt::format("features.kind: must be {}, as in the loaded map", name_of(features)));
-  return options;
-}
 
 uint64_t next_run_id() {
   static std::atomic<uint64_t> last = 0;
@@ -71,23 +39,21 @@ void require_size(const Frame& frame, const PinholeCamera& camera) {
 }  // namespace
 
 Run::Run(const RgbdCamera& camera, const RunSettings& settings)
-    : camera_(camera),
-      threads_(settings.threads > 0 ? settings.threads : hardware_threads()),
-      id_(next_run_id()),
-      prepare_depth_(camera) {
+    : camera_(camera), id_(next_run_id()), prepare_depth_(camera) {
   set_up_process();
-  auto start = open_starting_map(settings);
-  options_ = within_range(options_of(settings, start, threads_), camera.sensor);
-  if (start) {
-    require_same_camera(start->saved, start->path, camera_);
-    camera_.depth_scale = start->saved.camera.depth_scale;  // that of its images
-  }
+  if (settings.localize && settings.load_map.empty())
+    throw UsageError("localize=True requires load_map=FILE");
+  RunSetup setup = set_up_run(settings);
+  threads_ = setup.threads;
+  options_ = within_range(setup.options, camera.sensor);
+  auto& start = setup.start;
+  if (start) camera_ = start->adapt(camera_);
   slam_.emplace(camera_, options_.slam, open_vocabulary(settings.vocabulary, options_.slam.features));
   recorder_.emplace(camera_, options_.dense, options_.slam.executor);
   slam_->add_listener(*recorder_);
   if (!start) return;
   const uint32_t shift = slam_->add_map(std::move(start->saved));
-  load_images(start->reader, start->path, shift, *recorder_);
+  start->restore_images(shift, *recorder_);
 }
 
 void Run::require_unfinished() const {

@@ -9,7 +9,7 @@
 #include "drivers/ros/bag_source.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
-#include "kinloop/sensor/recording_topics.hpp"
+#include "kinloop/sensor/recording_format.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"

@@ -57,35 +57,5 @@ TEST(SlamOptions, NoiseReachesTheSensor) {
   EXPECT_EQ(slam.sensor().noise.robust_width, 2);
 }
 
-TEST(SlamOptions, FormerNamesAreRenamedOrRemoved) {
-  SlamOptions options;
-  const auto entries = option_entries(options);
-  const OptionHistory history = SlamOptions::history();
-  std::set<std::string> names;
-  for (const RenamedOption& renamed : history.renamed) {
-    EXPECT_TRUE(names.insert(renamed.before).second) << renamed.before << " is listed twice";
-    if (renamed.before.ends_with(".*")) continue;
-    const ResolvedKey resolved = resolve_key(entries, renamed.before, history);
-    EXPECT_EQ(resolved.kind, ResolvedKey::Kind::kRenamed) << renamed.before;
-  }
-  for (const std::string& removed : history.removed)
-    EXPECT_TRUE(names.insert(removed).second) << removed << " is listed twice";
-}
-
-TEST(SlamOptions, FormerNoiseNamesMapToTheNoiseOptions) {
-  SlamOptions options;
-  const auto entries = option_entries(options);
-  for (const std::string group : {"full.", "global_ba.", "mapping.bundle.", "mapping.local_ba.",
-                                  "tracking.pose.", "tracking.pnp.pose."}) {
-    const auto resolved = resolve_key(entries, group + "robust_width", SlamOptions::history());
-    EXPECT_EQ(resolved.key, "noise.robust_width") << group;
-  }
-  // These had intentionally different values.
-  for (const std::string solver : {"rigid", "icp"}) {
-    const std::string key = "tracking." + solver + ".inverse_depth_sigma_per_m";
-    EXPECT_EQ(resolve_key(entries, key, SlamOptions::history()).kind, ResolvedKey::Kind::kRemoved) << solver;
-  }
-}
-
 }  // namespace
 }  // namespace kinloop

@@ -118,7 +118,7 @@ class Fusion {
   void carve(std::vector<SurfacePoint>& points) {
     // Several views at a time, since every pass goes over all points.
     constexpr size_t kViews = 32;
-    std::vector<FreeSpaceView> views;
+    std::vector<MeasuredFreeSpace> views;
     const auto flush = [&] {
       count_contradictions(points, views, camera_, options_, threads_);
       std::erase_if(points, [](const SurfacePoint& p) { return p.contradictions > p.views; });

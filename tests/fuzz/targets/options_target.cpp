@@ -12,13 +12,12 @@ void read_option_bytes(std::string_view bytes) {
   // The entries refer to the options; making them takes far longer than reading an assignment.
   static RunOptions options;
   static const std::vector<OptionEntry> entries = option_entries(options);
-  static const OptionHistory history = RunOptions::history();
   options = {};
   accept<UsageError>([&] {
     while (!bytes.empty()) {
       const std::string line(bytes.substr(0, bytes.find('\n')));
       bytes.remove_prefix(std::min(bytes.size(), line.size() + 1));
-      apply_assignment(entries, line, history);
+      apply_assignment(entries, line);
     }
     validate(options.slam);
     const auto written = option_entries(options);

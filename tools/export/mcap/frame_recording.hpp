@@ -1,6 +1,6 @@
 #pragma once
 // In: frames. Out: one MCAP file of ROS 2 messages, from which kinloop reads back identical frames; see
-// recording_topics.hpp.
+// recording_format.hpp.
 
 #include <cstdint>
 #include <filesystem>
