@@ -105,9 +105,9 @@ VertexFields vertex_fields(const PlyElement& element, const Body& body) {
     if (place == kNone) body.fail("vertices lack x, y or z");
   }
   if (!fields.colored()) return fields;
-  constexpr double kByte = 255, kWord = 65535;
+  constexpr double kMaxByte = 255, kMaxWord = 65535;
   const NumberType type = element.properties[fields.color[0]].type;
-  fields.full_color = is_floating(type) ? 1 : size_of(type) == 1 ? kByte : kWord;
+  fields.full_color = is_floating(type) ? 1 : size_of(type) == 1 ? kMaxByte : kMaxWord;
   return fields;
 }
 
