@@ -12,7 +12,7 @@ PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, int share
   edge.b = b.value;
   edge.T_a_b = map.keyframe(a).T_world_camera.inverse() * map.keyframe(b).T_world_camera;
   edge.information = edge_information(shared, options);
-  edge.trusted = true;
+  edge.is_odometry = true;
   return edge;
 }
 

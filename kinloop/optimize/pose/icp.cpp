@@ -147,7 +147,7 @@ class Aligner {
 };
 
 /// Information of the surfaces, reduced for correlated errors of neighbours and for a poor fit.
-Matrix6d honest_information(const Pass& pass, double correlated) {
+Matrix6d inflated_information(const Pass& pass, double correlated) {
   const auto deflate = [&](const GridNormal& normal, double chi2, size_t count) -> Matrix6d {
     const double misfit = count > 0 ? std::max(1.0, chi2 / static_cast<double>(count)) : 1.0;
     return Matrix6d(normal.H.selfadjointView<Eigen::Lower>()) / (correlated * misfit);
@@ -202,7 +202,7 @@ std::optional<IcpSolution> align_icp(const IcpCamera& camera, const IcpFrame& re
   }
   IcpSolution solution;
   solution.T_reference_camera = T;
-  solution.information = honest_information(pass, correlated);
+  solution.information = inflated_information(pass, correlated);
   solution.overlap = static_cast<double>(pass.partners) / static_cast<double>(pass.points);
   solution.rmse_m = std::sqrt(pass.squared_m2 / static_cast<double>(pass.partners));
   return solution;

@@ -30,8 +30,9 @@ std::vector<Eigen::Vector3d> measured_points(const PinholeCamera& camera,
 
 /// Whether the side lengths of a sample agree with its measured depths, if any. This cheaply rejects most
 /// samples with an outlier before their pose is computed.
-bool sizes_agree(std::span<const PoseObservation> observations, const std::vector<Eigen::Vector3d>& measured,
-                 const std::vector<uint32_t>& sample, const DepthNoise& noise) {
+bool side_lengths_consistent(std::span<const PoseObservation> observations,
+                             const std::vector<Eigen::Vector3d>& measured,
+                             const std::vector<uint32_t>& sample, const DepthNoise& noise) {
   constexpr double kMaxSigmas = 4;
   for (size_t i = 0; i < sample.size(); ++i) {
     const uint32_t a = sample[i], b = sample[(i + 1) % sample.size()];
@@ -85,13 +86,13 @@ std::optional<AbsolutePoseSolution> refine_on_inliers(const PinholeCamera& camer
   return solution;
 }
 
-/// Refines until the number of inliers stops growing.
-std::optional<AbsolutePoseSolution> grow(const PinholeCamera& camera,
-                                         std::span<const PoseObservation> observations, const SE3& T,
-                                         const AbsolutePoseOptions& options) {
-  constexpr int kMaxGrowths = 5;
+/// Refines until the number of inliers stops growing (local optimization, Chum et al. 2003).
+std::optional<AbsolutePoseSolution> local_optimization(const PinholeCamera& camera,
+                                                       std::span<const PoseObservation> observations,
+                                                       const SE3& T, const AbsolutePoseOptions& options) {
+  constexpr int kMaxRefinements = 5;
   auto best = refine_on_inliers(camera, observations, T, options);
-  for (int i = 1; best && i < kMaxGrowths; ++i) {
+  for (int i = 1; best && i < kMaxRefinements; ++i) {
     const auto next = refine_on_inliers(camera, observations, best->T_reference_camera, options);
     if (!next || next->inlier_count <= best->inlier_count) break;
     best = next;
@@ -124,13 +125,13 @@ std::optional<AbsolutePoseSolution> solve_pnp_ransac(const PinholeCamera& camera
   double samples = options.max_iterations;
   for (int i = 0; i < samples; ++i) {
     const std::vector<uint32_t> sample = draw_sample(random, usable, kSampleSize);
-    if (!sizes_agree(observations, measured, sample, options.pose.depth_noise)) continue;
+    if (!side_lengths_consistent(observations, measured, sample, options.pose.depth_noise)) continue;
     for (const SE3& T : solve_p3p(camera, observations, sample)) {
       const auto agree = pixel_inliers(camera, observations, T, options.pose);
       const int count = std::accumulate(agree.begin(), agree.end(), 0);
       if (count <= best_count) continue;
       best_count = count;
-      const auto refined = grow(camera, observations, T, options.pose);
+      const auto refined = local_optimization(camera, observations, T, options.pose);
       if (refined && (!best || refined->inlier_count > best->inlier_count)) best = refined;
     }
     if (best)
