@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstdint>
+
 #include "kinloop/core/options.hpp"
+#include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/optimize/pose/pnp_ransac.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "kinloop/sensor/depth_noise.hpp"
+#include "kinloop/tracking/options.hpp"
 
 namespace kinloop {
 
@@ -64,6 +68,20 @@ struct LoopOptions {
           "relative rotation uncertainty per shared landmark (1 sigma), rad", Range{1e-6, 10}, Expert{});
     visit("pose_graph", self.pose_graph);
   }
+};
+
+/// What place recognition uses.
+struct PlaceOptions {
+  TrackingOptions tracking;
+  LocalMapOptions local_map;
+  LoopOptions loop;
+  uint64_t seed = 1;
+};
+
+/// The camera and the options with which places are recognised.
+struct PlaceContext {
+  PinholeCamera camera;
+  PlaceOptions options = {};
 };
 
 }  // namespace kinloop

@@ -2,25 +2,20 @@
 // Recognizes places by appearance: relocalizes frames and finds loop candidates for keyframes.
 
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include "kinloop/loop/candidates.hpp"
 #include "kinloop/loop/verify_loop.hpp"
 #include "kinloop/place/place_index.hpp"
 #include "kinloop/place/vocabulary.hpp"
 
 namespace kinloop {
 
-/// What place recognition uses.
-struct PlaceOptions {
-  TrackingOptions tracking;
-  LocalMapOptions local_map;
-  LoopOptions loop;
-  uint64_t seed = 1;
-};
-
 class PlaceRecognition {
  public:
   PlaceRecognition(const PinholeCamera& camera, const PlaceOptions& options, Vocabulary vocabulary)
-      : camera_(camera), options_(options), vocabulary_(std::move(vocabulary)) {}
+      : context_{camera, options}, vocabulary_(std::move(vocabulary)) {}
 
   /// Adds a new keyframe to the index.
   void add(const Keyframe& keyframe);
@@ -33,8 +28,9 @@ class PlaceRecognition {
                                                         KeyframeId reference,
                                                         const SE3& T_reference_camera) const;
 
-  /// Returns loops between `keyframe`, the one added last, and earlier keyframes, to be verified.
-  LoopCandidates find_loops(const Map& map, KeyframeId keyframe);
+  /// Returns hypotheses of loops between `keyframe`, the one added last, and earlier keyframes, to be
+  /// verified.
+  LoopVerificationProblem find_loops(const Map& map, KeyframeId keyframe);
 
   /// Starts a new sequence: the next keyframe does not follow the previous one.
   void forget_history() { history_.clear(); }
@@ -42,11 +38,8 @@ class PlaceRecognition {
  private:
   [[nodiscard]] BowVector bow_of(const Features& features) const;
   [[nodiscard]] IndexedView indexed_view(const Keyframe& keyframe) const;
-  [[nodiscard]] std::vector<ProposedLoop> propose_loops(const Map& map, KeyframeId keyframe,
-                                                        const std::vector<KeyframeId>& candidates) const;
 
-  PinholeCamera camera_;
-  PlaceOptions options_;
+  PlaceContext context_;
   Vocabulary vocabulary_;
   PlaceIndex index_;
   std::vector<std::vector<NodeId>> nodes_;  // by keyframe id: the vocabulary node of each keypoint

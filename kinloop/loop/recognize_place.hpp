@@ -4,7 +4,6 @@
 
 #include <optional>
 
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/loop/options.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/tracking/keypoint_tracking.hpp"
@@ -16,12 +15,10 @@ namespace kinloop {
 /// `min_inlier_ratio` of the visible ones agree, and both the depth check and the appearance check against
 /// the reference pass.
 std::optional<TrackedFrame> recognize_place(const Frame& frame, const LocalMap& local_map,
-                                            const PinholeCamera& camera, const LoopOptions& options,
-                                            const TrackingOptions& tracking, uint64_t seed);
+                                            const PlaceContext& context, uint64_t seed);
 
 /// Confirms an initial pose, the second half of `recognize_place`: guided matching, refinement and checks.
 std::optional<TrackedFrame> confirm_pose(const Frame& frame, const LocalMap& local_map,
-                                         const SE3& T_reference_camera, const PinholeCamera& camera,
-                                         const LoopOptions& options, const TrackingOptions& tracking);
+                                         const SE3& T_reference_camera, const PlaceContext& context);
 
 }  // namespace kinloop

@@ -2,7 +2,7 @@
 
 #include "kinloop/back_end/options.hpp"
 #include "kinloop/features/options.hpp"
-#include "kinloop/loop/place_recognition.hpp"
+#include "kinloop/loop/options.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/mapping/mapper.hpp"
 #include "kinloop/sensor/noise_options.hpp"

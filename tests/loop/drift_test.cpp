@@ -37,13 +37,14 @@ TEST_F(Drift, RotationCountsAsDistance) {
   EXPECT_NEAR(travelled_distances(map_, KeyframeId{1})[0], 0.5, 1e-9);
 }
 
-TEST_F(Drift, LoopEdgesAreShortcutsForTheKeyframesAroundThem) {
+TEST_F(Drift, LoopClosuresAreShortcutsForTheKeyframesAroundThem) {
   for (int i = 0; i <= 10; ++i) add(i);
-  LoopEdge loop;
+  LoopClosure loop;
+  loop.stage = LoopStage::kVerified;
   loop.a = KeyframeId{1};
   loop.b = KeyframeId{9};
   loop.T_a_b.translation = {0.25, 0, 0};
-  map_.add_loop_edge(loop);
+  map_.add_loop_closure(loop);
   const auto distances = travelled_distances(map_, KeyframeId{10});
   EXPECT_DOUBLE_EQ(distances[1], 1.25);
   EXPECT_DOUBLE_EQ(distances[0], 2.25);
