@@ -22,8 +22,8 @@ class Printer : public kinloop::Listener {
 
   // The map is valid only during the call: copy what you need.
   void on_map(const kinloop::Map& map) override {
-    for (; loops_ < map.loop_edges().size(); ++loops_) {
-      const auto& loop = map.loop_edges()[loops_];
+    for (; loops_ < map.loop_closures().size(); ++loops_) {
+      const auto& loop = map.loop_closures()[loops_];
       std::printf("loop closed between keyframes %u and %u\n", loop.a.value, loop.b.value);
     }
   }

@@ -31,6 +31,8 @@ struct RunOptions {
     visit("kinect", self.kinect);
     visit("viewer", self.viewer);
   }
+
+  static OptionHistory history() { return SlamOptions::history(); }
 };
 
 /// Narrows the limits of depth to the range of the sensor, see within_range.

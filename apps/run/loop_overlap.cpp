@@ -42,7 +42,7 @@ std::optional<Eigen::Vector2d> pixel_in_image(const Eigen::Vector3d& p_camera, c
 
 }  // namespace
 
-KeyframePair most_overlapping_pair(const Map& map, const LoopEdge& loop) {
+KeyframePair most_overlapping_pair(const Map& map, const LoopClosure& loop) {
   const auto [older_end, newer_end] = std::minmax(loop.a, loop.b);
   const uint32_t length = newer_end.value - older_end.value;
   const auto newer_side = same_side_keyframes(map, newer_end, length);

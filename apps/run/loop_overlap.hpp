@@ -1,6 +1,6 @@
 #pragma once
-// Evidence for a loop edge in the finished map: the two keyframes around it with the most shared landmarks,
-// and the landmarks of one reprojected into the image of the other.
+// Evidence for a loop closure in the finished map: the two keyframes around it with the most shared
+// landmarks, and the landmarks of one reprojected into the image of the other.
 
 #include <optional>
 #include <vector>
@@ -18,7 +18,7 @@ struct KeyframePair {
 
 /// Returns the pair that shares the most landmarks among the ends of the loop and their covisible keyframes.
 /// Each keyframe stays on its side of the loop: within a third of its length from its end.
-KeyframePair most_overlapping_pair(const Map& map, const LoopEdge& loop);
+KeyframePair most_overlapping_pair(const Map& map, const LoopClosure& loop);
 
 /// Sensor and motion of a keyframe.
 struct MovingSensor {

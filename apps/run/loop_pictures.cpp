@@ -36,14 +36,14 @@ constexpr std::string_view kExtension = ".jpg";
 
 /// A loop to draw, with the pair of keyframes that shows it best.
 struct ShownLoop {
-  LoopEdge loop;
+  LoopClosure loop;
   KeyframePair pair;
 };
 
 /// Selects evenly spaced loops, each with its own pair of keyframes.
 std::vector<ShownLoop> choose_loops(const Map& map) {
   std::vector<ShownLoop> distinct;
-  for (const LoopEdge& loop : map.loop_edges()) {
+  for (const LoopClosure& loop : map.loop_closures()) {
     const KeyframePair pair = most_overlapping_pair(map, loop);
     const bool shown = std::any_of(distinct.begin(), distinct.end(), [&](const ShownLoop& other) {
       return other.pair.older == pair.older || other.pair.newer == pair.newer;
@@ -152,7 +152,7 @@ LoopPicture describe(const ShownLoop& shown, const Landmarks& landmarks, const M
   picture.median_error_px = median(errors_px);
   picture.distance_m = T_a_b.translation.norm();
   picture.angle_deg = kDegrees * log_so3(T_a_b.rotation).norm();
-  picture.inliers = shown.loop.inliers;
+  picture.inliers = shown.loop.evidence.inliers;
   return picture;
 }
 

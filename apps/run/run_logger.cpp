@@ -29,11 +29,11 @@ void RunLogger::on_frame(const TrackedFrame& tracked) {
 }
 
 void RunLogger::on_map(const Map& map) {
-  for (; loops_logged_ < map.loop_edges().size(); ++loops_logged_) {
-    const LoopEdge& loop = map.loop_edges()[loops_logged_];
+  for (; loops_logged_ < map.loop_closures().size(); ++loops_logged_) {
+    const LoopClosure& loop = map.loop_closures()[loops_logged_];
     log::info("loop closed: keyframe {} ({} s) matches keyframe {} ({} s), {} inliers", loop.a.value,
               format_stamp(map.keyframe(loop.a).stamp_ns), loop.b.value,
-              format_stamp(map.keyframe(loop.b).stamp_ns), loop.inliers);
+              format_stamp(map.keyframe(loop.b).stamp_ns), loop.evidence.inliers);
   }
   for (; keyframes_logged_ < map.keyframes().size(); ++keyframes_logged_) {
     const Keyframe& keyframe = map.keyframes()[keyframes_logged_];
@@ -69,7 +69,7 @@ Progress make_stage_logger() {
 
 std::string progress_note(const TrackedFrame& result, const Map& map) {
   return fmt::format("{}, {} keyframes, {} loops", describe_tracking(result), map.keyframes().size(),
-                     map.loop_edges().size());
+                     map.loop_closures().size());
 }
 
 }  // namespace kinloop

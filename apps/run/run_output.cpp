@@ -139,9 +139,9 @@ void RunOutput::write_results() const {
   if (!map_) return write_tum_trajectory(folder_.trajectory(), session_.trajectory());
   write_run_files(folder_, {session_.trajectory(), keyframe_trajectory(slam.map(), slam.component()),
                             source.info().ground_truth, map_->cloud, map_->frame, nullptr});
-  write_camera_file(folder_.camera(), calibrated_camera(source.camera(), slam.sensor()));
+  write_camera_file(folder_.camera(), calibrated_camera(source.camera(), slam.sensor_estimate()));
   write_g2o(folder_.graph(), {make_pose_graph(slam.map(), plan_.options.slam.loop), {}, true, {}});
-  write_loop_pictures(folder_, slam, source.camera(), session_.recorder());
+  write_loop_pictures(folder_, slam, session_.recorder());
 }
 
 }  // namespace kinloop

@@ -34,10 +34,10 @@ std::string lasting_input_name(const std::string& input) {
 
 json loops_json(const Map& map) {
   json loops = json::array();
-  for (const LoopEdge& edge : map.loop_edges()) {
-    loops.push_back({{"stamp_a", format_stamp(map.keyframe(edge.a).stamp_ns)},
-                     {"stamp_b", format_stamp(map.keyframe(edge.b).stamp_ns)},
-                     {"inliers", edge.inliers}});
+  for (const LoopClosure& loop : map.loop_closures()) {
+    loops.push_back({{"stamp_a", format_stamp(map.keyframe(loop.a).stamp_ns)},
+                     {"stamp_b", format_stamp(map.keyframe(loop.b).stamp_ns)},
+                     {"inliers", loop.evidence.inliers}});
   }
   return loops;
 }

@@ -65,7 +65,7 @@ void BackEnd::apply(Slot<Kind>& slot, typename Kind::Solution solution) {
   }
   results_.map_changed |= applied->map_changed;
   loops_corrected_ |= applied->loops_corrected;
-  for (const LoopConstraint& loop : applied->loops) correction_.kind.add(loop);
+  if (applied->loops_added) correction_.kind.add(applied->merges);
   if (applied->sensor) results_.sensor = std::move(applied->sensor);
 }
 

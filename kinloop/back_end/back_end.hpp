@@ -37,8 +37,8 @@ class BackEnd {
   BackEnd(const BackEnd&) = delete;
   BackEnd& operator=(const BackEnd&) = delete;
 
-  /// Adds loop candidates. Verified ones are added to the map and corrected.
-  void add_loop_candidates(LoopCandidates candidates) { verification_.kind.add(std::move(candidates)); }
+  /// Adds loop hypotheses. Those that are verified are added to the map, which is then corrected.
+  void add(LoopVerificationProblem hypotheses) { verification_.kind.add(std::move(hypotheses)); }
 
   /// Submits the jobs due at frame `now`.
   void submit(FrameId now, const JobContext& context);

@@ -3,8 +3,10 @@
 #include <cstdint>
 
 #include "kinloop/core/options.hpp"
+#include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
+#include "kinloop/sensor/sensor.hpp"
 #include "kinloop/tracking/options.hpp"
 
 namespace kinloop {
@@ -72,6 +74,13 @@ struct PlaceOptions {
   LocalMapOptions local_map;
   LoopOptions loop;
   uint64_t seed = 1;
+};
+
+/// The sensor and the options with which places are recognised. The corrections of the sensor are not used:
+/// frames and keyframes are motion-compensated.
+struct PlaceContext {
+  Sensor sensor;
+  PlaceOptions options = {};
 };
 
 }  // namespace kinloop

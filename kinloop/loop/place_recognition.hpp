@@ -2,7 +2,10 @@
 // Recognizes places by appearance: relocalizes frames and finds loop candidates for keyframes.
 
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include "kinloop/loop/candidates.hpp"
 #include "kinloop/loop/verify_loop.hpp"
 #include "kinloop/place/place_index.hpp"
 #include "kinloop/place/vocabulary.hpp"
@@ -11,9 +14,8 @@ namespace kinloop {
 
 class PlaceRecognition {
  public:
-  /// The corrections of `sensor` are not used: frames and keyframes are motion-compensated.
   PlaceRecognition(const Sensor& sensor, const PlaceOptions& options, Vocabulary vocabulary)
-      : sensor_(sensor), options_(options), vocabulary_(std::move(vocabulary)) {}
+      : context_{sensor, options}, vocabulary_(std::move(vocabulary)) {}
 
   /// Adds a new keyframe to the index.
   void add(const Keyframe& keyframe);
@@ -26,8 +28,9 @@ class PlaceRecognition {
                                                         KeyframeId reference,
                                                         const SE3& T_reference_camera) const;
 
-  /// Returns loops between `keyframe`, the one added last, and earlier keyframes, to be verified.
-  LoopCandidates find_loops(const Map& map, KeyframeId keyframe);
+  /// Returns hypotheses of loops between `keyframe`, the one added last, and earlier keyframes, to be
+  /// verified.
+  LoopVerificationProblem find_loops(const Map& map, KeyframeId keyframe);
 
   /// Starts a new sequence: the next keyframe does not follow the previous one.
   void forget_history() { history_.clear(); }
@@ -35,11 +38,8 @@ class PlaceRecognition {
  private:
   [[nodiscard]] BowVector bow_of(const Features& features) const;
   [[nodiscard]] IndexedView indexed_view(const Keyframe& keyframe) const;
-  [[nodiscard]] std::vector<ProposedLoop> propose_loops(const Map& map, KeyframeId keyframe,
-                                                        const std::vector<KeyframeId>& candidates) const;
 
-  Sensor sensor_;
-  PlaceOptions options_;
+  PlaceContext context_;
   Vocabulary vocabulary_;
   PlaceIndex index_;
   std::vector<std::vector<NodeId>> nodes_;  // by keyframe id: the vocabulary node of each keypoint

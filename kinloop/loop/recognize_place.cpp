@@ -1,8 +1,7 @@
 #include "kinloop/loop/recognize_place.hpp"
 
 #include "kinloop/features/keypoint_measurements.hpp"
-#include "kinloop/loop/appearance_check.hpp"
-#include "kinloop/loop/depth_check.hpp"
+#include "kinloop/loop/view_checks.hpp"
 
 namespace kinloop {
 namespace {

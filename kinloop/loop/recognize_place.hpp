@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "kinloop/loop/options.hpp"
+#include "kinloop/map/local_map.hpp"
 #include "kinloop/tracking/keypoint_tracking.hpp"
 
 namespace kinloop {

@@ -2,7 +2,7 @@
 
 #include "kinloop/back_end/options.hpp"
 #include "kinloop/features/options.hpp"
-#include "kinloop/loop/place_recognition.hpp"
+#include "kinloop/loop/options.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/mapping/mapper.hpp"
 #include "kinloop/sensor/noise_model.hpp"
@@ -55,6 +55,8 @@ struct SlamOptions {
     visit("self_calibration", self.self_calibration);
     visit("executor", self.executor);
   }
+
+  static OptionHistory history();
 };
 
 // The part of the options that each module uses.

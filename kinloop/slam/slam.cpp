@@ -139,7 +139,7 @@ void Slam::apply_sensor_estimate(const SensorEstimate& estimate) {
 void Slam::find_loops(KeyframeId keyframe) {
   if (!options_.loop.enabled) return;
   const ScopedTimer timer(timings_, "loop detection");
-  back_end_.add_loop_candidates(places_.find_loops(map_, keyframe));
+  back_end_.add(places_.find_loops(map_, keyframe));
 }
 
 Trajectory Slam::finish(const Progress& progress) {

@@ -126,7 +126,7 @@ Returns a Result.)")
                              reading([](const Slam& slam) { return slam.map().landmark_count(); }),
                              "Number of landmarks.")
       .def_property_readonly("loops",
-                             reading([](const Slam& slam) { return slam.map().loop_edges().size(); }),
+                             reading([](const Slam& slam) { return slam.map().loop_closures().size(); }),
                              "Number of loops closed.")
       .def_property_readonly("trajectory",
                              reading([](const Slam& slam) { return PyTrajectory{slam.trajectory()}; }),

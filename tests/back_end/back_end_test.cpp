@@ -58,8 +58,11 @@ class BackEndTest : public testing::Test {
   Map& map() { return built_.map; }
 
   void see_the_start_again() {
-    const ProposedLoop loop{KeyframeId{1}, ring_pose(1).inverse() * ring_pose(kRingKeyframes - 1), {}};
-    back_end_.add_loop_candidates(make_loop_candidates(map(), last_, {loop}, {}));
+    const LoopClosure loop{
+        .a = KeyframeId{1}, .b = last_, .T_a_b = ring_pose(1).inverse() * ring_pose(kRingKeyframes - 1)};
+    LoopVerificationProblem problem = make_loop_verification_problem(map().keyframe(last_));
+    problem.candidates.push_back({loop, {}, make_local_map(map(), loop.a, {})});
+    back_end_.add(std::move(problem));
   }
 
   /// Processes a frame; `added` is its keyframe, if valid.
@@ -97,7 +100,7 @@ TEST_F(BackEndTest, VerifiedLoopIsCorrectedThenAdjusted) {
   see_the_start_again();
   next_frame();
   EXPECT_THAT(jobs(next_frame()), ElementsAre("loop verification"));
-  EXPECT_EQ(map().loop_edges().size(), 1U);
+  EXPECT_EQ(map().loop_closures().size(), 1U);
   EXPECT_THAT(jobs(next_frame()), ElementsAre("loop correction"));
   EXPECT_LT(drift_m(), 0.3 * before_m);
   EXPECT_THAT(jobs(next_frame()), ElementsAre("global bundle adjustment"));

@@ -52,7 +52,7 @@ TEST(MapFile, RoundTripIsBitExact) {
   EXPECT_EQ(again.map.keyframes[3].features->depth_stamp_difference_s,
             saved.map.keyframes[3].features->depth_stamp_difference_s);
   EXPECT_EQ(again.frames[5].depth_stamp_difference_s, saved.frames[5].depth_stamp_difference_s);
-  EXPECT_EQ(again.map.loop_edges[0].information, saved.map.loop_edges[0].information);
+  EXPECT_EQ(again.map.loop_closures[0].information, saved.map.loop_closures[0].information);
 
   // Everything else: saved again, the file is identical byte for byte.
   write_map(b, again, images.size(), [&](size_t i) { return images[i]; });
@@ -220,7 +220,7 @@ TEST(MapFile, ALostKeyframeLosesOnlyItsObservations) {
   EXPECT_EQ(damage.landmarks, kKeypoints);  // all landmarks anchored in it
   ASSERT_EQ(saved.map.keyframes.size(), kKeyframes - 1);
   EXPECT_TRUE(saved.map.keyframes[6].begins_component);  // in place of the lost one
-  EXPECT_EQ(saved.map.loop_edges.size(), 1U);
+  EXPECT_EQ(saved.map.loop_closures.size(), 1U);
 }
 
 TEST(MapFile, NoTruncationCrashes) {

@@ -65,7 +65,12 @@ inline Map some_map(Random& random) {
     }
   }
   map.erase(LandmarkId{5});
-  map.add_loop_edge({KeyframeId{0}, KeyframeId{4}, some_pose(random), 3.5 * Matrix6d::Identity(), 77});
+  map.add_loop_closure({KeyframeId{0},
+                        KeyframeId{4},
+                        some_pose(random),
+                        3.5 * Matrix6d::Identity(),
+                        {77},
+                        LoopStage::kVerified});
   return map;
 }
 

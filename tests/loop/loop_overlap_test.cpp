@@ -39,7 +39,7 @@ class LoopOverlap : public testing::Test {
   test::SyntheticWorld world_ = test::make_world(4000, 1);
   test::ObservationNoise noise_;
   test::SyntheticMap built_;
-  LoopEdge loop_;
+  LoopClosure loop_;
   uint64_t seed_ = 0;
 };
 
@@ -54,7 +54,7 @@ TEST_F(LoopOverlap, ChoosesThePairSharingMostLandmarks) {
 TEST_F(LoopOverlap, PairEndsStayOnTheirSideOfTheLoop) {
   std::swap(loop_.a, loop_.b);
   EXPECT_EQ(most_overlapping_pair(built_.map, loop_).older, KeyframeId{2}) << "in either order of the ends";
-  loop_ = {KeyframeId{1}, KeyframeId{2}, {}, Matrix6d::Identity(), 0};
+  loop_ = {.a = KeyframeId{1}, .b = KeyframeId{2}, .T_a_b = {}};
   const KeyframePair pair = most_overlapping_pair(built_.map, loop_);
   EXPECT_EQ(pair.older, KeyframeId{1});
   EXPECT_EQ(pair.newer, KeyframeId{2});

@@ -135,7 +135,7 @@ TEST(SavedMap, TwoMapsAreMerged) {
   Slam slam(walk().camera);
   slam.add_map(a);
   EXPECT_GT(slam.add_map(b), 0U);
-  EXPECT_FALSE(slam.map().loop_edges().empty());
+  EXPECT_FALSE(slam.map().loop_closures().empty());
   slam.finish();
   slam.map().check_invariants();
   for (const Keyframe& keyframe : slam.map().keyframes()) EXPECT_EQ(keyframe.component, 0U);

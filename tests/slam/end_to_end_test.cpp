@@ -55,8 +55,8 @@ FinishedRun run_simulation(const SlamOptions& options, const SimulationOptions& 
   const Trajectory estimate = session.run();
   const auto ate = absolute_trajectory_error(estimate, source->info().ground_truth);
   const Slam& slam = session.slam();
-  return {ate ? ate->error_m.rmse : 1e9,  slam.log().size(),      estimate.size(),
-          slam.map().loop_edges().size(), slam.sensor_estimate(), simulated->truth()};
+  return {ate ? ate->error_m.rmse : 1e9,     slam.log().size(),      estimate.size(),
+          slam.map().loop_closures().size(), slam.sensor_estimate(), simulated->truth()};
 }
 
 /// The walk mapped with default options, computed once for all tests of this file.

@@ -13,7 +13,7 @@ MapSummary outline_of(const Map& map) {
   MapSummary summary;
   for (const Keyframe& keyframe : map.keyframes())
     summary.T_world_keyframe.push_back(keyframe.T_world_camera);
-  for (const LoopEdge& edge : map.loop_edges()) summary.loops.emplace_back(edge.a, edge.b);
+  for (const LoopClosure& edge : map.loop_closures()) summary.loops.emplace_back(edge.a, edge.b);
   summary.landmarks = map.landmark_count();
   return summary;
 }

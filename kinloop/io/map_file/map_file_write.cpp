@@ -33,7 +33,7 @@ void write_about(DatabaseWriter& file, const SavedMap& map, size_t image_count) 
       {"program", map.program},
       {"components", int64_t{map.map.component_count}},
       {tables::kKeyframe, count(map.map.keyframes.size())},
-      {tables::kLoopEdge, count(map.map.loop_edges.size())},
+      {tables::kLoopEdge, count(map.map.loop_closures.size())},
       {tables::kLandmark, int64_t{landmarks}},
       {tables::kFrame, count(map.frames.size())},
       {tables::kImage, count(image_count)},
@@ -77,16 +77,16 @@ void write_keyframes(DatabaseWriter& file, const MapData& map) {
   }
 }
 
-void write_loop_edges(DatabaseWriter& file, const MapData& map) {
+void write_loop_closures(DatabaseWriter& file, const MapData& map) {
   file.create(tables::kLoopEdge, with_pose({"a", "b"}, {"information", "inliers"}));
   int64_t id = 0;
-  for (const LoopEdge& edge : map.loop_edges) {
-    Row row = {int64_t{edge.a.value}, int64_t{edge.b.value}};
-    add_pose(row, edge.T_a_b);
+  for (const LoopClosure& loop : map.loop_closures) {
+    Row row = {int64_t{loop.a.value}, int64_t{loop.b.value}};
+    add_pose(row, loop.T_a_b);
     Blob information;
-    put_values(information.bytes, edge.information.data(), static_cast<size_t>(edge.information.size()));
+    put_values(information.bytes, loop.information.data(), static_cast<size_t>(loop.information.size()));
     row.emplace_back(std::move(information));
-    row.emplace_back(int64_t{edge.inliers});
+    row.emplace_back(int64_t{loop.evidence.inliers});
     file.insert(tables::kLoopEdge, id++, row);
   }
 }
@@ -148,7 +148,7 @@ void write_map(const std::filesystem::path& path, const SavedMap& map, size_t im
   write_settings(file, map);
   write_camera(file, map.camera);
   write_keyframes(file, map.map);
-  write_loop_edges(file, map.map);
+  write_loop_closures(file, map.map);
   write_landmarks(file, map.map);
   write_frames(file, map.frames);
   write_images(file, image_count, images);

@@ -218,8 +218,10 @@ void add_map(const Corpus& corpus) {
     frame.reference = frame.keyframe = KeyframeId{i};
     saved.frames.push_back(frame);
   }
-  built.map.add_loop_edge(
-      {KeyframeId{0}, KeyframeId{2}, test::pose_on_arc(0).inverse() * test::pose_on_arc(2)});
+  built.map.add_loop_closure({.a = KeyframeId{0},
+                              .b = KeyframeId{2},
+                              .T_a_b = test::pose_on_arc(0).inverse() * test::pose_on_arc(2),
+                              .stage = LoopStage::kVerified});
   saved.program = "kinloop";
   saved.sessions = {{"room", FrameId{0}}};
   saved.options = {{"seed", "1"}};

@@ -1,7 +1,9 @@
 #pragma once
-// Depth check: tests whether the depth measurements of two views are consistent with one scene, given their
-// relative pose. Similar furniture can give a confident pose in the wrong place, but then the geometry around
-// it differs.
+// Checks whether two views can show one scene, given their keypoints and their relative pose.
+//
+// Depth: similar furniture can give a confident pose in the wrong place, but then the geometry around it
+// differs, and one view sees through what the other measured.
+// Appearance: an armchair in front of a wall looks the same in two rooms; the pictures on the wall do not.
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/se3.hpp"
@@ -25,5 +27,12 @@ DepthConsistency compare_depths(const Features& a, const Features& b, const SE3&
 /// Returns whether free-space violations exceed one or two outliers and the given ratio of all keypoints,
 /// which is impossible in a scene of solid objects.
 bool violates_free_space(const DepthConsistency& depths, double max_violation_ratio);
+
+/// Returns the p-value of the difference between views of the same scene: among all regions of a hundred
+/// neighbouring keypoints, the one of which fewest are found in the other view, if each is found with a third
+/// of the overall probability. 1 if there are too few keypoints to decide. Keypoints occluded in the other
+/// view do not count.
+double appearance_p_value(const Features& a, const Features& b, const SE3& T_a_b,
+                          const PinholeCamera& camera);
 
 }  // namespace kinloop

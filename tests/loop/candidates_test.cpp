@@ -1,4 +1,4 @@
-#include "kinloop/loop/tied_places.hpp"
+#include "kinloop/loop/candidates.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@ namespace kinloop {
 namespace {
 
 /// Two visits of one place, two keyframes each; the second visit does not recognise the first.
-class TiedPlaces : public testing::Test {
+class KnownPlaces : public testing::Test {
  protected:
-  TiedPlaces() {
+  KnownPlaces() {
     for (int i = 0; i < 4; ++i) {
       if (i == 2) built_.landmark_of_point.clear();
       const auto view = test::observe(world_, test::pose_on_arc(i % 2), {}, 10 + static_cast<uint64_t>(i));
@@ -18,8 +18,12 @@ class TiedPlaces : public testing::Test {
     }
   }
 
-  [[nodiscard]] bool are_tied(int min_landmarks) const {
-    return KnownPlace(built_.map, now_).is_tied_to(before_, min_landmarks);
+  [[nodiscard]] bool share_landmarks(int min_landmarks) const {
+    return KnownPlace(built_.map, now_).shares_landmarks_with(before_, min_landmarks);
+  }
+
+  void add_loop(KeyframeId a, KeyframeId b) {
+    built_.map.add_loop_closure({a, b, {}, Matrix6d::Identity(), {40}, LoopStage::kVerified});
   }
 
   /// Merges `count` landmarks of the second visit into others of the first.
@@ -38,39 +42,31 @@ class TiedPlaces : public testing::Test {
   const std::vector<KeyframeId> before_{KeyframeId{0}, KeyframeId{1}}, now_{KeyframeId{2}, KeyframeId{3}};
 };
 
-TEST_F(TiedPlaces, GroupOfCovisibleKeyframes) {
+TEST_F(KnownPlaces, GroupOfCovisibleKeyframes) {
   EXPECT_EQ(covisible_group(built_.map, KeyframeId{1}), before_);
   EXPECT_EQ(covisible_group(built_.map, KeyframeId{2}), now_);
 }
 
-TEST_F(TiedPlaces, UnrecognisedRevisitIsNotTied) {
-  EXPECT_FALSE(are_tied(1));
+TEST_F(KnownPlaces, UnrecognisedRevisitSharesNoLandmarks) {
+  EXPECT_FALSE(share_landmarks(1));
 }
 
-TEST_F(TiedPlaces, EachSharedLandmarkCountsOnce) {
+TEST_F(KnownPlaces, EachSharedLandmarkCountsOnce) {
   merge_landmarks(20);
-  EXPECT_TRUE(are_tied(20));
-  EXPECT_FALSE(are_tied(21));
+  EXPECT_TRUE(share_landmarks(20));
+  EXPECT_FALSE(share_landmarks(21));
 }
 
-TEST_F(TiedPlaces, InliersOfLoopEdgesCountBeforeTheirLandmarksAreMerged) {
+TEST_F(KnownPlaces, InliersOfLoopsCountBeforeTheirLandmarksAreMerged) {
   merge_landmarks(20);
-  LoopEdge loop;
-  loop.a = KeyframeId{0};
-  loop.b = KeyframeId{2};  // a neighbour of the query
-  loop.inliers = 40;
-  built_.map.add_loop_edge(loop);
-  EXPECT_TRUE(are_tied(60));
-  EXPECT_FALSE(are_tied(61));
+  add_loop(KeyframeId{0}, KeyframeId{2});  // a neighbour of the query
+  EXPECT_TRUE(share_landmarks(60));
+  EXPECT_FALSE(share_landmarks(61));
 }
 
-TEST_F(TiedPlaces, LoopEdgesWithinAPlaceDoNotCount) {
-  LoopEdge loop;
-  loop.a = KeyframeId{2};
-  loop.b = KeyframeId{3};
-  loop.inliers = 40;
-  built_.map.add_loop_edge(loop);
-  EXPECT_FALSE(are_tied(1));
+TEST_F(KnownPlaces, LoopsWithinAPlaceDoNotCount) {
+  add_loop(KeyframeId{2}, KeyframeId{3});
+  EXPECT_FALSE(share_landmarks(1));
 }
 
 }  // namespace
