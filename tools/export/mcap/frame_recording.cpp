@@ -26,7 +26,7 @@ std::string rvl_of(const cv::Mat& units) {
 
 }  // namespace
 
-CompressedFrame compress_frame(const RgbdFrame& frame, double depth_scale) {
+CompressedFrame compress_frame(const Frame& frame, double depth_scale) {
   CompressedFrame recorded;
   recorded.stamp_ns = frame.stamp_ns;
   const std::string_view jpeg = frame.color.jpeg();
