@@ -22,11 +22,11 @@ struct Features {
   std::vector<Eigen::Vector2f> raw_pixels;
   std::vector<Eigen::Vector2f> measured_pixels;  ///< undistorted, not motion-compensated
   std::vector<float> measured_depths_m;          ///< z, not motion-compensated, 0 = unknown
-  /// Gradient of inverse depth over the image at `raw_pixels`, 1/m per px; NaN if unknown. May be empty.
+  /// Gradient of inverse depth over the undistorted image, 1/m per px; NaN if unknown. May be empty.
   std::vector<Eigen::Vector2f> inverse_depth_gradients;
   std::vector<int> levels;        ///< pyramid level, 0 = full resolution
   std::vector<float> angles_rad;  ///< orientation in the image
-  std::vector<float> sigmas_px;   ///< standard deviation of `pixels`; grows with the level
+  std::vector<float> sigmas_px;   ///< standard deviation of `pixels`; grows with the level and the lens
   cv::Mat descriptors;            ///< N x 32 of 8UC1; those of SIFT and SURF are binary, too
   /// Keeps the memory of `descriptors` alive if it is not OpenCV's own.
   std::shared_ptr<const uint8_t> descriptor_storage;

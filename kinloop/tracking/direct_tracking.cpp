@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "kinloop/features/extractor.hpp"
@@ -83,17 +82,16 @@ Features as_features(const std::vector<FoundPatch>& found, const Frame& frame,
   features.level_count = like.level_count;
   features.depth_stamp_difference_s = depth_stamp_difference_s(frame);
   for (const FoundPatch& patch : found) {
-    const Eigen::Vector2f raw = patch.raw.cast<float>();
-    const auto gradient = inverse_depth_gradient(frame.depth_m, raw, c.search.sensor);
-    features.raw_pixels.push_back(raw);
-    features.pixels.push_back(c.search.sensor.camera.undistort(patch.raw).cast<float>());
-    features.depths_m.push_back(average_depth(frame.depth_m, raw, c.features.max_depth_step));
-    features.inverse_depth_gradients.push_back(
-        gradient.value_or(Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN())));
+    // Alignment is precise, but it finds the keypoint of the keyframe with that keypoint's error.
+    const KeypointSample sample = sample_keypoint(
+        frame.depth_m, patch.raw, static_cast<float>(1 << patch.octave), c.search.sensor, c.features);
+    features.raw_pixels.push_back(patch.raw.cast<float>());
+    features.pixels.push_back(sample.pixel);
+    features.depths_m.push_back(sample.depth_m);
+    features.inverse_depth_gradients.push_back(sample.inverse_depth_gradient);
     features.levels.push_back(static_cast<int>(std::lround(patch.octave / std::log2(like.scale_factor))));
     features.angles_rad.push_back(0);
-    // Alignment is precise, but it finds the keypoint of the keyframe with that keypoint's error.
-    features.sigmas_px.push_back(static_cast<float>(1 << patch.octave));
+    features.sigmas_px.push_back(sample.sigma_px);
   }
   features.measured_pixels = features.pixels;
   features.measured_depths_m = features.depths_m;

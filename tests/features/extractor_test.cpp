@@ -276,5 +276,68 @@ TEST(FloatFeatures, AnImageWithoutCornersHasNone) {
   }
 }
 
+/// A fisheye lens of 170 degrees.
+PinholeCamera fisheye_camera() {
+  const std::vector<double> coefficients{0.02, -0.015, 0.004, -0.0007};
+  return {1280, 1280, 400, 405, 639.5, 640, lens_with(LensModel::kKannalaBrandt, coefficients)};
+}
+
+/// Inverse depth of a slanted plane at an undistorted pixel: linear in it.
+double inverse_depth_of_plane(const PinholeCamera& c, const Eigen::Vector2d& pixel) {
+  return 0.5 + 0.15 * (pixel.x() - c.cx) / c.fx + 0.05 * (pixel.y() - c.cy) / c.fy;
+}
+
+TEST(SampleKeypoint, PredictsASlantedPlaneInTheUndistortedImageOfAFisheye) {
+  const PinholeCamera camera = fisheye_camera();
+  cv::Mat depth_m(camera.height, camera.width, CV_32FC1, cv::Scalar(0));
+  for (int y = 0; y < depth_m.rows; ++y) {
+    for (int x = 0; x < depth_m.cols; ++x) {
+      const Eigen::Vector2d pixel = camera.undistort({x, y});
+      const double inverse_depth = inverse_depth_of_plane(camera, pixel);
+      if (inverse_depth > 0.1) depth_m.at<float>(y, x) = static_cast<float>(1 / inverse_depth);
+    }
+  }
+  constexpr float kRawSigma_px = 1.5F;
+  int checked = 0;
+  for (const double degrees : {0.0, 30.0, 55.0, 75.0}) {
+    for (int k = -3; k <= 3; ++k) {  // where the plane is in front of the camera
+      const double radius = std::tan(degrees * std::numbers::pi / 180);
+      const Eigen::Vector2d seen(camera.cx + camera.fx * radius * std::cos(0.3 * k),
+                                 camera.cy + camera.fy * radius * std::sin(0.3 * k));
+      const Eigen::Vector2d raw = camera.distort(seen).array().round();
+      const KeypointSample sample = sample_keypoint(depth_m, raw, kRawSigma_px, {camera}, {});
+      const Eigen::Vector2d pixel = camera.undistort(raw);
+      ASSERT_GT(sample.depth_m, 0);
+      ASSERT_TRUE(sample.inverse_depth_gradient.allFinite());
+      EXPECT_LT((sample.pixel.cast<double>() - pixel).norm(), 1e-3);
+      for (const Eigen::Vector2d& step :
+           {Eigen::Vector2d(6, 0), Eigen::Vector2d(0, 6), Eigen::Vector2d(-4, 4)}) {
+        const Eigen::Vector2d neighbor = camera.undistort(raw + step);
+        const double change =
+            inverse_depth_of_plane(camera, neighbor) - inverse_depth_of_plane(camera, pixel);
+        const double predicted = sample.inverse_depth_gradient.cast<double>().dot(neighbor - pixel);
+        EXPECT_NEAR(predicted, change, 0.02 * std::abs(change) + 2e-5) << degrees << " " << step.transpose();
+      }
+      Eigen::Matrix2d stretch;
+      for (int axis = 0; axis < 2; ++axis) {
+        const Eigen::Vector2d half = 0.5 * Eigen::Vector2d::Unit(axis);
+        stretch.col(axis) = camera.undistort(raw + half) - camera.undistort(raw - half);
+      }
+      const double expected = static_cast<double>(kRawSigma_px) * std::sqrt(std::abs(stretch.determinant()));
+      EXPECT_NEAR(static_cast<double>(sample.sigma_px), expected, 0.01 * expected);
+      ++checked;
+    }
+  }
+  EXPECT_EQ(checked, 28);
+}
+
+TEST(SampleKeypoint, LeavesAnIdealLensAlone) {
+  const cv::Mat depth_m(480, 640, CV_32FC1, cv::Scalar(2));
+  const KeypointSample sample = sample_keypoint(depth_m, {100, 50}, 1.44F, {ideal_camera()}, {});
+  EXPECT_EQ(sample.sigma_px, 1.44F);
+  EXPECT_EQ(sample.depth_m, 2);
+  EXPECT_EQ(sample.pixel, Eigen::Vector2f(100, 50));
+}
+
 }  // namespace
 }  // namespace kinloop
