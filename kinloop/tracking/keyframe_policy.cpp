@@ -93,8 +93,11 @@ bool needs_keyframe(const KeyframeCriteria& q, const KeyframeOptions& options) {
 
 std::vector<SE3> motions_from_keyframes(const Map& map, const TrackedFrame& tracked) {
   constexpr double kMinSharedFraction = 0.3;
-  const SE3 T_world_camera = map.keyframe(tracked.reference).T_world_camera * tracked.T_reference_camera;
-  std::vector<SE3> motions{map.keyframes().back().T_world_camera.inverse() * T_world_camera};
+  const Keyframe &reference = map.keyframe(tracked.reference), &newest = map.keyframes().back();
+  const SE3 T_world_camera = reference.T_world_camera * tracked.T_reference_camera;
+  std::vector<SE3> motions;
+  if (newest.component == reference.component)
+    motions.push_back(newest.T_world_camera.inverse() * T_world_camera);
   const std::vector<int> shared = shared_counts(map, tracked.matches);
   for (const Keyframe& keyframe : map.keyframes()) {
     const int both = shared[keyframe.id.value];

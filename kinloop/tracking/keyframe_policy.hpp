@@ -19,7 +19,7 @@ namespace kinloop {
 KeyframeOptions spaced_for_direct_tracking(KeyframeOptions options);
 
 /// Returns the camera motion from the nearest keyframe, relative to the motion at which a frame always
-/// becomes a keyframe (1).
+/// becomes a keyframe (1); infinite without keyframes.
 double motion_from_nearest(const Features& features, std::span<const SE3> T_keyframe_camera,
                            const KeyframeOptions& options);
 
@@ -35,8 +35,8 @@ struct KeyframeCriteria {
 /// landmarks.
 bool needs_keyframe(const KeyframeCriteria& criteria, const KeyframeOptions& options);
 
-/// Returns the motion to the camera from the newest keyframe, and from those that observe a fair share of its
-/// landmarks.
+/// Returns the motion to the camera from the newest keyframe, unless that is in another component, and from
+/// those that observe a fair share of its landmarks. May be empty: then nothing known is near.
 std::vector<SE3> motions_from_keyframes(const Map& map, const TrackedFrame& tracked);
 
 /// Returns the keyframe that shares the most matched landmarks, the best reference of the local map; ties go

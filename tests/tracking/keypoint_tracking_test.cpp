@@ -303,6 +303,19 @@ TEST(MotionsFromKeyframes, CoverTheLastAndTheCovisibleKeyframes) {
   EXPECT_EQ(motions_from_keyframes(built.map, result).size(), 1U);
 }
 
+TEST(MotionsFromKeyframes, LeaveOutTheNewestKeyframeInAnotherComponent) {
+  const auto world = test::make_world(3000, 1);
+  test::SyntheticMap built;
+  const auto view = test::observe(world, SE3{}, {}, 2);
+  const KeyframeId first = test::add_view(built, world, view, SE3{});
+  TrackedFrame tracked;
+  tracked.outcome = TrackingOutcome::kTracked;
+  tracked.reference = first;
+  EXPECT_EQ(motions_from_keyframes(built.map, tracked).size(), 1U);
+  built.map.add_keyframe(FrameId{9}, 9, SE3{}, view.features, 1);
+  EXPECT_TRUE(motions_from_keyframes(built.map, tracked).empty());
+}
+
 TEST_F(KeyframePolicy, ALostFrameNeverBecomesAKeyframe) {
   result_.outcome = TrackingOutcome::kLost;
   EXPECT_FALSE(needs_keyframe({result_, {camera_at(1, {1, 1, 1})}, 5, 300}, {}));
