@@ -117,16 +117,16 @@ std::optional<TrackedFrame> KeyframeSelector::select(const TrackedFrame& tracked
   const KeyframeOptions spaced = spaced_for_direct_tracking(options_);
   const double moved = motion_from_nearest(tracked.features(), motions_from_keyframes(map, tracked), spaced);
   if (!is_worth_rematching(tracked, moved)) return std::nullopt;
-  last_rematched_ = tracked.id;
+  last_rematched_ns_ = tracked.stamp_ns;
   TrackedFrame rematched = rematch(tracked);
   if (rematched.is_lost() || !needs_keyframe(criteria_of(rematched, map), spaced)) return std::nullopt;
   return rematched;
 }
 
 bool KeyframeSelector::is_worth_rematching(const TrackedFrame& tracked, double moved) const {
-  constexpr uint32_t kInterval_frames = 4;  // a tenth of a second: extraction costs more than direct tracking
-  return moved > 1 ||
-         (moved >= kMinKeyframeMotion && tracked.id.value - last_rematched_.value >= kInterval_frames);
+  constexpr int64_t kMinInterval_ns = 120'000'000;  // extraction costs more than direct tracking
+  if (moved < kMinKeyframeMotion) return false;
+  return moved > 1 || !last_rematched_ns_ || tracked.stamp_ns - *last_rematched_ns_ >= kMinInterval_ns;
 }
 
 KeyframeId best_reference(const Map& map, const std::vector<LandmarkMatch>& matches, KeyframeId fallback) {

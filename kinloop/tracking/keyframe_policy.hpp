@@ -60,7 +60,7 @@ class KeyframeSelector {
   [[nodiscard]] bool is_worth_rematching(const TrackedFrame& tracked, double moved) const;
 
   KeyframeOptions options_;
-  FrameId last_rematched_{0};
+  std::optional<int64_t> last_rematched_ns_;
 };
 
 }  // namespace kinloop
