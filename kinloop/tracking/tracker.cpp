@@ -193,7 +193,7 @@ void Tracker::update(const Map& map, KeyframeId reference) {
 }
 
 void Tracker::express_previous_in(KeyframeId reference, const Map& map) {
-  if (!previous_ || previous_->reference == reference) return;
+  if (!previous_ || !previous_->reference.valid() || previous_->reference == reference) return;
   previous_->T_reference_camera = map.keyframe(reference).T_world_camera.inverse() *
                                   map.keyframe(previous_->reference).T_world_camera *
                                   previous_->T_reference_camera;

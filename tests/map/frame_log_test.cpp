@@ -45,7 +45,9 @@ TEST(RelocalizeLostFrames, ContinuesFromNeighborsInBothDirections) {
   std::vector<std::pair<uint32_t, uint32_t>> found;
   const FrameSearch search{nowhere, [&](const Frame& frame, const TrackedFrame& neighbor) {
                              found.emplace_back(frame.id.value, neighbor.id.value);
-                             return located_at(7);
+                             TrackedFrame tracked = located_at(7);
+                             tracked.id = frame.id;
+                             return tracked;
                            }};
   FrameLog log;
   for (uint32_t i = 0; i < 6; ++i)
