@@ -78,7 +78,11 @@ void BackEnd::complete(const std::vector<FinishedJob>& jobs) {
 
 /// Whether a job that moves the whole map is in flight.
 bool BackEnd::global_correction_in_flight() const {
-  return executor_->busy(LoopCorrectionJob::kName) || executor_->busy(GlobalBaJob::kName);
+  const auto in_flight = [this]<class Kind>(const Slot<Kind>& /*slot*/) {
+    return Kind::kMovesWholeMap && executor_->busy(Kind::kName);
+  };
+  return in_flight(verification_) || in_flight(correction_) || in_flight(global_ba_) ||
+         in_flight(local_ba_) || in_flight(self_calibration_);
 }
 
 }  // namespace kinloop

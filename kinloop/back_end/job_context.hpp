@@ -3,7 +3,7 @@
 //
 // Each kind of job is a class with
 //   kName, Problem, Solution
-//   kMovesWholeMap                   such jobs wait for corrections and are repeated when stale
+//   kMovesWholeMap                   such jobs wait for each other and are repeated when stale
 //   lag_frames()                     frames until the solution is applied, in lagged mode
 //   is_due(context)                  whether a job should start
 //   make_problem(context)            copies all its data out of the map

@@ -57,12 +57,14 @@ class BackEndTest : public testing::Test {
 
   Map& map() { return built_.map; }
 
-  void see_the_start_again() {
+  void see_the_start_again() { back_end_.add(revisit()); }
+
+  LoopVerificationProblem revisit() {
     const LoopClosure loop{
         .a = KeyframeId{1}, .b = last_, .T_a_b = ring_pose(1).inverse() * ring_pose(kRingKeyframes - 1)};
     LoopVerificationProblem problem = make_loop_verification_problem(map().keyframe(last_));
     problem.candidates.push_back({loop, {}, make_local_map(map(), loop.a, {})});
-    back_end_.add(std::move(problem));
+    return problem;
   }
 
   /// Processes a frame; `added` is its keyframe, if valid.
@@ -169,6 +171,23 @@ TEST_F(BackEndTest, SelfCalibrationWaitsForCorrections) {
   const AppliedResults corrected = next_frame(last_);
   EXPECT_THAT(jobs(corrected), Contains("loop correction"));
   EXPECT_THAT(jobs(corrected), Not(Contains("self-calibration")));
+}
+
+/// Each would make the others stale.
+TEST_F(BackEndTest, JobsThatMoveTheWholeMapWaitForEachOther) {
+  BackEndOptions options = ring_options();
+  options.executor.mode = ExecutorMode::kLagged;
+  BackEnd back_end(map(), sensor_, options);
+  back_end.add(revisit());
+  std::vector<std::string> done;
+  for (uint32_t now = 0; now < 80; ++now) {
+    const AppliedResults results = back_end.apply_due(FrameId{now});
+    EXPECT_THAT(results.stale, IsEmpty()) << now;
+    for (const std::string& kind : jobs(results)) done.push_back(kind);
+    back_end.submit(FrameId{now}, {map(), log_, sensor_, now == 0 ? last_ : KeyframeId{}});
+  }
+  EXPECT_THAT(done, ElementsAre("loop verification", "local bundle adjustment", "self-calibration",
+                                "loop correction", "global bundle adjustment"));
 }
 
 TEST_F(BackEndTest, ApplyRemainingRepeatsAStaleLoopCorrection) {
