@@ -15,7 +15,9 @@ bool LoopCorrectionJob::is_due(const JobContext& /*context*/) const {
 
 LoopCorrectionJob::Problem LoopCorrectionJob::make_problem(const JobContext& context) {
   loops_waiting_ = false;
-  return {make_loop_correction_problem(context.map, std::exchange(merges_, {}), options_), options_};
+  loops_in_problem_ = context.map.loop_closures().size();
+  return {make_loop_correction_problem(context.map, std::exchange(merges_, {}), options_, corrected_loops_),
+          options_};
 }
 
 MapUpdate LoopCorrectionJob::solve(const Problem& problem) {
@@ -24,6 +26,7 @@ MapUpdate LoopCorrectionJob::solve(const Problem& problem) {
 
 std::optional<AppliedSolution> LoopCorrectionJob::apply(Map& map, const MapUpdate& update) {
   if (!map.apply(update)) return std::nullopt;
+  corrected_loops_ = loops_in_problem_;
   map.advance_epoch();
   AppliedSolution applied;
   applied.loops_corrected = true;

@@ -26,7 +26,7 @@ class LoopCorrectionJob {
   [[nodiscard]] bool is_due(const JobContext& context) const;
   [[nodiscard]] Problem make_problem(const JobContext& context);
   [[nodiscard]] static Solution solve(const Problem& problem);
-  [[nodiscard]] static std::optional<AppliedSolution> apply(Map& map, const Solution& update);
+  [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& update);
   /// The loops stay in the map; their landmark merges are kept for the next job.
   void on_stale(const Solution& update);
 
@@ -34,7 +34,9 @@ class LoopCorrectionJob {
   LoopOptions options_;
   int lag_frames_;
   bool loops_waiting_ = false;
-  LandmarkMerges merges_;  // of the waiting loops
+  size_t loops_in_problem_ = 0;  // loop closures of the map when the latest problem was copied
+  size_t corrected_loops_ = 0;   // those that the map has been corrected for
+  LandmarkMerges merges_;        // of the waiting loops
 };
 
 }  // namespace kinloop

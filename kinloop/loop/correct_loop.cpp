@@ -5,15 +5,13 @@
 namespace kinloop {
 namespace {
 
+SE3 current_pose(const Map& map, KeyframeId a, KeyframeId b) {
+  return map.keyframe(a).T_world_camera.inverse() * map.keyframe(b).T_world_camera;
+}
+
 PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, int shared,
                            const LoopOptions& options) {
-  PoseGraphEdge edge;
-  edge.a = a.value;
-  edge.b = b.value;
-  edge.T_a_b = map.keyframe(a).T_world_camera.inverse() * map.keyframe(b).T_world_camera;
-  edge.information = edge_information(shared, options);
-  edge.is_odometry = true;
-  return edge;
+  return {a.value, b.value, current_pose(map, a, b), edge_information(shared, options), true};
 }
 
 }  // namespace
@@ -35,7 +33,7 @@ Matrix6d edge_information(int shared, const LoopOptions& options) {
   return diagonal.asDiagonal();
 }
 
-PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
+PoseGraph make_pose_graph(const Map& map, const LoopOptions& options, size_t corrected_loops) {
   PoseGraph graph;
   std::set<uint32_t> held;
   for (const Keyframe& keyframe : map.keyframes()) {
@@ -53,20 +51,18 @@ PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
     }
     if (!connected_to_previous) graph.edges.push_back(edge_between(map, *previous, keyframe.id, 1, options));
   }
-  for (const LoopClosure& loop : map.loop_closures()) {
-    PoseGraphEdge edge;
-    edge.a = loop.a.value;
-    edge.b = loop.b.value;
-    edge.T_a_b = loop.T_a_b;
-    edge.information = loop.information;
-    graph.edges.push_back(edge);
+  for (size_t i = 0; i < map.loop_closures().size(); ++i) {
+    const LoopClosure& loop = map.loop_closures()[i];
+    const SE3 T_a_b = i < corrected_loops ? current_pose(map, loop.a, loop.b) : loop.T_a_b;
+    graph.edges.push_back({loop.a.value, loop.b.value, T_a_b, loop.information});
   }
   return graph;
 }
 
 LoopCorrectionProblem make_loop_correction_problem(const Map& map, LandmarkMerges merges,
-                                                   const LoopOptions& options) {
-  return {make_pose_graph(map, options), std::move(merges), map.keyframes().back().id, map.epoch()};
+                                                   const LoopOptions& options, size_t corrected_loops) {
+  return {make_pose_graph(map, options, corrected_loops), std::move(merges), map.keyframes().back().id,
+          map.epoch()};
 }
 
 MapUpdate correct_loop(const LoopCorrectionProblem& problem, const LoopOptions& options) {

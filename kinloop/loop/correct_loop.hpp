@@ -21,16 +21,19 @@ struct LoopCorrectionProblem {
 std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe);
 
 /// Builds edges between successive keyframes and between keyframes that share many landmarks, from their
-/// current poses, and the loop closures as measured. The first keyframe of each component is constant.
-PoseGraph make_pose_graph(const Map& map, const LoopOptions& options);
+/// current poses, and of the loop closures: as measured, except the first `corrected_loops`, for which the
+/// map has been corrected. Their landmarks are merged and adjusted, so the current poses are better than the
+/// first measurement. The first keyframe of each component is constant.
+PoseGraph make_pose_graph(const Map& map, const LoopOptions& options, size_t corrected_loops = 0);
 
 /// Returns the information matrix of a relative pose constrained by `shared` landmarks, for (translation;
 /// quaternion vector part) as in pose_graph.hpp.
 Matrix6d edge_information(int shared, const LoopOptions& options);
 
-/// Copies the problem; `merges` are the landmarks identified by the newest loop closures.
+/// Copies the problem; `merges` are the landmarks identified by the loop closures after the first
+/// `corrected_loops`.
 LoopCorrectionProblem make_loop_correction_problem(const Map& map, LandmarkMerges merges,
-                                                   const LoopOptions& options);
+                                                   const LoopOptions& options, size_t corrected_loops = 0);
 
 /// Solves the pose graph. Landmarks move with their anchors.
 MapUpdate correct_loop(const LoopCorrectionProblem& problem, const LoopOptions& options);

@@ -236,6 +236,22 @@ TEST_F(Loop, CorrectionDistributesTheDrift) {
   built_.map.check_invariants();
 }
 
+TEST_F(Loop, CorrectedLoopsEnterThePoseGraphAsTheMapHasThem) {
+  const SE3 T_a_b = test::camera_at(0.1, {0.2, 0, 0});
+  for (const uint32_t a : {0U, 1U}) {
+    built_.map.add_loop_closure(
+        {KeyframeId{a}, last_, T_a_b, 7 * Matrix6d::Identity(), {30}, LoopStage::kVerified});
+  }
+  const PoseGraph graph = make_pose_graph(built_.map, {}, 1);
+  const auto& corrected = graph.edges[graph.edges.size() - 2];
+  const SE3 of_map =
+      built_.map.keyframe(KeyframeId{0}).T_world_camera.inverse() * built_.map.keyframe(last_).T_world_camera;
+  EXPECT_EQ(corrected.T_a_b.matrix(), of_map.matrix());
+  EXPECT_EQ(graph.edges.back().T_a_b.matrix(), T_a_b.matrix());
+  EXPECT_EQ(corrected.information, graph.edges.back().information);
+  EXPECT_FALSE(corrected.is_odometry);
+}
+
 TEST_F(Loop, ALostFrameIsRelocalized) {
   const SE3 pose = true_pose(10) * camera_at(0.04, {0.05, 0.02, 0.03});
   const auto view = test::observe(world_, pose, {}, 99);
