@@ -142,7 +142,7 @@ TEST_F(Loop, VerificationFindsTheTrueMotion) {
   const SE3 truth =
       true_pose(static_cast<int>(constraint.edge.a.value)).inverse() * true_pose(kKeyframes - 1);
   EXPECT_LT(test::distance_m(constraint.edge.T_a_b, truth), 0.02);
-  EXPECT_GE(constraint.edge.inliers, 30);
+  EXPECT_GE(constraint.edge.inliers, 150);
   EXPECT_FALSE(constraint.merges.empty());
 }
 
@@ -188,8 +188,8 @@ TEST_F(Loop, ProposedPoseIsNearTheTruth) {
   for (const auto& predicted : {std::optional<PredictedView>(), predict(last_, KeyframeId{1})}) {
     const auto pose = propose(last_, KeyframeId{1}, predicted);
     ASSERT_TRUE(pose.has_value());
-    EXPECT_LT(test::distance_m(*pose, truth), 0.03);
-    EXPECT_LT(test::angle_rad(*pose, truth), 0.02);
+    EXPECT_LT(test::distance_m(*pose, truth), 0.004);
+    EXPECT_LT(test::angle_rad(*pose, truth), 0.0018);
   }
 }
 

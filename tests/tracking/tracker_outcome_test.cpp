@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kinloop/loop/place_recognition.hpp"
 #include "kinloop/tracking/tracker.hpp"
 #include "tests/support/synthetic_map.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
@@ -20,8 +21,8 @@ Vocabulary world_vocabulary(const test::SyntheticWorld& world) {
   return train_vocabulary(images, options);
 }
 
-SlamOptions impatient() {
-  SlamOptions options;
+TrackerOptions impatient() {
+  TrackerOptions options;
   options.lost_frames_before_new_component = 2;
   return options;
 }
@@ -49,7 +50,7 @@ class TrackerOutcome : public testing::Test {
     frame.gray.setTo(id_ + 1);  // no frame repeats the previous image
     ++id_;
     Timings timings;
-    FrameTracking tracking = tracker_.track(frame, {built_.map, places_, sensor_}, timings);
+    FrameTracking tracking = tracker_.track(frame, {built_.map, sensor_, relocalize_}, timings);
     const TrackResult* result = located(tracking.outcome);
     tracker_.update(built_.map, result != nullptr ? result->reference : tracker_.reference(), &tracking);
     return tracking;
@@ -63,7 +64,10 @@ class TrackerOutcome : public testing::Test {
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
   test::SyntheticMap built_;
-  PlaceRecognition places_{world_.camera, impatient(), world_vocabulary(world_)};
+  PlaceRecognition places_{world_.camera, {}, world_vocabulary(world_)};
+  Relocalizer relocalize_ = [this](const PreparedFrame& frame) {
+    return places_.relocalize(frame, built_.map);
+  };
   Tracker tracker_{world_.camera, impatient()};
   SensorVector sensor_ = SensorVector::Zero();
   uint32_t id_ = 0;
@@ -82,7 +86,7 @@ TEST_F(TrackerOutcome, RelocalizesWithoutAPreviousFrame) {
   build_map();
   const FrameTracking found = show(pose(1.5));
   ASSERT_TRUE(std::holds_alternative<Relocalized>(found.outcome));
-  EXPECT_LT(error_m(found, pose(1.5)), 0.01);
+  EXPECT_LT(error_m(found, pose(1.5)), 0.003);
 }
 
 TEST_F(TrackerOutcome, TracksAfterRelocalization) {
@@ -90,7 +94,7 @@ TEST_F(TrackerOutcome, TracksAfterRelocalization) {
   show(pose(1.5));
   const FrameTracking next = show(pose(1.7));
   ASSERT_TRUE(std::holds_alternative<Tracked>(next.outcome));
-  EXPECT_LT(error_m(next, pose(1.7)), 0.01);
+  EXPECT_LT(error_m(next, pose(1.7)), 0.003);
   EXPECT_GT(next.motion.velocity().linear_m_s.norm(), 0);
 }
 
@@ -103,7 +107,7 @@ TEST_F(TrackerOutcome, PreviousFrameIsExpressedInANewReference) {
   ASSERT_TRUE(std::holds_alternative<Tracked>(next.outcome));
   EXPECT_EQ(std::get<Tracked>(next.outcome).result.reference, other);
   EXPECT_EQ(std::get<Tracked>(next.outcome).result.stats.attempts, 1);  // found at its predicted pose
-  EXPECT_LT(error_m(next, pose(1.7)), 0.01);
+  EXPECT_LT(error_m(next, pose(1.7)), 0.003);
 }
 
 TEST_F(TrackerOutcome, UnknownPlaceIsLostThenStartsANewMap) {
@@ -121,7 +125,7 @@ TEST_F(TrackerOutcome, ReturningCameraIsRelocalized) {
   show(elsewhere());
   const FrameTracking back = show(pose(0.5));
   ASSERT_NE(located(back.outcome), nullptr);
-  EXPECT_LT(error_m(back, pose(0.5)), 0.01);
+  EXPECT_LT(error_m(back, pose(0.5)), 0.004);
 }
 
 TEST_F(TrackerOutcome, TrackHasNoSideEffects) {
@@ -130,7 +134,7 @@ TEST_F(TrackerOutcome, TrackHasNoSideEffects) {
   const auto view = test::observe(world_, pose(1.7), {}, 9);
   PreparedFrame frame = test::make_frame(50, view);
   frame.gray.setTo(200);
-  const TrackingContext context{built_.map, places_, sensor_};
+  const TrackingContext context{built_.map, sensor_, relocalize_};
   Timings timings;
   const FrameTracking once = tracker_.track(frame, context, timings);
   const FrameTracking again = tracker_.track(frame, context, timings);
