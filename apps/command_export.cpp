@@ -1,10 +1,10 @@
 // kinloop export: writes a map in formats that other programs read.
 
 #include <algorithm>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
-#include "apps/export/export_map_recording.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/progress_bar.hpp"
@@ -15,18 +15,55 @@
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/occupancy.hpp"
-#include "kinloop/io/grid_file.hpp"
-#include "kinloop/io/path_csv.hpp"
-#include "kinloop/io/point_cloud/las.hpp"
 #include "kinloop/io/point_cloud/pcd.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
 #include "session/export_sparse_model.hpp"
 #include "session/map_store.hpp"
+#include "tools/export/grid_file.hpp"
+#include "tools/export/las.hpp"
+#include "tools/export/mcap/map_recording.hpp"
+#include "tools/export/path_csv.hpp"
 
 namespace kinloop {
 namespace {
+
+struct MapRecordingRequest {
+  std::filesystem::path file;
+  std::string frame;
+  size_t session = 0;
+  int threads = 1;
+};
+
+/// Returns those of `views` that belong to the session, in order of time.
+std::vector<StampedImage> session_images(std::span<const TrackedFrame> session, const OpenMap& open,
+                                         std::span<const PosedImage> views) {
+  std::unordered_map<FrameId, int64_t> stamp_of;
+  for (const TrackedFrame& entry : session) stamp_of.emplace(entry.id, entry.stamp_ns);
+  std::vector<StampedImage> images;
+  for (const PosedImage& view : views) {
+    const auto stamp = stamp_of.find(open.recorder.frame_of_image(view.image));
+    if (stamp != stamp_of.end()) images.push_back({stamp->second, view.image});
+  }
+  std::stable_sort(images.begin(), images.end(),
+                   [](const auto& a, const auto& b) { return a.stamp_ns < b.stamp_ns; });
+  return images;
+}
+
+/// Writes the poses and images of the session, and the cloud of its component.
+void export_map_recording(const MapRecordingRequest& request, OpenMap& open, const Progress& progress) {
+  const auto session = open.session_log(request.session);
+  const auto views = open.views(request.session);
+  MapRecording recording;
+  recording.trajectory = open.poses.empty() ? trajectory_of(session, open.map) : open.poses;
+  recording.images = session_images(session, open, views);
+  recording.cloud = open.cloud(request.session, request.threads, progress);
+  recording.camera = open.dense_camera().color;
+  recording.frame = file_frame(request.frame, open.up(request.session), views);
+  write_map_recording(request.file, recording,
+                      [&](size_t image) { return open.recorder.images().encoded(image).color; });
+}
 
 struct ExportArguments {
   std::filesystem::path map, poses;

@@ -16,7 +16,7 @@
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "session/map_store.hpp"
-#include "session/open_frame_source.hpp"
+#include "session/run_plan.hpp"
 
 namespace kinloop {
 namespace {
@@ -34,7 +34,7 @@ json sessions_json(const SavedMap& saved) {
   for (size_t i = 0; i < saved.sessions.size(); ++i) {
     const FrameId begin = saved.sessions[i].first_frame;
     const FrameId end = i + 1 < saved.sessions.size() ? saved.sessions[i + 1].first_frame : FrameId{};
-    const auto in_session = [&](const SavedFrame& f) { return f.frame >= begin && f.frame < end; };
+    const auto in_session = [&](const TrackedFrame& f) { return f.id >= begin && f.id < end; };
     sessions.push_back({{"input", saved.sessions[i].input},
                         {"frames", std::count_if(saved.frames.begin(), saved.frames.end(), in_session)}});
   }
@@ -60,7 +60,7 @@ json map_info(const std::filesystem::path& path) {
           {"keyframes", saved.map.keyframes.size()},
           {"components", components_of(saved.map.keyframes)},
           {"landmarks", landmarks},
-          {"loops", saved.map.loop_edges.size()},
+          {"loops", saved.map.loop_closures.size()},
           {"images", images},
           {"image_bytes", image_bytes},
           {"camera", {{"width", lens.width}, {"height", lens.height}, {"fx", lens.fx}, {"fy", lens.fy}}},
@@ -114,9 +114,9 @@ void merge(const MergeArguments& arguments) {
   Slam slam(a.camera, options.slam, open_vocabulary(arguments.vocabulary, options.slam.features));
   DenseRecorder recorder(a.camera, options.dense);
   load_images(reader_a, path_a, slam.add_map(std::move(a)), recorder);
-  const size_t before = slam.map().loop_edges().size() + b.map.loop_edges.size();
+  const size_t before = slam.map().loop_closures().size() + b.map.loop_closures.size();
   load_images(reader_b, path_b, slam.add_map(std::move(b)), recorder);
-  const size_t found = slam.map().loop_edges().size() - before;
+  const size_t found = slam.map().loop_closures().size() - before;
   slam.finish(make_progress_bar(arguments.quiet));
   MapSaver(arguments.output, {slam, recorder, options, {}}, 0).save();
   if (found == 0) {

@@ -113,7 +113,7 @@ std::string page(const std::string& title, const std::vector<Pose>& before, cons
   report.after = positions(solution.T_world_vertex);
   for (const auto& edge : graph.edges) {
     if (edge.a == kWorld) continue;
-    (edge.trusted ? report.steps : report.loops).emplace_back(edge.a, edge.b);
+    (edge.is_odometry ? report.steps : report.loops).emplace_back(edge.a, edge.b);
   }
   return render_graph_report(report);
 }

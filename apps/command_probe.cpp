@@ -31,7 +31,7 @@ struct Probed {
   bool metric_depth = false;
   std::vector<int64_t> stamps_ns;
   std::vector<double> depth_minus_color_s;
-  std::vector<RgbdFrame> frames;
+  std::vector<Frame> frames;
   SkippedFrames skipped;
   size_t truth = 0;
 };
@@ -80,7 +80,7 @@ Probed probe_source(const SourceRequest& request) {
   probed.camera = source->camera();
   probed.truth = source->info().ground_truth.size();
   take_frames(*source, probed);
-  for (const RgbdFrame& frame : probed.frames) probed.stamps_ns.push_back(frame.stamp_ns);
+  for (const Frame& frame : probed.frames) probed.stamps_ns.push_back(frame.stamp_ns);
   return probed;
 }
 

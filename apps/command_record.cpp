@@ -81,7 +81,7 @@ void record(const RecordArguments& arguments) {
   size_t frames = 0;
   std::exception_ptr failure;  // of the source; what was recorded before is completed
   while (!interrupted() && !limit_reached(arguments, frames, watch)) {
-    std::optional<RgbdFrame> frame;
+    std::optional<Frame> frame;
     try {
       frame = source->next();
     } catch (const InputError&) {

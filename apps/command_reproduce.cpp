@@ -1,5 +1,5 @@
-// kinloop reproduce: makes the tables and figures of the founding paper anew, from data that is given or
-// simulated.
+// kinloop reproduce: makes the tables and figures of "Kinect Based 3D Visual SLAM" anew, from data that is
+// given or simulated.
 
 #include <filesystem>
 #include <memory>
@@ -12,7 +12,7 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/text/json.hpp"
-#include "session/program_name.hpp"
+#include "session/process.hpp"
 
 namespace kinloop {
 
@@ -63,8 +63,8 @@ void reproduce(const ReproduceArguments& arguments) {
 }  // namespace
 
 void add_reproduce_command(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("reproduce", "Reproduce the tables and figures of the founding paper");
+  CLI::App* command = app.add_subcommand(
+      "reproduce", "Reproduce the tables and figures of the paper Kinect Based 3D Visual SLAM");
   command->footer(kReproduceFooter);
   auto arguments = std::make_shared<ReproduceArguments>();
   command->add_option("SEQUENCE", arguments->sequence,

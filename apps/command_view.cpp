@@ -35,7 +35,7 @@ SavedRun shown_map(const std::filesystem::path& file) {
   for (const Keyframe& keyframe : open.map.keyframes()) {
     run.keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
   }
-  for (const LoopEdge& loop : open.map.loop_edges()) run.loops.emplace_back(loop.a, loop.b);
+  for (const LoopClosure& loop : open.map.loop_closures()) run.loops.emplace_back(loop.a, loop.b);
   run.metrics["landmarks"] = open.map.landmark_count();
   run.up = open.up(0).direction;
   run.cloud = open.cloud(0, hardware_threads(), make_progress_bar(false));

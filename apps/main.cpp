@@ -23,7 +23,7 @@
 #include "apps/shared/version.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
-#include "session/memory.hpp"
+#include "session/process.hpp"
 
 namespace {
 

@@ -72,7 +72,7 @@ BasicPoseGraph<Pose> with_false_loops(BasicPoseGraph<Pose> graph, double share) 
   const auto count = static_cast<uint32_t>(graph.T_world_vertex.size());
   std::vector<size_t> loops;
   for (size_t i = 0; i < graph.edges.size(); ++i) {
-    if (!graph.edges[i].trusted) loops.push_back(i);
+    if (!graph.edges[i].is_odometry) loops.push_back(i);
   }
   const auto wanted = static_cast<size_t>(share * static_cast<double>(loops.size()));
   for (size_t i = 0; i < wanted; ++i) {

@@ -12,7 +12,7 @@
 #include "kinloop/optimize/bundle/bundle.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
-#include "kinloop/tracking/local_map_tracking.hpp"
+#include "kinloop/tracking/keypoint_tracking.hpp"
 #include "simulator/simulated_source.hpp"
 
 namespace kinloop {
@@ -21,7 +21,7 @@ namespace {
 /// Two successive frames of the simulated room.
 struct Frames {
   PinholeCamera camera;
-  PreparedFrame first, second;
+  Frame first, second;
 
   Frames() {
     const auto source = make_simulated_source("sim:room", {}, 2);
@@ -30,14 +30,14 @@ struct Frames {
     second = prepare(source->frame(101));
   }
 
-  [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const {
-    PreparedFrame prepared;
+  [[nodiscard]] Frame prepare(const Frame& frame) const {
+    Frame prepared;
     prepared.id = frame.id;
     prepared.stamp_ns = frame.stamp_ns;
     prepared.depth_m = frame.depth_m;
     prepared.gray = frame.color.gray();
     prepared.features =
-        std::make_shared<const Features>(extract_features(prepared.gray, frame.depth_m, camera, {}));
+        std::make_shared<const Features>(extract_features(prepared.gray, frame.depth_m, Sensor{camera}, {}));
     return prepared;
   }
 };
@@ -49,16 +49,18 @@ const Frames& frames() {
 
 void extract_orb(benchmark::State& state) {
   const Frames& input = frames();
+  const Sensor sensor{input.camera};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(extract_features(input.first.gray, input.first.depth_m, input.camera, {}));
+    benchmark::DoNotOptimize(extract_features(input.first.gray, input.first.depth_m, sensor, {}));
   }
 }
 BENCHMARK(extract_orb)->Unit(benchmark::kMillisecond);
 
 void extract_orb_without_depth(benchmark::State& state) {
   const Frames& input = frames();
+  const Sensor sensor{input.camera};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(extract_features(input.first.gray, cv::Mat(), input.camera, {}));
+    benchmark::DoNotOptimize(extract_features(input.first.gray, cv::Mat(), sensor, {}));
   }
 }
 BENCHMARK(extract_orb_without_depth)->Unit(benchmark::kMillisecond);
@@ -104,10 +106,19 @@ void track_frame(benchmark::State& state) {
     }
   }
   const LocalMap view = make_local_map(map, keyframe, {});
-  const TrackedFrame previous{frames().first, SE3{}, map.keyframe(keyframe).landmark_of};
+  TrackedFrame previous = unlocated(frames().first);
+  previous.outcome = TrackingOutcome::kTracked;
+  previous.reference = keyframe;
+  previous.frame = std::make_shared<const Frame>(frames().first);
+  const auto& landmark_of = map.keyframe(keyframe).landmark_of;
+  for (uint32_t i = 0; i < landmark_of.size(); ++i) {
+    if (landmark_of[i].valid()) previous.matches.push_back({landmark_of[i], i});
+  }
+  const Sensor sensor{frames().camera};
+  const TrackingOptions options;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        track(frames().second, previous, view, {SE3{}, 0.01, 0.02}, frames().camera, {}, 1));
+        track_keypoints({frames().second, view, sensor, options}, previous, {SE3{}, 0.01, 0.02}, 1));
   }
 }
 BENCHMARK(track_frame)->Unit(benchmark::kMillisecond);
@@ -132,14 +143,13 @@ CameraObservations thousand_observations() {
 /// velocity; these, the sensor parameters and the point.
 void linearize_thousand(benchmark::State& state) {
   const auto observations = thousand_observations();
-  const SensorVector sensor = SensorVector::Zero();
-  const MeasurementModel model{frames().camera, sensor, {6e-3}, 0.5};
+  const Sensor sensor{frames().camera};
   const BundleView view(SE3{}, Velocity::from_vector(Vector6d::Constant(0.1)));
   const std::array layouts{LinearColumns::of_pose(), LinearColumns::of_pose_and_velocity(),
                            LinearColumns::of_all()};
   for (auto _ : state)
     benchmark::DoNotOptimize(
-        observations.linearize(view, model, layouts.at(static_cast<size_t>(state.range(0)))));
+        observations.linearize(view, sensor, layouts.at(static_cast<size_t>(state.range(0)))));
 }
 BENCHMARK(linearize_thousand)->DenseRange(0, 2)->Unit(benchmark::kMillisecond);
 

@@ -109,10 +109,9 @@ void windowed_distances() {
 }
 
 void normal_equations() {
-  const SensorVector sensor = SensorVector::Zero();
-  const MeasurementModel model{input().camera, sensor, {6e-3}, 0.5};
+  const Sensor sensor{input().camera};
   const BundleView view(SE3{}, Velocity::from_vector(Vector6d::Constant(0.1)));
-  benchmark::DoNotOptimize(input().observations.linearize(view, model, LinearColumns::of_all()));
+  benchmark::DoNotOptimize(input().observations.linearize(view, sensor, LinearColumns::of_all()));
 }
 
 void gram_matrix() {
@@ -147,12 +146,12 @@ void eliminated_points() {
 /// 1000 points, each seen by eight cameras.
 struct SchurInput {
   static constexpr uint32_t kCameras = 8;
-  static constexpr size_t kCommon = 11;
+  static constexpr size_t kBorder = 11;
   std::vector<SchurColumn::Slot> slots;
   std::vector<uint32_t> blocks;
   std::vector<int> cameras;
   std::vector<double> U = std::vector<double>(kCount * kCameras * kEliminatedSize, 0.5);
-  std::vector<double> common = std::vector<double>(kCount * size_t{3} * kCommon, 0.5);
+  std::vector<double> border = std::vector<double>(kCount * size_t{3} * kBorder, 0.5);
 
   SchurInput() {
     for (uint32_t camera = 0; camera < kCameras; ++camera) blocks.push_back(camera);
@@ -166,9 +165,9 @@ struct SchurInput {
 void schur_column() {
   static const SchurInput kInput;
   const SchurColumn column{kInput.slots,         kInput.blocks,       kInput.cameras.data(), kInput.U.data(),
-                           kInput.common.data(), SchurInput::kCommon, SchurInput::kCommon};
+                           kInput.border.data(), SchurInput::kBorder, SchurInput::kBorder};
   std::vector<double> blocks(SchurInput::kCameras * kSchurBlockSize);
-  std::vector<double> right(SchurInput::kCommon * kEliminatedWidth);
+  std::vector<double> right(SchurInput::kBorder * kEliminatedWidth);
   add_schur_column(column, blocks.data(), right.data());
   benchmark::DoNotOptimize(blocks.data());
 }

@@ -23,7 +23,7 @@ int main(int argc, char** argv) try {
     camera.height = gray.rows;
     camera.fx = camera.fy = gray.cols;
 
-    const auto features = kinloop::extract_features(gray, {}, camera, {});
+    const auto features = kinloop::extract_features(gray, {}, {camera}, {});
     const auto bow = vocabulary.bow_of(vocabulary.quantize(features.descriptors).words);
     std::printf("%s\n", argv[i]);
     for (const auto& candidate : places.query(bow, 3)) {

@@ -12,18 +12,18 @@ namespace {
 
 class Printer : public kinloop::Listener {
  public:
-  void on_frame(const kinloop::FrameResult& result, const kinloop::PreparedFrame&) override {
-    const bool lost = result.status == kinloop::TrackStatus::kLost;
-    if (lost != lost_) std::printf("frame %u: %s\n", result.frame.value, lost ? "lost" : "tracking");
+  void on_frame(const kinloop::TrackedFrame& tracked) override {
+    const bool lost = tracked.is_lost();
+    if (lost != lost_) std::printf("frame %u: %s\n", tracked.id.value, lost ? "lost" : "tracking");
     lost_ = lost;
-    if (result.keyframe.valid())
-      std::printf("frame %u: keyframe %u\n", result.frame.value, result.keyframe.value);
+    if (tracked.keyframe.valid())
+      std::printf("frame %u: keyframe %u\n", tracked.id.value, tracked.keyframe.value);
   }
 
   // The map is valid only during the call: copy what you need.
   void on_map(const kinloop::Map& map) override {
-    for (; loops_ < map.loop_edges().size(); ++loops_) {
-      const auto& loop = map.loop_edges()[loops_];
+    for (; loops_ < map.loop_closures().size(); ++loops_) {
+      const auto& loop = map.loop_closures()[loops_];
       std::printf("loop closed between keyframes %u and %u\n", loop.a.value, loop.b.value);
     }
   }

@@ -24,7 +24,7 @@ int main(int argc, char** argv) try {
 
   int located = 0, frames = 0;
   while (const auto frame = source.next()) {
-    located += slam.process(*frame).status != kinloop::TrackStatus::kLost ? 1 : 0;
+    located += slam.process(*frame).is_lost() ? 0 : 1;
     ++frames;
   }
   kinloop::write_tum_trajectory("trajectory.txt", slam.finish());

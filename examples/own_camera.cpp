@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
   }
   kinloop::Slam slam(my_camera());
   for (uint32_t i = 0;; ++i) {
-    kinloop::RgbdFrame frame;
+    kinloop::Frame frame;
     frame.id = kinloop::FrameId{i};
     frame.stamp_ns = int64_t{i} * 1'000'000'000 / 30;
     const std::string color_file = cv::format(argv[1], i), depth_file = cv::format(argv[2], i);
@@ -43,9 +43,9 @@ int main(int argc, char** argv) {
     frame.color = kinloop::read_color_image(color_file);  // or pixels: a cv::Mat
     frame.depth_m = kinloop::read_depth_image(depth_file, 1000);
 
-    const kinloop::FrameResult result = slam.process(frame);
+    const kinloop::TrackedFrame result = slam.process(frame);
     const Eigen::Vector3d p = result.T_world_camera.translation;
-    if (result.status == kinloop::TrackStatus::kLost) {
+    if (result.is_lost()) {
       std::printf("%u lost\n", i);
     } else {
       std::printf("%u %.3f %.3f %.3f\n", i, p.x(), p.y(), p.z());

@@ -58,14 +58,14 @@ void run(const ros::NodeHandle& node) {
                     text_parameter(node, "camera_frame", "kinloop_camera"));
   size_t frames = 0, tracked = 0;
   while (const auto frame = session.next()) {
-    const FrameResult result = session.process(*frame);
+    const TrackedFrame result = session.process(*frame);
     ++frames;
-    if (result.status == TrackStatus::kLost) continue;
+    if (result.is_lost()) continue;
     ++tracked;
     output.publish_pose(result);
     if (!result.keyframe.valid()) continue;
     output.publish_path(session.trajectory());
-    output.publish_cloud(result, *frame);
+    output.publish_cloud(result);
   }
   output.publish_path(session.finish());
   const auto skipped = source.skipped();

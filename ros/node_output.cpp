@@ -76,7 +76,7 @@ NodeOutput::NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, std::s
   cloud_ = node.advertise<PointCloud2>("cloud", kMaxUnsent);
 }
 
-void NodeOutput::publish_pose(const FrameResult& result) {
+void NodeOutput::publish_pose(const TrackedFrame& result) {
   const PoseStamped pose = pose_of(result.stamp_ns, result.T_world_camera, world_);
   pose_.publish(pose);
   TransformStamped transform;
@@ -100,9 +100,10 @@ void NodeOutput::publish_path(const Trajectory& trajectory) {
   path_.publish(path);
 }
 
-void NodeOutput::publish_cloud(const FrameResult& result, const PreparedFrame& frame) {
+void NodeOutput::publish_cloud(const TrackedFrame& result) {
   constexpr int kStep = 4;  // px: some 20,000 points of a 640 x 480 image
   if (cloud_.getNumSubscribers() == 0) return;
+  const Frame& frame = *result.frame;
   const cv::Mat color = frame.color.bgr();
   PointCloud2 cloud = empty_cloud(header_of(result.stamp_ns, world_));
   for (int y = 0; y < frame.depth_m.rows; y += kStep) {

@@ -17,9 +17,9 @@ class NodeOutput {
  public:
   NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, std::string world, std::string camera_frame);
 
-  void publish_pose(const FrameResult& result);
+  void publish_pose(const TrackedFrame& result);
   void publish_path(const Trajectory& trajectory);
-  void publish_cloud(const FrameResult& result, const PreparedFrame& frame);
+  void publish_cloud(const TrackedFrame& result);
 
  private:
   PinholeCamera camera_;

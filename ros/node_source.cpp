@@ -61,7 +61,7 @@ TopicSource::TopicSource(ros::NodeHandle node, const ListenOptions& options)
   log::info("listening to {} and {}", topics_.color, topics_.depth);
 }
 
-std::optional<RgbdFrame> TopicSource::next() {
+std::optional<Frame> TopicSource::next() {
   constexpr std::chrono::milliseconds kStep(100);
   std::chrono::milliseconds waited(0);
   bool begun = false;

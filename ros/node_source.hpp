@@ -27,7 +27,7 @@ class TopicSource : public FrameSource {
   /// Waits for the topics and the camera. Throws InputError if ROS is shut down meanwhile.
   TopicSource(ros::NodeHandle node, const ListenOptions& options);
 
-  std::optional<RgbdFrame> next() override;
+  std::optional<Frame> next() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] SkippedFrames skipped() const override;

@@ -43,29 +43,29 @@ DenseRecorder::DenseRecorder(const RgbdCamera& camera, const DenseOptions& optio
   validate(options, "dense.");
 }
 
-void DenseRecorder::on_frame(const FrameResult& result, const PreparedFrame& frame) {
-  complete(executor_->collect(frame.id));
-  if (result.status != TrackStatus::kLost) {
+void DenseRecorder::on_frame(const TrackedFrame& tracked) {
+  complete(executor_->collect(tracked.id));
+  if (!tracked.is_lost()) {
     ++frames_, ++frames_since_recorded_;
-    if (should_record(result)) {
-      pending_.push_back({result.frame, frame.color, frame.depth_m});
+    if (should_record(tracked)) {
+      pending_.push_back({tracked.id, tracked.frame->color, tracked.frame->depth_m});
       frames_since_recorded_ = 0;
     }
   }
   constexpr size_t kMaxPending = 8;  // limits memory: a slow machine waits
   if (pending_.size() >= kMaxPending) complete(executor_->drain());
-  submit(frame.id);
+  submit(tracked.id);
 }
 
 /// Records every keyframe, and other frames while fewer than kMinImages evenly spread images cover the run so
 /// far. n frames give at most about kMinImages * (1 + ln(n / 40)) extra images, and none if keyframes come
 /// more often than every n / kMinImages frames, as in any long handheld recording.
-bool DenseRecorder::should_record(const FrameResult& result) const {
+bool DenseRecorder::should_record(const TrackedFrame& tracked) const {
   constexpr uint32_t kMinImages = 8, kMinGapFrames = 5;
-  if (result.keyframe.valid()) return true;
-  if (options_.frame_step > 0 && result.frame.value % static_cast<uint32_t>(options_.frame_step) == 0)
+  if (tracked.keyframe.valid()) return true;
+  if (options_.frame_step > 0 && tracked.id.value % static_cast<uint32_t>(options_.frame_step) == 0)
     return true;
-  return result.status == TrackStatus::kTracked &&
+  return tracked.is_tracked_by_landmarks() &&
          frames_since_recorded_ >= std::max(kMinGapFrames, frames_ / kMinImages);
 }
 
@@ -116,15 +116,15 @@ std::vector<PosedImage> DenseRecorder::views(const FrameLog& log, const Map& map
   const auto velocities = frame_velocities(log, map);
   std::unordered_map<FrameId, size_t> entry_of;
   for (size_t i = 0; i < log.size(); ++i) {
-    if (is_tracked_in(component, log[i], map)) entry_of.emplace(log[i].frame, i);
+    if (is_tracked_in(component, log[i], map)) entry_of.emplace(log[i].id, i);
   }
   std::vector<PosedImage> views;
   for (size_t i = 0; i < recorded_.size(); ++i) {
     const auto entry = entry_of.find(recorded_[i].frame);
     if (entry == entry_of.end()) continue;
-    const LoggedFrame& logged = log[entry->second];
-    views.push_back(
-        {i, world_pose(logged, map), velocities[entry->second], static_cast<double>(logged.depth_lag_s)});
+    const TrackedFrame& logged = log[entry->second];
+    views.push_back({i, world_pose(logged, map), velocities[entry->second],
+                     static_cast<double>(logged.depth_stamp_difference_s)});
   }
   return views;
 }
@@ -194,15 +194,16 @@ std::optional<RgbdImages> DenseRecorder::images_of(FrameId frame) const {
   return images_.load(static_cast<size_t>(recorded - recorded_.begin()));
 }
 
-DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor) {
-  return {camera.color, sensor.value(kDepthDelay), sensor.value(kDepthShutter), Vector6d::Zero(),
+DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& estimate) {
+  const SensorVector& corrections = estimate.sensor.corrections;
+  return {camera.color, corrections(kDepthDelay), corrections(kDepthShutter), Vector6d::Zero(),
           camera.sensor.noise};
 }
 
-DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& sensor) {
-  DenseCamera dense = time_calibrated_camera(camera, sensor);
-  dense.color = calibrated_camera(camera, sensor).color;
-  dense.inverse_depth_correction = sensor.value.segment<6>(kDepthOffset);
+DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& estimate) {
+  DenseCamera dense = time_calibrated_camera(camera, estimate);
+  dense.color = calibrated_camera(camera, estimate).color;
+  dense.inverse_depth_correction = estimate.sensor.corrections.segment<6>(kInverseDepthBias);
   return dense;
 }
 

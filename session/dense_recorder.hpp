@@ -12,24 +12,25 @@
 #include "kinloop/dense/cloud/fuse_surfels.hpp"
 #include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
+#include "kinloop/map/frame_log.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/slam.hpp"
-#include "kinloop/tracking/frame_log.hpp"
 
 namespace kinloop {
 
 /// Returns the camera with all estimated sensor corrections, for poses that were estimated along with them.
-DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
+DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& estimate);
 
 /// Returns the nominal camera with only the estimated times applied, for poses from another source.
-DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
+DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& estimate);
 
 class DenseRecorder : public Listener {
  public:
   DenseRecorder(const RgbdCamera& camera, const DenseOptions& options, const ExecutorOptions& executor = {});
 
-  void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
+  void on_frame(const TrackedFrame& result) override;
   void on_map(const Map&) override {}
 
   /// Restores the images of a map file. Their depth must be in the units of the camera.
@@ -67,14 +68,14 @@ class DenseRecorder : public Listener {
 
   /// Fuses the component in which the run of `slam` was tracked.
   ColoredCloud fuse(const Slam& slam, int threads, const Progress& progress) {
-    return fuse_views(views(slam), dense_camera(camera_, slam.sensor()), threads, progress);
+    return fuse_views(views(slam), dense_camera(camera_, slam.sensor_estimate()), threads, progress);
   }
 
   /// Estimates the up direction from the surfaces in `views`.
   UpEstimate up(std::span<const PosedImage> views, const DenseCamera& camera);
 
   /// Estimates the up direction of the component in which the run of `slam` was tracked.
-  UpEstimate up(const Slam& slam) { return up(views(slam), dense_camera(camera_, slam.sensor())); }
+  UpEstimate up(const Slam& slam) { return up(views(slam), dense_camera(camera_, slam.sensor_estimate())); }
 
   /// Returns the recorded images of a frame, if any. Every keyframe is recorded.
   [[nodiscard]] std::optional<RgbdImages> images_of(FrameId frame) const;
@@ -99,7 +100,7 @@ class DenseRecorder : public Listener {
     std::optional<size_t> surfels;  // index into surfel_store_; unset for restored images until computed
   };
 
-  [[nodiscard]] bool should_record(const FrameResult& result) const;
+  [[nodiscard]] bool should_record(const TrackedFrame& tracked) const;
   void submit(FrameId now);
   void add(std::vector<EncodedFrame> frames);
   void complete(const std::vector<FinishedJob>& jobs);

@@ -10,8 +10,8 @@
 namespace kinloop {
 namespace {
 
-std::vector<ModelView> model_views(const OpenMap& open, const std::vector<PosedImage>& views) {
-  std::vector<ModelView> with_frames;
+std::vector<FrameImage> model_views(const OpenMap& open, const std::vector<PosedImage>& views) {
+  std::vector<FrameImage> with_frames;
   for (const PosedImage& view : views)
     with_frames.push_back({open.recorder.frame_of_image(view.image), view});
   return with_frames;

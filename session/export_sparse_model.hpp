@@ -1,5 +1,5 @@
 #pragma once
-// Writes the images of a map with their cameras and points for COLMAP and Nerfstudio.
+// In: an opened map. Out: its images with their cameras and points, for COLMAP and Nerfstudio.
 
 #include <filesystem>
 #include <string>

@@ -16,12 +16,12 @@ void FramePipeline::run_ahead() {
     Stopwatch watch;
     while (const auto frame = source_.next()) {
       const ElapsedTime decoding = watch.elapsed();
-      PreparedFrame prepared = front_end_.prepare(*frame);
-      prepared.decoding = decoding;
+      Frame prepared = front_end_.prepare(*std::move(frame));
+      prepared.time.decoding = decoding;
       if (features_wanted_) {
         const Stopwatch extracting;
         prepared.features = front_end_.features(prepared);
-        prepared.extracting = extracting.elapsed();
+        prepared.time.extracting = extracting.elapsed();
       }
       if (!frames_.push(std::move(prepared))) break;
       watch = Stopwatch();
@@ -32,7 +32,7 @@ void FramePipeline::run_ahead() {
   frames_.close();
 }
 
-std::optional<PreparedFrame> FramePipeline::next() {
+std::optional<Frame> FramePipeline::next() {
   auto frame = frames_.pop();
   if (!frame && error_) std::rethrow_exception(std::exchange(error_, nullptr));
   return frame;

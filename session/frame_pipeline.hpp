@@ -6,9 +6,9 @@
 #include <optional>
 #include <thread>
 
-#include "kinloop/core/threads/channel.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 #include "kinloop/tracking/front_end.hpp"
+#include "session/channel.hpp"
 
 namespace kinloop {
 
@@ -25,7 +25,7 @@ class FramePipeline {
   FramePipeline& operator=(const FramePipeline&) = delete;
 
   /// Returns the next frame, or nothing at the end of the source.
-  std::optional<PreparedFrame> next();
+  std::optional<Frame> next();
 
   /// Sets whether features are extracted ahead: if tracking needs them anyway, they should not wait for it.
   /// Affects time only; tracking extracts what is missing.
@@ -37,7 +37,7 @@ class FramePipeline {
   FrameSource& source_;
   const FrontEnd front_end_;
   std::atomic<bool> features_wanted_ = true;
-  Channel<PreparedFrame> frames_;
+  Channel<Frame> frames_;
   std::exception_ptr error_;  // written before the channel is closed, read after it is drained
   std::jthread thread_;
 };

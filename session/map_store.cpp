@@ -12,8 +12,9 @@
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/io/run_folder.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/saved_session.hpp"
-#include "session/program_name.hpp"
+#include "session/process.hpp"
 
 namespace kinloop {
 
@@ -116,7 +117,7 @@ RunOptions restore_options(const SavedMap& saved, const std::filesystem::path& p
   using Kind = ResolvedKey::Kind;
   RunOptions restored;
   const auto entries = option_entries(restored);
-  const OptionHistory history = RunOptions::history();
+  const OptionHistory history = option_history<RunOptions>();
   std::set<std::string> applied;
   // Where several former options are one now, its own name comes first, then the first of theirs. Other
   // versions of the program may have options that this one does not have.
@@ -179,36 +180,36 @@ uint32_t OpenMap::component(size_t number) const {
 
 std::vector<PosedImage> OpenMap::views(size_t number) const {
   if (poses.empty()) return recorder.views(log, map, component(number));
-  std::unordered_map<FrameId, const LoggedFrame*> entry_of;
-  for (const LoggedFrame& entry : log) entry_of.emplace(entry.frame, &entry);
+  std::unordered_map<FrameId, const TrackedFrame*> entry_of;
+  for (const TrackedFrame& entry : log) entry_of.emplace(entry.id, &entry);
   std::vector<PosedImage> views;
   for (size_t i = 0; i < recorder.image_count(); ++i) {
     const auto entry = entry_of.find(recorder.frame_of_image(i));
     if (entry == entry_of.end()) continue;
-    const LoggedFrame& frame = *entry->second;
+    const TrackedFrame& frame = *entry->second;
     const auto T_world_camera = pose_at(poses, frame.stamp_ns, kMaxAssociationNs * 2);
     if (!T_world_camera) continue;
-    views.push_back(
-        {i, *T_world_camera, velocity_at(poses, frame.stamp_ns), static_cast<double>(frame.depth_lag_s)});
+    views.push_back({i, *T_world_camera, velocity_at(poses, frame.stamp_ns),
+                     static_cast<double>(frame.depth_stamp_difference_s)});
   }
   return views;
 }
 
 DenseCamera OpenMap::dense_camera() const {
-  const SensorEstimate sensor = sensor_estimate(saved.sensor, nominal_sensor(saved.camera));
-  return poses.empty() ? kinloop::dense_camera(saved.camera, sensor)
-                       : time_calibrated_camera(saved.camera, sensor);
+  const SensorEstimate estimate = sensor_estimate(saved.sensor, make_sensor(saved.camera));
+  return poses.empty() ? kinloop::dense_camera(saved.camera, estimate)
+                       : time_calibrated_camera(saved.camera, estimate);
 }
 
 double OpenMap::rolling_shutter_s() const {
-  return sensor_estimate(saved.sensor, nominal_sensor(saved.camera)).value(kRollingShutter);
+  return sensor_estimate(saved.sensor, make_sensor(saved.camera)).sensor.corrections(kRollingShutter);
 }
 
 ColoredCloud OpenMap::cloud(size_t number, int threads, const Progress& progress) {
   return recorder.fuse_views(views(number), dense_camera(), threads, progress);
 }
 
-std::span<const LoggedFrame> OpenMap::session_log(size_t number) const {
+std::span<const TrackedFrame> OpenMap::session_log(size_t number) const {
   const auto& sessions = saved.sessions;
   if (sessions.empty() && number == 0) return log;
   if (number > sessions.size()) {
@@ -216,8 +217,7 @@ std::span<const LoggedFrame> OpenMap::session_log(size_t number) const {
   }
   const size_t index = number == 0 ? sessions.size() - 1 : number - 1;
   const auto at = [&](FrameId first) {
-    return std::find_if(log.begin(), log.end(),
-                        [=](const LoggedFrame& entry) { return entry.frame >= first; });
+    return std::find_if(log.begin(), log.end(), [=](const TrackedFrame& entry) { return entry.id >= first; });
   };
   const auto begin = at(sessions[index].first_frame);
   const auto end = index + 1 < sessions.size() ? at(sessions[index + 1].first_frame) : log.end();

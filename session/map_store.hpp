@@ -1,5 +1,6 @@
 #pragma once
-// Saving maps during runs, and opening map files.
+// In: a run, or a map file. Out: its map in a file, saved repeatedly; or an opened map with images, log and
+// options.
 
 #include <filesystem>
 
@@ -104,7 +105,7 @@ struct OpenMap {
   ColoredCloud cloud(size_t number, int threads, const Progress& progress);
 
   /// Returns the frames of session `number`, counted from 1; 0: of the last.
-  [[nodiscard]] std::span<const LoggedFrame> session_log(size_t number) const;
+  [[nodiscard]] std::span<const TrackedFrame> session_log(size_t number) const;
 };
 
 /// Returns the file frame selected by `--frame`: z-up, or camera. `views` are those of the map.

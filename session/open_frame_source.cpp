@@ -1,8 +1,9 @@
 #include "session/open_frame_source.hpp"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
+#include <iterator>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -19,81 +20,96 @@
 #include "drivers/ros/bag_source.hpp"
 #include "drivers/stream/stream_source.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/place/default_vocabulary.hpp"
-#include "kinloop/place/vocabulary_file.hpp"
 
 namespace kinloop {
 
 namespace {
 
-std::optional<RgbdCamera> explicit_camera(const SourceRequest& request) {
-  if (!request.camera) return std::nullopt;
-  return choose_camera({}, request.camera);
+using OptionalCamera = std::optional<RgbdCamera>;
+
+/// A live camera, by name.
+struct LiveCamera {
+  std::string_view name;
+  std::unique_ptr<FrameSource> (*open)(const KinectOptions& options, const OptionalCamera& calibration);
+};
+
+constexpr LiveCamera kLiveCameras[] = {{"kinect1", open_kinect1}, {"kinect2", open_kinect2},
+                                       {"openni2", open_openni2}, {"realsense", open_realsense},
+                                       {"orbbec", open_orbbec},   {"oak", open_oak}};
+
+const LiveCamera* live_camera(const std::string& sequence) {
+  const auto* found = std::find_if(std::begin(kLiveCameras), std::end(kLiveCameras),
+                                   [&](const LiveCamera& camera) { return camera.name == sequence; });
+  return found != std::end(kLiveCameras) ? found : nullptr;
 }
 
-bool is_azure_recording(const std::string& sequence) {
-  return sequence.ends_with(".mkv");
+/// A recording in one file, or in a folder of such files.
+struct RecordingFormat {
+  bool (*accepts)(const std::filesystem::path& path);  ///< by its name
+  std::unique_ptr<FrameSource> (*open)(const SourceRequest& request, const OptionalCamera& camera);
+};
+
+constexpr RecordingFormat kRecordingFormats[] = {
+    {[](const std::filesystem::path& path) { return path.string().ends_with(".mkv"); },
+     [](const SourceRequest& r, const OptionalCamera& camera) {
+       return open_azure_recording(r.sequence, camera);
+     }},
+    {[](const std::filesystem::path& path) { return path.string().ends_with(".oni"); },
+     [](const SourceRequest& r, const OptionalCamera& camera) {
+       return open_oni_recording(r.sequence, camera);
+     }},
+    {is_bag, [](const SourceRequest& r, const OptionalCamera& camera) {
+       return open_bag(r.sequence, camera, r.topics);
+     }}};
+
+const RecordingFormat* recording_format(const std::string& sequence) {
+  const auto* found = std::find_if(std::begin(kRecordingFormats), std::end(kRecordingFormats),
+                                   [&](const RecordingFormat& format) { return format.accepts(sequence); });
+  return found != std::end(kRecordingFormats) ? found : nullptr;
 }
 
-bool is_oni_recording(const std::string& sequence) {
-  return sequence.ends_with(".oni");
+bool is_simulation(const std::string& sequence) {
+  return sequence.starts_with("sim:");
+}
+
+std::unique_ptr<FrameSource> open_simulation(const SourceRequest& request) {
+  if (request.camera)
+    throw UsageError("--camera cannot be used with a simulated sequence, which has its own camera");
+  return make_simulated_source(request.sequence, request.simulation, request.threads);
+}
+
+KinectOptions live_options(const SourceRequest& request) {
+  KinectOptions options = request.kinect;
+  options.stop = request.stop;
+  return options;
+}
+
+std::unique_ptr<FrameSource> open_recording(const RecordingFormat& format, const SourceRequest& request,
+                                            const OptionalCamera& camera) {
+  if (!std::filesystem::exists(request.sequence))
+    throw InputError(fmt::format("{}: no such file; check the path", request.sequence));
+  return format.open(request, camera);
 }
 
 }  // namespace
 
 bool is_camera_or_stream(const std::string& sequence) {
-  constexpr std::array kCameras = {"kinect1", "kinect2", "openni2", "realsense", "orbbec", "oak"};
-  return std::find(kCameras.begin(), kCameras.end(), sequence) != kCameras.end() || is_stream(sequence);
+  return live_camera(sequence) != nullptr || is_stream(sequence);
 }
 
 bool is_recording(const std::string& sequence) {
-  return sequence.starts_with("sim:") || is_azure_recording(sequence) || is_oni_recording(sequence) ||
-         is_bag(sequence);
+  return is_simulation(sequence) || recording_format(sequence) != nullptr;
 }
 
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   const std::string& sequence = request.sequence;
-  if (sequence.starts_with("sim:")) {
-    if (request.camera)
-      throw UsageError("--camera cannot be used with a simulated sequence, which has its own camera");
-    return make_simulated_source(sequence, request.simulation, request.threads);
-  }
-  const auto camera = explicit_camera(request);
-  KinectOptions kinect = request.kinect;
-  kinect.stop = request.stop;
-  if (sequence == "kinect1") return open_kinect1(kinect, camera);
-  if (sequence == "kinect2") return open_kinect2(kinect, camera, request.kinect2_frames);
-  if (sequence == "openni2") return open_openni2(kinect, camera);
-  if (sequence == "realsense") return open_realsense(kinect, camera);
-  if (sequence == "orbbec") return open_orbbec(kinect, camera);
-  if (sequence == "oak") return open_oak(kinect, camera);
+  if (is_simulation(sequence)) return open_simulation(request);
+  OptionalCamera camera;
+  if (request.camera) camera = choose_camera({}, request.camera);
+  if (const auto* live = live_camera(sequence)) return live->open(live_options(request), camera);
   if (is_stream(sequence)) return open_stream(sequence, camera, request.stop);
-  if (!is_recording(sequence)) return open_sequence(sequence, camera);
-  if (!std::filesystem::exists(sequence))
-    throw InputError(fmt::format("{}: no such file; check the path", sequence));
-  if (is_azure_recording(sequence)) return open_azure_recording(sequence, camera);
-  if (is_oni_recording(sequence)) return open_oni_recording(sequence, camera);
-  return open_bag(sequence, camera, request.topics);
-}
-
-Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features) {
-  if (!file.empty()) {
-    Vocabulary vocabulary = read_vocabulary(file);
-    if (vocabulary.tree().kind == descriptor_kind(features, Metric::kHamming)) return vocabulary;
-    throw UsageError(
-        fmt::format("{}: a vocabulary of {}, but features.kind={} requires one of 256 bits; "
-                    "train it with "
-                    "`kinloop vocab train IMAGES... --feature {} -o FILE`",
-                    file, vocabulary.descriptors().name, name_of(features.kind), name_of(features.kind)));
-  }
-  if (features.kind != FeatureKind::kOrb) {
-    throw UsageError(
-        fmt::format("features.kind={0}: the built-in vocabulary is for ORB; train one with `kinloop vocab "
-                    "train IMAGES... "
-                    "--feature {0} -o FILE` and pass --vocabulary FILE",
-                    name_of(features.kind)));
-  }
-  return load_default_vocabulary();
+  if (const auto* format = recording_format(sequence)) return open_recording(*format, request, camera);
+  return open_sequence(sequence, camera);
 }
 
 }  // namespace kinloop

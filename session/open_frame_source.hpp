@@ -1,4 +1,5 @@
 #pragma once
+// In: the name of a source as the user gives it, and how it is opened. Out: its frames.
 
 #include <memory>
 #include <optional>
@@ -6,8 +7,6 @@
 
 #include "drivers/datasets/camera_selection.hpp"
 #include "drivers/live/kinect_options.hpp"
-#include "kinloop/features/options.hpp"
-#include "kinloop/place/vocabulary.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 #include "simulator/simulated_source.hpp"
 
@@ -20,7 +19,6 @@ struct SourceRequest {
   std::optional<std::string> topics;  ///< of a bag, "COLOR,DEPTH[,CAMERA_INFO]"
   SimulationOptions simulation;
   KinectOptions kinect;
-  Kinect2Frames kinect2_frames = Kinect2Frames::kRegistered;
   int threads = 1;
   StopRequest stop = {};  ///< ends a source whose sender or device is silent
 };
@@ -34,9 +32,4 @@ bool is_recording(const std::string& sequence);
 
 /// Opens the source. Throws UsageError or InputError with the remedy.
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request);
-
-/// Returns the vocabulary in `file`, or the built-in one if that is empty. Throws UsageError if it does not
-/// match the features.
-Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features);
-
 }  // namespace kinloop

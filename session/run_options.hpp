@@ -32,7 +32,7 @@ struct RunOptions {
     visit("viewer", self.viewer);
   }
 
-  static OptionHistory history();
+  static OptionHistory history() { return SlamOptions::history(); }
 };
 
 /// Narrows the limits of depth to the range of the sensor, see within_range.

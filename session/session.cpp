@@ -44,7 +44,7 @@ const Trajectory& Session::run(const Progress& progress) {
   return finish(progress);
 }
 
-std::optional<PreparedFrame> Session::next() {
+std::optional<Frame> Session::next() {
   if (!pipeline_) pipeline_.emplace(source_, slam_.front_end());
   pipeline_->extract_features_ahead(slam_.expects_keypoints());
   return pipeline_->next();

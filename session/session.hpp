@@ -71,10 +71,10 @@ class Session {
   const Trajectory& run(const Progress& progress = {});
 
   /// Returns the next frame, prepared ahead on another thread, or nothing at the end of the source.
-  std::optional<PreparedFrame> next();
+  std::optional<Frame> next();
 
   /// Processes a frame returned by `next`. Call in order.
-  FrameResult process(const PreparedFrame& frame) { return slam_.process(frame); }
+  TrackedFrame process(const Frame& frame) { return slam_.process(frame); }
 
   /// Ends the run, also before the end of the source: adjusts the whole map and refines every frame.
   const Trajectory& finish(const Progress& progress = {});

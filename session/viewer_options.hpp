@@ -1,4 +1,5 @@
 #pragma once
+// The options of the live view.
 
 #include "kinloop/core/options.hpp"
 #include "kinloop/dense/options.hpp"

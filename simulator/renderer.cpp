@@ -199,9 +199,9 @@ void Renderer::render_depth(const Tile& tile, const std::vector<Candidate>& cand
   }
 }
 
-RgbdFrame Renderer::render(const CameraPath& path, const FrameStamps& stamps, uint64_t frame_seed) const {
+Frame Renderer::render(const CameraPath& path, const FrameStamps& stamps, uint64_t frame_seed) const {
   const cv::Size size(camera_.width, camera_.height);
-  RgbdFrame frame;
+  Frame frame;
   frame.stamp_ns = stamps.color_ns;
   frame.depth_stamp_ns = stamps.depth_ns;
   cv::Mat color(size, CV_8UC3);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/rgbd_frame.hpp"
+#include "kinloop/sensor/frame.hpp"
 #include "simulator/camera_path.hpp"
 #include "simulator/depth_stamps.hpp"
 #include "simulator/kinect_model.hpp"
@@ -25,8 +25,7 @@ class Renderer {
 
   /// `path` is in the room frame; the stamp of colour is the middle of the exposure of the middle row. The
   /// frame has no id.
-  [[nodiscard]] RgbdFrame render(const CameraPath& path, const FrameStamps& stamps,
-                                 uint64_t frame_seed) const;
+  [[nodiscard]] Frame render(const CameraPath& path, const FrameStamps& stamps, uint64_t frame_seed) const;
 
  private:
   struct Exposure;

@@ -135,26 +135,26 @@ SimulatedSource::SimulatedSource(std::string name, uint64_t seed, const Simulati
 
 SimulatedSource::~SimulatedSource() = default;
 
-RgbdFrame SimulatedSource::device_frame(size_t index) const {
+Frame SimulatedSource::device_frame(size_t index) const {
   require(index < info_.frames, "a frame of the simulated sequence");
   const uint64_t seed = hash(seed_, index);
-  RgbdFrame frame = setup_->renderer.render(setup_->path_in_room, stamps_[index], seed);
+  Frame frame = setup_->renderer.render(setup_->path_in_room, stamps_[index], seed);
   frame.id = FrameId{static_cast<uint32_t>(index)};
   if (setup_->depth_camera) {
-    const int64_t depth_ns = stamps_[index].depth_ns + to_ns(truth_.depth_offset_s);
+    const int64_t depth_ns = stamps_[index].depth_ns + to_ns(truth_.depth_delay_s);
     frame.depth_m = setup_->depth_camera->measure(setup_->path_in_room.at(depth_ns), hash(seed, 2));
   }
   frame.depth_m = as_stored(frame.depth_m, device_.depth_scale);
   return frame;
 }
 
-RgbdFrame SimulatedSource::frame(size_t index) const {
-  RgbdFrame frame = device_frame(index);
+Frame SimulatedSource::frame(size_t index) const {
+  Frame frame = device_frame(index);
   if (setup_->registration) frame.depth_m = (*setup_->registration)(frame.depth_m);
   return frame;
 }
 
-std::optional<RgbdFrame> SimulatedSource::next() {
+std::optional<Frame> SimulatedSource::next() {
   if (next_ == info_.frames) return std::nullopt;
   return frame(next_++);
 }

@@ -52,7 +52,7 @@ struct SimulationOptions {
 /// Sensor parameters that kinloop has to estimate; not part of camera(), since no real camera reports them.
 struct SensorGroundTruth {
   double rolling_shutter_s = 0;
-  double depth_offset_s = 0;  ///< time of depth minus its stamp
+  double depth_delay_s = 0;  ///< time of depth minus its stamp
 };
 
 /// Renders a room on the fly.
@@ -65,19 +65,19 @@ class SimulatedSource : public FrameSource {
   SimulatedSource(const SimulatedSource&) = delete;
   SimulatedSource& operator=(const SimulatedSource&) = delete;
 
-  std::optional<RgbdFrame> next() override;
+  std::optional<Frame> next() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] SkippedFrames skipped() const override { return {}; }
 
   /// Returns frame `index` without advancing.
-  [[nodiscard]] RgbdFrame frame(size_t index) const;
+  [[nodiscard]] Frame frame(size_t index) const;
 
   /// Returns the cameras of the device: with a depth camera if its depth is not registered to colour.
   [[nodiscard]] const RgbdCamera& device() const { return device_; }
 
   /// Returns frame `index` as the device delivers it: depth is that of `device().depth`, if any.
-  [[nodiscard]] RgbdFrame device_frame(size_t index) const;
+  [[nodiscard]] Frame device_frame(size_t index) const;
 
   [[nodiscard]] const SensorGroundTruth& truth() const { return truth_; }
 

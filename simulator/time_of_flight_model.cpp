@@ -27,7 +27,7 @@ constexpr double kRadPerM = 2 * std::numbers::pi / kUnambiguousRange_m;
 /// Light as a pixel receives it: its strength, 1 for a white surface head-on at 1 m, and its phase. Light of
 /// two surfaces adds up as complex numbers, which puts the pixel between both ("flying pixels", Reynolds et
 /// al. 2011, "Capturing time-of-flight data with confidence").
-std::complex<double> received_light(const TimeOfFlightView& view, int y, int x) {
+std::complex<double> received_light(const TimeOfFlightRays& view, int y, int x) {
   const int samples = view.exact.depth_m.channels();
   const auto range_per_depth = static_cast<double>(view.range_per_depth.at<float>(y, x));
   const auto value = [&](const cv::Mat& image, int sample) {
@@ -49,7 +49,7 @@ double noise_m(const TimeOfFlightNoise& noise, double strength) {
   return std::hypot(noise.noise_floor_m, noise.noise_per_m / strength);
 }
 
-double measured_m(const TimeOfFlightView& view, const TimeOfFlightNoise& noise, int y, int x, uint64_t bits) {
+double measured_m(const TimeOfFlightRays& view, const TimeOfFlightNoise& noise, int y, int x, uint64_t bits) {
   const std::complex<double> light = received_light(view, y, x);
   const double strength = std::abs(light);
   if (!(strength > 0)) return 0;
@@ -65,7 +65,7 @@ double measured_m(const TimeOfFlightView& view, const TimeOfFlightNoise& noise, 
 
 }  // namespace
 
-cv::Mat measured_depth(const TimeOfFlightView& view, const TimeOfFlightNoise& noise, uint64_t seed,
+cv::Mat measured_depth(const TimeOfFlightRays& view, const TimeOfFlightNoise& noise, uint64_t seed,
                        int threads) {
   const cv::Size size = view.exact.depth_m.size();
   cv::Mat result(size, CV_32FC1);

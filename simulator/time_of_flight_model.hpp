@@ -47,15 +47,15 @@ namespace sim {
 /// MHz.
 constexpr double kUnambiguousRange_m = 299'792'458.0 / (2 * 8e6);
 
-/// A time-of-flight camera's view. Mats have the size of the image.
-struct TimeOfFlightView {
+/// What a time-of-flight camera's pixels look at. Mats have the size of the image.
+struct TimeOfFlightRays {
   ExactDepth exact;         ///< of one or four samples per pixel; with reflectance
   cv::Mat range_per_depth;  ///< length of the ray at depth 1
   cv::Mat range_error_m;    ///< by multipath; empty for none
 };
 
 /// Returns measured depth: 32FC1 metres, 0 = unknown. `seed` is that of the frame.
-cv::Mat measured_depth(const TimeOfFlightView& view, const TimeOfFlightNoise& noise, uint64_t seed,
+cv::Mat measured_depth(const TimeOfFlightRays& view, const TimeOfFlightNoise& noise, uint64_t seed,
                        int threads);
 
 }  // namespace sim

@@ -30,7 +30,7 @@ class LiveViewer {
   void set_stage(const std::string& stage, const std::string& message = "");
 
   /// Shows the final path.
-  void finish(std::span<const LoggedFrame> log, const Map& map) { feed_.on_finish(log, map); }
+  void finish(std::span<const TrackedFrame> log, const Map& map) { feed_.on_finish(log, map); }
 
   /// Number of connected browsers.
   [[nodiscard]] size_t browsers() const { return service_.browsers(); }

@@ -7,7 +7,7 @@
 namespace kinloop {
 namespace {
 
-/// A row of Table 1 of the founding paper.
+/// A row of Table 1 of the paper.
 struct PaperRow {
   const char* detector;
   int features;

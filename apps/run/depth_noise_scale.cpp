@@ -12,16 +12,17 @@ namespace kinloop {
 namespace {
 
 /// The residual of depth of an observation; nullopt without depth, or if the pixel is an outlier.
-std::optional<double> depth_residual(const BundleProblem& problem, const BundleObservation& seen,
-                                     const MeasurementModel& model, double inlier_chi2_pixel) {
+std::optional<double> depth_residual(const BundleProblem& problem, const BundleObservation& seen) {
   if (!(seen.depth_m > 0) || !std::isfinite(seen.depth_m)) return std::nullopt;
   const Eigen::Vector3d& p_world = problem.p_world[seen.point];
   ObservationBlock block;
   set_measurement(block, 0, seen);
   block.x[0] = p_world.x(), block.y[0] = p_world.y(), block.z[0] = p_world.z();
   const Velocity velocity = problem.velocities.empty() ? Velocity{} : problem.velocities[seen.pose];
-  const BlockResiduals r = block_residuals(block, {problem.T_world_camera[seen.pose], velocity}, model);
-  if (!r.is_pixel_inlier(0, inlier_chi2_pixel) || !std::isfinite(r.depth[0])) return std::nullopt;
+  const BlockResiduals r =
+      block_residuals(block, {problem.T_world_camera[seen.pose], velocity}, problem.sensor);
+  if (!r.is_pixel_inlier(0, problem.sensor.noise.inlier_chi2_pixel) || !std::isfinite(r.depth[0]))
+    return std::nullopt;
   return r.depth[0];
 }
 
@@ -37,14 +38,12 @@ void append_differences(const std::vector<double>& values, std::vector<double>& 
 
 }  // namespace
 
-std::optional<double> depth_noise_scale(const BundleProblem& problem, const SensorVector& sensor,
-                                        const BundleOptions& options) {
+std::optional<double> depth_noise_scale(const BundleProblem& problem) {
   constexpr size_t kMinPairs = 100;
   constexpr double kMedianOfAbsolute = 0.6745;  // of a normal distribution, standard deviations
-  const MeasurementModel model{problem.camera, sensor, options.depth_noise, options.robust_width};
   std::vector<std::vector<double>> residuals_of_point(problem.p_world.size());
   for (const BundleObservation& seen : problem.observations) {
-    if (const auto residual = depth_residual(problem, seen, model, options.inlier_chi2_pixel))
+    if (const auto residual = depth_residual(problem, seen))
       residuals_of_point[seen.point].push_back(*residual);
   }
   std::vector<double> differences;
@@ -53,12 +52,11 @@ std::optional<double> depth_noise_scale(const BundleProblem& problem, const Sens
   return median(std::move(differences)) / (kMedianOfAbsolute * std::numbers::sqrt2);
 }
 
-std::optional<double> depth_noise_scale(const Slam& slam, const RgbdCamera& camera) {
+std::optional<double> depth_noise_scale(const Slam& slam) {
   if (slam.map().keyframes().empty()) return std::nullopt;
-  const SensorVector& sensor = slam.sensor().value;
   const auto problem =
-      make_self_calibration_problem(slam.map(), camera, keyframe_velocities(slam.log(), slam.map()), sensor);
-  return depth_noise_scale(problem.bundle, sensor, slam.options().global_ba);
+      make_self_calibration_problem(slam.map(), slam.sensor(), keyframe_velocities(slam.log(), slam.map()));
+  return depth_noise_scale(problem.bundle);
 }
 
 }  // namespace kinloop

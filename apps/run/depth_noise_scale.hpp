@@ -3,22 +3,20 @@
 
 #include <optional>
 
-#include "kinloop/sensor/rgbd_camera.hpp"
 #include "kinloop/slam/slam.hpp"
 
 namespace kinloop {
 
-/// Returns the robust standard deviation of the residuals of depth in units of `options.depth_noise`, at the
-/// poses, points and velocities of `problem` and with the given sensor: 1 if the model is right. Only
+/// Returns the robust standard deviation of the residuals of depth in units of the noise at keypoints,
+/// at the poses, points, velocities and sensor of `problem`: 1 if the model is right. Only
 /// observations whose pixel is an inlier count, whatever their depth. nullopt if they are too few.
 ///
 /// It is the median of the absolute differences of two residuals of one point / (0.6745 sqrt(2)) (Shamos
 /// 1976, "Geometry and statistics: problems at the interface"). The residuals themselves are too small: a
 /// robust fit puts many points exactly at one of their depths. A point's error cancels in the differences.
-std::optional<double> depth_noise_scale(const BundleProblem& problem, const SensorVector& sensor,
-                                        const BundleOptions& options);
+std::optional<double> depth_noise_scale(const BundleProblem& problem);
 
 /// Same for the keypoints of all keyframes of a run that has finished.
-std::optional<double> depth_noise_scale(const Slam& slam, const RgbdCamera& camera);
+std::optional<double> depth_noise_scale(const Slam& slam);
 
 }  // namespace kinloop

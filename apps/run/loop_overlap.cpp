@@ -30,31 +30,19 @@ std::unordered_set<LandmarkId> landmarks_of(const Keyframe& keyframe) {
   return landmarks;
 }
 
-/// Projects a point given in the camera frame at the stamp; nullopt if behind the camera or outside the
-/// image.
-std::optional<Eigen::Vector2d> raw_pixel(const Eigen::Vector3d& p_camera,
-                                         const RollingShutterCamera& moving) {
-  constexpr int kRounds = 3;  // row and time depend on each other; converges at once
-  const PinholeCamera& camera = moving.camera;
-  Eigen::Vector2d raw;
-  double row = 0;  // relative to the height, -0.5 to 0.5
-  for (int round = 0; round < kRounds; ++round) {
-    const Eigen::Vector3d p =
-        point_in_later_camera(p_camera, moving.velocity, moving.sensor(kRollingShutter) * row);
-    if (!(p.z() > 0)) return std::nullopt;
-    const Eigen::Vector2d pixel = corrected_pixel(camera, moving.sensor, p.hnormalized());
-    // Far outside the image the distortion polynomial may map points back into it.
-    if (!camera.contains(pixel, -0.5 * camera.width)) return std::nullopt;
-    raw = camera.distort(pixel);
-    if (!camera.contains(raw)) return std::nullopt;
-    row = raw.y() / camera.height - 0.5;
-  }
-  return raw;
+/// Projects a point given in camera axes at the stamp; nullopt if behind the camera or outside the image.
+std::optional<Eigen::Vector2d> pixel_in_image(const Eigen::Vector3d& p_camera, const MovingSensor& moving) {
+  const PinholeCamera& camera = moving.sensor.camera;
+  // Far outside the image the distortion polynomial may map points back into it.
+  if (!(p_camera.z() > 0) || !camera.contains(camera.project(p_camera), -0.5 * camera.width))
+    return std::nullopt;
+  const auto raw = raw_pixel_of(moving.sensor, p_camera, moving.velocity);
+  return raw && camera.contains(*raw) ? raw : std::nullopt;
 }
 
 }  // namespace
 
-KeyframePair most_overlapping_pair(const Map& map, const LoopEdge& loop) {
+KeyframePair most_overlapping_pair(const Map& map, const LoopClosure& loop) {
   const auto [older_end, newer_end] = std::minmax(loop.a, loop.b);
   const uint32_t length = newer_end.value - older_end.value;
   const auto newer_side = same_side_keyframes(map, newer_end, length);
@@ -70,7 +58,7 @@ KeyframePair most_overlapping_pair(const Map& map, const LoopEdge& loop) {
 }
 
 std::vector<ReprojectedLandmark> reproject_landmarks(const Map& map, KeyframeId from, KeyframeId into,
-                                                     const RollingShutterCamera& camera_into) {
+                                                     const MovingSensor& moving) {
   const Keyframe &first = map.keyframe(from), &second = map.keyframe(into);
   std::unordered_map<LandmarkId, size_t> feature_of;  // keypoint of the second keyframe per landmark
   for (size_t i = 0; i < second.landmark_of.size(); ++i) feature_of.emplace(second.landmark_of[i], i);
@@ -80,7 +68,7 @@ std::vector<ReprojectedLandmark> reproject_landmarks(const Map& map, KeyframeId 
     const LandmarkId id = first.landmark_of[i];
     if (!id.valid()) continue;
     const Eigen::Vector3d p_second = T_second_world * map.p_world(id);
-    const auto predicted = raw_pixel(p_second, camera_into);
+    const auto predicted = pixel_in_image(p_second, moving);
     if (!predicted) continue;
     ReprojectedLandmark landmark{first.features->raw_pixels[i].cast<double>(), *predicted, p_second.z(), {}};
     if (const auto again = feature_of.find(id); again != feature_of.end())

@@ -1,13 +1,12 @@
 #pragma once
-// Evidence for a loop edge in the finished map: the two keyframes around it with the most shared landmarks,
-// and the landmarks of one reprojected into the image of the other.
+// Evidence for a loop closure in the finished map: the two keyframes around it with the most shared
+// landmarks, and the landmarks of one reprojected into the image of the other.
 
 #include <optional>
 #include <vector>
 
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/map.hpp"
-#include "kinloop/sensor/sensor_model.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -19,13 +18,12 @@ struct KeyframePair {
 
 /// Returns the pair that shares the most landmarks among the ends of the loop and their covisible keyframes.
 /// Each keyframe stays on its side of the loop: within a third of its length from its end.
-KeyframePair most_overlapping_pair(const Map& map, const LoopEdge& loop);
+KeyframePair most_overlapping_pair(const Map& map, const LoopClosure& loop);
 
-/// Sensor model and motion of a keyframe.
-struct RollingShutterCamera {
-  PinholeCamera camera;
-  SensorVector sensor = SensorVector::Zero();  ///< deviation from `camera`
-  Velocity velocity;                           ///< at the keyframe's stamp
+/// Sensor and motion of a keyframe.
+struct MovingSensor {
+  Sensor sensor;
+  Velocity velocity;  ///< at the keyframe's stamp
 };
 
 /// A landmark observed in one keyframe, projected into another.
@@ -39,6 +37,6 @@ struct ReprojectedLandmark {
 /// Projects the landmarks of `from` into the image of `into`, given the poses of the map and the motion of
 /// the second camera during its readout.
 std::vector<ReprojectedLandmark> reproject_landmarks(const Map& map, KeyframeId from, KeyframeId into,
-                                                     const RollingShutterCamera& camera_into);
+                                                     const MovingSensor& moving);
 
 }  // namespace kinloop

@@ -19,8 +19,8 @@
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/map/frame_velocities.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
-#include "kinloop/tracking/frame_velocities.hpp"
 
 namespace kinloop {
 namespace {
@@ -36,14 +36,14 @@ constexpr std::string_view kExtension = ".jpg";
 
 /// A loop to draw, with the pair of keyframes that shows it best.
 struct ShownLoop {
-  LoopEdge loop;
+  LoopClosure loop;
   KeyframePair pair;
 };
 
 /// Selects evenly spaced loops, each with its own pair of keyframes.
 std::vector<ShownLoop> choose_loops(const Map& map) {
   std::vector<ShownLoop> distinct;
-  for (const LoopEdge& loop : map.loop_edges()) {
+  for (const LoopClosure& loop : map.loop_closures()) {
     const KeyframePair pair = most_overlapping_pair(map, loop);
     const bool shown = std::any_of(distinct.begin(), distinct.end(), [&](const ShownLoop& other) {
       return other.pair.older == pair.older || other.pair.newer == pair.newer;
@@ -152,7 +152,7 @@ LoopPicture describe(const ShownLoop& shown, const Landmarks& landmarks, const M
   picture.median_error_px = median(errors_px);
   picture.distance_m = T_a_b.translation.norm();
   picture.angle_deg = kDegrees * log_so3(T_a_b.rotation).norm();
-  picture.inliers = shown.loop.inliers;
+  picture.inliers = shown.loop.evidence.inliers;
   return picture;
 }
 
@@ -163,7 +163,7 @@ struct DrawnLoop {
 };
 
 /// Draws a loop; nothing if one of its images was not recorded.
-std::optional<DrawnLoop> draw(const ShownLoop& shown, const Map& map, const RollingShutterCamera& newer,
+std::optional<DrawnLoop> draw(const ShownLoop& shown, const Map& map, const MovingSensor& newer,
                               const DenseRecorder& recorder) {
   const auto first = recorder.images_of(map.keyframe(shown.pair.older).frame);
   const auto second = recorder.images_of(map.keyframe(shown.pair.newer).frame);
@@ -245,8 +245,7 @@ void remove_pictures(const std::filesystem::path& folder) {
 
 }  // namespace
 
-void write_loop_pictures(const RunFolder& folder, const Slam& slam, const RgbdCamera& camera,
-                         const DenseRecorder& recorder) {
+void write_loop_pictures(const RunFolder& folder, const Slam& slam, const DenseRecorder& recorder) {
   remove_pictures(folder.loop_images());
   const Map& map = slam.map();
   const auto chosen = choose_loops(map);
@@ -256,8 +255,7 @@ void write_loop_pictures(const RunFolder& folder, const Slam& slam, const RgbdCa
   std::vector<std::optional<DrawnLoop>> drawn(chosen.size());
   parallel_for(chosen.size(), hardware_threads(), [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const RollingShutterCamera newer{camera.color, slam.sensor().value,
-                                       velocities[chosen[i].pair.newer.value]};
+      const MovingSensor newer{slam.sensor(), velocities[chosen[i].pair.newer.value]};
       drawn[i] = draw(chosen[i], map, newer, recorder);
     }
   });

@@ -7,7 +7,6 @@
 
 #include "kinloop/io/run_folder.hpp"
 #include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
 #include "session/dense_recorder.hpp"
 
 namespace kinloop {
@@ -26,8 +25,7 @@ struct LoopPicture {
 /// Writes a picture per loop into the folder's `loops`, with loops.json: the two keyframes around the loop
 /// with the largest overlap, and the landmarks of the first reprojected into the second with the final poses.
 /// Of many loops, evenly spaced ones. Removes pictures of an earlier run.
-void write_loop_pictures(const RunFolder& folder, const Slam& slam, const RgbdCamera& camera,
-                         const DenseRecorder& recorder);
+void write_loop_pictures(const RunFolder& folder, const Slam& slam, const DenseRecorder& recorder);
 
 /// Reads the index loops.json; empty if the folder has none. Leaves out what is not a JPEG image in the
 /// folder itself. Throws InputError naming the index if it is damaged.

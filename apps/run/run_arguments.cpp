@@ -12,10 +12,10 @@ namespace {
 void add_map_arguments(CLI::App& command, RunArguments& arguments) {
   command.add_option("--save-map", arguments.save_map,
                      "file to save the map to (default: map.kinmap in the output folder)");
-  command.add_option("--load-map", arguments.load_map,
+  command.add_option("--load-map", arguments.request.settings.load_map,
                      "map of an earlier run to continue: a map file or the folder of a run");
   CLI::Option* localize =
-      command.add_flag("--localize", arguments.localize,
+      command.add_flag("--localize", arguments.request.settings.localize,
                        "only localise in the map of --load-map; do not change the map. Writes only\n"
                        "trajectory.txt, frames.txt and run.json; no cloud, report or map file");
   command
@@ -30,7 +30,7 @@ void add_map_arguments(CLI::App& command, RunArguments& arguments) {
       ->check(number(0, 1e6))
       ->capture_default_str();
   command
-      .add_option("--memory", arguments.memory_mib,
+      .add_option("--memory", arguments.request.settings.memory_mib,
                   "memory for images, descriptors and patches of the map, MiB; the oldest beyond it are\n"
                   "kept in a temporary file (in TMPDIR); does not affect the results")
       ->check(whole_number(1, 1000000));
@@ -40,7 +40,7 @@ void add_map_arguments(CLI::App& command, RunArguments& arguments) {
 
 void add_run_arguments(CLI::App& command, RunArguments& arguments) {
   command.add_option(
-      "SEQUENCE", arguments.sequence,
+      "SEQUENCE", arguments.request.sequence,
       "a folder in TUM layout (rgb.txt, depth.txt, ...) or that of another dataset or app (see\n"
       "docs/recordings.md), a .sens file, a bag (.bag of ROS 1 or the RealSense SDK, .mcap or .db3 of\n"
       "ROS 2 or their folder), a .mkv of the Azure Kinect, a .oni of OpenNI, kinect1, kinect2,\n"
@@ -49,25 +49,28 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
       "(sim:room:7: another room)");
   command.add_option("-o,--output", arguments.output, "folder for the results")->capture_default_str();
   command.add_option(
-      "--camera", arguments.camera,
+      "--camera", arguments.request.camera,
       "camera.yaml or one of freiburg1, freiburg2, freiburg3, icl (default: camera.yaml in the folder, "
       "else chosen by the folder's name)");
-  command.add_option("--topics", arguments.topics,
+  command.add_option("--topics", arguments.request.topics,
                      "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
-  command.add_option("--vocabulary", arguments.vocabulary,
+  command.add_option("--vocabulary", arguments.request.settings.vocabulary,
                      "visual vocabulary from kinloop vocab train (default: built-in)");
   add_map_arguments(command, arguments);
-  command.add_flag("--no-loop", arguments.no_loop, "do not close loops");
-  command.add_option("--solver", arguments.solver, "pose graph solver: auto, builtin, ceres, g2o")
+  command.add_flag("--no-loop", arguments.request.settings.no_loop, "do not close loops");
+  command
+      .add_option("--solver", arguments.request.settings.solver,
+                  "pose graph solver: auto, builtin, ceres, g2o")
       ->check(one_of(names_of<PoseGraphSolver>()));
-  add_set_option(command, arguments.assignments, "set an option, key=value; see --options");
+  add_set_option(command, arguments.request.settings.assignments, "set an option, key=value; see --options");
   command.add_flag("--options", arguments.list_options,
                    "list the options of --set and exit; --options=all: list the expert options, too");
   command
-      .add_option("--threads", arguments.threads, "number of threads, 0 = all; does not affect the results")
+      .add_option("--threads", arguments.request.settings.threads,
+                  "number of threads, 0 = all; does not affect the results")
       ->check(whole_number(0, 1024));
   command
-      .add_option("--pace", arguments.pace_hz,
+      .add_option("--pace", arguments.request.pace_hz,
                   "replay at this rate, Hz, like a live camera: late frames are dropped,\n"
                   "and background results are applied when ready (executor.mode=live)")
       ->check(number(0.1, 1000));

@@ -3,35 +3,28 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include <CLI/CLI.hpp>
+
+#include "session/run_plan.hpp"
 
 namespace kinloop {
 
 struct RunArguments {
-  std::string sequence;
+  RunRequest request;
   std::filesystem::path output = "out";
-  std::string camera;
-  std::string topics;
-  std::string solver;  ///< empty: that of the options
-  std::string vocabulary;
   std::string frame = "z-up";
-  bool no_loop = false;
   std::string list_options;  ///< "true": the documented ones; "all"; empty: none
   bool quiet = false;
   bool profile = false;
   bool verbose = false;
-  int threads = 0;
-  std::string viewer;  // [ADDRESS:]PORT; empty: none
-  double pace_hz = 0;
+  std::string viewer;  ///< [ADDRESS:]PORT; empty: none
   std::filesystem::path save_map;
-  std::filesystem::path load_map;
-  bool localize = false;
   bool report = false;
   double autosave_s = 30;
-  int memory_mib = 0;  ///< 0: that of the options
-  std::vector<std::string> assignments;
+
+  /// Returns whether no cloud and no report are written.
+  [[nodiscard]] bool poses_only() const { return request.settings.localize && !report; }
 };
 
 /// Adds the options of `kinloop run`, with examples for --help.

@@ -10,36 +10,30 @@
 namespace kinloop {
 namespace {
 
-const char* describe_tracking(const FrameResult& result) {
-  if (result.relocalized) return "relocalised";
-  switch (result.status) {
-    case TrackStatus::kTracked:
-      return "tracking";
-    case TrackStatus::kDenseOnly:
-      return "tracking by depth and intensity only";
-    case TrackStatus::kLost:
-      return "lost";
-  }
-  return "";
+const char* describe_tracking(const TrackedFrame& tracked) {
+  if (tracked.is_lost()) return "lost";
+  if (tracked.outcome == TrackingOutcome::kRelocalized) return "relocalised";
+  return tracked.method == TrackingMethod::kDense ? "tracking by depth and intensity only" : "tracking";
 }
 
 }  // namespace
 
-void RunLogger::on_frame(const FrameResult& result, const PreparedFrame&) {
-  if (result.status != status_ || result.relocalized) {
-    const int seen = result.stats.inliers;
-    log::info("frame {} ({} s): {}{}", result.frame.value, format_stamp(result.stamp_ns),
-              describe_tracking(result), seen > 0 ? fmt::format(", {} landmarks observed", seen) : "");
+void RunLogger::on_frame(const TrackedFrame& tracked) {
+  const std::string_view state = describe_tracking(tracked);
+  if (state != state_ || tracked.outcome == TrackingOutcome::kRelocalized) {
+    const int seen = tracked.evidence.inliers;
+    log::info("frame {} ({} s): {}{}", tracked.id.value, format_stamp(tracked.stamp_ns), state,
+              seen > 0 ? fmt::format(", {} landmarks observed", seen) : "");
   }
-  status_ = result.status;
+  state_ = state;
 }
 
 void RunLogger::on_map(const Map& map) {
-  for (; loops_logged_ < map.loop_edges().size(); ++loops_logged_) {
-    const LoopEdge& loop = map.loop_edges()[loops_logged_];
+  for (; loops_logged_ < map.loop_closures().size(); ++loops_logged_) {
+    const LoopClosure& loop = map.loop_closures()[loops_logged_];
     log::info("loop closed: keyframe {} ({} s) matches keyframe {} ({} s), {} inliers", loop.a.value,
               format_stamp(map.keyframe(loop.a).stamp_ns), loop.b.value,
-              format_stamp(map.keyframe(loop.b).stamp_ns), loop.inliers);
+              format_stamp(map.keyframe(loop.b).stamp_ns), loop.evidence.inliers);
   }
   for (; keyframes_logged_ < map.keyframes().size(); ++keyframes_logged_) {
     const Keyframe& keyframe = map.keyframes()[keyframes_logged_];
@@ -73,9 +67,9 @@ Progress make_stage_logger() {
   };
 }
 
-std::string progress_note(const FrameResult& result, const Map& map) {
+std::string progress_note(const TrackedFrame& result, const Map& map) {
   return fmt::format("{}, {} keyframes, {} loops", describe_tracking(result), map.keyframes().size(),
-                     map.loop_edges().size());
+                     map.loop_closures().size());
 }
 
 }  // namespace kinloop

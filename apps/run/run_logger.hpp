@@ -2,8 +2,8 @@
 // Logs the events of a run, one line each (--verbose): the input, keyframes, tracking losses,
 // relocalisations, loops and stages.
 
-#include <optional>
 #include <string>
+#include <string_view>
 
 #include "kinloop/core/progress.hpp"
 #include "kinloop/sensor/frame_source.hpp"
@@ -13,11 +13,11 @@ namespace kinloop {
 
 class RunLogger : public Listener {
  public:
-  void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
+  void on_frame(const TrackedFrame& result) override;
   void on_map(const Map& map) override;
 
  private:
-  std::optional<TrackStatus> status_;
+  std::string_view state_;  // of the last frame, a literal
   size_t loops_logged_ = 0;
   size_t keyframes_logged_ = 0;
 };
@@ -32,6 +32,6 @@ void log_run_start(const FrameSource& source, int threads);
 Progress make_stage_logger();
 
 /// Summarises the progress of a run in a few words: "tracking, 44 keyframes, 5 loops".
-std::string progress_note(const FrameResult& result, const Map& map);
+std::string progress_note(const TrackedFrame& result, const Map& map);
 
 }  // namespace kinloop

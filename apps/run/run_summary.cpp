@@ -10,6 +10,7 @@
 #include "apps/shared/version.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 #include "tools/evaluation/consistency.hpp"
 #include "viewer/report/report.hpp"
 
@@ -33,10 +34,10 @@ std::string lasting_input_name(const std::string& input) {
 
 json loops_json(const Map& map) {
   json loops = json::array();
-  for (const LoopEdge& edge : map.loop_edges()) {
-    loops.push_back({{"stamp_a", format_stamp(map.keyframe(edge.a).stamp_ns)},
-                     {"stamp_b", format_stamp(map.keyframe(edge.b).stamp_ns)},
-                     {"inliers", edge.inliers}});
+  for (const LoopClosure& loop : map.loop_closures()) {
+    loops.push_back({{"stamp_a", format_stamp(map.keyframe(loop.a).stamp_ns)},
+                     {"stamp_b", format_stamp(map.keyframe(loop.b).stamp_ns)},
+                     {"inliers", loop.evidence.inliers}});
   }
   return loops;
 }
@@ -49,12 +50,12 @@ json options_json(RunOptions options) {
   return values;
 }
 
-json sensor_json(const SensorEstimate& sensor) {
+json sensor_json(const SensorEstimate& estimate) {
   json parameters = json::object();
   for (int k = 0; k < kSensorParameterCount; ++k) {
-    if (!sensor.used[static_cast<size_t>(k)]) continue;
-    parameters[sensor_parameter_name(static_cast<SensorParameter>(k))] = {{"value", sensor.value(k)},
-                                                                          {"sigma", sensor.sigma(k)}};
+    if (!estimate.used[static_cast<size_t>(k)]) continue;
+    parameters[sensor_parameter_name(static_cast<SensorParameter>(k))] = {
+        {"value", estimate.sensor.corrections(k)}, {"sigma", estimate.sigma(k)}};
   }
   return parameters;
 }
@@ -118,45 +119,46 @@ void add_timings(json& summary, const Timings& slam, const Timings& program) {
 }
 
 json run_summary(const RunOutcome& o) {
+  const FrameSource& source = *o.plan.source;
   const auto log = o.slam.session_log();
   const uint32_t component = o.slam.component();
   const auto tracked = std::count_if(
       log.begin(), log.end(), [&](const auto& f) { return is_tracked_in(component, f, o.slam.map()); });
-  const auto not_lost =
-      std::count_if(log.begin(), log.end(), [](const auto& f) { return f.status != TrackStatus::kLost; });
-  const auto dense_only = std::count_if(log.begin(), log.end(),
-                                        [](const auto& f) { return f.status == TrackStatus::kDenseOnly; });
+  const auto not_lost = std::count_if(log.begin(), log.end(), [](const auto& f) { return !f.is_lost(); });
+  const auto dense_only = std::count_if(log.begin(), log.end(), [](const auto& f) {
+    return !f.is_lost() && f.method == TrackingMethod::kDense;
+  });
   json summary = json::object();  // [] on null crashes when memory runs out
   summary["version"] = version_text();
-  summary["input"] = lasting_input_name(o.source.info().name);
+  summary["input"] = lasting_input_name(source.info().name);
   summary["frames"] = log.size();
   summary["tracked"] = tracked;
   summary["tracked_densely"] = dense_only;
   summary["tracked_in_other_components"] = not_lost - tracked;  // in components not joined by any loop
-  summary["skipped"] = skipped_json(o.source);                  // the first ones
-  summary["skipped_total"] = o.source.skipped().size();
-  summary["dropped"] = o.dropped;
+  summary["skipped"] = skipped_json(source);                    // the first ones
+  summary["skipped_total"] = source.skipped().size();
+  summary["dropped"] = o.plan.dropped();
   summary["interrupted"] = o.interrupted;
   summary["keyframes"] = o.slam.map().keyframes().size();
   summary["landmarks"] = o.slam.map().landmark_count();
   summary["loops"] = loops_json(o.slam.map());
-  summary["sensor"] = sensor_json(o.slam.sensor());
-  summary["depth_sensor"] = name_of(o.source.camera().sensor.model);
-  const auto noise_scale = depth_noise_scale(o.slam, o.source.camera());
+  summary["sensor"] = sensor_json(o.slam.sensor_estimate());
+  summary["depth_sensor"] = name_of(source.camera().sensor.model);
+  const auto noise_scale = depth_noise_scale(o.slam);
   summary["depth_noise_scale"] = noise_scale ? json(*noise_scale) : json(nullptr);
   summary["wall_s"] = o.wall_s;
-  summary["threads"] = o.threads;
+  summary["threads"] = o.plan.threads;
   summary["frame_ms"] = {{"median", quantile(o.slam.timings().frame_ms, 0.5)},
                          {"p95", quantile(o.slam.timings().frame_ms, 0.95)}};
   summary["peak_memory_mib"] = peak_memory_mib();
-  if (o.map_points) summary["map"] = {{"points", *o.map_points}, {"voxel_m", o.options.dense.voxel_m}};
+  if (o.map_points) summary["map"] = {{"points", *o.map_points}, {"voxel_m", o.plan.options.dense.voxel_m}};
   const auto poses = poses_with_covariance(o.slam, component);
   summary["keyframe_covariances"] = covariances_json(poses);
   if (o.evaluation) {
     summary["evaluation"] = to_json(*o.evaluation);
-    summary["evaluation"]["consistency"] = consistency_json(poses, o.source.info().ground_truth);
+    summary["evaluation"]["consistency"] = consistency_json(poses, source.info().ground_truth);
   }
-  summary["options"] = options_json(o.options);
+  summary["options"] = options_json(o.plan.options);
   return summary;
 }
 

@@ -6,24 +6,20 @@
 
 #include <nlohmann/json.hpp>
 
-#include "kinloop/sensor/frame_source.hpp"
 #include "kinloop/slam/slam.hpp"
-#include "session/run_options.hpp"
+#include "session/run_plan.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {
 
 /// The results of a run.
 struct RunOutcome {
-  const FrameSource& source;
+  const RunPlan& plan;
   const Slam& slam;
-  const RunOptions& options;
-  std::optional<Evaluation> evaluation;  ///< if there is ground truth
-  std::optional<size_t> map_points;      ///< of the cloud, if one was fused
+  std::optional<Evaluation> evaluation = {};  ///< if there is ground truth
+  std::optional<size_t> map_points = {};      ///< of the cloud, if one was fused
   double wall_s = 0;
-  int threads = 1;
-  bool interrupted = false;
-  size_t dropped = 0;  ///< frames dropped in live mode
+  bool interrupted = false;  ///< or ended by a failing source
 };
 
 /// Returns the content of run.json but for timings.

@@ -8,8 +8,6 @@
 
 #include "apps/shared/interrupt.hpp"
 #include "kinloop/core/log.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
-#include "session/map_store.hpp"
 #include "viewer/report/report.hpp"
 #include "viewer/saved_run.hpp"
 
@@ -71,13 +69,6 @@ std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const Vie
   };
   log::info("viewer at {}", shown->viewer.url());
   return shown;
-}
-
-void save_map(const RunFolder& folder, const Slam& slam, DenseRecorder& recorder, const std::string& frame,
-              int threads) {
-  write_tum_trajectory(folder.trajectory(), slam.trajectory());
-  const ColoredCloud cloud = recorder.fuse(slam, threads, {});
-  write_ply(folder.map(), cloud, file_frame(frame, recorder.up(slam), recorder.views(slam)));
 }
 
 void serve_until_interrupted(LiveViewer& viewer) {

@@ -8,7 +8,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "kinloop/io/run_folder.hpp"
 #include "session/session.hpp"
 #include "viewer/live_viewer.hpp"
 
@@ -33,10 +32,6 @@ std::vector<std::string> join_viewer_address(std::vector<std::string> words);
 /// Begins to show the run, if `listen` asks for it, and says where. The session must not outlive the result.
 std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const ViewerOptions& options,
                                             Session& session, const std::function<void()>& save_now);
-
-/// Writes the current trajectory and map, the map in the frame selected by `--frame`.
-void save_map(const RunFolder& folder, const Slam& slam, DenseRecorder& recorder, const std::string& frame,
-              int threads);
 
 /// After the run: on a terminal, serves until Ctrl-C; otherwise only until connected browsers have the final
 /// state.

@@ -18,7 +18,7 @@ class TumFrameWriter : public FrameWriter {
  public:
   TumFrameWriter(const std::filesystem::path& folder, const RgbdCamera& camera) : writer_(folder, camera) {}
 
-  std::function<void()> prepare(const RgbdFrame& frame) override {
+  std::function<void()> prepare(const Frame& frame) override {
     writer_.write_images(frame);
     return [this, frame] { writer_.add_to_lists(frame); };
   }
@@ -33,7 +33,7 @@ class McapFrameWriter : public FrameWriter {
   McapFrameWriter(const std::filesystem::path& path, const RgbdCamera& camera)
       : recording_(path, camera), depth_scale_(camera.depth_scale) {}
 
-  std::function<void()> prepare(const RgbdFrame& frame) override {
+  std::function<void()> prepare(const Frame& frame) override {
     const auto compressed = std::make_shared<const CompressedFrame>(compress_frame(frame, depth_scale_));
     return [this, compressed] { recording_.write(*compressed); };
   }
@@ -66,7 +66,7 @@ Recorder::~Recorder() {
   for (auto& thread : threads_) thread.request_stop();
 }
 
-void Recorder::add(RgbdFrame frame) {
+void Recorder::add(Frame frame) {
   Lock lock(mutex_);
   rethrow();
   changed_.wait(lock, [&] { return unwritten() < kMaxQueued || error_; });
@@ -88,7 +88,7 @@ void Recorder::finish(const Trajectory& ground_truth) {
 void Recorder::work(const std::stop_token& stop) {
   Lock lock(mutex_);
   while (changed_.wait(lock, stop, [&] { return !queue_.empty(); })) {
-    const RgbdFrame frame = std::move(queue_.front());
+    const Frame frame = std::move(queue_.front());
     queue_.pop_front();
     const size_t number = taken_++;
     lock.unlock();

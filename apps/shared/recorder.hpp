@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/sensor/frame.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
-#include "kinloop/sensor/rgbd_frame.hpp"
 
 namespace kinloop {
 
@@ -25,7 +25,7 @@ class FrameWriter {
   virtual ~FrameWriter() = default;
 
   /// Compresses a frame, and returns what is left to be done in order of the frames. Several threads call it.
-  virtual std::function<void()> prepare(const RgbdFrame& frame) = 0;
+  virtual std::function<void()> prepare(const Frame& frame) = 0;
 
   /// Completes the recording.
   virtual void finish(const Trajectory& ground_truth) = 0;
@@ -47,7 +47,7 @@ class Recorder {
   Recorder& operator=(const Recorder&) = delete;
 
   /// Stamps must increase. Rethrows the error of writing an earlier frame.
-  void add(RgbdFrame frame);
+  void add(Frame frame);
 
   /// Waits until all frames are written, then completes the recording.
   void finish(const Trajectory& ground_truth);
@@ -65,7 +65,7 @@ class Recorder {
   std::unique_ptr<FrameWriter> writer_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::deque<RgbdFrame> queue_;
+  std::deque<Frame> queue_;
   std::map<size_t, std::function<void()>> prepared_;  ///< by the number of the frame
   size_t added_ = 0, taken_ = 0, written_ = 0;        ///< frames
   bool writing_ = false;                              ///< by one of the threads

@@ -10,9 +10,9 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/dense/cloud/render_cloud.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
+#include "viewer/report/render_cloud.hpp"
 #include "viewer/report/report.hpp"
 #include "viewer/report/run_up_direction.hpp"
 #include "viewer/scene/incremental_cloud.hpp"
@@ -39,8 +39,8 @@ double highest_shown_m(const Trajectory& path, const Eigen::Vector3d& up) {
   return highest_m + kCutAboveCameraM;
 }
 
-CloudView view_of(const Trajectory& path, const nlohmann::json& figures) {
-  CloudView view;
+CloudPictureOptions view_of(const Trajectory& path, const nlohmann::json& figures) {
+  CloudPictureOptions view;
   view.up = read_up_direction(figures, path);
   view.cut_above_m = highest_shown_m(path, view.up);
   const nlohmann::json::json_pointer voxel("/map/voxel_m");
@@ -50,7 +50,7 @@ CloudView view_of(const Trajectory& path, const nlohmann::json& figures) {
 }
 
 /// The picture on white, suitable for print.
-ReportImage picture_of(const ColoredCloud& cloud, const CloudView& view, const char* caption) {
+ReportImage picture_of(const ColoredCloud& cloud, const CloudPictureOptions& view, const char* caption) {
   const cv::Mat drawn = render_cloud(cloud, view);
   if (drawn.empty()) return {caption, {}};
   cv::Mat page(drawn.size(), CV_8UC3, cv::Scalar::all(255));
@@ -67,7 +67,7 @@ ReportImage picture_of(const ColoredCloud& cloud, const CloudView& view, const c
 }
 
 /// An evenly spaced selection of the points below the cut, in the order in which the page draws them.
-std::string decimated(const ColoredCloud& cloud, const CloudView& view) {
+std::string decimated(const ColoredCloud& cloud, const CloudPictureOptions& view) {
   CloudPiece piece;
   const ColoredCloud mixed = shuffled(cloud);
   const Eigen::Vector3f up = view.up.cast<float>();
@@ -86,7 +86,7 @@ void add_map(RunReport& run, const fs::path& map) {
   constexpr double kFromAboveDeg = 90;
   const ColoredCloud cloud = read_ply(map);
   if (cloud.size() == 0) return;
-  CloudView view = view_of(run.estimate, run.metrics);
+  CloudPictureOptions view = view_of(run.estimate, run.metrics);
   run.cloud = decimated(cloud, view);
   run.map_images.push_back(
       picture_of(cloud, view, "Oblique view; points above the highest camera position are not shown"));

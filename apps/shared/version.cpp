@@ -17,7 +17,7 @@
 #include "kinloop/dense/occupancy.hpp"
 #include "kinloop/features/surf.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
-#include "session/program_name.hpp"
+#include "session/process.hpp"
 #include "tools/calibration/charuco.hpp"
 #include "tools/feature_comparison/detectors.hpp"
 #include "tools/vocabulary_training/mpi_communicator.hpp"

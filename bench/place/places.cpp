@@ -8,6 +8,7 @@
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/features/extractor.hpp"
+#include "kinloop/sensor/sensor.hpp"
 #include "tools/vocabulary_training/training_images.hpp"
 
 namespace kinloop {
@@ -47,8 +48,8 @@ std::vector<Place> read_places(const std::filesystem::path& sequence, size_t sce
   for (size_t i = 0; const auto frame = source.next(); ++i) {
     const auto pose = pose_at(source.info().ground_truth, frame->stamp_ns, kNsPerSecond / 10);
     if (i % step != 0 || !pose) continue;
-    places.push_back(
-        {scene, frame->stamp_ns, pose, extract_features(frame->color.gray(), frame->depth_m, camera, {})});
+    places.push_back({scene, frame->stamp_ns, pose,
+                      extract_features(frame->color.gray(), frame->depth_m, Sensor{camera}, {})});
   }
   return places;
 }

@@ -82,8 +82,8 @@ Recognition by_geometric_verification(std::span<const Place> places, const Vocab
 }
 
 Detection detect(std::span<const Place> places, const Vocabulary& vocabulary, const PinholeCamera& camera) {
-  const LoopOptions options;
-  const TrackingOptions tracking;
+  const Sensor sensor{camera};
+  const PlaceOptions options;
   PlaceIndex index;
   for (size_t i = 0; i < places.size(); ++i) index.add(id_of(i), bow_of(places[i], vocabulary));
   Detection detection;
@@ -91,12 +91,12 @@ Detection detect(std::span<const Place> places, const Vocabulary& vocabulary, co
     const Place& place = places[query];
     if (!place.T_scene_camera) continue;
     const auto allowed = [&](KeyframeId id) { return is_admissible(place, places[id.value]); };
-    PreparedFrame frame;
+    Frame frame;
     frame.features = std::make_shared<const Features>(place.features);
     for (const auto& candidate : index.query(index.bow_of(id_of(query)), 5, allowed)) {
       const Place& found = places[candidate.keyframe.value];
-      const auto result =
-          recognize_place(frame, view_of(found.features, camera), camera, options, tracking, query);
+      const auto result = recognize_place({frame, view_of(found.features, camera), sensor, options.tracking},
+                                          options.loop, query);
       if (!result) continue;
       ++detection.confirmed;
       if (place.scene != found.scene) {

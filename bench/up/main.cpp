@@ -55,7 +55,7 @@ struct Views {
   std::vector<PosedImage> posed;
 };
 
-void add(Views& views, const RgbdFrame& frame, const SE3& T_world_camera, double focal_px) {
+void add(Views& views, const Frame& frame, const SE3& T_world_camera, double focal_px) {
   const size_t index = views.surfels.size();
   views.surfels.push_back(extract_surfels({frame.color.bgr(), frame.depth_m}, {focal_px}, {}));
   views.posed.push_back({index, T_world_camera});

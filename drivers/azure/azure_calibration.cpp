@@ -29,8 +29,7 @@ SensorMode depth_mode(cv::Size size) {
   for (const SensorMode& mode : kDepthModes) {
     if (mode.image == size) return mode;
   }
-  throw InputError(
-      fmt::format("depth of {} x {} pixels, which no mode of the sensor has", size.width, size.height));
+  throw InputError(fmt::format("depth of {} x {} pixels is no mode of the sensor", size.width, size.height));
 }
 
 /// Colour has the whole sensor (4:3), or is cropped at top and bottom (16:9).
@@ -38,7 +37,7 @@ SensorMode color_mode(cv::Size size) {
   const cv::Size whole(size.width, size.width * 3 / 4);
   if (size.width <= 0 || size.height <= 0 || size.height > whole.height)
     throw InputError(
-        fmt::format("colour of {} x {} pixels, which no mode of the sensor has", size.width, size.height));
+        fmt::format("colour of {} x {} pixels is no mode of the sensor", size.width, size.height));
   return {size, whole, {0, (whole.height - size.height) / 2}};
 }
 

@@ -41,7 +41,7 @@ class AzureSource : public FrameSource {
     preparation_.emplace(camera_);
   }
 
-  std::optional<RgbdFrame> next() override {
+  std::optional<Frame> next() override {
     while (true) {
       if (auto frame = pairer_.next()) {
         ++given_;

@@ -5,7 +5,7 @@
 #include "drivers/bags/chunk_decompression.hpp"
 #include "drivers/bags/record_file.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/mcap_format.hpp"
+#include "kinloop/sensor/recording_format.hpp"
 
 namespace kinloop {
 namespace {

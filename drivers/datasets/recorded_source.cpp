@@ -79,13 +79,13 @@ void RecordedSource::require_expected_format() const {
   }
 }
 
-std::optional<RgbdFrame> RecordedSource::next() {
+std::optional<Frame> RecordedSource::next() {
   const auto& frames = sequence_.frames;
   auto& skipped = sequence_.skipped;
   while (next_file_ < frames.size()) {
     const RecordedFrame& files = frames[next_file_++];
     try {
-      RgbdFrame frame = read_images(files);
+      Frame frame = read_images(files);
       frame.depth_m = prepare_depth_(frame.depth_m);
       frame.id = FrameId{next_id_++};
       return frame;
@@ -103,8 +103,8 @@ std::optional<RgbdFrame> RecordedSource::next() {
   return std::nullopt;
 }
 
-RgbdFrame RecordedSource::read_images(const RecordedFrame& files) const {
-  RgbdFrame frame;
+Frame RecordedSource::read_images(const RecordedFrame& files) const {
+  Frame frame;
   frame.stamp_ns = files.stamp_ns;
   frame.depth_stamp_ns = files.depth_stamp_ns;
   if (video_) {

@@ -22,7 +22,7 @@ class RecordedSource : public FrameSource {
   RecordedSource(std::string name, RecordedSequence sequence, const RgbdCamera& camera);
 
   /// Throws InputError at the end if not a single frame was intact.
-  std::optional<RgbdFrame> next() override;
+  std::optional<Frame> next() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] SkippedFrames skipped() const override { return sequence_.skipped; }
@@ -30,7 +30,7 @@ class RecordedSource : public FrameSource {
  private:
   /// Throws InputError if the first images are all of the wrong size or format.
   void require_expected_format() const;
-  [[nodiscard]] RgbdFrame read_images(const RecordedFrame& files) const;
+  [[nodiscard]] Frame read_images(const RecordedFrame& files) const;
 
   RgbdCamera camera_;
   RecordedSequence sequence_;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kWrittenLists[] = {"rgb.txt", "depth.txt", "associations.txt", "groundtruth.txt"};
 
-std::string color_name(const RgbdFrame& frame) {
+std::string color_name(const Frame& frame) {
   return fmt::format("rgb/{}.{}", format_stamp(frame.stamp_ns), frame.color.jpeg().empty() ? "png" : "jpg");
 }
 
@@ -50,13 +50,13 @@ TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
   write_camera_file(folder_ / "camera.yaml", camera);
 }
 
-void TumWriter::append(const RgbdFrame& frame) {
+void TumWriter::append(const Frame& frame) {
   require(frame.stamp_ns > newest_ns_, "TumWriter: timestamps must increase");
   write_images(frame);
   add_to_lists(frame);
 }
 
-void TumWriter::write_images(const RgbdFrame& frame) const {
+void TumWriter::write_images(const Frame& frame) const {
   const std::string_view jpeg = frame.color.jpeg();
   if (jpeg.empty()) {
     write_png(folder_ / color_name(frame), frame.color.bgr());
@@ -66,7 +66,7 @@ void TumWriter::write_images(const RgbdFrame& frame) const {
   write_depth_png(folder_ / depth_name(frame.depth_stamp_or_color_ns()), frame.depth_m, depth_scale_);
 }
 
-void TumWriter::add_to_lists(const RgbdFrame& frame) {
+void TumWriter::add_to_lists(const Frame& frame) {
   const int64_t stamp_ns = frame.stamp_ns, depth_stamp_ns = frame.depth_stamp_or_color_ns();
   require(stamp_ns > newest_ns_, "TumWriter: timestamps must increase");
   newest_ns_ = stamp_ns;

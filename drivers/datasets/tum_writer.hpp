@@ -9,8 +9,8 @@
 
 #include "kinloop/core/files/folder_lock.hpp"
 #include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/sensor/frame.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
-#include "kinloop/sensor/rgbd_frame.hpp"
 
 namespace kinloop {
 
@@ -27,12 +27,12 @@ class TumWriter {
 
   /// Adds a frame; its stamp must be later than the previous one. Colour is the camera's JPEG, or else PNG.
   /// Depth is rounded to the camera's units per metre; values out of the 16-bit range are written as unknown.
-  void append(const RgbdFrame& frame);
+  void append(const Frame& frame);
 
   /// The two halves of `append`: the images alone, which several threads may write at once, and the lines of
   /// the lists.
-  void write_images(const RgbdFrame& frame) const;
-  void add_to_lists(const RgbdFrame& frame);
+  void write_images(const Frame& frame) const;
+  void add_to_lists(const Frame& frame);
 
   /// Writes the lists, and groundtruth.txt unless `ground_truth` is empty.
   void finish(const Trajectory& ground_truth = {});

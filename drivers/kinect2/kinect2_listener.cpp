@@ -10,34 +10,34 @@
 namespace kinloop {
 namespace {
 
-using libfreenect2::Frame;
+using DeviceFrame = libfreenect2::Frame;
 
 constexpr double kMillimetresPerMetre = 1000;
 
 /// Wraps the frame's memory as an image.
-cv::Mat image_of(const Frame& frame, int type) {
+cv::Mat image_of(const DeviceFrame& frame, int type) {
   return {static_cast<int>(frame.height), static_cast<int>(frame.width), type, frame.data};
 }
 
 }  // namespace
 
-bool Kinect2Listener::onNewFrame(Frame::Type type, Frame* frame) {
+bool Kinect2Listener::onNewFrame(DeviceFrame::Type type, DeviceFrame* frame) {
   constexpr bool kTakesOwnership = false;  // return value: libfreenect2 keeps the frame
   if (frame->status != 0) {
     ++faulty_;
     return kTakesOwnership;
   }
   const int64_t stamp = clock_.stamp_ns(frame->timestamp);
-  if (type == Frame::Color) on_color(stamp, *frame);
-  if (type == Frame::Ir) on_infrared(*frame);
-  if (type == Frame::Depth) on_depth(stamp, *frame);
+  if (type == DeviceFrame::Color) on_color(stamp, *frame);
+  if (type == DeviceFrame::Ir) on_infrared(*frame);
+  if (type == DeviceFrame::Depth) on_depth(stamp, *frame);
   return kTakesOwnership;
 }
 
-void Kinect2Listener::on_color(int64_t stamp_ns, const Frame& frame) {
+void Kinect2Listener::on_color(int64_t stamp_ns, const DeviceFrame& frame) {
   cv::Mat color;
   cv::cvtColor(image_of(frame, CV_8UC4), color,
-               frame.format == Frame::RGBX ? cv::COLOR_RGBA2BGR : cv::COLOR_BGRA2BGR);
+               frame.format == DeviceFrame::RGBX ? cv::COLOR_RGBA2BGR : cv::COLOR_BGRA2BGR);
   if (color_width_ < color.cols) {
     const int height =
         static_cast<int>(std::lround(static_cast<double>(color.rows) * color_width_ / color.cols));
@@ -47,7 +47,7 @@ void Kinect2Listener::on_color(int64_t stamp_ns, const Frame& frame) {
   frames_.add_color(stamp_ns, color);
 }
 
-void Kinect2Listener::on_infrared(const Frame& frame) {
+void Kinect2Listener::on_infrared(const DeviceFrame& frame) {
   if (!with_infrared_) return;
   cv::Mat infrared;
   image_of(frame, CV_32FC1).convertTo(infrared, CV_16UC1);
@@ -55,7 +55,7 @@ void Kinect2Listener::on_infrared(const Frame& frame) {
   infrared_ = infrared;
 }
 
-void Kinect2Listener::on_depth(int64_t stamp_ns, const Frame& frame) {
+void Kinect2Listener::on_depth(int64_t stamp_ns, const DeviceFrame& frame) {
   cv::Mat depth_m;
   image_of(frame, CV_32FC1).convertTo(depth_m, CV_32FC1, 1 / kMillimetresPerMetre);
   depth_m.setTo(0, ~(depth_m > 0));  // includes NaN

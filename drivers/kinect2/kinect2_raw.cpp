@@ -21,7 +21,7 @@
 namespace kinloop {
 namespace {
 
-using libfreenect2::Frame;
+using DeviceFrame = libfreenect2::Frame;
 using Device = libfreenect2::Freenect2Device;
 using Clock = std::chrono::steady_clock;
 
@@ -83,14 +83,14 @@ Kinect2PacketWriter::Kinect2PacketWriter(std::filesystem::path folder) : folder_
   require_writable_folder(folder_);
 }
 
-bool Kinect2PacketWriter::onNewFrame(Frame::Type type, Frame* frame) {
+bool Kinect2PacketWriter::onNewFrame(DeviceFrame::Type type, DeviceFrame* frame) {
   constexpr bool kTakesOwnership = false;  // return value: libfreenect2 keeps the frame
   const std::lock_guard lock(mutex_);
   try {
-    if (type == Frame::Depth) {
+    if (type == DeviceFrame::Depth) {
       write(*frame, ".depth");
       count(written_.depth, last_depth_, frame->sequence);
-    } else if (type == Frame::Color) {
+    } else if (type == DeviceFrame::Color) {
       write(*frame, ".jpg");
       count(written_.color, last_color_, frame->sequence);
     }
@@ -100,7 +100,7 @@ bool Kinect2PacketWriter::onNewFrame(Frame::Type type, Frame* frame) {
   return kTakesOwnership;
 }
 
-void Kinect2PacketWriter::write(const Frame& frame, const char* ending) {
+void Kinect2PacketWriter::write(const DeviceFrame& frame, const char* ending) {
   const auto file = folder_ / fmt::format("{}_packet_{}{}", frame.timestamp, frame.sequence, ending);
   // For a raw frame this is its total size.
   // Not flushed one by one: this is a callback of the USB threads.

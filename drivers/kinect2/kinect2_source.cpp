@@ -93,7 +93,7 @@ void Kinect2Source::reopen() {
   start_kinect2(handle_, listener_, options_);
 }
 
-std::optional<RgbdFrame> Kinect2Source::next() {
+std::optional<Frame> Kinect2Source::next() {
   auto frame =
       next_or_reconnect(frames_, {info_.name, kFrameTimeout, options_.reconnect_s,
                                   [this] { close_kinect2(handle_); }, [this] { reopen(); }, options_.stop});
@@ -119,10 +119,9 @@ bool kinect2_available() {
 }
 
 std::unique_ptr<FrameSource> open_kinect2(const KinectOptions& options,
-                                          const std::optional<RgbdCamera>& calibration,
-                                          Kinect2Frames frames) {
+                                          const std::optional<RgbdCamera>& calibration) {
   return std::make_unique<Kinect2Source>([options] { return open_kinect2_device(options); }, options,
-                                         calibration, frames);
+                                         calibration, options.frames);
 }
 
 }  // namespace kinloop
@@ -135,8 +134,7 @@ bool kinect2_available() {
   return false;
 }
 
-std::unique_ptr<FrameSource> open_kinect2(const KinectOptions&, const std::optional<RgbdCamera>&,
-                                          Kinect2Frames) {
+std::unique_ptr<FrameSource> open_kinect2(const KinectOptions&, const std::optional<RgbdCamera>&) {
   throw UsageError(
       "kinect2: not supported by this build; install libfreenect2 and rebuild (docs/cameras.md)");
 }

@@ -19,7 +19,6 @@ bool kinect2_available();
 /// Throws InputError if there is no device or it cannot be opened, and UsageError in a build without
 /// libfreenect2.
 std::unique_ptr<FrameSource> open_kinect2(const KinectOptions& options,
-                                          const std::optional<RgbdCamera>& calibration,
-                                          Kinect2Frames frames = Kinect2Frames::kRegistered);
+                                          const std::optional<RgbdCamera>& calibration);
 
 }  // namespace kinloop

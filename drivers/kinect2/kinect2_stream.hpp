@@ -24,7 +24,7 @@ class Kinect2Source : public FrameSource {
   Kinect2Source(const Kinect2Source&) = delete;
   Kinect2Source& operator=(const Kinect2Source&) = delete;
 
-  std::optional<RgbdFrame> next() override;
+  std::optional<Frame> next() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] SkippedFrames skipped() const override;

@@ -33,7 +33,7 @@ void FramePairer::drop_front(Queue& queue) {
   ++unpaired_;
 }
 
-std::optional<RgbdFrame> FramePairer::next() {
+std::optional<Frame> FramePairer::next() {
   while (!colors_.empty()) {
     const int64_t stamp_ns = colors_.front().stamp_ns;
     const auto distance = [&](size_t i) { return std::abs(depths_[i].stamp_ns - stamp_ns); };
@@ -54,12 +54,12 @@ std::optional<RgbdFrame> FramePairer::next() {
       drop_front(colors_);
       continue;
     }
-    RgbdFrame frame{FrameId{next_id_++},
-                    stamp_ns,
-                    std::move(colors_.front().color),
-                    std::move(depths_.front().depth_m),
-                    std::move(depths_.front().infrared),
-                    depths_.front().measured_ns};
+    Frame frame{FrameId{next_id_++},
+                stamp_ns,
+                std::move(colors_.front().color),
+                std::move(depths_.front().depth_m),
+                std::move(depths_.front().infrared),
+                depths_.front().measured_ns};
     colors_.pop_front();
     depths_.pop_front();
     return frame;

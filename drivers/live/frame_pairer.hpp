@@ -8,7 +8,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/core/association.hpp"
-#include "kinloop/sensor/rgbd_frame.hpp"
+#include "kinloop/sensor/frame.hpp"
 
 namespace kinloop {
 
@@ -30,7 +30,7 @@ class FramePairer {
   void finish() { finished_ = true; }
 
   /// Returns the next frame in order of time, numbered from 0; nullopt if none is ready.
-  std::optional<RgbdFrame> next();
+  std::optional<Frame> next();
 
   /// Number of images without a partner so far.
   [[nodiscard]] size_t unpaired() const { return unpaired_; }

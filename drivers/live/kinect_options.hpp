@@ -30,7 +30,9 @@ struct KinectOptions {
   double min_depth_m = 0.5;
   double max_depth_m = 8;
   double reconnect_s = 10;
-  StopRequest stop = {};  ///< of the caller, not an option: ends the wait for an unplugged camera
+  // Of the caller, not options:
+  StopRequest stop = {};  ///< ends the wait for an unplugged camera
+  Kinect2Frames frames = Kinect2Frames::kRegistered;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

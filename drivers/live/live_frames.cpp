@@ -59,10 +59,10 @@ void LiveFrameBuffer::collect_ready() {
   if (!ready_.empty()) frame_ready_.notify_one();
 }
 
-std::optional<RgbdFrame> LiveFrameBuffer::wait(std::chrono::milliseconds timeout) {
+std::optional<Frame> LiveFrameBuffer::wait(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
   if (!frame_ready_.wait_for(lock, timeout, [&] { return !ready_.empty(); })) return std::nullopt;
-  RgbdFrame frame = std::move(ready_.front());
+  Frame frame = std::move(ready_.front());
   ready_.pop_front();
   ++delivered_;
   return frame;

@@ -36,7 +36,7 @@ class LiveFrameBuffer {
   void finish();
 
   /// Returns the oldest frame, waiting for one if necessary; nullopt after `timeout`.
-  std::optional<RgbdFrame> wait(std::chrono::milliseconds timeout);
+  std::optional<Frame> wait(std::chrono::milliseconds timeout);
 
   [[nodiscard]] LostImageCounts counts() const;
 
@@ -53,7 +53,7 @@ class LiveFrameBuffer {
   mutable std::mutex mutex_;
   std::condition_variable frame_ready_;
   FramePairer pairer_;
-  std::deque<RgbdFrame> ready_;
+  std::deque<Frame> ready_;
   size_t dropped_ = 0, delivered_ = 0;
   int64_t shift_ns_ = 0;  ///< added to all stamps since the clock was set back
   std::optional<int64_t> newest_ns_;

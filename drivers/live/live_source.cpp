@@ -42,7 +42,7 @@ class LiveSource : public FrameSource {
     prepare_depth_.emplace(camera_);
   }
 
-  std::optional<RgbdFrame> next() override {
+  std::optional<Frame> next() override {
     auto frame = next_or_reconnect(
         frames_, {live_.name, kSilenceOfUnplugged, live_.reconnect_s, [this] { device_.streams.reset(); },
                   [this] { device_ = live_.open(frames_); }, live_.stop});

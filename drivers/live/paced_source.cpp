@@ -24,7 +24,7 @@ PacedSource::PacedSource(std::unique_ptr<FrameSource> source, double rate_hz, Pa
   info_.live = true;
 }
 
-std::optional<RgbdFrame> PacedSource::next() {
+std::optional<Frame> PacedSource::next() {
   const double now_s = clock_.now_s();
   if (!start_s_) start_s_ = now_s;
   const auto come = static_cast<size_t>((now_s - *start_s_) * rate_hz_) + 1;

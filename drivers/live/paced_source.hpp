@@ -26,7 +26,7 @@ class PacedSource : public FrameSource {
 
   PacedSource(std::unique_ptr<FrameSource> source, double rate_hz, PaceClock clock = PaceClock::steady());
 
-  std::optional<RgbdFrame> next() override;
+  std::optional<Frame> next() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return source_->camera(); }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] SkippedFrames skipped() const override { return source_->skipped(); }

@@ -26,7 +26,7 @@ bool reopened(const Reconnection& camera) {
 
 }  // namespace
 
-std::optional<RgbdFrame> next_or_reconnect(LiveFrameBuffer& frames, const Reconnection& camera) {
+std::optional<Frame> next_or_reconnect(LiveFrameBuffer& frames, const Reconnection& camera) {
   if (auto frame = frames.wait(camera.timeout)) return frame;
   if (stopped(camera)) return std::nullopt;
   log::warn("{}: no frames for {} s; waiting up to {} s for the camera to return", camera.name,

@@ -22,6 +22,6 @@ struct Reconnection {
 
 /// Returns the next frame of the camera that fills `frames`. If none arrives, closes and reopens the camera
 /// until one does; nullopt if it did not return or `stop` said so.
-std::optional<RgbdFrame> next_or_reconnect(LiveFrameBuffer& frames, const Reconnection& camera);
+std::optional<Frame> next_or_reconnect(LiveFrameBuffer& frames, const Reconnection& camera);
 
 }  // namespace kinloop

@@ -33,7 +33,7 @@ class OniSource : public FrameSource {
     preparation_.emplace(camera_);
   }
 
-  std::optional<RgbdFrame> next() override {
+  std::optional<Frame> next() override {
     while (true) {
       if (auto frame = pairer_.next()) {
         ++given_;

@@ -81,13 +81,13 @@ double vertex_of(double before, double at, double after) {
 
 }  // namespace
 
-std::optional<Misregistration> misregistration(std::span<const RgbdFrame> frames) {
+std::optional<Misregistration> misregistration(std::span<const Frame> frames) {
   constexpr size_t kFewestBorders = 200, kMostBorders = 4000;
   constexpr double kClear = 1.15;
   cv::Mat scores = cv::Mat::zeros(kSide, kSide, CV_64FC1);
   double scale = 1;
   bool any = false;
-  for (const RgbdFrame& frame : frames) {
+  for (const Frame& frame : frames) {
     cv::Mat color = frame.color.bgr(), depth_m = frame.depth_m;
     scale = std::max(1.0, static_cast<double>(depth_m.cols) / kWidth_px);
     const cv::Size size(cvRound(depth_m.cols / scale), cvRound(depth_m.rows / scale));

@@ -35,11 +35,11 @@ Spread spread_of(const std::vector<double>& values) {
   return {quantile(values, kTail), median(values), quantile(values, 1 - kTail)};
 }
 
-DepthStatistics depth_statistics(std::span<const RgbdFrame> frames) {
+DepthStatistics depth_statistics(std::span<const Frame> frames) {
   constexpr int kStep_px = 8;  // a sample is enough
   std::vector<double> depths_m;
   size_t pixels = 0;
-  for (const RgbdFrame& frame : frames) {
+  for (const Frame& frame : frames) {
     for (int y = 0; y < frame.depth_m.rows; y += kStep_px) {
       const auto* row = frame.depth_m.ptr<float>(y);
       for (int x = 0; x < frame.depth_m.cols; x += kStep_px) {

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "kinloop/sensor/rgbd_frame.hpp"
+#include "kinloop/sensor/frame.hpp"
 
 namespace kinloop {
 
@@ -38,7 +38,7 @@ struct DepthStatistics {
 };
 
 /// Samples a grid of pixels of each frame.
-DepthStatistics depth_statistics(std::span<const RgbdFrame> frames);
+DepthStatistics depth_statistics(std::span<const Frame> frames);
 
 /// Returns the units per metre that would make an impossible median depth plausible indoors, where
 /// `depth_scale` is what was assumed; nullopt if the median is possible (0.3 to 20 m) or no usual unit fits.
@@ -52,6 +52,6 @@ struct Misregistration {
 
 /// Compares the borders of near objects in depth with the gradients of colour, for all shifts up to 20 px of
 /// an image of 640 px. Returns nullopt if there are too few borders or no shift stands out.
-std::optional<Misregistration> misregistration(std::span<const RgbdFrame> frames);
+std::optional<Misregistration> misregistration(std::span<const Frame> frames);
 
 }  // namespace kinloop

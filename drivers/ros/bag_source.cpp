@@ -48,7 +48,7 @@ class BagSource : public FrameSource {
     file_->select({streams_.color, streams_.depth});
   }
 
-  std::optional<RgbdFrame> next() override {
+  std::optional<Frame> next() override {
     while (true) {
       if (auto frame = pairer_.next()) {
         ++given_;
@@ -148,7 +148,7 @@ class BagSource : public FrameSource {
         is_color ? "specify the camera of these images with --camera" : "is depth registered to colour?"));
   }
 
-  [[nodiscard]] RgbdFrame with_registered_depth(RgbdFrame frame) {
+  [[nodiscard]] Frame with_registered_depth(Frame frame) {
     frame.depth_m = (*preparation_)(frame.depth_m);
     return frame;
   }

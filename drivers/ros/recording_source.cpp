@@ -11,7 +11,7 @@
 #include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
-#include "kinloop/sensor/recording_topics.hpp"
+#include "kinloop/sensor/recording_format.hpp"
 
 namespace kinloop {
 namespace {
@@ -36,7 +36,7 @@ class RecordingSource : public FrameSource {
     file_->select({recording::kColorTopic, recording::kDepthTopic});
   }
 
-  std::optional<RgbdFrame> next() override {
+  std::optional<Frame> next() override {
     while (const auto message = file_->next()) {
       try {
         if (auto frame = completed_by(*message)) return frame;
@@ -75,7 +75,7 @@ class RecordingSource : public FrameSource {
   }
 
   /// The frame whose second image this is.
-  std::optional<RgbdFrame> completed_by(const BagMessage& message) {
+  std::optional<Frame> completed_by(const BagMessage& message) {
     const auto image = read_compressed_image({message.data, message.topic->encoding});
     if (message.topic->name == recording::kColorTopic) {
       color_ = Color{message.log_ns, image.header.stamp_ns, decode_embedded_color(image.data)};
@@ -88,12 +88,12 @@ class RecordingSource : public FrameSource {
     require_size({static_cast<int>(width), static_cast<int>(height)});
     const cv::Mat units =
         decode_rvl(reader.block(reader.left()), {camera_.color.width, camera_.color.height});
-    RgbdFrame frame{FrameId{given_++},
-                    color_->stamp_ns,
-                    std::move(color_->image),
-                    from_depth_units(units, camera_.depth_scale),
-                    {},
-                    image.header.stamp_ns};
+    Frame frame{FrameId{given_++},
+                color_->stamp_ns,
+                std::move(color_->image),
+                from_depth_units(units, camera_.depth_scale),
+                {},
+                image.header.stamp_ns};
     color_.reset();
     return frame;
   }

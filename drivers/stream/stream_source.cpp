@@ -34,7 +34,7 @@ class StreamSource : public FrameSource {
     if (info_.live) thread_ = std::jthread([this](const std::stop_token& token) { read_all(token); });
   }
 
-  std::optional<RgbdFrame> next() override {
+  std::optional<Frame> next() override {
     while (true) {
       const bool ended = ended_;
       if (auto frame = frames_.wait(info_.live && !ended ? kLookInterval : std::chrono::milliseconds(0)))
@@ -87,7 +87,7 @@ class StreamSource : public FrameSource {
     }
   }
 
-  [[nodiscard]] RgbdFrame with_registered_depth(RgbdFrame frame) {
+  [[nodiscard]] Frame with_registered_depth(Frame frame) {
     frame.depth_m = (*preparation_)(frame.depth_m);
     return frame;
   }

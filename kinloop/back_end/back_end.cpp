@@ -4,13 +4,13 @@
 
 namespace kinloop {
 
-BackEnd::BackEnd(Map& map, const RgbdCamera& camera, const BackEndOptions& options)
+BackEnd::BackEnd(Map& map, const Sensor& nominal, const BackEndOptions& options)
     : map_(map),
-      verification_{LoopVerificationJob(camera, options)},
+      verification_{LoopVerificationJob(options)},
       correction_{LoopCorrectionJob(options)},
-      global_ba_{GlobalBaJob(camera, options)},
-      local_ba_{LocalBaJob(camera, options)},
-      self_calibration_{SelfCalibrationJob(camera, options)},
+      global_ba_{GlobalBaJob(options)},
+      local_ba_{LocalBaJob(options)},
+      self_calibration_{SelfCalibrationJob(nominal, options)},
       executor_(make_executor(options.executor)) {}
 
 void BackEnd::submit(FrameId now, const JobContext& context) {
@@ -65,7 +65,7 @@ void BackEnd::apply(Slot<Kind>& slot, typename Kind::Solution solution) {
   }
   results_.map_changed |= applied->map_changed;
   loops_corrected_ |= applied->loops_corrected;
-  for (const LoopConstraint& loop : applied->loops) correction_.kind.add(loop);
+  if (applied->loops_added) correction_.kind.add(applied->merges);
   if (applied->sensor) results_.sensor = std::move(applied->sensor);
 }
 

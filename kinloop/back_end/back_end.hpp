@@ -17,7 +17,7 @@
 #include "kinloop/back_end/loop_correction_job.hpp"
 #include "kinloop/back_end/loop_verification_job.hpp"
 #include "kinloop/back_end/self_calibration_job.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 
 namespace kinloop {
 
@@ -32,12 +32,13 @@ struct AppliedResults {
 class BackEnd {
  public:
   /// Changes `map` only in `apply_due` and `apply_remaining`. `map` must outlive this object.
-  BackEnd(Map& map, const RgbdCamera& camera, const BackEndOptions& options);
+  /// `nominal` is the sensor of camera.yaml.
+  BackEnd(Map& map, const Sensor& nominal, const BackEndOptions& options);
   BackEnd(const BackEnd&) = delete;
   BackEnd& operator=(const BackEnd&) = delete;
 
-  /// Adds loop candidates. Verified ones are added to the map and corrected.
-  void add_loop_candidates(LoopCandidates candidates) { verification_.kind.add(std::move(candidates)); }
+  /// Adds loop hypotheses. Those that are verified are added to the map, which is then corrected.
+  void add(LoopVerificationProblem hypotheses) { verification_.kind.add(std::move(hypotheses)); }
 
   /// Submits the jobs due at frame `now`.
   void submit(FrameId now, const JobContext& context);

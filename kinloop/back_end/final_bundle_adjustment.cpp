@@ -5,36 +5,38 @@
 
 namespace kinloop {
 
-FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const RgbdCamera& camera,
-                                              const SensorEstimate& known, const BackEndOptions& options,
-                                              const Progress& progress) {
-  FinalBundleAdjustment result{known, std::vector<Matrix6d>(map.keyframes().size(), Matrix6d::Zero())};
+FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const SensorEstimate& initial_estimate,
+                                              const BackEndOptions& options, const Progress& progress) {
+  FinalBundleAdjustment result{initial_estimate,
+                               std::vector<Matrix6d>(map.keyframes().size(), Matrix6d::Zero())};
   if (map.keyframes().size() < 2) return result;
   const SelfCalibrationOptions& calibration = options.self_calibration;
   constexpr int kPassesWithoutSensor = 2;  // before and after completing tracks
   const int passes = calibration.enabled ? calibration.passes : kPassesWithoutSensor;
   BundleOptions bundle = options.global_ba;
-  SensorVector expected = prior_sigmas(camera.color, calibration);
+  Sensor nominal = initial_estimate.sensor;
+  nominal.corrections = initial_estimate.nominal;
+  SensorPrior prior = sensor_prior(nominal, calibration);
   for (int pass = 1; pass <= passes; ++pass) {
     bundle.pose_covariances = pass == passes;
-    auto problem =
-        make_self_calibration_problem(map, camera, keyframe_velocities(log, map), result.sensor.value);
-    auto adjusted = run_self_calibration(std::move(problem), expected, calibration, bundle);
+    auto problem = make_self_calibration_problem(map, result.sensor.sensor, keyframe_velocities(log, map));
+    problem.bundle.prior = prior;
+    auto adjusted = run_self_calibration(problem, bundle);
     map.apply(adjusted.update);
     result = {with_fixed_from(adjusted.sensor, result.sensor), std::move(adjusted.pose_covariance)};
     // A parameter that the first pass could not constrain stays fixed.
     for (int k = 0; k < kSensorParameterCount; ++k) {
-      if (!result.sensor.used[static_cast<size_t>(k)]) expected(k) = 0;
+      if (!result.sensor.used[static_cast<size_t>(k)]) prior.sigma(k) = 0;
     }
     const bool last =
         !report(progress, "bundle adjustment", static_cast<size_t>(pass), static_cast<size_t>(passes)) ||
         pass == passes;
     // The next pass needs only the velocities of keyframes.
-    log = refine_frames(std::move(log), {map, camera.color, result.sensor.value, options.tracking.pose},
+    log = refine_frames(std::move(log), {map, result.sensor.sensor, options.tracking.pose},
                         last ? FrameSelection::kAll : FrameSelection::kNearKeyframes, bundle.threads);
     if (last) break;
     if (pass == 1 && options.mapping.complete_tracks) {
-      complete_tracks(map, camera.color, options.local_map, options.mapping);
+      complete_tracks(map, nominal.camera, options.local_map, options.mapping);
     }
   }
   return result;

@@ -5,8 +5,8 @@
 #include "kinloop/back_end/options.hpp"
 #include "kinloop/back_end/self_calibration.hpp"
 #include "kinloop/core/progress.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
-#include "kinloop/tracking/frame_log.hpp"
+#include "kinloop/map/frame_log.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 
 namespace kinloop {
 
@@ -19,8 +19,7 @@ struct FinalBundleAdjustment {
 };
 
 /// Adjusts `map` and refines `log`, starting from the given sensor estimate.
-FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const RgbdCamera& camera,
-                                              const SensorEstimate& known, const BackEndOptions& options,
-                                              const Progress& progress = {});
+FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const SensorEstimate& initial_estimate,
+                                              const BackEndOptions& options, const Progress& progress = {});
 
 }  // namespace kinloop

@@ -11,7 +11,7 @@ GlobalBaJob::Problem GlobalBaJob::make_problem(const JobContext& context) {
   // Waiting for the map to grow by a fixed factor keeps the cost per keyframe constant for any map size.
   constexpr double kGrowth = 1.25;
   min_keyframes_ = static_cast<size_t>(kGrowth * static_cast<double>(context.map.keyframes().size()));
-  return {make_global_ba_problem(context.map, camera_), options_};
+  return {make_global_ba_problem(context.map, context.sensor), options_};
 }
 
 MapUpdate GlobalBaJob::solve(const Problem& problem) {

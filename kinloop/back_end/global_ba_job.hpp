@@ -3,7 +3,6 @@
 
 #include "kinloop/back_end/job_context.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 
@@ -17,9 +16,8 @@ class GlobalBaJob {
   };
   using Solution = MapUpdate;
 
-  GlobalBaJob(const RgbdCamera& camera, const BackEndOptions& options)
-      : camera_(camera.color),
-        options_(options.global_ba),
+  explicit GlobalBaJob(const BackEndOptions& options)
+      : options_(options.global_ba),
         enabled_(options.global_ba_enabled),
         lag_frames_(options.executor.global_ba_lag_frames) {}
 
@@ -34,7 +32,6 @@ class GlobalBaJob {
   void on_stale(const Solution& /*update*/) {}
 
  private:
-  PinholeCamera camera_;
   BundleOptions options_;
   bool enabled_;
   int lag_frames_;

@@ -12,11 +12,11 @@
 //   on_stale(solution)               keeps what the next problem needs of it
 
 #include <optional>
-#include <vector>
 
 #include "kinloop/back_end/options.hpp"
-#include "kinloop/loop/verify_loop.hpp"
-#include "kinloop/tracking/frame_log.hpp"
+#include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/map.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 
 namespace kinloop {
 
@@ -24,15 +24,16 @@ namespace kinloop {
 struct JobContext {
   const Map& map;
   const FrameLog& log;
-  const SensorVector& sensor;
+  const Sensor& sensor;     ///< with the current corrections
   KeyframeId new_keyframe;  ///< valid if one was just inserted
 };
 
 /// Effects of an applied solution.
 struct AppliedSolution {
   bool map_changed = true;
-  std::vector<LoopConstraint> loops = {};     ///< added to the map, to be corrected
-  bool loops_corrected = false;               ///< the pose graph was solved with all its loops
+  bool loops_added = false;      ///< loop closures were added, for which the map must be corrected
+  LandmarkMerges merges = {};    ///< landmarks that those loop closures identify
+  bool loops_corrected = false;  ///< the pose graph was solved with all its loops
   std::optional<SensorEstimate> sensor = {};  ///< set if newly estimated
 };
 

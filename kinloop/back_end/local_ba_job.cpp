@@ -8,7 +8,8 @@ bool LocalBaJob::is_due(const JobContext& context) const {
 }
 
 LocalBaJob::Problem LocalBaJob::make_problem(const JobContext& context) const {
-  return {make_local_ba_problem(context.map, context.new_keyframe, camera_, options_), options_.local_ba};
+  return {make_local_ba_problem(context.map, context.new_keyframe, context.sensor, options_),
+          options_.local_ba};
 }
 
 MapUpdate LocalBaJob::solve(const Problem& problem) {

@@ -3,7 +3,6 @@
 
 #include "kinloop/back_end/job_context.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 
@@ -17,8 +16,8 @@ class LocalBaJob {
   };
   using Solution = MapUpdate;
 
-  LocalBaJob(const RgbdCamera& camera, const BackEndOptions& options)
-      : camera_(camera.color), options_(options.mapping), lag_frames_(options.executor.local_ba_lag_frames) {}
+  explicit LocalBaJob(const BackEndOptions& options)
+      : options_(options.mapping), lag_frames_(options.executor.local_ba_lag_frames) {}
 
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
   [[nodiscard]] bool is_due(const JobContext& context) const;
@@ -28,7 +27,6 @@ class LocalBaJob {
   void on_stale(const Solution& /*update*/) {}
 
  private:
-  PinholeCamera camera_;
   MappingOptions options_;
   int lag_frames_;
 };

@@ -4,8 +4,8 @@
 
 namespace kinloop {
 
-void LoopCorrectionJob::add(const LoopConstraint& loop) {
-  merges_.insert(merges_.end(), loop.merges.begin(), loop.merges.end());
+void LoopCorrectionJob::add(const LandmarkMerges& merges) {
+  merges_.insert(merges_.end(), merges.begin(), merges.end());
   loops_waiting_ = true;
 }
 
@@ -15,7 +15,7 @@ bool LoopCorrectionJob::is_due(const JobContext& /*context*/) const {
 
 LoopCorrectionJob::Problem LoopCorrectionJob::make_problem(const JobContext& context) {
   loops_waiting_ = false;
-  return {make_loop_problem(context.map, std::exchange(merges_, {}), options_), options_};
+  return {make_loop_correction_problem(context.map, std::exchange(merges_, {}), options_), options_};
 }
 
 MapUpdate LoopCorrectionJob::solve(const Problem& problem) {

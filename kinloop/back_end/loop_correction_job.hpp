@@ -2,6 +2,7 @@
 // Loop correction: distributes the drift over all keyframes and merges the landmarks matched by loops.
 
 #include "kinloop/back_end/job_context.hpp"
+#include "kinloop/loop/correct_loop.hpp"
 
 namespace kinloop {
 
@@ -10,7 +11,7 @@ class LoopCorrectionJob {
   static constexpr const char* kName = "loop correction";
   static constexpr bool kMovesWholeMap = true;
   struct Problem {
-    LoopProblem problem;
+    LoopCorrectionProblem problem;
     LoopOptions options;
   };
   using Solution = MapUpdate;
@@ -18,8 +19,8 @@ class LoopCorrectionJob {
   explicit LoopCorrectionJob(const BackEndOptions& options)
       : options_(options.loop), lag_frames_(options.executor.loop_correction_lag_frames) {}
 
-  /// Adds a loop of the map to the next job.
-  void add(const LoopConstraint& loop);
+  /// Requests a job, as loop closures were added to the map that identify these landmarks.
+  void add(const LandmarkMerges& merges);
 
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
   [[nodiscard]] bool is_due(const JobContext& context) const;
@@ -33,7 +34,7 @@ class LoopCorrectionJob {
   LoopOptions options_;
   int lag_frames_;
   bool loops_waiting_ = false;
-  std::vector<std::pair<LandmarkId, LandmarkId>> merges_;  // landmark merges of the waiting loops
+  LandmarkMerges merges_;  // of the waiting loops
 };
 
 }  // namespace kinloop

@@ -4,34 +4,34 @@
 
 namespace kinloop {
 
-void LoopVerificationJob::add(LoopCandidates candidates) {
-  if (!candidates.places.empty()) waiting_.push_back(std::move(candidates));
+void LoopVerificationJob::add(LoopVerificationProblem hypotheses) {
+  if (!hypotheses.candidates.empty()) waiting_.push_back(std::move(hypotheses));
 }
 
 bool LoopVerificationJob::is_due(const JobContext& /*context*/) const {
   return !waiting_.empty();
 }
 
-LoopVerificationJob::Problem LoopVerificationJob::make_problem(const JobContext& /*context*/) {
-  return {std::exchange(waiting_, {}), camera_, loop_, tracking_};
+LoopVerificationJob::Problem LoopVerificationJob::make_problem(const JobContext& context) {
+  return {std::exchange(waiting_, {}), {context.sensor, options_}};
 }
 
-std::vector<VerifiedLoop> LoopVerificationJob::solve(const Problem& problem) {
-  std::vector<VerifiedLoop> loops;
-  for (const LoopCandidates& candidates : problem.candidates) {
-    auto loop = verify_loop(candidates, problem.camera, problem.loop, problem.tracking);
-    if (loop) loops.push_back(std::move(*loop));
+LoopVerificationJob::Solution LoopVerificationJob::solve(const Problem& problem) {
+  Solution loops;
+  for (const LoopVerificationProblem& keyframe : problem.keyframes) {
+    auto verified = verify_loop(keyframe, problem.context);
+    if (verified) loops.push_back(std::move(*verified));
   }
   return loops;
 }
 
-std::optional<AppliedSolution> LoopVerificationJob::apply(Map& map, const Solution& loops) const {
+std::optional<AppliedSolution> LoopVerificationJob::apply(Map& map, const Solution& loops) {
   AppliedSolution applied;
-  applied.map_changed = !loops.empty();
-  for (const VerifiedLoop& loop : loops) {
-    LoopConstraint constraint = make_loop_constraint(map, loop, loop_);
-    map.add_loop_edge(constraint.edge);
-    applied.loops.push_back(std::move(constraint));
+  applied.map_changed = applied.loops_added = !loops.empty();
+  for (const LoopVerificationResult& verified : loops) {
+    const LandmarkMerges merges = landmark_merges(map, verified);
+    applied.merges.insert(applied.merges.end(), merges.begin(), merges.end());
+    map.add_loop_closure(verified.loop);
   }
   return applied;
 }

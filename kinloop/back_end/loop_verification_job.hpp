@@ -1,8 +1,11 @@
 #pragma once
-// Verifies loop candidates geometrically; accepted ones become edges of the map.
+// Verifies loop hypotheses geometrically; the map accepts those that pass.
+
+#include <optional>
+#include <vector>
 
 #include "kinloop/back_end/job_context.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/loop/verify_loop.hpp"
 
 namespace kinloop {
 
@@ -11,36 +14,30 @@ class LoopVerificationJob {
   static constexpr const char* kName = "loop verification";
   static constexpr bool kMovesWholeMap = false;
   struct Problem {
-    std::vector<LoopCandidates> candidates;
-    PinholeCamera camera;
-    LoopOptions loop;
-    TrackingOptions tracking;
+    std::vector<LoopVerificationProblem> keyframes;
+    PlaceContext context;
   };
-  using Solution = std::vector<VerifiedLoop>;
+  using Solution = std::vector<LoopVerificationResult>;
 
-  LoopVerificationJob(const RgbdCamera& camera, const BackEndOptions& options)
-      : camera_(camera.color),
-        loop_(options.loop),
-        tracking_(options.tracking),
+  explicit LoopVerificationJob(const BackEndOptions& options)
+      : options_{options.tracking, options.local_map, options.loop},
         lag_frames_(options.executor.loop_verification_lag_frames) {}
 
-  /// Adds candidates to the next job.
-  void add(LoopCandidates candidates);
+  /// Adds hypotheses to the next job.
+  void add(LoopVerificationProblem hypotheses);
 
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
   [[nodiscard]] bool is_due(const JobContext& context) const;
   [[nodiscard]] Problem make_problem(const JobContext& context);
   [[nodiscard]] static Solution solve(const Problem& problem);
   /// Never stale: a loop is relative to keyframes, so it stays valid when they move.
-  [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& loops) const;
+  [[nodiscard]] static std::optional<AppliedSolution> apply(Map& map, const Solution& loops);
   void on_stale(const Solution& /*loops*/) {}
 
  private:
-  PinholeCamera camera_;
-  LoopOptions loop_;
-  TrackingOptions tracking_;
+  PlaceOptions options_;
   int lag_frames_;
-  std::vector<LoopCandidates> waiting_;
+  std::vector<LoopVerificationProblem> waiting_;
 };
 
 }  // namespace kinloop

@@ -3,15 +3,15 @@
 #include <algorithm>
 
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/map/frame_velocities.hpp"
 #include "kinloop/optimize/pose/rolling_shutter_pose.hpp"
-#include "kinloop/tracking/frame_velocities.hpp"
 
 namespace kinloop {
 namespace {
 
-KeypointMeasurement measurement_of(const LoggedObservation& seen, float depth_lag_s) {
+KeypointMeasurement measurement_of(const MatchMeasurement& seen, float depth_stamp_difference_s) {
   KeypointMeasurement o;
-  o.depth_lag_s = static_cast<double>(depth_lag_s);
+  o.depth_stamp_difference_s = static_cast<double>(depth_stamp_difference_s);
   o.pixel = seen.pixel.cast<double>();
   o.depth_m = static_cast<double>(seen.depth_m);
   o.sigma_px = static_cast<double>(seen.sigma_px);
@@ -20,21 +20,22 @@ KeypointMeasurement measurement_of(const LoggedObservation& seen, float depth_la
   return o;
 }
 
-std::vector<PoseObservation> pose_observations(const LoggedFrame& entry, const Map& map) {
+std::vector<PoseObservation> pose_observations(const TrackedFrame& entry, const Map& map) {
   std::vector<PoseObservation> observations;
-  for (const LoggedObservation& seen : entry.observations) {
-    const LandmarkId landmark = map.resolve_merged(seen.landmark);
-    if (map.contains(landmark))
-      observations.push_back({measurement_of(seen, entry.depth_lag_s), map.p_world(landmark)});
+  for (size_t i = 0; i < entry.measurements.size(); ++i) {
+    const LandmarkId landmark = map.resolve_merged(entry.matches[i].landmark);
+    if (!map.contains(landmark)) continue;
+    observations.push_back(
+        {measurement_of(entry.measurements[i], entry.depth_stamp_difference_s), map.p_world(landmark)});
   }
   return observations;
 }
 
 /// Returns the refined T_reference_camera of frame `i`, or the present one if it has nothing to refine.
 SE3 refined_pose(const FrameLog& log, size_t i, const FrameRefinement& refinement) {
-  const LoggedFrame& entry = log[i];
-  if (entry.keyframe.valid() || entry.repeat || entry.observations.empty() ||
-      entry.status != TrackStatus::kTracked)
+  const TrackedFrame& entry = log[i];
+  if (entry.keyframe.valid() || entry.is_repeat() || entry.measurements.empty() ||
+      !entry.is_tracked_by_landmarks())
     return entry.T_reference_camera;
   // A frame keeps its tracked pose if few of its landmarks are left or a correction moved them apart. Many
   // may have been culled, since a frame between keyframes is tracked against landmarks of the newest one.
@@ -44,8 +45,7 @@ SE3 refined_pose(const FrameLog& log, size_t i, const FrameRefinement& refinemen
   AbsolutePoseOptions strict = refinement.options;
   strict.min_inliers = static_cast<int>(std::max(kMinInliers, observations.size() / 2 + 1));
   const RollingShutterPose guess{world_pose(entry, map), frame_velocity(log, i, map)};
-  const auto found =
-      solve_rolling_shutter_pose(refinement.camera, refinement.sensor, observations, guess, {}, strict);
+  const auto found = solve_rolling_shutter_pose(refinement.sensor, observations, guess, {}, strict);
   const SE3 T_world_camera = found ? found->T_world_camera : guess.T_world_camera;
   return map.keyframe(entry.reference).T_world_camera.inverse() * T_world_camera;
 }
@@ -57,7 +57,7 @@ std::vector<uint8_t> neighbours_of_keyframes(const FrameLog& log) {
   size_t previous = 0;  // the last frames that are not repeated
   bool after_keyframe = false;
   for (size_t i = 0; i < log.size(); ++i) {
-    if (log[i].repeat) continue;
+    if (log[i].is_repeat()) continue;
     if (after_keyframe) marked[i] = 1;
     after_keyframe = log[i].keyframe.valid();
     if (after_keyframe) marked[previous] = 1;
@@ -78,12 +78,12 @@ FrameLog refine_frames(FrameLog log, const FrameRefinement& refinement, FrameSel
     }
   });
   for (size_t i = 0; i < log.size(); ++i) {
-    LoggedFrame& entry = log[i];
+    TrackedFrame& entry = log[i];
     entry.T_reference_camera = T_reference_camera[i];
     if (entry.keyframe.valid()) {
       entry.reference = entry.keyframe;
       entry.T_reference_camera = SE3{};
-    } else if (entry.repeat) {
+    } else if (entry.is_repeat()) {
       entry.reference = log[i - 1].reference;
       entry.T_reference_camera = log[i - 1].T_reference_camera;
     }
@@ -92,17 +92,18 @@ FrameLog refine_frames(FrameLog log, const FrameRefinement& refinement, FrameSel
 }
 
 void LogLimiter::apply(FrameLog& log, size_t first, const FrameRefinement& refinement) {
-  if (log.back().features) lost_.push_back(log.size() - 1);
+  if (log.back().frame) lost_.push_back(log.size() - 1);
   if (lost_.size() > limits_.lost_frames) {
-    log[lost_.front()].features.reset();
+    log[lost_.front()].frame.reset();
     lost_.pop_front();
   }
   if (log.size() - first <= limits_.refinable_frames) return;
   const size_t oldest = log.size() - 1 - limits_.refinable_frames;
-  LoggedFrame& entry = log[oldest];
+  TrackedFrame& entry = log[oldest];
   entry.T_reference_camera = refined_pose(log, oldest, refinement);
-  entry.refined = !entry.observations.empty();
-  entry.observations = std::vector<LoggedObservation>();  // frees its memory, unlike {}
+  entry.refined = !entry.measurements.empty();
+  entry.matches = std::vector<LandmarkMatch>();  // frees its memory, unlike {}
+  entry.measurements = std::vector<MatchMeasurement>();
 }
 
 }  // namespace kinloop

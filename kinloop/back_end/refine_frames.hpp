@@ -3,17 +3,16 @@
 
 #include <deque>
 
+#include "kinloop/map/frame_log.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
-#include "kinloop/sensor/sensor_model.hpp"
-#include "kinloop/tracking/frame_log.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
 /// What the poses of frames are refined with.
 struct FrameRefinement {
   const Map& map;
-  const PinholeCamera& camera;
-  const SensorVector& sensor;  ///< corrections of the sensor
+  const Sensor& sensor;
   const AbsolutePoseOptions& options;
 };
 

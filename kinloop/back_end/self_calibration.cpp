@@ -6,12 +6,12 @@
 namespace kinloop {
 namespace {
 
-/// Returns the estimate of the parameters that were free within the prior `expected`.
-SensorEstimate estimate_of(const BundleSolution& solution, const SensorVector& expected) {
-  SensorEstimate estimate;
-  estimate.value = solution.sensor;
-  for (int k = 0; k < kSensorParameterCount; ++k) {
-    if (expected(k) == 0) continue;
+/// Returns the estimate of the parameters that were free.
+SensorEstimate estimate_of(const BundleProblem& problem, const BundleSolution& solution) {
+  SensorEstimate estimate = nominal_estimate(problem.sensor);
+  estimate.nominal = problem.prior.mean;
+  estimate.sensor.corrections = solution.corrections;
+  for (const int k : problem.prior.free_parameters()) {
     estimate.sigma(k) = std::sqrt(std::max(solution.sensor_covariance(k, k), 0.0));
     estimate.used[static_cast<size_t>(k)] = solution.sensor_free[static_cast<size_t>(k)];
   }
@@ -20,69 +20,41 @@ SensorEstimate estimate_of(const BundleSolution& solution, const SensorVector& e
 
 }  // namespace
 
-SensorEstimate with_fixed_from(SensorEstimate estimate, const SensorEstimate& before) {
-  for (int k = 0; k < kSensorParameterCount; ++k) {
-    if (estimate.sigma(k) > 0) continue;  // this parameter was estimated
-    estimate.sigma(k) = before.sigma(k);
-    estimate.used[static_cast<size_t>(k)] = before.used[static_cast<size_t>(k)];
-  }
-  return estimate;
-}
-
-SensorVector nominal_sensor(const RgbdCamera& camera) {
-  SensorVector known = SensorVector::Zero();
-  known(kRollingShutter) = known(kDepthShutter) = camera.rolling_shutter_s;
-  known(kDepthDelay) = camera.depth_offset_s;
-  return known;
-}
-
-RgbdCamera calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor) {
-  RgbdCamera calibrated = camera;
-  const bool lens_found =
-      std::any_of(sensor.used.begin(), sensor.used.begin() + kRollingShutter, [](bool used) { return used; });
-  if (lens_found) calibrated.color = corrected_camera(camera.color, sensor.value);
-  calibrated.rolling_shutter_s = sensor.value(kRollingShutter);
-  calibrated.depth_offset_s = sensor.value(kDepthDelay);
-  return calibrated;
-}
-
-SensorVector prior_time_sigmas(const SelfCalibrationOptions& options) {
-  SensorVector sigma = SensorVector::Zero();
+SensorPrior time_prior(const Sensor& nominal, const SelfCalibrationOptions& options) {
+  SensorPrior prior;
+  prior.mean = nominal.corrections;
+  prior.max_sigma_ratio = options.max_sigma_ratio;
+  prior.min_sigmas = options.min_sigmas;
   if (options.enabled)
-    sigma(kRollingShutter) = sigma(kDepthShutter) = sigma(kDepthDelay) = options.time_sigma_s;
-  return sigma;
+    prior.sigma(kRollingShutter) = prior.sigma(kDepthShutter) = prior.sigma(kDepthDelay) =
+        options.time_sigma_s;
+  return prior;
 }
 
-SensorVector prior_sigmas(const PinholeCamera& camera, const SelfCalibrationOptions& options) {
-  SensorVector sigma = prior_time_sigmas(options);
-  if (!options.enabled) return sigma;
-  sigma(kFocalX) = options.focal_sigma * camera.fx;
-  sigma(kFocalY) = options.focal_sigma * camera.fy;
+SensorPrior sensor_prior(const Sensor& nominal, const SelfCalibrationOptions& options) {
+  SensorPrior prior = time_prior(nominal, options);
+  if (!options.enabled) return prior;
+  SensorVector& sigma = prior.sigma;
+  sigma(kFocalX) = options.focal_sigma * nominal.camera.fx;
+  sigma(kFocalY) = options.focal_sigma * nominal.camera.fy;
   sigma(kCenterX) = sigma(kCenterY) = options.center_sigma_px;
   sigma(kRadial1) = sigma(kRadial2) = options.radial_sigma;
-  for (int k = kDepthOffset; k <= kDepthOffsetYY; ++k) sigma(k) = options.depth_offset_sigma_per_m;
-  return sigma;
+  for (int k = kInverseDepthBias; k <= kInverseDepthBiasYY; ++k)
+    sigma(k) = options.inverse_depth_bias_sigma_per_m;
+  return prior;
 }
 
-BundleAdjustmentProblem make_self_calibration_problem(const Map& map, const RgbdCamera& camera,
-                                                      std::vector<Velocity> velocities,
-                                                      const SensorVector& value) {
-  BundleAdjustmentProblem problem = make_global_ba_problem(map, camera.color, MeasurementKind::kRaw);
+BundleAdjustmentProblem make_self_calibration_problem(const Map& map, const Sensor& sensor,
+                                                      std::vector<Velocity> velocities) {
+  BundleAdjustmentProblem problem = make_global_ba_problem(map, sensor, MeasurementKind::kRaw);
   problem.bundle.velocities = std::move(velocities);
-  problem.bundle.sensor.value = value;
-  problem.bundle.sensor.prior_mean = nominal_sensor(camera);
   return problem;
 }
 
-SelfCalibrationResult run_self_calibration(BundleAdjustmentProblem problem, const SensorVector& expected,
-                                           const SelfCalibrationOptions& calibration,
+SelfCalibrationResult run_self_calibration(const BundleAdjustmentProblem& problem,
                                            const BundleOptions& options) {
-  SensorCalibration& sensor = problem.bundle.sensor;
-  sensor.prior_sigma = expected;
-  sensor.max_sigma_ratio = calibration.max_sigma_ratio;
-  sensor.min_sigmas = calibration.min_sigmas;
   BundleSolution solution = solve_bundle(problem.bundle, options);
-  return {make_map_update(problem, solution), estimate_of(solution, expected),
+  return {make_map_update(problem, solution), estimate_of(problem.bundle, solution),
           std::move(solution.pose_covariance)};
 }
 

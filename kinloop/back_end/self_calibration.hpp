@@ -5,9 +5,9 @@
 // cannot deform the map. The final adjustment estimates all parameters.
 
 #include "kinloop/core/options.hpp"
+#include "kinloop/map/frame_velocities.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
-#include "kinloop/tracking/frame_velocities.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 
 namespace kinloop {
 
@@ -19,7 +19,7 @@ struct SelfCalibrationOptions {
   double center_sigma_px = 5;
   double radial_sigma = 0.05;
   double time_sigma_s = 0.03;
-  double depth_offset_sigma_per_m = 0.002;
+  double inverse_depth_bias_sigma_per_m = 0.002;
   double max_sigma_ratio = 0.4;
   double min_sigmas = 3;
 
@@ -40,7 +40,7 @@ struct SelfCalibrationOptions {
           Range{0, 10}, Expert{});
     visit("time_sigma_s", self.time_sigma_s, "prior on readout times and depth delay (1 sigma), s",
           Range{0, 1}, Expert{});
-    visit("depth_offset_sigma_per_m", self.depth_offset_sigma_per_m,
+    visit("inverse_depth_bias_sigma_per_m", self.inverse_depth_bias_sigma_per_m,
           "prior on the inverse depth distortion (1 sigma), 1/m", Range{0, 1}, Expert{});
     visit("max_sigma_ratio", self.max_sigma_ratio,
           "accept a parameter only if its posterior sigma is below this fraction of its prior sigma",
@@ -52,37 +52,17 @@ struct SelfCalibrationOptions {
   }
 };
 
-/// Estimated sensor parameters. Parameters that the data do not constrain keep their prior value.
-struct SensorEstimate {
-  SensorVector value = SensorVector::Zero();
-  SensorVector sigma =
-      SensorVector::Zero();  ///< standard deviation; for fixed parameters the value it would have had
-  std::vector<bool> used = std::vector<bool>(kSensorParameterCount, false);
-};
+/// Returns the prior of each correction around that of camera.yaml (`nominal`). The depth scale is fixed,
+/// because it is the scale of the world and not observable.
+SensorPrior sensor_prior(const Sensor& nominal, const SelfCalibrationOptions& options);
 
-/// Returns the sensor times of camera.yaml. The depth image is assumed to have the readout time of the colour
-/// image.
-SensorVector nominal_sensor(const RgbdCamera& camera);
-
-/// Returns `camera` with the estimated lens and times. Omits the depth distortion, which camera.yaml cannot
-/// represent.
-RgbdCamera calibrated_camera(const RgbdCamera& camera, const SensorEstimate& sensor);
-
-/// Returns the prior standard deviation of each parameter; 0 = fixed. The depth scale is fixed, because it is
-/// the scale of the world and not observable.
-SensorVector prior_sigmas(const PinholeCamera& camera, const SelfCalibrationOptions& options);
-
-/// Returns the prior standard deviations for the readout times and depth delay; 0 for all other parameters.
-SensorVector prior_time_sigmas(const SelfCalibrationOptions& options);
+/// Returns the prior with only the readout times and depth delay free.
+SensorPrior time_prior(const Sensor& nominal, const SelfCalibrationOptions& options);
 
 /// Returns the problem of the whole map with raw measurements, for keyframes that move with `velocities`. The
-/// sensor starts at `value`.
-BundleAdjustmentProblem make_self_calibration_problem(const Map& map, const RgbdCamera& camera,
-                                                      std::vector<Velocity> velocities,
-                                                      const SensorVector& value);
-
-/// Returns `estimate`, with the parameters that were fixed this time taken from `before`.
-SensorEstimate with_fixed_from(SensorEstimate estimate, const SensorEstimate& before);
+/// corrections start at those of `sensor`; their prior must be filled in.
+BundleAdjustmentProblem make_self_calibration_problem(const Map& map, const Sensor& sensor,
+                                                      std::vector<Velocity> velocities);
 
 /// A map adjusted together with its sensor.
 struct SelfCalibrationResult {
@@ -91,10 +71,9 @@ struct SelfCalibrationResult {
   std::vector<Matrix6d> pose_covariance;  ///< per pose of the problem, if requested in the options
 };
 
-/// Solves the problem with the sensor parameters free within the prior `expected`. After the first round,
-/// those are fixed that the data constrain too little or do not change.
-SelfCalibrationResult run_self_calibration(BundleAdjustmentProblem problem, const SensorVector& expected,
-                                           const SelfCalibrationOptions& calibration,
+/// Solves the problem with the corrections free within its prior. After the first round, those are fixed that
+/// the data constrain too little or do not change.
+SelfCalibrationResult run_self_calibration(const BundleAdjustmentProblem& problem,
                                            const BundleOptions& options);
 
 }  // namespace kinloop

@@ -1,23 +1,22 @@
 #include "kinloop/back_end/self_calibration_job.hpp"
 
-#include "kinloop/tracking/frame_velocities.hpp"
+#include "kinloop/map/frame_velocities.hpp"
 
 namespace kinloop {
 
 bool SelfCalibrationJob::is_due(const JobContext& context) const {
-  return calibration_.enabled && context.new_keyframe.valid() &&
-         context.map.keyframes().size() >= min_keyframes_;
+  return enabled_ && context.new_keyframe.valid() && context.map.keyframes().size() >= min_keyframes_;
 }
 
 SelfCalibrationJob::Problem SelfCalibrationJob::make_problem(const JobContext& context) const {
-  return {make_self_calibration_problem(context.map, camera_, keyframe_velocities(context.log, context.map),
-                                        context.sensor),
-          calibration_, options_};
+  auto problem = make_self_calibration_problem(context.map, context.sensor,
+                                               keyframe_velocities(context.log, context.map));
+  problem.bundle.prior = prior_;
+  return {std::move(problem), options_};
 }
 
 SelfCalibrationResult SelfCalibrationJob::solve(const Problem& problem) {
-  return run_self_calibration(problem.problem, prior_time_sigmas(problem.calibration), problem.calibration,
-                              problem.options);
+  return run_self_calibration(problem.problem, problem.options);
 }
 
 std::optional<AppliedSolution> SelfCalibrationJob::apply(Map& map, const SelfCalibrationResult& result) {

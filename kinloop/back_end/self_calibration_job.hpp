@@ -3,7 +3,7 @@
 
 #include "kinloop/back_end/job_context.hpp"
 #include "kinloop/back_end/self_calibration.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -13,14 +13,14 @@ class SelfCalibrationJob {
   static constexpr bool kMovesWholeMap = true;
   struct Problem {
     BundleAdjustmentProblem problem;
-    SelfCalibrationOptions calibration;
     BundleOptions options;
   };
   using Solution = SelfCalibrationResult;
 
-  SelfCalibrationJob(const RgbdCamera& camera, const BackEndOptions& options)
-      : camera_(camera),
-        calibration_(options.self_calibration),
+  /// `nominal` is the sensor of camera.yaml.
+  SelfCalibrationJob(const Sensor& nominal, const BackEndOptions& options)
+      : enabled_(options.self_calibration.enabled),
+        prior_(time_prior(nominal, options.self_calibration)),
         options_(options.global_ba),
         lag_frames_(options.executor.global_ba_lag_frames),
         min_keyframes_(static_cast<size_t>(options.self_calibration.min_keyframes)) {}
@@ -33,8 +33,8 @@ class SelfCalibrationJob {
   void on_stale(const Solution& /*result*/) {}
 
  private:
-  RgbdCamera camera_;
-  SelfCalibrationOptions calibration_;
+  bool enabled_;
+  SensorPrior prior_;
   BundleOptions options_;
   int lag_frames_;
   size_t min_keyframes_;  // map size required for the next job

@@ -24,4 +24,19 @@ struct Timings {
   }
 };
 
+/// Adds the time of its scope to a module.
+class ScopedTimer {
+ public:
+  /// `module` is a literal; `timings` must outlive this object.
+  ScopedTimer(Timings& timings, const char* module) : timings_(timings), module_(module) {}
+  ~ScopedTimer() { timings_.add(module_, watch_.elapsed()); }
+  ScopedTimer(const ScopedTimer&) = delete;
+  ScopedTimer& operator=(const ScopedTimer&) = delete;
+
+ private:
+  Timings& timings_;
+  const char* module_;
+  Stopwatch watch_;
+};
+
 }  // namespace kinloop

@@ -17,8 +17,8 @@ constexpr int kSaturatedIntensity = 250;
 struct PosedImage {
   size_t image = 0;  ///< index into the ImageStore
   SE3 T_world_camera;
-  Velocity velocity = {};  ///< in camera axes
-  double depth_lag_s = 0;  ///< stamp of its depth image minus stamp of its colour image
+  Velocity velocity = {};               ///< in camera axes
+  double depth_stamp_difference_s = 0;  ///< stamp of its depth image minus stamp of its colour image
   /// Gains for red, green and blue that compensate exposure and white balance, see color_gains.
   Eigen::Vector3f color_gain = Eigen::Vector3f::Ones();
 };

@@ -81,7 +81,7 @@ float average_depth(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, do
 
 std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
                                                       const Eigen::Vector2f& raw_pixel,
-                                                      const DepthNoise& noise) {
+                                                      const Sensor& sensor) {
   // The depth slope over a few pixels is smaller than the sensor's disparity quantisation; a wide, sparsely
   // sampled window averages it out.
   constexpr int kReach = 8, kStep = 2;
@@ -118,12 +118,31 @@ std::optional<Eigen::Vector2f> inverse_depth_gradient(const cv::Mat& depth_m,
   const Eigen::Vector3d plane = H.ldlt().solve(g);
   const double rms = std::sqrt(std::max(squares - plane.dot(g), 0.0) / valid);
   // Across an edge the slope would belong to no surface and be far too steep.
-  const double noise_ratio = noise.inverse_sigma_per_m(g0 / valid) / kSensorInverseDepthSigmaPerM;
-  if (!(rms < kMaxRms_per_m * std::max(1.0, noise_ratio))) return std::nullopt;
+  const double sigma_per_m = sensor.noise.plane.inverse_sigma_per_m(g0 / valid);
+  if (!(rms < kMaxRms_per_m * std::max(1.0, sigma_per_m / kSensorInverseDepthSigmaPerM))) return std::nullopt;
   return plane.tail<2>().cast<float>();
 }
 
-Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const PinholeCamera& camera,
+KeypointSample sample_keypoint(const cv::Mat& depth_m, const Eigen::Vector2d& raw_pixel, float raw_sigma_px,
+                               const Sensor& sensor, const FeatureOptions& options) {
+  const PinholeCamera& camera = sensor.camera;
+  const Eigen::Vector2f raw = raw_pixel.cast<float>();
+  const Eigen::Vector2d pixel = camera.undistort(raw_pixel);
+  KeypointSample sample{pixel.cast<float>(), raw_sigma_px, 0, kUnknownSlope};
+  if (!depth_m.empty()) {
+    sample.depth_m = average_depth(depth_m, raw, options.max_depth_step);
+    sample.inverse_depth_gradient = inverse_depth_gradient(depth_m, raw, sensor).value_or(kUnknownSlope);
+  }
+  if (!camera.has_distortion()) return sample;
+  constexpr double kLeastArea = 1e-6;  // of raw per undistorted pixel, at the limit of the field of view
+  const Eigen::Matrix2d J = camera.distort_jacobian(pixel);
+  sample.sigma_px /= static_cast<float>(std::sqrt(std::max(std::abs(J.determinant()), kLeastArea)));
+  // The chain rule. Inverse depth is linear in undistorted pixels on a plane, not in raw ones.
+  sample.inverse_depth_gradient = J.cast<float>().transpose() * sample.inverse_depth_gradient;
+  return sample;
+}
+
+Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Sensor& sensor,
                           const FeatureOptions& options) {
   require(gray.type() == CV_8UC1, "extract_features: the image must be 8-bit grey");
   require(depth_m.empty() || (depth_m.type() == CV_32FC1 && depth_m.size() == gray.size()),
@@ -137,16 +156,17 @@ Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Pin
   for (const DetectedKeypoint& point : image.points) {
     const Eigen::Vector2f& raw = point.raw_pixel;
     features.raw_pixels.push_back(raw);
-    features.pixels.push_back(camera.undistort(raw.cast<double>()).cast<float>());
-    features.depths_m.push_back(depth_m.empty() ? 0 : average_depth(depth_m, raw, options.max_depth_step));
-    const auto slope =
-        depth_m.empty() ? std::nullopt : inverse_depth_gradient(depth_m, raw, options.depth_noise);
-    features.inverse_depth_gradients.push_back(slope.value_or(kUnknownSlope));
+    const KeypointSample sample =
+        sample_keypoint(depth_m, raw.cast<double>(),
+                        static_cast<float>(std::pow(options.scale_factor, point.level)), sensor, options);
+    features.pixels.push_back(sample.pixel);
+    features.depths_m.push_back(sample.depth_m);
+    features.inverse_depth_gradients.push_back(sample.inverse_depth_gradient);
     features.measured_pixels.push_back(features.pixels.back());
     features.measured_depths_m.push_back(features.depths_m.back());
     features.levels.push_back(point.level);
     features.angles_rad.push_back(point.angle_deg * std::numbers::pi_v<float> / 180.0F);
-    features.sigmas_px.push_back(static_cast<float>(std::pow(options.scale_factor, point.level)));
+    features.sigmas_px.push_back(sample.sigma_px);
   }
   return features;
 }

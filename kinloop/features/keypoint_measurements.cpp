@@ -16,7 +16,7 @@ KeypointMeasurement raw_measurement(const Features& features, size_t index, int 
   measured.depth_m = static_cast<double>(features.measured_depths_m[index]);
   measured.sigma_px = static_cast<double>(features.sigmas_px[index]);
   measured.row = static_cast<double>(features.raw_pixels[index].y()) / image_height_px - 0.5;
-  measured.depth_lag_s = static_cast<double>(features.depth_lag_s);
+  measured.depth_stamp_difference_s = static_cast<double>(features.depth_stamp_difference_s);
   if (!features.inverse_depth_gradients.empty()) {
     measured.inverse_depth_gradient = features.inverse_depth_gradients[index].cast<double>();
   }

@@ -6,8 +6,8 @@
 
 namespace kinloop {
 
-/// The keypoint as an ideal camera at rest would have measured it at the stamp: row, gradient and lag are
-/// zero.
+/// The keypoint as an ideal camera at rest would have measured it at the stamp: row, gradient and stamp
+/// difference are zero.
 KeypointMeasurement compensated_measurement(const Features& features, size_t index);
 
 /// The keypoint as the camera measured it in motion, with the row of an image of `image_height_px` rows.

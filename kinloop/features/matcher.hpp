@@ -24,8 +24,8 @@ struct Match {
 /// nearest neighbours. Ties go to the lower index.
 std::vector<Match> match_brute_force(const cv::Mat& a, const cv::Mat& b, bool cross_check);
 
-/// Keeps matches whose distance is at most `factor` times the smallest one, as in the founding paper. A
-/// perfect match would reject all others, so the limit is at least `floor` bits.
+/// Keeps matches whose distance is at most `factor` times the smallest one, as in "Kinect Based 3D Visual
+/// SLAM". A perfect match would reject all others, so the limit is at least `floor` bits.
 std::vector<Match> filter_matches_by_distance(std::span<const Match> matches, double factor = 4.0,
                                               int floor = 40);
 

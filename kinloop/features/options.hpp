@@ -1,7 +1,6 @@
 #pragma once
 
 #include "kinloop/core/options.hpp"
-#include "kinloop/sensor/depth_noise.hpp"
 
 namespace kinloop {
 
@@ -21,7 +20,6 @@ struct FeatureOptions {
   int fast_threshold = 7;
   int cell_px = 32;
   double max_depth_step = 0.04;
-  DepthNoise depth_noise = {};  ///< on planes; Slam sets it from the camera
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

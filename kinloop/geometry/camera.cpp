@@ -15,6 +15,14 @@ Eigen::Vector2d PinholeCamera::distort(const Eigen::Vector2d& undistorted) const
   return {fx * d.x() + cx, fy * d.y() + cy};
 }
 
+Eigen::Matrix2d PinholeCamera::distort_jacobian(const Eigen::Vector2d& undistorted) const {
+  if (!has_distortion()) return Eigen::Matrix2d::Identity();
+  Eigen::Matrix2d J = lens.distort_jacobian({(undistorted.x() - cx) / fx, (undistorted.y() - cy) / fy});
+  J(0, 1) *= fx / fy;
+  J(1, 0) *= fy / fx;
+  return J;
+}
+
 Eigen::Vector2d PinholeCamera::undistort(const Eigen::Vector2d& raw) const {
   if (!has_distortion()) return raw;
   const Eigen::Vector2d p = lens.undistort({(raw.x() - cx) / fx, (raw.y() - cy) / fy});

@@ -39,6 +39,9 @@ struct PinholeCamera {
   /// Returns the raw (distorted) pixel of an undistorted one.
   [[nodiscard]] Eigen::Vector2d distort(const Eigen::Vector2d& undistorted) const;
 
+  /// Returns the 2x2 Jacobian of `distort`.
+  [[nodiscard]] Eigen::Matrix2d distort_jacobian(const Eigen::Vector2d& undistorted) const;
+
   /// Returns the undistorted pixel of a raw one. A raw pixel that the lens cannot produce gives the limit of
   /// its field of view.
   [[nodiscard]] Eigen::Vector2d undistort(const Eigen::Vector2d& raw) const;

@@ -156,6 +156,17 @@ Eigen::Vector2d LensDistortion::distort(const Eigen::Vector2d& ideal) const {
   return fisheye_radius(*this, std::atan(radius)) / radius * ideal;
 }
 
+Eigen::Matrix2d LensDistortion::distort_jacobian(const Eigen::Vector2d& ideal) const {
+  if (model != LensModel::kKannalaBrandt) return distort_polynomial(*this, ideal).jacobian;
+  const double radius = ideal.norm();
+  if (!(radius > kOnAxis)) return Eigen::Matrix2d::Identity();
+  const double angle = std::atan(radius);
+  const double outward = fisheye_slope(*this, angle) / (1 + radius * radius);
+  const double across = fisheye_radius(*this, angle) / radius;
+  const Eigen::Vector2d direction = ideal / radius;
+  return across * Eigen::Matrix2d::Identity() + (outward - across) * direction * direction.transpose();
+}
+
 Eigen::Vector2d LensDistortion::undistort(const Eigen::Vector2d& distorted) const {
   return model == LensModel::kKannalaBrandt ? undistort_fisheye(*this, distorted)
                                             : undistort_polynomial(*this, distorted);

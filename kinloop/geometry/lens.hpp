@@ -42,6 +42,9 @@ struct LensDistortion {
   /// Returns the distorted coordinates of ideal ones.
   [[nodiscard]] Eigen::Vector2d distort(const Eigen::Vector2d& ideal) const;
 
+  /// Returns the 2x2 Jacobian of `distort`.
+  [[nodiscard]] Eigen::Matrix2d distort_jacobian(const Eigen::Vector2d& ideal) const;
+
   /// Returns the ideal coordinates of distorted ones (Newton's method). Coordinates that the lens cannot
   /// produce give the limit of the field of view in their direction.
   [[nodiscard]] Eigen::Vector2d undistort(const Eigen::Vector2d& distorted) const;

@@ -1,6 +1,6 @@
 #pragma once
 // Loop detection: finds older keyframes that look like the same place as a new keyframe, using the place
-// index.
+// index. A loop between places that share many landmarks already would add little.
 
 #include <vector>
 
@@ -9,6 +9,28 @@
 #include "kinloop/place/place_index.hpp"
 
 namespace kinloop {
+
+/// Returns a keyframe and its covisible keyframes in ascending order: the keyframes that show its place.
+std::vector<KeyframeId> covisible_group(const Map& map, KeyframeId keyframe);
+
+/// The place shown by a group of keyframes, and the landmarks they observe.
+class KnownPlace {
+ public:
+  /// `keyframes` are in ascending order. `map` must outlive this object and not change.
+  KnownPlace(const Map& map, std::vector<KeyframeId> keyframes);
+
+  /// Returns whether the keyframes of `group` (in ascending order) share at least `min_landmarks` with this
+  /// place: landmarks observed by both groups, and inliers of loop closures between them, whose landmarks may
+  /// not be merged yet.
+  [[nodiscard]] bool shares_landmarks_with(const std::vector<KeyframeId>& group, int min_landmarks) const;
+
+ private:
+  [[nodiscard]] int count_loop_inliers(const std::vector<KeyframeId>& group) const;
+
+  const Map& map_;
+  std::vector<KeyframeId> keyframes_;
+  std::vector<bool> observed_;  // by landmark id
+};
 
 /// A place that consecutive keyframes have matched: the keyframes that show it, and the number of consecutive
 /// matches.
@@ -28,8 +50,8 @@ struct LoopDetection {
 /// Returns loop candidates for `keyframe`: keyframes that are at least `min_gap_keyframes` older or in
 /// another component, are not covisible with it, and are as similar to it as its covisible keyframes
 /// (relative score). `consistent_keyframes` consecutive keyframes must have matched their surroundings
-/// (Galvez-Lopez and Tardos 2012; Mur-Artal and Tardos 2014). Places that the map already ties to that of
-/// `keyframe` by more landmarks than `keyframe` observes are left out: a loop would add little.
+/// (Galvez-Lopez and Tardos 2012; Mur-Artal and Tardos 2014). Places that share as many landmarks with that
+/// of `keyframe` as it observes are left out.
 LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
                                    const CandidateHistory& history, const LoopOptions& options);
 

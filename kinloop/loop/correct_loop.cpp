@@ -12,7 +12,7 @@ PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, int share
   edge.b = b.value;
   edge.T_a_b = map.keyframe(a).T_world_camera.inverse() * map.keyframe(b).T_world_camera;
   edge.information = edge_information(shared, options);
-  edge.trusted = true;
+  edge.is_odometry = true;
   return edge;
 }
 
@@ -53,7 +53,7 @@ PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
     }
     if (!connected_to_previous) graph.edges.push_back(edge_between(map, *previous, keyframe.id, 1, options));
   }
-  for (const LoopEdge& loop : map.loop_edges()) {
+  for (const LoopClosure& loop : map.loop_closures()) {
     PoseGraphEdge edge;
     edge.a = loop.a.value;
     edge.b = loop.b.value;
@@ -64,12 +64,12 @@ PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
   return graph;
 }
 
-LoopProblem make_loop_problem(const Map& map, std::vector<std::pair<LandmarkId, LandmarkId>> merges,
-                              const LoopOptions& options) {
+LoopCorrectionProblem make_loop_correction_problem(const Map& map, LandmarkMerges merges,
+                                                   const LoopOptions& options) {
   return {make_pose_graph(map, options), std::move(merges), map.keyframes().back().id, map.epoch()};
 }
 
-MapUpdate correct_loop(const LoopProblem& problem, const LoopOptions& options) {
+MapUpdate correct_loop(const LoopCorrectionProblem& problem, const LoopOptions& options) {
   const PoseGraphSolution solution = solve_pose_graph(problem.graph, options.pose_graph);
   MapUpdate update;
   update.newest_keyframe = problem.newest_keyframe;

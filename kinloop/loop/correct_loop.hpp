@@ -1,5 +1,5 @@
 #pragma once
-// Loop correction: distributes the drift over all keyframes of a map with verified loop edges.
+// Loop correction: distributes the drift over all keyframes of a map with loop closures.
 
 #include <optional>
 #include <vector>
@@ -10,9 +10,9 @@
 namespace kinloop {
 
 /// A pose graph over all keyframes, and the landmarks to merge after it is solved.
-struct LoopProblem {
+struct LoopCorrectionProblem {
   PoseGraph graph;  ///< vertex i is keyframe i
-  std::vector<std::pair<LandmarkId, LandmarkId>> merges;
+  LandmarkMerges merges;
   KeyframeId newest_keyframe;
   uint32_t epoch = 0;
 };
@@ -21,18 +21,18 @@ struct LoopProblem {
 std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe);
 
 /// Builds edges between successive keyframes and between keyframes that share many landmarks, from their
-/// current poses, and the loop edges as measured. The first keyframe of each component is constant.
+/// current poses, and the loop closures as measured. The first keyframe of each component is constant.
 PoseGraph make_pose_graph(const Map& map, const LoopOptions& options);
 
 /// Returns the information matrix of a relative pose constrained by `shared` landmarks, for (translation;
 /// quaternion vector part) as in pose_graph.hpp.
 Matrix6d edge_information(int shared, const LoopOptions& options);
 
-/// Copies the problem; `merges` are landmark pairs identified by the newest loop edge.
-LoopProblem make_loop_problem(const Map& map, std::vector<std::pair<LandmarkId, LandmarkId>> merges,
-                              const LoopOptions& options);
+/// Copies the problem; `merges` are the landmarks identified by the newest loop closures.
+LoopCorrectionProblem make_loop_correction_problem(const Map& map, LandmarkMerges merges,
+                                                   const LoopOptions& options);
 
 /// Solves the pose graph. Landmarks move with their anchors.
-MapUpdate correct_loop(const LoopProblem& problem, const LoopOptions& options);
+MapUpdate correct_loop(const LoopCorrectionProblem& problem, const LoopOptions& options);
 
 }  // namespace kinloop

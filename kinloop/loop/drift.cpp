@@ -26,7 +26,7 @@ double path_length_m(const SE3& T_a_b) {
   return T_a_b.translation.norm() + T_a_b.angle_rad();
 }
 
-/// Steps between successive keyframes in ascending order, then loop edges.
+/// Steps between successive keyframes in ascending order, then loop closures.
 std::vector<PathStep> path_steps(const Map& map) {
   std::vector<PathStep> steps;
   for (const Keyframe& keyframe : map.keyframes()) {
@@ -35,7 +35,7 @@ std::vector<PathStep> path_steps(const Map& map) {
     const SE3 T_a_b = map.keyframe(*previous).T_world_camera.inverse() * keyframe.T_world_camera;
     steps.push_back({previous->value, keyframe.id.value, path_length_m(T_a_b)});
   }
-  for (const LoopEdge& loop : map.loop_edges())
+  for (const LoopClosure& loop : map.loop_closures())
     steps.push_back({loop.a.value, loop.b.value, path_length_m(loop.T_a_b)});
   return steps;
 }

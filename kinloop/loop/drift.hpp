@@ -25,7 +25,7 @@ struct PredictedView {
 };
 
 /// Returns for each keyframe the length of the shortest path to it from `keyframe`, along successive
-/// keyframes and loop edges, m. A turn counts as one metre per radian, since rotation drifts too. Infinity
+/// keyframes and loop closures, m. A turn counts as one metre per radian, since rotation drifts too. Infinity
 /// without a path.
 std::vector<double> travelled_distances(const Map& map, KeyframeId keyframe);
 

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstdint>
+
 #include "kinloop/core/options.hpp"
+#include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/local_map.hpp"
-#include "kinloop/optimize/pose/pnp_ransac.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
-#include "kinloop/sensor/depth_noise.hpp"
+#include "kinloop/sensor/sensor.hpp"
+#include "kinloop/tracking/options.hpp"
 
 namespace kinloop {
 
@@ -24,7 +27,6 @@ struct LoopOptions {
   int covisibility_edge_min_landmarks = 60;
   double landmark_sigma_m = 0.05;
   double landmark_sigma_rad = 0.02;
-  DepthNoise depth_noise = {};  ///< on planes; Slam sets it from the camera
   PoseGraphOptions pose_graph;
 
   template <class Self, class Visit>
@@ -64,6 +66,21 @@ struct LoopOptions {
           "relative rotation uncertainty per shared landmark (1 sigma), rad", Range{1e-6, 10}, Expert{});
     visit("pose_graph", self.pose_graph);
   }
+};
+
+/// What place recognition uses.
+struct PlaceOptions {
+  TrackingOptions tracking;
+  LocalMapOptions local_map;
+  LoopOptions loop;
+  uint64_t seed = 1;
+};
+
+/// The sensor and the options with which places are recognised. The corrections of the sensor are not used:
+/// frames and keyframes are motion-compensated.
+struct PlaceContext {
+  Sensor sensor;
+  PlaceOptions options = {};
 };
 
 }  // namespace kinloop

@@ -1,7 +1,7 @@
 #include "kinloop/loop/place_recognition.hpp"
 
 #include "kinloop/core/random.hpp"
-#include "kinloop/loop/relocalize.hpp"
+#include "kinloop/loop/recognize_place.hpp"
 
 namespace kinloop {
 
@@ -16,21 +16,32 @@ void PlaceRecognition::add(const Keyframe& keyframe) {
   nodes_[keyframe.id.value] = std::move(quantized.nodes);
 }
 
-std::optional<TrackResult> PlaceRecognition::relocalize(const PreparedFrame& frame, const Map& map) const {
-  return kinloop::relocalize(frame, bow_of(*frame.features), map, index_, camera_, options_.local_map,
-                             options_.loop, options_.tracking, hash(options_.seed, frame.id.value));
+std::optional<TrackedFrame> PlaceRecognition::relocalize(const Frame& frame, const Map& map) const {
+  const PlaceOptions& options = context_.options;
+  const uint64_t seed = hash(options.seed, frame.id.value);
+  const auto candidates =
+      index_.query(bow_of(*frame.features), static_cast<size_t>(options.loop.max_candidates));
+  for (const auto& candidate : candidates) {
+    const LocalMap local_map = make_local_map(map, candidate.keyframe, options.local_map);
+    auto found = recognize_place({frame, local_map, context_.sensor, options.tracking}, options.loop,
+                                 hash(seed, candidate.keyframe.value));
+    if (!found) continue;
+    found->outcome = TrackingOutcome::kRelocalized;
+    return found;
+  }
+  return std::nullopt;
 }
 
-std::optional<TrackResult> PlaceRecognition::locate_near(const PreparedFrame& frame, const Map& map,
-                                                         KeyframeId reference,
-                                                         const SE3& T_reference_camera) const {
-  const LocalMap local_map = make_local_map(map, reference, options_.local_map);
-  const FeatureGrid grid(*frame.features, camera_.width, camera_.height);
-  TrackResult result = track_local_map(frame, grid, local_map, T_reference_camera, options_.loop.window_px,
-                                       camera_, options_.tracking);
+std::optional<TrackedFrame> PlaceRecognition::locate_near(const Frame& frame, const Map& map,
+                                                          KeyframeId reference,
+                                                          const SE3& T_reference_camera) const {
+  const auto& [sensor, options] = context_;
+  const LocalMap local_map = make_local_map(map, reference, options.local_map);
+  TrackedFrame result = track_local_map({frame, local_map, sensor, options.tracking}, T_reference_camera,
+                                        options.loop.window_px);
   const bool confident =
-      result.stats.inliers >= options_.tracking.min_confident_inliers &&
-      has_sufficient_inlier_ratio(result, *frame.features, options_.tracking.min_inlier_ratio);
+      result.evidence.inliers >= options.tracking.min_confident_inliers &&
+      has_sufficient_inlier_ratio(result, *frame.features, options.tracking.min_inlier_ratio);
   if (!confident) return std::nullopt;
   return result;
 }
@@ -39,31 +50,28 @@ IndexedView PlaceRecognition::indexed_view(const Keyframe& keyframe) const {
   return {*keyframe.features, nodes_[keyframe.id.value]};
 }
 
-LoopCandidates PlaceRecognition::find_loops(const Map& map, KeyframeId keyframe) {
-  LoopDetection detected = find_loop_candidates(map, index_, keyframe, history_, options_.loop);
+LoopVerificationProblem PlaceRecognition::find_loops(const Map& map, KeyframeId id) {
+  const auto& [sensor, options] = context_;
+  LoopDetection detected = find_loop_candidates(map, index_, id, history_, options.loop);
   history_ = std::move(detected.history);
-  return make_loop_candidates(map, keyframe, propose_loops(map, keyframe, detected.keyframes),
-                              options_.local_map);
-}
-
-std::vector<ProposedLoop> PlaceRecognition::propose_loops(const Map& map, KeyframeId id,
-                                                          const std::vector<KeyframeId>& candidates) const {
-  std::vector<ProposedLoop> proposed;
-  if (candidates.empty()) return proposed;
   const Keyframe& keyframe = map.keyframe(id);
+  LoopVerificationProblem problem = make_loop_verification_problem(keyframe);
+  if (detected.keyframes.empty()) return problem;
   const auto travelled_m = travelled_distances(map, id);
-  const uint64_t seed = hash(options_.seed, keyframe.frame.value);
-  for (const KeyframeId candidate : candidates) {
+  const uint64_t seed = hash(options.seed, keyframe.frame.value);
+  for (const KeyframeId candidate : detected.keyframes) {
     const Keyframe& reference = map.keyframe(candidate);
     const auto predicted = predict_view(map, candidate, id, travelled_m[candidate.value]);
     if (predicted &&
-        !may_overlap(*reference.features, *predicted, camera_, options_.tracking.pnp.min_inliers))
+        !may_overlap(*reference.features, *predicted, sensor.camera, options.tracking.pnp.min_inliers))
       continue;
-    const auto pose = propose_pose(indexed_view(reference), indexed_view(keyframe), predicted, camera_,
-                                   options_.tracking.pnp, hash(seed, candidate.value));
-    if (pose) proposed.push_back({candidate, *pose, predicted});
+    const auto T_a_b = propose_pose({indexed_view(reference), indexed_view(keyframe), predicted}, context_,
+                                    hash(seed, candidate.value));
+    if (!T_a_b) continue;
+    const LoopClosure hypothesis{.a = candidate, .b = id, .T_a_b = *T_a_b};
+    problem.candidates.push_back({hypothesis, predicted, make_local_map(map, candidate, options.local_map)});
   }
-  return proposed;
+  return problem;
 }
 
 }  // namespace kinloop

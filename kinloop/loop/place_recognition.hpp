@@ -2,39 +2,35 @@
 // Recognizes places by appearance: relocalizes frames and finds loop candidates for keyframes.
 
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include "kinloop/loop/candidates.hpp"
 #include "kinloop/loop/verify_loop.hpp"
 #include "kinloop/place/place_index.hpp"
 #include "kinloop/place/vocabulary.hpp"
 
 namespace kinloop {
 
-/// What place recognition uses.
-struct PlaceOptions {
-  TrackingOptions tracking;
-  LocalMapOptions local_map;
-  LoopOptions loop;
-  uint64_t seed = 1;
-};
-
 class PlaceRecognition {
  public:
-  PlaceRecognition(const PinholeCamera& camera, const PlaceOptions& options, Vocabulary vocabulary)
-      : camera_(camera), options_(options), vocabulary_(std::move(vocabulary)) {}
+  PlaceRecognition(const Sensor& sensor, const PlaceOptions& options, Vocabulary vocabulary)
+      : context_{sensor, options}, vocabulary_(std::move(vocabulary)) {}
 
   /// Adds a new keyframe to the index.
   void add(const Keyframe& keyframe);
 
   /// Returns the pose of `frame` relative to the most similar keyframe that passes geometric verification.
-  [[nodiscard]] std::optional<TrackResult> relocalize(const PreparedFrame& frame, const Map& map) const;
+  [[nodiscard]] std::optional<TrackedFrame> relocalize(const Frame& frame, const Map& map) const;
 
   /// Returns the pose of `frame` if it is close to T_reference_camera and many landmarks agree.
-  [[nodiscard]] std::optional<TrackResult> locate_near(const PreparedFrame& frame, const Map& map,
-                                                       KeyframeId reference,
-                                                       const SE3& T_reference_camera) const;
+  [[nodiscard]] std::optional<TrackedFrame> locate_near(const Frame& frame, const Map& map,
+                                                        KeyframeId reference,
+                                                        const SE3& T_reference_camera) const;
 
-  /// Returns loops between `keyframe`, the one added last, and earlier keyframes, to be verified.
-  LoopCandidates find_loops(const Map& map, KeyframeId keyframe);
+  /// Returns hypotheses of loops between `keyframe`, the one added last, and earlier keyframes, to be
+  /// verified.
+  LoopVerificationProblem find_loops(const Map& map, KeyframeId keyframe);
 
   /// Starts a new sequence: the next keyframe does not follow the previous one.
   void forget_history() { history_.clear(); }
@@ -42,11 +38,8 @@ class PlaceRecognition {
  private:
   [[nodiscard]] BowVector bow_of(const Features& features) const;
   [[nodiscard]] IndexedView indexed_view(const Keyframe& keyframe) const;
-  [[nodiscard]] std::vector<ProposedLoop> propose_loops(const Map& map, KeyframeId keyframe,
-                                                        const std::vector<KeyframeId>& candidates) const;
 
-  PinholeCamera camera_;
-  PlaceOptions options_;
+  PlaceContext context_;
   Vocabulary vocabulary_;
   PlaceIndex index_;
   std::vector<std::vector<NodeId>> nodes_;  // by keyframe id: the vocabulary node of each keypoint

@@ -1,8 +1,7 @@
 #include "kinloop/loop/recognize_place.hpp"
 
 #include "kinloop/features/keypoint_measurements.hpp"
-#include "kinloop/loop/appearance_check.hpp"
-#include "kinloop/loop/depth_check.hpp"
+#include "kinloop/loop/view_checks.hpp"
 
 namespace kinloop {
 namespace {
@@ -17,46 +16,40 @@ std::vector<Match> match_descriptors(const Features& features, const LocalMap& l
   return kept;
 }
 
-bool is_verified(const TrackResult& result, const Features& features, const LocalMap& local_map,
-                 const PinholeCamera& camera, const LoopOptions& options) {
-  if (result.status != TrackStatus::kTracked || result.stats.inliers < options.min_inliers) return false;
+bool is_verified(const TrackedFrame& result, const TrackingInput& in, const LoopOptions& options) {
+  const Features &features = *in.frame.features, &reference = *in.local_map.features;
+  if (result.is_lost() || result.evidence.inliers < options.min_inliers) return false;
   if (!has_sufficient_inlier_ratio(result, features, options.min_inlier_ratio)) return false;
   const SE3& T_reference_camera = result.T_reference_camera;
-  const auto depths = compare_depths(*local_map.features, features, T_reference_camera, camera,
-                                     {options.depth_noise, options.landmark_sigma_m});
+  const auto depths =
+      compare_depths(reference, features, T_reference_camera, in.sensor, options.landmark_sigma_m);
   return !violates_free_space(depths, options.max_free_space_violation_ratio) &&
-         appearance_p_value(*local_map.features, features, T_reference_camera, camera) >= options.min_p_value;
+         appearance_p_value(reference, features, T_reference_camera, in.sensor.camera) >= options.min_p_value;
 }
 
 }  // namespace
 
-std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const LocalMap& local_map,
-                                           const PinholeCamera& camera, const LoopOptions& options,
-                                           const TrackingOptions& tracking, uint64_t seed) {
-  const Features& features = *frame.features;
-  const auto matches = match_descriptors(features, local_map, options);
+std::optional<TrackedFrame> recognize_place(const TrackingInput& in, const LoopOptions& options,
+                                            uint64_t seed) {
+  const Features& features = *in.frame.features;
+  const auto matches = match_descriptors(features, in.local_map, options);
   if (static_cast<int>(matches.size()) < options.min_matches) return std::nullopt;
   std::vector<PoseObservation> observations;
   for (const Match& match : matches) {
-    observations.push_back({compensated_measurement(features, match.b), local_map.p_reference[match.a]});
+    observations.push_back({compensated_measurement(features, match.b), in.local_map.p_reference[match.a]});
   }
-  const auto initial = solve_pnp_ransac(camera, observations, tracking.pnp, seed);
+  const auto initial = solve_pnp_ransac(in.sensor, observations, in.options.pnp, in.options.pose, seed);
   if (!initial) return std::nullopt;
-  return confirm_pose(frame, local_map, initial->T_reference_camera, camera, options, tracking);
+  return confirm_pose(in, initial->T_reference_camera, options);
 }
 
-std::optional<TrackResult> confirm_pose(const PreparedFrame& frame, const LocalMap& local_map,
-                                        const SE3& T_reference_camera, const PinholeCamera& camera,
-                                        const LoopOptions& options, const TrackingOptions& tracking) {
-  const Features& features = *frame.features;
-  const FeatureGrid grid(features, camera.width, camera.height);
-  TrackResult result =
-      track_local_map(frame, grid, local_map, T_reference_camera, options.window_px, camera, tracking);
-  if (result.status != TrackStatus::kTracked) return std::nullopt;
+std::optional<TrackedFrame> confirm_pose(const TrackingInput& in, const SE3& T_reference_camera,
+                                         const LoopOptions& options) {
+  TrackedFrame result = track_local_map(in, T_reference_camera, options.window_px);
+  if (result.is_lost()) return std::nullopt;
   // Match again from the improved pose, which centres the search windows correctly.
-  result = track_local_map(frame, grid, local_map, result.T_reference_camera, tracking.local_map_window_px,
-                           camera, tracking);
-  if (!is_verified(result, features, local_map, camera, options)) return std::nullopt;
+  result = track_local_map(in, result.T_reference_camera, in.options.local_map_window_px);
+  if (!is_verified(result, in, options)) return std::nullopt;
   return result;
 }
 

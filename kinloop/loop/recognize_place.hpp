@@ -4,24 +4,21 @@
 
 #include <optional>
 
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/loop/options.hpp"
 #include "kinloop/map/local_map.hpp"
-#include "kinloop/tracking/local_map_tracking.hpp"
+#include "kinloop/tracking/keypoint_tracking.hpp"
 
 namespace kinloop {
 
-/// Estimates the pose of `frame` relative to the reference of `local_map`: descriptor matching, P3P with
+/// Estimates the pose of the frame relative to the reference of the local map: descriptor matching, P3P with
 /// RANSAC, guided matching of all visible landmarks, refinement. nullopt unless `min_inliers` landmarks and
 /// `min_inlier_ratio` of the visible ones agree, and both the depth check and the appearance check against
 /// the reference pass.
-std::optional<TrackResult> recognize_place(const PreparedFrame& frame, const LocalMap& local_map,
-                                           const PinholeCamera& camera, const LoopOptions& options,
-                                           const TrackingOptions& tracking, uint64_t seed);
+std::optional<TrackedFrame> recognize_place(const TrackingInput& in, const LoopOptions& options,
+                                            uint64_t seed);
 
 /// Confirms an initial pose, the second half of `recognize_place`: guided matching, refinement and checks.
-std::optional<TrackResult> confirm_pose(const PreparedFrame& frame, const LocalMap& local_map,
-                                        const SE3& T_reference_camera, const PinholeCamera& camera,
-                                        const LoopOptions& options, const TrackingOptions& tracking);
+std::optional<TrackedFrame> confirm_pose(const TrackingInput& in, const SE3& T_reference_camera,
+                                         const LoopOptions& options);
 
 }  // namespace kinloop

@@ -1,46 +1,100 @@
 #include "kinloop/loop/verify_loop.hpp"
 
-namespace kinloop {
+#include <algorithm>
+#include <cmath>
 
-LoopCandidates make_loop_candidates(const Map& map, KeyframeId id, const std::vector<ProposedLoop>& proposed,
-                                    const LocalMapOptions& local_map) {
-  const Keyframe& keyframe = map.keyframe(id);
-  LoopCandidates candidates;
-  candidates.keyframe = id;
-  candidates.frame.id = keyframe.frame;
-  candidates.frame.stamp_ns = keyframe.stamp_ns;
-  candidates.frame.features = keyframe.features;
-  for (const ProposedLoop& loop : proposed) {
-    candidates.places.push_back({loop, make_local_map(map, loop.reference, local_map)});
-  }
-  return candidates;
+#include "kinloop/features/keypoint_measurements.hpp"
+#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/loop/recognize_place.hpp"
+#include "kinloop/optimize/pose/ransac.hpp"
+#include "kinloop/place/match_by_nodes.hpp"
+
+namespace kinloop {
+namespace {
+
+// Without landmarks of several views, a keypoint has one true match at most, so the ratio test of Lowe (2004)
+// holds. It drops most chance matches, which RANSAC would pay for.
+constexpr NodeMatchOptions kMatching{.max_distance = 64, .max_ratio = 0.8};
+
+/// Whether drift explains the angle between the predicted direction of a point and that of its match.
+bool agrees_with_prediction(const PredictedView& predicted, const Eigen::Vector3d& p_reference,
+                            const Eigen::Vector3d& ray) {
+  const Eigen::Vector3d p_camera = predicted.T_reference_camera.inverse() * p_reference;
+  const double angle_rad = std::atan2(p_camera.cross(ray).norm(), p_camera.dot(ray));
+  return angle_rad <= direction_bound_rad(predicted.bound, p_camera);
 }
 
-std::optional<VerifiedLoop> verify_loop(const LoopCandidates& candidates, const PinholeCamera& camera,
-                                        const LoopOptions& options, const TrackingOptions& tracking) {
-  for (const auto& [proposed, local_map] : candidates.places) {
-    auto found =
-        confirm_pose(candidates.frame, local_map, proposed.T_reference_camera, camera, options, tracking);
+std::vector<PoseObservation> matched_observations(const ViewPair& views, const PinholeCamera& camera) {
+  const auto& [reference_view, camera_view, predicted] = views;
+  const Features &reference = reference_view.features, &features = camera_view.features;
+  std::vector<PoseObservation> observations;
+  for (const Match& match : match_by_nodes({reference.descriptors, reference_view.nodes},
+                                           {features.descriptors, camera_view.nodes}, kMatching)) {
+    const auto depth_m = static_cast<double>(reference.depths_m[match.a]);
+    if (!(depth_m > 0)) continue;
+    const Eigen::Vector3d p_reference = camera.unproject(reference.pixels[match.a].cast<double>(), depth_m);
+    const Eigen::Vector3d ray = camera.unproject(features.pixels[match.b].cast<double>(), 1);
+    if (predicted && !agrees_with_prediction(*predicted, p_reference, ray)) continue;
+    observations.push_back({compensated_measurement(features, match.b), p_reference});
+  }
+  return observations;
+}
+
+}  // namespace
+
+std::optional<SE3> propose_pose(const ViewPair& views, const PlaceContext& context, uint64_t seed) {
+  const PnpRansacOptions& options = context.options.tracking.pnp;
+  const auto observations = matched_observations(views, context.sensor.camera);
+  if (static_cast<int>(observations.size()) < options.min_inliers) return std::nullopt;
+  // A pose with fewer inliers than required is of no use, so RANSAC need not sample long enough to find it.
+  constexpr uint32_t kSampleSize = 3;
+  PnpRansacOptions limited = options;
+  limited.max_iterations = static_cast<int>(std::min<double>(
+      options.max_iterations, std::ceil(required_samples(options.min_inliers, observations.size(),
+                                                         kSampleSize, options.confidence))));
+  limited.max_iterations = std::max(limited.max_iterations, 1);
+  const auto solution =
+      solve_pnp_ransac(context.sensor, observations, limited, context.options.tracking.pose, seed);
+  if (!solution) return std::nullopt;
+  return solution->T_reference_camera;
+}
+
+LoopVerificationProblem make_loop_verification_problem(const Keyframe& keyframe) {
+  LoopVerificationProblem problem;
+  problem.frame.id = keyframe.frame;
+  problem.frame.stamp_ns = keyframe.stamp_ns;
+  problem.frame.features = keyframe.features;
+  return problem;
+}
+
+std::optional<LoopVerificationResult> verify_loop(const LoopVerificationProblem& problem,
+                                                  const PlaceContext& context) {
+  for (const auto& [hypothesis, predicted, local_map] : problem.candidates) {
+    auto found = confirm_pose({problem.frame, local_map, context.sensor, context.options.tracking},
+                              hypothesis.T_a_b, context.options.loop);
     if (!found) continue;
-    if (proposed.predicted && !is_explained_by_drift(*proposed.predicted, found->T_reference_camera))
-      continue;
-    return VerifiedLoop{candidates.keyframe, std::move(*found)};
+    if (predicted && !is_explained_by_drift(*predicted, found->T_reference_camera)) continue;
+    const LoopClosure loop{.a = hypothesis.a,
+                           .b = hypothesis.b,
+                           .T_a_b = found->T_reference_camera,
+                           .information = edge_information(found->evidence.inliers, context.options.loop),
+                           .evidence = {found->evidence.inliers, found->evidence.visible_landmarks},
+                           .stage = LoopStage::kVerified};
+    return LoopVerificationResult{loop, std::move(found->matches)};
   }
   return std::nullopt;
 }
 
-LoopConstraint make_loop_constraint(const Map& map, const VerifiedLoop& loop, const LoopOptions& options) {
-  const auto& [id, found] = loop;
-  LoopConstraint constraint;
-  constraint.edge = {found.reference, id, found.T_reference_camera,
-                     edge_information(found.stats.inliers, options), found.stats.inliers};
-  for (const LandmarkMatch& match : found.matches) {
-    const LandmarkId newer = map.keyframe(id).landmark_of[match.feature];
+LandmarkMerges landmark_merges(const Map& map, const LoopVerificationResult& verified) {
+  LandmarkMerges merges;
+  const auto& landmark_of = map.keyframe(verified.loop.b).landmark_of;
+  for (const LandmarkMatch& match : verified.matches) {
+    const LandmarkId newer = landmark_of[match.feature];
     if (newer.valid() && newer != match.landmark && map.contains(match.landmark)) {
-      constraint.merges.emplace_back(newer, match.landmark);
+      merges.emplace_back(newer, match.landmark);
     }
   }
-  return constraint;
+  return merges;
 }
 
 }  // namespace kinloop

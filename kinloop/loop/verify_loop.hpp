@@ -1,51 +1,60 @@
 #pragma once
-// Loop verification for a new keyframe and its loop candidates. The input is copied out of the map, so that
-// verification can run while tracking continues.
+// Verifies that two keyframes close a loop, the cheap stages first. `propose_pose` needs no landmarks; most
+// wrong candidates end there. `verify_loop` works on a problem copied out of the map, so that it can run
+// while tracking continues.
 
 #include <optional>
+#include <vector>
 
-#include "kinloop/loop/candidates.hpp"
-#include "kinloop/loop/correct_loop.hpp"
-#include "kinloop/loop/propose_loop.hpp"
-#include "kinloop/loop/recognize_place.hpp"
+#include "kinloop/loop/drift.hpp"
+#include "kinloop/loop/options.hpp"
+#include "kinloop/map/local_map.hpp"
+#include "kinloop/place/vocabulary.hpp"
+#include "kinloop/tracking/keypoint_tracking.hpp"
 
 namespace kinloop {
 
-/// A loop to verify, with the local map around its reference.
-struct LoopCandidate {
-  ProposedLoop proposed;
-  LocalMap local_map;
+/// The keypoints of a keyframe and their nodes of the vocabulary.
+struct IndexedView {
+  const Features& features;
+  const std::vector<NodeId>& nodes;
 };
 
-/// A keyframe and the loops proposed for it.
-struct LoopCandidates {
-  KeyframeId keyframe;
-  PreparedFrame frame;                ///< its features
-  std::vector<LoopCandidate> places;  ///< most similar first
+/// Two keyframes that may show one place.
+struct ViewPair {
+  IndexedView reference, camera;
+  const std::optional<PredictedView>& predicted;  ///< of the camera relative to the reference
 };
 
-/// The pose of `keyframe` relative to the place it revisits.
-struct VerifiedLoop {
-  KeyframeId keyframe;
-  TrackResult result;
+/// Estimates the pose of the camera relative to the reference from their keypoints alone: matching by
+/// vocabulary nodes, matches against `predicted` dropped, P3P with RANSAC. nullopt if too few agree.
+std::optional<SE3> propose_pose(const ViewPair& views, const PlaceContext& context, uint64_t seed);
+
+/// A keyframe and the loops that it may close, with copies of all that their verification needs.
+struct LoopVerificationProblem {
+  struct Candidate {
+    LoopClosure hypothesis;                  ///< `b` is the keyframe
+    std::optional<PredictedView> predicted;  ///< nullopt between components
+    LocalMap local_map;                      ///< around `hypothesis.a`
+  };
+  Frame frame;                        ///< the keyframe's features
+  std::vector<Candidate> candidates;  ///< most similar first
 };
 
-/// A verified loop: the edge, and landmark pairs of the keyframe and the old place to merge.
-struct LoopConstraint {
-  LoopEdge edge;
-  std::vector<std::pair<LandmarkId, LandmarkId>> merges;  ///< (from, into)
+/// A verified loop closure, and the landmarks around `loop.a` that keypoints of `loop.b` match.
+struct LoopVerificationResult {
+  LoopClosure loop;
+  std::vector<LandmarkMatch> matches;
 };
 
-/// Copies the data needed to verify the loops proposed for `keyframe`.
-LoopCandidates make_loop_candidates(const Map& map, KeyframeId keyframe,
-                                    const std::vector<ProposedLoop>& proposed,
-                                    const LocalMapOptions& local_map);
+/// Returns the problem of a keyframe, without candidates.
+LoopVerificationProblem make_loop_verification_problem(const Keyframe& keyframe);
 
 /// Verifies the candidates in order and returns the first that `confirm_pose` confirms and drift explains.
-std::optional<VerifiedLoop> verify_loop(const LoopCandidates& candidates, const PinholeCamera& camera,
-                                        const LoopOptions& options, const TrackingOptions& tracking);
+std::optional<LoopVerificationResult> verify_loop(const LoopVerificationProblem& problem,
+                                                  const PlaceContext& context);
 
-/// Converts a verified loop to a constraint on the current map.
-LoopConstraint make_loop_constraint(const Map& map, const VerifiedLoop& loop, const LoopOptions& options);
+/// Returns the landmarks that a verified loop identifies, as pairs (of `loop.b`, matched).
+LandmarkMerges landmark_merges(const Map& map, const LoopVerificationResult& verified);
 
 }  // namespace kinloop

@@ -41,13 +41,4 @@ struct Landmark {
   std::vector<Observation> observations;               ///< in order of insertion
 };
 
-/// A relative pose between two keyframes of the same place.
-struct LoopEdge {
-  KeyframeId a;
-  KeyframeId b;
-  SE3 T_a_b;
-  Matrix6d information = Matrix6d::Identity();  ///< of (translation; rotation), in 1/m^2 and 1/rad^2
-  int inliers = 0;
-};
-
 }  // namespace kinloop

@@ -30,9 +30,9 @@ void Map::append(MapData parts) {
     landmarks_.back() = std::move(landmark);
     ++landmark_count_;
   }
-  for (LoopEdge& edge : parts.loop_edges) {
-    edge.a = shifted(edge.a), edge.b = shifted(edge.b);
-    loop_edges_.push_back(edge);
+  for (LoopClosure& loop : parts.loop_closures) {
+    loop.a = shifted(loop.a), loop.b = shifted(loop.b);
+    loop_closures_.push_back(loop);
   }
   component_count_ += parts.component_count;
   check_appended(first_keyframe, first_landmark);
@@ -47,8 +47,9 @@ void Map::check_appended(size_t first_keyframe, size_t first_landmark) const {
   for (size_t i = first_keyframe; i < keyframes_.size(); ++i) {
     require(keyframes_[i].component < component_count_, "append: component index out of range");
   }
-  for (const LoopEdge& edge : loop_edges_) {
-    require(contains(edge.a) && contains(edge.b), "append: loop edge refers to a missing keyframe");
+  for (const LoopClosure& loop : loop_closures_) {
+    require(contains(loop.a) && contains(loop.b), "append: loop closure refers to a missing keyframe");
+    require(loop.stage == LoopStage::kAccepted, "append: loop closure that was not accepted");
   }
 }
 
@@ -90,17 +91,19 @@ bool Map::add_observation(LandmarkId id, const Observation& observation) {
   return true;
 }
 
-void Map::add_loop_edge(const LoopEdge& edge) {
-  require(contains(edge.a) && contains(edge.b), "add_loop_edge: no such keyframe");
-  require(edge.T_a_b.is_finite(), "add_loop_edge: the motion is not finite");
-  loop_edges_.push_back(edge);
-  if (keyframe(edge.a).component != keyframe(edge.b).component) merge_components(edge);
+void Map::add_loop_closure(LoopClosure loop) {
+  require(contains(loop.a) && contains(loop.b), "add_loop_closure: no such keyframe");
+  require(loop.stage == LoopStage::kVerified, "add_loop_closure: not verified");
+  require(loop.T_a_b.is_finite(), "add_loop_closure: the pose is not finite");
+  loop.stage = LoopStage::kAccepted;
+  loop_closures_.push_back(loop);
+  if (keyframe(loop.a).component != keyframe(loop.b).component) merge_components(loop);
 }
 
-void Map::merge_components(const LoopEdge& edge) {
-  const Keyframe& a = keyframe(edge.a);
-  const Keyframe& b = keyframe(edge.b);
-  const SE3 T_a_to_b = b.T_world_camera * (a.T_world_camera * edge.T_a_b).inverse();  // of the component of a
+void Map::merge_components(const LoopClosure& loop) {
+  const Keyframe& a = keyframe(loop.a);
+  const Keyframe& b = keyframe(loop.b);
+  const SE3 T_a_to_b = b.T_world_camera * (a.T_world_camera * loop.T_a_b).inverse();  // of the component of a
   const bool keep_a = a.component < b.component;
   const uint32_t into = std::min(a.component, b.component);
   const uint32_t from = std::max(a.component, b.component);

@@ -1,8 +1,8 @@
 #pragma once
-// The single owner of keyframes, landmarks and loop edges. It is used by one thread and has no mutex; all
+// The single owner of keyframes, landmarks and loop closures. It is used by one thread and has no mutex; all
 // changes go through the functions below, which keep both directions of every observation consistent.
 // After tracking loss the map consists of several components whose relative poses are unknown until a loop
-// edge joins them.
+// closure joins them.
 
 #include <map>
 #include <optional>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kinloop/map/keyframe.hpp"
+#include "kinloop/map/loop_closure.hpp"
 #include "kinloop/map/map_update.hpp"
 
 namespace kinloop {
@@ -19,7 +20,7 @@ namespace kinloop {
 struct MapData {
   std::vector<Keyframe> keyframes;
   std::vector<std::optional<Landmark>> landmarks;  ///< nullopt if erased
-  std::vector<LoopEdge> loop_edges;
+  std::vector<LoopClosure> loop_closures;          ///< accepted
   uint32_t component_count = 0;
 };
 
@@ -45,9 +46,9 @@ class Map {
   /// the keyframe already observes this one.
   bool add_observation(LandmarkId landmark, const Observation& observation);
 
-  /// Adds a loop edge between two keyframes. If it connects two components, they are merged into the older
-  /// one, and the keyframes and landmarks of the newer one are moved according to the edge.
-  void add_loop_edge(const LoopEdge& edge);
+  /// Accepts a verified loop closure. If it connects two components, they are merged into the older one, and
+  /// the keyframes and landmarks of the newer one are moved according to its measurement.
+  void add_loop_closure(LoopClosure loop);
 
   // Shrinking.
 
@@ -90,9 +91,9 @@ class Map {
   [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const;
   [[nodiscard]] const Landmark& landmark(LandmarkId id) const;
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
-  [[nodiscard]] const std::vector<LoopEdge>& loop_edges() const { return loop_edges_; }
+  [[nodiscard]] const std::vector<LoopClosure>& loop_closures() const { return loop_closures_; }
   /// Returns a copy of everything; `append` to an empty map restores the map.
-  [[nodiscard]] MapData data() const { return {keyframes_, landmarks_, loop_edges_, component_count_}; }
+  [[nodiscard]] MapData data() const { return {keyframes_, landmarks_, loop_closures_, component_count_}; }
 
   [[nodiscard]] std::vector<LandmarkId> landmark_ids() const;
   [[nodiscard]] size_t landmark_count() const { return landmark_count_; }
@@ -112,7 +113,7 @@ class Map {
   Keyframe& keyframe_ref(KeyframeId id);
   Landmark& landmark_ref(LandmarkId id);
   void move_anchor(Landmark& landmark);
-  void merge_components(const LoopEdge& edge);
+  void merge_components(const LoopClosure& loop);
   void propagate_correction(size_t first, const std::vector<SE3>& T_world_camera_before);
   void check_appended(size_t first_keyframe, size_t first_landmark) const;
   void check_landmark(const Landmark& landmark) const;
@@ -120,7 +121,7 @@ class Map {
   std::vector<Keyframe> keyframes_;                 // index = id
   std::vector<std::optional<Landmark>> landmarks_;  // index = id; nullopt if erased
   std::map<LandmarkId, LandmarkId> merged_into_;
-  std::vector<LoopEdge> loop_edges_;
+  std::vector<LoopClosure> loop_closures_;  // accepted
   size_t landmark_count_ = 0;
   uint32_t component_count_ = 0;
   uint32_t epoch_ = 0;

@@ -7,6 +7,9 @@
 
 namespace kinloop {
 
+/// Pairs (from, into) of landmarks that are the same point.
+using LandmarkMerges = std::vector<std::pair<LandmarkId, LandmarkId>>;
+
 /// Changes computed by background work on a copied problem, addressed by id. Entries whose ids no longer
 /// exist are skipped.
 struct MapUpdate {
@@ -14,7 +17,7 @@ struct MapUpdate {
   std::vector<std::pair<LandmarkId, Eigen::Vector3d>>
       p_world;  ///< corrected landmarks, consistent with those poses
   std::vector<std::pair<LandmarkId, Observation>> outliers;  ///< observations to remove
-  std::vector<std::pair<LandmarkId, LandmarkId>> merges;     ///< (from, into): duplicates of the same point
+  LandmarkMerges merges;
   KeyframeId newest_keyframe;  ///< keyframes added after it follow its correction rigidly
   uint32_t epoch = 0;  ///< epoch of the map when the problem was copied; stale if older than the map's
 };

@@ -5,22 +5,11 @@
 #include <utility>
 #include <vector>
 
+#include "kinloop/map/frame_log.hpp"
 #include "kinloop/map/map.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
-
-/// A frame of a run and its pose relative to a keyframe.
-struct SavedFrame {
-  FrameId frame;
-  int64_t stamp_ns = 0;
-  int status = 0;  ///< a TrackStatus
-  KeyframeId reference;
-  SE3 T_reference_camera;
-  KeyframeId keyframe;  ///< valid if the frame became a keyframe
-  bool repeat = false;
-  float depth_lag_s = 0;  ///< stamp of its depth image minus `stamp_ns`
-};
 
 /// A run that created or continued the map.
 struct SavedSession {
@@ -43,7 +32,7 @@ struct SavedMap {
   RgbdCamera camera;
   std::vector<SavedParameter> sensor;
   MapData map;
-  std::vector<SavedFrame> frames;
+  FrameLog frames;  ///< without matches
 };
 
 }  // namespace kinloop

@@ -40,12 +40,6 @@ std::vector<KeyframeId> observers_outside(const Map& map, const std::vector<Keyf
   return observers;
 }
 
-KeypointMeasurement measurement_of(const Features& features, uint32_t feature, const PinholeCamera& camera,
-                                   MeasurementKind kind) {
-  return kind == MeasurementKind::kRaw ? raw_measurement(features, feature, camera.height)
-                                       : compensated_measurement(features, feature);
-}
-
 /// If no pose of a component is constant, fixes its oldest one, which removes the gauge freedom.
 void fix_gauge(BundleAdjustmentProblem& problem, const Map& map) {
   auto& fixed = problem.bundle.fixed;
@@ -58,12 +52,10 @@ void fix_gauge(BundleAdjustmentProblem& problem, const Map& map) {
   for (const auto& [component, anchor] : anchor_of) fixed[anchor] = 1;
 }
 
-/// Copies poses, points and observations of the given keyframes and landmarks.
+/// Copies poses and points of the given keyframes and landmarks, and lists their observations.
 BundleAdjustmentProblem make_problem(const Map& map, const std::vector<KeyframeId>& keyframes,
-                                     size_t free_keyframes, const std::vector<LandmarkId>& landmarks,
-                                     const PinholeCamera& camera, MeasurementKind measured) {
+                                     size_t free_keyframes, const std::vector<LandmarkId>& landmarks) {
   BundleAdjustmentProblem problem;
-  problem.bundle.camera = camera;
   problem.keyframes = keyframes;
   problem.landmarks = landmarks;
   problem.newest_keyframe = map.keyframes().back().id;
@@ -82,18 +74,30 @@ BundleAdjustmentProblem make_problem(const Map& map, const std::vector<KeyframeI
     for (const Observation& seen : map.landmark(landmarks[point]).observations) {
       const uint32_t pose = pose_of[seen.keyframe.value];
       if (pose == kNone) continue;
-      const Features& features = *map.keyframe(seen.keyframe).features;
-      problem.bundle.observations.push_back(
-          {measurement_of(features, seen.feature, camera, measured), pose, point});
+      problem.bundle.observations.push_back({{}, pose, point});
       problem.observations.emplace_back(landmarks[point], seen);
     }
   }
   return problem;
 }
 
+/// Fills in the measurements and the sensor that they come from.
+BundleAdjustmentProblem with_measurements(BundleAdjustmentProblem problem, const Map& map,
+                                          const Sensor& sensor, MeasurementKind kind) {
+  problem.bundle.sensor = kind == MeasurementKind::kRaw ? sensor : without_corrections(sensor);
+  for (size_t i = 0; i < problem.observations.size(); ++i) {
+    const Observation& seen = problem.observations[i].second;
+    const Features& features = *map.keyframe(seen.keyframe).features;
+    KeypointMeasurement& measured = problem.bundle.observations[i];
+    measured = kind == MeasurementKind::kRaw ? raw_measurement(features, seen.feature, sensor.camera.height)
+                                             : compensated_measurement(features, seen.feature);
+  }
+  return problem;
+}
+
 }  // namespace
 
-BundleAdjustmentProblem make_local_ba_problem(const Map& map, KeyframeId newest, const PinholeCamera& camera,
+BundleAdjustmentProblem make_local_ba_problem(const Map& map, KeyframeId newest, const Sensor& sensor,
                                               const MappingOptions& options) {
   constexpr int kMaxFixedKeyframes = 20;
   std::vector<KeyframeId> keyframes{newest};
@@ -105,15 +109,17 @@ BundleAdjustmentProblem make_local_ba_problem(const Map& map, KeyframeId newest,
   const size_t free_keyframes = keyframes.size();
   const auto fixed = observers_outside(map, keyframes, landmarks, kMaxFixedKeyframes);
   keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
-  return make_problem(map, keyframes, free_keyframes, landmarks, camera, MeasurementKind::kMotionCompensated);
+  return with_measurements(make_problem(map, keyframes, free_keyframes, landmarks), map, sensor,
+                           MeasurementKind::kMotionCompensated);
 }
 
-BundleAdjustmentProblem make_global_ba_problem(const Map& map, const PinholeCamera& camera,
+BundleAdjustmentProblem make_global_ba_problem(const Map& map, const Sensor& sensor,
                                                MeasurementKind measured) {
   std::vector<KeyframeId> keyframes;
   for (const Keyframe& keyframe : map.keyframes()) keyframes.push_back(keyframe.id);
-  return make_problem(map, keyframes, keyframes.size(), confirmed_landmarks(map, keyframes), camera,
-                      measured);
+  return with_measurements(
+      make_problem(map, keyframes, keyframes.size(), confirmed_landmarks(map, keyframes)), map, sensor,
+      measured);
 }
 
 MapUpdate make_map_update(const BundleAdjustmentProblem& problem, const BundleSolution& solution) {

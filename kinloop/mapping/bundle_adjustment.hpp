@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/map.hpp"
 #include "kinloop/mapping/options.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -22,19 +22,18 @@ struct BundleAdjustmentProblem {
 
 /// Copies the newest keyframe, those that share the most landmarks with it, and all landmarks they observe;
 /// other observers of these landmarks are constant.
-BundleAdjustmentProblem make_local_ba_problem(const Map& map, KeyframeId newest, const PinholeCamera& camera,
+BundleAdjustmentProblem make_local_ba_problem(const Map& map, KeyframeId newest, const Sensor& sensor,
                                               const MappingOptions& options);
 
 /// Which measurements enter a problem.
 enum class MeasurementKind {
-  kMotionCompensated,  ///< motion-compensated
-  kRaw,                ///< as measured; velocities and sensor parameters must be filled in
+  kMotionCompensated,  ///< those of an ideal sensor at rest
+  kRaw,                ///< as measured; velocities and the prior of the sensor must be filled in
 };
 
 /// Copies every keyframe and every landmark observed twice; the first keyframe of each component is constant.
 BundleAdjustmentProblem make_global_ba_problem(
-    const Map& map, const PinholeCamera& camera,
-    MeasurementKind measured = MeasurementKind::kMotionCompensated);
+    const Map& map, const Sensor& sensor, MeasurementKind measured = MeasurementKind::kMotionCompensated);
 
 /// Converts a solution to a map update.
 MapUpdate make_map_update(const BundleAdjustmentProblem& problem, const BundleSolution& solution);

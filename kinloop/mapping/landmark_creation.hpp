@@ -4,7 +4,7 @@
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/map.hpp"
 #include "kinloop/mapping/options.hpp"
-#include "kinloop/tracking/local_map_tracking.hpp"
+#include "kinloop/tracking/keypoint_tracking.hpp"
 
 namespace kinloop {
 

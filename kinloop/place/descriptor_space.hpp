@@ -8,10 +8,13 @@
 #include <vector>
 
 #include "kinloop/core/errors.hpp"
-#include "kinloop/place/binary_descriptor.hpp"
+#include "kinloop/features/hamming.hpp"
 #include "kinloop/place/descriptor_kind.hpp"
 
 namespace kinloop {
+
+/// One ORB descriptor: 256 bits, compared by Hamming distance.
+using BinaryDescriptor = std::array<uint8_t, kOrbBytes>;
 
 /// 256 bits; the distance is the number of differing bits, which equals the squared Euclidean distance.
 struct HammingSpace {

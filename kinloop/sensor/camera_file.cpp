@@ -231,7 +231,7 @@ RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path
   camera.depth_scale = block.number("depth_scale", "5000", {1, 1e5});
   camera.fps = block.number("fps", "30", {0.001, 1e4});
   camera.rolling_shutter_s = block.number_or_zero("rolling_shutter_s", "seconds", {0, 1});
-  camera.depth_offset_s = block.number_or_zero("depth_offset_s", "seconds", {-1, 1});
+  camera.depth_delay_s = block.number_or_zero("depth_offset_s", "seconds", {-1, 1});
   camera.depth_shift_m = block.number_or_zero("depth_shift_m", "metres", {-1, 1});
   if (block.has("sensor")) camera.sensor = read_sensor(block);
   if (block.has("depth")) {
@@ -256,7 +256,7 @@ std::string camera_file_text(const RgbdCamera& camera) {
   text += fmt::format("depth_scale: {}  # units of the depth image per metre\nfps: {}\n", camera.depth_scale,
                       camera.fps);
   if (camera.rolling_shutter_s != 0) text += fmt::format("rolling_shutter_s: {}\n", camera.rolling_shutter_s);
-  if (camera.depth_offset_s != 0) text += fmt::format("depth_offset_s: {}\n", camera.depth_offset_s);
+  if (camera.depth_delay_s != 0) text += fmt::format("depth_offset_s: {}\n", camera.depth_delay_s);
   if (camera.depth_shift_m != 0) text += fmt::format("depth_shift_m: {}\n", camera.depth_shift_m);
   if (camera.sensor.origin != SensorOrigin::kAssumed)
     text += fmt::format("sensor: {}\n", name_of(camera.sensor.model));

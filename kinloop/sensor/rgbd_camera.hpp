@@ -16,7 +16,7 @@ struct RgbdCamera {
   double depth_shift_m = 0;      ///< added to measured depth
   double fps = 30;               ///< frames per second
   double rolling_shutter_s = 0;  ///< readout time from the first colour row to the last
-  double depth_offset_s = 0;     ///< time of the depth measurement minus its stamp
+  double depth_delay_s = 0;      ///< time of the depth measurement minus its stamp
   /// The depth camera, if depth is not registered to colour.
   std::optional<PinholeCamera> depth;
   SE3 T_color_depth;  ///< used only with `depth`

@@ -2,15 +2,15 @@
 
 #include "kinloop/back_end/options.hpp"
 #include "kinloop/features/options.hpp"
-#include "kinloop/loop/place_recognition.hpp"
+#include "kinloop/loop/options.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/mapping/mapper.hpp"
-#include "kinloop/sensor/noise_options.hpp"
+#include "kinloop/sensor/noise_model.hpp"
 #include "kinloop/tracking/tracker.hpp"
 
 namespace kinloop {
 
-/// Options of a whole run. `noise` overrides the noise values in the solver options (`resolve_options`).
+/// Options of a whole run.
 struct SlamOptions {
   int seed = 1;
   int min_initial_keypoints = 60;
@@ -64,10 +64,5 @@ TrackerOptions tracker_options(const SlamOptions& options);
 MapperOptions mapper_options(const SlamOptions& options);
 PlaceOptions place_options(const SlamOptions& options);
 BackEndOptions back_end_options(const SlamOptions& options);
-
-/// Returns the options that the modules use: `noise`, and the noise of the sensor, copied to every solver,
-/// and the pose solver of tracking copied to RANSAC. Throws UsageError with key, value and expected range if
-/// a value is not allowed.
-SlamOptions resolve_options(SlamOptions options, const DepthNoise& sensor_noise = {});
 
 }  // namespace kinloop

@@ -2,12 +2,12 @@
 
 namespace kinloop {
 
-std::vector<SavedFrame> saved_frames(const FrameLog& log) {
-  std::vector<SavedFrame> saved;
-  saved.reserve(log.size());
-  for (const LoggedFrame& entry : log) {
-    saved.push_back({entry.frame, entry.stamp_ns, static_cast<int>(entry.status), entry.reference,
-                     entry.T_reference_camera, entry.keyframe, entry.repeat, entry.depth_lag_s});
+FrameLog saved_frames(const FrameLog& log) {
+  FrameLog saved = log;
+  for (TrackedFrame& frame : saved) {
+    frame.matches.clear();
+    frame.measurements.clear();
+    frame.frame.reset();
   }
   return saved;
 }
@@ -16,43 +16,38 @@ FrameLog logged_frames(const SavedMap& saved, uint32_t first_keyframe, uint32_t 
   const auto shifted = [&](KeyframeId id) {
     return id.value < saved.map.keyframes.size() ? KeyframeId{id.value + first_keyframe} : KeyframeId{};
   };
-  FrameLog log;
-  log.reserve(saved.frames.size());
-  for (const SavedFrame& frame : saved.frames) {
-    LoggedFrame entry;
-    entry.frame = FrameId{frame.frame.value + first_frame};
-    entry.stamp_ns = frame.stamp_ns;
-    entry.reference = shifted(frame.reference);
-    entry.T_reference_camera = frame.T_reference_camera;
-    entry.keyframe = shifted(frame.keyframe);
-    entry.depth_lag_s = frame.depth_lag_s;
-    entry.repeat = frame.repeat && !log.empty() && log.back().status != TrackStatus::kLost;
-    const bool known = frame.status >= 0 && frame.status < static_cast<int>(TrackStatus::kLost);
-    if (known && entry.reference.valid()) entry.status = static_cast<TrackStatus>(frame.status);
-    log.push_back(std::move(entry));
+  FrameLog log = saved.frames;
+  bool previous_lost = true;
+  for (TrackedFrame& frame : log) {
+    frame.id.value += first_frame;
+    frame.reference = shifted(frame.reference);
+    frame.keyframe = shifted(frame.keyframe);
+    if (!frame.reference.valid()) frame.outcome = TrackingOutcome::kLost;
+    if (frame.is_repeat() && previous_lost) frame.method = TrackingMethod::kKeypoints;
+    previous_lost = frame.is_lost();
   }
   return log;
 }
 
-std::vector<SavedParameter> saved_sensor(const SensorEstimate& sensor) {
+std::vector<SavedParameter> saved_sensor(const SensorEstimate& estimate) {
   std::vector<SavedParameter> saved;
   for (int k = 0; k < kSensorParameterCount; ++k) {
-    saved.push_back({sensor.value(k), sensor.sigma(k), sensor.used[static_cast<size_t>(k)]});
+    saved.push_back(
+        {estimate.sensor.corrections(k), estimate.sigma(k), estimate.used[static_cast<size_t>(k)]});
   }
   return saved;
 }
 
-SensorEstimate sensor_estimate(const std::vector<SavedParameter>& saved, const SensorVector& known) {
-  SensorEstimate sensor;
-  sensor.value = known;
-  if (saved.size() != kSensorParameterCount) return sensor;
+SensorEstimate sensor_estimate(const std::vector<SavedParameter>& saved, const Sensor& nominal) {
+  SensorEstimate estimate = nominal_estimate(nominal);
+  if (saved.size() != kSensorParameterCount) return estimate;
   for (int k = 0; k < kSensorParameterCount; ++k) {
     const auto& [value, sigma, used] = saved[static_cast<size_t>(k)];
-    sensor.value(k) = value;
-    sensor.sigma(k) = sigma;
-    sensor.used[static_cast<size_t>(k)] = used;
+    estimate.sensor.corrections(k) = value;
+    estimate.sigma(k) = sigma;
+    estimate.used[static_cast<size_t>(k)] = used;
   }
-  return sensor;
+  return estimate;
 }
 
 }  // namespace kinloop

@@ -1,42 +1,41 @@
 #include "kinloop/slam/slam.hpp"
 
+#include <utility>
+
 #include "kinloop/back_end/final_bundle_adjustment.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
-#include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
 
 namespace kinloop {
 namespace {
 
-/// Converts the outcome for the log and listeners. `keyframe` is valid if the frame became one.
-TrackResult track_result(const TrackOutcome& outcome, KeyframeId keyframe) {
-  if (const TrackResult* result = located(outcome)) return *result;
-  TrackResult result;
-  if (const Lost* lost = std::get_if<Lost>(&outcome)) {
-    result.stats = lost->stats;
-  } else {
-    result.status = TrackStatus::kTracked;
-    result.reference = keyframe;
+/// Adds the time of a frame, from its decoding to the end of the scope.
+class FrameTimer {
+ public:
+  FrameTimer(Timings& timings, const PreparationTime& before)
+      : timings_(timings), preparing_(before.preparing) {
+    timings_.add("decoding", before.decoding);
+    timings_.add("image preparation", before.preparing);
+    if (before.extracting.wall_s > 0) timings_.add("features", before.extracting);
   }
-  return result;
+  ~FrameTimer() { timings_.frame_ms.push_back(1e3 * (watch_.wall_s() + preparing_.wall_s)); }
+  FrameTimer(const FrameTimer&) = delete;
+  FrameTimer& operator=(const FrameTimer&) = delete;
+
+ private:
+  Timings& timings_;
+  ElapsedTime preparing_;
+  Stopwatch watch_;
+};
+
+bool is_prepared(const Frame& frame) {
+  return !frame.gray.empty();
 }
 
-FrameResult frame_result(const FrameTracking& tracking, const TrackResult& result, KeyframeId keyframe,
-                         const Map& map) {
-  FrameResult frame;
-  frame.frame = tracking.frame.id;
-  frame.stamp_ns = tracking.frame.stamp_ns;
-  frame.status = result.status;
-  frame.relocalized = std::holds_alternative<Relocalized>(tracking.outcome);
-  frame.keyframe = keyframe;
-  frame.reference = result.reference;
-  frame.T_reference_camera = result.T_reference_camera;
-  frame.matches = result.matches;
-  frame.stats = result.stats;
-  if (result.status == TrackStatus::kLost) return frame;
-  frame.T_world_camera = map.keyframe(result.reference).T_world_camera * result.T_reference_camera;
-  return frame;
+SlamOptions validated(const SlamOptions& options) {
+  validate(options);
+  return options;
 }
 
 }  // namespace
@@ -46,67 +45,76 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
 
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary)
     : camera_(camera),
-      options_(resolve_options(options, camera.sensor.noise)),
+      options_(validated(options)),
+      sensor_estimate_(nominal_estimate(make_sensor(camera, options.noise))),
       keyframe_memory_(static_cast<size_t>(options_.keyframe_memory_mib) << 20),
-      front_end_(camera.color, options_.features),
-      tracker_(camera.color, tracker_options(options_)),
-      mapper_(camera.color, mapper_options(options_)),
-      places_(camera.color, place_options(options_), std::move(vocabulary)),
-      back_end_(map_, camera, back_end_options(options_)) {
-  sensor_.value = nominal_sensor(camera);
+      front_end_(sensor(), options_.features),
+      tracker_(sensor(), tracker_options(options_), timings_),
+      keyframes_(options_.tracking.keyframe),
+      relocalizer_([this](const Frame& frame) { return places_.relocalize(frame, map_); }),
+      mapper_(mapper_options(options_)),
+      places_(sensor(), place_options(options_), std::move(vocabulary)),
+      back_end_(map_, sensor(), back_end_options(options_)) {}
+
+TrackedFrame Slam::process(const Frame& frame) {
+  if (!is_prepared(frame)) return process(front_end_.prepare(frame));
+  require(session_log().empty() || frame.stamp_ns > session_log().back().stamp_ns,
+          "process: frames must be in order of time");
+  const FrameTimer timer(timings_, frame.time);
+  apply_results(back_end_.apply_due(frame.id));
+  submit_jobs(frame.id);
+
+  TrackedFrame tracked = tracker_.track(frame, {map_, sensor(), relocalizer_});
+  if (auto selected = select_keyframe(tracked)) {
+    tracked = *std::move(selected);
+    insert_keyframe(tracked);
+  }
+  add_to_log(tracked);
+  tracker_.update(tracked, map_);
+  if (tracked.keyframe.valid()) {
+    find_loops(tracked.keyframe);
+    submit_jobs(frame.id, tracked.keyframe);
+  }
+  return publish(std::move(tracked));
 }
 
-FrameResult Slam::process(const PreparedFrame& measured) {
-  require(session_log().empty() || measured.stamp_ns > session_log().back().stamp_ns,
-          "process: frames must be in order of time");
-  const Stopwatch watch;
-  timings_.add("decoding", measured.decoding);
-  timings_.add("image preparation", measured.preparing);
-  if (measured.features) timings_.add("features", measured.extracting);
-  Stopwatch module;
-  apply_results(back_end_.apply_due(measured.id));
-  back_end_.submit(measured.id, job_context());
-  timings_.add("back end scheduling", module.lap());
+/// Returns the frame with all of its keypoints if it should become a keyframe.
+std::optional<TrackedFrame> Slam::select_keyframe(const TrackedFrame& tracked) {
+  if (options_.localize_only) return std::nullopt;
+  return keyframes_.select(tracked, map_, [this](const TrackedFrame& by_patches) {
+    return tracker_.rematch_keypoints(by_patches, sensor());
+  });
+}
 
-  const Relocalizer relocalize = [this](const PreparedFrame& frame) {
-    return places_.relocalize(frame, map_);
-  };
-  const TrackingContext context{map_, sensor_.value, relocalize};
-  FrameTracking tracking = tracker_.track(measured, context, timings_);
-  module.lap();
-  bool needs_keyframe = tracking.has_keypoints && mapper_.needs_keyframe(map_, tracking);
-  if (!tracking.has_keypoints && mapper_.may_need_keyframe(map_, tracking)) {
-    FrameTracking all = tracker_.with_keypoints(tracking, context, timings_);
-    module.lap();
-    needs_keyframe = mapper_.needs_keyframe(map_, all);
-    if (needs_keyframe) tracking = std::move(all);
-  }
-  KeyframeId keyframe;
-  if (needs_keyframe) keyframe = insert_keyframe(tracking);
-  const TrackResult result = track_result(tracking.outcome, keyframe);
-  log_.push_back(make_log_entry(result, tracking.frame, camera_.color.height));
-  log_.back().repeat = tracking.repeat;
-  log_.back().keyframe = keyframe;
+void Slam::submit_jobs(FrameId now, KeyframeId new_keyframe) {
+  const ScopedTimer timer(timings_, "back end scheduling");
+  back_end_.submit(now, job_context(new_keyframe));
+}
+
+void Slam::insert_keyframe(TrackedFrame& tracked) {
+  const ScopedTimer timer(timings_, "mapping");
+  tracked.keyframe = mapper_.insert(map_, tracked, sensor());
+  if (tracked.outcome == TrackingOutcome::kNewMap) tracked.reference = tracked.keyframe;
+  places_.add(map_.keyframe(tracked.keyframe));
+  keyframe_memory_.apply_limit(map_);
+  map_changed_ = true;
+}
+
+void Slam::add_to_log(const TrackedFrame& tracked) {
+  log_.push_back(log_entry(tracked, camera_.color.height));
   log_limiter_.apply(log_, earlier_.frame_count, frame_refinement());
-  timings_.add("mapping", module.lap());
+}
 
-  if (keyframe.valid()) {
-    tracker_.update(map_, keyframe, &tracking);
-    timings_.add("local map", module.lap());
-    find_loops(keyframe);
-    timings_.add("loop detection", module.lap());
-    back_end_.submit(measured.id, job_context(keyframe));
-    timings_.add("back end scheduling", module.lap());
-  } else {
-    tracker_.update(map_, best_reference(map_, result.matches, tracker_.reference()), &tracking);
-    timings_.add("local map", module.lap());
+/// Shows listeners the frame and, if it has changed, the map.
+TrackedFrame Slam::publish(TrackedFrame tracked) {
+  const ScopedTimer timer(timings_, "listeners");
+  if (!tracked.is_lost())
+    tracked.T_world_camera = map_.keyframe(tracked.reference).T_world_camera * tracked.T_reference_camera;
+  for (Listener* listener : listeners_) listener->on_frame(tracked);
+  if (std::exchange(map_changed_, false)) {
+    for (Listener* listener : listeners_) listener->on_map(map_);
   }
-  timings_.frame_ms.push_back(1e3 * (watch.wall_s() + measured.preparing.wall_s));
-  FrameResult done = frame_result(tracking, result, keyframe, map_);
-  module.lap();
-  notify_listeners(done, tracking.frame);
-  timings_.add("listeners", module.lap());
-  return done;
+  return tracked;
 }
 
 void Slam::apply_results(const AppliedResults& results) {
@@ -118,34 +126,26 @@ void Slam::apply_results(const AppliedResults& results) {
 }
 
 /// Uses this sensor from now on and updates the keyframes.
-void Slam::apply_sensor_estimate(const SensorEstimate& sensor) {
-  sensor_ = with_fixed_from(sensor, sensor_);
+void Slam::apply_sensor_estimate(const SensorEstimate& estimate) {
+  sensor_estimate_ = with_fixed_from(estimate, sensor_estimate_);
   const auto velocities = keyframe_velocities(log_, map_);
   for (uint32_t i = 0; i < velocities.size(); ++i) {
     const Features& features = *map_.keyframe(KeyframeId{i}).features;
-    map_.set_features(KeyframeId{i}, std::make_shared<const Features>(deskew_features(
-                                         features, camera_.color, sensor_.value, velocities[i])));
+    map_.set_features(KeyframeId{i},
+                      std::make_shared<const Features>(deskew_features(features, sensor(), velocities[i])));
   }
-}
-
-KeyframeId Slam::insert_keyframe(const FrameTracking& tracking) {
-  const KeyframeId id = mapper_.insert_keyframe(map_, tracking, sensor_.value);
-  places_.add(map_.keyframe(id));
-  keyframe_memory_.apply_limit(map_);
-  map_changed_ = true;
-  return id;
 }
 
 void Slam::find_loops(KeyframeId keyframe) {
   if (!options_.loop.enabled) return;
-  back_end_.add_loop_candidates(places_.find_loops(map_, keyframe));
+  const ScopedTimer timer(timings_, "loop detection");
+  back_end_.add(places_.find_loops(map_, keyframe));
 }
 
 Trajectory Slam::finish(const Progress& progress) {
   apply_results(back_end_.apply_remaining(job_context()));
   const Stopwatch watch;
-  const FrameSearch search{[this](const PreparedFrame& frame) { return places_.relocalize(frame, map_); },
-                           [this](const PreparedFrame& frame, const LoggedFrame& neighbor) {
+  const FrameSearch search{relocalizer_, [this](const Frame& frame, const TrackedFrame& neighbor) {
                              return places_.locate_near(frame, map_, neighbor.reference,
                                                         neighbor.T_reference_camera);
                            }};
@@ -156,21 +156,14 @@ Trajectory Slam::finish(const Progress& progress) {
   } else if (options_.global_ba_enabled) {
     const Stopwatch adjusting;
     auto adjusted =
-        final_bundle_adjustment(map_, log_, camera_, sensor_, back_end_options(options_), progress);
-    sensor_ = std::move(adjusted.sensor);
+        final_bundle_adjustment(map_, log_, sensor_estimate_, back_end_options(options_), progress);
+    sensor_estimate_ = std::move(adjusted.sensor);
     keyframe_covariance_ = std::move(adjusted.keyframe_covariance);
     map_.advance_epoch();
     timings_.add("final bundle adjustment", adjusting.elapsed());
   }
   for (Listener* listener : listeners_) listener->on_map(map_);
   return trajectory();
-}
-
-void Slam::notify_listeners(const FrameResult& result, const PreparedFrame& frame) {
-  for (Listener* listener : listeners_) listener->on_frame(result, frame);
-  if (!map_changed_) return;
-  for (Listener* listener : listeners_) listener->on_map(map_);
-  map_changed_ = false;
 }
 
 }  // namespace kinloop

@@ -16,16 +16,17 @@
 #include "kinloop/core/progress.hpp"
 #include "kinloop/core/timings.hpp"
 #include "kinloop/loop/place_recognition.hpp"
+#include "kinloop/map/frame_log.hpp"
 #include "kinloop/map/keyframe_memory.hpp"
 #include "kinloop/map/saved_map.hpp"
 #include "kinloop/mapping/mapper.hpp"
 #include "kinloop/place/vocabulary.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
-#include "kinloop/sensor/rgbd_frame.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/options.hpp"
-#include "kinloop/tracking/frame_log.hpp"
 #include "kinloop/tracking/front_end.hpp"
+#include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/tracker.hpp"
 
 namespace kinloop {
@@ -54,17 +55,15 @@ class Slam {
   /// `input` names the source of this run.
   [[nodiscard]] SavedMap saved_map(const std::string& input) const;
 
-  /// Returns the front end that prepares frames for `process`. It may run ahead on another thread
-  /// (FramePipeline). Add maps before the first call.
+  /// Returns the front end, which prepares frames for `process` ahead on another thread (FramePipeline). Add
+  /// maps before the first call.
   [[nodiscard]] const FrontEnd& front_end() const { return front_end_; }
-  [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const { return front_end_.prepare(frame); }
 
   /// Returns whether the next frame will probably be tracked by keypoints.
   [[nodiscard]] bool expects_keypoints() const { return tracker_.expects_keypoints(); }
 
-  /// Processes the next frame. Frames must be in order of time.
-  FrameResult process(const PreparedFrame& measured);
-  FrameResult process(const RgbdFrame& frame) { return process(prepare(frame)); }
+  /// Processes the next frame, prepared ahead or not. Frames must be in order of time.
+  TrackedFrame process(const Frame& frame);
 
   /// Ends the run: waits for background jobs, adjusts the whole map and refines every frame. Returns all
   /// tracked poses.
@@ -77,7 +76,7 @@ class Slam {
   [[nodiscard]] const FrameLog& log() const { return log_; }
 
   /// Returns the frames of this run; in `log()` the frames of loaded maps come first.
-  [[nodiscard]] std::span<const LoggedFrame> session_log() const {
+  [[nodiscard]] std::span<const TrackedFrame> session_log() const {
     return std::span(log_).subspan(earlier_.frame_count);
   }
 
@@ -86,11 +85,14 @@ class Slam {
 
   [[nodiscard]] const Timings& timings() const { return timings_; }
 
-  /// Returns the options in use, see `resolve_options`.
+  /// Returns the options in use.
   [[nodiscard]] const SlamOptions& options() const { return options_; }
 
-  /// Returns the current sensor estimate.
-  [[nodiscard]] const SensorEstimate& sensor() const { return sensor_; }
+  /// Returns the sensor in use: the camera, its noise and the corrections estimated so far.
+  [[nodiscard]] const Sensor& sensor() const { return sensor_estimate_.sensor; }
+
+  /// Returns the same with the standard deviations of the corrections.
+  [[nodiscard]] const SensorEstimate& sensor_estimate() const { return sensor_estimate_; }
 
   /// Returns the pose covariance of each keyframe from the final adjustment (see FinalBundleAdjustment);
   /// empty before it.
@@ -101,25 +103,30 @@ class Slam {
 
  private:
   void apply_results(const AppliedResults& results);
-  void apply_sensor_estimate(const SensorEstimate& sensor);
-  KeyframeId insert_keyframe(const FrameTracking& tracking);
+  void apply_sensor_estimate(const SensorEstimate& estimate);
+  [[nodiscard]] std::optional<TrackedFrame> select_keyframe(const TrackedFrame& tracked);
+  void insert_keyframe(TrackedFrame& tracked);
   void find_loops(KeyframeId keyframe);
+  void submit_jobs(FrameId now, KeyframeId new_keyframe = {});
   void finish_localization();
-  void notify_listeners(const FrameResult& result, const PreparedFrame& frame);
+  void add_to_log(const TrackedFrame& tracked);
+  TrackedFrame publish(TrackedFrame tracked);
   [[nodiscard]] JobContext job_context(KeyframeId new_keyframe = {}) const {
-    return {map_, log_, sensor_.value, new_keyframe};
+    return {map_, log_, sensor(), new_keyframe};
   }
 
-  [[nodiscard]] FrameRefinement frame_refinement() const {
-    return {map_, camera_.color, sensor_.value, options_.tracking.pose};
-  }
+  [[nodiscard]] FrameRefinement frame_refinement() const { return {map_, sensor(), options_.tracking.pose}; }
 
   RgbdCamera camera_;
   SlamOptions options_;
+  SensorEstimate sensor_estimate_;
   Map map_;
   KeyframeMemory keyframe_memory_;
+  Timings timings_;
   FrontEnd front_end_;
   Tracker tracker_;
+  KeyframeSelector keyframes_;
+  Relocalizer relocalizer_;
   Mapper mapper_;
   PlaceRecognition places_;
   BackEnd back_end_;
@@ -127,9 +134,7 @@ class Slam {
   FrameLog log_;
   LogLimiter log_limiter_;
   EarlierSessions earlier_;
-  SensorEstimate sensor_;
   std::vector<Matrix6d> keyframe_covariance_;
-  Timings timings_;
   std::vector<Listener*> listeners_;
   bool map_changed_ = false;  // since the last notification of the listeners
 };

@@ -13,7 +13,7 @@ namespace {
 /// The id after those of all frames, at least `first`. A damaged file may have keyframes but no frames.
 uint32_t next_frame(const FrameLog& log, const std::vector<Keyframe>& keyframes, uint32_t first) {
   uint32_t next = first;
-  for (const LoggedFrame& entry : log) next = std::max(next, entry.frame.value + 1);
+  for (const TrackedFrame& entry : log) next = std::max(next, entry.id.value + 1);
   for (const Keyframe& keyframe : keyframes) next = std::max(next, keyframe.frame.value + 1);
   return next;
 }
@@ -32,12 +32,11 @@ uint32_t Slam::add_map(SavedMap saved) {
   }
   log_.insert(log_.end(), log.begin(), log.end());
   earlier_.frame_count = log_.size();
-  front_end_ = FrontEnd(camera_.color, options_.features, next_frame(log, saved.map.keyframes, shift));
-  if (first) sensor_ = sensor_estimate(saved.sensor, nominal_sensor(camera_));
+  front_end_ = FrontEnd(sensor(), options_.features, next_frame(log, saved.map.keyframes, shift));
+  if (first) sensor_estimate_ = kinloop::sensor_estimate(saved.sensor, make_sensor(camera_, options_.noise));
   map_.append(std::move(saved.map));
   const auto end = static_cast<uint32_t>(map_.keyframes().size());
   if (end == 0) return shift;
-  mapper_.continue_from(KeyframeId{end - 1});
   for (uint32_t id = begin; id < end; ++id) places_.add(map_.keyframe(KeyframeId{id}));
   keyframe_memory_.apply_limit(map_);
   for (uint32_t id = begin; !first && id < end; ++id) {
@@ -53,7 +52,7 @@ SavedMap Slam::saved_map(const std::string& input) const {
   saved.sessions = earlier_.sessions;
   if (!session_log().empty()) saved.sessions.push_back({input, FrameId{front_end_.first_frame()}});
   saved.camera = camera_;
-  saved.sensor = saved_sensor(sensor_);
+  saved.sensor = saved_sensor(sensor_estimate_);
   saved.map = map_.data();
   saved.frames = saved_frames(log_);
   return saved;
@@ -63,7 +62,7 @@ SavedMap Slam::saved_map(const std::string& input) const {
 void Slam::finish_localization() {
   log_ = refine_frames(std::move(log_), frame_refinement(), FrameSelection::kAll, options_.global_ba.threads);
   for (size_t i = earlier_.frame_count; i < log_.size(); ++i) {
-    if (log_[i].observations.empty() && !log_[i].refined) log_[i].status = TrackStatus::kLost;
+    if (log_[i].measurements.empty() && !log_[i].refined) log_[i].outcome = TrackingOutcome::kLost;
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "kinloop/features/extractor.hpp"
@@ -14,18 +13,19 @@ namespace kinloop {
 namespace {
 
 /// Moves the prediction by aligning the image with the previous one around its landmarks.
-SE3 align_with_previous(const PreparedFrame& frame, const SE3& T_reference_predicted,
+SE3 align_with_previous(const Frame& frame, const SE3& T_reference_predicted,
                         const DirectTrackingContext& c) {
   constexpr size_t kMaxPoints = 150;
   const auto& index_of = c.search.local_map.index_of;
   const SE3 T_predicted_reference = T_reference_predicted.inverse();
   std::vector<AlignmentPoint> points;
-  const Features& before = *c.previous.frame.features;
+  const Features& before = c.previous.features();
+  const std::vector<LandmarkId> landmark_of = landmark_of_keypoint(c.previous);
   for (size_t i = 0; i < before.size(); ++i) {
-    const auto known = index_of.find(c.previous.landmark_of[i]);
+    const auto known = index_of.find(landmark_of[i]);
     if (known == index_of.end()) continue;
     const Eigen::Vector3d p_camera = T_predicted_reference * c.search.local_map.p_reference[known->second];
-    const auto raw = raw_pixel_of(p_camera, c.search.camera, c.search.sensor, c.search.velocity);
+    const auto raw = raw_pixel_of(c.search.sensor, p_camera, c.search.velocity);
     if (raw) points.push_back({p_camera, before.raw_pixels[i].cast<double>(), *raw});
   }
   if (points.size() > kMaxPoints) {  // evenly over the list, which begins with the finest level
@@ -33,7 +33,7 @@ SE3 align_with_previous(const PreparedFrame& frame, const SE3& T_reference_predi
     points.resize(kMaxPoints);
   }
   return T_reference_predicted *
-         align_images(c.previous.frame.octaves, frame.octaves, points, c.search.camera);
+         align_images(c.previous.frame->octaves, frame.octaves, points, c.search.sensor.camera);
 }
 
 /// A step that visits all of `count` indices in an order without relation to them: the local map begins with
@@ -49,7 +49,8 @@ std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const
   constexpr int kCell_px = 40, kMaxPerCell = 4;
   constexpr double kMargin_px = 8, kMinViewingCosine = 0.5;
   const PatchPredictor predictor(c.search, T_reference_camera);
-  const int columns = c.search.camera.width / kCell_px + 1, rows = c.search.camera.height / kCell_px + 1;
+  const int columns = c.search.sensor.camera.width / kCell_px + 1,
+            rows = c.search.sensor.camera.height / kCell_px + 1;
   Eigen::ArrayXXi taken = Eigen::ArrayXXi::Zero(rows, columns);
   std::vector<ExpectedPatch> chosen;
   const auto count_all = static_cast<uint32_t>(c.search.local_map.size());
@@ -59,11 +60,11 @@ std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const
     if (-c.search.local_map.viewing_directions[i].dot(from_camera) < kMinViewingCosine * from_camera.norm())
       continue;
     const auto nominal = predictor.nominal_pixel(i);
-    if (!nominal || !c.search.camera.contains(*nominal)) continue;
+    if (!nominal || !c.search.sensor.camera.contains(*nominal)) continue;
     int& count = taken(static_cast<int>(nominal->y()) / kCell_px, static_cast<int>(nominal->x()) / kCell_px);
     if (count >= kMaxPerCell) continue;
     const auto raw = predictor.raw_pixel(i);
-    if (!raw || !c.search.camera.contains(*raw, kMargin_px)) continue;
+    if (!raw || !c.search.sensor.camera.contains(*raw, kMargin_px)) continue;
     if (const auto expected = predictor.expect(i, *raw)) {
       chosen.push_back(*expected);
       ++count;
@@ -73,59 +74,61 @@ std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const
 }
 
 /// The found landmarks in the form of keypoints.
-Features as_features(const std::vector<FoundPatch>& found, const PreparedFrame& frame,
+Features as_features(const std::vector<FoundPatch>& found, const Frame& frame,
                      const DirectTrackingContext& c) {
   const Features& like = *c.search.local_map.features;
   Features features;
   features.scale_factor = like.scale_factor;
   features.level_count = like.level_count;
-  features.depth_lag_s = depth_lag_s(frame);
+  features.depth_stamp_difference_s = depth_stamp_difference_s(frame);
   for (const FoundPatch& patch : found) {
-    const Eigen::Vector2f raw = patch.raw.cast<float>();
-    const auto gradient = inverse_depth_gradient(frame.depth_m, raw, c.features.depth_noise);
-    features.raw_pixels.push_back(raw);
-    features.pixels.push_back(c.search.camera.undistort(patch.raw).cast<float>());
-    features.depths_m.push_back(average_depth(frame.depth_m, raw, c.features.max_depth_step));
-    features.inverse_depth_gradients.push_back(
-        gradient.value_or(Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN())));
+    // Alignment is precise, but it finds the keypoint of the keyframe with that keypoint's error.
+    const KeypointSample sample = sample_keypoint(
+        frame.depth_m, patch.raw, static_cast<float>(1 << patch.octave), c.search.sensor, c.features);
+    features.raw_pixels.push_back(patch.raw.cast<float>());
+    features.pixels.push_back(sample.pixel);
+    features.depths_m.push_back(sample.depth_m);
+    features.inverse_depth_gradients.push_back(sample.inverse_depth_gradient);
     features.levels.push_back(static_cast<int>(std::lround(patch.octave / std::log2(like.scale_factor))));
     features.angles_rad.push_back(0);
-    // Alignment is precise, but it finds the keypoint of the keyframe with that keypoint's error.
-    features.sigmas_px.push_back(static_cast<float>(1 << patch.octave));
+    features.sigmas_px.push_back(sample.sigma_px);
   }
   features.measured_pixels = features.pixels;
   features.measured_depths_m = features.depths_m;
   return features;
 }
 
-TrackResult solve_pose(const Features& compensated, const std::vector<FoundPatch>& found, const SE3& guess,
-                       const DirectTrackingContext& c) {
+/// Estimates the pose from the landmarks found, whose positions are `compensated` for motion.
+std::optional<TrackedFrame> solve_pose(const Frame& frame, const Features& compensated,
+                                       const std::vector<FoundPatch>& found, const SE3& guess,
+                                       const DirectTrackingContext& c) {
   std::vector<PoseObservation> observations;
   for (size_t i = 0; i < found.size(); ++i) {
     observations.push_back(
         {compensated_measurement(compensated, i), c.search.local_map.p_reference[found[i].index]});
   }
-  TrackResult result;
-  const auto solution = solve_absolute_pose(c.search.camera, observations, guess, c.options.pose);
-  if (!solution) return result;
-  result.status = TrackStatus::kTracked;
-  result.reference = c.search.local_map.reference;
-  result.T_reference_camera = solution->T_reference_camera;
-  result.information = solution->information;
+  const auto solution = solve_absolute_pose(c.search.sensor, observations, guess, c.options.pose);
+  if (!solution) return std::nullopt;
+  TrackedFrame tracked = unlocated(frame);
+  tracked.outcome = TrackingOutcome::kTracked;
+  tracked.method = TrackingMethod::kPatches;
+  tracked.reference = c.search.local_map.reference;
+  tracked.T_reference_camera = solution->T_reference_camera;
+  tracked.covariance = covariance_from_information(solution->information);
   for (uint32_t i = 0; i < found.size(); ++i) {
-    if (solution->inliers[i]) result.matches.push_back({c.search.local_map.ids[found[i].index], i});
+    if (solution->inliers[i]) tracked.matches.push_back({c.search.local_map.ids[found[i].index], i});
   }
-  result.stats.inliers = static_cast<int>(result.matches.size());
-  return result;
+  tracked.evidence.inliers = static_cast<int>(tracked.matches.size());
+  return tracked;
 }
 
 }  // namespace
 
-std::optional<DirectlyTracked> track_directly(const PreparedFrame& frame, const SE3& T_reference_predicted,
-                                              const DirectTrackingContext& c) {
+std::optional<TrackedFrame> track_directly(const Frame& frame, const SE3& T_reference_predicted,
+                                           const DirectTrackingContext& c) {
   constexpr double kMinConsistent = 0.7;  // of those found
   constexpr float kMaxShift_px = 4;
-  if (c.previous.frame.octaves.empty() || frame.octaves.empty()) return std::nullopt;
+  if (c.previous.frame->octaves.empty() || frame.octaves.empty()) return std::nullopt;
   const SE3 T_reference_aligned = align_with_previous(frame, T_reference_predicted, c);
   const auto expected = choose_landmarks(T_reference_aligned, c);
   if (static_cast<int>(expected.size()) < c.options.min_confident_inliers) return std::nullopt;
@@ -134,19 +137,22 @@ std::optional<DirectlyTracked> track_directly(const PreparedFrame& frame, const 
     if (const auto at = find_patch(frame.octaves, patch, c.search.local_map, kMaxShift_px))
       found.push_back(*at);
   }
-  const auto features = std::make_shared<const Features>(as_features(found, frame, c));
-  const Features compensated =
-      needs_deskewing(*features, c.search.sensor)
-          ? deskew_features(*features, c.search.camera, c.search.sensor, c.search.velocity)
-          : *features;
-  DirectlyTracked tracked{solve_pose(compensated, found, T_reference_aligned, c), features};
-  const TrackStats& stats = tracked.result.stats;
-  if (stats.inliers < c.options.min_confident_inliers) return std::nullopt;
-  if (stats.inliers < c.options.min_inlier_ratio * static_cast<double>(expected.size())) return std::nullopt;
-  if (stats.inliers < kMinConsistent * static_cast<double>(found.size())) return std::nullopt;
-  tracked.result.stats.visible_landmarks = static_cast<int>(expected.size());
-  tracked.result.stats.previous_frame_inliers = static_cast<int>(found.size());
-  tracked.result.stats.attempts = 1;
+  Frame with_landmarks = frame;
+  with_landmarks.features = std::make_shared<const Features>(as_features(found, frame, c));
+  const Features& features = *with_landmarks.features;
+  const Features compensated = needs_deskewing(features, c.search.sensor)
+                                   ? deskew_features(features, c.search.sensor, c.search.velocity)
+                                   : features;
+  auto tracked = solve_pose(with_landmarks, compensated, found, T_reference_aligned, c);
+  if (!tracked) return std::nullopt;
+  const int inliers = tracked->evidence.inliers;
+  if (inliers < c.options.min_confident_inliers) return std::nullopt;
+  if (inliers < c.options.min_inlier_ratio * static_cast<double>(expected.size())) return std::nullopt;
+  if (inliers < kMinConsistent * static_cast<double>(found.size())) return std::nullopt;
+  tracked->evidence.visible_landmarks = static_cast<int>(expected.size());
+  tracked->evidence.previous_frame_inliers = static_cast<int>(found.size());
+  tracked->evidence.attempts = 1;
+  tracked->frame = std::make_shared<const Frame>(std::move(with_landmarks));
   return tracked;
 }
 

@@ -6,7 +6,8 @@
 #include <optional>
 
 #include "kinloop/features/options.hpp"
-#include "kinloop/tracking/local_map_tracking.hpp"
+#include "kinloop/map/tracked_frame.hpp"
+#include "kinloop/tracking/options.hpp"
 #include "kinloop/tracking/patch_search.hpp"
 
 namespace kinloop {
@@ -19,15 +20,10 @@ struct DirectTrackingContext {
   const TrackingOptions& options;
 };
 
-/// A frame located without keypoints.
-struct DirectlyTracked {
-  TrackResult result;
-  std::shared_ptr<const Features> features;  ///< the landmarks found, as measured, without descriptors
-};
-
-/// Tracks `frame` from the predicted T_reference_camera. nullopt if too few landmarks have patches, are
-/// found, or agree.
-std::optional<DirectlyTracked> track_directly(const PreparedFrame& frame, const SE3& T_reference_predicted,
-                                              const DirectTrackingContext& context);
+/// Tracks `frame` from the predicted T_reference_camera. The result's frame has the landmarks found as its
+/// features, as measured, without descriptors. nullopt if too few landmarks have patches, are found, or
+/// agree.
+std::optional<TrackedFrame> track_directly(const Frame& frame, const SE3& T_reference_predicted,
+                                           const DirectTrackingContext& context);
 
 }  // namespace kinloop

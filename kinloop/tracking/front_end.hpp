@@ -2,9 +2,8 @@
 // Per-frame processing that depends on the frame alone.
 
 #include "kinloop/features/options.hpp"
-#include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/rgbd_frame.hpp"
-#include "kinloop/tracking/frame.hpp"
+#include "kinloop/sensor/frame.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -12,22 +11,22 @@ namespace kinloop {
 class FrontEnd {
  public:
   /// `first_frame` is added to the frame ids; frames of loaded maps have lower ids.
-  FrontEnd(const PinholeCamera& camera, const FeatureOptions& options, uint32_t first_frame = 0)
-      : camera_(camera), options_(options), first_frame_(first_frame) {}
+  FrontEnd(const Sensor& sensor, const FeatureOptions& options, uint32_t first_frame = 0)
+      : sensor_(sensor), options_(options), first_frame_(first_frame) {}
 
   /// Returns the frame with its grey octaves, without features. Throws std::logic_error unless both images
-  /// have the camera's size and the types of RgbdFrame.
-  [[nodiscard]] PreparedFrame prepare(const RgbdFrame& frame) const;
+  /// have the camera's size and the types of Frame.
+  [[nodiscard]] Frame prepare(Frame frame) const;
 
   /// Returns keypoints with descriptors and depth.
-  [[nodiscard]] std::shared_ptr<const Features> features(const PreparedFrame& frame) const;
+  [[nodiscard]] std::shared_ptr<const Features> features(const Frame& frame) const;
 
   [[nodiscard]] uint32_t first_frame() const { return first_frame_; }
 
  private:
   static constexpr int kOctaves = 4;
 
-  PinholeCamera camera_;
+  Sensor sensor_;
   FeatureOptions options_;
   uint32_t first_frame_;
 };

@@ -16,9 +16,10 @@ double median_depth_m(const Features& features) {
   return depths.empty() ? 1.0 : median(std::move(depths));
 }
 
-int unmapped_with_depth(const TrackResult& result, const Features& features) {
+int unmapped_with_depth(const TrackedFrame& tracked) {
+  const Features& features = tracked.features();
   std::vector<bool> mapped(features.size(), false);
-  for (const auto& match : result.matches) mapped[match.feature] = true;
+  for (const auto& match : tracked.matches) mapped[match.feature] = true;
   int count = 0;
   for (size_t i = 0; i < features.size(); ++i) count += features.depths_m[i] > 0 && !mapped[i] ? 1 : 0;
   return count;
@@ -41,6 +42,25 @@ std::vector<int> shared_counts(const Map& map, const std::vector<LandmarkMatch>&
   return shared;
 }
 
+/// Returns the number of a keyframe's landmarks that at least one other keyframe observes.
+int count_confirmed_landmarks(const Map& map, KeyframeId id) {
+  int count = 0;
+  for (const LandmarkId landmark : map.keyframe(id).landmark_of) {
+    count += landmark.valid() && map.landmark(landmark).observations.size() >= 2 ? 1 : 0;
+  }
+  return count;
+}
+
+KeyframeCriteria criteria_of(const TrackedFrame& tracked, const Map& map) {
+  return {tracked, motions_from_keyframes(map, tracked),
+          static_cast<int>(tracked.id.value - map.keyframes().back().frame.value),
+          count_confirmed_landmarks(map, tracked.reference)};
+}
+
+/// Below this motion from the nearest keyframe no frame becomes one: a static camera sees nothing new,
+/// however long it stays.
+constexpr double kMinKeyframeMotion = 0.5;
+
 }  // namespace
 
 KeyframeOptions spaced_for_direct_tracking(KeyframeOptions options) {
@@ -58,38 +78,55 @@ double motion_from_nearest(const Features& features, std::span<const SE3> T_keyf
 }
 
 bool needs_keyframe(const KeyframeCriteria& q, const KeyframeOptions& options) {
-  if (q.result.status != TrackStatus::kTracked) return false;
-  const double moved = motion_from_nearest(*q.frame.features, q.T_keyframe_camera, options);
+  const TrackedFrame& tracked = q.tracked;
+  if (!tracked.is_located() || !tracked.is_tracked_by_landmarks()) return false;
+  const double moved = motion_from_nearest(tracked.features(), q.T_keyframe_camera, options);
   if (moved > 1) return true;
   if (moved < kMinKeyframeMotion) return false;
 
-  const int tracked = q.result.stats.inliers;
-  const bool overlap_too_low = tracked < options.min_tracked_ratio * q.reference_landmarks;
+  const int inliers = tracked.evidence.inliers;
+  const bool overlap_too_low = inliers < options.min_tracked_ratio * q.reference_landmarks;
   const bool too_few_landmarks =
-      tracked < options.min_landmarks &&
-      unmapped_with_depth(q.result, *q.frame.features) > options.min_unmapped_keypoints;
+      inliers < options.min_landmarks && unmapped_with_depth(tracked) > options.min_unmapped_keypoints;
   return overlap_too_low || too_few_landmarks || q.frames_since_keyframe >= options.max_interval_frames;
 }
 
-std::vector<SE3> motions_from_keyframes(const Map& map, const TrackResult& result, KeyframeId last) {
+std::vector<SE3> motions_from_keyframes(const Map& map, const TrackedFrame& tracked) {
   constexpr double kMinSharedFraction = 0.3;
-  const SE3 T_world_camera = map.keyframe(result.reference).T_world_camera * result.T_reference_camera;
-  std::vector<SE3> motions{map.keyframe(last).T_world_camera.inverse() * T_world_camera};
-  const std::vector<int> shared = shared_counts(map, result.matches);
+  const Keyframe &reference = map.keyframe(tracked.reference), &newest = map.keyframes().back();
+  const SE3 T_world_camera = reference.T_world_camera * tracked.T_reference_camera;
+  std::vector<SE3> motions;
+  if (newest.component == reference.component)
+    motions.push_back(newest.T_world_camera.inverse() * T_world_camera);
+  const std::vector<int> shared = shared_counts(map, tracked.matches);
   for (const Keyframe& keyframe : map.keyframes()) {
     const int both = shared[keyframe.id.value];
-    if (both == 0 || both < kMinSharedFraction * static_cast<double>(result.matches.size())) continue;
+    if (both == 0 || both < kMinSharedFraction * static_cast<double>(tracked.matches.size())) continue;
     motions.push_back(keyframe.T_world_camera.inverse() * T_world_camera);
   }
   return motions;
 }
 
-int count_confirmed_landmarks(const Map& map, KeyframeId id) {
-  int count = 0;
-  for (const LandmarkId landmark : map.keyframe(id).landmark_of) {
-    count += landmark.valid() && map.landmark(landmark).observations.size() >= 2 ? 1 : 0;
+std::optional<TrackedFrame> KeyframeSelector::select(const TrackedFrame& tracked, const Map& map,
+                                                     const Rematch& rematch) {
+  if (tracked.is_lost() || tracked.is_repeat()) return std::nullopt;
+  if (tracked.outcome == TrackingOutcome::kNewMap) return tracked;
+  if (tracked.features().has_descriptors()) {
+    return needs_keyframe(criteria_of(tracked, map), options_) ? std::optional(tracked) : std::nullopt;
   }
-  return count;
+  const KeyframeOptions spaced = spaced_for_direct_tracking(options_);
+  const double moved = motion_from_nearest(tracked.features(), motions_from_keyframes(map, tracked), spaced);
+  if (!is_worth_rematching(tracked, moved)) return std::nullopt;
+  last_rematched_ns_ = tracked.stamp_ns;
+  TrackedFrame rematched = rematch(tracked);
+  if (rematched.is_lost() || !needs_keyframe(criteria_of(rematched, map), spaced)) return std::nullopt;
+  return rematched;
+}
+
+bool KeyframeSelector::is_worth_rematching(const TrackedFrame& tracked, double moved) const {
+  constexpr int64_t kMinInterval_ns = 120'000'000;  // extraction costs more than direct tracking
+  if (moved < kMinKeyframeMotion) return false;
+  return moved > 1 || !last_rematched_ns_ || tracked.stamp_ns - *last_rematched_ns_ >= kMinInterval_ns;
 }
 
 KeyframeId best_reference(const Map& map, const std::vector<LandmarkMatch>& matches, KeyframeId fallback) {

@@ -2,24 +2,16 @@
 // Keyframe selection: a frame becomes a keyframe if it shows content not covered by existing keyframes. A
 // camera that revisits a mapped place adds none, so the size of the scene bounds the size of the map.
 
+#include <functional>
+#include <optional>
 #include <span>
+#include <vector>
 
-#include "kinloop/tracking/local_map_tracking.hpp"
+#include "kinloop/map/map.hpp"
+#include "kinloop/map/tracked_frame.hpp"
+#include "kinloop/tracking/options.hpp"
 
 namespace kinloop {
-
-/// Input of the keyframe decision.
-struct KeyframeCriteria {
-  const TrackResult& result;
-  const PreparedFrame& frame;
-  std::vector<SE3> T_keyframe_camera;  ///< motion relative to the keyframes that show the same place
-  int frames_since_keyframe = 0;
-  int reference_landmarks = 0;  ///< landmarks of the reference keyframe confirmed by other keyframes
-};
-
-/// Below this motion from the nearest keyframe no frame becomes one: a static camera sees nothing new,
-/// however long it stays.
-inline constexpr double kMinKeyframeMotion = 0.5;
 
 /// Returns the options for a frame that was tracked directly: keyframes half as far again from each other.
 /// Patches follow a landmark over a larger change of scale and parallax than descriptors, and refer all
@@ -27,23 +19,48 @@ inline constexpr double kMinKeyframeMotion = 0.5;
 KeyframeOptions spaced_for_direct_tracking(KeyframeOptions options);
 
 /// Returns the camera motion from the nearest keyframe, relative to the motion at which a frame always
-/// becomes a keyframe (1).
+/// becomes a keyframe (1); infinite without keyframes.
 double motion_from_nearest(const Features& features, std::span<const SE3> T_keyframe_camera,
                            const KeyframeOptions& options);
+
+/// What the decision depends on.
+struct KeyframeCriteria {
+  const TrackedFrame& tracked;
+  std::vector<SE3> T_keyframe_camera;  ///< motion relative to the keyframes that show the same place
+  int frames_since_keyframe = 0;
+  int reference_landmarks = 0;  ///< landmarks of the reference keyframe confirmed by other keyframes
+};
 
 /// Returns whether the frame should become a keyframe, because it shows enough new or too few known
 /// landmarks.
 bool needs_keyframe(const KeyframeCriteria& criteria, const KeyframeOptions& options);
 
-/// Returns the motion to the camera from the last keyframe, and from those that observe a fair share of its
-/// landmarks.
-std::vector<SE3> motions_from_keyframes(const Map& map, const TrackResult& result, KeyframeId last);
-
-/// Returns the number of a keyframe's landmarks that at least one other keyframe observes.
-int count_confirmed_landmarks(const Map& map, KeyframeId id);
+/// Returns the motion to the camera from the newest keyframe, unless that is in another component, and from
+/// those that observe a fair share of its landmarks. May be empty: then nothing known is near.
+std::vector<SE3> motions_from_keyframes(const Map& map, const TrackedFrame& tracked);
 
 /// Returns the keyframe that shares the most matched landmarks, the best reference of the local map; ties go
 /// to the lower id, `fallback` if none shares any.
 KeyframeId best_reference(const Map& map, const std::vector<LandmarkMatch>& matches, KeyframeId fallback);
+
+/// Decides which frames become keyframes.
+class KeyframeSelector {
+ public:
+  /// Matches all keypoints of a frame that was tracked by patches.
+  using Rematch = std::function<TrackedFrame(const TrackedFrame&)>;
+
+  explicit KeyframeSelector(const KeyframeOptions& options) : options_(options) {}
+
+  /// Returns the frame, with all of its keypoints matched, if it should become a keyframe: if it starts a
+  /// map, or if it is located and shows enough new content.
+  [[nodiscard]] std::optional<TrackedFrame> select(const TrackedFrame& tracked, const Map& map,
+                                                   const Rematch& rematch);
+
+ private:
+  [[nodiscard]] bool is_worth_rematching(const TrackedFrame& tracked, double moved) const;
+
+  KeyframeOptions options_;
+  std::optional<int64_t> last_rematched_ns_;
+};
 
 }  // namespace kinloop

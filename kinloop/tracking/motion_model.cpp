@@ -15,10 +15,14 @@ constexpr double kDefaultTurnRate_rad_s = 1.0;
 
 }  // namespace
 
-void MotionModel::update(const SE3& T_previous_current, int64_t duration_ns) {
+Velocity MotionModel::velocity_of(const SE3& T_previous_current, int64_t duration_ns) const {
+  if (duration_ns < kMinVelocityInterval_ns) return velocity();
+  return velocity_of_twist(T_previous_current.log(), to_seconds(duration_ns));
+}
+
+void MotionModel::update(const Velocity& velocity, int64_t duration_ns) {
   if (duration_ns < kMinVelocityInterval_ns) return;
   const double duration_s = to_seconds(duration_ns);
-  const Velocity velocity = velocity_of_twist(T_previous_current.log(), duration_s);
   if (velocity_) {
     const auto filtered = [&](double so_far, const Eigen::Vector3d& axes) {
       return kSmoothing * so_far + (1 - kSmoothing) * axes.squaredNorm() / (3 * duration_s);

@@ -18,8 +18,12 @@ struct PredictedPose {
 /// Constant velocity in the camera frame, with acceleration noise estimated from recent motion.
 class MotionModel {
  public:
-  /// Updates the model with the motion between two consecutively tracked frames.
-  void update(const SE3& T_previous_current, int64_t duration_ns);
+  /// Returns the velocity of a motion between two consecutive frames; the present one if they are too close
+  /// in time.
+  [[nodiscard]] Velocity velocity_of(const SE3& T_previous_current, int64_t duration_ns) const;
+
+  /// Updates the model with the velocity of a frame, `duration_ns` after the previous one.
+  void update(const Velocity& velocity, int64_t duration_ns);
 
   /// Resets the velocity to unknown, after tracking loss.
   void reset() { velocity_.reset(); }

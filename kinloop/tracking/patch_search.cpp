@@ -6,7 +6,6 @@
 #include <Eigen/LU>
 
 #include "kinloop/tracking/align_patch.hpp"
-#include "kinloop/tracking/motion_compensation.hpp"
 
 namespace kinloop {
 namespace {
@@ -25,16 +24,17 @@ PatchPredictor::PatchPredictor(const PatchSearch& search, const SE3& T_reference
 std::optional<Eigen::Vector2d> PatchPredictor::nominal_pixel(uint32_t index) const {
   const Eigen::Vector3d p_camera = T_camera_reference_ * search_.local_map.p_reference[index];
   if (!(p_camera.z() > 0)) return std::nullopt;
-  return search_.camera.distort(search_.camera.project(p_camera));
+  return search_.sensor.camera.distort(search_.sensor.camera.project(p_camera));
 }
 
 std::optional<Eigen::Vector2d> PatchPredictor::raw_pixel(uint32_t index) const {
-  return raw_pixel_of(T_camera_reference_ * search_.local_map.p_reference[index], search_.camera,
-                      search_.sensor, search_.velocity);
+  return raw_pixel_of(search_.sensor, T_camera_reference_ * search_.local_map.p_reference[index],
+                      search_.velocity);
 }
 
 std::optional<ExpectedPatch> PatchPredictor::expect(uint32_t index, const Eigen::Vector2d& raw) const {
   const LocalMap& map = search_.local_map;
+  const PinholeCamera& camera = search_.sensor.camera;
   const LocalView& view = map.views[map.view_of[index]];
   const uint32_t feature = map.feature_of[index];
   const Patch* patch = view.patches ? view.patches->find(feature) : nullptr;
@@ -42,25 +42,25 @@ std::optional<ExpectedPatch> PatchPredictor::expect(uint32_t index, const Eigen:
   // Follow two neighbours of the keypoint on its surface into the frame.
   constexpr double kStep_px = 4;
   const Eigen::Vector3d p_view = view.T_keyframe_reference * map.p_reference[index];
-  const Eigen::Vector2d center = search_.camera.project(p_view);
-  const Eigen::Vector2d raw_center = search_.camera.distort(center);
+  const Eigen::Vector2d center = camera.project(p_view);
+  const Eigen::Vector2d raw_center = camera.distort(center);
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
   if (!view.features->inverse_depth_gradients.empty()) {
     slope = view.features->inverse_depth_gradients[feature].cast<double>();
     if (!slope.allFinite()) slope.setZero();
   }
   Eigen::Matrix2d view_steps, frame_steps;
-  const auto seen = search_.camera.project(T_camera_view_[map.view_of[index]] * p_view);
-  const Eigen::Vector2d distorted = search_.camera.distort(seen);
+  const auto seen = camera.project(T_camera_view_[map.view_of[index]] * p_view);
+  const Eigen::Vector2d distorted = camera.distort(seen);
   for (int axis = 0; axis < 2; ++axis) {
     const Eigen::Vector2d neighbor = center + kStep_px * Eigen::Vector2d::Unit(axis);
     const double inverse_depth = 1 / p_view.z() + kStep_px * slope(axis);
     if (!(inverse_depth > 0)) return std::nullopt;
     const Eigen::Vector3d p_neighbor =
-        T_camera_view_[map.view_of[index]] * search_.camera.unproject(neighbor, 1 / inverse_depth);
+        T_camera_view_[map.view_of[index]] * camera.unproject(neighbor, 1 / inverse_depth);
     if (!(p_neighbor.z() > 0)) return std::nullopt;
-    view_steps.col(axis) = search_.camera.distort(neighbor) - raw_center;
-    frame_steps.col(axis) = search_.camera.distort(search_.camera.project(p_neighbor)) - distorted;
+    view_steps.col(axis) = camera.distort(neighbor) - raw_center;
+    frame_steps.col(axis) = camera.distort(camera.project(p_neighbor)) - distorted;
   }
   const double ratio = std::abs(frame_steps.determinant() / view_steps.determinant());
   if (!std::isfinite(ratio) || !(ratio > kMinAreaRatio) || !(ratio < 1 / kMinAreaRatio)) return std::nullopt;

@@ -5,15 +5,14 @@
 #include <vector>
 
 #include "kinloop/map/local_map.hpp"
-#include "kinloop/sensor/sensor_model.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
 /// What a search for landmarks needs besides the image.
 struct PatchSearch {
   const LocalMap& local_map;
-  const PinholeCamera& camera;
-  const SensorVector& sensor;
+  const Sensor& sensor;
   Velocity velocity;  ///< of the camera
 };
 

@@ -2,7 +2,7 @@
 
 namespace kinloop {
 
-Features refine_keypoints(const PreparedFrame& frame, std::span<const LandmarkMatch> matches,
+Features refine_keypoints(const Frame& frame, std::span<const LandmarkMatch> matches,
                           const SE3& T_reference_camera, const PatchSearch& search) {
   constexpr float kMaxShift_px = 2;    // on the octave of the patch: as far as corners are detected off
   constexpr float kSigmaRatio = 0.5F;  // aligned patch to detected corner
@@ -17,7 +17,7 @@ Features refine_keypoints(const PreparedFrame& frame, std::span<const LandmarkMa
     const auto found = find_patch(frame.octaves, *expected, search.local_map, kMaxShift_px);
     if (!found) continue;
     refined.raw_pixels[feature] = found->raw.cast<float>();
-    refined.measured_pixels[feature] = search.camera.undistort(found->raw).cast<float>();
+    refined.measured_pixels[feature] = search.sensor.camera.undistort(found->raw).cast<float>();
     refined.sigmas_px[feature] *= kSigmaRatio;
   }
   return refined;

@@ -5,6 +5,8 @@
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/tracking/direct_tracking.hpp"
+#include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
 
 namespace kinloop {
@@ -16,15 +18,9 @@ int count_with_depth(const Features& features) {
 }
 
 /// Whether the frame matches enough of the map to be localized without previous frames.
-bool is_localized(const TrackResult& result, const PreparedFrame& frame, const TrackingOptions& options) {
-  return result.stats.inliers >= options.min_inliers &&
-         has_sufficient_inlier_ratio(result, *frame.features, options.min_inlier_ratio);
-}
-
-TrackResult* located(TrackOutcome& outcome) {
-  if (auto* tracked = std::get_if<Tracked>(&outcome)) return &tracked->result;
-  if (auto* relocalized = std::get_if<Relocalized>(&outcome)) return &relocalized->result;
-  return nullptr;
+bool is_localized(const TrackedFrame& tracked, const Frame& frame, const TrackingOptions& options) {
+  return tracked.evidence.inliers >= options.min_inliers &&
+         has_sufficient_inlier_ratio(tracked, *frame.features, options.min_inlier_ratio);
 }
 
 /// Ends at the first row that differs.
@@ -39,234 +35,188 @@ bool have_equal_pixels(const cv::Mat& a, const cv::Mat& b) {
 
 }  // namespace
 
-const TrackResult* located(const TrackOutcome& outcome) {
-  if (const auto* tracked = std::get_if<Tracked>(&outcome)) return &tracked->result;
-  if (const auto* relocalized = std::get_if<Relocalized>(&outcome)) return &relocalized->result;
-  return nullptr;
-}
-
-FrameTracking Tracker::track(const PreparedFrame& measured, const TrackingContext& context,
-                             Timings& timings) const {
-  if (repeats_previous_image(measured)) return repeat_previous(measured);
-  Stopwatch watch;
-  auto direct = track_directly(measured, context.sensor);
-  timings.add("direct tracking", watch.lap());
-  if (!direct) return track_by_keypoints(measured, context, timings);
-  PreparedFrame frame = measured;
-  frame.features = std::move(direct->features);
-  FrameTracking tracking = complete(Tracked{std::move(direct->result)}, frame, context.sensor, timings);
-  tracking.direct = true;
-  tracking.has_keypoints = false;
-  return tracking;
-}
-
-FrameTracking Tracker::repeat_previous(const PreparedFrame& measured) const {
-  FrameTracking tracking{Tracked{previous_result()}, measured, motion_, true};
-  tracking.frame.features = previous_->frame.features;
-  return tracking;
-}
-
-/// Tracks against patches of the local map. Not after a loss, when the prediction is unknown.
-std::optional<DirectlyTracked> Tracker::track_directly(const PreparedFrame& measured,
-                                                       const SensorVector& sensor) const {
-  constexpr int64_t kMaxGap_ns = kNsPerSecond / 10;  // patches look too different after a longer motion
-  if (!previous_ || lost_frames_ > 0 || options_.localize_only) return std::nullopt;
-  if (measured.stamp_ns - previous_->frame.stamp_ns > kMaxGap_ns) return std::nullopt;
-  const PatchSearch search{local_map_, camera_, sensor, motion_.velocity()};
-  const DirectTrackingContext context{*previous_, search, options_.features, options_.tracking};
-  return kinloop::track_directly(measured, predict(measured.stamp_ns).T, context);
-}
-
-FrameTracking Tracker::track_by_keypoints(PreparedFrame measured, const TrackingContext& context,
-                                          Timings& timings) const {
-  Stopwatch watch;
-  if (!measured.features) measured.features = front_end_.features(measured);
-  timings.add("features", watch.lap());
-  const PreparedFrame predicted = deskewed(measured, context.sensor, motion_);
-  timings.add("motion compensation", watch.lap());
-  TrackOutcome outcome = locate(predicted, context, timings);
-  TrackResult* result = located(outcome);
-  if (options_.localize_only && result != nullptr && !is_localized(*result, measured, options_.tracking)) {
-    result->matches.clear();
-  }
-  return complete(std::move(outcome), measured, context.sensor, timings);
-}
-
-/// Adds what follows from the outcome: the motion, and the frame compensated for it.
-FrameTracking Tracker::complete(TrackOutcome outcome, const PreparedFrame& measured,
-                                const SensorVector& sensor, Timings& timings) const {
-  const Stopwatch watch;
-  const MotionModel motion = motion_after(measured, outcome);
-  PreparedFrame frame = deskewed(measured, sensor, motion);
-  timings.add("motion compensation", watch.elapsed());
-  return {std::move(outcome), std::move(frame), motion};
-}
-
-FrameTracking Tracker::with_keypoints(const FrameTracking& tracked, const TrackingContext& context,
-                                      Timings& timings) const {
-  FrameTracking all = tracked;
-  all.has_keypoints = true;
-  TrackResult result = track_all_keypoints(all.frame, located(tracked.outcome)->T_reference_camera,
-                                           context.sensor, tracked.motion, timings);
-  result.stats.attempts = 1;
-  if (result.status == TrackStatus::kTracked) {
-    all.outcome = Tracked{std::move(result)};
-  } else {
-    all.outcome = Lost{result.stats};
-  }
-  return all;
-}
-
-/// The previous frame with all its keypoints, even if it was tracked without.
-TrackedFrame Tracker::previous_with_keypoints(const SensorVector& sensor, Timings& timings) const {
-  if (previous_has_keypoints_) return *previous_;
-  TrackedFrame previous = *previous_;
-  const TrackResult result =
-      track_all_keypoints(previous.frame, previous.T_reference_camera, sensor, motion_, timings);
-  previous.landmark_of.assign(previous.frame.features->size(), LandmarkId{});
-  for (const LandmarkMatch& match : result.matches) previous.landmark_of[match.feature] = match.landmark;
-  return previous;
-}
-
-/// Extracts the keypoints of a frame that was tracked directly, and matches them from its pose.
-TrackResult Tracker::track_all_keypoints(PreparedFrame& frame, const SE3& T_reference_camera,
-                                         const SensorVector& sensor, const MotionModel& motion,
-                                         Timings& timings) const {
-  Stopwatch watch;
-  frame.features = front_end_.features(frame);
-  timings.add("features", watch.lap());
-  frame = deskewed(frame, sensor, motion);
-  timings.add("motion compensation", watch.lap());
-  const FeatureGrid grid(*frame.features, camera_.width, camera_.height);
-  TrackResult result = track_local_map(frame, grid, local_map_, T_reference_camera,
-                                       options_.tracking.local_map_window_px, camera_, options_.tracking);
-  timings.add("tracking", watch.lap());
-  return result;
-}
-
-PredictedPose Tracker::predict(int64_t stamp_ns) const {
-  PredictedPose predicted = motion_.predict(stamp_ns - previous_->frame.stamp_ns);
-  predicted.T = previous_->T_reference_camera * predicted.T;
-  return predicted;
-}
-
-TrackOutcome Tracker::locate(const PreparedFrame& frame, const TrackingContext& context,
-                             Timings& timings) const {
-  if (context.map.keyframes().empty()) return start_map_or_lose(frame);
-  std::optional<TrackedFrame> previous;
-  if (previous_) previous = previous_with_keypoints(context.sensor, timings);
-  const Stopwatch watch;
-  TrackResult tracked = previous ? track_previous(frame, *previous) : TrackResult{};
-  timings.add("tracking", watch.elapsed());
-  // Dense odometry measures the motion between consecutive frames, not across a gap.
-  if (lost_frames_ > 0 && tracked.status == TrackStatus::kDenseOnly) tracked = {};
-  const bool as_predicted = tracked.stats.attempts == 1 &&
-                            (!options_.localize_only || is_localized(tracked, frame, options_.tracking));
-  if (tracked.status == TrackStatus::kTracked && as_predicted) return Tracked{std::move(tracked)};
-
-  // A camera far from its predicted pose may have been moved while it was lost: relocalization is more
-  // reliable than a few chance matches.
-  const Stopwatch relocalization_watch;
-  auto found = context.relocalize(frame);
-  timings.add("relocalization", relocalization_watch.elapsed());
-  if (found && found->stats.inliers > tracked.stats.inliers) return Relocalized{std::move(*found)};
-  if (tracked.status != TrackStatus::kLost) return Tracked{std::move(tracked)};
-  // After this many lost frames the camera may be in an unmapped place.
-  const int max_lost = options_.lost_frames_before_new_component;
-  if (max_lost > 0 && lost_frames_ >= max_lost) return start_map_or_lose(frame);
-  return Lost{tracked.stats};
-}
-
-TrackResult Tracker::track_previous(const PreparedFrame& frame, const TrackedFrame& previous) const {
-  return kinloop::track(frame, previous, local_map_, predict(frame.stamp_ns), camera_, options_.tracking,
-                        hash(options_.seed, frame.id.value));
-}
-
-/// A map starts with a frame that has enough keypoints.
-TrackOutcome Tracker::start_map_or_lose(const PreparedFrame& frame) const {
-  const bool enough = count_with_depth(*frame.features) >= options_.min_initial_keypoints;
-  if (options_.localize_only || !enough) return Lost{};
-  return NewMap{};
+TrackedFrame Tracker::track(const Frame& frame, const TrackingContext& context) const {
+  if (repeats_previous_image(frame)) return repeat_previous(frame);
+  const auto tracked = track_by_patches(frame, context.sensor);
+  return tracked ? with_motion(*tracked, *tracked->frame, context.sensor)
+                 : track_by_keypoints(frame, context);
 }
 
 /// Drivers repeat the previous image in place of a lost one: the camera has moved, the image has not. Images
 /// without landmarks, such as those of a covered lens, may be equal although the camera moves.
-bool Tracker::repeats_previous_image(const PreparedFrame& frame) const {
-  if (!previous_ || lost_frames_ > 0) return false;
-  const auto& landmarks = previous_->landmark_of;
-  if (std::none_of(landmarks.begin(), landmarks.end(), [](LandmarkId id) { return id.valid(); }))
-    return false;
-  return have_equal_pixels(previous_->frame.gray, frame.gray);
+bool Tracker::repeats_previous_image(const Frame& frame) const {
+  return previous_ && lost_frames_ == 0 && !previous_->matches.empty() &&
+         have_equal_pixels(previous_->frame->gray, frame.gray);
 }
 
-TrackResult Tracker::previous_result() const {
-  TrackResult result;
-  result.status = TrackStatus::kTracked;
-  result.reference = local_map_.reference;
-  result.T_reference_camera = previous_->T_reference_camera;
-  for (uint32_t i = 0; i < previous_->landmark_of.size(); ++i) {
-    if (previous_->landmark_of[i].valid()) result.matches.push_back({previous_->landmark_of[i], i});
-  }
-  result.stats.inliers = static_cast<int>(result.matches.size());
-  return result;
+TrackedFrame Tracker::repeat_previous(Frame frame) const {
+  TrackedFrame tracked = *previous_;
+  tracked.id = frame.id;
+  tracked.stamp_ns = frame.stamp_ns;
+  tracked.outcome = TrackingOutcome::kTracked;
+  tracked.method = TrackingMethod::kRepeat;
+  tracked.keyframe = {};
+  tracked.evidence = {};
+  tracked.evidence.inliers = static_cast<int>(tracked.matches.size());
+  frame.features = previous_->frame->features;
+  tracked.frame = std::make_shared<const Frame>(std::move(frame));
+  return tracked;
 }
 
-/// Updates the motion model from two consecutively tracked frames; otherwise the velocity is unknown.
-MotionModel Tracker::motion_after(const PreparedFrame& frame, const TrackOutcome& outcome) const {
-  MotionModel motion = motion_;
-  const auto* tracked = std::get_if<Tracked>(&outcome);
-  if (tracked != nullptr && previous_ && lost_frames_ == 0) {
-    motion.update(previous_->T_reference_camera.inverse() * tracked->result.T_reference_camera,
-                  frame.stamp_ns - previous_->frame.stamp_ns);
-  } else {
-    motion.reset();
+/// Tracks against patches of the local map. Not after a loss, when the prediction is unknown.
+std::optional<TrackedFrame> Tracker::track_by_patches(const Frame& frame, const Sensor& sensor) const {
+  const ScopedTimer timer(timings_, "direct tracking");
+  constexpr int64_t kMaxGap_ns = kNsPerSecond / 10;  // patches look too different after a longer motion
+  if (!previous_ || lost_frames_ > 0 || options_.localize_only) return std::nullopt;
+  if (frame.stamp_ns - previous_->stamp_ns > kMaxGap_ns) return std::nullopt;
+  const PatchSearch search{local_map_, sensor, motion_.velocity()};
+  return track_directly(frame, predict(frame.stamp_ns).T,
+                        {*previous_, search, options_.features, options_.tracking});
+}
+
+TrackedFrame Tracker::track_by_keypoints(Frame frame, const TrackingContext& context) const {
+  if (!frame.features) {
+    const ScopedTimer timer(timings_, "features");
+    frame.features = front_end_.features(frame);
   }
-  return motion;
+  TrackedFrame tracked = locate(deskewed(frame, context.sensor, motion_.velocity()), context);
+  if (options_.localize_only && tracked.is_located() && !is_localized(tracked, frame, options_.tracking)) {
+    tracked.matches.clear();
+  }
+  return with_motion(std::move(tracked), std::move(frame), context.sensor);
+}
+
+TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context) const {
+  if (context.map.keyframes().empty()) return start_map_or_lose(frame);
+  TrackedFrame tracked = track_from_previous(frame, context.sensor).value_or(unlocated(frame));
+  // Dense odometry measures the motion between consecutive frames, not across a gap.
+  if (lost_frames_ > 0 && tracked.method == TrackingMethod::kDense) tracked = unlocated(frame);
+  const bool as_predicted = tracked.evidence.attempts == 1 &&
+                            (!options_.localize_only || is_localized(tracked, frame, options_.tracking));
+  if (tracked.is_located() && tracked.method != TrackingMethod::kDense && as_predicted) return tracked;
+
+  // A camera far from its predicted pose may have been moved while it was lost: relocalization is more
+  // reliable than a few chance matches.
+  const ScopedTimer timer(timings_, "relocalization");
+  auto found = context.relocalize(frame);
+  if (found && found->evidence.inliers > tracked.evidence.inliers) return *std::move(found);
+  if (tracked.is_located()) return tracked;
+  // After this many lost frames the camera may be in an unmapped place.
+  const int max_lost = options_.lost_frames_before_new_component;
+  return max_lost > 0 && lost_frames_ >= max_lost ? start_map_or_lose(frame) : tracked;
+}
+
+std::optional<TrackedFrame> Tracker::track_from_previous(const Frame& frame, const Sensor& sensor) const {
+  if (!previous_) return std::nullopt;
+  TrackedFrame previous = *previous_;
+  if (!previous.features().has_descriptors()) {
+    previous = rematch_keypoints(*previous_, sensor);
+    previous.T_reference_camera = previous_->T_reference_camera;
+  }
+  const ScopedTimer timer(timings_, "tracking");
+  return track_keypoints({frame, local_map_, sensor, options_.tracking}, previous, predict(frame.stamp_ns),
+                         hash(options_.seed, frame.id.value));
+}
+
+TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Sensor& sensor) const {
+  Frame frame = *tracked.frame;
+  {
+    const ScopedTimer timer(timings_, "features");
+    frame.features = front_end_.features(frame);
+  }
+  frame = deskewed(std::move(frame), sensor, tracked.velocity);
+  const ScopedTimer timer(timings_, "tracking");
+  TrackedFrame rematched = track_local_map({frame, local_map_, sensor, options_.tracking},
+                                           tracked.T_reference_camera, options_.tracking.local_map_window_px);
+  rematched.evidence.attempts = 1;
+  rematched.velocity = tracked.velocity;
+  rematched.frame = std::make_shared<const Frame>(std::move(frame));
+  return rematched;
+}
+
+PredictedPose Tracker::predict(int64_t stamp_ns) const {
+  PredictedPose predicted = motion_.predict(stamp_ns - previous_->stamp_ns);
+  predicted.T = previous_->T_reference_camera * predicted.T;
+  return predicted;
+}
+
+/// A map starts with a frame that has enough keypoints.
+TrackedFrame Tracker::start_map_or_lose(const Frame& frame) const {
+  TrackedFrame tracked = unlocated(frame);
+  const bool enough = count_with_depth(*frame.features) >= options_.min_initial_keypoints;
+  if (!options_.localize_only && enough) tracked.outcome = TrackingOutcome::kNewMap;
+  return tracked;
+}
+
+/// Adds what follows from the pose: the velocity, and the frame compensated for it.
+TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Sensor& sensor) const {
+  tracked.velocity = velocity_of(tracked);
+  tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
+  return tracked;
+}
+
+/// Whether the motion from the previous frame is known.
+bool Tracker::follows_previous(const TrackedFrame& tracked) const {
+  return tracked.outcome == TrackingOutcome::kTracked && previous_ && lost_frames_ == 0;
+}
+
+Velocity Tracker::velocity_of(const TrackedFrame& tracked) const {
+  if (!follows_previous(tracked)) return {};
+  return motion_.velocity_of(previous_->T_reference_camera.inverse() * tracked.T_reference_camera,
+                             tracked.stamp_ns - previous_->stamp_ns);
 }
 
 /// Returns the frame as an ideal global-shutter camera would have measured it, given its motion.
-PreparedFrame Tracker::deskewed(const PreparedFrame& measured, const SensorVector& sensor,
-                                const MotionModel& motion) const {
-  PreparedFrame frame = measured;
+Frame Tracker::deskewed(Frame measured, const Sensor& sensor, const Velocity& velocity) const {
+  const ScopedTimer timer(timings_, "motion compensation");
   if (needs_deskewing(*measured.features, sensor)) {
-    frame.features = std::make_shared<const Features>(
-        deskew_features(*measured.features, camera_, sensor, motion.velocity()));
+    measured.features =
+        std::make_shared<const Features>(deskew_features(*measured.features, sensor, velocity));
   }
-  return frame;
+  return measured;
 }
 
-void Tracker::update(const Map& map, KeyframeId reference, const FrameTracking* latest) {
-  KeyframeId previous_reference = local_map_.reference;  // the reference of the previous frame's pose
-  if (latest != nullptr && !latest->repeat) {
-    remember(*latest);
-    const TrackResult* result = located(latest->outcome);
-    if (result != nullptr) previous_reference = result->reference;
-    if (std::holds_alternative<NewMap>(latest->outcome)) previous_reference = reference;
-  }
+void Tracker::update(const TrackedFrame& latest, const Map& map) {
+  const ScopedTimer timer(timings_, "local map");
+  if (!latest.is_repeat()) remember(latest);
+  const KeyframeId reference =
+      latest.keyframe.valid() ? latest.keyframe : best_reference(map, latest.matches, local_map_.reference);
   if (!reference.valid()) return;
-  if (previous_ && previous_reference.valid() && previous_reference != reference) {
-    previous_->T_reference_camera = map.keyframe(reference).T_world_camera.inverse() *
-                                    map.keyframe(previous_reference).T_world_camera *
-                                    previous_->T_reference_camera;
-  }
-  const bool map_unchanged = latest != nullptr && reference == local_map_.reference;
-  if (!map_unchanged) local_map_ = make_local_map(map, reference, options_.local_map);
+  express_previous_in(reference, map);
+  if (reference != local_map_.reference) local_map_ = make_local_map(map, reference, options_.local_map);
 }
 
-/// Stores what the next frame needs. After a loss this is the last located frame.
-void Tracker::remember(const FrameTracking& latest) {
-  motion_ = latest.motion;
-  if (std::holds_alternative<Lost>(latest.outcome)) {
-    ++lost_frames_;
-    return;
+void Tracker::update(const Map& map, KeyframeId reference) {
+  if (!reference.valid()) return;
+  express_previous_in(reference, map);
+  local_map_ = make_local_map(map, reference, options_.local_map);
+}
+
+void Tracker::express_previous_in(KeyframeId reference, const Map& map) {
+  if (!previous_ || !previous_->reference.valid() || previous_->reference == reference) return;
+  previous_->T_reference_camera = map.keyframe(reference).T_world_camera.inverse() *
+                                  map.keyframe(previous_->reference).T_world_camera *
+                                  previous_->T_reference_camera;
+  previous_->reference = reference;
+}
+
+/// Stores what the next frame needs. After a loss this is the last frame with a pose.
+void Tracker::remember(const TrackedFrame& latest) {
+  if (follows_previous(latest)) {
+    motion_.update(latest.velocity, latest.stamp_ns - previous_->stamp_ns);
+  } else {
+    motion_.reset();
   }
-  lost_frames_ = 0;
-  previous_has_keypoints_ = latest.has_keypoints;
-  const TrackResult* result = located(latest.outcome);
-  previous_ = TrackedFrame{latest.frame, result != nullptr ? result->T_reference_camera : SE3{},
-                           std::vector<LandmarkId>(latest.frame.features->size())};
-  if (result == nullptr) return;
-  for (const LandmarkMatch& match : result->matches) previous_->landmark_of[match.feature] = match.landmark;
+  if (latest.is_lost()) {
+    ++lost_frames_;
+  } else {
+    lost_frames_ = 0;
+    previous_ = latest;
+  }
+}
+
+bool Tracker::expects_keypoints() const {
+  return !previous_ || previous_->features().has_descriptors() || lost_frames_ > 0;
 }
 
 }  // namespace kinloop

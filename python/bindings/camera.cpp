@@ -73,7 +73,7 @@ void add_properties(CameraClass& camera) {
       .def_readonly("fps", &RgbdCamera::fps, "Frames per second.")
       .def_readonly("rolling_shutter_s", &RgbdCamera::rolling_shutter_s,
                     "Readout time from the first colour row to the last, seconds.")
-      .def_readonly("depth_offset_s", &RgbdCamera::depth_offset_s,
+      .def_readonly("depth_offset_s", &RgbdCamera::depth_delay_s,
                     "Time of the depth measurement minus its stamp, seconds.");
 }
 

@@ -6,10 +6,10 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/io/mesh_file.hpp"
-#include "kinloop/io/point_cloud/las.hpp"
 #include "kinloop/io/point_cloud/pcd.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "python/bindings/arrays.hpp"
+#include "tools/export/las.hpp"
 
 namespace kinloop::python {
 namespace {

@@ -11,6 +11,7 @@
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/place_index.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/sensor/sensor.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/gil.hpp"
 #include "python/bindings/options.hpp"
@@ -26,7 +27,7 @@ cv::Mat orb_descriptors(const cv::Mat& gray) {
   camera.width = gray.cols;
   camera.height = gray.rows;
   camera.fx = camera.fy = gray.cols;
-  return extract_features(gray, {}, camera, {}).descriptors;
+  return extract_features(gray, {}, Sensor{camera}, {}).descriptors;
 }
 
 Vocabulary train(const std::vector<std::filesystem::path>& inputs, const py::object& progress,

@@ -45,8 +45,9 @@ PyMesh mesh_of(const Result& result, const py::kwargs& options) {
 }
 
 RgbdCamera calibrated(const Result& result) {
-  return read_slam(result,
-                   [&](const Slam& slam) { return calibrated_camera(result.run->camera(), slam.sensor()); });
+  return read_slam(result, [&](const Slam& slam) {
+    return calibrated_camera(result.run->camera(), slam.sensor_estimate());
+  });
 }
 
 PyTrajectory keyframes_of(const Result& result) {
@@ -64,7 +65,7 @@ PyPoseGraph pose_graph_of(const Result& result) {
 std::vector<std::pair<uint32_t, uint32_t>> loops_of(const Result& result) {
   return read_slam(result, [](const Slam& slam) {
     std::vector<std::pair<uint32_t, uint32_t>> loops;
-    for (const auto& loop : slam.map().loop_edges()) loops.emplace_back(loop.a.value, loop.b.value);
+    for (const auto& loop : slam.map().loop_closures()) loops.emplace_back(loop.a.value, loop.b.value);
     return loops;
   });
 }

@@ -4,45 +4,13 @@
 #include <opencv2/core/utility.hpp>
 
 #include "kinloop/core/errors.hpp"
-#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/dense/mesh/reconstruct_mesh.hpp"
 #include "session/map_store.hpp"
-#include "session/memory.hpp"
-#include "session/open_frame_source.hpp"
+#include "session/process.hpp"
 
 namespace kinloop::python {
 namespace {
-
-/// A map file to continue, read.
-struct StartingMap {
-  std::filesystem::path path;
-  MapReader reader;
-  SavedMap saved;
-};
-
-std::optional<StartingMap> open_starting_map(const RunSettings& settings) {
-  if (settings.localize && settings.load_map.empty())
-    throw UsageError("localize=True requires load_map=FILE");
-  if (settings.load_map.empty()) return std::nullopt;
-  const auto path = map_file_of(settings.load_map);
-  MapReader reader(path);
-  SavedMap saved = read_map_with_warnings(reader, path);
-  return StartingMap{path, std::move(reader), std::move(saved)};
-}
-
-/// As `kinloop run` does: frames must use the same features as the map.
-RunOptions options_of(const RunSettings& settings, const std::optional<StartingMap>& start, int threads) {
-  RunOptions options;
-  if (start) options = restore_options(start->saved, start->path, "features.");
-  const FeatureKind features = options.slam.features.kind;
-  options.slam.global_ba.threads = threads;
-  options.slam.localize_only = settings.localize;
-  options = run_options_with(options, settings.assignments);
-  if (start && options.slam.features.kind != features)
-    throw UsageError(fmt::format("features.kind: must be {}, as in the loaded map", name_of(features)));
-  return options;
-}
 
 uint64_t next_run_id() {
   static std::atomic<uint64_t> last = 0;
@@ -59,7 +27,7 @@ void set_up_process() {
   static_cast<void>(once);
 }
 
-void require_size(const RgbdFrame& frame, const PinholeCamera& camera) {
+void require_size(const Frame& frame, const PinholeCamera& camera) {
   const cv::Size size(camera.width, camera.height), color = frame.color.size();
   if (color == size && frame.depth_m.size() == size) return;
   throw UsageError(
@@ -71,30 +39,28 @@ void require_size(const RgbdFrame& frame, const PinholeCamera& camera) {
 }  // namespace
 
 Run::Run(const RgbdCamera& camera, const RunSettings& settings)
-    : camera_(camera),
-      threads_(settings.threads > 0 ? settings.threads : hardware_threads()),
-      id_(next_run_id()),
-      prepare_depth_(camera) {
+    : camera_(camera), id_(next_run_id()), prepare_depth_(camera) {
   set_up_process();
-  auto start = open_starting_map(settings);
-  options_ = within_range(options_of(settings, start, threads_), camera.sensor);
-  if (start) {
-    require_same_camera(start->saved, start->path, camera_);
-    camera_.depth_scale = start->saved.camera.depth_scale;  // that of its images
-  }
+  if (settings.localize && settings.load_map.empty())
+    throw UsageError("localize=True requires load_map=FILE");
+  RunSetup setup = set_up_run(settings);
+  threads_ = setup.threads;
+  options_ = within_range(setup.options, camera.sensor);
+  auto& start = setup.start;
+  if (start) camera_ = start->adapt(camera_);
   slam_.emplace(camera_, options_.slam, open_vocabulary(settings.vocabulary, options_.slam.features));
   recorder_.emplace(camera_, options_.dense, options_.slam.executor);
   slam_->add_listener(*recorder_);
   if (!start) return;
   const uint32_t shift = slam_->add_map(std::move(start->saved));
-  load_images(start->reader, start->path, shift, *recorder_);
+  start->restore_images(shift, *recorder_);
 }
 
 void Run::require_unfinished() const {
   if (trajectory_) throw UsageError("Slam.process: finish() has ended this run; create another Slam");
 }
 
-FrameResult Run::process(const PyFrame& frame) {
+TrackedFrame Run::process(const PyFrame& frame) {
   const std::lock_guard lock(mutex_);
   require_unfinished();
   require_size(frame.data, camera_.color);
@@ -104,22 +70,22 @@ FrameResult Run::process(const PyFrame& frame) {
       reader->prepare_for(id_, slam_->front_end(), slam_->expects_keypoints());
     }
   }
-  return process_next(frame.prepared_for == id_ ? frame.data : slam_->prepare(frame.raw()));
+  return process_next(frame.prepared_for == id_ ? frame.data : slam_->front_end().prepare(frame.raw()));
 }
 
-FrameResult Run::process(const ArrayFrame& given) {
+TrackedFrame Run::process(const ArrayFrame& given) {
   const std::lock_guard lock(mutex_);
   require_unfinished();
-  RgbdFrame frame;
+  Frame frame;
   frame.id = FrameId{next_id_};
   frame.stamp_ns = given.stamp_ns;
   frame.depth_stamp_ns = given.depth_stamp_ns;
   frame.color = given.color;
   frame.depth_m = prepare_depth_(given.depth_m);
-  return process_next(slam_->prepare(frame));
+  return process_next(slam_->front_end().prepare(frame));
 }
 
-FrameResult Run::process_next(PreparedFrame frame) {
+TrackedFrame Run::process_next(Frame frame) {
   if (frame.stamp_ns <= last_stamp_ns_) {
     throw UsageError(fmt::format("frame at {} s after one at {} s: stamps must increase",
                                  format_stamp(frame.stamp_ns), format_stamp(last_stamp_ns_)));
@@ -144,7 +110,7 @@ ColoredCloud Run::fuse_cloud(const Progress& progress) {
 
 ColoredMesh Run::reconstruct(const MeshOptions& options, const Progress& progress) {
   const std::lock_guard lock(mutex_);
-  const DenseCamera camera = dense_camera(camera_, slam_->sensor());
+  const DenseCamera camera = dense_camera(camera_, slam_->sensor_estimate());
   const auto views = recorder_->with_color_gains(recorder_->views(*slam_), camera, threads_);
   return reconstruct_mesh(recorder_->images(), views, camera, options, threads_, progress);
 }

@@ -13,18 +13,9 @@
 #include "kinloop/slam/slam.hpp"
 #include "python/bindings/source.hpp"
 #include "session/dense_recorder.hpp"
-#include "session/run_options.hpp"
+#include "session/run_plan.hpp"
 
 namespace kinloop::python {
-
-/// What `Slam` takes.
-struct RunSettings {
-  std::vector<std::string> assignments;
-  std::string vocabulary;          ///< a file; empty: the built-in
-  std::filesystem::path load_map;  ///< empty: none
-  bool localize = false;
-  int threads = 0;  ///< 0: all
-};
 
 /// A frame as arrays, of which `color` holds its own pixels.
 struct ArrayFrame {
@@ -40,8 +31,8 @@ class Run {
   Run(const RgbdCamera& camera, const RunSettings& settings);
 
   /// Both throw UsageError for images of another size than the camera's, and after `finish`.
-  FrameResult process(const PyFrame& frame);
-  FrameResult process(const ArrayFrame& frame);
+  TrackedFrame process(const PyFrame& frame);
+  TrackedFrame process(const ArrayFrame& frame);
   /// Returns the final trajectory; a second call returns it again.
   Trajectory finish(const Progress& progress);
 
@@ -63,12 +54,12 @@ class Run {
 
  private:
   void require_unfinished() const;
-  FrameResult process_next(PreparedFrame frame);
+  TrackedFrame process_next(Frame frame);
 
   std::mutex mutex_;
   RgbdCamera camera_;
   RunOptions options_;
-  int threads_;
+  int threads_ = 1;
   uint64_t id_;
   std::string input_;  // for the map file
   std::optional<Slam> slam_;

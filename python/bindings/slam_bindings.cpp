@@ -37,9 +37,9 @@ std::shared_ptr<Run> make_run(const py::object& camera, const py::object& option
 }
 
 /// T_world_camera, or None while tracking is lost.
-py::object pose_of(const FrameResult& result) {
+py::object pose_of(const TrackedFrame& result) {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-  if (result.status == TrackStatus::kLost) return py::none();
+  if (result.is_lost()) return py::none();
   return py::cast(result.T_world_camera.matrix());
 }
 
@@ -73,7 +73,7 @@ auto reading(const Read& read) {
 
 bool is_lost(const Slam& slam) {
   const auto log = slam.session_log();
-  return log.empty() || log.back().status == TrackStatus::kLost;
+  return log.empty() || log.back().is_lost();
 }
 
 }  // namespace
@@ -126,7 +126,7 @@ Returns a Result.)")
                              reading([](const Slam& slam) { return slam.map().landmark_count(); }),
                              "Number of landmarks.")
       .def_property_readonly("loops",
-                             reading([](const Slam& slam) { return slam.map().loop_edges().size(); }),
+                             reading([](const Slam& slam) { return slam.map().loop_closures().size(); }),
                              "Number of loops closed.")
       .def_property_readonly("trajectory",
                              reading([](const Slam& slam) { return PyTrajectory{slam.trajectory()}; }),

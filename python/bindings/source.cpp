@@ -16,8 +16,8 @@
 
 namespace kinloop::python {
 
-RgbdFrame PyFrame::raw() const {
-  RgbdFrame frame = data;
+Frame PyFrame::raw() const {
+  Frame frame = data;
   frame.id.value -= first_frame;
   return frame;
 }
@@ -47,7 +47,7 @@ std::optional<PyFrame> FrameReader::read() {
   auto frame = source_->next();
   if (!frame) return std::nullopt;
   PyFrame read{{}, 0, 0, weak_from_this()};
-  static_cast<RgbdFrame&>(read.data) = std::move(*frame);
+  static_cast<Frame&>(read.data) = std::move(*frame);
   return read;
 }
 

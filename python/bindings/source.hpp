@@ -16,13 +16,13 @@ class FrameReader;
 
 /// A frame, and what has been prepared of it.
 struct PyFrame {
-  PreparedFrame data;
+  Frame data;
   uint64_t prepared_for = 0;  ///< the run whose front end prepared it; 0: only read
   uint32_t first_frame = 0;   ///< added to its id by that front end
   std::weak_ptr<FrameReader> reader;
 
   /// Returns the frame as read.
-  [[nodiscard]] RgbdFrame raw() const;
+  [[nodiscard]] Frame raw() const;
 };
 
 /// Reads a source, from the first frame that a run processes on ahead of it, like `Session`: a loop in Python

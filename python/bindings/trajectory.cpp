@@ -8,9 +8,9 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/io/path_csv.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/stamps.hpp"
+#include "tools/export/path_csv.hpp"
 
 namespace kinloop::python {
 namespace {

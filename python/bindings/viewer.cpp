@@ -56,7 +56,7 @@ SavedRun shown_result(const py::object& object) {
     result.run->with_slam([&](const Slam& slam) {
       for (const Keyframe& k : slam.map().keyframes())
         run.keyframes.push_back({k.stamp_ns, k.T_world_camera});
-      for (const LoopEdge& loop : slam.map().loop_edges()) run.loops.emplace_back(loop.a, loop.b);
+      for (const LoopClosure& loop : slam.map().loop_closures()) run.loops.emplace_back(loop.a, loop.b);
       run.metrics["landmarks"] = slam.map().landmark_count();
     });
   });
@@ -74,7 +74,7 @@ SavedRun shown_map(const py::object& object) {
     run.path = trajectory_of(map.open.session_log(0), map.open.map);
     for (const Keyframe& k : map.open.map.keyframes())
       run.keyframes.push_back({k.stamp_ns, k.T_world_camera});
-    for (const LoopEdge& loop : map.open.map.loop_edges()) run.loops.emplace_back(loop.a, loop.b);
+    for (const LoopClosure& loop : map.open.map.loop_closures()) run.loops.emplace_back(loop.a, loop.b);
     run.metrics["landmarks"] = map.open.map.landmark_count();
     run.up = map.open.up(0).direction;
   });

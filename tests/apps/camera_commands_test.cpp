@@ -240,7 +240,7 @@ void write_boards(const std::filesystem::path& folder) {
         test::picture(camera.color, test::random_pose(random, test::small_board()), test::small_board()));
     cv::Mat color;
     cv::cvtColor(gray, color, cv::COLOR_GRAY2BGR);
-    RgbdFrame frame;
+    Frame frame;
     frame.color = color;
     frame.depth_m = cv::Mat(gray.size(), CV_32FC1, cv::Scalar(0.5));
     for (int i = 0; i < 2; ++i) {

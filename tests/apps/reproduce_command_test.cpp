@@ -1,4 +1,4 @@
-// kinloop reproduce: the page of the founding paper's figures.
+// kinloop reproduce: the page of the paper's tables and figures.
 
 #include <filesystem>
 

@@ -37,8 +37,8 @@ SE3 drifted_ring_pose(int i) {
   return T_world_camera;
 }
 
-SlamOptions ring_options() {
-  SlamOptions options;
+BackEndOptions ring_options() {
+  BackEndOptions options;
   options.executor.mode = ExecutorMode::kInline;  // jobs submitted at frame n are applied at n + 1
   options.self_calibration.min_keyframes = 20;
   return options;
@@ -55,17 +55,14 @@ class BackEndTest : public testing::Test {
     }
   }
 
-  static RgbdCamera camera(const test::SyntheticWorld& world) {
-    RgbdCamera camera;
-    camera.color = world.camera;
-    return camera;
-  }
-
   Map& map() { return built_.map; }
 
   void see_the_start_again() {
-    const ProposedLoop loop{KeyframeId{1}, ring_pose(1).inverse() * ring_pose(kRingKeyframes - 1), {}};
-    back_end_.add_loop_candidates(make_loop_candidates(map(), last_, {loop}, {}));
+    const LoopClosure loop{
+        .a = KeyframeId{1}, .b = last_, .T_a_b = ring_pose(1).inverse() * ring_pose(kRingKeyframes - 1)};
+    LoopVerificationProblem problem = make_loop_verification_problem(map().keyframe(last_));
+    problem.candidates.push_back({loop, {}, make_local_map(map(), loop.a, {})});
+    back_end_.add(std::move(problem));
   }
 
   /// Processes a frame; `added` is its keyframe, if valid.
@@ -88,9 +85,9 @@ class BackEndTest : public testing::Test {
   test::SyntheticMap built_;
   const KeyframeId last_{kRingKeyframes - 1};
   FrameLog log_;
-  SensorVector sensor_ = SensorVector::Zero();
+  Sensor sensor_{world_.camera};
   FrameId now_{0};
-  BackEnd back_end_{built_.map, camera(world_), ring_options()};
+  BackEnd back_end_{built_.map, sensor_, ring_options()};
 };
 
 TEST_F(BackEndTest, NoJobIsDueInitially) {
@@ -103,7 +100,7 @@ TEST_F(BackEndTest, VerifiedLoopIsCorrectedThenAdjusted) {
   see_the_start_again();
   next_frame();
   EXPECT_THAT(jobs(next_frame()), ElementsAre("loop verification"));
-  EXPECT_EQ(map().loop_edges().size(), 1U);
+  EXPECT_EQ(map().loop_closures().size(), 1U);
   EXPECT_THAT(jobs(next_frame()), ElementsAre("loop correction"));
   EXPECT_LT(drift_m(), 0.3 * before_m);
   EXPECT_THAT(jobs(next_frame()), ElementsAre("global bundle adjustment"));

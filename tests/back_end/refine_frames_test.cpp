@@ -15,11 +15,11 @@ struct Run {
   Slam slam{recording.camera, options};
 
   Run() {
-    for (const RgbdFrame& frame : recording.frames) slam.process(frame);
+    for (const Frame& frame : recording.frames) slam.process(frame);
   }
 
   [[nodiscard]] FrameRefinement refinement() const {
-    return {slam.map(), recording.camera.color, slam.sensor().value, options.tracking.pose};
+    return {slam.map(), slam.sensor(), options.tracking.pose};
   }
 };
 
@@ -32,7 +32,7 @@ const Run& run() {
 FrameLog limited_log(const LogLimits& limits) {
   LogLimiter limiter(limits);
   FrameLog log;
-  for (const LoggedFrame& entry : run().slam.log()) {
+  for (const TrackedFrame& entry : run().slam.log()) {
     log.push_back(entry);
     limiter.apply(log, 0, run().refinement());
   }
@@ -52,8 +52,8 @@ TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
   double moved_m = 0;
   for (size_t i = 0; i < limited.size(); ++i) {
     SCOPED_TRACE(i);
-    const bool old = i + kKept < limited.size(), observed = !tracked[i].observations.empty();
-    EXPECT_EQ(limited[i].observations.empty(), old || !observed);
+    const bool old = i + kKept < limited.size(), observed = !tracked[i].measurements.empty();
+    EXPECT_EQ(limited[i].measurements.empty(), old || !observed);
     EXPECT_EQ(limited[i].refined, old && observed);
     const Map& map = run().slam.map();
     const SE3 expected = world_pose(unlimited_end[i], map);
@@ -67,7 +67,7 @@ TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
 TEST(LogLimiter, ChangesNothingWithinItsLimits) {
   const FrameLog limited = limited_log({run().slam.log().size(), 100});
   for (size_t i = 0; i < limited.size(); ++i) {
-    EXPECT_EQ(limited[i].observations.size(), run().slam.log()[i].observations.size());
+    EXPECT_EQ(limited[i].measurements.size(), run().slam.log()[i].measurements.size());
     EXPECT_EQ(limited[i].T_reference_camera.translation, run().slam.log()[i].T_reference_camera.translation);
   }
 }
@@ -76,14 +76,14 @@ TEST(LogLimiter, KeepsTheFeaturesOfTheLatestLostFrames) {
   LogLimiter limiter({100, 3});
   FrameLog log;
   for (uint32_t i = 0; i < 10; ++i) {
-    LoggedFrame& entry = log.emplace_back();
-    entry.frame = FrameId{i};
-    if (i % 2 == 0) entry.features = std::make_shared<const Features>();
+    TrackedFrame& entry = log.emplace_back();
+    entry.id = FrameId{i};
+    if (i % 2 == 0) entry.frame = std::make_shared<const Frame>();
     limiter.apply(log, 0, run().refinement());
   }
   std::vector<uint32_t> kept;
-  for (const LoggedFrame& entry : log) {
-    if (entry.features) kept.push_back(entry.frame.value);
+  for (const TrackedFrame& entry : log) {
+    if (entry.frame) kept.push_back(entry.id.value);
   }
   EXPECT_EQ(kept, (std::vector<uint32_t>{4, 6, 8}));
 }

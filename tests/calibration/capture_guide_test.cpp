@@ -100,14 +100,14 @@ TEST(CaptureGuide, FollowingItsHintsConstrainsTheIntrinsics) {
 }
 
 /// A frame of both cameras, with optional blur of the colour image.
-RgbdFrame shot(double blur_px = 0) {
+Frame shot(double blur_px = 0) {
   const SE3 at = board_at({0.02, -0.01, 0.5}, {0.3, -0.3, 0.2}, small_board());
   const cv::Mat drawn = test::picture(infrared_camera(), at, small_board());
   cv::Mat gray = test::in_8_bits(drawn);
   if (blur_px > 0) cv::GaussianBlur(gray, gray, {}, blur_px);
   cv::Mat color;
   cv::cvtColor(gray, color, cv::COLOR_GRAY2BGR);
-  RgbdFrame frame;
+  Frame frame;
   frame.color = color;
   drawn.convertTo(frame.infrared, CV_16UC1, 9000, 500);
   frame.depth_m = cv::Mat(gray.size(), CV_32FC1, cv::Scalar(0.5));
@@ -116,7 +116,7 @@ RgbdFrame shot(double blur_px = 0) {
 
 TEST(EdgeWidth, GrowsWithTheBlur) {
   const auto width = [](double blur_px) {
-    const RgbdFrame frame = shot(blur_px);
+    const Frame frame = shot(blur_px);
     const auto found = find_board(frame.color.bgr(), small_board());
     return found ? edge_width_px(frame.color.bgr(), *found) : 0;
   };
@@ -137,7 +137,7 @@ TEST(StillCapture, WritesPairsOfBothCameras) {
   EXPECT_EQ(read_still(folder.path() / "stills/0001_ir.png").type(), CV_16UC1);
   EXPECT_EQ(read_still(folder.path() / "stills/0001_depth.png").at<uint16_t>(3, 3), 500);
 
-  RgbdFrame reflecting = shot();
+  Frame reflecting = shot();
   reflecting.infrared.setTo(cv::Scalar(60000));
   EXPECT_THAT(capture.process(reflecting).hint, HasSubstr("infrared"));
   reflecting.infrared.release();

@@ -26,8 +26,8 @@ struct Scene {
   DenseCamera camera{.color = small_camera()};
 
   void add(const RgbdImages& seen, const SE3& T_world_camera, const Velocity& velocity = {},
-           double depth_lag_s = 0) {
-    views.push_back({images.size(), T_world_camera, velocity, depth_lag_s});
+           double depth_stamp_difference_s = 0) {
+    views.push_back({images.size(), T_world_camera, velocity, depth_stamp_difference_s});
     images.push_back({seen.color.clone(), seen.depth_m.clone()});
   }
 

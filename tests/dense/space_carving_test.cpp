@@ -35,12 +35,12 @@ std::vector<SurfacePoint> random_points(Random& random, size_t count) {
   return points;
 }
 
-FreeSpaceView random_view(Random& random, const PinholeCamera& camera) {
-  FreeSpaceView view;
+MeasuredFreeSpace random_view(Random& random, const PinholeCamera& camera) {
+  MeasuredFreeSpace view;
   const Eigen::Vector3d turn = test::gaussian_vector<3>(random);
   view.T_camera_world = {exp_so3(0.3 * turn), {0.2 * random.gaussian(), 0.2 * random.gaussian(), 0}};
   view.velocity = {{0.3, -0.2, 0.4}, {0.5, -0.6, 0.2}};
-  view.depth_lag_s = 0.1 * (random.uniform() - 0.5);
+  view.depth_stamp_difference_s = 0.1 * (random.uniform() - 0.5);
   for (int i = 0; i < (camera.width / kTilePx) * (camera.height / kTilePx); ++i) {
     const double z = 0.8 + 2 * random.uniform();
     view.nearest.push_back(random.uniform() < 0.1 ? uint16_t{0}
@@ -50,7 +50,8 @@ FreeSpaceView random_view(Random& random, const PinholeCamera& camera) {
 }
 
 /// The largest inverse depth of the tiles of all pixels within 2 px; 0 if any is unknown.
-double nearest_around(const Eigen::Vector2d& pixel, const FreeSpaceView& view, const PinholeCamera& camera) {
+double nearest_around(const Eigen::Vector2d& pixel, const MeasuredFreeSpace& view,
+                      const PinholeCamera& camera) {
   const int cols = camera.width / kTilePx;
   uint16_t most = 0;
   for (const int down : {-2, 2}) {
@@ -66,11 +67,11 @@ double nearest_around(const Eigen::Vector2d& pixel, const FreeSpaceView& view, c
 }
 
 /// One view of one point as the documentation tells it.
-int contradiction(const SurfacePoint& point, const FreeSpaceView& view, const DenseCamera& camera,
+int contradiction(const SurfacePoint& point, const MeasuredFreeSpace& view, const DenseCamera& camera,
                   const DenseOptions& options) {
   const Eigen::Vector3d p_stamp = view.T_camera_world * point.p_world.cast<double>();
   if (!(p_stamp.z() > 0)) return 0;
-  const Eigen::Vector3d p = camera.undo_deskew(p_stamp, view.velocity, view.depth_lag_s);
+  const Eigen::Vector3d p = camera.undo_deskew(p_stamp, view.velocity, view.depth_stamp_difference_s);
   if (!(p.z() > 0) || !camera.color.contains(camera.color.project(p))) return 0;
   const Eigen::Vector2d pixel = camera.color.distort(camera.color.project(p));
   if (!camera.color.contains(pixel, 2)) return 0;
@@ -89,12 +90,12 @@ TEST(SpaceCarving, CountsAsEveryPointInEveryView) {
     options.voxel_m = kVoxel_m;
     options.carve = carve;
     auto points = random_points(random, 20'000);
-    std::vector<FreeSpaceView> views;
+    std::vector<MeasuredFreeSpace> views;
     for (int i = 0; i < 8; ++i) views.push_back(random_view(random, camera.color));
     std::vector<int> expected;
     for (const SurfacePoint& point : points) {
       int& count = expected.emplace_back(0);
-      for (const FreeSpaceView& view : views) count += contradiction(point, view, camera, options);
+      for (const MeasuredFreeSpace& view : views) count += contradiction(point, view, camera, options);
     }
     ASSERT_GT(std::count_if(expected.begin(), expected.end(), [](int n) { return n > 0; }), 1000);
     auto again = points;
@@ -109,7 +110,7 @@ TEST(SpaceCarving, CountsAsEveryPointInEveryView) {
 
 TEST(SpaceCarving, ManyPointsOfOneBlockAreAllJudged) {
   const DenseCamera camera{.color = test::small_camera()};
-  FreeSpaceView view;
+  MeasuredFreeSpace view;
   view.nearest.assign(40 * 30, static_cast<uint16_t>(1 / 3.0 / kTileStep_per_m));
   SurfacePoint point;
   point.p_world = {0.05F, 0.05F, 1.5F};

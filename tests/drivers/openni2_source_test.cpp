@@ -67,7 +67,7 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
 TEST_F(OpenNi2Test, DeliversFramesInOrderWithTheDevicesStamps) {
   const auto source = open_dummy();
   EXPECT_TRUE(source->info().live);
-  std::optional<RgbdFrame> before;
+  std::optional<Frame> before;
   for (int i = 0; i < 5; ++i) {
     const auto frame = source->next();
     ASSERT_TRUE(frame);

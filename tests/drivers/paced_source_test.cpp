@@ -12,9 +12,9 @@ class NumberedSource : public FrameSource {
  public:
   explicit NumberedSource(int64_t frames) { info_.frames = static_cast<size_t>(frames); }
 
-  std::optional<RgbdFrame> next() override {
+  std::optional<Frame> next() override {
     if (at_ >= static_cast<int64_t>(info_.frames)) return std::nullopt;
-    RgbdFrame frame;
+    Frame frame;
     frame.stamp_ns = at_++;
     return frame;
   }

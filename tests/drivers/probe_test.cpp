@@ -24,7 +24,7 @@ TEST(RateStatistics, GapsDoNotCountAsJitter) {
 }
 
 TEST(DepthStatistics, CountOnlyKnownDepth) {
-  RgbdFrame frame;
+  Frame frame;
   frame.depth_m = cv::Mat(64, 64, CV_32FC1, cv::Scalar(2));
   frame.depth_m.colRange(0, 32).setTo(0);
   const DepthStatistics depth = depth_statistics({&frame, 1});
@@ -40,8 +40,8 @@ TEST(PlausibleDepthScale, MillimetresReadAsTumUnitsAndTheOtherWayRound) {
 }
 
 /// Bright squares in front of a dark wall, with depth shifted by (dx, dy) against colour.
-RgbdFrame shifted_frame(int dx, int dy) {
-  RgbdFrame frame;
+Frame shifted_frame(int dx, int dy) {
+  Frame frame;
   cv::Mat color(480, 640, CV_8UC3, cv::Scalar::all(40));
   frame.depth_m = cv::Mat(480, 640, CV_32FC1, cv::Scalar(3));
   cv::RNG random(3);
@@ -59,7 +59,7 @@ RgbdFrame shifted_frame(int dx, int dy) {
 
 TEST(Misregistration, FindsTheShiftFromDepthToColour) {
   for (const cv::Point shift : {cv::Point(0, 0), cv::Point(7, -4), cv::Point(-12, 3)}) {
-    const RgbdFrame frame = shifted_frame(shift.x, shift.y);
+    const Frame frame = shifted_frame(shift.x, shift.y);
     const auto found = misregistration({&frame, 1});
     ASSERT_TRUE(found);
     EXPECT_THAT(found->shift_px.x(), DoubleNear(-shift.x, 0.6));
@@ -68,7 +68,7 @@ TEST(Misregistration, FindsTheShiftFromDepthToColour) {
 }
 
 TEST(Misregistration, IsUnknownWithoutBorders) {
-  RgbdFrame frame = shifted_frame(0, 0);
+  Frame frame = shifted_frame(0, 0);
   frame.depth_m.setTo(2);
   EXPECT_FALSE(misregistration({&frame, 1}));
 }

@@ -102,8 +102,8 @@ class SoftwareCamera {
   std::array<uint16_t, kDepthWidth * kDepthHeight> depth_pixels_{};
 };
 
-std::vector<RgbdFrame> take(FrameSource& source, int count) {
-  std::vector<RgbdFrame> frames;
+std::vector<Frame> take(FrameSource& source, int count) {
+  std::vector<Frame> frames;
   for (int i = 0; i < count; ++i) {
     auto frame = source.next();
     if (!frame) break;
@@ -220,7 +220,7 @@ TEST(Realsense, ARecordingOfTheSdkHasTheLiveFrames) {
   ASSERT_GE(from_bag.size(), 4U);
   const auto from_camera = take(*live, 1);
   ASSERT_EQ(from_camera.size(), 1U);
-  for (const RgbdFrame& frame : from_bag) {
+  for (const Frame& frame : from_bag) {
     EXPECT_EQ(frame.depth_stamp_or_color_ns() - frame.stamp_ns, 500'000);
     EXPECT_LT(cv::norm(frame.depth_m, from_camera[0].depth_m, cv::NORM_INF), 1e-6);
   }

@@ -17,7 +17,7 @@ class FakeCamera {
  public:
   explicit FakeCamera(std::vector<int> plan) : plan_(std::move(plan)) { open(); }
 
-  std::optional<RgbdFrame> next(double max_wait_s = 10, const StopRequest& stop = {}) {
+  std::optional<Frame> next(double max_wait_s = 10, const StopRequest& stop = {}) {
     return next_or_reconnect(frames_, {"fake", milliseconds(5), max_wait_s,
                                        [this] {
                                          if (open_) calls_.emplace_back("close");

@@ -33,7 +33,7 @@ PinholeCamera small_camera() {
   return camera;
 }
 
-cv::Mat millimetres(const RgbdFrame& frame) {
+cv::Mat millimetres(const Frame& frame) {
   cv::Mat result;
   frame.depth_m.convertTo(result, CV_16UC1, 1000);
   return result;

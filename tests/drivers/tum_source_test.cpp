@@ -22,14 +22,14 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-std::vector<RgbdFrame> read_all(FrameSource& source) {
-  std::vector<RgbdFrame> frames;
+std::vector<Frame> read_all(FrameSource& source) {
+  std::vector<Frame> frames;
   while (auto frame = source.next()) frames.push_back(*frame);
   return frames;
 }
 
 /// The indices of the delivered frames of a SequenceFolder, recognised by their depth.
-std::vector<int> indices(const std::vector<RgbdFrame>& frames) {
+std::vector<int> indices(const std::vector<Frame>& frames) {
   std::vector<int> found;
   for (const auto& frame : frames) found.push_back(cvRound(1000 * frame.depth_m.at<float>(0, 0)) - 1000);
   return found;

@@ -1,9 +1,9 @@
-#include "tools/evaluation/statistics.hpp"
-
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,7 +9,7 @@
 #include "drivers/ros/bag_source.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
-#include "kinloop/sensor/recording_topics.hpp"
+#include "kinloop/sensor/recording_format.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -34,7 +34,7 @@ RgbdCamera camera() {
 }
 
 /// Every second colour image is a JPEG; the stamps of depth wander.
-RgbdFrame frame(int i) {
+Frame frame(int i) {
   Random random(static_cast<uint64_t>(i) + 1);
   cv::Mat color(kHeight, kWidth, CV_8UC3), depth_m(kHeight, kWidth, CV_32FC1);
   for (int y = 0; y < kHeight; ++y) {
@@ -45,7 +45,7 @@ RgbdFrame frame(int i) {
           x % 7 == 0 ? 0 : 0.4F * static_cast<float>(x) + 0.0113F * static_cast<float>(y * i);
     }
   }
-  RgbdFrame frame;
+  Frame frame;
   frame.stamp_ns = kStart_ns + int64_t{i} * 33'333'333;
   frame.depth_stamp_ns = frame.stamp_ns + (i - 3) * 9'000'001;
   frame.depth_m = depth_m;
@@ -122,7 +122,7 @@ TEST(FrameRecording, GivesTheFramesOfAFolderRecordedFromTheSame) {
 
 TEST(FrameRecording, AFrameBeforeZeroKeepsItsStamp) {
   const test::TempFolder folder;
-  RgbdFrame early = frame(0);
+  Frame early = frame(0);
   early.stamp_ns = -1'250'000'000;
   early.depth_stamp_ns = -1'240'000'001;
   FrameRecording writer(folder.path() / "a.mcap", camera());

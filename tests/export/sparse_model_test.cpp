@@ -26,7 +26,7 @@ struct Scene {
   test::SyntheticWorld world = test::make_world(2000, 3);
   test::SyntheticMap built;
   ImageStore store;
-  std::vector<ModelView> views;
+  std::vector<FrameImage> views;
   FileFrame frame = z_up_frame({0.1, -1, 0.2}, SE3());
 
   explicit Scene(double sigma_px = 0) {

@@ -21,7 +21,7 @@ using test::cluttered_image;
 using test::ideal_camera;
 
 TEST(Extractor, GivesOneEntryPerKeypoint) {
-  const Features f = extract_features(cluttered_image(1), cv::Mat(), ideal_camera(), {});
+  const Features f = extract_features(cluttered_image(1), cv::Mat(), Sensor{ideal_camera()}, {});
   EXPECT_GT(f.size(), 700U);
   EXPECT_LE(f.size(), 1010U);
   EXPECT_EQ(f.raw_pixels.size(), f.size());
@@ -37,7 +37,7 @@ TEST(Extractor, SpreadsOverDimAndBrightPartsMoreThanOpenCv) {
   cv::Mat image = cluttered_image(2);
   cv::Mat right = image.colRange(320, 640);  // a quarter of the contrast of the left half: double it
   right.convertTo(right, CV_8U, 2);
-  const Features f = extract_features(image, cv::Mat(), ideal_camera(), {});
+  const Features f = extract_features(image, cv::Mat(), Sensor{ideal_camera()}, {});
   const auto ours =
       std::count_if(f.pixels.begin(), f.pixels.end(), [](const auto& p) { return p.x() > 320; });
   std::vector<cv::KeyPoint> points;
@@ -53,7 +53,7 @@ TEST(Extractor, DescribesEveryLevelAsOpenCvDoes) {
   const FeatureOptions options;
   const auto pyramid = build_pyramid(image, options);
   const auto corners = detect_corners(pyramid, options);
-  const Features f = extract_features(image, cv::Mat(), ideal_camera(), options);
+  const Features f = extract_features(image, cv::Mat(), Sensor{ideal_camera()}, options);
   ASSERT_EQ(f.size(), corners.size());
   int compared = 0;
   for (int level = 0; level < static_cast<int>(pyramid.size()); ++level) {
@@ -79,8 +79,8 @@ TEST(Extractor, FindsTheSameCornersInAShiftedImage) {
   cv::Mat shifted;
   const cv::Matx23d shift(1, 0, 7, 0, 1, 5);
   cv::warpAffine(image, shifted, shift, image.size(), cv::INTER_LINEAR, cv::BORDER_REFLECT);
-  const Features a = extract_features(image, cv::Mat(), ideal_camera(), {});
-  const Features b = extract_features(shifted, cv::Mat(), ideal_camera(), {});
+  const Features a = extract_features(image, cv::Mat(), Sensor{ideal_camera()}, {});
+  const Features b = extract_features(shifted, cv::Mat(), Sensor{ideal_camera()}, {});
   int repeated = 0;
   for (const auto& pixel : a.pixels) {
     repeated +=
@@ -118,8 +118,8 @@ TEST(Extractor, FindsTheSameCornersInATurnedAndScaledImage) {
                       turn.at<double>(1, 0), turn.at<double>(1, 1), turn.at<double>(1, 2), 0, 0, 1);
   cv::Mat turned;
   cv::warpPerspective(image, turned, H, image.size(), cv::INTER_LINEAR, cv::BORDER_REFLECT);
-  const Features a = extract_features(image, cv::Mat(), ideal_camera(), {});
-  const Features b = extract_features(turned, cv::Mat(), ideal_camera(), {});
+  const Features a = extract_features(image, cv::Mat(), Sensor{ideal_camera()}, {});
+  const Features b = extract_features(turned, cv::Mat(), Sensor{ideal_camera()}, {});
   EXPECT_GT(repeatability(a, b, H, 2), 0.6);
 }
 
@@ -139,7 +139,7 @@ TEST(Extractor, LocatesCornersBetweenPixels) {
         image.at<uint8_t>(y, x) = static_cast<uint8_t>(std::lround(30 + 200 * std::exp(-r2 / 8)));
       }
     }
-    const Features f = extract_features(image, cv::Mat(), ideal_camera(), {});
+    const Features f = extract_features(image, cv::Mat(), Sensor{ideal_camera()}, {});
     for (const auto& pixel : f.pixels) {
       const double error_px = (pixel - Eigen::Vector2f(centre.x, centre.y)).norm();
       squared_error += error_px * error_px;
@@ -160,7 +160,7 @@ TEST(Extractor, UndistortsKeypointsNotTheDepthMap) {
   camera.lens.k3 = 1.163314;
   cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(2.0F));
   depth.colRange(0, 320).setTo(1.0F);
-  const Features f = extract_features(cluttered_image(5), depth, camera, {});
+  const Features f = extract_features(cluttered_image(5), depth, Sensor{camera}, {});
   for (size_t i = 0; i < f.size(); ++i) {
     EXPECT_LT((camera.distort(f.pixels[i].cast<double>()) - f.raw_pixels[i].cast<double>()).norm(), 1e-2);
     const float x = f.raw_pixels[i].x();
@@ -175,14 +175,17 @@ TEST(Extractor, UndistortsKeypointsNotTheDepthMap) {
 
 TEST(Extractor, EmptyAndTinyImagesHaveNoFeatures) {
   PinholeCamera camera = ideal_camera();
-  EXPECT_EQ(extract_features(cv::Mat(480, 640, CV_8UC1, cv::Scalar(80)), cv::Mat(), camera, {}).size(), 0U);
+  EXPECT_EQ(
+      extract_features(cv::Mat(480, 640, CV_8UC1, cv::Scalar(80)), cv::Mat(), Sensor{camera}, {}).size(), 0U);
   camera.width = camera.height = 20;
-  EXPECT_EQ(extract_features(cv::Mat(20, 20, CV_8UC1, cv::Scalar(80)), cv::Mat(), camera, {}).size(), 0U);
+  EXPECT_EQ(extract_features(cv::Mat(20, 20, CV_8UC1, cv::Scalar(80)), cv::Mat(), Sensor{camera}, {}).size(),
+            0U);
 }
 
 TEST(Extractor, RefusesColourAndDepthOfAnotherSize) {
-  EXPECT_THROW(extract_features(cv::Mat(480, 640, CV_8UC3), cv::Mat(), ideal_camera(), {}), std::logic_error);
-  EXPECT_THROW(extract_features(cluttered_image(6), cv::Mat(10, 10, CV_32FC1), ideal_camera(), {}),
+  EXPECT_THROW(extract_features(cv::Mat(480, 640, CV_8UC3), cv::Mat(), Sensor{ideal_camera()}, {}),
+               std::logic_error);
+  EXPECT_THROW(extract_features(cluttered_image(6), cv::Mat(10, 10, CV_32FC1), Sensor{ideal_camera()}, {}),
                std::logic_error);
 }
 
@@ -214,8 +217,8 @@ TEST(FloatFeatures, AreFoundAgainOnATurnedAndLargerImage) {
   for (const FeatureKind kind : float_kinds()) {
     FeatureOptions options;
     options.kind = kind;
-    const Features a = extract_features(image, cv::Mat(), ideal_camera(), options);
-    const Features b = extract_features(turned, cv::Mat(), ideal_camera(), options);
+    const Features a = extract_features(image, cv::Mat(), Sensor{ideal_camera()}, options);
+    const Features b = extract_features(turned, cv::Mat(), Sensor{ideal_camera()}, options);
     ASSERT_EQ(a.descriptors.type(), CV_8UC1);
     ASSERT_EQ(a.descriptors.cols, 32);
     EXPECT_LT(*std::max_element(a.levels.begin(), a.levels.end()), a.level_count);
@@ -269,8 +272,71 @@ TEST(FloatFeatures, AnImageWithoutCornersHasNone) {
     FeatureOptions options;
     options.kind = kind;
     const cv::Mat blank(240, 320, CV_8UC1, cv::Scalar(90));
-    EXPECT_EQ(extract_features(blank, cv::Mat(), ideal_camera(), options).size(), 0U);
+    EXPECT_EQ(extract_features(blank, cv::Mat(), Sensor{ideal_camera()}, options).size(), 0U);
   }
+}
+
+/// A fisheye lens of 170 degrees.
+PinholeCamera fisheye_camera() {
+  const std::vector<double> coefficients{0.02, -0.015, 0.004, -0.0007};
+  return {1280, 1280, 400, 405, 639.5, 640, lens_with(LensModel::kKannalaBrandt, coefficients)};
+}
+
+/// Inverse depth of a slanted plane at an undistorted pixel: linear in it.
+double inverse_depth_of_plane(const PinholeCamera& c, const Eigen::Vector2d& pixel) {
+  return 0.5 + 0.15 * (pixel.x() - c.cx) / c.fx + 0.05 * (pixel.y() - c.cy) / c.fy;
+}
+
+TEST(SampleKeypoint, PredictsASlantedPlaneInTheUndistortedImageOfAFisheye) {
+  const PinholeCamera camera = fisheye_camera();
+  cv::Mat depth_m(camera.height, camera.width, CV_32FC1, cv::Scalar(0));
+  for (int y = 0; y < depth_m.rows; ++y) {
+    for (int x = 0; x < depth_m.cols; ++x) {
+      const Eigen::Vector2d pixel = camera.undistort({x, y});
+      const double inverse_depth = inverse_depth_of_plane(camera, pixel);
+      if (inverse_depth > 0.1) depth_m.at<float>(y, x) = static_cast<float>(1 / inverse_depth);
+    }
+  }
+  constexpr float kRawSigma_px = 1.5F;
+  int checked = 0;
+  for (const double degrees : {0.0, 30.0, 55.0, 75.0}) {
+    for (int k = -3; k <= 3; ++k) {  // where the plane is in front of the camera
+      const double radius = std::tan(degrees * std::numbers::pi / 180);
+      const Eigen::Vector2d seen(camera.cx + camera.fx * radius * std::cos(0.3 * k),
+                                 camera.cy + camera.fy * radius * std::sin(0.3 * k));
+      const Eigen::Vector2d raw = camera.distort(seen).array().round();
+      const KeypointSample sample = sample_keypoint(depth_m, raw, kRawSigma_px, {camera}, {});
+      const Eigen::Vector2d pixel = camera.undistort(raw);
+      ASSERT_GT(sample.depth_m, 0);
+      ASSERT_TRUE(sample.inverse_depth_gradient.allFinite());
+      EXPECT_LT((sample.pixel.cast<double>() - pixel).norm(), 1e-3);
+      for (const Eigen::Vector2d& step :
+           {Eigen::Vector2d(6, 0), Eigen::Vector2d(0, 6), Eigen::Vector2d(-4, 4)}) {
+        const Eigen::Vector2d neighbor = camera.undistort(raw + step);
+        const double change =
+            inverse_depth_of_plane(camera, neighbor) - inverse_depth_of_plane(camera, pixel);
+        const double predicted = sample.inverse_depth_gradient.cast<double>().dot(neighbor - pixel);
+        EXPECT_NEAR(predicted, change, 0.02 * std::abs(change) + 2e-5) << degrees << " " << step.transpose();
+      }
+      Eigen::Matrix2d stretch;
+      for (int axis = 0; axis < 2; ++axis) {
+        const Eigen::Vector2d half = 0.5 * Eigen::Vector2d::Unit(axis);
+        stretch.col(axis) = camera.undistort(raw + half) - camera.undistort(raw - half);
+      }
+      const double expected = static_cast<double>(kRawSigma_px) * std::sqrt(std::abs(stretch.determinant()));
+      EXPECT_NEAR(static_cast<double>(sample.sigma_px), expected, 0.01 * expected);
+      ++checked;
+    }
+  }
+  EXPECT_EQ(checked, 28);
+}
+
+TEST(SampleKeypoint, LeavesAnIdealLensAlone) {
+  const cv::Mat depth_m(480, 640, CV_32FC1, cv::Scalar(2));
+  const KeypointSample sample = sample_keypoint(depth_m, {100, 50}, 1.44F, {ideal_camera()}, {});
+  EXPECT_EQ(sample.sigma_px, 1.44F);
+  EXPECT_EQ(sample.depth_m, 2);
+  EXPECT_EQ(sample.pixel, Eigen::Vector2f(100, 50));
 }
 
 }  // namespace

@@ -211,9 +211,9 @@ TEST(Extractor, GivesTheSameBitsOnEveryInstructionSet) {
   camera.width = 640;
   camera.height = 480;
   camera.fx = camera.fy = 525;
-  const Features expected = extract_features(image, cv::Mat(), camera, {});
+  const Features expected = extract_features(image, cv::Mat(), Sensor{camera}, {});
   for_each_simd_target([&](const std::string& name) {
-    const Features found = extract_features(image, cv::Mat(), camera, {});
+    const Features found = extract_features(image, cv::Mat(), Sensor{camera}, {});
     EXPECT_EQ(found.pixels, expected.pixels) << name;
     EXPECT_EQ(found.angles_rad, expected.angles_rad) << name;
     EXPECT_EQ(found.levels, expected.levels) << name;

@@ -19,7 +19,7 @@ Features two_keypoints() {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   features.inverse_depth_gradients = {{0.5F, -0.25F}, {kNan, kNan}};
   features.sigmas_px = {1.5F, 2};
-  features.depth_lag_s = -0.0625F;
+  features.depth_stamp_difference_s = -0.0625F;
   return features;
 }
 
@@ -29,7 +29,7 @@ TEST(KeypointMeasurement, CompensatedIsOfACameraAtRest) {
   EXPECT_EQ(measured.depth_m, 2.5);
   EXPECT_EQ(measured.sigma_px, 2);
   EXPECT_EQ(measured.row, 0);
-  EXPECT_EQ(measured.depth_lag_s, 0);
+  EXPECT_EQ(measured.depth_stamp_difference_s, 0);
   EXPECT_EQ(measured.inverse_depth_gradient, Eigen::Vector2d::Zero());
 }
 
@@ -40,7 +40,7 @@ TEST(KeypointMeasurement, RawKeepsRowGradientAndLag) {
   EXPECT_EQ(measured.sigma_px, 1.5);
   EXPECT_EQ(measured.row, -0.25) << "a quarter of the height above the middle";
   EXPECT_EQ(measured.inverse_depth_gradient, Eigen::Vector2d(0.5, -0.25));
-  EXPECT_EQ(measured.depth_lag_s, -0.0625);
+  EXPECT_EQ(measured.depth_stamp_difference_s, -0.0625);
 }
 
 TEST(KeypointMeasurement, UnknownDepthAndGradientStayUnknown) {

@@ -78,6 +78,20 @@ Samples samples_of(const PinholeCamera& c, double max_degrees) {
 
 class LensOfADevice : public testing::TestWithParam<Device> {};
 
+TEST_P(LensOfADevice, HasTheJacobianOfItsDistortion) {
+  const PinholeCamera& c = GetParam().camera;
+  for (const auto& ideal : samples_of(c, 80).ideal) {
+    const Eigen::Vector2d pixel(c.fx * ideal.x + c.cx, c.fy * ideal.y + c.cy);
+    const double step = 1e-3 * (1 + (pixel - Eigen::Vector2d(c.cx, c.cy)).norm() / c.fx);
+    Eigen::Matrix2d numeric;
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::Vector2d d = step * Eigen::Vector2d::Unit(axis);
+      numeric.col(axis) = (c.distort(pixel + d) - c.distort(pixel - d)) / (2 * step);
+    }
+    EXPECT_LT((c.distort_jacobian(pixel) - numeric).cwiseAbs().maxCoeff(), 1e-5) << pixel.transpose();
+  }
+}
+
 TEST_P(LensOfADevice, DistortsAsOpenCv) {
   const PinholeCamera& c = GetParam().camera;
   const Samples samples = samples_of(c, 80);

@@ -146,7 +146,7 @@ TEST_F(CraftedMapTest, AKeyframeWithImpossibleFeaturesIsLost) {
       [](Features& f) { f.pixels[0].x() = std::numeric_limits<float>::infinity(); },
       [](Features& f) { f.depths_m[0] = -1; },
       [](Features& f) { f.sigmas_px[0] = 0; },
-      [](Features& f) { f.depth_lag_s = 1e30F; },
+      [](Features& f) { f.depth_stamp_difference_s = 1e30F; },
       [](Features& f) { f.descriptors = cv::Mat(); },
       [](Features& f) { f.descriptors = f.descriptors.colRange(0, 31).clone(); },
       [](Features& f) { f.descriptors = f.descriptors.rowRange(0, 1).clone(); },

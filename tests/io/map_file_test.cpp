@@ -49,9 +49,10 @@ TEST(MapFile, RoundTripIsBitExact) {
   EXPECT_EQ(again.camera.sensor.origin, SensorOrigin::kSource);
   EXPECT_EQ(again.sessions[0].input, saved.sessions[0].input);
   EXPECT_EQ(again.map.keyframes[3].T_world_camera.matrix(), saved.map.keyframes[3].T_world_camera.matrix());
-  EXPECT_EQ(again.map.keyframes[3].features->depth_lag_s, saved.map.keyframes[3].features->depth_lag_s);
-  EXPECT_EQ(again.frames[5].depth_lag_s, saved.frames[5].depth_lag_s);
-  EXPECT_EQ(again.map.loop_edges[0].information, saved.map.loop_edges[0].information);
+  EXPECT_EQ(again.map.keyframes[3].features->depth_stamp_difference_s,
+            saved.map.keyframes[3].features->depth_stamp_difference_s);
+  EXPECT_EQ(again.frames[5].depth_stamp_difference_s, saved.frames[5].depth_stamp_difference_s);
+  EXPECT_EQ(again.map.loop_closures[0].information, saved.map.loop_closures[0].information);
 
   // Everything else: saved again, the file is identical byte for byte.
   write_map(b, again, images.size(), [&](size_t i) { return images[i]; });
@@ -94,8 +95,9 @@ TEST(MapFile, FilesOfVersion1AreReadWithoutStampsOfDepth) {
   ASSERT_EQ(old.frames.size(), saved.frames.size());
   EXPECT_EQ(old.map.keyframes[3].features->sigmas_px, saved.map.keyframes[3].features->sigmas_px);
   EXPECT_EQ(old.frames[5].stamp_ns, saved.frames[5].stamp_ns);
-  for (const Keyframe& keyframe : old.map.keyframes) EXPECT_EQ(keyframe.features->depth_lag_s, 0);
-  for (const SavedFrame& frame : old.frames) EXPECT_EQ(frame.depth_lag_s, 0);
+  for (const Keyframe& keyframe : old.map.keyframes)
+    EXPECT_EQ(keyframe.features->depth_stamp_difference_s, 0);
+  for (const TrackedFrame& frame : old.frames) EXPECT_EQ(frame.depth_stamp_difference_s, 0);
 }
 
 /// Replaces a table by a view.
@@ -218,7 +220,7 @@ TEST(MapFile, ALostKeyframeLosesOnlyItsObservations) {
   EXPECT_EQ(damage.landmarks, kKeypoints);  // all landmarks anchored in it
   ASSERT_EQ(saved.map.keyframes.size(), kKeyframes - 1);
   EXPECT_TRUE(saved.map.keyframes[6].begins_component);  // in place of the lost one
-  EXPECT_EQ(saved.map.loop_edges.size(), 1U);
+  EXPECT_EQ(saved.map.loop_closures.size(), 1U);
 }
 
 TEST(MapFile, NoTruncationCrashes) {

@@ -31,7 +31,7 @@ inline Features some_features(Random& random) {
     features.angles_rad.push_back(number());
     features.sigmas_px.push_back(1 + std::abs(number()));
   }
-  features.depth_lag_s = static_cast<float>(random.uniform(-0.02, 0.02));
+  features.depth_stamp_difference_s = static_cast<float>(random.uniform(-0.02, 0.02));
   features.descriptors = cv::Mat(static_cast<int>(kKeypoints), 32, CV_8UC1);
   for (int row = 0; row < features.descriptors.rows; ++row) {
     for (int col = 0; col < 32; ++col)
@@ -65,7 +65,12 @@ inline Map some_map(Random& random) {
     }
   }
   map.erase(LandmarkId{5});
-  map.add_loop_edge({KeyframeId{0}, KeyframeId{4}, some_pose(random), 3.5 * Matrix6d::Identity(), 77});
+  map.add_loop_closure({KeyframeId{0},
+                        KeyframeId{4},
+                        some_pose(random),
+                        3.5 * Matrix6d::Identity(),
+                        {77},
+                        LoopStage::kVerified});
   return map;
 }
 
@@ -85,9 +90,16 @@ inline SavedMap some_saved_map() {
   saved.sensor = {{1e-300, 0.1, true}, {-0.0, 0, false}};
   saved.map = some_map(random).data();
   for (uint32_t i = 0; i < 3 * kKeyframes; ++i) {
-    saved.frames.push_back({FrameId{i}, 33 * i, 0, KeyframeId{i / 3}, some_pose(random),
-                            i % 3 == 0 ? KeyframeId{i / 3} : KeyframeId{}, i % 3 == 1,
-                            static_cast<float>(random.uniform(-0.02, 0.02))});
+    TrackedFrame frame;
+    frame.id = FrameId{i};
+    frame.stamp_ns = 33 * i;
+    frame.outcome = TrackingOutcome::kTracked;
+    if (i % 3 == 1) frame.method = TrackingMethod::kRepeat;
+    frame.reference = KeyframeId{i / 3};
+    if (i % 3 == 0) frame.keyframe = KeyframeId{i / 3};
+    frame.T_reference_camera = some_pose(random);
+    frame.depth_stamp_difference_s = static_cast<float>(random.uniform(-0.02, 0.02));
+    saved.frames.push_back(frame);
   }
   return saved;
 }

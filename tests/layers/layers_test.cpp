@@ -27,9 +27,9 @@ class LayerViolations : public testing::Test {
  protected:
   LayerViolations() {
     folder_.write("layers.txt", "# rows\nkinloop/base:\nkinloop/slam: base\ndrivers: base slam\n");
-    folder_.write("kinloop/core/ids.hpp", "#include <vector>\n");
+    folder_.write("kinloop/base/ids.hpp", "#include <vector>\n");
     folder_.write("kinloop/slam/deep/slam.cpp",
-                  "#include \"kinloop/slam/slam.hpp\"\n#include \"kinloop/core/ids.hpp\"\n");
+                  "#include \"kinloop/slam/slam.hpp\"\n#include \"kinloop/base/ids.hpp\"\n");
     folder_.write("drivers/kinect.hpp", "#include \"kinloop/slam/slam.hpp\"\n");
   }
 
@@ -48,9 +48,9 @@ TEST_F(LayerViolations, NoneInAProjectInOrder) {
 }
 
 TEST_F(LayerViolations, IncludeThatTheRowDoesNotAllow) {
-  folder_.write("kinloop/core/ids.cpp", "\n  #  include \"kinloop/slam/slam.hpp\"  // why not\n");
+  folder_.write("kinloop/base/ids.cpp", "\n  #  include \"kinloop/slam/slam.hpp\"  // why not\n");
   EXPECT_THAT(violations(),
-              ElementsAre(AllOf(HasSubstr("kinloop/core/ids.cpp:2:"), HasSubstr("include slam"))));
+              ElementsAre(AllOf(HasSubstr("kinloop/base/ids.cpp:2:"), HasSubstr("include slam"))));
 }
 
 TEST_F(LayerViolations, AngleBracketsHideNothing) {

@@ -37,13 +37,14 @@ TEST_F(Drift, RotationCountsAsDistance) {
   EXPECT_NEAR(travelled_distances(map_, KeyframeId{1})[0], 0.5, 1e-9);
 }
 
-TEST_F(Drift, LoopEdgesAreShortcutsForTheKeyframesAroundThem) {
+TEST_F(Drift, LoopClosuresAreShortcutsForTheKeyframesAroundThem) {
   for (int i = 0; i <= 10; ++i) add(i);
-  LoopEdge loop;
+  LoopClosure loop;
+  loop.stage = LoopStage::kVerified;
   loop.a = KeyframeId{1};
   loop.b = KeyframeId{9};
   loop.T_a_b.translation = {0.25, 0, 0};
-  map_.add_loop_edge(loop);
+  map_.add_loop_closure(loop);
   const auto distances = travelled_distances(map_, KeyframeId{10});
   EXPECT_DOUBLE_EQ(distances[1], 1.25);
   EXPECT_DOUBLE_EQ(distances[0], 2.25);
@@ -69,11 +70,12 @@ Map random_map(Random& random, int loops) {
                      i < kKeyframes - 3 ? 0 : 1);
   }
   for (int i = 0; i < loops; ++i) {
-    LoopEdge loop;
+    LoopClosure loop;
+    loop.stage = LoopStage::kVerified;
     loop.a = KeyframeId{random.index(kKeyframes - 3)};
     loop.b = KeyframeId{random.index(kKeyframes - 3)};
     loop.T_a_b = test::random_step(random, 0.3, 0.1);
-    if (loop.a != loop.b) map.add_loop_edge(loop);
+    if (loop.a != loop.b) map.add_loop_closure(loop);
   }
   return map;
 }
@@ -96,7 +98,8 @@ std::vector<std::vector<double>> all_distances(const Map& map) {
     if (a.component == b.component)
       connect(i - 1, i, length_m(a.T_world_camera.inverse() * b.T_world_camera));
   }
-  for (const LoopEdge& loop : map.loop_edges()) connect(loop.a.value, loop.b.value, length_m(loop.T_a_b));
+  for (const LoopClosure& loop : map.loop_closures())
+    connect(loop.a.value, loop.b.value, length_m(loop.T_a_b));
   for (size_t k = 0; k < count; ++k) {
     for (size_t i = 0; i < count; ++i) {
       for (size_t j = 0; j < count; ++j) d[i][j] = std::min(d[i][j], d[i][k] + d[k][j]);

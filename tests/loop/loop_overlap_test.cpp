@@ -34,16 +34,12 @@ class LoopOverlap : public testing::Test {
     return 0;
   }
 
-  [[nodiscard]] RollingShutterCamera still() const {
-    RollingShutterCamera camera;
-    camera.camera = world_.camera;
-    return camera;
-  }
+  [[nodiscard]] MovingSensor still() const { return {Sensor{world_.camera}, {}}; }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
   test::ObservationNoise noise_;
   test::SyntheticMap built_;
-  LoopEdge loop_;
+  LoopClosure loop_;
   uint64_t seed_ = 0;
 };
 
@@ -58,7 +54,7 @@ TEST_F(LoopOverlap, ChoosesThePairSharingMostLandmarks) {
 TEST_F(LoopOverlap, PairEndsStayOnTheirSideOfTheLoop) {
   std::swap(loop_.a, loop_.b);
   EXPECT_EQ(most_overlapping_pair(built_.map, loop_).older, KeyframeId{2}) << "in either order of the ends";
-  loop_ = {KeyframeId{1}, KeyframeId{2}, {}, Matrix6d::Identity(), 0};
+  loop_ = {.a = KeyframeId{1}, .b = KeyframeId{2}, .T_a_b = {}};
   const KeyframePair pair = most_overlapping_pair(built_.map, loop_);
   EXPECT_EQ(pair.older, KeyframeId{1});
   EXPECT_EQ(pair.newer, KeyframeId{2});
@@ -99,8 +95,8 @@ TEST_F(LoopOverlap, WrongPoseGivesLargeResiduals) {
 /// While the camera turns by 1 rad/s with a readout time of 0.03 s, the rows above and below the middle are
 /// shifted by up to 8 px.
 TEST_F(LoopOverlap, RollingShutterShiftsRows) {
-  RollingShutterCamera moving = still();
-  moving.sensor(kRollingShutter) = 0.03;
+  MovingSensor moving = still();
+  moving.sensor.corrections(kRollingShutter) = 0.03;
   moving.velocity.angular_rad_s.y() = 1;
   const auto at_rest = reproject_landmarks(built_.map, KeyframeId{2}, KeyframeId{2}, still());
   const auto read = reproject_landmarks(built_.map, KeyframeId{2}, KeyframeId{2}, moving);

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "kinloop/loop/candidates.hpp"
+#include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/loop/drift.hpp"
-#include "kinloop/loop/relocalize.hpp"
+#include "kinloop/loop/place_recognition.hpp"
 #include "kinloop/loop/verify_loop.hpp"
 #include "tests/support/synthetic_map.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
@@ -62,17 +64,13 @@ class Loop : public testing::Test {
     return images;
   }
 
-  BowVector bow_of(const Features& features) const {
-    return vocabulary_.bow_of(vocabulary_.quantize(features.descriptors).words);
-  }
-
   [[nodiscard]] IndexedView view_of(KeyframeId id) const {
     return {*built_.map.keyframe(id).features, nodes_[id.value]};
   }
 
   [[nodiscard]] std::optional<SE3> propose(KeyframeId keyframe, KeyframeId candidate,
                                            const std::optional<PredictedView>& predicted) const {
-    return propose_pose(view_of(candidate), view_of(keyframe), predicted, world_.camera, {}, 3);
+    return propose_pose({view_of(candidate), view_of(keyframe), predicted}, context_, 3);
   }
 
   [[nodiscard]] std::optional<PredictedView> predict(KeyframeId keyframe, KeyframeId candidate) const {
@@ -80,23 +78,37 @@ class Loop : public testing::Test {
                         travelled_distances(built_.map, keyframe)[candidate.value]);
   }
 
-  [[nodiscard]] LoopCandidates question(KeyframeId keyframe,
-                                        const std::vector<KeyframeId>& candidates) const {
-    std::vector<ProposedLoop> proposed;
+  [[nodiscard]] LoopVerificationProblem question(KeyframeId keyframe,
+                                                 const std::vector<KeyframeId>& candidates) const {
+    LoopVerificationProblem problem = make_loop_verification_problem(built_.map.keyframe(keyframe));
     for (const KeyframeId candidate : candidates) {
       const auto predicted = predict(keyframe, candidate);
       const auto pose = propose(keyframe, candidate, predicted);
-      if (pose) proposed.push_back({candidate, *pose, predicted});
+      if (!pose) continue;
+      const LoopClosure hypothesis{.a = candidate, .b = keyframe, .T_a_b = *pose};
+      problem.candidates.push_back({hypothesis, predicted, make_local_map(built_.map, candidate, {})});
     }
-    return make_loop_candidates(built_.map, keyframe, proposed, {});
+    return problem;
   }
 
-  [[nodiscard]] std::optional<VerifiedLoop> verify(KeyframeId keyframe,
-                                                   const std::vector<KeyframeId>& candidates) const {
-    return verify_loop(question(keyframe, candidates), world_.camera, {}, {});
+  [[nodiscard]] std::optional<LoopVerificationResult> verify(const LoopVerificationProblem& problem) const {
+    return verify_loop(problem, context_);
+  }
+
+  [[nodiscard]] std::optional<LoopVerificationResult> verify(
+      KeyframeId keyframe, const std::vector<KeyframeId>& candidates) const {
+    return verify(question(keyframe, candidates));
+  }
+
+  /// Place recognition that knows all keyframes.
+  [[nodiscard]] PlaceRecognition recognition() const {
+    PlaceRecognition places(context_.sensor, {}, vocabulary_);
+    for (const Keyframe& keyframe : built_.map.keyframes()) places.add(keyframe);
+    return places;
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
+  const PlaceContext context_{world_.camera};
   Vocabulary vocabulary_;
   test::SyntheticMap built_;
   PlaceIndex places_;
@@ -118,15 +130,16 @@ TEST_F(Loop, CandidatesAreFromTheStartOfTheLoop) {
   EXPECT_LT(found.front().value, 6U);
 }
 
-TEST_F(Loop, PlacesAlreadyTiedAreNoCandidates) {
+TEST_F(Loop, PlacesThatShareLandmarksAreNoCandidates) {
   const auto before = find_loop_candidates(built_.map, places_, KeyframeId{kKeyframes - 2}, {}, {});
   const auto found = find_loop_candidates(built_.map, places_, last_, before.history, {});
   ASSERT_FALSE(found.keyframes.empty());
-  LoopEdge loop;
+  LoopClosure loop;
+  loop.stage = LoopStage::kVerified;
   loop.a = found.keyframes.front();
   loop.b = KeyframeId{kKeyframes - 2};  // a neighbour of the query
-  loop.inliers = 10000;
-  built_.map.add_loop_edge(loop);
+  loop.evidence.inliers = 10000;
+  built_.map.add_loop_closure(loop);
   const auto again = find_loop_candidates(built_.map, places_, last_, before.history, {});
   EXPECT_EQ(std::count(again.keyframes.begin(), again.keyframes.end(), loop.a), 0);
 }
@@ -138,12 +151,15 @@ TEST_F(Loop, SingleKeyframeIsNotConsistent) {
 TEST_F(Loop, VerificationFindsTheTrueMotion) {
   const auto verified = verify(last_, {KeyframeId{1}});
   ASSERT_TRUE(verified.has_value());
-  const LoopConstraint constraint = make_loop_constraint(built_.map, *verified, {});
-  const SE3 truth =
-      true_pose(static_cast<int>(constraint.edge.a.value)).inverse() * true_pose(kKeyframes - 1);
-  EXPECT_LT(test::distance_m(constraint.edge.T_a_b, truth), 0.02);
-  EXPECT_GE(constraint.edge.inliers, 150);
-  EXPECT_FALSE(constraint.merges.empty());
+  const LoopClosure& loop = verified->loop;
+  EXPECT_EQ(loop.stage, LoopStage::kVerified);
+  EXPECT_EQ(loop.a, KeyframeId{1});
+  EXPECT_EQ(loop.b, last_);
+  EXPECT_LT(test::distance_m(loop.T_a_b, true_pose(1).inverse() * true_pose(kKeyframes - 1)), 0.02);
+  EXPECT_GE(loop.evidence.inliers, 150);
+  EXPECT_GE(loop.evidence.visible_landmarks, loop.evidence.inliers);
+  EXPECT_EQ(loop.information, edge_information(loop.evidence.inliers, {}));
+  EXPECT_FALSE(landmark_merges(built_.map, *verified).empty());
 }
 
 TEST_F(Loop, AnotherPlaceIsRejected) {
@@ -159,28 +175,28 @@ std::shared_ptr<const Features> facing(const Features& features, float scale) {
 }
 
 TEST_F(Loop, InliersAreNotEnoughIfFreeSpaceIsViolated) {
-  LoopCandidates loop = question(last_, {KeyframeId{1}});
-  ASSERT_EQ(loop.places.size(), 1U);
+  LoopVerificationProblem loop = question(last_, {KeyframeId{1}});
+  ASSERT_EQ(loop.candidates.size(), 1U);
   loop.frame.features = facing(*loop.frame.features, 1);
-  LocalMap& local_map = loop.places[0].local_map;
+  LocalMap& local_map = loop.candidates[0].local_map;
   const auto features = local_map.features;
   local_map.features = facing(*features, 1);
-  EXPECT_TRUE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  EXPECT_TRUE(verify(loop).has_value());
   local_map.features = facing(*features, 1.3F);
-  EXPECT_FALSE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  EXPECT_FALSE(verify(loop).has_value());
 }
 
 /// A repeated structure can pass every other check.
 TEST_F(Loop, PoseThatDriftCannotExplainIsRejected) {
-  LoopCandidates loop = question(last_, {KeyframeId{1}});
-  ASSERT_EQ(loop.places.size(), 1U);
-  auto& predicted = loop.places[0].proposed.predicted;
+  LoopVerificationProblem loop = question(last_, {KeyframeId{1}});
+  ASSERT_EQ(loop.candidates.size(), 1U);
+  auto& predicted = loop.candidates[0].predicted;
   ASSERT_TRUE(predicted.has_value());
-  EXPECT_TRUE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  EXPECT_TRUE(verify(loop).has_value());
   predicted->T_reference_camera.translation.x() += 3.61;
-  EXPECT_FALSE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  EXPECT_FALSE(verify(loop).has_value());
   predicted = std::nullopt;  // another component: nothing is known
-  EXPECT_TRUE(verify_loop(loop, world_.camera, {}, {}).has_value());
+  EXPECT_TRUE(verify(loop).has_value());
 }
 
 TEST_F(Loop, ProposedPoseIsNearTheTruth) {
@@ -204,11 +220,11 @@ TEST_F(Loop, MatchesAgainstThePredictionAreDropped) {
 TEST_F(Loop, CorrectionDistributesTheDrift) {
   const auto verified = verify(last_, {KeyframeId{1}});
   ASSERT_TRUE(verified.has_value());
-  const LoopConstraint constraint = make_loop_constraint(built_.map, *verified, {});
+  const LandmarkMerges merges = landmark_merges(built_.map, *verified);
   const double before_m =
       test::distance_m(built_.map.keyframe(last_).T_world_camera, true_pose(kKeyframes - 1));
-  built_.map.add_loop_edge(constraint.edge);
-  ASSERT_TRUE(built_.map.apply(correct_loop(make_loop_problem(built_.map, constraint.merges, {}), {})));
+  built_.map.add_loop_closure(verified->loop);
+  ASSERT_TRUE(built_.map.apply(correct_loop(make_loop_correction_problem(built_.map, merges, {}), {})));
   const double after_m =
       test::distance_m(built_.map.keyframe(last_).T_world_camera, true_pose(kKeyframes - 1));
   EXPECT_GT(before_m, 0.03);
@@ -223,8 +239,7 @@ TEST_F(Loop, CorrectionDistributesTheDrift) {
 TEST_F(Loop, ALostFrameIsRelocalized) {
   const SE3 pose = true_pose(10) * camera_at(0.04, {0.05, 0.02, 0.03});
   const auto view = test::observe(world_, pose, {}, 99);
-  const auto found = relocalize(test::make_frame(500, view), bow_of(*view.features), built_.map, places_,
-                                world_.camera, {}, {}, {}, 5);
+  const auto found = recognition().relocalize(test::make_frame(500, view), built_.map);
   ASSERT_TRUE(found.has_value());
   const SE3 truth = true_pose(static_cast<int>(found->reference.value)).inverse() * pose;
   // The surrounding map is itself distorted by a few millimetres between keyframes.
@@ -234,9 +249,7 @@ TEST_F(Loop, ALostFrameIsRelocalized) {
 TEST_F(Loop, AFrameFromAnotherPlaceIsNotRelocalized) {
   const auto elsewhere = test::make_world(4000, 77);
   const auto view = test::observe(elsewhere, true_pose(10), {}, 99);
-  EXPECT_FALSE(relocalize(test::make_frame(500, view), bow_of(*view.features), built_.map, places_,
-                          world_.camera, {}, {}, {}, 5)
-                   .has_value());
+  EXPECT_FALSE(recognition().relocalize(test::make_frame(500, view), built_.map).has_value());
 }
 
 }  // namespace

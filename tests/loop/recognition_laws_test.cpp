@@ -33,15 +33,16 @@ class RecognitionLaws : public testing::TestWithParam<uint64_t> {
   }
 
   /// The pose relative to the reference of a camera at `T_reference_camera` in `world`.
-  [[nodiscard]] std::optional<TrackResult> recognize(const test::SyntheticWorld& world,
-                                                     const SE3& T_reference_camera) {
+  [[nodiscard]] std::optional<TrackedFrame> recognize(const test::SyntheticWorld& world,
+                                                      const SE3& T_reference_camera) {
     const auto view = seen(world, pose(1) * T_reference_camera, random_.next());
-    return recognize_place(test::make_frame(9, view), local_map_, world_.camera, options_, {},
-                           random_.next());
+    const Frame frame = test::make_frame(9, view);
+    return recognize_place({frame, local_map_, sensor_, {}}, options_, random_.next());
   }
 
   Random random_{GetParam()};
   test::SyntheticWorld world_ = test::make_world(3000, GetParam());
+  Sensor sensor_{world_.camera};
   test::SyntheticMap built_;
   LocalMap local_map_;
   LoopOptions options_;
@@ -100,7 +101,7 @@ TEST_P(RecognitionLaws, EveryRequirementCounts) {
     demand(options_);
     return recognize(world_, {}).has_value();
   };
-  EXPECT_FALSE(accepts([&](auto& o) { o.min_inliers = 2 * found->stats.inliers; }));
+  EXPECT_FALSE(accepts([&](auto& o) { o.min_inliers = 2 * found->evidence.inliers; }));
   EXPECT_FALSE(accepts([](auto& o) { o.min_inlier_ratio = 1.01; }));
   EXPECT_FALSE(accepts([](auto& o) { o.max_hamming_distance = 3; }));
   EXPECT_FALSE(accepts([](auto& o) { o.min_matches = 100000; }));

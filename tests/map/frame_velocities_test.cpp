@@ -1,4 +1,4 @@
-#include "kinloop/tracking/frame_velocities.hpp"
+#include "kinloop/map/frame_velocities.hpp"
 
 #include <cmath>
 
@@ -27,10 +27,10 @@ Recorded recorded_swing(double frames_per_s, int count = 60) {
   Recorded recorded;
   recorded.map.add_keyframe(FrameId{0}, 0, {}, std::make_shared<const Features>(), 0);
   for (int i = 0; i < count; ++i) {
-    LoggedFrame entry;
-    entry.frame = FrameId{static_cast<uint32_t>(i)};
+    TrackedFrame entry;
+    entry.id = FrameId{static_cast<uint32_t>(i)};
     entry.stamp_ns = to_ns(i / frames_per_s);
-    entry.status = TrackStatus::kTracked;
+    entry.outcome = TrackingOutcome::kTracked;
     entry.reference = KeyframeId{0};
     entry.T_reference_camera = swinging(to_seconds(entry.stamp_ns));
     recorded.log.push_back(entry);

@@ -46,11 +46,11 @@ void expect_equal(const MapData& a, const MapData& b) {
     EXPECT_EQ(std::tie(x.id, x.anchor, x.p_anchor, x.observations),
               std::tie(y.id, y.anchor, y.p_anchor, y.observations));
   }
-  ASSERT_EQ(a.loop_edges.size(), b.loop_edges.size());
-  for (size_t i = 0; i < a.loop_edges.size(); ++i) {
-    EXPECT_EQ(std::tie(a.loop_edges[i].a, a.loop_edges[i].b, a.loop_edges[i].inliers),
-              std::tie(b.loop_edges[i].a, b.loop_edges[i].b, b.loop_edges[i].inliers));
-    EXPECT_EQ(a.loop_edges[i].T_a_b.matrix(), b.loop_edges[i].T_a_b.matrix());
+  ASSERT_EQ(a.loop_closures.size(), b.loop_closures.size());
+  for (size_t i = 0; i < a.loop_closures.size(); ++i) {
+    EXPECT_EQ(std::tie(a.loop_closures[i].a, a.loop_closures[i].b, a.loop_closures[i].evidence.inliers),
+              std::tie(b.loop_closures[i].a, b.loop_closures[i].b, b.loop_closures[i].evidence.inliers));
+    EXPECT_EQ(a.loop_closures[i].T_a_b.matrix(), b.loop_closures[i].T_a_b.matrix());
   }
   EXPECT_EQ(a.component_count, b.component_count);
 }
@@ -73,7 +73,7 @@ TEST(MapLaws, EveryVerbKeepsTheInvariantsAndMovesOnlyWhatItShould) {
       ASSERT_NO_THROW(map.check_invariants()) << "seed " << seed << ", step " << step;
       const Places after(map);
       EXPECT_EQ(after.p_world.size(), map.landmark_count());
-      if (verb == MapVerb::kUpdate || verb == MapVerb::kLoopEdge) continue;
+      if (verb == MapVerb::kUpdate || verb == MapVerb::kLoopClosure) continue;
       for (size_t i = 0; i < before.T_world_camera.size(); ++i)
         ASSERT_EQ(before.T_world_camera[i].matrix(), after.T_world_camera[i].matrix());
       for (const auto& [id, point] : before.p_world) {
@@ -194,10 +194,10 @@ TEST(MapLaws, AnAppendedMapIsACopyBesideTheFirst) {
     }
     for (const LandmarkId id : other.map().landmark_ids())
       EXPECT_EQ(map.p_world(LandmarkId{id.value + landmarks}), other.map().p_world(id));
-    for (size_t i = 0; i < second.loop_edges.size(); ++i) {
-      const LoopEdge& copy = both.loop_edges[first.loop_edges.size() + i];
-      EXPECT_EQ(copy.a.value, second.loop_edges[i].a.value + keyframes);
-      EXPECT_EQ(copy.b.value, second.loop_edges[i].b.value + keyframes);
+    for (size_t i = 0; i < second.loop_closures.size(); ++i) {
+      const LoopClosure& copy = both.loop_closures[first.loop_closures.size() + i];
+      EXPECT_EQ(copy.a.value, second.loop_closures[i].a.value + keyframes);
+      EXPECT_EQ(copy.b.value, second.loop_closures[i].b.value + keyframes);
     }
   }
 }
@@ -280,7 +280,7 @@ TEST(MapLaws, ALoopEdgeJoinsComponentsWithoutBendingThem) {
     const KeyframeId a = random.keyframe(), b = random.keyframe();
     if (a == b) continue;
     const SE3 T_a_b = test::random_step(random.random(), 1, 0.5);
-    map.add_loop_edge({a, b, T_a_b, Matrix6d::Identity(), 30});
+    map.add_loop_closure({a, b, T_a_b, Matrix6d::Identity(), {30, 40}, LoopStage::kVerified});
     map.check_invariants();
     const uint32_t older = std::min(old[a.value].component, old[b.value].component);
     const bool joined = old[a.value].component != old[b.value].component;

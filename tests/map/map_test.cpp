@@ -19,6 +19,10 @@ KeyframeId add_keyframe(Map& map, const SE3& T_world_camera = {}) {
   return map.add_keyframe(FrameId{number}, number * 1000, T_world_camera, blank_features(30));
 }
 
+LoopClosure verified(KeyframeId a, KeyframeId b, const SE3& T_a_b) {
+  return {a, b, T_a_b, Matrix6d::Identity(), {50}, LoopStage::kVerified};
+}
+
 TEST(Map, ObservationsHaveTwoSides) {
   Map map;
   const KeyframeId a = add_keyframe(map), b = add_keyframe(map);
@@ -73,7 +77,7 @@ TEST(Map, NewerKeyframesFollowCorrectionsRigidly) {
   EXPECT_LT((T_b_c.inverse() * T_b_c_after).log().norm(), 1e-12);
 }
 
-TEST(Map, ALoopEdgeMergesComponents) {
+TEST(Map, ALoopClosureMergesComponents) {
   Map map;
   const KeyframeId a = add_keyframe(map, test::camera_at(0.3, {1, 2, 0}));
   const KeyframeId b = map.add_keyframe(FrameId{1}, 1000, SE3{}, blank_features(30), map.component_count());
@@ -88,7 +92,7 @@ TEST(Map, ALoopEdgeMergesComponents) {
   MapUpdate of_two_components;
   of_two_components.epoch = map.epoch();
   const SE3 T_a_c = test::camera_at(-0.2, {0.3, 0, 0.1});
-  map.add_loop_edge({a, c, T_a_c, Matrix6d::Identity(), 50});
+  map.add_loop_closure(verified(a, c, T_a_c));
   EXPECT_EQ(map.keyframe(b).component, 0U);
   EXPECT_EQ(map.keyframe(c).component, 0U);
   const SE3& T_world_a = map.keyframe(a).T_world_camera;
@@ -101,15 +105,33 @@ TEST(Map, ALoopEdgeMergesComponents) {
   map.check_invariants();
 }
 
-TEST(Map, ALoopEdgeMayNameTheYoungerComponentFirst) {
+TEST(Map, ALoopClosureMayNameTheYoungerComponentFirst) {
   Map map;
   const KeyframeId a = add_keyframe(map, test::camera_at(0.3, {1, 2, 0}));
   const KeyframeId b = map.add_keyframe(FrameId{1}, 1000, SE3{}, blank_features(30), 1);
   const SE3 T_b_a = test::camera_at(-0.2, {0.3, 0, 0.1});
-  map.add_loop_edge({b, a, T_b_a, Matrix6d::Identity(), 50});
+  map.add_loop_closure(verified(b, a, T_b_a));
   EXPECT_LT((map.keyframe(a).T_world_camera.inverse() * test::camera_at(0.3, {1, 2, 0})).log().norm(), 1e-12);
   const SE3 T_b_a_after = map.keyframe(b).T_world_camera.inverse() * map.keyframe(a).T_world_camera;
   EXPECT_LT((T_b_a.inverse() * T_b_a_after).log().norm(), 1e-12);
+}
+
+TEST(Map, OnlyAVerifiedLoopClosureIsAccepted) {
+  Map map;
+  const KeyframeId a = add_keyframe(map), b = add_keyframe(map);
+  LoopClosure loop = verified(a, b, SE3{});
+  for (const auto stage :
+       {LoopStage::kHypothesis, LoopStage::kProvisional, LoopStage::kAccepted, LoopStage::kWithdrawn}) {
+    loop.stage = stage;
+    EXPECT_THROW(map.add_loop_closure(loop), std::logic_error);
+  }
+  EXPECT_TRUE(map.loop_closures().empty());
+  map.add_loop_closure(verified(a, b, SE3{}));
+  ASSERT_EQ(map.loop_closures().size(), 1U);
+  EXPECT_EQ(map.loop_closures()[0].stage, LoopStage::kAccepted);
+  MapData data = map.data();
+  data.loop_closures[0].stage = LoopStage::kWithdrawn;
+  EXPECT_THROW(Map().append(std::move(data)), std::logic_error);
 }
 
 TEST(Map, KeyframesFollowTheNewestOfTheirOwnComponent) {
@@ -218,7 +240,7 @@ TEST(Map, ViolatedPreconditionsThrowLogicError) {
   const KeyframeId a = add_keyframe(map);
   EXPECT_THROW(map.add_landmark(a, 30, {0, 0, 1}), std::logic_error);
   EXPECT_THROW(map.add_landmark(a, 0, {0, 0, std::nan("")}), std::logic_error);
-  EXPECT_THROW(map.add_loop_edge({a, KeyframeId{7}, SE3{}, Matrix6d::Identity(), 30}), std::logic_error);
+  EXPECT_THROW(map.add_loop_closure(verified(a, KeyframeId{7}, SE3{})), std::logic_error);
 }
 
 TEST(Map, FeaturesAreReplacedByTheSameKeypointsOnly) {

@@ -134,7 +134,7 @@ TEST(LocalAdjustmentLaws, APerfectMapStaysAsItIs) {
   for (uint64_t seed = 0; seed < 3; ++seed) {
     auto built = arc(world, {0, 0, 12, 0.2}, 0, seed);
     const MappingOptions options = four_free_keyframes();
-    const auto problem = make_local_ba_problem(built.map, KeyframeId{7}, world.camera, options);
+    const auto problem = make_local_ba_problem(built.map, KeyframeId{7}, {world.camera}, options);
     const MapUpdate update = run_bundle_adjustment(problem, options.local_ba);
     EXPECT_TRUE(update.outliers.empty());
     ASSERT_TRUE(built.map.apply(update));
@@ -153,7 +153,7 @@ TEST(LocalAdjustmentLaws, ErrorsShrinkAndFixedKeyframesStay) {
     MapUpdate disturbed;  // the window of local adjustment, with the landmarks anchored there
     Random random(seed);
     const auto problem_of = [&] {
-      return make_local_ba_problem(built.map, KeyframeId{7}, world.camera, options);
+      return make_local_ba_problem(built.map, KeyframeId{7}, {world.camera}, options);
     };
     const auto free_keyframes = [&] {
       std::set<KeyframeId> ids;

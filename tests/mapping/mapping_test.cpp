@@ -107,7 +107,8 @@ double pose_error_m(const Map& map) {
 TEST(BundleAdjustment, GlobalBundleAdjustmentRecoversTheTruth) {
   auto built = disturbed_map(8);
   const double before_m = pose_error_m(built.map);
-  ASSERT_TRUE(built.map.apply(run_bundle_adjustment(make_global_ba_problem(built.map, world().camera), {})));
+  ASSERT_TRUE(
+      built.map.apply(run_bundle_adjustment(make_global_ba_problem(built.map, Sensor{world().camera}), {})));
   EXPECT_GT(before_m, 0.01);
   EXPECT_LT(pose_error_m(built.map), 0.002);
   built.map.check_invariants();
@@ -118,7 +119,7 @@ TEST(BundleAdjustment, LocalProblemFixesSurroundingKeyframes) {
   MappingOptions options;
   options.local_ba_keyframes = 4;
   const BundleAdjustmentProblem problem =
-      make_local_ba_problem(built.map, KeyframeId{9}, world().camera, options);
+      make_local_ba_problem(built.map, KeyframeId{9}, Sensor{world().camera}, options);
   EXPECT_EQ(std::count(problem.bundle.fixed.begin(), problem.bundle.fixed.end(), 0), 4);
   EXPECT_EQ(std::count(problem.bundle.fixed.begin(), problem.bundle.fixed.end(), 1), 6);
   EXPECT_EQ(problem.bundle.observations.size(), problem.observations.size());
@@ -144,7 +145,7 @@ TEST(BundleAdjustment, RemovesOutlierObservations) {
   built.map.remove_observation(landmark_b, {keyframe.id, b});
   ASSERT_TRUE(built.map.add_observation(landmark_a, {keyframe.id, b}));
   ASSERT_TRUE(built.map.add_observation(landmark_b, {keyframe.id, a}));
-  built.map.apply(run_bundle_adjustment(make_global_ba_problem(built.map, world().camera), {}));
+  built.map.apply(run_bundle_adjustment(make_global_ba_problem(built.map, Sensor{world().camera}), {}));
   EXPECT_FALSE(shows(a).valid());
   EXPECT_FALSE(shows(b).valid());
   EXPECT_LT(pose_error_m(built.map), 0.001);

@@ -12,6 +12,7 @@ namespace {
 
 using test::error_of;
 using test::kinect;
+using test::kinect_sensor;
 using test::kNan;
 using test::make_view;
 using test::random_motion;
@@ -22,7 +23,7 @@ TEST(AbsolutePose, RecoversTheTruthWithoutNoise) {
     const SE3 truth = random_motion(random, 2.0, 1.5);
     const auto view = make_view(truth, 100, {}, random);
     const SE3 guess = truth * random_motion(random, 0.05, 0.03);
-    const auto solution = solve_absolute_pose(kinect(), view, guess, {});
+    const auto solution = solve_absolute_pose(kinect_sensor(), view, guess, {});
     ASSERT_TRUE(solution.has_value());
     EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1e-8);
     EXPECT_EQ(solution->inlier_count, 100);
@@ -33,7 +34,8 @@ TEST(AbsolutePose, PixelsAloneAreEnough) {
   Random random(2);
   const SE3 truth = random_motion(random, 1.0, 1.0);
   const auto view = make_view(truth, 60, {.depth_fraction = 0}, random);
-  const auto solution = solve_absolute_pose(kinect(), view, truth * random_motion(random, 0.05, 0.03), {});
+  const auto solution =
+      solve_absolute_pose(kinect_sensor(), view, truth * random_motion(random, 0.05, 0.03), {});
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1e-8);
 }
@@ -45,10 +47,11 @@ TEST(AbsolutePose, NormalisedErrorIsConsistent) {
   constexpr int kTrials = 200;
   for (int trial = 0; trial < kTrials; ++trial) {
     const SE3 truth = random_motion(random, 1.0, 1.0);
-    const auto view = make_view(
-        truth, 100, {.sigma_px = 1.3, .sigma_inverse_depth = options.depth_noise.coefficient_per_m}, random);
+    const auto view =
+        make_view(truth, 100,
+                  {.sigma_px = 1.3, .sigma_inverse_depth = NoiseModel().keypoint.coefficient_per_m}, random);
     const auto solution =
-        solve_absolute_pose(kinect(), view, truth * random_motion(random, 0.02, 0.01), options);
+        solve_absolute_pose(kinect_sensor(), view, truth * random_motion(random, 0.02, 0.01), options);
     ASSERT_TRUE(solution.has_value());
     const Vector6d error = error_of(solution->T_reference_camera, truth);
     sum += error.dot(solution->information * error);
@@ -63,7 +66,8 @@ TEST(AbsolutePose, DetectsOutliers) {
   const SE3 truth = random_motion(random, 1.0, 1.0);
   auto view = make_view(truth, 200, {.sigma_px = 0.5, .sigma_inverse_depth = 2e-3}, random);
   for (size_t i = 0; i < view.size(); i += 5) view[i].pixel += Eigen::Vector2d(25, -15);
-  const auto solution = solve_absolute_pose(kinect(), view, truth * random_motion(random, 0.03, 0.02), {});
+  const auto solution =
+      solve_absolute_pose(kinect_sensor(), view, truth * random_motion(random, 0.03, 0.02), {});
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 3e-3);
   for (size_t i = 0; i < view.size(); i += 5) EXPECT_EQ(solution->inliers[i], 0) << i;
@@ -75,7 +79,8 @@ TEST(AbsolutePose, WrongDepthKeepsThePixelInlier) {
   const SE3 truth = random_motion(random, 1.0, 1.0);
   auto view = make_view(truth, 100, {.depth_fraction = 1}, random);
   for (size_t i = 0; i < view.size(); i += 4) view[i].depth_m *= 1.5;  // the wall behind the edge
-  const auto solution = solve_absolute_pose(kinect(), view, truth * random_motion(random, 0.02, 0.02), {});
+  const auto solution =
+      solve_absolute_pose(kinect_sensor(), view, truth * random_motion(random, 0.02, 0.02), {});
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1e-7);
   EXPECT_EQ(solution->inlier_count, 100);
@@ -88,7 +93,7 @@ TEST(AbsolutePose, UnobservableDirectionsGiveNoPose) {
   view.resize(2);  // four equations for six unknowns
   AbsolutePoseOptions options;
   options.min_inliers = 2;
-  EXPECT_FALSE(solve_absolute_pose(kinect(), view, truth, options).has_value());
+  EXPECT_FALSE(solve_absolute_pose(kinect_sensor(), view, truth, options).has_value());
 }
 
 TEST(AbsolutePose, NonFiniteObservationsAreIgnored) {
@@ -101,7 +106,8 @@ TEST(AbsolutePose, NonFiniteObservationsAreIgnored) {
   view[20].sigma_px = kNan;
   view[21].sigma_px = 0;
   view[30].pixel.y() = std::numeric_limits<double>::infinity();
-  const auto solution = solve_absolute_pose(kinect(), view, truth * random_motion(random, 0.02, 0.02), {});
+  const auto solution =
+      solve_absolute_pose(kinect_sensor(), view, truth * random_motion(random, 0.02, 0.02), {});
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1e-8);
   EXPECT_EQ(solution->inlier_count, 45);
@@ -112,11 +118,11 @@ TEST(AbsolutePose, NonFiniteObservationsAreIgnored) {
 TEST(AbsolutePose, DegenerateInputsHaveNoSolution) {
   Random random(8);
   const SE3 truth = random_motion(random, 1.0, 1.0);
-  EXPECT_FALSE(solve_absolute_pose(kinect(), {}, truth, {}).has_value());
+  EXPECT_FALSE(solve_absolute_pose(kinect_sensor(), {}, truth, {}).has_value());
 
   auto same = make_view(truth, 30, {.depth_fraction = 1}, random);
   for (auto& o : same) o = same.front();
-  EXPECT_FALSE(solve_absolute_pose(kinect(), same, truth, {}).has_value());
+  EXPECT_FALSE(solve_absolute_pose(kinect_sensor(), same, truth, {}).has_value());
 
   auto line = make_view(truth, 30, {.depth_fraction = 0}, random);
   for (size_t i = 0; i < line.size(); ++i) {
@@ -124,11 +130,11 @@ TEST(AbsolutePose, DegenerateInputsHaveNoSolution) {
     line[i].p_reference = truth * p_camera;
     line[i].pixel = kinect().project(p_camera);
   }
-  EXPECT_FALSE(solve_absolute_pose(kinect(), line, truth, {}).has_value());
+  EXPECT_FALSE(solve_absolute_pose(kinect_sensor(), line, truth, {}).has_value());
 
   const auto view = make_view(truth, 30, {}, random);
   const SE3 broken{Eigen::Quaterniond(kNan, 0, 0, 0), Eigen::Vector3d::Zero()};
-  EXPECT_FALSE(solve_absolute_pose(kinect(), view, broken, {}).has_value());
+  EXPECT_FALSE(solve_absolute_pose(kinect_sensor(), view, broken, {}).has_value());
 }
 
 TEST(AbsolutePose, PointsBehindTheCameraAreOutliers) {
@@ -137,7 +143,8 @@ TEST(AbsolutePose, PointsBehindTheCameraAreOutliers) {
   auto view = make_view(truth, 50, {}, random);
   view[7].p_reference = truth * Eigen::Vector3d(0.1, 0.1, -2.0);
   view[8].p_reference = truth.translation;
-  const auto solution = solve_absolute_pose(kinect(), view, truth * random_motion(random, 0.02, 0.02), {});
+  const auto solution =
+      solve_absolute_pose(kinect_sensor(), view, truth * random_motion(random, 0.02, 0.02), {});
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1e-8);
   EXPECT_EQ(solution->inliers[7], 0);
@@ -148,9 +155,9 @@ TEST(AbsolutePose, InformationIsTheCurvatureOfTheCost) {
   Random random(10);
   const SE3 truth = random_motion(random, 1.0, 1.0);
   const auto view = make_view(truth, 40, {}, random);
-  AbsolutePoseOptions options;
-  options.robust_width = 1e9;  // without a loss the estimate uses all information
-  const auto solution = solve_absolute_pose(kinect(), view, truth, options);
+  Sensor sensor = kinect_sensor();
+  sensor.noise.robust_width = 1e9;  // without a loss the estimate uses all information
+  const auto solution = solve_absolute_pose(sensor, view, truth, {});
   ASSERT_TRUE(solution.has_value());
   // chi2 at truth * exp(x) is x' Omega x to second order. The solver reports chi2 only at its best pose, so
   // the cost is repeated here.
@@ -159,7 +166,7 @@ TEST(AbsolutePose, InformationIsTheCurvatureOfTheCost) {
     for (const auto& o : view) {
       const Eigen::Vector3d p = T.inverse() * o.p_reference;
       sum += (kinect().project(p) - o.pixel).squaredNorm() / (o.sigma_px * o.sigma_px);
-      const double sigma = AbsolutePoseOptions{}.depth_noise.coefficient_per_m;
+      const double sigma = NoiseModel().keypoint.coefficient_per_m;
       if (o.depth_m > 0) sum += std::pow((1 / p.z() - 1 / o.depth_m) / sigma, 2);
     }
     return sum;

@@ -26,14 +26,14 @@ class DenseSystem {
         points_(static_cast<Eigen::Index>(problem.p_world.size())),
         H_(Eigen::MatrixXd::Zero(sensor() + kSensorParameterCount, sensor() + kSensorParameterCount)) {
     const BundleTask task{problem, options, problem.fixed, problem.velocities, {}};
-    const BundleState state{solution.T_world_camera, solution.p_world, solution.sensor};
+    const BundleState state{solution.T_world_camera, solution.p_world, solution.corrections};
     for (const BundleObservation& o : problem.observations) add(task, state, o);
     for (Eigen::Index i = 0; i < poses_; ++i) {
       if (problem.fixed[static_cast<size_t>(i)] != 0) hold(pose(i), 6);
     }
     for (int k = 0; k < kSensorParameterCount; ++k) {
-      H_(sensor() + k, sensor() + k) += sensor_information(problem.sensor, k);
-      if (problem.sensor.prior_sigma(k) == 0) hold(sensor() + k, 1);
+      H_(sensor() + k, sensor() + k) += problem.prior.information(k);
+      if (problem.prior.sigma(k) == 0) hold(sensor() + k, 1);
     }
   }
 
@@ -63,10 +63,10 @@ class DenseSystem {
 
   void add(const BundleTask& task, const BundleState& state, const BundleObservation& o) {
     const BundleUse use = o.depth_m > 0 ? BundleUse::kPixelAndDepth : BundleUse::kPixel;
-    const auto linear =
-        linearize_observation(task, o, use, {state.T_world_camera[o.pose], task.velocities[o.pose]},
-                              state.p_world[o.point], state.sensor);
-    const HuberLoss loss{task.options.robust_width};
+    const auto linear = linearize_observation(sensor_at(task, state), o, use,
+                                              {state.T_world_camera[o.pose], task.velocities[o.pose]},
+                                              state.p_world[o.point]);
+    const HuberLoss loss{task.problem.sensor.noise.robust_width};
     const double pixel_weight = loss.weight(linear.e.head<2>().squaredNorm());
     const Eigen::Vector3d weight(pixel_weight, pixel_weight, loss.weight(linear.e.z() * linear.e.z()));
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, H_.cols());
@@ -88,10 +88,13 @@ BundleWorld free_world() {
   settings.sensor(kDepthDelay) = 0.01;
   BundleWorld world = make_bundle_world(settings);
   for (const int k : {kRollingShutter, kDepthDelay}) {
-    world.problem.sensor.prior_sigma(k) = SensorCalibration::kUnknown;
+    world.problem.prior.sigma(k) = SensorPrior::kUnknown;
   }
-  world.problem.sensor.prior_sigma(kFocalX) = 3;
-  world.problem.sensor.prior_sigma(kDepthOffset) = 0.002;
+  world.problem.prior.sigma(kFocalX) = 3;
+  world.problem.prior.sigma(kInverseDepthBias) = 0.002;
+  NoiseModel& noise = world.problem.sensor.noise;
+  noise.keypoint.coefficient_per_m = 2e-3;
+  noise.inlier_chi2_pixel = noise.inlier_chi2_depth = 1e12;  // no outliers
   // Points without observations would be empty columns of the dense system.
   std::vector<uint32_t> index(world.points.size(), 0);
   std::vector<Eigen::Vector3d> seen;
@@ -109,8 +112,6 @@ BundleWorld free_world() {
 BundleOptions with_covariances() {
   BundleOptions options;
   options.max_iterations = 30;
-  options.depth_noise.coefficient_per_m = 2e-3;
-  options.inlier_chi2_pixel = options.inlier_chi2_depth = 1e12;  // no outliers
   options.pose_covariances = true;
   return options;
 }
@@ -135,8 +136,8 @@ TEST(BundleCovariance, MatchesTheDenseSystem) {
       const Eigen::Index first = DenseSystem::pose(static_cast<Eigen::Index>(i));
       EXPECT_LT(difference(solution.pose_covariance[i], covariance.block<6, 6>(first, first)), 1e-6) << i;
     }
-    for (const int a : {kRollingShutter, kDepthDelay, kFocalX, kDepthOffset}) {
-      for (const int b : {kRollingShutter, kDepthDelay, kFocalX, kDepthOffset}) {
+    for (const int a : {kRollingShutter, kDepthDelay, kFocalX, kInverseDepthBias}) {
+      for (const int b : {kRollingShutter, kDepthDelay, kFocalX, kInverseDepthBias}) {
         const Eigen::Index s = system.sensor();
         const double scale = std::sqrt(covariance(s + a, s + a) * covariance(s + b, s + b));
         EXPECT_NEAR(solution.sensor_covariance(a, b) / scale, covariance(s + a, s + b) / scale, 1e-6);
@@ -149,11 +150,11 @@ TEST(BundleCovariance, FreeParametersIncreasePoseCovariance) {
   BundleWorld world = free_world();
   BundleOptions options = with_covariances();
   // Start at the truth, so that every run finds nearly the same minimum.
-  world.problem.sensor.value(kRollingShutter) = 0.02;
-  world.problem.sensor.value(kDepthDelay) = 0.01;
-  options.robust_width = 1e9;  // all weights are one
+  world.problem.sensor.corrections(kRollingShutter) = 0.02;
+  world.problem.sensor.corrections(kDepthDelay) = 0.01;
+  world.problem.sensor.noise.robust_width = 1e9;  // all weights are one
   const Matrix6d sensor_free = solve_bundle(world.problem, options).pose_covariance[6];
-  world.problem.sensor.prior_sigma.setZero();
+  world.problem.prior.sigma.setZero();
   const Matrix6d all_held = solve_bundle(world.problem, options).pose_covariance[6];
   EXPECT_GT(sensor_free.trace(), 1.01 * all_held.trace());
 }

@@ -14,33 +14,30 @@ using test::random_vector;
 
 /// A residual with every effect enabled, so that no derivative is zero.
 struct Sample {
-  BundleProblem problem;
-  BundleOptions options;
+  Sensor sensor = test::kinect_sensor();
   KeypointMeasurement observation;
   SE3 T_world_camera;
   Velocity velocity;
   Eigen::Vector3d p_world;
-  SensorVector sensor;
 
   explicit Sample(Random& random) {
-    problem.camera = test::kinect();
     T_world_camera = random_motion(random, 1, 1);
     velocity = {random_vector(random, 1), random_vector(random, 2)};
     const Eigen::Vector3d p_camera = test::uniform_vector<3>(random, {-1, -1, 1}, {1, 1, 3});
     p_world = T_world_camera * p_camera;
-    observation.pixel = problem.camera.project(p_camera) + Eigen::Vector2d(3, -2);
+    observation.pixel = sensor.camera.project(p_camera) + Eigen::Vector2d(3, -2);
     observation.depth_m = p_camera.z() + 0.02;
     observation.sigma_px = 1.3;
     observation.row = random.uniform(-0.5, 0.5);
-    observation.depth_lag_s = random.uniform(-0.02, 0.02);
+    observation.depth_stamp_difference_s = random.uniform(-0.02, 0.02);
     observation.inverse_depth_gradient = {random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3)};
-    sensor << 5, -3, 1, 2, 0.05, -0.03, 0.03, 0.015, 0.02, 0.01, 0.002, 0.001, -0.001, 0.003, 0.002, -0.002;
+    sensor.corrections << 5, -3, 1, 2, 0.05, -0.03, 0.03, 0.015, 0.02, 0.01, 0.002, 0.001, -0.001, 0.003,
+        0.002, -0.002;
   }
 
-  [[nodiscard]] BundleTask task() const { return {problem, options, {}, {}, {}}; }
   [[nodiscard]] LinearizedObservation linear() const {
-    return linearize_observation(task(), observation, BundleUse::kPixelAndDepth, {T_world_camera, velocity},
-                                 p_world, sensor);
+    return linearize_observation(sensor, observation, BundleUse::kPixelAndDepth, {T_world_camera, velocity},
+                                 p_world);
   }
   [[nodiscard]] Eigen::Vector3d error() const { return linear().e; }
 };
@@ -79,7 +76,7 @@ TEST(BundleModel, AnalyticDerivativesMatchNumericOnes) {
       expect_near(J.J_point.col(i), difference(sample, 1e-6, shift), "point", i);
     }
     for (int i = 0; i < kSensorParameterCount; ++i) {
-      const auto correct = [&](Sample& s, double h) { s.sensor(i) += h; };
+      const auto correct = [&](Sample& s, double h) { s.sensor.corrections(i) += h; };
       expect_near(J.J_sensor.col(i), difference(sample, 1e-5, correct), "sensor", i);
     }
   }
@@ -88,73 +85,13 @@ TEST(BundleModel, AnalyticDerivativesMatchNumericOnes) {
 TEST(BundleModel, ObservationsWithoutDepthHaveNoDepthRow) {
   Random random(2);
   const Sample sample(random);
-  const auto linear =
-      linearize_observation(sample.task(), sample.observation, BundleUse::kPixel,
-                            {sample.T_world_camera, sample.velocity}, sample.p_world, sample.sensor);
+  const auto linear = linearize_observation(sample.sensor, sample.observation, BundleUse::kPixel,
+                                            {sample.T_world_camera, sample.velocity}, sample.p_world);
   EXPECT_EQ(linear.e.z(), 0);
   EXPECT_TRUE(linear.J_pose.row(2).isZero(0));
   EXPECT_TRUE(linear.J_velocity.row(2).isZero(0));
   EXPECT_TRUE(linear.J_point.row(2).isZero(0));
   EXPECT_TRUE(linear.J_sensor.row(2).isZero(0));
-}
-
-TEST(SensorModel, CorrectedCameraMatchesTheCorrections) {
-  PinholeCamera camera = test::kinect();
-  camera.lens.k1 = 0.26;
-  camera.lens.k2 = -0.95;
-  camera.lens.k3 = 1.16;
-  camera.lens.p1 = -0.005;
-  EXPECT_NEAR(corrected_camera(camera, SensorVector::Zero()).lens.k3, camera.lens.k3, 1e-9);
-  SensorVector correction = SensorVector::Zero();
-  correction(kFocalX) = 4;
-  correction(kFocalY) = 3;
-  correction(kCenterX) = -1.5;
-  correction(kRadial1) = 0.01;
-  const PinholeCamera corrected = corrected_camera(camera, correction);
-  // A ray must reach the same raw pixel both ways: corrected pinhole and nominal lens, or the corrected lens.
-  for (double x = -0.5; x <= 0.5; x += 0.1) {
-    for (double y = -0.4; y <= 0.4; y += 0.1) {
-      const double bend = 1 + correction(kRadial1) * (x * x + y * y);
-      const Eigen::Vector2d undistorted((camera.fx + 4) * x * bend + camera.cx - 1.5,
-                                        (camera.fy + 3) * y * bend + camera.cy);
-      const Eigen::Vector2d raw = corrected.distort(corrected.project({x, y, 1}));
-      EXPECT_LT((camera.distort(undistorted) - raw).norm(), 0.1) << x << " " << y;
-    }
-  }
-}
-
-TEST(SensorModel, TheCorrectedCameraKeepsTheModelOfItsLens) {
-  for (const LensDistortion& lens :
-       {LensDistortion{LensModel::kRational, 0.58, -2.49, 6.5e-4, -1.8e-4, 1.36, 0.46, -2.34, 1.3},
-        LensDistortion{LensModel::kKannalaBrandt, -0.0065, 0.0421, 0, 0, -0.0396, 0.0069}}) {
-    PinholeCamera camera = test::kinect();
-    camera.lens = lens;
-    const PinholeCamera same = corrected_camera(camera, SensorVector::Zero());
-    SensorVector correction = SensorVector::Zero();
-    correction(kFocalX) = correction(kFocalY) = 3;
-    correction(kRadial1) = 0.01;
-    const PinholeCamera corrected = corrected_camera(camera, correction);
-    EXPECT_EQ(corrected.lens.model, lens.model);
-    for (double x = -0.5; x <= 0.5; x += 0.1) {
-      for (double y = -0.4; y <= 0.4; y += 0.1) {
-        const Eigen::Vector2d ideal = camera.project({x, y, 1});
-        EXPECT_LT((same.distort(ideal) - camera.distort(ideal)).norm(), 1e-6);
-        const Eigen::Vector2d raw = corrected.distort(corrected.project({x, y, 1}));
-        const Eigen::Vector2d expected = camera.distort(corrected_pixel(camera, correction, {x, y}));
-        EXPECT_LT((raw - expected).norm(), 0.1) << x << " " << y;
-      }
-    }
-  }
-}
-
-TEST(SensorModel, EveryParameterHasAName) {
-  std::vector<std::string> names;
-  for (int i = 0; i < kSensorParameterCount; ++i) {
-    names.emplace_back(sensor_parameter_name(static_cast<SensorParameter>(i)));
-  }
-  EXPECT_THAT(names, testing::Each(testing::Ne("")));
-  std::sort(names.begin(), names.end());
-  EXPECT_EQ(std::unique(names.begin(), names.end()), names.end());
 }
 
 }  // namespace

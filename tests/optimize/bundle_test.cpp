@@ -67,36 +67,38 @@ TEST(Bundle, BuiltinAndCeresAgree) {
   settings.sensor(kFocalX) = 3;
   BundleWorld world = make_bundle_world(settings);
   perturb(world, 0.02, 0.01);
-  world.problem.sensor.prior_sigma(kRollingShutter) = SensorCalibration::kUnknown;
-  world.problem.sensor.prior_sigma(kDepthDelay) = SensorCalibration::kUnknown;
-  world.problem.sensor.prior_sigma(kFocalX) = 5;
+  world.problem.prior.sigma(kRollingShutter) = SensorPrior::kUnknown;
+  world.problem.prior.sigma(kDepthDelay) = SensorPrior::kUnknown;
+  world.problem.prior.sigma(kFocalX) = 5;
   BundleOptions options = thorough();
   options.rounds = 1;
   options.max_iterations = 200;
   options.tolerance = 1e-15;  // converge fully: the focal length converges last
-  options.inlier_chi2_pixel = options.inlier_chi2_depth = 1e12;  // no outliers: one minimum of one cost
+  NoiseModel& noise = world.problem.sensor.noise;
+  noise.inlier_chi2_pixel = noise.inlier_chi2_depth = 1e12;  // no outliers: one minimum of one cost
   const BundleSolution builtin = solve_bundle(world.problem, options);
   options.solver = BundleSolver::kCeres;
   const BundleSolution ceres = solve_bundle(world.problem, options);
   EXPECT_NEAR(builtin.chi2_after / ceres.chi2_after, 1.0, 1e-8);
   EXPECT_LT(position_error_m(builtin.T_world_camera, ceres.T_world_camera), 1e-6);
-  for (int i = 0; i < kSensorParameterCount; ++i) EXPECT_NEAR(builtin.sensor(i), ceres.sensor(i), 1e-5) << i;
+  for (int i = 0; i < kSensorParameterCount; ++i)
+    EXPECT_NEAR(builtin.corrections(i), ceres.corrections(i), 1e-5) << i;
   EXPECT_EQ(builtin.outliers, ceres.outliers);
 }
 
 TEST(Bundle, TheDepthDelayIsRecoveredBesidesTheStampsOfDepth) {
   BundleWorldSettings settings{.poses = 30, .points = 500, .sigma_px = 0.5, .sigma_inverse_depth = 1.5e-3};
-  settings.depth_lag_s = 0.018;
+  settings.depth_stamp_difference_s = 0.018;
   settings.sensor(kDepthDelay) = 0.015;
   BundleWorld world = make_bundle_world(settings);
   perturb(world, 0.02, 0.01);
-  world.problem.sensor.prior_sigma(kDepthDelay) = SensorCalibration::kUnknown;
+  world.problem.prior.sigma(kDepthDelay) = SensorPrior::kUnknown;
   BundleOptions options;
   options.max_iterations = 20;
-  options.depth_noise.coefficient_per_m = 1.5e-3;
+  world.problem.sensor.noise.keypoint.coefficient_per_m = 1.5e-3;
   const BundleSolution solution = solve_bundle(world.problem, options);
-  EXPECT_NEAR(solution.sensor(kDepthDelay), 0.015, 0.001);
-  for (BundleObservation& o : world.problem.observations) o.depth_lag_s = 0;
+  EXPECT_NEAR(solution.corrections(kDepthDelay), 0.015, 0.001);
+  for (BundleObservation& o : world.problem.observations) o.depth_stamp_difference_s = 0;
   const BundleSolution ignored = solve_bundle(world.problem, options);
   EXPECT_LT(position_error_m(solution.T_world_camera, world.truth),
             position_error_m(ignored.T_world_camera, world.truth));
@@ -111,43 +113,43 @@ TEST(Bundle, RollingShutterAndDepthDelayAreRecovered) {
   perturb(world, 0.02, 0.01);
   BundleOptions options;
   options.max_iterations = 20;
-  options.depth_noise.coefficient_per_m = 1.5e-3;
+  world.problem.sensor.noise.keypoint.coefficient_per_m = 1.5e-3;
   const double ignored = position_error_m(solve_bundle(world.problem, options).T_world_camera, world.truth);
 
   for (const int i : {kRollingShutter, kDepthDelay, kDepthShutter}) {
-    world.problem.sensor.prior_sigma(i) = SensorCalibration::kUnknown;
+    world.problem.prior.sigma(i) = SensorPrior::kUnknown;
   }
   const BundleSolution solution = solve_bundle(world.problem, options);
-  EXPECT_NEAR(solution.sensor(kRollingShutter), 0.030, 0.002);
-  EXPECT_NEAR(solution.sensor(kDepthDelay), 0.015, 0.002);
+  EXPECT_NEAR(solution.corrections(kRollingShutter), 0.030, 0.002);
+  EXPECT_NEAR(solution.corrections(kDepthDelay), 0.015, 0.002);
   EXPECT_LT(position_error_m(solution.T_world_camera, world.truth), 0.5 * ignored);
-  EXPECT_NEAR(solution.sensor(kDepthShutter), 0.030, 0.004);
+  EXPECT_NEAR(solution.corrections(kDepthShutter), 0.030, 0.004);
   for (const int i : {kRollingShutter, kDepthDelay}) {
     const double sigma = std::sqrt(solution.sensor_covariance(i, i));
-    EXPECT_LT(std::abs(solution.sensor(i) - settings.sensor(i)), 4 * sigma) << i;
+    EXPECT_LT(std::abs(solution.corrections(i) - settings.sensor(i)), 4 * sigma) << i;
     EXPECT_LT(sigma, 0.001) << i;
   }
 }
 
-TEST(Bundle, FocalLengthAndDepthOffsetAreRecovered) {
+TEST(Bundle, FocalLengthAndInverseDepthBiasAreRecovered) {
   BundleWorldSettings settings{.poses = 30, .points = 500, .sigma_px = 0.5, .sigma_inverse_depth = 1.5e-3};
   settings.sensor(kFocalX) = 0.01 * test::kinect().fx;
   settings.sensor(kFocalY) = 0.01 * test::kinect().fy;
   settings.sensor(kCenterX) = 2;
-  settings.sensor(kDepthOffset) = 0.004;
+  settings.sensor(kInverseDepthBias) = 0.004;
   BundleWorld world = make_bundle_world(settings);
   perturb(world, 0.02, 0.01);
-  for (const int i : {kFocalX, kFocalY, kCenterX, kCenterY, kDepthOffset}) {
-    world.problem.sensor.prior_sigma(i) = SensorCalibration::kUnknown;
+  for (const int i : {kFocalX, kFocalY, kCenterX, kCenterY, kInverseDepthBias}) {
+    world.problem.prior.sigma(i) = SensorPrior::kUnknown;
   }
   BundleOptions options;
   options.max_iterations = 30;
   const BundleSolution solution = solve_bundle(world.problem, options);
-  EXPECT_NEAR(solution.sensor(kFocalX), settings.sensor(kFocalX), 0.5);
-  EXPECT_NEAR(solution.sensor(kFocalY), settings.sensor(kFocalY), 0.5);
-  EXPECT_NEAR(solution.sensor(kCenterX), 2, 0.5);
-  EXPECT_NEAR(solution.sensor(kDepthOffset), 0.004, 0.0005);
-  EXPECT_EQ(solution.sensor(kRadial1), 0) << "constant";
+  EXPECT_NEAR(solution.corrections(kFocalX), settings.sensor(kFocalX), 0.5);
+  EXPECT_NEAR(solution.corrections(kFocalY), settings.sensor(kFocalY), 0.5);
+  EXPECT_NEAR(solution.corrections(kCenterX), 2, 0.5);
+  EXPECT_NEAR(solution.corrections(kInverseDepthBias), 0.004, 0.0005);
+  EXPECT_EQ(solution.corrections(kRadial1), 0) << "constant";
   EXPECT_EQ(solution.sensor_covariance(kRadial1, kRadial1), 0);
 }
 
@@ -161,15 +163,15 @@ TEST(Bundle, SensorErrorsAreConsistentWithTheirCovariance) {
     settings.seed = static_cast<uint64_t>(trial) + 1;
     BundleWorld world = make_bundle_world(settings);
     perturb(world, 0.01, 0.005, settings.seed);
-    world.problem.sensor.prior_sigma(kRollingShutter) = SensorCalibration::kUnknown;
-    world.problem.sensor.prior_sigma(kDepthDelay) = SensorCalibration::kUnknown;
+    world.problem.prior.sigma(kRollingShutter) = SensorPrior::kUnknown;
+    world.problem.prior.sigma(kDepthDelay) = SensorPrior::kUnknown;
     BundleOptions options;
-    options.depth_noise.coefficient_per_m = 2e-3;
+    world.problem.sensor.noise.keypoint.coefficient_per_m = 2e-3;
     options.pose_covariances = true;
     const BundleSolution solution = solve_bundle(world.problem, options);
     const Eigen::Matrix2d covariance =
         solution.sensor_covariance.block<2, 2>(kRollingShutter, kRollingShutter);
-    const Eigen::Vector2d error = (solution.sensor - settings.sensor).segment<2>(kRollingShutter);
+    const Eigen::Vector2d error = (solution.corrections - settings.sensor).segment<2>(kRollingShutter);
     sensor_sum += error.dot(covariance.inverse() * error);
     const Vector6d pose = test::error_of(solution.T_world_camera[10], world.truth[10]);
     pose_sum += pose.dot(solution.pose_covariance[10].inverse() * pose);
@@ -209,7 +211,7 @@ TEST(Bundle, DepthGradientCorrectsSlantedSurfaces) {
     }
   }
   world.problem.p_world = world.points;
-  world.problem.sensor.value(kDepthDelay) = kDelay_s;
+  world.problem.sensor.corrections(kDepthDelay) = kDelay_s;
   perturb(world, 0.01, 0.005);
   const auto with = solve_bundle(world.problem, thorough());
   for (auto& o : world.problem.observations) o.inverse_depth_gradient.setZero();
@@ -225,7 +227,7 @@ TEST(Bundle, TenPercentOutliers) {
   perturb(world, 0.01, 0.005);
   BundleOptions options;
   options.rounds = 4;
-  options.depth_noise.coefficient_per_m = 2.85e-3;
+  world.problem.sensor.noise.keypoint.coefficient_per_m = 2.85e-3;
   const BundleSolution solution = solve_bundle(world.problem, options);
   settings.outlier_fraction = 0;
   EXPECT_LT(position_error_m(solution.T_world_camera, world.truth), 0.005);
@@ -244,7 +246,7 @@ TEST(Bundle, ResultDoesNotDependOnTheNumberOfThreads) {
   BundleWorldSettings settings{.poses = 15, .points = 300, .sigma_px = 1, .sigma_inverse_depth = 2e-3};
   BundleWorld world = make_bundle_world(settings);
   perturb(world, 0.01, 0.005);
-  for (const int i : {kFocalX, kRollingShutter, kDepthDelay}) world.problem.sensor.prior_sigma(i) = 1;
+  for (const int i : {kFocalX, kRollingShutter, kDepthDelay}) world.problem.prior.sigma(i) = 1;
   BundleOptions options;
   const BundleSolution one = solve_bundle(world.problem, options);
   options.threads = 3;
@@ -254,7 +256,7 @@ TEST(Bundle, ResultDoesNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(one.T_world_camera[i].rotation.coeffs(), three.T_world_camera[i].rotation.coeffs());
   }
   EXPECT_EQ(one.p_world, three.p_world);
-  EXPECT_EQ(one.sensor, three.sensor);
+  EXPECT_EQ(one.corrections, three.corrections);
 }
 
 TEST(Bundle, DegenerateInputsAreIgnored) {
@@ -282,7 +284,7 @@ TEST(Bundle, DegenerateInputsAreIgnored) {
 TEST(Bundle, EmptyAndInvalidProblems) {
   EXPECT_TRUE(solve_bundle({}, {}).T_world_camera.empty());
   BundleProblem lonely;
-  lonely.camera = test::kinect();
+  lonely.sensor = test::kinect_sensor();
   lonely.T_world_camera.resize(3);
   EXPECT_EQ(solve_bundle(lonely, {}).T_world_camera.size(), 3U);
 

@@ -18,7 +18,7 @@ struct BundleWorldSettings {
   double sigma_inverse_depth = 0;
   double depth_fraction = 0.7;
   double outlier_fraction = 0;
-  double depth_lag_s = 0;                      // largest difference of the two stamps of a frame
+  double depth_stamp_difference_s = 0;         // largest difference of the two stamps of a frame
   SensorVector sensor = SensorVector::Zero();  // true parameters
   double max_depth_m = 5;
   uint64_t seed = 1;
@@ -54,7 +54,7 @@ struct BundleWorld {
 inline bool observe(const BundleWorldSettings& settings, double t, const Eigen::Vector3d& p_world,
                     Random& random, BundleObservation& o) {
   // Only for settings without distortion.
-  const PinholeCamera camera = corrected_camera(kinect(), settings.sensor);
+  const PinholeCamera camera = corrected_camera({kinect(), {}, settings.sensor});
   Eigen::Vector3d p;
   for (int i = 0; i < 8; ++i) {  // row and time depend on each other
     p = path(t + settings.sensor(kRollingShutter) * o.row).inverse() * p_world;
@@ -68,10 +68,10 @@ inline bool observe(const BundleWorldSettings& settings, double t, const Eigen::
   o.pixel = camera.project(p) + settings.sigma_px * Eigen::Vector2d(noise_u, noise_v);
   o.sigma_px = settings.sigma_px > 0 ? settings.sigma_px : 1;
   const double depth_time =
-      t + o.depth_lag_s + settings.sensor(kDepthShutter) * o.row + settings.sensor(kDepthDelay);
+      t + o.depth_stamp_difference_s + settings.sensor(kDepthShutter) * o.row + settings.sensor(kDepthDelay);
   const Eigen::Vector3d at_depth = path(depth_time).inverse() * p_world;
   const double inverse =
-      (1 / at_depth.z() - settings.sensor(kDepthOffset)) / (1 + settings.sensor(kDepthScale)) +
+      (1 / at_depth.z() - settings.sensor(kInverseDepthBias)) / (1 + settings.sensor(kDepthScale)) +
       settings.sigma_inverse_depth * random.gaussian();
   if (random.uniform() < settings.depth_fraction) o.depth_m = 1 / inverse;
   return true;
@@ -93,7 +93,7 @@ inline Eigen::Vector3d random_wall_point(Random& random) {
 inline BundleWorld make_bundle_world(const BundleWorldSettings& settings) {
   BundleWorld world;
   Random random(settings.seed);
-  world.problem.camera = kinect();
+  world.problem.sensor = kinect_sensor();
   for (int i = 0; i < settings.poses; ++i) {
     world.truth.push_back(path(i * settings.spacing_s));
     world.problem.velocities.push_back(path_velocity(i * settings.spacing_s));
@@ -105,7 +105,7 @@ inline BundleWorld make_bundle_world(const BundleWorldSettings& settings) {
       BundleObservation o;
       o.pose = static_cast<uint32_t>(i);
       o.point = static_cast<uint32_t>(j);
-      o.depth_lag_s = settings.depth_lag_s * std::sin(2.5 * i);
+      o.depth_stamp_difference_s = settings.depth_stamp_difference_s * std::sin(2.5 * i);
       if (!observe(settings, i * settings.spacing_s, world.points.back(), random, o)) continue;
       const bool wrong = random.uniform() < settings.outlier_fraction;
       if (wrong) o.pixel = random_pixel(random, kinect());

@@ -50,7 +50,7 @@ TEST(G2oFile, ReadsSe3Poses) {
   ASSERT_EQ(graph.edges.size(), 1U);
   EXPECT_EQ(graph.edges[0].a, 0U);
   EXPECT_EQ(graph.edges[0].b, 1U);
-  EXPECT_FALSE(graph.edges[0].trusted);
+  EXPECT_FALSE(graph.edges[0].is_odometry);
   EXPECT_EQ(graph.edges[0].T_a_b.translation, Eigen::Vector3d(4, 5, 6));
   EXPECT_TRUE(file.had_vertices);
 }
@@ -61,7 +61,7 @@ TEST(G2oFile, ReadsInformationRowByRow) {
   Eigen::Matrix3d expected;
   expected << 10, 2, 3, 2, 20, 4, 3, 4, 30;
   EXPECT_EQ(edge.information, expected);
-  EXPECT_TRUE(edge.trusted) << "successive ids are odometry";
+  EXPECT_TRUE(edge.is_odometry) << "successive ids are odometry";
   EXPECT_EQ(edge.T_a_b.angle_rad, 0.5);
 }
 

@@ -87,7 +87,7 @@ struct Alignment {
 Alignment align(const Scene& scene, const PinholeCamera& camera, const SE3& truth, double noise,
                 const IcpOptions& options, uint64_t seed = 1) {
   Random random(seed);
-  const IcpCamera icp = make_icp_camera(camera, options);
+  const IcpCamera icp = make_icp_camera(Sensor{camera}, options);
   const View a = render(scene, camera, {}, noise, random);
   const View b = render(scene, camera, truth, noise, random);
   return {truth, align_icp(icp, make_icp_frame(icp, a.depth_m, a.gray),
@@ -123,7 +123,7 @@ TEST(Icp, ErrorStaysWithinTheStatedInformation) {
   for (const IcpOptions& options : {IcpOptions{}, by_depth_alone()}) {
     for (uint64_t seed = 1; seed <= 5; ++seed) {
       const auto [truth, solution] = align(corner_scene, small_camera(true), small_motion(),
-                                           options.depth_noise.coefficient_per_m, options, seed);
+                                           NoiseModel().surface.coefficient_per_m, options, seed);
       ASSERT_TRUE(solution.has_value());
       const Vector6d error = error_of(solution->T_reference_camera, truth);
       EXPECT_LT(error.norm(), 5e-3);
@@ -156,7 +156,7 @@ TEST(Icp, IntensitiesConstrainThePoseAtAWall) {
 TEST(Icp, AChangeOfExposureDoesNotMatter) {
   Random random(3);
   const PinholeCamera camera = small_camera(false);
-  const IcpCamera icp = make_icp_camera(camera, {});
+  const IcpCamera icp = make_icp_camera(Sensor{camera}, {});
   const View a = render(wall_scene, camera, {}, 0, random);
   const View b = render(wall_scene, camera, small_motion(), 0, random);
   const auto solution = align_icp(icp, make_icp_frame(icp, a.depth_m, a.gray),
@@ -168,7 +168,7 @@ TEST(Icp, AChangeOfExposureDoesNotMatter) {
 TEST(Icp, NoSolutionWithoutDepthOrOverlap) {
   Random random(4);
   const PinholeCamera camera = small_camera(false);
-  const IcpCamera icp = make_icp_camera(camera, {});
+  const IcpCamera icp = make_icp_camera(Sensor{camera}, {});
   const View view = render(corner_scene, camera, {}, 0, random);
   const IcpFrame good = make_icp_frame(icp, view.depth_m);
   const IcpFrame empty = make_icp_frame(icp, cv::Mat::zeros(240, 320, CV_32FC1));
@@ -184,7 +184,7 @@ TEST(Icp, NoSolutionWithoutDepthOrOverlap) {
 TEST(Icp, AFrameAlignsWithItself) {
   Random random(5);
   const PinholeCamera camera = small_camera(true);
-  const IcpCamera icp = make_icp_camera(camera, {});
+  const IcpCamera icp = make_icp_camera(Sensor{camera}, {});
   const View view = render(corner_scene, camera, {}, 1e-3, random);
   const IcpFrame frame = make_icp_frame(icp, view.depth_m);
   const auto solution = align_icp(icp, frame, frame, {}, {});

@@ -21,17 +21,20 @@ constexpr size_t kSize = ObservationBlock::kSize;
 constexpr double kRobustWidth = 0.5;
 constexpr DepthNoise kDepthNoise = {6e-3, 0.8};
 
-SensorVector bent_sensor() {
-  SensorVector sensor;
-  sensor << 5, -3, 1, 2, 0.05, -0.03, 0.03, 0.015, 0.02, 0.01, 0.002, 0.001, -0.001, 0.003, 0.002, -0.002;
+/// A sensor with every correction.
+Sensor corrected_sensor() {
+  Sensor sensor = test::kinect_sensor();
+  sensor.noise.keypoint = kDepthNoise;
+  sensor.noise.robust_width = kRobustWidth;
+  sensor.corrections << 5, -3, 1, 2, 0.05, -0.03, 0.03, 0.015, 0.02, 0.01, 0.002, 0.001, -0.001, 0.003, 0.002,
+      -0.002;
   return sensor;
 }
 
 /// A moving camera and eight points in front of it, with measurement noise. The fourth has no depth, the
 /// sixth no depth gradient.
 struct ObservedPoints {
-  PinholeCamera camera = test::kinect();
-  SensorVector sensor = bent_sensor();
+  Sensor sensor = corrected_sensor();
   SE3 T_world_camera;
   Velocity velocity;
   std::vector<Eigen::Vector3d> p_world;
@@ -45,11 +48,11 @@ struct ObservedPoints {
     for (size_t lane = 0; lane < kSize; ++lane) {
       const Eigen::Vector3d p = test::uniform_vector<3>(random, {-1, -1, 1}, {1, 1, 3});
       KeypointMeasurement o;
-      o.pixel = camera.project(p) + test::uniform_vector<2>(random, {-3, -3}, {3, 3});
+      o.pixel = sensor.camera.project(p) + test::uniform_vector<2>(random, {-3, -3}, {3, 3});
       o.depth_m = lane == 3 ? 0 : p.z() + random.uniform(-0.02, 0.02);
       o.sigma_px = random.uniform(1, 3);
       o.row = random.uniform(-0.5, 0.5);
-      o.depth_lag_s = random.uniform(-0.02, 0.02);
+      o.depth_stamp_difference_s = random.uniform(-0.02, 0.02);
       o.inverse_depth_gradient = {random.uniform(-2e-3, 2e-3), random.uniform(-2e-3, 2e-3)};
       if (lane == 5) o.inverse_depth_gradient.setConstant(test::kNan);
       observations.push_back(o);
@@ -69,7 +72,6 @@ struct ObservedPoints {
   }
 
   [[nodiscard]] BundleView view() const { return {T_world_camera, velocity}; }
-  [[nodiscard]] MeasurementModel model() const { return {camera, sensor, kDepthNoise, kRobustWidth}; }
 };
 
 /// A linearised block with all derivatives.
@@ -79,7 +81,7 @@ struct Linear {
   Lanes cost{};
 
   explicit Linear(const ObservedPoints& scene) {
-    cost = linearize_block(scene.block, scene.view(), scene.model(), layout, columns.data());
+    cost = linearize_block(scene.block, scene.view(), scene.sensor, layout, columns.data());
   }
   [[nodiscard]] double at(size_t lane, size_t row, size_t column) const {
     return columns[(row * layout.width + column) * kSize + lane];
@@ -103,14 +105,14 @@ struct Linear {
 
 TEST(ObservationBlock, ResidualsMatchTheSensorModel) {
   const ObservedPoints scene(1);
-  const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.model());
-  const SensorVector& s = scene.sensor;
+  const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.sensor);
+  const SensorVector& s = scene.sensor.corrections;
   for (size_t lane = 0; lane < kSize; ++lane) {
     const KeypointMeasurement& o = scene.observations[lane];
     const Eigen::Vector3d p = scene.T_world_camera.inverse() * scene.p_world[lane];
     const auto seen_at = [&](double time_s) { return point_in_later_camera(p, scene.velocity, time_s); };
     const auto pixel_of = [&](const Eigen::Vector3d& q) {
-      return corrected_pixel(scene.camera, s, q.head<2>() / q.z());
+      return corrected_pixel(scene.sensor, q.head<2>() / q.z());
     };
     const double color_s = s(kRollingShutter) * o.row;
     const Eigen::Vector2d error = (pixel_of(seen_at(color_s)) - o.pixel) / o.sigma_px;
@@ -123,9 +125,10 @@ TEST(ObservationBlock, ResidualsMatchTheSensorModel) {
     }
     const bool has_slope = o.inverse_depth_gradient.allFinite();
     const Eigen::Vector3d q =
-        seen_at(has_slope ? o.depth_lag_s + s(kDepthDelay) + s(kDepthShutter) * o.row : color_s);
-    double depth_error = (1 + s(kDepthScale)) / o.depth_m - 1 / q.z() +
-                         s.segment<6>(kDepthOffset).dot(depth_offset_basis(scene.camera, o.pixel));
+        seen_at(has_slope ? o.depth_stamp_difference_s + s(kDepthDelay) + s(kDepthShutter) * o.row : color_s);
+    double depth_error =
+        (1 + s(kDepthScale)) / o.depth_m - 1 / q.z() +
+        s.segment<6>(kInverseDepthBias).dot(inverse_depth_bias_basis(scene.sensor.camera, o.pixel));
     if (has_slope) depth_error += o.inverse_depth_gradient.dot(pixel_of(q) - o.pixel);
     EXPECT_NEAR(r.depth[lane], depth_error / kDepthNoise.inverse_sigma_per_m(1 / o.depth_m), 1e-9);
   }
@@ -134,8 +137,8 @@ TEST(ObservationBlock, ResidualsMatchTheSensorModel) {
 TEST(ObservationBlock, RowsHoldTheWeightedResiduals) {
   const ObservedPoints scene(2);
   const Linear linear(scene);
-  const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.model());
-  const Lanes cost = block_cost(scene.block, scene.view(), scene.model());
+  const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.sensor);
+  const Lanes cost = block_cost(scene.block, scene.view(), scene.sensor);
   const HuberLoss loss{kRobustWidth};
   for (size_t lane = 0; lane < kSize; ++lane) {
     const double pixel = r.u[lane] * r.u[lane] + r.v[lane] * r.v[lane];
@@ -177,7 +180,7 @@ TEST(ObservationBlock, APointBehindTheCameraHasZeroGradient) {
   scene.p_world[1] = scene.T_world_camera * Eigen::Vector3d(0.1, 0.1, -1);
   scene.place(1, 1);
   const Linear linear(scene);
-  EXPECT_EQ(block_residuals(scene.block, scene.view(), scene.model()).seen[1], 0);
+  EXPECT_EQ(block_residuals(scene.block, scene.view(), scene.sensor).seen[1], 0);
   EXPECT_EQ(linear.cost[1], HuberLoss{kRobustWidth}.rho(kBehindCameraSquared));
   auto numbers = linear.numbers(1);
   numbers.pop_back();  // the cost
@@ -187,12 +190,12 @@ TEST(ObservationBlock, APointBehindTheCameraHasZeroGradient) {
 TEST(ObservationBlock, InstructionSetsGiveIdenticalBits) {
   const ObservedPoints scene(6);
   const Linear expected(scene);
-  const BlockResiduals residuals = block_residuals(scene.block, scene.view(), scene.model());
+  const BlockResiduals residuals = block_residuals(scene.block, scene.view(), scene.sensor);
   test::for_each_simd_target([&](const std::string& name) {
     const Linear linear(scene);
     EXPECT_EQ(linear.columns, expected.columns) << name;
     EXPECT_EQ(linear.cost, expected.cost) << name;
-    const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.model());
+    const BlockResiduals r = block_residuals(scene.block, scene.view(), scene.sensor);
     EXPECT_EQ(r.u, residuals.u) << name;
     EXPECT_EQ(r.v, residuals.v) << name;
     EXPECT_EQ(r.depth, residuals.depth) << name;
@@ -206,11 +209,11 @@ struct LinearBundle {
 
   explicit LinearBundle(const ObservedPoints& scene) : layout(LinearColumns::of_bundle(free_parameters())) {
     columns.resize(kRowsPerObservation * layout.width * kSize);
-    linearize_block(scene.block, scene.view(), scene.model(), layout, columns.data());
+    linearize_block(scene.block, scene.view(), scene.sensor, layout, columns.data());
   }
   static SensorVector free_parameters() {
     SensorVector sigma = SensorVector::Zero();
-    sigma(kFocalY) = sigma(kRollingShutter) = sigma(kDepthDelay) = sigma(kDepthOffsetXY) = 1;
+    sigma(kFocalY) = sigma(kRollingShutter) = sigma(kDepthDelay) = sigma(kInverseDepthBiasXY) = 1;
     return sigma;
   }
   [[nodiscard]] Eigen::MatrixXd gram() const {
@@ -253,7 +256,7 @@ TEST(LinearColumns, OfBundleHoldTheFreeSensorParameters) {
         EXPECT_EQ(J(i, static_cast<Eigen::Index>(*bundle.layout.point + c)),
                   all.at(lane, row, *all.layout.point + c));
       }
-      for (const size_t k : {kFocalY, kRollingShutter, kDepthDelay, kDepthOffsetXY}) {
+      for (const size_t k : {kFocalY, kRollingShutter, kDepthDelay, kInverseDepthBiasXY}) {
         EXPECT_EQ(J(i, bundle.layout.of_sensor[k]),
                   all.at(lane, row, static_cast<size_t>(all.layout.of_sensor[k])));
       }

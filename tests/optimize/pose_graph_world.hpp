@@ -62,12 +62,12 @@ LoopWorld<Pose> make_loop_world(const LoopWorldOptions& options, uint64_t seed) 
         i == 0 ? world.truth[0]
                : retract(world.truth.back(), random_tangent<Pose>(random, options.start_sigma)));
   }
-  const auto measure = [&](int a, int b, bool trusted) {
+  const auto measure = [&](int a, int b, bool is_odometry) {
     const auto ua = static_cast<uint32_t>(a), ub = static_cast<uint32_t>(b);
     const Pose exact = world.truth[ua].inverse() * world.truth[ub];
     world.graph.edges.push_back({ua, ub, retract(exact, random_tangent<Pose>(random, options.sigma)),
                                  random_information<Pose>(random, options.sigma > 0 ? options.sigma : 1),
-                                 trusted});
+                                 is_odometry});
   };
   for (int i = 1; i < count; ++i) measure(i - 1, i, true);
   for (int i = options.poses_per_round; i < count; i += 2) {

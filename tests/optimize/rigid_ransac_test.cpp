@@ -11,6 +11,7 @@ namespace {
 
 using test::error_of;
 using test::kinect;
+using test::kinect_sensor;
 using test::kNan;
 using test::random_motion;
 
@@ -52,7 +53,7 @@ TEST(RigidRansac, RecoversTheTruthWithoutNoise) {
   for (int trial = 0; trial < 10; ++trial) {
     const SE3 truth = random_motion(random, 0.5, 0.4);
     const auto pairs = make_pairs(truth, 50, 0, 0, 0, random);
-    const auto solution = solve_rigid_ransac(kinect(), pairs, {}, 3);
+    const auto solution = solve_rigid_ransac(kinect_sensor(), pairs, {}, 3);
     ASSERT_TRUE(solution.has_value());
     EXPECT_LT(error_of(solution->T_a_b, truth).norm(), 1e-8);
     EXPECT_EQ(solution->inlier_count, 50);
@@ -66,8 +67,8 @@ TEST(RigidRansac, NormalisedErrorIsConsistent) {
   constexpr int kTrials = 200;
   for (int trial = 0; trial < kTrials; ++trial) {
     const SE3 truth = random_motion(random, 0.5, 0.4);
-    const auto pairs = make_pairs(truth, 80, 1.0, options.depth_noise.coefficient_per_m, 0, random);
-    const auto solution = solve_rigid_ransac(kinect(), pairs, options, 3);
+    const auto pairs = make_pairs(truth, 80, 1.0, NoiseModel().point_pair.coefficient_per_m, 0, random);
+    const auto solution = solve_rigid_ransac(kinect_sensor(), pairs, options, 3);
     ASSERT_TRUE(solution.has_value());
     const Vector6d error = error_of(solution->T_a_b, truth);
     sum += error.dot(solution->information * error);
@@ -80,7 +81,7 @@ TEST(RigidRansac, SurvivesSixtyPercentOutliers) {
   for (uint64_t seed = 0; seed < 10; ++seed) {
     const SE3 truth = random_motion(random, 0.5, 0.4);
     const auto pairs = make_pairs(truth, 150, 0.8, 2e-3, 0.6, random);
-    const auto solution = solve_rigid_ransac(kinect(), pairs, {}, seed);
+    const auto solution = solve_rigid_ransac(kinect_sensor(), pairs, {}, seed);
     ASSERT_TRUE(solution.has_value());
     EXPECT_LT(error_of(solution->T_a_b, truth).norm(), 0.02);
     EXPECT_GT(solution->inlier_count, 40);
@@ -90,8 +91,8 @@ TEST(RigidRansac, SurvivesSixtyPercentOutliers) {
 TEST(RigidRansac, SameSeedSameResult) {
   Random random(4);
   const auto pairs = make_pairs(random_motion(random, 0.5, 0.4), 100, 1, 3e-3, 0.5, random);
-  const auto first = solve_rigid_ransac(kinect(), pairs, {}, 8);
-  const auto second = solve_rigid_ransac(kinect(), pairs, {}, 8);
+  const auto first = solve_rigid_ransac(kinect_sensor(), pairs, {}, 8);
+  const auto second = solve_rigid_ransac(kinect_sensor(), pairs, {}, 8);
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->T_a_b.translation, second->T_a_b.translation);
   EXPECT_EQ(first->T_a_b.rotation.coeffs(), second->T_a_b.rotation.coeffs());
@@ -100,13 +101,14 @@ TEST(RigidRansac, SameSeedSameResult) {
 
 TEST(RigidRansac, RandomAndDegenerateInputsHaveNoSolution) {
   Random random(5);
-  EXPECT_FALSE(solve_rigid_ransac(kinect(), {}, {}, 1).has_value());
-  EXPECT_FALSE(solve_rigid_ransac(kinect(), make_pairs({}, 100, 1, 3e-3, 1.0, random), {}, 1).has_value());
+  EXPECT_FALSE(solve_rigid_ransac(kinect_sensor(), {}, {}, 1).has_value());
+  EXPECT_FALSE(
+      solve_rigid_ransac(kinect_sensor(), make_pairs({}, 100, 1, 3e-3, 1.0, random), {}, 1).has_value());
   auto line = make_pairs({}, 40, 0, 0, 0, random);
   for (size_t i = 0; i < line.size(); ++i) {
     line[i].p_a = line[i].p_b = Eigen::Vector3d(0.02 * static_cast<double>(i), 0.1, 2.0);
   }
-  EXPECT_FALSE(solve_rigid_ransac(kinect(), line, {}, 1).has_value());
+  EXPECT_FALSE(solve_rigid_ransac(kinect_sensor(), line, {}, 1).has_value());
 }
 
 TEST(RigidRansac, InvalidPairsAreIgnored) {
@@ -117,7 +119,7 @@ TEST(RigidRansac, InvalidPairsAreIgnored) {
   pairs[1].p_b.z() = 0;
   pairs[2].sigma_a_px = 0;
   pairs[3].p_b.y() = std::numeric_limits<double>::infinity();
-  const auto solution = solve_rigid_ransac(kinect(), pairs, {}, 1);
+  const auto solution = solve_rigid_ransac(kinect_sensor(), pairs, {}, 1);
   ASSERT_TRUE(solution.has_value());
   EXPECT_EQ(solution->inlier_count, 56);
   EXPECT_THAT(std::vector<uint8_t>(solution->inliers.begin(), solution->inliers.begin() + 4),
@@ -128,11 +130,12 @@ TEST(RigidRansac, RefinementNeedsNoSamples) {
   Random random(7);
   const SE3 truth = random_motion(random, 0.5, 0.4);
   const auto pairs = make_pairs(truth, 60, 0, 0, 0, random);
-  const auto solution = refine_rigid(kinect(), pairs, truth * random_motion(random, 0.002, 0.001), {});
+  const auto solution = refine_rigid(kinect_sensor(), pairs, truth * random_motion(random, 0.002, 0.001), {});
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(error_of(solution->T_a_b, truth).norm(), 1e-8);
   EXPECT_FALSE(
-      refine_rigid(kinect(), pairs, truth * SE3{Eigen::Quaterniond::Identity(), {5, 0, 0}}, {}).has_value());
+      refine_rigid(kinect_sensor(), pairs, truth * SE3{Eigen::Quaterniond::Identity(), {5, 0, 0}}, {})
+          .has_value());
 }
 
 }  // namespace

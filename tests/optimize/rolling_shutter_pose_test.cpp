@@ -31,8 +31,8 @@ std::vector<PoseObservation> observe(const RollingShutterPose& truth, const Sens
     o.p_reference = still.p_reference;
     o.row = still.pixel.y() / kinect().height - 0.5;
     const SE3 T_color = propagate_pose(truth.T_world_camera, truth.velocity, sensor(kRollingShutter) * o.row);
-    o.depth_lag_s = sensor.isZero(0) ? 0 : -0.012;
-    const double depth_s = o.depth_lag_s + sensor(kDepthDelay) + sensor(kDepthShutter) * o.row;
+    o.depth_stamp_difference_s = sensor.isZero(0) ? 0 : -0.012;
+    const double depth_s = o.depth_stamp_difference_s + sensor(kDepthDelay) + sensor(kDepthShutter) * o.row;
     const SE3 T_depth = propagate_pose(truth.T_world_camera, truth.velocity, depth_s);
     o.pixel =
         kinect().project(T_color.inverse() * o.p_reference) + sigma_px * test::gaussian_vector<2>(random);
@@ -56,7 +56,7 @@ TEST(RollingShutterPose, FindsPoseAndVelocityWithoutNoise) {
     const RollingShutterPose guess{truth.T_world_camera * random_motion(random, 0.02, 0.01), Velocity{}};
     const VelocitySigma unknown{100, 100};
     const auto found =
-        solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, guess, unknown, {});
+        solve_rolling_shutter_pose(Sensor{kinect(), {}, rolling_sensor()}, observations, guess, unknown, {});
     ASSERT_TRUE(found.has_value());
     EXPECT_LT(error_of(found->T_world_camera, truth.T_world_camera).norm(), 1e-4);
     EXPECT_LT((found->velocity.vector() - truth.velocity.vector()).norm(), 1e-2);
@@ -73,7 +73,8 @@ TEST(RollingShutterPose, RefinesAnApproximateVelocity) {
     Vector6d off;
     for (double& x : off) x = 0.1 * random.gaussian();
     guess.velocity = Velocity::from_vector(guess.velocity.vector() + off);
-    const auto found = solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, guess, {}, {});
+    const auto found =
+        solve_rolling_shutter_pose(Sensor{kinect(), {}, rolling_sensor()}, observations, guess, {}, {});
     ASSERT_TRUE(found.has_value());
     before += (guess.velocity.angular_rad_s - truth.velocity.angular_rad_s).norm();
     after += (found->velocity.angular_rad_s - truth.velocity.angular_rad_s).norm();
@@ -86,7 +87,8 @@ TEST(RollingShutterPose, IgnoresOutliers) {
   const RollingShutterPose truth = random_moving_pose(random);
   auto observations = observe(truth, rolling_sensor(), 200, 0, random);
   for (size_t i = 0; i < 60; ++i) observations[i].pixel += Eigen::Vector2d(40 + random.uniform(), -25);
-  const auto found = solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, truth, {}, {});
+  const auto found =
+      solve_rolling_shutter_pose(Sensor{kinect(), {}, rolling_sensor()}, observations, truth, {}, {});
   ASSERT_TRUE(found.has_value());
   EXPECT_LT(error_of(found->T_world_camera, truth.T_world_camera).norm(), 1e-3);
 }
@@ -97,7 +99,7 @@ TEST(RollingShutterPose, VelocityIsUnobservableWithAnIdealSensor) {
   const auto observations = observe(truth, SensorVector::Zero(), 100, 0.5, random);
   RollingShutterPose guess = truth;
   guess.velocity = Velocity::from_vector(Vector6d::Constant(0.3));
-  const auto found = solve_rolling_shutter_pose(kinect(), SensorVector::Zero(), observations, guess, {}, {});
+  const auto found = solve_rolling_shutter_pose(test::kinect_sensor(), observations, guess, {}, {});
   ASSERT_TRUE(found.has_value());
   EXPECT_LT((found->velocity.vector() - guess.velocity.vector()).norm(), 1e-9);
 }
@@ -109,9 +111,10 @@ TEST(RollingShutterPose, TooFewInliersGiveNoSolution) {
   for (size_t i = 0; i < 6; ++i) {
     observations[i].pixel = test::uniform_vector<2>(random, {0, 0}, {640, 480});
   }
+  EXPECT_FALSE(solve_rolling_shutter_pose(Sensor{kinect(), {}, rolling_sensor()}, observations, truth, {}, {})
+                   .has_value());
   EXPECT_FALSE(
-      solve_rolling_shutter_pose(kinect(), rolling_sensor(), observations, truth, {}, {}).has_value());
-  EXPECT_FALSE(solve_rolling_shutter_pose(kinect(), rolling_sensor(), {}, truth, {}, {}).has_value());
+      solve_rolling_shutter_pose(Sensor{kinect(), {}, rolling_sensor()}, {}, truth, {}, {}).has_value());
 }
 
 }  // namespace

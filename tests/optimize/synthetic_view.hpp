@@ -24,6 +24,11 @@ inline PinholeCamera kinect() {
   return camera;
 }
 
+/// An ideal sensor with that camera.
+inline Sensor kinect_sensor() {
+  return Sensor{kinect()};
+}
+
 inline Eigen::Vector3d random_vector(Random& random, double size) {
   return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
 }

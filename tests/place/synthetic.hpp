@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "kinloop/core/random.hpp"
-#include "kinloop/place/binary_descriptor.hpp"
+#include "kinloop/place/descriptor_space.hpp"
 
 namespace kinloop::test {
 

@@ -60,7 +60,7 @@ TEST_F(CameraFile, ReadsWhatIsThere) {
   EXPECT_EQ(camera.depth_scale, 5000);
   EXPECT_EQ(camera.fps, 30);
   EXPECT_EQ(camera.rolling_shutter_s, 0);
-  EXPECT_EQ(camera.depth_offset_s, 0);
+  EXPECT_EQ(camera.depth_delay_s, 0);
   EXPECT_FALSE(camera.depth);
 }
 
@@ -72,7 +72,7 @@ TEST_F(CameraFile, ReadsTheOptionalKeys) {
       "depth: {width: 512, height: 424, fx: 365, fy: 366, cx: 256, cy: 212, distortion: [1, 2, 3, 4, 5]}\n"
       "T_color_depth: {translation: [-0.05, 0.01, 0.02], rotation_vector: [0, 0, 1.5707963267948966]}\n");
   EXPECT_EQ(camera.rolling_shutter_s, 0.03);
-  EXPECT_EQ(camera.depth_offset_s, -0.015);
+  EXPECT_EQ(camera.depth_delay_s, -0.015);
   ASSERT_TRUE(camera.depth);
   EXPECT_EQ(camera.depth->width, 512);
   EXPECT_EQ(camera.depth->height, 424);
@@ -94,7 +94,7 @@ TEST_F(CameraFile, WritingAndReadingGivesTheSameCamera) {
   RgbdCamera camera = *camera_preset("freiburg1");
   camera.color.fx = 517.30640812345678;
   camera.rolling_shutter_s = 0.0301;
-  camera.depth_offset_s = -1.0 / 3;
+  camera.depth_delay_s = -1.0 / 3;
   camera.depth = camera_preset("freiburg2")->color;
   camera.depth->width = 512;
   camera.T_color_depth = {exp_so3({0.1, -0.2, 0.3}), {0.025, -1e-17, 1e-3}};
@@ -117,7 +117,7 @@ TEST_F(CameraFile, WritingAndReadingGivesTheSameCamera) {
   EXPECT_EQ(camera.depth_scale, again.depth_scale);
   EXPECT_EQ(camera.fps, again.fps);
   EXPECT_EQ(camera.rolling_shutter_s, again.rolling_shutter_s);
-  EXPECT_EQ(camera.depth_offset_s, again.depth_offset_s);
+  EXPECT_EQ(camera.depth_delay_s, again.depth_delay_s);
   EXPECT_EQ(camera.T_color_depth.translation, again.T_color_depth.translation);
   EXPECT_LT((camera.T_color_depth.inverse() * again.T_color_depth).log().norm(), 1e-15);
 }

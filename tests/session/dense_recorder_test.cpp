@@ -25,15 +25,16 @@ SE3 pose_of(uint32_t frame, double error) {
 void show_wall(DenseRecorder& recorder, uint32_t frames, uint32_t step) {
   for (uint32_t i = 0; i < frames; ++i) {
     const auto seen = test::view_of_wall(camera().color, pose_of(i, 0), 1.8, {0, 128, 255});
-    PreparedFrame frame;
+    Frame frame;
     frame.id = FrameId{i};
     frame.color = seen.color;
     frame.depth_m = seen.depth_m;
-    FrameResult result;
-    result.frame = frame.id;
-    result.status = TrackStatus::kTracked;
-    if (i % step == 0) result.keyframe = KeyframeId{i / step};
-    recorder.on_frame(result, frame);
+    TrackedFrame tracked;
+    tracked.id = frame.id;
+    tracked.outcome = TrackingOutcome::kTracked;
+    if (i % step == 0) tracked.keyframe = KeyframeId{i / step};
+    tracked.frame = std::make_shared<const Frame>(frame);
+    recorder.on_frame(tracked);
   }
 }
 

@@ -23,7 +23,7 @@ const Recording& walk() {
 }
 
 /// Frames of another room.
-const std::vector<RgbdFrame>& elsewhere() {
+const std::vector<Frame>& elsewhere() {
   static const Recording kRecording = record_simulation("sim:room:5", 8);
   return kRecording.frames;
 }
@@ -84,7 +84,7 @@ TEST(SavedMap, LocalizationFindsPosesAndKeepsTheMapUnchanged) {
 
   // Poses in the frame of the map, which the first half aligns with the ground-truth world.
   Trajectory both;
-  for (const SavedFrame& frame : first_half().frames) {
+  for (const TrackedFrame& frame : first_half().frames) {
     const SE3& T_world_keyframe = first_half().map.keyframes[frame.reference.value].T_world_camera;
     both.push_back({frame.stamp_ns, T_world_keyframe * frame.T_reference_camera});
   }
@@ -104,7 +104,7 @@ TEST(SavedMap, LocalizationInAnUnknownPlaceFindsNothing) {
   options.localize_only = true;
   Slam slam(walk().camera, options);
   slam.add_map(first_half());
-  for (const RgbdFrame& frame : elsewhere()) slam.process(frame);
+  for (const Frame& frame : elsewhere()) slam.process(frame);
   EXPECT_TRUE(slam.finish().empty());
 }
 
@@ -118,15 +118,15 @@ TEST(SavedMap, ContinuedMappingKeepsWorldFrameAndFrames) {
   map.check_invariants();
   EXPECT_GT(map.keyframes().size(), first_half().map.keyframes.size());
   for (const Keyframe& keyframe : map.keyframes()) EXPECT_EQ(keyframe.component, 0U);
-  for (size_t i = 1; i < slam.log().size(); ++i) EXPECT_LT(slam.log()[i - 1].frame, slam.log()[i].frame);
+  for (size_t i = 1; i < slam.log().size(); ++i) EXPECT_LT(slam.log()[i - 1].id, slam.log()[i].id);
 
   const auto ate = absolute_trajectory_error(trajectory_of(slam.log(), map), walk().truth);
   ASSERT_TRUE(ate.has_value());
   EXPECT_LT(ate->error_m.rmse, 0.02);
   const SavedMap saved = slam.saved_map("more");
   ASSERT_EQ(saved.sessions.size(), 2U);
-  EXPECT_LE(saved.sessions[1].first_frame, slam.session_log().front().frame);
-  EXPECT_GT(saved.sessions[1].first_frame, slam.log()[kHalf - 1].frame);
+  EXPECT_LE(saved.sessions[1].first_frame, slam.session_log().front().id);
+  EXPECT_GT(saved.sessions[1].first_frame, slam.log()[kHalf - 1].id);
 }
 
 TEST(SavedMap, TwoMapsAreMerged) {
@@ -135,7 +135,7 @@ TEST(SavedMap, TwoMapsAreMerged) {
   Slam slam(walk().camera);
   slam.add_map(a);
   EXPECT_GT(slam.add_map(b), 0U);
-  EXPECT_FALSE(slam.map().loop_edges().empty());
+  EXPECT_FALSE(slam.map().loop_closures().empty());
   slam.finish();
   slam.map().check_invariants();
   for (const Keyframe& keyframe : slam.map().keyframes()) EXPECT_EQ(keyframe.component, 0U);
@@ -164,7 +164,7 @@ TEST(SavedMap, KeyframesOfMergedMapsKeepTheirFrames) {
 TEST(SavedMap, MapsOfDifferentPlacesStayApart) {
   const SavedMap a = first_half();
   Slam other(walk().camera);
-  for (const RgbdFrame& frame : elsewhere()) other.process(frame);
+  for (const Frame& frame : elsewhere()) other.process(frame);
   other.finish();
   Slam slam(walk().camera);
   slam.add_map(a);

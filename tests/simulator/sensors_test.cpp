@@ -42,7 +42,7 @@ TEST_P(SimulatedSensors, DepthHasACameraOfItsOwnAndIsRegistered) {
   EXPECT_EQ(source.camera().sensor.model, GetParam() == SimulatedSensor::kKinect2
                                               ? DepthSensorModel::kKinect2
                                               : DepthSensorModel::kRealsenseD4xx);
-  const RgbdFrame raw = source.device_frame(20), frame = source.frame(20);
+  const Frame raw = source.device_frame(20), frame = source.frame(20);
   EXPECT_EQ(raw.depth_m.size(), cv::Size(source.device().depth->width, source.device().depth->height));
   EXPECT_NE(raw.depth_m.size(), raw.color.bgr().size());
   EXPECT_EQ(frame.depth_m.size(), frame.color.bgr().size());
@@ -54,7 +54,7 @@ TEST_P(SimulatedSensors, IdealDepthLiesOnTheSurface) {
   SimulationOptions ideal = options();
   ideal.remove_noise();
   const SimulatedSource source("room", 1, ideal, 2);
-  const RgbdFrame frame = source.frame(30);
+  const Frame frame = source.frame(30);
   const PinholeCamera& camera = source.camera().color;
   int known = 0, near = 0;
   for (int y = 0; y < frame.depth_m.rows; y += 3) {
@@ -73,7 +73,7 @@ TEST_P(SimulatedSensors, IdealDepthLiesOnTheSurface) {
 
 TEST_P(SimulatedSensors, GiveTheSameBytesForAnyNumberOfThreads) {
   const SimulatedSource alone("room", 1, options(), 1);
-  const RgbdFrame a = alone.device_frame(10), b = source().device_frame(10);
+  const Frame a = alone.device_frame(10), b = source().device_frame(10);
   EXPECT_TRUE(same_image(a.color.bgr(), b.color.bgr()));
   EXPECT_TRUE(same_image(a.depth_m, b.depth_m));
 }

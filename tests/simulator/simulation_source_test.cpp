@@ -44,7 +44,7 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
 }
 
 /// World point of a pixel with depth, through the lens.
-Eigen::Vector3d world_point(const SimulatedSource& source, const RgbdFrame& frame, int x, int y) {
+Eigen::Vector3d world_point(const SimulatedSource& source, const Frame& frame, int x, int y) {
   const PinholeCamera& camera = source.camera().color;
   const double depth_m = static_cast<double>(frame.depth_m.at<float>(y, x));
   const Eigen::Vector3d p_camera = camera.unproject(camera.undistort(Eigen::Vector2d(x, y)), depth_m);
@@ -54,7 +54,7 @@ Eigen::Vector3d world_point(const SimulatedSource& source, const RgbdFrame& fram
 TEST(SimulatedSource, DepthOfTheIdealSensorLiesOnTheSurface) {
   const SimulatedSource& source = ideal_source();
   for (const size_t index : {0U, 150U, 420U}) {
-    const RgbdFrame frame = source.frame(index);
+    const Frame frame = source.frame(index);
     int known = 0;
     for (int y = 0; y < frame.depth_m.rows; y += 5) {
       for (int x = 0; x < frame.depth_m.cols; x += 5) {
@@ -70,7 +70,7 @@ TEST(SimulatedSource, DepthOfTheIdealSensorLiesOnTheSurface) {
 
 TEST(SimulatedSource, NothingOccludesTheMeasuredDepth) {
   const SimulatedSource& source = ideal_source();
-  const RgbdFrame frame = source.frame(300);
+  const Frame frame = source.frame(300);
   const Eigen::Vector3d center = source.info().ground_truth[300].T_world_camera.translation;
   for (int y = 3; y < frame.depth_m.rows; y += 23) {
     for (int x = 3; x < frame.depth_m.cols; x += 23) {
@@ -88,7 +88,7 @@ TEST(SimulatedSource, NothingOccludesTheMeasuredDepth) {
 
 TEST(SimulatedSource, APointLooksAlikeFromTwoPlaces) {
   const SimulatedSource& source = ideal_source();
-  const RgbdFrame a = source.frame(200), b = source.frame(206);
+  const Frame a = source.frame(200), b = source.frame(206);
   const cv::Mat color_a = a.color.bgr(), color_b = b.color.bgr();
   const SE3 T_b_world = source.info().ground_truth[206].T_world_camera.inverse();
   const PinholeCamera& camera = source.camera().color;
@@ -117,7 +117,7 @@ TEST(SimulatedSource, GivesTheSameBytesForAnyNumberOfThreadsAndEveryTime) {
   for (size_t i = 0; i < 2; ++i) {
     const auto first = alone.next();
     ASSERT_TRUE(first.has_value());
-    const RgbdFrame second = kinect_source().frame(i);
+    const Frame second = kinect_source().frame(i);
     EXPECT_EQ(first->stamp_ns, second.stamp_ns);
     EXPECT_EQ(first->id, second.id);
     EXPECT_TRUE(same(first->color.bgr(), second.color.bgr()));
@@ -135,9 +135,9 @@ TEST(SimulatedSource, SeedsGiveDifferentRooms) {
 TEST(SimulatedSource, DoesNotExposeTheSensorGroundTruth) {
   const SimulatedSource& source = kinect_source();
   EXPECT_EQ(source.camera().rolling_shutter_s, 0);
-  EXPECT_EQ(source.camera().depth_offset_s, 0);
+  EXPECT_EQ(source.camera().depth_delay_s, 0);
   EXPECT_EQ(source.truth().rolling_shutter_s, 0.030);
-  EXPECT_EQ(source.truth().depth_offset_s, 0.015);
+  EXPECT_EQ(source.truth().depth_delay_s, 0.015);
   EXPECT_EQ(ideal_source().truth().rolling_shutter_s, 0);
   EXPECT_EQ(source.camera().depth_scale, 5000);
   EXPECT_NEAR(source.camera().color.fx, 517.306408 / 4, 1e-6);
@@ -148,7 +148,7 @@ TEST(SimulatedSource, TheMiddleRowShowsTheTrueDepthAtTheStampAndTheOthersDoNot) 
   KinectNoise rolling = KinectNoise::none();
   rolling.rolling_shutter_s = 0.030;
   const SimulatedSource source("rolling", 1, small_options(rolling), 2);
-  const RgbdFrame skewed = source.frame(100), exact = ideal_source().frame(100);
+  const Frame skewed = source.frame(100), exact = ideal_source().frame(100);
   const auto row_error = [&](int y) {
     return cv::norm(skewed.depth_m.row(y), exact.depth_m.row(y), cv::NORM_L1);
   };
@@ -172,7 +172,7 @@ TEST(SimulatedSource, DepthIsThatOfItsOwnStamp) {
   KinectNoise stamped = KinectNoise::none();
   stamped.depth_stamps = true;
   const SimulatedSource source("stamped", 1, small_options(stamped), 2);
-  const RgbdFrame frame = source.frame(100);
+  const Frame frame = source.frame(100);
   ASSERT_NE(*frame.depth_stamp_ns, frame.stamp_ns);
   KinectNoise late = KinectNoise::none();
   late.depth_delay_s = to_seconds(*frame.depth_stamp_ns - frame.stamp_ns);
@@ -180,7 +180,7 @@ TEST(SimulatedSource, DepthIsThatOfItsOwnStamp) {
   const auto& truth = delayed.info().ground_truth;
   const auto at = std::find_if(truth.begin(), truth.end(),
                                [&](const StampedPose& pose) { return pose.stamp_ns == frame.stamp_ns; });
-  const RgbdFrame expected = delayed.frame(static_cast<size_t>(at - truth.begin()));
+  const Frame expected = delayed.frame(static_cast<size_t>(at - truth.begin()));
   EXPECT_TRUE(same(frame.depth_m, expected.depth_m));
   EXPECT_TRUE(same(frame.color.bgr(), expected.color.bgr()));
 }
@@ -198,7 +198,7 @@ TEST(SimulatedSource, MostViewsAreFullOfCornersDepthAndLight) {
   int rich = 0, views = 0;
   double known = 0;
   for (size_t i = 0; i < source.info().frames; i += 56, ++views) {
-    const RgbdFrame frame = source.frame(i);
+    const Frame frame = source.frame(i);
     const cv::Mat grey = frame.color.gray();
     std::vector<cv::KeyPoint> corners;
     orb->detect(grey, corners);
@@ -226,7 +226,7 @@ TEST(SimulatedSource, RendersAlongARecordedPathInItsOwnWorld) {
   double median_sum = 0;
   int views = 0;
   for (size_t i = 0; i < path.size(); i += 200, ++views) {
-    const RgbdFrame frame = source->frame(i);
+    const Frame frame = source->frame(i);
     median_sum += cv::mean(frame.depth_m, frame.depth_m > 0)[0];
     const Eigen::Vector3d p = world_point(*source, frame, 80, 60);
     EXPECT_TRUE(frame.depth_m.at<float>(60, 80) == 0 || source->distance_to_surface(p) < 1e-3);
@@ -254,7 +254,7 @@ TEST(TumWriter, WhatIsWrittenReadsBackAsTheSameFrames) {
   TumWriter writer(folder.path(), source.camera());
   constexpr size_t kFrames = 3;
   for (size_t i = 0; i < kFrames; ++i) {
-    const RgbdFrame frame = source.frame(i);
+    const Frame frame = source.frame(i);
     writer.append(frame);
   }
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "rgb.txt"));  // not yet a sequence
@@ -267,7 +267,7 @@ TEST(TumWriter, WhatIsWrittenReadsBackAsTheSameFrames) {
   for (size_t i = 0; i < kFrames; ++i) {
     const auto frame = read.next();
     ASSERT_TRUE(frame.has_value());
-    const RgbdFrame rendered = source.frame(i);
+    const Frame rendered = source.frame(i);
     EXPECT_EQ(frame->stamp_ns, rendered.stamp_ns);
     EXPECT_EQ(frame->depth_stamp_ns, rendered.depth_stamp_ns);
     EXPECT_NE(frame->depth_stamp_ns, frame->stamp_ns);
@@ -289,7 +289,7 @@ TEST(TumWriter, LeavesAnOlderSequenceAlone) {
 TEST(TumWriter, RejectsFramesOutOfOrderAndInvalidFolders) {
   const test::TempFolder folder;
   TumWriter writer(folder.path(), ideal_source().camera());
-  const RgbdFrame frame = ideal_source().frame(0);
+  const Frame frame = ideal_source().frame(0);
   writer.append(frame);
   EXPECT_THROW(writer.append(frame), std::logic_error);
   EXPECT_THROW(TumWriter(folder.write("file", "x"), ideal_source().camera()), InputError);

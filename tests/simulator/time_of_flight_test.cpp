@@ -12,7 +12,7 @@ namespace kinloop::sim {
 namespace {
 
 /// A white wall straight ahead of a camera whose rays all have length `range_per_depth` at depth 1.
-TimeOfFlightView white_wall(float depth_m, float reflectance = 1, int samples = 1,
+TimeOfFlightRays white_wall(float depth_m, float reflectance = 1, int samples = 1,
                             float range_per_depth = 1) {
   const cv::Size size(160, 120);
   const int type = CV_32FC(samples);
@@ -59,7 +59,7 @@ TEST(TimeOfFlightModel, NoiseIsAlongTheRay) {
 
 TEST(TimeOfFlightModel, SurfacesThatReturnTooLittleLightAreUnknown) {
   EXPECT_EQ(wall_errors(measured_depth(white_wall(3, 0.01F), {}, 1, 1), 3).lost, 1);
-  TimeOfFlightView glass = white_wall(2);
+  TimeOfFlightRays glass = white_wall(2);
   glass.exact.cosine.setTo(0);
   EXPECT_EQ(wall_errors(measured_depth(glass, {}, 1, 1), 2).lost, 1);
 }
@@ -83,7 +83,7 @@ TEST(TimeOfFlightModel, FlyingPixelsLieBetweenBothSurfaces) {
   noise.noise_floor_m = noise.noise_per_m = 0;
   float before_m = 1;
   for (int far_samples = 1; far_samples < 4; ++far_samples) {
-    TimeOfFlightView view = white_wall(1, 1, 4);
+    TimeOfFlightRays view = white_wall(1, 1, 4);
     for (int i = 0; i < far_samples; ++i) {
       for (auto it = view.exact.depth_m.begin<cv::Vec4f>(); it != view.exact.depth_m.end<cv::Vec4f>(); ++it)
         (*it)[i] = 3;
@@ -99,7 +99,7 @@ TEST(TimeOfFlightModel, AFlyingPixelIsNearerToTheBrighterSurface) {
   TimeOfFlightNoise noise;
   noise.noise_floor_m = noise.noise_per_m = 0;
   const auto mixed_m = [&](float near_reflectance) {
-    TimeOfFlightView view = white_wall(2, near_reflectance, 4);
+    TimeOfFlightRays view = white_wall(2, near_reflectance, 4);
     view.exact.depth_m.setTo(cv::Scalar(2, 2, 2.5, 2.5));
     view.exact.reflectance.setTo(cv::Scalar(near_reflectance, near_reflectance, 0.5, 0.5));
     return measured_depth(view, noise, 1, 1).at<float>(60, 80);

@@ -13,21 +13,18 @@ constexpr double kModel_per_m = 4e-3;
 /// A solved problem whose depth is `scale` times as noisy as the model says.
 struct Solved {
   explicit Solved(double scale, double outlier_fraction = 0) {
-    options.depth_noise = {kModel_per_m};
     test::BundleWorldSettings settings;
     settings.sigma_px = 1;
     settings.sigma_inverse_depth = scale * kModel_per_m;
     settings.outlier_fraction = outlier_fraction;
     problem = test::make_bundle_world(settings).problem;
-    const BundleSolution solution = solve_bundle(problem, options);
+    problem.sensor.noise.keypoint = {kModel_per_m};
+    const BundleSolution solution = solve_bundle(problem, {});
     problem.T_world_camera = solution.T_world_camera;
     problem.p_world = solution.p_world;
   }
-  [[nodiscard]] std::optional<double> noise_scale() const {
-    return depth_noise_scale(problem, SensorVector::Zero(), options);
-  }
+  [[nodiscard]] std::optional<double> noise_scale() const { return depth_noise_scale(problem); }
 
-  BundleOptions options;
   BundleProblem problem;
 };
 
@@ -53,7 +50,8 @@ TEST(DepthNoiseScale, OutliersChangeItLittle) {
 TEST(DepthNoiseScale, IsRelativeToTheModel) {
   Solved solved(1);
   const auto before = solved.noise_scale();
-  solved.options.depth_noise = solved.options.depth_noise.times(4);
+  DepthNoise& model = solved.problem.sensor.noise.keypoint;
+  model = model.times(4);
   ASSERT_TRUE(before);
   EXPECT_NEAR(solved.noise_scale().value(), *before / 4, 1e-9);
 }
@@ -66,7 +64,7 @@ TEST(DepthNoiseScale, NeedsDepth) {
 
 TEST(DepthNoiseScale, IsUnknownWithoutAMap) {
   const Slam slam(camera_preset("freiburg1").value());
-  EXPECT_FALSE(depth_noise_scale(slam, camera_preset("freiburg1").value()));
+  EXPECT_FALSE(depth_noise_scale(slam));
 }
 
 }  // namespace

@@ -50,76 +50,11 @@ TEST(SlamOptions, MaximumThreadCountIsAllowed) {
   EXPECT_NO_THROW(validate(options));
 }
 
-TEST(SlamOptions, NoiseReachesEverySolver) {
-  SlamOptions given;
-  given.noise = {
-      .inverse_depth_sigma_per_m = 0.012, .robust_width = 2, .inlier_chi2_pixel = 9, .inlier_chi2_depth = 6};
-  const SlamOptions options = resolve_options(given);
-  const auto expect_noise = [](const auto& solver) {
-    EXPECT_EQ(solver.depth_noise.coefficient_per_m, 0.012);
-    EXPECT_EQ(solver.robust_width, 2);
-    EXPECT_EQ(solver.inlier_chi2_pixel, 9);
-    EXPECT_EQ(solver.inlier_chi2_depth, 6);
-  };
-  expect_noise(options.tracking.pose);
-  expect_noise(options.tracking.pnp.pose);
-  expect_noise(options.mapping.local_ba);
-  expect_noise(options.global_ba);
-  EXPECT_DOUBLE_EQ(options.tracking.rigid.depth_noise.coefficient_per_m, 2 * kPointPairInverseDepthSigmaPerM);
-  EXPECT_DOUBLE_EQ(options.tracking.icp.depth_noise.coefficient_per_m, 2 * kSensorInverseDepthSigmaPerM);
-}
-
-TEST(SlamOptions, TheNoiseOfTheSensorReachesEveryModule) {
-  const DepthNoise sensor = {3 * kSensorInverseDepthSigmaPerM, 1.5};
-  const SlamOptions options = resolve_options({}, sensor);
-  for (const DepthNoise& noise : {options.tracking.pose.depth_noise, options.tracking.pnp.pose.depth_noise,
-                                  options.mapping.local_ba.depth_noise, options.global_ba.depth_noise}) {
-    EXPECT_DOUBLE_EQ(noise.coefficient_per_m, 3 * kKeypointInverseDepthSigmaPerM);
-    EXPECT_EQ(noise.crossover_m, 1.5);
-  }
-  EXPECT_DOUBLE_EQ(options.tracking.rigid.depth_noise.coefficient_per_m, 3 * kPointPairInverseDepthSigmaPerM);
-  EXPECT_EQ(options.tracking.rigid.depth_noise.crossover_m, 1.5);
-  for (const DepthNoise& noise :
-       {options.tracking.icp.depth_noise, options.loop.depth_noise, options.features.depth_noise}) {
-    EXPECT_DOUBLE_EQ(noise.sigma_m(2), sensor.sigma_m(2));
-  }
-}
-
-TEST(SlamOptions, DefaultNoiseMatchesTheSolverDefaults) {
-  const SlamOptions options = resolve_options({});
-  EXPECT_EQ(options.tracking.rigid.depth_noise.coefficient_per_m, kPointPairInverseDepthSigmaPerM);
-  EXPECT_EQ(options.tracking.icp.depth_noise.coefficient_per_m, kSensorInverseDepthSigmaPerM);
-  EXPECT_EQ(options.global_ba.depth_noise.coefficient_per_m, BundleOptions().depth_noise.coefficient_per_m);
-}
-
-TEST(SlamOptions, FormerNamesAreRenamedOrRemoved) {
+TEST(SlamOptions, NoiseReachesTheSensor) {
   SlamOptions options;
-  const auto entries = option_entries(options);
-  const OptionHistory history = SlamOptions::history();
-  std::set<std::string> names;
-  for (const RenamedOption& renamed : history.renamed) {
-    EXPECT_TRUE(names.insert(renamed.before).second) << renamed.before << " is listed twice";
-    if (renamed.before.ends_with(".*")) continue;
-    const ResolvedKey resolved = resolve_key(entries, renamed.before, history);
-    EXPECT_EQ(resolved.kind, ResolvedKey::Kind::kRenamed) << renamed.before;
-  }
-  for (const std::string& removed : history.removed)
-    EXPECT_TRUE(names.insert(removed).second) << removed << " is listed twice";
-}
-
-TEST(SlamOptions, FormerNoiseNamesMapToTheNoiseOptions) {
-  SlamOptions options;
-  const auto entries = option_entries(options);
-  for (const std::string group : {"full.", "global_ba.", "mapping.bundle.", "mapping.local_ba.",
-                                  "tracking.pose.", "tracking.pnp.pose."}) {
-    const auto resolved = resolve_key(entries, group + "robust_width", SlamOptions::history());
-    EXPECT_EQ(resolved.key, "noise.robust_width") << group;
-  }
-  // These had intentionally different values.
-  for (const std::string solver : {"rigid", "icp"}) {
-    const std::string key = "tracking." + solver + ".inverse_depth_sigma_per_m";
-    EXPECT_EQ(resolve_key(entries, key, SlamOptions::history()).kind, ResolvedKey::Kind::kRemoved) << solver;
-  }
+  options.noise.robust_width = 2;
+  const Slam slam(any_camera(), options);
+  EXPECT_EQ(slam.sensor().noise.robust_width, 2);
 }
 
 }  // namespace

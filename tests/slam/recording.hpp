@@ -12,7 +12,7 @@ namespace kinloop::test {
 struct Recording {
   RgbdCamera camera;
   Trajectory truth;
-  std::vector<RgbdFrame> frames;
+  std::vector<Frame> frames;
 };
 
 /// The first frames of `scene`, 320 x 240.

@@ -28,9 +28,9 @@ const Recording& recording() {
   return kRecording;
 }
 
-Trajectory run(const std::vector<RgbdFrame>& frames, const SlamOptions& options) {
+Trajectory run(const std::vector<Frame>& frames, const SlamOptions& options) {
   Slam slam(recording().camera, options);
-  for (const RgbdFrame& frame : frames) slam.process(frame);
+  for (const Frame& frame : frames) slam.process(frame);
   return slam.finish();
 }
 
@@ -45,7 +45,7 @@ void expect_same(const Trajectory& a, const Trajectory& b) {
 /// A source that returns the recorded frames.
 class ReplayedSource : public FrameSource {
  public:
-  std::optional<RgbdFrame> next() override {
+  std::optional<Frame> next() override {
     if (next_ == recording().frames.size()) return std::nullopt;
     if (next_ == fail_at) throw std::runtime_error("read error");
     return recording().frames[next_++];
@@ -74,7 +74,7 @@ TEST(Slam, TracksInOtherRooms) {
   for (const std::string scene : {"sim:room:4", "sim:room:5"}) {
     const Recording other = record_simulation(scene, kSimulatedFrames);
     Slam slam(other.camera);
-    for (const RgbdFrame& frame : other.frames) slam.process(frame);
+    for (const Frame& frame : other.frames) slam.process(frame);
     const Trajectory estimate = slam.finish();
     EXPECT_EQ(estimate.size(), other.frames.size()) << scene;
     const auto ate = absolute_trajectory_error(estimate, other.truth);
@@ -88,7 +88,8 @@ Vocabulary small_vocabulary(const FeatureOptions& features) {
   std::vector<cv::Mat> descriptors;
   for (size_t i = 0; i < recording().frames.size(); i += 10) {
     const cv::Mat gray = recording().frames[i].color.gray();
-    descriptors.push_back(extract_features(gray, cv::Mat(), recording().camera.color, features).descriptors);
+    descriptors.push_back(
+        extract_features(gray, cv::Mat(), Sensor{recording().camera.color}, features).descriptors);
   }
   TrainOptions training;
   training.depth = 2;
@@ -101,7 +102,7 @@ TEST(Slam, TracksWithEveryKindOfFeature) {
     SlamOptions options;
     options.features.kind = kind;
     Slam slam(recording().camera, options, small_vocabulary(options.features));
-    for (const RgbdFrame& frame : recording().frames) slam.process(frame);
+    for (const Frame& frame : recording().frames) slam.process(frame);
     const Trajectory estimate = slam.finish();
     ASSERT_EQ(estimate.size(), static_cast<size_t>(kSimulatedFrames)) << name_of(kind);
     const auto ate = absolute_trajectory_error(estimate, recording().truth);
@@ -186,12 +187,13 @@ TEST(Slam, ARepeatedImageKeepsItsPose) {
   frames[20].color = frames[19].color;  // drivers do this when an image is lost
   frames[20].depth_m = frames[19].depth_m.clone();
   Slam slam(recording().camera);
-  for (const RgbdFrame& frame : frames) slam.process(frame);
+  for (const Frame& frame : frames) slam.process(frame);
   const Trajectory estimate = slam.finish();
   ASSERT_EQ(estimate.size(), frames.size());
-  EXPECT_TRUE(slam.log()[20].repeat);
+  EXPECT_TRUE(slam.log()[20].is_repeat());
   EXPECT_LT((estimate[20].T_world_camera.translation - estimate[19].T_world_camera.translation).norm(), 1e-9);
-  EXPECT_EQ(std::count_if(slam.log().begin(), slam.log().end(), [](const auto& f) { return f.repeat; }), 1);
+  EXPECT_EQ(std::count_if(slam.log().begin(), slam.log().end(), [](const auto& f) { return f.is_repeat(); }),
+            1);
 }
 
 TEST(Slam, EqualBlackImagesAreNotRepeats) {
@@ -200,16 +202,16 @@ TEST(Slam, EqualBlackImagesAreNotRepeats) {
     frames[i].color = cv::Mat(frames[i].color.size(), CV_8UC3, cv::Scalar::all(0));
   }
   Slam slam(recording().camera);
-  for (const RgbdFrame& frame : frames) slam.process(frame);
+  for (const Frame& frame : frames) slam.process(frame);
   const Trajectory estimate = slam.finish();
-  for (size_t i = 15; i < 22; ++i) EXPECT_FALSE(slam.log()[i].repeat) << i;
+  for (size_t i = 15; i < 22; ++i) EXPECT_FALSE(slam.log()[i].is_repeat()) << i;
   const auto ate = absolute_trajectory_error(estimate, recording().truth);
   ASSERT_TRUE(ate.has_value());
   EXPECT_LT(ate->error_m.max, 1.5 * 0.0117);
 }
 
 /// (cv::Mat::zeros() would write into the pixels, which the recording shares.)
-RgbdFrame blackened(RgbdFrame frame) {
+Frame blackened(Frame frame) {
   frame.color = cv::Mat(frame.color.size(), CV_8UC3, cv::Scalar::all(0));
   frame.depth_m = cv::Mat(frame.depth_m.size(), CV_32FC1, cv::Scalar::all(0));
   return frame;
@@ -221,10 +223,10 @@ TEST(Slam, RepeatedImageAfterALostFrameIsTrackedNormally) {
   frames[21].color = frames[19].color;
   frames[21].depth_m = frames[19].depth_m.clone();
   Slam slam(recording().camera);
-  for (const RgbdFrame& frame : frames) slam.process(frame);
+  for (const Frame& frame : frames) slam.process(frame);
   const Trajectory estimate = slam.finish();
   ASSERT_EQ(estimate.size(), frames.size() - 1);
-  EXPECT_FALSE(slam.log()[21].repeat);
+  EXPECT_FALSE(slam.log()[21].is_repeat());
   EXPECT_LT((estimate[20].T_world_camera.translation - estimate[19].T_world_camera.translation).norm(),
             0.006);
 }
@@ -240,8 +242,8 @@ TEST(Slam, RelocalizesAfterABlackout) {
 }
 
 /// Returns the frame with all columns black except [begin, end).
-RgbdFrame columns_of(const RgbdFrame& frame, int begin, int end) {
-  RgbdFrame part = blackened(frame);
+Frame columns_of(const Frame& frame, int begin, int end) {
+  Frame part = blackened(frame);
   const cv::Range shown(begin, end);
   cv::Mat color(frame.color.size(), CV_8UC3, cv::Scalar::all(0));
   frame.color.bgr().colRange(shown).copyTo(color.colRange(shown));
@@ -251,7 +253,7 @@ RgbdFrame columns_of(const RgbdFrame& frame, int begin, int end) {
 }
 
 /// One half of the view first, then the other, then both: only the last part determines their relative pose.
-std::vector<RgbdFrame> sides_then_whole() {
+std::vector<Frame> sides_then_whole() {
   auto frames = recording().frames;
   const int width = frames[0].color.size().width, middle = width / 2;
   for (size_t i = 0; i < 8; ++i) frames[i] = columns_of(frames[i], 0, middle - 10);
@@ -269,7 +271,7 @@ SlamOptions eager_for_keyframes() {
 TEST(Slam, StartsANewComponentWhenLostAndMergesIt) {
   Slam slam(recording().camera, eager_for_keyframes());
   const auto frames = sides_then_whole();
-  for (const RgbdFrame& frame : frames) slam.process(frame);
+  for (const Frame& frame : frames) slam.process(frame);
   const Trajectory estimate = slam.finish();
   EXPECT_EQ(slam.map().component_count(), 2U);
   for (const Keyframe& keyframe : slam.map().keyframes()) EXPECT_EQ(keyframe.component, 0U);
@@ -300,8 +302,8 @@ TEST(Slam, WaitsForTheConfiguredNumberOfLostFrames) {
 
 TEST(Slam, WaitsForEnoughKeypointsToInitialize) {
   Slam slam(recording().camera);
-  EXPECT_EQ(slam.process(blackened(recording().frames[0])).status, TrackStatus::kLost);
-  EXPECT_EQ(slam.process(recording().frames[1]).status, TrackStatus::kTracked);
+  EXPECT_TRUE(slam.process(blackened(recording().frames[0])).is_lost());
+  EXPECT_FALSE(slam.process(recording().frames[1]).is_lost());
   EXPECT_EQ(slam.finish().size(), 1U);
 }
 
@@ -312,9 +314,9 @@ TEST(Slam, AnEmptyRunFinishes) {
 
 TEST(Slam, RejectsImagesOfAnotherSize) {
   const Slam slam(recording().camera);
-  RgbdFrame frame = recording().frames[0];
+  Frame frame = recording().frames[0];
   frame.color = cv::Mat(10, 10, CV_8UC3);
-  EXPECT_THROW((void)slam.prepare(frame), std::logic_error);
+  EXPECT_THROW((void)slam.front_end().prepare(frame), std::logic_error);
 }
 
 TEST(Slam, RejectsFramesThatAreNotInOrderOfTime) {
@@ -328,7 +330,7 @@ TEST(Slam, RejectsFramesThatAreNotInOrderOfTime) {
 
 TEST(Slam, MapInvariantsHold) {
   Slam slam(recording().camera);
-  for (const RgbdFrame& frame : recording().frames) {
+  for (const Frame& frame : recording().frames) {
     slam.process(frame);
     slam.map().check_invariants();
   }

@@ -37,7 +37,7 @@ const test::Recording& clip() {
 Arrivals arrivals_without_faults() {
   Arrivals all;
   for (size_t i = 0; i < clip().frames.size(); ++i) {
-    const RgbdFrame& frame = clip().frames[i];
+    const Frame& frame = clip().frames[i];
     all.push_back({i, false, frame.stamp_ns});
     all.push_back({i, true, frame.depth_stamp_or_color_ns()});
   }
@@ -65,14 +65,14 @@ Outcome map_live(const Arrivals& arrivals) {
     while (const auto frame = buffer.wait(std::chrono::milliseconds(0))) {
       EXPECT_GT(frame->stamp_ns, newest_ns);
       newest_ns = frame->stamp_ns;
-      const FrameResult result = slam.process(*frame);
-      outcome.tracked_last = result.status != TrackStatus::kLost;
+      const TrackedFrame result = slam.process(*frame);
+      outcome.tracked_last = !result.is_lost();
       outcome.tracked += outcome.tracked_last ? 1 : 0;
       ++outcome.frames;
     }
   };
   for (const Arrival& arrival : arrivals) {
-    const RgbdFrame& frame = clip().frames[arrival.frame];
+    const Frame& frame = clip().frames[arrival.frame];
     if (arrival.is_depth) {
       buffer.add_depth(arrival.stamp_ns, frame.depth_m);
     } else {

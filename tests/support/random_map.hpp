@@ -26,7 +26,7 @@ inline double difference(const SE3& a, const SE3& b) {
 }
 
 /// What a verb did.
-enum class MapVerb { kGrow, kShrink, kMerge, kUpdate, kStaleUpdate, kLoopEdge, kAppend };
+enum class MapVerb { kGrow, kShrink, kMerge, kUpdate, kStaleUpdate, kLoopClosure, kAppend };
 
 class RandomMap {
  public:
@@ -54,7 +54,7 @@ class RandomMap {
     if (verb < 84) return merge();
     if (verb < 90) return apply(random_update());
     if (verb < 94) return apply_stale();
-    if (verb < 99) return add_loop_edge();
+    if (verb < 99) return add_loop_closure();
     return append();
   }
 
@@ -131,10 +131,12 @@ class RandomMap {
     map_.apply(update);
     return MapVerb::kStaleUpdate;
   }
-  MapVerb add_loop_edge() {
+  MapVerb add_loop_closure() {
     const KeyframeId a = keyframe(), b = keyframe();
-    if (a != b) map_.add_loop_edge({a, b, random_step(random_, 1, 0.5), Matrix6d::Identity(), 30});
-    return MapVerb::kLoopEdge;
+    if (a != b)
+      map_.add_loop_closure(
+          {a, b, random_step(random_, 1, 0.5), Matrix6d::Identity(), {30, 40}, LoopStage::kVerified});
+    return MapVerb::kLoopClosure;
   }
   MapVerb append() {
     if (2 * map_.keyframes().size() <= kMaxKeyframes) map_.append(map_.data());

@@ -5,7 +5,8 @@
 #include <map>
 
 #include "kinloop/map/map.hpp"
-#include "kinloop/tracking/frame.hpp"
+#include "kinloop/map/tracked_frame.hpp"
+#include "kinloop/sensor/frame.hpp"
 #include "tests/support/synthetic_world.hpp"
 
 namespace kinloop::test {
@@ -16,8 +17,8 @@ struct SyntheticMap {
   std::map<uint32_t, LandmarkId> landmark_of_point;
 };
 
-inline PreparedFrame make_frame(uint32_t id, const SyntheticView& view) {
-  PreparedFrame frame;
+inline Frame make_frame(uint32_t id, const SyntheticView& view) {
+  Frame frame;
   frame.id = FrameId{id};
   frame.stamp_ns = id * 33'333'333LL;
   frame.features = view.features;
@@ -44,6 +45,19 @@ inline KeyframeId add_view(SyntheticMap& built, const SyntheticWorld& world, con
     }
   }
   return id;
+}
+
+/// Returns a frame tracked exactly at a keyframe, with its landmarks.
+inline TrackedFrame tracked_as(KeyframeId keyframe, const Map& map, const Frame& frame) {
+  TrackedFrame tracked = unlocated(frame);
+  tracked.outcome = TrackingOutcome::kTracked;
+  tracked.reference = keyframe;
+  tracked.frame = std::make_shared<const Frame>(frame);
+  const auto& landmark_of = map.keyframe(keyframe).landmark_of;
+  for (uint32_t i = 0; i < landmark_of.size(); ++i) {
+    if (landmark_of[i].valid()) tracked.matches.push_back({landmark_of[i], i});
+  }
+  return tracked;
 }
 
 /// Moves the whole map: keyframes, and the landmarks with them.

@@ -8,7 +8,6 @@
 #include "kinloop/features/patches.hpp"
 #include "kinloop/tracking/align_images.hpp"
 #include "kinloop/tracking/align_patch.hpp"
-#include "kinloop/tracking/motion_compensation.hpp"
 #include "kinloop/tracking/refine_keypoints.hpp"
 
 namespace kinloop {
@@ -192,11 +191,11 @@ TEST_F(Wall, RefinementMovesKeypointsToTheirLandmarks) {
                        std::make_shared<const KeypointPatches>(cut_patches(octaves, *at_keyframe, all))});
   matches.erase(matches.begin());               // the first keypoint matches nothing
   matches.front().landmark = LandmarkId{1000};  // the second a landmark beyond the local map
-  PreparedFrame frame;
+  Frame frame;
   frame.octaves = make_octaves(view(truth, kFine_per_m), 4);
   frame.features = std::make_shared<const Features>(keypoints_at(detected));
-  const SensorVector sensor = SensorVector::Zero();
-  const Features refined = refine_keypoints(frame, matches, truth, {map, camera, sensor, {}});
+  const Sensor sensor{camera};
+  const Features refined = refine_keypoints(frame, matches, truth, {map, sensor, {}});
   int moved = 0;
   for (size_t i = 0; i < detected.size(); ++i) {
     if (i < 2 || refined.sigmas_px[i] == 1) {
@@ -210,21 +209,6 @@ TEST_F(Wall, RefinementMovesKeypointsToTheirLandmarks) {
     ++moved;
   }
   EXPECT_GT(moved, static_cast<int>(detected.size()) * 3 / 4);
-}
-
-TEST(RawPixelOf, InvertsDeskewing) {
-  PinholeCamera camera = vga_camera();
-  camera.lens.k1 = 0.1;
-  SensorVector sensor = SensorVector::Zero();
-  sensor(kRollingShutter) = 0.03;
-  const Velocity velocity{{0.3, -0.1, 0.2}, {0.4, 0.8, -0.3}};
-  const Eigen::Vector3d p_camera(0.4, 0.5, 2);
-  const auto raw = raw_pixel_of(p_camera, camera, sensor, velocity);
-  ASSERT_TRUE(raw);
-  const double row = raw->y() / camera.height - 0.5;
-  const Eigen::Vector3d p_row = point_in_later_camera(p_camera, velocity, sensor(kRollingShutter) * row);
-  EXPECT_LT((camera.distort(camera.project(p_row)) - *raw).norm(), 0.003);
-  EXPECT_FALSE(raw_pixel_of({0, 0, -1}, camera, sensor, velocity));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ bool same_bytes(const cv::Mat& a, const cv::Mat& b) {
 }
 
 /// A textured frame, large enough for OpenCV to split it.
-RgbdFrame large_frame(const PinholeCamera& camera) {
+Frame large_frame(const PinholeCamera& camera) {
   const cv::Size size(camera.width, camera.height);
   cv::Mat channels[3], bgr, depth_m(size, CV_32FC1);
   for (uint64_t c = 0; c < 3; ++c) cv::resize(test::cluttered_image(c + 1), channels[c], size);
@@ -27,7 +27,7 @@ RgbdFrame large_frame(const PinholeCamera& camera) {
       depth_m.at<float>(y, x) = 2.0F + 3e-4F * static_cast<float>(offset);
     }
   }
-  RgbdFrame frame;
+  Frame frame;
   frame.id = FrameId{0};
   frame.color = bgr;
   frame.depth_m = depth_m;
@@ -36,20 +36,21 @@ RgbdFrame large_frame(const PinholeCamera& camera) {
 
 /// Everything that OpenCV computes of a frame.
 struct Computed {
-  PreparedFrame frame;
+  Frame frame;
   std::shared_ptr<const Features> features;
   IcpFrame dense;
 };
 
-Computed compute(const RgbdFrame& frame, const PinholeCamera& camera, FeatureKind kind, int threads) {
+Computed compute(const Frame& frame, const PinholeCamera& camera, FeatureKind kind, int threads) {
   const int before = cv::getNumThreads();
   cv::setNumThreads(threads);
   FeatureOptions options;
   options.kind = kind;
-  const FrontEnd front_end(camera, options);
+  const Sensor sensor{camera};
+  const FrontEnd front_end(sensor, options);
   Computed computed{front_end.prepare(frame), nullptr, {}};
   computed.features = front_end.features(computed.frame);
-  computed.dense = make_icp_frame(make_icp_camera(camera, {}), frame.depth_m, computed.frame.gray);
+  computed.dense = make_icp_frame(make_icp_camera(sensor, {}), frame.depth_m, computed.frame.gray);
   cv::setNumThreads(before);
   return computed;
 }
@@ -62,7 +63,7 @@ TEST(FrontEnd, TheThreadsOfOpenCvDoNotMatter) {
   camera.cx = 640;
   camera.cy = 480;
   camera.lens.k1 = 0.05;
-  const RgbdFrame frame = large_frame(camera);
+  const Frame frame = large_frame(camera);
   for (const auto kind : {FeatureKind::kOrb, FeatureKind::kSift, FeatureKind::kSurf}) {
     if (kind == FeatureKind::kSurf && !surf_available()) continue;
     const Computed one = compute(frame, camera, kind, 1);

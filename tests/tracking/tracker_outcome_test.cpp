@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/loop/place_recognition.hpp"
+#include "kinloop/map/frame_log.hpp"
 #include "kinloop/tracking/tracker.hpp"
 #include "tests/support/synthetic_map.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
@@ -41,61 +42,55 @@ class TrackerOutcome : public testing::Test {
   static SE3 elsewhere() { return test::camera_at(3.14159, {0, 0, 0}); }
 
   /// Tracks the next frame and updates the tracker with it.
-  FrameTracking show(const SE3& T_world_camera) {
-    const auto view = test::observe(world_, T_world_camera, {}, 100 + id_);
-    return show(view);
+  TrackedFrame show(const SE3& T_world_camera) {
+    return show(test::observe(world_, T_world_camera, {}, 100 + id_));
   }
-  FrameTracking show(const test::SyntheticView& view) {
-    PreparedFrame frame = test::make_frame(id_, view);
+  TrackedFrame show(const test::SyntheticView& view) {
+    Frame frame = test::make_frame(id_, view);
     frame.gray.setTo(id_ + 1);  // no frame repeats the previous image
     ++id_;
-    Timings timings;
-    FrameTracking tracking = tracker_.track(frame, {built_.map, sensor_, relocalize_}, timings);
-    const TrackResult* result = located(tracking.outcome);
-    tracker_.update(built_.map, result != nullptr ? result->reference : tracker_.reference(), &tracking);
-    return tracking;
+    const TrackedFrame tracked = tracker_.track(frame, {built_.map, sensor_, relocalize_});
+    tracker_.update(tracked, built_.map);
+    return tracked;
   }
 
-  [[nodiscard]] double error_m(const FrameTracking& tracking, const SE3& truth) const {
-    const TrackResult& result = *located(tracking.outcome);
-    const SE3 T = built_.map.keyframe(result.reference).T_world_camera * result.T_reference_camera;
-    return test::distance_m(T, truth);
+  [[nodiscard]] double error_m(const TrackedFrame& tracked, const SE3& truth) const {
+    return test::distance_m(world_pose(tracked, built_.map), truth);
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
   test::SyntheticMap built_;
-  PlaceRecognition places_{world_.camera, {}, world_vocabulary(world_)};
-  Relocalizer relocalize_ = [this](const PreparedFrame& frame) {
-    return places_.relocalize(frame, built_.map);
-  };
-  Tracker tracker_{world_.camera, impatient()};
-  SensorVector sensor_ = SensorVector::Zero();
+  Sensor sensor_{world_.camera};
+  PlaceRecognition places_{sensor_, {}, world_vocabulary(world_)};
+  Relocalizer relocalize_ = [this](const Frame& frame) { return places_.relocalize(frame, built_.map); };
+  Timings timings_;
+  Tracker tracker_{sensor_, impatient(), timings_};
   uint32_t id_ = 0;
 };
 
 TEST_F(TrackerOutcome, FirstFrameStartsAMap) {
-  EXPECT_TRUE(std::holds_alternative<NewMap>(show(pose(0)).outcome));
+  EXPECT_EQ(show(pose(0)).outcome, TrackingOutcome::kNewMap);
 }
 
 TEST_F(TrackerOutcome, FrameWithoutDepthStartsNoMap) {
   const auto blind = test::observe(world_, pose(0), {0.5, 1.425e-3, 12, 1.0}, 7);
-  EXPECT_TRUE(std::holds_alternative<Lost>(show(blind).outcome));
+  EXPECT_EQ(show(blind).outcome, TrackingOutcome::kLost);
 }
 
 TEST_F(TrackerOutcome, RelocalizesWithoutAPreviousFrame) {
   build_map();
-  const FrameTracking found = show(pose(1.5));
-  ASSERT_TRUE(std::holds_alternative<Relocalized>(found.outcome));
+  const TrackedFrame found = show(pose(1.5));
+  ASSERT_EQ(found.outcome, TrackingOutcome::kRelocalized);
   EXPECT_LT(error_m(found, pose(1.5)), 0.003);
 }
 
 TEST_F(TrackerOutcome, TracksAfterRelocalization) {
   build_map();
   show(pose(1.5));
-  const FrameTracking next = show(pose(1.7));
-  ASSERT_TRUE(std::holds_alternative<Tracked>(next.outcome));
+  const TrackedFrame next = show(pose(1.7));
+  ASSERT_EQ(next.outcome, TrackingOutcome::kTracked);
   EXPECT_LT(error_m(next, pose(1.7)), 0.003);
-  EXPECT_GT(next.motion.velocity().linear_m_s.norm(), 0);
+  EXPECT_GT(next.velocity.linear_m_s.norm(), 0);
 }
 
 TEST_F(TrackerOutcome, PreviousFrameIsExpressedInANewReference) {
@@ -103,19 +98,19 @@ TEST_F(TrackerOutcome, PreviousFrameIsExpressedInANewReference) {
   show(pose(1.5));
   const KeyframeId other{tracker_.reference() == KeyframeId{0} ? 2U : 0U};
   tracker_.update(built_.map, other);
-  const FrameTracking next = show(pose(1.7));
-  ASSERT_TRUE(std::holds_alternative<Tracked>(next.outcome));
-  EXPECT_EQ(std::get<Tracked>(next.outcome).result.reference, other);
-  EXPECT_EQ(std::get<Tracked>(next.outcome).result.stats.attempts, 1);  // found at its predicted pose
+  const TrackedFrame next = show(pose(1.7));
+  ASSERT_EQ(next.outcome, TrackingOutcome::kTracked);
+  EXPECT_EQ(next.reference, other);
+  EXPECT_EQ(next.evidence.attempts, 1);  // found at its predicted pose
   EXPECT_LT(error_m(next, pose(1.7)), 0.003);
 }
 
 TEST_F(TrackerOutcome, UnknownPlaceIsLostThenStartsANewMap) {
   build_map();
   show(pose(1.5));
-  EXPECT_TRUE(std::holds_alternative<Lost>(show(elsewhere()).outcome));
-  EXPECT_TRUE(std::holds_alternative<Lost>(show(elsewhere()).outcome));
-  EXPECT_TRUE(std::holds_alternative<NewMap>(show(elsewhere()).outcome));
+  EXPECT_EQ(show(elsewhere()).outcome, TrackingOutcome::kLost);
+  EXPECT_EQ(show(elsewhere()).outcome, TrackingOutcome::kLost);
+  EXPECT_EQ(show(elsewhere()).outcome, TrackingOutcome::kNewMap);
 }
 
 TEST_F(TrackerOutcome, ReturningCameraIsRelocalized) {
@@ -123,8 +118,8 @@ TEST_F(TrackerOutcome, ReturningCameraIsRelocalized) {
   show(pose(1.5));
   show(elsewhere());
   show(elsewhere());
-  const FrameTracking back = show(pose(0.5));
-  ASSERT_NE(located(back.outcome), nullptr);
+  const TrackedFrame back = show(pose(0.5));
+  ASSERT_TRUE(back.is_located());
   EXPECT_LT(error_m(back, pose(0.5)), 0.004);
 }
 
@@ -132,16 +127,14 @@ TEST_F(TrackerOutcome, TrackHasNoSideEffects) {
   build_map();
   show(pose(1.5));
   const auto view = test::observe(world_, pose(1.7), {}, 9);
-  PreparedFrame frame = test::make_frame(50, view);
+  Frame frame = test::make_frame(50, view);
   frame.gray.setTo(200);
   const TrackingContext context{built_.map, sensor_, relocalize_};
-  Timings timings;
-  const FrameTracking once = tracker_.track(frame, context, timings);
-  const FrameTracking again = tracker_.track(frame, context, timings);
-  ASSERT_NE(located(once.outcome), nullptr);
-  ASSERT_NE(located(again.outcome), nullptr);
-  EXPECT_EQ(located(once.outcome)->T_reference_camera.translation,
-            located(again.outcome)->T_reference_camera.translation);
+  const TrackedFrame once = tracker_.track(frame, context);
+  const TrackedFrame again = tracker_.track(frame, context);
+  ASSERT_TRUE(once.is_located());
+  ASSERT_TRUE(again.is_located());
+  EXPECT_EQ(once.T_reference_camera.translation, again.T_reference_camera.translation);
 }
 
 }  // namespace

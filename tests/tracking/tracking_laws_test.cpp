@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/tracking/local_map_tracking.hpp"
+#include "kinloop/tracking/keypoint_tracking.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
 #include "kinloop/tracking/motion_model.hpp"
 #include "tests/support/random_map.hpp"
@@ -46,14 +46,15 @@ class TrackingLaws : public testing::Test {
     return test::observe(world_, test::pose_on_arc(1) * T_reference_camera, noise, seed);
   }
 
-  [[nodiscard]] TrackResult track(const test::SyntheticView& view, const LocalMap& local,
-                                  const SE3& guess) const {
-    const FeatureGrid grid(*view.features, world_.camera.width, world_.camera.height);
-    return track_local_map(test::make_frame(1, view), grid, local, guess, 8, world_.camera, {});
+  [[nodiscard]] TrackedFrame track(const test::SyntheticView& view, const LocalMap& local,
+                                   const SE3& guess) const {
+    const Frame frame = test::make_frame(1, view);
+    return track_local_map({frame, local, sensor_, {}}, guess, 8);
   }
 
   static constexpr KeyframeId kReference{1};
   test::SyntheticWorld world_ = test::make_world(3000, 1);
+  Sensor sensor_{world_.camera};
   test::SyntheticMap built_;
 };
 
@@ -63,7 +64,7 @@ TEST_F(TrackingLaws, WithoutNoiseThePoseIsExact) {
     const SE3 truth = near_reference(random);
     const SE3 guess = truth * test::random_step(random, 0.002, 0.002);
     const auto result = track(view_from(truth, {0, 0, 12, 0.2}, seed), local_map(), guess);
-    ASSERT_EQ(result.status, TrackStatus::kTracked);
+    ASSERT_TRUE(result.is_located());
     EXPECT_LT(difference(result.T_reference_camera, truth), 2e-6) << "pixels are floats";
   }
 }
@@ -77,7 +78,7 @@ TEST_F(TrackingLaws, TheWorldFrameDoesNotMatter) {
     const auto before = track(view, local_map(), guess);
     test::move_world(built_.map, test::random_step(random, 3, 1));
     const auto after = track(view, local_map(), guess);
-    ASSERT_EQ(before.status, TrackStatus::kTracked);
+    ASSERT_TRUE(before.is_located());
     EXPECT_LT(difference(before.T_reference_camera, after.T_reference_camera), 1e-9);
     EXPECT_EQ(before.matches.size(), after.matches.size());
   }
@@ -131,15 +132,15 @@ TEST_F(TrackingLaws, TheOrderOfLandmarksAndKeypointsDoesNotMatter) {
     const auto one = track(view, local, guess);
     const auto other = track(permuted(view, shuffled(view.features->size())),
                              permuted(local, shuffled(local.size())), guess);
-    ASSERT_EQ(one.status, TrackStatus::kTracked);
+    ASSERT_TRUE(one.is_located());
     EXPECT_LT(difference(one.T_reference_camera, other.T_reference_camera), 1e-9);
     EXPECT_EQ(one.matches.size(), other.matches.size());
   }
 }
 
-/// The squared error in units of the reported information is chi2 with 6 degrees of freedom: mean 6,
+/// The squared error in units of the reported covariance is chi2 with 6 degrees of freedom: mean 6,
 /// deviation sqrt(12).
-TEST_F(TrackingLaws, TheInformationIsThatOfTheErrors) {
+TEST_F(TrackingLaws, TheCovarianceIsThatOfTheErrors) {
   constexpr int kTrials = 200;
   Random random(5);
   const LocalMap local = local_map();
@@ -148,10 +149,11 @@ TEST_F(TrackingLaws, TheInformationIsThatOfTheErrors) {
   for (uint64_t trial = 0; trial < kTrials; ++trial) {
     const SE3 truth = near_reference(random);
     const auto result = track(view_from(truth, modelled_noise(), 100 + trial), local, truth);
-    ASSERT_EQ(result.status, TrackStatus::kTracked);
+    ASSERT_TRUE(result.is_located());
     const Vector6d error = (result.T_reference_camera.inverse() * truth).log();
-    sum += error.dot(result.information * error);
-    const Vector6d whitened = result.information.llt().matrixU() * error;
+    const Matrix6d information = result.covariance.inverse();
+    sum += error.dot(information * error);
+    const Vector6d whitened = information.llt().matrixU() * error;
     whitened_sum += whitened;
     squares += whitened.cwiseAbs2();
   }
@@ -171,7 +173,9 @@ TEST(MotionModelLaws, ConstantVelocityIsPredictedExactly) {
     MotionModel motion;
     PredictedPose before = motion.predict(30'000'000);
     for (const int64_t ms : {33, 17, 50, 33, 100}) {  // frames of any distance
-      motion.update(SE3::exp(per_second * (1e-3 * static_cast<double>(ms))), ms * 1'000'000);
+      motion.update(
+          motion.velocity_of(SE3::exp(per_second * (1e-3 * static_cast<double>(ms))), ms * 1'000'000),
+          ms * 1'000'000);
       for (const int64_t ahead_ms : {1, 33, 240}) {
         const SE3 truth = SE3::exp(per_second * (1e-3 * static_cast<double>(ahead_ms)));
         EXPECT_LT((motion.predict(ahead_ms * 1'000'000).T.inverse() * truth).log().norm(), 1e-12);
@@ -191,8 +195,8 @@ struct Moving {
   std::vector<Eigen::Vector3d> p_camera;  // at the stamp
 };
 
-Moving seen_in_motion(const PinholeCamera& camera, const SensorVector& sensor, const Velocity& velocity,
-                      Random& random) {
+Moving seen_in_motion(const Sensor& sensor, const Velocity& velocity, Random& random) {
+  const PinholeCamera& camera = sensor.camera;
   Moving moving;
   for (int i = 0; i < 200; ++i) {
     const Eigen::Vector2d pixel =
@@ -202,11 +206,12 @@ Moving seen_in_motion(const PinholeCamera& camera, const SensorVector& sensor, c
     double row = pixel.y() / camera.height - 0.5;
     Eigen::Vector2d raw;
     for (int round = 0; round < 20; ++round) {
-      const Eigen::Vector3d at_row = point_in_later_camera(p, velocity, sensor(kRollingShutter) * row);
-      raw = camera.distort(corrected_pixel(camera, sensor, at_row.hnormalized()));
+      const Eigen::Vector3d at_row =
+          point_in_later_camera(p, velocity, sensor.corrections(kRollingShutter) * row);
+      raw = camera.distort(corrected_pixel(sensor, at_row.hnormalized()));
       row = raw.y() / camera.height - 0.5;
     }
-    const double depth_time_s = sensor(kDepthDelay) + sensor(kDepthShutter) * row;
+    const double depth_time_s = sensor.corrections(kDepthDelay) + sensor.corrections(kDepthShutter) * row;
     moving.features.raw_pixels.push_back(raw.cast<float>());
     moving.features.measured_pixels.push_back(camera.undistort(raw).cast<float>());
     moving.features.measured_depths_m.push_back(
@@ -228,22 +233,22 @@ TEST(DeskewLaws, DeskewingAndItsInverseReturnTheRawPixel) {
   Random random(7);
   double largest_motion_px = 0;
   for (int trial = 0; trial < 10; ++trial) {
-    SensorVector sensor = SensorVector::Zero();
-    sensor(kRollingShutter) = random.uniform(-0.03, 0.03);
-    sensor(kDepthDelay) = random.uniform(-0.02, 0.02);
-    sensor(kDepthShutter) = random.uniform(-0.03, 0.03);
-    sensor(kFocalX) = random.uniform(-4, 4);
-    sensor(kCenterY) = random.uniform(-4, 4);
+    Sensor sensor{camera};
+    sensor.corrections(kRollingShutter) = random.uniform(-0.03, 0.03);
+    sensor.corrections(kDepthDelay) = random.uniform(-0.02, 0.02);
+    sensor.corrections(kDepthShutter) = random.uniform(-0.03, 0.03);
+    sensor.corrections(kFocalX) = random.uniform(-4, 4);
+    sensor.corrections(kCenterY) = random.uniform(-4, 4);
     const Velocity velocity = Velocity::from_vector(0.5 * test::gaussian_vector<6>(random));
-    const Moving moving = seen_in_motion(camera, sensor, velocity, random);
-    const Features still = deskew_features(moving.features, camera, sensor, velocity);
+    const Moving moving = seen_in_motion(sensor, velocity, random);
+    const Features still = deskew_features(moving.features, sensor, velocity);
     for (size_t i = 0; i < still.size(); ++i) {
       const Eigen::Vector3d& p = moving.p_camera[i];
       EXPECT_LT((still.pixels[i].cast<double>() - camera.project(p)).norm(), 1e-3);
       EXPECT_NEAR(static_cast<double>(still.depths_m[i]), p.z(), 1e-5);
       const Eigen::Vector3d found =
           camera.unproject(still.pixels[i].cast<double>(), static_cast<double>(still.depths_m[i]));
-      const auto raw = raw_pixel_of(found, camera, sensor, velocity);
+      const auto raw = raw_pixel_of(sensor, found, velocity);
       ASSERT_TRUE(raw);
       EXPECT_LT((*raw - moving.features.raw_pixels[i].cast<double>()).norm(), 0.05)
           << "raw_pixel_of stops after two rounds";

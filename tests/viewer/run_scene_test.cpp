@@ -30,8 +30,8 @@ RgbdCamera small_camera() {
 }
 
 /// A wall at 2 m, red on the left and blue on the right, with one keypoint in the middle.
-PreparedFrame wall_frame(uint32_t id) {
-  PreparedFrame frame;
+Frame wall_frame(uint32_t id) {
+  Frame frame;
   frame.id = FrameId{id};
   frame.stamp_ns = int64_t{id} * 33'000'000;
   cv::Mat color(kHeight, kWidth, CV_8UC3, cv::Scalar(0, 0, 200));
@@ -50,19 +50,21 @@ class FakeRun {
  public:
   explicit FakeRun(RunFeed& feed) : feed_(feed) {}
 
-  void frame(TrackStatus status = TrackStatus::kTracked) {
-    const PreparedFrame frame = wall_frame(next_++);
-    FrameResult result{frame.id, frame.stamp_ns, status, false, {}, {}, {}, {}, {}, {}};
-    if (status != TrackStatus::kLost) {
+  void frame(TrackingOutcome outcome = TrackingOutcome::kTracked) {
+    const Frame frame = wall_frame(next_++);
+    TrackedFrame tracked = unlocated(frame);
+    tracked.outcome = outcome;
+    tracked.frame = std::make_shared<const Frame>(frame);
+    if (!tracked.is_lost()) {
       if (next_ % 2 == 1) {
         const SE3 pose{Eigen::Quaterniond::Identity(),
                        {0.05 * static_cast<double>(map_.keyframes().size()), 0, 0}};
-        result.keyframe = map_.add_keyframe(frame.id, frame.stamp_ns, pose, frame.features);
+        tracked.keyframe = map_.add_keyframe(frame.id, frame.stamp_ns, pose, frame.features);
       }
-      result.reference = map_.keyframes().back().id;
-      result.T_reference_camera.translation.y() = 0.5;
+      tracked.reference = map_.keyframes().back().id;
+      tracked.T_reference_camera.translation.y() = 0.5;
     }
-    feed_.on_frame(result, frame);
+    feed_.on_frame(tracked);
     feed_.on_map(map_);
   }
 
@@ -159,7 +161,7 @@ TEST_F(RunSceneTest, AMapCorrectionSendsOnlyPoses) {
 
 TEST_F(RunSceneTest, LostFramesLeaveAGap) {
   run_.frame();
-  run_.frame(TrackStatus::kLost);
+  run_.frame(TrackingOutcome::kLost);
   update();
   EXPECT_TRUE(std::isnan(number(PartKind::kPath, 0, 5)));
   EXPECT_EQ(status()["tracking"], "lost");
@@ -186,7 +188,7 @@ TEST_F(RunSceneTest, TheFinalPathReplacesTheLivePath) {
   update();
   FrameLog log(3);
   for (auto& entry : log) {
-    entry.status = TrackStatus::kTracked;
+    entry.outcome = TrackingOutcome::kTracked;
     entry.reference = KeyframeId{0};
     entry.T_reference_camera.translation.x() = 9;
   }

@@ -20,7 +20,7 @@ StillCapture::StillCapture(std::filesystem::path folder, const Board& board, Sti
   }
 }
 
-CaptureFeedback StillCapture::process(const RgbdFrame& frame) {
+CaptureFeedback StillCapture::process(const Frame& frame) {
   if (kind_ == StillKind::kPairs && frame.infrared.empty()) {
     throw InputError("--live: this source has no infrared images; use a Kinect 2 (kinect2)");
   }
@@ -39,7 +39,7 @@ CaptureFeedback StillCapture::process(const RgbdFrame& frame) {
   return feedback;
 }
 
-void StillCapture::write(const RgbdFrame& frame) const {
+void StillCapture::write(const Frame& frame) const {
   constexpr double kMillimetres = 1000;
   const auto file = [&](const char* ending) {
     return folder_ / fmt::format("{:04}{}.png", guide_.kept(), ending);

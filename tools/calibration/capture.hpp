@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "kinloop/sensor/rgbd_frame.hpp"
+#include "kinloop/sensor/frame.hpp"
 #include "tools/calibration/capture_guide.hpp"
 
 namespace kinloop {
@@ -30,13 +30,13 @@ class StillCapture {
 
   /// Processes the next frame and saves it if useful. Throws InputError for pairs if the frame has no
   /// infrared image.
-  CaptureFeedback process(const RgbdFrame& frame);
+  CaptureFeedback process(const Frame& frame);
 
   [[nodiscard]] bool finished() const { return guide_.finished(); }
   [[nodiscard]] size_t kept() const { return guide_.kept(); }
 
  private:
-  void write(const RgbdFrame& frame) const;
+  void write(const Frame& frame) const;
 
   std::filesystem::path folder_;
   Board board_;

@@ -23,8 +23,6 @@ struct CalibrationOptions {
     visit("min_tilt_difference_deg", self.min_tilt_difference_deg, "tilts closer than this count as one",
           Range{0, 90});
   }
-
-  static OptionHistory history() { return {{{"alike_deg", "min_tilt_difference_deg"}}, {}}; }
 };
 
 /// Throws UsageError, naming key, value and expectation, where a value is not allowed.

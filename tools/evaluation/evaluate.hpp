@@ -2,8 +2,10 @@
 // In: an estimated trajectory and ground truth, each in its own world frame. Out: their differences, computed
 // exactly as the tools of the TUM RGB-D benchmark do (Sturm et al. 2012).
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,9 +13,22 @@
 
 #include "kinloop/core/association.hpp"
 #include "kinloop/geometry/trajectory.hpp"
-#include "tools/evaluation/statistics.hpp"
 
 namespace kinloop {
+
+/// Statistics of errors, in their unit; all zero if there are none.
+struct ErrorStatistics {
+  size_t count = 0;
+  double rmse = 0;
+  double mean = 0;
+  double median = 0;
+  double std = 0;  ///< of the population (divided by count, as numpy.std)
+  double min = 0;
+  double max = 0;
+};
+
+/// Computes the statistics of `errors`, in any order.
+ErrorStatistics compute_statistics(std::span<const double> errors);
 
 /// The error of one associated pose.
 struct PoseError {

@@ -6,6 +6,7 @@
 
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/surf.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 namespace {
@@ -55,7 +56,7 @@ std::vector<Detector> make_detectors(const FeatureOptions& options, const Pinhol
   FeatureOptions ours = options;
   ours.kind = FeatureKind::kOrb;
   detectors.push_back({"ORB (ours)", "orb", [options = ours, camera](const cv::Mat& gray) {
-                         return extract_features(gray, cv::Mat(), camera, options);
+                         return extract_features(gray, cv::Mat(), Sensor{camera}, options);
                        }});
   return detectors;
 }

@@ -13,6 +13,7 @@
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/optimize/pose/pnp_ransac.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 namespace {
@@ -142,11 +143,11 @@ std::vector<DescriptorMatch> motion_inliers(const MatchedFeatures& pair, const c
     observation.p_reference = camera.unproject(pixel_of(pair.a, match.a), depth_m);
     observation.pixel = pixel_of(pair.b, match.b);
     // The same for all levels and detectors, for a fair comparison.
-    observation.sigma_px = kRepeatabilityRadiusPx / std::sqrt(AbsolutePoseOptions().inlier_chi2_pixel);
+    observation.sigma_px = kRepeatabilityRadiusPx / std::sqrt(NoiseModel().inlier_chi2_pixel);
     observations.push_back(observation);
     with_depth.push_back(match);
   }
-  const auto solution = solve_pnp_ransac(camera, observations, {}, seed);
+  const auto solution = solve_pnp_ransac(Sensor{camera}, observations, {}, {}, seed);
   return solution ? chosen(with_depth, solution->inliers) : std::vector<DescriptorMatch>();
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // In: the keypoints of two images of the same place, and the true pixels of the first one's keypoints in the
-// second. Out: the number of matches, of those that pass the founding paper's distance filter and RANSAC, and
-// the repeatability of keypoints.
+// second. Out: the number of matches, of those that pass the distance filter of the paper (docs/paper.md) and
+// RANSAC, and the repeatability of keypoints.
 
 #include <functional>
 #include <optional>
@@ -26,7 +26,7 @@ struct DescriptorMatch {
 /// Returns mutual nearest neighbours by brute force, for any kind of descriptor.
 std::vector<DescriptorMatch> match_descriptors(const Features& a, const Features& b);
 
-/// The distance filter of the founding paper: at most four times the smallest distance; for binary
+/// The distance filter of the paper: at most four times the smallest distance; for binary
 /// descriptors the limit is at least `kMinDistanceLimitBits`, since a perfect pair would reject all others.
 std::vector<DescriptorMatch> filter_by_distance(const std::vector<DescriptorMatch>& matches, bool binary);
 

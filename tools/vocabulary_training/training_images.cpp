@@ -14,6 +14,7 @@
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/surf.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
+#include "kinloop/sensor/sensor.hpp"
 #include "tools/vocabulary_training/descriptor_file.hpp"
 
 namespace kinloop {
@@ -114,7 +115,7 @@ std::optional<cv::Mat> describe_image(const fs::path& path, const DescribeOption
   camera.fx = camera.fy = gray.cols;
   camera.cx = 0.5 * gray.cols;
   camera.cy = 0.5 * gray.rows;
-  return extract_features(gray, cv::Mat(), camera, description.features).descriptors;
+  return extract_features(gray, cv::Mat(), Sensor{camera}, description.features).descriptors;
 }
 
 void describe_images(std::span<const fs::path> images, const DescribeOptions& description,

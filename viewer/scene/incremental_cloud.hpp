@@ -4,6 +4,7 @@
 #include <unordered_set>
 
 #include "kinloop/dense/cloud/voxel_samples.hpp"
+#include "kinloop/sensor/rgbd_camera.hpp"
 #include "session/viewer_options.hpp"
 #include "viewer/scene/wire_format.hpp"
 

@@ -13,20 +13,25 @@ MapSummary outline_of(const Map& map) {
   MapSummary summary;
   for (const Keyframe& keyframe : map.keyframes())
     summary.T_world_keyframe.push_back(keyframe.T_world_camera);
-  for (const LoopEdge& edge : map.loop_edges()) summary.loops.emplace_back(edge.a, edge.b);
+  for (const LoopClosure& edge : map.loop_closures()) summary.loops.emplace_back(edge.a, edge.b);
   summary.landmarks = map.landmark_count();
   return summary;
 }
 
+FrameEvent event_of(const TrackedFrame& tracked, int inliers) {
+  return {tracked.stamp_ns,           tracked.outcome, tracked.method, tracked.reference,
+          tracked.T_reference_camera, inliers};
+}
+
 }  // namespace
 
-void RunFeed::on_frame(const FrameResult& result, const PreparedFrame& frame) {
-  const FrameEvent event{result.stamp_ns,           result.status,       result.relocalized, result.reference,
-                         result.T_reference_camera, result.stats.inliers};
-  ImageEvent image{result.keyframe, frame.color, frame.depth_m, frame.features, result.matches};
+void RunFeed::on_frame(const TrackedFrame& tracked) {
+  const FrameEvent event = event_of(tracked, tracked.evidence.inliers);
+  const Frame& frame = *tracked.frame;
+  ImageEvent image{tracked.keyframe, frame.color, frame.depth_m, frame.features, tracked.matches};
   const std::lock_guard lock(mutex_);
   events_.frames.push_back(event);
-  if (result.keyframe.valid()) {
+  if (tracked.keyframe.valid()) {
     if (events_.keyframes.size() == kMaxQueuedKeyframes) events_.keyframes.pop_front();
     events_.keyframes.push_back(image);
   }
@@ -47,11 +52,12 @@ void RunFeed::on_map(const Map& map) {
   events_.covisible.insert(events_.covisible.end(), covisible.begin(), covisible.end());
 }
 
-void RunFeed::on_finish(std::span<const LoggedFrame> log, const Map& map) {
+void RunFeed::on_finish(std::span<const TrackedFrame> log, const Map& map) {
   std::vector<FrameEvent> frames;
-  for (const LoggedFrame& entry : log) {
-    frames.push_back({entry.stamp_ns, entry.status, false, entry.reference, entry.T_reference_camera,
-                      static_cast<int>(entry.observations.size())});
+  for (const TrackedFrame& entry : log) {
+    frames.push_back(event_of(entry, static_cast<int>(entry.measurements.size())));
+    // A finished run has no news.
+    if (!entry.is_lost()) frames.back().outcome = TrackingOutcome::kTracked;
   }
   MapSummary outline = outline_of(map);
   const std::lock_guard lock(mutex_);

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "kinloop/map/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
-#include "kinloop/tracking/frame_log.hpp"
 #include "viewer/scene/wire_format.hpp"
 
 namespace kinloop {
@@ -17,8 +17,8 @@ namespace kinloop {
 /// Pose and status of a frame.
 struct FrameEvent {
   int64_t stamp_ns = 0;
-  TrackStatus status = TrackStatus::kLost;
-  bool relocalized = false;
+  TrackingOutcome outcome = TrackingOutcome::kLost;
+  TrackingMethod method = TrackingMethod::kKeypoints;
   KeyframeId reference;
   SE3 T_reference_camera;
   int inliers = 0;
@@ -56,11 +56,11 @@ class RunFeed : public Listener {
   /// Maximum number of queued keyframe images; beyond it the oldest is dropped, along with its points.
   static constexpr size_t kMaxQueuedKeyframes = 32;
 
-  void on_frame(const FrameResult& result, const PreparedFrame& frame) override;
+  void on_frame(const TrackedFrame& result) override;
   void on_map(const Map& map) override;
 
   /// Passes on the final path.
-  void on_finish(std::span<const LoggedFrame> log, const Map& map);
+  void on_finish(std::span<const TrackedFrame> log, const Map& map);
 
   /// Returns the events and clears them.
   RunEvents take();

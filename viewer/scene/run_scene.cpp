@@ -41,16 +41,9 @@ std::vector<ShownFeature> shown_features(const ImageEvent& image) {
 }
 
 const char* status_name(const FrameEvent& frame) {
-  if (frame.relocalized) return "relocalised";
-  switch (frame.status) {
-    case TrackStatus::kTracked:
-      return "tracking";
-    case TrackStatus::kDenseOnly:
-      return "by depth and intensities alone";
-    case TrackStatus::kLost:
-      return "lost";
-  }
-  return "";
+  if (frame.outcome == TrackingOutcome::kLost) return "lost";
+  if (frame.outcome == TrackingOutcome::kRelocalized) return "relocalised";
+  return frame.method == TrackingMethod::kDense ? "by depth and intensities alone" : "tracking";
 }
 
 }  // namespace
@@ -98,8 +91,9 @@ void RunScene::add_frames(const RunEvents& events) {
   if (events.replaces_all) frames_.clear();
   const size_t first = frames_.size();
   frames_.insert(frames_.end(), events.frames.begin(), events.frames.end());
-  relocalizations_ += static_cast<size_t>(std::count_if(events.frames.begin(), events.frames.end(),
-                                                        [](const auto& frame) { return frame.relocalized; }));
+  relocalizations_ += static_cast<size_t>(
+      std::count_if(events.frames.begin(), events.frames.end(),
+                    [](const FrameEvent& frame) { return frame.outcome == TrackingOutcome::kRelocalized; }));
   show_path(first);
 }
 
@@ -108,7 +102,7 @@ void RunScene::show_path(size_t first) {
     std::vector<PathPoint> points;
     for (size_t i = begin; i < end; ++i) {
       const FrameEvent& frame = frames_[i];
-      const bool lost = frame.status == TrackStatus::kLost;
+      const bool lost = frame.outcome == TrackingOutcome::kLost;
       const Eigen::Vector3f nowhere = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
       points.push_back(
           {frame.reference, lost ? nowhere : frame.T_reference_camera.translation.cast<float>()});
@@ -143,7 +137,8 @@ void RunScene::show_images(const ImageEvent& image) {
 void RunScene::show_camera() {
   if (frames_.empty()) return;
   const FrameEvent& frame = frames_.back();
-  if (frame.status == TrackStatus::kLost || frame.reference.value >= map_.T_world_keyframe.size()) return;
+  if (frame.outcome == TrackingOutcome::kLost || frame.reference.value >= map_.T_world_keyframe.size())
+    return;
   const SE3 pose = map_.T_world_keyframe[frame.reference.value] * frame.T_reference_camera;
   scene_.put(PartKind::kCamera, 0, encode_poses({&pose, 1}));
 }
@@ -151,7 +146,8 @@ void RunScene::show_camera() {
 Trajectory RunScene::path() const {
   Trajectory path;
   for (const FrameEvent& frame : frames_) {
-    if (frame.status == TrackStatus::kLost || frame.reference.value >= map_.T_world_keyframe.size()) continue;
+    if (frame.outcome == TrackingOutcome::kLost || frame.reference.value >= map_.T_world_keyframe.size())
+      continue;
     path.push_back({frame.stamp_ns, map_.T_world_keyframe[frame.reference.value] * frame.T_reference_camera});
   }
   return path;

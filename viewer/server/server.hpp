@@ -8,15 +8,35 @@
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/address.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include "viewer/server/access.hpp"
 #include "viewer/server/http_session.hpp"
-#include "viewer/server/pending_requests.hpp"
 #include "viewer/server/websocket_session.hpp"
 
 namespace kinloop {
+
+/// The connections that wait for their request to be read or answered. Silent and slow ones give way to new
+/// ones, so that they cannot lock anybody out.
+class PendingRequests {
+ public:
+  static constexpr size_t kMax = 32;
+
+  /// If there are already kMax, the oldest of the address that has the most is closed.
+  void add(const std::shared_ptr<HttpSession>& session, const boost::asio::ip::address& client);
+
+ private:
+  struct Pending {
+    std::weak_ptr<HttpSession> session;
+    boost::asio::ip::address client;
+  };
+
+  void close_one();
+
+  std::vector<Pending> pending_;  ///< the oldest first
+};
 
 class ViewerServer {
  public:

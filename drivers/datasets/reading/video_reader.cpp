@@ -31,7 +31,7 @@ struct AvFree {
 
 using FormatContext = std::unique_ptr<AVFormatContext, AvFree<avformat_close_input>>;
 using CodecContext = std::unique_ptr<AVCodecContext, AvFree<avcodec_free_context>>;
-using Frame = std::unique_ptr<AVFrame, AvFree<av_frame_free>>;
+using DecodedFrame = std::unique_ptr<AVFrame, AvFree<av_frame_free>>;
 using Packet = std::unique_ptr<AVPacket, AvFree<av_packet_free>>;
 
 /// The file may come from anywhere: other demuxers than that of MP4 open further files and addresses.
@@ -131,7 +131,7 @@ class VideoReader::Decoder {
 
   std::filesystem::path file_;
   FormatContext format_;
-  Frame frame_;
+  DecodedFrame frame_;
   Packet packet_;
   CodecContext codec_;
   SwsContext* scaler_ = nullptr;

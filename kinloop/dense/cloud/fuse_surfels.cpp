@@ -118,7 +118,7 @@ class Fusion {
   void carve(std::vector<SurfacePoint>& points) {
     // Several views at a time, since every pass goes over all points.
     constexpr size_t kViews = 32;
-    std::vector<FreeSpaceView> views;
+    std::vector<MeasuredFreeSpace> views;
     const auto flush = [&] {
       count_contradictions(points, views, camera_, options_, threads_);
       std::erase_if(points, [](const SurfacePoint& p) { return p.contradictions > p.views; });
@@ -127,8 +127,8 @@ class Fusion {
     for_each_batch("carving", [&](size_t first, std::vector<ImageSurfels>& batch) {
       for (size_t i = 0; i < batch.size(); ++i) {
         const PosedImage& view = views_[first + i];
-        views.push_back(
-            {view.T_world_camera.inverse(), view.velocity, view.depth_lag_s, std::move(batch[i].nearest)});
+        views.push_back({view.T_world_camera.inverse(), view.velocity, view.depth_stamp_difference_s,
+                         std::move(batch[i].nearest)});
       }
       if (views.size() >= kViews) flush();
     });

@@ -15,7 +15,7 @@ namespace {
 constexpr float kSameSurface = 0.02F;
 
 /// An image used for colouring.
-struct ColorView {
+struct ColoringImage {
   RgbdImages images;
   SE3 T_camera_world;
   float sharpness = 0;
@@ -38,8 +38,8 @@ Eigen::Vector3f sample(const cv::Mat& color, const Eigen::Vector2d& pixel) {
 }
 
 /// Weighted colour of a point in one image; weight 0 if the point is not visible.
-ColorSum observe_color(const ColorView& photo, const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
-                       const PinholeCamera& camera) {
+ColorSum observe_color(const ColoringImage& photo, const Eigen::Vector3f& point,
+                       const Eigen::Vector3f& normal, const PinholeCamera& camera) {
   const Eigen::Vector3d p = photo.T_camera_world * point.cast<double>();
   if (!(p.z() > 0)) return ColorSum::Zero();
   const Eigen::Vector2d ideal = camera.project(p);
@@ -81,7 +81,7 @@ std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
   require(points.size() == normals.size(), "color_points: expected one normal per point");
   std::vector<ColorSum> sums(points.size(), ColorSum::Zero());
   const auto batch_size = static_cast<size_t>(std::max(threads, 1));
-  std::vector<ColorView> batch(batch_size);
+  std::vector<ColoringImage> batch(batch_size);
   for (size_t first = 0; first < views.size(); first += batch_size) {
     if (!report(progress, "colouring", first, views.size())) break;
     const size_t count = std::min(batch_size, views.size() - first);

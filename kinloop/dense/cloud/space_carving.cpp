@@ -43,7 +43,7 @@ std::vector<Block> blocks_of(std::span<SurfacePoint> points, double voxel_m) {
 }
 
 /// Returns whether any part of the block may be visible in the view.
-bool in_view(const Block& block, const FreeSpaceView& view, const PinholeCamera& camera) {
+bool in_view(const Block& block, const MeasuredFreeSpace& view, const PinholeCamera& camera) {
   const Eigen::Vector3d p = view.T_camera_world * block.center;
   if (p.z() < -block.radius_m) return false;
   if (p.z() < 2 * block.radius_m) return true;
@@ -54,7 +54,7 @@ bool in_view(const Block& block, const FreeSpaceView& view, const PinholeCamera&
 
 /// The largest inverse depth, in steps, around every corner between tiles, row by row: 0 if it is unknown in
 /// any of the four tiles. A point within kAroundPx of pixels of these tiles has no others around it.
-std::vector<uint16_t> nearest_around_corners(const FreeSpaceView& view, const PinholeCamera& camera) {
+std::vector<uint16_t> nearest_around_corners(const MeasuredFreeSpace& view, const PinholeCamera& camera) {
   static_assert(kTilePx == 2 * kAroundPx);
   const size_t cols = static_cast<size_t>(camera.width) / kTilePx;
   const size_t rows = static_cast<size_t>(camera.height) / kTilePx;
@@ -91,7 +91,7 @@ struct BlockPoints {
 /// vectoriser, since this runs for every point in every view. `distort(u, v)` takes and returns normalised
 /// coordinates.
 template <class Distort>
-void project_with(const Distort& distort, const FreeSpaceView& view, const DenseCamera& camera,
+void project_with(const Distort& distort, const MeasuredFreeSpace& view, const DenseCamera& camera,
                   BlockPoints& points) {
   const PinholeCamera& lens = camera.color;
   const double fx = lens.fx, fy = lens.fy, cx = lens.cx, cy = lens.cy;
@@ -105,7 +105,7 @@ void project_with(const Distort& distort, const FreeSpaceView& view, const Dense
   const double wx = w.x(), wy = w.y(), wz = w.z();
   const double last_col = lens.width - 1, last_row = lens.height - 1;
   const double row_time_s = camera.readout_s / lens.height;
-  const double first_row_s = view.depth_lag_s + camera.time_of_row_s(0);
+  const double first_row_s = view.depth_stamp_difference_s + camera.time_of_row_s(0);
   for (size_t i = 0; i < points.count; ++i) {
     const double x = r00 * points.x[i] + r01 * points.y[i] + r02 * points.z[i] + tx;
     const double y = r10 * points.x[i] + r11 * points.y[i] + r12 * points.z[i] + ty;
@@ -133,7 +133,7 @@ struct DistortedPoint {
   double u, v;
 };
 
-void project(const FreeSpaceView& view, const DenseCamera& camera, BlockPoints& points) {
+void project(const MeasuredFreeSpace& view, const DenseCamera& camera, BlockPoints& points) {
   const LensDistortion& lens = camera.color.lens;
   if (lens.model != LensModel::kBrownConrady) {
     const auto distort = [&lens](double u, double v) {
@@ -177,11 +177,11 @@ void count_contradictions_of(const std::vector<uint16_t>& corners, const DenseCa
 
 }  // namespace
 
-void count_contradictions(std::span<SurfacePoint> points, std::span<const FreeSpaceView> views,
+void count_contradictions(std::span<SurfacePoint> points, std::span<const MeasuredFreeSpace> views,
                           const DenseCamera& camera, const DenseOptions& options, int threads) {
   const auto blocks = blocks_of(points, options.voxel_m);
   std::vector<std::vector<uint16_t>> corners;
-  for (const FreeSpaceView& view : views) corners.push_back(nearest_around_corners(view, camera.color));
+  for (const MeasuredFreeSpace& view : views) corners.push_back(nearest_around_corners(view, camera.color));
   parallel_for(blocks.size(), threads, [&](size_t begin, size_t end) {
     for (size_t b = begin; b < end; ++b) {
       BlockPoints block_points(blocks[b].points);

@@ -95,7 +95,8 @@ std::vector<VoxelSample> voxel_samples(const ImageSurfels& surfels, const PosedI
     if (!(inverse_depth > 0)) continue;
     const double z = 1 / inverse_depth;
     const double row = static_cast<double>(point.row) / surfels.pixel_steps;
-    const Eigen::Vector3d p = camera.deskew({x * z, y * z, z}, row, view.velocity, view.depth_lag_s);
+    const Eigen::Vector3d p =
+        camera.deskew({x * z, y * z, z}, row, view.velocity, view.depth_stamp_difference_s);
     const Eigen::Vector3d p_voxels = (R * p + view.T_world_camera.translation) / voxel_m;
     if (!(p_voxels.cwiseAbs().maxCoeff() < kEnd)) continue;
     const Eigen::Vector3d corner = p_voxels.array().floor();

@@ -49,11 +49,11 @@ cv::Mat corrected_depth(cv::Mat depth_m, const DenseCamera& camera) {
 /// Calls `use` with every view in order; `threads` threads decode ahead.
 void for_each_view(const ImageStore& images, std::span<const PosedImage> views, const DenseCamera& camera,
                    const MeshOptions& options, int threads,
-                   const std::function<bool(size_t index, const TsdfView& view)>& use) {
+                   const std::function<bool(size_t index, const UndistortedDepth& view)>& use) {
   const cv::Mat raw_pixels = undistortion_of(camera.color);
   const DepthLimits& limits = options.limits;
   const auto batch_size = static_cast<size_t>(std::max(threads, 1));
-  std::vector<TsdfView> batch(batch_size);
+  std::vector<UndistortedDepth> batch(batch_size);
   for (size_t first = 0; first < views.size(); first += batch_size) {
     const size_t count = std::min(batch_size, views.size() - first);
     parallel_for(count, threads, [&](size_t begin, size_t end) {
@@ -61,7 +61,8 @@ void for_each_view(const ImageStore& images, std::span<const PosedImage> views, 
         const cv::Mat depth_m = images.load(views[first + i].image).depth_m;
         batch[i] = {corrected_depth(undistorted(depth_m, raw_pixels), camera),
                     undistorted(usable_pixels(depth_m, camera.color.fx, limits), raw_pixels),
-                    views[first + i].T_world_camera, views[first + i].velocity, views[first + i].depth_lag_s};
+                    views[first + i].T_world_camera, views[first + i].velocity,
+                    views[first + i].depth_stamp_difference_s};
       }
     });
     for (size_t i = 0; i < count; ++i) {
@@ -79,11 +80,11 @@ ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImag
   validate(options.limits, "mesh.");
   TsdfVolume volume(camera, options);
   // Two passes over the images, so that earlier views can also carve away what later ones saw only briefly.
-  for_each_view(images, views, camera, options, threads, [&](size_t, const TsdfView& view) {
+  for_each_view(images, views, camera, options, threads, [&](size_t, const UndistortedDepth& view) {
     volume.allocate_blocks(view);
     return true;
   });
-  for_each_view(images, views, camera, options, threads, [&](size_t index, const TsdfView& view) {
+  for_each_view(images, views, camera, options, threads, [&](size_t index, const UndistortedDepth& view) {
     volume.integrate(view, threads);
     return report(progress, "meshing", index + 1, views.size());
   });

@@ -82,7 +82,7 @@ namespace {
 /// Updates the voxels of one block by projecting them into a view.
 class BlockUpdate {
  public:
-  BlockUpdate(const TsdfView& view, const DenseCamera& camera, const MeshOptions& options)
+  BlockUpdate(const UndistortedDepth& view, const DenseCamera& camera, const MeshOptions& options)
       : view_(view), camera_(camera), options_(options), T_camera_world_(view.T_world_camera.inverse()) {
     const Eigen::Matrix3d R = T_camera_world_.R() * options.voxel_m;
     for (int axis = 0; axis < 3; ++axis) step_[static_cast<size_t>(axis)] = R.col(axis);
@@ -115,7 +115,8 @@ class BlockUpdate {
   void update(Leaf& distance, Leaf& weight, unsigned i, const Eigen::Vector3d& p_stamp) const {
     const double nearest_m = options_.limits.min_depth_m / 2;
     if (p_stamp.z() < nearest_m) return;
-    const Eigen::Vector3d p_camera = camera_.undo_deskew(p_stamp, view_.velocity, view_.depth_lag_s);
+    const Eigen::Vector3d p_camera =
+        camera_.undo_deskew(p_stamp, view_.velocity, view_.depth_stamp_difference_s);
     if (p_camera.z() < nearest_m) return;
     const Eigen::Vector2d pixel = camera_.color.project(p_camera);
     const int col = static_cast<int>(std::lround(pixel.x())), row = static_cast<int>(std::lround(pixel.y()));
@@ -138,7 +139,7 @@ class BlockUpdate {
     weights[i] += w;
   }
 
-  const TsdfView& view_;
+  const UndistortedDepth& view_;
   const DenseCamera& camera_;
   const MeshOptions& options_;
   SE3 T_camera_world_;
@@ -252,7 +253,7 @@ TsdfVolume::TsdfVolume(const DenseCamera& camera, const MeshOptions& options)
 
 TsdfVolume::~TsdfVolume() = default;
 
-void TsdfVolume::allocate_blocks(const TsdfView& view) {
+void TsdfVolume::allocate_blocks(const UndistortedDepth& view) {
   // Allocates blocks along the rays of every few pixels, which at the maximum depth are closer than a block's
   // edge.
   constexpr int kStridePx = 4;
@@ -265,7 +266,7 @@ void TsdfVolume::allocate_blocks(const TsdfView& view) {
       const double depth_m = view.depth_m.at<float>(row, col);
       for (double z = depth_m - reach_m; z <= depth_m + reach_m; z += step_m) {
         const Eigen::Vector3d p_camera = camera_.deskew(camera_.color.unproject(Eigen::Vector2d(col, row), z),
-                                                        row, view.velocity, view.depth_lag_s);
+                                                        row, view.velocity, view.depth_stamp_difference_s);
         const Eigen::Vector3d p = view.T_world_camera * p_camera / options_.voxel_m;
         const auto origin = [](double x) { return static_cast<int>(std::floor(x)) & ~(kLeafVoxels - 1); };
         touched.emplace_back(origin(p.x()), origin(p.y()), origin(p.z()));
@@ -277,7 +278,7 @@ void TsdfVolume::allocate_blocks(const TsdfView& view) {
   for (const Coord& origin : touched) volume_->touch(origin);
 }
 
-void TsdfVolume::integrate(const TsdfView& view, int threads) {
+void TsdfVolume::integrate(const UndistortedDepth& view, int threads) {
   const BlockUpdate update(view, camera_, options_);
   parallel_for(volume_->blocks.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) update(*volume_->blocks[i].distance, *volume_->blocks[i].weight);
@@ -310,8 +311,8 @@ TsdfVolume::TsdfVolume(const DenseCamera& camera, const MeshOptions& options)
 }
 
 TsdfVolume::~TsdfVolume() = default;
-void TsdfVolume::allocate_blocks(const TsdfView&) {}
-void TsdfVolume::integrate(const TsdfView&, int) {}
+void TsdfVolume::allocate_blocks(const UndistortedDepth&) {}
+void TsdfVolume::integrate(const UndistortedDepth&, int) {}
 ColoredMesh TsdfVolume::surface() const {
   return {};
 }

@@ -16,12 +16,12 @@ namespace kinloop {
 bool tsdf_available();
 
 /// An undistorted depth image and the use of its pixels.
-struct TsdfView {
+struct UndistortedDepth {
   cv::Mat depth_m;  ///< 32FC1, of an ideal camera; 0 = unknown
   cv::Mat usable;   ///< 8UC1: nonzero if in range and not at a depth edge, i.e. may define a surface
   SE3 T_world_camera;
   Velocity velocity = {};
-  double depth_lag_s = 0;  ///< PosedImage::depth_lag_s
+  double depth_stamp_difference_s = 0;  ///< PosedImage::depth_stamp_difference_s
 };
 
 class TsdfVolume {
@@ -33,11 +33,11 @@ class TsdfVolume {
   TsdfVolume& operator=(const TsdfVolume&) = delete;
 
   /// Allocates blocks for the surfaces that the view saw.
-  void allocate_blocks(const TsdfView& view);
+  void allocate_blocks(const UndistortedDepth& view);
 
   /// Integrates a view, surfaces and free space, into the allocated blocks. If the blocks of all views were
   /// allocated before, the order of views matters only for rounding. The result does not depend on `threads`.
-  void integrate(const TsdfView& view, int threads);
+  void integrate(const UndistortedDepth& view, int threads);
 
   /// Extracts the surfaces as triangles without colours.
   [[nodiscard]] ColoredMesh surface() const;

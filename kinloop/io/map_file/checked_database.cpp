@@ -167,8 +167,9 @@ DatabaseReader::DatabaseReader(std::filesystem::path path, const DatabaseFormat&
   }
   const int64_t version = pragma("user_version");
   if (version < 1) {
-    throw InputError(fmt::format("{}: has format {}, which no kinloop writes: it is damaged; copy it again",
-                                 path_.string(), version));
+    throw InputError(
+        fmt::format("{}: has format {}, which does not exist: the file is damaged; copy it again",
+                    path_.string(), version));
   }
   if (version > kind.version) {
     throw InputError(fmt::format("{}: has format {}, newer than the supported {}; use a newer kinloop",

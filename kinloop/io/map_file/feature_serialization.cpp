@@ -48,7 +48,7 @@ bool possible(const Features& features) {
     return p.cwiseAbs().maxCoeff() <= kMaxPixel && p.allFinite();
   };
   const auto is_depth = [](float depth_m) { return depth_m >= 0 && depth_m <= kMaxDepthM; };
-  return std::abs(features.depth_lag_s) <= kMaxLag_s && all(features.pixels, is_pixel) &&
+  return std::abs(features.depth_stamp_difference_s) <= kMaxLag_s && all(features.pixels, is_pixel) &&
          all(features.raw_pixels, is_pixel) && all(features.measured_pixels, is_pixel) &&
          all(features.depths_m, is_depth) && all(features.measured_depths_m, is_depth) &&
          all(features.levels, [&](int level) { return level >= 0 && level < features.level_count; }) &&
@@ -84,7 +84,7 @@ std::string serialize_features(const Features& features) {
   const uint64_t count = descriptors.total() * descriptors.elemSize();
   put_values(bytes, &count, 1);
   put_values(bytes, descriptors.data, count);
-  put_values(bytes, &features.depth_lag_s, 1);
+  put_values(bytes, &features.depth_stamp_difference_s, 1);
   return bytes;
 }
 
@@ -95,7 +95,8 @@ std::optional<Features> deserialize_features(const std::string& bytes) {
   features.level_count = reader.value<int>();
   for_each_list(features, [&]<class T>(std::vector<T>& list) { list = reader.list<T>(); });
   features.descriptors = descriptors_from(reader);
-  if (!reader.exhausted()) features.depth_lag_s = reader.value<float>();  // not in files of version 1
+  if (!reader.exhausted())
+    features.depth_stamp_difference_s = reader.value<float>();  // not in files of version 1
   if (!reader.exhausted() || !consistent(features) || !possible(features)) return std::nullopt;
   return features;
 }

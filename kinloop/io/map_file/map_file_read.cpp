@@ -170,39 +170,49 @@ size_t read_landmarks(const DatabaseReader& file, const Renumbered& ids, MapData
   return count;
 }
 
-void read_loop_edges(const DatabaseReader& file, const Renumbered& ids, MapData& map) {
+void read_loop_closures(const DatabaseReader& file, const Renumbered& ids, MapData& map) {
   file.read(tables::kLoopEdge, [&](int64_t, const Row& cells) {
     RowReader row(cells);
-    LoopEdge edge;
-    edge.a = new_id(ids, take_keyframe(row));
-    edge.b = new_id(ids, take_keyframe(row));
-    edge.T_a_b = take_pose(row);
+    LoopClosure loop;
+    loop.stage = LoopStage::kAccepted;
+    loop.a = new_id(ids, take_keyframe(row));
+    loop.b = new_id(ids, take_keyframe(row));
+    loop.T_a_b = take_pose(row);
     const Blob information = row.take<Blob>();
     ValueReader reader(information.bytes);
-    reader.copy(edge.information.data(), static_cast<size_t>(edge.information.size()));
-    edge.inliers = static_cast<int>(row.take_in<int64_t>(0, kMaxInliers));
-    const bool whole = reader.exhausted() && row.exhausted() && is_information(edge.information);
-    if (!whole || !edge.a.valid() || !edge.b.valid() || edge.a == edge.b) return false;
-    map.loop_edges.push_back(edge);
+    reader.copy(loop.information.data(), static_cast<size_t>(loop.information.size()));
+    loop.evidence.inliers = static_cast<int>(row.take_in<int64_t>(0, kMaxInliers));
+    const bool whole = reader.exhausted() && row.exhausted() && is_information(loop.information);
+    if (!whole || !loop.a.valid() || !loop.b.valid() || loop.a == loop.b) return false;
+    map.loop_closures.push_back(loop);
     return true;
   });
 }
 
-std::vector<SavedFrame> read_frames(const DatabaseReader& file, const Renumbered& ids) {
-  std::vector<SavedFrame> frames;
+/// Sets outcome and method from the numbers in the file.
+void set_status(TrackedFrame& frame, int64_t status, bool repeat) {
+  constexpr int64_t kTracked = 0, kDense = 1;
+  if (status != kTracked && status != kDense) return;
+  frame.outcome = TrackingOutcome::kTracked;
+  if (status == kDense) frame.method = TrackingMethod::kDense;
+  if (repeat) frame.method = TrackingMethod::kRepeat;
+}
+
+FrameLog read_frames(const DatabaseReader& file, const Renumbered& ids) {
+  FrameLog frames;
   file.read(tables::kFrame, [&](int64_t, const Row& cells) {
     RowReader row(cells);
-    SavedFrame frame;
-    frame.frame = FrameId{take_index(row, kMaxFrames)};
+    TrackedFrame frame;
+    frame.id = FrameId{take_index(row, kMaxFrames)};
     frame.stamp_ns = take_stamp(row);
-    frame.status = static_cast<int>(row.take_in<int64_t>(0, kMaxStatus));
+    const int64_t status = row.take_in<int64_t>(0, kMaxStatus);
     frame.reference = new_id(ids, take_keyframe(row));
     frame.keyframe = new_id(ids, take_keyframe(row));
-    frame.repeat = row.take<int64_t>() != 0;
+    set_status(frame, status, row.take<int64_t>() != 0);
     frame.T_reference_camera = take_pose(row);
     if (!row.exhausted())  // not in version 1
-      frame.depth_lag_s = static_cast<float>(row.take_in(-kMaxLagS, kMaxLagS));
-    if (!row.exhausted() || (!frames.empty() && frame.frame <= frames.back().frame)) return false;
+      frame.depth_stamp_difference_s = static_cast<float>(row.take_in(-kMaxLagS, kMaxLagS));
+    if (!row.exhausted() || (!frames.empty() && frame.id <= frames.back().id)) return false;
     frames.push_back(frame);
     return true;
   });
@@ -227,7 +237,7 @@ std::string describe(const MapDamage& damage) {
   };
   add(damage.keyframes, "keyframes");
   add(damage.landmarks, "landmarks");
-  add(damage.loop_edges, "loops");
+  add(damage.loop_closures, "loops");
   add(damage.frames, "frames");
   add(damage.images, "images");
   if (damage.settings) lost.emplace_back("settings");
@@ -253,7 +263,7 @@ std::pair<SavedMap, MapDamage> MapReader::read() const {
         fmt::format("{}: damaged: no keyframe could be read; create the map again", path_.string()));
   }
   const size_t landmarks = read_landmarks(database_, ids, saved.map);
-  read_loop_edges(database_, ids, saved.map);
+  read_loop_closures(database_, ids, saved.map);
   saved.frames = read_frames(database_, ids);
   if (const auto program = about.find("program"); program != about.end()) {
     if (const auto* text = std::get_if<std::string>(&program->second)) saved.program = *text;
@@ -265,7 +275,7 @@ std::pair<SavedMap, MapDamage> MapReader::read() const {
   }
   damage.keyframes = missing(about, tables::kKeyframe, ids.size());
   damage.landmarks = missing(about, tables::kLandmark, landmarks);
-  damage.loop_edges = missing(about, tables::kLoopEdge, saved.map.loop_edges.size());
+  damage.loop_closures = missing(about, tables::kLoopEdge, saved.map.loop_closures.size());
   damage.frames = missing(about, tables::kFrame, saved.frames.size());
   return {std::move(saved), damage};
 }

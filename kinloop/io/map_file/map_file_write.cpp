@@ -33,7 +33,7 @@ void write_about(DatabaseWriter& file, const SavedMap& map, size_t image_count) 
       {"program", map.program},
       {"components", int64_t{map.map.component_count}},
       {tables::kKeyframe, count(map.map.keyframes.size())},
-      {tables::kLoopEdge, count(map.map.loop_edges.size())},
+      {tables::kLoopEdge, count(map.map.loop_closures.size())},
       {tables::kLandmark, int64_t{landmarks}},
       {tables::kFrame, count(map.frames.size())},
       {tables::kImage, count(image_count)},
@@ -77,16 +77,16 @@ void write_keyframes(DatabaseWriter& file, const MapData& map) {
   }
 }
 
-void write_loop_edges(DatabaseWriter& file, const MapData& map) {
+void write_loop_closures(DatabaseWriter& file, const MapData& map) {
   file.create(tables::kLoopEdge, with_pose({"a", "b"}, {"information", "inliers"}));
   int64_t id = 0;
-  for (const LoopEdge& edge : map.loop_edges) {
-    Row row = {int64_t{edge.a.value}, int64_t{edge.b.value}};
-    add_pose(row, edge.T_a_b);
+  for (const LoopClosure& loop : map.loop_closures) {
+    Row row = {int64_t{loop.a.value}, int64_t{loop.b.value}};
+    add_pose(row, loop.T_a_b);
     Blob information;
-    put_values(information.bytes, edge.information.data(), static_cast<size_t>(edge.information.size()));
+    put_values(information.bytes, loop.information.data(), static_cast<size_t>(loop.information.size()));
     row.emplace_back(std::move(information));
-    row.emplace_back(int64_t{edge.inliers});
+    row.emplace_back(int64_t{loop.evidence.inliers});
     file.insert(tables::kLoopEdge, id++, row);
   }
 }
@@ -104,16 +104,22 @@ void write_landmarks(DatabaseWriter& file, const MapData& map) {
   }
 }
 
-void write_frames(DatabaseWriter& file, const std::vector<SavedFrame>& frames) {
+/// The number of a frame's status in the file.
+int64_t status_number(const TrackedFrame& frame) {
+  if (frame.is_lost()) return 2;
+  return frame.method == TrackingMethod::kDense ? 1 : 0;
+}
+
+void write_frames(DatabaseWriter& file, const FrameLog& frames) {
   file.create(tables::kFrame,
               with_pose({"frame", "stamp_ns", "status", "reference", "keyframe", "repeat"}, {"depth_lag_s"}));
   int64_t id = 0;
-  for (const SavedFrame& frame : frames) {
-    Row row = {int64_t{frame.frame.value},    frame.stamp_ns,
-               int64_t{frame.status},         int64_t{frame.reference.value},
-               int64_t{frame.keyframe.value}, int64_t{frame.repeat}};
+  for (const TrackedFrame& frame : frames) {
+    Row row = {int64_t{frame.id.value},       frame.stamp_ns,
+               status_number(frame),          int64_t{frame.reference.value},
+               int64_t{frame.keyframe.value}, int64_t{frame.is_repeat()}};
     add_pose(row, frame.T_reference_camera);
-    row.emplace_back(static_cast<double>(frame.depth_lag_s));
+    row.emplace_back(static_cast<double>(frame.depth_stamp_difference_s));
     file.insert(tables::kFrame, id++, row);
   }
 }
@@ -142,7 +148,7 @@ void write_map(const std::filesystem::path& path, const SavedMap& map, size_t im
   write_settings(file, map);
   write_camera(file, map.camera);
   write_keyframes(file, map.map);
-  write_loop_edges(file, map.map);
+  write_loop_closures(file, map.map);
   write_landmarks(file, map.map);
   write_frames(file, map.frames);
   write_images(file, image_count, images);

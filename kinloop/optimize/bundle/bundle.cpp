@@ -73,26 +73,26 @@ std::vector<uint8_t> used_points(const BundleTask& task) {
 }
 
 /// Use of an observation given its residuals.
-BundleUse inlier_use(const BundleOptions& options, const BundleBlock& block, const BlockResiduals& r,
+BundleUse inlier_use(const NoiseModel& noise, const BundleBlock& block, const BlockResiduals& r,
                      size_t lane) {
-  if (!r.is_pixel_inlier(lane, options.inlier_chi2_pixel)) return BundleUse::kNothing;
+  if (!r.is_pixel_inlier(lane, noise.inlier_chi2_pixel)) return BundleUse::kNothing;
   const bool has_depth = block.measured.inverse_depth_per_m[lane] > 0;
-  return has_depth && r.is_depth_inlier(lane, options.inlier_chi2_depth) ? BundleUse::kPixelAndDepth
-                                                                         : BundleUse::kPixel;
+  return has_depth && r.is_depth_inlier(lane, noise.inlier_chi2_depth) ? BundleUse::kPixelAndDepth
+                                                                       : BundleUse::kPixel;
 }
 
 /// Reclassifies the observations of adjusted points; those of other points keep their classification.
 std::vector<uint8_t> classify(BundleTask& task, const BundleState& state, std::vector<uint8_t> outliers) {
   const auto views = views_of(task, state);
   const auto adjusted = used_points(task);
-  const MeasurementModel model = measurement_model(task, state.sensor);
+  const Sensor sensor = sensor_at(task, state);
   for (size_t pose = 0; pose < views.size(); ++pose) {
     for (const BundleBlock& block : task.blocks_of_pose[pose]) {
-      const BlockResiduals r = block_residuals(block_at(task, block, state), views[pose], model);
+      const BlockResiduals r = block_residuals(block_at(task, block, state), views[pose], sensor);
       for (size_t lane = 0; lane < block.count; ++lane) {
         const uint32_t i = block.observations[lane];
         if (adjusted[task.problem.observations[i].point] == 0) continue;
-        task.uses[i] = inlier_use(task.options, block, r, lane);
+        task.uses[i] = inlier_use(sensor.noise, block, r, lane);
         outliers[i] = task.uses[i] == BundleUse::kNothing;
       }
     }
@@ -118,7 +118,7 @@ std::vector<std::vector<BundleBlock>> make_blocks(const BundleTask& task) {
 
 BundleTask make_task(const BundleProblem& problem, const BundleOptions& options) {
   const size_t poses = problem.T_world_camera.size();
-  BundleTask task{problem, options, problem.fixed, problem.velocities, {}, {}, problem.sensor};
+  BundleTask task{problem, options, problem.fixed, problem.velocities, {}, {}, problem.prior};
   task.fixed.resize(poses, 0);
   for (size_t i = 0; i < poses; ++i) {
     if (!problem.T_world_camera[i].is_finite()) task.fixed[i] = 1;
@@ -136,7 +136,7 @@ BundleTask make_task(const BundleProblem& problem, const BundleOptions& options)
 BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& options) {
   check(problem);
   BundleTask task = make_task(problem, options);
-  const BundleState start{problem.T_world_camera, problem.p_world, problem.sensor.value};
+  const BundleState start{problem.T_world_camera, problem.p_world, problem.sensor.corrections};
   drop_unconstrained_points(task, start);
 
   BundleSolution solution;
@@ -144,7 +144,7 @@ BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& o
     solution.outliers.push_back(initial_use(problem, o) == BundleUse::kNothing);
   }
   BundleState state = start;
-  const bool selects = problem.sensor.selects_parameters();
+  const bool selects = problem.prior.selects_parameters();
   const int rounds = selects ? std::max(options.rounds, 2) : options.rounds;
   for (int round = 0; round < rounds; ++round) {
     task.tolerance = round + 1 == rounds ? options.tolerance : kEarlyToleranceFactor * options.tolerance;
@@ -157,13 +157,13 @@ BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& o
     if (round > 0 || !selects) continue;
     BundleSelection selection = select_sensor_parameters(task, state);
     solution.sensor_covariance = selection.covariance;
-    task.sensor = selection.sensor;
+    task.prior = selection.prior;
     state = std::move(selection.state);
   }
   solution.chi2_before = bundle_cost(task, start);
   solution.chi2_after = bundle_cost(task, state);
-  for (const int k : free_sensor_parameters(task.sensor)) solution.sensor_free[static_cast<size_t>(k)] = true;
-  const bool wants_sensor = !selects && !free_sensor_parameters(problem.sensor).empty();
+  for (const int k : task.prior.free_parameters()) solution.sensor_free[static_cast<size_t>(k)] = true;
+  const bool wants_sensor = !selects && !problem.prior.free_parameters().empty();
   if (options.pose_covariances || wants_sensor) {
     BundleCovariance covariance = bundle_covariance(task, state);
     if (wants_sensor) solution.sensor_covariance = covariance.sensor;
@@ -172,7 +172,7 @@ BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& o
   solution.point_used = used_points(task);
   solution.T_world_camera = std::move(state.T_world_camera);
   solution.p_world = std::move(state.p_world);
-  solution.sensor = state.sensor;
+  solution.corrections = state.corrections;
   return solution;
 }
 

@@ -11,11 +11,9 @@
 #include <Eigen/Core>
 
 #include "kinloop/core/options.hpp"
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
-#include "kinloop/sensor/depth_noise.hpp"
 #include "kinloop/sensor/keypoint_measurement.hpp"
-#include "kinloop/sensor/sensor_model.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -27,13 +25,15 @@ struct BundleObservation : KeypointMeasurement {
 
 /// Input of bundle adjustment.
 struct BundleProblem {
-  PinholeCamera camera;              ///< distortion is ignored: pixels are undistorted
+  /// The corrections are the start; those of constant parameters stay. The lens is ignored: pixels are
+  /// undistorted.
+  Sensor sensor;
   std::vector<SE3> T_world_camera;   ///< at the time of the middle row
   std::vector<uint8_t> fixed;        ///< 1 = the pose is constant; if empty, the first is constant
   std::vector<Velocity> velocities;  ///< constant velocity of each pose; if empty, zero
   std::vector<Eigen::Vector3d> p_world;
   std::vector<BundleObservation> observations;
-  SensorCalibration sensor;
+  SensorPrior prior;  ///< of the corrections; by default all are constant
 };
 
 enum class BundleSolver { kBuiltin, kCeres };
@@ -43,17 +43,11 @@ constexpr auto option_names(BundleSolver) {
       {{BundleSolver::kBuiltin, "builtin"}, {BundleSolver::kCeres, "ceres"}});
 }
 
-/// `robust_width`, `inlier_chi2_...` and `depth_noise` describe the measurement noise. Slam
-/// sets them from SlamOptions::noise.
 struct BundleOptions {
   BundleSolver solver = BundleSolver::kBuiltin;
   int rounds = 2;
   int max_iterations = 10;
-  double tolerance = 1e-5;  ///< of the last round; earlier rounds only serve to find the outliers
-  double robust_width = kKeypointRobustWidth;    ///< scale of the Huber loss, standard deviations
-  double inlier_chi2_pixel = kChi2At95With2Dof;  ///< maximum squared pixel residual of an inlier
-  double inlier_chi2_depth = kChi2At95With1Dof;  ///< maximum squared depth residual
-  DepthNoise depth_noise = {kKeypointInverseDepthSigmaPerM};
+  double tolerance = 1e-5;        ///< of the last round; earlier rounds only serve to find the outliers
   bool pose_covariances = false;  ///< compute the covariance of every pose
   int threads = 1;
 
@@ -76,7 +70,7 @@ struct BundleSolution {
   std::vector<Eigen::Vector3d> p_world;
   std::vector<uint8_t> point_used;  ///< 0 = too few observations (one without depth, or only outliers)
   std::vector<uint8_t> outliers;    ///< 1 = pixel outlier (or a value that is not finite)
-  SensorVector sensor = SensorVector::Zero();
+  SensorVector corrections = SensorVector::Zero();
   /// Zero rows for constant parameters. If parameters are selected, of all free ones at the selection.
   SensorMatrix sensor_covariance = SensorMatrix::Zero();
   SensorFlags sensor_free{};  ///< parameters that are free in the last round

@@ -48,20 +48,20 @@ BundleRoundResult minimize_builtin(const BundleTask& task, const BundleState& st
 BundleSelection select_sensor_parameters(const BundleTask& task, const BundleState& state) {
   BundleSchur schur(task);
   schur.linearize(state);
-  BundleSelection selection{schur.covariance().sensor, task.sensor, state};
+  BundleSelection selection{schur.covariance().sensor, task.prior, state};
   SensorVector held_steps = SensorVector::Constant(std::numeric_limits<double>::quiet_NaN());
-  for (const int k : free_sensor_parameters(task.sensor)) {
+  for (const int k : task.prior.free_parameters()) {
     const double sigma = std::sqrt(std::max(selection.covariance(k, k), 0.0));
-    if (task.sensor.accepts(k, state.sensor(k), sigma)) continue;
-    held_steps(k) = task.sensor.prior_mean(k) - state.sensor(k);
-    selection.sensor.prior_sigma(k) = 0;
-    selection.state.sensor(k) = task.sensor.prior_mean(k);
+    if (task.prior.accepts(k, state.corrections(k), sigma)) continue;
+    held_steps(k) = task.prior.mean(k) - state.corrections(k);
+    selection.prior.sigma(k) = 0;
+    selection.state.corrections(k) = task.prior.mean(k);
   }
   const auto step = schur.solve(kSelectionDamping, held_steps);
   if (!step) return selection;
   BundleState stepped = schur.apply(state, *step);
-  for (const int k : free_sensor_parameters(task.sensor)) {
-    if (selection.sensor.prior_sigma(k) == 0) stepped.sensor(k) = task.sensor.prior_mean(k);
+  for (const int k : task.prior.free_parameters()) {
+    if (selection.prior.sigma(k) == 0) stepped.corrections(k) = task.prior.mean(k);
   }
   if (bundle_cost(task, stepped) < bundle_cost(task, selection.state)) selection.state = std::move(stepped);
   return selection;

@@ -82,8 +82,9 @@ class ObservationCost : public ceres::CostFunction {
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
     const BundleObservation& o = task_.problem.observations[observation_];
     const BundleView view(unpack(x[0]), task_.velocities[o.pose]);
-    const auto linear = linearize_observation(task_, o, task_.uses[observation_], view, Eigen::Vector3d(x[1]),
-                                              SensorVector(x[2]));
+    const Sensor sensor{task_.problem.sensor.camera, task_.problem.sensor.noise, SensorVector(x[2])};
+    const auto linear =
+        linearize_observation(sensor, o, task_.uses[observation_], view, Eigen::Vector3d(x[1]));
     if (!linear.seen) return false;  // makes Ceres take a shorter step
     Eigen::Map<Eigen::VectorXd>(residuals, rows_) = linear.e.segment(first_row_, rows_);
     if (jacobians == nullptr) return true;
@@ -150,14 +151,14 @@ class ReweightingLoss : public ceres::LossFunction {
 struct Blocks {
   std::vector<PackedPose> poses;
   std::vector<Eigen::Vector3d> points;
-  SensorVector sensor;
+  SensorVector corrections;
 
-  explicit Blocks(const BundleState& state) : points(state.p_world), sensor(state.sensor) {
+  explicit Blocks(const BundleState& state) : points(state.p_world), corrections(state.corrections) {
     for (const SE3& T : state.T_world_camera) poses.push_back(pack(T));
   }
 
   [[nodiscard]] BundleState state() const {
-    BundleState state{{}, points, sensor};
+    BundleState state{{}, points, corrections};
     for (const PackedPose& pose : poses) state.T_world_camera.push_back(unpack(pose.data()));
     return state;
   }
@@ -170,18 +171,18 @@ void add_parameters(const BundleTask& task, Blocks& blocks, ceres::Problem& prob
     set_manifold(problem, pose);
     if (task.fixed[i] != 0) problem.SetParameterBlockConstant(pose);
   }
-  problem.AddParameterBlock(blocks.sensor.data(), kSensorParameterCount);
+  problem.AddParameterBlock(blocks.corrections.data(), kSensorParameterCount);
   std::vector<int> held;
   for (int i = 0; i < kSensorParameterCount; ++i) {
-    if (!(task.sensor.prior_sigma(i) > 0)) held.push_back(i);
+    if (!(task.prior.sigma(i) > 0)) held.push_back(i);
   }
   if (held.size() == kSensorParameterCount) {
-    problem.SetParameterBlockConstant(blocks.sensor.data());
+    problem.SetParameterBlockConstant(blocks.corrections.data());
   } else if (!held.empty()) {
 #if CERES_VERSION_MAJOR > 2 || (CERES_VERSION_MAJOR == 2 && CERES_VERSION_MINOR >= 1)
-    problem.SetManifold(blocks.sensor.data(), new ceres::SubsetManifold(kSensorParameterCount, held));
+    problem.SetManifold(blocks.corrections.data(), new ceres::SubsetManifold(kSensorParameterCount, held));
 #else
-    problem.SetParameterization(blocks.sensor.data(),
+    problem.SetParameterization(blocks.corrections.data(),
                                 new ceres::SubsetParameterization(kSensorParameterCount, held));
 #endif
   }
@@ -193,17 +194,15 @@ void add_residuals(const BundleTask& task, Blocks& blocks, ceres::LossFunction* 
     if (task.uses[i] == BundleUse::kNothing) continue;
     const BundleObservation& o = task.problem.observations[i];
     const std::vector<double*> parameters = {blocks.poses[o.pose].data(), blocks.points[o.point].data(),
-                                             blocks.sensor.data()};
+                                             blocks.corrections.data()};
     problem.AddResidualBlock(new ObservationCost(task, i, false), loss, parameters);
     if (task.uses[i] == BundleUse::kPixelAndDepth) {
       problem.AddResidualBlock(new ObservationCost(task, i, true), loss, parameters);
     }
   }
-  SensorVector sensor = SensorVector::Zero();
-  for (const int i : free_sensor_parameters(task.sensor)) {
-    sensor(i) = sensor_information(task.sensor, i);
-  }
-  problem.AddResidualBlock(new PriorCost(task.sensor.prior_mean, sensor), nullptr, blocks.sensor.data());
+  SensorVector information = SensorVector::Zero();
+  for (const int i : task.prior.free_parameters()) information(i) = task.prior.information(i);
+  problem.AddResidualBlock(new PriorCost(task.prior.mean, information), nullptr, blocks.corrections.data());
 }
 
 ceres::Solver::Options solver_options(const BundleTask& task, const Blocks& blocks, ceres::Problem& problem) {
@@ -235,7 +234,7 @@ BundleRoundResult minimize_with_ceres(const BundleTask& task, const BundleState&
   ceres::Problem::Options problem_options;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
-  ReweightingLoss loss(task.options.robust_width);
+  ReweightingLoss loss(task.problem.sensor.noise.robust_width);
   add_parameters(task, blocks, problem);
   add_residuals(task, blocks, &loss, problem);
   ceres::Solver::Summary summary;

@@ -1,6 +1,5 @@
 #include "kinloop/optimize/bundle/bundle_model.hpp"
 
-#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -20,8 +19,8 @@ std::vector<BundleView> views_of(const BundleTask& task, const BundleState& stat
   return views;
 }
 
-MeasurementModel measurement_model(const BundleTask& task, const SensorVector& sensor) {
-  return {task.problem.camera, sensor, task.options.depth_noise, task.options.robust_width};
+Sensor sensor_at(const BundleTask& task, const BundleState& state) {
+  return {task.problem.sensor.camera, task.problem.sensor.noise, state.corrections};
 }
 
 ObservationBlock block_at(const BundleTask& task, const BundleBlock& block, const BundleState& state) {
@@ -38,9 +37,9 @@ ObservationBlock block_at(const BundleTask& task, const BundleBlock& block, cons
   return placed;
 }
 
-LinearizedObservation linearize_observation(const BundleTask& task, const KeypointMeasurement& measured,
+LinearizedObservation linearize_observation(const Sensor& sensor, const KeypointMeasurement& measured,
                                             BundleUse use, const BundleView& view,
-                                            const Eigen::Vector3d& p_world, const SensorVector& sensor) {
+                                            const Eigen::Vector3d& p_world) {
   ObservationBlock block;
   set_measurement(block, 0, measured);
   block.x[0] = p_world.x();
@@ -49,19 +48,19 @@ LinearizedObservation linearize_observation(const BundleTask& task, const Keypoi
   block.uses_pixel[0] = use != BundleUse::kNothing ? 1 : 0;
   block.uses_depth[0] = use == BundleUse::kPixelAndDepth ? 1 : 0;
   if (use != BundleUse::kPixelAndDepth) block.inverse_depth_per_m[0] = 0;
-  MeasurementModel model = measurement_model(task, sensor);
-  model.robust_width = std::numeric_limits<double>::infinity();  // without weights
+  Sensor unweighted = sensor;
+  unweighted.noise.robust_width = std::numeric_limits<double>::infinity();
 
   constexpr size_t kLanes = ObservationBlock::kSize, kWidth = LinearColumns::kMaxWidth;
   const LinearColumns layout = LinearColumns::of_all();
   std::array<double, kRowsPerObservation * kWidth * kLanes> columns{};
-  linearize_block(block, view, model, layout, columns.data());
+  linearize_block(block, view, unweighted, layout, columns.data());
   const Eigen::Map<const Eigen::Matrix<double, 3, kWidth, Eigen::RowMajor>, 0,
                    Eigen::Stride<kWidth * kLanes, kLanes>>
       row(columns.data());  // of the first lane
   const auto at = [](size_t column) { return static_cast<Eigen::Index>(column); };
   LinearizedObservation linear;
-  linear.seen = block_residuals(block, view, model).seen[0] > 0;
+  linear.seen = block_residuals(block, view, unweighted).seen[0] > 0;
   linear.e = row.col(LinearColumns::kResidual);
   linear.J_pose = row.leftCols<6>();
   linear.J_velocity = row.middleCols<6>(at(*layout.velocity));
@@ -70,36 +69,23 @@ LinearizedObservation linearize_observation(const BundleTask& task, const Keypoi
   return linear;
 }
 
-std::vector<int> free_sensor_parameters(const SensorCalibration& sensor) {
-  std::vector<int> free;
-  for (int i = 0; i < kSensorParameterCount; ++i) {
-    if (sensor.prior_sigma(i) > 0) free.push_back(i);
-  }
-  return free;
-}
-
-double sensor_information(const SensorCalibration& sensor, int parameter) {
-  const double sigma = sensor.prior_sigma(parameter);
-  return std::isfinite(sigma) ? 1.0 / (sigma * sigma) : 0.0;
-}
-
 double bundle_cost(const BundleTask& task, const BundleState& state) {
   const auto views = views_of(task, state);
-  const MeasurementModel model = measurement_model(task, state.sensor);
+  const Sensor sensor = sensor_at(task, state);
   std::vector<double> cost_of_pose(views.size(), 0);
   parallel_for(views.size(), task.options.threads, [&](size_t begin, size_t end) {
     for (size_t pose = begin; pose < end; ++pose) {
       for (const BundleBlock& block : task.blocks_of_pose[pose]) {
-        for (const double cost : block_cost(block_at(task, block, state), views[pose], model)) {
+        for (const double cost : block_cost(block_at(task, block, state), views[pose], sensor)) {
           cost_of_pose[pose] += cost;
         }
       }
     }
   });
   double cost = std::accumulate(cost_of_pose.begin(), cost_of_pose.end(), 0.0);
-  const SensorVector moved = state.sensor - task.sensor.prior_mean;
-  for (const int i : free_sensor_parameters(task.sensor)) {
-    cost += moved(i) * moved(i) * sensor_information(task.sensor, i);
+  const SensorVector moved = state.corrections - task.prior.mean;
+  for (const int i : task.prior.free_parameters()) {
+    cost += moved(i) * moved(i) * task.prior.information(i);
   }
   return cost;
 }

@@ -15,7 +15,7 @@ namespace kinloop {
 struct BundleState {
   std::vector<SE3> T_world_camera;
   std::vector<Eigen::Vector3d> p_world;
-  SensorVector sensor = SensorVector::Zero();
+  SensorVector corrections = SensorVector::Zero();
 };
 
 /// The used parts of an observation.
@@ -43,13 +43,13 @@ struct BundleTask {
   std::vector<Velocity> velocities;  ///< per pose
   std::vector<BundleUse> uses;       ///< per observation; a point with any use is constrained
   std::vector<std::vector<BundleBlock>> blocks_of_pose = {};  ///< all usable observations
-  SensorCalibration sensor = {};                              ///< without the parameters no longer free
+  SensorPrior prior = {};                                     ///< without the parameters no longer free
   double tolerance = 0;                                       ///< of this round
   mutable BundleBuffers buffers = {};
 };
 
-/// Returns the camera, sensor and weights of a task.
-MeasurementModel measurement_model(const BundleTask& task, const SensorVector& sensor);
+/// Returns the sensor of a task with the corrections of a state.
+Sensor sensor_at(const BundleTask& task, const BundleState& state);
 
 /// Returns the views of all poses.
 std::vector<BundleView> views_of(const BundleTask& task, const BundleState& state);
@@ -68,15 +68,9 @@ struct LinearizedObservation {
   Eigen::Matrix3d J_point;
   Eigen::Matrix<double, 3, kSensorParameterCount> J_sensor;
 };
-LinearizedObservation linearize_observation(const BundleTask& task, const KeypointMeasurement& measured,
+LinearizedObservation linearize_observation(const Sensor& sensor, const KeypointMeasurement& measured,
                                             BundleUse use, const BundleView& view,
-                                            const Eigen::Vector3d& p_world, const SensorVector& sensor);
-
-/// Returns the indices of the free sensor parameters.
-std::vector<int> free_sensor_parameters(const SensorCalibration& sensor);
-
-/// Returns the inverse variance of the prior on a free sensor parameter, 0 without prior.
-double sensor_information(const SensorCalibration& sensor, int parameter);
+                                            const Eigen::Vector3d& p_world);
 
 /// Returns the robust cost of all observations in use and of the priors.
 double bundle_cost(const BundleTask& task, const BundleState& state);
@@ -103,7 +97,7 @@ BundleCovariance bundle_covariance(const BundleTask& task, const BundleState& st
 /// of all, and everything else to the minimum for that.
 struct BundleSelection {
   SensorMatrix covariance = SensorMatrix::Zero();
-  SensorCalibration sensor;  ///< the rejected parameters are constant
+  SensorPrior prior;  ///< the rejected parameters are constant
   BundleState state;
 };
 BundleSelection select_sensor_parameters(const BundleTask& task, const BundleState& state);

@@ -12,16 +12,14 @@ constexpr size_t kLanes = ObservationBlock::kSize;
 }  // namespace
 
 BundleNormalEquations::BundleNormalEquations(const BundleTask& bundle_task)
-    : task(bundle_task),
-      columns(LinearColumns::of_bundle(bundle_task.sensor.prior_sigma)),
-      products(columns) {
+    : task(bundle_task), columns(LinearColumns::of_bundle(bundle_task.prior.sigma)), products(columns) {
   number_unknowns();
   list_slots_of_cameras();
   make_pattern();
   const size_t cameras = pose_of_camera.size();
   H_camera.resize(cameras);
-  H_camera_common.setZero(static_cast<Eigen::Index>(kCameraDof * cameras),
-                          static_cast<Eigen::Index>(products.common));
+  H_camera_border.setZero(static_cast<Eigen::Index>(kCameraDof * cameras),
+                          static_cast<Eigen::Index>(products.border));
   point_sums.resize(points.size() * products.sums());
   // One more than needed: where observations write that are not in use.
   auto& memory = task.buffers.products;
@@ -98,7 +96,7 @@ void BundleNormalEquations::list_slots_of_cameras() {
   }
 }
 
-/// Two cameras are coupled if they observe a common point.
+/// Two cameras are coupled if they share a point.
 void BundleNormalEquations::make_pattern() {
   const auto cameras = static_cast<uint32_t>(pose_of_camera.size());
   pattern.size = cameras;
@@ -127,19 +125,19 @@ void BundleNormalEquations::linearize(const BundleState& state) {
   parallel_for(points.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) sum_point(i);
   });
-  const auto common = static_cast<Eigen::Index>(products.common);
-  H_common.setZero(common, common);
+  const auto border = static_cast<Eigen::Index>(products.border);
+  H_border.setZero(border, border);
   for (const Eigen::MatrixXd& part : parts) {
-    if (part.size() > 0) H_common += part;
+    if (part.size() > 0) H_border += part;
   }
   add_priors(state);
 }
 
 /// Writes the point products of a pose's observations, sums their contribution to the pose block and returns
-/// that to the common block (empty if nothing needs it).
+/// that to the border block (empty if nothing needs it).
 Eigen::MatrixXd BundleNormalEquations::linearize_pose(size_t pose, const BundleState& state,
                                                       const BundleView& view) {
-  const MeasurementModel model = measurement_model(task, state.sensor);
+  const Sensor sensor = sensor_at(task, state);
   const int camera = camera_of_pose[pose];
   const bool sums_gram = camera >= 0 || has_sensor();
   alignas(64) std::array<double, kRowsPerObservation * LinearColumns::kMaxWidth * kLanes> values{};
@@ -148,7 +146,7 @@ Eigen::MatrixXd BundleNormalEquations::linearize_pose(size_t pose, const BundleS
   const auto& blocks = task.blocks_of_pose[pose];
   for (size_t i = 0; i < blocks.size(); ++i) {
     const auto& slots = slots_of_block_[first_block_[pose] + i];
-    linearize_block(block_at(task, blocks[i], state), view, model, columns, values.data());
+    linearize_block(block_at(task, blocks[i], state), view, sensor, columns, values.data());
     if (sums_gram) add_block_gram(summed, values.data(), sums.data());
     std::array<double*, kLanes> records;
     for (size_t lane = 0; lane < kLanes; ++lane) {
@@ -161,11 +159,11 @@ Eigen::MatrixXd BundleNormalEquations::linearize_pose(size_t pose, const BundleS
   if (camera >= 0) {
     H_camera[static_cast<size_t>(camera)] =
         gram.topLeftCorner<kCameraDof, kCameraDof>().selfadjointView<Eigen::Upper>();
-    H_camera_common.middleRows<kCameraDof>(kCameraDof * camera) =
-        gram.topRightCorner(kCameraDof, H_camera_common.cols());
+    H_camera_border.middleRows<kCameraDof>(kCameraDof * camera) =
+        gram.topRightCorner(kCameraDof, H_camera_border.cols());
   }
   if (!has_sensor()) return {};
-  return gram.bottomRightCorner(H_camera_common.cols(), H_camera_common.cols())
+  return gram.bottomRightCorner(H_camera_border.cols(), H_camera_border.cols())
       .selfadjointView<Eigen::Upper>();
 }
 
@@ -182,11 +180,11 @@ void BundleNormalEquations::add_priors(const BundleState& state) {
   for (size_t i = 0; i < columns.sensor_count; ++i) {
     const int k = columns.sensor_parameters[i];
     const auto column = static_cast<Eigen::Index>(i) + 1;
-    const double information = sensor_information(task.sensor, k);
-    H_common(column, column) += information;
-    const double gradient = information * (state.sensor(k) - task.sensor.prior_mean(k));
-    H_common(0, column) += gradient;
-    H_common(column, 0) += gradient;
+    const double information = task.prior.information(k);
+    H_border(column, column) += information;
+    const double gradient = information * (state.corrections(k) - task.prior.mean(k));
+    H_border(0, column) += gradient;
+    H_border(column, 0) += gradient;
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // The normal equations of bundle adjustment in block form. Unknowns: free keyframes (blocks of 6), the
 // free sensor parameters, points. The residual is handled like one more sensor parameter; both are called
-// common columns.
+// border columns (H is bordered).
 //
 // Every sum is computed by one thread in a fixed order (points over their observations, keyframes over
 // theirs), so the result does not depend on the number of threads.
@@ -53,8 +53,8 @@ struct BundleNormalEquations {
 
   std::vector<double> point_sums;   ///< per point, the sum of the PointProducts of its slots
   std::vector<Block> H_camera;      ///< diagonal; there is nothing else before points are eliminated
-  Eigen::MatrixXd H_camera_common;  ///< cameras x common: gradient, then sensor
-  Eigen::MatrixXd H_common;         ///< common x common
+  Eigen::MatrixXd H_camera_border;  ///< cameras x border: gradient, then sensor
+  Eigen::MatrixXd H_border;         ///< border x border
 
  private:
   void number_unknowns();

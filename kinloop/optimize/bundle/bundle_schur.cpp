@@ -55,30 +55,30 @@ BundleSchur::BundleSchur(const BundleTask& task)
       plan_(plan_elimination(normal_.pattern)),
       cholesky_(plan_),
       factors_(normal_.points.size()),
-      common_stride_(normal_.has_sensor() ? rounded_up(normal_.products.common, kWidthStep) : 1),
-      common_(3 * common_stride_ * normal_.points.size()) {
+      border_stride_(normal_.has_sensor() ? rounded_up(normal_.products.border, kWidthStep) : 1),
+      border_(3 * border_stride_ * normal_.points.size()) {
   auto& memory = task.buffers.eliminated;
   const size_t needed = kEliminatedSize * normal_.camera_of_slot.size();
   if (memory.size() < needed) memory = std::vector<double>(needed);
 }
 
 void BundleSchur::eliminate_points(double damping) {
-  const size_t common = normal_.products.common;
+  const size_t border = normal_.products.border;
   std::vector<double>& U = normal_.task.buffers.eliminated;
   parallel_for(normal_.points.size(), normal_.task.options.threads, [&](size_t begin, size_t end) {
     for (size_t index = begin; index < end; ++index) {
       const double* sums = normal_.sums_of(index);
       std::array<double, 6> H;
-      std::copy_n(sums + 3 * common, 6, H.begin());
+      std::copy_n(sums + 3 * border, 6, H.begin());
       for (const size_t diagonal : {0U, 3U, 5U}) H[diagonal] *= 1 + damping;
       const PointFactor f(H);
       factors_[index] = f;
-      double* const to = &common_[3 * common_stride_ * index];
-      for (size_t c = 0; c < common; ++c) {
-        const double u0 = sums[c] * f.i00, u1 = (sums[common + c] - f.l10 * u0) * f.i11;
+      double* const to = &border_[3 * border_stride_ * index];
+      for (size_t c = 0; c < border; ++c) {
+        const double u0 = sums[c] * f.i00, u1 = (sums[border + c] - f.l10 * u0) * f.i11;
         to[c] = u0;
-        to[common_stride_ + c] = u1;
-        to[2 * common_stride_ + c] = (sums[2 * common + c] - f.l20 * u0 - f.l21 * u1) * f.i22;
+        to[border_stride_ + c] = u1;
+        to[2 * border_stride_ + c] = (sums[2 * border + c] - f.l20 * u0 - f.l21 * u1) * f.i22;
       }
       const auto& point = normal_.points[index];
       eliminate_point(f, normal_.products_of(point.first), normal_.products.size(), point.last - point.first,
@@ -94,15 +94,15 @@ void BundleSchur::reduce_column(size_t camera, Reduced& system) const {
   for (size_t i = first; i < last; ++i) {
     block_of[normal_.pattern.off_diagonal[i].first] = static_cast<uint32_t>(1 + i - first);
   }
-  const size_t common = normal_.products.common;
-  std::vector<double> blocks((1 + last - first) * kSchurBlockSize, 0), right(common * kEliminatedWidth, 0);
+  const size_t border = normal_.products.border;
+  std::vector<double> blocks((1 + last - first) * kSchurBlockSize, 0), right(border * kEliminatedWidth, 0);
   const SchurColumn column{normal_.slots_of_camera[camera],
                            block_of,
                            normal_.camera_of_slot.data(),
                            normal_.task.buffers.eliminated.data(),
-                           common_.data(),
-                           common,
-                           common_stride_};
+                           border_.data(),
+                           border,
+                           border_stride_};
   add_schur_column(column, blocks.data(), right.data());
   const auto block = [&](size_t i) {
     return Eigen::Map<const Normal::Block, 0, Eigen::OuterStride<>>(&blocks[i * kSchurBlockSize],
@@ -110,7 +110,7 @@ void BundleSchur::reduce_column(size_t camera, Reduced& system) const {
   };
   system.A.diagonal[camera] -= block(0);
   for (size_t i = first; i < last; ++i) system.A.off_diagonal[i] = -block(1 + i - first);
-  for (size_t c = 0; c < common; ++c) {
+  for (size_t c = 0; c < border; ++c) {
     system.a_B.col(static_cast<Eigen::Index>(c))
         .segment<kCameraDof>(static_cast<Eigen::Index>(kCameraDof * camera)) -=
         Eigen::Map<const Vector6d>(&right[c * kEliminatedWidth]);
@@ -119,16 +119,16 @@ void BundleSchur::reduce_column(size_t camera, Reduced& system) const {
 
 void BundleSchur::reduce_sensor(Reduced& system) const {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const auto stride = static_cast<Eigen::Index>(common_stride_);
+  const auto stride = static_cast<Eigen::Index>(border_stride_);
   RowMajor gram = RowMajor::Zero(stride, stride);
-  add_gram(common_.data(), 3 * normal_.points.size(), common_stride_, gram.data());
+  add_gram(border_.data(), 3 * normal_.points.size(), border_stride_, gram.data());
   const auto size = system.S.rows();
   system.S -= Eigen::MatrixXd(gram.topLeftCorner(size, size).selfadjointView<Eigen::Upper>());
 }
 
 BundleSchur::Reduced BundleSchur::reduce(double damping) {
   eliminate_points(damping);
-  Reduced system{BlockMatrix<kCameraDof>(normal_.pattern), normal_.H_camera_common, normal_.H_common};
+  Reduced system{BlockMatrix<kCameraDof>(normal_.pattern), normal_.H_camera_border, normal_.H_border};
   const size_t cameras = system.A.diagonal.size();
   for (size_t c = 0; c < cameras; ++c) {
     system.A.diagonal[c] = normal_.H_camera[c];
@@ -185,8 +185,8 @@ std::vector<Eigen::Vector3d> BundleSchur::point_steps(const Eigen::VectorXd& cam
       const auto& point = normal_.points[index];
       Eigen::Vector3d sum;
       for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        const double* common = &common_[(3 * index + static_cast<size_t>(axis)) * common_stride_];
-        sum(axis) = common[0] + Eigen::Map<const Eigen::VectorXd>(common + 1, sensor.size()).dot(sensor);
+        const double* border = &border_[(3 * index + static_cast<size_t>(axis)) * border_stride_];
+        sum(axis) = border[0] + Eigen::Map<const Eigen::VectorXd>(border + 1, sensor.size()).dot(sensor);
       }
       using Eliminated = Eigen::Map<const Eigen::Matrix<double, kCameraDof, 3>, 0, Eigen::OuterStride<>>;
       for (size_t slot = point.first; slot < point.last; ++slot) {
@@ -213,7 +213,7 @@ BundleState BundleSchur::apply(const BundleState& state, const BundleStep& step)
     const auto d = step.cameras.segment<kCameraDof>(static_cast<Eigen::Index>(kCameraDof * camera));
     next.T_world_camera[pose] = state.T_world_camera[pose] * SE3::exp(d.head<6>());
   }
-  next.sensor += step.sensor;
+  next.corrections += step.sensor;
   for (size_t i = 0; i < step.points.size(); ++i) next.p_world[normal_.points[i].id] += step.points[i];
   return next;
 }
@@ -229,7 +229,7 @@ BundleCovariance BundleSchur::covariance() {
 BundleCovariance BundleSchur::unconstrained_covariance() const {
   const BundleTask& task = normal_.task;
   BundleCovariance covariance;
-  for (const int k : free_sensor_parameters(task.sensor)) covariance.sensor(k, k) = kInfinity;
+  for (const int k : task.prior.free_parameters()) covariance.sensor(k, k) = kInfinity;
   if (!task.options.pose_covariances) return covariance;
   for (const uint8_t fixed : task.fixed) {
     covariance.poses.emplace_back(Vector6d::Constant(fixed != 0 ? 0 : kInfinity).asDiagonal());

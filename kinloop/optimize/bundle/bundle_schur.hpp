@@ -68,8 +68,8 @@ class BundleSchur {
   EliminationPlan plan_;
   SparseCholesky<kCameraDof> cholesky_;
   std::vector<PointFactor> factors_;  // per point, of the damped point block
-  size_t common_stride_;
-  std::vector<double> common_;  // per point [axis][common]: L^-1 of gradient and sensor
+  size_t border_stride_;
+  std::vector<double> border_;  // per point [axis][border]: L^-1 of gradient and sensor
 };
 
 }  // namespace kinloop

@@ -141,10 +141,10 @@ HWY_INLINE void add_outer(const double* v, const Left& left, size_t columns, dou
 void add_column(const SchurColumn& column, double* blocks, double* right) {
   for (const SchurColumn::Slot& slot : column.slots) {
     const double* own = column.U + slot.own * kEliminatedSize;
-    const double* common = column.common + slot.point * 3 * column.common_stride;
+    const double* border = column.border + slot.point * 3 * column.border_stride;
     add_outer(
-        own, [&](size_t axis, size_t c) HWY_ATTR { return common[axis * column.common_stride + c]; },
-        column.common_count, right);
+        own, [&](size_t axis, size_t c) HWY_ATTR { return border[axis * column.border_stride + c]; },
+        column.border_count, right);
     const auto own_value = [&](size_t axis, size_t c) HWY_ATTR { return own[axis * kEliminatedWidth + c]; };
     for (size_t other = slot.first; other < slot.last; ++other) {
       const auto camera = static_cast<size_t>(column.camera_of_slot[other]);

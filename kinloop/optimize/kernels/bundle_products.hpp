@@ -16,11 +16,11 @@ namespace kinloop {
 struct PointProducts {
   static constexpr size_t kPose = 18;  ///< values of W
 
-  explicit PointProducts(const LinearColumns& columns) : common(1 + columns.sensor_count) {}
+  explicit PointProducts(const LinearColumns& columns) : border(1 + columns.sensor_count) {}
 
-  size_t common;  ///< residual and free sensor parameters
+  size_t border;  ///< residual and free sensor parameters
 
-  [[nodiscard]] size_t sums() const { return 3 * common + 6; }  ///< values to be summed over a point
+  [[nodiscard]] size_t sums() const { return 3 * border + 6; }  ///< values to be summed over a point
   [[nodiscard]] size_t size() const { return kPose + sums(); }
 };
 
@@ -77,15 +77,15 @@ struct SchurColumn {
   std::span<const uint32_t> block_of_camera;  ///< index of its block in this column
   const int* camera_of_slot = nullptr;
   const double* U = nullptr;       ///< per observation, see eliminate_point
-  const double* common = nullptr;  ///< per point [axis][common]: L^-1 of residual and sensor
-  size_t common_count = 0;
-  size_t common_stride = 0;  ///< of `common` from axis to axis
+  const double* border = nullptr;  ///< per point [axis][border]: L^-1 of residual and sensor
+  size_t border_count = 0;
+  size_t border_stride = 0;  ///< of `border` from axis to axis
 };
 
 constexpr size_t kSchurBlockSize = 6 * kEliminatedWidth;
 
-/// Adds U' U to `blocks` ([block][own axis][axis of the other camera]) and U' common to `right`
-/// ([common][own axis]). The last index runs over kEliminatedWidth values, of which six are defined.
+/// Adds U' U to `blocks` ([block][own axis][axis of the other camera]) and U' border to `right`
+/// ([border][own axis]). The last index runs over kEliminatedWidth values, of which six are defined.
 void add_schur_column(const SchurColumn& column, double* blocks, double* right);
 
 }  // namespace kinloop

@@ -21,7 +21,7 @@ class ColumnWriter {
       : o_(o), layout_(layout), columns_(columns) {}
 
   HWY_INLINE void write() {
-    const Huber huber(o_.model.robust_width);
+    const Huber huber(o_.sensor.noise.robust_width);
     const Mask pixel_counts = hn::And(o_.uses_pixel, o_.seen(o_.uses_depth));
     begin_row(0, pixel_counts, huber.root_of_weight(o_.pixel_squared()));
     write_pixel_row(o_.error_u, o_.color.u_by_point(o_.camera), kFocalX, o_.color.x, o_.camera.fx);
@@ -56,7 +56,7 @@ class ColumnWriter {
   /// Writes the derivatives with respect to pose, velocity and point, given `a`, the derivative with respect
   /// to the moved point. Returns the derivative with respect to time.
   HWY_INLINE V write_motion(const Vector3& a, const MovedPoint& moved) const {
-    const Vector3 b = moved.turned_back(a);
+    const Vector3 b = moved.rotate_inverse(a);
     put(0, all(-1) * b);
     put(3, cross(b, o_.p0));
     if (layout_.point) {
@@ -133,17 +133,17 @@ class ColumnWriter {
 
 /// Calls `use` with successive groups of observations that fill a vector, and the index of the first.
 template <class Use>
-HWY_INLINE void for_lanes(const ObservationBlock& block, const BundleView& view,
-                          const MeasurementModel& model, const Use& use) {
-  const Camera camera(view, model);
+HWY_INLINE void for_lanes(const ObservationBlock& block, const BundleView& view, const Sensor& sensor,
+                          const Use& use) {
+  const Camera camera(view, sensor);
   for (size_t first = 0; first < ObservationBlock::kSize; first += hn::Lanes(D())) {
-    use(Observed(block, first, camera, model), first);
+    use(Observed(block, first, camera, sensor), first);
   }
 }
 
-void residuals(const ObservationBlock& block, const BundleView& view, const MeasurementModel& model,
+void residuals(const ObservationBlock& block, const BundleView& view, const Sensor& sensor,
                BlockResiduals& result) {
-  for_lanes(block, view, model, [&](const Observed& o, size_t first) HWY_ATTR {
+  for_lanes(block, view, sensor, [&](const Observed& o, size_t first) HWY_ATTR {
     const Mask has_depth = hn::Gt(o.inverse_depth, hn::Zero(D()));
     hn::StoreU(o.error_u, D(), &result.u[first]);
     hn::StoreU(o.error_v, D(), &result.v[first]);
@@ -152,15 +152,14 @@ void residuals(const ObservationBlock& block, const BundleView& view, const Meas
   });
 }
 
-void cost(const ObservationBlock& block, const BundleView& view, const MeasurementModel& model,
-          Lanes& result) {
-  for_lanes(block, view, model,
+void cost(const ObservationBlock& block, const BundleView& view, const Sensor& sensor, Lanes& result) {
+  for_lanes(block, view, sensor,
             [&](const Observed& o, size_t first) HWY_ATTR { hn::StoreU(cost_of(o), D(), &result[first]); });
 }
 
-void linearize(const ObservationBlock& block, const BundleView& view, const MeasurementModel& model,
+void linearize(const ObservationBlock& block, const BundleView& view, const Sensor& sensor,
                const LinearColumns& layout, double* columns, Lanes& result) {
-  for_lanes(block, view, model, [&](const Observed& o, size_t first) HWY_ATTR {
+  for_lanes(block, view, sensor, [&](const Observed& o, size_t first) HWY_ATTR {
     ColumnWriter(o, layout, columns + first).write();
     hn::StoreU(cost_of(o), D(), &result[first]);
   });
@@ -180,25 +179,23 @@ HWY_EXPORT(linearize);
 
 }  // namespace
 
-BlockResiduals block_residuals(const ObservationBlock& block, const BundleView& view,
-                               const MeasurementModel& model) {
+BlockResiduals block_residuals(const ObservationBlock& block, const BundleView& view, const Sensor& sensor) {
   BlockResiduals result;
-  HWY_DYNAMIC_DISPATCH(residuals)(block, view, model, result);
+  HWY_DYNAMIC_DISPATCH(residuals)(block, view, sensor, result);
   return result;
 }
 
 ObservationBlock::Lanes block_cost(const ObservationBlock& block, const BundleView& view,
-                                   const MeasurementModel& model) {
+                                   const Sensor& sensor) {
   ObservationBlock::Lanes result;
-  HWY_DYNAMIC_DISPATCH(cost)(block, view, model, result);
+  HWY_DYNAMIC_DISPATCH(cost)(block, view, sensor, result);
   return result;
 }
 
 ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const BundleView& view,
-                                        const MeasurementModel& model, const LinearColumns& layout,
-                                        double* columns) {
+                                        const Sensor& sensor, const LinearColumns& layout, double* columns) {
   ObservationBlock::Lanes result;
-  HWY_DYNAMIC_DISPATCH(linearize)(block, view, model, layout, columns, result);
+  HWY_DYNAMIC_DISPATCH(linearize)(block, view, sensor, layout, columns, result);
   return result;
 }
 

@@ -7,9 +7,10 @@
 
 #include <Eigen/Core>
 
+#include "kinloop/geometry/se3.hpp"
+#include "kinloop/geometry/velocity.hpp"
 #include "kinloop/optimize/kernels/linear_columns.hpp"
-#include "kinloop/sensor/depth_noise.hpp"
-#include "kinloop/sensor/sensor_model.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -23,14 +24,6 @@ struct BundleView {
       : R_camera_world(T_world_camera.R().transpose()), center(T_world_camera.translation), velocity(v) {}
 };
 
-/// Camera, sensor corrections and noise model of a measurement.
-struct MeasurementModel {
-  const PinholeCamera& camera;
-  const SensorVector& sensor;
-  DepthNoise depth_noise;
-  double robust_width = 0;  ///< scale of the Huber loss
-};
-
 /// Observations in structure-of-arrays layout. Empty lanes are not in use.
 struct ObservationBlock {
   static constexpr size_t kSize = 8;
@@ -41,7 +34,7 @@ struct ObservationBlock {
   Lanes inverse_sigma_px{};          ///< 1 / standard deviation of the pixel
   Lanes row{};                       ///< KeypointMeasurement::row
   Lanes inverse_depth_per_m{};       ///< measured, 0 = unknown
-  Lanes depth_lag_s{};               ///< KeypointMeasurement::depth_lag_s
+  Lanes depth_stamp_difference_s{};  ///< KeypointMeasurement::depth_stamp_difference_s
   Lanes gradient_x{}, gradient_y{};  ///< KeypointMeasurement::inverse_depth_gradient, 0 if unknown
   Lanes has_gradient{};              ///< 1 = known
   Lanes uses_pixel{}, uses_depth{};  ///< 1 = in use; depth is used only with its pixel
@@ -68,12 +61,11 @@ constexpr double kMinObservedDepth_m = 1e-3;  ///< closer points and points behi
 constexpr double kBehindCameraSquared = 1e6;
 
 /// Returns the residuals of all measurements, in use or not.
-BlockResiduals block_residuals(const ObservationBlock& block, const BundleView& view,
-                               const MeasurementModel& model);
+BlockResiduals block_residuals(const ObservationBlock& block, const BundleView& view, const Sensor& sensor);
 
 /// Returns the robust cost of each observation, over its parts in use.
 ObservationBlock::Lanes block_cost(const ObservationBlock& block, const BundleView& view,
-                                   const MeasurementModel& model);
+                                   const Sensor& sensor);
 
 constexpr size_t kRowsPerObservation = 3;  ///< u, v, depth
 
@@ -81,7 +73,6 @@ constexpr size_t kRowsPerObservation = 3;  ///< u, v, depth
 /// robust weight and zero where not in use. `columns` must be zero-initialised. Returns the robust cost like
 /// block_cost.
 ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const BundleView& view,
-                                        const MeasurementModel& model, const LinearColumns& layout,
-                                        double* columns);
+                                        const Sensor& sensor, const LinearColumns& layout, double* columns);
 
 }  // namespace kinloop

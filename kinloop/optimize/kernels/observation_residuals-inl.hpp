@@ -62,13 +62,13 @@ struct Camera {
   Vector3 center, translation_rate, omega;
   Vector3 columns[3];  // columns of R_camera_world
 
-  Camera(const BundleView& view, const MeasurementModel& model)
-      : fx(all(model.camera.fx + model.sensor(kFocalX))),
-        fy(all(model.camera.fy + model.sensor(kFocalY))),
-        cx(all(model.camera.cx + model.sensor(kCenterX))),
-        cy(all(model.camera.cy + model.sensor(kCenterY))),
-        k1(all(model.sensor(kRadial1))),
-        k2(all(model.sensor(kRadial2))),
+  Camera(const BundleView& view, const Sensor& sensor)
+      : fx(all(sensor.camera.fx + sensor.corrections(kFocalX))),
+        fy(all(sensor.camera.fy + sensor.corrections(kFocalY))),
+        cx(all(sensor.camera.cx + sensor.corrections(kCenterX))),
+        cy(all(sensor.camera.cy + sensor.corrections(kCenterY))),
+        k1(all(sensor.corrections(kRadial1))),
+        k2(all(sensor.corrections(kRadial2))),
         center(all(view.center)),
         translation_rate(all(view.velocity.linear_m_s)),
         omega(all(view.velocity.angular_rad_s)) {
@@ -103,7 +103,9 @@ struct MovedPoint {
   }
 
   HWY_INLINE Mask is_seen() const { return hn::Gt(p.z, all(kMinObservedDepth_m)); }
-  HWY_INLINE Vector3 turned_back(const Vector3& v) const { return v - cross(phi, a * v - b * cross(phi, v)); }
+  HWY_INLINE Vector3 rotate_inverse(const Vector3& v) const {
+    return v - cross(phi, a * v - b * cross(phi, v));
+  }
 };
 
 /// Projection of a point by the corrected camera, with the terms shared by the derivatives.
@@ -133,9 +135,9 @@ struct Projection {
 /// Observations of the block in camera axes, with their residuals.
 struct Observed {
   const Camera& camera;
-  const MeasurementModel& model;
+  const Sensor& sensor;
   Vector3 p0;  // the point at the stamp of the frame
-  V row, depth_lag, inverse_sigma_px, inverse_depth, gradient_x, gradient_y;
+  V row, depth_stamp_difference, inverse_sigma_px, inverse_depth, gradient_x, gradient_y;
   Mask has_gradient, uses_pixel, uses_depth;
   V ray_x, ray_y;  // ray of the pixel in the nominal camera
   MovedPoint at_color;
@@ -145,12 +147,12 @@ struct Observed {
   V inverse_sigma_depth;  // 1 / standard deviation of the inverse depth, see DepthNoise
   V error_u, error_v, error_depth;
 
-  HWY_INLINE Observed(const ObservationBlock& block, size_t first, const Camera& c, const MeasurementModel& m)
+  HWY_INLINE Observed(const ObservationBlock& block, size_t first, const Camera& c, const Sensor& s)
       : camera(c),
-        model(m),
+        sensor(s),
         p0(c.point({load(block.x, first), load(block.y, first), load(block.z, first)})),
         row(load(block.row, first)),
-        depth_lag(load(block.depth_lag_s, first)),
+        depth_stamp_difference(load(block.depth_stamp_difference_s, first)),
         inverse_sigma_px(load(block.inverse_sigma_px, first)),
         inverse_depth(load(block.inverse_depth_per_m, first)),
         gradient_x(load(block.gradient_x, first)),
@@ -158,8 +160,8 @@ struct Observed {
         has_gradient(marked(block.has_gradient, first)),
         uses_pixel(marked(block.uses_pixel, first)),
         uses_depth(marked(block.uses_depth, first)),
-        ray_x((load(block.pixel_x, first) - all(m.camera.cx)) / all(m.camera.fx)),
-        ray_y((load(block.pixel_y, first) - all(m.camera.cy)) / all(m.camera.fy)),
+        ray_x((load(block.pixel_x, first) - all(s.camera.cx)) / all(s.camera.fx)),
+        ray_y((load(block.pixel_y, first) - all(s.camera.cy)) / all(s.camera.fy)),
         at_color(c, p0, color_time()),
         color(c, at_color.p),
         at_depth(c, p0, depth_time()),
@@ -167,11 +169,11 @@ struct Observed {
     const V pixel_x = load(block.pixel_x, first), pixel_y = load(block.pixel_y, first);
     error_u = (color.u - pixel_x) * inverse_sigma_px;
     error_v = (color.v - pixel_y) * inverse_sigma_px;
-    V error = all(1 + m.sensor(kDepthScale)) * inverse_depth - depth.inverse_z + offset();
+    V error = all(1 + s.corrections(kDepthScale)) * inverse_depth - depth.inverse_z + bias();
     // Depth is measured later than colour, when another surface point lies at the pixel.
     error = error + gradient_x * (depth.u - pixel_x) + gradient_y * (depth.v - pixel_y);
-    const V share = all(m.depth_noise.crossover_m) * inverse_depth;
-    inverse_sigma_depth = all(1) / (all(m.depth_noise.coefficient_per_m) * (all(1) + share * share));
+    const V share = all(s.noise.keypoint.crossover_m) * inverse_depth;
+    inverse_sigma_depth = all(1) / (all(s.noise.keypoint.coefficient_per_m) * (all(1) + share * share));
     error_depth = error * inverse_sigma_depth;
   }
 
@@ -180,18 +182,21 @@ struct Observed {
     return hn::Gt(load(lanes, first), hn::Zero(D()));
   }
 
-  HWY_INLINE V color_time() const { return all(model.sensor(kRollingShutter)) * row; }
+  HWY_INLINE V color_time() const { return all(sensor.corrections(kRollingShutter)) * row; }
   /// For a surface of unknown gradient this motion is unknown. Assuming zero gradient would bias the delay
   /// towards zero, since most surfaces seen from above slope away from the camera.
   HWY_INLINE V depth_time() const {
-    const V time = depth_lag + all(model.sensor(kDepthDelay)) + all(model.sensor(kDepthShutter)) * row;
+    const V time = depth_stamp_difference + all(sensor.corrections(kDepthDelay)) +
+                   all(sensor.corrections(kDepthShutter)) * row;
     return hn::IfThenElse(has_gradient, time, color_time());
   }
-  /// Sum of depth_offset_basis times the offset parameters.
-  HWY_INLINE V offset() const {
-    const SensorVector& s = model.sensor;
-    return all(s(kDepthOffset)) + ray_x * (all(s(kDepthOffsetX)) + ray_x * all(s(kDepthOffsetXX))) +
-           ray_y * (all(s(kDepthOffsetY)) + ray_x * all(s(kDepthOffsetXY)) + ray_y * all(s(kDepthOffsetYY)));
+  /// Sum of inverse_depth_bias_basis times the parameters of the bias.
+  HWY_INLINE V bias() const {
+    const SensorVector& s = sensor.corrections;
+    return all(s(kInverseDepthBias)) +
+           ray_x * (all(s(kInverseDepthBiasX)) + ray_x * all(s(kInverseDepthBiasXX))) +
+           ray_y * (all(s(kInverseDepthBiasY)) + ray_x * all(s(kInverseDepthBiasXY)) +
+                    ray_y * all(s(kInverseDepthBiasYY)));
   }
 
   HWY_INLINE V pixel_squared() const { return error_u * error_u + error_v * error_v; }
@@ -219,7 +224,7 @@ struct Huber {
 };
 
 HWY_INLINE V cost_of(const Observed& o) {
-  const Huber huber(o.model.robust_width);
+  const Huber huber(o.sensor.noise.robust_width);
   const V of_depth = hn::IfThenElseZero(o.uses_depth, huber.rho(o.depth_squared()));
   const V cost = huber.rho(o.pixel_squared()) + of_depth;
   return hn::IfThenElseZero(o.uses_pixel,

@@ -13,8 +13,6 @@ namespace {
 
 constexpr double kMinRelativeStiffness = 1e-9;  // smallest eigenvalue of the scaled information matrix
 
-const SensorVector kIdealSensor = SensorVector::Zero();
-
 BundleView static_view(const SE3& T_reference_camera) {
   return {T_reference_camera, Velocity{}};
 }
@@ -31,21 +29,19 @@ CameraObservations blocks_of(std::span<const PoseObservation> observations) {
 
 class Solver {
  public:
-  Solver(const PinholeCamera& camera, std::span<const PoseObservation> observations,
+  Solver(const Sensor& sensor, std::span<const PoseObservation> observations,
          const AbsolutePoseOptions& options)
-      : model_{camera, kIdealSensor, options.depth_noise, options.robust_width},
-        observations_(blocks_of(observations)),
-        options_(options) {}
+      : sensor_(without_corrections(sensor)), observations_(blocks_of(observations)), options_(options) {}
 
   /// Minimizes the cost over the observations in use.
   [[nodiscard]] SE3 minimize(const SE3& T) const {
     return minimize_pose<6>(
-        T, options_.max_iterations, [this](const SE3& at) { return linearize(at, model_); },
+        T, options_.max_iterations, [this](const SE3& at) { return linearize(at, sensor_); },
         [](const SE3& at, const Vector6d& step) { return at * SE3::exp(step); });
   }
 
   /// Classifies inliers and outliers at a pose; true if anything changed.
-  bool classify(const SE3& T) { return observations_.classify(static_view(T), model_, options_); }
+  bool classify(const SE3& T) { return observations_.classify(static_view(T), sensor_); }
 
   [[nodiscard]] AbsolutePoseSolution solution(const SE3& T) const {
     AbsolutePoseSolution s;
@@ -54,18 +50,18 @@ class Solver {
     s.inlier_count = observations_.inlier_count();
     // The information is that of the measurements, without robust weights, scaled by the efficiency of the
     // robust estimator.
-    MeasurementModel unweighted = model_;
-    unweighted.robust_width = std::numeric_limits<double>::infinity();
+    Sensor unweighted = sensor_;
+    unweighted.noise.robust_width = std::numeric_limits<double>::infinity();
     const PoseNormal<6> normal = linearize(T, unweighted);
     s.chi2 = normal.cost;
-    s.information = huber_efficiency(options_.robust_width) * normal.H;
+    s.information = huber_efficiency(sensor_.noise.robust_width) * normal.H;
     return s;
   }
 
  private:
-  [[nodiscard]] PoseNormal<6> linearize(const SE3& T, const MeasurementModel& model) const {
+  [[nodiscard]] PoseNormal<6> linearize(const SE3& T, const Sensor& sensor) const {
     static const LinearColumns kColumns = LinearColumns::of_pose();
-    const auto observed = observations_.linearize(static_view(T), model, kColumns);
+    const auto observed = observations_.linearize(static_view(T), sensor, kColumns);
     PoseNormal<6> normal;
     normal.H = observed.gram.topLeftCorner<6, 6>().selfadjointView<Eigen::Upper>();
     normal.g = observed.gram.col(LinearColumns::kResidual).head<6>();
@@ -73,7 +69,7 @@ class Solver {
     return normal;
   }
 
-  MeasurementModel model_;
+  Sensor sensor_;
   CameraObservations observations_;
   const AbsolutePoseOptions& options_;
 };
@@ -90,12 +86,12 @@ bool is_constrained(const Matrix6d& information) {
 
 }  // namespace
 
-std::optional<AbsolutePoseSolution> solve_absolute_pose(const PinholeCamera& camera,
+std::optional<AbsolutePoseSolution> solve_absolute_pose(const Sensor& sensor,
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
                                                         const AbsolutePoseOptions& options) {
   if (!T_reference_camera_guess.is_finite()) return std::nullopt;
-  Solver solver(camera, observations, options);
+  Solver solver(sensor, observations, options);
   SE3 T = T_reference_camera_guess;
   for (int round = 0; round < options.rounds; ++round) {
     T = solver.minimize(T);
@@ -108,8 +104,9 @@ std::optional<AbsolutePoseSolution> solve_absolute_pose(const PinholeCamera& cam
   return solution;
 }
 
-std::vector<uint8_t> pixel_inliers(const PinholeCamera& camera, std::span<const PoseObservation> observations,
-                                   const SE3& T_reference_camera, const AbsolutePoseOptions& options) {
+std::vector<uint8_t> pixel_inliers(const Sensor& sensor, std::span<const PoseObservation> observations,
+                                   const SE3& T_reference_camera) {
+  const PinholeCamera& camera = sensor.camera;
   const Eigen::Matrix3d R_camera_reference = T_reference_camera.R().transpose();
   const Eigen::Vector2d focal(camera.fx, camera.fy), center(camera.cx, camera.cy);
   std::vector<uint8_t> agree;
@@ -118,7 +115,8 @@ std::vector<uint8_t> pixel_inliers(const PinholeCamera& camera, std::span<const 
     const Eigen::Vector3d p = R_camera_reference * (o.p_reference - T_reference_camera.translation);
     const Eigen::Vector2d pixel = focal.cwiseProduct(p.head<2>()) / p.z() + center;
     const double squared = (pixel - o.pixel).squaredNorm() / (o.sigma_px * o.sigma_px);
-    agree.push_back(p.z() > kMinObservedDepth_m && squared <= options.inlier_chi2_pixel);  // false for NaN
+    agree.push_back(p.z() > kMinObservedDepth_m &&
+                    squared <= sensor.noise.inlier_chi2_pixel);  // false for NaN
   }
   return agree;
 }

@@ -10,10 +10,9 @@
 #include <Eigen/Core>
 
 #include "kinloop/core/options.hpp"
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
-#include "kinloop/sensor/depth_noise.hpp"
 #include "kinloop/sensor/keypoint_measurement.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -22,16 +21,9 @@ struct PoseObservation : KeypointMeasurement {
   Eigen::Vector3d p_reference = Eigen::Vector3d::Zero();  ///< m
 };
 
-/// `robust_width`, `inlier_chi2_...` and `depth_noise` describe the measurement noise. Slam
-/// sets them from SlamOptions::noise.
 struct AbsolutePoseOptions {
   int rounds = 4;
   int max_iterations = 8;
-  double robust_width = kKeypointRobustWidth;    ///< scale of the Huber loss, standard deviations
-  double inlier_chi2_pixel = kChi2At95With2Dof;  ///< maximum squared pixel residual of an inlier
-  double inlier_chi2_depth =
-      kChi2At95With1Dof;  ///< maximum squared depth residual; beyond it only the pixel is used
-  DepthNoise depth_noise = {kKeypointInverseDepthSigmaPerM};
   int min_inliers = 6;
 
   template <class Self, class Visit>
@@ -54,14 +46,15 @@ struct AbsolutePoseSolution {
 /// Returns the pose near `T_reference_camera_guess` that minimizes the robust cost (Gauss-Newton). nullopt if
 /// there are fewer than `min_inliers` inliers or they leave a direction of the pose unconstrained.
 /// Observations with values that are not finite are outliers. Pixel and depth have separate robust losses: a
-/// keypoint at a depth edge has a good pixel but may have the depth of the wrong side.
-std::optional<AbsolutePoseSolution> solve_absolute_pose(const PinholeCamera& camera,
+/// keypoint at a depth edge has a good pixel but may have the depth of the wrong side. The observations are
+/// motion-compensated: the corrections of the sensor are in them already.
+std::optional<AbsolutePoseSolution> solve_absolute_pose(const Sensor& sensor,
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
                                                         const AbsolutePoseOptions& options);
 
 /// Returns 1 for each observation whose pixel is an inlier at the pose; depth is ignored.
-std::vector<uint8_t> pixel_inliers(const PinholeCamera& camera, std::span<const PoseObservation> observations,
-                                   const SE3& T_reference_camera, const AbsolutePoseOptions& options);
+std::vector<uint8_t> pixel_inliers(const Sensor& sensor, std::span<const PoseObservation> observations,
+                                   const SE3& T_reference_camera);
 
 }  // namespace kinloop

@@ -6,7 +6,6 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/optimize/kernels/bundle_products.hpp"
-#include "kinloop/optimize/pose/absolute_pose.hpp"
 
 namespace kinloop {
 namespace {
@@ -27,7 +26,7 @@ void set_measurement(ObservationBlock& block, size_t lane, const KeypointMeasure
   block.pixel_y[lane] = measured.pixel.y();
   block.inverse_sigma_px[lane] = 1 / measured.sigma_px;
   block.row[lane] = measured.row;
-  block.depth_lag_s[lane] = measured.depth_lag_s;
+  block.depth_stamp_difference_s[lane] = measured.depth_stamp_difference_s;
   block.inverse_depth_per_m[lane] = has_depth ? 1 / measured.depth_m : 0;
   block.gradient_x[lane] = has_gradient ? measured.inverse_depth_gradient.x() : 0;
   block.gradient_y[lane] = has_gradient ? measured.inverse_depth_gradient.y() : 0;
@@ -46,15 +45,14 @@ void CameraObservations::set(size_t index, const Eigen::Vector3d& p_world,
   block.uses_depth[lane] = block.inverse_depth_per_m[lane] > 0 ? 1 : 0;
 }
 
-bool CameraObservations::classify(const BundleView& view, const MeasurementModel& model,
-                                  const AbsolutePoseOptions& options) {
+bool CameraObservations::classify(const BundleView& view, const Sensor& sensor) {
   bool changed = false;
   for (ObservationBlock& block : blocks_) {
-    const BlockResiduals r = block_residuals(block, view, model);
+    const BlockResiduals r = block_residuals(block, view, sensor);
     for (size_t lane = 0; lane < kSize; ++lane) {
-      const bool agrees = is_filled(block, lane) && r.is_pixel_inlier(lane, options.inlier_chi2_pixel);
-      const bool is_depth_inlier =
-          agrees && block.inverse_depth_per_m[lane] > 0 && r.is_depth_inlier(lane, options.inlier_chi2_depth);
+      const bool agrees = is_filled(block, lane) && r.is_pixel_inlier(lane, sensor.noise.inlier_chi2_pixel);
+      const bool is_depth_inlier = agrees && block.inverse_depth_per_m[lane] > 0 &&
+                                   r.is_depth_inlier(lane, sensor.noise.inlier_chi2_depth);
       const double uses_pixel = agrees ? 1 : 0, uses_depth = is_depth_inlier ? 1 : 0;
       changed = changed || uses_pixel != block.uses_pixel[lane] || uses_depth != block.uses_depth[lane];
       block.uses_pixel[lane] = uses_pixel;
@@ -78,8 +76,7 @@ int CameraObservations::inlier_count() const {
   return count;
 }
 
-CameraObservations::Normal CameraObservations::linearize(const BundleView& view,
-                                                         const MeasurementModel& model,
+CameraObservations::Normal CameraObservations::linearize(const BundleView& view, const Sensor& sensor,
                                                          const LinearColumns& layout) const {
   const GramColumns summed(layout);
   std::array<double, kRowsPerObservation * LinearColumns::kMaxWidth * kSize> columns{};
@@ -88,7 +85,7 @@ CameraObservations::Normal CameraObservations::linearize(const BundleView& view,
   std::fill_n(sums.begin(), summed.sums(), 0);
   Normal normal;
   for (const ObservationBlock& block : blocks_) {
-    const auto costs = linearize_block(block, view, model, layout, columns.data());
+    const auto costs = linearize_block(block, view, sensor, layout, columns.data());
     add_block_gram(summed, columns.data(), sums.data());
     for (const double cost : costs) normal.cost += cost;
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Observations of known points by one camera, shared by the single-pose solvers.
+// Observations of given points by one camera, shared by the single-pose solvers.
 
 #include <cstdint>
 #include <vector>
@@ -10,8 +10,6 @@
 #include "kinloop/sensor/keypoint_measurement.hpp"
 
 namespace kinloop {
-
-struct AbsolutePoseOptions;
 
 /// Writes a measurement (without point and use flags) to a lane of a block.
 void set_measurement(ObservationBlock& block, size_t lane, const KeypointMeasurement& measured);
@@ -29,7 +27,7 @@ class CameraObservations {
   void set(size_t index, const Eigen::Vector3d& p_world, const KeypointMeasurement& measured);
 
   /// Classifies inliers and outliers, pixel and depth separately; true if anything changed.
-  bool classify(const BundleView& view, const MeasurementModel& model, const AbsolutePoseOptions& options);
+  bool classify(const BundleView& view, const Sensor& sensor);
 
   [[nodiscard]] std::vector<uint8_t> inliers() const;  ///< 1 = in use
   [[nodiscard]] int inlier_count() const;
@@ -39,7 +37,7 @@ class CameraObservations {
     Eigen::MatrixXd gram;
     double cost = 0;
   };
-  [[nodiscard]] Normal linearize(const BundleView& view, const MeasurementModel& model,
+  [[nodiscard]] Normal linearize(const BundleView& view, const Sensor& sensor,
                                  const LinearColumns& layout) const;
 
  private:

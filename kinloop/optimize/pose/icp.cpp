@@ -54,10 +54,14 @@ std::optional<GraySample> sample_gray(const cv::Mat& gray, double u, double v) {
 /// Alignment of one pyramid level.
 class Aligner {
  public:
-  Aligner(const PinholeCamera& camera, const IcpFrame::Level& reference, const IcpFrame::Level& frame,
+  Aligner(const IcpCamera& camera, size_t level, const IcpFrame& reference, const IcpFrame& frame,
           const IcpOptions& options)
-      : camera_(camera), reference_(reference), frame_(frame), options_(options) {
-    photometric_ = options.photometric_weight > 0 && !reference.gray.empty() && !frame.gray.empty();
+      : camera_(camera.levels[level].camera),
+        noise_(camera.noise),
+        reference_(reference.levels[level]),
+        frame_(frame.levels[level]),
+        options_(options) {
+    photometric_ = options.photometric_weight > 0 && !reference_.gray.empty() && !frame_.gray.empty();
   }
 
   /// Accumulates all points of the frame. `exposure` is the mean intensity difference from the previous pass.
@@ -104,7 +108,7 @@ class Aligner {
 
     const double distance = n.dot(apart);
     const double z_partner = static_cast<double>(reference_.points[partner].z());
-    const double sigma = options_.depth_noise.difference_sigma_m(p.z(), z_partner);
+    const double sigma = noise_.difference_sigma_m(p.z(), z_partner);
     const double squared = distance * distance / (sigma * sigma);
     const HuberLoss loss{kRobustWidth};
     Vector6d J;  // with respect to x of T * exp(x): the point moves by R (rho + omega x p)
@@ -140,14 +144,16 @@ class Aligner {
   }
 
   const PinholeCamera& camera_;
+  const DepthNoise& noise_;
   const IcpFrame::Level& reference_;
   const IcpFrame::Level& frame_;
   const IcpOptions& options_;
   bool photometric_ = false;
 };
 
-/// Information of the surfaces, reduced for correlated errors of neighbours and for a poor fit.
-Matrix6d honest_information(const Pass& pass, double correlated) {
+/// Information of the surfaces with its covariance inflated for correlated errors of neighbours and for a
+/// poor fit.
+Matrix6d inflated_information(const Pass& pass, double correlated) {
   const auto deflate = [&](const GridNormal& normal, double chi2, size_t count) -> Matrix6d {
     const double misfit = count > 0 ? std::max(1.0, chi2 / static_cast<double>(count)) : 1.0;
     return Matrix6d(normal.H.selfadjointView<Eigen::Lower>()) / (correlated * misfit);
@@ -181,7 +187,7 @@ std::optional<IcpSolution> align_icp(const IcpCamera& camera, const IcpFrame& re
   SE3 T = T_reference_camera_guess;
   Pass pass;
   for (size_t level = camera.levels.size(); level-- > 0;) {
-    const Aligner aligner(camera.levels[level].camera, reference.levels[level], frame.levels[level], options);
+    const Aligner aligner(camera, level, reference, frame, options);
     pass = aligner.pass(T, 0);
     for (int i = 0; i < options.iterations; ++i) {
       Matrix6d H = (pass.depth.H + pass.gray.H).selfadjointView<Eigen::Lower>();
@@ -202,7 +208,7 @@ std::optional<IcpSolution> align_icp(const IcpCamera& camera, const IcpFrame& re
   }
   IcpSolution solution;
   solution.T_reference_camera = T;
-  solution.information = honest_information(pass, correlated);
+  solution.information = inflated_information(pass, correlated);
   solution.overlap = static_cast<double>(pass.partners) / static_cast<double>(pass.points);
   solution.rmse_m = std::sqrt(pass.squared_m2 / static_cast<double>(pass.partners));
   return solution;

@@ -11,7 +11,7 @@
 #include "kinloop/core/options.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
-#include "kinloop/sensor/depth_noise.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -19,7 +19,6 @@ struct IcpOptions {
   int finest_width = 160;
   int levels = 3;
   int iterations = 7;
-  DepthNoise depth_noise = {};  ///< Slam sets it from SlamOptions::noise
   double photometric_weight = 1;
   double min_overlap = 0.2;
 
@@ -49,14 +48,15 @@ struct IcpCamera {
     std::vector<Eigen::Vector2f> rays;  ///< (x / z, y / z) of each grid point
     cv::Mat map_x, map_y;               ///< grid point to grey image, for cv::remap; empty if undistorted
   };
+  DepthNoise noise = {};              ///< of depth on surfaces
   int width = 0, height = 0;          ///< of the images, px
   int block = 1;                      ///< side of the block of pixels per point of the finest grid, px
   std::vector<int32_t> block_corner;  ///< first pixel of each block, y * width + x; -1 = outside the image
   std::vector<Level> levels;          ///< finest first
 };
 
-/// Returns the grids for `camera`, whose images have its distortion.
-IcpCamera make_icp_camera(const PinholeCamera& camera, const IcpOptions& options);
+/// Returns the grids for the camera of `sensor`, whose images have its distortion.
+IcpCamera make_icp_camera(const Sensor& sensor, const IcpOptions& options);
 
 /// The surface observed in a frame, on each grid.
 struct IcpFrame {

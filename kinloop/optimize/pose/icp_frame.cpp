@@ -188,9 +188,11 @@ IcpFrame::Level make_frame_level(const IcpCamera::Level& camera, const std::vect
 
 }  // namespace
 
-IcpCamera make_icp_camera(const PinholeCamera& camera, const IcpOptions& options) {
+IcpCamera make_icp_camera(const Sensor& sensor, const IcpOptions& options) {
   constexpr int kMinSide = 8;  // px; smaller grids are useless
+  const PinholeCamera& camera = sensor.camera;
   IcpCamera icp;
+  icp.noise = sensor.noise.surface;
   icp.width = camera.width;
   icp.height = camera.height;
   icp.block =

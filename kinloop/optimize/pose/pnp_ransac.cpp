@@ -30,8 +30,9 @@ std::vector<Eigen::Vector3d> measured_points(const PinholeCamera& camera,
 
 /// Whether the side lengths of a sample agree with its measured depths, if any. This cheaply rejects most
 /// samples with an outlier before their pose is computed.
-bool sizes_agree(std::span<const PoseObservation> observations, const std::vector<Eigen::Vector3d>& measured,
-                 const std::vector<uint32_t>& sample, const DepthNoise& noise) {
+bool side_lengths_consistent(std::span<const PoseObservation> observations,
+                             const std::vector<Eigen::Vector3d>& measured,
+                             const std::vector<uint32_t>& sample, const DepthNoise& noise) {
   constexpr double kMaxSigmas = 4;
   for (size_t i = 0; i < sample.size(); ++i) {
     const uint32_t a = sample[i], b = sample[(i + 1) % sample.size()];
@@ -66,10 +67,10 @@ std::vector<SE3> solve_p3p(const PinholeCamera& camera, std::span<const PoseObse
 }
 
 /// Refines a pose on its inliers, then reclassifies all observations.
-std::optional<AbsolutePoseSolution> refine_on_inliers(const PinholeCamera& camera,
+std::optional<AbsolutePoseSolution> refine_on_inliers(const Sensor& sensor,
                                                       std::span<const PoseObservation> observations,
                                                       const SE3& T, const AbsolutePoseOptions& options) {
-  const std::vector<uint8_t> agree = pixel_inliers(camera, observations, T, options);
+  const std::vector<uint8_t> agree = pixel_inliers(sensor, observations, T);
   std::vector<PoseObservation> chosen;
   std::vector<size_t> index;
   for (size_t i = 0; i < agree.size(); ++i) {
@@ -77,7 +78,7 @@ std::optional<AbsolutePoseSolution> refine_on_inliers(const PinholeCamera& camer
     chosen.push_back(observations[i]);
     index.push_back(i);
   }
-  auto solution = solve_absolute_pose(camera, chosen, T, options);
+  auto solution = solve_absolute_pose(sensor, chosen, T, options);
   if (!solution) return std::nullopt;
   std::vector<uint8_t> inliers(observations.size(), 0);
   for (size_t k = 0; k < index.size(); ++k) inliers[index[k]] = solution->inliers[k];
@@ -85,14 +86,14 @@ std::optional<AbsolutePoseSolution> refine_on_inliers(const PinholeCamera& camer
   return solution;
 }
 
-/// Refines until the number of inliers stops growing.
-std::optional<AbsolutePoseSolution> grow(const PinholeCamera& camera,
-                                         std::span<const PoseObservation> observations, const SE3& T,
-                                         const AbsolutePoseOptions& options) {
-  constexpr int kMaxGrowths = 5;
-  auto best = refine_on_inliers(camera, observations, T, options);
-  for (int i = 1; best && i < kMaxGrowths; ++i) {
-    const auto next = refine_on_inliers(camera, observations, best->T_reference_camera, options);
+/// Refines until the number of inliers stops growing (Chum 2003).
+std::optional<AbsolutePoseSolution> local_optimization(const Sensor& sensor,
+                                                       std::span<const PoseObservation> observations,
+                                                       const SE3& T, const AbsolutePoseOptions& options) {
+  constexpr int kMaxRounds = 5;
+  auto best = refine_on_inliers(sensor, observations, T, options);
+  for (int i = 1; best && i < kMaxRounds; ++i) {
+    const auto next = refine_on_inliers(sensor, observations, best->T_reference_camera, options);
     if (!next || next->inlier_count <= best->inlier_count) break;
     best = next;
   }
@@ -110,27 +111,28 @@ std::vector<uint32_t> usable_indices(std::span<const PoseObservation> observatio
 
 }  // namespace
 
-std::optional<AbsolutePoseSolution> solve_pnp_ransac(const PinholeCamera& camera,
+std::optional<AbsolutePoseSolution> solve_pnp_ransac(const Sensor& sensor,
                                                      std::span<const PoseObservation> observations,
-                                                     const PnpRansacOptions& options, uint64_t seed) {
+                                                     const PnpRansacOptions& options,
+                                                     const AbsolutePoseOptions& pose_options, uint64_t seed) {
   const std::vector<uint32_t> usable = usable_indices(observations);
   const int needed = std::max<int>(options.min_inliers, kSampleSize + 1);
   if (usable.size() < static_cast<size_t>(needed)) return std::nullopt;
 
-  const auto measured = measured_points(camera, observations);
+  const auto measured = measured_points(sensor.camera, observations);
   Random random(seed);
   std::optional<AbsolutePoseSolution> best;
   int best_count = 0;  // inlier count of the best sample before refinement
   double samples = options.max_iterations;
   for (int i = 0; i < samples; ++i) {
     const std::vector<uint32_t> sample = draw_sample(random, usable, kSampleSize);
-    if (!sizes_agree(observations, measured, sample, options.pose.depth_noise)) continue;
-    for (const SE3& T : solve_p3p(camera, observations, sample)) {
-      const auto agree = pixel_inliers(camera, observations, T, options.pose);
+    if (!side_lengths_consistent(observations, measured, sample, sensor.noise.keypoint)) continue;
+    for (const SE3& T : solve_p3p(sensor.camera, observations, sample)) {
+      const auto agree = pixel_inliers(sensor, observations, T);
       const int count = std::accumulate(agree.begin(), agree.end(), 0);
       if (count <= best_count) continue;
       best_count = count;
-      const auto refined = grow(camera, observations, T, options.pose);
+      const auto refined = local_optimization(sensor, observations, T, pose_options);
       if (refined && (!best || refined->inlier_count > best->inlier_count)) best = refined;
     }
     if (best)

@@ -10,7 +10,6 @@ struct PnpRansacOptions {
   int max_iterations = 1000;
   double confidence = 0.999;
   int min_inliers = 12;
-  AbsolutePoseOptions pose;  ///< for the refinement; Slam sets it from TrackingOptions::pose
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -22,9 +21,11 @@ struct PnpRansacOptions {
 };
 
 /// Returns the pose with the most inliers: P3P (Gao 2003 in the form of Ke and Roumeliotis 2017) inside
-/// RANSAC, with each new best refined on its inliers (Chum 2003). Deterministic for a given seed.
-std::optional<AbsolutePoseSolution> solve_pnp_ransac(const PinholeCamera& camera,
+/// RANSAC, with each new best refined on its inliers (Chum 2003) by solve_absolute_pose with
+/// `pose_options`. Deterministic for a given seed.
+std::optional<AbsolutePoseSolution> solve_pnp_ransac(const Sensor& sensor,
                                                      std::span<const PoseObservation> observations,
-                                                     const PnpRansacOptions& options, uint64_t seed);
+                                                     const PnpRansacOptions& options,
+                                                     const AbsolutePoseOptions& pose_options, uint64_t seed);
 
 }  // namespace kinloop

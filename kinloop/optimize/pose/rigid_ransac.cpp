@@ -17,14 +17,13 @@ namespace {
 constexpr uint32_t kPointsPerSample = 3;
 
 /// Covariance of a point measured by pixel and inverse depth: p = (x, y, 1) / w.
-Eigen::Matrix3d point_covariance(const PinholeCamera& camera, const Eigen::Vector3d& p, double sigma_px,
-                                 const DepthNoise& noise) {
+Eigen::Matrix3d point_covariance(const Sensor& sensor, const Eigen::Vector3d& p, double sigma_px) {
   const double z = p.z();
   const Eigen::Vector3d along =
-      z * noise.inverse_sigma_per_m(1 / z) * p;  // dp / dw * sigma_w = z * p * sigma_w
+      z * sensor.noise.point_pair.inverse_sigma_per_m(1 / z) * p;  // dp / dw * sigma_w = z * p * sigma_w
   Eigen::Matrix3d covariance = along * along.transpose();
-  covariance(0, 0) += std::pow(z * sigma_px / camera.fx, 2);
-  covariance(1, 1) += std::pow(z * sigma_px / camera.fy, 2);
+  covariance(0, 0) += std::pow(z * sigma_px / sensor.camera.fx, 2);
+  covariance(1, 1) += std::pow(z * sigma_px / sensor.camera.fy, 2);
   return covariance;
 }
 
@@ -34,17 +33,16 @@ struct PairWithCovariance {
   uint32_t index = 0;  // index in the input
 };
 
-std::vector<PairWithCovariance> pairs_with_covariance(const PinholeCamera& camera,
-                                                      std::span<const PointPair> pairs,
-                                                      const DepthNoise& noise) {
+std::vector<PairWithCovariance> pairs_with_covariance(const Sensor& sensor,
+                                                      std::span<const PointPair> pairs) {
   std::vector<PairWithCovariance> weighed;
   for (uint32_t i = 0; i < pairs.size(); ++i) {
     const PointPair& pair = pairs[i];
     const bool usable = pair.p_a.allFinite() && pair.p_b.allFinite() && pair.p_a.z() > 0 &&
                         pair.p_b.z() > 0 && pair.sigma_a_px > 0 && pair.sigma_b_px > 0;
     if (!usable) continue;
-    weighed.push_back({pair.p_a, pair.p_b, point_covariance(camera, pair.p_a, pair.sigma_a_px, noise),
-                       point_covariance(camera, pair.p_b, pair.sigma_b_px, noise), i});
+    weighed.push_back({pair.p_a, pair.p_b, point_covariance(sensor, pair.p_a, pair.sigma_a_px),
+                       point_covariance(sensor, pair.p_b, pair.sigma_b_px), i});
   }
   return weighed;
 }
@@ -131,9 +129,9 @@ std::optional<SE3> motion_of_sample(const std::vector<PairWithCovariance>& pairs
 
 }  // namespace
 
-std::optional<RigidSolution> solve_rigid_ransac(const PinholeCamera& camera, std::span<const PointPair> pairs,
+std::optional<RigidSolution> solve_rigid_ransac(const Sensor& sensor, std::span<const PointPair> pairs,
                                                 const RigidRansacOptions& options, uint64_t seed) {
-  const auto weighed = pairs_with_covariance(camera, pairs, options.depth_noise);
+  const auto weighed = pairs_with_covariance(sensor, pairs);
   const int needed = std::max<int>(options.min_inliers, kPointsPerSample);
   if (weighed.size() < static_cast<size_t>(needed)) return std::nullopt;
 
@@ -159,10 +157,10 @@ std::optional<RigidSolution> solve_rigid_ransac(const PinholeCamera& camera, std
   return best;
 }
 
-std::optional<RigidSolution> refine_rigid(const PinholeCamera& camera, std::span<const PointPair> pairs,
+std::optional<RigidSolution> refine_rigid(const Sensor& sensor, std::span<const PointPair> pairs,
                                           const SE3& T_a_b_guess, const RigidRansacOptions& options) {
   if (!T_a_b_guess.is_finite()) return std::nullopt;
-  const auto weighed = pairs_with_covariance(camera, pairs, options.depth_noise);
+  const auto weighed = pairs_with_covariance(sensor, pairs);
   auto solution = refine(weighed, pairs.size(), T_a_b_guess);
   if (!solution || solution->inlier_count < options.min_inliers) return std::nullopt;
   return solution;

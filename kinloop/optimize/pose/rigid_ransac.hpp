@@ -9,9 +9,8 @@
 #include <Eigen/Core>
 
 #include "kinloop/core/options.hpp"
-#include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
-#include "kinloop/sensor/depth_noise.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -27,7 +26,6 @@ struct RigidRansacOptions {
   int max_iterations = 300;
   double confidence = 0.999;
   int min_inliers = 12;
-  DepthNoise depth_noise = {kPointPairInverseDepthSigmaPerM};  ///< Slam sets it from SlamOptions::noise
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -50,11 +48,11 @@ struct RigidSolution {
 /// Returns the motion with the most inliers, given the pixel and depth noise of both cameras: Horn's
 /// alignment of three pairs inside RANSAC, then Gauss-Newton on the inliers. Deterministic for a given seed.
 /// nullopt if there are fewer than `min_inliers` inliers or the motion is unconstrained (points on a line).
-std::optional<RigidSolution> solve_rigid_ransac(const PinholeCamera& camera, std::span<const PointPair> pairs,
+std::optional<RigidSolution> solve_rigid_ransac(const Sensor& sensor, std::span<const PointPair> pairs,
                                                 const RigidRansacOptions& options, uint64_t seed);
 
 /// Returns the motion near `T_a_b_guess` that fits the pairs best, without sampling.
-std::optional<RigidSolution> refine_rigid(const PinholeCamera& camera, std::span<const PointPair> pairs,
+std::optional<RigidSolution> refine_rigid(const Sensor& sensor, std::span<const PointPair> pairs,
                                           const SE3& T_a_b_guess, const RigidRansacOptions& options);
 
 }  // namespace kinloop

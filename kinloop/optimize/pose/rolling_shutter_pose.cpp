@@ -10,10 +10,9 @@ using Vector12d = Eigen::Matrix<double, 12, 1>;
 
 class RollingShutterSolver {
  public:
-  RollingShutterSolver(const MeasurementModel& model, std::span<const PoseObservation> observations,
-                       const Velocity& expected, const VelocitySigma& sigma,
-                       const AbsolutePoseOptions& options)
-      : model_(model), observations_(observations.size()), expected_(expected), options_(options) {
+  RollingShutterSolver(const Sensor& sensor, std::span<const PoseObservation> observations,
+                       const Velocity& prior, const VelocitySigma& sigma, const AbsolutePoseOptions& options)
+      : sensor_(sensor), observations_(observations.size()), prior_(prior), options_(options) {
     information_ << Eigen::Vector3d::Constant(1 / (sigma.m_s * sigma.m_s)),
         Eigen::Vector3d::Constant(1 / (sigma.rad_s * sigma.rad_s));
     for (size_t i = 0; i < observations.size(); ++i) {
@@ -22,9 +21,7 @@ class RollingShutterSolver {
   }
 
   /// Classifies inliers and outliers; true if anything changed.
-  bool classify(const RollingShutterPose& pose) {
-    return observations_.classify(view_of(pose), model_, options_);
-  }
+  bool classify(const RollingShutterPose& pose) { return observations_.classify(view_of(pose), sensor_); }
 
   /// Drops the outliers of the guess if it has enough inliers: with a good guess they are known from the
   /// start.
@@ -51,7 +48,7 @@ class RollingShutterSolver {
 
   [[nodiscard]] PoseNormal<12> linearize(const RollingShutterPose& pose) const {
     static const LinearColumns kColumns = LinearColumns::of_pose_and_velocity();
-    const auto observed = observations_.linearize(view_of(pose), model_, kColumns);
+    const auto observed = observations_.linearize(view_of(pose), sensor_, kColumns);
     constexpr auto kResidual =
         static_cast<Eigen::Index>(LinearColumns::kResidual);  // between pose and velocity
     const Eigen::Matrix<double, 13, 13> gram = observed.gram.selfadjointView<Eigen::Upper>();
@@ -59,27 +56,28 @@ class RollingShutterSolver {
     normal.H << gram.topLeftCorner<6, 6>(), gram.topRightCorner<6, 6>(), gram.bottomLeftCorner<6, 6>(),
         gram.bottomRightCorner<6, 6>();
     normal.g << gram.col(kResidual).head<6>(), gram.col(kResidual).tail<6>();
-    const Vector6d off = pose.velocity.vector() - expected_.vector();
+    const Vector6d off = pose.velocity.vector() - prior_.vector();
     normal.H.diagonal().tail<6>() += information_;
     normal.g.tail<6>() += information_.cwiseProduct(off);
     normal.cost = observed.cost + off.dot(information_.cwiseProduct(off));
     return normal;
   }
 
-  const MeasurementModel& model_;
+  const Sensor& sensor_;
   CameraObservations observations_;
-  const Velocity& expected_;
+  const Velocity& prior_;
   Vector6d information_;  // prior information of the velocity
   const AbsolutePoseOptions& options_;
 };
 
 }  // namespace
 
-std::optional<RollingShutterPose> solve_rolling_shutter_pose(
-    const PinholeCamera& camera, const SensorVector& sensor, std::span<const PoseObservation> observations,
-    const RollingShutterPose& guess, const VelocitySigma& sigma, const AbsolutePoseOptions& options) {
-  const MeasurementModel model{camera, sensor, options.depth_noise, options.robust_width};
-  RollingShutterSolver solver(model, observations, guess.velocity, sigma, options);
+std::optional<RollingShutterPose> solve_rolling_shutter_pose(const Sensor& sensor,
+                                                             std::span<const PoseObservation> observations,
+                                                             const RollingShutterPose& guess,
+                                                             const VelocitySigma& sigma,
+                                                             const AbsolutePoseOptions& options) {
+  RollingShutterSolver solver(sensor, observations, guess.velocity, sigma, options);
   RollingShutterPose pose = guess;
   solver.classify_guess(pose);
   for (int round = 0; round < options.rounds; ++round) {

@@ -1,12 +1,12 @@
 #pragma once
-// Estimates the pose and velocity of a moving rolling-shutter camera from its measurements of known points.
+// Estimates the pose and velocity of a moving rolling-shutter camera from its measurements of given points.
 // The rolling shutter makes velocity observable: each row is exposed at a different camera pose.
 
 #include <optional>
 #include <span>
 
 #include "kinloop/optimize/pose/absolute_pose.hpp"
-#include "kinloop/sensor/sensor_model.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
@@ -25,8 +25,10 @@ struct VelocitySigma {
 /// Returns the pose and velocity near `guess` that minimize the robust cost (Gauss-Newton with the model of
 /// bundle adjustment). The world is the reference frame of the observations. The velocity of the guess is a
 /// prior. nullopt if there are fewer than `min_inliers` inliers.
-std::optional<RollingShutterPose> solve_rolling_shutter_pose(
-    const PinholeCamera& camera, const SensorVector& sensor, std::span<const PoseObservation> observations,
-    const RollingShutterPose& guess, const VelocitySigma& sigma, const AbsolutePoseOptions& options);
+std::optional<RollingShutterPose> solve_rolling_shutter_pose(const Sensor& sensor,
+                                                             std::span<const PoseObservation> observations,
+                                                             const RollingShutterPose& guess,
+                                                             const VelocitySigma& sigma,
+                                                             const AbsolutePoseOptions& options);
 
 }  // namespace kinloop

@@ -32,7 +32,7 @@ struct BasicPoseGraph {
     uint32_t a = 0, b = 0;  ///< vertex indices; `a` may be kWorld
     Pose T_a_b;
     Matrix information = Matrix::Identity();  ///< of e, symmetric positive semi-definite
-    bool trusted = false;                     ///< keeps full weight under any robust kernel (odometry)
+    bool is_odometry = false;                 ///< keeps full weight under any robust kernel (odometry)
   };
 
   std::vector<Pose> T_world_vertex;  ///< starting values

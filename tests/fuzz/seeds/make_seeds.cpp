@@ -211,10 +211,17 @@ void add_map(const Corpus& corpus) {
   for (uint32_t i = 0; i < 3; ++i) {
     const SE3 pose = test::pose_on_arc(static_cast<int>(i));
     add_view(built, world, test::observe(world, pose, {}, i), pose);
-    saved.frames.push_back({FrameId{i}, i * 100'000'000LL, 0, KeyframeId{i}, {}, KeyframeId{i}});
+    TrackedFrame frame;
+    frame.id = FrameId{i};
+    frame.stamp_ns = i * 100'000'000LL;
+    frame.outcome = TrackingOutcome::kTracked;
+    frame.reference = frame.keyframe = KeyframeId{i};
+    saved.frames.push_back(frame);
   }
-  built.map.add_loop_edge(
-      {KeyframeId{0}, KeyframeId{2}, test::pose_on_arc(0).inverse() * test::pose_on_arc(2)});
+  built.map.add_loop_closure({.a = KeyframeId{0},
+                              .b = KeyframeId{2},
+                              .T_a_b = test::pose_on_arc(0).inverse() * test::pose_on_arc(2),
+                              .stage = LoopStage::kVerified});
   saved.program = "kinloop";
   saved.sessions = {{"room", FrameId{0}}};
   saved.options = {{"seed", "1"}};

@@ -18,7 +18,7 @@ void expect_possible_lens(const PinholeCamera& lens) {
     require(std::isfinite(value), "a camera that is not finite");
 }
 
-void expect_possible_frame(const RgbdFrame& frame, const PinholeCamera& camera) {
+void expect_possible_frame(const Frame& frame, const PinholeCamera& camera) {
   const cv::Size size(camera.width, camera.height);
   require(frame.color.size() == size && frame.depth_m.size() == size,
           "images of another size than the camera's");

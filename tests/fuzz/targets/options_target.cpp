@@ -12,15 +12,14 @@ void read_option_bytes(std::string_view bytes) {
   // The entries refer to the options; making them takes far longer than reading an assignment.
   static RunOptions options;
   static const std::vector<OptionEntry> entries = option_entries(options);
-  static const OptionHistory history = RunOptions::history();
   options = {};
   accept<UsageError>([&] {
     while (!bytes.empty()) {
       const std::string line(bytes.substr(0, bytes.find('\n')));
       bytes.remove_prefix(std::min(bytes.size(), line.size() + 1));
-      apply_assignment(entries, line, history);
+      apply_assignment(entries, line);
     }
-    static_cast<void>(resolve_options(options.slam));
+    validate(options.slam);
     const auto written = option_entries(options);
     for (const OptionEntry& entry : written) entry.set(to_text(entry.value));
     const auto read = option_entries(options);

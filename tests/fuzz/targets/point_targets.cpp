@@ -1,8 +1,8 @@
 #include "kinloop/io/point_cloud/ply.hpp"
-#include "kinloop/io/point_cloud/point_file.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
-#include "viewer/glb_file.hpp"
+#include "viewer/point_files/glb_file.hpp"
+#include "viewer/point_files/point_file.hpp"
 
 namespace kinloop::fuzz {
 namespace {

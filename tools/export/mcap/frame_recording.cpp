@@ -5,7 +5,7 @@
 #include "kinloop/sensor/camera_file.hpp"
 #include "kinloop/sensor/images/fast_encoder.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
-#include "kinloop/sensor/recording_topics.hpp"
+#include "kinloop/sensor/recording_format.hpp"
 #include "tools/export/mcap/ros_messages.hpp"
 
 namespace kinloop {
@@ -26,7 +26,7 @@ std::string rvl_of(const cv::Mat& units) {
 
 }  // namespace
 
-CompressedFrame compress_frame(const RgbdFrame& frame, double depth_scale) {
+CompressedFrame compress_frame(const Frame& frame, double depth_scale) {
   CompressedFrame recorded;
   recorded.stamp_ns = frame.stamp_ns;
   const std::string_view jpeg = frame.color.jpeg();

@@ -1,13 +1,13 @@
 #pragma once
 // In: frames. Out: one MCAP file of ROS 2 messages, from which kinloop reads back identical frames; see
-// recording_topics.hpp.
+// recording_format.hpp.
 
 #include <cstdint>
 #include <filesystem>
 #include <string>
 
+#include "kinloop/sensor/frame.hpp"
 #include "kinloop/sensor/rgbd_camera.hpp"
-#include "kinloop/sensor/rgbd_frame.hpp"
 #include "tools/export/mcap/mcap_writer.hpp"
 
 namespace kinloop {
@@ -20,7 +20,7 @@ struct CompressedFrame {
 
 /// Compresses a frame: colour as the camera's JPEG or else PNG, depth as RVL of `depth_scale` units per
 /// metre, unknown where it does not fit in 16 bits.
-CompressedFrame compress_frame(const RgbdFrame& frame, double depth_scale);
+CompressedFrame compress_frame(const Frame& frame, double depth_scale);
 
 class FrameRecording {
  public:

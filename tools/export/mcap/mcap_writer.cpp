@@ -8,7 +8,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
-#include "kinloop/sensor/mcap_format.hpp"
+#include "kinloop/sensor/recording_format.hpp"
 
 namespace kinloop {
 namespace {

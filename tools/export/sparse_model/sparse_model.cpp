@@ -51,7 +51,7 @@ void add_point(SparseModel& model, ModelPoint point, const std::vector<ImagePixe
 
 }  // namespace
 
-SparseModel make_sparse_model(const Map& map, std::span<const ModelView> views,
+SparseModel make_sparse_model(const Map& map, std::span<const FrameImage> views,
                               const ImageUndistorter& undistorter, const FileFrame& frame) {
   SparseModel model{undistorter.pinhole(), frame, {}, {}};
   const SE3 T_file_world = frame.T_file_world();

@@ -18,7 +18,7 @@ namespace kinloop {
 inline constexpr double kPixelCenter = 0.5;
 
 /// A stored image with its pose, and the frame that it belongs to.
-struct ModelView {
+struct FrameImage {
   FrameId frame;
   PosedImage view;
 };
@@ -63,7 +63,7 @@ constexpr double kMaxReprojectionErrorPx = 4;
 
 /// Returns the images with finite poses, and the landmarks that at least two of them observe. A landmark
 /// follows the pose of its anchor's image; without that image it is left out.
-SparseModel make_sparse_model(const Map& map, std::span<const ModelView> views,
+SparseModel make_sparse_model(const Map& map, std::span<const FrameImage> views,
                               const ImageUndistorter& undistorter, const FileFrame& frame);
 
 }  // namespace kinloop

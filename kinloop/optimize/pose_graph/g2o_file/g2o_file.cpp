@@ -130,7 +130,8 @@ void read_edge(ParserState& state, ParsedGraph<Pose>& parsed, const Line& line, 
   if (!is_prior && read.id_a == read.id_b) line.fail(fmt::format("edge from vertex {} to itself", read.id_a));
   if (is_prior) read.edge.a = kWorld;
   const auto [first, second] = std::minmax(read.id_a, read.id_b);
-  read.edge.trusted = !is_prior && first + 1 == second;  // `first` is below the maximum here, so no overflow
+  read.edge.is_odometry =
+      !is_prior && first + 1 == second;  // `first` is below the maximum here, so no overflow
   read_pose(line, pose_field, read.edge.T_a_b);
   read.edge.information = read_information<Matrix>(line, information_field);
   if (repair_information(read.edge.information)) state.repaired_lines.push_back(line.number);

@@ -26,7 +26,7 @@ struct G2oFile {
   std::vector<size_t> repaired_lines;
 };
 
-/// Reads the file. Edges between successive ids are assumed to be odometry and marked as trusted. Throws
+/// Reads the file. Edges between successive ids are assumed to be odometry and marked so. Throws
 /// InputError with file and line for invalid content.
 G2oFile read_g2o(const std::filesystem::path& path);
 

@@ -36,7 +36,7 @@ MinimizerState<Pose> graduated_non_convexity(const MinimizerProblem<Pose>& probl
                                              NewtonSolver<Pose::kDof>& newton) {
   double largest = 0;
   for (const auto& edge : problem.graph.edges) {
-    if (!edge.trusted) largest = std::max(largest, edge_chi2(at.T_world_vertex, edge));
+    if (!edge.is_odometry) largest = std::max(largest, edge_chi2(at.T_world_vertex, edge));
   }
   MinimizerProblem<Pose> one_step = problem;
   for (double wide = 2 * largest / (kernel.width * kernel.width); wide > 1; wide /= kNonConvexityStep) {
@@ -47,7 +47,7 @@ MinimizerState<Pose> graduated_non_convexity(const MinimizerProblem<Pose>& probl
 }
 
 /// Returns the lower of two minima: one by graduated non-convexity, which needs no good start but can twist a
-/// chain of trusted edges before rejecting false ones, and one directly from the start, which does not.
+/// chain of odometry edges before rejecting false ones, and one directly from the start, which does not.
 template <class Pose>
 MinimizerState<Pose> minimize_robust(const MinimizerProblem<Pose>& problem, const PoseGraphKernel& kernel,
                                      const MinimizerState<Pose>& start, NewtonSolver<Pose::kDof>& newton) {

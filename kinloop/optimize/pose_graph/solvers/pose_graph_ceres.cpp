@@ -193,7 +193,7 @@ SolvedPoses<Pose> solve_with_ceres(const BasicPoseGraph<Pose>& graph, const std:
     std::vector<double*> blocks;
     if (edge.a != kWorld) blocks.push_back(poses[edge.a].data());
     blocks.push_back(poses[edge.b].data());
-    problem.AddResidualBlock(new EdgeCost<Pose>(edge), edge.trusted ? nullptr : &loss, blocks);
+    problem.AddResidualBlock(new EdgeCost<Pose>(edge), edge.is_odometry ? nullptr : &loss, blocks);
   }
   const Stopwatch stopwatch;
   ceres::Solver::Summary summary;

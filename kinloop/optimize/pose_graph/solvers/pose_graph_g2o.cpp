@@ -105,7 +105,7 @@ void fill(g2o::SparseOptimizer& optimizer, const BasicPoseGraph<Pose>& graph, co
     g2o_edge->setVertex(1, optimizer.vertex(static_cast<int>(edge.b)));
     g2o_edge->setMeasurement(Types::to_g2o(edge.T_a_b));
     g2o_edge->setInformation(edge.information);
-    if (kernel.kind != RobustKernel::kNone && !edge.trusted) {
+    if (kernel.kind != RobustKernel::kNone && !edge.is_odometry) {
       g2o_edge->setRobustKernel(std::make_unique<G2oKernel>(kernel).release());
     }
     optimizer.addEdge(g2o_edge.release());

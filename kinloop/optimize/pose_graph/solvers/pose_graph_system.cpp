@@ -53,7 +53,7 @@ void linearize(const BasicPoseGraph<Pose>& graph, const PoseGraphLayout& layout,
     if (a == kNoBlock && b == kNoBlock) continue;
     const auto linear = linearize_edge(pose_of_a(T_world_vertex, edge), T_world_vertex[edge.b], edge.T_a_b);
     const Vector omega_e = edge.information * linear.e;
-    const double weight = edge.trusted ? 1 : kernel.weight(linear.e.dot(omega_e));
+    const double weight = edge.is_odometry ? 1 : kernel.weight(linear.e.dot(omega_e));
     const Matrix omega_b = weight * (edge.information * linear.de_db);
     if (a != kNoBlock) {
       const Matrix omega_a = weight * (edge.information * linear.de_da);
@@ -81,7 +81,7 @@ double robust_cost(const BasicPoseGraph<Pose>& graph, const PoseGraphKernel& ker
   double sum = 0;
   for (const auto& edge : graph.edges) {
     const double squared = edge_chi2(T_world_vertex, edge);
-    sum += edge.trusted ? squared : kernel.rho(squared);
+    sum += edge.is_odometry ? squared : kernel.rho(squared);
   }
   return sum;
 }

@@ -1,4 +1,4 @@
-// Pictures: the map (Fig. 7a of the founding paper), and the detected loops.
+// Pictures: the map (Fig. 7a of docs/paper.md), and the detected loops.
 
 import { element, figure, row, section } from './page.js';
 

@@ -1,0 +1,147 @@
+#include "apps/run/run_output.hpp"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "apps/run/loop_pictures.hpp"
+#include "apps/shared/report_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/output_file.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/text/json.hpp"
+#include "kinloop/core/time.hpp"
+#include "kinloop/io/point_cloud/ply.hpp"
+#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
+#include "kinloop/sensor/camera_file.hpp"
+#include "session/process.hpp"
+#include "viewer/report/run_up_direction.hpp"
+
+namespace kinloop {
+namespace {
+
+const char* status_of(const TrackedFrame& tracked) {
+  if (tracked.is_lost()) return "lost";
+  return tracked.method == TrackingMethod::kDense ? "dense" : "tracked";
+}
+
+/// Returns the map saver, or null if the map must not be saved.
+std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolder& folder,
+                                   const MapSaver::Contents& what) {
+  if (arguments.request.settings.localize) return nullptr;
+  const auto path = arguments.save_map.empty() ? folder.map_file() : arguments.save_map;
+  require_writable_file(path);
+  if (output_place(path).is_stream)
+    throw UsageError(fmt::format(
+        "--save-map {}: not a regular file, which is needed to save the map repeatedly", path.string()));
+  return std::make_unique<MapSaver>(path, what, arguments.autosave_s);
+}
+
+nlohmann::json map_file_json(const MapSaver& saver) {
+  return {{"path", saver.path().string()},
+          {"bytes", std::filesystem::file_size(saver.path())},
+          {"save_s", saver.latest().wall_s}};
+}
+
+}  // namespace
+
+void FrameRecorder::on_frame(const TrackedFrame& tracked) {
+  rows_.push_back({tracked.stamp_ns, status_of(tracked), static_cast<int>(tracked.features().size()),
+                   tracked.evidence.inliers, 0});
+}
+
+FrameTable FrameRecorder::table(const Timings& times) const {
+  FrameTable rows = rows_;
+  for (size_t i = 0; i < rows.size() && i < times.frame_ms.size(); ++i) rows[i].ms = times.frame_ms[i];
+  return rows;
+}
+
+RunOutput::RunOutput(const RunArguments& arguments, const RunPlan& plan, Session& session)
+    : folder_(arguments.output),
+      frame_(arguments.frame),
+      poses_only_(arguments.poses_only()),
+      plan_(plan),
+      session_(session),
+      depth_(plan.options.dense, plan.source->camera().depth_scale),
+      saver_(saver_of(arguments, folder_,
+                      {session.slam(), session.recorder(), plan.options, arguments.request.sequence})),
+      outcome_{plan, session.slam()} {
+  session.add_listener(frames_);
+  session.add_listener(depth_);
+}
+
+void RunOutput::save_if_due() {
+  if (saver_) saver_->save_if_due();
+}
+
+bool RunOutput::try_save_map_file() {
+  return saver_ == nullptr || saver_->try_save();
+}
+
+void RunOutput::save_now() {
+  write_tum_trajectory(folder_.trajectory(), session_.trajectory());
+  if (poses_only_) return;
+  const MapCloud map = cloud({});
+  write_ply(folder_.map(), map.cloud, map.frame);
+  try_save_map_file();
+}
+
+nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progress) {
+  saved_ = try_save_map_file();
+  release_freed_memory();
+  if (!poses_only_) map_ = cloud(progress);
+  release_freed_memory();
+  if (map_) outcome_.map_points = map_->cloud.size();
+  outcome_.evaluation = evaluate(session_.trajectory(), plan_.source->info().ground_truth);
+  outcome_.wall_s = ending.since_start.wall_s();
+  outcome_.interrupted = !ending.complete;
+
+  const Stopwatch writing;
+  auto all = summary();
+  write_results();
+  Timings program = session_.recorder().timings();
+  program.add("startup", ending.startup);
+  if (saver_) program.add("saving the map", saver_->total());
+  program.add("writing", writing.elapsed());
+  add_timings(all, session_.slam().timings(), program);
+  write_file(folder_.run_json(), json_text(all, 2) + "\n");
+  if (map_) write_report(folder_);
+  return all;
+}
+
+bool RunOutput::check() const {
+  return check_result(outcome_, session_.trajectory(), depth_) && saved_;
+}
+
+/// Returns the cloud in the frame given by `--frame`.
+MapCloud RunOutput::cloud(const Progress& progress) {
+  MapCloud map = session_.cloud(progress);
+  if (frame_ == "camera") map.frame = {};
+  return map;
+}
+
+nlohmann::json RunOutput::summary() const {
+  auto summary = run_summary(outcome_);
+  if (saver_ && saved_) summary["map_file"] = map_file_json(*saver_);
+  if (!map_) return summary;
+  summary["up"] = to_json(map_->up);
+  summary["map"].update(to_json(map_->frame));
+  return summary;
+}
+
+/// Writes everything but run.json and the report.
+void RunOutput::write_results() const {
+  const Slam& slam = session_.slam();
+  const FrameSource& source = *plan_.source;
+  write_frame_table(folder_.frames(), frames_.table(slam.timings()));
+  if (!map_) return write_tum_trajectory(folder_.trajectory(), session_.trajectory());
+  write_run_files(folder_, {session_.trajectory(), keyframe_trajectory(slam.map(), slam.component()),
+                            source.info().ground_truth, map_->cloud, map_->frame, nullptr});
+  write_camera_file(folder_.camera(), calibrated_camera(source.camera(), slam.sensor_estimate()));
+  write_g2o(folder_.graph(), {make_pose_graph(slam.map(), plan_.options.slam.loop), {}, true, {}});
+  write_loop_pictures(folder_, slam, session_.recorder());
+}
+
+}  // namespace kinloop

@@ -1,0 +1,93 @@
+#pragma once
+// In: a session and its listeners' records. Out: the files of the run: the map while it grows, all results at
+// its end.
+
+#include <memory>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/run/run_arguments.hpp"
+#include "apps/run/run_summary.hpp"
+#include "apps/run/run_warnings.hpp"
+#include "kinloop/io/run_folder.hpp"
+#include "session/map_store.hpp"
+#include "session/session.hpp"
+#include "viewer/report/frame_table.hpp"
+
+namespace kinloop {
+
+/// Records a row per frame for frames.txt.
+class FrameRecorder : public Listener {
+ public:
+  void on_frame(const TrackedFrame& tracked) override;
+  void on_map(const Map&) override {}
+
+  /// Returns the rows, with the time of each frame.
+  [[nodiscard]] FrameTable table(const Timings& times) const;
+
+ private:
+  FrameTable rows_;
+};
+
+/// How the frames of a run ended, and when.
+struct RunEnding {
+  Stopwatch since_start;  ///< of the program
+  ElapsedTime startup;    ///< from there to the first frame
+  bool complete = false;  ///< neither interrupted nor ended by a failing source
+};
+
+/// Writes the files of a run. With --localize but without --report they are the trajectory, the frame table
+/// and run.json alone.
+class RunOutput {
+ public:
+  /// Listens to the session, which must outlive this object, as must `plan`. Throws InputError or UsageError
+  /// if a file cannot be written.
+  RunOutput(const RunArguments& arguments, const RunPlan& plan, Session& session);
+  RunOutput(const RunOutput&) = delete;
+  RunOutput& operator=(const RunOutput&) = delete;
+
+  /// Saves the map file if it is due, see MapSaver.
+  void save_if_due();
+
+  /// Saves the map file, if there is to be one. Logs a failure and returns false.
+  bool try_save_map_file();
+
+  /// Writes trajectory, cloud and map file as they are now.
+  void save_now();
+
+  /// Saves the map file and writes all results, then run.json, which includes the time of that, and the
+  /// report. Returns the content of run.json. Throws InputError if a file cannot be written.
+  nlohmann::json write(const RunEnding& ending, const Progress& progress);
+
+  /// After `write`: warns of problems, see check_result; returns false if the results are of no use or the
+  /// map file could not be saved.
+  [[nodiscard]] bool check() const;
+
+  /// Returns the file that says most about the run.
+  [[nodiscard]] std::filesystem::path details() const {
+    return poses_only_ ? folder_.frames() : folder_.report();
+  }
+
+  [[nodiscard]] const RunFolder& folder() const { return folder_; }
+  [[nodiscard]] bool poses_only() const { return poses_only_; }
+
+ private:
+  [[nodiscard]] MapCloud cloud(const Progress& progress);
+  [[nodiscard]] nlohmann::json summary() const;
+  void write_results() const;
+
+  RunFolder folder_;
+  std::string frame_;  // of the cloud
+  bool poses_only_;
+  const RunPlan& plan_;
+  Session& session_;
+  FrameRecorder frames_;
+  DepthMonitor depth_;
+  std::unique_ptr<MapSaver> saver_;  // null: the map is not saved
+  bool saved_ = true;
+  std::optional<MapCloud> map_;
+  RunOutcome outcome_;
+};
+
+}  // namespace kinloop

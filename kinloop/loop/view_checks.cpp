@@ -1,0 +1,231 @@
+#include "kinloop/loop/view_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "kinloop/features/hamming.hpp"
+#include "kinloop/features/matcher.hpp"
+
+namespace kinloop {
+namespace {
+
+/// A projected keypoint.
+struct Reprojection {
+  Eigen::Vector2d pixel;
+  double depth_m = 0;
+  double source_depth_m = 0;  ///< depth in the source view
+};
+
+/// Projects keypoint `index` of `points` into another view; nullopt if it has no depth, is out of view or
+/// nearer than `margin_px` to the border.
+std::optional<Reprojection> reproject(const Features& points, uint32_t index, const SE3& T_view_points,
+                                      const PinholeCamera& camera, double margin_px) {
+  const auto source_depth_m = static_cast<double>(points.depths_m[index]);
+  if (!(source_depth_m > 0)) return std::nullopt;
+  const Eigen::Vector3d p_view =
+      T_view_points * camera.unproject(points.pixels[index].cast<double>(), source_depth_m);
+  if (!(p_view.z() > 0)) return std::nullopt;
+  const Eigen::Vector2d pixel = camera.project(p_view);
+  if (!camera.contains(pixel, margin_px)) return std::nullopt;
+  return Reprojection{pixel, p_view.z(), source_depth_m};
+}
+
+// The check of depth.
+
+constexpr double kNeighborhood_px = 8;  // radius around a keypoint in which its depth gradient was measured
+constexpr double kSigmas = 3;
+constexpr int kMaxDepthOutliers = 2;  // gross depth errors are rare but do occur
+
+/// Whether the depth around a keypoint is planar, i.e. not at a depth edge.
+bool on_plane(const Features& features, uint32_t index) {
+  return features.depths_m[index] > 0 && index < features.inverse_depth_gradients.size() &&
+         features.inverse_depth_gradients[index].allFinite();
+}
+
+/// Returns the inverse depth of a point minus that of the surface at its pixel, using the best fitting of the
+/// planes measured nearby. nullopt if there is none.
+std::optional<double> inverse_depth_difference(const Eigen::Vector2d& pixel, double inverse_depth,
+                                               const Features& view, const FeatureGrid& grid,
+                                               std::vector<uint32_t>& near) {
+  grid.features_in_area(pixel, kNeighborhood_px, near);
+  std::optional<double> least;
+  for (const uint32_t i : near) {
+    if (!on_plane(view, i)) continue;
+    const Eigen::Vector2d step = pixel - view.pixels[i].cast<double>();
+    const double surface =
+        1 / static_cast<double>(view.depths_m[i]) + view.inverse_depth_gradients[i].cast<double>().dot(step);
+    const double before = inverse_depth - surface;
+    if (!least || std::abs(before) < std::abs(*least)) least = before;
+  }
+  return least;
+}
+
+/// Compares the keypoints of `points` with the surfaces of `view`.
+DepthConsistency check_against_view(const Features& view, const Features& points, const SE3& T_view_points,
+                                    const Sensor& sensor, double position_sigma_m) {
+  const DepthNoise& noise = sensor.noise.plane;
+  const FeatureGrid grid(view, sensor.camera.width, sensor.camera.height);
+  DepthConsistency depths;
+  std::vector<uint32_t> near;
+  for (uint32_t i = 0; i < points.size(); ++i) {
+    if (!on_plane(points, i)) continue;
+    const auto seen = reproject(points, i, T_view_points, sensor.camera, 0);
+    if (!seen) continue;
+    const auto before = inverse_depth_difference(seen->pixel, 1 / seen->depth_m, view, grid, near);
+    if (!before) continue;
+    // d(1/z) = dz / z^2 for the noise of the point and of the pose, plus the noise of the surface.
+    const double z2 = seen->depth_m * seen->depth_m;
+    const double source2 = seen->source_depth_m * seen->source_depth_m;
+    const double of_surface = noise.inverse_sigma_per_m(1 / seen->depth_m - *before);
+    const double of_source = noise.inverse_sigma_per_m(1 / seen->source_depth_m);
+    const double tolerance =
+        kSigmas * std::hypot(of_surface, of_source * source2 / z2, position_sigma_m / z2);
+    if (std::abs(*before) <= tolerance) ++depths.consistent;
+    if (*before > tolerance) ++depths.free_space_violations;
+  }
+  return depths;
+}
+
+// The check of appearance.
+
+constexpr int kMaxDistance = 80;  // bits
+constexpr double kWindow_px = 5;  // half side, on level 0
+constexpr double kMaxLevelStep = 2;
+constexpr double kBorder_px = 16;  // no keypoints are detected there
+constexpr double kOcclusionRadius_px = 40;
+constexpr size_t kOcclusionNeighbors = 3;
+// Relative depth difference of neighbours on one surface, as in guided matching.
+constexpr double kMaxDepthError = 0.15;
+constexpr int kRegionSize = 100;  // keypoints
+constexpr double kRegionStep_px = 40;
+
+/// A keypoint expected in the view.
+struct ExpectedKeypoint {
+  Eigen::Vector2d pixel;
+  bool found = false;
+};
+
+/// Keypoints of one view to be found in another.
+class ViewMatcher {
+ public:
+  ViewMatcher(const Features& features, const PinholeCamera& camera)
+      : features_(features), grid_(features, camera.width, camera.height) {}
+
+  [[nodiscard]] bool contains_match(const uint8_t* descriptor, const Eigen::Vector2d& pixel, double level) {
+    const double radius_px = kWindow_px * std::pow(features_.scale_factor, std::max(level, 0.0));
+    grid_.features_in_area(pixel, radius_px, near_);
+    return std::any_of(near_.begin(), near_.end(), [&](uint32_t i) {
+      return std::abs(features_.levels[i] - level) < kMaxLevelStep &&
+             hamming_distance(descriptor, features_.descriptors.ptr<uint8_t>(static_cast<int>(i))) <=
+                 kMaxDistance;
+    });
+  }
+
+  /// Whether the keypoint is occluded: the nearest keypoints of the view are all at other depths.
+  [[nodiscard]] bool occludes(const Reprojection& point) {
+    grid_.features_in_area(point.pixel, kOcclusionRadius_px, near_);
+    std::erase_if(near_, [&](uint32_t i) { return !(features_.depths_m[i] > 0); });
+    const auto distance = [&](uint32_t i) {
+      return (features_.pixels[i].cast<double>() - point.pixel).squaredNorm();
+    };
+    const size_t count = std::min(kOcclusionNeighbors, near_.size());
+    std::partial_sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count), near_.end(),
+                      [&](uint32_t i, uint32_t j) { return distance(i) < distance(j); });
+    return count > 0 &&
+           std::all_of(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count), [&](uint32_t i) {
+             return std::abs(static_cast<double>(features_.depths_m[i]) - point.depth_m) >
+                    kMaxDepthError * point.depth_m;
+           });
+  }
+
+ private:
+  const Features& features_;
+  FeatureGrid grid_;
+  std::vector<uint32_t> near_;
+};
+
+/// Returns the keypoints of `points` expected in `view`, and whether each was found.
+std::vector<ExpectedKeypoint> find_expected_keypoints(const Features& features, const Features& points,
+                                                      const SE3& T_view_points, const PinholeCamera& camera) {
+  ViewMatcher view(features, camera);
+  std::vector<ExpectedKeypoint> expected;
+  for (uint32_t i = 0; i < points.size(); ++i) {
+    const auto seen = reproject(points, i, T_view_points, camera, kBorder_px);
+    if (!seen) continue;
+    const double level =
+        points.levels[i] + std::log(seen->source_depth_m / seen->depth_m) / std::log(points.scale_factor);
+    if (level < -0.5 || level > features.level_count - 0.5) continue;
+    const bool found =
+        view.contains_match(points.descriptors.ptr<uint8_t>(static_cast<int>(i)), seen->pixel, level);
+    if (found || !view.occludes(*seen)) expected.push_back({seen->pixel, found});
+  }
+  return expected;
+}
+
+/// Returns how many of the `kRegionSize` keypoints nearest to `center` were found.
+int count_found_near(const Eigen::Vector2d& center, std::vector<ExpectedKeypoint>& expected) {
+  std::nth_element(expected.begin(), expected.begin() + kRegionSize, expected.end(),
+                   [&](const ExpectedKeypoint& a, const ExpectedKeypoint& b) {
+                     return (a.pixel - center).squaredNorm() < (b.pixel - center).squaredNorm();
+                   });
+  return static_cast<int>(std::count_if(expected.begin(), expected.begin() + kRegionSize,
+                                        [](const ExpectedKeypoint& e) { return e.found; }));
+}
+
+/// Returns the probability that at most `most` of `kRegionSize` keypoints are found, each with probability p.
+double binomial_tail(int most, double p) {
+  double term = std::pow(1 - p, kRegionSize), sum = term;
+  for (int x = 0; x < most; ++x) {
+    term *= p / (1 - p) * (kRegionSize - x) / (x + 1);
+    sum += term;
+  }
+  return std::min(sum, 1.0);
+}
+
+double one_way_p_value(const Features& view, const Features& points, const SE3& T_view_points,
+                       const PinholeCamera& camera) {
+  auto expected = find_expected_keypoints(view, points, T_view_points, camera);
+  if (expected.size() < 2 * kRegionSize) return 1;
+  int fewest = kRegionSize;
+  for (double y = kRegionStep_px / 2; y < camera.height; y += kRegionStep_px) {
+    for (double x = kRegionStep_px / 2; x < camera.width; x += kRegionStep_px) {
+      fewest = std::min(fewest, count_found_near({x, y}, expected));
+    }
+  }
+  const auto found =
+      std::count_if(expected.begin(), expected.end(), [](const ExpectedKeypoint& e) { return e.found; });
+  // Blur, illumination and slant leave at least this much of a region.
+  constexpr double kMinRelativeRate = 1.0 / 3;
+  return binomial_tail(fewest,
+                       kMinRelativeRate * static_cast<double>(found) / static_cast<double>(expected.size()));
+}
+
+}  // namespace
+
+DepthConsistency& DepthConsistency::operator+=(const DepthConsistency& other) {
+  consistent += other.consistent;
+  free_space_violations += other.free_space_violations;
+  return *this;
+}
+
+DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b, const Sensor& sensor,
+                                double position_sigma_m) {
+  DepthConsistency depths = check_against_view(a, b, T_a_b, sensor, position_sigma_m);
+  depths += check_against_view(b, a, T_a_b.inverse(), sensor, position_sigma_m);
+  return depths;
+}
+
+bool violates_free_space(const DepthConsistency& depths, double max_violation_ratio) {
+  return depths.free_space_violations > kMaxDepthOutliers &&
+         depths.free_space_violations >
+             max_violation_ratio * (depths.consistent + depths.free_space_violations);
+}
+
+double appearance_p_value(const Features& a, const Features& b, const SE3& T_a_b,
+                          const PinholeCamera& camera) {
+  return std::min(one_way_p_value(a, b, T_a_b, camera), one_way_p_value(b, a, T_a_b.inverse(), camera));
+}
+
+}  // namespace kinloop

@@ -1,0 +1,95 @@
+#include "kinloop/map/frame_log.hpp"
+
+#include <algorithm>
+
+namespace kinloop {
+namespace {
+
+/// The images of a lost frame are gone; its features can still be matched.
+std::shared_ptr<const Frame> without_images(const Frame& frame) {
+  Frame kept;
+  kept.id = frame.id;
+  kept.stamp_ns = frame.stamp_ns;
+  kept.features = frame.features;
+  return std::make_shared<const Frame>(std::move(kept));
+}
+
+std::vector<MatchMeasurement> measurements_of(const std::vector<LandmarkMatch>& matches,
+                                              const Features& features, int image_height_px) {
+  std::vector<MatchMeasurement> measurements;
+  measurements.reserve(matches.size());
+  for (const auto& [landmark, feature] : matches) {
+    MatchMeasurement measured;
+    measured.pixel = features.measured_pixels[feature];
+    measured.depth_m = features.measured_depths_m[feature];
+    measured.sigma_px = features.sigmas_px[feature];
+    measured.row = features.raw_pixels[feature].y() / static_cast<float>(image_height_px) - 0.5F;
+    if (!features.inverse_depth_gradients.empty())
+      measured.inverse_depth_gradient = features.inverse_depth_gradients[feature];
+    measurements.push_back(measured);
+  }
+  return measurements;
+}
+
+}  // namespace
+
+TrackedFrame log_entry(TrackedFrame tracked, int image_height_px) {
+  tracked.measurements = measurements_of(tracked.matches, tracked.features(), image_height_px);
+  tracked.frame = tracked.is_lost() ? without_images(*tracked.frame) : nullptr;
+  return tracked;
+}
+
+FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSearch& search) {
+  const auto relocalize = [&](TrackedFrame& entry, const auto& find) {
+    if (!entry.is_lost() || !entry.frame) return;
+    std::optional<TrackedFrame> found = find(*entry.frame);
+    if (!found) return;
+    found->frame = entry.frame;
+    entry = log_entry(std::move(*found), image_height_px);
+  };
+  const auto search_near = [&](size_t i, size_t neighbor) {
+    if (!log[neighbor].is_tracked_by_landmarks()) return;
+    relocalize(log[i], [&](const Frame& frame) { return search.nearby(frame, log[neighbor]); });
+  };
+  for (TrackedFrame& entry : log) relocalize(entry, search.anywhere);
+  for (size_t i = log.size(); i-- > 1;) search_near(i - 1, i);
+  for (size_t i = 1; i < log.size(); ++i) search_near(i, i - 1);
+  return log;
+}
+
+SE3 world_pose(const TrackedFrame& entry, const Map& map) {
+  return map.keyframe(entry.reference).T_world_camera * entry.T_reference_camera;
+}
+
+uint32_t main_component(std::span<const TrackedFrame> log, const Map& map) {
+  std::vector<int> frames(map.component_count() + 1, 0);
+  for (const TrackedFrame& entry : log) {
+    if (!entry.is_lost()) ++frames[map.keyframe(entry.reference).component];
+  }
+  return static_cast<uint32_t>(std::max_element(frames.begin(), frames.end()) - frames.begin());
+}
+
+bool is_tracked_in(uint32_t component, const TrackedFrame& entry, const Map& map) {
+  return !entry.is_lost() && map.keyframe(entry.reference).component == component;
+}
+
+Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map) {
+  const uint32_t component = main_component(log, map);
+  Trajectory trajectory;
+  for (const TrackedFrame& entry : log) {
+    if (!is_tracked_in(component, entry, map)) continue;
+    trajectory.push_back({entry.stamp_ns, world_pose(entry, map)});
+  }
+  return trajectory;
+}
+
+Trajectory keyframe_trajectory(const Map& map, uint32_t component) {
+  Trajectory trajectory;
+  for (const Keyframe& keyframe : map.keyframes()) {
+    if (keyframe.component != component) continue;
+    trajectory.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
+  }
+  return trajectory;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,49 @@
+#pragma once
+// The log of all frames. Each pose is stored relative to a keyframe, with the observed landmarks, so that it
+// follows every correction of the map and can be refined at the end.
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/map/map.hpp"
+#include "kinloop/map/tracked_frame.hpp"
+
+namespace kinloop {
+
+using FrameLog = std::vector<TrackedFrame>;
+
+/// Returns the form of a frame in the log: with the measurements of its matches, without images. A lost frame
+/// keeps its features.
+TrackedFrame log_entry(TrackedFrame tracked, int image_height_px);
+
+/// Two ways to locate a lost frame in the final map.
+struct FrameSearch {
+  std::function<std::optional<TrackedFrame>(const Frame&)> anywhere;
+  /// Near the pose of the frame before or after it.
+  std::function<std::optional<TrackedFrame>(const Frame&, const TrackedFrame& neighbor)> nearby;
+};
+
+/// Returns the log after another search for lost frames: the final map covers more than the map at their
+/// time. Those not found anywhere are searched near the next frame, from the last frame to the first, then
+/// near the previous one.
+FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSearch& search);
+
+/// Returns T_world_camera of the frame in the current map. The frame must not be lost.
+SE3 world_pose(const TrackedFrame& entry, const Map& map);
+
+/// Returns the map component in which most frames were tracked; on a tie the oldest.
+uint32_t main_component(std::span<const TrackedFrame> log, const Map& map);
+
+/// Returns whether the frame was tracked in that component.
+bool is_tracked_in(uint32_t component, const TrackedFrame& entry, const Map& map);
+
+/// Returns the poses of all frames tracked in the main component, in the current map.
+Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map);
+
+/// Returns the poses of all keyframes of one component.
+Trajectory keyframe_trajectory(const Map& map, uint32_t component);
+
+}  // namespace kinloop

@@ -1,0 +1,29 @@
+#include "kinloop/map/tracked_frame.hpp"
+
+#include <Eigen/Eigenvalues>
+
+namespace kinloop {
+
+TrackedFrame unlocated(const Frame& frame) {
+  TrackedFrame tracked;
+  tracked.id = frame.id;
+  tracked.stamp_ns = frame.stamp_ns;
+  tracked.depth_stamp_difference_s = frame.features->depth_stamp_difference_s;
+  return tracked;
+}
+
+std::vector<LandmarkId> landmark_of_keypoint(const TrackedFrame& tracked) {
+  std::vector<LandmarkId> landmark_of(tracked.features().size());
+  for (const auto& [landmark, feature] : tracked.matches) landmark_of[feature] = landmark;
+  return landmark_of;
+}
+
+Matrix6d covariance_from_information(const Matrix6d& information) {
+  constexpr double kUnknownVariance = 1e6;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
+  const Vector6d variances = eigen.eigenvalues().unaryExpr(
+      [](double value) { return value > 1 / kUnknownVariance ? 1 / value : kUnknownVariance; });
+  return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace kinloop

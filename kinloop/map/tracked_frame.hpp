@@ -1,0 +1,108 @@
+#pragma once
+// A frame after tracking: its outcome, its pose with the evidence for it, and the landmarks it observes. The
+// tracker makes it, listeners receive it, the log and map files keep it.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "kinloop/core/ids.hpp"
+#include "kinloop/features/features.hpp"
+#include "kinloop/geometry/se3.hpp"
+#include "kinloop/geometry/velocity.hpp"
+#include "kinloop/sensor/frame.hpp"
+
+namespace kinloop {
+
+enum class TrackingOutcome {
+  kLost,         ///< no pose
+  kTracked,      ///< located relative to the previous frame and the local map
+  kRelocalized,  ///< located by place recognition
+  kNewMap,       ///< starts a map, or a new component of it
+};
+
+/// What a pose was estimated from.
+enum class TrackingMethod {
+  kKeypoints,  ///< matched descriptors of landmarks, or of points of the previous frame
+  kPatches,    ///< patches of landmarks (direct tracking)
+  kDense,      ///< dense alignment with the previous frame, since there were too few features
+  kRepeat,     ///< none: the image repeats the previous one, whose pose the frame takes
+};
+
+/// Keypoint `feature` of the frame observes `landmark`.
+struct LandmarkMatch {
+  LandmarkId landmark;
+  uint32_t feature = 0;
+};
+
+/// The measurement of a match, kept after the images are gone.
+struct MatchMeasurement {
+  Eigen::Vector2f pixel;  ///< undistorted, as measured
+  float depth_m = 0;      ///< 0 = unknown
+  float sigma_px = 1;
+  float row = 0;  ///< raw image row relative to the height, -0.5 (first) to 0.5 (last)
+  Eigen::Vector2f inverse_depth_gradient = Eigen::Vector2f::Zero();  ///< 1/m per px
+};
+
+/// What supports the pose of a frame.
+struct TrackingEvidence {
+  int previous_frame_inliers = 0;  ///< inliers of the pose relative to the previous frame
+  int visible_landmarks = 0;       ///< landmarks of the local map in view
+  int inliers = 0;                 ///< landmarks matched consistently with the pose
+  int attempts = 0;  ///< number of methods tried against the previous frame (1 = the first succeeded)
+};
+
+struct TrackedFrame {
+  FrameId id;
+  int64_t stamp_ns = 0;                ///< of the colour image
+  float depth_stamp_difference_s = 0;  ///< stamp of the depth image minus `stamp_ns`
+  TrackingOutcome outcome = TrackingOutcome::kLost;
+  TrackingMethod method = TrackingMethod::kKeypoints;
+
+  KeyframeId reference;    ///< the keyframe that the pose is relative to and moves with
+  SE3 T_reference_camera;  ///< undefined if lost
+  SE3 T_world_camera;      ///< at the time of tracking, before later corrections of the map
+  /// Of x = (translation [m]; rotation [rad]), where the true pose is T_reference_camera * exp(x), given the
+  /// landmarks. Zero if unknown.
+  Matrix6d covariance = Matrix6d::Zero();
+  Velocity velocity;  ///< at the stamp; zero if unknown
+  TrackingEvidence evidence;
+  std::vector<LandmarkMatch> matches;          ///< observed landmarks
+  std::vector<MatchMeasurement> measurements;  ///< of `matches`; in the log only
+
+  KeyframeId keyframe;   ///< valid if the frame became a keyframe
+  bool refined = false;  ///< refined during the run, its measurements dropped (see LogLimiter)
+  /// The motion-compensated frame. In the log only that of a lost frame, with its features alone, to
+  /// relocalize it in the final map.
+  std::shared_ptr<const Frame> frame;
+
+  [[nodiscard]] bool is_lost() const { return outcome == TrackingOutcome::kLost; }
+
+  /// Whether the frame was located in the existing map.
+  [[nodiscard]] bool is_located() const {
+    return outcome == TrackingOutcome::kTracked || outcome == TrackingOutcome::kRelocalized;
+  }
+
+  /// Whether landmarks support the pose.
+  [[nodiscard]] bool is_tracked_by_landmarks() const {
+    return !is_lost() && method != TrackingMethod::kDense;
+  }
+
+  [[nodiscard]] bool is_repeat() const { return method == TrackingMethod::kRepeat; }
+
+  [[nodiscard]] const Features& features() const { return *frame->features; }
+};
+
+/// Returns the record of a frame that is not located yet. The frame must have features.
+TrackedFrame unlocated(const Frame& frame);
+
+/// Returns the landmark that each keypoint of the frame observes; invalid if none.
+std::vector<LandmarkId> landmark_of_keypoint(const TrackedFrame& tracked);
+
+/// Returns the covariance of a pose with this information. Directions without information get a variance of
+/// 1e6 m^2 or rad^2.
+Matrix6d covariance_from_information(const Matrix6d& information);
+
+}  // namespace kinloop

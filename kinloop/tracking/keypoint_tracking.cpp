@@ -1,0 +1,103 @@
+#include "kinloop/tracking/keypoint_tracking.hpp"
+
+#include <algorithm>
+
+#include "kinloop/features/keypoint_measurements.hpp"
+#include "kinloop/tracking/previous_frame.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Landmarks of the local map expected in view, with the index of each in the local map.
+struct VisibleLandmarks {
+  std::vector<ProjectedPoint> projected;
+  std::vector<uint32_t> index_in_local_map;
+};
+
+VisibleLandmarks project_local_map(const TrackingInput& in, const SE3& T_reference_camera, double window_px) {
+  VisibleLandmarks visible;
+  for (uint32_t i = 0; i < in.local_map.size(); ++i) {
+    const auto expected = project_landmark(in.local_map, i, *in.frame.features, T_reference_camera, window_px,
+                                           in.sensor.camera);
+    if (!expected) continue;
+    visible.projected.push_back(*expected);
+    visible.index_in_local_map.push_back(i);
+  }
+  return visible;
+}
+
+/// Refines the pose on landmarks of the local map and, if these are few, also on unmapped points of the
+/// previous frame.
+TrackedFrame refine(const TrackingInput& in, const FramePose& guess, double window_px) {
+  const Features& features = *in.frame.features;
+  const LocalMap& local_map = in.local_map;
+  const auto visible = project_local_map(in, guess.T_reference_camera, window_px);
+  const auto matches = match_by_projection(visible.projected, features, in.grid, {});
+  std::vector<PoseObservation> observations;
+  std::vector<bool> taken(features.size(), false);
+  for (const Match& match : matches) {
+    taken[match.b] = true;
+    observations.push_back({compensated_measurement(features, match.b),
+                            local_map.p_reference[visible.index_in_local_map[match.a]]});
+  }
+  if (static_cast<int>(matches.size()) < in.options.sufficient_landmarks) {
+    for (size_t i = 0; i < guess.inliers.size(); ++i) {
+      if (!taken[guess.features[i]]) observations.push_back(guess.inliers[i]);
+    }
+  }
+  TrackedFrame tracked = unlocated(in.frame);
+  tracked.reference = local_map.reference;
+  tracked.evidence.visible_landmarks = static_cast<int>(visible.projected.size());
+  const auto solution =
+      solve_absolute_pose(in.sensor, observations, guess.T_reference_camera, in.options.pose);
+  if (!solution || solution->inlier_count < in.options.min_inliers) return tracked;
+  tracked.outcome = TrackingOutcome::kTracked;
+  tracked.T_reference_camera = solution->T_reference_camera;
+  tracked.covariance = covariance_from_information(solution->information);
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (solution->inliers[i])
+      tracked.matches.push_back({local_map.ids[visible.index_in_local_map[matches[i].a]], matches[i].b});
+  }
+  tracked.evidence.inliers = static_cast<int>(tracked.matches.size());
+  return tracked;
+}
+
+}  // namespace
+
+bool has_sufficient_inlier_ratio(const TrackedFrame& tracked, const Features& features,
+                                 double min_inlier_ratio) {
+  const int findable = std::min(tracked.evidence.visible_landmarks, static_cast<int>(features.size()));
+  return tracked.evidence.inliers >= min_inlier_ratio * findable;
+}
+
+TrackedFrame track_local_map(const TrackingInput& in, const SE3& T_reference_camera_guess, double window_px) {
+  FramePose guess;
+  guess.T_reference_camera = T_reference_camera_guess;
+  return refine(in, guess, window_px);
+}
+
+TrackedFrame track_keypoints(const TrackingInput& in, const TrackedFrame& previous,
+                             const PredictedPose& predicted, uint64_t seed) {
+  const auto has_enough_inliers = [&](const TrackedFrame& tracked) {
+    return has_sufficient_inlier_ratio(tracked, *in.frame.features, in.options.min_inlier_ratio);
+  };
+  const auto guess = estimate_pose_from_previous_frame(in, previous, predicted, seed);
+  if (!guess) {
+    // Tracking against the previous frame can fail, e.g. by motion blur; the local map may still be visible.
+    TrackedFrame tracked = track_local_map(in, predicted.T, in.options.wide_window_px);
+    return has_enough_inliers(tracked) ? tracked : unlocated(in.frame);
+  }
+  TrackedFrame tracked = refine(in, *guess, in.options.local_map_window_px);
+  if (guess->from_brute_force && !has_enough_inliers(tracked)) return unlocated(in.frame);
+  if (tracked.is_lost()) {
+    tracked.outcome = TrackingOutcome::kTracked;
+    tracked.method = guess->dense ? TrackingMethod::kDense : TrackingMethod::kKeypoints;
+    tracked.T_reference_camera = guess->T_reference_camera;
+    tracked.covariance = covariance_from_information(guess->information);
+  }
+  tracked.evidence.previous_frame_inliers = static_cast<int>(guess->inliers.size());
+  tracked.evidence.attempts = guess->attempts;
+  return tracked;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,17 @@
+#pragma once
+// What concerns the whole process: its name and its memory.
+
+#include <string>
+
+namespace kinloop {
+
+/// Returns "kinloop" and its version.
+std::string program_name();
+
+/// Makes the allocator keep freed memory for reuse; call it once, at the start.
+void retain_freed_memory();
+
+/// Returns freed memory to the system, between stages with different memory needs.
+void release_freed_memory();
+
+}  // namespace kinloop

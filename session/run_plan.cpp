@@ -1,0 +1,129 @@
+#include "session/run_plan.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph.hpp"
+#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/place/vocabulary_file.hpp"
+#include "session/map_store.hpp"
+#include "session/open_frame_source.hpp"
+
+namespace kinloop {
+namespace {
+
+std::optional<ContinuedMap> open_continued_map(const std::filesystem::path& file_or_folder) {
+  if (file_or_folder.empty()) return std::nullopt;
+  const auto path = map_file_of(file_or_folder);
+  MapReader reader(path);
+  SavedMap saved = read_map_with_warnings(reader, path);
+  return ContinuedMap{path, std::move(reader), std::move(saved)};
+}
+
+void require_available(PoseGraphSolver solver) {
+  if (pose_graph_solver_available(solver)) return;
+  throw UsageError(fmt::format(
+      "solver {}: not available in this build; use builtin or ceres, or omit --solver", name_of(solver)));
+}
+
+RunOptions options_of(const RunSettings& settings, const std::optional<ContinuedMap>& start, int threads) {
+  RunOptions options;
+  if (start) options = restore_options(start->saved, start->path, "features.");
+  const FeatureKind features = options.slam.features.kind;
+  options.slam.global_ba.threads = threads;
+  options.slam.localize_only = settings.localize;
+  if (settings.memory_mib > 0) options = with_memory_limit(options, settings.memory_mib);
+  options = run_options_with(options, settings.assignments);
+  if (start && options.slam.features.kind != features)
+    throw UsageError(fmt::format("features.kind: must be {}, as in the loaded map", name_of(features)));
+  if (settings.no_loop) options.slam.loop.enabled = false;
+  if (!settings.solver.empty())
+    options = run_options_with(options, std::vector{"loop.pose_graph.solver=" + settings.solver});
+  require_available(options.slam.loop.pose_graph.solver);
+  return options;
+}
+
+SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
+  SourceRequest source;
+  source.sequence = request.sequence;
+  if (!request.camera.empty()) source.camera = request.camera;
+  if (!request.topics.empty()) source.topics = request.topics;
+  source.simulation = setup.options.sim;
+  source.kinect = setup.options.kinect;
+  source.threads = setup.threads;
+  source.stop = request.stop;
+  return source;
+}
+
+bool assigns(const std::vector<std::string>& assignments, const std::string& key) {
+  return std::any_of(assignments.begin(), assignments.end(),
+                     [&](const std::string& assignment) { return assignment.starts_with(key + "="); });
+}
+
+/// Options for the frames of `source`: of live ones, results are applied when ready, unless the user chose
+/// otherwise.
+RunOptions options_for(const FrameSource& source, RunOptions options, const RunSettings& settings) {
+  if (source.info().live && !assigns(settings.assignments, "executor.mode"))
+    options.slam.executor.mode = ExecutorMode::kLive;
+  return within_range(options, source.camera().sensor);
+}
+
+}  // namespace
+
+RgbdCamera ContinuedMap::adapt(RgbdCamera camera) const {
+  require_same_camera(saved, path, camera);
+  camera.depth_scale = saved.camera.depth_scale;
+  return camera;
+}
+
+void ContinuedMap::restore_images(uint32_t shift, DenseRecorder& recorder) const {
+  load_images(reader, path, shift, recorder);
+}
+
+RunSetup set_up_run(const RunSettings& settings) {
+  RunSetup setup;
+  setup.threads = settings.threads > 0 ? settings.threads : hardware_threads();
+  setup.start = open_continued_map(settings.load_map);
+  setup.options = options_of(settings, setup.start, setup.threads);
+  return setup;
+}
+
+RunPlan plan_run(const RunRequest& request) {
+  RunSetup setup = set_up_run(request.settings);
+  auto source = open_frame_source(source_request(request, setup));
+  const PacedSource* paced = nullptr;
+  if (request.pace_hz > 0) {
+    auto owner = std::make_unique<PacedSource>(std::move(source), request.pace_hz);
+    paced = owner.get();
+    source = std::move(owner);
+  }
+  setup.options = options_for(*source, setup.options, request.settings);
+  const RgbdCamera camera = setup.start ? setup.start->adapt(source->camera()) : source->camera();
+  Vocabulary vocabulary = open_vocabulary(request.settings.vocabulary, setup.options.slam.features);
+  return {std::move(setup), std::move(source), camera, std::move(vocabulary), paced};
+}
+
+Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features) {
+  if (!file.empty()) {
+    Vocabulary vocabulary = read_vocabulary(file);
+    if (vocabulary.tree().kind == descriptor_kind(features, Metric::kHamming)) return vocabulary;
+    throw UsageError(
+        fmt::format("{}: a vocabulary of {}, but features.kind={} requires one of 256 bits; "
+                    "train it with "
+                    "`kinloop vocab train IMAGES... --feature {} -o FILE`",
+                    file, vocabulary.descriptors().name, name_of(features.kind), name_of(features.kind)));
+  }
+  if (features.kind != FeatureKind::kOrb) {
+    throw UsageError(
+        fmt::format("features.kind={0}: the built-in vocabulary is for ORB; train one with `kinloop vocab "
+                    "train IMAGES... "
+                    "--feature {0} -o FILE` and pass --vocabulary FILE",
+                    name_of(features.kind)));
+  }
+  return load_default_vocabulary();
+}
+
+}  // namespace kinloop
