@@ -68,7 +68,7 @@ TEST_F(LoopOverlap, LandmarksProjectToTheirKeypoints) {
     EXPECT_GT(landmark.depth_m, 0);
     if (!landmark.observed_in_second) continue;
     ++observed;
-    EXPECT_LT((landmark.predicted - *landmark.observed_in_second).norm(), 1.5);
+    EXPECT_LT((landmark.predicted - *landmark.observed_in_second).norm(), 1e-3);
   }
   EXPECT_EQ(observed, shared(2, 9));
 }
@@ -109,7 +109,7 @@ TEST_F(LoopOverlap, RollingShutterShiftsRows) {
       const Eigen::Vector3d ray((before.predicted.x() - world_.camera.cx) / world_.camera.fx,
                                 (before.predicted.y() - world_.camera.cy) / world_.camera.fy, 1);
       const Eigen::Vector3d turned = exp_so3({0, 0.03 * row, 0}).conjugate() * ray;
-      EXPECT_LT((world_.camera.project(turned) - after.predicted).norm(), 0.05);
+      EXPECT_LT((world_.camera.project(turned) - after.predicted).norm(), 0.002);
     }
   }
   EXPECT_GT(compared, 100);

@@ -156,7 +156,7 @@ TEST_F(Loop, VerificationFindsTheTrueMotion) {
   EXPECT_EQ(loop.a, KeyframeId{1});
   EXPECT_EQ(loop.b, last_);
   EXPECT_LT(test::distance_m(loop.T_a_b, true_pose(1).inverse() * true_pose(kKeyframes - 1)), 0.02);
-  EXPECT_GE(loop.evidence.inliers, 30);
+  EXPECT_GE(loop.evidence.inliers, 150);
   EXPECT_GE(loop.evidence.visible_landmarks, loop.evidence.inliers);
   EXPECT_EQ(loop.information, edge_information(loop.evidence.inliers, {}));
   EXPECT_FALSE(landmark_merges(built_.map, *verified).empty());
@@ -204,8 +204,8 @@ TEST_F(Loop, ProposedPoseIsNearTheTruth) {
   for (const auto& predicted : {std::optional<PredictedView>(), predict(last_, KeyframeId{1})}) {
     const auto pose = propose(last_, KeyframeId{1}, predicted);
     ASSERT_TRUE(pose.has_value());
-    EXPECT_LT(test::distance_m(*pose, truth), 0.03);
-    EXPECT_LT(test::angle_rad(*pose, truth), 0.02);
+    EXPECT_LT(test::distance_m(*pose, truth), 0.004);
+    EXPECT_LT(test::angle_rad(*pose, truth), 0.0018);
   }
 }
 

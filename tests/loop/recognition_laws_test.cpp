@@ -37,7 +37,7 @@ class RecognitionLaws : public testing::TestWithParam<uint64_t> {
                                                       const SE3& T_reference_camera) {
     const auto view = seen(world, pose(1) * T_reference_camera, random_.next());
     const Frame frame = test::make_frame(9, view);
-    return recognize_place({frame, local_map_, sensor_, {}}, {}, random_.next());
+    return recognize_place({frame, local_map_, sensor_, {}}, options_, random_.next());
   }
 
   Random random_{GetParam()};
@@ -45,6 +45,7 @@ class RecognitionLaws : public testing::TestWithParam<uint64_t> {
   Sensor sensor_{world_.camera};
   test::SyntheticMap built_;
   LocalMap local_map_;
+  LoopOptions options_;
 };
 
 TEST_P(RecognitionLaws, TheSamePlaceIsAcceptedFromAnyNearbyViewpoint) {
@@ -89,6 +90,23 @@ TEST_P(RecognitionLaws, TheSameTextureOnAnotherShapeIsRejected) {
 TEST_P(RecognitionLaws, AnotherRoomAndTheOtherSideAreRejected) {
   EXPECT_FALSE(recognize(test::make_world(3000, GetParam() + 1000), {}).has_value());
   EXPECT_FALSE(recognize(world_, test::camera_at(3.14159, {0, 0, 0})).has_value());
+}
+
+/// Each requirement alone can refuse a place.
+TEST_P(RecognitionLaws, EveryRequirementCounts) {
+  const auto found = recognize(world_, {});
+  ASSERT_TRUE(found.has_value());
+  const auto accepts = [&](const auto& demand) {
+    options_ = {};
+    demand(options_);
+    return recognize(world_, {}).has_value();
+  };
+  EXPECT_FALSE(accepts([&](auto& o) { o.min_inliers = 2 * found->evidence.inliers; }));
+  EXPECT_FALSE(accepts([](auto& o) { o.min_inlier_ratio = 1.01; }));
+  EXPECT_FALSE(accepts([](auto& o) { o.max_hamming_distance = 3; }));
+  EXPECT_FALSE(accepts([](auto& o) { o.min_matches = 100000; }));
+  EXPECT_FALSE(accepts([](auto& o) { o.min_p_value = 1.01; }));
+  EXPECT_TRUE(accepts([](auto&) {}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Rooms, RecognitionLaws, testing::Values(1, 2, 3, 4));

@@ -53,8 +53,8 @@ double shift_error_m_s(const Recorded& recorded) {
 
 TEST(FrameVelocities, AreEstimatedAtEightFramesPerSecond) {
   const double speed_m_s = kSwing_m * kRate_rad_s / std::sqrt(2.0);
-  EXPECT_LT(shift_error_m_s(recorded_swing(30)), 0.01 * speed_m_s);
-  EXPECT_LT(shift_error_m_s(recorded_swing(8)), 0.15 * speed_m_s);
+  EXPECT_LT(shift_error_m_s(recorded_swing(30)), 0.004 * speed_m_s);
+  EXPECT_LT(shift_error_m_s(recorded_swing(8)), 0.05 * speed_m_s);
 }
 
 TEST(FrameVelocities, AreZeroAfterALongGap) {

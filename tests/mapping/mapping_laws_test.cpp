@@ -68,6 +68,28 @@ TEST(TriangulationLaws, NoiseOfTheStatedSizeIsAcceptedAsOftenAsStated) {
   EXPECT_NEAR(found / static_cast<double>(kTrials), 0.95, 0.015);
 }
 
+/// Of two rays that miss each other, the more precise one is nearer to the point.
+TEST(TriangulationLaws, ThePointDividesTheGapByTheUncertainties) {
+  Random random(3);
+  int compared = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const SE3 T_a_b = test::camera_at(-0.1, {0.4, 0.05, 0.02});
+    const Eigen::Vector3d p_a = test::uniform_vector<3>(random, {-0.5, -0.5, 1.5}, {0.5, 0.5, 3});
+    const double sigma_a = random.uniform(1e-3, 4e-3), sigma_b = random.uniform(1e-3, 4e-3);
+    const Eigen::Vector3d raised = exp_so3({1e-3, 0, 0}) * Eigen::Vector3d(T_a_b.inverse() * p_a);
+    const auto point =
+        triangulate({p_a.normalized(), sigma_a}, {raised.normalized(), sigma_b}, T_a_b, kMinParallax_rad);
+    if (!point) continue;
+    ++compared;
+    const Eigen::Vector3d p_b = T_a_b.inverse() * *point;
+    const double off_a_m = point->cross(p_a.normalized()).norm();
+    const double off_b_m = p_b.cross(raised.normalized()).norm();
+    const double expected = std::pow(point->norm() * sigma_a / (p_b.norm() * sigma_b), 2);
+    EXPECT_NEAR(off_a_m / off_b_m / expected, 1, 0.01);
+  }
+  EXPECT_GT(compared, 100);
+}
+
 /// Keyframes along the arc: true, or off by some `error` in each direction of their poses but the first.
 test::SyntheticMap arc(const test::SyntheticWorld& world, const test::ObservationNoise& noise, double error,
                        uint64_t seed) {
@@ -90,6 +112,14 @@ double rms_pose_error_m(const Map& map) {
     squares += error_m * error_m;
   }
   return std::sqrt(squares / static_cast<double>(map.keyframes().size()));
+}
+
+double rms_landmark_error_m(const test::SyntheticMap& built, const test::SyntheticWorld& world) {
+  double squares = 0;
+  for (const auto& [point, landmark] : built.landmark_of_point)
+    if (built.map.contains(landmark))
+      squares += (built.map.p_world(landmark) - world.p_world[point]).squaredNorm();
+  return std::sqrt(squares / static_cast<double>(built.landmark_of_point.size()));
 }
 
 MappingOptions four_free_keyframes() {
@@ -119,6 +149,7 @@ TEST(LocalAdjustmentLaws, ErrorsShrinkAndFixedKeyframesStay) {
   const MappingOptions options = four_free_keyframes();
   for (uint64_t seed = 0; seed < 5; ++seed) {
     auto built = arc(world, {0.3, 1e-3, 12, 0.2}, 0, seed);
+    const double landmarks_before_m = rms_landmark_error_m(built, world);
     MapUpdate disturbed;  // the window of local adjustment, with the landmarks anchored there
     Random random(seed);
     const auto problem_of = [&] {
@@ -143,6 +174,8 @@ TEST(LocalAdjustmentLaws, ErrorsShrinkAndFixedKeyframesStay) {
     ASSERT_TRUE(built.map.apply(run_bundle_adjustment(problem_of(), options.local_ba)));
     built.map.check_invariants();
     EXPECT_LT(rms_pose_error_m(built.map), before_m / 5) << seed;
+    EXPECT_LT(rms_landmark_error_m(built, world), 0.8 * landmarks_before_m)
+        << "several views know more of a landmark than the first, even with disturbed poses";
     for (const Keyframe& was : keyframes) {
       if (free_keyframes.contains(was.id)) continue;
       EXPECT_EQ(built.map.keyframe(was.id).T_world_camera.matrix(), was.T_world_camera.matrix());

@@ -66,9 +66,9 @@ const FinishedRun& finished_walk() {
 }
 
 TEST(EndToEnd, AccuracyOfTheSimulatedWalk) {
-  constexpr double kAteWhenWritten_m = 0.0072;
+  constexpr double kReached_m = 0.0058;
   EXPECT_EQ(finished_walk().tracked, finished_walk().frames);
-  EXPECT_LT(finished_walk().ate_m, 2 * kAteWhenWritten_m);
+  EXPECT_LT(finished_walk().ate_m, 1.5 * kReached_m);
 }
 
 TEST(EndToEnd, ALoopClosureHalvesTheDrift) {
@@ -81,13 +81,14 @@ TEST(EndToEnd, ALoopClosureHalvesTheDrift) {
   EXPECT_LT(finished_walk().ate_m, open.ate_m / 2);
 }
 
-TEST(EndToEnd, SelfCalibrationFindsTheReadoutTime) {
+/// Other rooms and paths (sim:room:2, 3) give 31.5 and 32.2 ms, and a delay of depth of 13.3 and 14.8 ms.
+TEST(EndToEnd, SelfCalibrationFindsTheTimesOfTheSensor) {
   const auto& [ate_m, frames, tracked, loops, sensor, truth] = finished_walk();
   ASSERT_GT(truth.rolling_shutter_s, 0.02);  // not in camera.yaml
   EXPECT_TRUE(sensor.used[kRollingShutter]);
-  EXPECT_NEAR(sensor.sensor.corrections(kRollingShutter), truth.rolling_shutter_s, 0.005);
+  EXPECT_NEAR(sensor.sensor.corrections(kRollingShutter), truth.rolling_shutter_s, 0.0025);
   EXPECT_TRUE(sensor.used[kDepthDelay]);
-  EXPECT_GT(sensor.sensor.corrections(kDepthDelay), 0.5 * truth.depth_delay_s);
+  EXPECT_NEAR(sensor.sensor.corrections(kDepthDelay), truth.depth_delay_s, 0.004);
 }
 
 /// A sensor without errors but for depth images at times of their own.
@@ -97,7 +98,7 @@ TEST(EndToEnd, StampsOfDepthMakeAnExactSensorMoreAccurate) {
   walk.noise.depth_stamps = true;
   const FinishedRun with = run_simulation({}, walk, true), without = run_simulation({}, walk, false);
   EXPECT_EQ(with.tracked, with.frames);
-  EXPECT_LT(with.ate_m, without.ate_m);
+  EXPECT_LT(with.ate_m, 0.95 * without.ate_m);
   EXPECT_NEAR(with.sensor.sensor.corrections(kDepthDelay), 0, 0.001);
 }
 

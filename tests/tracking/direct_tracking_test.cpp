@@ -57,7 +57,7 @@ TEST_F(AlignPatch, FindsTheShiftToAFractionOfAPixel) {
         render(kWidth_px, kHeight_px, [&](const Eigen::Vector2d& pixel) { return pixel - shift; });
     const auto found = align_patch(*made, moved, kPoint, 4);
     ASSERT_TRUE(found) << shift.transpose();
-    EXPECT_LT((found->position - kPoint - shift.cast<float>()).norm(), 0.05) << shift.transpose();
+    EXPECT_LT((found->position - kPoint - shift.cast<float>()).norm(), 0.02) << shift.transpose();
     EXPECT_GT(found->correlation, 0.99);
   }
 }
@@ -69,7 +69,7 @@ TEST_F(AlignPatch, IsIndependentOfGainAndOffset) {
   image_.convertTo(darker, -1, 0.5, 20);
   const auto found = align_patch(*made, darker, kPoint + Eigen::Vector2f(1, -1), 4);
   ASSERT_TRUE(found);
-  EXPECT_LT((found->position - kPoint).norm(), 0.1);
+  EXPECT_LT((found->position - kPoint).norm(), 0.01);
 }
 
 TEST_F(AlignPatch, FollowsAnAffineWarp) {
@@ -83,7 +83,7 @@ TEST_F(AlignPatch, FollowsAnAffineWarp) {
   ASSERT_TRUE(made);
   const auto found = align_patch(*made, warped, kPoint + Eigen::Vector2f(-1, 0.5F), 4);
   ASSERT_TRUE(found);
-  EXPECT_LT((found->position - kPoint).norm(), 0.1);
+  EXPECT_LT((found->position - kPoint).norm(), 0.015);
 }
 
 TEST_F(AlignPatch, RejectsWhatItCannotLocate) {
@@ -152,8 +152,8 @@ TEST_F(Wall, AlignmentOfImagesFindsTheMotion) {
   constexpr double kCoarse_per_m = 100;  // the motion is within half a period
   const SE3 found = align_images(make_octaves(view({}, kCoarse_per_m), 4),
                                  make_octaves(view(truth, kCoarse_per_m), 4), points, camera);
-  EXPECT_LT((found.translation - truth.translation).norm(), 0.003);
-  EXPECT_LT((found.inverse() * truth).angle_rad(), 0.001);
+  EXPECT_LT((found.translation - truth.translation).norm(), 0.001);
+  EXPECT_LT((found.inverse() * truth).angle_rad(), 0.0006);
 }
 
 /// Keypoints at the given pixels of the wall.
@@ -203,8 +203,8 @@ TEST_F(Wall, RefinementMovesKeypointsToTheirLandmarks) {
       EXPECT_EQ(refined.sigmas_px[i], 1);
       continue;
     }
-    EXPECT_LT((refined.raw_pixels[i] - (detected[i] - error)).norm(), 0.15);
-    EXPECT_LT((refined.measured_pixels[i] - refined.raw_pixels[i]).norm(), 1e-3);
+    EXPECT_LT((refined.raw_pixels[i] - (detected[i] - error)).norm(), 0.07);
+    EXPECT_LT((refined.measured_pixels[i] - refined.raw_pixels[i]).norm(), 1e-6);
     EXPECT_LT(refined.sigmas_px[i], 1);
     ++moved;
   }

@@ -58,8 +58,8 @@ TEST_F(MotionCompensation, MotionIsCompensated) {
   ASSERT_EQ(undone.size(), ideal_.size());
   double largest_shift_px = 0;
   for (size_t i = 0; i < ideal_.size(); ++i) {
-    EXPECT_LT((undone.pixels[i] - ideal_.pixels[i]).norm(), 1e-2F);
-    EXPECT_NEAR(undone.depths_m[i], ideal_.depths_m[i], 1e-4F);
+    EXPECT_LT((undone.pixels[i] - ideal_.pixels[i]).norm(), 1e-4F);
+    EXPECT_NEAR(undone.depths_m[i], ideal_.depths_m[i], 1e-6F);
     EXPECT_EQ(undone.measured_pixels[i], moving.measured_pixels[i]);
     largest_shift_px = std::max<double>(largest_shift_px, (moving.pixels[i] - ideal_.pixels[i]).norm());
   }
@@ -74,7 +74,7 @@ TEST_F(MotionCompensation, DepthOfAnotherTimeIsMovedToTheStamp) {
   const Features undone = deskew_features(moving, sensor_, velocity_);
   double largest_shift_m = 0;
   for (size_t i = 0; i < ideal_.size(); ++i) {
-    EXPECT_NEAR(undone.depths_m[i], ideal_.depths_m[i], 1e-4F);
+    EXPECT_NEAR(undone.depths_m[i], ideal_.depths_m[i], 1e-6F);
     largest_shift_m = std::max<double>(largest_shift_m, std::abs(moving.depths_m[i] - ideal_.depths_m[i]));
   }
   EXPECT_GT(largest_shift_m, 0.01);
@@ -91,8 +91,8 @@ TEST_F(MotionCompensation, LensAndDepthErrorsAreCorrected) {
   for (float& depth_m : moving.measured_depths_m) depth_m = 1 / (1 / depth_m - 0.01F);
   const Features undone = deskew_features(moving, sensor_, velocity_);
   for (size_t i = 0; i < ideal_.size(); ++i) {
-    EXPECT_LT((undone.pixels[i] - ideal_.pixels[i]).norm(), 1e-2F);
-    EXPECT_NEAR(undone.depths_m[i], ideal_.depths_m[i], 1e-4F);
+    EXPECT_LT((undone.pixels[i] - ideal_.pixels[i]).norm(), 1e-4F);
+    EXPECT_NEAR(undone.depths_m[i], ideal_.depths_m[i], 1e-6F);
   }
 }
 
@@ -102,7 +102,7 @@ TEST_F(MotionCompensation, KeypointsWithoutDepthAreRotated) {
   std::fill(moving.measured_depths_m.begin(), moving.measured_depths_m.end(), 0.0F);
   const Features undone = deskew_features(moving, sensor_, velocity_);
   for (size_t i = 0; i < ideal_.size(); ++i) {
-    EXPECT_LT((undone.pixels[i] - ideal_.pixels[i]).norm(), 1e-2F);
+    EXPECT_LT((undone.pixels[i] - ideal_.pixels[i]).norm(), 1e-4F);
     EXPECT_EQ(undone.depths_m[i], 0.0F);
   }
 }
@@ -129,14 +129,14 @@ TEST_F(MotionCompensation, DepthGradientIsTakenIntoAccount) {
   const Features undone = deskew_features(wall, sensor_, velocity_);
   for (size_t i = 0; i < wall.size(); ++i) {
     if (truth_m[i] > 6) continue;  // beyond 6 m the inverse depth is too small to compare
-    EXPECT_NEAR(undone.depths_m[i], truth_m[i], 2e-4 * truth_m[i] * truth_m[i]);
+    EXPECT_NEAR(undone.depths_m[i], truth_m[i], 4e-5 * truth_m[i] * truth_m[i]);
   }
 }
 
 TEST_F(MotionCompensation, AnIdealSensorChangesNothing) {
   const Features same = deskew_features(ideal_, Sensor{world_.camera}, velocity_);
   for (size_t i = 0; i < ideal_.size(); ++i) {
-    EXPECT_LT((same.pixels[i] - ideal_.pixels[i]).norm(), 1e-4F);
+    EXPECT_LT((same.pixels[i] - ideal_.pixels[i]).norm(), 1e-6F);
     EXPECT_NEAR(same.depths_m[i], ideal_.depths_m[i], 1e-6F);
   }
 }

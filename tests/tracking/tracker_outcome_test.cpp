@@ -81,7 +81,7 @@ TEST_F(TrackerOutcome, RelocalizesWithoutAPreviousFrame) {
   build_map();
   const TrackedFrame found = show(pose(1.5));
   ASSERT_EQ(found.outcome, TrackingOutcome::kRelocalized);
-  EXPECT_LT(error_m(found, pose(1.5)), 0.01);
+  EXPECT_LT(error_m(found, pose(1.5)), 0.003);
 }
 
 TEST_F(TrackerOutcome, TracksAfterRelocalization) {
@@ -89,7 +89,7 @@ TEST_F(TrackerOutcome, TracksAfterRelocalization) {
   show(pose(1.5));
   const TrackedFrame next = show(pose(1.7));
   ASSERT_EQ(next.outcome, TrackingOutcome::kTracked);
-  EXPECT_LT(error_m(next, pose(1.7)), 0.01);
+  EXPECT_LT(error_m(next, pose(1.7)), 0.003);
   EXPECT_GT(next.velocity.linear_m_s.norm(), 0);
 }
 
@@ -102,7 +102,7 @@ TEST_F(TrackerOutcome, PreviousFrameIsExpressedInANewReference) {
   ASSERT_EQ(next.outcome, TrackingOutcome::kTracked);
   EXPECT_EQ(next.reference, other);
   EXPECT_EQ(next.evidence.attempts, 1);  // found at its predicted pose
-  EXPECT_LT(error_m(next, pose(1.7)), 0.01);
+  EXPECT_LT(error_m(next, pose(1.7)), 0.003);
 }
 
 TEST_F(TrackerOutcome, UnknownPlaceIsLostThenStartsANewMap) {
@@ -120,7 +120,7 @@ TEST_F(TrackerOutcome, ReturningCameraIsRelocalized) {
   show(elsewhere());
   const TrackedFrame back = show(pose(0.5));
   ASSERT_TRUE(back.is_located());
-  EXPECT_LT(error_m(back, pose(0.5)), 0.01);
+  EXPECT_LT(error_m(back, pose(0.5)), 0.004);
 }
 
 TEST_F(TrackerOutcome, TrackHasNoSideEffects) {
