@@ -18,7 +18,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "tidy"
-FOLDERS = ("kinloop", "drivers", "simulator", "tools", "viewer", "apps", "ros")
+FOLDERS = ("kinloop", "session", "drivers", "simulator", "tools", "viewer", "apps", "ros")
 SOURCES = rf"{ROOT}/({'|'.join(FOLDERS)})/.*\.[ch]pp$"
 
 

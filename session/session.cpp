@@ -9,7 +9,9 @@
 namespace kinloop {
 namespace {
 
-/// Must run before any OpenCV function: how OpenCV splits work over threads may change results.
+/// Must run before any OpenCV function. OpenCV promises the same results on any number of threads for few of
+/// its functions; those that the library calls give the same bytes with OpenCV 4.6
+/// (tests/tracking/front_end_test.cpp).
 const SlamOptions& without_opencv_threads(const SlamOptions& options) {
   cv::setNumThreads(1);
   return options;

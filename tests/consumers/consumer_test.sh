@@ -17,7 +17,7 @@ add_subdirectory) arguments+=("-DKINLOOP_SOURCE=$source") ;;
 fetch_content)
   # What a release's archive holds: the tracked files as they are now, without the tests.
   tar -cf "$work/kinloop.tar" -C "$source" --exclude=node_modules CMakeLists.txt LICENSE layers.txt cmake data kinloop \
-    drivers simulator tools viewer
+    drivers session simulator tools viewer
   arguments+=("-DKINLOOP_SOURCE=$work/kinloop.tar")
   ;;
 *)

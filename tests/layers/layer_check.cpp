@@ -60,9 +60,10 @@ const LayerRow* row_of(const std::vector<LayerRow>& rows, const std::string& pat
 /// What is wrong with an include in a module; empty if it is allowed. Quotes mean a file of the project.
 std::string objection(const std::vector<LayerRow>& rows, const LayerRow& row, const Include& include) {
   const std::string first_folder = include.target.substr(0, include.target.find('/'));
-  const bool of_project = include.bracket == '"' || contains({"kinloop", "drivers", "simulator", "tools",
-                                                              "apps", "tests", "bench", "viewer", "python"},
-                                                             first_folder);
+  const bool of_project =
+      include.bracket == '"' || contains({"kinloop", "drivers", "simulator", "tools", "session", "apps",
+                                          "tests", "bench", "viewer", "python", "ros"},
+                                         first_folder);
   if (!of_project) return {};
   const LayerRow* included = row_of(rows, include.target);
   if (included == nullptr) return "a module includes only modules, by their paths from the root";
