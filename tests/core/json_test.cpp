@@ -49,7 +49,8 @@ TEST(ParseJson, BracketsSideBySideOrInStringsDoNotNest) {
 /// The sources of the program and the library that call a function of nlohmann's which this module replaces.
 std::vector<std::string> sources_with(const std::string& call) {
   std::vector<std::string> found;
-  for (const char* folder : {"apps", "drivers", "kinloop", "python", "session", "simulator", "tools", "viewer"}) {
+  for (const char* folder :
+       {"apps", "drivers", "kinloop", "python", "session", "simulator", "tools", "viewer"}) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(test::source_folder() / folder)) {
       const auto extension = entry.path().extension();
       if (extension != ".cpp" && extension != ".hpp") continue;
