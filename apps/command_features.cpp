@@ -102,25 +102,25 @@ const std::array<Column, 8> kColumns = {{
 }};
 
 /// A figure over the seeds.
-struct Spread {
+struct ColumnSpread {
   double median = 0, low = 0, high = 0;
 };
 
-std::optional<Spread> spread_of(const Column& column, const DetectorMetrics& detector) {
+std::optional<ColumnSpread> column_spread(const Column& column, const DetectorMetrics& detector) {
   std::vector<double> values;
   for (const SeedMetrics& seed : detector.seeds) {
     if (const auto value = column.of_seed(seed)) values.push_back(*value);
   }
   if (values.empty()) return std::nullopt;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return Spread{median(values), *low, *high};
+  return ColumnSpread{median(values), *low, *high};
 }
 
-std::string median_text(const Column& column, const Spread& spread) {
+std::string median_text(const Column& column, const ColumnSpread& spread) {
   return fmt::format("{:.{}f}{}", column.unit * spread.median, column.digits, column.suffix);
 }
 
-std::string range_text(const Column& column, const Spread& spread) {
+std::string range_text(const Column& column, const ColumnSpread& spread) {
   const auto number = [&](double value) {
     return fmt::format("{:.{}f}", column.unit * value, column.digits);
   };
@@ -136,7 +136,7 @@ std::string comparison_table(const std::vector<DetectorMetrics>& figures) {
     std::string medians = fmt::format("\n{:<14}", detector.name);
     std::string ranges = fmt::format("\n{:<14}", fmt::format("  {} seeds", detector.seeds.size()));
     for (const Column& column : kColumns) {
-      const auto spread = spread_of(column, detector);
+      const auto spread = column_spread(column, detector);
       medians += fmt::format("{:>{}}", spread ? median_text(column, *spread) : "-", column.width);
       ranges += fmt::format("{:>{}}", spread ? range_text(column, *spread) : "-", column.width);
     }
@@ -160,7 +160,7 @@ nlohmann::json comparison_json(const std::vector<DetectorMetrics>& figures) {
                             {"pairs", pairs},
                             {"seeds", detector.seeds.size()}};
     for (const Column& column : kColumns) {
-      const auto spread = spread_of(column, detector);
+      const auto spread = column_spread(column, detector);
       if (!spread) continue;
       entry[column.key] = spread->median;
       entry["ranges"][column.key] = {spread->low, spread->high};

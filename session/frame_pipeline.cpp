@@ -14,7 +14,7 @@ FramePipeline::~FramePipeline() {
 void FramePipeline::run_ahead() {
   try {
     Stopwatch watch;
-    while (const auto frame = source_.next()) {
+    while (auto frame = source_.next()) {
       const ElapsedTime decoding = watch.elapsed();
       Frame prepared = front_end_.prepare(*std::move(frame));
       prepared.time.decoding = decoding;

@@ -63,7 +63,7 @@ struct TrackedFrame {
 
   KeyframeId reference;    ///< the keyframe that the pose is relative to and moves with
   SE3 T_reference_camera;  ///< undefined if lost
-  SE3 T_world_camera;      ///< at the time of tracking, before later corrections of the map
+  SE3 T_world_camera;      ///< at the time of tracking, before later corrections; not in map files
   /// Of x = (translation [m]; rotation [rad]), where the true pose is T_reference_camera * exp(x), given the
   /// landmarks. Zero if unknown.
   Matrix6d covariance = Matrix6d::Zero();

@@ -69,6 +69,7 @@ TrackedFrame Slam::process(const Frame& frame) {
     tracked = *std::move(selected);
     insert_keyframe(tracked);
   }
+  if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
   add_to_log(tracked);
   tracker_.update(tracked, map_);
   if (tracked.keyframe.valid()) {
@@ -108,8 +109,6 @@ void Slam::add_to_log(const TrackedFrame& tracked) {
 /// Shows listeners the frame and, if it has changed, the map.
 TrackedFrame Slam::publish(TrackedFrame tracked) {
   const ScopedTimer timer(timings_, "listeners");
-  if (!tracked.is_lost())
-    tracked.T_world_camera = map_.keyframe(tracked.reference).T_world_camera * tracked.T_reference_camera;
   for (Listener* listener : listeners_) listener->on_frame(tracked);
   if (std::exchange(map_changed_, false)) {
     for (Listener* listener : listeners_) listener->on_map(map_);

@@ -96,6 +96,22 @@ Vocabulary small_vocabulary(const FeatureOptions& features) {
   return train_vocabulary(descriptors, training);
 }
 
+TEST(Slam, LogsThePosesThatItReturned) {
+  Slam slam(recording().camera);
+  for (size_t i = 0; i < 20; ++i) {
+    const TrackedFrame returned = slam.process(recording().frames[i]);
+    const TrackedFrame& logged = slam.log().back();
+    ASSERT_FALSE(returned.is_lost());
+    EXPECT_EQ(returned.T_world_camera.matrix(), world_pose(returned, slam.map()).matrix());
+    EXPECT_EQ(logged.T_world_camera.matrix(), returned.T_world_camera.matrix());
+    EXPECT_EQ(logged.measurements.size(), returned.matches.size());
+    EXPECT_TRUE(returned.frame != nullptr && logged.frame == nullptr) << "the log keeps no images";
+    if (i > 0) {
+      EXPECT_GT(returned.covariance.diagonal().minCoeff(), 0);
+    }
+  }
+}
+
 TEST(Slam, TracksWithEveryKindOfFeature) {
   for (const auto kind : {FeatureKind::kSift, FeatureKind::kSurf}) {
     if (kind == FeatureKind::kSurf && !surf_available()) continue;
