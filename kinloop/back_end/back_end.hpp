@@ -29,6 +29,7 @@ struct AppliedResults {
   std::vector<std::string_view> stale;                            ///< kinds of stale jobs
 };
 
+/// Holds one slot for each kind of job.
 class BackEnd {
  public:
   /// Changes `map` only in `apply_due` and `apply_remaining`. `map` must outlive this object.

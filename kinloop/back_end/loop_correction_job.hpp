@@ -19,7 +19,7 @@ class LoopCorrectionJob {
   explicit LoopCorrectionJob(const BackEndOptions& options)
       : options_(options.loop), lag_frames_(options.executor.loop_correction_lag_frames) {}
 
-  /// Requests a job, as loop closures were added to the map that identify these landmarks.
+  /// Requests a job, after loop closures were added to the map; `merges` are the landmarks they identify.
   void add(const LandmarkMerges& merges);
 
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
@@ -35,7 +35,7 @@ class LoopCorrectionJob {
   int lag_frames_;
   bool loops_waiting_ = false;
   size_t loops_in_problem_ = 0;  // loop closures of the map when the latest problem was copied
-  size_t corrected_loops_ = 0;   // those that the map has been corrected for
+  size_t corrected_loops_ = 0;   // of these, the ones for which the map has been corrected
   LandmarkMerges merges_;        // of the waiting loops
 };
 

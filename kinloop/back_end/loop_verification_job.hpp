@@ -1,5 +1,5 @@
 #pragma once
-// Verifies loop hypotheses geometrically; the map accepts those that pass.
+// Verifies loop hypotheses geometrically and adds those that pass to the map.
 
 #include <optional>
 #include <vector>
@@ -30,7 +30,7 @@ class LoopVerificationJob {
   [[nodiscard]] bool is_due(const JobContext& context) const;
   [[nodiscard]] Problem make_problem(const JobContext& context);
   [[nodiscard]] static Solution solve(const Problem& problem);
-  /// Never stale: a loop is relative to keyframes, so it stays valid when they move.
+  /// Never stale: a loop closure is relative to keyframes, so it stays valid when they move.
   [[nodiscard]] static std::optional<AppliedSolution> apply(Map& map, const Solution& loops);
   void on_stale(const Solution& /*loops*/) {}
 

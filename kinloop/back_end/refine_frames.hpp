@@ -1,5 +1,5 @@
 #pragma once
-// Poses of frames, refined against the landmarks that each observed.
+// Refines the poses of frames against the landmarks that each observed.
 
 #include <deque>
 

@@ -71,8 +71,8 @@ struct SelfCalibrationResult {
   std::vector<Matrix6d> pose_covariance;  ///< per pose of the problem, if requested in the options
 };
 
-/// Solves the problem with the corrections free within its prior. After the first round, those are fixed that
-/// the data constrain too little or do not change.
+/// Solves the problem with the corrections free within its prior. After the first round, corrections that the
+/// data constrain too little or do not change are fixed.
 SelfCalibrationResult run_self_calibration(const BundleAdjustmentProblem& problem,
                                            const BundleOptions& options);
 

@@ -1,6 +1,6 @@
 #pragma once
 // Loop detection: finds older keyframes that look like the same place as a new keyframe, using the place
-// index. A loop between places that share many landmarks already would add little.
+// index. A loop between places that already share many landmarks would add little.
 
 #include <vector>
 
@@ -51,7 +51,7 @@ struct LoopDetection {
 /// another component, are not covisible with it, and are as similar to it as its covisible keyframes
 /// (relative score). `consistent_keyframes` consecutive keyframes must have matched their surroundings
 /// (Galvez-Lopez and Tardos 2012; Mur-Artal and Tardos 2014). Places that share as many landmarks with that
-/// of `keyframe` as it observes are left out.
+/// of `keyframe` as the keyframe observes are left out.
 LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
                                    const CandidateHistory& history, const LoopOptions& options);
 

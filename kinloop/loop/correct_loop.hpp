@@ -21,9 +21,10 @@ struct LoopCorrectionProblem {
 std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe);
 
 /// Builds edges between successive keyframes and between keyframes that share many landmarks, from their
-/// current poses, and of the loop closures: as measured, except the first `corrected_loops`, for which the
-/// map has been corrected. Their landmarks are merged and adjusted, so the current poses are better than the
-/// first measurement. The first keyframe of each component is constant.
+/// current poses, and an edge for each loop closure, as measured. The first `corrected_loops` loop closures
+/// are an exception: the map has been corrected for them and their landmarks are merged and adjusted, so
+/// their edges use the current poses too, which are better than the measurement. The first keyframe of each
+/// component is constant.
 PoseGraph make_pose_graph(const Map& map, const LoopOptions& options, size_t corrected_loops = 0);
 
 /// Returns the information matrix of a relative pose constrained by `shared` landmarks, for (translation;

@@ -1,7 +1,7 @@
 #pragma once
 // Drift: how far the relative pose of two keyframes may be off the pose that the map predicts, given the
-// distance travelled between them since they were last tied by a loop. The bounds are generous: they must
-// never exclude a true loop.
+// distance travelled between them since they were last joined by a loop closure. The bounds are generous:
+// they must never exclude a true loop.
 
 #include <optional>
 #include <vector>

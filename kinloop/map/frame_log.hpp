@@ -13,6 +13,7 @@
 
 namespace kinloop {
 
+/// The frames of a run in order of time, after those of loaded maps.
 using FrameLog = std::vector<TrackedFrame>;
 
 /// Returns the form of a frame in the log: with the measurements of its matches, without images. A lost frame

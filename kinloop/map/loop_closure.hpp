@@ -6,15 +6,16 @@
 
 namespace kinloop {
 
+/// How far a loop closure has been checked.
 enum class LoopStage {
-  kHypothesis,   ///< the views look alike; the pose is of matched keypoints alone
+  kHypothesis,   ///< the views look alike; the pose comes from matched keypoints alone
   kVerified,     ///< landmarks, depth and appearance agree with the pose
   kProvisional,  ///< waits for other keyframes to agree; does not correct the map yet
   kAccepted,     ///< an edge of the map
   kWithdrawn,    ///< was accepted or provisional and has been refuted
 };
 
-/// What speaks for a loop closure.
+/// The support for a loop closure.
 struct LoopEvidence {
   int inliers = 0;            ///< landmarks around `a` that `b` observes, consistently with T_a_b
   int visible_landmarks = 0;  ///< landmarks around `a` in the view of `b`; 0 if read from a file
@@ -25,7 +26,8 @@ struct LoopClosure {
   KeyframeId a;  ///< the place, usually the older keyframe
   KeyframeId b;
   SE3 T_a_b;
-  /// Of (translation; quaternion vector part) as in pose_graph.hpp, 1/m^2 and 1; not set for a hypothesis.
+  /// Information matrix of (translation; quaternion vector part) as in pose_graph.hpp, 1/m^2 and 1; not set
+  /// for a hypothesis.
   Matrix6d information = Matrix6d::Identity();
   LoopEvidence evidence = {};
   LoopStage stage = LoopStage::kHypothesis;

@@ -27,6 +27,7 @@ struct MapData {
 /// Landmarks that two keyframes must share to be covisible.
 inline constexpr int kMinCovisibleLandmarks = 15;
 
+/// A map of keyframes, landmarks and loop closures.
 class Map {
  public:
   // Growing.

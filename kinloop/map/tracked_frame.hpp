@@ -16,6 +16,7 @@
 
 namespace kinloop {
 
+/// How the tracking of a frame ended.
 enum class TrackingOutcome {
   kLost,         ///< no pose
   kTracked,      ///< located relative to the previous frame and the local map
@@ -37,7 +38,7 @@ struct LandmarkMatch {
   uint32_t feature = 0;
 };
 
-/// The measurement of a match, kept after the images are gone.
+/// The measurement of a match, kept when the images are dropped.
 struct MatchMeasurement {
   Eigen::Vector2f pixel;  ///< undistorted, as measured
   float depth_m = 0;      ///< 0 = unknown
@@ -54,6 +55,7 @@ struct TrackingEvidence {
   int attempts = 0;  ///< number of methods tried against the previous frame (1 = the first succeeded)
 };
 
+/// A frame with its pose and the support for it.
 struct TrackedFrame {
   FrameId id;
   int64_t stamp_ns = 0;                ///< of the colour image
@@ -73,11 +75,12 @@ struct TrackedFrame {
   std::vector<MatchMeasurement> measurements;  ///< of `matches`; in the log only
 
   KeyframeId keyframe;   ///< valid if the frame became a keyframe
-  bool refined = false;  ///< refined during the run, its measurements dropped (see LogLimiter)
-  /// The motion-compensated frame. In the log only that of a lost frame, with its features alone, to
-  /// relocalize it in the final map.
+  bool refined = false;  ///< refined during the run, measurements dropped (see LogLimiter)
+  /// The motion-compensated frame. The log keeps it only for lost frames, with features but no images, to
+  /// relocalize them in the final map.
   std::shared_ptr<const Frame> frame;
 
+  /// Whether the frame has no pose.
   [[nodiscard]] bool is_lost() const { return outcome == TrackingOutcome::kLost; }
 
   /// Whether the frame was located in the existing map.
@@ -90,8 +93,10 @@ struct TrackedFrame {
     return !is_lost() && method != TrackingMethod::kDense;
   }
 
+  /// Whether the image repeats the previous one.
   [[nodiscard]] bool is_repeat() const { return method == TrackingMethod::kRepeat; }
 
+  /// Returns the features of `frame`, which must not be null.
   [[nodiscard]] const Features& features() const { return *frame->features; }
 };
 

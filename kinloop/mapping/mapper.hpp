@@ -14,12 +14,13 @@ struct MapperOptions {
   MappingOptions mapping;
 };
 
+/// Inserts keyframes into a map.
 class Mapper {
  public:
   explicit Mapper(const MapperOptions& options) : options_(options) {}
 
-  /// Adds the frame, whose keypoints are matched, to the map: its keyframe, observations and new landmarks.
-  /// Culls bad landmarks.
+  /// Adds the frame to the map as a keyframe, with its observations and new landmarks, and culls weak
+  /// landmarks. The keypoints of the frame must be matched.
   KeyframeId insert(Map& map, const TrackedFrame& tracked, const Sensor& sensor) const;
 
  private:

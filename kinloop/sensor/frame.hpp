@@ -25,29 +25,29 @@ struct PreparationTime {
   ElapsedTime extracting;  ///< keypoints, if they were extracted ahead
 };
 
-/// A source fills in the measured part. The front end adds the rest, maybe ahead of tracking on another
-/// thread.
+/// A frame. The source fills in the measured part; the front end adds the rest, possibly ahead of tracking on
+/// another thread.
 struct Frame {
   FrameId id;                             ///< index of the frame in its source, from 0
   int64_t stamp_ns = 0;                   ///< of the colour image
-  ColorImage color;                       ///< decoded to BGR only when asked
+  ColorImage color;                       ///< decoded to BGR only on request
   cv::Mat depth_m;                        ///< 32FC1, z in metres at each pixel of `color`, 0 = unknown
   cv::Mat infrared = {};                  ///< 16UC1, as seen by the depth camera; empty unless requested
   std::optional<int64_t> depth_stamp_ns;  ///< of the depth image; nullopt: not known
 
   cv::Mat gray = {};                  ///< 8UC1; empty until prepared
   std::vector<cv::Mat> octaves = {};  ///< image pyramid of `gray`, see make_octaves
-  /// All keypoints with descriptors; null until extracted. Of a frame tracked by patches: only the landmarks
+  /// All keypoints with descriptors; null until extracted. For a frame tracked by patches, only the landmarks
   /// found, without descriptors.
   std::shared_ptr<const Features> features = {};
   PreparationTime time = {};
 
-  /// Returns the stamp of the depth image, that of colour where it is not known.
+  /// Returns the stamp of the depth image, or that of the colour image if it is not known.
   [[nodiscard]] int64_t depth_stamp_or_color_ns() const { return depth_stamp_ns.value_or(stamp_ns); }
 };
 
-/// Returns the time of the depth image minus that of colour, s; 0 where they are too far apart to be of one
-/// clock.
+/// Returns the stamp of the depth image minus that of the colour image, s; 0 if they are too far apart to
+/// come from the same clock.
 inline float depth_stamp_difference_s(const Frame& frame) {
   constexpr double kMaxDifference_ns = 5e7;
   const int64_t depth_ns = frame.depth_stamp_or_color_ns();

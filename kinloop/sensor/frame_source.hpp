@@ -55,7 +55,7 @@ class SkippedFrames {
 struct SourceInfo {
   std::string name;         ///< as given by the user
   size_t frames = 0;        ///< number of frames that `next` will return or skip
-  std::string description;  ///< what a recording was taken for; empty if there is nothing to say
+  std::string description;  ///< what a recording was recognised as; may be empty
   bool live = false;        ///< frames arrive in real time and are lost if not taken
   Trajectory ground_truth;  ///< empty if there is none
 };
@@ -64,6 +64,7 @@ struct SourceInfo {
 /// several times a second, on any of its threads; once true, it must stay so. Empty: never.
 using StopRequest = std::function<bool()>;
 
+/// Delivers the frames of a recording, a camera or the simulator.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;

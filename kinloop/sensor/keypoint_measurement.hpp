@@ -1,6 +1,6 @@
 #pragma once
-// What a camera measured of one keypoint: the input of every estimator. It is defined here, below the
-// features that it is read from, since the solvers of `optimize` know no features.
+// What a camera measured of one keypoint: the input of every estimator. It is defined here, below
+// `features`, because the solvers of `optimize` do not know features.
 
 #include <Eigen/Core>
 

@@ -1,7 +1,6 @@
 #pragma once
-// A sensor as a value, the argument of every estimator: the camera of camera.yaml, the noise of its
-// measurements, and by how much it deviates from that camera. Times are relative to the stamp of the colour
-// image.
+// A sensor as a value, which every estimator takes as one argument: the camera of camera.yaml, the noise of
+// its measurements, and its deviations from that camera. Times are relative to the stamp of the colour image.
 
 #include <optional>
 
@@ -27,8 +26,7 @@ struct Sensor {
 /// have the readout time of the colour image.
 Sensor make_sensor(const RgbdCamera& camera, const NoiseOptions& noise = {});
 
-/// Returns the sensor that motion-compensated measurements come from: the same camera and noise, ideal
-/// otherwise.
+/// Returns the sensor of motion-compensated measurements: the same camera and noise, without corrections.
 Sensor without_corrections(Sensor sensor);
 
 /// Projects the ray (x / z, y / z) with the corrected camera to undistorted pixels of the nominal one.

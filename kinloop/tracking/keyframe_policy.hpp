@@ -13,9 +13,9 @@
 
 namespace kinloop {
 
-/// Returns the options for a frame that was tracked directly: keyframes half as far again from each other.
-/// Patches follow a landmark over a larger change of scale and parallax than descriptors, and refer all
-/// frames between to the same keyframe; a rotation brings new content into view in either case.
+/// Returns the options for a frame that was tracked directly: keyframes are 1.5 times as far apart.
+/// Patches follow a landmark over a larger change of scale and parallax than descriptors, and tie all
+/// frames in between to the same keyframe; a rotation brings new content into view in either case.
 KeyframeOptions spaced_for_direct_tracking(KeyframeOptions options);
 
 /// Returns the camera motion from the nearest keyframe, relative to the motion at which a frame always
@@ -31,12 +31,12 @@ struct KeyframeCriteria {
   int reference_landmarks = 0;  ///< landmarks of the reference keyframe confirmed by other keyframes
 };
 
-/// Returns whether the frame should become a keyframe, because it shows enough new or too few known
+/// Returns whether the frame should become a keyframe, because it shows enough new content or too few known
 /// landmarks.
 bool needs_keyframe(const KeyframeCriteria& criteria, const KeyframeOptions& options);
 
 /// Returns the motion to the camera from the newest keyframe, unless that is in another component, and from
-/// those that observe a fair share of its landmarks. May be empty: then nothing known is near.
+/// every keyframe that observes a fair share of the frame's landmarks. Empty if there is no such keyframe.
 std::vector<SE3> motions_from_keyframes(const Map& map, const TrackedFrame& tracked);
 
 /// Returns the keyframe that shares the most matched landmarks, the best reference of the local map; ties go

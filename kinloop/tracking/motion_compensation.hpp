@@ -8,13 +8,13 @@
 
 namespace kinloop {
 
-/// Returns whether motion displaces the measurements: false for an ideal camera whose images are of one time.
+/// Returns whether motion displaces the measurements: false for an ideal camera whose images are taken at the
+/// same time.
 bool needs_deskewing(const Features& features, const Sensor& sensor);
 
-/// Returns `features` with `pixels` and `depths_m` recomputed from the measurements, for a sensor
-/// that moves with `velocity`: the inverse of the model used by bundle
-/// adjustment. Keypoints without depth are only rotated, since the effect of translation depends on their
-/// distance.
+/// Returns `features` with `pixels` and `depths_m` recomputed from the measurements, for a sensor that moves
+/// with `velocity`: the inverse of the model used by bundle adjustment. Keypoints without depth are only
+/// rotated, since the effect of translation depends on their distance.
 Features deskew_features(const Features& features, const Sensor& sensor, const Velocity& velocity);
 
 }  // namespace kinloop
