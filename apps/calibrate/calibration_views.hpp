@@ -1,6 +1,6 @@
 #pragma once
-// In: the arguments of kinloop calibrate. Out: the detections of the board in its images, with a summary on the
-// terminal.
+// In: the arguments of kinloop calibrate. Out: the detections of the board in its images, with a summary on
+// the terminal.
 
 #include <filesystem>
 #include <functional>
