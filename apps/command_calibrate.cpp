@@ -15,7 +15,7 @@
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/text/json.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {

@@ -26,7 +26,7 @@
 #include "drivers/ros/bag_source.hpp"
 #include "drivers/ros/ros_image.hpp"
 #include "drivers/stream/stream_source.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/drivers/bag_writers.hpp"

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "drivers/datasets/tum_source.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/slam/slam.hpp"
 
 int main(int argc, char** argv) try {

@@ -13,7 +13,7 @@
 #include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/map/frame_log.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/slam.hpp"

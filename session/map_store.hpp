@@ -6,7 +6,7 @@
 
 #include "kinloop/core/stopwatch.hpp"
 #include "kinloop/io/file_frame.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "session/dense_recorder.hpp"
 #include "session/run_options.hpp"

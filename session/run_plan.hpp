@@ -11,8 +11,8 @@
 #include "drivers/live/paced_source.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/place/vocabulary.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
 #include "session/dense_recorder.hpp"
 #include "session/run_options.hpp"
 

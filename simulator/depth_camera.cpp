@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/sensor/camera_presets.hpp"
+#include "kinloop/sensor/camera/camera_presets.hpp"
 #include "simulator/multipath.hpp"
 
 namespace kinloop::sim {

@@ -5,7 +5,7 @@
 
 #include "kinloop/core/options.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "simulator/exact_depth.hpp"
 #include "simulator/scene.hpp"
 #include "simulator/stereo_model.hpp"

@@ -9,7 +9,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 #include "simulator/renderer.hpp"
 #include "simulator/room.hpp"
 

@@ -11,7 +11,7 @@
 #include "apps/calibrate/live_capture.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "tools/calibration/board.hpp"
 #include "tools/calibration/find_board.hpp"
 #include "tools/calibration/options.hpp"

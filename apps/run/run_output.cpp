@@ -15,7 +15,7 @@
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "session/process.hpp"
 #include "viewer/report/run_up_direction.hpp"
 

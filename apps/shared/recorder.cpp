@@ -8,7 +8,7 @@
 #include "drivers/datasets/tum_writer.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 #include "tools/export/mcap/frame_recording.hpp"
 
 namespace kinloop {

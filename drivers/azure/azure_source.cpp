@@ -14,9 +14,9 @@
 #include "drivers/ros/ros_image.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/sensor/camera/possible_camera.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
-#include "kinloop/sensor/possible_camera.hpp"
-#include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {
 namespace {

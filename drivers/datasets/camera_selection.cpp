@@ -7,8 +7,8 @@
 #include "drivers/datasets/folder_contents.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/camera_file.hpp"
-#include "kinloop/sensor/camera_presets.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_presets.hpp"
 
 namespace kinloop {
 namespace {

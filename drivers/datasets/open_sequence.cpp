@@ -5,8 +5,8 @@
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
-#include "kinloop/sensor/camera_file.hpp"
-#include "kinloop/sensor/possible_camera.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
+#include "kinloop/sensor/camera/possible_camera.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -7,8 +7,8 @@
 
 #include "drivers/datasets/reading/video_reader.hpp"
 #include "drivers/datasets/recorded_sequence.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 #include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/sensor/registration.hpp"
 
 namespace kinloop {
 

@@ -9,8 +9,8 @@
 
 #include "kinloop/core/files/folder_lock.hpp"
 #include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/frame.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

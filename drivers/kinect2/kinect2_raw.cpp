@@ -16,7 +16,7 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/log.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 

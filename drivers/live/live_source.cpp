@@ -5,7 +5,7 @@
 
 #include "drivers/live/reconnection.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 
 namespace kinloop {
 namespace {

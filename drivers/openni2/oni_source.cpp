@@ -10,8 +10,8 @@
 #include "drivers/openni2/oni_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/sensor/possible_camera.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/possible_camera.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 
 namespace kinloop {
 namespace {

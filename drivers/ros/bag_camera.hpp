@@ -8,7 +8,7 @@
 #include "drivers/bags/message_file.hpp"
 #include "drivers/ros/ros_serialization.hpp"
 #include "drivers/ros/ros_topics.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 

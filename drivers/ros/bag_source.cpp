@@ -12,8 +12,8 @@
 #include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/sensor/possible_camera.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/possible_camera.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 
 namespace kinloop {
 namespace {

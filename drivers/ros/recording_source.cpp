@@ -9,7 +9,7 @@
 #include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 #include "kinloop/sensor/recording_format.hpp"
 

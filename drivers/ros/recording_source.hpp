@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "drivers/bags/message_file.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -13,7 +13,7 @@
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {

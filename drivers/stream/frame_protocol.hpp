@@ -11,8 +11,8 @@
 
 #include "drivers/stream/byte_stream.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/images/color_image.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -10,7 +10,7 @@
 #include "drivers/images/first_reason.hpp"
 #include "drivers/live/live_frames.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 
 namespace kinloop {
 namespace {

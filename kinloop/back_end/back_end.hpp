@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "kinloop/back_end/executor.hpp"
-#include "kinloop/back_end/global_ba_job.hpp"
-#include "kinloop/back_end/local_ba_job.hpp"
-#include "kinloop/back_end/loop_correction_job.hpp"
-#include "kinloop/back_end/loop_verification_job.hpp"
-#include "kinloop/back_end/self_calibration_job.hpp"
+#include "kinloop/back_end/jobs/global_ba_job.hpp"
+#include "kinloop/back_end/jobs/local_ba_job.hpp"
+#include "kinloop/back_end/jobs/loop_correction_job.hpp"
+#include "kinloop/back_end/jobs/loop_verification_job.hpp"
+#include "kinloop/back_end/jobs/self_calibration_job.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 
 namespace kinloop {

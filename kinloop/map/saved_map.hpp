@@ -7,7 +7,7 @@
 
 #include "kinloop/map/frame_log.hpp"
 #include "kinloop/map/map.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 

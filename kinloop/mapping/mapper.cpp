@@ -2,8 +2,8 @@
 
 #include "kinloop/mapping/landmark_creation.hpp"
 #include "kinloop/mapping/triangulate.hpp"
+#include "kinloop/tracking/direct/refine_keypoints.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
-#include "kinloop/tracking/refine_keypoints.hpp"
 
 namespace kinloop {
 namespace {

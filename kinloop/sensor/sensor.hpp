@@ -8,9 +8,9 @@
 
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/velocity.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/keypoint_measurement.hpp"
 #include "kinloop/sensor/noise_model.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
 #include "kinloop/sensor/sensor_model.hpp"
 
 namespace kinloop {

@@ -21,7 +21,7 @@
 #include "kinloop/map/saved_map.hpp"
 #include "kinloop/mapping/mapper.hpp"
 #include "kinloop/place/vocabulary.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/options.hpp"

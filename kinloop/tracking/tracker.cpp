@@ -5,7 +5,7 @@
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/tracking/direct_tracking.hpp"
+#include "kinloop/tracking/direct/direct_tracking.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
 

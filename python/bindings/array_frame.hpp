@@ -1,7 +1,7 @@
 #pragma once
 // Colour and depth arrays to a frame.
 
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/slam.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "drivers/datasets/camera_selection.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 
 namespace kinloop::python {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "python/bindings/bindings.hpp"
 
 namespace kinloop::python {

@@ -7,7 +7,7 @@
 
 #include "kinloop/io/run_folder.hpp"
 #include "kinloop/loop/correct_loop.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/dense.hpp"
 #include "python/bindings/gil.hpp"

@@ -9,7 +9,7 @@
 
 #include "kinloop/dense/mesh/colored_mesh.hpp"
 #include "kinloop/io/file_frame.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "python/bindings/source.hpp"
 #include "session/dense_recorder.hpp"

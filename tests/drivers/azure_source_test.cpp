@@ -7,7 +7,7 @@
 
 #include "drivers/azure/azure_calibration.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 #include "tests/drivers/mkv_writer.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/drivers/sequence_folder.hpp"

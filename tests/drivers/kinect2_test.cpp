@@ -19,7 +19,7 @@
 #include "drivers/kinect2/kinect2_packets.hpp"
 #include "drivers/kinect2/kinect2_stream.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "tests/drivers/fake_kinect2.hpp"
 
 namespace kinloop {

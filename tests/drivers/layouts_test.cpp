@@ -11,7 +11,7 @@
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "tests/drivers/layout_writers.hpp"
 #include "tests/drivers/test_video.hpp"

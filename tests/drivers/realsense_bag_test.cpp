@@ -6,7 +6,7 @@
 #include <rosbag/bag.h>
 
 #include "drivers/ros/bag_source.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 #include "tests/drivers/message_writer.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/drivers/sequence_folder.hpp"

@@ -16,7 +16,7 @@
 
 #include "drivers/realsense/realsense_stream.hpp"
 #include "drivers/ros/bag_source.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace kinloop {

@@ -5,7 +5,7 @@
 #include "drivers/datasets/tum_source.hpp"
 #include "drivers/ros/bag_source.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 #include "tests/drivers/bag_writers.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/drivers/sequence_folder.hpp"

@@ -4,7 +4,7 @@
 
 #include "drivers/datasets/folder_contents.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "kinloop/core/time.hpp"
-#include "kinloop/sensor/camera_presets.hpp"
+#include "kinloop/sensor/camera/camera_presets.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"
 

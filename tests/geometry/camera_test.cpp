@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/core/random.hpp"
-#include "kinloop/sensor/possible_camera.hpp"
+#include "kinloop/sensor/camera/possible_camera.hpp"
 #include "tests/support/random_vectors.hpp"
 
 namespace kinloop {

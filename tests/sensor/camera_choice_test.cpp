@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "drivers/datasets/camera_selection.hpp"
-#include "kinloop/sensor/camera_presets.hpp"
+#include "kinloop/sensor/camera/camera_presets.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 
 #include <array>
 #include <string>
@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/sensor/camera_presets.hpp"
+#include "kinloop/sensor/camera/camera_presets.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 
 #include <array>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/sensor/camera_presets.hpp"
+#include "kinloop/sensor/camera/camera_presets.hpp"
 #include "tests/optimize/bundle_world.hpp"
 
 namespace kinloop {

@@ -6,9 +6,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/features/patches.hpp"
-#include "kinloop/tracking/align_images.hpp"
-#include "kinloop/tracking/align_patch.hpp"
-#include "kinloop/tracking/refine_keypoints.hpp"
+#include "kinloop/tracking/direct/align_images.hpp"
+#include "kinloop/tracking/direct/align_patch.hpp"
+#include "kinloop/tracking/direct/refine_keypoints.hpp"
 
 namespace kinloop {
 namespace {

@@ -4,7 +4,7 @@
 #include <unordered_set>
 
 #include "kinloop/dense/cloud/voxel_samples.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "session/viewer_options.hpp"
 #include "viewer/scene/wire_format.hpp"
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "viewer/scene/incremental_cloud.hpp"
 #include "viewer/scene/run_feed.hpp"
 #include "viewer/scene/scene.hpp"

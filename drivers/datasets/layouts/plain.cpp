@@ -4,7 +4,7 @@
 
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/reading/image_pairs.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,7 +9,7 @@
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/quantile.hpp"
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 
 namespace kinloop {
 

@@ -10,7 +10,7 @@
 
 #include "drivers/datasets/recorded_sequence.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -5,7 +5,7 @@
 
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/trajectory.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "kinloop/sensor/possible_camera.hpp"
+#include "kinloop/sensor/camera/possible_camera.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -14,7 +14,7 @@
 #include "kinloop/io/point_cloud/pcd.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/drivers/bag_writers.hpp"
 #include "tests/drivers/layout_writers.hpp"

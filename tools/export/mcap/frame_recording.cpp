@@ -2,7 +2,7 @@
 
 #include "kinloop/dense/depth_codec.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/images/fast_encoder.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 #include "kinloop/sensor/recording_format.hpp"

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string>
 
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/frame.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
 #include "tools/export/mcap/mcap_writer.hpp"
 
 namespace kinloop {

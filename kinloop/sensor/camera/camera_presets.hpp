@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 

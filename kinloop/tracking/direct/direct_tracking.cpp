@@ -1,4 +1,4 @@
-#include "kinloop/tracking/direct_tracking.hpp"
+#include "kinloop/tracking/direct/direct_tracking.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
-#include "kinloop/tracking/align_images.hpp"
+#include "kinloop/tracking/direct/align_images.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
 
 namespace kinloop {

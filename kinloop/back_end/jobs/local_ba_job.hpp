@@ -1,7 +1,7 @@
 #pragma once
 // Local bundle adjustment around each new keyframe.
 
-#include "kinloop/back_end/job_context.hpp"
+#include "kinloop/back_end/jobs/job_context.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
 
 namespace kinloop {

@@ -7,8 +7,8 @@
 
 #include "kinloop/features/options.hpp"
 #include "kinloop/map/tracked_frame.hpp"
+#include "kinloop/tracking/direct/patch_search.hpp"
 #include "kinloop/tracking/options.hpp"
-#include "kinloop/tracking/patch_search.hpp"
 
 namespace kinloop {
 

@@ -1,4 +1,4 @@
-#include "kinloop/sensor/registration.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 namespace {

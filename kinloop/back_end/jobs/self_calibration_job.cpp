@@ -1,4 +1,4 @@
-#include "kinloop/back_end/self_calibration_job.hpp"
+#include "kinloop/back_end/jobs/self_calibration_job.hpp"
 
 #include "kinloop/map/frame_velocities.hpp"
 

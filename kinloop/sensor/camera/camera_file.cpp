@@ -1,4 +1,4 @@
-#include "kinloop/sensor/camera_file.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include "kinloop/tracking/refine_keypoints.hpp"
+#include "kinloop/tracking/direct/refine_keypoints.hpp"
 
 namespace kinloop {
 

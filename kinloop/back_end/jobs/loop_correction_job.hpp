@@ -1,7 +1,7 @@
 #pragma once
 // Loop correction: distributes the drift over all keyframes and merges the landmarks matched by loops.
 
-#include "kinloop/back_end/job_context.hpp"
+#include "kinloop/back_end/jobs/job_context.hpp"
 #include "kinloop/loop/correct_loop.hpp"
 
 namespace kinloop {

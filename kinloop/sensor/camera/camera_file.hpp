@@ -25,7 +25,7 @@
 #include <filesystem>
 #include <string>
 
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -1,11 +1,11 @@
-#include "kinloop/tracking/patch_search.hpp"
+#include "kinloop/tracking/direct/patch_search.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
 
-#include "kinloop/tracking/align_patch.hpp"
+#include "kinloop/tracking/direct/align_patch.hpp"
 
 namespace kinloop {
 namespace {

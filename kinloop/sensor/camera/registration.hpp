@@ -8,7 +8,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -1,7 +1,7 @@
 #pragma once
 // Self-calibration of the sensor times during the run, with the map adjusted to them.
 
-#include "kinloop/back_end/job_context.hpp"
+#include "kinloop/back_end/jobs/job_context.hpp"
 #include "kinloop/back_end/self_calibration.hpp"
 #include "kinloop/sensor/sensor.hpp"
 

@@ -1,4 +1,4 @@
-#include "kinloop/tracking/align_patch.hpp"
+#include "kinloop/tracking/direct/align_patch.hpp"
 
 #include <algorithm>
 #include <array>

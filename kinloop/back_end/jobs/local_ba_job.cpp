@@ -1,4 +1,4 @@
-#include "kinloop/back_end/local_ba_job.hpp"
+#include "kinloop/back_end/jobs/local_ba_job.hpp"
 
 namespace kinloop {
 

@@ -1,4 +1,4 @@
-#include "kinloop/back_end/loop_correction_job.hpp"
+#include "kinloop/back_end/jobs/loop_correction_job.hpp"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "kinloop/tracking/align_images.hpp"
+#include "kinloop/tracking/direct/align_images.hpp"
 
 #include <algorithm>
 #include <array>

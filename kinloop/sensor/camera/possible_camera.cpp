@@ -1,4 +1,4 @@
-#include "kinloop/sensor/possible_camera.hpp"
+#include "kinloop/sensor/camera/possible_camera.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/rgbd_camera.hpp"
+#include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "kinloop/back_end/job_context.hpp"
+#include "kinloop/back_end/jobs/job_context.hpp"
 #include "kinloop/loop/verify_loop.hpp"
 
 namespace kinloop {

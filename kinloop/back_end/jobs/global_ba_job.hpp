@@ -1,7 +1,7 @@
 #pragma once
 // Bundle adjustment of the whole map after loops were corrected.
 
-#include "kinloop/back_end/job_context.hpp"
+#include "kinloop/back_end/jobs/job_context.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
 
 namespace kinloop {

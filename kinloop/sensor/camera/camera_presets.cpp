@@ -1,4 +1,4 @@
-#include "kinloop/sensor/camera_presets.hpp"
+#include "kinloop/sensor/camera/camera_presets.hpp"
 
 #include <array>
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "kinloop/map/tracked_frame.hpp"
-#include "kinloop/tracking/patch_search.hpp"
+#include "kinloop/tracking/direct/patch_search.hpp"
 
 namespace kinloop {
 
