@@ -61,6 +61,9 @@ cv::Mat pixels_of(const RosImage& image, int type) {
     throw InputError(fmt::format("an image message of {} x {} pixels with {} bytes: truncated", image.width,
                                  image.height, image.data.size()));
   }
+  if (image.step % CV_ELEM_SIZE1(type) != 0)
+    throw InputError(fmt::format("an image message with rows of {} bytes, not whole values of {} bytes",
+                                 image.step, CV_ELEM_SIZE1(type)));
   return {image.height, image.width, type, const_cast<uint8_t*>(image.data.data()), image.step};
 }
 

@@ -50,6 +50,14 @@ TEST(RosImage, RowsMayBePadded) {
       equal(color_from({32, 24, wide.step, "bgr8", false, {wide.data, wide.step * 24}}), part.clone()));
 }
 
+TEST(RosImage, RowsAreWholeValues) {
+  const std::vector<uint8_t> bytes(2 * 7);
+  EXPECT_THAT(input_error([&] {
+                depth_from({3, 2, 7, "16UC1", false, bytes});
+              }),
+              HasSubstr("rows of 7 bytes, not whole values of 2 bytes"));
+}
+
 TEST(RosImage, DepthIsInMetresAndZeroWhereUnknown) {
   const cv::Mat millimetres = (cv::Mat_<uint16_t>(1, 2) << 1500, 0);
   const cv::Mat a = depth_from(message_of(millimetres, "16UC1"));
