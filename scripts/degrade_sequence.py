@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageFilter
+from tum_folder import depth_scale, read_color, read_depth_m, rows_of, write_color, write_depth_m
 
 
 class Frame:
@@ -19,8 +20,8 @@ class Frame:
 
     def __init__(self, index, row, folder, scale):
         self.index, self.color_s, self.depth_s = index, float(row[0]), float(row[2])
-        self.color = np.asarray(Image.open(folder / row[1]).convert("RGB"), float)
-        self.depth_m = np.asarray(Image.open(folder / row[3]), float) / scale
+        self.color = read_color(folder / row[1]).astype(float)
+        self.depth_m = read_depth_m(folder / row[3], scale)
 
 
 def dim(frame, rng):
@@ -102,17 +103,6 @@ DEGRADATIONS = {f.__name__: f for f in (dim, plain, exposure, gamma, noise, near
                                         jitter, dropped)}
 
 
-def rows_of(path):
-    return [line.split() for line in path.read_text().splitlines() if line.strip() and line[0] != "#"]
-
-
-def depth_scale(folder):
-    for line in (folder / "camera.yaml").read_text().splitlines():
-        if line.startswith("depth_scale:"):
-            return float(line.split()[1])
-    return 5000.0
-
-
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
                                      epilog="\n".join(f"  {n:10}{f.__doc__}" for n, f in DEGRADATIONS.items()))
@@ -143,12 +133,11 @@ def main():
                 step(frame, rng)
             if frame.color is not None:
                 name = f"rgb/{frame.color_s:.6f}.png"
-                Image.fromarray(frame.color.clip(0, 255).astype(np.uint8)).save(args.copy / name, compress_level=1)
+                write_color(args.copy / name, frame.color)
                 color_list.write(f"{frame.color_s:.6f} {name}\n")
             if frame.depth_m is not None:
                 name = f"depth/{frame.depth_s:.6f}.png"
-                units = (frame.depth_m * scale).round().clip(0, 65535).astype(np.uint16)
-                Image.fromarray(units).save(args.copy / name, compress_level=1)
+                write_depth_m(args.copy / name, frame.depth_m, scale)
                 depth_list.write(f"{frame.depth_s:.6f} {name}\n")
 
 
