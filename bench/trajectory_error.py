@@ -147,11 +147,16 @@ def evaluate(run, truth_file, interval_s=None):
     silent = silent_errors(errors, sigmas_m, tracked)
     outside = np.ones(len(estimate), bool)
     if interval_s:
-        outside = (estimate.stamps_s < interval_s[0]) | (estimate.stamps_s > interval_s[1])
+        outside = ~is_within(estimate.stamps_s, interval_s)
     return {**result, "ate_m": rmse(errors_m(least_squares(estimate, truth), estimate, truth)),
             "ate_outside_m": ate_m(estimate.of(outside), truth.of(outside)), "median_m": float(np.median(errors)),
             "worst_m": float(errors[tracked].max(initial=0)), "silent": int(silent.sum()),
             "silent_share": float(silent.sum() / max(1, result["tracked"]))}
+
+
+def is_within(stamp_s, interval_s):
+    """Stamps are written with microseconds."""
+    return (stamp_s > interval_s[0] - 1e-5) & (stamp_s < interval_s[1] + 1e-5)
 
 
 def ate_m(estimate, truth):
@@ -168,5 +173,5 @@ def marked_share(rows, interval_s):
     """The share of the disturbed frames that are not called tracked."""
     if not interval_s:
         return None
-    disturbed = [row["status"] in NOT_TRACKED for row in rows if interval_s[0] <= row["stamp_s"] <= interval_s[1]]
+    disturbed = [row["status"] in NOT_TRACKED for row in rows if is_within(row["stamp_s"], interval_s)]
     return sum(disturbed) / len(disturbed) if disturbed else None

@@ -67,7 +67,7 @@ def one_of(*values):
 
 
 def resized(values, height, width):
-    return np.asarray(Image.fromarray(values.astype(np.float32)).resize((width, height), Image.Resampling.BILINEAR))
+    return np.asarray(Image.fromarray(values.astype(np.float32)).resize((width, height), Image.BILINEAR))
 
 
 def texture(style, height, width, contrast, rng):
@@ -110,10 +110,9 @@ def cover(frame, rows, columns, levels, depth_m, rng, mask=True):
 
 def word_image(word, height):
     """The word as a mask of this height, from the built-in font."""
-    font = ImageFont.load_default()
-    left, top, right, bottom = font.getbbox(word)
-    image = Image.new("L", (int(right - left) + 2, int(bottom - top) + 2))
-    ImageDraw.Draw(image).text((1 - left, 1 - top), word, fill=255, font=font)
+    image = Image.new("L", (200, 40))
+    ImageDraw.Draw(image).text((5, 5), word, fill=255, font=ImageFont.load_default())
+    image = image.crop(image.getbbox())
     return np.asarray(image.resize((max(1, image.width * height // image.height), height))) / 255
 
 

@@ -3,7 +3,7 @@
 # missing.
 # Usage: scripts/install_dependencies.sh [--minimal] [--tests | --checks | --packages]
 #   --minimal  required packages only
-#   --tests    also a browser for the tests of the pages
+#   --tests    also a browser for the tests of the pages, and what those of the scripts need
 #   --checks   and the tools of the format, tidy and documentation checks
 #   --packages what scripts/build_packages.sh and scripts/build_portable.sh need
 set -euo pipefail
@@ -41,9 +41,9 @@ minimal=false
 for argument in "$@"; do
   case "$argument" in
     --minimal) minimal=true ;;
-    --tests) optional+=("tests of the pages: chromium") ;;
+    --tests) optional+=("tests of the pages: chromium" "tests of the scripts: python3-numpy python3-pil") ;;
     --checks)
-      optional+=("tests of the pages: chromium")
+      optional+=("tests of the pages: chromium" "tests of the scripts: python3-numpy python3-pil")
       optional+=("fuzzing: clang libclang-rt-dev")
       required+=(clang-format clang-tidy doxygen python3 mkdocs mkdocs-material python3-pymdownx)
       ;;
