@@ -132,7 +132,7 @@ def silent_errors(errors, sigmas_m, called_tracked):
 
 
 def evaluate(run, truth_file, interval_s=None):
-    """Errors of the run in folder `run`; `interval_s` is when it was disturbed, of which the errors outside are told."""
+    """Errors of the run in folder `run`; also without the frames of `interval_s`, when it was disturbed."""
     rows = read_frames(run / "frames.txt")
     estimate, truth = matched(read_path(run / "trajectory.txt"), read_path(truth_file))
     by_stamp = {round(row["stamp_s"] * 1e6): row for row in rows}

@@ -15,7 +15,8 @@ import shutil
 import sys
 from pathlib import Path
 
-from disturbances import KINDS, Disturbance, Frame
+from disturbances import KINDS, Disturbance
+from painting import Frame
 from tum_folder import depth_scale, read_color, rows_of, write_color, write_depth_m
 
 

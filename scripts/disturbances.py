@@ -1,42 +1,17 @@
-"""Disturbances that are painted into pairs of images: things fixed to the camera, things that move, failures of a stream.
+"""The kinds of disturbances: things fixed to the camera, things that move, failures of a stream, other places.
 
 In: a Frame, changed in place. Every kind has a function that prepares it for the size of the images and returns what
 is done to a frame, and the parameters it takes, each with the distribution from which a seed draws it."""
 
-import functools
 import zlib
 from dataclasses import dataclass
 from typing import Callable
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFilter, ImageFont
-from tum_folder import read_color, read_depth_m
+from painting import COLOR_NOISE, cover, noise, relief_m, texture, tinted, word_image
+from PIL import Image, ImageFilter
 
-COLOR_NOISE = 2.0  # levels; what is painted has the noise of a sensor, or it would be exactly the same in all frames
-DEPTH_NOISE = 1.4e-3  # m at 1 m, growing with the square of the depth, as with a Kinect
 WORDS = ("ROBOT", "DANGER", "CART 7", "KEEP CLEAR")
-
-
-class Frame:
-    """A pair of images, read when something is painted on them. Those never read are unchanged."""
-
-    def __init__(self, index, row, folder, scale):
-        self.index, self.color_s, self.depth_s = index, float(row[0]), float(row[2])
-        self.color_path, self.depth_path, self.scale = folder / row[1], folder / row[3], scale
-        self.painted_color = self.painted_depth_m = None
-        self.removed = False
-
-    @property
-    def color(self):
-        if self.painted_color is None:
-            self.painted_color = np.array(read_color(self.color_path))
-        return self.painted_color
-
-    @property
-    def depth_m(self):
-        if self.painted_depth_m is None:
-            self.painted_depth_m = read_depth_m(self.depth_path, self.scale)
-        return self.painted_depth_m
 
 
 @dataclass(frozen=True)
@@ -66,56 +41,6 @@ def one_of(*values):
     return lambda rng: values[rng.integers(len(values))]
 
 
-def resized(values, height, width):
-    return np.asarray(Image.fromarray(values.astype(np.float32)).resize((width, height), Image.BILINEAR))
-
-
-def texture(style, height, width, contrast, rng):
-    """Levels around 128, (height, width): what corners are found on."""
-    grain = max(3, width // 24)
-    rows, columns = np.mgrid[:height, :width]
-    if style == "checks":
-        pattern = ((rows // grain + columns // grain) % 2) * 2.0 - 1
-    elif style == "dots":
-        pattern = np.full((height, width), -0.5)
-        for y, x in rng.uniform((0, 0), (height, width), (60, 2)):
-            pattern[(rows - y) ** 2 + (columns - x) ** 2 < (grain / 2) ** 2] = 1
-    else:  # patches of three sizes
-        pattern = np.zeros((height, width))
-        for size in (grain, 2 * grain, 4 * grain):
-            patches = rng.uniform(-0.6, 0.6, (height // size + 1, width // size + 1))
-            pattern += np.kron(patches, np.ones((size, size)))[:height, :width]
-    return 128 + 120 * contrast * pattern.clip(-1, 1)
-
-
-@functools.lru_cache(maxsize=4)
-def noise_field(height, width):
-    return np.random.default_rng(0).standard_normal((height + 64, width + 64), np.float32)
-
-
-def noise(shape, rng):
-    """Normal noise: a part of a larger field at a random place, which is faster than new noise for each frame."""
-    top, left = rng.integers(64, size=2)
-    return noise_field(*shape)[top : top + shape[0], left : left + shape[1]]
-
-
-def cover(frame, rows, columns, levels, depth_m, rng, mask=True):
-    """Paints `levels` and `depth_m` with sensor noise where `mask` is set."""
-    shape = levels.shape[:2]
-    noisy = levels + COLOR_NOISE * noise(shape, rng)[..., None]
-    measured_m = depth_m + DEPTH_NOISE * noise(shape, rng) * depth_m**2
-    np.copyto(frame.color[rows, columns], noisy.clip(0, 255).astype(np.uint8), where=np.expand_dims(mask, -1))
-    np.copyto(frame.depth_m[rows, columns], measured_m, where=mask)
-
-
-def word_image(word, height):
-    """The word as a mask of this height, from the built-in font."""
-    image = Image.new("L", (200, 40))
-    ImageDraw.Draw(image).text((5, 5), word, fill=255, font=ImageFont.load_default())
-    image = image.crop(image.getbbox())
-    return np.asarray(image.resize((max(1, image.width * height // image.height), height))) / 255
-
-
 def part(p, shape, rng):
     """a grey part with screws and a word, fixed to the camera, at the bottom of the image"""
     height, width = round(p["share"] * shape[0]), shape[1]
@@ -136,16 +61,6 @@ def part(p, shape, rng):
         cover(frame, slice(shape[0] - height, None), slice(None), color, depth_m, rng)
 
     return apply
-
-
-def tinted(levels, rng):
-    """Grey levels with a slight colour."""
-    return (levels[..., None] * rng.uniform(0.75, 1.1, 3)).clip(0, 255).astype(np.float32)
-
-
-def relief_m(height, width, rng):
-    """Bumps of 2 cm on what is painted."""
-    return 0.02 * resized(rng.uniform(-1, 1, (6, 6)), height, width)
 
 
 def object_(p, shape, rng):
@@ -277,6 +192,32 @@ def blur(p, shape, rng):
     return apply
 
 
+def blank(p, shape, rng):
+    """nothing but a plain wall or ceiling in view, its depth with holes, perhaps with a lamp"""
+    y, x = np.mgrid[: shape[0], : shape[1]]
+    light = 190 + 30 * (x / shape[1] - 0.5) * rng.uniform(-1, 1) + 30 * (y / shape[0] - 0.5) * rng.uniform(-1, 1)
+    if p["lamp"]:
+        cy, cx = rng.uniform(0.2, 0.8, 2) * shape
+        light = light + 255 * (np.hypot(y - cy, x - cx) < shape[1] / 16)
+    color = np.repeat(light[..., None], 3, 2).astype(np.float32)
+
+    def apply(frame, progress, rng):
+        cover(frame, slice(None), slice(None), color, np.full(shape, p["depth_m"]), rng)
+        frame.depth_m[noise(shape, rng) < -0.84] = 0  # a fifth
+
+    return apply
+
+
+def other_room(p, shape, rng):
+    """frames of another room: the mirror image of this one"""
+
+    def apply(frame, progress, rng):
+        frame.color[:] = frame.color[:, ::-1].copy()
+        frame.depth_m[:] = frame.depth_m[:, ::-1].copy()
+
+    return apply
+
+
 def gap(p, shape, rng):
     """frames missing"""
 
@@ -313,6 +254,8 @@ KINDS = {
     "black_depth": Kind(black_depth, {}, seconds=(1, 5)),
     "black": Kind(black, {}, seconds=(1, 5)),
     "blur": Kind(blur, {"px": whole(15, 61)}, seconds=(1, 4)),
+    "blank": Kind(blank, {"depth_m": uniform(1, 3), "lamp": one_of(False, True)}, seconds=(2, 5)),
+    "other_room": Kind(other_room, {}, seconds=(0.3, 5)),
     "gap": Kind(gap, {}, seconds=(1, 5)),
     "scale": Kind(scale, {"factor": uniform(0.85, 1.15)}),
 }

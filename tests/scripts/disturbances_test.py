@@ -136,6 +136,15 @@ class Disturbances(WithSequence):
         color, depth_m = self.images(self.disturb("scale:factor=0.85,first=10")[0], 20)
         self.assertAlmostEqual(depth_m.max(), 0.85 * (SCENE_M + 20 / 5000), delta=1e-3)
 
+    def test_blank_and_other_rooms(self):
+        color, depth_m = self.images(self.disturb("blank:depth_m=1.5,lamp=0,first=10,seconds=1")[0], 20)
+        self.assertTrue(color.std() < 15)
+        self.assertAlmostEqual((depth_m == 0).mean(), 0.2, delta=0.04)
+        self.assertAlmostEqual(np.median(depth_m[depth_m > 0]), 1.5, delta=0.01)
+        folder, _ = self.disturb("other_room:first=10,seconds=1")
+        for mirrored, image in zip(self.images(folder, 20), self.images(self.sequence, 20)):
+            np.testing.assert_array_equal(mirrored, image[:, ::-1])
+
     def test_a_gap_removes_frames_from_all_lists(self):
         folder, done = self.disturb("gap:first=10,seconds=1")
         for name in ("rgb.txt", "depth.txt", "associations.txt"):
