@@ -113,7 +113,7 @@ def big_mover(p, shape, rng):
 
 
 def dirt(p, shape, rng):
-    """spots on the lens: colour blurred and dark, depth missing"""
+    """spots on the lens: colour blurred and dark, depth missing if it is not only on the lens of the colour camera"""
     y, x = np.mgrid[: shape[0], : shape[1]]
     veil, light = np.zeros(shape), np.ones(shape)
     for _ in range(p["spots"]):
@@ -127,7 +127,8 @@ def dirt(p, shape, rng):
         blurred = np.asarray(Image.fromarray(frame.color).filter(ImageFilter.BoxBlur(shape[1] // 40)))
         soiled = frame.color * (1 - veil[..., None]) + blurred * (veil * light)[..., None]
         frame.color[veil > 0] = soiled[veil > 0].astype(np.uint8)
-        frame.depth_m[veil > 0.5] = 0
+        if p["lens"] == "both":
+            frame.depth_m[veil > 0.5] = 0
 
     return apply
 
@@ -247,7 +248,8 @@ KINDS = {
                    seconds=(3, 12)),
     "mover": Kind(mover, {"share": uniform(0.1, 0.4), "crossings": whole(1, 6), **MOVER}, seconds=(3, 12)),
     "big_mover": Kind(big_mover, {"share": uniform(0.4, 0.7), "crossings": whole(1, 2), **MOVER}, seconds=(2, 5)),
-    "dirt": Kind(dirt, {"spots": whole(15, 60), "radius": uniform(0.008, 0.03), "light": uniform(0.2, 0.7)}, always=1),
+    "dirt": Kind(dirt, {"spots": whole(15, 60), "radius": uniform(0.008, 0.03), "light": uniform(0.1, 0.7),
+                         "lens": one_of("both", "color")}, always=1),
     "freeze_color": Kind(freeze("color"), {}, seconds=(1, 4)),
     "freeze_depth": Kind(freeze("depth"), {}, seconds=(1, 4)),
     "black_color": Kind(black_color, {}, seconds=(1, 5)),

@@ -112,12 +112,16 @@ class Disturbances(WithSequence):
         self.assertTrue(abs(there) > 25 and abs(back) > 25 and there * back < 0, (there, back))
 
     def test_dirt_hides_depth_in_the_same_places_of_all_frames(self):
-        folder, _ = self.disturb("dirt:spots=10,radius=0.05")
+        folder, _ = self.disturb("dirt:spots=10,radius=0.05,lens=both")
         color, depth = self.changed(folder, 0)
         self.assertTrue(0.02 < depth.mean() < 0.3)
         self.assertTrue((color | ~depth).mean() > 0.99)  # colour changes where depth does
         np.testing.assert_array_equal(depth, self.changed(folder, 50)[1])
         self.assertTrue((self.images(folder, 50)[1][depth] == 0).all())
+
+    def test_dirt_on_the_lens_of_the_colour_camera_only(self):
+        color, depth = self.changed(self.disturb("dirt:spots=10,radius=0.05,lens=color")[0], 30)
+        self.assertTrue(color.mean() > 0.02 and not depth.any())
 
     def test_a_frozen_stream_repeats_its_first_image(self):
         for kind, stream, other in (("freeze_color", 0, 1), ("freeze_depth", 1, 0)):
