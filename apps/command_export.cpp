@@ -118,11 +118,12 @@ void require_extension(const char* option, const std::filesystem::path& path,
   throw UsageError(fmt::format("{} {}: the name must end in {}", option, path.string(), list));
 }
 
-/// Writes nothing if `path` is empty.
-void write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory) {
+/// Writes nothing if `path` is empty; `note` is a comment, for which CSV has no place.
+void write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
+                      const std::string& note = {}) {
   if (path.empty()) return;
   if (path.extension() == ".csv") return write_path_csv(path, trajectory, "world");
-  write_tum_trajectory(path, trajectory);
+  write_tum_trajectory(path, trajectory, note);
 }
 
 void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Progress& progress) {
@@ -193,7 +194,8 @@ void run_export(const ExportArguments& arguments) {
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const Progress progress = make_progress_bar(arguments.quiet);
   const auto session = open.session_log(arguments.session);
-  write_trajectory(arguments.trajectory, trajectory_of(session, open.map));
+  write_trajectory(arguments.trajectory, trajectory_of(session, open.map),
+                   note_on_doubtful_poses(session, open.map, DoubtfulPoses::kLeftOut));
   write_trajectory(arguments.keyframes, keyframe_trajectory(open.map, open.component(arguments.session)));
   if (!arguments.graph.empty()) {
     write_g2o(arguments.graph, {make_pose_graph(open.map, open.options.slam.loop), {}, true, {}});

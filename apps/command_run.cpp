@@ -81,9 +81,10 @@ void continue_map(ContinuedMap& start, Session& session, bool with_images) {
 }
 
 void print_summary(const nlohmann::json& summary, const RunOutput& output) {
-  print_text(fmt::format("{}results    {} ({})\n", summary_text(summary), output.folder().path().string(),
-                         output.poses_only() ? "trajectory.txt; use --report for cloud and report"
-                                             : "trajectory.txt, map.ply, report.html"));
+  const char* files = output.poses_only() ? "trajectory.txt; use --report for cloud and report"
+                                          : "trajectory.txt, map.ply, report.html";
+  print_text(fmt::format("{}results    {} ({})\n{}\n", summary_text(summary), output.folder().path().string(),
+                         files, quality_text(summary)));
 }
 
 ExitCode run(const RunArguments& arguments) {

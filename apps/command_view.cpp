@@ -31,7 +31,8 @@ SavedRun shown_map(const std::filesystem::path& file) {
   OpenMap open = open_map(file, {});
   SavedRun run;
   run.name = input_name(file.string());
-  run.path = trajectory_of(open.session_log(0), open.map);
+  run.path = trajectory_of(open.session_log(0), open.map, DoubtfulPoses::kKept);
+  run.doubt_ns = doubt_of(open.session_log(0));
   for (const Keyframe& keyframe : open.map.keyframes()) {
     run.keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
   }

@@ -56,12 +56,12 @@ void run(const ros::NodeHandle& node) {
   Session session(source, session_options);
   NodeOutput output(node, source.camera().color, text_parameter(node, "world_frame", "map"),
                     text_parameter(node, "camera_frame", "kinloop_camera"));
-  size_t frames = 0, tracked = 0;
+  size_t frames = 0, tracked = 0, doubtful = 0;
   while (const auto frame = session.next()) {
     const TrackedFrame result = session.process(*frame);
     ++frames;
     if (result.is_lost()) continue;
-    ++tracked;
+    ++(result.doubtful ? doubtful : tracked);
     output.publish_pose(result);
     if (!result.keyframe.valid()) continue;
     output.publish_path(session.trajectory());
@@ -69,8 +69,8 @@ void run(const ros::NodeHandle& node) {
   }
   output.publish_path(session.finish());
   const auto skipped = source.skipped();
-  log::info("{} of {} frames tracked, {} images lost{}", tracked, frames, skipped.size(),
-            skipped.empty() ? "" : "; the first: " + skipped.front().reason);
+  log::info("{} of {} frames tracked, {} doubtful, {} images lost{}", tracked, frames, doubtful,
+            skipped.size(), skipped.empty() ? "" : "; the first: " + skipped.front().reason);
   const std::filesystem::path folder = text_parameter(node, "output");
   if (folder.empty()) return;
   std::filesystem::create_directories(folder);

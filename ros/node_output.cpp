@@ -5,6 +5,7 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <nav_msgs/Path.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <std_msgs/Bool.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "drivers/ros/ros_messages.hpp"
@@ -18,6 +19,7 @@ using TFMessage = tf2_msgs::TFMessage_<Allocator<void>>;
 using Path = nav_msgs::Path_<Allocator<void>>;
 using PointCloud2 = sensor_msgs::PointCloud2_<Allocator<void>>;
 using PointField = sensor_msgs::PointField_<Allocator<void>>;
+using Bool = std_msgs::Bool_<Allocator<void>>;
 using Header = std_msgs::Header_<Allocator<void>>;
 
 Header header_of(int64_t stamp_ns, const std::string& frame) {
@@ -71,12 +73,16 @@ NodeOutput::NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, std::s
     : camera_(camera), world_(std::move(world)), camera_frame_(std::move(camera_frame)) {
   constexpr uint32_t kMaxUnsent = 10;
   tf_ = node.advertise<TFMessage>("/tf", kMaxUnsent);
+  doubtful_ = node.advertise<Bool>("doubtful", kMaxUnsent);
   pose_ = node.advertise<PoseStamped>("pose", kMaxUnsent);
   path_ = node.advertise<Path>("path", 1, true);
   cloud_ = node.advertise<PointCloud2>("cloud", kMaxUnsent);
 }
 
 void NodeOutput::publish_pose(const TrackedFrame& result) {
+  Bool doubtful;
+  doubtful.data = result.doubtful ? 1U : 0U;
+  doubtful_.publish(doubtful);
   const PoseStamped pose = pose_of(result.stamp_ns, result.T_world_camera, world_);
   pose_.publish(pose);
   TransformStamped transform;

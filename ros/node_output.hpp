@@ -11,8 +11,9 @@
 
 namespace kinloop::ros1 {
 
-/// Publishes, in the frame `world`: the camera's pose as TF and on ~pose; with each keyframe, the path so far
-/// on ~path and a coloured cloud of the current view on ~cloud.
+/// Publishes, in the frame `world`: the camera's pose as TF and on ~pose, after ~doubtful, which tells
+/// whether the evidence for that pose is too weak to trust it; with each keyframe, the path so far on ~path
+/// and a coloured cloud of the current view on ~cloud.
 class NodeOutput {
  public:
   NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, std::string world, std::string camera_frame);
@@ -24,7 +25,7 @@ class NodeOutput {
  private:
   PinholeCamera camera_;
   std::string world_, camera_frame_;
-  ros::Publisher tf_, pose_, path_, cloud_;
+  ros::Publisher tf_, doubtful_, pose_, path_, cloud_;
 };
 
 }  // namespace kinloop::ros1

@@ -66,7 +66,8 @@ MapCloud Session::cloud(const Progress& progress) {
 }
 
 void Session::write_trajectory(const std::filesystem::path& path) const {
-  write_tum_trajectory(path, trajectory());
+  const auto note = note_on_doubtful_poses(slam_.session_log(), slam_.map(), DoubtfulPoses::kLeftOut);
+  write_tum_trajectory(path, trajectory(), note);
 }
 
 void Session::write_cloud(const std::filesystem::path& path) {

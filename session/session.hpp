@@ -79,8 +79,10 @@ class Session {
   /// Ends the run, also before the end of the source: adjusts the whole map and refines every frame.
   const Trajectory& finish(const Progress& progress = {});
 
-  /// Returns the current poses of all located frames.
-  [[nodiscard]] Trajectory trajectory() const { return slam_.trajectory(); }
+  /// Returns the current poses of all located frames; doubtful ones only if asked for.
+  [[nodiscard]] Trajectory trajectory(DoubtfulPoses doubtful = DoubtfulPoses::kLeftOut) const {
+    return slam_.trajectory(doubtful);
+  }
 
   /// Returns the cloud of the current map. Waits for recorded images in flight.
   [[nodiscard]] MapCloud cloud(const Progress& progress = {});
@@ -88,8 +90,8 @@ class Session {
   // Write output files: to a temporary file first, then renamed. Each throws InputError if it cannot be
   // written.
 
-  void write_trajectory(const std::filesystem::path& path) const;               ///< TUM format
-  void write_cloud(const std::filesystem::path& path);                          ///< PLY, z up
+  void write_trajectory(const std::filesystem::path& path) const;  ///< TUM format, without doubtful poses
+  void write_cloud(const std::filesystem::path& path);             ///< PLY, z up
   void write_map(const std::filesystem::path& path, const MapFileNotes& = {});  ///< can be continued later
 
   [[nodiscard]] const Slam& slam() const { return slam_; }

@@ -13,6 +13,7 @@
 #include "tools/evaluation/evaluate.hpp"
 #include "viewer/point_files/glb_file.hpp"
 #include "viewer/point_files/point_file.hpp"
+#include "viewer/report/frame_table.hpp"
 #include "viewer/report/report.hpp"
 #include "viewer/report/run_up_direction.hpp"
 #include "viewer/scene/saved_cloud.hpp"
@@ -46,6 +47,24 @@ std::vector<std::pair<KeyframeId, KeyframeId>> loops_of(const json& figures, con
   return loops;
 }
 
+std::vector<int64_t> doubt_of(const FrameTable& frames) {
+  std::vector<int64_t> doubt_ns;
+  for (const FrameRow& row : frames) {
+    if (row.status == "doubtful" || row.status == "lost") doubt_ns.push_back(row.stamp_ns);
+  }
+  return doubt_ns;
+}
+
+/// The poses of the path that are in doubt themselves or come after frames that are, which the path may lack.
+std::vector<FrameRange> doubt_in_path(const SavedRun& run) {
+  auto next = run.doubt_ns.begin();
+  return ranges_where(run.path.size(), [&](size_t i) {
+    const auto first = next;
+    while (next != run.doubt_ns.end() && *next <= run.path[i].stamp_ns) ++next;
+    return next != first;
+  });
+}
+
 void show_paths(Scene& scene, const SavedRun& run) {
   const std::vector<SE3> keyframes = camera_poses(run.keyframes);
   put_parts(scene, PartKind::kKeyframes, 0, keyframes.size(), [&](size_t begin, size_t end) {
@@ -58,6 +77,8 @@ void show_paths(Scene& scene, const SavedRun& run) {
   put_parts(scene, PartKind::kPath, 0, path.size(), [&](size_t begin, size_t end) {
     return encode_path(std::span(path).subspan(begin, end - begin));
   });
+  if (const auto doubt = doubt_in_path(run); !doubt.empty())
+    scene.put(PartKind::kDoubt, 0, encode_ranges(doubt));
   scene.put(PartKind::kLoops, 0, encode_pairs(run.loops));
 }
 
@@ -121,6 +142,7 @@ SavedRun read_folder(const fs::path& path) {
   run.path = read_tum_trajectory(folder.trajectory());
   run.keyframes = read_if_there(folder.keyframes());
   run.truth = read_if_there(folder.ground_truth());
+  if (fs::exists(folder.frames())) run.doubt_ns = doubt_of(read_frame_table(folder.frames()));
   if (fs::exists(folder.map())) run.cloud = read_ply(folder.map());
   if (fs::exists(folder.run_json())) run.metrics = read_run_json(folder.run_json());
   run.loops = loops_of(run.metrics, run.keyframes);
@@ -154,6 +176,14 @@ json status_of(const SavedRun& run) {
 }
 
 }  // namespace
+
+std::vector<int64_t> doubt_of(std::span<const TrackedFrame> log) {
+  std::vector<int64_t> doubt_ns;
+  for (const TrackedFrame& entry : log) {
+    if (entry.doubtful || entry.is_lost()) doubt_ns.push_back(entry.stamp_ns);
+  }
+  return doubt_ns;
+}
 
 SavedRun read_saved_run(const fs::path& path) {
   SavedRun run = fs::is_directory(path) ? read_folder(path) : read_single_file(path);

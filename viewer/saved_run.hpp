@@ -2,10 +2,12 @@
 // Shows the results of a run, or any single cloud or mesh file.
 
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "kinloop/dense/mesh/colored_mesh.hpp"
 #include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/map/tracked_frame.hpp"
 #include "session/viewer_options.hpp"
 #include "viewer/scene/scene.hpp"
 
@@ -15,6 +17,7 @@ struct SavedRun {
   std::string name;
   ColoredCloud cloud;
   Trajectory path, keyframes, truth;                     ///< each may be empty
+  std::vector<int64_t> doubt_ns;                         ///< stamps of doubtful and lost frames, in order
   std::vector<std::pair<KeyframeId, KeyframeId>> loops;  ///< indices into `keyframes`
   nlohmann::json metrics;                                ///< run.json
   Eigen::Vector3d up = {0, -1, 0};                       ///< in the world frame
@@ -25,6 +28,9 @@ struct SavedRun {
   bool colored = true;   ///< whether the points have colours
   bool up_known = true;  ///< false: `up` is a guess
 };
+
+/// Returns the stamps of the doubtful and lost frames of a log.
+std::vector<int64_t> doubt_of(std::span<const TrackedFrame> log);
 
 /// Reads the folder of a run, in which only trajectory.txt is required, or a PLY, PCD or GLB file. Throws
 /// InputError naming what is missing or damaged.

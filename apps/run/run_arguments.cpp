@@ -74,6 +74,8 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
                   "replay at this rate, Hz, like a live camera: late frames are dropped,\n"
                   "and background results are applied when ready (executor.mode=live)")
       ->check(number(0.1, 1000));
+  command.add_flag("--keep-doubtful", arguments.keep_doubtful,
+                   "also write the poses of doubtful frames to trajectory.txt, and evaluate them");
   add_frame_option(command, arguments.frame);
   add_viewer_option(command, arguments.viewer);
   add_quiet_option(command, arguments.quiet);

@@ -21,6 +21,7 @@ struct RunArguments {
   std::string viewer;  ///< [ADDRESS:]PORT; empty: none
   std::filesystem::path save_map;
   bool report = false;
+  bool keep_doubtful = false;  ///< in trajectory.txt
   double autosave_s = 30;
 
   /// Returns whether no cloud and no report are written.

@@ -22,11 +22,6 @@
 namespace kinloop {
 namespace {
 
-const char* status_of(const TrackedFrame& tracked) {
-  if (tracked.is_lost()) return "lost";
-  return tracked.method == TrackingMethod::kDense ? "dense" : "tracked";
-}
-
 /// Returns the map saver, or null if the map must not be saved.
 std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolder& folder,
                                    const MapSaver::Contents& what) {
@@ -47,21 +42,11 @@ nlohmann::json map_file_json(const MapSaver& saver) {
 
 }  // namespace
 
-void FrameRecorder::on_frame(const TrackedFrame& tracked) {
-  rows_.push_back({tracked.stamp_ns, status_of(tracked), static_cast<int>(tracked.features().size()),
-                   tracked.evidence.inliers, 0});
-}
-
-FrameTable FrameRecorder::table(const Timings& times) const {
-  FrameTable rows = rows_;
-  for (size_t i = 0; i < rows.size() && i < times.frame_ms.size(); ++i) rows[i].ms = times.frame_ms[i];
-  return rows;
-}
-
 RunOutput::RunOutput(const RunArguments& arguments, const RunPlan& plan, Session& session)
     : folder_(arguments.output),
       frame_(arguments.frame),
       poses_only_(arguments.poses_only()),
+      doubtful_(arguments.keep_doubtful ? DoubtfulPoses::kKept : DoubtfulPoses::kLeftOut),
       plan_(plan),
       session_(session),
       depth_(plan.options.dense, plan.source->camera().depth_scale),
@@ -81,7 +66,7 @@ bool RunOutput::try_save_map_file() {
 }
 
 void RunOutput::save_now() {
-  write_tum_trajectory(folder_.trajectory(), session_.trajectory());
+  write_tum_trajectory(folder_.trajectory(), trajectory(), trajectory_note());
   if (poses_only_) return;
   const MapCloud map = cloud({});
   write_ply(folder_.map(), map.cloud, map.frame);
@@ -94,7 +79,7 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
   if (!poses_only_) map_ = cloud(progress);
   release_freed_memory();
   if (map_) outcome_.map_points = map_->cloud.size();
-  outcome_.evaluation = evaluate(session_.trajectory(), plan_.source->info().ground_truth);
+  outcome_.evaluation = evaluate(trajectory(), plan_.source->info().ground_truth);
   outcome_.wall_s = ending.since_start.wall_s();
   outcome_.interrupted = !ending.complete;
 
@@ -112,7 +97,13 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
 }
 
 bool RunOutput::check() const {
-  return check_result(outcome_, session_.trajectory(), depth_) && saved_;
+  return check_result(outcome_, trajectory(), depth_) && saved_;
+}
+
+std::string RunOutput::trajectory_note() const {
+  const auto note = note_on_doubtful_poses(session_.slam().session_log(), session_.slam().map(), doubtful_);
+  if (note.empty() || doubtful_ == DoubtfulPoses::kKept) return note;
+  return note + "; --keep-doubtful keeps them";
 }
 
 /// Returns the cloud in the frame given by `--frame`.
@@ -135,10 +126,11 @@ nlohmann::json RunOutput::summary() const {
 void RunOutput::write_results() const {
   const Slam& slam = session_.slam();
   const FrameSource& source = *plan_.source;
-  write_frame_table(folder_.frames(), frames_.table(slam.timings()));
-  if (!map_) return write_tum_trajectory(folder_.trajectory(), session_.trajectory());
-  write_run_files(folder_, {session_.trajectory(), keyframe_trajectory(slam.map(), slam.component()),
-                            source.info().ground_truth, map_->cloud, map_->frame, nullptr});
+  write_frame_table(folder_.frames(), frames_.table(slam.session_log(), slam.timings()));
+  if (!map_) return write_tum_trajectory(folder_.trajectory(), trajectory(), trajectory_note());
+  write_run_files(
+      folder_, {trajectory(), keyframe_trajectory(slam.map(), slam.component()), source.info().ground_truth,
+                map_->cloud, map_->frame, nullptr, trajectory_note()});
   write_camera_file(folder_.camera(), calibrated_camera(source.camera(), slam.sensor_estimate()));
   write_g2o(folder_.graph(), {make_pose_graph(slam.map(), plan_.options.slam.loop), {}, true, {}});
   write_loop_pictures(folder_, slam, session_.recorder());

@@ -7,28 +7,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/run/frame_recorder.hpp"
 #include "apps/run/run_arguments.hpp"
 #include "apps/run/run_summary.hpp"
 #include "apps/run/run_warnings.hpp"
 #include "kinloop/io/run_folder.hpp"
 #include "session/map_store.hpp"
 #include "session/session.hpp"
-#include "viewer/report/frame_table.hpp"
 
 namespace kinloop {
-
-/// Records a row per frame for frames.txt.
-class FrameRecorder : public Listener {
- public:
-  void on_frame(const TrackedFrame& tracked) override;
-  void on_map(const Map&) override {}
-
-  /// Returns the rows, with the time of each frame.
-  [[nodiscard]] FrameTable table(const Timings& times) const;
-
- private:
-  FrameTable rows_;
-};
 
 /// How the frames of a run ended, and when.
 struct RunEnding {
@@ -73,6 +60,8 @@ class RunOutput {
   [[nodiscard]] bool poses_only() const { return poses_only_; }
 
  private:
+  [[nodiscard]] Trajectory trajectory() const { return session_.trajectory(doubtful_); }
+  [[nodiscard]] std::string trajectory_note() const;
   [[nodiscard]] MapCloud cloud(const Progress& progress);
   [[nodiscard]] nlohmann::json summary() const;
   void write_results() const;
@@ -80,6 +69,7 @@ class RunOutput {
   RunFolder folder_;
   std::string frame_;  // of the cloud
   bool poses_only_;
+  DoubtfulPoses doubtful_;  // in trajectory.txt
   const RunPlan& plan_;
   Session& session_;
   FrameRecorder frames_;

@@ -11,6 +11,7 @@
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
+#include "session/run_quality.hpp"
 #include "tools/evaluation/consistency.hpp"
 #include "viewer/report/report.hpp"
 
@@ -99,6 +100,14 @@ json skipped_json(const FrameSource& source) {
   return skipped;
 }
 
+json quality_json(const RunQuality& quality) {
+  return {{"verdict", name_of(quality.verdict)},
+          {"seconds", quality.seconds},
+          {"seconds_doubtful", quality.seconds_doubtful},
+          {"seconds_lost", quality.seconds_lost},
+          {"reasons", quality.reasons}};
+}
+
 json timings_json(const Timings& times) {
   json timings = json::object();
   for (const auto& [module, elapsed] : times.modules) {
@@ -122,8 +131,11 @@ json run_summary(const RunOutcome& o) {
   const FrameSource& source = *o.plan.source;
   const auto log = o.slam.session_log();
   const uint32_t component = o.slam.component();
-  const auto tracked = std::count_if(
+  const auto located = std::count_if(
       log.begin(), log.end(), [&](const auto& f) { return is_tracked_in(component, f, o.slam.map()); });
+  const auto doubtful = std::count_if(log.begin(), log.end(), [&](const auto& f) {
+    return f.doubtful && is_tracked_in(component, f, o.slam.map());
+  });
   const auto not_lost = std::count_if(log.begin(), log.end(), [](const auto& f) { return !f.is_lost(); });
   const auto dense_only = std::count_if(log.begin(), log.end(), [](const auto& f) {
     return !f.is_lost() && f.method == TrackingMethod::kDense;
@@ -132,9 +144,11 @@ json run_summary(const RunOutcome& o) {
   summary["version"] = version_text();
   summary["input"] = lasting_input_name(source.info().name);
   summary["frames"] = log.size();
-  summary["tracked"] = tracked;
+  summary["quality"] = quality_json(judge(judged_frames(log, o.slam.map())));
+  summary["tracked"] = located - doubtful;
+  summary["doubtful"] = doubtful;
   summary["tracked_densely"] = dense_only;
-  summary["tracked_in_other_components"] = not_lost - tracked;  // in components not joined by any loop
+  summary["tracked_in_other_components"] = not_lost - located;  // in components not joined by any loop
   summary["skipped"] = skipped_json(source);                    // the first ones
   summary["skipped_total"] = source.skipped().size();
   summary["dropped"] = o.plan.dropped();
@@ -181,6 +195,16 @@ std::string profile_text(const json& s) {
                             sum_s, 100 * sum_s / total_s, 1e3 * sum_s / frames, total_s);
 }
 
+std::string quality_text(const json& s) {
+  std::string text = "quality: " + s["quality"]["verdict"].get<std::string>();
+  std::string separator = ": ";
+  for (const json& reason : s["quality"]["reasons"]) {
+    text += separator + reason.get<std::string>();
+    separator = "; ";
+  }
+  return text;
+}
+
 std::string summary_text(const json& s) {
   std::string map;
   if (s.contains("map")) {
@@ -192,16 +216,16 @@ std::string summary_text(const json& s) {
                        s["depth_noise_scale"].get<double>(), s["depth_sensor"].get<std::string>());
   }
   std::string text = fmt::format(
-      "frames     {} tracked of {} ({} in other map components, {} damaged, {} dropped)\n"
+      "frames     {} tracked of {} ({} doubtful, {} in other map components, {} damaged, {} dropped)\n"
       "keyframes  {}, landmarks {}, loops {}\n"
       "{}"
       "time       {:.1f} s, {:.1f} ms per frame (median), {:.1f} ms (95th percentile)\n"
       "memory     {:.0f} MiB peak\n",
-      s["tracked"].get<long>(), s["frames"].get<long>(), s["tracked_in_other_components"].get<long>(),
-      s["skipped_total"].get<size_t>(), s["dropped"].get<long>(), s["keyframes"].get<long>(),
-      s["landmarks"].get<long>(), s["loops"].size(), map, s["wall_s"].get<double>(),
-      s["frame_ms"]["median"].get<double>(), s["frame_ms"]["p95"].get<double>(),
-      s["peak_memory_mib"].get<double>());
+      s["tracked"].get<long>(), s["frames"].get<long>(), s["doubtful"].get<long>(),
+      s["tracked_in_other_components"].get<long>(), s["skipped_total"].get<size_t>(),
+      s["dropped"].get<long>(), s["keyframes"].get<long>(), s["landmarks"].get<long>(), s["loops"].size(),
+      map, s["wall_s"].get<double>(), s["frame_ms"]["median"].get<double>(),
+      s["frame_ms"]["p95"].get<double>(), s["peak_memory_mib"].get<double>());
   if (!s.contains("evaluation")) return text;
   const json& e = s["evaluation"];
   return text + fmt::format("error      ATE {:.4f} m\n", e["ate"]["rmse_m"].get<double>());

@@ -35,4 +35,7 @@ std::string profile_text(const nlohmann::json& summary);
 /// Returns the lines printed at the end of a run.
 std::string summary_text(const nlohmann::json& summary);
 
+/// Returns the verdict, the last line: "quality: doubtful: 3.2 s of 33.3 s are in doubt (...)".
+std::string quality_text(const nlohmann::json& summary);
+
 }  // namespace kinloop

@@ -44,8 +44,10 @@ Trajectory read_tum_trajectory(const std::filesystem::path& path) {
   return trajectory;
 }
 
-void write_tum_trajectory(const std::filesystem::path& path, const Trajectory& trajectory) {
+void write_tum_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
+                          std::string_view comment) {
   AtomicFile file(path);
+  if (!comment.empty()) fmt::print(file.stream(), "# {}\n", comment);
   for (const auto& [stamp_ns, T] : trajectory) {
     const auto& t = T.translation;
     const auto& q = T.rotation;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "kinloop/geometry/se3.hpp"
@@ -22,8 +23,9 @@ using Trajectory = std::vector<StampedPose>;
 /// naming file and line if a line is not eight finite numbers or its quaternion is zero.
 Trajectory read_tum_trajectory(const std::filesystem::path& path);
 
-/// Writes the TUM format, atomically.
-void write_tum_trajectory(const std::filesystem::path& path, const Trajectory& trajectory);
+/// Writes the TUM format, atomically; after a line with `comment` unless that is empty.
+void write_tum_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
+                          std::string_view comment = {});
 
 /// Returns the pose at `stamp_ns`, interpolated between its neighbours; nullopt outside the trajectory or
 /// inside a gap longer than `max_gap_ns`.

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -57,6 +58,7 @@ struct RunFiles {
   ColoredCloud map;         ///< in the world frame
   FileFrame frame;          ///< of map.ply
   nlohmann::json metrics;   ///< run.json; null: not written
+  std::string note = {};    ///< comment in trajectory.txt, see note_on_doubtful_poses; empty: none
 };
 
 /// Writes all of these files (camera.yaml, graph.g2o, frames.txt, loops and report.html are written

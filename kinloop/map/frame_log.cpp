@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 namespace kinloop {
 namespace {
 
@@ -73,14 +75,27 @@ bool is_tracked_in(uint32_t component, const TrackedFrame& entry, const Map& map
   return !entry.is_lost() && map.keyframe(entry.reference).component == component;
 }
 
-Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map) {
+Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map, DoubtfulPoses doubtful) {
   const uint32_t component = main_component(log, map);
   Trajectory trajectory;
   for (const TrackedFrame& entry : log) {
     if (!is_tracked_in(component, entry, map)) continue;
+    if (entry.doubtful && doubtful == DoubtfulPoses::kLeftOut) continue;
     trajectory.push_back({entry.stamp_ns, world_pose(entry, map)});
   }
   return trajectory;
+}
+
+std::string note_on_doubtful_poses(std::span<const TrackedFrame> log, const Map& map,
+                                   DoubtfulPoses doubtful) {
+  const uint32_t component = main_component(log, map);
+  const auto count = std::count_if(log.begin(), log.end(), [&](const TrackedFrame& entry) {
+    return entry.doubtful && is_tracked_in(component, entry, map);
+  });
+  if (count == 0) return {};
+  const char* poses = count == 1 ? "pose" : "poses";
+  return doubtful == DoubtfulPoses::kKept ? fmt::format("with {} doubtful {}", count, poses)
+                                          : fmt::format("{} doubtful {} left out", count, poses);
 }
 
 Trajectory keyframe_trajectory(const Map& map, uint32_t component) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "kinloop/geometry/trajectory.hpp"
@@ -41,8 +42,16 @@ uint32_t main_component(std::span<const TrackedFrame> log, const Map& map);
 /// Returns whether the frame was tracked in that component.
 bool is_tracked_in(uint32_t component, const TrackedFrame& entry, const Map& map);
 
-/// Returns the poses of all frames tracked in the main component, in the current map.
-Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map);
+/// Whether a trajectory includes the poses of doubtful frames.
+enum class DoubtfulPoses { kLeftOut, kKept };
+
+/// Returns the poses of the frames tracked in the main component, in the current map.
+Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map,
+                         DoubtfulPoses doubtful = DoubtfulPoses::kLeftOut);
+
+/// Returns what that trajectory's file says of doubtful poses: "12 doubtful poses left out" or "with 12
+/// doubtful poses"; empty if there are none.
+std::string note_on_doubtful_poses(std::span<const TrackedFrame> log, const Map& map, DoubtfulPoses doubtful);
 
 /// Returns the poses of all keyframes of one component.
 Trajectory keyframe_trajectory(const Map& map, uint32_t component);

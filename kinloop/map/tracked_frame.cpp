@@ -1,5 +1,8 @@
 #include "kinloop/map/tracked_frame.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Eigenvalues>
 
 namespace kinloop {
@@ -16,6 +19,12 @@ std::vector<LandmarkId> landmark_of_keypoint(const TrackedFrame& tracked) {
   std::vector<LandmarkId> landmark_of(tracked.features().size());
   for (const auto& [landmark, feature] : tracked.matches) landmark_of[feature] = landmark;
   return landmark_of;
+}
+
+double position_sigma_m(const TrackedFrame& tracked) {
+  const Eigen::Matrix3d covariance_m2 = tracked.covariance.topLeftCorner<3, 3>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance_m2, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(eigen.eigenvalues().maxCoeff(), 0.0));
 }
 
 Matrix6d covariance_from_information(const Matrix6d& information) {

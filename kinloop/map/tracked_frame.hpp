@@ -71,6 +71,8 @@ struct TrackedFrame {
   Matrix6d covariance = Matrix6d::Zero();
   Velocity velocity;  ///< at the stamp; zero if unknown
   TrackingEvidence evidence;
+  /// Whether the evidence is too weak to trust the pose: it may be wrong by more than its covariance says.
+  bool doubtful = false;
   std::vector<LandmarkMatch> matches;          ///< observed landmarks
   std::vector<MatchMeasurement> measurements;  ///< of `matches`; in the log only
 
@@ -102,6 +104,9 @@ struct TrackedFrame {
 
 /// Returns the record of a frame that is not located yet. The frame must have features.
 TrackedFrame unlocated(const Frame& frame);
+
+/// Returns the standard deviation of the position along its least certain direction, m; 0 if unknown.
+double position_sigma_m(const TrackedFrame& tracked);
 
 /// Returns the landmark that each keypoint of the frame observes; invalid if none.
 std::vector<LandmarkId> landmark_of_keypoint(const TrackedFrame& tracked);

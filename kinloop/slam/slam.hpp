@@ -65,12 +65,14 @@ class Slam {
   /// Processes the next frame, prepared ahead or not. Frames must be in order of time.
   TrackedFrame process(const Frame& frame);
 
-  /// Ends the run: waits for background jobs, adjusts the whole map and refines every frame. Returns all
-  /// tracked poses.
+  /// Ends the run: waits for background jobs, adjusts the whole map and refines every frame. Returns
+  /// `trajectory()`.
   Trajectory finish(const Progress& progress = {});
 
-  /// Returns the current poses of this run without ending it.
-  [[nodiscard]] Trajectory trajectory() const { return trajectory_of(session_log(), map_); }
+  /// Returns the current poses of this run without ending it; doubtful ones only if asked for.
+  [[nodiscard]] Trajectory trajectory(DoubtfulPoses doubtful = DoubtfulPoses::kLeftOut) const {
+    return trajectory_of(session_log(), map_, doubtful);
+  }
 
   [[nodiscard]] const Map& map() const { return map_; }
   [[nodiscard]] const FrameLog& log() const { return log_; }

@@ -114,7 +114,7 @@ To continue it or to localise in it, pass its path to Slam(camera, load_map=path
               return PyTrajectory{trajectory_of(open.session_log(0), open.map)};
             });
           },
-          "The Trajectory of the last recording.")
+          "The Trajectory of the last recording, without doubtful poses.")
       .def_property_readonly(
           "keyframes",
           [](PyMap& map) {

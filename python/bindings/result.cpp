@@ -13,6 +13,7 @@
 #include "python/bindings/gil.hpp"
 #include "python/bindings/options.hpp"
 #include "python/bindings/pose_graph.hpp"
+#include "session/run_quality.hpp"
 
 namespace kinloop::python {
 namespace {
@@ -85,6 +86,25 @@ std::pair<size_t, size_t> frame_counts(const Result& result) {
           result.trajectory.poses.size()};
 }
 
+std::string note_on_trajectory(const Result& result) {
+  return read_slam(result, [&](const Slam& slam) {
+    return note_on_doubtful_poses(slam.session_log(), slam.map(), result.doubtful);
+  });
+}
+
+/// As in run.json.
+py::dict quality_of(const Result& result) {
+  const RunQuality quality = read_slam(
+      result, [](const Slam& slam) { return judge(judged_frames(slam.session_log(), slam.map())); });
+  py::dict values;
+  values["verdict"] = name_of(quality.verdict);
+  values["seconds"] = quality.seconds;
+  values["seconds_doubtful"] = quality.seconds_doubtful;
+  values["seconds_lost"] = quality.seconds_lost;
+  values["reasons"] = quality.reasons;
+  return values;
+}
+
 /// The files of `kinloop run` but for figures and report.
 void save_result(Result& result, const std::filesystem::path& path) {
   const RunFolder folder(path);
@@ -95,9 +115,10 @@ void save_result(Result& result, const std::filesystem::path& path) {
   const RgbdCamera camera = calibrated(result);
   const PyTrajectory keyframes = keyframes_of(result);
   const PyPoseGraph graph = pose_graph_of(result);
+  const std::string note = note_on_trajectory(result);
   without_gil([&] {
     write_run_files(folder,
-                    {result.trajectory.poses, keyframes.poses, {}, cloud.cloud, cloud.frame, figures});
+                    {result.trajectory.poses, keyframes.poses, {}, cloud.cloud, cloud.frame, figures, note});
     write_camera_file(folder.camera(), camera);
     write_g2o(folder.graph(), graph.file);
     result.run->save_map(folder.map_file());
@@ -112,7 +133,11 @@ void bind_result(py::module_& module) {
       "The result of a run, returned by Slam.finish(). Everything is in the world frame, in metres.")
       .def_property_readonly(
           "trajectory", [](const Result& r) { return r.trajectory; },
-          "The final Trajectory of all located frames.")
+          "The final Trajectory of all located frames, without doubtful ones unless finish() keeps them.")
+      .def_property_readonly(
+          "quality", &quality_of,
+          R"(The verdict on the run, a dict: verdict ("good", "doubtful" or "bad"), seconds,
+seconds_doubtful, seconds_lost and reasons, a list of texts.)")
       .def_property_readonly("keyframes", &keyframes_of, "The Trajectory of the keyframes.")
       .def_property_readonly("cloud", &cloud_of,
                              "The coloured Cloud of all surfaces, made when first asked for.")

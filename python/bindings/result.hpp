@@ -9,7 +9,8 @@ namespace kinloop::python {
 struct Result {
   std::shared_ptr<Run> run;
   PyTrajectory trajectory;
-  py::object cloud;  ///< a PyCloud once it has been asked for, else None
+  DoubtfulPoses doubtful = DoubtfulPoses::kLeftOut;  ///< in `trajectory`
+  py::object cloud;                                  ///< a PyCloud once it has been asked for, else None
 };
 
 }  // namespace kinloop::python

@@ -59,11 +59,16 @@ py::object process_arrays(Run& run, double stamp_s, const py::array& rgb, const 
   return pose_of(without_gil([&] { return run.process(std::exchange(frame, {})); }));
 }
 
-std::unique_ptr<Result> finish(const std::shared_ptr<Run>& run, const py::object& progress) {
+std::unique_ptr<Result> finish(const std::shared_ptr<Run>& run, const py::object& progress,
+                               bool keep_doubtful) {
+  const auto doubtful = keep_doubtful ? DoubtfulPoses::kKept : DoubtfulPoses::kLeftOut;
   PythonProgress reporter(progress);
-  auto trajectory = without_gil([&] { return run->finish(reporter.function()); });
+  auto trajectory = without_gil([&] {
+    run->finish(reporter.function());
+    return run->with_slam([&](const Slam& slam) { return slam.trajectory(doubtful); });
+  });
   reporter.rethrow();
-  return std::make_unique<Result>(Result{run, {std::move(trajectory)}, py::none()});
+  return std::make_unique<Result>(Result{run, {std::move(trajectory)}, doubtful, py::none()});
 }
 
 template <class Read>
@@ -71,9 +76,29 @@ auto reading(const Read& read) {
   return [read](Run& run) { return without_gil([&] { return run.with_slam(read); }); };
 }
 
-bool is_lost(const Slam& slam) {
+/// The last frame; lost if there was none.
+TrackedFrame last_frame(const Slam& slam) {
   const auto log = slam.session_log();
-  return log.empty() || log.back().is_lost();
+  return log.empty() ? TrackedFrame() : log.back();
+}
+
+bool is_lost(const Slam& slam) {
+  return last_frame(slam).is_lost();
+}
+
+bool is_doubtful(const Slam& slam) {
+  const TrackedFrame last = last_frame(slam);
+  return !last.is_lost() && last.doubtful;
+}
+
+double last_sigma_m(const Slam& slam) {
+  const TrackedFrame last = last_frame(slam);
+  return last.is_lost() ? 0 : position_sigma_m(last);
+}
+
+Matrix6d last_covariance(const Slam& slam) {
+  const TrackedFrame last = last_frame(slam);
+  return last.is_lost() ? Matrix6d(Matrix6d::Zero()) : last.covariance;
 }
 
 }  // namespace
@@ -112,13 +137,24 @@ Returns T_world_camera, float64 (4, 4), metres; None while tracking is lost. Lat
 poses already returned: finish() returns the final ones. The GIL is released.)")
       .def("process", &process_arrays, py::arg("stamp_s"), py::arg("rgb"), py::arg("depth"), py::kw_only(),
            py::arg("depth_scale") = py::none(), py::arg("depth_stamp_s") = py::none(), py::arg("copy") = true)
-      .def("finish", &finish, py::arg("progress") = py::none(),
+      .def("finish", &finish, py::arg("progress") = py::none(), py::kw_only(),
+           py::arg("keep_doubtful") = false,
            R"(Ends the run: adjusts the whole map and every frame.
 
 progress: called as progress(stage, done, total); return False to stop early with the result so far.
+keep_doubtful: whether the trajectory of the Result includes the poses of doubtful frames.
 Returns a Result.)")
       .def_property_readonly("lost", reading(&is_lost),
                              "Whether the last frame could not be located, or there was none.")
+      .def_property_readonly("doubtful", reading(&is_doubtful),
+                             "Whether the evidence for the last pose is too weak to trust it.")
+      .def_property_readonly("position_sigma_m", reading(&last_sigma_m),
+                             "The standard deviation of the last position along its least certain direction, "
+                             "metres; 0 if unknown.")
+      .def_property_readonly(
+          "covariance", reading(&last_covariance),
+          "The covariance of the last pose, float64 (6, 6): of translation (m) and rotation "
+          "(rad) in camera axes; zero if unknown.")
       .def_property_readonly("keyframes",
                              reading([](const Slam& slam) { return slam.map().keyframes().size(); }),
                              "Number of keyframes.")
@@ -130,7 +166,8 @@ Returns a Result.)")
                              "Number of loops closed.")
       .def_property_readonly("trajectory",
                              reading([](const Slam& slam) { return PyTrajectory{slam.trajectory()}; }),
-                             "The Trajectory so far, with all corrections of the map.");
+                             "The Trajectory so far, with all corrections of the map, without doubtful "
+                             "poses.");
 }
 
 }  // namespace kinloop::python

@@ -54,6 +54,7 @@ SavedRun shown_result(const py::object& object) {
   without_gil([&] {
     run.up = result.run->up().direction;
     result.run->with_slam([&](const Slam& slam) {
+      run.doubt_ns = doubt_of(slam.session_log());
       for (const Keyframe& k : slam.map().keyframes())
         run.keyframes.push_back({k.stamp_ns, k.T_world_camera});
       for (const LoopClosure& loop : slam.map().loop_closures()) run.loops.emplace_back(loop.a, loop.b);
@@ -71,7 +72,8 @@ SavedRun shown_map(const py::object& object) {
   run.cloud = cloud.cast<const PyCloud&>().cloud;
   without_gil([&] {
     const std::lock_guard lock(map.mutex);
-    run.path = trajectory_of(map.open.session_log(0), map.open.map);
+    run.path = trajectory_of(map.open.session_log(0), map.open.map, DoubtfulPoses::kKept);
+    run.doubt_ns = doubt_of(map.open.session_log(0));
     for (const Keyframe& k : map.open.map.keyframes())
       run.keyframes.push_back({k.stamp_ns, k.T_world_camera});
     for (const LoopClosure& loop : map.open.map.loop_closures()) run.loops.emplace_back(loop.a, loop.b);

@@ -90,6 +90,22 @@ TEST_F(RunCommand, ExpertOptionsCanBeSet) {
   EXPECT_EQ(run("run seq --set tracking.pose.rounds=0").exit_code, kWrongUse);
 }
 
+TEST_F(RunCommand, EndsWithAVerdict) {
+  const std::string folder = sequence();
+  for (const char* option : {"", " --keep-doubtful"}) {
+    const Run done = run("run '" + folder + "'" + option + " -o '" + at("out") + "'");
+    EXPECT_EQ(done.exit_code, kDone) << done.err;
+    EXPECT_THAT(done.out, testing::EndsWith("\nquality: good\n"));
+    const auto summary = nlohmann::json::parse(read_file(at("out/run.json")));
+    EXPECT_EQ(summary["quality"]["verdict"], "good");
+    EXPECT_EQ(summary["quality"]["seconds_doubtful"], 0);
+    EXPECT_EQ(summary["quality"]["reasons"], nlohmann::json::array());
+    EXPECT_EQ(summary["doubtful"], 0);
+    EXPECT_THAT(read_file(at("out/frames.txt")), HasSubstr(" ms sigma_m\n"));
+    EXPECT_THAT(read_file(at("out/trajectory.txt")), Not(HasSubstr("#")));
+  }
+}
+
 TEST_F(RunCommand, UnknownOptionsAreErrors) {
   const Run wrong = run("run sim:room --set global_ba.no_such_thing=1");
   EXPECT_EQ(wrong.exit_code, kWrongUse);

@@ -11,7 +11,7 @@ const FAST = ['--set', 'sim.fps=10', '--set', 'sim.width=320', '--set', 'sim.hei
 const MOST_BYTES = 5e6;
 const LONG_RUN = 150_000; // frames: more than a function takes as arguments
 
-/** The folder of a run with so many frames, of which every thousandth is lost. */
+/** The folder of a run with so many frames, of which every thousandth is lost and another doubtful. */
 function writeLongRun(folder) {
   mkdirSync(folder);
   const frames = Array.from({ length: LONG_RUN }, (_, i) => i);
@@ -19,8 +19,10 @@ function writeLongRun(folder) {
   const place = (i, error) => `${i / 30} ${Math.cos(i / 1500) + error} 0 ${Math.sin(i / 1500)} 0 0 0 1`;
   write('trajectory.txt', (i) => place(i, 0.01 * Math.sin(i)));
   write('groundtruth.txt', (i) => place(i, 0));
-  write('frames.txt', (i) => `${i / 30} ${i % 1000 === 999 ? 'lost' : 'tracked'} ${900 + (i % 100)} 500 ${10 + (i % 13)}`);
-  writeFileSync(join(folder, 'run.json'), JSON.stringify({ frames: LONG_RUN, tracked: LONG_RUN }));
+  const status = (i) => ({ 499: 'doubtful', 999: 'lost' })[i % 1000] ?? 'tracked';
+  write('frames.txt', (i) => `${i / 30} ${status(i)} ${900 + (i % 100)} 500 ${10 + (i % 13)}`);
+  const quality = { verdict: 'doubtful', reasons: ['5.0 s are in doubt', '5.0 s are lost'] };
+  writeFileSync(join(folder, 'run.json'), JSON.stringify({ frames: LONG_RUN, tracked: LONG_RUN, quality }));
 }
 
 await withBrowser(async ({ open, kinloop, folder, shoot }) => {
@@ -43,6 +45,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     const width = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok(width <= 0, `${name}: nothing sticks out at the side, ${width} px`);
     assert.equal(await page.locator('svg path[d*="NaN"]').count(), 0);
+    assert.match(await page.locator('header .verdict').textContent(), /^quality: (good|doubtful|bad)/);
     assert.ok((await page.locator('figure img').count()) >= 3, 'map from two sides, and loops');
     await shoot(page, `report-${name}`, { fullPage: true });
     await page.close();
@@ -77,7 +80,10 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   assert.equal(await kinloop('report', long, '-o', longReport).ended, 0);
   const hours = await open(pathToFileURL(longReport).href);
   assert.deepEqual(await hours.locator('h2').allTextContents(), ['Trajectory', 'Absolute trajectory error', 'Tracking']);
-  assert.ok((await hours.locator('figcaption').allTextContents()).some((text) => text.includes('(150 frames)')), 'lost frames are counted');
+  assert.ok((await hours.locator('figcaption').allTextContents()).some((text) => text.includes('lost (150 frames)')), 'lost frames are counted');
+  assert.ok((await hours.locator('figcaption').allTextContents()).some((text) => text.includes('doubtful (150 frames)')), 'so are doubtful ones');
+  assert.equal(await hours.locator('header .verdict').textContent(), 'quality: doubtful 5.0 s are in doubt; 5.0 s are lost');
+  assert.equal(await hours.locator('svg g[fill-opacity="0.3"] rect').count(), 3 * 300, 'all are shaded on every plot over time');
   const drawn = await hours.locator('svg').evaluateAll((plots) => plots.reduce((sum, plot) => sum + plot.outerHTML.length, 0));
   assert.ok(drawn < MOST_BYTES, `${drawn} bytes of plots`);
   await hours.close();

@@ -71,6 +71,13 @@ TEST_F(TrajectoryFile, FormatIsThatOfTheTumTools) {
       "1.500000 1.000000000 -2.000000000 0.500000000 0.000000000 0.000000000 0.000000000 1.000000000\n");
 }
 
+TEST_F(TrajectoryFile, BeginsWithTheComment) {
+  const auto path = folder_.path() / "t.txt";
+  write_tum_trajectory(path, random_trajectory(2), "2 poses");
+  EXPECT_TRUE(read_file(path).starts_with("# 2 poses\n"));
+  EXPECT_EQ(read_tum_trajectory(path).size(), 2U);
+}
+
 TEST_F(TrajectoryFile, RowsAreSortedByTime) {
   const auto trajectory = read("2 0 0 2 0 0 0 1\n1 0 0 1 0 0 0 1\n");
   ASSERT_THAT(trajectory, SizeIs(2));

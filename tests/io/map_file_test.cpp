@@ -52,6 +52,7 @@ TEST(MapFile, RoundTripIsBitExact) {
   EXPECT_EQ(again.map.keyframes[3].features->depth_stamp_difference_s,
             saved.map.keyframes[3].features->depth_stamp_difference_s);
   EXPECT_EQ(again.frames[5].depth_stamp_difference_s, saved.frames[5].depth_stamp_difference_s);
+  for (size_t i : {1U, 2U}) EXPECT_EQ(again.frames[i].doubtful, i == 2U) << i;
   EXPECT_EQ(again.map.loop_closures[0].information, saved.map.loop_closures[0].information);
 
   // Everything else: saved again, the file is identical byte for byte.
@@ -59,18 +60,19 @@ TEST(MapFile, RoundTripIsBitExact) {
   EXPECT_TRUE(read_file(a) == read_file(b));
 }
 
-/// Writes what version 1 of the format held: no stamps of depth.
-void write_version_1(const std::filesystem::path& from, const std::filesystem::path& to) {
+/// Writes what an earlier version of the format held: 1 no stamps of depth, 1 and 2 no marks of doubt.
+void write_earlier_version(const std::filesystem::path& from, int32_t version,
+                           const std::filesystem::path& to) {
   namespace tables = map_tables;
   const DatabaseReader reader(from, tables::kKind);
-  DatabaseWriter writer(to, {tables::kKind.application, 1});
+  DatabaseWriter writer(to, {tables::kKind.application, version});
   for (const char* table :
        {tables::kAbout, tables::kSession, tables::kOption, tables::kCamera, tables::kSensor,
         tables::kKeyframe, tables::kLoopEdge, tables::kLandmark, tables::kFrame, tables::kImage}) {
     bool created = false;
     reader.read(table, [&](int64_t id, Row row) {
-      if (table == tables::kFrame) row.pop_back();
-      if (table == tables::kKeyframe) {
+      if (table == tables::kFrame) row.resize(row.size() - (version == 1 ? 2 : 1));
+      if (table == tables::kKeyframe && version == 1) {
         std::string& features = std::get<Blob>(row.back()).bytes;
         features.resize(features.size() - sizeof(float));
       }
@@ -87,7 +89,7 @@ void write_version_1(const std::filesystem::path& from, const std::filesystem::p
 TEST(MapFile, FilesOfVersion1AreReadWithoutStampsOfDepth) {
   const test::TempFolder folder;
   write_some_map(folder.path() / "new.kinmap");
-  write_version_1(folder.path() / "new.kinmap", folder.path() / "old.kinmap");
+  write_earlier_version(folder.path() / "new.kinmap", 1, folder.path() / "old.kinmap");
   const auto [old, damage] = MapReader(folder.path() / "old.kinmap").read();
   EXPECT_FALSE(damage.any()) << describe(damage);
   const SavedMap saved = some_saved_map();
@@ -98,6 +100,18 @@ TEST(MapFile, FilesOfVersion1AreReadWithoutStampsOfDepth) {
   for (const Keyframe& keyframe : old.map.keyframes)
     EXPECT_EQ(keyframe.features->depth_stamp_difference_s, 0);
   for (const TrackedFrame& frame : old.frames) EXPECT_EQ(frame.depth_stamp_difference_s, 0);
+}
+
+TEST(MapFile, FilesOfVersion2AreReadWithoutMarksOfDoubt) {
+  const test::TempFolder folder;
+  write_some_map(folder.path() / "new.kinmap");
+  write_earlier_version(folder.path() / "new.kinmap", 2, folder.path() / "old.kinmap");
+  const auto [old, damage] = MapReader(folder.path() / "old.kinmap").read();
+  EXPECT_FALSE(damage.any()) << describe(damage);
+  const SavedMap saved = some_saved_map();
+  ASSERT_EQ(old.frames.size(), saved.frames.size());
+  EXPECT_EQ(old.frames[5].depth_stamp_difference_s, saved.frames[5].depth_stamp_difference_s);
+  for (const TrackedFrame& frame : old.frames) EXPECT_FALSE(frame.doubtful);
 }
 
 /// Replaces a table by a view.

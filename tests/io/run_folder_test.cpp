@@ -44,6 +44,16 @@ TEST(RunFolder, HoldsEverythingUnderItsName) {
   EXPECT_EQ(read_run_json(temp.path() / "deep/out/run.json").at("frames"), 5);
 }
 
+TEST(RunFolder, TheTrajectoryBeginsWithItsNote) {
+  const test::TempFolder temp;
+  const RunFolder folder(temp.path());
+  auto files = some_files();
+  files.note = "2 doubtful poses left out";
+  write_run_files(folder, files);
+  EXPECT_TRUE(read_file(folder.trajectory()).starts_with("# 2 doubtful poses left out\n"));
+  EXPECT_EQ(read_tum_trajectory(folder.trajectory()).size(), 5U);
+}
+
 TEST(RunFolder, AnOlderRunsGroundTruthDoesNotStay) {
   const test::TempFolder temp;
   const RunFolder folder(temp.path());

@@ -59,6 +59,63 @@ TEST(RelocalizeLostFrames, ContinuesFromNeighborsInBothDirections) {
   EXPECT_TRUE(log[0].is_lost());
 }
 
+TEST(RelocalizeLostFrames, KeepsTheDoubtOfWhatWasFound) {
+  const FrameSearch search{[](const Frame& frame) -> std::optional<TrackedFrame> {
+                             TrackedFrame tracked = located_at(3);
+                             tracked.doubtful = frame.id == FrameId{1};
+                             return tracked;
+                           },
+                           [](const Frame&, const TrackedFrame&) { return located_at(4); }};
+  const FrameLog log = relocalize_lost_frames(
+      {logged(1, TrackingOutcome::kLost), logged(2, TrackingOutcome::kLost)}, kHeight_px, search);
+  EXPECT_TRUE(log[0].doubtful);
+  EXPECT_FALSE(log[1].doubtful);
+}
+
+/// A map of one keyframe, and frames of which `doubtful` are in doubt.
+class DoubtfulFrames : public testing::Test {
+ protected:
+  DoubtfulFrames() {
+    map_.add_keyframe(FrameId{0}, 0, SE3(), std::make_shared<const Features>(), 0);
+    for (uint32_t i = 0; i < 5; ++i) {
+      TrackedFrame entry;
+      entry.id = FrameId{i};
+      entry.stamp_ns = i;
+      entry.outcome = i == 4 ? TrackingOutcome::kLost : TrackingOutcome::kTracked;
+      entry.reference = KeyframeId{0};
+      log_.push_back(entry);
+    }
+  }
+
+  Map map_;
+  FrameLog log_;
+};
+
+TEST_F(DoubtfulFrames, AreInATrajectoryOnlyOnRequest) {
+  log_[1].doubtful = log_[2].doubtful = log_[4].doubtful = true;
+  const Trajectory trusted = trajectory_of(log_, map_);
+  ASSERT_EQ(trusted.size(), 2U);
+  EXPECT_EQ(trusted[1].stamp_ns, 3);
+  EXPECT_EQ(trajectory_of(log_, map_, DoubtfulPoses::kKept).size(), 4U) << "all but the lost one";
+  EXPECT_EQ(note_on_doubtful_poses(log_, map_, DoubtfulPoses::kLeftOut), "2 doubtful poses left out");
+  EXPECT_EQ(note_on_doubtful_poses(log_, map_, DoubtfulPoses::kKept), "with 2 doubtful poses");
+}
+
+TEST_F(DoubtfulFrames, AreNotedOnlyIfThereAreSome) {
+  EXPECT_EQ(note_on_doubtful_poses(log_, map_, DoubtfulPoses::kLeftOut), "");
+  log_[3].doubtful = true;
+  EXPECT_EQ(note_on_doubtful_poses(log_, map_, DoubtfulPoses::kKept), "with 1 doubtful pose");
+}
+
+TEST(LogEntry, KeepsTheDoubt) {
+  TrackedFrame tracked = located_at(1);
+  Frame frame;
+  frame.features = std::make_shared<const Features>();
+  tracked.frame = std::make_shared<const Frame>(frame);
+  tracked.doubtful = true;
+  EXPECT_TRUE(log_entry(tracked, kHeight_px).doubtful);
+}
+
 TEST(RelocalizeLostFrames, KeepsFramesLostThatAreNotFound) {
   const FrameSearch search{
       nowhere, [](const Frame&, const TrackedFrame&) -> std::optional<TrackedFrame> { return {}; }};

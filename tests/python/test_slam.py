@@ -1,6 +1,7 @@
 """Camera, sources, Slam and Result: the same results and messages as the program."""
 
 import gc
+import json
 import threading
 
 import numpy as np
@@ -38,10 +39,29 @@ def test_poses_are_rigid_motions_and_none_while_lost(sequence):
     np.testing.assert_allclose(pose, np.eye(4), atol=1e-12)
     dark = np.zeros((240, 320, 3), np.uint8), np.zeros((240, 320), np.float32)
     assert slam.process(next(source).stamp_s, *dark) is None
-    assert slam.lost
+    assert slam.lost and not slam.doubtful
+    assert slam.position_sigma_m == 0 and not slam.covariance.any()
     pose = slam.process(next(source))
     assert pose.shape == (4, 4) and pose.dtype == np.float64
     np.testing.assert_allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-9)
+    assert slam.covariance.shape == (6, 6)
+    largest = np.linalg.eigvalsh(slam.covariance[:3, :3]).max()
+    assert slam.position_sigma_m == pytest.approx(np.sqrt(max(largest, 0)), abs=1e-12)
+
+
+def test_the_verdict_is_that_of_the_program(result, program_run):
+    quality = json.loads((program_run / "run.json").read_text())["quality"]
+    assert result.quality.keys() == quality.keys()
+    assert result.quality["verdict"] == quality["verdict"] == "good"
+    assert result.quality["seconds"] == pytest.approx(quality["seconds"])
+    assert result.quality["reasons"] == quality["reasons"]
+
+
+def test_doubtful_poses_can_be_kept(sequence, result):
+    slam = kinloop.Slam(kinloop.open(sequence).camera)
+    for frame in kinloop.open(sequence):
+        slam.process(frame)
+    assert len(slam.finish(keep_doubtful=True).trajectory) >= len(result.trajectory)
 
 
 @pytest.mark.parametrize("copy", [True, False])

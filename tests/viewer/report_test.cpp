@@ -37,7 +37,7 @@ RunReport full_report() {
   run.estimate = circle(1.01);
   run.truth = circle(1);
   run.keyframes = {run.estimate[0], run.estimate[100], run.estimate[210]};
-  run.frames = {{0, "tracked", 1000, 640, 12.5}, {kNsPerSecond / 2, "lost", 900, 0, 30}};
+  run.frames = {{0, "tracked", 1000, 640, 12.5, 0.001}, {kNsPerSecond / 2, "lost", 900, 0, 30, 0}};
   run.loop_images = {{"met again", "\x89JPG"}};
   run.metrics = {{"frames", 300},
                  {"loops",
@@ -185,19 +185,30 @@ class FrameTableFile : public testing::Test {
 };
 
 TEST_F(FrameTableFile, ComesBackAsItWasWritten) {
-  const FrameTable table = {{1311868164363, "tracked", 1000, 640, 12.5},
-                            {1311868164399, "lost", 0, 0, 0.125}};
+  const FrameTable table = {{1311868164363, "doubtful", 1000, 640, 12.5, 0.0625},
+                            {1311868164399, "lost", 0, 0, 0.125, 0}};
   write_frame_table(path_, table);
   const FrameTable back = read_frame_table(path_);
   ASSERT_EQ(back.size(), 2U);
   EXPECT_EQ(back[0].stamp_ns, table[0].stamp_ns);
+  EXPECT_EQ(back[0].status, "doubtful");
   EXPECT_EQ(back[0].tracked, 640);
+  EXPECT_EQ(back[0].sigma_m, 0.0625);
   EXPECT_EQ(back[1].status, "lost");
   EXPECT_EQ(back[1].ms, 0.125);
 }
 
+TEST_F(FrameTableFile, OfAnEarlierVersionHasNoSigma) {
+  write_file(path_, "# stamp_s status features tracked ms\n1.0 dense 900 64 12.5\n");
+  const FrameTable table = read_frame_table(path_);
+  ASSERT_EQ(table.size(), 1U);
+  EXPECT_EQ(table[0].ms, 12.5);
+  EXPECT_EQ(table[0].sigma_m, 0);
+}
+
 TEST_F(FrameTableFile, SaysWhereItIsDamaged) {
-  for (const char* row : {"1.0 tracked 5", "x tracked 5 5 5", "1.0 tracked 5 y 5", "1.0 tracked 5 5 5 5"}) {
+  for (const char* row : {"1.0 tracked 5", "x tracked 5 5 5", "1.0 tracked 5 y 5", "1.0 tracked 5 5 5 y",
+                          "1.0 tracked 5 5 5 5 5"}) {
     write_file(path_, std::string("# head\n1.0 tracked 5 5 5\n") + row + "\n");
     try {
       read_frame_table(path_);

@@ -50,10 +50,11 @@ class FakeRun {
  public:
   explicit FakeRun(RunFeed& feed) : feed_(feed) {}
 
-  void frame(TrackingOutcome outcome = TrackingOutcome::kTracked) {
+  void frame(TrackingOutcome outcome = TrackingOutcome::kTracked, bool doubtful = false) {
     const Frame frame = wall_frame(next_++);
     TrackedFrame tracked = unlocated(frame);
     tracked.outcome = outcome;
+    tracked.doubtful = doubtful;
     tracked.frame = std::make_shared<const Frame>(frame);
     if (!tracked.is_lost()) {
       if (next_ % 2 == 1) {
@@ -165,6 +166,19 @@ TEST_F(RunSceneTest, LostFramesLeaveAGap) {
   update();
   EXPECT_TRUE(std::isnan(number(PartKind::kPath, 0, 5)));
   EXPECT_EQ(status()["tracking"], "lost");
+}
+
+TEST_F(RunSceneTest, DoubtfulAndLostFramesAreMarked) {
+  run_.frame();
+  update();
+  EXPECT_FALSE(part(PartKind::kDoubt));
+  run_.frame(TrackingOutcome::kTracked, true);
+  run_.frame(TrackingOutcome::kLost);
+  run_.frame();
+  run_.frame(TrackingOutcome::kTracked, true);
+  update();
+  EXPECT_EQ(*part(PartKind::kDoubt)->body, encode_ranges(std::vector<FrameRange>{{1, 3}, {4, 5}}));
+  EXPECT_EQ(status()["tracking"], "doubtful");
 }
 
 TEST_F(RunSceneTest, NoImagesAreEncodedWithoutClients) {

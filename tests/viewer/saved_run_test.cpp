@@ -50,6 +50,20 @@ class SavedRunTest : public testing::Test {
   const test::TempFolder folder_;
 };
 
+TEST_F(SavedRunTest, MarksThePathWhereFramesAreInDoubt) {
+  folder_.write(
+      "trajectory.txt",
+      "# 1 doubtful pose left out\n1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n4 2 0 0 0 0 0 1\n5 3 0 0 0 0 0 1\n");
+  folder_.write("frames.txt",
+                "# stamp_s status features tracked ms sigma_m\n1 tracked 9 9 1 0.001\n2 tracked 9 9 1 0.001\n"
+                "3 doubtful 9 9 1 0.1\n4 tracked 9 9 1 0.001\n5 tracked 9 9 1 0.001\n6 lost 9 0 1 0\n");
+  const auto marked = part(read_saved_run(folder_.path()), PartKind::kDoubt);
+  ASSERT_TRUE(marked);
+  EXPECT_EQ(*marked->body, encode_ranges(std::vector<FrameRange>{{2, 3}})) << "the way over the gap";
+  folder_.write("frames.txt", "1 tracked 9 9 1\n2 tracked 9 9 1\n");
+  EXPECT_FALSE(part(read_saved_run(folder_.path()), PartKind::kDoubt));
+}
+
 TEST_F(SavedRunTest, OfACloudAloneIsItsPointsWithoutTimes) {
   write_ply(folder_.path() / "map.PLY", {triangle().points, triangle().colors});
   const SavedRun run = read_saved_run(folder_.path() / "map.PLY");

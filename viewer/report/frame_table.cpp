@@ -10,11 +10,12 @@
 namespace kinloop {
 namespace {
 
-constexpr size_t kFields = 5;
+constexpr size_t kFields = 6, kFieldsWithoutSigma = 5;
 
 FrameRow parse_row(const TextLine& line, const std::filesystem::path& path) {
-  if (line.fields.size() != kFields)
-    throw_parse_error(path, line.number, "expected 'stamp status features tracked ms'");
+  const size_t fields = line.fields.size();
+  if (fields != kFields && fields != kFieldsWithoutSigma)
+    throw_parse_error(path, line.number, "expected 'stamp status features tracked ms sigma_m'");
   const auto stamp_ns = parse_stamp_ns(line.fields[0]);
   if (!stamp_ns)
     throw_parse_error(path, line.number, fmt::format("'{}' is not a time stamp", line.fields[0]));
@@ -24,17 +25,22 @@ FrameRow parse_row(const TextLine& line, const std::filesystem::path& path) {
       throw_parse_error(path, line.number, fmt::format("'{}' is not a number of features", field));
     return static_cast<int>(number);
   };
-  return {*stamp_ns, line.fields[1], count(line.fields[2]), count(line.fields[3]),
-          parse_double(line.fields[4], path, line.number)};
+  const auto number = [&](size_t field) { return parse_double(line.fields[field], path, line.number); };
+  return {*stamp_ns,
+          line.fields[1],
+          count(line.fields[2]),
+          count(line.fields[3]),
+          number(4),
+          fields == kFields ? number(5) : 0};
 }
 
 }  // namespace
 
 void write_frame_table(const std::filesystem::path& path, const FrameTable& table) {
-  std::string text = "# stamp_s status features tracked ms\n";
+  std::string text = "# stamp_s status features tracked ms sigma_m\n";
   for (const FrameRow& row : table) {
-    text += fmt::format("{} {} {} {} {:.3f}\n", format_stamp(row.stamp_ns), row.status, row.features,
-                        row.tracked, row.ms);
+    text += fmt::format("{} {} {} {} {:.3f} {:.6f}\n", format_stamp(row.stamp_ns), row.status, row.features,
+                        row.tracked, row.ms, row.sigma_m);
   }
   write_file(path, text);
 }

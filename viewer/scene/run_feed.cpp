@@ -19,8 +19,8 @@ MapSummary outline_of(const Map& map) {
 }
 
 FrameEvent event_of(const TrackedFrame& tracked, int inliers) {
-  return {tracked.stamp_ns,           tracked.outcome, tracked.method, tracked.reference,
-          tracked.T_reference_camera, inliers};
+  return {tracked.stamp_ns,           tracked.outcome, tracked.method,  tracked.reference,
+          tracked.T_reference_camera, inliers,         tracked.doubtful};
 }
 
 }  // namespace

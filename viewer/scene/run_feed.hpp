@@ -22,6 +22,7 @@ struct FrameEvent {
   KeyframeId reference;
   SE3 T_reference_camera;
   int inliers = 0;
+  bool doubtful = false;
 };
 
 /// The images of a frame.

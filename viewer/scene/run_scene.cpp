@@ -42,6 +42,7 @@ std::vector<ShownFeature> shown_features(const ImageEvent& image) {
 
 const char* status_name(const FrameEvent& frame) {
   if (frame.outcome == TrackingOutcome::kLost) return "lost";
+  if (frame.doubtful) return "doubtful";
   if (frame.outcome == TrackingOutcome::kRelocalized) return "relocalised";
   return frame.method == TrackingMethod::kDense ? "by depth and intensities alone" : "tracking";
 }
@@ -109,6 +110,16 @@ void RunScene::show_path(size_t first) {
     }
     return encode_path(points);
   });
+  show_doubt();
+}
+
+void RunScene::show_doubt() {
+  const auto doubt = ranges_where(frames_.size(), [this](size_t i) {
+    return frames_[i].doubtful || frames_[i].outcome == TrackingOutcome::kLost;
+  });
+  if (doubt == doubt_) return;
+  doubt_ = doubt;
+  scene_.put(PartKind::kDoubt, 0, encode_ranges(doubt_));
 }
 
 void RunScene::add_keyframe(const ImageEvent& image) {
@@ -143,10 +154,12 @@ void RunScene::show_camera() {
   scene_.put(PartKind::kCamera, 0, encode_poses({&pose, 1}));
 }
 
+/// Like that of the trajectory file, without doubtful poses.
 Trajectory RunScene::path() const {
   Trajectory path;
   for (const FrameEvent& frame : frames_) {
-    if (frame.outcome == TrackingOutcome::kLost || frame.reference.value >= map_.T_world_keyframe.size())
+    if (frame.doubtful || frame.outcome == TrackingOutcome::kLost ||
+        frame.reference.value >= map_.T_world_keyframe.size())
       continue;
     path.push_back({frame.stamp_ns, map_.T_world_keyframe[frame.reference.value] * frame.T_reference_camera});
   }

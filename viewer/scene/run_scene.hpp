@@ -41,6 +41,7 @@ class RunScene {
   void update_map(const MapSummary& map);
   void add_keyframe(const ImageEvent& image);
   void show_path(size_t first);
+  void show_doubt();
   void show_images(const ImageEvent& image);
   void show_camera();
   void show_status(const RunState& state);
@@ -53,6 +54,7 @@ class RunScene {
   IncrementalCloud cloud_;
   std::vector<FrameEvent> frames_;
   std::vector<std::pair<KeyframeId, KeyframeId>> covisible_;
+  std::vector<FrameRange> doubt_;
   MapSummary map_;
   size_t relocalizations_ = 0;
   double ate_m_ = 0;

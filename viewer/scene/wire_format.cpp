@@ -57,6 +57,15 @@ WireBytes encode_path(std::span<const PathPoint> points) {
   return body.take();
 }
 
+WireBytes encode_ranges(std::span<const FrameRange> ranges) {
+  Writer body(ranges.size() * 2 * sizeof(uint32_t));
+  for (const auto& [first, end] : ranges) {
+    body.put(first);
+    body.put(end);
+  }
+  return body.take();
+}
+
 WireBytes encode_pairs(std::span<const std::pair<KeyframeId, KeyframeId>> pairs) {
   Writer body(pairs.size() * 2 * sizeof(uint32_t));
   for (const auto& [a, b] : pairs) {

@@ -40,6 +40,7 @@ enum class PartKind : uint32_t {
   kTruthPose = 12,    ///< one pose: of that world in the map's
   kMesh = 13,         ///< see `encode_mesh`
   kModel = 14,        ///< a GLB file
+  kDoubt = 15,        ///< ranges of the path's frames, u32 first and u32 end, that are doubtful or lost
 };
 
 /// Number of keyframes, or frames, per part, the unit of updates.
@@ -75,6 +76,23 @@ WireBytes encode_poses(std::span<const SE3> poses);
 WireBytes encode_path(std::span<const PathPoint> points);
 
 WireBytes encode_pairs(std::span<const std::pair<KeyframeId, KeyframeId>> pairs);
+
+/// A range of frames [first, end).
+using FrameRange = std::pair<uint32_t, uint32_t>;
+
+WireBytes encode_ranges(std::span<const FrameRange> ranges);
+
+/// Returns the ranges of indices below `count` for which `is_member(index)` holds.
+template <class IsMember>
+std::vector<FrameRange> ranges_where(size_t count, const IsMember& is_member) {
+  std::vector<FrameRange> ranges;
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!is_member(i)) continue;
+    if (ranges.empty() || ranges.back().second != i) ranges.emplace_back(i, i);
+    ++ranges.back().second;
+  }
+  return ranges;
+}
 
 WireBytes encode_points(std::span<const Eigen::Vector3f> points);
 

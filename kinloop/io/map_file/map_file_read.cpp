@@ -212,6 +212,7 @@ FrameLog read_frames(const DatabaseReader& file, const Renumbered& ids) {
     frame.T_reference_camera = take_pose(row);
     if (!row.exhausted())  // not in version 1
       frame.depth_stamp_difference_s = static_cast<float>(row.take_in(-kMaxLagS, kMaxLagS));
+    if (!row.exhausted()) frame.doubtful = row.take<int64_t>() != 0;  // not in versions 1 and 2
     if (!row.exhausted() || (!frames.empty() && frame.id <= frames.back().id)) return false;
     frames.push_back(frame);
     return true;

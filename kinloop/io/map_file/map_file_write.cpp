@@ -111,8 +111,8 @@ int64_t status_number(const TrackedFrame& frame) {
 }
 
 void write_frames(DatabaseWriter& file, const FrameLog& frames) {
-  file.create(tables::kFrame,
-              with_pose({"frame", "stamp_ns", "status", "reference", "keyframe", "repeat"}, {"depth_lag_s"}));
+  file.create(tables::kFrame, with_pose({"frame", "stamp_ns", "status", "reference", "keyframe", "repeat"},
+                                        {"depth_lag_s", "doubtful"}));
   int64_t id = 0;
   for (const TrackedFrame& frame : frames) {
     Row row = {int64_t{frame.id.value},       frame.stamp_ns,
@@ -120,6 +120,7 @@ void write_frames(DatabaseWriter& file, const FrameLog& frames) {
                int64_t{frame.keyframe.value}, int64_t{frame.is_repeat()}};
     add_pose(row, frame.T_reference_camera);
     row.emplace_back(static_cast<double>(frame.depth_stamp_difference_s));
+    row.emplace_back(int64_t{frame.doubtful});
     file.insert(tables::kFrame, id++, row);
   }
 }

@@ -2,6 +2,7 @@
 
 import { binX, line, rectY, ruleY } from '@observablehq/plot';
 
+import { doubtCaption, doubtMarks } from './doubt.js';
 import { figure, legend, row, section } from './page.js';
 import { draw, extent, outline, rows } from './plot.js';
 
@@ -15,7 +16,7 @@ export function errorSection(all) {
     'Absolute trajectory error',
     all.length > 1 ? legend(runs) : undefined,
     row(
-      figure(overTime(runs), 'ATE over time; dashed: RMSE'),
+      figure(overTime(runs), `ATE over time; dashed: RMSE${doubtCaption(runs)}`),
       figure(histogram(runs), `Error histogram${all.length > 1 ? '' : `: ${single}`}`),
     ),
   );
@@ -26,7 +27,7 @@ function overTime(runs) {
     line(outline(rows(run.errors), 'mm'), { x: 't', y: 'mm', stroke: run.color, strokeWidth: 1.3 }),
     ruleY([1000 * run.evaluation.ate.rmse_m], { stroke: run.color, strokeDasharray: '5 4' }),
   ]);
-  return draw('ATE over time', marks, { x: { label: 's' }, y: { label: 'mm', domain: fromZero(runs) } });
+  return draw('ATE over time', [doubtMarks(runs), ...marks], { x: { label: 's' }, y: { label: 'mm', domain: fromZero(runs) } });
 }
 
 function histogram(runs) {

@@ -6,7 +6,7 @@
 //   paths.js    top and side view          modules.js   CPU time per module                   details.js   options ...
 //   errors.js   over time, histogram       cloud.js     3D map
 //
-//   plot.js     style of all plots         page.js      style of all sections
+//   plot.js     style of all plots         page.js      style of all sections                 doubt.js    verdict, shades
 
 import './report.css';
 import { cloudSection } from './cloud.js';

@@ -1,10 +1,12 @@
 // Summary of a run with its figures; for several runs as a table.
 
 import { count, millimetres } from '../shared/format.js';
+import { verdictLine } from './doubt.js';
 import { element, section, table } from './page.js';
 
 /** Every figure: its name, and its text for a run, or nothing if unknown. */
 const FIGURES = [
+  ['quality', ({ figures: f }, index, runs) => runs.length > 1 && f.quality?.verdict],
   ['tracked frames', ({ figures: f }) => f.frames && `${count(f.tracked)} of ${count(f.frames)}`],
   ['ATE RMSE', ({ evaluation: e }) => e && millimetres(e.ate.rmse_m)],
   ['max ATE', ({ evaluation: e }) => e && millimetres(e.ate.max_m)],
@@ -23,7 +25,7 @@ const FIGURES = [
 
 export function headSection(runs) {
   const title = runs.length === 1 ? runs[0].name : `Comparison of ${runs.length} runs`;
-  return element('header', {}, element('h1', {}, title), element('p', { class: 'soft' }, runs.map(subtitle).join(' \u00b7 ')));
+  return element('header', {}, element('h1', {}, title), runs.length === 1 ? verdictLine(runs[0]) : undefined, element('p', { class: 'soft' }, runs.map(subtitle).join(' \u00b7 ')));
 }
 
 function subtitle({ name, path }, _, runs) {

@@ -22,6 +22,7 @@ const readers = [
   ['truthPose', floats],
   ['mesh', mesh],
   ['model', (buffer) => buffer.slice(HEAD_BYTES)],
+  ['doubt', words],
 ];
 
 /** A message as { kind, index, version, body }; undefined if the kind is unknown. */

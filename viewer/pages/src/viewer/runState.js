@@ -77,7 +77,7 @@ export class RunState {
     if (!status) return ['connected', 'good', ''];
     const mapping = status.stage === 'mapping';
     const name = mapping ? (status.tracking ?? 'waiting') : status.stage;
-    const kind = mapping && status.tracking === 'lost' ? 'lost' : 'good';
+    const kind = (mapping && { lost: 'lost', doubtful: 'doubtful' }[status.tracking]) || 'good';
     return [status.paused && mapping ? `${name}, paused` : name, kind, status.message ?? ''];
   }
 }

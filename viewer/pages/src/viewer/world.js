@@ -5,11 +5,11 @@ import { Group, Matrix4, Plane, Quaternion, Vector3 } from 'three';
 import { sharedUniforms } from '../shared/cloudMaterial.js';
 import { cloudPiece, placePiece, thinPiece } from '../shared/cloudPiece.js';
 import { Lines } from './lines.js';
-import { NO_KEYFRAME } from './messages.js';
+import { NO_KEYFRAME, PART_LENGTH } from './messages.js';
 import { meshOf, readModel } from './models.js';
 import { matrixOf, poseFrom, Poses } from './poses.js';
 
-const COLORS = { path: 0x4aa8ff, keyframes: 0x7fd0a0, camera: 0xff3d8b, covisibility: 0x6f7f9f, loops: 0xff8a3d, truth: 0xb9bcc4 };
+const COLORS = { path: 0x4aa8ff, doubt: 0xe05252, keyframes: 0x7fd0a0, camera: 0xff3d8b, covisibility: 0x6f7f9f, loops: 0xff8a3d, truth: 0xb9bcc4 };
 const KEYFRAME_SIZE_M = 0.06;
 const CAMERA_SIZE_M = 0.16;
 const OWN_WORLD = new Matrix4();
@@ -27,13 +27,16 @@ export class World {
     this.layers.covisibility.visible = false;
     this.lines = {
       path: new Lines({ color: COLORS.path }),
+      doubt: new Lines({ color: COLORS.doubt, segments: true }),
       keyframes: new Lines({ color: COLORS.keyframes, segments: true, opacity: 0.7 }),
       camera: new Lines({ color: COLORS.camera, segments: true }),
       covisibility: new Lines({ color: COLORS.covisibility, segments: true, opacity: 0.5 }),
       loops: new Lines({ color: COLORS.loops, segments: true, opacity: 0.3 }),
       truth: new Lines({ color: COLORS.truth }),
     };
-    for (const [name, lines] of Object.entries(this.lines)) this.layers[name === 'camera' ? 'path' : name].add(lines.object);
+    const layerOf = { camera: 'path', doubt: 'path' };
+    for (const [name, lines] of Object.entries(this.lines)) this.layers[layerOf[name] ?? name].add(lines.object);
+    this.lines.doubt.object.renderOrder = 1; // over the path, at the same places
     this.onProblem = () => {}; // (text)
     this.clear();
   }
@@ -45,6 +48,7 @@ export class World {
     this.models = [];
     this.parts = { path: [], covisibility: [] };
     this.loops = new Uint32Array(0);
+    this.doubt = new Uint32Array(0);
     this.truth = new Float32Array(0);
     this.truthPose = OWN_WORLD;
     this.cameraPose = undefined;
@@ -64,6 +68,7 @@ export class World {
       path: () => (this.parts.path[index] = body),
       covisibility: () => (this.parts.covisibility[index] = body),
       loops: () => (this.loops = body),
+      doubt: () => (this.doubt = body),
       cloud: () => this.takePiece(index, body),
       mesh: () => this.addModel(meshOf(body, this.cutPlane)),
       model: () => this.takeModel(body),
@@ -149,13 +154,30 @@ export class World {
   }
 
   drawPath() {
+    this.lines.path.fill((add) => this.eachPlace((place) => add(place)));
+    this.lines.doubt.fill((add) => {
+      const isInDoubt = inRanges(this.doubt);
+      let before;
+      let inDoubt = false; // since the last place: lost frames have none
+      this.eachPlace(
+        (place) => {
+          if (before && inDoubt) [before, place].forEach(add);
+          before = place.clone();
+          inDoubt = false;
+        },
+        (frame) => (inDoubt ||= isInDoubt(frame)),
+      );
+    });
+  }
+
+  /** Calls onFrame(index) for every frame of the path, in order, and then onPlace(position) if it has one. */
+  eachPlace(onPlace, onFrame = () => {}) {
     const point = new Vector3();
-    this.lines.path.fill((add) => {
-      for (const { references, places } of this.parts.path.filter(Boolean)) {
-        for (let i = 0; i < references.length; i += 4) {
-          const pose = references[i] === NO_KEYFRAME ? OWN_WORLD : this.poses.at(references[i]);
-          if (pose && !Number.isNaN(places[i + 1])) add(point.fromArray(places, i + 1).applyMatrix4(pose));
-        }
+    this.parts.path.forEach(({ references, places }, part) => {
+      for (let i = 0; i < references.length; i += 4) {
+        onFrame(part * PART_LENGTH + i / 4);
+        const pose = references[i] === NO_KEYFRAME ? OWN_WORLD : this.poses.at(references[i]);
+        if (pose && !Number.isNaN(places[i + 1])) onPlace(point.fromArray(places, i + 1).applyMatrix4(pose));
       }
     });
   }
@@ -186,6 +208,15 @@ export class World {
   thin(share) {
     for (const { object } of this.pieces.values()) thinPiece(object, share);
   }
+}
+
+/** A function that tells of increasing numbers whether one of the ranges [first, end, first, end ...) holds them. */
+function inRanges(ranges) {
+  let at = 0;
+  return (number) => {
+    while (at < ranges.length && ranges[at + 1] <= number) at += 2;
+    return at < ranges.length && ranges[at] <= number;
+  };
 }
 
 /** Releases what the renderer keeps of an object, which it would otherwise keep forever. */

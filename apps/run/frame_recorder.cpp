@@ -1,0 +1,31 @@
+#include "apps/run/frame_recorder.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr const char* kLostStatus = "lost";
+
+const char* status_of(const TrackedFrame& tracked) {
+  if (tracked.is_lost()) return kLostStatus;
+  return tracked.method == TrackingMethod::kDense ? "dense" : "tracked";
+}
+
+}  // namespace
+
+void FrameRecorder::on_frame(const TrackedFrame& tracked) {
+  rows_.push_back({tracked.stamp_ns, status_of(tracked), static_cast<int>(tracked.features().size()),
+                   tracked.evidence.inliers, 0, 0});
+}
+
+FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings& times) const {
+  FrameTable rows = rows_;
+  for (size_t i = 0; i < rows.size() && i < times.frame_ms.size(); ++i) rows[i].ms = times.frame_ms[i];
+  for (size_t i = 0; i < rows.size() && i < log.size(); ++i) {
+    if (rows[i].status == kLostStatus) continue;
+    rows[i].sigma_m = position_sigma_m(log[i]);
+    if (log[i].doubtful) rows[i].status = "doubtful";
+  }
+  return rows;
+}
+
+}  // namespace kinloop

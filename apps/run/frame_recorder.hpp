@@ -1,0 +1,26 @@
+#pragma once
+// In: the frames of a run. Out: the rows of frames.txt.
+
+#include <span>
+
+#include "kinloop/core/timings.hpp"
+#include "kinloop/slam/listener.hpp"
+#include "viewer/report/frame_table.hpp"
+
+namespace kinloop {
+
+/// Records a row per frame for frames.txt: the status is that of tracking, but the mark of doubt and sigma
+/// are those of the log, so that they agree with trajectory.txt.
+class FrameRecorder : public Listener {
+ public:
+  void on_frame(const TrackedFrame& tracked) override;
+  void on_map(const Map&) override {}
+
+  /// Returns the rows, with the time of each frame. `log` has the same frames.
+  [[nodiscard]] FrameTable table(std::span<const TrackedFrame> log, const Timings& times) const;
+
+ private:
+  FrameTable rows_;
+};
+
+}  // namespace kinloop

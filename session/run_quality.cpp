@@ -1,0 +1,118 @@
+#include "session/run_quality.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "kinloop/core/time.hpp"
+#include "kinloop/map/frame_log.hpp"
+
+namespace kinloop {
+namespace {
+
+// A longer interval is a pause of the camera, for which the frame before it is not to blame.
+constexpr double kMaxInterval_s = 1;
+constexpr double kOnlyFrame_s = 1.0 / 30;
+
+FrameTrust trust_of(const TrackedFrame& entry, uint32_t component, const Map& map) {
+  if (entry.is_lost()) return FrameTrust::kLost;
+  if (!is_tracked_in(component, entry, map)) return FrameTrust::kElsewhere;
+  return entry.doubtful ? FrameTrust::kDoubtful : FrameTrust::kTrusted;
+}
+
+/// The time that each frame counts for, s.
+std::vector<double> durations_s(std::span<const JudgedFrame> frames) {
+  std::vector<double> durations;
+  for (size_t i = 1; i < frames.size(); ++i) {
+    const double interval_s = to_seconds(frames[i].stamp_ns - frames[i - 1].stamp_ns);
+    durations.push_back(std::clamp(interval_s, 0.0, kMaxInterval_s));
+  }
+  if (!frames.empty()) durations.push_back(durations.empty() ? kOnlyFrame_s : durations.back());
+  return durations;
+}
+
+/// Successive frames of the same trust, in seconds since the first frame of the run.
+struct Stretch {
+  double from_s = 0, to_s = 0;
+};
+
+/// The time in which the frames have this trust.
+struct Share {
+  double total_s = 0;
+  Stretch longest;
+};
+
+Share share_of(FrameTrust trust, std::span<const JudgedFrame> frames, std::span<const double> durations) {
+  Share share;
+  Stretch current;
+  bool inside = false;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    if (frames[i].trust != trust) {
+      inside = false;
+      continue;
+    }
+    const double at_s = to_seconds(frames[i].stamp_ns - frames.front().stamp_ns);
+    if (!inside) current.from_s = at_s;
+    inside = true;
+    current.to_s = at_s + durations[i];
+    share.total_s += durations[i];
+    if (current.to_s - current.from_s > share.longest.to_s - share.longest.from_s) share.longest = current;
+  }
+  return share;
+}
+
+void add_reason(RunQuality& quality, const Share& share, const char* what) {
+  if (share.total_s <= 0) return;
+  quality.reasons.push_back(fmt::format("{:.1f} s of {:.1f} s are {} (longest: {:.1f} s to {:.1f} s)",
+                                        share.total_s, quality.seconds, what, share.longest.from_s,
+                                        share.longest.to_s));
+}
+
+Verdict verdict_on(double share_of_time) {
+  constexpr double kGoodBelow = 0.005, kBadAbove = 0.2;
+  if (share_of_time < kGoodBelow) return Verdict::kGood;
+  return share_of_time > kBadAbove ? Verdict::kBad : Verdict::kDoubtful;
+}
+
+}  // namespace
+
+std::vector<JudgedFrame> judged_frames(std::span<const TrackedFrame> log, const Map& map) {
+  const uint32_t component = main_component(log, map);
+  std::vector<JudgedFrame> frames;
+  for (const TrackedFrame& entry : log) frames.push_back({entry.stamp_ns, trust_of(entry, component, map)});
+  return frames;
+}
+
+RunQuality judge(std::span<const JudgedFrame> frames) {
+  RunQuality quality;
+  const auto durations = durations_s(frames);
+  for (const double duration : durations) quality.seconds += duration;
+  if (quality.seconds <= 0) {
+    quality.reasons.emplace_back("there are no frames");
+    return quality;
+  }
+  const Share doubtful = share_of(FrameTrust::kDoubtful, frames, durations);
+  const Share lost = share_of(FrameTrust::kLost, frames, durations);
+  const Share elsewhere = share_of(FrameTrust::kElsewhere, frames, durations);
+  quality.seconds_doubtful = doubtful.total_s;
+  quality.seconds_lost = lost.total_s + elsewhere.total_s;
+  quality.verdict = verdict_on((quality.seconds_doubtful + quality.seconds_lost) / quality.seconds);
+  add_reason(quality, doubtful, "in doubt");
+  add_reason(quality, lost, "lost");
+  add_reason(quality, elsewhere, "in other components of the map");
+  return quality;
+}
+
+const char* name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kGood:
+      return "good";
+    case Verdict::kDoubtful:
+      return "doubtful";
+    case Verdict::kBad:
+      break;
+  }
+  return "bad";
+}
+
+}  // namespace kinloop
