@@ -2,6 +2,7 @@
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/loop/recognize_place.hpp"
+#include "kinloop/tracking/surface_evidence.hpp"
 
 namespace kinloop {
 
@@ -43,6 +44,8 @@ std::optional<TrackedFrame> PlaceRecognition::locate_near(const Frame& frame, co
       result.evidence.inliers >= options.tracking.min_confident_inliers &&
       has_sufficient_inlier_ratio(result, *frame.features, options.tracking.min_inlier_ratio);
   if (!confident) return std::nullopt;
+  const SurfaceAgreement surfaces = agreement_with_reference(local_map, frame, result.T_reference_camera);
+  if (contradicts_unexpected_pose(surfaces, result, frame)) return std::nullopt;
   return result;
 }
 

@@ -2,6 +2,7 @@
 
 #include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/loop/view_checks.hpp"
+#include "kinloop/tracking/surface_evidence.hpp"
 
 namespace kinloop {
 namespace {
@@ -21,6 +22,8 @@ bool is_verified(const TrackedFrame& result, const TrackingInput& in, const Loop
   if (result.is_lost() || result.evidence.inliers < options.min_inliers) return false;
   if (!has_sufficient_inlier_ratio(result, features, options.min_inlier_ratio)) return false;
   const SE3& T_reference_camera = result.T_reference_camera;
+  const SurfaceAgreement surfaces = agreement_with_reference(in.local_map, in.frame, T_reference_camera);
+  if (contradicts_unexpected_pose(surfaces, result, in.frame)) return false;
   const auto depths =
       compare_depths(reference, features, T_reference_camera, in.sensor, options.landmark_sigma_m);
   return !violates_free_space(depths, options.max_free_space_violation_ratio) &&

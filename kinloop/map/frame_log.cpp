@@ -13,6 +13,7 @@ std::shared_ptr<const Frame> without_images(const Frame& frame) {
   kept.id = frame.id;
   kept.stamp_ns = frame.stamp_ns;
   kept.features = frame.features;
+  kept.surfaces = frame.surfaces;
   return std::make_shared<const Frame>(std::move(kept));
 }
 

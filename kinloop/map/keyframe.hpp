@@ -7,6 +7,7 @@
 #include "kinloop/features/features.hpp"
 #include "kinloop/features/patches.hpp"
 #include "kinloop/geometry/se3.hpp"
+#include "kinloop/sensor/surface_grid.hpp"
 
 namespace kinloop {
 
@@ -22,6 +23,7 @@ struct Keyframe {
   std::shared_ptr<const Features> features;
   std::vector<LandmarkId> landmark_of;
   std::shared_ptr<const KeypointPatches> patches = {};  ///< null in a loaded map
+  std::shared_ptr<const SurfaceGrid> surfaces = {};     ///< null in a loaded map
 };
 
 /// Keypoint `feature` of `keyframe`.

@@ -47,6 +47,7 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
   LocalMap local_map;
   local_map.reference = reference;
   local_map.features = map.keyframe(reference).features;
+  local_map.surfaces = map.keyframe(reference).surfaces;
   local_map.ids = collect_landmarks(map, reference, options);
   for (uint32_t i = 0; i < local_map.size(); ++i) local_map.index_of.emplace(local_map.ids[i], i);
   const SE3 T_reference_world = map.keyframe(reference).T_world_camera.inverse();

@@ -38,7 +38,8 @@ struct LocalView {
 /// Landmarks in the frame of `reference`, as a structure of arrays.
 struct LocalMap {
   KeyframeId reference;
-  std::shared_ptr<const Features> features;  ///< all keypoints of the reference
+  std::shared_ptr<const Features> features;     ///< all keypoints of the reference
+  std::shared_ptr<const SurfaceGrid> surfaces;  ///< of the reference; null in a loaded map
   std::vector<LandmarkId> ids;
   std::unordered_map<LandmarkId, uint32_t> index_of;  ///< inverse of `ids`
   std::vector<Eigen::Vector3d> p_reference;           ///< m

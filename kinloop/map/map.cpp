@@ -199,6 +199,10 @@ void Map::set_patches(KeyframeId id, KeypointPatches patches) {
   keyframe.patches = std::make_shared<const KeypointPatches>(std::move(patches));
 }
 
+void Map::set_surfaces(KeyframeId id, std::shared_ptr<const SurfaceGrid> surfaces) {
+  keyframe_ref(id).surfaces = std::move(surfaces);
+}
+
 bool Map::contains(LandmarkId id) const {
   return id.value < landmarks_.size() && landmarks_[id.value].has_value();
 }

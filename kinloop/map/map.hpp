@@ -74,6 +74,9 @@ class Map {
   /// Stores image patches of the keypoints of a keyframe.
   void set_patches(KeyframeId id, KeypointPatches patches);
 
+  /// Stores the surfaces that a keyframe shows.
+  void set_surfaces(KeyframeId id, std::shared_ptr<const SurfaceGrid> surfaces);
+
   /// Increments the epoch after a correction of the whole map (loop correction, global bundle adjustment,
   /// self-calibration), so that updates computed before it are dropped.
   void advance_epoch() { ++epoch_; }

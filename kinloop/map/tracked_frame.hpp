@@ -13,6 +13,7 @@
 #include "kinloop/geometry/se3.hpp"
 #include "kinloop/geometry/velocity.hpp"
 #include "kinloop/sensor/frame.hpp"
+#include "kinloop/sensor/surface_grid.hpp"
 
 namespace kinloop {
 
@@ -53,6 +54,7 @@ struct TrackingEvidence {
   int visible_landmarks = 0;       ///< landmarks of the local map in view
   int inliers = 0;                 ///< landmarks matched consistently with the pose
   int attempts = 0;  ///< number of methods tried against the previous frame (1 = the first succeeded)
+  SurfaceAgreement surfaces;  ///< with the reference keyframe; zero if unknown
 };
 
 /// A frame with its pose and the support for it.

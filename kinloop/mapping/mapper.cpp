@@ -56,6 +56,7 @@ KeyframeId Mapper::insert(Map& map, const TrackedFrame& tracked, const Sensor& s
   triangulate_landmarks(map, id, sensor.camera, options_.mapping);
   cull_landmarks(map, options_.mapping);
   map.set_patches(id, cut_patches(tracked.frame->octaves, *map.keyframe(id).features, observed(map, id)));
+  map.set_surfaces(id, tracked.frame->surfaces);
   return id;
 }
 

@@ -17,6 +17,7 @@
 namespace kinloop {
 
 struct Features;
+struct SurfaceGrid;
 
 /// Time spent on a frame before tracking, for reports.
 struct PreparationTime {
@@ -35,8 +36,9 @@ struct Frame {
   cv::Mat infrared = {};                  ///< 16UC1, as seen by the depth camera; empty unless requested
   std::optional<int64_t> depth_stamp_ns;  ///< of the depth image; nullopt: not known
 
-  cv::Mat gray = {};                  ///< 8UC1; empty until prepared
-  std::vector<cv::Mat> octaves = {};  ///< image pyramid of `gray`, see make_octaves
+  cv::Mat gray = {};                                 ///< 8UC1; empty until prepared
+  std::vector<cv::Mat> octaves = {};                 ///< image pyramid of `gray`, see make_octaves
+  std::shared_ptr<const SurfaceGrid> surfaces = {};  ///< of `depth_m`; null until prepared
   /// All keypoints with descriptors; null until extracted. For a frame tracked by patches, only the landmarks
   /// found, without descriptors.
   std::shared_ptr<const Features> features = {};

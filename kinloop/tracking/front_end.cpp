@@ -21,6 +21,7 @@ Frame FrontEnd::prepare(Frame frame) const {
   frame.id = FrameId{first_frame_ + frame.id.value};
   frame.gray = frame.color.gray();
   frame.octaves = make_octaves(frame.gray, kOctaves);
+  frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(surface_camera_, frame.depth_m));
   frame.time.preparing = watch.elapsed();
   return frame;
 }

@@ -4,6 +4,7 @@
 #include "kinloop/features/options.hpp"
 #include "kinloop/sensor/frame.hpp"
 #include "kinloop/sensor/sensor.hpp"
+#include "kinloop/sensor/surface_grid.hpp"
 
 namespace kinloop {
 
@@ -12,10 +13,13 @@ class FrontEnd {
  public:
   /// `first_frame` is added to the frame ids; frames of loaded maps have lower ids.
   FrontEnd(const Sensor& sensor, const FeatureOptions& options, uint32_t first_frame = 0)
-      : sensor_(sensor), options_(options), first_frame_(first_frame) {}
+      : sensor_(sensor),
+        options_(options),
+        first_frame_(first_frame),
+        surface_camera_(make_surface_camera(sensor)) {}
 
-  /// Returns the frame with its grey octaves, without features. Throws std::logic_error unless both images
-  /// have the camera's size and the types of Frame.
+  /// Returns the frame with its grey octaves and its surfaces, without features. Throws std::logic_error
+  /// unless both images have the camera's size and the types of Frame.
   [[nodiscard]] Frame prepare(Frame frame) const;
 
   /// Returns keypoints with descriptors and depth.
@@ -29,6 +33,7 @@ class FrontEnd {
   Sensor sensor_;
   FeatureOptions options_;
   uint32_t first_frame_;
+  std::shared_ptr<const SurfaceCamera> surface_camera_;
 };
 
 }  // namespace kinloop

@@ -94,6 +94,7 @@ TrackedFrame track_keypoints(const TrackingInput& in, const TrackedFrame& previo
     tracked.method = guess->dense ? TrackingMethod::kDense : TrackingMethod::kKeypoints;
     tracked.T_reference_camera = guess->T_reference_camera;
     tracked.covariance = covariance_from_information(guess->information);
+    if (guess->dense) tracked.covariance += previous.covariance;  // odometry accumulates its errors
   }
   tracked.evidence.previous_frame_inliers = static_cast<int>(guess->inliers.size());
   tracked.evidence.attempts = guess->attempts;

@@ -8,6 +8,7 @@
 #include "kinloop/tracking/direct/direct_tracking.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/tracking/surface_evidence.hpp"
 
 namespace kinloop {
 namespace {
@@ -58,6 +59,9 @@ TrackedFrame Tracker::repeat_previous(Frame frame) const {
   tracked.keyframe = {};
   tracked.evidence = {};
   tracked.evidence.inliers = static_cast<int>(tracked.matches.size());
+  // One image lost in transfer is bridged well; a camera whose image is frozen may be anywhere.
+  constexpr int64_t kMaxRepeat_ns = kNsPerSecond / 5;
+  tracked.doubtful = previous_->doubtful || frame.stamp_ns - previous_->stamp_ns > kMaxRepeat_ns;
   frame.features = previous_->frame->features;
   tracked.frame = std::make_shared<const Frame>(std::move(frame));
   return tracked;
@@ -90,7 +94,10 @@ TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context)
   if (context.map.keyframes().empty()) return start_map_or_lose(frame);
   TrackedFrame tracked = track_from_previous(frame, context.sensor).value_or(unlocated(frame));
   // Dense odometry measures the motion between consecutive frames, not across a gap.
-  if (lost_frames_ > 0 && tracked.method == TrackingMethod::kDense) tracked = unlocated(frame);
+  const bool continuous = continues_previous(frame);
+  if (!continuous && tracked.method == TrackingMethod::kDense) tracked = unlocated(frame);
+  const bool expected = continuous && tracked.evidence.attempts == 1;
+  if (tracked.is_located() && !expected && is_contradicted(tracked, frame)) tracked = unlocated(frame);
   const bool as_predicted = tracked.evidence.attempts == 1 &&
                             (!options_.localize_only || is_localized(tracked, frame, options_.tracking));
   if (tracked.is_located() && tracked.method != TrackingMethod::kDense && as_predicted) return tracked;
@@ -104,6 +111,24 @@ TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context)
   // After this many lost frames the camera may be in an unmapped place.
   const int max_lost = options_.lost_frames_before_new_component;
   return max_lost > 0 && lost_frames_ >= max_lost ? start_map_or_lose(frame) : tracked;
+}
+
+/// Whether the motion since the previous frame can be predicted.
+bool Tracker::continues_previous(const Frame& frame) const {
+  constexpr int64_t kMaxInterval_ns = kNsPerSecond / 4;  // hand motion reverses within a longer gap
+  return previous_ && lost_frames_ == 0 && frame.stamp_ns - previous_->stamp_ns <= kMaxInterval_ns;
+}
+
+/// Whether surfaces contradict a pose found relative to the local map.
+bool Tracker::is_contradicted(const TrackedFrame& tracked, const Frame& frame) const {
+  const auto contradicts = [&](const SurfaceAgreement& agreement) {
+    return contradicts_unexpected_pose(agreement, tracked, frame);
+  };
+  const SE3& T_reference_camera = tracked.T_reference_camera;
+  if (contradicts(agreement_with_reference(local_map_, frame, T_reference_camera))) return true;
+  if (!frame.surfaces || !previous_->frame->surfaces) return false;
+  return contradicts(compare_surfaces(*previous_->frame->surfaces, *frame.surfaces,
+                                      previous_->T_reference_camera.inverse() * T_reference_camera));
 }
 
 std::optional<TrackedFrame> Tracker::track_from_previous(const Frame& frame, const Sensor& sensor) const {
@@ -130,6 +155,8 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
                                            tracked.T_reference_camera, options_.tracking.local_map_window_px);
   rematched.evidence.attempts = 1;
   rematched.velocity = tracked.velocity;
+  rematched.evidence.surfaces = tracked.evidence.surfaces;
+  rematched.doubtful = tracked.doubtful;
   rematched.frame = std::make_shared<const Frame>(std::move(frame));
   return rematched;
 }
@@ -148,8 +175,14 @@ TrackedFrame Tracker::start_map_or_lose(const Frame& frame) const {
   return tracked;
 }
 
-/// Adds what follows from the pose: the velocity, and the frame compensated for it.
+/// Adds what follows from the pose: its evidence in the surfaces, the velocity, and the frame compensated for
+/// it.
 TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Sensor& sensor) const {
+  if (tracked.is_located() && tracked.reference == local_map_.reference) {
+    const ScopedTimer timer(timings_, "surface evidence");
+    tracked.evidence.surfaces = agreement_with_reference(local_map_, measured, tracked.T_reference_camera);
+    tracked.doubtful = is_doubtful(tracked);
+  }
   tracked.velocity = velocity_of(tracked);
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
   return tracked;

@@ -66,6 +66,8 @@ class Tracker {
   [[nodiscard]] std::optional<TrackedFrame> track_by_patches(const Frame& frame, const Sensor& sensor) const;
   [[nodiscard]] TrackedFrame track_by_keypoints(Frame frame, const TrackingContext& context) const;
   [[nodiscard]] TrackedFrame locate(const Frame& frame, const TrackingContext& context) const;
+  [[nodiscard]] bool continues_previous(const Frame& frame) const;
+  [[nodiscard]] bool is_contradicted(const TrackedFrame& tracked, const Frame& frame) const;
   [[nodiscard]] std::optional<TrackedFrame> track_from_previous(const Frame& frame,
                                                                 const Sensor& sensor) const;
   [[nodiscard]] TrackedFrame start_map_or_lose(const Frame& frame) const;

@@ -1,0 +1,165 @@
+#include "kinloop/sensor/surface_grid.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "kinloop/core/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr float kMaxStep_per_m = 0.05F;  // of inverse depth between neighbouring points of one surface
+
+/// Mean inverse depth of the nearest surface among samples around a pixel; 0 unless most of them show it.
+float sample_inverse_depth(const cv::Mat& depth_m, const cv::Point& pixel, int spacing_px) {
+  constexpr int kMinSamples = 4;
+  const int step = std::max(spacing_px / 4, 1);
+  std::array<float, 5> inverse{};
+  size_t count = 0;
+  for (const auto& [dx, dy] : {std::pair{0, 0}, {-step, 0}, {step, 0}, {0, -step}, {0, step}}) {
+    const float z = depth_m.ptr<float>(pixel.y + dy)[pixel.x + dx];
+    if (z > 0) inverse[count++] = 1 / z;  // false for NaN
+  }
+  const float nearest = *std::max_element(inverse.begin(), inverse.end());
+  float sum = 0;
+  int on_surface = 0;
+  for (size_t i = 0; i < count; ++i) {
+    if (inverse[i] < nearest - kMaxStep_per_m) continue;
+    sum += inverse[i];
+    ++on_surface;
+  }
+  return on_surface >= kMinSamples ? sum / static_cast<float>(on_surface) : 0;
+}
+
+/// Central differences; NaN unless both neighbours on each axis continue the surface.
+Eigen::Vector2f gradient_at(const float* inverse, int width) {
+  const auto continues = [&](int offset) {
+    return inverse[offset] > 0 && std::abs(inverse[offset] - *inverse) <= kMaxStep_per_m;
+  };
+  if (!(*inverse > 0) || !continues(-1) || !continues(1) || !continues(-width) || !continues(width))
+    return Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
+  return {(inverse[1] - inverse[-1]) / 2, (inverse[width] - inverse[-width]) / 2};
+}
+
+/// The surface of a view at a pixel of its grid: its inverse depth, 1/m; NaN if unknown.
+float surface_at(const SurfaceGrid& view, float u, float v) {
+  const PinholeCamera& grid = view.camera->grid;
+  const int x = static_cast<int>(std::floor(u + 0.5F)), y = static_cast<int>(std::floor(v + 0.5F));
+  if (x < 0 || y < 0 || x >= grid.width || y >= grid.height) return std::numeric_limits<float>::quiet_NaN();
+  const auto cell = static_cast<size_t>(y * grid.width + x);
+  const Eigen::Vector2f step(u - static_cast<float>(x), v - static_cast<float>(y));
+  return view.inverse_depths_per_m[cell] + view.gradients[cell].dot(step);
+}
+
+SurfaceAgreement count(const std::vector<PointState>& states) {
+  const auto number = [&](PointState state) {
+    return static_cast<int>(std::count(states.begin(), states.end(), state));
+  };
+  return {number(PointState::kConsistent), number(PointState::kContradicted), number(PointState::kOccluded)};
+}
+
+}  // namespace
+
+std::shared_ptr<const SurfaceCamera> make_surface_camera(const Sensor& sensor) {
+  constexpr int kMaxWidth = 64;
+  const PinholeCamera& camera = sensor.camera;
+  SurfaceCamera surfaces;
+  surfaces.noise = sensor.noise.surface;
+  surfaces.spacing_px = std::max(1, (camera.width + kMaxWidth - 1) / kMaxWidth);
+  const int spacing = surfaces.spacing_px;
+  PinholeCamera& grid = surfaces.grid;
+  grid.width = camera.width / spacing;
+  grid.height = camera.height / spacing;
+  grid.fx = camera.fx / spacing;
+  grid.fy = camera.fy / spacing;
+  grid.cx = (camera.cx + 0.5) / spacing - 0.5;  // pixel centres have integer coordinates
+  grid.cy = (camera.cy + 0.5) / spacing - 0.5;
+  const int margin = std::max(spacing / 4, 1);
+  const cv::Rect inside(margin, margin, camera.width - 2 * margin, camera.height - 2 * margin);
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const Eigen::Vector2d ideal(spacing * (x + 0.5) - 0.5, spacing * (y + 0.5) - 0.5);
+      const Eigen::Vector2d raw = camera.distort(ideal);
+      const cv::Point pixel(static_cast<int>(std::lround(raw.x())), static_cast<int>(std::lround(raw.y())));
+      surfaces.rays.emplace_back(camera.unproject(ideal, 1.0).head<2>().cast<float>());
+      surfaces.pixels.push_back(inside.contains(pixel) ? pixel : cv::Point(-1, -1));
+    }
+  }
+  return std::make_shared<const SurfaceCamera>(std::move(surfaces));
+}
+
+SurfaceGrid make_surface_grid(std::shared_ptr<const SurfaceCamera> camera, const cv::Mat& depth_m) {
+  require(depth_m.type() == CV_32FC1, "make_surface_grid: depth must be 32FC1");
+  SurfaceGrid surfaces;
+  surfaces.inverse_depths_per_m.reserve(camera->pixels.size());
+  for (const cv::Point& pixel : camera->pixels) {
+    surfaces.inverse_depths_per_m.push_back(
+        pixel.x < 0 ? 0 : sample_inverse_depth(depth_m, pixel, camera->spacing_px));
+  }
+  const int width = camera->grid.width, height = camera->grid.height;
+  surfaces.gradients.assign(camera->pixels.size(),
+                            Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN()));
+  for (int y = 1; y + 1 < height; ++y) {
+    for (int x = 1; x + 1 < width; ++x) {
+      const auto i = static_cast<size_t>(y * width + x);
+      surfaces.gradients[i] = gradient_at(&surfaces.inverse_depths_per_m[i], width);
+    }
+  }
+  surfaces.camera = std::move(camera);
+  return surfaces;
+}
+
+std::vector<PointState> states_in_view(const SurfaceGrid& points, const SurfaceGrid& view,
+                                       const SE3& T_view_points) {
+  constexpr double kSigmas = 4, kPositionSigma_m = 0.01;
+  require(points.gradients.size() == view.gradients.size(), "states_in_view: grids of two cameras");
+  const SurfaceCamera& camera = *view.camera;
+  const Eigen::Matrix3f R = T_view_points.R().cast<float>();
+  const Eigen::Vector3f t = T_view_points.translation.cast<float>();
+  const auto fx = static_cast<float>(camera.grid.fx), fy = static_cast<float>(camera.grid.fy);
+  const auto cx = static_cast<float>(camera.grid.cx), cy = static_cast<float>(camera.grid.cy);
+  std::vector<PointState> states(camera.rays.size(), PointState::kUnknown);
+  for (size_t i = 0; i < states.size(); ++i) {
+    if (!points.gradients[i].allFinite()) continue;
+    const float source = points.inverse_depths_per_m[i];
+    // The point in the view, divided by its depth at the source.
+    const Eigen::Vector3f p = R * camera.rays[i].homogeneous() + source * t;
+    if (!(p.z() > 0)) continue;
+    const float surface = surface_at(view, fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy);
+    if (!(surface > 0)) continue;
+    const auto seen = static_cast<double>(source / p.z());
+    // d(1/z) = dz / z^2 for the noise of the point and of the pose, plus the noise of the surface.
+    const double of_source =
+        camera.noise.inverse_sigma_per_m(static_cast<double>(source)) / static_cast<double>(p.z() * p.z());
+    const double of_surface = camera.noise.inverse_sigma_per_m(static_cast<double>(surface));
+    const double tolerance = kSigmas * std::hypot(of_source, of_surface, kPositionSigma_m * seen * seen);
+    const double before = seen - static_cast<double>(surface);
+    states[i] = std::abs(before) <= tolerance ? PointState::kConsistent
+                : before > 0                  ? PointState::kContradicted
+                                              : PointState::kOccluded;
+  }
+  return states;
+}
+
+SurfaceAgreement& SurfaceAgreement::operator+=(const SurfaceAgreement& other) {
+  consistent += other.consistent;
+  contradicted += other.contradicted;
+  occluded += other.occluded;
+  return *this;
+}
+
+double SurfaceAgreement::contradicted_share() const {
+  const int visible = consistent + contradicted;
+  return visible > 0 ? static_cast<double>(contradicted) / visible : 0;
+}
+
+SurfaceAgreement compare_surfaces(const SurfaceGrid& a, const SurfaceGrid& b, const SE3& T_a_b) {
+  SurfaceAgreement sum = count(states_in_view(b, a, T_a_b));
+  sum += count(states_in_view(a, b, T_a_b.inverse()));
+  return sum;
+}
+
+}  // namespace kinloop

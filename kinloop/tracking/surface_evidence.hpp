@@ -1,0 +1,24 @@
+#pragma once
+// What the surfaces of a frame say of its pose. They count by area, so that a wall weighs as much as a
+// poster, and they can contradict a pose on which a few landmarks agree by chance.
+
+#include "kinloop/tracking/keypoint_tracking.hpp"
+
+namespace kinloop {
+
+/// Compares the surfaces of a frame with those of the reference keyframe; all zero if either are unknown.
+SurfaceAgreement agreement_with_reference(const LocalMap& local_map, const Frame& frame,
+                                          const SE3& T_reference_camera);
+
+/// Whether surfaces contradict a pose that was not expected: found after a gap or a loss, far from its
+/// prediction, or in another part of the map. In another place some surfaces agree by chance, but many do
+/// not; in a static scene hardly any point lies where the other view saw through. Many landmarks outweigh
+/// more contradiction, since something may move in front of them.
+bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const TrackedFrame& found,
+                                 const Frame& frame);
+
+/// Whether a pose is in doubt although it continues the previous one: by what surfaces contradict it, or by
+/// the uncertainty that dense odometry has accumulated.
+bool is_doubtful(const TrackedFrame& tracked);
+
+}  // namespace kinloop

@@ -1,0 +1,88 @@
+// What interrupts the motion of a camera: gaps, other rooms, frozen images. No pose may be wrong without a
+// mark.
+
+#include <gtest/gtest.h>
+
+#include "drivers/datasets/tum_source.hpp"
+#include "kinloop/core/time.hpp"
+#include "kinloop/slam/slam.hpp"
+#include "tests/slam/recording.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::record_simulation;
+using test::Recording;
+
+constexpr int64_t kInterval_ns = 100'000'000;
+
+/// Numbers and stamps frames anew, as if they had been taken one after the other.
+std::vector<Frame> in_sequence(std::vector<Frame> frames) {
+  for (uint32_t i = 0; i < frames.size(); ++i) {
+    frames[i].id = FrameId{i};
+    frames[i].stamp_ns = kInterval_ns * (i + 1);
+    frames[i].depth_stamp_ns = frames[i].stamp_ns;
+  }
+  return frames;
+}
+
+/// Returns how many frames from `first` on are located in the component of the first frame.
+int count_joined(const Slam& slam, size_t first) {
+  int count = 0;
+  for (size_t i = first; i < slam.log().size(); ++i) {
+    const TrackedFrame& entry = slam.log()[i];
+    count += !entry.is_lost() && slam.map().keyframe(entry.reference).component == 0 ? 1 : 0;
+  }
+  return count;
+}
+
+TEST(Discontinuity, AnotherRoomIsAnotherComponent) {
+  for (const char* other : {"sim:room:2", "sim:room:5"}) {
+    std::vector<Frame> frames = record_simulation("sim:room", 10).frames;
+    const Recording second = record_simulation(other, 12);
+    frames.insert(frames.end(), second.frames.begin(), second.frames.end());
+    Slam slam(second.camera);
+    for (const Frame& frame : in_sequence(frames)) slam.process(frame);
+    slam.finish();
+    EXPECT_EQ(count_joined(slam, 10), 0) << other;
+    EXPECT_EQ(slam.map().component_count(), 2U) << other;
+  }
+}
+
+TEST(Discontinuity, AFrozenImageIsInDoubtAndTrackingGoesOnAfterIt) {
+  Recording recording = record_simulation("sim:room", 40);
+  for (size_t i = 15; i < 30; ++i) recording.frames[i].color = recording.frames[14].color;
+  Slam slam(recording.camera);
+  for (const Frame& frame : recording.frames) slam.process(frame);
+  const Trajectory trusted = slam.finish();
+  for (size_t i = 15; i < 30; ++i) {
+    const double frozen_s = to_seconds(slam.log()[i].stamp_ns - slam.log()[14].stamp_ns);
+    EXPECT_EQ(slam.log()[i].doubtful, frozen_s > 0.2) << i;
+  }
+  for (size_t i = 30; i < 40; ++i) {
+    EXPECT_FALSE(slam.log()[i].is_lost() || slam.log()[i].doubtful) << i;
+    const auto& estimate = trusted[trusted.size() - 40 + i].T_world_camera;
+    const SE3 T_world_truth =
+        recording.truth.front().T_world_camera.inverse() * recording.truth[i].T_world_camera;
+    EXPECT_LT((estimate.translation - T_world_truth.translation).norm(), 0.02) << i;
+  }
+}
+
+class FaultyInput : public testing::TestWithParam<const char*> {};
+
+TEST_P(FaultyInput, IsNotJoinedToWhatItDoesNotContinue) {
+  const auto folder = test::shared_data("faults") / GetParam();
+  KINLOOP_SKIP_WITHOUT(folder);
+  TumSource source(folder);
+  Slam slam(source.camera());
+  while (auto frame = source.next()) slam.process(*frame);
+  slam.finish();
+  EXPECT_EQ(count_joined(slam, 10), 0);
+  EXPECT_EQ(count_joined(slam, 0), 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, FaultyInput, testing::Values("gap_1", "gap_2", "two_rooms"));
+
+}  // namespace
+}  // namespace kinloop
