@@ -101,7 +101,7 @@ bool RunOutput::check() const {
 }
 
 std::string RunOutput::trajectory_note() const {
-  const auto note = note_on_doubtful_poses(session_.slam().session_log(), session_.slam().map(), doubtful_);
+  auto note = note_on_doubtful_poses(session_.slam().session_log(), session_.slam().map(), doubtful_);
   if (note.empty() || doubtful_ == DoubtfulPoses::kKept) return note;
   return note + "; --keep-doubtful keeps them";
 }

@@ -13,6 +13,11 @@ namespace {
 
 constexpr float kMaxStep_per_m = 0.05F;  // of inverse depth between neighbouring points of one surface
 
+/// Returns the row-major index of a grid point.
+size_t grid_index(int width, int x, int y) {
+  return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+}
+
 /// Mean inverse depth of the nearest surface among samples around a pixel; 0 unless most of them show it.
 float sample_inverse_depth(const cv::Mat& depth_m, const cv::Point& pixel, int spacing_px) {
   constexpr int kMinSamples = 4;
@@ -47,9 +52,11 @@ Eigen::Vector2f gradient_at(const float* inverse, int width) {
 /// The surface of a view at a pixel of its grid: its inverse depth, 1/m; NaN if unknown.
 float surface_at(const SurfaceGrid& view, float u, float v) {
   const PinholeCamera& grid = view.camera->grid;
-  const int x = static_cast<int>(std::floor(u + 0.5F)), y = static_cast<int>(std::floor(v + 0.5F));
-  if (x < 0 || y < 0 || x >= grid.width || y >= grid.height) return std::numeric_limits<float>::quiet_NaN();
-  const auto cell = static_cast<size_t>(y * grid.width + x);
+  const bool in_view = u > -0.5F && v > -0.5F && u < static_cast<float>(grid.width) - 0.5F &&
+                       v < static_cast<float>(grid.height) - 0.5F;
+  if (!in_view) return std::numeric_limits<float>::quiet_NaN();
+  const int x = static_cast<int>(u + 0.5F), y = static_cast<int>(v + 0.5F);
+  const size_t cell = grid_index(grid.width, x, y);
   const Eigen::Vector2f step(u - static_cast<float>(x), v - static_cast<float>(y));
   return view.inverse_depths_per_m[cell] + view.gradients[cell].dot(step);
 }
@@ -104,7 +111,7 @@ SurfaceGrid make_surface_grid(std::shared_ptr<const SurfaceCamera> camera, const
                             Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN()));
   for (int y = 1; y + 1 < height; ++y) {
     for (int x = 1; x + 1 < width; ++x) {
-      const auto i = static_cast<size_t>(y * width + x);
+      const size_t i = grid_index(width, x, y);
       surfaces.gradients[i] = gradient_at(&surfaces.inverse_depths_per_m[i], width);
     }
   }
