@@ -55,7 +55,7 @@ float surface_at(const SurfaceGrid& view, float u, float v) {
   const bool in_view = u > -0.5F && v > -0.5F && u < static_cast<float>(grid.width) - 0.5F &&
                        v < static_cast<float>(grid.height) - 0.5F;
   if (!in_view) return std::numeric_limits<float>::quiet_NaN();
-  const int x = static_cast<int>(u + 0.5F), y = static_cast<int>(v + 0.5F);
+  const int x = static_cast<int>(std::lround(u)), y = static_cast<int>(std::lround(v));
   const size_t cell = grid_index(grid.width, x, y);
   const Eigen::Vector2f step(u - static_cast<float>(x), v - static_cast<float>(y));
   return view.inverse_depths_per_m[cell] + view.gradients[cell].dot(step);
