@@ -18,7 +18,7 @@ bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const Tracke
                                  const Frame& frame);
 
 /// Whether a pose is in doubt although it continues the previous one: by what surfaces contradict it, or by
-/// the uncertainty that dense odometry has accumulated.
+/// the uncertainty that dense odometry has accumulated. Needs the velocity.
 bool is_doubtful(const TrackedFrame& tracked);
 
 }  // namespace kinloop

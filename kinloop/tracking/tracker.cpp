@@ -178,12 +178,12 @@ TrackedFrame Tracker::start_map_or_lose(const Frame& frame) const {
 /// Adds what follows from the pose: its evidence in the surfaces, the velocity, and the frame compensated for
 /// it.
 TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Sensor& sensor) const {
+  tracked.velocity = velocity_of(tracked);
   if (tracked.is_located() && tracked.reference == local_map_.reference) {
     const ScopedTimer timer(timings_, "surface evidence");
     tracked.evidence.surfaces = agreement_with_reference(local_map_, measured, tracked.T_reference_camera);
     tracked.doubtful = is_doubtful(tracked);
   }
-  tracked.velocity = velocity_of(tracked);
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
   return tracked;
 }
