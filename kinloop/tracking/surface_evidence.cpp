@@ -1,5 +1,7 @@
 #include "kinloop/tracking/surface_evidence.hpp"
 
+#include <algorithm>
+
 namespace kinloop {
 namespace {
 
@@ -34,9 +36,9 @@ bool is_doubtful(const TrackedFrame& tracked) {
   // Of the frames of redkitchen, none is contradicted by more than 8 %. Where a camera with a rolling shutter
   // and delayed depth turns fast, up to 36 % of the points are, since the grids are not
   // motion-compensated.
-  constexpr double kMaxContradicted = 0.25, kMotionShare_s = 0.15;
+  constexpr double kMaxContradicted = 0.25, kMotionShare_s = 0.15, kMaxMotionShare = 0.25;
   constexpr double kMaxDenseSigma_m = 0.02;
-  const double by_motion = kMotionShare_s * tracked.velocity.angular_rad_s.norm();
+  const double by_motion = std::min(kMotionShare_s * tracked.velocity.angular_rad_s.norm(), kMaxMotionShare);
   if (is_above(tracked.evidence.surfaces, kMaxContradicted + by_motion)) return true;
   return tracked.method == TrackingMethod::kDense && position_sigma_m(tracked) > kMaxDenseSigma_m;
 }

@@ -50,7 +50,7 @@ TEST(SurfaceEvidence, DoubtsWhatMostOfTheViewContradicts) {
   EXPECT_TRUE(is_doubtful(tracked));
   tracked.velocity.angular_rad_s = {0, 2, 0};  // the rolling shutter distorts both views
   EXPECT_FALSE(is_doubtful(tracked));
-  tracked.evidence.surfaces = {2000, 2000, 0};
+  tracked.evidence.surfaces = {1000, 2000, 0};
   EXPECT_TRUE(is_doubtful(tracked));
 }
 
