@@ -133,9 +133,7 @@ json run_summary(const RunOutcome& o) {
   const uint32_t component = o.slam.component();
   const auto located = std::count_if(
       log.begin(), log.end(), [&](const auto& f) { return is_tracked_in(component, f, o.slam.map()); });
-  const auto doubtful = std::count_if(log.begin(), log.end(), [&](const auto& f) {
-    return f.doubtful && is_tracked_in(component, f, o.slam.map());
-  });
+  const long doubtful = count_doubtful_poses(log, o.slam.map());
   const auto not_lost = std::count_if(log.begin(), log.end(), [](const auto& f) { return !f.is_lost(); });
   const auto dense_only = std::count_if(log.begin(), log.end(), [](const auto& f) {
     return !f.is_lost() && f.method == TrackingMethod::kDense;

@@ -87,12 +87,16 @@ Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map, Doub
   return trajectory;
 }
 
-std::string note_on_doubtful_poses(std::span<const TrackedFrame> log, const Map& map,
-                                   DoubtfulPoses doubtful) {
+long count_doubtful_poses(std::span<const TrackedFrame> log, const Map& map) {
   const uint32_t component = main_component(log, map);
-  const auto count = std::count_if(log.begin(), log.end(), [&](const TrackedFrame& entry) {
+  return std::count_if(log.begin(), log.end(), [&](const TrackedFrame& entry) {
     return entry.doubtful && is_tracked_in(component, entry, map);
   });
+}
+
+std::string note_on_doubtful_poses(std::span<const TrackedFrame> log, const Map& map,
+                                   DoubtfulPoses doubtful) {
+  const long count = count_doubtful_poses(log, map);
   if (count == 0) return {};
   const char* poses = count == 1 ? "pose" : "poses";
   return doubtful == DoubtfulPoses::kKept ? fmt::format("with {} doubtful {}", count, poses)

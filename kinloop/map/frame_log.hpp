@@ -49,6 +49,9 @@ enum class DoubtfulPoses { kLeftOut, kKept };
 Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map,
                          DoubtfulPoses doubtful = DoubtfulPoses::kLeftOut);
 
+/// Returns the number of doubtful poses in the main component.
+long count_doubtful_poses(std::span<const TrackedFrame> log, const Map& map);
+
 /// Returns what that trajectory's file says of doubtful poses: "12 doubtful poses left out" or "with 12
 /// doubtful poses"; empty if there are none.
 std::string note_on_doubtful_poses(std::span<const TrackedFrame> log, const Map& map, DoubtfulPoses doubtful);

@@ -7,16 +7,12 @@
 #include <utility>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/geometry/pixel_grid.hpp"
 
 namespace kinloop {
 namespace {
 
 constexpr float kMaxStep_per_m = 0.05F;  // of inverse depth between neighbouring points of one surface
-
-/// Returns the row-major index of a grid point.
-size_t grid_index(int width, int x, int y) {
-  return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
-}
 
 /// Mean inverse depth of the nearest surface among samples around a pixel; 0 unless most of them show it.
 float sample_inverse_depth(const cv::Mat& depth_m, const cv::Point& pixel, int spacing_px) {
@@ -77,13 +73,8 @@ std::shared_ptr<const SurfaceCamera> make_surface_camera(const Sensor& sensor) {
   surfaces.noise = sensor.noise.surface;
   surfaces.spacing_px = std::max(1, (camera.width + kMaxWidth - 1) / kMaxWidth);
   const int spacing = surfaces.spacing_px;
-  PinholeCamera& grid = surfaces.grid;
-  grid.width = camera.width / spacing;
-  grid.height = camera.height / spacing;
-  grid.fx = camera.fx / spacing;
-  grid.fy = camera.fy / spacing;
-  grid.cx = (camera.cx + 0.5) / spacing - 0.5;  // pixel centres have integer coordinates
-  grid.cy = (camera.cy + 0.5) / spacing - 0.5;
+  surfaces.grid = grid_camera(camera, spacing);
+  const PinholeCamera& grid = surfaces.grid;
   const int margin = std::max(spacing / 4, 1);
   const cv::Rect inside(margin, margin, camera.width - 2 * margin, camera.height - 2 * margin);
   for (int y = 0; y < grid.height; ++y) {

@@ -76,29 +76,29 @@ auto reading(const Read& read) {
   return [read](Run& run) { return without_gil([&] { return run.with_slam(read); }); };
 }
 
-/// The last frame; lost if there was none.
-TrackedFrame last_frame(const Slam& slam) {
+/// The last frame; null if it was lost or there was none.
+const TrackedFrame* last_located(const Slam& slam) {
   const auto log = slam.session_log();
-  return log.empty() ? TrackedFrame() : log.back();
+  return log.empty() || log.back().is_lost() ? nullptr : &log.back();
 }
 
 bool is_lost(const Slam& slam) {
-  return last_frame(slam).is_lost();
+  return last_located(slam) == nullptr;
 }
 
 bool is_doubtful(const Slam& slam) {
-  const TrackedFrame last = last_frame(slam);
-  return !last.is_lost() && last.doubtful;
+  const TrackedFrame* last = last_located(slam);
+  return last != nullptr && last->doubtful;
 }
 
 double last_sigma_m(const Slam& slam) {
-  const TrackedFrame last = last_frame(slam);
-  return last.is_lost() ? 0 : position_sigma_m(last);
+  const TrackedFrame* last = last_located(slam);
+  return last == nullptr ? 0 : position_sigma_m(*last);
 }
 
 Matrix6d last_covariance(const Slam& slam) {
-  const TrackedFrame last = last_frame(slam);
-  return last.is_lost() ? Matrix6d(Matrix6d::Zero()) : last.covariance;
+  const TrackedFrame* last = last_located(slam);
+  return last == nullptr ? Matrix6d(Matrix6d::Zero()) : last->covariance;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/geometry/pixel_grid.hpp"
 #include "kinloop/geometry/robust_loss.hpp"
 
 namespace kinloop {

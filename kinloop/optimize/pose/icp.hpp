@@ -34,11 +34,6 @@ struct IcpOptions {
   }
 };
 
-/// Returns the row-major index of a grid point.
-inline size_t grid_index(int width, int x, int y) {
-  return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
-}
-
 /// Data of a camera shared by all its frames. The grids are those of an ideal pinhole camera. A point of the
 /// finest grid covers a block of pixels of the (distorted) depth image; a point of a coarser grid covers four
 /// points of the next finer one.

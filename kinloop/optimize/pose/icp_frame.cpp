@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/geometry/pixel_grid.hpp"
 #include "kinloop/optimize/pose/icp.hpp"
 
 namespace kinloop {
@@ -17,19 +18,6 @@ namespace {
 constexpr float kMaxInverseDepthStep_per_m = 0.02F;  // between neighbouring points of one surface
 constexpr int kNormalRadius = 2;                     // grid points on each side used to fit a normal
 constexpr float kMinNormalPoints = 10;               // of the 25
-
-/// Returns the ideal camera of a grid with one point per `block` x `block` pixels.
-PinholeCamera grid_camera(const PinholeCamera& camera, int block) {
-  PinholeCamera grid;
-  const double scale = 1.0 / block;
-  grid.width = camera.width / block;
-  grid.height = camera.height / block;
-  grid.fx = camera.fx * scale;
-  grid.fy = camera.fy * scale;
-  grid.cx = (camera.cx + 0.5) * scale - 0.5;  // pixel centres have integer coordinates
-  grid.cy = (camera.cy + 0.5) * scale - 0.5;
-  return grid;
-}
 
 IcpCamera::Level make_level(const PinholeCamera& camera, int block) {
   IcpCamera::Level level;
