@@ -14,8 +14,11 @@
 #include "apps/shared/progress_bar.hpp"
 #include "drivers/datasets/tum_writer.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/options.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/core/time.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 #include "simulator/simulated_source.hpp"
 
 namespace kinloop {
@@ -51,6 +54,12 @@ SimulationOptions chosen_options(const SimulateArguments& arguments) {
   return with_assignments(options, settings);
 }
 
+/// Writes where movers are seen, as masks/STAMP.png.
+void write_mover_mask(const std::filesystem::path& folder, const SimulatedSource& source, size_t index) {
+  const int64_t stamp_ns = source.info().ground_truth[index].stamp_ns;
+  write_png(folder / "masks" / (format_stamp(stamp_ns) + ".png"), source.mover_mask(index));
+}
+
 void simulate(const SimulateArguments& arguments, const SimulationOptions& options) {
   std::optional<std::filesystem::path> path;
   if (!arguments.path.empty()) path = arguments.path;
@@ -58,10 +67,12 @@ void simulate(const SimulateArguments& arguments, const SimulationOptions& optio
   const std::string spec = fmt::format("sim:{}:{}", arguments.scene, arguments.seed);
   const auto source = make_simulated_source(spec, options, arguments.threads, path);
   TumWriter writer(arguments.output, source->device());
+  if (source->has_movers()) require_writable_folder(arguments.output / "masks");
   const Progress progress = make_progress_bar(arguments.quiet);
   const size_t frames = source->info().frames;
   for (size_t i = 0; i < frames; ++i) {
     writer.append(source->device_frame(i));
+    if (source->has_movers()) write_mover_mask(arguments.output, *source, i);
     report(progress, "rendering", i + 1, frames);
   }
   writer.finish(source->info().ground_truth);

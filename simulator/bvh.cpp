@@ -177,6 +177,7 @@ void Bvh::intersect(const Solid& solid, const RayPacket& rays, const Lanes3& inv
     if (solid.shape == Shape::kBox) span = box_span(o, safe_inverse(d), solid.half);
     if (solid.shape == Shape::kCylinder) span = cylinder_span(o, d, solid.half);
     if (solid.shape == Shape::kSphere) span = sphere_span(o, d, solid.half);
+    if (solid.shape == Shape::kEllipsoid) span = ellipsoid_span(o, d, solid.half);
   }
   const LaneMask self = LaneMask{} + solid.primitive;
   // Where two surfaces coincide the lower index wins, whatever the order of tests.

@@ -100,7 +100,7 @@ SE3 CameraPath::at(int64_t stamp_ns) const {
   return interpolate(extrapolated(after - 1, stamp_ns), extrapolated(after, stamp_ns), smoothstep(s));
 }
 
-Trajectory handheld_path(uint64_t seed) {
+Trajectory handheld_path(uint64_t seed, double seconds) {
   constexpr double kDuration_s = 18.7, kRate_hz = 60, kFirstStamp_s = 1;
   constexpr double kRadius_x_m = 1.45, kRadius_y_m = 1.0, kHeight_m = 1.45;
   constexpr double kOverlap_rad = 0.3;
@@ -109,7 +109,7 @@ Trajectory handheld_path(uint64_t seed) {
   const SmoothNoise yaw(5 * kDegree, random), pitch(4 * kDegree, random), roll(1.5 * kDegree, random);
   const double start_rad = random.uniform(0, 2 * kPi);
   Trajectory poses;
-  const int count = static_cast<int>(kDuration_s * kRate_hz);
+  const int count = static_cast<int>((seconds > 0 ? seconds : kDuration_s) * kRate_hz);
   for (int i = 0; i <= count; ++i) {
     const double t = i / kRate_hz;
     const double turn = start_rad + (2 * kPi + kOverlap_rad) * t / kDuration_s;

@@ -29,8 +29,8 @@ class CameraPath {
 
 /// Returns the built-in path: a person walks once around a room of about 6 x 5 m with a hand-held camera,
 /// looking at the walls, and slightly past the start. World: z up, floor at z = 0, origin in the middle of
-/// the loop.
-Trajectory handheld_path(uint64_t seed);
+/// the loop. With `seconds` > 0, as much of it, at the same pace, as often around as that takes.
+Trajectory handheld_path(uint64_t seed, double seconds = 0);
 
 /// Estimates the up direction of a recorded path's world. The right axes of hand-held cameras are horizontal
 /// on average: up is the direction least present in them, or the world axis within some degrees of it, since

@@ -63,10 +63,8 @@ struct DepthRenderer::Row {
   float *depth_m, *cosine, *reflectance;
 };
 
-DepthRenderer::DepthRenderer(const Scene& scene, const PinholeCamera& camera, SamplesPerPixel samples,
-                             int threads)
-    : scene_(&scene),
-      camera_(camera),
+DepthRenderer::DepthRenderer(const PinholeCamera& camera, SamplesPerPixel samples, int threads)
+    : camera_(camera),
       samples_(static_cast<int>(samples)),
       threads_(threads),
       range_per_depth_(camera.height, camera.width, CV_32FC1) {
@@ -109,22 +107,22 @@ DepthRenderer::Tile DepthRenderer::tile_rays(const SE3& T_room_camera, size_t fi
   return tile;
 }
 
-void DepthRenderer::render_tile(const Tile& tile, size_t count, const Row& out) const {
+void DepthRenderer::render_tile(const Moment& moment, const Tile& tile, size_t count, const Row& out) const {
   const auto sample_angle = static_cast<float>(1 / (camera_.fx * std::sqrt(samples_)));
-  const std::vector<Candidate> candidates = scene_->bvh().candidates(tile.bundle);
+  const MomentCandidates candidates = moment.candidates(tile.bundle);
   for (size_t first = 0; first < count; first += kLanes) {
     const RayPacket& rays = tile.rays[first / kLanes];
-    const HitPacket hits = scene_->bvh().nearest(rays, kMaxDepth_m, candidates);
+    const HitPacket hits = moment.nearest(rays, kMaxDepth_m, candidates);
     for (int lane = 0; lane < kLanes && first + static_cast<size_t>(lane) < count; ++lane) {
       const size_t i = first + static_cast<size_t>(lane);
       out.depth_m[i] = hits.t[lane];  // z, since the rays are (x, y, 1) in the camera frame
-      out.cosine[i] = scene_->infrared_cosine(rays, hits, lane);
-      out.reflectance[i] = scene_->infrared_reflectance(rays, hits, lane, sample_angle);
+      out.cosine[i] = moment.infrared_cosine(rays, hits, lane);
+      out.reflectance[i] = moment.infrared_reflectance(rays, hits, lane, sample_angle);
     }
   }
 }
 
-ExactDepth DepthRenderer::render(const SE3& T_room_camera) const {
+ExactDepth DepthRenderer::render(const Moment& moment, const SE3& T_room_camera) const {
   const cv::Size size(camera_.width, camera_.height);
   const int type = CV_32FC(samples_);
   ExactDepth exact{cv::Mat(size, type), cv::Mat(size, type), cv::Mat(size, type)};
@@ -135,7 +133,7 @@ ExactDepth DepthRenderer::render(const SE3& T_room_camera) const {
       const Row out{exact.depth_m.ptr<float>(y), exact.cosine.ptr<float>(y), exact.reflectance.ptr<float>(y)};
       for (size_t x = 0; x < width; x += kTileRays) {
         const size_t count = std::min(kTileRays, width - x);
-        render_tile(tile_rays(T_room_camera, row * width + x, count), count,
+        render_tile(moment, tile_rays(T_room_camera, row * width + x, count), count,
                     {out.depth_m + x, out.cosine + x, out.reflectance + x});
       }
     }
@@ -160,15 +158,16 @@ DepthCamera::DepthCamera(const Scene& scene, const RgbdCamera& camera, const Dep
       kind_(camera.sensor.kind),
       noise_(noise),
       threads_(threads),
-      renderer_(scene, camera_, samples(camera, noise), threads) {}
+      renderer_(camera_, samples(camera, noise), threads) {}
 
-cv::Mat DepthCamera::measure(const SE3& T_room_color, uint64_t seed) const {
+cv::Mat DepthCamera::measure(const SE3& T_room_color, int64_t stamp_ns, uint64_t seed) const {
+  const Moment moment(*scene_, stamp_ns);
   const SE3 T_room_depth = T_room_color * T_color_depth_;
-  const ExactDepth exact = renderer_.render(T_room_depth);
+  const ExactDepth exact = renderer_.render(moment, T_room_depth);
   if (kind_ == DepthSensorKind::kStereo)
     return matched_depth(exact, camera_.fx * kStereoBaseline_m, noise_.stereo, seed, threads_);
   TimeOfFlightRays view{exact, renderer_.range_per_depth(), {}};
-  if (noise_.tof.multipath) view.range_error_m = multipath_error_m(*scene_, camera_, T_room_depth, threads_);
+  if (noise_.tof.multipath) view.range_error_m = multipath_error_m(moment, camera_, T_room_depth, threads_);
   return measured_depth(view, noise_.tof, seed, threads_);
 }
 

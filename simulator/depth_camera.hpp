@@ -7,7 +7,7 @@
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "simulator/exact_depth.hpp"
-#include "simulator/scene.hpp"
+#include "simulator/moment.hpp"
 #include "simulator/stereo_model.hpp"
 #include "simulator/time_of_flight_model.hpp"
 
@@ -44,10 +44,10 @@ enum class SamplesPerPixel { kOne = 1, kFour = kLanes };
 /// have. Rows are independent, so the result is the same for any number of threads.
 class DepthRenderer {
  public:
-  DepthRenderer(const Scene& scene, const PinholeCamera& camera, SamplesPerPixel samples, int threads);
+  DepthRenderer(const PinholeCamera& camera, SamplesPerPixel samples, int threads);
 
   /// Rays that hit nothing have cosine 0.
-  [[nodiscard]] ExactDepth render(const SE3& T_room_camera) const;
+  [[nodiscard]] ExactDepth render(const Moment& moment, const SE3& T_room_camera) const;
 
   /// Returns the length of each pixel's ray at depth 1, 32FC1: range = this x depth.
   [[nodiscard]] const cv::Mat& range_per_depth() const { return range_per_depth_; }
@@ -58,9 +58,8 @@ class DepthRenderer {
 
   void add_rays(const Eigen::Vector2d& pixel);
   [[nodiscard]] Tile tile_rays(const SE3& T_room_camera, size_t first, size_t count) const;
-  void render_tile(const Tile& tile, size_t count, const Row& out) const;
+  void render_tile(const Moment& moment, const Tile& tile, size_t count, const Row& out) const;
 
-  const Scene* scene_;
   PinholeCamera camera_;
   int samples_, threads_;
   std::vector<float> ray_x_, ray_y_;  ///< ray (x, y, 1) of every sample, those of a pixel in succession
@@ -79,8 +78,8 @@ class DepthCamera {
   /// Requires `camera.depth`.
   DepthCamera(const Scene& scene, const RgbdCamera& camera, const DepthCameraNoise& noise, int threads);
 
-  /// Returns measured depth: 32FC1 metres, 0 = unknown. `seed` is that of the frame.
-  [[nodiscard]] cv::Mat measure(const SE3& T_room_color, uint64_t seed) const;
+  /// Returns depth measured at a time: 32FC1 metres, 0 = unknown. `seed` is that of the frame.
+  [[nodiscard]] cv::Mat measure(const SE3& T_room_color, int64_t stamp_ns, uint64_t seed) const;
 
  private:
   const Scene* scene_;

@@ -143,4 +143,17 @@ Lanes LightMap::at(int primitive, const SurfacePoint& point) const {
   return top + ay * (bottom - top);
 }
 
+Lanes open_brightness(const std::vector<Light>& lights, const Eigen::Vector3f& point,
+                      const Eigen::Vector3f& normal) {
+  constexpr float kOpenSide = 0.62F, kOpenChange = 0.22F;  // open share beside, and more of it above
+  const float open = kOpenSide + kOpenChange * normal.z();
+  Eigen::Vector3f sum(kAmbient[0] * open, kAmbient[1] * open, kAmbient[2] * open);
+  for (const Light& light : lights) {
+    const Eigen::Vector3f ray = light.center - point;
+    const float cosine = ray.normalized().dot(normal);
+    if (cosine > 0) sum += cosine * 2 / (1 + ray.squaredNorm()) * light.bgr;
+  }
+  return Lanes{std::pow(sum.x(), kGamma), std::pow(sum.y(), kGamma), std::pow(sum.z(), kGamma), 0};
+}
+
 }  // namespace kinloop::sim

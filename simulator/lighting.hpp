@@ -33,4 +33,8 @@ class LightMap {
   std::vector<Lanes> values_;
 };
 
+/// Returns BGR factors for a point in the open with a normal: no shadows, and less ambient light from below.
+Lanes open_brightness(const std::vector<Light>& lights, const Eigen::Vector3f& point,
+                      const Eigen::Vector3f& normal);
+
 }  // namespace kinloop::sim

@@ -43,8 +43,8 @@ struct LitPoint {
 
 class LightPaths {
  public:
-  LightPaths(const Scene& scene, const PinholeCamera& camera, const SE3& T_room_camera)
-      : scene_(scene),
+  LightPaths(const Moment& moment, const PinholeCamera& camera, const SE3& T_room_camera)
+      : moment_(moment),
         camera_(camera),
         T_camera_room_(T_room_camera.inverse()),
         lamp_(T_room_camera.translation.cast<float>()) {}
@@ -54,8 +54,8 @@ class LightPaths {
     from.fill(lamp_);
     rays.fill(along);
     const RayPacket view = ray_packet(from, rays);
-    const HitPacket hit = scene_.bvh().nearest(view, kFarthest_m);
-    if (!(scene_.infrared_cosine(view, hit, 0) > 0)) return 0;
+    const HitPacket hit = moment_.nearest(view, kFarthest_m);
+    if (!(moment_.infrared_cosine(view, hit, 0) > 0)) return 0;
     const LitPoint seen = lit_point(view, hit, 0);
     std::complex<float> direct(seen.light, 0), indirect(0, 0);
     for (int i = 0; i < kPackets; ++i) indirect += light_by_others(seen, i);
@@ -64,7 +64,7 @@ class LightPaths {
 
  private:
   [[nodiscard]] LitPoint lit_point(const RayPacket& rays, const HitPacket& hits, int lane) const {
-    const Primitive& solid = scene_.primitives()[static_cast<size_t>(hits.primitive[lane])];
+    const Primitive& solid = moment_.primitive(hits.primitive[lane]);
     LitPoint point;
     point.position = lane_ray(rays, hits.t, lane).point;
     point.normal = solid.R_room_local *
@@ -89,7 +89,7 @@ class LightPaths {
           std::sqrt(s) * (std::cos(turn) * side + std::sin(turn) * other) + std::sqrt(1 - s) * seen.normal;
     }
     const RayPacket rays = ray_packet(from, along);
-    return sum_of_paths(seen, rays, scene_.bvh().nearest(rays, kFarthest_m));
+    return sum_of_paths(seen, rays, moment_.nearest(rays, kFarthest_m));
   }
 
   [[nodiscard]] std::complex<float> sum_of_paths(const LitPoint& seen, const RayPacket& rays,
@@ -102,12 +102,12 @@ class LightPaths {
       from[i] = points[i].position + kLightOffset_m * points[i].normal;
       to_lamp[i] = lamp_ - from[i];
     }
-    const LaneMask blocker = scene_.bvh().nearest(ray_packet(from, to_lamp), 1.0F).primitive;
+    const LaneMask blocker = moment_.nearest(ray_packet(from, to_lamp), 1.0F).primitive;
     std::complex<float> sum(0, 0);
     for (int lane = 0; lane < kLanes; ++lane) {
       const LitPoint& by = points[static_cast<size_t>(lane)];
       if (hits.primitive[lane] < 0 || blocker[lane] >= 0 || !in_view(by.position)) continue;
-      const float light = by.light * scene_.infrared_reflectance(rays, hits, lane, kReflectanceAngle);
+      const float light = by.light * moment_.infrared_reflectance(rays, hits, lane, kReflectanceAngle);
       const float extra_m = (by.range_m + hits.t[lane] - seen.range_m) / 2;
       sum += std::polar(light, kPhasePerM * extra_m);
     }
@@ -120,7 +120,7 @@ class LightPaths {
     return p.z() > 0 && camera_.contains(camera_.project(p));
   }
 
-  const Scene& scene_;
+  const Moment& moment_;
   const PinholeCamera& camera_;
   SE3 T_camera_room_;
   Point lamp_;
@@ -128,11 +128,11 @@ class LightPaths {
 
 }  // namespace
 
-cv::Mat multipath_error_m(const Scene& scene, const PinholeCamera& camera, const SE3& T_room_camera,
+cv::Mat multipath_error_m(const Moment& moment, const PinholeCamera& camera, const SE3& T_room_camera,
                           int threads) {
   const cv::Size blocks((camera.width + kBlock_px - 1) / kBlock_px,
                         (camera.height + kBlock_px - 1) / kBlock_px);
-  const LightPaths paths(scene, camera, T_room_camera);
+  const LightPaths paths(moment, camera, T_room_camera);
   const Eigen::Matrix3d R = T_room_camera.R();
   cv::Mat errors_m(blocks, CV_32FC1), result;
   parallel_for(static_cast<size_t>(blocks.height), threads, [&](size_t begin, size_t end) {

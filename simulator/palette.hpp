@@ -52,6 +52,8 @@ class Palette {
   /// Returns one cell of an atlas of the kind.
   [[nodiscard]] FaceTexture cell(Kind kind, int columns, int rows, Random& random) const;
 
+  [[nodiscard]] int texture_count() const { return static_cast<int>(textures_.size()); }
+
   /// Returns the textures, by the indices that face textures hold, and leaves the palette empty.
   std::vector<Texture> release_textures() { return std::move(textures_); }
 

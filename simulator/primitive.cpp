@@ -56,7 +56,10 @@ SurfacePoint locate(const Primitive& primitive, const Eigen::Vector3f& p) {
   const Eigen::Vector2f size_m = face_size_m(primitive, at.face);
   at.width_m = size_m.x();
   at.height_m = size_m.y();
-  if (primitive.shape == Shape::kSphere) {
+  if (primitive.shape == Shape::kEllipsoid) {
+    at.u = turn_fraction(p.cwiseQuotient(primitive.half));
+    at.v = std::acos(std::clamp(p.z() / primitive.half.z(), -1.0F, 1.0F)) / std::numbers::pi_v<float>;
+  } else if (primitive.shape == Shape::kSphere) {
     at.u = turn_fraction(p);
     at.v = std::acos(std::clamp(p.z() / primitive.half.z(), -1.0F, 1.0F)) / std::numbers::pi_v<float>;
   } else if (primitive.shape == Shape::kCylinder && at.face == 0) {
@@ -91,12 +94,17 @@ SurfaceFrame surface_frame(const Primitive& primitive, int face, float u, float 
     frame.normal_local = std::sin(v * std::numbers::pi_v<float>) * around +
                          Eigen::Vector3f(0, 0, std::cos(v * std::numbers::pi_v<float>));
     frame.p_local = half.x() * frame.normal_local;
+    if (primitive.shape == Shape::kEllipsoid) {
+      frame.p_local = half.cwiseProduct(frame.normal_local);
+      frame.normal_local = frame.normal_local.cwiseQuotient(half).normalized();
+    }
   }
   return frame;
 }
 
 Eigen::Vector3f normal_at(const Primitive& primitive, const Eigen::Vector3f& p) {
   if (primitive.shape == Shape::kSphere) return p.normalized();
+  if (primitive.shape == Shape::kEllipsoid) return p.cwiseQuotient(primitive.half.cwiseAbs2()).normalized();
   const int face = primitive.shape == Shape::kBox ? box_face(primitive, p) : cylinder_face(primitive, p);
   if (primitive.shape == Shape::kCylinder && face == 0) return Eigen::Vector3f(p.x(), p.y(), 0).normalized();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
@@ -109,6 +117,11 @@ double signed_distance_m(const Primitive& primitive, const Eigen::Vector3d& p_ro
       primitive.R_room_local.cast<double>().transpose() * (p_room - primitive.center.cast<double>());
   const Eigen::Vector3d half = primitive.half.cast<double>();
   if (primitive.shape == Shape::kSphere) return p.norm() - half.x();
+  if (primitive.shape == Shape::kEllipsoid) {
+    const double scaled = p.cwiseQuotient(half).norm();
+    const double gradient = p.cwiseQuotient(half.cwiseAbs2()).norm();
+    return gradient > 0 ? scaled * (scaled - 1) / gradient : -half.minCoeff();
+  }
   if (primitive.shape == Shape::kBox) {
     const Eigen::Vector3d outside = p.cwiseAbs() - half;
     return outside.cwiseMax(0.0).norm() + std::min(outside.maxCoeff(), 0.0);
@@ -119,7 +132,11 @@ double signed_distance_m(const Primitive& primitive, const Eigen::Vector3d& p_ro
 
 Eigen::AlignedBox3f bounds(const Primitive& primitive) {
   Eigen::Vector3f extent = primitive.half;
-  if (primitive.shape != Shape::kSphere) extent = primitive.R_room_local.cwiseAbs() * primitive.half;
+  if (primitive.shape == Shape::kEllipsoid) {
+    extent = (primitive.R_room_local * primitive.half.asDiagonal()).rowwise().norm();
+  } else if (primitive.shape != Shape::kSphere) {
+    extent = primitive.R_room_local.cwiseAbs() * primitive.half;
+  }
   return {primitive.center - extent, primitive.center + extent};
 }
 

@@ -8,7 +8,7 @@
 
 namespace kinloop::sim {
 
-enum class Shape { kBox, kCylinder, kSphere };
+enum class Shape { kBox, kCylinder, kSphere, kEllipsoid };
 
 /// Mapping of a texture to a face: fitted (fractions of the face) or metric (metres times 1 / period).
 struct FaceTexture {
@@ -19,7 +19,7 @@ struct FaceTexture {
 };
 
 /// Faces of a solid: those of a box by axis and sign; a cylinder has the round side (0) and two caps, a
-/// sphere only face 0.
+/// sphere or ellipsoid only face 0.
 constexpr int kFaces = 6;
 constexpr int kNoFace = -1;
 enum Face { kLeft = 0, kRight = 1, kFront = 2, kBack = 3, kBottom = 4, kTop = 5 };
@@ -59,7 +59,8 @@ Eigen::Vector3f normal_at(const Primitive& primitive, const Eigen::Vector3f& p_l
 /// Returns width and height of a face, zero if the shape has no such face.
 Eigen::Vector2f face_size_m(const Primitive& primitive, int face);
 
-/// Returns the signed distance from a point in the room to the surface, negative inside.
+/// Returns the signed distance from a point in the room to the surface, negative inside; of an ellipsoid, an
+/// approximation that is exact on the surface.
 double signed_distance_m(const Primitive& primitive, const Eigen::Vector3d& p_room);
 
 /// Returns the axis-aligned bounding box of a primitive.

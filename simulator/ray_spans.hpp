@@ -66,4 +66,11 @@ inline Span sphere_span(const Lanes3& o, const Lanes3& d, const float half[3]) {
   return round_span(along, dd, x * x + y * y + z * z, half[0]);
 }
 
+/// A sphere of radius 1 for rays that are scaled like the ellipsoid, which leaves t as it is.
+inline Span ellipsoid_span(const Lanes3& o, const Lanes3& d, const float half[3]) {
+  constexpr float kUnit[3] = {1, 1, 1};
+  const float x = 1 / half[0], y = 1 / half[1], z = 1 / half[2];
+  return sphere_span({x * o.x, y * o.y, z * o.z}, {x * d.x, y * d.y, z * d.z}, kUnit);
+}
+
 }  // namespace kinloop::sim

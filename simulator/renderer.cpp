@@ -14,6 +14,7 @@ namespace {
 constexpr float kMaxRange_m = 50;  // maximum ray length
 constexpr int kMaxPackets = 2;     // of kLanes sub-exposures
 constexpr int kTile = 16;          // pixels of a row that share a list of candidates
+constexpr int kRowsPerMoment = 8;  // for which what moves stands still: half a millisecond of a Kinect
 
 /// Subpixel positions of the sub-exposures (px from the centre): no two in one row or column.
 struct Offset {
@@ -77,6 +78,16 @@ struct Renderer::Tile {
   RayBundle bundle;
 };
 
+/// What the rays of a tile may hit.
+struct Renderer::View {
+  const Moment* moment;
+  MomentCandidates candidates;
+
+  [[nodiscard]] HitPacket hits(const RayPacket& rays) const {
+    return moment->nearest(rays, kMaxRange_m, candidates);
+  }
+};
+
 Renderer::Renderer(const Scene& scene, const PinholeCamera& camera, const KinectNoise& noise,
                    RenderedImages images, int threads)
     : scene_(&scene),
@@ -96,6 +107,22 @@ Renderer::Renderer(const Scene& scene, const PinholeCamera& camera, const Kinect
 int64_t Renderer::row_stamp_ns(int64_t stamp_ns, int row) const {
   const double part = camera_.height > 1 ? static_cast<double>(row) / (camera_.height - 1) - 0.5 : 0;
   return stamp_ns + to_ns(part * noise_.rolling_shutter_s);
+}
+
+int Renderer::rows_per_moment() const {
+  const bool one = scene_->movers().empty() || noise_.rolling_shutter_s == 0;
+  return one ? camera_.height : kRowsPerMoment;
+}
+
+/// The scene during the readout of an image: one moment for every few rows.
+std::vector<Moment> Renderer::moments(int64_t stamp_ns) const {
+  const int rows = rows_per_moment();
+  std::vector<Moment> all;
+  for (int row = 0; row < camera_.height; row += rows) {
+    const int middle = row + std::min(rows, camera_.height - row) / 2;
+    all.emplace_back(*scene_, row_stamp_ns(stamp_ns, middle));
+  }
+  return all;
 }
 
 /// Four sub-exposures smooth edges and moderate blur; fast motion needs more, or the blur breaks up into
@@ -166,8 +193,8 @@ cv::Vec3b Renderer::to_bgr8(Lanes bgr, float gain, uint64_t bits) const {
   return pixel;
 }
 
-void Renderer::render_color(const Tile& tile, const std::vector<Candidate>& candidates,
-                            const Exposure& exposure, cv::Mat& out) const {
+void Renderer::render_color(const Tile& tile, const View& view, const Exposure& exposure,
+                            cv::Mat& out) const {
   // The footprints of samples overlap: each covers about half the pixel's width.
   constexpr float kSampleWidth = 0.6F;
   const auto sample_angle = static_cast<float>(kSampleWidth / camera_.fx);
@@ -176,7 +203,7 @@ void Renderer::render_color(const Tile& tile, const std::vector<Candidate>& cand
     Lanes sum = all_lanes(0);
     for (int p = 0; p < tile.packets; ++p) {
       const RayPacket& rays = tile.color[(x - tile.begin) * tile.packets + p];
-      sum += scene_->mean_color(rays, scene_->bvh().nearest(rays, kMaxRange_m, candidates), sample_angle);
+      sum += view.moment->mean_color(rays, view.hits(rays), sample_angle);
     }
     const uint64_t bits =
         hash(exposure.seed, static_cast<uint64_t>(tile.row) * static_cast<uint64_t>(camera_.width) +
@@ -185,16 +212,15 @@ void Renderer::render_color(const Tile& tile, const std::vector<Candidate>& cand
   }
 }
 
-void Renderer::render_depth(const Tile& tile, const std::vector<Candidate>& candidates,
-                            ExactDepth& out) const {
+void Renderer::render_depth(const Tile& tile, const View& view, ExactDepth& out) const {
   auto* depth_m = out.depth_m.ptr<float>(tile.row);
   auto* cosine = out.cosine.ptr<float>(tile.row);
   for (int x = tile.begin; x < tile.end; x += kLanes) {
     const RayPacket& rays = tile.depth[(x - tile.begin) / kLanes];
-    const HitPacket hits = scene_->bvh().nearest(rays, kMaxRange_m, candidates);
+    const HitPacket hits = view.hits(rays);
     for (int lane = 0; lane < std::min(kLanes, tile.end - x); ++lane) {
       depth_m[x + lane] = hits.t[lane];  // z, since the rays are (x, y, 1) in the camera frame
-      if (noise_.holes) cosine[x + lane] = scene_->infrared_cosine(rays, hits, lane);
+      if (noise_.holes) cosine[x + lane] = view.moment->infrared_cosine(rays, hits, lane);
     }
   }
 }
@@ -210,21 +236,61 @@ Frame Renderer::render(const CameraPath& path, const FrameStamps& stamps, uint64
   const int packets = color_packets(path, stamps.color_ns);
   const Exposure exposure{static_cast<float>(gain_at(noise_, to_seconds(stamps.color_ns))),
                           hash(frame_seed, 1)};
+  const std::vector<Moment> at_color = moments(stamps.color_ns);
+  const std::vector<Moment> at_depth =
+      with_depth_ ? moments(stamps.depth_ns + to_ns(noise_.depth_delay_s)) : std::vector<Moment>{};
   parallel_for(static_cast<size_t>(size.height), threads_, [&](size_t begin, size_t end) {
     for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
       const FrameStamps of_row{row_stamp_ns(stamps.color_ns, row), row_stamp_ns(stamps.depth_ns, row)};
       const RowPoses poses = row_poses(path, of_row, packets);
+      const auto moment = static_cast<size_t>(row / rows_per_moment());
       for (int x = 0; x < size.width; x += kTile) {
         const Tile tile = tile_rays(poses, row, x);
-        const std::vector<Candidate> candidates = scene_->bvh().candidates(tile.bundle);
-        render_color(tile, candidates, exposure, color);
-        if (with_depth_) render_depth(tile, candidates, exact);
+        View view{&at_color[moment], at_color[moment].candidates(tile.bundle)};
+        render_color(tile, view, exposure, color);
+        if (!with_depth_) continue;
+        view.moment = &at_depth[moment];
+        view.candidates.movers = view.moment->mover_candidates(tile.bundle);
+        render_depth(tile, view, exact);
       }
     }
   });
   frame.color = color;
   if (with_depth_) frame.depth_m = measured_depth(exact, noise_, hash(frame_seed, 2), threads_);
   return frame;
+}
+
+void Renderer::mark_movers(const Tile& tile, const View& view, cv::Mat& out) const {
+  constexpr uint8_t kMovingLevel = 255, kRestingLevel = 128;
+  auto* mask = out.ptr<uint8_t>(tile.row);
+  for (int ray = 0; ray < (tile.end - tile.begin) * tile.packets; ++ray) {
+    uint8_t& pixel = mask[tile.begin + ray / tile.packets];
+    const HitPacket hits = view.hits(tile.color[ray]);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Motion motion = view.moment->motion_of(hits.primitive[lane]);
+      if (motion == Motion::kMoving) pixel = kMovingLevel;
+      if (motion == Motion::kAtRest) pixel = std::max(pixel, kRestingLevel);
+    }
+  }
+}
+
+cv::Mat Renderer::mover_mask(const CameraPath& path, const FrameStamps& stamps) const {
+  cv::Mat mask = cv::Mat::zeros(camera_.height, camera_.width, CV_8UC1);
+  const int packets = color_packets(path, stamps.color_ns);
+  const std::vector<Moment> at_color = moments(stamps.color_ns);
+  parallel_for(static_cast<size_t>(mask.rows), threads_, [&](size_t begin, size_t end) {
+    for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
+      const FrameStamps of_row{row_stamp_ns(stamps.color_ns, row), row_stamp_ns(stamps.depth_ns, row)};
+      const RowPoses poses = row_poses(path, of_row, packets);
+      const Moment& moment = at_color[static_cast<size_t>(row / rows_per_moment())];
+      for (int x = 0; x < mask.cols; x += kTile) {
+        const Tile tile = tile_rays(poses, row, x);
+        const View view{&moment, moment.candidates(tile.bundle)};
+        if (!view.candidates.movers.empty()) mark_movers(tile, view, mask);
+      }
+    }
+  });
+  return mask;
 }
 
 }  // namespace kinloop::sim

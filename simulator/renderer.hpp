@@ -1,6 +1,6 @@
 #pragma once
 // In: a scene, a camera and its path. Out: the images of a frame, each row rendered from the camera pose at
-// its readout time.
+// its readout time. What moves is posed once for a few rows.
 
 #include <vector>
 
@@ -9,7 +9,7 @@
 #include "simulator/camera_path.hpp"
 #include "simulator/depth_stamps.hpp"
 #include "simulator/kinect_model.hpp"
-#include "simulator/scene.hpp"
+#include "simulator/moment.hpp"
 
 namespace kinloop::sim {
 
@@ -27,19 +27,25 @@ class Renderer {
   /// frame has no id.
   [[nodiscard]] Frame render(const CameraPath& path, const FrameStamps& stamps, uint64_t frame_seed) const;
 
+  /// Returns where the colour image of such a frame shows what moves, 8UC1: 255 = moving, 128 = at rest.
+  [[nodiscard]] cv::Mat mover_mask(const CameraPath& path, const FrameStamps& stamps) const;
+
  private:
   struct Exposure;
   struct RowPoses;
   struct Tile;
+  struct View;
 
   [[nodiscard]] int64_t row_stamp_ns(int64_t stamp_ns, int row) const;
+  [[nodiscard]] int rows_per_moment() const;
+  [[nodiscard]] std::vector<Moment> moments(int64_t stamp_ns) const;
   [[nodiscard]] int color_packets(const CameraPath& path, int64_t stamp_ns) const;
   [[nodiscard]] RowPoses row_poses(const CameraPath& path, const FrameStamps& row, int packets) const;
   [[nodiscard]] Tile tile_rays(const RowPoses& poses, int row, int begin) const;
   [[nodiscard]] cv::Vec3b to_bgr8(Lanes bgr, float gain, uint64_t bits) const;
-  void render_color(const Tile& tile, const std::vector<Candidate>& candidates, const Exposure& exposure,
-                    cv::Mat& out) const;
-  void render_depth(const Tile& tile, const std::vector<Candidate>& candidates, ExactDepth& out) const;
+  void render_color(const Tile& tile, const View& view, const Exposure& exposure, cv::Mat& out) const;
+  void render_depth(const Tile& tile, const View& view, ExactDepth& out) const;
+  void mark_movers(const Tile& tile, const View& view, cv::Mat& out) const;
 
   const Scene* scene_;
   PinholeCamera camera_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -9,19 +10,20 @@
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/random.hpp"
 #include "simulator/camera_path.hpp"
+#include "simulator/movers/populate.hpp"
 #include "simulator/room_layout.hpp"
 
 namespace kinloop::sim {
 namespace {
 
-constexpr double kWallMargin_m = 1.45;  // between the path's bounding box and the walls
+constexpr double kWallMargin_m = 1.45, kWallMarginWithPeople_m = 2.5;  // from the path's bounding box
 constexpr double kMinSide_m = 3.6, kMinHeight_m = 2.8;
 constexpr double kCameraHeight_m = 1.45;
 constexpr double kMaxPath_m = 25;
 constexpr double kMinCameraHeight_m = 0.45, kHeadRoom_m = 0.45;
 
 /// Pose of the room: z along `up`, walls along the world's other axes as far as these are horizontal.
-SE3 place_room(const Trajectory& path, Eigen::Vector3d& size_m) {
+SE3 place_room(const Trajectory& path, double margin_m, Eigen::Vector3d& size_m) {
   const Eigen::Quaterniond R_world_room =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), estimate_up_direction(path));
   Eigen::AlignedBox3d box;
@@ -36,7 +38,7 @@ SE3 place_room(const Trajectory& path, Eigen::Vector3d& size_m) {
                                  box.sizes().maxCoeff(), kMaxPath_m));
   }
   const double floor = std::min(median(heights) - kCameraHeight_m, box.min().z() - kMinCameraHeight_m);
-  size_m = (box.sizes().array() + 2 * kWallMargin_m).max(kMinSide_m);
+  size_m = (box.sizes().array() + 2 * margin_m).max(kMinSide_m);
   size_m.z() = std::max(kMinHeight_m, box.max().z() + kHeadRoom_m - floor);
   const Eigen::Vector3d origin(box.center().x(), box.center().y(), floor);
   return {R_world_room, R_world_room * origin};
@@ -57,17 +59,39 @@ Trajectory thinned(const Trajectory& path, const SE3& T_room_world) {
   return samples;
 }
 
+double wall_margin_m(const RoomRequest& request) {
+  if (request.wall_distance_m > 0) return request.wall_distance_m;
+  return request.movers.people > 0 ? kWallMarginWithPeople_m : kWallMargin_m;
+}
+
+Trajectory in_room_frame(Trajectory path, const SE3& T_room_world) {
+  for (StampedPose& pose : path) pose.T_world_camera = T_room_world * pose.T_world_camera;
+  return path;
+}
+
 }  // namespace
 
-Room build_room(const Trajectory& path, uint64_t seed, int threads) {
+Room build_room(const Trajectory& path, const RoomRequest& request, int threads) {
   require(!path.empty(), "a room needs a path to be built around");
   Room room;
-  room.T_world_room = place_room(path, room.size_m);
-  Palette palette(hash(seed, 1), threads);
-  RoomLayout layout(palette, room.size_m.cast<float>(), thinned(path, room.T_world_room.inverse()),
-                    hash(seed, 2));
-  room.scene =
-      std::make_unique<Scene>(layout.release_parts(), palette.release_textures(), layout.lights(), threads);
+  room.T_world_room = place_room(path, wall_margin_m(request), room.size_m);
+  const SE3 T_room_world = room.T_world_room.inverse();
+  Palette palette(hash(request.seed, 1), threads);
+  const Eigen::Vector3f size_m = room.size_m.cast<float>();
+  RoomLayout layout(palette, size_m, thinned(path, T_room_world), hash(request.seed, 2));
+  Parts parts = layout.release_parts();
+  Movers movers;
+  Wardrobe wardrobe(palette.texture_count());
+  if (request.movers.any()) {
+    const CameraPath camera(in_room_frame(path, T_room_world));
+    movers = populate(parts, {size_m, &camera, layout.door(), &palette}, request.movers, wardrobe,
+                      hash(request.seed, 3));
+  }
+  std::vector<Texture> textures = palette.release_textures();
+  std::vector<Texture> clothes = wardrobe.release_textures();
+  std::move(clothes.begin(), clothes.end(), std::back_inserter(textures));
+  room.scene = std::make_unique<Scene>(std::move(parts), std::move(textures), layout.lights(), threads,
+                                       std::move(movers));
   return room;
 }
 

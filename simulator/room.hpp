@@ -1,9 +1,11 @@
 #pragma once
-// In: a camera path and a seed. Out: a furnished room around the path that the camera can move through.
+// In: a camera path and a seed, and what shall move. Out: a furnished room around the path that the camera
+// can move through.
 
 #include <memory>
 
 #include "kinloop/geometry/trajectory.hpp"
+#include "simulator/movers/mover_options.hpp"
 #include "simulator/scene.hpp"
 
 namespace kinloop::sim {
@@ -15,10 +17,17 @@ struct Room {
   SE3 T_world_room;
 };
 
-/// Builds the room of `seed` around a path: walls some distance outside the path's bounding box, furniture
+/// What to build.
+struct RoomRequest {
+  uint64_t seed = 1;
+  double wall_distance_m = 0;  ///< from the path's bounding box; 0 = 1.45, with people 2.5
+  MoverOptions movers;
+};
+
+/// Builds the room of a seed around a path: walls some distance outside the path's bounding box, furniture
 /// along the walls and where the camera looks, nothing within `kPathClearance_m` (room_layout.hpp) of the
 /// path. The floor is placed so that the camera is mostly at the height of a standing person's hands. Throws
 /// InputError for a path too large for a room.
-Room build_room(const Trajectory& path, uint64_t seed, int threads);
+Room build_room(const Trajectory& path, const RoomRequest& request, int threads);
 
 }  // namespace kinloop::sim

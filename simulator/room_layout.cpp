@@ -37,7 +37,8 @@ RoomLayout::RoomLayout(const Palette& palette, const Eigen::Vector3f& size_m, co
     walls_.push_back({kQuarterTurn * static_cast<float>(i),
                       along_x ? size_m.x() : size_m.y(),
                       (along_x ? size_m.y() : size_m.x()) / 2,
-                      {}});
+                      {},
+                      0});
   }
   build_shell();
   add_ceiling_lamps();
@@ -108,7 +109,8 @@ void RoomLayout::build_shell() {
     FaceTexture face_texture = paint;
     face_texture.u0 = builder_.uniform(0, 1);
     if (i == accent) face_texture = palette.metric(Kind::kAccentWall, kWallPeriod_m, random_);
-    const Wall& wall = walls_[i];
+    Wall& wall = walls_[i];
+    wall.first_part = parts_.size();
     const Parts slab{
         make_box({0, kThick / 2, s.z() / 2}, {wall.length_m + 2 * kThick, kThick, s.z() + 2 * kThick},
                  face_texture),
@@ -177,6 +179,7 @@ void RoomLayout::add_door(Wall& wall) {
   const Primitive leaf =
       make_box({0, -kDoorThickness / 2, kHeight / 2}, {kWidth, kDoorThickness, kHeight}, back);
   const Parts door = place_at_wall(wall, {with_picture(leaf, kFront, front)}, along, 0);
+  door_.first_part = parts_.size();
   parts_.insert(parts_.end(), door.begin(), door.end());
   // A poster, and a note by the handle.
   const float poster_x = builder_.uniform(-0.1F, 0.1F);
@@ -186,6 +189,14 @@ void RoomLayout::add_door(Wall& wall) {
   for (const Parts& paper : {place_at_wall(wall, poster, along, 0), place_at_wall(wall, note, along, 0)}) {
     parts_.insert(parts_.end(), paper.begin(), paper.end());
   }
+  door_.part_count = parts_.size() - door_.first_part;
+  door_.wall_yaw_rad = wall.yaw_rad;
+  door_.wall_distance_m = wall.distance_m;
+  door_.along_m = along;
+  door_.width_m = kWidth;
+  door_.height_m = kHeight;
+  door_.wall_part = wall.first_part;
+  door_.board_part = wall.first_part + 1;
   wall.covered.push_back(
       {Eigen::Vector2f(along - kWidth / 2, 0), Eigen::Vector2f(along + kWidth / 2, kHeight)});
   // Clearance for opening the door.

@@ -15,6 +15,15 @@ namespace kinloop::sim {
 /// Minimum distance of any part of a room from the camera.
 constexpr double kPathClearance_m = 0.3;
 
+/// Where a room has its door. Positions are in the frame of its wall: x along it, y outwards, z up, with the
+/// origin `wall_distance_m` from the middle of the room.
+struct DoorPlace {
+  float wall_yaw_rad = 0, wall_distance_m = 0;
+  float along_m = 0, width_m = 0, height_m = 0;  ///< of the door
+  size_t wall_part = 0, board_part = 0;          ///< the solids of the wall and of its skirting board
+  size_t first_part = 0, part_count = 0;         ///< the solids of the door and of what hangs on it
+};
+
 /// Furnishes one room.
 class RoomLayout {
  public:
@@ -23,6 +32,7 @@ class RoomLayout {
 
   Parts release_parts() { return std::move(parts_); }
   [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
+  [[nodiscard]] const DoorPlace& door() const { return door_; }
 
  private:
   /// A wall seen from inside: `along` points right; furniture backs stand against it.
@@ -31,6 +41,7 @@ class RoomLayout {
     float length_m;
     float distance_m;                          ///< from the middle of the room
     std::vector<Eigen::AlignedBox2f> covered;  ///< (along, z) occupied by furniture and pictures
+    size_t first_part;                         ///< its solid; that of the skirting board follows
   };
 
   [[nodiscard]] size_t least_viewed_wall() const;
@@ -59,6 +70,7 @@ class RoomLayout {
   std::vector<Wall> walls_;
   std::vector<Eigen::AlignedBox2f> footprints_;
   Parts parts_;
+  DoorPlace door_;
   std::vector<Light> lights_;
 };
 

@@ -3,134 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace kinloop::sim {
-namespace {
 
-/// Four rays that hit the same face of a box.
-struct CommonFace {
-  SurfacePoint middle;
-  Lanes u, v;
-  float cosine;
-};
-
-/// Returns nullopt if the four points lie on different faces.
-std::optional<CommonFace> common_face(const Primitive& box, const RayPacket& rays, Lanes t) {
-  const Lanes3 p{rays.origin.x + t * rays.direction.x - box.center.x(),
-                 rays.origin.y + t * rays.direction.y - box.center.y(),
-                 rays.origin.z + t * rays.direction.z - box.center.z()};
-  const Eigen::Matrix3f& R = box.R_room_local;
-  const auto along = [&](int axis) { return R(0, axis) * p.x + R(1, axis) * p.y + R(2, axis) * p.z; };
-  const Lanes local[3] = {along(0), along(1), along(2)};
-  CommonFace face{};
-  face.middle = locate(box, {local[0][0], local[1][0], local[2][0]});
-  const int axis = face.middle.face / 2;
-  constexpr float kOnFace_m = 1e-4F;
-  const Lanes height = face.middle.face % 2 == 1 ? local[axis] : -local[axis];
-  if (any(height < box.half[axis] - kOnFace_m)) return std::nullopt;
-  const Eigen::Vector3f d = lane_ray(rays, t, 0).direction;
-  face.cosine = std::abs(R.col(axis).dot(d)) / d.norm();
-  face.u = 0.5F + local[axis == 0 ? 1 : 0] / face.middle.width_m;
-  face.v = 0.5F - local[axis == 2 ? 1 : 2] / face.middle.height_m;
-  face.middle.u = 0.25F * (face.u[0] + face.u[1] + face.u[2] + face.u[3]);
-  face.middle.v = 0.25F * (face.v[0] + face.v[1] + face.v[2] + face.v[3]);
-  return face;
-}
-
-/// Cosine of the incidence angle, at least 0.
-float incidence(const Primitive& solid, const LaneRay& ray) {
-  const Eigen::Vector3f p_local = solid.R_room_local.transpose() * (ray.point - solid.center);
-  const Eigen::Vector3f normal = solid.R_room_local * normal_at(solid, p_local);
-  return std::max(0.0F, -normal.dot(ray.direction) / ray.direction.norm());
-}
-
-}  // namespace
-
-Scene::Scene(std::vector<Primitive> primitives, std::vector<Texture> textures,
-             const std::vector<Light>& lights, int threads)
+Scene::Scene(std::vector<Primitive> primitives, std::vector<Texture> textures, std::vector<Light> lights,
+             int threads, Movers movers)
     : primitives_(std::move(primitives)),
       textures_(std::move(textures)),
+      lights_(std::move(lights)),
+      movers_(std::move(movers)),
       bvh_(primitives_),
-      light_(primitives_, bvh_, lights, threads) {}
-
-Scene::FaceLookup Scene::look_up_face(const Primitive& solid, const SurfacePoint& point, float cosine,
-                                      float footprint_m) const {
-  const bool picture = point.face == solid.picture_face;
-  FaceLookup lookup{};
-  lookup.face_texture = picture ? &solid.picture : &solid.face_texture;
-  lookup.texture = &textures_[static_cast<size_t>(lookup.face_texture->texture)];
-  lookup.u_span = lookup.face_texture->u_scale * (lookup.face_texture->fitted ? 1 : point.width_m);
-  lookup.v_span = lookup.face_texture->v_scale * (lookup.face_texture->fitted ? 1 : point.height_m);
-  lookup.emissive = solid.emissive && (picture || solid.picture_face == kNoFace);
-  // Texture pixels per metre, in the denser of the two directions.
-  const float density =
-      std::max(lookup.u_span * static_cast<float>(lookup.texture->width()) / point.width_m,
-               lookup.v_span * static_cast<float>(lookup.texture->height()) / point.height_m);
-  // A slanted surface stretches the footprint in one direction only; scaling it by the square root is a
-  // compromise between blur along and aliasing across.
-  constexpr float kMinCosine = 0.04F;
-  lookup.footprint_px = density * footprint_m / std::sqrt(std::max(cosine, kMinCosine));
-  return lookup;
-}
-
-Scene::SurfaceLook Scene::look_at(const RayPacket& rays, const HitPacket& hits, int lane,
-                                  float pixel_angle) const {
-  const LaneRay ray = lane_ray(rays, hits.t, lane);
-  const Primitive& solid = primitives_[static_cast<size_t>(hits.primitive[lane])];
-  const SurfacePoint point = locate(solid, solid.R_room_local.transpose() * (ray.point - solid.center));
-  const FaceLookup lookup = look_up_face(solid, point, incidence(solid, ray), hits.t[lane] * pixel_angle);
-  const Lanes albedo =
-      lookup.texture->sample(lookup.face_texture->u0 + lookup.u_span * point.u,
-                             lookup.face_texture->v0 + lookup.v_span * point.v, lookup.footprint_px);
-  return {point, albedo, lookup.emissive};
-}
-
-Lanes Scene::lane_color(const RayPacket& rays, const HitPacket& hits, int lane, float pixel_angle) const {
-  const int primitive = hits.primitive[lane];
-  if (primitive < 0) return all_lanes(0);
-  const SurfaceLook look = look_at(rays, hits, lane, pixel_angle);
-  return look.emissive ? look.albedo : look.albedo * light_.at(primitive, look.point);
-}
-
-Lanes Scene::mean_color(const RayPacket& rays, const HitPacket& hits, float pixel_angle) const {
-  constexpr float kShare = 1.0F / kLanes;
-  const int primitive = hits.primitive[0];
-  if (primitive >= 0 && !any(hits.primitive != hits.primitive[0])) {
-    const Primitive& solid = primitives_[static_cast<size_t>(primitive)];
-    if (solid.shape == Shape::kBox) {
-      if (const auto face = common_face(solid, rays, hits.t)) {
-        // All four on one face of a box, the common case: one texture and light lookup for all.
-        const SurfacePoint& point = face->middle;
-        const FaceLookup lookup = look_up_face(solid, point, face->cosine, hits.t[0] * pixel_angle);
-        const Lanes u = lookup.face_texture->u0 + lookup.u_span * face->u,
-                    v = lookup.face_texture->v0 + lookup.v_span * face->v;
-        const Lanes albedo = kShare * lookup.texture->sample_sum(u, v, lookup.footprint_px);
-        return lookup.emissive ? albedo : albedo * light_.at(primitive, point);
-      }
-    }
-  }
-  Lanes sum = all_lanes(0);
-  for (int lane = 0; lane < kLanes; ++lane) sum += lane_color(rays, hits, lane, pixel_angle);
-  return kShare * sum;
-}
-
-float Scene::infrared_cosine(const RayPacket& rays, const HitPacket& hits, int lane) const {
-  const int primitive = hits.primitive[lane];
-  if (primitive < 0) return 0;
-  const Primitive& solid = primitives_[static_cast<size_t>(primitive)];
-  return solid.no_depth_return ? 0 : incidence(solid, lane_ray(rays, hits.t, lane));
-}
-
-float Scene::infrared_reflectance(const RayPacket& rays, const HitPacket& hits, int lane,
-                                  float pixel_angle) const {
-  constexpr float kWhite = 255, kLeast = 0.04F;  // glossy black plastic, as of a screen, still reflects
-  constexpr int kRed = 2;                        // the channel next to infrared
-  if (hits.primitive[lane] < 0) return 0;
-  const SurfaceLook look = look_at(rays, hits, lane, pixel_angle);
-  const float level = look.albedo[kRed] / kWhite;
-  return look.emissive ? kLeast : std::max(level * level, kLeast);  // textures have a gamma of about 2
-}
+      light_map_(primitives_, bvh_, lights_, threads) {}
 
 double Scene::distance_to_surface(const Eigen::Vector3d& p_room) const {
   double nearest = std::numeric_limits<double>::infinity();

@@ -92,7 +92,7 @@ uint64_t parse_seed(const std::string& spec, const std::string& text) {
 struct SimulatedSource::RenderSetup {
   RenderSetup(const Trajectory& path, const RgbdCamera& device, const SimulationOptions& options,
               uint64_t seed, int threads)
-      : room(sim::build_room(path, seed, threads)),
+      : room(sim::build_room(path, {seed, options.wall_distance_m, options.movers}, threads)),
         path_in_room(in_room(path, room.T_world_room.inverse())),
         renderer(*room.scene, device.color, options.noise,
                  device.depth ? sim::RenderedImages::kColor : sim::RenderedImages::kColorAndDepth, threads) {
@@ -121,7 +121,7 @@ SimulatedSource::SimulatedSource(std::string name, uint64_t seed, const Simulati
       seed_(seed) {
   validate(options, "sim.");
   const bool own_path = !path.has_value();
-  if (own_path) path = sim::handheld_path(seed);
+  if (own_path) path = sim::handheld_path(seed, options.seconds);
   truth_ = {options.noise.rolling_shutter_s, options.noise.depth_delay_s};
   stamps_ = stamps_to_render(
       options, sim::frame_stamps(*path, own_path && options.fps <= 0 ? kDefaultFps : options.fps), seed);
@@ -142,10 +142,19 @@ Frame SimulatedSource::device_frame(size_t index) const {
   frame.id = FrameId{static_cast<uint32_t>(index)};
   if (setup_->depth_camera) {
     const int64_t depth_ns = stamps_[index].depth_ns + to_ns(truth_.depth_delay_s);
-    frame.depth_m = setup_->depth_camera->measure(setup_->path_in_room.at(depth_ns), hash(seed, 2));
+    frame.depth_m = setup_->depth_camera->measure(setup_->path_in_room.at(depth_ns), depth_ns, hash(seed, 2));
   }
   frame.depth_m = as_stored(frame.depth_m, device_.depth_scale);
   return frame;
+}
+
+bool SimulatedSource::has_movers() const {
+  return !setup_->room.scene->movers().empty();
+}
+
+cv::Mat SimulatedSource::mover_mask(size_t index) const {
+  require(index < info_.frames, "a frame of the simulated sequence");
+  return setup_->renderer.mover_mask(setup_->path_in_room, stamps_[index]);
 }
 
 Frame SimulatedSource::frame(size_t index) const {

@@ -16,6 +16,7 @@
 #include "simulator/depth_camera.hpp"
 #include "simulator/depth_stamps.hpp"
 #include "simulator/kinect_model.hpp"
+#include "simulator/movers/mover_options.hpp"
 
 namespace kinloop {
 
@@ -23,12 +24,15 @@ struct SimulationOptions {
   SimulatedSensor sensor = SimulatedSensor::kKinect1;
   double fps = 0;
   int frames = 0;
+  double seconds = 0;
+  double wall_distance_m = 0;
   int width = 0;
   int height = 0;
   bool lens_distortion = true;
   KinectNoise noise;  ///< of colour and time of all sensors, of depth of a Kinect 1
   TimeOfFlightNoise tof;
   StereoNoise stereo;
+  MoverOptions movers;
 
   /// Makes all sensors ideal.
   void remove_noise();
@@ -38,6 +42,10 @@ struct SimulationOptions {
     visit("sensor", self.sensor, "depth sensor and its cameras");
     visit("fps", self.fps, "frames per second, 0 = the timestamps of the given path, else 30", Range{0, 240});
     visit("frames", self.frames, "number of frames, 0 = the whole path", Range{0, 10'000'000});
+    visit("seconds", self.seconds, "duration of the built-in path, which goes round and round, s, 0 = 18.7",
+          Range{0, 3600});
+    visit("wall_distance_m", self.wall_distance_m,
+          "distance of the walls from the camera's path, m, 0 = 1.45, with people 2.5", Range{0, 10});
     visit("width", self.width,
           "width of the colour image in px, 0 = that of the sensor; depth is scaled in proportion",
           Range{0, 4096});
@@ -46,6 +54,7 @@ struct SimulationOptions {
     visit("noise", self.noise);
     visit("tof", self.tof);
     visit("stereo", self.stereo);
+    visit("movers", self.movers);
   }
 };
 
@@ -79,9 +88,17 @@ class SimulatedSource : public FrameSource {
   /// Returns frame `index` as the device delivers it: depth is that of `device().depth`, if any.
   [[nodiscard]] Frame device_frame(size_t index) const;
 
+  /// Returns whether anything moves besides the camera.
+  [[nodiscard]] bool has_movers() const;
+
+  /// Returns where the colour image of a frame shows what moves, 8UC1: 255 = moving, 128 = at rest at that
+  /// time (a door, a chair), 0 = neither.
+  [[nodiscard]] cv::Mat mover_mask(size_t index) const;
+
   [[nodiscard]] const SensorGroundTruth& truth() const { return truth_; }
 
-  /// Returns the unsigned distance from a point in the ground truth's world to the nearest surface.
+  /// Returns the unsigned distance from a point in the ground truth's world to the nearest surface that does
+  /// not move.
   [[nodiscard]] double distance_to_surface(const Eigen::Vector3d& p_world) const;
 
  private:

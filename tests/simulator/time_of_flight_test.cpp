@@ -124,7 +124,8 @@ cv::Mat corner_error_m(bool left_wall, int threads) {
   const PinholeCamera camera{256, 212, 183, 183, 127.5, 105.5, {}};
   Eigen::Matrix3d R;  // looks along y, z is up
   R << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-  return multipath_error_m(white_corner(left_wall), camera, {Eigen::Quaterniond(R), {0, 0, 0}}, threads);
+  const Scene scene = white_corner(left_wall);
+  return multipath_error_m(Moment(scene, 0), camera, {Eigen::Quaterniond(R), {0, 0, 0}}, threads);
 }
 
 TEST(Multipath, RoundsTheCornerOfTwoWalls) {
