@@ -16,7 +16,7 @@
 namespace kinloop::sim {
 namespace {
 
-constexpr double kWallMargin_m = 1.45, kWallMarginWithPeople_m = 2.5;  // from the path's bounding box
+constexpr double kWallMargin_m = 1.45, kSpaciousWallMargin_m = 2.4;  // from the path's bounding box
 constexpr double kMinSide_m = 3.6, kMinHeight_m = 2.8;
 constexpr double kCameraHeight_m = 1.45;
 constexpr double kMaxPath_m = 25;
@@ -59,26 +59,23 @@ Trajectory thinned(const Trajectory& path, const SE3& T_room_world) {
   return samples;
 }
 
-double wall_margin_m(const RoomRequest& request) {
-  if (request.wall_distance_m > 0) return request.wall_distance_m;
-  return request.movers.people > 0 ? kWallMarginWithPeople_m : kWallMargin_m;
-}
+}  // namespace
 
 Trajectory in_room_frame(Trajectory path, const SE3& T_room_world) {
   for (StampedPose& pose : path) pose.T_world_camera = T_room_world * pose.T_world_camera;
   return path;
 }
 
-}  // namespace
-
 Room build_room(const Trajectory& path, const RoomRequest& request, int threads) {
   require(!path.empty(), "a room needs a path to be built around");
   Room room;
-  room.T_world_room = place_room(path, wall_margin_m(request), room.size_m);
+  const bool spacious = request.spacious || request.movers.people > 0;
+  room.T_world_room = place_room(path, spacious ? kSpaciousWallMargin_m : kWallMargin_m, room.size_m);
   const SE3 T_room_world = room.T_world_room.inverse();
   Palette palette(hash(request.seed, 1), threads);
   const Eigen::Vector3f size_m = room.size_m.cast<float>();
-  RoomLayout layout(palette, size_m, thinned(path, T_room_world), hash(request.seed, 2));
+  RoomLayout layout(palette, size_m, thinned(path, T_room_world), hash(request.seed, 2),
+                    spacious ? Furnishing::kSpacious : Furnishing::kDense);
   Parts parts = layout.release_parts();
   Movers movers;
   Wardrobe wardrobe(palette.texture_count());

@@ -20,9 +20,12 @@ struct Room {
 /// What to build.
 struct RoomRequest {
   uint64_t seed = 1;
-  double wall_distance_m = 0;  ///< from the path's bounding box; 0 = 1.45, with people 2.5
+  bool spacious = false;  ///< walls farther away and little furniture in the middle; always so with people
   MoverOptions movers;
 };
+
+/// Returns a path of the world in the frame of a room.
+Trajectory in_room_frame(Trajectory path, const SE3& T_room_world);
 
 /// Builds the room of a seed around a path: walls some distance outside the path's bounding box, furniture
 /// along the walls and where the camera looks, nothing within `kPathClearance_m` (room_layout.hpp) of the

@@ -84,7 +84,8 @@ void RoomLayout::scatter_on_floor() {
     return Eigen::Vector3f(builder_.uniform(-0.48F, 0.48F) * size_m_.x(), y, 0);
   };
   const auto tries = static_cast<int>(4 * size_m_.x() * size_m_.y());
-  const auto wanted = static_cast<int>(0.7F * size_m_.x() * size_m_.y());
+  const float per_m2 = furnishing_ == Furnishing::kDense ? 0.7F : 0.12F;
+  const auto wanted = static_cast<int>(per_m2 * size_m_.x() * size_m_.y());
   for (int i = 0, placed = 0; i < tries && placed < wanted; ++i) {
     Parts piece;
     switch (random_.index(5)) {

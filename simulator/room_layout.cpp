@@ -26,8 +26,8 @@ bool overlaps(const std::vector<Eigen::AlignedBox2f>& taken, const Eigen::Aligne
 }  // namespace
 
 RoomLayout::RoomLayout(const Palette& palette, const Eigen::Vector3f& size_m, const Trajectory& path,
-                       uint64_t seed)
-    : random_(seed), builder_(palette, random_), size_m_(size_m) {
+                       uint64_t seed, Furnishing furnishing)
+    : random_(seed), builder_(palette, random_), size_m_(size_m), furnishing_(furnishing) {
   for (const StampedPose& pose : path) {
     path_.push_back(pose.T_world_camera.translation.cast<float>());
     view_.push_back(pose.T_world_camera.R().col(2).cast<float>());
@@ -47,7 +47,7 @@ RoomLayout::RoomLayout(const Palette& palette, const Eigen::Vector3f& size_m, co
   add_door(walls_[(first + 1 + random_.index(3)) % walls_.size()]);
   for (Wall& wall : walls_) furnish_wall(wall);
   for (Wall& wall : walls_) hang_pictures(wall);
-  furnish_viewed_areas();
+  if (furnishing_ == Furnishing::kDense) furnish_viewed_areas();
   scatter_on_floor();
 }
 

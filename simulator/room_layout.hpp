@@ -24,11 +24,15 @@ struct DoorPlace {
   size_t first_part = 0, part_count = 0;         ///< the solids of the door and of what hangs on it
 };
 
+/// How much stands away from the walls.
+enum class Furnishing { kDense, kSpacious };
+
 /// Furnishes one room.
 class RoomLayout {
  public:
   /// `path`: camera poses in the room frame.
-  RoomLayout(const Palette& palette, const Eigen::Vector3f& size_m, const Trajectory& path, uint64_t seed);
+  RoomLayout(const Palette& palette, const Eigen::Vector3f& size_m, const Trajectory& path, uint64_t seed,
+             Furnishing furnishing = Furnishing::kDense);
 
   Parts release_parts() { return std::move(parts_); }
   [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
@@ -66,6 +70,7 @@ class RoomLayout {
   Random random_;
   FurnitureBuilder builder_;
   Eigen::Vector3f size_m_;
+  Furnishing furnishing_;
   std::vector<Eigen::Vector3f> path_, view_;  ///< camera positions and optical axes
   std::vector<Wall> walls_;
   std::vector<Eigen::AlignedBox2f> footprints_;

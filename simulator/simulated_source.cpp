@@ -50,11 +50,6 @@ RgbdCamera simulated_camera(const SimulationOptions& options) {
   return camera;
 }
 
-Trajectory in_room(Trajectory path, const SE3& T_room_world) {
-  for (StampedPose& pose : path) pose.T_world_camera = T_room_world * pose.T_world_camera;
-  return path;
-}
-
 /// Rounds to the steps of a depth image, exactly as writing and reading a file would.
 cv::Mat as_stored(const cv::Mat& depth_m, double depth_scale) {
   cv::Mat units, stored_m;
@@ -92,8 +87,8 @@ uint64_t parse_seed(const std::string& spec, const std::string& text) {
 struct SimulatedSource::RenderSetup {
   RenderSetup(const Trajectory& path, const RgbdCamera& device, const SimulationOptions& options,
               uint64_t seed, int threads)
-      : room(sim::build_room(path, {seed, options.wall_distance_m, options.movers}, threads)),
-        path_in_room(in_room(path, room.T_world_room.inverse())),
+      : room(sim::build_room(path, {seed, options.spacious, options.movers}, threads)),
+        path_in_room(sim::in_room_frame(path, room.T_world_room.inverse())),
         renderer(*room.scene, device.color, options.noise,
                  device.depth ? sim::RenderedImages::kColor : sim::RenderedImages::kColorAndDepth, threads) {
     if (!device.depth) return;

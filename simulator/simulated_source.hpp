@@ -25,7 +25,7 @@ struct SimulationOptions {
   double fps = 0;
   int frames = 0;
   double seconds = 0;
-  double wall_distance_m = 0;
+  bool spacious = false;
   int width = 0;
   int height = 0;
   bool lens_distortion = true;
@@ -44,8 +44,8 @@ struct SimulationOptions {
     visit("frames", self.frames, "number of frames, 0 = the whole path", Range{0, 10'000'000});
     visit("seconds", self.seconds, "duration of the built-in path, which goes round and round, s, 0 = 18.7",
           Range{0, 3600});
-    visit("wall_distance_m", self.wall_distance_m,
-          "distance of the walls from the camera's path, m, 0 = 1.45, with people 2.5", Range{0, 10});
+    visit("spacious", self.spacious,
+          "a larger room with little but chairs and boxes away from the walls; always so with movers.people");
     visit("width", self.width,
           "width of the colour image in px, 0 = that of the sensor; depth is scaled in proportion",
           Range{0, 4096});

@@ -10,7 +10,8 @@
 namespace kinloop::sim {
 namespace {
 
-constexpr double kFromCamera_m = 0.95, kFromOthers_m = 0.85;
+constexpr double kFromCamera_m = 1.0, kFromOthers_m = 0.85;
+constexpr double kViewingDistance_m = 2.2;
 
 /// Plans one walk, segment by segment.
 class WalkPlanner {
@@ -19,7 +20,7 @@ class WalkPlanner {
               Random& random)
       : floor_(floor), camera_(camera), others_(others), random_(random), places_(floor.largest_region()) {
     if (places_.empty())
-      throw InputError("sim.movers.people: no free floor in this room; set a larger sim.wall_distance_m");
+      throw InputError("sim.movers.people: no free floor in this room; try another seed or fewer people");
   }
 
   [[nodiscard]] Walk plan() {
@@ -37,21 +38,37 @@ class WalkPlanner {
     return places_[random_.index(static_cast<uint32_t>(places_.size()))];
   }
 
-  /// The share of time in view, less a penalty for coming too close to the camera or to others.
+  /// The share of time in view, less penalties for coming too close to the camera or to others, and for
+  /// ending far from where the camera looks then.
   [[nodiscard]] double score(const Walk& part) const {
-    constexpr double kLookAhead_s = 0.8, kPenaltyPerM = 10;
+    constexpr double kLookAhead_s = 0.8, kSeenAhead_s = 3, kCrowdedPenaltyPerM = 10, kFarPenaltyPerM = 0.25;
     double nearest_m = 0;
     int seen = 0, samples = 0;
-    const double begin_s = part.front().begin_s, end_s = part.back().end_s() + kLookAhead_s;
-    for (double t = begin_s; t <= end_s; t += FloorTrack::kStep_s, ++samples) {
+    const double begin_s = part.front().begin_s, end_s = part.back().end_s();
+    for (double t = begin_s; t <= end_s + kSeenAhead_s; t += FloorTrack::kStep_s, ++samples) {
       const Eigen::Vector2d p = state_at(part, t).position;
-      const FloorView& camera = camera_.at(t);
-      nearest_m = std::min(nearest_m, (p - camera.position).norm() - kFromCamera_m);
-      for (const Walk& other : others_)
-        nearest_m = std::min(nearest_m, (p - state_at(other, t).position).norm() - kFromOthers_m);
-      seen += in_view(camera, p) ? 1 : 0;
+      seen += in_view(camera_.at(t), p) ? 1 : 0;
+      if (t <= end_s + kLookAhead_s) nearest_m = std::min(nearest_m, clearance_m(p, t));
     }
-    return static_cast<double>(seen) / std::max(samples, 1) + kPenaltyPerM * nearest_m;
+    const FloorView& then = camera_.at(end_s + 1);
+    const Eigen::Vector2d looked_at = then.position + kViewingDistance_m * then.direction;
+    return static_cast<double>(seen) / std::max(samples, 1) + kCrowdedPenaltyPerM * nearest_m -
+           kFarPenaltyPerM * (part.back().to - looked_at).norm();
+  }
+
+  /// Distance from the camera and from others, beyond what has to be kept.
+  [[nodiscard]] double clearance_m(const Eigen::Vector2d& p, double time_s) const {
+    double least_m = (p - camera_.at(time_s).position).norm() - kFromCamera_m;
+    for (const Walk& other : others_)
+      least_m = std::min(least_m, (p - state_at(other, time_s).position).norm() - kFromOthers_m);
+    return least_m;
+  }
+
+  [[nodiscard]] bool is_clear(const WalkSegment& pause) const {
+    for (double t = pause.begin_s; t <= pause.end_s(); t += FloorTrack::kStep_s) {
+      if (clearance_m(pause.to, t) < 0) return false;
+    }
+    return true;
   }
 
   [[nodiscard]] WalkSegment start() {
@@ -75,13 +92,14 @@ class WalkPlanner {
     constexpr double kChance = 0.35;
     const bool wanted = random_.uniform() < kChance;
     const WalkSegment pause = pause_after(before, random_.uniform(0.5, 2.5));
-    if (!wanted || score({pause}) < 0) return std::nullopt;
+    const bool seen = in_view(camera_.at(pause.begin_s), pause.to);
+    if (!wanted || !seen || !is_clear(pause)) return std::nullopt;
     return pause;
   }
 
   /// Turn and way to the best of several places in a straight line; a short pause if there is none.
   [[nodiscard]] Walk chosen_way(const WalkSegment& before) {
-    constexpr int kTries = 200, kChoices = 12;
+    constexpr int kTries = 1200, kChoices = 60;
     constexpr double kShortest_m = 0.8, kLongest_m = 4.5, kNoWay_s = 0.5;
     Walk best{pause_after(before, kNoWay_s)};
     double best_score = 0;
@@ -125,7 +143,7 @@ FloorTrack floor_track(const CameraPath& path) {
 }
 
 bool in_view(const FloorView& camera, const Eigen::Vector2d& p) {
-  constexpr double kNearest_m = 0.8, kFarthest_m = 4.5, kMinCosine = 0.88;  // 28 degrees off the axis
+  constexpr double kNearest_m = 1.2, kFarthest_m = 4.5, kMinCosine = 0.88;  // 28 degrees off the axis
   const Eigen::Vector2d way = p - camera.position;
   const double distance_m = way.norm();
   return distance_m > kNearest_m && distance_m < kFarthest_m &&

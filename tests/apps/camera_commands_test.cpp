@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "drivers/datasets/tum_writer.hpp"
@@ -123,6 +124,19 @@ TEST_F(CameraCommands, SimulatesADepthCameraOfItsOwn) {
               AllOf(HasSubstr("sensor: realsense_d4xx"), HasSubstr("depth: {width: 212, height: 120")));
   ASSERT_EQ(run("record '" + at("a") + "' -o '" + at("b") + "'").exit_code, kDone);
   EXPECT_THAT(read_file(at("b/camera.yaml")), Not(HasSubstr("depth: {")));  // registered to colour
+}
+
+TEST_F(CameraCommands, SimulateWritesMasksOfWhatMovesAndOnlyThen) {
+  const std::string simulate = "simulate room --frames 2 --size 160x120 -q ";
+  ASSERT_EQ(run(simulate + "--set movers.people=1 -o '" + at("people") + "'").exit_code, kDone);
+  for (const char* stamp : {"1.000000", "1.033333"}) {
+    const cv::Mat mask = cv::imread(at("people/masks/" + std::string(stamp) + ".png"), cv::IMREAD_UNCHANGED);
+    EXPECT_EQ(mask.size(), cv::Size(160, 120));
+    EXPECT_TRUE(std::filesystem::exists(at("people/rgb/" + std::string(stamp) + ".png")));
+  }
+  ASSERT_EQ(run(simulate + "-o '" + at("nobody") + "'").exit_code, kDone);
+  EXPECT_FALSE(std::filesystem::exists(at("nobody/masks")));
+  EXPECT_EQ(run(simulate + "--set movers.dogs=1 -o '" + at("dogs") + "'").exit_code, kWrongUse);
 }
 
 TEST_F(CameraCommands, RecordAsOneFileGivesTheSameSequence) {
