@@ -80,18 +80,30 @@ Parts handle(const DoorPlace& place, FurnitureBuilder& builder) {
           make_box({x - 0.05F, -kLeaf_m - 0.05F, kHeight_m}, {0.13F, 0.016F, 0.022F}, metal)};
 }
 
-std::vector<DoorSwing> swings_within(double seconds, FurnitureBuilder& builder) {
+/// The next time at which the camera sees a place, if it soon does, else `time_s`.
+double next_seen_s(const FloorTrack& camera, const Eigen::Vector2d& p, double time_s) {
+  constexpr double kSoon_s = 8;
+  const double end_s = std::min(time_s + kSoon_s, camera.seconds());
+  for (double t = time_s; t < end_s; t += FloorTrack::kStep_s) {
+    if (in_view(camera.at(t), p)) return t;
+  }
+  return time_s;
+}
+
+std::vector<DoorSwing> planned_swings(const FloorTrack& camera, const Eigen::Vector2d& p,
+                                      FurnitureBuilder& builder) {
   Random& random = builder.random();
   std::vector<DoorSwing> swings;
-  double time_s = random.uniform(1.5, 4);
-  while (time_s < seconds) {
+  double time_s = random.uniform(0.5, 2);
+  while (time_s < camera.seconds()) {
+    const double begin_s = next_seen_s(camera, p, time_s) + random.uniform(0, 0.6);
     const float open_rad = kRadPerDegree * builder.uniform(55, 92);
-    const DoorSwing opening{time_s, random.uniform(0.9, 2.2), 0, open_rad};
-    const double shut_s = opening.begin_s + opening.seconds + random.uniform(1, 6);
+    const DoorSwing opening{begin_s, random.uniform(0.9, 2.2), 0, open_rad};
+    const double shut_s = begin_s + opening.seconds + random.uniform(0.4, 5);
     const DoorSwing closing{shut_s, random.uniform(0.9, 2.2), open_rad, 0};
     swings.push_back(opening);
     swings.push_back(closing);
-    time_s = closing.begin_s + closing.seconds + random.uniform(2, 7);
+    time_s = shut_s + closing.seconds + random.uniform(1, 5);
   }
   return swings;
 }
@@ -114,7 +126,8 @@ Parts door_at(const SwingingDoor& door, double time_s) {
   return moved(moved(door.closed, 0, -door.hinge), angle_at(door, time_s), door.hinge);
 }
 
-SwingingDoor open_doorway(Parts& room, const DoorPlace& place, FurnitureBuilder& builder, double seconds) {
+SwingingDoor open_doorway(Parts& room, const DoorPlace& place, FurnitureBuilder& builder,
+                          const FloorTrack& camera) {
   SwingingDoor door;
   const auto first = room.begin() + static_cast<std::ptrdiff_t>(place.first_part);
   const auto last = first + static_cast<std::ptrdiff_t>(place.part_count);
@@ -132,7 +145,8 @@ SwingingDoor open_doorway(Parts& room, const DoorPlace& place, FurnitureBuilder&
   }
   const Parts standing = from_wall(place, built);
   room.insert(room.end(), standing.begin(), standing.end());
-  door.swings = swings_within(seconds, builder);
+  const Eigen::Vector2d middle = door.closed.front().center.head<2>().cast<double>();
+  door.swings = planned_swings(camera, middle, builder);
   return door;
 }
 

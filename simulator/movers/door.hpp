@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "simulator/furniture.hpp"
+#include "simulator/movers/walk_plan.hpp"
 #include "simulator/room_layout.hpp"
 
 namespace kinloop::sim {
@@ -31,7 +32,8 @@ bool is_turning(const SwingingDoor& door, double time_s);
 Parts door_at(const SwingingDoor& door, double time_s);
 
 /// Takes the door out of a room's solids, cuts an opening into the wall behind it and builds a short corridor
-/// there. The door opens into the corridor, several times within `seconds`.
-SwingingDoor open_doorway(Parts& room, const DoorPlace& place, FurnitureBuilder& builder, double seconds);
+/// there. The door opens into the corridor several times, mostly when the camera looks at it.
+SwingingDoor open_doorway(Parts& room, const DoorPlace& place, FurnitureBuilder& builder,
+                          const FloorTrack& camera);
 
 }  // namespace kinloop::sim

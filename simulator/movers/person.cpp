@@ -42,6 +42,8 @@ void add_trunk(Parts& parts, const Person& person, const Joints& joints) {
                             {0.12F * g, 0.17F * g, 0.15F * h}, outfit.trousers));
   parts.push_back(ellipsoid(trunk, {0.01F, 0, 0.16F * h}, {0.125F * g, 0.165F * g, 0.21F * h}, outfit.shirt));
   parts.push_back(ellipsoid(trunk, {0.005F, 0, 0.33F * h}, {0.125F * g, 0.19F * g, 0.2F * h}, outfit.shirt));
+  parts.push_back(  // from shoulder to shoulder
+      ellipsoid(trunk, {0, 0, 0.465F * h}, {0.085F * g, 0.225F * h, 0.065F * h}, outfit.shirt));
   if (!outfit.has_bag) return;
   Primitive bag = make_box({-0.18F * g, 0, 0.3F * h}, {0.14F, 0.28F, 0.4F}, outfit.bag);
   bag.center = trunk.at + trunk.R * bag.center;
@@ -84,7 +86,7 @@ void add_leg(Parts& parts, const Person& person, const Leg& leg, const Matrix3f&
       make_box(foot.at + kSole_m / 2 * foot.R.col(2), {length_m, kFootWidth_m, kSole_m}, outfit.shoe);
   sole.R_room_local = foot.R;
   parts.push_back(sole);
-  parts.push_back(ellipsoid(foot, {-0.01F, 0, kSole_m}, {0.52F * length_m, 0.05F, 0.055F}, outfit.shoe));
+  parts.push_back(ellipsoid(foot, {0, 0, 0.048F}, {0.52F * length_m, 0.05F, 0.05F}, outfit.shoe));
 }
 
 }  // namespace

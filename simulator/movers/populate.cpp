@@ -30,7 +30,7 @@ Movers populate(Parts& room, const MoverSite& site, const MoverOptions& options,
   FreeFloor person_floor(room, site.size_m, kPersonRadius_m);
   if (options.door) {
     FurnitureBuilder builder(*site.palette, door_random);
-    movers.door = open_doorway(room, site.door, builder, track.seconds());
+    movers.door = open_doorway(room, site.door, builder, track);
   }
   FurnitureBuilder builder(*site.palette, chair_random);
   for (int i = 0; i < options.chairs; ++i) {

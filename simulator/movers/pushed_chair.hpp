@@ -29,8 +29,8 @@ bool is_pushed(const PushedChair& chair, double time_s);
 Parts chair_at(const PushedChair& chair, double time_s);
 
 /// Returns a chair that is pushed 0.4 to 1.3 m between a fifth and three fifths of the time, from and to
-/// where the camera looks, and blocks both places. `floor` is that for the radius of a chair. Throws
-/// InputError if there is no room for it.
+/// where the camera looks, more often than not while it looks, and blocks both places. `floor` is that for
+/// the radius of a chair. Throws InputError if there is no room for it.
 PushedChair place_chair(FreeFloor& floor, const FloorTrack& camera, FurnitureBuilder& builder);
 
 /// Radius of the floor that a chair takes, m.

@@ -87,7 +87,7 @@ WalkSegment pause_after(const WalkSegment& before, double seconds) {
 
 WalkSegment turn_after(const WalkSegment& before, double heading_rad) {
   constexpr double kTurnRate = 2.2;  // rad / s
-  constexpr double kLeast_s = 0.3, kTurnPerStep_rad = 0.8;
+  constexpr double kLeast_s = 0.5, kTurnPerStep_rad = 1.2;
   WalkSegment turn = after(before);
   const double angle_rad = std::remainder(heading_rad - turn.heading_from_rad, 2 * std::numbers::pi);
   turn.heading_to_rad += angle_rad;

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "kinloop/core/errors.hpp"
+#include "simulator/camera_path.hpp"
 #include "simulator/simulated_source.hpp"
 
 namespace kinloop {
@@ -42,7 +43,7 @@ const SimulatedSource& room_with_people() {
   return source;
 }
 
-bool same(const cv::Mat& a, const cv::Mat& b) {
+bool identical(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
 }
 
@@ -69,7 +70,9 @@ TEST(MoverImages, DifferFromTheEmptyRoomWhereTheMaskSays) {
         ++marked;
         changed += alike ? 0 : 1;
         nearer += with_m > 0 && (with_m < without_m || without_m == 0) ? 1 : 0;
-        if (with_m > 0 && without_m > 0) ASSERT_LE(with_m, without_m);
+        if (with_m > 0 && without_m > 0) {
+          ASSERT_LE(with_m, without_m);
+        }
       }
     }
   }
@@ -95,10 +98,12 @@ TEST(MoverImages, AreTheSameForAnyNumberOfThreadsAndInAnyOrder) {
   const Frame late = two.frame(3);
   for (size_t i = 0; i < 4; ++i) {
     const Frame a = one.next().value(), b = two.frame(i);
-    EXPECT_TRUE(same(a.color.bgr(), b.color.bgr()));
-    EXPECT_TRUE(same(a.depth_m, b.depth_m));
-    EXPECT_TRUE(same(one.mover_mask(i), two.mover_mask(i)));
-    if (i == 3) EXPECT_TRUE(same(a.color.bgr(), late.color.bgr()));
+    EXPECT_TRUE(identical(a.color.bgr(), b.color.bgr()));
+    EXPECT_TRUE(identical(a.depth_m, b.depth_m));
+    EXPECT_TRUE(identical(one.mover_mask(i), two.mover_mask(i)));
+    if (i == 3) {
+      EXPECT_TRUE(identical(a.color.bgr(), late.color.bgr()));
+    }
   }
 }
 
@@ -144,20 +149,24 @@ TEST(MoverImages, ADepthCameraOfItsOwnSeesPeopleToo) {
     marked += cv::countNonZero(with.mover_mask(i));
   }
   ASSERT_GT(marked, 1000);
-  EXPECT_GT(changed, marked / 2);
+  EXPECT_GT(changed, marked / 4);  // its image has 42 % of the pixels, and a wider view
 }
 
 TEST(MoverImages, TheShutterActsOnWhatMoves) {
+  Trajectory standing = sim::handheld_path(1, 14);
+  for (StampedPose& pose : standing) pose.T_world_camera = standing.front().T_world_camera;
   SimulationOptions rolling = options_with(two_people());
+  const SimulatedSource global("global", 1, rolling, 2, standing);
   rolling.noise.rolling_shutter_s = 0.1;
-  const SimulatedSource source("rolling", 1, rolling, 2);
+  const SimulatedSource source("rolling", 1, rolling, 2, standing);
   // The middle rows of both are taken at the same time, the first and last 50 ms before and after.
   int middle = 0, ends = 0;
   for (size_t i = 0; i < source.info().frames; ++i) {
-    const cv::Mat differs = source.mover_mask(i) != room_with_people().mover_mask(i);
+    const cv::Mat differs = source.mover_mask(i) != global.mover_mask(i);
     middle += cv::countNonZero(differs.rowRange(56, 64));
-    ends += cv::countNonZero(differs.rowRange(112, 120)) + cv::countNonZero(differs.rowRange(0, 8));
+    ends += cv::countNonZero(differs.rowRange(104, 120)) + cv::countNonZero(differs.rowRange(0, 16));
   }
+  EXPECT_GT(ends, 50);
   EXPECT_LT(3 * middle, ends);
 }
 

@@ -128,8 +128,9 @@ TEST(Person, StandsOnTheFloorInsideTheRoom) {
   for (const Person& person : movers().people) {
     for (const double t : times()) {
       const Eigen::AlignedBox3f box = bounds(person_at(person, t));
-      ASSERT_NEAR(box.min().z(), 0, 0.025);  // the rounded tip of a shoe that points down
-      ASSERT_NEAR(box.max().z(), person.figure.height_m, 0.1);
+      ASSERT_NEAR(box.min().z(), 0, 0.025);                     // the rounded tip of a shoe that points down
+      ASSERT_LT(box.max().z(), person.figure.height_m + 0.04);  // hair
+      ASSERT_GT(box.max().z(), person.figure.height_m - 0.14);  // lower in the middle of a long step
       ASSERT_TRUE((box.max().head<2>().array() < half.array()).all());
       ASSERT_TRUE((box.min().head<2>().array() > -half.array()).all());
       float lowest_sole_m = 1;
@@ -271,33 +272,6 @@ TEST(FreeFloor, KeepsTheRadiusFromThingsAndWalls) {
   Random random(1);
   const FloorTrack track{{{Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 0)}}};
   EXPECT_THROW(plan_walk(none, track, {}, random), InputError);
-}
-
-TEST(Ellipsoid, HitsLieOnItsSurfaceAndFaceTheRay) {
-  Random random(3);
-  const auto draw = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
-  int hits_seen = 0;
-  for (int i = 0; i < 200; ++i) {
-    Primitive solid;
-    solid.shape = Shape::kEllipsoid;
-    for (int axis = 0; axis < 3; ++axis) solid.half[axis] = draw(0.05, 0.5);
-    solid.center = Eigen::Vector3f(2, 0, 0);
-    solid.R_room_local = Eigen::AngleAxisf(draw(0, 3), Eigen::Vector3f(1, 2, 3).normalized()).matrix();
-    RayPacket rays = {all_lanes3(0), {all_lanes(1), all_lanes(draw(-0.2, 0.2)), all_lanes(draw(-0.2, 0.2))}};
-    const HitPacket hits = Bvh({solid}).nearest(rays, 10);
-    const LaneRay ray = lane_ray(rays, hits.t, 0);
-    if (hits.primitive[0] < 0) continue;
-    ++hits_seen;
-    EXPECT_NEAR(signed_distance_m(solid, ray.point.cast<double>()), 0, 1e-4);
-    const Eigen::Vector3f p_local = solid.R_room_local.transpose() * (ray.point - solid.center);
-    EXPECT_LE((solid.R_room_local * normal_at(solid, p_local)).dot(ray.direction), 1e-3F);
-    EXPECT_TRUE(bounds(solid).contains(ray.point));
-    const SurfacePoint at = locate(solid, p_local);
-    const SurfaceFrame frame = surface_frame(solid, at.face, at.u, at.v);
-    EXPECT_NEAR((frame.p_local - p_local).norm(), 0, 2e-3);
-    EXPECT_GT(frame.normal_local.dot(normal_at(solid, p_local)), 0.999F);
-  }
-  EXPECT_GT(hits_seen, 60);
 }
 
 }  // namespace

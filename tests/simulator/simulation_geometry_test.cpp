@@ -152,6 +152,33 @@ TEST(SimulatedSolids, SurfaceCoordinatesAreInvertible) {
   }
 }
 
+TEST(SimulatedSolids, HitsOfEllipsoidsLieOnTheirSurfaceAndFaceTheRay) {
+  Random random(3);
+  const auto draw = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
+  int hits_seen = 0;
+  for (int i = 0; i < 200; ++i) {
+    Primitive solid;
+    solid.shape = Shape::kEllipsoid;
+    for (int axis = 0; axis < 3; ++axis) solid.half[axis] = draw(0.05, 0.5);
+    solid.center = Eigen::Vector3f(2, 0, 0);
+    solid.R_room_local = Eigen::AngleAxisf(draw(0, 3), Eigen::Vector3f(1, 2, 3).normalized()).matrix();
+    RayPacket rays = {all_lanes3(0), {all_lanes(1), all_lanes(draw(-0.2, 0.2)), all_lanes(draw(-0.2, 0.2))}};
+    const HitPacket hits = Bvh({solid}).nearest(rays, 10);
+    const LaneRay ray = lane_ray(rays, hits.t, 0);
+    if (hits.primitive[0] < 0) continue;
+    ++hits_seen;
+    EXPECT_NEAR(signed_distance_m(solid, ray.point.cast<double>()), 0, 1e-4);
+    const Eigen::Vector3f p_local = solid.R_room_local.transpose() * (ray.point - solid.center);
+    EXPECT_LE((solid.R_room_local * normal_at(solid, p_local)).dot(ray.direction), 1e-3F);
+    EXPECT_TRUE(bounds(solid).contains(ray.point));
+    const SurfacePoint at = locate(solid, p_local);
+    const SurfaceFrame frame = surface_frame(solid, at.face, at.u, at.v);
+    EXPECT_NEAR((frame.p_local - p_local).norm(), 0, 2e-3);
+    EXPECT_GT(frame.normal_local.dot(normal_at(solid, p_local)), 0.999F);
+  }
+  EXPECT_GT(hits_seen, 60);
+}
+
 TEST(SimulatedTexture, AWideFootprintGivesTheMeanAndNoneThePixel) {
   cv::Mat image(64, 128, CV_8UC3);
   Random random(2);
