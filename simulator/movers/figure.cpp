@@ -48,15 +48,16 @@ Vector3f downwards(float forwards_rad) {
 
 Leg leg_of(const Figure& figure, const Gait& gait, size_t side, const Matrix3f& R) {
   constexpr float kHipWidth = 0.055F;  // of the height, from the middle
-  constexpr float kLag_rad = 0.35F, kBend_rad = 0.95F, kSoftKnee_rad = 0.06F;
+  constexpr float kLead_rad = 0.75F, kBend_rad = 1.1F, kSoftKnee_rad = 0.06F;
   constexpr float kToeDown_rad = 0.55F, kToeUp_rad = 0.3F, kBehindAnkle = 0.25F;
   const float angle = side_angle(gait, side);
-  const float in_air = positive(std::cos(angle + kLag_rad));
+  const float in_air = positive(std::cos(angle + kLead_rad));
   const float knee_rad = kSoftKnee_rad + kBend_rad * gait.vigour * in_air * in_air;
   const float thigh_rad = gait.swing_rad * std::sin(angle) + kSoftKnee_rad / 2;
   const float ahead = positive(std::sin(angle)), behind = positive(-std::sin(angle));
-  const float pitch_rad =
-      gait.vigour * (kToeUp_rad * ahead * ahead * ahead - kToeDown_rad * behind * behind * behind);
+  // Of short steps, next to nothing: the walker would stand on tiptoe.
+  const float pitch_rad = gait.vigour * gait.vigour *
+                          (kToeUp_rad * ahead * ahead * ahead - kToeDown_rad * behind * behind * behind);
   const Vector3f along(std::cos(pitch_rad), 0, std::sin(pitch_rad));
   const Vector3f sole = figure.ankle_m() * Vector3f(std::sin(pitch_rad), 0, -std::cos(pitch_rad));
   Leg leg;
