@@ -69,7 +69,7 @@ Trajectory in_room_frame(Trajectory path, const SE3& T_room_world) {
 Room build_room(const Trajectory& path, const RoomRequest& request, int threads) {
   require(!path.empty(), "a room needs a path to be built around");
   Room room;
-  const bool spacious = request.spacious || request.movers.people > 0;
+  const bool spacious = request.spacious || request.movers.people > 0 || request.movers.chairs > 0;
   room.T_world_room = place_room(path, spacious ? kSpaciousWallMargin_m : kWallMargin_m, room.size_m);
   const SE3 T_room_world = room.T_world_room.inverse();
   Palette palette(hash(request.seed, 1), threads);

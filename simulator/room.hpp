@@ -20,7 +20,7 @@ struct Room {
 /// What to build.
 struct RoomRequest {
   uint64_t seed = 1;
-  bool spacious = false;  ///< walls farther away and little furniture in the middle; always so with people
+  bool spacious = false;  ///< walls farther away and little furniture in the middle; so with people, chairs
   MoverOptions movers;
 };
 

@@ -45,7 +45,8 @@ struct SimulationOptions {
     visit("seconds", self.seconds, "duration of the built-in path, which goes round and round, s, 0 = 18.7",
           Range{0, 3600});
     visit("spacious", self.spacious,
-          "a larger room with little but chairs and boxes away from the walls; always so with movers.people");
+          "a larger room with little but chairs and boxes away from the walls; always so with "
+          "movers.people or movers.chairs");
     visit("width", self.width,
           "width of the colour image in px, 0 = that of the sensor; depth is scaled in proportion",
           Range{0, 4096});

@@ -36,8 +36,7 @@ Push chosen_push(const FreeFloor& floor, const FloorTrack& camera, Random& rando
   constexpr int kTries = 4000, kChoices = 30;
   constexpr double kShortest_m = 0.4, kLongest_m = 1.3;
   const std::vector<Eigen::Vector2d> places = floor.largest_region();
-  if (places.empty())
-    throw InputError("sim.movers.chairs: no room for another chair; set fewer, or sim.spacious=true");
+  if (places.empty()) throw InputError("sim.movers.chairs: no room for another chair; set fewer");
   Push best{places.front(), places.front()};
   double best_views = -std::numeric_limits<double>::infinity();
   const auto any = [&] { return places[random.index(static_cast<uint32_t>(places.size()))]; };
