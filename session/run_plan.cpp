@@ -10,6 +10,7 @@
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
 #include "session/map_store.hpp"
+#include "session/masked_source.hpp"
 #include "session/open_frame_source.hpp"
 
 namespace kinloop {
@@ -94,6 +95,11 @@ RunSetup set_up_run(const RunSettings& settings) {
 RunPlan plan_run(const RunRequest& request) {
   RunSetup setup = set_up_run(request.settings);
   auto source = open_frame_source(source_request(request, setup));
+  if (!request.mask.empty()) {
+    const PinholeCamera& color = source->camera().color;
+    cv::Mat mask = read_mask(request.mask, {color.width, color.height});
+    source = std::make_unique<MaskedSource>(std::move(source), std::move(mask));
+  }
   const PacedSource* paced = nullptr;
   if (request.pace_hz > 0) {
     auto owner = std::make_unique<PacedSource>(std::move(source), request.pace_hz);

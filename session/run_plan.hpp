@@ -63,8 +63,9 @@ struct RunRequest {
   std::string sequence;  ///< see SourceRequest, also for the next two; these are empty by default
   std::string camera;
   std::string topics;
-  double pace_hz = 0;     ///< replays at this rate; 0: as fast as possible
-  StopRequest stop = {};  ///< ends a source whose sender or device is silent
+  std::filesystem::path mask;  ///< image of the pixels to ignore, see read_mask; empty: none
+  double pace_hz = 0;          ///< replays at this rate; 0: as fast as possible
+  StopRequest stop = {};       ///< ends a source whose sender or device is silent
   RunSettings settings;
 };
 

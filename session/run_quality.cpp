@@ -68,6 +68,21 @@ void add_reason(RunQuality& quality, const Share& share, const char* what) {
                                         share.longest.to_s));
 }
 
+/// Adds that a part of the image was left out, unless that took less than a second.
+void add_left_out(RunQuality& quality, std::span<const JudgedFrame> frames, std::span<const double> durations,
+                  double JudgedFrame::*share, const char* what) {
+  constexpr double kMinSeconds = 1;
+  double seconds = 0, most = 0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    if (frames[i].*share <= 0) continue;
+    seconds += durations[i];
+    most = std::max(most, frames[i].*share);
+  }
+  if (seconds < kMinSeconds) return;
+  quality.reasons.push_back(
+      fmt::format("{} for {:.1f} s, up to {:.0f} % of the image; it is left out", what, seconds, 100 * most));
+}
+
 Verdict verdict_on(double share_of_time) {
   constexpr double kGoodBelow = 0.005, kBadAbove = 0.2;
   if (share_of_time < kGoodBelow) return Verdict::kGood;
@@ -79,7 +94,10 @@ Verdict verdict_on(double share_of_time) {
 std::vector<JudgedFrame> judged_frames(std::span<const TrackedFrame> log, const Map& map) {
   const uint32_t component = main_component(log, map);
   std::vector<JudgedFrame> frames;
-  for (const TrackedFrame& entry : log) frames.push_back({entry.stamp_ns, trust_of(entry, component, map)});
+  for (const TrackedFrame& entry : log) {
+    frames.push_back({entry.stamp_ns, trust_of(entry, component, map), entry.evidence.fixed_share,
+                      entry.evidence.moved_share});
+  }
   return frames;
 }
 
@@ -100,6 +118,8 @@ RunQuality judge(std::span<const JudgedFrame> frames) {
   add_reason(quality, doubtful, "in doubt");
   add_reason(quality, lost, "lost");
   add_reason(quality, elsewhere, "in other components of the map");
+  add_left_out(quality, frames, durations, &JudgedFrame::fixed_share, "something moves with the camera");
+  add_left_out(quality, frames, durations, &JudgedFrame::moved_share, "something else moves");
   return quality;
 }
 

@@ -23,6 +23,8 @@ enum class FrameTrust {
 struct JudgedFrame {
   int64_t stamp_ns = 0;
   FrameTrust trust = FrameTrust::kLost;
+  double fixed_share = 0;  ///< of the image, left out since it moves with the camera
+  double moved_share = 0;  ///< of the image, left out since it shows things that have moved
 };
 
 enum class Verdict { kGood, kDoubtful, kBad };

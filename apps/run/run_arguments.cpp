@@ -54,6 +54,9 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
       "else chosen by the folder's name)");
   command.add_option("--topics", arguments.request.topics,
                      "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
+  command.add_option("--mask", arguments.request.mask,
+                     "image of the size of the colour images, black where they are to be ignored, such as\n"
+                     "the robot that carries the camera; a run writes what it finds itself as mask.png");
   command.add_option("--vocabulary", arguments.request.settings.vocabulary,
                      "visual vocabulary from kinloop vocab train (default: built-in)");
   add_map_arguments(command, arguments);

@@ -16,6 +16,7 @@
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 #include "session/process.hpp"
 #include "viewer/report/run_up_direction.hpp"
 
@@ -122,11 +123,22 @@ nlohmann::json RunOutput::summary() const {
   return summary;
 }
 
+/// Writes what moves with the camera as a mask for --mask; an old file is removed if there is nothing.
+void RunOutput::write_mask() const {
+  const cv::Mat mask = session_.slam().camera_mask();
+  if (mask.empty()) {
+    std::filesystem::remove(folder_.mask());
+  } else {
+    write_png(folder_.mask(), mask);
+  }
+}
+
 /// Writes everything but run.json and the report.
 void RunOutput::write_results() const {
   const Slam& slam = session_.slam();
   const FrameSource& source = *plan_.source;
   write_frame_table(folder_.frames(), frames_.table(slam.session_log(), slam.timings()));
+  write_mask();
   if (!map_) return write_tum_trajectory(folder_.trajectory(), trajectory(), trajectory_note());
   write_run_files(
       folder_, {trajectory(), keyframe_trajectory(slam.map(), slam.component()), source.info().ground_truth,

@@ -65,6 +65,7 @@ class RunOutput {
   [[nodiscard]] MapCloud cloud(const Progress& progress);
   [[nodiscard]] nlohmann::json summary() const;
   void write_results() const;
+  void write_mask() const;
 
   RunFolder folder_;
   std::string frame_;  // of the cloud

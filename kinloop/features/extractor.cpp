@@ -57,6 +57,16 @@ DetectedKeypoints detect_orb_keypoints(const cv::Mat& gray, const FeatureOptions
   return image;
 }
 
+DetectedKeypoints without_masked(const DetectedKeypoints& all, const cv::Mat& mask) {
+  DetectedKeypoints kept{.level_count = all.level_count, .points = {}, .descriptors = {}};
+  for (size_t i = 0; i < all.points.size(); ++i) {
+    if (!is_used(mask, all.points[i].raw_pixel)) continue;
+    kept.points.push_back(all.points[i]);
+    kept.descriptors.push_back(all.descriptors.row(static_cast<int>(i)));
+  }
+  return kept;
+}
+
 }  // namespace
 
 float average_depth(const cv::Mat& depth_m, const Eigen::Vector2f& raw_pixel, double max_relative_step) {
@@ -142,13 +152,23 @@ KeypointSample sample_keypoint(const cv::Mat& depth_m, const Eigen::Vector2d& ra
   return sample;
 }
 
+bool is_used(const cv::Mat& mask, const Eigen::Vector2f& raw_pixel) {
+  if (mask.empty()) return true;
+  const int x = std::clamp(cvRound(raw_pixel.x()), 0, mask.cols - 1);
+  const int y = std::clamp(cvRound(raw_pixel.y()), 0, mask.rows - 1);
+  return mask.ptr<uint8_t>(y)[x] != 0;
+}
+
 Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Sensor& sensor,
-                          const FeatureOptions& options) {
+                          const FeatureOptions& options, const cv::Mat& mask) {
   require(gray.type() == CV_8UC1, "extract_features: the image must be 8-bit grey");
   require(depth_m.empty() || (depth_m.type() == CV_32FC1 && depth_m.size() == gray.size()),
           "extract_features: depth must be float metres and of the image's size");
-  const DetectedKeypoints image = options.kind == FeatureKind::kOrb ? detect_orb_keypoints(gray, options)
-                                                                    : detect_float_keypoints(gray, options);
+  require(mask.empty() || (mask.type() == CV_8UC1 && mask.size() == gray.size()),
+          "extract_features: the mask must be 8-bit and of the image's size");
+  DetectedKeypoints image = options.kind == FeatureKind::kOrb ? detect_orb_keypoints(gray, options)
+                                                              : detect_float_keypoints(gray, options);
+  if (!mask.empty()) image = without_masked(image, mask);
   Features features;
   features.scale_factor = options.scale_factor;
   features.level_count = image.level_count;

@@ -13,9 +13,13 @@
 namespace kinloop {
 
 /// Extracts keypoints from a grey image (8UC1). `depth_m` (32FC1, same size) may be empty; then all depths
-/// are unknown. The corrections of the sensor are not used.
+/// are unknown. Keypoints where `mask` (8UC1, same size; may be empty) is 0 are left out. The corrections of
+/// the sensor are not used.
 Features extract_features(const cv::Mat& gray, const cv::Mat& depth_m, const Sensor& sensor,
-                          const FeatureOptions& options);
+                          const FeatureOptions& options, const cv::Mat& mask = {});
+
+/// Returns whether a raw pixel is to be used: `mask` is empty or not 0 there.
+bool is_used(const cv::Mat& mask, const Eigen::Vector2f& raw_pixel);
 
 /// Returns the depth at a raw pixel, averaged over its 3x3 neighbourhood; 0 if unknown or if depth jumps by
 /// more than `max_relative_step` (a keypoint on an edge may belong to either side).

@@ -38,6 +38,7 @@ class RunFolder {
   [[nodiscard]] std::filesystem::path map() const { return path_ / "map.ply"; }
   [[nodiscard]] std::filesystem::path map_file() const { return path_ / kMapFileName; }
   [[nodiscard]] std::filesystem::path camera() const { return path_ / "camera.yaml"; }
+  [[nodiscard]] std::filesystem::path mask() const { return path_ / "mask.png"; }
   [[nodiscard]] std::filesystem::path graph() const { return path_ / "graph.g2o"; }
   [[nodiscard]] std::filesystem::path run_json() const { return path_ / "run.json"; }
   [[nodiscard]] std::filesystem::path report() const { return path_ / "report.html"; }

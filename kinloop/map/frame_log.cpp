@@ -39,6 +39,7 @@ std::vector<MatchMeasurement> measurements_of(const std::vector<LandmarkMatch>& 
 TrackedFrame log_entry(TrackedFrame tracked, int image_height_px) {
   tracked.measurements = measurements_of(tracked.matches, tracked.features(), image_height_px);
   tracked.frame = tracked.is_lost() ? without_images(*tracked.frame) : nullptr;
+  tracked.moved.release();
   return tracked;
 }
 

@@ -19,6 +19,7 @@ struct Keyframe {
   int64_t stamp_ns = 0;
   uint32_t component = 0;         ///< poses of different components are not comparable
   bool begins_component = false;  ///< its motion from earlier keyframes is unknown
+  bool withdrawn = false;         ///< its pose turned out to be wrong, see Map::withdraw; not in map files
   SE3 T_world_camera;
   std::shared_ptr<const Features> features;
   std::vector<LandmarkId> landmark_of;

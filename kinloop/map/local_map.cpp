@@ -63,6 +63,7 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
     const Eigen::Vector3d towards_observer =
         T_reference_world * observer.T_world_camera.translation - p_reference;
     local_map.p_reference.push_back(p_reference);
+    local_map.confirmed.push_back(landmark.observations.size() >= 2);
     local_map.viewing_directions.push_back(towards_observer.normalized());
     local_map.observed_distances_m.push_back(towards_observer.norm());
     local_map.observed_levels.push_back(observer.features->levels[seen.feature]);
@@ -70,7 +71,7 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
         view_of.try_emplace(seen.keyframe, static_cast<uint32_t>(local_map.views.size()));
     if (is_new) {
       local_map.views.push_back({seen.keyframe, (T_reference_world * observer.T_world_camera).inverse(),
-                                 observer.features, observer.patches});
+                                 observer.features, observer.patches, observer.surfaces});
     }
     local_map.view_of.push_back(view->second);
     local_map.feature_of.push_back(seen.feature);

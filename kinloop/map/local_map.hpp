@@ -33,6 +33,7 @@ struct LocalView {
   SE3 T_keyframe_reference;
   std::shared_ptr<const Features> features;
   std::shared_ptr<const KeypointPatches> patches;  ///< may be null
+  std::shared_ptr<const SurfaceGrid> surfaces;     ///< null in a loaded map
 };
 
 /// Landmarks in the frame of `reference`, as a structure of arrays.
@@ -43,6 +44,7 @@ struct LocalMap {
   std::vector<LandmarkId> ids;
   std::unordered_map<LandmarkId, uint32_t> index_of;  ///< inverse of `ids`
   std::vector<Eigen::Vector3d> p_reference;           ///< m
+  std::vector<bool> confirmed;                        ///< whether at least two keyframes observe it
   std::vector<Eigen::Vector3d>
       viewing_directions;                    ///< unit vectors from the landmark towards an observing camera
   std::vector<double> observed_distances_m;  ///< distance from that camera

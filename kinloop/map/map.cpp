@@ -62,8 +62,14 @@ KeyframeId Map::add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world
   const bool begins = component == component_count_;
   if (begins) ++component_count_;
   std::vector<LandmarkId> landmark_of(features->size());
-  keyframes_.push_back(
-      {id, frame, stamp_ns, component, begins, T_world_camera, std::move(features), std::move(landmark_of)});
+  keyframes_.push_back({.id = id,
+                        .frame = frame,
+                        .stamp_ns = stamp_ns,
+                        .component = component,
+                        .begins_component = begins,
+                        .T_world_camera = T_world_camera,
+                        .features = std::move(features),
+                        .landmark_of = std::move(landmark_of)});
   return id;
 }
 
@@ -94,6 +100,7 @@ bool Map::add_observation(LandmarkId id, const Observation& observation) {
 void Map::add_loop_closure(LoopClosure loop) {
   require(contains(loop.a) && contains(loop.b), "add_loop_closure: no such keyframe");
   require(loop.stage == LoopStage::kVerified, "add_loop_closure: not verified");
+  require(!keyframe(loop.a).withdrawn && !keyframe(loop.b).withdrawn, "add_loop_closure: withdrawn keyframe");
   require(loop.T_a_b.is_finite(), "add_loop_closure: the pose is not finite");
   loop.stage = LoopStage::kAccepted;
   loop_closures_.push_back(loop);
@@ -138,6 +145,18 @@ void Map::erase(LandmarkId id) {
   }
   landmarks_[id.value].reset();
   --landmark_count_;
+}
+
+void Map::withdraw(KeyframeId id) {
+  Keyframe& keyframe = keyframe_ref(id);
+  for (uint32_t feature = 0; feature < keyframe.landmark_of.size(); ++feature) {
+    const LandmarkId landmark = keyframe.landmark_of[feature];
+    if (landmark.valid()) remove_observation(landmark, {id, feature});
+  }
+  std::erase_if(loop_closures_, [&](const LoopClosure& loop) { return loop.a == id || loop.b == id; });
+  keyframe.component = component_count_++;
+  keyframe.begins_component = keyframe.withdrawn = true;
+  advance_epoch();  // work in flight still uses it
 }
 
 void Map::merge(LandmarkId from, LandmarkId into) {

@@ -58,6 +58,10 @@ class Map {
 
   void erase(LandmarkId landmark);
 
+  /// Takes a keyframe whose pose has turned out to be wrong out of use: it loses its observations and loop
+  /// closures and becomes a component of its own.
+  void withdraw(KeyframeId id);
+
   /// Merges `from` into `into`: moves its observations where possible and drops the others.
   void merge(LandmarkId from, LandmarkId into);
 

@@ -54,7 +54,9 @@ struct TrackingEvidence {
   int visible_landmarks = 0;       ///< landmarks of the local map in view
   int inliers = 0;                 ///< landmarks matched consistently with the pose
   int attempts = 0;  ///< number of methods tried against the previous frame (1 = the first succeeded)
-  SurfaceAgreement surfaces;  ///< with the reference keyframe; zero if unknown
+  SurfaceAgreement surfaces;  ///< with the reference keyframe, without what has moved; zero if unknown
+  double moved_share = 0;     ///< of the image, that belongs to things that have moved
+  double fixed_share = 0;     ///< of the image, that moves with the camera
 };
 
 /// A frame with its pose and the support for it.
@@ -75,6 +77,7 @@ struct TrackedFrame {
   TrackingEvidence evidence;
   /// Whether the evidence is too weak to trust the pose: it may be wrong by more than its covariance says.
   bool doubtful = false;
+  cv::Mat moved;  ///< the points of the surface grid that have moved, see moved_points; not in the log
   std::vector<LandmarkMatch> matches;          ///< observed landmarks
   std::vector<MatchMeasurement> measurements;  ///< of `matches`; in the log only
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "kinloop/sensor/surface_mask.hpp"
+
 namespace kinloop {
 
 void add_observations(Map& map, KeyframeId keyframe, const std::vector<LandmarkMatch>& matches) {
@@ -49,12 +51,14 @@ int match_local_map(Map& map, KeyframeId id, const LocalMap& local_map, const Pi
 }
 
 int create_landmarks_from_depth(Map& map, KeyframeId id, const PinholeCamera& camera,
-                                const MappingOptions& options) {
+                                const MappingOptions& options, const cv::Mat& moved) {
   const auto features = map.keyframe(id).features;
+  const auto surfaces = map.keyframe(id).surfaces;
   int created = 0;
   for (uint32_t i = 0; i < features->size(); ++i) {
     const double depth_m = static_cast<double>(features->depths_m[i]);
     if (!(depth_m > 0) || depth_m > options.max_depth_m || map.keyframe(id).landmark_of[i].valid()) continue;
+    if (surfaces && is_marked(moved, *surfaces->camera, features->measured_pixels[i])) continue;
     map.add_landmark(id, i, camera.unproject(features->pixels[i].cast<double>(), depth_m));
     ++created;
   }

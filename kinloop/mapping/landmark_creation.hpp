@@ -22,9 +22,10 @@ std::vector<LandmarkMatch> find_unobserved_landmarks(const Map& map, KeyframeId 
 int match_local_map(Map& map, KeyframeId keyframe, const LocalMap& local_map, const PinholeCamera& camera,
                     const MappingOptions& options);
 
-/// Creates a landmark for every keypoint with depth that has none yet. Returns how many.
+/// Creates a landmark for every keypoint with depth that has none yet, except where points of its surfaces
+/// are marked as `moved` (may be empty). Returns how many.
 int create_landmarks_from_depth(Map& map, KeyframeId keyframe, const PinholeCamera& camera,
-                                const MappingOptions& options);
+                                const MappingOptions& options, const cv::Mat& moved);
 
 /// Erases landmarks created `cull_after_keyframes` keyframes ago that too few keyframes have confirmed since.
 /// Returns how many.

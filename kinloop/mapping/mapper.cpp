@@ -2,8 +2,10 @@
 
 #include "kinloop/mapping/landmark_creation.hpp"
 #include "kinloop/mapping/triangulate.hpp"
+#include "kinloop/sensor/surface_mask.hpp"
 #include "kinloop/tracking/direct/refine_keypoints.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/tracking/moved_points.hpp"
 
 namespace kinloop {
 namespace {
@@ -52,11 +54,15 @@ KeyframeId Mapper::insert(Map& map, const TrackedFrame& tracked, const Sensor& s
   add_observations(map, id, tracked.matches);
   match_local_map(map, id, make_local_map(map, id, options_.local_map), sensor.camera, options_.mapping);
   if (tracked.is_located()) refine_observations(map, id, before, tracked, sensor);
-  create_landmarks_from_depth(map, id, sensor.camera, options_.mapping);
+  const cv::Mat moved =
+      tracked.is_located() ? moved_points(before, *tracked.frame, tracked.T_reference_camera) : cv::Mat();
+  map.set_surfaces(id, moved.empty() ? tracked.frame->surfaces
+                                     : std::make_shared<const SurfaceGrid>(
+                                           without_points(*tracked.frame->surfaces, moved)));
+  create_landmarks_from_depth(map, id, sensor.camera, options_.mapping, moved);
   triangulate_landmarks(map, id, sensor.camera, options_.mapping);
   cull_landmarks(map, options_.mapping);
   map.set_patches(id, cut_patches(tracked.frame->octaves, *map.keyframe(id).features, observed(map, id)));
-  map.set_surfaces(id, tracked.frame->surfaces);
   return id;
 }
 

@@ -64,11 +64,12 @@ TrackedFrame Slam::process(const Frame& frame) {
   apply_results(back_end_.apply_due(frame.id));
   submit_jobs(frame.id);
 
-  TrackedFrame tracked = tracker_.track(frame, {map_, sensor(), relocalizer_});
+  TrackedFrame tracked = tracker_.track(without_fixed_region(frame), {map_, sensor(), relocalizer_});
   if (auto selected = select_keyframe(tracked)) {
     tracked = *std::move(selected);
     insert_keyframe(tracked);
   }
+  tracked.evidence.fixed_share = fixed_region_.share();
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
   add_to_log(tracked);
   tracker_.update(tracked, map_);

@@ -25,6 +25,7 @@
 #include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/options.hpp"
+#include "kinloop/tracking/camera_fixed_region.hpp"
 #include "kinloop/tracking/front_end.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/tracker.hpp"
@@ -85,6 +86,10 @@ class Slam {
   /// Returns the map component in which most frames of this run were tracked.
   [[nodiscard]] uint32_t component() const { return main_component(session_log(), map_); }
 
+  /// Returns the mask of what moves with the camera at the latest frame, 8UC1 of the image's size, 0 = moves
+  /// with it; empty if nothing does.
+  [[nodiscard]] cv::Mat camera_mask() const;
+
   [[nodiscard]] const Timings& timings() const { return timings_; }
 
   /// Returns the options in use.
@@ -104,6 +109,9 @@ class Slam {
   void add_listener(Listener& listener) { listeners_.push_back(&listener); }
 
  private:
+  [[nodiscard]] Frame without_fixed_region(const Frame& frame);
+  void withdraw_fixed_region();
+  void doubt_frames_since(int64_t since_ns, bool withdrawn);
   void apply_results(const AppliedResults& results);
   void apply_sensor_estimate(const SensorEstimate& estimate);
   [[nodiscard]] std::optional<TrackedFrame> select_keyframe(const TrackedFrame& tracked);
@@ -126,6 +134,7 @@ class Slam {
   KeyframeMemory keyframe_memory_;
   Timings timings_;
   FrontEnd front_end_;
+  CameraFixedRegion fixed_region_;
   Tracker tracker_;
   KeyframeSelector keyframes_;
   Relocalizer relocalizer_;

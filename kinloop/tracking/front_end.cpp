@@ -5,9 +5,19 @@
 #include "kinloop/features/image_octaves.hpp"
 
 namespace kinloop {
+namespace {
+
+/// Returns the depth where the mask is not 0.
+cv::Mat masked_depth(const cv::Mat& depth_m, const cv::Mat& mask) {
+  cv::Mat masked = cv::Mat::zeros(depth_m.size(), depth_m.type());
+  depth_m.copyTo(masked, mask);
+  return masked;
+}
+
+}  // namespace
 
 std::shared_ptr<const Features> FrontEnd::features(const Frame& frame) const {
-  Features features = extract_features(frame.gray, frame.depth_m, sensor_, options_);
+  Features features = extract_features(frame.gray, frame.depth_m, sensor_, options_, frame.mask);
   features.depth_stamp_difference_s = depth_stamp_difference_s(frame);
   return std::make_shared<const Features>(std::move(features));
 }
@@ -17,12 +27,23 @@ Frame FrontEnd::prepare(Frame frame) const {
   require(frame.color.size() == size, "prepare: color image must be of the camera's size");
   require(frame.depth_m.type() == CV_32FC1 && frame.depth_m.size() == size,
           "prepare: depth image must be 32FC1 in metres, of the camera's size");
+  require(frame.mask.empty() || (frame.mask.type() == CV_8UC1 && frame.mask.size() == size),
+          "prepare: the mask must be 8UC1, of the camera's size");
   const Stopwatch watch;
+  if (!frame.mask.empty()) frame.depth_m = masked_depth(frame.depth_m, frame.mask);
   frame.id = FrameId{first_frame_ + frame.id.value};
   frame.gray = frame.color.gray();
   frame.octaves = make_octaves(frame.gray, kOctaves);
   frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(surface_camera_, frame.depth_m));
   frame.time.preparing = watch.elapsed();
+  return frame;
+}
+
+Frame FrontEnd::mask(Frame frame, const cv::Mat& mask) const {
+  frame.mask = frame.mask.empty() ? mask : cv::Mat(cv::min(frame.mask, mask));
+  frame.depth_m = masked_depth(frame.depth_m, mask);
+  frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(surface_camera_, frame.depth_m));
+  frame.features = nullptr;
   return frame;
 }
 

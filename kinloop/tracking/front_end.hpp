@@ -22,6 +22,9 @@ class FrontEnd {
   /// unless both images have the camera's size and the types of Frame.
   [[nodiscard]] Frame prepare(Frame frame) const;
 
+  /// Returns a prepared frame that also ignores the pixels where `mask` (8UC1, of the camera's size) is 0.
+  [[nodiscard]] Frame mask(Frame frame, const cv::Mat& mask) const;
+
   /// Returns keypoints with descriptors and depth.
   [[nodiscard]] std::shared_ptr<const Features> features(const Frame& frame) const;
 

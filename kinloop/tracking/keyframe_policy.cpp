@@ -109,7 +109,7 @@ std::vector<SE3> motions_from_keyframes(const Map& map, const TrackedFrame& trac
 
 std::optional<TrackedFrame> KeyframeSelector::select(const TrackedFrame& tracked, const Map& map,
                                                      const Rematch& rematch) {
-  if (tracked.is_lost() || tracked.is_repeat()) return std::nullopt;
+  if (tracked.is_lost() || tracked.is_repeat() || tracked.doubtful) return std::nullopt;
   if (tracked.outcome == TrackingOutcome::kNewMap) return tracked;
   if (tracked.features().has_descriptors()) {
     return needs_keyframe(criteria_of(tracked, map), options_) ? std::optional(tracked) : std::nullopt;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kinloop/features/keypoint_measurements.hpp"
+#include "kinloop/tracking/confirmed_first.hpp"
 #include "kinloop/tracking/previous_frame.hpp"
 
 namespace kinloop {
@@ -34,22 +35,25 @@ TrackedFrame refine(const TrackingInput& in, const FramePose& guess, double wind
   const auto visible = project_local_map(in, guess.T_reference_camera, window_px);
   const auto matches = match_by_projection(visible.projected, features, in.grid, {});
   std::vector<PoseObservation> observations;
-  std::vector<bool> taken(features.size(), false);
+  std::vector<bool> taken(features.size(), false), confirmed;
   for (const Match& match : matches) {
     taken[match.b] = true;
     observations.push_back({compensated_measurement(features, match.b),
                             local_map.p_reference[visible.index_in_local_map[match.a]]});
+    confirmed.push_back(local_map.confirmed[visible.index_in_local_map[match.a]]);
   }
   if (static_cast<int>(matches.size()) < in.options.sufficient_landmarks) {
     for (size_t i = 0; i < guess.inliers.size(); ++i) {
-      if (!taken[guess.features[i]]) observations.push_back(guess.inliers[i]);
+      if (taken[guess.features[i]]) continue;
+      observations.push_back(guess.inliers[i]);
+      confirmed.push_back(false);
     }
   }
   TrackedFrame tracked = unlocated(in.frame);
   tracked.reference = local_map.reference;
   tracked.evidence.visible_landmarks = static_cast<int>(visible.projected.size());
   const auto solution =
-      solve_absolute_pose(in.sensor, observations, guess.T_reference_camera, in.options.pose);
+      solve_by_confirmed_first(in.sensor, observations, confirmed, guess.T_reference_camera, in.options.pose);
   if (!solution || solution->inlier_count < in.options.min_inliers) return tracked;
   tracked.outcome = TrackingOutcome::kTracked;
   tracked.T_reference_camera = solution->T_reference_camera;
@@ -98,6 +102,19 @@ TrackedFrame track_keypoints(const TrackingInput& in, const TrackedFrame& previo
   }
   tracked.evidence.previous_frame_inliers = static_cast<int>(guess->inliers.size());
   tracked.evidence.attempts = guess->attempts;
+  return tracked;
+}
+
+TrackedFrame track_densely(const TrackingInput& in, const TrackedFrame& previous,
+                           const PredictedPose& predicted) {
+  TrackedFrame tracked = unlocated(in.frame);
+  const auto pose = align_with_previous_frame(in, previous, predicted.T);
+  if (!pose) return tracked;
+  tracked.reference = in.local_map.reference;
+  tracked.outcome = TrackingOutcome::kTracked;
+  tracked.method = TrackingMethod::kDense;
+  tracked.T_reference_camera = pose->T_reference_camera;
+  tracked.covariance = covariance_from_information(pose->information) + previous.covariance;
   return tracked;
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "kinloop/features/keypoint_measurements.hpp"
+#include "kinloop/tracking/confirmed_first.hpp"
 
 namespace kinloop {
 namespace {
@@ -76,7 +77,9 @@ std::optional<FramePose> solve(const TwoFrames& t, const std::vector<Match>& mat
   }
   const auto solution = solve_absolute_pose(t.in.sensor, observations, guess, t.in.options.pose);
   if (!solution || solution->inlier_count < t.in.options.min_inliers) return std::nullopt;
-  return keep_inliers(*solution, observations, features);
+  FramePose pose = keep_inliers(*solution, observations, features);
+  pose.matches = static_cast<int>(matches.size());
+  return pose;
 }
 
 /// Half side of the search window for a point at `depth_m` on pyramid level 0.
@@ -113,6 +116,26 @@ std::optional<FramePose> track_by_projection(const TwoFrames& t, const SE3& T_re
   auto matches = match_by_projection(projected, *t.in.frame.features, t.in.grid, {});
   for (Match& match : matches) match.a = point_of[match.a];
   return solve(t, matches, T_reference_camera);
+}
+
+/// Tracks the landmarks alone. What moves through the view has many keypoints, but no landmarks. nullopt if
+/// too few are left or they do not agree.
+std::optional<FramePose> track_mapped_points(const TwoFrames& t, const SE3& T_reference_camera,
+                                             const SearchRadius& window_px) {
+  constexpr double kMinConsistent = 0.7;
+  PreviousPoints mapped;
+  for (size_t i = 0; i < t.points.features.size(); ++i) {
+    if (!t.points.mapped[i]) continue;
+    mapped.p_reference.push_back(t.points.p_reference[i]);
+    mapped.features.push_back(t.points.features[i]);
+    mapped.mapped.push_back(true);
+  }
+  if (static_cast<int>(mapped.features.size()) < kMinConfirmed) return std::nullopt;
+  auto pose = track_by_projection({t.in, t.previous, mapped}, T_reference_camera, window_px);
+  if (!pose || static_cast<int>(pose->inliers.size()) < kMinConfirmed) return std::nullopt;
+  if (static_cast<double>(pose->inliers.size()) < kMinConsistent * pose->matches) return std::nullopt;
+  pose->attempts = 1;
+  return pose;
 }
 
 /// Estimates rigid 3D-3D motion from the matches with depth on both sides.
@@ -186,13 +209,20 @@ std::optional<FramePose> estimate_pose_from_previous_frame(const TrackingInput& 
     if (best) best->attempts = attempts;
     return best && static_cast<int>(best->inliers.size()) >= options.min_confident_inliers;
   };
-  if (accept(track_by_projection(t, predicted.T, predicted_window(predicted, in.sensor.camera, options))))
-    return best;
+  const SearchRadius window = predicted_window(predicted, in.sensor.camera, options);
+  if (auto mapped = track_mapped_points(t, predicted.T, window)) return mapped;
+  if (accept(track_by_projection(t, predicted.T, window))) return best;
   const auto wide = [&](double) { return options.wide_window_px; };
   if (accept(track_by_projection(t, predicted.T, wide))) return best;
   if (accept(track_by_brute_force(t, seed)) || best) return best;
   accept(align_to_previous_frame(t, predicted.T));
   return best;
+}
+
+std::optional<FramePose> align_with_previous_frame(const TrackingInput& in, const TrackedFrame& previous,
+                                                   const SE3& T_reference_camera_guess) {
+  const PreviousPoints none;
+  return align_to_previous_frame({in, previous, none}, T_reference_camera_guess);
 }
 
 }  // namespace kinloop

@@ -14,6 +14,7 @@ struct FramePose {
   Matrix6d information = Matrix6d::Zero();
   std::vector<PoseObservation> inliers;
   std::vector<uint32_t> features;  ///< the keypoint of each inlier
+  int matches = 0;                 ///< tried
   int attempts = 0;
   bool from_brute_force = false;  ///< from matches found without a prediction
   bool dense = false;             ///< from dense alignment, without inliers
@@ -26,5 +27,9 @@ struct FramePose {
 std::optional<FramePose> estimate_pose_from_previous_frame(const TrackingInput& in,
                                                            const TrackedFrame& previous,
                                                            const PredictedPose& predicted, uint64_t seed);
+
+/// Estimates the pose by dense alignment with the previous frame alone.
+std::optional<FramePose> align_with_previous_frame(const TrackingInput& in, const TrackedFrame& previous,
+                                                   const SE3& T_reference_camera_guess);
 
 }  // namespace kinloop

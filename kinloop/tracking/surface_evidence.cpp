@@ -37,9 +37,13 @@ bool is_doubtful(const TrackedFrame& tracked) {
   // and delayed depth turns fast, up to 36 % of the points are, since the grids are not
   // motion-compensated.
   constexpr double kMaxContradicted = 0.25, kMotionShare_s = 0.15, kMaxMotionShare = 0.25;
+  constexpr double kMaxMoved = 0.5;  // of the image; if it is more, the rest may be what moves
   constexpr double kMaxDenseSigma_m = 0.02;
-  const double by_motion = std::min(kMotionShare_s * tracked.velocity.angular_rad_s.norm(), kMaxMotionShare);
-  if (is_above(tracked.evidence.surfaces, kMaxContradicted + by_motion)) return true;
+  const TrackingEvidence& evidence = tracked.evidence;
+  const double turning_rad_s = tracked.velocity.angular_rad_s.norm();
+  const double max_contradicted =
+      kMaxContradicted + std::min(kMotionShare_s * turning_rad_s, kMaxMotionShare);
+  if (is_above(evidence.surfaces, max_contradicted) || evidence.moved_share > kMaxMoved) return true;
   return tracked.method == TrackingMethod::kDense && position_sigma_m(tracked) > kMaxDenseSigma_m;
 }
 

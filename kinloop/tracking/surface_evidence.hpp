@@ -17,8 +17,8 @@ SurfaceAgreement agreement_with_reference(const LocalMap& local_map, const Frame
 bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const TrackedFrame& found,
                                  const Frame& frame);
 
-/// Whether a pose is in doubt although it continues the previous one: by what surfaces contradict it, or by
-/// the uncertainty that dense odometry has accumulated. Needs the velocity.
+/// Whether a pose is in doubt although it continues the previous one: by what surfaces contradict it, by how
+/// much of the image moves, or by the uncertainty that dense odometry has accumulated. Needs the velocity.
 bool is_doubtful(const TrackedFrame& tracked);
 
 }  // namespace kinloop

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cstring>
 
+#include <opencv2/core.hpp>
+
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/sensor/surface_mask.hpp"
 #include "kinloop/tracking/direct/direct_tracking.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/tracking/moved_points.hpp"
 #include "kinloop/tracking/surface_evidence.hpp"
 
 namespace kinloop {
@@ -36,11 +40,22 @@ bool have_equal_pixels(const cv::Mat& a, const cv::Mat& b) {
 
 }  // namespace
 
-TrackedFrame Tracker::track(const Frame& frame, const TrackingContext& context) const {
-  if (repeats_previous_image(frame)) return repeat_previous(frame);
+TrackedFrame Tracker::track(const Frame& measured, const TrackingContext& context) const {
+  if (repeats_previous_image(measured)) return repeat_previous(measured);
+  const Frame frame = without_moved(measured);
   const auto tracked = track_by_patches(frame, context.sensor);
   return tracked ? with_motion(*tracked, *tracked->frame, context.sensor)
                  : track_by_keypoints(frame, context);
+}
+
+/// Leaves out the keypoints and the depth of what moved in the previous frame, but not its surfaces, which
+/// tell whether it still does.
+Frame Tracker::without_moved(const Frame& frame) const {
+  if (!previous_ || lost_frames_ > 0 || previous_->moved.empty() || !frame.surfaces) return frame;
+  Frame masked =
+      front_end_.mask(frame, unmarked_pixels(*frame.surfaces->camera, previous_->moved, frame.gray.size()));
+  masked.surfaces = frame.surfaces;
+  return masked;
 }
 
 /// Drivers repeat the previous image in place of a lost one: the camera has moved, the image has not. Images
@@ -97,7 +112,12 @@ TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context)
   const bool continuous = continues_previous(frame);
   if (!continuous && tracked.method == TrackingMethod::kDense) tracked = unlocated(frame);
   const bool expected = continuous && tracked.evidence.attempts == 1;
-  if (tracked.is_located() && !expected && is_contradicted(tracked, frame)) tracked = unlocated(frame);
+  if (!expected && tracked.is_located() && is_contradicted(tracked, frame)) tracked = unlocated(frame);
+  if (continuous && tracked.is_lost()) {
+    tracked = track_densely({frame, local_map_, context.sensor, options_.tracking}, *previous_,
+                            predict(frame.stamp_ns));
+    if (tracked.is_located() && is_contradicted(tracked, frame)) tracked = unlocated(frame);
+  }
   const bool as_predicted = tracked.evidence.attempts == 1 &&
                             (!options_.localize_only || is_localized(tracked, frame, options_.tracking));
   if (tracked.is_located() && tracked.method != TrackingMethod::kDense && as_predicted) return tracked;
@@ -108,9 +128,17 @@ TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context)
   auto found = context.relocalize(frame);
   if (found && found->evidence.inliers > tracked.evidence.inliers) return *std::move(found);
   if (tracked.is_located()) return tracked;
-  // After this many lost frames the camera may be in an unmapped place.
+  return may_be_elsewhere(frame) ? start_map_or_lose(frame) : tracked;
+}
+
+/// Whether the camera has been lost for so long that it may be in an unmapped place. Behind something that
+/// moves, the mapped place comes into view again, and a map of what hides it would be worse than none.
+bool Tracker::may_be_elsewhere(const Frame& frame) const {
+  constexpr int64_t kMaxHidden_ns = 5 * kNsPerSecond;
   const int max_lost = options_.lost_frames_before_new_component;
-  return max_lost > 0 && lost_frames_ >= max_lost ? start_map_or_lose(frame) : tracked;
+  if (max_lost <= 0 || lost_frames_ < max_lost) return false;
+  const bool hidden = previous_ && !previous_->moved.empty();
+  return !hidden || frame.stamp_ns - previous_->stamp_ns > kMaxHidden_ns;
 }
 
 /// Whether the motion since the previous frame can be predicted.
@@ -156,6 +184,8 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
   rematched.evidence.attempts = 1;
   rematched.velocity = tracked.velocity;
   rematched.evidence.surfaces = tracked.evidence.surfaces;
+  rematched.evidence.moved_share = tracked.evidence.moved_share;
+  rematched.moved = tracked.moved;
   rematched.doubtful = tracked.doubtful;
   rematched.frame = std::make_shared<const Frame>(std::move(frame));
   return rematched;
@@ -181,11 +211,27 @@ TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Se
   tracked.velocity = velocity_of(tracked);
   if (tracked.is_located() && tracked.reference == local_map_.reference) {
     const ScopedTimer timer(timings_, "surface evidence");
-    tracked.evidence.surfaces = agreement_with_reference(local_map_, measured, tracked.T_reference_camera);
+    find_moved(tracked, measured);
     tracked.doubtful = is_doubtful(tracked);
   }
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
   return tracked;
+}
+
+/// Compares the surfaces with those of the local map. Adds what has moved, and how well the others agree.
+void Tracker::find_moved(TrackedFrame& tracked, const Frame& frame) const {
+  constexpr double kMinContradicted = 0.03;
+  const SE3& T_reference_camera = tracked.T_reference_camera;
+  SurfaceAgreement& agreement = tracked.evidence.surfaces;
+  agreement = agreement_with_reference(local_map_, frame, T_reference_camera);
+  const bool moved_before = previous_ && lost_frames_ == 0 && !previous_->moved.empty();
+  if (!moved_before && agreement.contradicted_share() < kMinContradicted) return;
+  tracked.moved = moved_points(local_map_, frame, T_reference_camera);
+  if (tracked.moved.empty()) return;
+  tracked.evidence.moved_share =
+      static_cast<double>(cv::countNonZero(tracked.moved)) / static_cast<double>(tracked.moved.total());
+  agreement = compare_surfaces(*local_map_.surfaces, without_points(*frame.surfaces, tracked.moved),
+                               T_reference_camera);
 }
 
 /// Whether the motion from the previous frame is known.
@@ -223,6 +269,13 @@ void Tracker::update(const Map& map, KeyframeId reference) {
   if (!reference.valid()) return;
   express_previous_in(reference, map);
   local_map_ = make_local_map(map, reference, options_.local_map);
+}
+
+void Tracker::reset() {
+  previous_.reset();
+  local_map_ = {};
+  motion_.reset();
+  lost_frames_ = 0;
 }
 
 void Tracker::express_previous_in(KeyframeId reference, const Map& map) {

@@ -40,7 +40,7 @@ class Tracker {
       : options_(options), front_end_(sensor, options.features), timings_(timings) {}
 
   /// Tracks a prepared frame from the current state.
-  [[nodiscard]] TrackedFrame track(const Frame& frame, const TrackingContext& context) const;
+  [[nodiscard]] TrackedFrame track(const Frame& measured, const TrackingContext& context) const;
 
   /// Extracts all keypoints of a frame that was tracked by patches, and matches them with the local map from
   /// its pose. The result is lost if too few match.
@@ -53,6 +53,12 @@ class Tracker {
   /// Rebuilds the local map around `reference`. Call after each change of the map.
   void update(const Map& map, KeyframeId reference);
 
+  /// Forgets the previous frame and the local map, since their poses have turned out to be wrong.
+  void reset();
+
+  /// Returns the previous frame with a pose; null before the first.
+  [[nodiscard]] const TrackedFrame* previous() const { return previous_ ? &*previous_ : nullptr; }
+
   /// Returns whether the next frame will probably be tracked by keypoints, as the previous one was.
   [[nodiscard]] bool expects_keypoints() const;
 
@@ -60,12 +66,15 @@ class Tracker {
   [[nodiscard]] KeyframeId reference() const { return local_map_.reference; }
 
  private:
+  [[nodiscard]] Frame without_moved(const Frame& frame) const;
+  void find_moved(TrackedFrame& tracked, const Frame& frame) const;
   [[nodiscard]] bool repeats_previous_image(const Frame& frame) const;
   [[nodiscard]] TrackedFrame repeat_previous(Frame frame) const;
   [[nodiscard]] PredictedPose predict(int64_t stamp_ns) const;
   [[nodiscard]] std::optional<TrackedFrame> track_by_patches(const Frame& frame, const Sensor& sensor) const;
   [[nodiscard]] TrackedFrame track_by_keypoints(Frame frame, const TrackingContext& context) const;
   [[nodiscard]] TrackedFrame locate(const Frame& frame, const TrackingContext& context) const;
+  [[nodiscard]] bool may_be_elsewhere(const Frame& frame) const;
   [[nodiscard]] bool continues_previous(const Frame& frame) const;
   [[nodiscard]] bool is_contradicted(const TrackedFrame& tracked, const Frame& frame) const;
   [[nodiscard]] std::optional<TrackedFrame> track_from_previous(const Frame& frame,

@@ -82,6 +82,7 @@ TrackedFrame Run::process(const ArrayFrame& given) {
   frame.depth_stamp_ns = given.depth_stamp_ns;
   frame.color = given.color;
   frame.depth_m = prepare_depth_(given.depth_m);
+  frame.mask = given.mask;
   return process_next(slam_->front_end().prepare(frame));
 }
 

@@ -22,7 +22,8 @@ struct ArrayFrame {
   int64_t stamp_ns = 0;
   std::optional<int64_t> depth_stamp_ns;
   ColorImage color;
-  cv::Mat depth_m;  ///< as measured
+  cv::Mat depth_m;    ///< as measured
+  cv::Mat mask = {};  ///< 8UC1, 0 = to be ignored; empty: all is used
 };
 
 /// Its functions may be called from several threads, without the GIL.

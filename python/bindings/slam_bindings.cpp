@@ -47,8 +47,21 @@ py::object process_frame(Run& run, const PyFrame& frame) {
   return pose_of(without_gil([&] { return run.process(frame); }));
 }
 
+using Mask = py::array_t<uint8_t, py::array::c_style | py::array::forcecast>;  // also of bool
+
+cv::Mat mask_of(const Mask& mask, const PinholeCamera& camera) {
+  if (mask.ndim() != 2 || mask.shape(0) != camera.height || mask.shape(1) != camera.width)
+    throw UsageError(
+        fmt::format("mask: must be an array of {} x {}, as the image, 0 or False where it is to be ignored",
+                    camera.height, camera.width));
+  cv::Mat copy(camera.height, camera.width, CV_8UC1);
+  std::copy_n(mask.data(), copy.total(), copy.data);
+  return copy;
+}
+
 py::object process_arrays(Run& run, double stamp_s, const py::array& rgb, const py::array& depth,
-                          std::optional<double> depth_scale, std::optional<double> depth_stamp_s, bool copy) {
+                          std::optional<double> depth_scale, std::optional<double> depth_stamp_s,
+                          const std::optional<Mask>& mask, bool copy) {
   const RgbdCamera& camera = run.camera();
   const double scale = depth_scale.value_or(camera.depth_scale);
   if (!(scale > 0)) throw UsageError(fmt::format("depth_scale: {} is not a positive number", scale));
@@ -56,6 +69,7 @@ py::object process_arrays(Run& run, double stamp_s, const py::array& rgb, const 
   ArrayFrame frame = frame_of_arrays(rgb, depth, camera, {scale, copy});
   frame.stamp_ns = stamp_ns;
   if (depth_stamp_s) frame.depth_stamp_ns = stamp_ns_of(*depth_stamp_s);
+  if (mask) frame.mask = mask_of(*mask, camera.color);
   return pose_of(without_gil([&] { return run.process(std::exchange(frame, {})); }));
 }
 
@@ -123,12 +137,13 @@ The world is the first camera: x right, y down, z forward, metres.)")
       .def("process", &process_frame, py::arg("frame"), R"(Processes the next frame.
 
 process(frame): a Frame of kinloop.open.
-process(stamp_s, rgb, depth, *, depth_scale=None, depth_stamp_s=None, copy=True): arrays.
+process(stamp_s, rgb, depth, *, depth_scale=None, depth_stamp_s=None, mask=None, copy=True): arrays.
   stamp_s: seconds, must increase; kept to the microsecond.
   rgb: uint8 (H, W, 3), red first.
   depth: along z at each colour pixel, 0 = unknown; float32 (H, W) in metres, or uint16 (H, W) with depth_scale units
     per metre (default: the camera's). If the camera has a depth camera of its own, depth is as that one sees it.
   depth_stamp_s: time of depth, if it differs from that of colour.
+  mask: (H, W), 0 or False where the images are to be ignored, for example where people are.
   copy: False shares the memory of float32 depth, if it is aligned and finite, and of rgb that is a reversed view of BGR
     (bgr[:, :, ::-1]), and keeps the arrays alive. They must not change before finish(): a buffer that a camera fills
     again needs copy=True.
@@ -136,7 +151,8 @@ process(stamp_s, rgb, depth, *, depth_scale=None, depth_stamp_s=None, copy=True)
 Returns T_world_camera, float64 (4, 4), metres; None while tracking is lost. Later corrections of the map do not change
 poses already returned: finish() returns the final ones. The GIL is released.)")
       .def("process", &process_arrays, py::arg("stamp_s"), py::arg("rgb"), py::arg("depth"), py::kw_only(),
-           py::arg("depth_scale") = py::none(), py::arg("depth_stamp_s") = py::none(), py::arg("copy") = true)
+           py::arg("depth_scale") = py::none(), py::arg("depth_stamp_s") = py::none(),
+           py::arg("mask") = py::none(), py::arg("copy") = true)
       .def("finish", &finish, py::arg("progress") = py::none(), py::kw_only(),
            py::arg("keep_doubtful") = false,
            R"(Ends the run: adjusts the whole map and every frame.

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
+#include "kinloop/sensor/images/image_file.hpp"
 #include "tests/apps/program_test.hpp"
 #include "tests/support/shared_data.hpp"
 
@@ -104,6 +105,24 @@ TEST_F(RunCommand, EndsWithAVerdict) {
     EXPECT_THAT(read_file(at("out/frames.txt")), HasSubstr(" ms sigma_m\n"));
     EXPECT_THAT(read_file(at("out/trajectory.txt")), Not(HasSubstr("#")));
   }
+}
+
+TEST_F(RunCommand, AMaskLeavesItsPixelsOutOfTheMap) {
+  const std::string folder = sequence();
+  cv::Mat mask = cv::Mat::zeros(120, 160, CV_8UC1);
+  mask(cv::Rect(0, 0, 80, 120)) = 255;
+  write_png(at("half.png"), mask);
+  ASSERT_EQ(run("run '" + folder + "' -q -o '" + at("all") + "'").exit_code, kDone);
+  const Run masked = run("run '" + folder + "' -q --mask '" + at("half.png") + "' -o '" + at("out") + "'");
+  EXPECT_EQ(masked.exit_code, kDone) << masked.err;
+  const auto points = [&](const char* out) {
+    return nlohmann::json::parse(read_file(at(std::string(out) + "/run.json")))["map"]["points"].get<int>();
+  };
+  EXPECT_LT(points("out"), 0.7 * points("all"));
+  EXPECT_GT(points("out"), 0.3 * points("all"));
+  const Run missing = run("run '" + folder + "' -q --mask no.png -o '" + at("out") + "'");
+  EXPECT_EQ(missing.exit_code, kBadInput);
+  EXPECT_THAT(missing.err, HasSubstr("no.png"));
 }
 
 TEST_F(RunCommand, UnknownOptionsAreErrors) {

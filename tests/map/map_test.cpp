@@ -48,6 +48,28 @@ TEST(Map, ALandmarkFollowsItsAnchor) {
             1e-12);
 }
 
+TEST(Map, AWithdrawnKeyframeObservesNothingAndBelongsToNoOther) {
+  Map map;
+  const KeyframeId a = add_keyframe(map), b = add_keyframe(map), c = add_keyframe(map);
+  const LandmarkId shared = map.add_landmark(b, 0, {0, 0, 2}), own = map.add_landmark(b, 1, {0, 0, 3});
+  map.add_observation(shared, {c, 5});
+  map.add_loop_closure(verified(a, b, SE3{}));
+  map.add_loop_closure(verified(a, c, SE3{}));
+  const uint32_t epoch = map.epoch();
+  map.withdraw(b);
+  EXPECT_FALSE(map.contains(own));
+  ASSERT_TRUE(map.contains(shared));
+  EXPECT_EQ(map.landmark(shared).anchor, c);
+  EXPECT_NE(map.keyframe(b).component, map.keyframe(a).component);
+  EXPECT_TRUE(map.keyframe(b).begins_component && map.keyframe(b).withdrawn);
+  EXPECT_THROW(map.add_loop_closure(verified(a, b, SE3{})), std::logic_error);
+  EXPECT_EQ(map.component_count(), 2U);
+  ASSERT_EQ(map.loop_closures().size(), 1U);
+  EXPECT_EQ(map.loop_closures()[0].b, c);
+  EXPECT_GT(map.epoch(), epoch);  // jobs in flight still use it
+  map.check_invariants();
+}
+
 TEST(Map, RemovingTheAnchorObservationKeepsTheWorldPoint) {
   Map map;
   const KeyframeId a = add_keyframe(map, test::camera_at(0.3, {1, 0, 0}));

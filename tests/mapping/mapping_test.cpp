@@ -21,7 +21,7 @@ TEST(LandmarkCreation, CreatesLandmarksFromDepth) {
   const KeyframeId id = map.add_keyframe(FrameId{0}, 0, SE3{}, view.features);
   MappingOptions options;
   options.max_depth_m = 1.9;
-  const int grown = create_landmarks_from_depth(map, id, world().camera, options);
+  const int grown = create_landmarks_from_depth(map, id, world().camera, options, {});
   EXPECT_EQ(static_cast<size_t>(grown), map.landmark_count());
   int expected = 0;
   for (uint32_t i = 0; i < view.point_of.size(); ++i) {
@@ -34,8 +34,30 @@ TEST(LandmarkCreation, CreatesLandmarksFromDepth) {
   }
   EXPECT_EQ(grown, expected);
   // Each keypoint gets only one landmark.
-  EXPECT_EQ(create_landmarks_from_depth(map, id, world().camera, options), 0);
+  EXPECT_EQ(create_landmarks_from_depth(map, id, world().camera, options, {}), 0);
   map.check_invariants();
+}
+
+TEST(LandmarkCreation, WhatHasMovedGetsNoLandmarks) {
+  const auto view = test::observe(world(), SE3{}, {}, 2);
+  Map map;
+  const KeyframeId id = map.add_keyframe(FrameId{0}, 0, SE3{}, view.features);
+  const PinholeCamera& camera = world().camera;
+  RgbdCamera rgbd;
+  rgbd.color = camera;
+  const auto grid = make_surface_camera(make_sensor(rgbd));
+  map.set_surfaces(id, std::make_shared<const SurfaceGrid>(make_surface_grid(
+                           grid, cv::Mat(camera.height, camera.width, CV_32FC1, cv::Scalar(2.0F)))));
+  cv::Mat moved = cv::Mat::zeros(grid->grid.height, grid->grid.width, CV_8UC1);
+  moved.colRange(0, moved.cols / 2) = 255;
+  EXPECT_GT(create_landmarks_from_depth(map, id, camera, {}, moved), 0);
+  int moved_count = 0;
+  for (uint32_t i = 0; i < view.features->size(); ++i) {
+    if (view.features->measured_pixels[i].x() >= static_cast<float>(camera.width / 2 - 1)) continue;
+    ++moved_count;
+    EXPECT_FALSE(map.keyframe(id).landmark_of[i].valid());
+  }
+  EXPECT_GT(moved_count, 0);
 }
 
 TEST(LandmarkCreation, MatchesLandmarksOfTheLocalMap) {

@@ -383,3 +383,17 @@ def test_evaluation(result, sequence, program, program_run, tmp_path):
     later = kinloop.Trajectory(truth.stamps_s + 1000, truth.poses)
     with pytest.raises(kinloop.InputError, match="give the ground truth of the same recording"):
         kinloop.evaluate(later, truth)
+
+
+def test_a_mask_leaves_pixels_out(sequence):
+    (stamp_s, rgb, depth_m), *_ = arrays_of(sequence)
+    used = np.ones(depth_m.shape, bool)
+    used[:, : used.shape[1] // 2] = False
+    counts = []
+    for mask in (None, used, used.astype(np.uint8) * 255):
+        slam = kinloop.Slam(kinloop.open(sequence).camera)
+        slam.process(stamp_s, rgb, depth_m, mask=mask)
+        counts.append(slam.landmarks)
+    assert 0.2 * counts[0] < counts[1] < 0.8 * counts[0] and counts[1] == counts[2]
+    with pytest.raises(kinloop.UsageError, match="mask"):
+        slam.process(stamp_s + 1, rgb, depth_m, mask=used[:10])

@@ -99,5 +99,23 @@ TEST(RunQuality, JudgesTheFramesOfALog) {
                                  FrameTrust::kLost, FrameTrust::kElsewhere));
 }
 
+TEST(RunQuality, TellsWhatWasLeftOutOfTheImage) {
+  auto all = frames(100);
+  for (size_t i = 0; i < 50; ++i) all[i].fixed_share = 0.25;
+  for (size_t i = 60; i < 72; ++i) all[i].moved_share = i == 65 ? 0.4 : 0.1;
+  const RunQuality quality = judge(all);
+  EXPECT_EQ(quality.verdict, Verdict::kGood);  // the poses can be trusted all the same
+  EXPECT_THAT(
+      quality.reasons,
+      ElementsAre("something moves with the camera for 5.0 s, up to 25 % of the image; it is left out",
+                  "something else moves for 1.2 s, up to 40 % of the image; it is left out"));
+}
+
+TEST(RunQuality, AMomentIsNotWorthAReason) {
+  auto all = frames(100);
+  for (size_t i = 60; i < 65; ++i) all[i].moved_share = 0.1;
+  EXPECT_THAT(judge(all).reasons, IsEmpty());
+}
+
 }  // namespace
 }  // namespace kinloop

@@ -188,7 +188,8 @@ TEST_F(Wall, RefinementMovesKeypointsToTheirLandmarks) {
   const std::vector<bool> all(seen.size(), true);
   const ImageOctaves octaves = make_octaves(view({}, kFine_per_m), 4);
   map.views.push_back({KeyframeId{0}, SE3{}, at_keyframe,
-                       std::make_shared<const KeypointPatches>(cut_patches(octaves, *at_keyframe, all))});
+                       std::make_shared<const KeypointPatches>(cut_patches(octaves, *at_keyframe, all)),
+                       nullptr});
   matches.erase(matches.begin());               // the first keypoint matches nothing
   matches.front().landmark = LandmarkId{1000};  // the second a landmark beyond the local map
   Frame frame;

@@ -87,5 +87,44 @@ TEST(FrontEnd, TheThreadsOfOpenCvDoNotMatter) {
   }
 }
 
+TEST(FrontEnd, AMaskLeavesOutKeypointsDepthAndSurfaces) {
+  PinholeCamera camera = test::ideal_camera();
+  const FrontEnd front_end(Sensor{camera}, {});
+  Frame frame = large_frame(camera);
+  const Frame whole = front_end.prepare(frame);
+  cv::Mat mask(camera.height, camera.width, CV_8UC1, cv::Scalar(255));
+  const cv::Rect left(0, 0, camera.width / 2, camera.height);
+  mask(left) = 0;
+  frame.mask = mask;
+  // By the source, or later.
+  for (const Frame& masked : {front_end.prepare(frame), front_end.mask(whole, mask)}) {
+    EXPECT_EQ(cv::countNonZero(masked.depth_m(left)), 0);
+    EXPECT_EQ(cv::countNonZero(masked.depth_m), camera.height * (camera.width - left.width));
+    const auto features = front_end.features(masked);
+    ASSERT_GT(features->size(), 50U);
+    EXPECT_EQ(features->descriptors.rows, static_cast<int>(features->size()));
+    for (const Eigen::Vector2f& pixel : features->raw_pixels)
+      EXPECT_GE(pixel.x(), static_cast<float>(left.width) - 0.5F);
+    const auto& points = masked.surfaces->inverse_depths_per_m;
+    EXPECT_GT(std::count(points.begin(), points.end(), 0.0F), static_cast<long>(points.size() / 2 - 100));
+  }
+  EXPECT_GT(front_end.features(whole)->size(), front_end.features(front_end.mask(whole, mask))->size());
+  frame.mask = mask(cv::Rect(0, 0, 10, 10));
+  EXPECT_THROW(front_end.prepare(frame), std::logic_error);
+}
+
+TEST(FrontEnd, TwoMasksAddUp) {
+  PinholeCamera camera = test::ideal_camera();
+  const FrontEnd front_end(Sensor{camera}, {});
+  Frame frame = large_frame(camera);
+  cv::Mat left(camera.height, camera.width, CV_8UC1, cv::Scalar(255)), top = left.clone();
+  left(cv::Rect(0, 0, camera.width / 2, camera.height)) = 0;
+  top(cv::Rect(0, 0, camera.width, camera.height / 2)) = 0;
+  frame.mask = left;
+  const Frame both = front_end.mask(front_end.prepare(frame), top);
+  EXPECT_EQ(cv::countNonZero(both.mask), camera.width / 2 * (camera.height / 2));
+  EXPECT_EQ(cv::countNonZero(both.depth_m), cv::countNonZero(both.mask));
+}
+
 }  // namespace
 }  // namespace kinloop

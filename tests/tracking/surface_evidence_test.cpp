@@ -65,6 +65,14 @@ TEST(SurfaceEvidence, DoubtsDenseOdometryThatIsUncertain) {
   EXPECT_FALSE(is_doubtful(tracked));
 }
 
+TEST(SurfaceEvidence, DoubtsAPoseIfHalfOfTheImageMoves) {
+  TrackedFrame tracked = Found(200).tracked;
+  tracked.evidence.moved_share = 0.4;
+  EXPECT_FALSE(is_doubtful(tracked));
+  tracked.evidence.moved_share = 0.6;
+  EXPECT_TRUE(is_doubtful(tracked));
+}
+
 TEST(PositionSigma, IsThatOfTheLeastCertainDirection) {
   TrackedFrame tracked;
   EXPECT_EQ(position_sigma_m(tracked), 0);

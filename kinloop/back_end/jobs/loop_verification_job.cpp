@@ -27,8 +27,9 @@ LoopVerificationJob::Solution LoopVerificationJob::solve(const Problem& problem)
 
 std::optional<AppliedSolution> LoopVerificationJob::apply(Map& map, const Solution& loops) {
   AppliedSolution applied;
-  applied.map_changed = applied.loops_added = !loops.empty();
   for (const LoopVerificationResult& verified : loops) {
+    if (map.keyframe(verified.loop.a).withdrawn || map.keyframe(verified.loop.b).withdrawn) continue;
+    applied.map_changed = applied.loops_added = true;
     const LandmarkMerges merges = landmark_merges(map, verified);
     applied.merges.insert(applied.merges.end(), merges.begin(), merges.end());
     map.add_loop_closure(verified.loop);

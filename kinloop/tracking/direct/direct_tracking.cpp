@@ -6,6 +6,7 @@
 
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
+#include "kinloop/tracking/confirmed_first.hpp"
 #include "kinloop/tracking/direct/align_images.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
 
@@ -45,7 +46,8 @@ uint32_t coprime_step(uint32_t count) {
 }
 
 /// Chooses landmarks in view, evenly over the image.
-std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const DirectTrackingContext& c) {
+std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const cv::Mat& mask,
+                                            const DirectTrackingContext& c) {
   constexpr int kCell_px = 40, kMaxPerCell = 4;
   constexpr double kMargin_px = 8, kMinViewingCosine = 0.5;
   const PatchPredictor predictor(c.search, T_reference_camera);
@@ -65,6 +67,7 @@ std::vector<ExpectedPatch> choose_landmarks(const SE3& T_reference_camera, const
     if (count >= kMaxPerCell) continue;
     const auto raw = predictor.raw_pixel(i);
     if (!raw || !c.search.sensor.camera.contains(*raw, kMargin_px)) continue;
+    if (!is_used(mask, raw->cast<float>())) continue;
     if (const auto expected = predictor.expect(i, *raw)) {
       chosen.push_back(*expected);
       ++count;
@@ -98,17 +101,30 @@ Features as_features(const std::vector<FoundPatch>& found, const Frame& frame,
   return features;
 }
 
+/// Whether a pose explains enough of the landmarks found. A part of the image that is masked leaves less to
+/// see, but not less certain.
+bool is_confident(const VotedPose& pose, size_t found, bool masked, const TrackingOptions& options) {
+  constexpr double kMinConsistent = 0.7;
+  const bool few = masked || pose.voters < static_cast<int>(found);
+  return pose.inlier_count >= (few ? kMinConfirmed : options.min_confident_inliers) &&
+         pose.inlier_count >= kMinConsistent * pose.voters;
+}
+
 /// Estimates the pose from the landmarks found, whose positions are `compensated` for motion.
 std::optional<TrackedFrame> solve_pose(const Frame& frame, const Features& compensated,
                                        const std::vector<FoundPatch>& found, const SE3& guess,
                                        const DirectTrackingContext& c) {
   std::vector<PoseObservation> observations;
+  std::vector<bool> confirmed;
   for (size_t i = 0; i < found.size(); ++i) {
     observations.push_back(
         {compensated_measurement(compensated, i), c.search.local_map.p_reference[found[i].index]});
+    confirmed.push_back(c.search.local_map.confirmed[found[i].index]);
   }
-  const auto solution = solve_absolute_pose(c.search.sensor, observations, guess, c.options.pose);
-  if (!solution) return std::nullopt;
+  const auto solution =
+      solve_by_confirmed_first(c.search.sensor, observations, confirmed, guess, c.options.pose);
+  if (!solution || !is_confident(*solution, found.size(), !frame.mask.empty(), c.options))
+    return std::nullopt;
   TrackedFrame tracked = unlocated(frame);
   tracked.outcome = TrackingOutcome::kTracked;
   tracked.method = TrackingMethod::kPatches;
@@ -126,12 +142,12 @@ std::optional<TrackedFrame> solve_pose(const Frame& frame, const Features& compe
 
 std::optional<TrackedFrame> track_directly(const Frame& frame, const SE3& T_reference_predicted,
                                            const DirectTrackingContext& c) {
-  constexpr double kMinConsistent = 0.7;  // of those found
   constexpr float kMaxShift_px = 4;
   if (c.previous.frame->octaves.empty() || frame.octaves.empty()) return std::nullopt;
   const SE3 T_reference_aligned = align_with_previous(frame, T_reference_predicted, c);
-  const auto expected = choose_landmarks(T_reference_aligned, c);
-  if (static_cast<int>(expected.size()) < c.options.min_confident_inliers) return std::nullopt;
+  const auto expected = choose_landmarks(T_reference_aligned, frame.mask, c);
+  const int min_expected = frame.mask.empty() ? c.options.min_confident_inliers : kMinConfirmed;
+  if (static_cast<int>(expected.size()) < min_expected) return std::nullopt;
   std::vector<FoundPatch> found;
   for (const ExpectedPatch& patch : expected) {
     if (const auto at = find_patch(frame.octaves, patch, c.search.local_map, kMaxShift_px))
@@ -145,10 +161,8 @@ std::optional<TrackedFrame> track_directly(const Frame& frame, const SE3& T_refe
                                    : features;
   auto tracked = solve_pose(with_landmarks, compensated, found, T_reference_aligned, c);
   if (!tracked) return std::nullopt;
-  const int inliers = tracked->evidence.inliers;
-  if (inliers < c.options.min_confident_inliers) return std::nullopt;
-  if (inliers < c.options.min_inlier_ratio * static_cast<double>(expected.size())) return std::nullopt;
-  if (inliers < kMinConsistent * static_cast<double>(found.size())) return std::nullopt;
+  if (tracked->evidence.inliers < c.options.min_inlier_ratio * static_cast<double>(expected.size()))
+    return std::nullopt;
   tracked->evidence.visible_landmarks = static_cast<int>(expected.size());
   tracked->evidence.previous_frame_inliers = static_cast<int>(found.size());
   tracked->evidence.attempts = 1;

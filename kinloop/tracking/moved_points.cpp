@@ -1,0 +1,83 @@
+#include "kinloop/tracking/moved_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/sensor/surface_mask.hpp"
+
+namespace kinloop {
+namespace {
+
+/// How many views contradict each point, and how many find it where it is.
+struct Votes {
+  cv::Mat against, supporting;  // 8UC1
+};
+
+Votes count_votes(const SurfaceGrid& surfaces, std::span<const SurfaceView> views) {
+  const cv::Size size(surfaces.camera->grid.width, surfaces.camera->grid.height);
+  Votes votes{cv::Mat::zeros(size, CV_8UC1), cv::Mat::zeros(size, CV_8UC1)};
+  for (const SurfaceView& view : views) {
+    const auto states = states_in_view(surfaces, *view.surfaces, view.T_view_frame);
+    for (size_t i = 0; i < states.size(); ++i) {
+      if (states[i] == PointState::kContradicted) ++votes.against.data[i];
+      if (states[i] == PointState::kConsistent) ++votes.supporting.data[i];
+    }
+  }
+  return votes;
+}
+
+/// Extends the regions over the points of which no view knows anything, as far as their surface goes on.
+void extend(cv::Mat& moved, const Votes& votes, const SurfaceGrid& surfaces) {
+  constexpr float kMaxStep_per_m = 0.03F;
+  std::deque<cv::Point> open;
+  for (int y = 0; y < moved.rows; ++y) {
+    for (int x = 0; x < moved.cols; ++x) {
+      if (moved.at<uint8_t>(y, x) != 0) open.emplace_back(x, y);
+    }
+  }
+  const auto inverse = [&](const cv::Point& p) {
+    return surfaces.inverse_depths_per_m[static_cast<size_t>(p.y * moved.cols + p.x)];
+  };
+  const cv::Rect grid({0, 0}, moved.size());
+  while (!open.empty()) {
+    const cv::Point p = open.front();
+    open.pop_front();
+    for (const cv::Point& step : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
+      const cv::Point q = p + step;
+      if (!grid.contains(q) || moved.at<uint8_t>(q) != 0) continue;
+      if (votes.supporting.at<uint8_t>(q) > votes.against.at<uint8_t>(q)) continue;
+      if (!(inverse(q) > 0) || std::abs(inverse(q) - inverse(p)) > kMaxStep_per_m) continue;
+      moved.at<uint8_t>(q) = 255;
+      open.push_back(q);
+    }
+  }
+}
+
+}  // namespace
+
+cv::Mat moved_points(const SurfaceGrid& surfaces, std::span<const SurfaceView> views) {
+  const int min_against = views.size() > 1 ? 2 : 1;  // one of many may be wrong
+  constexpr int kMinPoints = 40;                     // 1.3 % of the image
+  const Votes votes = count_votes(surfaces, views);
+  cv::Mat moved = large_regions((votes.against >= min_against) & (votes.supporting == 0), kMinPoints);
+  if (cv::countNonZero(moved) == 0) return {};
+  extend(moved, votes, surfaces);
+  cv::dilate(moved, moved, cv::Mat::ones(3, 3, CV_8UC1));
+  return moved;
+}
+
+cv::Mat moved_points(const LocalMap& local_map, const Frame& frame, const SE3& T_reference_camera) {
+  constexpr size_t kMaxViews = 12;
+  if (!frame.surfaces || !local_map.surfaces) return {};
+  std::vector<SurfaceView> views = {{local_map.surfaces.get(), T_reference_camera}};
+  for (const LocalView& view : local_map.views) {
+    if (view.surfaces && view.keyframe != local_map.reference && views.size() < kMaxViews)
+      views.push_back({view.surfaces.get(), view.T_keyframe_reference * T_reference_camera});
+  }
+  return moved_points(*frame.surfaces, views);
+}
+
+}  // namespace kinloop

@@ -1,0 +1,39 @@
+#include "session/masked_source.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "kinloop/core/errors.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
+
+namespace kinloop {
+
+cv::Mat read_mask(const std::filesystem::path& path, const cv::Size& size) {
+  const ColorImage image = read_color_image(path);
+  if (image.size() != size)
+    throw InputError(fmt::format("{}: {} x {} pixels where the colour images have {} x {}", path.string(),
+                                 image.size().width, image.size().height, size.width, size.height));
+  const cv::Mat mask = image.gray() >= 128;  // a JPEG has no pure black
+  if (cv::countNonZero(mask) == 0)
+    throw InputError(
+        fmt::format("{}: all pixels are black, which means to be ignored; what is to be used must be white",
+                    path.string()));
+  return mask;
+}
+
+MaskedSource::MaskedSource(std::unique_ptr<FrameSource> source, cv::Mat mask)
+    : source_(std::move(source)), mask_(std::move(mask)) {
+  const PinholeCamera& color = source_->camera().color;
+  require(mask_.type() == CV_8UC1 && mask_.size() == cv::Size(color.width, color.height),
+          "MaskedSource: the mask must be 8UC1, of the camera's size");
+}
+
+std::optional<Frame> MaskedSource::next() {
+  auto frame = source_->next();
+  if (frame) frame->mask = frame->mask.empty() ? mask_ : cv::Mat(cv::min(frame->mask, mask_));
+  return frame;
+}
+
+}  // namespace kinloop

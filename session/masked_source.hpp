@@ -1,0 +1,31 @@
+#pragma once
+// In: a source and a mask of what to ignore in each of its images, such as the robot that carries the camera.
+// Out: its frames with that mask.
+
+#include <filesystem>
+#include <memory>
+
+#include "kinloop/sensor/frame_source.hpp"
+
+namespace kinloop {
+
+/// Reads a mask for images of this size: an 8-bit PNG or JPEG, black (0) where pixels are to be ignored.
+/// Throws InputError naming the file and the remedy.
+cv::Mat read_mask(const std::filesystem::path& path, const cv::Size& size);
+
+class MaskedSource : public FrameSource {
+ public:
+  /// `mask` is 8UC1 of the size of the source's camera.
+  MaskedSource(std::unique_ptr<FrameSource> source, cv::Mat mask);
+
+  std::optional<Frame> next() override;
+  [[nodiscard]] const RgbdCamera& camera() const override { return source_->camera(); }
+  [[nodiscard]] const SourceInfo& info() const override { return source_->info(); }
+  [[nodiscard]] SkippedFrames skipped() const override { return source_->skipped(); }
+
+ private:
+  std::unique_ptr<FrameSource> source_;
+  cv::Mat mask_;
+};
+
+}  // namespace kinloop

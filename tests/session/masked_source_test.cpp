@@ -1,0 +1,67 @@
+#include "session/masked_source.hpp"
+
+#include <gmock/gmock.h>
+#include <opencv2/core.hpp>
+
+#include "kinloop/sensor/images/image_file.hpp"
+#include "session/run_plan.hpp"
+#include "tests/support/expect_error.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace kinloop {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class MaskFile : public testing::Test {
+ protected:
+  /// Writes an image that is black in its left half.
+  [[nodiscard]] std::filesystem::path write(const cv::Size& size) const {
+    cv::Mat image(size, CV_8UC1, cv::Scalar(255));
+    image(cv::Rect(0, 0, size.width / 2, size.height)) = 0;
+    write_png(folder_.path() / "mask.png", image);
+    return folder_.path() / "mask.png";
+  }
+
+  test::TempFolder folder_;
+};
+
+TEST_F(MaskFile, ReachesEveryFrame) {
+  RunRequest request;
+  request.sequence = "sim:room";
+  request.settings.assignments = {"sim.frames=2", "sim.width=64", "sim.height=48"};
+  request.mask = write({64, 48});
+  const RunPlan plan = plan_run(request);
+  int frames = 0;
+  for (; const auto frame = plan.source->next(); ++frames) EXPECT_EQ(cv::countNonZero(frame->mask), 32 * 48);
+  EXPECT_EQ(frames, 2);
+}
+
+TEST_F(MaskFile, OfAnotherSizeIsAnErrorThatNamesBothSizes) {
+  const auto path = write({32, 24});
+  EXPECT_THAT(test::input_error([&] {
+                read_mask(path, {64, 48});
+              }),
+              AllOf(HasSubstr("mask.png"), HasSubstr("32 x 24"), HasSubstr("64 x 48")));
+}
+
+TEST_F(MaskFile, ThatIgnoresEverythingIsAnError) {
+  const auto path = folder_.path() / "black.png";
+  write_png(path, cv::Mat::zeros(48, 64, CV_8UC1));
+  EXPECT_THAT(test::input_error([&] {
+                read_mask(path, {64, 48});
+              }),
+              AllOf(HasSubstr("black.png"), HasSubstr("white")));
+}
+
+TEST_F(MaskFile, ThatIsNoImageIsAnError) {
+  folder_.write("mask.png", "no image");
+  EXPECT_THAT(test::input_error([&] {
+                read_mask(folder_.path() / "mask.png", {64, 48});
+              }),
+              HasSubstr("mask.png"));
+}
+
+}  // namespace
+}  // namespace kinloop

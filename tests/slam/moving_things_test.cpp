@@ -1,0 +1,113 @@
+// Things that are fixed to the camera, or move through its view: the pose is that of the camera in the room.
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/core/random.hpp"
+#include "kinloop/geometry/rigid_alignment.hpp"
+#include "kinloop/slam/slam.hpp"
+#include "tests/slam/recording.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::record_simulation;
+using test::Recording;
+
+constexpr int kWidth = 320, kHeight = 240;
+
+/// The simulated room, 4 s.
+class MovingThings : public testing::Test {
+ protected:
+  MovingThings() {
+    static const Recording kRoom = record_simulation("sim:room", 120);
+    room_ = kRoom;
+    Random random(7);
+    texture_.create(kHeight, kWidth, CV_8UC3);
+    for (int y = 0; y < kHeight; y += 8) {
+      for (int x = 0; x < kWidth; x += 8) {
+        texture_(cv::Rect(x, y, 8, 8)) = cv::Scalar::all(random.uniform(40, 220));
+      }
+    }
+  }
+
+  /// Paints the texture over a frame, `depth_m` away.
+  void paint(size_t frame, const cv::Rect& area, float depth_m) {
+    const cv::Rect seen = area & cv::Rect(0, 0, kWidth, kHeight);
+    if (seen.empty()) return;
+    cv::Mat bgr = room_.frames[frame].color.bgr().clone(), depth = room_.frames[frame].depth_m.clone();
+    texture_(seen - area.tl()).copyTo(bgr(seen));
+    depth(seen) = depth_m;
+    room_.frames[frame].color = bgr;
+    room_.frames[frame].depth_m = depth;
+  }
+
+  /// Maps the frames. Returns the largest error of a pose that is not doubtful, m.
+  double max_error_m() {
+    Slam slam(room_.camera);
+    for (const Frame& frame : room_.frames) {
+      most_moved_ = std::max(most_moved_, slam.process(frame).evidence.moved_share);
+    }
+    const Trajectory trajectory = slam.finish();
+    trusted_ = trajectory.size();
+    camera_mask_ = slam.camera_mask();
+    std::vector<Eigen::Vector3d> estimated, truth;
+    for (const auto& pose : trajectory) {
+      const auto at = pose_at(room_.truth, pose.stamp_ns, 100'000'000);
+      if (!at) continue;
+      estimated.push_back(pose.T_world_camera.translation);
+      truth.push_back(at->translation);
+    }
+    const SE3 T_truth_estimate = align_rigid(truth, estimated).value();
+    double largest = 0;
+    for (size_t i = 0; i < truth.size(); ++i)
+      largest = std::max(largest, (T_truth_estimate * estimated[i] - truth[i]).norm());
+    return largest;
+  }
+
+  Recording room_;
+  cv::Mat texture_, camera_mask_;
+  double most_moved_ = 0;
+  size_t trusted_ = 0;
+};
+
+constexpr double kMaxError_m = 0.03;
+
+TEST_F(MovingThings, NothingMovesInAStaticRoom) {
+  EXPECT_LT(max_error_m(), kMaxError_m);
+  EXPECT_EQ(trusted_, room_.frames.size());
+  EXPECT_EQ(most_moved_, 0);
+  EXPECT_TRUE(camera_mask_.empty());
+}
+
+TEST_F(MovingThings, APartOfTheRobotIsMasked) {
+  for (size_t i = 0; i < room_.frames.size(); ++i) paint(i, {0, 170, kWidth, 70}, 0.6F);
+  EXPECT_LT(max_error_m(), kMaxError_m);
+  EXPECT_GT(trusted_, room_.frames.size() / 2);
+  ASSERT_FALSE(camera_mask_.empty());
+  EXPECT_EQ(camera_mask_.at<uint8_t>(210, 160), 0);
+  EXPECT_EQ(camera_mask_.at<uint8_t>(100, 160), 255);
+}
+
+TEST_F(MovingThings, ABlockThatCrossesTheViewDoesNotTakeThePoseWithIt) {
+  for (int i = 30; i < 90; ++i)
+    paint(static_cast<size_t>(i), {(i - 30) * 8 - 150, 50, 150, 170}, 0.8F);  // a third
+  // The block moves by 1.5 m. What remains in view has few landmarks.
+  EXPECT_LT(max_error_m(), 0.08);
+  EXPECT_GT(trusted_, room_.frames.size() * 9 / 10);
+  EXPECT_GT(most_moved_, 0.2);
+}
+
+TEST_F(MovingThings, TheUsersMaskIsUsedFromTheFirstFrameOn) {
+  cv::Mat mask(kHeight, kWidth, CV_8UC1, cv::Scalar(255));
+  mask(cv::Rect(0, 170, kWidth, 70)) = 0;
+  for (size_t i = 0; i < room_.frames.size(); ++i) {
+    paint(i, {0, 170, kWidth, 70}, 0.6F);
+    room_.frames[i].mask = mask;
+  }
+  EXPECT_LT(max_error_m(), kMaxError_m);
+  EXPECT_EQ(trusted_, room_.frames.size());
+}
+
+}  // namespace
+}  // namespace kinloop
