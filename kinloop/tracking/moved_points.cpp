@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "kinloop/geometry/pixel_grid.hpp"
 #include "kinloop/sensor/surface_mask.hpp"
 
 namespace kinloop {
@@ -39,7 +40,7 @@ void extend(cv::Mat& moved, const Votes& votes, const SurfaceGrid& surfaces) {
     }
   }
   const auto inverse = [&](const cv::Point& p) {
-    return surfaces.inverse_depths_per_m[static_cast<size_t>(p.y * moved.cols + p.x)];
+    return surfaces.inverse_depths_per_m[grid_index(moved.cols, p.x, p.y)];
   };
   const cv::Rect grid({0, 0}, moved.size());
   while (!open.empty()) {
