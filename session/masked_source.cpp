@@ -15,7 +15,7 @@ cv::Mat read_mask(const std::filesystem::path& path, const cv::Size& size) {
   if (image.size() != size)
     throw InputError(fmt::format("{}: {} x {} pixels where the colour images have {} x {}", path.string(),
                                  image.size().width, image.size().height, size.width, size.height));
-  const cv::Mat mask = image.gray() >= 128;  // a JPEG has no pure black
+  cv::Mat mask = image.gray() >= 128;  // a JPEG has no pure black
   if (cv::countNonZero(mask) == 0)
     throw InputError(
         fmt::format("{}: all pixels are black, which means to be ignored; what is to be used must be white",
