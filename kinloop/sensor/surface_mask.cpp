@@ -20,6 +20,11 @@ SurfaceGrid without_points(SurfaceGrid surfaces, const cv::Mat& marked) {
   return surfaces;
 }
 
+double marked_share(const cv::Mat& marked) {
+  return marked.empty() ? 0
+                        : static_cast<double>(cv::countNonZero(marked)) / static_cast<double>(marked.total());
+}
+
 bool is_marked(const cv::Mat& marked, const SurfaceCamera& camera, const Eigen::Vector2f& pixel) {
   if (marked.empty()) return false;
   const auto spacing = static_cast<float>(camera.spacing_px);
@@ -43,6 +48,7 @@ cv::Mat unmarked_pixels(const SurfaceCamera& camera, const cv::Mat& marked, cons
 }
 
 cv::Mat large_regions(const cv::Mat& marked, int min_points) {
+  if (cv::countNonZero(marked) < min_points) return cv::Mat::zeros(marked.size(), CV_8UC1);
   cv::Mat large, labels, stats, centroids;
   cv::morphologyEx(marked, large, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8UC1));
   cv::connectedComponentsWithStats(large, labels, stats, centroids, 8, CV_32S);

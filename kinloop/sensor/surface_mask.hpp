@@ -12,6 +12,9 @@ namespace kinloop {
 /// Returns the surfaces without the marked points.
 SurfaceGrid without_points(SurfaceGrid surfaces, const cv::Mat& marked);
 
+/// Returns the share of the points that are marked, 0 to 1; 0 if `marked` is empty.
+double marked_share(const cv::Mat& marked);
+
 /// Returns whether an undistorted pixel lies at a marked point; `marked` may be empty.
 bool is_marked(const cv::Mat& marked, const SurfaceCamera& camera, const Eigen::Vector2f& pixel);
 

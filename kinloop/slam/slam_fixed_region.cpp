@@ -10,7 +10,7 @@ namespace kinloop {
 namespace {
 
 /// Share of the landmarks of a frame that lie at marked points.
-double marked_share(const TrackedFrame& tracked, const cv::Mat& marked) {
+double landmark_share(const TrackedFrame& tracked, const cv::Mat& marked) {
   if (tracked.matches.empty() || !tracked.frame->surfaces) return 0;
   const SurfaceCamera& camera = *tracked.frame->surfaces->camera;
   const auto count =
@@ -50,7 +50,7 @@ void Slam::withdraw_fixed_region() {
   const cv::Mat& marked = fixed_region_.points();
   const int64_t since_ns = fixed_region_.unchanged_since_ns();
   const TrackedFrame* previous = tracker_.previous();
-  const double share = previous != nullptr ? marked_share(*previous, marked) : 0;
+  const double share = previous != nullptr ? landmark_share(*previous, marked) : 0;
   const bool captured = share > kCapturedShare;
   for (uint32_t i = 0; i < map_.keyframes().size(); ++i) {
     const Keyframe& keyframe = map_.keyframe(KeyframeId{i});

@@ -8,6 +8,7 @@
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/features/image_octaves.hpp"
 #include "kinloop/geometry/pixel_grid.hpp"
+#include "kinloop/sensor/surface_mask.hpp"
 
 namespace kinloop {
 namespace {
@@ -112,9 +113,20 @@ void CameraFixedRegion::count_changes(const std::vector<uint8_t>& changed) {
   }
 }
 
+/// Whether a point differs from its right or lower neighbour, which must exist, in the same region.
+bool CameraFixedRegion::has_structure(const cv::Mat& labels, int x, int y) const {
+  const auto differs = [&](int other_x, int other_y) {
+    const Point& a = points_[grid_index(labels.cols, x, y)];
+    const Point& b = points_[grid_index(labels.cols, other_x, other_y)];
+    return labels.at<int>(y, x) == labels.at<int>(other_y, other_x) &&
+           (is_new_gray(a.gray, b.gray) || is_new_depth(a.inverse_depth_per_m, b.inverse_depth_per_m));
+  };
+  return differs(x + 1, y) || differs(x, y + 1);
+}
+
 /// Adds connected points with structure: a plain wall along which the camera moves does not change either.
 bool CameraFixedRegion::grow() {
-  constexpr int kMinPoints = 60, kMinBlock = 3;
+  constexpr int kMinPoints = 60;
   constexpr double kMinStructure = 0.02;
   const int width = camera_->grid.width, height = camera_->grid.height;
   cv::Mat steady(height, width, CV_8UC1);
@@ -122,29 +134,23 @@ bool CameraFixedRegion::grow() {
     const Point& point = points_[i];
     steady.data[i] = point.inverse_depth_per_m > 0 && point.unchanged > kFixedAfterChanges ? 255 : 0;
   }
-  if (cv::countNonZero(steady) < kMinPoints) return false;
-  cv::morphologyEx(steady, steady, cv::MORPH_OPEN, cv::Mat::ones(kMinBlock, kMinBlock, CV_8UC1));
-  cv::Mat labels, stats, centroids;
-  const int count = cv::connectedComponentsWithStats(steady, labels, stats, centroids, 8, CV_32S);
-  std::vector<int> structured(static_cast<size_t>(count), 0);
-  for (int y = 0; y + 1 < height; ++y) {
-    for (int x = 0; x + 1 < width; ++x) {
-      const int label = labels.at<int>(y, x);
-      const auto differs = [&](int other_x, int other_y) {
-        const Point &a = points_[grid_index(width, x, y)], &b = points_[grid_index(width, other_x, other_y)];
-        return label == labels.at<int>(other_y, other_x) &&
-               (is_new_gray(a.gray, b.gray) || is_new_depth(a.inverse_depth_per_m, b.inverse_depth_per_m));
-      };
-      if (differs(x + 1, y) || differs(x, y + 1)) ++structured[static_cast<size_t>(label)];
+  steady = large_regions(steady, kMinPoints);
+  if (cv::countNonZero(steady) == 0) return false;
+  cv::Mat labels;
+  const auto count = static_cast<size_t>(cv::connectedComponents(steady, labels, 8, CV_32S));
+  std::vector<int> area(count, 0), structured(count, 0);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto label = static_cast<size_t>(labels.at<int>(y, x));
+      ++area[label];
+      if (y + 1 < height && x + 1 < width && has_structure(labels, x, y)) ++structured[label];
     }
   }
   std::vector<int64_t> since_ns;
   for (size_t i = 0; i < points_.size(); ++i) {
-    const int label = labels.ptr<int>()[i];
-    const int area = stats.at<int>(label, cv::CC_STAT_AREA);
+    const auto label = static_cast<size_t>(labels.ptr<int>()[i]);
     Point& point = points_[i];
-    if (label == 0 || point.fixed || area < kMinPoints) continue;
-    if (structured[static_cast<size_t>(label)] < kMinStructure * area) continue;
+    if (label == 0 || point.fixed || structured[label] < kMinStructure * area[label]) continue;
     point.fixed = true;
     point.unchanged = 2 * kFixedAfterChanges;
     since_ns.push_back(point.since_ns);
@@ -155,16 +161,9 @@ bool CameraFixedRegion::grow() {
 }
 
 void CameraFixedRegion::mark() {
-  marked_.release();
-  if (share() == 0) return;
   marked_ = cv::Mat::zeros(camera_->grid.height, camera_->grid.width, CV_8UC1);
   for (size_t i = 0; i < points_.size(); ++i) marked_.data[i] = points_[i].fixed ? 255 : 0;
-}
-
-double CameraFixedRegion::share() const {
-  const auto fixed =
-      std::count_if(points_.begin(), points_.end(), [](const Point& point) { return point.fixed; });
-  return points_.empty() ? 0 : static_cast<double>(fixed) / static_cast<double>(points_.size());
+  if (cv::countNonZero(marked_) == 0) marked_.release();
 }
 
 }  // namespace kinloop

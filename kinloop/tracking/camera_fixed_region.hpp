@@ -10,7 +10,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/sensor/frame.hpp"
-#include "kinloop/sensor/surface_grid.hpp"
+#include "kinloop/sensor/surface_mask.hpp"
 
 namespace kinloop {
 
@@ -28,7 +28,7 @@ class CameraFixedRegion {
   [[nodiscard]] const std::shared_ptr<const SurfaceCamera>& camera() const { return camera_; }
 
   /// Returns the region's share of the image, 0 to 1.
-  [[nodiscard]] double share() const;
+  [[nodiscard]] double share() const { return marked_share(marked_); }
 
   /// Returns since when the points by which the region has grown last have not changed.
   [[nodiscard]] int64_t unchanged_since_ns() const { return unchanged_since_ns_; }
@@ -45,6 +45,7 @@ class CameraFixedRegion {
   void begin(const Frame& frame);
   std::vector<uint8_t> update_points(const Frame& frame);
   void count_changes(const std::vector<uint8_t>& changed);
+  [[nodiscard]] bool has_structure(const cv::Mat& labels, int x, int y) const;
   bool grow();
   void mark();
 

@@ -39,11 +39,16 @@ Frame FrontEnd::prepare(Frame frame) const {
   return frame;
 }
 
-Frame FrontEnd::mask(Frame frame, const cv::Mat& mask) const {
+Frame mask_images(Frame frame, const cv::Mat& mask) {
   frame.mask = frame.mask.empty() ? mask : cv::Mat(cv::min(frame.mask, mask));
   frame.depth_m = masked_depth(frame.depth_m, mask);
-  frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(surface_camera_, frame.depth_m));
   frame.features = nullptr;
+  return frame;
+}
+
+Frame FrontEnd::mask(Frame frame, const cv::Mat& mask) const {
+  frame = mask_images(std::move(frame), mask);
+  frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(surface_camera_, frame.depth_m));
   return frame;
 }
 

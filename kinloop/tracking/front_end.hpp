@@ -39,4 +39,8 @@ class FrontEnd {
   std::shared_ptr<const SurfaceCamera> surface_camera_;
 };
 
+/// Returns a prepared frame without the depth and the features where `mask` (8UC1, of the camera's size) is
+/// 0, but with all of its surfaces.
+Frame mask_images(Frame frame, const cv::Mat& mask);
+
 }  // namespace kinloop

@@ -52,10 +52,7 @@ TrackedFrame Tracker::track(const Frame& measured, const TrackingContext& contex
 /// tell whether it still does.
 Frame Tracker::without_moved(const Frame& frame) const {
   if (!previous_ || lost_frames_ > 0 || previous_->moved.empty() || !frame.surfaces) return frame;
-  Frame masked =
-      front_end_.mask(frame, unmarked_pixels(*frame.surfaces->camera, previous_->moved, frame.gray.size()));
-  masked.surfaces = frame.surfaces;
-  return masked;
+  return mask_images(frame, unmarked_pixels(*frame.surfaces->camera, previous_->moved, frame.gray.size()));
 }
 
 /// Drivers repeat the previous image in place of a lost one: the camera has moved, the image has not. Images
@@ -228,8 +225,7 @@ void Tracker::find_moved(TrackedFrame& tracked, const Frame& frame) const {
   if (!moved_before && agreement.contradicted_share() < kMinContradicted) return;
   tracked.moved = moved_points(local_map_, frame, T_reference_camera);
   if (tracked.moved.empty()) return;
-  tracked.evidence.moved_share =
-      static_cast<double>(cv::countNonZero(tracked.moved)) / static_cast<double>(tracked.moved.total());
+  tracked.evidence.moved_share = marked_share(tracked.moved);
   agreement = compare_surfaces(*local_map_.surfaces, without_points(*frame.surfaces, tracked.moved),
                                T_reference_camera);
 }

@@ -3,26 +3,15 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "tests/support/expect_error.hpp"
+#include "tests/sensor/vga_surfaces.hpp"
 
 namespace kinloop {
 namespace {
 
 class SurfaceMask : public testing::Test {
  protected:
-  SurfaceMask() {
-    RgbdCamera camera;
-    camera.color.width = 640;
-    camera.color.height = 480;
-    camera.color.fx = camera.color.fy = 525;
-    camera.color.cx = 319.5;
-    camera.color.cy = 239.5;
-    camera_ = make_surface_camera(make_sensor(camera));
-    marked_ = cv::Mat::zeros(camera_->grid.height, camera_->grid.width, CV_8UC1);
-  }
-
-  std::shared_ptr<const SurfaceCamera> camera_;
-  cv::Mat marked_;
+  std::shared_ptr<const SurfaceCamera> camera_ = test::vga_surface_camera();
+  cv::Mat marked_ = cv::Mat::zeros(camera_->grid.height, camera_->grid.width, CV_8UC1);
 };
 
 TEST_F(SurfaceMask, MarkedPointsAreUnknownAndTheOthersStay) {

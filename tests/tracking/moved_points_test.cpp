@@ -3,22 +3,14 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "tests/sensor/vga_surfaces.hpp"
+
 namespace kinloop {
 namespace {
 
 /// A wall 3 m away, in front of which a box 1 m away stands or not.
 class MovedPoints : public testing::Test {
  protected:
-  MovedPoints() {
-    RgbdCamera camera;
-    camera.color.width = 640;
-    camera.color.height = 480;
-    camera.color.fx = camera.color.fy = 525;
-    camera.color.cx = 319.5;
-    camera.color.cy = 239.5;
-    camera_ = make_surface_camera(make_sensor(camera));
-  }
-
   [[nodiscard]] SurfaceGrid wall(const cv::Rect& box = {}, const cv::Rect& unknown = {}) const {
     cv::Mat depth_m(480, 640, CV_32FC1, cv::Scalar(3.0F));
     depth_m(box) = 1.0F;
@@ -39,7 +31,7 @@ class MovedPoints : public testing::Test {
     return static_cast<double>(cv::countNonZero(moved(points))) / points.area();
   }
 
-  std::shared_ptr<const SurfaceCamera> camera_;
+  std::shared_ptr<const SurfaceCamera> camera_ = test::vga_surface_camera();
 };
 
 const cv::Rect kBox(200, 100, 200, 250);
