@@ -1,6 +1,7 @@
 #include "session/run_quality.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -83,6 +84,25 @@ void add_left_out(RunQuality& quality, std::span<const JudgedFrame> frames, std:
       fmt::format("{} for {:.1f} s, up to {:.0f} % of the image; it is left out", what, seconds, 100 * most));
 }
 
+/// Adds when the scale of depth changed, and for how long there was none, unless that took less than a
+/// second.
+void add_depth(RunQuality& quality, std::span<const JudgedFrame> frames, std::span<const double> durations) {
+  constexpr double kMinSeconds = 1;
+  double without_s = 0, factor = 1;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const double now = frames[i].depth_factor;
+    if (now == 0) {
+      without_s += durations[i];
+    } else if (std::exchange(factor, now) != now) {
+      quality.reasons.push_back(fmt::format(
+          "from {1:.1f} s on all depths are {0:.3f} of what they were at first; they are scaled back",
+          1 / now, to_seconds(frames[i].stamp_ns - frames.front().stamp_ns)));
+    }
+  }
+  if (without_s >= kMinSeconds)
+    quality.reasons.push_back(fmt::format("depth is frozen or missing for {:.1f} s", without_s));
+}
+
 Verdict verdict_on(double share_of_time) {
   constexpr double kGoodBelow = 0.005, kBadAbove = 0.2;
   if (share_of_time < kGoodBelow) return Verdict::kGood;
@@ -96,7 +116,7 @@ std::vector<JudgedFrame> judged_frames(std::span<const TrackedFrame> log, const 
   std::vector<JudgedFrame> frames;
   for (const TrackedFrame& entry : log) {
     frames.push_back({entry.stamp_ns, trust_of(entry, component, map), entry.evidence.fixed_share,
-                      entry.evidence.moved_share});
+                      entry.evidence.moved_share, entry.evidence.depth_factor});
   }
   return frames;
 }
@@ -120,6 +140,7 @@ RunQuality judge(std::span<const JudgedFrame> frames) {
   add_reason(quality, elsewhere, "in other components of the map");
   add_left_out(quality, frames, durations, &JudgedFrame::fixed_share, "something moves with the camera");
   add_left_out(quality, frames, durations, &JudgedFrame::moved_share, "something else moves");
+  add_depth(quality, frames, durations);
   return quality;
 }
 

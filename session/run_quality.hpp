@@ -23,8 +23,9 @@ enum class FrameTrust {
 struct JudgedFrame {
   int64_t stamp_ns = 0;
   FrameTrust trust = FrameTrust::kLost;
-  double fixed_share = 0;  ///< of the image, left out since it moves with the camera
-  double moved_share = 0;  ///< of the image, left out since it shows things that have moved
+  double fixed_share = 0;   ///< of the image, left out since it moves with the camera
+  double moved_share = 0;   ///< of the image, left out since it shows things that have moved
+  double depth_factor = 1;  ///< by which depth was multiplied to keep its scale; 0 = frozen or missing
 };
 
 enum class Verdict { kGood, kDoubtful, kBad };

@@ -57,6 +57,7 @@ struct TrackingEvidence {
   SurfaceAgreement surfaces;  ///< with the reference keyframe, without what has moved; zero if unknown
   double moved_share = 0;     ///< of the image, that belongs to things that have moved
   double fixed_share = 0;     ///< of the image, that moves with the camera
+  double depth_factor = 1;    ///< by which depth was multiplied, see DepthContinuity; 0 = none was used
 };
 
 /// A frame with its pose and the support for it.

@@ -57,6 +57,33 @@ float surface_at(const SurfaceGrid& view, float u, float v) {
   return view.inverse_depths_per_m[cell] + view.gradients[cell].dot(step);
 }
 
+/// A point of one view in the direction of a surface of another.
+struct CommonPoint {
+  size_t index = 0;
+  float expected_per_m = 0;  ///< inverse depth of the point in the other view
+  float surface_per_m = 0;   ///< that of the surface which the other view measures
+};
+
+template <typename Function>
+void for_each_common_point(const SurfaceGrid& points, const SurfaceGrid& view, const SE3& T_view_points,
+                           const Function& function) {
+  require(points.gradients.size() == view.gradients.size(), "surface grids of two cameras");
+  const SurfaceCamera& camera = *view.camera;
+  const Eigen::Matrix3f R = T_view_points.R().cast<float>();
+  const Eigen::Vector3f t = T_view_points.translation.cast<float>();
+  const auto fx = static_cast<float>(camera.grid.fx), fy = static_cast<float>(camera.grid.fy);
+  const auto cx = static_cast<float>(camera.grid.cx), cy = static_cast<float>(camera.grid.cy);
+  for (size_t i = 0; i < camera.rays.size(); ++i) {
+    if (!points.gradients[i].allFinite()) continue;
+    const float source = points.inverse_depths_per_m[i];
+    // The point in the view, divided by its depth at the source.
+    const Eigen::Vector3f p = R * camera.rays[i].homogeneous() + source * t;
+    if (!(p.z() > 0)) continue;
+    const float surface = surface_at(view, fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy);
+    if (surface > 0) function(CommonPoint{i, source / p.z(), surface});
+  }
+}
+
 SurfaceAgreement count(const std::vector<PointState>& states) {
   const auto number = [&](PointState state) {
     return static_cast<int>(std::count(states.begin(), states.end(), state));
@@ -110,36 +137,41 @@ SurfaceGrid make_surface_grid(std::shared_ptr<const SurfaceCamera> camera, const
   return surfaces;
 }
 
+bool has_depth(const SurfaceGrid& surfaces) {
+  constexpr int kMinPoints = 60;
+  const auto& inverse = surfaces.inverse_depths_per_m;
+  return std::count_if(inverse.begin(), inverse.end(), [](float value) { return value > 0; }) >= kMinPoints;
+}
+
 std::vector<PointState> states_in_view(const SurfaceGrid& points, const SurfaceGrid& view,
                                        const SE3& T_view_points) {
   constexpr double kSigmas = 4, kPositionSigma_m = 0.01;
-  require(points.gradients.size() == view.gradients.size(), "states_in_view: grids of two cameras");
-  const SurfaceCamera& camera = *view.camera;
-  const Eigen::Matrix3f R = T_view_points.R().cast<float>();
-  const Eigen::Vector3f t = T_view_points.translation.cast<float>();
-  const auto fx = static_cast<float>(camera.grid.fx), fy = static_cast<float>(camera.grid.fy);
-  const auto cx = static_cast<float>(camera.grid.cx), cy = static_cast<float>(camera.grid.cy);
-  std::vector<PointState> states(camera.rays.size(), PointState::kUnknown);
-  for (size_t i = 0; i < states.size(); ++i) {
-    if (!points.gradients[i].allFinite()) continue;
-    const float source = points.inverse_depths_per_m[i];
-    // The point in the view, divided by its depth at the source.
-    const Eigen::Vector3f p = R * camera.rays[i].homogeneous() + source * t;
-    if (!(p.z() > 0)) continue;
-    const float surface = surface_at(view, fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy);
-    if (!(surface > 0)) continue;
-    const auto seen = static_cast<double>(source / p.z());
+  const DepthNoise& noise = view.camera->noise;
+  std::vector<PointState> states(view.camera->rays.size(), PointState::kUnknown);
+  for_each_common_point(points, view, T_view_points, [&](const CommonPoint& point) {
+    const auto source = static_cast<double>(points.inverse_depths_per_m[point.index]);
+    const auto seen = static_cast<double>(point.expected_per_m);
+    const auto surface = static_cast<double>(point.surface_per_m);
+    const double depth_ratio = source / seen;
     // d(1/z) = dz / z^2 for the noise of the point and of the pose, plus the noise of the surface.
-    const double of_source =
-        camera.noise.inverse_sigma_per_m(static_cast<double>(source)) / static_cast<double>(p.z() * p.z());
-    const double of_surface = camera.noise.inverse_sigma_per_m(static_cast<double>(surface));
+    const double of_source = noise.inverse_sigma_per_m(source) / (depth_ratio * depth_ratio);
+    const double of_surface = noise.inverse_sigma_per_m(surface);
     const double tolerance = kSigmas * std::hypot(of_source, of_surface, kPositionSigma_m * seen * seen);
-    const double before = seen - static_cast<double>(surface);
-    states[i] = std::abs(before) <= tolerance ? PointState::kConsistent
-                : before > 0                  ? PointState::kContradicted
-                                              : PointState::kOccluded;
-  }
+    const double before = seen - surface;
+    states[point.index] = std::abs(before) <= tolerance ? PointState::kConsistent
+                          : before > 0                  ? PointState::kContradicted
+                                                        : PointState::kOccluded;
+  });
   return states;
+}
+
+std::vector<float> log_depth_ratios(const SurfaceGrid& points, const SurfaceGrid& view,
+                                    const SE3& T_view_points) {
+  std::vector<float> ratios;
+  for_each_common_point(points, view, T_view_points, [&](const CommonPoint& point) {
+    ratios.push_back(std::log(point.expected_per_m / point.surface_per_m));
+  });
+  return ratios;
 }
 
 SurfaceAgreement& SurfaceAgreement::operator+=(const SurfaceAgreement& other) {

@@ -40,6 +40,9 @@ struct SurfaceGrid {
 /// Samples a depth image, 32FC1 of the camera's size in metres with 0 (or NaN) = unknown.
 SurfaceGrid make_surface_grid(std::shared_ptr<const SurfaceCamera> camera, const cv::Mat& depth_m);
 
+/// Returns whether depth is known at more than a few points.
+bool has_depth(const SurfaceGrid& surfaces);
+
 /// How a point lies to the surface that another view measures in its direction.
 enum class PointState : uint8_t {
   kUnknown,       ///< one of the two is not known, or the point is out of view
@@ -52,6 +55,11 @@ enum class PointState : uint8_t {
 /// for the relative position.
 std::vector<PointState> states_in_view(const SurfaceGrid& points, const SurfaceGrid& view,
                                        const SE3& T_view_points);
+
+/// Returns ln(depth measured by `view` / depth expected of a point of `points`) for each point that both
+/// show.
+std::vector<float> log_depth_ratios(const SurfaceGrid& points, const SurfaceGrid& view,
+                                    const SE3& T_view_points);
 
 /// Numbers of grid points of two views by their state in the other one.
 struct SurfaceAgreement {

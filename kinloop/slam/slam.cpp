@@ -64,12 +64,13 @@ TrackedFrame Slam::process(const Frame& frame) {
   apply_results(back_end_.apply_due(frame.id));
   submit_jobs(frame.id);
 
-  TrackedFrame tracked = tracker_.track(without_fixed_region(frame), {map_, sensor(), relocalizer_});
+  const Frame usable = without_fixed_region(with_steady_depth(frame));
+  TrackedFrame tracked = tracker_.track(usable, {map_, sensor(), relocalizer_});
+  add_input_evidence(tracked);
   if (auto selected = select_keyframe(tracked)) {
     tracked = *std::move(selected);
     insert_keyframe(tracked);
   }
-  tracked.evidence.fixed_share = fixed_region_.share();
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
   add_to_log(tracked);
   tracker_.update(tracked, map_);
@@ -78,6 +79,26 @@ TrackedFrame Slam::process(const Frame& frame) {
     submit_jobs(frame.id, tracked.keyframe);
   }
   return publish(std::move(tracked));
+}
+
+/// Returns the frame with depth of the scale of the first frame, or without it if it is an old one.
+Frame Slam::with_steady_depth(const Frame& frame) {
+  const ScopedTimer timer(timings_, "depth continuity");
+  const TrackedFrame* previous = tracker_.previous();
+  const bool follows = previous != nullptr && !log_.empty() && previous->stamp_ns == log_.back().stamp_ns;
+  const bool had_depth = depth_.factor() > 0;
+  depth_.observe(frame, follows ? std::optional(previous->velocity) : std::nullopt);
+  // That depth has stopped is seen late: the frames since then have used the depth of the one before.
+  if (had_depth && depth_.factor() == 0) doubt_frames_since(depth_.new_depth_ns() + 1, false);
+  return depth_.factor() == 1 ? frame : front_end_.scale_depth(frame, depth_.factor());
+}
+
+/// Adds what is known of the images. Without depth for long, nothing but landmarks supports a pose.
+void Slam::add_input_evidence(TrackedFrame& tracked) const {
+  constexpr double kMaxWithoutDepth_s = 0.5;
+  tracked.evidence.fixed_share = fixed_region_.share();
+  tracked.evidence.depth_factor = depth_.factor();
+  if (!tracked.is_lost() && depth_.age_s() > kMaxWithoutDepth_s) tracked.doubtful = true;
 }
 
 /// Returns the frame with all of its keypoints if it should become a keyframe.

@@ -26,6 +26,7 @@
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/options.hpp"
 #include "kinloop/tracking/camera_fixed_region.hpp"
+#include "kinloop/tracking/evidence/depth_continuity.hpp"
 #include "kinloop/tracking/front_end.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/tracker.hpp"
@@ -109,7 +110,9 @@ class Slam {
   void add_listener(Listener& listener) { listeners_.push_back(&listener); }
 
  private:
+  [[nodiscard]] Frame with_steady_depth(const Frame& frame);
   [[nodiscard]] Frame without_fixed_region(const Frame& frame);
+  void add_input_evidence(TrackedFrame& tracked) const;
   void withdraw_fixed_region();
   void doubt_frames_since(int64_t since_ns, bool withdrawn);
   void apply_results(const AppliedResults& results);
@@ -134,6 +137,7 @@ class Slam {
   KeyframeMemory keyframe_memory_;
   Timings timings_;
   FrontEnd front_end_;
+  DepthContinuity depth_;
   CameraFixedRegion fixed_region_;
   Tracker tracker_;
   KeyframeSelector keyframes_;

@@ -46,6 +46,13 @@ Frame mask_images(Frame frame, const cv::Mat& mask) {
   return frame;
 }
 
+Frame FrontEnd::scale_depth(Frame frame, double factor) const {
+  frame.depth_m = frame.depth_m * factor;
+  frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(surface_camera_, frame.depth_m));
+  frame.features = nullptr;
+  return frame;
+}
+
 Frame FrontEnd::mask(Frame frame, const cv::Mat& mask) const {
   frame = mask_images(std::move(frame), mask);
   frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(surface_camera_, frame.depth_m));

@@ -25,6 +25,9 @@ class FrontEnd {
   /// Returns a prepared frame that also ignores the pixels where `mask` (8UC1, of the camera's size) is 0.
   [[nodiscard]] Frame mask(Frame frame, const cv::Mat& mask) const;
 
+  /// Returns a prepared frame with all depths multiplied by `factor`; 0 = without depth.
+  [[nodiscard]] Frame scale_depth(Frame frame, double factor) const;
+
   /// Returns keypoints with descriptors and depth.
   [[nodiscard]] std::shared_ptr<const Features> features(const Frame& frame) const;
 

@@ -29,6 +29,8 @@ bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const Tracke
   constexpr double kConfidentRatio = 0.25;
   const bool confident = found.evidence.inliers >= kConfidentInliers &&
                          has_sufficient_inlier_ratio(found, *frame.features, kConfidentRatio);
+  // Without depth, nothing but the keypoints tells one place from another.
+  if (!confident && frame.surfaces && !has_depth(*frame.surfaces)) return true;
   return is_above(agreement, confident ? kMaxContradictedIfConfident : kMaxContradicted);
 }
 

@@ -111,6 +111,16 @@ TEST(RunQuality, TellsWhatWasLeftOutOfTheImage) {
                   "something else moves for 1.2 s, up to 40 % of the image; it is left out"));
 }
 
+TEST(RunQuality, TellsWhatWasWrongWithDepth) {
+  auto all = frames(100);
+  for (size_t i = 20; i < 50; ++i) all[i].depth_factor = 0;
+  for (size_t i = 60; i < 100; ++i) all[i].depth_factor = 1 / 0.9;
+  EXPECT_THAT(
+      judge(all).reasons,
+      ElementsAre("from 6.0 s on all depths are 0.900 of what they were at first; they are scaled back",
+                  "depth is frozen or missing for 3.0 s"));
+}
+
 TEST(RunQuality, AMomentIsNotWorthAReason) {
   auto all = frames(100);
   for (size_t i = 60; i < 65; ++i) all[i].moved_share = 0.1;

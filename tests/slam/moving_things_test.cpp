@@ -1,4 +1,5 @@
-// Things that are fixed to the camera, or move through its view: the pose is that of the camera in the room.
+// Things that are fixed to the camera or move through its view, and depth that freezes or changes its scale:
+// the pose is that of the camera in the room.
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -107,6 +108,22 @@ TEST_F(MovingThings, TheUsersMaskIsUsedFromTheFirstFrameOn) {
   }
   EXPECT_LT(max_error_m(), kMaxError_m);
   EXPECT_EQ(trusted_, room_.frames.size());
+}
+
+class WrongDepth : public MovingThings {};
+
+TEST_F(WrongDepth, AChangeOfScaleIsTakenBack) {
+  for (size_t i = 50; i < room_.frames.size(); ++i) room_.frames[i].depth_m = room_.frames[i].depth_m * 0.87;
+  EXPECT_LT(max_error_m(), kMaxError_m);
+  EXPECT_EQ(trusted_, room_.frames.size());
+}
+
+TEST_F(WrongDepth, FrozenDepthIsNotFollowed) {
+  for (size_t i = 51; i < 90; ++i) room_.frames[i].depth_m = room_.frames[50].depth_m;
+  EXPECT_LT(max_error_m(), 0.05);
+  EXPECT_LT(trusted_,
+            room_.frames.size() - 15);  // what colour alone supports for more than 0.5 s is in doubt
+  EXPECT_GT(trusted_, 80);
 }
 
 }  // namespace

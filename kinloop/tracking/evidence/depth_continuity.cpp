@@ -1,0 +1,78 @@
+#include "kinloop/tracking/evidence/depth_continuity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core.hpp>
+
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/time.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Mean change of brightness between two small images.
+double mean_change(const cv::Mat& before, const cv::Mat& now) {
+  return cv::norm(before, now, cv::NORM_L1) / static_cast<double>(now.total());
+}
+
+}  // namespace
+
+void DepthContinuity::observe(const Frame& frame, const std::optional<Velocity>& velocity) {
+  if (!frame.surfaces || frame.octaves.empty()) return;
+  if (surfaces_) {
+    compare(frame, velocity);
+  } else {
+    new_depth_ns_ = frame.stamp_ns;
+  }
+  surfaces_ = frame.surfaces;
+  image_ = frame.octaves.back();
+  stamp_ns_ = frame.stamp_ns;
+}
+
+/// Compares the frame with the previous one.
+void DepthContinuity::compare(const Frame& frame, const std::optional<Velocity>& velocity) {
+  const bool is_new =
+      has_depth(*frame.surfaces) && surfaces_->inverse_depths_per_m != frame.surfaces->inverse_depths_per_m;
+  if (is_new && velocity && age_ns_ == 0) {
+    constexpr double kSameScale = 0.015;
+    factor_ /= scale_step(frame, *velocity).value_or(1);
+    if (std::abs(factor_ - 1) < kSameScale) factor_ = 1;
+  }
+  if (is_new) {
+    age_ns_ = 0;
+    new_depth_ns_ = frame.stamp_ns;
+  } else if (mean_change(image_, frame.octaves.back()) > 0) {
+    age_ns_ += frame.stamp_ns - stamp_ns_;
+  }
+}
+
+/// Returns the factor between the depths of the previous frame and this one; nullopt if the motion of the
+/// camera may explain the difference. In four recordings and rendered rooms at 5 to 30 Hz, where more than
+/// nine tenths of the points agree, the ratio is at most 0.7 %.
+std::optional<double> DepthContinuity::scale_step(const Frame& frame, const Velocity& velocity) const {
+  constexpr double kMaxInterval_s = 0.15, kMaxChange = 25;
+  constexpr float kMinLogRatio = 0.02F, kTolerance = 0.012F, kRelativeTolerance = 0.3F;
+  constexpr double kMinShare = 0.9;
+  const double interval_s = to_seconds(frame.stamp_ns - stamp_ns_);
+  if (interval_s > kMaxInterval_s || mean_change(image_, frame.octaves.back()) > kMaxChange)
+    return std::nullopt;
+  const SE3 T_now_before = SE3::exp(velocity.vector() * -interval_s);
+  const auto ratios = log_depth_ratios(*surfaces_, *frame.surfaces, T_now_before);
+  constexpr size_t kMinPoints = 60;
+  if (ratios.size() < kMinPoints) return std::nullopt;
+  const float ratio = median(ratios);
+  const float tolerance = std::max(kTolerance, kRelativeTolerance * std::abs(ratio));
+  const auto agreeing = std::count_if(ratios.begin(), ratios.end(),
+                                      [&](float other) { return std::abs(other - ratio) < tolerance; });
+  const double share = static_cast<double>(agreeing) / static_cast<double>(ratios.size());
+  if (std::abs(ratio) < kMinLogRatio || share < kMinShare) return std::nullopt;
+  return std::exp(static_cast<double>(ratio));
+}
+
+double DepthContinuity::factor() const {
+  constexpr int64_t kMaxRepeat_ns = kNsPerSecond / 5;  // a slower depth stream is repeated for less
+  return age_ns_ > kMaxRepeat_ns ? 0 : factor_;
+}
+
+}  // namespace kinloop
