@@ -3,10 +3,9 @@
 namespace kinloop {
 namespace {
 
-constexpr const char* kLostStatus = "lost";
-
 const char* status_of(const TrackedFrame& tracked) {
-  if (tracked.is_lost()) return kLostStatus;
+  if (tracked.is_lost()) return "lost";
+  if (tracked.doubtful) return "doubtful";
   return tracked.method == TrackingMethod::kDense ? "dense" : "tracked";
 }
 
@@ -21,9 +20,10 @@ FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings
   FrameTable rows = rows_;
   for (size_t i = 0; i < rows.size() && i < times.frame_ms.size(); ++i) rows[i].ms = times.frame_ms[i];
   for (size_t i = 0; i < rows.size() && i < log.size(); ++i) {
-    if (rows[i].status == kLostStatus) continue;
+    rows[i].status = status_of(log[i]);
+    if (log[i].is_lost()) continue;
+    rows[i].tracked = log[i].evidence.inliers;
     rows[i].sigma_m = position_sigma_m(log[i]);
-    if (log[i].doubtful) rows[i].status = "doubtful";
   }
   return rows;
 }

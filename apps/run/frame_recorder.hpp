@@ -9,8 +9,8 @@
 
 namespace kinloop {
 
-/// Records a row per frame for frames.txt: the status is that of tracking, but the mark of doubt and sigma
-/// are those of the log, so that they agree with trajectory.txt.
+/// Records a row per frame for frames.txt. Its status and sigma are those at the end of the run, so that they
+/// agree with trajectory.txt: frames that were lost may have been found since.
 class FrameRecorder : public Listener {
  public:
   void on_frame(const TrackedFrame& tracked) override;

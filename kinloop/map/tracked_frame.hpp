@@ -31,6 +31,7 @@ enum class TrackingMethod {
   kPatches,    ///< patches of landmarks (direct tracking)
   kDense,      ///< dense alignment with the previous frame, since there were too few features
   kRepeat,     ///< none: the image repeats the previous one, whose pose the frame takes
+  kBridged,    ///< none: the motion between the frames before and after, see bridge_lost_frames
 };
 
 /// Keypoint `feature` of the frame observes `landmark`.
@@ -98,7 +99,7 @@ struct TrackedFrame {
 
   /// Whether landmarks support the pose.
   [[nodiscard]] bool is_tracked_by_landmarks() const {
-    return !is_lost() && method != TrackingMethod::kDense;
+    return !is_lost() && method != TrackingMethod::kDense && method != TrackingMethod::kBridged;
   }
 
   /// Whether the image repeats the previous one.

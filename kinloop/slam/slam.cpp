@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "kinloop/back_end/bridge_lost_frames.hpp"
 #include "kinloop/back_end/final_bundle_adjustment.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
@@ -183,6 +184,7 @@ Trajectory Slam::finish(const Progress& progress) {
     map_.advance_epoch();
     timings_.add("final bundle adjustment", adjusting.elapsed());
   }
+  log_ = bridge_lost_frames(std::move(log_), earlier_.frame_count, map_);
   for (Listener* listener : listeners_) listener->on_map(map_);
   return trajectory();
 }

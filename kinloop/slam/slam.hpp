@@ -67,8 +67,8 @@ class Slam {
   /// Processes the next frame, prepared ahead or not. Frames must be in order of time.
   TrackedFrame process(const Frame& frame);
 
-  /// Ends the run: waits for background jobs, adjusts the whole map and refines every frame. Returns
-  /// `trajectory()`.
+  /// Ends the run: waits for background jobs, adjusts the whole map, refines every frame and bridges those
+  /// that stay lost between good ones. Returns `trajectory()`.
   Trajectory finish(const Progress& progress = {});
 
   /// Returns the current poses of this run without ending it; doubtful ones only if asked for.
