@@ -4,13 +4,19 @@ namespace kinloop {
 namespace {
 
 constexpr const char* kLostStatus = "lost";
+constexpr const char* kDoubtfulStatus = "doubtful";
 
+/// Returns the status without the mark of doubt.
 const char* status_of(const TrackedFrame& tracked) {
   if (tracked.is_lost()) return kLostStatus;
   return tracked.method == TrackingMethod::kDense ? "dense" : "tracked";
 }
 
 }  // namespace
+
+const char* frame_status(const TrackedFrame& tracked) {
+  return tracked.doubtful ? kDoubtfulStatus : status_of(tracked);
+}
 
 void FrameRecorder::on_frame(const TrackedFrame& tracked) {
   rows_.push_back({tracked.stamp_ns, status_of(tracked), static_cast<int>(tracked.features().size()),
@@ -23,7 +29,7 @@ FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings
   for (size_t i = 0; i < rows.size() && i < log.size(); ++i) {
     if (rows[i].status == kLostStatus) continue;
     rows[i].sigma_m = position_sigma_m(log[i]);
-    if (log[i].doubtful) rows[i].status = "doubtful";
+    if (log[i].doubtful) rows[i].status = kDoubtfulStatus;
   }
   return rows;
 }

@@ -9,6 +9,9 @@
 
 namespace kinloop {
 
+/// Returns the status of a frame as frames.txt has it: tracked, dense, doubtful or lost.
+const char* frame_status(const TrackedFrame& tracked);
+
 /// Records a row per frame for frames.txt: the status is that of tracking, but the mark of doubt and sigma
 /// are those of the log, so that they agree with trajectory.txt.
 class FrameRecorder : public Listener {

@@ -79,6 +79,10 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
       ->check(number(0.1, 1000));
   command.add_flag("--keep-doubtful", arguments.keep_doubtful,
                    "also write the poses of doubtful frames to trajectory.txt, and evaluate them");
+  command.add_option("--poses-to", arguments.poses_to,
+                     "send a JSON line with the pose of each frame as it is tracked to a file or a pipe, to\n"
+                     "standard output (-), to the program that connects to unix:PATH, or to udp:HOST:PORT;\n"
+                     "see docs/protocol.md");
   add_frame_option(command, arguments.frame);
   add_viewer_option(command, arguments.viewer);
   add_quiet_option(command, arguments.quiet);
