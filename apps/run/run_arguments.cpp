@@ -56,7 +56,8 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
                      "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
   command.add_option("--mask", arguments.request.mask,
                      "image of the size of the colour images, black where they are to be ignored, such as\n"
-                     "the robot that carries the camera; a run writes what it finds itself as mask.png");
+                     "the robot that carries the camera; a run writes what it finds itself as mask.png.\n"
+                     "For masks of single frames see docs/recordings.md");
   command.add_option("--vocabulary", arguments.request.settings.vocabulary,
                      "visual vocabulary from kinloop vocab train (default: built-in)");
   add_map_arguments(command, arguments);
