@@ -14,10 +14,10 @@ void add_map_arguments(CLI::App& command, RunArguments& arguments) {
                      "file to save the map to (default: map.kinmap in the output folder)");
   command.add_option("--load-map", arguments.request.settings.load_map,
                      "map of an earlier run to continue: a map file or the folder of a run");
-  CLI::Option* localize =
-      command.add_flag("--localize", arguments.request.settings.localize,
-                       "only localise in the map of --load-map; do not change the map. Writes only\n"
-                       "trajectory.txt, frames.txt and run.json; no cloud, report or map file");
+  CLI::Option* localize = command.add_flag(
+      "--localize", arguments.request.settings.localize,
+      "only localise in the map of --load-map; do not change the map. Writes only\n"
+      "trajectory.txt, covariances.txt, frames.txt and run.json; no cloud, report or map file");
   command
       .add_flag(
           "--report", arguments.report,
