@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/live_poses/pose_sender.hpp"
 #include "apps/run/run_arguments.hpp"
 #include "apps/run/run_logger.hpp"
 #include "apps/run/run_output.hpp"
@@ -33,16 +34,22 @@ void check_arguments(const RunArguments& arguments) {
     throw UsageError("--localize requires --load-map FILE");
   if (request.settings.localize && !arguments.save_map.empty())
     throw UsageError("--localize does not change the map: it cannot be combined with --save-map");
+  check_line_target(arguments.poses_to);
 }
 
 /// How the frames ended.
 enum class RunEnd { kComplete, kInterrupted, kSourceFailed };
 
-/// Processes all frames, waiting while the run is paused (`wait_until_resumed`). A source that fails after
-/// its first frame ends the run like Ctrl-C does: what has been mapped is kept. Not so a fault of the
-/// program.
-RunEnd process_all(Session& session, RunOutput& output, const Progress& progress,
-                   const std::function<void()>& wait_until_resumed) {
+/// What happens beside each frame; the functions may be empty.
+struct FrameHooks {
+  Progress progress;
+  std::function<void()> wait_until_resumed;            ///< waits while the run is paused
+  std::function<void(const TrackedFrame&)> send_pose;  ///< as soon as the frame is tracked
+};
+
+/// Processes all frames. A source that fails after its first frame ends the run like Ctrl-C does: what has
+/// been mapped is kept. Not so a fault of the program.
+RunEnd process_all(Session& session, RunOutput& output, const FrameHooks& hooks) {
   const size_t frames = session.source().info().frames;
   size_t done = 0;
   bool failed = false;
@@ -59,10 +66,12 @@ RunEnd process_all(Session& session, RunOutput& output, const Progress& progress
     }
   };
   while (const auto frame = next()) {
-    if (wait_until_resumed) wait_until_resumed();
+    if (hooks.wait_until_resumed) hooks.wait_until_resumed();
     const TrackedFrame result = session.process(*frame);
+    if (hooks.send_pose) hooks.send_pose(result);
     ++done;
-    if (progress) progress({"mapping", done, frames, progress_note(result, session.slam().map())});
+    if (hooks.progress)
+      hooks.progress({"mapping", done, frames, progress_note(result, session.slam().map())});
     output.save_if_due();
     if (interrupted()) break;
   }
@@ -80,11 +89,22 @@ void continue_map(ContinuedMap& start, Session& session, bool with_images) {
   if (with_images) start.restore_images(shift, session.recorder());
 }
 
-void print_summary(const nlohmann::json& summary, const RunOutput& output) {
+/// Prints the summary, and the profile if asked for; on standard error if standard output carries poses.
+void print_summary(const RunArguments& arguments, const nlohmann::json& summary, const RunOutput& output) {
+  std::FILE* stream = is_standard_output_target(arguments.poses_to) ? stderr : stdout;
   const char* files = output.poses_only() ? "trajectory.txt; use --report for cloud and report"
                                           : "trajectory.txt, map.ply, report.html";
-  print_text(fmt::format("{}results    {} ({})\n{}\n", summary_text(summary), output.folder().path().string(),
-                         files, quality_text(summary)));
+  const std::string folder = output.folder().path().string();
+  if (!arguments.quiet)
+    print_text(fmt::format("{}results    {} ({})\n{}\n", summary_text(summary), folder, files,
+                           quality_text(summary)),
+               stream);
+  if (arguments.profile) print_text(profile_text(summary), stream);
+}
+
+/// Returns what sends the poses, or null.
+std::unique_ptr<PoseSender> open_pose_sender(const std::string& target) {
+  return target.empty() ? nullptr : std::make_unique<PoseSender>(target);
 }
 
 ExitCode run(const RunArguments& arguments) {
@@ -96,6 +116,7 @@ ExitCode run(const RunArguments& arguments) {
   Session session(*plan.source, {plan.options.slam, plan.options.dense, record_images, plan.threads},
                   plan.camera, std::move(plan.vocabulary));
   RunOutput output(arguments, plan, session);
+  auto poses = open_pose_sender(arguments.poses_to);
   RunLogger logger;
   if (arguments.verbose) {
     log_run_start(*plan.source, plan.threads);
@@ -106,13 +127,16 @@ ExitCode run(const RunArguments& arguments) {
   const auto shown =
       start_run_viewer(arguments.viewer, plan.options.viewer, session, [&] { output.save_now(); });
   const ElapsedTime startup{watch.wall_s(), process_cpu_s()};
-  const RunEnd end = process_all(session, output, progress, shown ? shown->wait_until_resumed : nullptr);
+  FrameHooks hooks{progress, shown ? shown->wait_until_resumed : nullptr, nullptr};
+  if (poses) hooks.send_pose = [&](const TrackedFrame& frame) { poses->send(frame, session.slam().map()); };
+  const RunEnd end = process_all(session, output, hooks);
+  if (poses) poses->report();
+  poses.reset();  // the reader sees the end
   if (shown) shown->viewer.set_stage("final bundle adjustment");
   session.finish(progress);
   if (shown) shown->viewer.finish(session.slam().session_log(), session.slam().map());
   const auto summary = output.write({watch, startup, end == RunEnd::kComplete}, progress);
-  if (!arguments.quiet) print_summary(summary, output);
-  if (arguments.profile) print_text(profile_text(summary));
+  print_summary(arguments, summary, output);
   const bool useful = output.check();
   const int signal = received_signal();
   if (shown) serve_until_interrupted(shown->viewer);

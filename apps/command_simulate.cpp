@@ -54,10 +54,10 @@ SimulationOptions chosen_options(const SimulateArguments& arguments) {
   return with_assignments(options, settings);
 }
 
-/// Writes where movers are seen, as masks/STAMP.png.
+/// Writes where movers are seen, as movers/STAMP.png: a truth to compare with, not a mask that a run applies.
 void write_mover_mask(const std::filesystem::path& folder, const SimulatedSource& source, size_t index) {
   const int64_t stamp_ns = source.info().ground_truth[index].stamp_ns;
-  write_png(folder / "masks" / (format_stamp(stamp_ns) + ".png"), source.mover_mask(index));
+  write_png(folder / "movers" / (format_stamp(stamp_ns) + ".png"), source.mover_mask(index));
 }
 
 void simulate(const SimulateArguments& arguments, const SimulationOptions& options) {
@@ -67,7 +67,7 @@ void simulate(const SimulateArguments& arguments, const SimulationOptions& optio
   const std::string spec = fmt::format("sim:{}:{}", arguments.scene, arguments.seed);
   const auto source = make_simulated_source(spec, options, arguments.threads, path);
   TumWriter writer(arguments.output, source->device());
-  if (source->has_movers()) require_writable_folder(arguments.output / "masks");
+  if (source->has_movers()) require_writable_folder(arguments.output / "movers");
   const Progress progress = make_progress_bar(arguments.quiet);
   const size_t frames = source->info().frames;
   for (size_t i = 0; i < frames; ++i) {

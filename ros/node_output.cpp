@@ -3,17 +3,20 @@
 #include <cstring>
 
 #include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/Path.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Bool.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "drivers/ros/ros_messages.hpp"
+#include "kinloop/map/pose_covariance.hpp"
 
 namespace kinloop::ros1 {
 namespace {
 
 using PoseStamped = geometry_msgs::PoseStamped_<Allocator<void>>;
+using PoseWithCovarianceStamped = geometry_msgs::PoseWithCovarianceStamped_<Allocator<void>>;
 using TransformStamped = geometry_msgs::TransformStamped_<Allocator<void>>;
 using TFMessage = tf2_msgs::TFMessage_<Allocator<void>>;
 using Path = nav_msgs::Path_<Allocator<void>>;
@@ -40,6 +43,19 @@ PoseStamped pose_of(int64_t stamp_ns, const SE3& T, const std::string& frame) {
   pose.pose.orientation.z = T.rotation.z();
   pose.pose.orientation.w = T.rotation.w();
   return pose;
+}
+
+/// The same pose with its covariance: of x, y, z and the rotations about the fixed axes, row by row (REP
+/// 103).
+PoseWithCovarianceStamped with_covariance(const PoseStamped& pose, const Matrix6d& in_world_axes) {
+  PoseWithCovarianceStamped message;
+  message.header = pose.header;
+  message.pose.pose = pose.pose;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 6; ++column)
+      message.pose.covariance[static_cast<size_t>(6 * row + column)] = in_world_axes(row, column);
+  }
+  return message;
 }
 
 /// A point of a PointCloud2 with colour.
@@ -75,6 +91,7 @@ NodeOutput::NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, std::s
   tf_ = node.advertise<TFMessage>("/tf", kMaxUnsent);
   doubtful_ = node.advertise<Bool>("doubtful", kMaxUnsent);
   pose_ = node.advertise<PoseStamped>("pose", kMaxUnsent);
+  pose_with_covariance_ = node.advertise<PoseWithCovarianceStamped>("pose_with_covariance", kMaxUnsent);
   path_ = node.advertise<Path>("path", 1, true);
   cloud_ = node.advertise<PointCloud2>("cloud", kMaxUnsent);
 }
@@ -85,6 +102,11 @@ void NodeOutput::publish_pose(const TrackedFrame& result) {
   doubtful_.publish(doubtful);
   const PoseStamped pose = pose_of(result.stamp_ns, result.T_world_camera, world_);
   pose_.publish(pose);
+  // A doubtful pose may be wrong by more than its covariance, and filters take zeros for certainty.
+  if (const auto covariance = pose_covariance(result); covariance && !result.doubtful) {
+    const Matrix6d in_world_axes = covariance_in_world_axes(*covariance, result.T_world_camera);
+    pose_with_covariance_.publish(with_covariance(pose, in_world_axes));
+  }
   TransformStamped transform;
   transform.header = pose.header;
   transform.child_frame_id = camera_frame_.c_str();

@@ -1,5 +1,5 @@
 #pragma once
-// In: the result of each frame. Out: TF, pose, path and cloud on topics.
+// In: the result of each frame. Out: TF, pose, its covariance, path and cloud on topics.
 
 #include <string>
 
@@ -12,12 +12,14 @@
 namespace kinloop::ros1 {
 
 /// Publishes, in the frame `world`: the camera's pose as TF and on ~pose, after ~doubtful, which tells
-/// whether the evidence for that pose is too weak to trust it; with each keyframe, the path so far on ~path
-/// and a coloured cloud of the current view on ~cloud.
+/// whether the evidence for that pose is too weak to trust it, and, unless it is or the covariance is
+/// unknown, on ~pose_with_covariance, for filters that fuse it with other sensors; with each keyframe, the
+/// path so far on ~path and a coloured cloud of the current view on ~cloud.
 class NodeOutput {
  public:
   NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, std::string world, std::string camera_frame);
 
+  /// `result` must not be lost.
   void publish_pose(const TrackedFrame& result);
   void publish_path(const Trajectory& trajectory);
   void publish_cloud(const TrackedFrame& result);
@@ -25,7 +27,7 @@ class NodeOutput {
  private:
   PinholeCamera camera_;
   std::string world_, camera_frame_;
-  ros::Publisher tf_, doubtful_, pose_, path_, cloud_;
+  ros::Publisher tf_, doubtful_, pose_, pose_with_covariance_, path_, cloud_;
 };
 
 }  // namespace kinloop::ros1

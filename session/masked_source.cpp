@@ -7,6 +7,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
+#include "kinloop/sensor/mask.hpp"
 
 namespace kinloop {
 
@@ -32,7 +33,7 @@ MaskedSource::MaskedSource(std::unique_ptr<FrameSource> source, cv::Mat mask)
 
 std::optional<Frame> MaskedSource::next() {
   auto frame = source_->next();
-  if (frame) frame->mask = frame->mask.empty() ? mask_ : cv::Mat(cv::min(frame->mask, mask_));
+  if (frame) frame->mask = intersection_of_masks(frame->mask, mask_);
   return frame;
 }
 

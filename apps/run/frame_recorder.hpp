@@ -9,6 +9,9 @@
 
 namespace kinloop {
 
+/// Returns the status of a frame as frames.txt has it: tracked, dense, doubtful or lost.
+const char* frame_status(const TrackedFrame& tracked);
+
 /// Records a row per frame for frames.txt. Its status and sigma are those at the end of the run, so that they
 /// agree with trajectory.txt: frames that were lost may have been found since.
 class FrameRecorder : public Listener {

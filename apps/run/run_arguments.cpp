@@ -14,10 +14,10 @@ void add_map_arguments(CLI::App& command, RunArguments& arguments) {
                      "file to save the map to (default: map.kinmap in the output folder)");
   command.add_option("--load-map", arguments.request.settings.load_map,
                      "map of an earlier run to continue: a map file or the folder of a run");
-  CLI::Option* localize =
-      command.add_flag("--localize", arguments.request.settings.localize,
-                       "only localise in the map of --load-map; do not change the map. Writes only\n"
-                       "trajectory.txt, frames.txt and run.json; no cloud, report or map file");
+  CLI::Option* localize = command.add_flag(
+      "--localize", arguments.request.settings.localize,
+      "only localise in the map of --load-map; do not change the map. Writes only\n"
+      "trajectory.txt, covariances.txt, frames.txt and run.json; no cloud, report or map file");
   command
       .add_flag(
           "--report", arguments.report,
@@ -56,7 +56,8 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
                      "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
   command.add_option("--mask", arguments.request.mask,
                      "image of the size of the colour images, black where they are to be ignored, such as\n"
-                     "the robot that carries the camera; a run writes what it finds itself as mask.png");
+                     "the robot that carries the camera; a run writes what it finds itself as mask.png.\n"
+                     "For masks of single frames see docs/recordings.md");
   command.add_option("--vocabulary", arguments.request.settings.vocabulary,
                      "visual vocabulary from kinloop vocab train (default: built-in)");
   add_map_arguments(command, arguments);
@@ -79,6 +80,10 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
       ->check(number(0.1, 1000));
   command.add_flag("--keep-doubtful", arguments.keep_doubtful,
                    "also write the poses of doubtful frames to trajectory.txt, and evaluate them");
+  command.add_option("--poses-to", arguments.poses_to,
+                     "send a JSON line with the pose of each frame as it is tracked to a file or a pipe, to\n"
+                     "standard output (-), to the program that connects to unix:PATH, or to udp:HOST:PORT;\n"
+                     "see docs/protocol.md");
   add_frame_option(command, arguments.frame);
   add_viewer_option(command, arguments.viewer);
   add_quiet_option(command, arguments.quiet);

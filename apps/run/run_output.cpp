@@ -67,7 +67,7 @@ bool RunOutput::try_save_map_file() {
 }
 
 void RunOutput::save_now() {
-  write_tum_trajectory(folder_.trajectory(), trajectory(), trajectory_note());
+  write_trajectory();
   if (poses_only_) return;
   const MapCloud map = cloud({});
   write_ply(folder_.map(), map.cloud, map.frame);
@@ -99,6 +99,17 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
 
 bool RunOutput::check() const {
   return check_result(outcome_, trajectory(), depth_) && saved_;
+}
+
+PoseCovariances RunOutput::covariances() const {
+  return covariances_of(session_.slam().session_log(), session_.slam().map(), doubtful_);
+}
+
+/// Writes the trajectory with its covariances.
+void RunOutput::write_trajectory() const {
+  const Trajectory poses = trajectory();
+  write_tum_trajectory(folder_.trajectory(), poses, trajectory_note());
+  write_covariances(folder_.covariances(), poses, covariances());
 }
 
 std::string RunOutput::trajectory_note() const {
@@ -139,10 +150,10 @@ void RunOutput::write_results() const {
   const FrameSource& source = *plan_.source;
   write_frame_table(folder_.frames(), frames_.table(slam.session_log(), slam.timings()));
   write_mask();
-  if (!map_) return write_tum_trajectory(folder_.trajectory(), trajectory(), trajectory_note());
+  if (!map_) return write_trajectory();
   write_run_files(
       folder_, {trajectory(), keyframe_trajectory(slam.map(), slam.component()), source.info().ground_truth,
-                map_->cloud, map_->frame, nullptr, trajectory_note()});
+                map_->cloud, map_->frame, nullptr, covariances(), trajectory_note()});
   write_camera_file(folder_.camera(), calibrated_camera(source.camera(), slam.sensor_estimate()));
   write_g2o(folder_.graph(), {make_pose_graph(slam.map(), plan_.options.slam.loop), {}, true, {}});
   write_loop_pictures(folder_, slam, session_.recorder());

@@ -10,6 +10,7 @@
 #include "apps/shared/version.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/map/pose_covariance.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 #include "session/run_quality.hpp"
 #include "tools/evaluation/consistency.hpp"
@@ -76,11 +77,7 @@ std::vector<PoseWithCovariance> poses_with_covariance(const Slam& slam, uint32_t
 json covariances_json(const std::vector<PoseWithCovariance>& poses) {
   json all = json::array();
   for (const PoseWithCovariance& pose : poses) {
-    json upper = json::array();
-    for (int row = 0; row < 6; ++row) {
-      for (int column = row; column < 6; ++column) upper.push_back(pose.covariance(row, column));
-    }
-    all.push_back({{"stamp", format_stamp(pose.stamp_ns)}, {"covariance", upper}});
+    all.push_back({{"stamp", format_stamp(pose.stamp_ns)}, {"covariance", upper_triangle(pose.covariance)}});
   }
   return all;
 }

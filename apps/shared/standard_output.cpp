@@ -21,8 +21,8 @@ std::FILE* message_stream(const std::filesystem::path& output) {
   return is_standard_output(output) ? stderr : stdout;
 }
 
-void print_text(const std::string& text) {
-  std::fputs(text.c_str(), stdout);
+void print_text(const std::string& text, std::FILE* stream) {
+  std::fputs(text.c_str(), stream);
 }
 
 int flush_standard_output() {

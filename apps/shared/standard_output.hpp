@@ -17,7 +17,7 @@ std::FILE* message_stream(const std::filesystem::path& output);
 
 /// Prints without an exception if that fails, see flush_standard_output: for what is said when the results
 /// are written.
-void print_text(const std::string& text);
+void print_text(const std::string& text, std::FILE* stream = stdout);
 
 /// Flushes standard output. Returns the error (errno) if something that was printed could not be written,
 /// else 0.

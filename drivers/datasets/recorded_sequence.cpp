@@ -1,5 +1,7 @@
 #include "drivers/datasets/recorded_sequence.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace kinloop {
@@ -19,8 +21,11 @@ std::string describe(const RecordedSequence& sequence, const RgbdCamera& camera)
   const std::string registration = camera.depth ? fmt::format("depth of {} x {} to be registered,",
                                                               camera.depth->width, camera.depth->height)
                                                 : "registered depth";
-  return fmt::format("{}: {} frames, {} x {}, {} in {}", sequence.layout, sequence.frames.size(), color.width,
-                     color.height, registration, unit_of_depth(sequence, camera));
+  const auto masks = std::count_if(sequence.frames.begin(), sequence.frames.end(),
+                                   [](const RecordedFrame& frame) { return !frame.mask.empty(); });
+  return fmt::format("{}: {} frames, {} x {}, {} in {}{}", sequence.layout, sequence.frames.size(),
+                     color.width, color.height, registration, unit_of_depth(sequence, camera),
+                     masks > 0 ? fmt::format(", masks of {}", masks) : "");
 }
 
 }  // namespace kinloop

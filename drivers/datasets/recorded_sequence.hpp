@@ -29,6 +29,7 @@ struct RecordedFrame {
   ImageLocation depth;
   std::filesystem::path confidence;  ///< of depth, ARKit's levels from 0; empty: unknown
   size_t video_frame = 0;            ///< index in the video
+  std::filesystem::path mask = {};   ///< of the colour image, see find_masks; empty: all is used
 };
 
 enum class DepthEncoding {

@@ -4,7 +4,9 @@
 #include <opencv2/core.hpp>
 
 #include "drivers/datasets/reading/depth_image.hpp"
+#include "drivers/datasets/reading/frame_masks.hpp"
 #include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/images/mask_image.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 
@@ -59,6 +61,7 @@ RecordedSource::RecordedSource(std::string name, RecordedSequence sequence, cons
   if (!video_) require_some_there(frames, &RecordedFrame::color, info_.name);
   require_some_there(frames, &RecordedFrame::depth, info_.name);
   require_expected_format();
+  require_usable_masks(sequence_, {camera_.color.width, camera_.color.height});
 }
 
 void RecordedSource::require_expected_format() const {
@@ -87,8 +90,11 @@ std::optional<Frame> RecordedSource::next() {
     try {
       Frame frame = read_images(files);
       frame.depth_m = prepare_depth_(frame.depth_m);
+      frame.mask = read_frame_mask(files, {camera_.color.width, camera_.color.height});
       frame.id = FrameId{next_id_++};
       return frame;
+    } catch (const MaskFormatError&) {
+      throw;  // not damage: without its mask the frame would be used differently than meant
     } catch (const InputError& error) {
       const bool in_video = video_ != nullptr;
       if (first_failure_.empty()) first_failure_ = error.what();

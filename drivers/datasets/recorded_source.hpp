@@ -14,7 +14,8 @@ namespace kinloop {
 
 /// Damaged frames (missing, truncated, not an image, wrong size, depth not 16-bit) and rows whose time stamp
 /// does not increase are skipped and counted. Unregistered depth (a depth camera of its own) is registered to
-/// colour; depth of the lowest confidence is unknown.
+/// colour; depth of the lowest confidence is unknown. A mask of another size or kind is an error, which
+/// `next` throws.
 class RecordedSource : public FrameSource {
  public:
   /// `name` is the source as given by the user. Throws InputError naming file and remedy if the sequence is

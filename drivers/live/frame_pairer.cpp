@@ -5,16 +5,17 @@
 namespace kinloop {
 
 void FramePairer::add_color(int64_t stamp_ns, ColorImage image) {
-  add(colors_, newest_color_ns_, {stamp_ns, stamp_ns, std::move(image), {}, {}});
+  add(colors_, newest_color_ns_, {stamp_ns, stamp_ns, std::move(image)});
 }
 
 void FramePairer::add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared) {
   add(depths_, newest_depth_ns_, {stamp_ns, stamp_ns, {}, std::move(depth_m), std::move(infrared)});
 }
 
-void FramePairer::add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m) {
-  add(depths_, newest_depth_ns_, {stamp_ns, depth_stamp_ns, {}, std::move(depth_m), {}});
-  add_color(stamp_ns, std::move(image));
+void FramePairer::add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m,
+                           cv::Mat mask) {
+  add(depths_, newest_depth_ns_, {stamp_ns, depth_stamp_ns, {}, std::move(depth_m)});
+  add(colors_, newest_color_ns_, {stamp_ns, stamp_ns, std::move(image), {}, {}, std::move(mask)});
 }
 
 void FramePairer::add(Queue& queue, std::optional<int64_t>& newest_ns, Stamped image) {
@@ -59,7 +60,8 @@ std::optional<Frame> FramePairer::next() {
                 std::move(colors_.front().color),
                 std::move(depths_.front().depth_m),
                 std::move(depths_.front().infrared),
-                depths_.front().measured_ns};
+                depths_.front().measured_ns,
+                std::move(colors_.front().mask)};
     colors_.pop_front();
     depths_.pop_front();
     return frame;

@@ -23,8 +23,9 @@ class FramePairer {
   void add_color(int64_t stamp_ns, ColorImage image);
   void add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared = {});
 
-  /// Adds images that are known to belong together, whatever the stamp of depth.
-  void add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m);
+  /// Adds images that are known to belong together, whatever the stamp of depth. `mask` is Frame::mask.
+  void add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m,
+                cv::Mat mask = {});
 
   /// No more images will arrive: pairs the remaining ones as far as possible.
   void finish() { finished_ = true; }
@@ -38,12 +39,12 @@ class FramePairer {
   [[nodiscard]] size_t out_of_order() const { return out_of_order_; }
 
  private:
-  /// A colour image, or a depth image with its infrared image if available.
+  /// A colour image with its mask, or a depth image with its infrared image, if available.
   struct Stamped {
     int64_t stamp_ns = 0;     ///< by which it is paired
     int64_t measured_ns = 0;  ///< its own
     ColorImage color;
-    cv::Mat depth_m, infrared;
+    cv::Mat depth_m = {}, infrared = {}, mask = {};
   };
   using Queue = std::deque<Stamped>;
 

@@ -19,10 +19,11 @@ void LiveFrameBuffer::add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infra
   collect_ready();
 }
 
-void LiveFrameBuffer::add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m) {
+void LiveFrameBuffer::add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m,
+                               cv::Mat mask) {
   const std::lock_guard lock(mutex_);
   const int64_t color_ns = continued(stamp_ns);
-  pairer_.add_pair(color_ns, std::move(image), shifted(depth_stamp_ns), std::move(depth_m));
+  pairer_.add_pair(color_ns, std::move(image), shifted(depth_stamp_ns), std::move(depth_m), std::move(mask));
   collect_ready();
 }
 

@@ -30,7 +30,8 @@ class LiveFrameBuffer {
 
   void add_color(int64_t stamp_ns, ColorImage image);
   void add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared = {});
-  void add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m);
+  void add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_stamp_ns, cv::Mat depth_m,
+                cv::Mat mask = {});
 
   /// No more images will arrive: pairs those that wait for a nearer partner.
   void finish();

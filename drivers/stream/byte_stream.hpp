@@ -6,22 +6,10 @@
 #include <span>
 #include <utility>
 
+#include "drivers/stream/socket_file.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 
 namespace kinloop {
-
-/// An open file, closed at the end.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor();
-  Descriptor(Descriptor&& other) noexcept;
-  Descriptor& operator=(Descriptor&&) = delete;
-  [[nodiscard]] int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 class ByteStream {
  public:

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "drivers/images/encoded_image.hpp"
+#include "drivers/images/mask_image.hpp"
 #include "drivers/ros/ros_image.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
@@ -149,6 +150,7 @@ std::optional<SentFrame> FrameProtocol::read_frame(const StopRequest& stop) {
   if (!text || stop()) return std::nullopt;
   SentFrame frame;
   AnnouncedImage color, depth;
+  std::optional<AnnouncedImage> mask;
   try {
     const Json header = parsed_json(*text);
     frame.stamp_ns = stamp_field(header, "stamp_ns", "the time of the colour image, nanoseconds");
@@ -158,11 +160,13 @@ std::optional<SentFrame> FrameProtocol::read_frame(const StopRequest& stop) {
             : frame.stamp_ns;
     color = announced_image(header, "color");
     depth = announced_image(header, "depth");
+    if (header.contains("mask")) mask = announced_image(header, "mask");
   } catch (const InputError& error) {
     reject(error.what());
   }
   frame.color = {color.encoding, read_data(color.bytes, stop)};
   frame.depth = {depth.encoding, read_data(depth.bytes, stop)};
+  if (mask) frame.mask = {mask->encoding, read_data(mask->bytes, stop)};
   if (stop()) return std::nullopt;
   return frame;
 }
@@ -183,6 +187,18 @@ cv::Mat decode_sent_depth(const SentImage& image, const PinholeCamera& camera, d
   require_camera_size(units.size(), camera);
   if (units.type() != CV_16UC1) throw InputError("depth that is not a 16-bit grey PNG");
   return from_depth_units(units, depth_scale);
+}
+
+cv::Mat decode_sent_mask(const SentImage& image, const PinholeCamera& camera) {
+  const cv::Size size(camera.width, camera.height);
+  if (image.encoding == "png") return decode_mask(std::string(as_text(image.data)), size, "mask");
+  if (image.encoding != "mono8")
+    throw InputError(fmt::format("a mask of encoding '{}'; expected png or mono8", image.encoding));
+  const auto expected = static_cast<size_t>(size.area());
+  if (image.data.size() != expected)
+    throw InputError(
+        fmt::format("a mask of {} bytes where the camera has {} pixels", image.data.size(), expected));
+  return cv::Mat(size, CV_8UC1, const_cast<uint8_t*>(image.data.data())) != 0;
 }
 
 }  // namespace kinloop

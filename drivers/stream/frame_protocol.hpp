@@ -33,6 +33,7 @@ struct SentFrame {
   int64_t stamp_ns = 0;        ///< of colour
   int64_t depth_stamp_ns = 0;  ///< of depth
   SentImage color, depth;
+  std::optional<SentImage> mask;
 };
 
 /// Reads the records of one stream. Every function throws InputError naming stream and record if the stream
@@ -57,9 +58,10 @@ class FrameProtocol {
   size_t record_ = 0;  ///< number of the current record, from 0
 };
 
-/// Decode the images of a frame: colour to 8UC3 BGR, depth to 32FC1 metres. Throw InputError if the image is
-/// damaged, of another size than the camera's or in an unknown encoding.
+/// Decode the images of a frame: colour to 8UC3 BGR, depth to 32FC1 metres, a mask to 8UC1. Throw InputError
+/// if the image is damaged, of another size than the camera's or in an unknown encoding.
 ColorImage decode_sent_color(const SentImage& image, const PinholeCamera& camera);
 cv::Mat decode_sent_depth(const SentImage& image, const PinholeCamera& camera, double depth_scale);
+cv::Mat decode_sent_mask(const SentImage& image, const PinholeCamera& camera);
 
 }  // namespace kinloop

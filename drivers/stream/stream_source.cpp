@@ -80,7 +80,9 @@ class StreamSource : public FrameSource {
       const PinholeCamera& depth_camera = camera_.depth ? *camera_.depth : camera_.color;
       ColorImage color = decode_sent_color(sent.color, camera_.color);
       cv::Mat depth_m = decode_sent_depth(sent.depth, depth_camera, camera_.depth_scale);
-      frames_.add_pair(sent.stamp_ns, std::move(color), sent.depth_stamp_ns, std::move(depth_m));
+      cv::Mat mask = sent.mask ? decode_sent_mask(*sent.mask, camera_.color) : cv::Mat();
+      frames_.add_pair(sent.stamp_ns, std::move(color), sent.depth_stamp_ns, std::move(depth_m),
+                       std::move(mask));
     } catch (const InputError& error) {
       const std::lock_guard lock(mutex_);
       skipped_.add({fmt::format("frame at {} ns", sent.stamp_ns), error.what()});

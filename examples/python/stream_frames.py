@@ -3,7 +3,7 @@
 
   stream_frames.py FOLDER [--live] | kinloop run - -o out
 
-FOLDER holds camera.yaml too. --live: frames that come too fast are dropped, as with a camera.
+FOLDER holds camera.yaml too, and maybe masks/. --live: frames that come too fast are dropped, as with a camera.
 """
 import json
 import pathlib
@@ -33,5 +33,10 @@ for stamp_ns, name in read_list(folder / "rgb.txt"):
         continue
     color, depth = (folder / name).read_bytes(), (folder / depth_name).read_bytes()
     kind = "png" if color.startswith(b"\x89PNG") else "jpeg"
-    send({"stamp_ns": stamp_ns, "depth_stamp_ns": depth_ns, "color": {"encoding": kind, "bytes": len(color)},
-          "depth": {"encoding": "png", "bytes": len(depth)}}, color, depth)
+    header = {"stamp_ns": stamp_ns, "depth_stamp_ns": depth_ns, "color": {"encoding": kind, "bytes": len(color)},
+              "depth": {"encoding": "png", "bytes": len(depth)}}
+    mask = folder / "masks" / pathlib.Path(name).with_suffix(".png").name
+    images = [color, depth] + ([mask.read_bytes()] if mask.exists() else [])
+    if mask.exists():
+        header["mask"] = {"encoding": "png", "bytes": len(images[-1])}
+    send(header, *images)

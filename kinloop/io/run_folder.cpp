@@ -44,6 +44,7 @@ RunFolder RunFolder::open_existing(std::filesystem::path path) {
 
 void write_run_files(const RunFolder& folder, const RunFiles& files) {
   write_tum_trajectory(folder.trajectory(), files.trajectory, files.note);
+  write_covariances(folder.covariances(), files.trajectory, files.covariances);
   write_tum_trajectory(folder.keyframes(), files.keyframes);
   if (files.ground_truth.empty()) {
     std::error_code ignored;

@@ -10,6 +10,7 @@
 #include "kinloop/core/files/folder_lock.hpp"
 #include "kinloop/dense/cloud/colored_cloud.hpp"
 #include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/io/covariance_file.hpp"
 #include "kinloop/io/file_frame.hpp"
 
 namespace kinloop {
@@ -31,6 +32,7 @@ class RunFolder {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::filesystem::path trajectory() const { return path_ / "trajectory.txt"; }
+  [[nodiscard]] std::filesystem::path covariances() const { return path_ / "covariances.txt"; }
   [[nodiscard]] std::filesystem::path keyframes() const { return path_ / "keyframes.txt"; }
   [[nodiscard]] std::filesystem::path ground_truth() const { return path_ / "groundtruth.txt"; }
   [[nodiscard]] std::filesystem::path frames() const { return path_ / "frames.txt"; }
@@ -55,11 +57,12 @@ class RunFolder {
 struct RunFiles {
   Trajectory trajectory;
   Trajectory keyframes;
-  Trajectory ground_truth;  ///< if empty, no file is written and an old one is removed
-  ColoredCloud map;         ///< in the world frame
-  FileFrame frame;          ///< of map.ply
-  nlohmann::json metrics;   ///< run.json; null: not written
-  std::string note = {};    ///< comment in trajectory.txt, see note_on_doubtful_poses; empty: none
+  Trajectory ground_truth;           ///< if empty, no file is written and an old one is removed
+  ColoredCloud map;                  ///< in the world frame
+  FileFrame frame;                   ///< of map.ply
+  nlohmann::json metrics;            ///< run.json; null: not written
+  PoseCovariances covariances = {};  ///< of the trajectory's poses
+  std::string note = {};             ///< comment in trajectory.txt, see note_on_doubtful_poses; empty: none
 };
 
 /// Writes all of these files (camera.yaml, graph.g2o, frames.txt, loops and report.html are written

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/map/pose_covariance.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -32,6 +34,18 @@ std::vector<MatchMeasurement> measurements_of(const std::vector<LandmarkMatch>& 
     measurements.push_back(measured);
   }
   return measurements;
+}
+
+/// Calls `use` with each frame whose pose belongs to the trajectory.
+template <class Use>
+void for_frames_of_trajectory(std::span<const TrackedFrame> log, const Map& map, DoubtfulPoses doubtful,
+                              const Use& use) {
+  const uint32_t component = main_component(log, map);
+  for (const TrackedFrame& entry : log) {
+    if (!is_tracked_in(component, entry, map)) continue;
+    if (entry.doubtful && doubtful == DoubtfulPoses::kLeftOut) continue;
+    use(entry);
+  }
 }
 
 }  // namespace
@@ -78,14 +92,19 @@ bool is_tracked_in(uint32_t component, const TrackedFrame& entry, const Map& map
 }
 
 Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map, DoubtfulPoses doubtful) {
-  const uint32_t component = main_component(log, map);
   Trajectory trajectory;
-  for (const TrackedFrame& entry : log) {
-    if (!is_tracked_in(component, entry, map)) continue;
-    if (entry.doubtful && doubtful == DoubtfulPoses::kLeftOut) continue;
+  for_frames_of_trajectory(log, map, doubtful, [&](const TrackedFrame& entry) {
     trajectory.push_back({entry.stamp_ns, world_pose(entry, map)});
-  }
+  });
   return trajectory;
+}
+
+std::vector<std::optional<Matrix6d>> covariances_of(std::span<const TrackedFrame> log, const Map& map,
+                                                    DoubtfulPoses doubtful) {
+  std::vector<std::optional<Matrix6d>> covariances;
+  for_frames_of_trajectory(log, map, doubtful,
+                           [&](const TrackedFrame& entry) { covariances.push_back(pose_covariance(entry)); });
+  return covariances;
 }
 
 long count_doubtful_poses(std::span<const TrackedFrame> log, const Map& map) {

@@ -49,6 +49,10 @@ enum class DoubtfulPoses { kLeftOut, kKept };
 Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map,
                          DoubtfulPoses doubtful = DoubtfulPoses::kLeftOut);
 
+/// Returns the covariance of each of those poses, see TrackedFrame::covariance; nullopt if unknown.
+std::vector<std::optional<Matrix6d>> covariances_of(std::span<const TrackedFrame> log, const Map& map,
+                                                    DoubtfulPoses doubtful = DoubtfulPoses::kLeftOut);
+
 /// Returns the number of doubtful poses in the main component.
 long count_doubtful_poses(std::span<const TrackedFrame> log, const Map& map);
 

@@ -3,6 +3,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/image_octaves.hpp"
+#include "kinloop/sensor/mask.hpp"
 
 namespace kinloop {
 namespace {
@@ -40,7 +41,7 @@ Frame FrontEnd::prepare(Frame frame) const {
 }
 
 Frame mask_images(Frame frame, const cv::Mat& mask) {
-  frame.mask = frame.mask.empty() ? mask : cv::Mat(cv::min(frame.mask, mask));
+  frame.mask = intersection_of_masks(frame.mask, mask);
   frame.depth_m = masked_depth(frame.depth_m, mask);
   frame.features = nullptr;
   return frame;

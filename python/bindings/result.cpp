@@ -1,7 +1,11 @@
 #include "python/bindings/result.hpp"
 
+#include <algorithm>
+#include <limits>
+
 #include <fmt/format.h>
 #include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -86,6 +90,25 @@ std::pair<size_t, size_t> frame_counts(const Result& result) {
           result.trajectory.poses.size()};
 }
 
+PoseCovariances covariances_of(const Result& result) {
+  return read_slam(result, [&](const Slam& slam) {
+    return kinloop::covariances_of(slam.session_log(), slam.map(), result.doubtful);
+  });
+}
+
+/// float64 (N, 6, 6), NaN where unknown.
+py::array_t<double> covariance_array(const Result& result) {
+  const PoseCovariances covariances = covariances_of(result);
+  py::array_t<double> array({static_cast<py::ssize_t>(covariances.size()), py::ssize_t{6}, py::ssize_t{6}});
+  double* to = array.mutable_data();
+  for (const auto& covariance : covariances) {
+    const Matrix6d values = covariance.value_or(Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN()));
+    to = std::copy_n(values.data(), values.size(),
+                     to);  // by columns, which are the rows of a symmetric matrix
+  }
+  return array;
+}
+
 std::string note_on_trajectory(const Result& result) {
   return read_slam(result, [&](const Slam& slam) {
     return note_on_doubtful_poses(slam.session_log(), slam.map(), result.doubtful);
@@ -115,10 +138,12 @@ void save_result(Result& result, const std::filesystem::path& path) {
   const RgbdCamera camera = calibrated(result);
   const PyTrajectory keyframes = keyframes_of(result);
   const PyPoseGraph graph = pose_graph_of(result);
+  const PoseCovariances covariances = covariances_of(result);
   const std::string note = note_on_trajectory(result);
   without_gil([&] {
-    write_run_files(folder,
-                    {result.trajectory.poses, keyframes.poses, {}, cloud.cloud, cloud.frame, figures, note});
+    write_run_files(
+        folder,
+        {result.trajectory.poses, keyframes.poses, {}, cloud.cloud, cloud.frame, figures, covariances, note});
     write_camera_file(folder.camera(), camera);
     write_g2o(folder.graph(), graph.file);
     result.run->save_map(folder.map_file());
@@ -134,6 +159,10 @@ void bind_result(py::module_& module) {
       .def_property_readonly(
           "trajectory", [](const Result& r) { return r.trajectory; },
           "The final Trajectory of all located frames, without doubtful ones unless finish() keeps them.")
+      .def_property_readonly(
+          "covariances", &covariance_array,
+          "The covariance of each pose of the trajectory, float64 (N, 6, 6): of translation (m) and rotation "
+          "(rad) in camera axes; NaN if unknown.")
       .def_property_readonly(
           "quality", &quality_of,
           R"(The verdict on the run, a dict: verdict ("good", "doubtful" or "bad"), seconds,
@@ -158,7 +187,8 @@ Keywords are the options mesh.* of the program: mesh(voxel_m=0.02). Raises Usage
           py::arg("path"),
           "Writes the map file (.kinmap), to be continued or localised in. Raises InputError.")
       .def("save", &save_result, py::arg("folder"),
-           "Writes trajectory.txt, keyframes.txt, map.ply, map.kinmap, graph.g2o and camera.yaml, under the "
+           "Writes trajectory.txt, covariances.txt, keyframes.txt, map.ply, map.kinmap, graph.g2o and "
+           "camera.yaml, under the "
            "names of "
            "kinloop run, into a folder that kinloop view, export and mesh take. Raises InputError.")
       .def("__repr__", [](const Result& r) {

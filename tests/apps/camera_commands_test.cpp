@@ -130,12 +130,12 @@ TEST_F(CameraCommands, SimulateWritesMasksOfWhatMovesAndOnlyThen) {
   const std::string simulate = "simulate room --frames 2 --size 160x120 -q ";
   ASSERT_EQ(run(simulate + "--set movers.people=1 -o '" + at("people") + "'").exit_code, kDone);
   for (const char* stamp : {"1.000000", "1.033333"}) {
-    const cv::Mat mask = cv::imread(at("people/masks/" + std::string(stamp) + ".png"), cv::IMREAD_UNCHANGED);
+    const cv::Mat mask = cv::imread(at("people/movers/" + std::string(stamp) + ".png"), cv::IMREAD_UNCHANGED);
     EXPECT_EQ(mask.size(), cv::Size(160, 120));
     EXPECT_TRUE(std::filesystem::exists(at("people/rgb/" + std::string(stamp) + ".png")));
   }
   ASSERT_EQ(run(simulate + "-o '" + at("nobody") + "'").exit_code, kDone);
-  EXPECT_FALSE(std::filesystem::exists(at("nobody/masks")));
+  EXPECT_FALSE(std::filesystem::exists(at("nobody/movers")));
   EXPECT_EQ(run(simulate + "--set movers.dogs=1 -o '" + at("dogs") + "'").exit_code, kWrongUse);
 }
 

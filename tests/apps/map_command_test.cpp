@@ -186,7 +186,7 @@ TEST_F(MapCommand, ContinuesAMapAndLocalisesInIt) {
       << err_;
   for (const char* absent : {"map.kinmap", "map.ply", "report.html", "graph.g2o", "camera.yaml"})
     EXPECT_FALSE(std::filesystem::exists(at("there/") + absent)) << absent;
-  for (const char* present : {"trajectory.txt", "frames.txt"})
+  for (const char* present : {"trajectory.txt", "covariances.txt", "frames.txt"})
     EXPECT_TRUE(std::filesystem::exists(at("there/") + present)) << present;
   const auto figures = nlohmann::json::parse(read_file(at("there") + "/run.json"));
   EXPECT_EQ(figures["frames"], 20);

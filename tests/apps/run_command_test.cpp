@@ -125,6 +125,28 @@ TEST_F(RunCommand, AMaskLeavesItsPixelsOutOfTheMap) {
   EXPECT_THAT(missing.err, HasSubstr("no.png"));
 }
 
+TEST_F(RunCommand, MasksOfAllFramesActAsOneMask) {
+  const std::string folder = sequence();
+  cv::Mat mask = cv::Mat::zeros(120, 160, CV_8UC1);
+  mask(cv::Rect(0, 0, 80, 120)) = 255;
+  write_png(at("half.png"), mask);
+  ASSERT_EQ(run("run '" + folder + "' -q --mask '" + at("half.png") + "' -o '" + at("one") + "'").exit_code,
+            kDone);
+  std::filesystem::create_directories(at("seq/masks"));
+  for (const auto& image : std::filesystem::directory_iterator(at("seq/rgb")))
+    write_png(at("seq/masks/") + image.path().filename().string(), mask);
+  const Run masked = run("run '" + folder + "' -o '" + at("each") + "'");
+  EXPECT_EQ(masked.exit_code, kDone) << masked.err;
+  EXPECT_THAT(masked.err, HasSubstr("masks of 4"));
+  for (const char* file : {"/trajectory.txt", "/map.ply"})
+    EXPECT_TRUE(read_file(at("each") + file) == read_file(at("one") + file)) << file;
+  for (const auto& image : std::filesystem::directory_iterator(at("seq/masks")))
+    write_png(image.path(), mask.rowRange(0, 60));
+  const Run wrong = run("run '" + folder + "' -q -o '" + at("out") + "'");
+  EXPECT_EQ(wrong.exit_code, kBadInput);
+  EXPECT_THAT(wrong.err, AllOf(HasSubstr("/masks/"), HasSubstr("160 x 60")));
+}
+
 TEST_F(RunCommand, UnknownOptionsAreErrors) {
   const Run wrong = run("run sim:room --set global_ba.no_such_thing=1");
   EXPECT_EQ(wrong.exit_code, kWrongUse);

@@ -103,6 +103,66 @@ TEST(StreamSource, GivesTheFramesOfAFolderRawOrCompressed) {
   }
 }
 
+/// The record of a frame with a mask.
+std::string masked_frame(int64_t stamp_ns, const std::string& encoding, const std::string& mask) {
+  const std::string more =
+      fmt::format(R"(, "mask": {{"encoding": "{}", "bytes": {}}})", encoding, mask.size());
+  return frame_record(stamp_ns, "png", test::encoded(test::make_color(1), ".png"), "png",
+                      test::encoded(test::make_depth(1000), ".png"), more) +
+         mask;
+}
+
+TEST(StreamSource, MasksComeWithTheFramesThatHaveOne) {
+  cv::Mat mask = cv::Mat::ones(test::kHeight, test::kWidth, CV_8UC1);  // of labels: not 0 is used
+  mask.colRange(0, 10) = 0;
+  const test::TempFolder folder;
+  const auto stream = stream_of(
+      folder, start_record() + png_frame(100) + masked_frame(200, "png", test::encoded(mask, ".png")) +
+                  masked_frame(300, "mono8", test::pixels_of(mask)) + png_frame(400));
+  for (const bool masked : {false, true, true, false}) {
+    const auto frame = stream->next();
+    ASSERT_TRUE(frame);
+    ASSERT_EQ(frame->mask.empty(), !masked);
+    if (!masked) continue;
+    EXPECT_EQ(cv::countNonZero(frame->mask != 255 * mask), 0);
+  }
+  EXPECT_FALSE(stream->next());
+  EXPECT_TRUE(stream->skipped().empty());
+}
+
+TEST(StreamSource, FramesWhoseMaskCannotBeMeantAreSkippedAndCounted) {
+  const test::TempFolder folder;
+  const std::string mask =
+                        test::encoded(cv::Mat(test::kHeight, test::kWidth, CV_8UC1, cv::Scalar(1)), ".png"),
+                    small = test::encoded(cv::Mat(12, 16, CV_8UC1, cv::Scalar(1)), ".png"),
+                    depth = test::encoded(test::make_depth(1000), ".png");
+  const auto stream =
+      stream_of(folder, start_record() + masked_frame(100, "png", small) +
+                            masked_frame(200, "png", mask.substr(0, 40)) + masked_frame(300, "png", depth) +
+                            masked_frame(400, "mono8", "short") + masked_frame(500, "jpeg", mask) +
+                            masked_frame(600, "png", "") + masked_frame(700, "png", mask));
+  const auto frame = stream->next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->stamp_ns, 700);
+  EXPECT_FALSE(stream->next());
+  std::string reasons;
+  for (const auto& skipped : stream->skipped()) reasons += skipped.reason + "\n";
+  EXPECT_EQ(stream->skipped().size(), 6U);
+  EXPECT_THAT(reasons, AllOf(HasSubstr("16 x 12"), HasSubstr("not an 8-bit grey PNG"), HasSubstr("5 bytes"),
+                             HasSubstr("expected png or mono8"), HasSubstr("empty")));
+}
+
+TEST(StreamSource, AMaskThatIsAnnouncedButNotSentBreaksTheStream) {
+  const test::TempFolder folder;
+  const auto broken = [&](const std::string& more) {
+    const auto stream = stream_of(folder, start_record() + frame_record(100, "bgr8", "", "16UC1", "", more));
+    return input_error([&] { static_cast<void>(count_stream_frames(*stream)); });
+  };
+  EXPECT_THAT(broken(R"(, "mask": {"encoding": "png", "bytes": 9})"), HasSubstr("record 1"));
+  EXPECT_THAT(broken(R"(, "mask": {"encoding": "png"})"), HasSubstr("the size of an image"));
+  EXPECT_THAT(broken(R"(, "mask": null)"), HasSubstr("encoding"));
+}
+
 TEST(StreamSource, ALiveStreamDropsTheOldestFrames) {
   const test::TempFolder folder;
   std::string bytes = start_record("true");

@@ -1,5 +1,7 @@
 #include "kinloop/io/run_folder.hpp"
 
+#include <sstream>
+
 #include <gmock/gmock.h>
 
 #include "kinloop/core/files/text_file.hpp"
@@ -10,6 +12,7 @@
 namespace kinloop {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 RunFiles some_files() {
@@ -17,6 +20,8 @@ RunFiles some_files() {
   for (int i = 0; i < 5; ++i) {
     files.trajectory.push_back({i * 1'000'000'000LL, {Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}}});
   }
+  files.covariances.assign(5, Matrix6d::Identity());
+  files.covariances[1] = std::nullopt;
   files.keyframes = {files.trajectory[0], files.trajectory[3]};
   files.ground_truth = files.trajectory;
   files.map.points.emplace_back(1, 2, 3);
@@ -42,6 +47,26 @@ TEST(RunFolder, HoldsEverythingUnderItsName) {
   EXPECT_EQ(read_tum_trajectory(temp.path() / "deep/out/groundtruth.txt").size(), 5U);
   EXPECT_EQ(read_ply(temp.path() / "deep/out/map.ply").size(), 1U);
   EXPECT_EQ(read_run_json(temp.path() / "deep/out/run.json").at("frames"), 5);
+}
+
+TEST(RunFolder, CovariancesHaveALinePerPose) {
+  const test::TempFolder temp;
+  const RunFolder folder(temp.path());
+  RunFiles files = some_files();
+  files.covariances[2]->diagonal() << 1, 2, 3, 4, 5, 6;
+  (*files.covariances[2])(0, 1) = (*files.covariances[2])(1, 0) = -0.125;
+  write_run_files(folder, files);
+  std::istringstream lines(read_file(folder.covariances()));
+  std::vector<std::string> rows;
+  for (std::string line; std::getline(lines, line);) rows.push_back(line);
+  ASSERT_EQ(rows.size(), 6U);
+  EXPECT_THAT(rows[0], AllOf(testing::StartsWith("# stamp_s"), HasSubstr("axes of the camera")));
+  std::string unknown = "1.000000";
+  for (int i = 0; i < 21; ++i) unknown += " nan";
+  EXPECT_EQ(rows[2], unknown);
+  EXPECT_EQ(rows[3], "2.000000 1 -0.125 0 0 0 0 2 0 0 0 0 3 0 0 0 4 0 0 5 0 6");
+  files.covariances.pop_back();
+  EXPECT_THROW(write_run_files(folder, files), std::logic_error);
 }
 
 TEST(RunFolder, TheTrajectoryBeginsWithItsNote) {

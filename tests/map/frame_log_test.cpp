@@ -125,5 +125,26 @@ TEST(RelocalizeLostFrames, KeepsFramesLostThatAreNotFound) {
   EXPECT_TRUE(log[1].frame) << "may be searched again";
 }
 
+TEST(Covariances, AreThoseOfThePosesOfTheTrajectory) {
+  Map map;
+  map.add_keyframe(FrameId{0}, 0, {}, std::make_shared<const Features>());
+  FrameLog log(5, located_at(0));
+  for (size_t i = 0; i < log.size(); ++i) {
+    log[i].stamp_ns = static_cast<int64_t>(i);
+    log[i].covariance = static_cast<double>(i) * Matrix6d::Identity();
+  }
+  log[1].outcome = TrackingOutcome::kLost;
+  log[3].doubtful = true;
+  for (const DoubtfulPoses doubtful : {DoubtfulPoses::kLeftOut, DoubtfulPoses::kKept}) {
+    const Trajectory trajectory = trajectory_of(log, map, doubtful);
+    const auto covariances = covariances_of(log, map, doubtful);
+    ASSERT_EQ(covariances.size(), trajectory.size());
+    ASSERT_EQ(covariances.size(), doubtful == DoubtfulPoses::kKept ? 4U : 3U);
+    EXPECT_FALSE(covariances[0]);  // zero: unknown
+    for (size_t i = 1; i < covariances.size(); ++i)
+      EXPECT_EQ((*covariances[i])(0, 0), static_cast<double>(trajectory[i].stamp_ns));
+  }
+}
+
 }  // namespace
 }  // namespace kinloop

@@ -1,5 +1,6 @@
 """The scripts of examples/python and the code of docs/python.md and README."""
 
+import os
 import re
 import subprocess
 import sys
@@ -23,7 +24,7 @@ def example(tmp_path):
     return run
 
 
-@pytest.mark.parametrize("name", ["compare", "export_colmap", "localize", "map_a_folder", "stream_frames"])
+@pytest.mark.parametrize("name", ["compare", "export_colmap", "localize", "map_a_folder", "read_poses", "stream_frames"])
 def test_usage(name):
     done = subprocess.run([sys.executable, SOURCE / f"examples/python/{name}.py"], capture_output=True, text=True)
     assert done.returncode == 1 and f"\n  {name}.py " in done.stderr and "Traceback" not in done.stderr
@@ -56,6 +57,38 @@ def test_localize(example, sequence, program_run, tmp_path):
 def test_export_colmap(example, program_run, tmp_path):
     example("export_colmap.py", program_run, "model")
     assert list(tmp_path.glob("model/sparse/0/cameras.*")) and list(tmp_path.glob("model/images/*"))
+
+
+def start(*command, **streams):
+    return subprocess.Popen([*map(str, command)], text=True, **streams)
+
+
+def test_frames_in_and_poses_out(sequence, program_run, tmp_path):
+    """Frames come from a program and poses go to another one, while the run is under way."""
+    send, read = (SOURCE / "examples/python" / name for name in ("stream_frames.py", "read_poses.py"))
+    with (
+        start(sys.executable, send, sequence, stdout=subprocess.PIPE) as sender,
+        start(os.environ["KINLOOP_PROGRAM"], "run", "-", "-q", "-o", tmp_path / "out", "--poses-to", "-",
+              stdin=sender.stdout, stdout=subprocess.PIPE) as run,
+        start(sys.executable, read, "-", stdin=run.stdout, stdout=subprocess.PIPE) as reader,
+    ):
+        lines = reader.stdout.read().splitlines()
+    assert run.returncode == 0 and reader.returncode == 0
+    assert len(lines) == 120 and all(" tracked at " in line for line in lines)
+    assert (tmp_path / "out/trajectory.txt").read_bytes() == (program_run / "trajectory.txt").read_bytes()
+
+
+def test_read_poses_of_a_socket(sequence, tmp_path):
+    socket = tmp_path / "poses.sock"
+    with start(sys.executable, SOURCE / "examples/python/read_poses.py", socket, stdout=subprocess.PIPE) as reader:
+        run = start(os.environ["KINLOOP_PROGRAM"], "run", sequence, "-q", "-o", tmp_path / "out", "--poses-to",
+                    f"unix:{socket}", stderr=subprocess.PIPE)  # may say that the first lines found no reader
+        lines = reader.stdout.read().splitlines()
+        run.communicate()
+    assert run.returncode == 0 and reader.returncode == 0
+    last = (tmp_path / "out/trajectory.txt").read_text().splitlines()[-1].split()
+    stamp_ns, status, *_ = lines[-1].split()
+    assert status == "tracked" and int(stamp_ns) == round(float(last[0]) * 1e9)
 
 
 def blocks_of(document):

@@ -22,6 +22,17 @@ def test_same_bytes_of_trajectory_as_the_program(result, program_run, tmp_path):
     assert (tmp_path / "keyframes.txt").read_bytes() == (program_run / "keyframes.txt").read_bytes()
 
 
+def test_covariances_are_those_of_the_program(result, program_run):
+    rows = np.loadtxt(program_run / "covariances.txt")
+    covariances = result.covariances
+    assert covariances.shape == (len(result.trajectory), 6, 6) and len(rows) == len(covariances)
+    np.testing.assert_allclose(rows[:, 0], result.trajectory.stamps_s, atol=1e-6)
+    assert np.isnan(covariances[0]).all() and not np.isnan(covariances[1:]).any()
+    np.testing.assert_allclose(covariances, covariances.transpose(0, 2, 1), rtol=1e-9, atol=1e-18)
+    np.testing.assert_allclose(covariances[(..., *np.triu_indices(6))], rows[:, 1:], rtol=1e-7)
+    assert np.linalg.eigvalsh(covariances[1:]).min() > 0
+
+
 def test_same_options_as_the_program(sequence, program, tmp_path):
     program("run", sequence, "-o", tmp_path / "out", "-q", "--set", "seed=5", "--set", "features.count=500", "--no-loop")
     slam = kinloop.Slam(str(sequence / "camera.yaml"), {"seed": 5}, features={"count": 500}, loop={"enabled": False})
@@ -330,7 +341,7 @@ def test_cloud_and_mesh_files_are_those_of_the_program(result, program, program_
 def test_save_writes_a_folder_of_the_program(result, program, tmp_path):
     result.save(tmp_path / "out")
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert {"trajectory.txt", "keyframes.txt", "map.ply", "map.kinmap", "graph.g2o", "camera.yaml"} <= names
+    assert {"trajectory.txt", "covariances.txt", "keyframes.txt", "map.ply", "map.kinmap", "graph.g2o", "camera.yaml"} <= names
     program("map", "info", tmp_path / "out")
 
 

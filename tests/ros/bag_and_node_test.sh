@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The same simulated frames from files, from a bag, and played to the node with roscore. The trajectories must
-# be identical.
+# be identical, and the covariances of the node those of the run on files, in the axes of the map.
 # Usage: bag_and_node_test.sh KINLOOP MAKE_BAG KINLOOP_NODE        exit code 77: no roscore or rosbag
 set -euo pipefail
 kinloop="$1" make_bag="$2" node="$3"
@@ -22,7 +22,7 @@ for list in rgb.txt depth.txt associations.txt; do
 done
 "$make_bag" "$folder/frames" "$folder/frames.bag"
 
-"$kinloop" run "$folder/frames" -q -o "$folder/files"
+"$kinloop" run "$folder/frames" -q -o "$folder/files" --poses-to "$folder/poses.jsonl"
 "$kinloop" run "$folder/frames.bag" --camera "$folder/frames/camera.yaml" -q -o "$folder/bag"
 cmp "$folder/files/trajectory.txt" "$folder/bag/trajectory.txt"
 echo "the bag read directly: the same"
@@ -32,6 +32,8 @@ export ROS_MASTER_URI="http://127.0.0.1:$port" ROS_IP=127.0.0.1 ROS_HOME="$folde
 roscore -p "$port" >"$folder/roscore.log" 2>&1 &
 pids+=($!)
 for _ in $(seq 100); do rosparam list >/dev/null 2>&1 && break || sleep 0.3; done
+rosbag record -q -O "$folder/published.bag" /kinloop/pose /kinloop/pose_with_covariance >"$folder/record.log" 2>&1 &
+record_pid=$!
 "$node" _topics:="/kinect2/qhd/image_color_rect,/kinect2/qhd/image_depth_rect" _keep_all:=true _idle_s:=8 \
   _camera:="$folder/frames/camera.yaml" _output:="$folder/node" >"$folder/node.log" 2>&1 &
 node_pid=$!
@@ -42,3 +44,7 @@ wait "$node_pid" || { cat "$folder/node.log"; exit 1; }
 cat "$folder/node.log"
 cmp "$folder/files/trajectory.txt" "$folder/node/trajectory.txt"
 echo "played to the node: the same"
+
+kill -INT "$record_pid"
+wait "$record_pid" || true
+/usr/bin/python3 "$(dirname "${BASH_SOURCE[0]}")/check_covariances.py" "$folder/published.bag" "$folder/poses.jsonl"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/layouts/layouts.hpp"
+#include "drivers/datasets/reading/frame_masks.hpp"
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
 
@@ -23,6 +24,7 @@ RecordedSequence read_plain(const std::filesystem::path& folder) {
   const auto camera = folder / "camera.yaml";
   const double fps = std::filesystem::exists(camera) ? read_camera_file(camera).fps : RgbdCamera{}.fps;
   pair_folders(folder / color_folder(FolderContents(folder)), folder / "depth", fps, sequence);
+  find_masks(folder, sequence);
   return sequence;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/layouts/layouts.hpp"
+#include "drivers/datasets/reading/frame_masks.hpp"
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/reading/json_file.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
@@ -64,6 +65,7 @@ RecordedSequence read_redwood(const fs::path& folder) {
   sequence.layout = "Redwood or Open3D folder";
   sequence.camera = read_open3d_camera(folder / intrinsics_name(contents));
   pair_folders(folder / color_folder(contents), folder / "depth", sequence.camera->fps, sequence);
+  find_masks(folder, sequence);
   if (sequence.stamps_measured) sequence.camera->fps = median_rate_hz(sequence.frames, sequence.camera->fps);
   for (const char* name : {"trajectory.log", "scene/trajectory.log", "pose.log"}) {
     std::error_code absent;

@@ -4,6 +4,7 @@
 
 #include "drivers/datasets/camera_selection.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
+#include "drivers/datasets/reading/frame_masks.hpp"
 #include "drivers/datasets/reading/tum_listing.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/core/log.hpp"
@@ -29,6 +30,7 @@ RecordedSequence read_tum(const std::filesystem::path& folder) {
   TumListing listing = read_tum_listing(folder);
   sequence.frames = std::move(listing.frames);
   sequence.skipped = std::move(listing.skipped);
+  find_masks(folder, sequence);
   const auto ground_truth = folder / "groundtruth.txt";
   if (std::filesystem::exists(ground_truth)) {
     sequence.ground_truth = read_tum_trajectory(ground_truth);

@@ -352,6 +352,10 @@ void add_connections(const Corpus& corpus) {
                    R"({"encoding": "32FC1", "bytes": 192}})") +
             std::string(144, '\x33') + std::string(192, '\x3f');
   corpus.add("stream", "two_frames", stream);
+  stream += record(R"({"stamp_ns": 3, "color": {"encoding": "mono8", "bytes": 48}, "depth": )"
+                   R"({"encoding": "16UC1", "bytes": 96}, "mask": {"encoding": "mono8", "bytes": 48}})") +
+            std::string(48, '\x33') + std::string(96, '\x03') + std::string(48, '\x01');
+  corpus.add("stream", "mask", stream);
   corpus.add("http", "page",
              "GET /?token=ab HTTP/1.1\r\nHost: localhost:8080\r\nOrigin: http://localhost:8080\r\n\r\n");
   corpus.add(

@@ -1,0 +1,68 @@
+#include "apps/live_poses/pose_sender.hpp"
+
+#include <utility>
+
+#include "apps/run/frame_recorder.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/core/text/json.hpp"
+#include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/pose_covariance.hpp"
+
+namespace kinloop {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json transform_json(const SE3& T) {
+  const auto& t = T.translation;
+  const auto& q = T.rotation;
+  return {{"translation", {t.x(), t.y(), t.z()}}, {"quaternion", {q.x(), q.y(), q.z(), q.w()}}};
+}
+
+}  // namespace
+
+void OdometryFrame::update(const TrackedFrame& tracked, const Map& map) {
+  if (latest_) T_map_odom_ = world_pose(*latest_, map) * latest_->T_world_camera.inverse() * T_map_odom_;
+  if (!tracked.is_lost()) {
+    latest_.emplace();
+    latest_->reference = tracked.reference;
+    latest_->T_reference_camera = tracked.T_reference_camera;
+  }
+  // Also of a frame without a pose: what has been added must not be added again.
+  if (latest_) latest_->T_world_camera = world_pose(*latest_, map);
+}
+
+std::string pose_line(const TrackedFrame& tracked, const Map& map, const SE3& T_map_odom) {
+  Json line = {{"stamp_ns", tracked.stamp_ns},
+               {"status", frame_status(tracked)},
+               {"component", nullptr},
+               {"T_map_camera", nullptr},
+               {"sigma_m", nullptr},
+               {"covariance", nullptr},
+               {"T_map_odom", transform_json(T_map_odom)}};
+  if (!tracked.is_lost()) {
+    line["component"] = map.keyframe(tracked.reference).component;
+    line["T_map_camera"] = transform_json(tracked.T_world_camera);
+  }
+  if (const auto covariance = pose_covariance(tracked)) {
+    line["sigma_m"] = position_sigma_m(tracked);
+    line["covariance"] = upper_triangle(*covariance);
+  }
+  return ordered_json_text(line) + "\n";
+}
+
+PoseSender::PoseSender(std::string target) : target_(std::move(target)), output_(open_line_output(target_)) {}
+
+void PoseSender::send(const TrackedFrame& tracked, const Map& map) {
+  odometry_.update(tracked, map);
+  ++lines_;
+  if (!output_->write(pose_line(tracked, map, odometry_.T_map_odom()))) ++dropped_;
+}
+
+void PoseSender::report() const {
+  if (dropped_ > 0)
+    log::warn("--poses-to {}: {} of {} lines dropped, since nobody took them in time", target_, dropped_,
+              lines_);
+}
+
+}  // namespace kinloop
