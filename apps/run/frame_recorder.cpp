@@ -15,6 +15,8 @@ const char* status_of(const TrackedFrame& tracked) {
 void FrameRecorder::on_frame(const TrackedFrame& tracked) {
   rows_.push_back({tracked.stamp_ns, status_of(tracked), static_cast<int>(tracked.features().size()),
                    tracked.evidence.inliers, 0, 0});
+  if (tracked.is_lost() || tracked.doubtful) return;
+  online_poses_.push_back({tracked.stamp_ns, tracked.T_world_camera, tracked.world_covariance});
 }
 
 FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings& times) const {
@@ -22,7 +24,7 @@ FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings
   for (size_t i = 0; i < rows.size() && i < times.frame_ms.size(); ++i) rows[i].ms = times.frame_ms[i];
   for (size_t i = 0; i < rows.size() && i < log.size(); ++i) {
     if (rows[i].status == kLostStatus) continue;
-    rows[i].sigma_m = position_sigma_m(log[i]);
+    rows[i].sigma_m = position_sigma_m(log[i].world_covariance);
     if (log[i].doubtful) rows[i].status = "doubtful";
   }
   return rows;
