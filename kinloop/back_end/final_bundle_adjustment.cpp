@@ -8,7 +8,7 @@ namespace {
 
 // Errors of neighbouring keypoints and keyframes are correlated (blur, slope of depth, delay): this many
 // observations tell as much as one whose error is independent. Learned on simulated sequences with seeds 100
-// to 103 (docs/measurements.md#consistency-of-the-covariances).
+// to 106 (docs/measurements.md#consistency-of-the-covariances).
 constexpr double kObservationsPerIndependent = 4;
 
 }  // namespace

@@ -164,9 +164,10 @@ Returns a Result.)")
                              "Whether the last frame could not be located, or there was none.")
       .def_property_readonly("doubtful", reading(&is_doubtful),
                              "Whether the evidence for the last pose is too weak to trust it.")
-      .def_property_readonly("position_sigma_m", reading(&last_sigma_m),
-                             "The standard deviation of the last position, relative to the first keyframe, along its "
-                             "least certain direction, metres; 0 if unknown.")
+      .def_property_readonly(
+          "position_sigma_m", reading(&last_sigma_m),
+          "The standard deviation of the last position, relative to the first keyframe, along its "
+          "least certain direction, metres; 0 if unknown.")
       .def_property_readonly(
           "covariance", reading(&last_covariance),
           "The covariance of the last pose relative to the first keyframe, float64 (6, 6): of "
