@@ -45,7 +45,7 @@ std::string pose_line(const TrackedFrame& tracked, const Map& map, const SE3& T_
     line["T_map_camera"] = transform_json(tracked.T_world_camera);
   }
   if (const auto covariance = pose_covariance(tracked)) {
-    line["sigma_m"] = position_sigma_m(tracked);
+    line["sigma_m"] = position_sigma_m(*covariance);
     line["covariance"] = upper_triangle(*covariance);
   }
   return ordered_json_text(line) + "\n";

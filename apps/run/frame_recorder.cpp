@@ -11,6 +11,8 @@ const char* frame_status(const TrackedFrame& tracked) {
 void FrameRecorder::on_frame(const TrackedFrame& tracked) {
   rows_.push_back({tracked.stamp_ns, frame_status(tracked), static_cast<int>(tracked.features().size()),
                    tracked.evidence.inliers, 0, 0});
+  if (tracked.is_lost() || tracked.doubtful) return;
+  online_poses_.push_back({tracked.stamp_ns, tracked.T_world_camera, tracked.world_covariance});
 }
 
 FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings& times) const {
@@ -20,7 +22,7 @@ FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings
     rows[i].status = frame_status(log[i]);
     if (log[i].is_lost()) continue;
     rows[i].tracked = log[i].evidence.inliers;
-    rows[i].sigma_m = position_sigma_m(log[i]);
+    rows[i].sigma_m = position_sigma_m(log[i].world_covariance);
   }
   return rows;
 }

@@ -5,6 +5,7 @@
 
 #include "kinloop/core/timings.hpp"
 #include "kinloop/slam/listener.hpp"
+#include "tools/evaluation/consistency.hpp"
 #include "viewer/report/frame_table.hpp"
 
 namespace kinloop {
@@ -22,8 +23,13 @@ class FrameRecorder : public Listener {
   /// Returns the rows, with the time of each frame. `log` has the same frames.
   [[nodiscard]] FrameTable table(std::span<const TrackedFrame> log, const Timings& times) const;
 
+  /// Returns the poses that tracking gave, with their covariances, of frames that were neither lost nor
+  /// doubtful.
+  [[nodiscard]] const std::vector<PoseWithCovariance>& online_poses() const { return online_poses_; }
+
  private:
   FrameTable rows_;
+  std::vector<PoseWithCovariance> online_poses_;
 };
 
 }  // namespace kinloop

@@ -80,6 +80,7 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
   if (!poses_only_) map_ = cloud(progress);
   release_freed_memory();
   if (map_) outcome_.map_points = map_->cloud.size();
+  outcome_.online_poses = frames_.online_poses();
   outcome_.evaluation = evaluate(trajectory(), plan_.source->info().ground_truth);
   outcome_.wall_s = ending.since_start.wall_s();
   outcome_.interrupted = !ending.complete;

@@ -73,6 +73,18 @@ std::vector<PoseWithCovariance> poses_with_covariance(const Slam& slam, uint32_t
   return poses;
 }
 
+/// The first keyframe of a component, the reference, and the frames between the keyframes.
+std::vector<PoseWithCovariance> frames_with_covariance(const Slam& slam, uint32_t component) {
+  const auto keyframes = poses_with_covariance(slam, component);
+  if (keyframes.empty()) return {};
+  std::vector<PoseWithCovariance> poses = {keyframes.front()};
+  for (const TrackedFrame& frame : slam.session_log()) {
+    if (!is_tracked_in(component, frame, slam.map()) || frame.keyframe.valid() || frame.doubtful) continue;
+    poses.push_back({frame.stamp_ns, world_pose(frame, slam.map()), frame.world_covariance});
+  }
+  return poses;
+}
+
 /// Covariances of (translation; rotation) in camera axes, m and rad, the upper triangles row by row.
 json covariances_json(const std::vector<PoseWithCovariance>& poses) {
   json all = json::array();
@@ -88,6 +100,7 @@ json consistency_json(const std::vector<PoseWithCovariance>& poses, const Trajec
   return {{"poses", found->poses},
           {"nees_translation", found->nees_translation},
           {"nees_rotation", found->nees_rotation},
+          {"within_4_sigma", found->within_4_sigma},
           {"expected", 3}};
 }
 
@@ -165,7 +178,13 @@ json run_summary(const RunOutcome& o) {
   summary["keyframe_covariances"] = covariances_json(poses);
   if (o.evaluation) {
     summary["evaluation"] = to_json(*o.evaluation);
-    summary["evaluation"]["consistency"] = consistency_json(poses, source.info().ground_truth);
+    const Trajectory& truth = source.info().ground_truth;
+    json consistency = consistency_json(poses, truth);
+    if (!consistency.is_null()) {
+      consistency["frames"] = consistency_json(frames_with_covariance(o.slam, component), truth);
+      consistency["online"] = consistency_json(o.online_poses, truth);
+    }
+    summary["evaluation"]["consistency"] = consistency;
   }
   summary["options"] = options_json(o.plan.options);
   return summary;

@@ -8,6 +8,7 @@
 
 #include "kinloop/slam/slam.hpp"
 #include "session/run_plan.hpp"
+#include "tools/evaluation/consistency.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {
@@ -16,8 +17,9 @@ namespace kinloop {
 struct RunOutcome {
   const RunPlan& plan;
   const Slam& slam;
-  std::optional<Evaluation> evaluation = {};  ///< if there is ground truth
-  std::optional<size_t> map_points = {};      ///< of the cloud, if one was fused
+  std::optional<Evaluation> evaluation = {};          ///< if there is ground truth
+  std::vector<PoseWithCovariance> online_poses = {};  ///< as tracking gave them
+  std::optional<size_t> map_points = {};              ///< of the cloud, if one was fused
   double wall_s = 0;
   bool interrupted = false;  ///< or ended by a failing source
 };

@@ -14,7 +14,7 @@ struct FinalBundleAdjustment {
   SensorEstimate sensor;
   /// Per keyframe, the covariance of x = (translation [m]; rotation [rad]), where the true pose is
   /// T_world_camera * exp(x), relative to the first keyframe of its component (whose covariance is zero).
-  /// Empty if `progress` stopped early.
+  /// Without what the keypoints of a frame share, see pose_covariances. Empty if `progress` stopped early.
   std::vector<Matrix6d> keyframe_covariance;
 };
 

@@ -31,12 +31,18 @@ std::vector<PoseObservation> pose_observations(const TrackedFrame& entry, const 
   return observations;
 }
 
-/// Returns the refined T_reference_camera of frame `i`, or the present one if it has nothing to refine.
-SE3 refined_pose(const FrameLog& log, size_t i, const FrameRefinement& refinement) {
+/// A pose relative to the reference keyframe, with its covariance given the landmarks.
+struct RefinedPose {
+  SE3 T_reference_camera;
+  Matrix6d covariance;
+};
+
+/// Returns the refined pose of frame `i`, or the present one if it has nothing to refine.
+RefinedPose refined_pose(const FrameLog& log, size_t i, const FrameRefinement& refinement) {
   const TrackedFrame& entry = log[i];
   if (entry.keyframe.valid() || entry.is_repeat() || entry.measurements.empty() ||
       !entry.is_tracked_by_landmarks())
-    return entry.T_reference_camera;
+    return {entry.T_reference_camera, entry.covariance};
   // A frame keeps its tracked pose if few of its landmarks are left or a correction moved them apart. Many
   // may have been culled, since a frame between keyframes is tracked against landmarks of the newest one.
   constexpr size_t kMinInliers = 20;
@@ -47,7 +53,8 @@ SE3 refined_pose(const FrameLog& log, size_t i, const FrameRefinement& refinemen
   const RollingShutterPose guess{world_pose(entry, map), frame_velocity(log, i, map)};
   const auto found = solve_rolling_shutter_pose(refinement.sensor, observations, guess, {}, strict);
   const SE3 T_world_camera = found ? found->T_world_camera : guess.T_world_camera;
-  return map.keyframe(entry.reference).T_world_camera.inverse() * T_world_camera;
+  return {map.keyframe(entry.reference).T_world_camera.inverse() * T_world_camera,
+          found ? found->covariance : entry.covariance};
 }
 
 /// Returns 1 for the frames on whose poses the velocities of keyframes depend: the nearest before and after
@@ -71,15 +78,17 @@ std::vector<uint8_t> neighbours_of_keyframes(const FrameLog& log) {
 FrameLog refine_frames(FrameLog log, const FrameRefinement& refinement, FrameSelection which, int threads) {
   const auto selected = which == FrameSelection::kNearKeyframes ? neighbours_of_keyframes(log)
                                                                 : std::vector<uint8_t>(log.size(), 1);
-  std::vector<SE3> T_reference_camera(log.size());
+  std::vector<RefinedPose> refined(log.size());
   parallel_for(log.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      T_reference_camera[i] = selected[i] == 0 ? log[i].T_reference_camera : refined_pose(log, i, refinement);
+      refined[i] = selected[i] == 0 ? RefinedPose{log[i].T_reference_camera, log[i].covariance}
+                                    : refined_pose(log, i, refinement);
     }
   });
   for (size_t i = 0; i < log.size(); ++i) {
     TrackedFrame& entry = log[i];
-    entry.T_reference_camera = T_reference_camera[i];
+    entry.T_reference_camera = refined[i].T_reference_camera;
+    entry.covariance = refined[i].covariance;
     if (entry.keyframe.valid()) {
       entry.reference = entry.keyframe;
       entry.T_reference_camera = SE3{};
@@ -100,7 +109,9 @@ void LogLimiter::apply(FrameLog& log, size_t first, const FrameRefinement& refin
   if (log.size() - first <= limits_.refinable_frames) return;
   const size_t oldest = log.size() - 1 - limits_.refinable_frames;
   TrackedFrame& entry = log[oldest];
-  entry.T_reference_camera = refined_pose(log, oldest, refinement);
+  const RefinedPose refined = refined_pose(log, oldest, refinement);
+  entry.T_reference_camera = refined.T_reference_camera;
+  entry.covariance = refined.covariance;
   entry.refined = !entry.measurements.empty();
   entry.matches = std::vector<LandmarkMatch>();  // frees its memory, unlike {}
   entry.measurements = std::vector<MatchMeasurement>();

@@ -69,6 +69,7 @@ struct SelfCalibrationResult {
   MapUpdate update;
   SensorEstimate sensor;
   std::vector<Matrix6d> pose_covariance;  ///< per pose of the problem, if requested in the options
+  double residual_variance = 0;           ///< with them, see BundleSolution
 };
 
 /// Solves the problem with the corrections free within its prior. After the first round, corrections that the

@@ -3,8 +3,8 @@
 namespace kinloop {
 
 std::optional<Matrix6d> pose_covariance(const TrackedFrame& tracked) {
-  if (tracked.is_lost() || tracked.covariance.isZero(0)) return std::nullopt;
-  return tracked.covariance;
+  if (tracked.is_lost() || tracked.world_covariance.isZero(0)) return std::nullopt;
+  return tracked.world_covariance;
 }
 
 std::array<double, 21> upper_triangle(const Matrix6d& symmetric) {

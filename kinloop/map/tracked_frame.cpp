@@ -21,8 +21,8 @@ std::vector<LandmarkId> landmark_of_keypoint(const TrackedFrame& tracked) {
   return landmark_of;
 }
 
-double position_sigma_m(const TrackedFrame& tracked) {
-  const Eigen::Matrix3d covariance_m2 = tracked.covariance.topLeftCorner<3, 3>();
+double position_sigma_m(const Matrix6d& covariance) {
+  const Eigen::Matrix3d covariance_m2 = covariance.topLeftCorner<3, 3>();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance_m2, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(eigen.eigenvalues().maxCoeff(), 0.0));
 }

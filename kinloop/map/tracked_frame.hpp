@@ -75,6 +75,9 @@ struct TrackedFrame {
   /// Of x = (translation [m]; rotation [rad]), where the true pose is T_reference_camera * exp(x), given the
   /// landmarks. Zero if unknown.
   Matrix6d covariance = Matrix6d::Zero();
+  /// The same of T_world_camera relative to the first keyframe of its component; after the end of the run, of
+  /// the final pose in the map. Zero if unknown. Not in map files.
+  Matrix6d world_covariance = Matrix6d::Zero();
   Velocity velocity;  ///< at the stamp; zero if unknown
   TrackingEvidence evidence;
   /// Whether the evidence is too weak to trust the pose: it may be wrong by more than its covariance says.
@@ -112,8 +115,9 @@ struct TrackedFrame {
 /// Returns the record of a frame that is not located yet. The frame must have features.
 TrackedFrame unlocated(const Frame& frame);
 
-/// Returns the standard deviation of the position along its least certain direction, m; 0 if unknown.
-double position_sigma_m(const TrackedFrame& tracked);
+/// Returns the standard deviation of the position along its least certain direction, m, given the covariance
+/// of a pose; 0 if unknown.
+double position_sigma_m(const Matrix6d& covariance);
 
 /// Returns the landmark that each keypoint of the frame observes; invalid if none.
 std::vector<LandmarkId> landmark_of_keypoint(const TrackedFrame& tracked);

@@ -4,6 +4,7 @@
 
 #include "kinloop/back_end/bridge_lost_frames.hpp"
 #include "kinloop/back_end/final_bundle_adjustment.hpp"
+#include "kinloop/back_end/pose_covariances.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
@@ -73,6 +74,7 @@ TrackedFrame Slam::process(const Frame& frame) {
     insert_keyframe(tracked);
   }
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
+  tracked.world_covariance = online_covariance_.add(tracked);
   add_to_log(tracked);
   tracker_.update(tracked, map_);
   if (tracked.keyframe.valid()) {
@@ -164,6 +166,14 @@ void Slam::find_loops(KeyframeId keyframe) {
   back_end_.add(places_.find_loops(map_, keyframe));
 }
 
+/// States how uncertain the final poses are: by the final adjustment or, without one, by tracking.
+void Slam::state_covariances() {
+  const bool adjusted = !keyframe_covariance_.empty();
+  auto found = pose_covariances(log_, map_, adjusted ? keyframe_covariance_ : online_covariance_.keyframes());
+  for (size_t i = 0; i < log_.size(); ++i) log_[i].world_covariance = found.frames[i];
+  if (adjusted) keyframe_covariance_ = std::move(found.keyframes);
+}
+
 Trajectory Slam::finish(const Progress& progress) {
   apply_results(back_end_.apply_remaining(job_context()));
   const Stopwatch watch;
@@ -185,6 +195,7 @@ Trajectory Slam::finish(const Progress& progress) {
     timings_.add("final bundle adjustment", adjusting.elapsed());
   }
   log_ = bridge_lost_frames(std::move(log_), earlier_.frame_count, map_);
+  state_covariances();
   for (Listener* listener : listeners_) listener->on_map(map_);
   return trajectory();
 }

@@ -18,6 +18,7 @@
 #include "kinloop/loop/place_recognition.hpp"
 #include "kinloop/map/frame_log.hpp"
 #include "kinloop/map/keyframe_memory.hpp"
+#include "kinloop/map/online_covariance.hpp"
 #include "kinloop/map/saved_map.hpp"
 #include "kinloop/mapping/mapper.hpp"
 #include "kinloop/place/vocabulary.hpp"
@@ -123,6 +124,7 @@ class Slam {
   void submit_jobs(FrameId now, KeyframeId new_keyframe = {});
   void finish_localization();
   void add_to_log(const TrackedFrame& tracked);
+  void state_covariances();
   TrackedFrame publish(TrackedFrame tracked);
   [[nodiscard]] JobContext job_context(KeyframeId new_keyframe = {}) const {
     return {map_, log_, sensor(), new_keyframe};
@@ -149,6 +151,7 @@ class Slam {
   FrameLog log_;
   LogLimiter log_limiter_;
   EarlierSessions earlier_;
+  OnlineCovariance online_covariance_;
   std::vector<Matrix6d> keyframe_covariance_;
   std::vector<Listener*> listeners_;
   bool map_changed_ = false;  // since the last notification of the listeners

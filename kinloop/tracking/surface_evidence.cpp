@@ -46,7 +46,7 @@ bool is_doubtful(const TrackedFrame& tracked) {
   const double max_contradicted =
       kMaxContradicted + std::min(kMotionShare_s * turning_rad_s, kMaxMotionShare);
   if (is_above(evidence.surfaces, max_contradicted) || evidence.moved_share > kMaxMoved) return true;
-  return tracked.method == TrackingMethod::kDense && position_sigma_m(tracked) > kMaxDenseSigma_m;
+  return tracked.method == TrackingMethod::kDense && position_sigma_m(tracked.covariance) > kMaxDenseSigma_m;
 }
 
 }  // namespace kinloop

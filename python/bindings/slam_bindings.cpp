@@ -107,12 +107,12 @@ bool is_doubtful(const Slam& slam) {
 
 double last_sigma_m(const Slam& slam) {
   const TrackedFrame* last = last_located(slam);
-  return last == nullptr ? 0 : position_sigma_m(*last);
+  return last == nullptr ? 0 : position_sigma_m(last->world_covariance);
 }
 
 Matrix6d last_covariance(const Slam& slam) {
   const TrackedFrame* last = last_located(slam);
-  return last == nullptr ? Matrix6d(Matrix6d::Zero()) : last->covariance;
+  return last == nullptr ? Matrix6d(Matrix6d::Zero()) : last->world_covariance;
 }
 
 }  // namespace
@@ -164,13 +164,14 @@ Returns a Result.)")
                              "Whether the last frame could not be located, or there was none.")
       .def_property_readonly("doubtful", reading(&is_doubtful),
                              "Whether the evidence for the last pose is too weak to trust it.")
-      .def_property_readonly("position_sigma_m", reading(&last_sigma_m),
-                             "The standard deviation of the last position along its least certain direction, "
-                             "metres; 0 if unknown.")
+      .def_property_readonly(
+          "position_sigma_m", reading(&last_sigma_m),
+          "The standard deviation of the last position, relative to the first keyframe, along its "
+          "least certain direction, metres; 0 if unknown.")
       .def_property_readonly(
           "covariance", reading(&last_covariance),
-          "The covariance of the last pose, float64 (6, 6): of translation (m) and rotation "
-          "(rad) in camera axes; zero if unknown.")
+          "The covariance of the last pose relative to the first keyframe, float64 (6, 6): of "
+          "translation (m) and rotation (rad) in camera axes; zero if unknown.")
       .def_property_readonly("keyframes",
                              reading([](const Slam& slam) { return slam.map().keyframes().size(); }),
                              "Number of keyframes.")

@@ -147,7 +147,7 @@ TEST(PoseLine, SaysWhatIsNotKnown) {
   EXPECT_EQ(line()["status"], "tracked");
   EXPECT_TRUE(line()["sigma_m"].is_null());
   EXPECT_TRUE(line()["covariance"].is_null());
-  frame.covariance = 4e-6 * Matrix6d::Identity();
+  frame.world_covariance = 4e-6 * Matrix6d::Identity();
   frame.doubtful = true;
   EXPECT_EQ(line()["status"], "doubtful");
   EXPECT_NEAR(line()["sigma_m"].get<double>(), 2e-3, 1e-12);

@@ -55,14 +55,14 @@ TEST_F(LostFrames, BetweenGoodOnesAreBridgedInDoubt) {
     EXPECT_NEAR(world_pose(log_[i], map_).translation.x(), x_m(i), 1e-6) << i;
   }
   EXPECT_FALSE(log_[39].doubtful || log_[70].doubtful);
-  EXPECT_GT(position_sigma_m(log_[55]), position_sigma_m(log_[41]));
+  EXPECT_GT(position_sigma_m(log_[55].covariance), position_sigma_m(log_[41].covariance));
 }
 
 TEST_F(LostFrames, ACameraThatShakesMayHaveGoneFarther) {
   lose(40, 70);
-  const double steady_m = position_sigma_m(bridge_lost_frames(log_, 0, map_)[55]);
+  const double steady_m = position_sigma_m(bridge_lost_frames(log_, 0, map_)[55].covariance);
   for (size_t i = 0; i < 40; ++i) log_[i].T_reference_camera.translation.y() = i % 4 < 2 ? 0.02 : 0;
-  EXPECT_GT(position_sigma_m(bridge_lost_frames(log_, 0, map_)[55]), 3 * steady_m);
+  EXPECT_GT(position_sigma_m(bridge_lost_frames(log_, 0, map_)[55].covariance), 3 * steady_m);
 }
 
 TEST_F(LostFrames, StayLostForMoreThanThreeSeconds) {

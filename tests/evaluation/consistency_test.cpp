@@ -49,12 +49,14 @@ TEST(Consistency, IsThreeForCorrectCovariances) {
   EXPECT_EQ(found->poses, static_cast<size_t>(kPoses - 1));
   EXPECT_NEAR(found->nees_translation, 3, 0.2);
   EXPECT_NEAR(found->nees_rotation, 3, 0.2);
+  EXPECT_GT(found->within_4_sigma, 0.998);
 }
 
 TEST(Consistency, IsLargerForOverconfidentCovariances) {
   const auto found = evaluate_consistency(noisy_poses(0.25), truth_in_another_frame());
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->nees_translation, 12, 0.8);
+  EXPECT_LT(found->within_4_sigma, 0.97);
 }
 
 TEST(Consistency, PosesThatNothingMeasuresDoNotCount) {

@@ -131,7 +131,7 @@ TEST(Covariances, AreThoseOfThePosesOfTheTrajectory) {
   FrameLog log(5, located_at(0));
   for (size_t i = 0; i < log.size(); ++i) {
     log[i].stamp_ns = static_cast<int64_t>(i);
-    log[i].covariance = static_cast<double>(i) * Matrix6d::Identity();
+    log[i].world_covariance = static_cast<double>(i) * Matrix6d::Identity();
   }
   log[1].outcome = TrackingOutcome::kLost;
   log[3].doubtful = true;

@@ -11,7 +11,7 @@ TEST(PoseCovariance, IsUnknownWithoutAPoseOrIfItIsZero) {
   TrackedFrame tracked;
   tracked.outcome = TrackingOutcome::kTracked;
   EXPECT_FALSE(pose_covariance(tracked));
-  tracked.covariance = Matrix6d::Identity();
+  tracked.world_covariance = Matrix6d::Identity();
   EXPECT_EQ(pose_covariance(tracked), Matrix6d(Matrix6d::Identity()));
   tracked.outcome = TrackingOutcome::kLost;
   EXPECT_FALSE(pose_covariance(tracked));

@@ -159,6 +159,17 @@ TEST(BundleCovariance, FreeParametersIncreasePoseCovariance) {
   EXPECT_GT(sensor_free.trace(), 1.01 * all_held.trace());
 }
 
+TEST(BundleCovariance, ResidualVarianceIsThatOfTheNoise) {
+  BundleWorld world = free_world();
+  const double as_made = solve_bundle(world.problem, with_covariances()).residual_variance;
+  for (BundleObservation& o : world.problem.observations) o.sigma_px /= 2;
+  world.problem.sensor.noise.keypoint.coefficient_per_m /= 2;
+  const double half_assumed = solve_bundle(world.problem, with_covariances()).residual_variance;
+  // The residuals of Huber's estimate are a little larger than those of least squares.
+  EXPECT_NEAR(as_made, 1, 0.15);
+  EXPECT_NEAR(half_assumed / as_made, 4, 0.2);
+}
+
 TEST(BundleCovariance, UnobservedPosesHaveInfiniteCovariance) {
   BundleWorld world = free_world();
   auto& observations = world.problem.observations;
@@ -180,6 +191,7 @@ TEST(BundleCovariance, IsNotComputedUnlessRequested) {
   options.pose_covariances = false;
   const BundleSolution solution = solve_bundle(free_world().problem, options);
   EXPECT_TRUE(solution.pose_covariance.empty());
+  EXPECT_EQ(solution.residual_variance, 0);
   EXPECT_GT(solution.sensor_covariance(kDepthDelay, kDepthDelay), 0) << "computed for every free parameter";
 }
 

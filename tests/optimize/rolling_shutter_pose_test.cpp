@@ -82,6 +82,29 @@ TEST(RollingShutterPose, RefinesAnApproximateVelocity) {
   EXPECT_LT(after, 0.7 * before);
 }
 
+TEST(RollingShutterPose, CovarianceFollowsFromTheResiduals) {
+  Random random(7);
+  for (const double noise_px : {0.25, 2.0}) {  // 1 px is assumed
+    double nees = 0;
+    constexpr int kTrials = 60;
+    NoiseModel noise;
+    noise.inlier_chi2_pixel = 1e12;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      const RollingShutterPose truth = random_moving_pose(random);
+      const auto observations = observe(truth, rolling_sensor(), 300, noise_px, random);
+      const VelocitySigma unknown{100, 100};
+      const auto found = solve_rolling_shutter_pose(Sensor{kinect(), noise, rolling_sensor()}, observations,
+                                                    truth, unknown, {});
+      ASSERT_TRUE(found.has_value());
+      const Vector6d error = (found->T_world_camera.inverse() * truth.T_world_camera).log();
+      nees += error.dot(found->covariance.ldlt().solve(error)) / kTrials;
+    }
+    // 6 is right; depth has no noise here, so its residuals make the mean too small.
+    EXPECT_GT(nees, 3) << noise_px;
+    EXPECT_LT(nees, 12) << noise_px;
+  }
+}
+
 TEST(RollingShutterPose, IgnoresOutliers) {
   Random random(3);
   const RollingShutterPose truth = random_moving_pose(random);

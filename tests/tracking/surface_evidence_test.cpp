@@ -75,12 +75,12 @@ TEST(SurfaceEvidence, DoubtsAPoseIfHalfOfTheImageMoves) {
 
 TEST(PositionSigma, IsThatOfTheLeastCertainDirection) {
   TrackedFrame tracked;
-  EXPECT_EQ(position_sigma_m(tracked), 0);
+  EXPECT_EQ(position_sigma_m(tracked.covariance), 0);
   const Eigen::Matrix3d R = Eigen::AngleAxisd(1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   tracked.covariance.topLeftCorner<3, 3>() =
       R * Eigen::Vector3d(1e-4, 9e-4, 1e-6).asDiagonal() * R.transpose();
   tracked.covariance(4, 4) = 1;  // of the rotation
-  EXPECT_NEAR(position_sigma_m(tracked), 0.03, 1e-9);
+  EXPECT_NEAR(position_sigma_m(tracked.covariance), 0.03, 1e-9);
 }
 
 }  // namespace

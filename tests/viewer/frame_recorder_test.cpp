@@ -37,8 +37,8 @@ TEST(FrameRecorder, DoubtReplacesEveryStatusButLost) {
 
 TEST(FrameRecorder, SigmaIsThatOfTheLeastCertainDirection) {
   TrackedFrame frame = tracked(TrackingOutcome::kTracked), lost = tracked(TrackingOutcome::kLost);
-  frame.covariance.diagonal() << 1e-6, 4e-6, 9e-6, 1, 1, 1;
-  lost.covariance = frame.covariance;
+  frame.world_covariance.diagonal() << 1e-6, 4e-6, 9e-6, 1, 1, 1;
+  lost.world_covariance = frame.world_covariance;
   FrameRecorder recorder;
   recorder.on_frame(frame);
   recorder.on_frame(lost);

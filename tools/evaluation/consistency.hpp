@@ -22,6 +22,9 @@ struct Consistency {
   size_t poses = 0;
   double nees_translation = 0;
   double nees_rotation = 0;
+  /// Share of the poses whose errors of translation and rotation are both within four standard deviations
+  /// along the least certain direction of each; 0.999 for errors normally distributed.
+  double within_4_sigma = 0;
 };
 
 /// `poses[0]` is the reference of the covariances. nullopt if it or all others lack ground truth or a

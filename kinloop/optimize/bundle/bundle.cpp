@@ -101,6 +101,24 @@ std::vector<uint8_t> classify(BundleTask& task, const BundleState& state, std::v
   return outliers;
 }
 
+/// Returns BundleSolution::residual_variance.
+double residual_variance(const BundleTask& task, const BundleState& state) {
+  constexpr double kPoseDof = 6, kPointDof = 3;
+  const auto views = views_of(task, state);
+  const Sensor sensor = sensor_at(task, state);
+  ResidualSquares squares;
+  for (size_t pose = 0; pose < views.size(); ++pose) {
+    for (const BundleBlock& block : task.blocks_of_pose[pose]) {
+      const ObservationBlock measured = block_at(task, block, state);
+      squares.add(measured, block_residuals(measured, views[pose], sensor));
+    }
+  }
+  const auto points = used_points(task);
+  return squares.variance(kPoseDof *
+                              static_cast<double>(std::count(task.fixed.begin(), task.fixed.end(), 0)) +
+                          kPointDof * static_cast<double>(std::count(points.begin(), points.end(), 1)));
+}
+
 /// Returns the usable observations of each pose in the order of the problem.
 std::vector<std::vector<BundleBlock>> make_blocks(const BundleTask& task) {
   std::vector<std::vector<BundleBlock>> blocks_of_pose(task.problem.T_world_camera.size());
@@ -168,6 +186,7 @@ BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& o
     BundleCovariance covariance = bundle_covariance(task, state);
     if (wants_sensor) solution.sensor_covariance = covariance.sensor;
     solution.pose_covariance = std::move(covariance.poses);
+    if (options.pose_covariances) solution.residual_variance = residual_variance(task, state);
   }
   solution.point_used = used_points(task);
   solution.T_world_camera = std::move(state.T_world_camera);

@@ -78,6 +78,10 @@ struct BundleSolution {
   /// given exact constant poses. Zero for constant poses; infinite diagonal for directions that nothing
   /// observes. Empty unless `pose_covariances` is set.
   std::vector<Matrix6d> pose_covariance;
+  /// Variance of the noise of the pixels and depths in use, in that assumed: the sum of their squared
+  /// residuals, without robust weights, over residuals less unknowns. 0 if unknown or `pose_covariances` is
+  /// not set.
+  double residual_variance = 0;
   double chi2_before = 0;  ///< robust cost at the start, over the final inliers
   double chi2_after = 0;   ///< robust cost at the end
   int iterations = 0;

@@ -76,6 +76,24 @@ int CameraObservations::inlier_count() const {
   return count;
 }
 
+void ResidualSquares::add(const ObservationBlock& block, const BlockResiduals& residuals) {
+  for (size_t lane = 0; lane < kSize; ++lane) {
+    if (!(block.uses_pixel[lane] > 0) || !(residuals.seen[lane] > 0)) continue;
+    const double u = residuals.u[lane], v = residuals.v[lane];
+    sum += u * u + v * v;
+    count += 2;
+    if (!(block.uses_depth[lane] > 0)) continue;
+    sum += residuals.depth[lane] * residuals.depth[lane];
+    count += 1;
+  }
+}
+
+ResidualSquares CameraObservations::residual_squares(const BundleView& view, const Sensor& sensor) const {
+  ResidualSquares squares;
+  for (const ObservationBlock& block : blocks_) squares.add(block, block_residuals(block, view, sensor));
+  return squares;
+}
+
 CameraObservations::Normal CameraObservations::linearize(const BundleView& view, const Sensor& sensor,
                                                          const LinearColumns& layout) const {
   const GramColumns summed(layout);

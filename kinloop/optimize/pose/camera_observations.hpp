@@ -14,6 +14,20 @@ namespace kinloop {
 /// Writes a measurement (without point and use flags) to a lane of a block.
 void set_measurement(ObservationBlock& block, size_t lane, const KeypointMeasurement& measured);
 
+/// The squared residuals of pixels and depths in use, without robust weights.
+struct ResidualSquares {
+  double sum = 0;    ///< in variances of the assumed noise
+  double count = 0;  ///< residuals: two a pixel, one a depth
+
+  void add(const ObservationBlock& block, const BlockResiduals& residuals);
+
+  /// Returns the variance of the noise, in that of the assumed noise, after an estimate of `unknowns` values;
+  /// 0 if these are as many as the residuals.
+  [[nodiscard]] double variance(double unknowns) const {
+    return count > unknowns ? sum / (count - unknowns) : 0;
+  }
+};
+
 /// Observations of one camera with their use flags.
 class CameraObservations {
  public:
@@ -31,6 +45,8 @@ class CameraObservations {
 
   [[nodiscard]] std::vector<uint8_t> inliers() const;  ///< 1 = in use
   [[nodiscard]] int inlier_count() const;
+
+  [[nodiscard]] ResidualSquares residual_squares(const BundleView& view, const Sensor& sensor) const;
 
   /// J'J over all rows (upper triangle only) and the robust cost.
   struct Normal {

@@ -1,5 +1,8 @@
 #include "kinloop/optimize/pose/rolling_shutter_pose.hpp"
 
+#include <limits>
+
+#include "kinloop/geometry/robust_loss.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
 #include "kinloop/optimize/pose/pose_minimizer.hpp"
 
@@ -36,19 +39,33 @@ class RollingShutterSolver {
   /// Minimizes the cost over pose and velocity, with the observations in use.
   [[nodiscard]] RollingShutterPose minimize(const RollingShutterPose& pose) const {
     return minimize_pose<12>(
-        pose, options_.max_iterations, [this](const RollingShutterPose& at) { return linearize(at); },
+        pose, options_.max_iterations,
+        [this](const RollingShutterPose& at) { return linearize(at, sensor_); },
         [](const RollingShutterPose& at, const Vector12d& step) {
           return RollingShutterPose{at.T_world_camera * SE3::exp(step.head<6>()),
                                     Velocity::from_vector(at.velocity.vector() + step.tail<6>())};
         });
   }
 
+  /// Returns RollingShutterSolution::covariance. The velocity is eliminated (Schur complement). The
+  /// information is that without robust weights, which would count large residuals twice: they also make the
+  /// variance large.
+  [[nodiscard]] Matrix6d covariance(const RollingShutterPose& pose) const {
+    Sensor unweighted = sensor_;
+    unweighted.noise.robust_width = std::numeric_limits<double>::infinity();
+    const double variance = observations_.residual_squares(view_of(pose), sensor_).variance(SE3::kDof) /
+                            huber_efficiency(sensor_.noise.robust_width);
+    const Eigen::LDLT<Eigen::Matrix<double, 12, 12>> factor(linearize(pose, unweighted).H);
+    const Eigen::Matrix<double, 12, 6> columns = factor.solve(Eigen::Matrix<double, 12, 6>::Identity());
+    return variance * columns.topRows<6>();
+  }
+
  private:
   static BundleView view_of(const RollingShutterPose& pose) { return {pose.T_world_camera, pose.velocity}; }
 
-  [[nodiscard]] PoseNormal<12> linearize(const RollingShutterPose& pose) const {
+  [[nodiscard]] PoseNormal<12> linearize(const RollingShutterPose& pose, const Sensor& sensor) const {
     static const LinearColumns kColumns = LinearColumns::of_pose_and_velocity();
-    const auto observed = observations_.linearize(view_of(pose), sensor_, kColumns);
+    const auto observed = observations_.linearize(view_of(pose), sensor, kColumns);
     constexpr auto kResidual =
         static_cast<Eigen::Index>(LinearColumns::kResidual);  // between pose and velocity
     const Eigen::Matrix<double, 13, 13> gram = observed.gram.selfadjointView<Eigen::Upper>();
@@ -72,11 +89,9 @@ class RollingShutterSolver {
 
 }  // namespace
 
-std::optional<RollingShutterPose> solve_rolling_shutter_pose(const Sensor& sensor,
-                                                             std::span<const PoseObservation> observations,
-                                                             const RollingShutterPose& guess,
-                                                             const VelocitySigma& sigma,
-                                                             const AbsolutePoseOptions& options) {
+std::optional<RollingShutterSolution> solve_rolling_shutter_pose(
+    const Sensor& sensor, std::span<const PoseObservation> observations, const RollingShutterPose& guess,
+    const VelocitySigma& sigma, const AbsolutePoseOptions& options) {
   RollingShutterSolver solver(sensor, observations, guess.velocity, sigma, options);
   RollingShutterPose pose = guess;
   solver.classify_guess(pose);
@@ -86,7 +101,7 @@ std::optional<RollingShutterPose> solve_rolling_shutter_pose(const Sensor& senso
     if (solver.inliers() < options.min_inliers) return std::nullopt;
     if (!changed) break;
   }
-  return pose;
+  return RollingShutterSolution{pose, solver.covariance(pose)};
 }
 
 }  // namespace kinloop

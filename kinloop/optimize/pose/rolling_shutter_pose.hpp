@@ -16,6 +16,13 @@ struct RollingShutterPose {
   Velocity velocity;
 };
 
+/// The pose and velocity of a frame, with the covariance of the pose.
+struct RollingShutterSolution : RollingShutterPose {
+  /// Of x = (translation [m]; rotation [rad]), where the true pose is T_world_camera * exp(x), given the
+  /// points: with the velocity unknown within its prior, and the noise as the residuals show it.
+  Matrix6d covariance = Matrix6d::Zero();
+};
+
 /// Standard deviation of the velocity prior.
 struct VelocitySigma {
   double m_s = 0.1;
@@ -25,10 +32,8 @@ struct VelocitySigma {
 /// Returns the pose and velocity near `guess` that minimize the robust cost (Gauss-Newton with the model of
 /// bundle adjustment). The world is the reference frame of the observations. The velocity of the guess is a
 /// prior. nullopt if there are fewer than `min_inliers` inliers.
-std::optional<RollingShutterPose> solve_rolling_shutter_pose(const Sensor& sensor,
-                                                             std::span<const PoseObservation> observations,
-                                                             const RollingShutterPose& guess,
-                                                             const VelocitySigma& sigma,
-                                                             const AbsolutePoseOptions& options);
+std::optional<RollingShutterSolution> solve_rolling_shutter_pose(
+    const Sensor& sensor, std::span<const PoseObservation> observations, const RollingShutterPose& guess,
+    const VelocitySigma& sigma, const AbsolutePoseOptions& options);
 
 }  // namespace kinloop

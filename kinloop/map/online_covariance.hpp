@@ -1,0 +1,40 @@
+#pragma once
+// In: frames as they are tracked. Out: the covariance of each pose in the map of that moment.
+
+#include <deque>
+#include <vector>
+
+#include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/map/tracked_frame.hpp"
+
+namespace kinloop {
+
+/// Returns the covariance of T_a_c = T_a_b * T_b_c that the covariance of T_a_b causes: of x in the axes of
+/// c.
+Matrix6d transported(const Matrix6d& covariance_of_T_a_b, const SE3& T_b_c);
+
+/// The covariances of the poses of a run, as they are known at each frame.
+///
+/// A keyframe inherits the covariance of the keyframe that it was tracked against, and adds its own. So it
+/// grows with the number of keyframes between a pose and the first one, and falls when the camera is back at
+/// an old one. Corrections of the map are not followed: after a loop it is an upper bound.
+class OnlineCovariance {
+ public:
+  /// Returns the covariance of x = (translation [m]; rotation [rad]), where the true pose is T_world_camera *
+  /// exp(x), relative to the keyframe that started the component. Zero if unknown. Call once a frame.
+  Matrix6d add(const TrackedFrame& tracked);
+
+  /// Returns the covariance of each keyframe, by its id. Those of loaded maps are zero: the map is the
+  /// reference.
+  [[nodiscard]] const std::vector<Matrix6d>& keyframes() const { return keyframes_; }
+
+ private:
+  void add_to_scatter(const TrackedFrame& tracked);
+
+  std::vector<Matrix6d> keyframes_;
+  std::deque<StampedPose> latest_;       // at most three
+  Matrix6d scatter_ = Matrix6d::Zero();  // see pose_scatter, of the frames until now
+  double frames_ = 0;                    // that it is averaged over
+};
+
+}  // namespace kinloop

@@ -1,0 +1,64 @@
+#include "kinloop/map/online_covariance.hpp"
+
+#include <gtest/gtest.h>
+
+namespace kinloop {
+namespace {
+
+constexpr double kVariance = 1e-6;  // of a pose given the landmarks, m^2 and rad^2
+
+/// A frame tracked against `reference` from 1 m beside it, which becomes `keyframe` if that is valid.
+TrackedFrame tracked(KeyframeId reference, KeyframeId keyframe = {}) {
+  TrackedFrame frame;
+  frame.outcome = TrackingOutcome::kTracked;
+  frame.reference = reference;
+  frame.T_reference_camera.translation.x() = 1;
+  frame.covariance = kVariance * Matrix6d::Identity();
+  frame.keyframe = keyframe;
+  return frame;
+}
+
+TrackedFrame first_frame() {
+  TrackedFrame frame;
+  frame.outcome = TrackingOutcome::kNewMap;
+  frame.reference = frame.keyframe = KeyframeId{0};
+  return frame;
+}
+
+TEST(OnlineCovariance, GrowsFromKeyframeToKeyframeAndFallsAtAnOldOne) {
+  OnlineCovariance covariance;
+  EXPECT_TRUE(covariance.add(first_frame()).isZero(0));
+  double last = 0;
+  for (uint32_t k = 1; k < 6; ++k) {
+    const double sigma = position_sigma_m(covariance.add(tracked(KeyframeId{k - 1}, KeyframeId{k})));
+    EXPECT_GT(sigma, last);
+    last = sigma;
+  }
+  const double back = position_sigma_m(covariance.add(tracked(KeyframeId{0})));
+  EXPECT_NEAR(back, std::sqrt(kVariance), 1e-9);
+  EXPECT_EQ(covariance.keyframes().size(), 6U);
+  EXPECT_TRUE(covariance.keyframes()[0].isZero(0));
+}
+
+TEST(OnlineCovariance, AnAngleMovesWhatIsFarAway) {
+  Matrix6d turned = Matrix6d::Zero();
+  turned(4, 4) = 1e-4;  // about y
+  SE3 T_b_c;
+  T_b_c.translation.z() = 3;
+  EXPECT_NEAR(position_sigma_m(transported(turned, T_b_c)), 3e-2, 1e-12);
+  EXPECT_EQ(position_sigma_m(turned), 0);
+}
+
+TEST(OnlineCovariance, IsZeroIfUnknownOrLost) {
+  OnlineCovariance covariance;
+  covariance.add(first_frame());
+  covariance.add(tracked(KeyframeId{0}, KeyframeId{1}));
+  TrackedFrame unknown = tracked(KeyframeId{1}), lost = unknown;
+  unknown.covariance.setZero();
+  lost.outcome = TrackingOutcome::kLost;
+  EXPECT_TRUE(covariance.add(unknown).isZero(0));
+  EXPECT_TRUE(covariance.add(lost).isZero(0));
+}
+
+}  // namespace
+}  // namespace kinloop
