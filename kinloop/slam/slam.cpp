@@ -8,6 +8,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/tracking/surface_evidence.hpp"
 
 namespace kinloop {
 namespace {
@@ -177,7 +178,12 @@ void Slam::state_covariances() {
 Trajectory Slam::finish(const Progress& progress) {
   apply_results(back_end_.apply_remaining(job_context()));
   const Stopwatch watch;
-  const FrameSearch search{relocalizer_, [this](const Frame& frame, const TrackedFrame& neighbor) {
+  const auto anywhere = [this](const Frame& frame) {
+    auto found = relocalizer_(frame);
+    if (found) found->doubtful = !is_confident(*found, *frame.features);  // no later frame confirms it
+    return found;
+  };
+  const FrameSearch search{anywhere, [this](const Frame& frame, const TrackedFrame& neighbor) {
                              return places_.locate_near(frame, map_, neighbor.reference,
                                                         neighbor.T_reference_camera);
                            }};

@@ -8,6 +8,10 @@
 namespace kinloop {
 namespace {
 
+// A pose is compensated for readout and delay (up to 30 ms) by the velocity before it, so an error of that
+// velocity comes back in the next one, multiplied by the ratio of that time to the interval of the frames. At
+// 60 Hz the velocity would swing up by itself unless it is averaged.
+constexpr int64_t kVelocityBaseline_ns = 30'000'000;
 constexpr double kMaxExtrapolation_s = 0.25;  // hand motion reverses within a few tenths of a second
 constexpr double kSmoothing = 0.9;  // weight of the previous acceleration noise against that of the new frame
 constexpr double kDefaultSpeed_m_s = 0.5;  // 1 sigma of a handheld camera of unknown motion
@@ -17,7 +21,10 @@ constexpr double kDefaultTurnRate_rad_s = 1.0;
 
 Velocity MotionModel::velocity_of(const SE3& T_previous_current, int64_t duration_ns) const {
   if (duration_ns < kMinVelocityInterval_ns) return velocity();
-  return velocity_of_twist(T_previous_current.log(), to_seconds(duration_ns));
+  const Velocity measured = velocity_of_twist(T_previous_current.log(), to_seconds(duration_ns));
+  if (!velocity_ || duration_ns >= kVelocityBaseline_ns) return measured;
+  const double share = static_cast<double>(duration_ns) / static_cast<double>(kVelocityBaseline_ns);
+  return Velocity::from_vector(share * measured.vector() + (1 - share) * velocity_->vector());
 }
 
 void MotionModel::update(const Velocity& velocity, int64_t duration_ns) {

@@ -12,6 +12,13 @@ bool is_above(const SurfaceAgreement& agreement, double max_contradicted_share) 
          agreement.contradicted_share() > max_contradicted_share;
 }
 
+/// Share of the points that may be contradicted where a camera with a rolling shutter and delayed depth
+/// turns.
+double contradicted_by_turning(double turning_rad_s) {
+  constexpr double kShare_s = 0.15, kMaxShare = 0.25;
+  return std::min(kShare_s * turning_rad_s, kMaxShare);
+}
+
 }  // namespace
 
 SurfaceAgreement agreement_with_reference(const LocalMap& local_map, const Frame& frame,
@@ -20,31 +27,34 @@ SurfaceAgreement agreement_with_reference(const LocalMap& local_map, const Frame
   return compare_surfaces(*local_map.surfaces, *frame.surfaces, T_reference_camera);
 }
 
+bool is_confident(const TrackedFrame& found, const Features& features) {
+  constexpr int kMinInliers = 60;
+  constexpr double kMinRatio = 0.25;
+  return found.evidence.inliers >= kMinInliers && has_sufficient_inlier_ratio(found, features, kMinRatio);
+}
+
 bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const TrackedFrame& found,
-                                 const Frame& frame) {
+                                 const Frame& frame, double turning_rad_s) {
   // Of right poses after gaps in redkitchen and two rendered rooms, at most 2 % of the points are
   // contradicted; of wrong ones 7 to 50 %.
   constexpr double kMaxContradicted = 0.04, kMaxContradictedIfConfident = 0.2;
-  constexpr int kConfidentInliers = 60;
-  constexpr double kConfidentRatio = 0.25;
-  const bool confident = found.evidence.inliers >= kConfidentInliers &&
-                         has_sufficient_inlier_ratio(found, *frame.features, kConfidentRatio);
+  const bool confident = is_confident(found, *frame.features);
   // Without depth, nothing but the keypoints tells one place from another.
   if (!confident && frame.surfaces && !has_depth(*frame.surfaces)) return true;
-  return is_above(agreement, confident ? kMaxContradictedIfConfident : kMaxContradicted);
+  return is_above(agreement, (confident ? kMaxContradictedIfConfident : kMaxContradicted) +
+                                 contradicted_by_turning(turning_rad_s));
 }
 
 bool is_doubtful(const TrackedFrame& tracked) {
   // Of the frames of redkitchen, none is contradicted by more than 8 %. Where a camera with a rolling shutter
   // and delayed depth turns fast, up to 36 % of the points are, since the grids are not
   // motion-compensated.
-  constexpr double kMaxContradicted = 0.25, kMotionShare_s = 0.15, kMaxMotionShare = 0.25;
+  constexpr double kMaxContradicted = 0.25;
   constexpr double kMaxMoved = 0.5;  // of the image; if it is more, the rest may be what moves
   constexpr double kMaxDenseSigma_m = 0.02;
   const TrackingEvidence& evidence = tracked.evidence;
-  const double turning_rad_s = tracked.velocity.angular_rad_s.norm();
   const double max_contradicted =
-      kMaxContradicted + std::min(kMotionShare_s * turning_rad_s, kMaxMotionShare);
+      kMaxContradicted + contradicted_by_turning(tracked.velocity.angular_rad_s.norm());
   if (is_above(evidence.surfaces, max_contradicted) || evidence.moved_share > kMaxMoved) return true;
   return tracked.method == TrackingMethod::kDense && position_sigma_m(tracked.covariance) > kMaxDenseSigma_m;
 }

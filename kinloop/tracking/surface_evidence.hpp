@@ -10,12 +10,16 @@ namespace kinloop {
 SurfaceAgreement agreement_with_reference(const LocalMap& local_map, const Frame& frame,
                                           const SE3& T_reference_camera);
 
+/// Whether so many keypoints agree with the pose that hardly any other place can be mistaken for this one.
+bool is_confident(const TrackedFrame& found, const Features& features);
+
 /// Whether surfaces contradict a pose that was not expected: found after a gap or a loss, far from its
 /// prediction, or in another part of the map. In another place some surfaces agree by chance, but many do
 /// not; in a static scene hardly any point lies where the other view saw through. Many landmarks outweigh
-/// more contradiction, since something may move in front of them.
+/// more contradiction, since something may move in front of them. A camera that turns at `turning_rad_s`
+/// distorts surfaces.
 bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const TrackedFrame& found,
-                                 const Frame& frame);
+                                 const Frame& frame, double turning_rad_s = 0);
 
 /// Whether a pose is in doubt although it continues the previous one: by what surfaces contradict it, by how
 /// much of the image moves, or by the uncertainty that dense odometry has accumulated. Needs the velocity.

@@ -7,6 +7,7 @@
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/map/frame_log.hpp"
 #include "kinloop/sensor/surface_mask.hpp"
 #include "kinloop/tracking/direct/direct_tracking.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
@@ -83,7 +84,7 @@ TrackedFrame Tracker::repeat_previous(Frame frame) const {
 std::optional<TrackedFrame> Tracker::track_by_patches(const Frame& frame, const Sensor& sensor) const {
   const ScopedTimer timer(timings_, "direct tracking");
   constexpr int64_t kMaxGap_ns = kNsPerSecond / 10;  // patches look too different after a longer motion
-  if (!previous_ || lost_frames_ > 0 || options_.localize_only) return std::nullopt;
+  if (!previous_ || lost_frames_ > 0 || options_.localize_only || hypothesis_since_ns_) return std::nullopt;
   if (frame.stamp_ns - previous_->stamp_ns > kMaxGap_ns) return std::nullopt;
   const PatchSearch search{local_map_, sensor, motion_.velocity()};
   return track_directly(frame, predict(frame.stamp_ns).T,
@@ -96,6 +97,10 @@ TrackedFrame Tracker::track_by_keypoints(Frame frame, const TrackingContext& con
     frame.features = front_end_.features(frame);
   }
   TrackedFrame tracked = locate(deskewed(frame, context.sensor, motion_.velocity()), context);
+  constexpr int64_t kMaxHypothesis_ns = kNsPerSecond;
+  if (hypothesis_since_ns_ && frame.stamp_ns - *hypothesis_since_ns_ > kMaxHypothesis_ns &&
+      !is_confident(tracked, *frame.features))
+    tracked = unlocated(frame);
   if (options_.localize_only && tracked.is_located() && !is_localized(tracked, frame, options_.tracking)) {
     tracked.matches.clear();
   }
@@ -123,9 +128,27 @@ TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context)
   // reliable than a few chance matches.
   const ScopedTimer timer(timings_, "relocalization");
   auto found = context.relocalize(frame);
-  if (found && found->evidence.inliers > tracked.evidence.inliers) return *std::move(found);
+  if (found && found->evidence.inliers > tracked.evidence.inliers && is_reachable(*found, context.map))
+    return *std::move(found);
   if (tracked.is_located()) return tracked;
   return may_be_elsewhere(frame) ? start_map_or_lose(frame) : tracked;
+}
+
+/// Whether the camera can have got there since the previous frame. Its pose may have drifted since that part
+/// of the map was made.
+bool Tracker::is_reachable(const TrackedFrame& found, const Map& map) const {
+  constexpr double kMaxSpeed_m_s = 3, kMaxDrift_m = 0.5;
+  if (!previous_ || !is_tracked_in(map.keyframe(found.reference).component, *previous_, map)) return true;
+  const double distance_m =
+      (world_pose(found, map).translation - world_pose(*previous_, map).translation).norm();
+  const double since_s = to_seconds(found.stamp_ns - previous_->stamp_ns);
+  return distance_m < kMaxDrift_m + kMaxSpeed_m_s * since_s;
+}
+
+/// Whether the camera was relocalized on weak evidence, and this frame does not confirm it.
+bool Tracker::is_hypothesis(const TrackedFrame& tracked) const {
+  const bool unexpected = tracked.outcome == TrackingOutcome::kRelocalized || hypothesis_since_ns_;
+  return tracked.is_located() && unexpected && !is_confident(tracked, tracked.features());
 }
 
 /// Whether the camera has been lost for so long that it may be in an unmapped place. Behind something that
@@ -146,8 +169,9 @@ bool Tracker::continues_previous(const Frame& frame) const {
 
 /// Whether surfaces contradict a pose found relative to the local map.
 bool Tracker::is_contradicted(const TrackedFrame& tracked, const Frame& frame) const {
+  const double turning_rad_s = continues_previous(frame) ? previous_->velocity.angular_rad_s.norm() : 0;
   const auto contradicts = [&](const SurfaceAgreement& agreement) {
-    return contradicts_unexpected_pose(agreement, tracked, frame);
+    return contradicts_unexpected_pose(agreement, tracked, frame, turning_rad_s);
   };
   const SE3& T_reference_camera = tracked.T_reference_camera;
   if (contradicts(agreement_with_reference(local_map_, frame, T_reference_camera))) return true;
@@ -212,6 +236,7 @@ TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Se
     tracked.doubtful = is_doubtful(tracked);
   }
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
+  if (is_hypothesis(tracked)) tracked.doubtful = true;
   return tracked;
 }
 
@@ -272,6 +297,7 @@ void Tracker::reset() {
   local_map_ = {};
   motion_.reset();
   lost_frames_ = 0;
+  hypothesis_since_ns_.reset();
 }
 
 void Tracker::express_previous_in(KeyframeId reference, const Map& map) {
@@ -289,6 +315,12 @@ void Tracker::remember(const TrackedFrame& latest) {
   } else {
     motion_.reset();
   }
+  if (latest.is_lost() && hypothesis_since_ns_) previous_.reset();  // it may have been elsewhere
+  if (!is_hypothesis(latest)) {
+    hypothesis_since_ns_.reset();
+  } else if (!hypothesis_since_ns_) {
+    hypothesis_since_ns_ = latest.stamp_ns;
+  }
   if (latest.is_lost()) {
     ++lost_frames_;
   } else {
@@ -298,7 +330,7 @@ void Tracker::remember(const TrackedFrame& latest) {
 }
 
 bool Tracker::expects_keypoints() const {
-  return !previous_ || previous_->features().has_descriptors() || lost_frames_ > 0;
+  return !previous_ || previous_->features().has_descriptors() || lost_frames_ > 0 || hypothesis_since_ns_;
 }
 
 }  // namespace kinloop

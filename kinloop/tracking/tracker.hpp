@@ -76,6 +76,8 @@ class Tracker {
   [[nodiscard]] TrackedFrame locate(const Frame& frame, const TrackingContext& context) const;
   [[nodiscard]] bool may_be_elsewhere(const Frame& frame) const;
   [[nodiscard]] bool continues_previous(const Frame& frame) const;
+  [[nodiscard]] bool is_reachable(const TrackedFrame& found, const Map& map) const;
+  [[nodiscard]] bool is_hypothesis(const TrackedFrame& tracked) const;
   [[nodiscard]] bool is_contradicted(const TrackedFrame& tracked, const Frame& frame) const;
   [[nodiscard]] std::optional<TrackedFrame> track_from_previous(const Frame& frame,
                                                                 const Sensor& sensor) const;
@@ -94,6 +96,8 @@ class Tracker {
   LocalMap local_map_;
   MotionModel motion_;
   int lost_frames_ = 0;  // since `previous_`
+  /// Since when the camera is thought to be where it was relocalized, on weak evidence.
+  std::optional<int64_t> hypothesis_since_ns_;
 };
 
 }  // namespace kinloop

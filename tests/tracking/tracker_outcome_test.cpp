@@ -28,6 +28,28 @@ TrackerOptions impatient() {
   return options;
 }
 
+/// The view with its first `count` keypoints only.
+test::SyntheticView with_fewer_features(const test::SyntheticView& view, size_t count) {
+  Features few = *view.features;
+  const auto shorten = [&](auto& values) {
+    if (values.size() > count) values.resize(count);
+  };
+  shorten(few.pixels);
+  shorten(few.depths_m);
+  shorten(few.raw_pixels);
+  shorten(few.measured_pixels);
+  shorten(few.measured_depths_m);
+  shorten(few.inverse_depth_gradients);
+  shorten(few.levels);
+  shorten(few.angles_rad);
+  shorten(few.sigmas_px);
+  few.descriptors = few.descriptors.rowRange(0, static_cast<int>(few.pixels.size())).clone();
+  test::SyntheticView shortened = view;
+  shorten(shortened.point_of);
+  shortened.features = std::make_shared<const Features>(std::move(few));
+  return shortened;
+}
+
 class TrackerOutcome : public testing::Test {
  protected:
   /// Builds a map of three keyframes that look in one direction; the rest of the room is unmapped.
@@ -91,6 +113,55 @@ TEST_F(TrackerOutcome, TracksAfterRelocalization) {
   ASSERT_EQ(next.outcome, TrackingOutcome::kTracked);
   EXPECT_LT(error_m(next, pose(1.7)), 0.003);
   EXPECT_GT(next.velocity.linear_m_s.norm(), 0);
+}
+
+TEST_F(TrackerOutcome, AWeakRelocalizationIsInDoubtUntilAFrameConfirmsIt) {
+  build_map();
+  relocalize_ = [this](const Frame& frame) {
+    auto found = places_.relocalize(frame, built_.map);
+    if (found) found->evidence.inliers = 40;
+    return found;
+  };
+  const TrackedFrame weak = show(pose(1.5));
+  ASSERT_EQ(weak.outcome, TrackingOutcome::kRelocalized);
+  EXPECT_TRUE(weak.doubtful);
+  EXPECT_FALSE(show(pose(1.55)).doubtful);
+}
+
+TEST_F(TrackerOutcome, AWeakRelocalizationThatNothingConfirmsIsGivenUp) {
+  build_map();
+  relocalize_ = [this](const Frame& frame) -> std::optional<TrackedFrame> {
+    if (frame.id.value > 0) return std::nullopt;
+    return places_.relocalize(frame, built_.map);
+  };
+  const auto view = [this](double i) {
+    return with_fewer_features(test::observe(world_, pose(i), {}, 100 + id_), 59);
+  };
+  const TrackedFrame weak = show(view(1.5));
+  ASSERT_EQ(weak.outcome, TrackingOutcome::kRelocalized);
+  EXPECT_TRUE(weak.doubtful);
+  TrackedFrame latest;
+  for (int i = 0; i < 40; ++i) {
+    latest = show(view(1.5));
+    EXPECT_TRUE(latest.doubtful || latest.is_lost()) << i;
+  }
+  EXPECT_TRUE(latest.is_lost());
+}
+
+TEST_F(TrackerOutcome, ACameraIsNotRelocalizedWhereItCannotHaveGot) {
+  build_map();
+  show(pose(1.5));
+  relocalize_ = [this](const Frame& frame) {
+    TrackedFrame found = unlocated(frame);
+    found.outcome = TrackingOutcome::kRelocalized;
+    found.reference = KeyframeId{0};
+    found.T_reference_camera.translation = {2, 0, 0};
+    found.evidence.inliers = 500;
+    return std::optional(found);
+  };
+  EXPECT_TRUE(show(elsewhere()).is_lost());
+  id_ += 30;  // a second later
+  EXPECT_EQ(show(elsewhere()).outcome, TrackingOutcome::kRelocalized);
 }
 
 TEST_F(TrackerOutcome, PreviousFrameIsExpressedInANewReference) {

@@ -57,8 +57,10 @@ std::optional<double> DepthContinuity::scale_step(const Frame& frame, const Velo
   const double interval_s = to_seconds(frame.stamp_ns - stamp_ns_);
   if (interval_s > kMaxInterval_s || mean_change(image_, frame.octaves.back()) > kMaxChange)
     return std::nullopt;
-  const SE3 T_now_before = SE3::exp(velocity.vector() * -interval_s);
-  const auto ratios = log_depth_ratios(*surfaces_, *frame.surfaces, T_now_before);
+  const auto ratios_after = [&](const SE3& T_now_before) {
+    return log_depth_ratios(*surfaces_, *frame.surfaces, T_now_before);
+  };
+  const auto ratios = ratios_after(SE3::exp(velocity.vector() * -interval_s));
   constexpr size_t kMinPoints = 60;
   if (ratios.size() < kMinPoints) return std::nullopt;
   const float ratio = median(ratios);
@@ -67,6 +69,9 @@ std::optional<double> DepthContinuity::scale_step(const Frame& frame, const Velo
                                       [&](float other) { return std::abs(other - ratio) < tolerance; });
   const double share = static_cast<double>(agreeing) / static_cast<double>(ratios.size());
   if (std::abs(ratio) < kMinLogRatio || share < kMinShare) return std::nullopt;
+  // Nor may it be the velocity that is wrong.
+  const float without_motion = median(ratios_after({}));
+  if (std::abs(without_motion) < kMinLogRatio || without_motion * ratio < 0) return std::nullopt;
   return std::exp(static_cast<double>(ratio));
 }
 
