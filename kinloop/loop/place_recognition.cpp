@@ -2,7 +2,7 @@
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/loop/recognize_place.hpp"
-#include "kinloop/tracking/surface_evidence.hpp"
+#include "kinloop/tracking/evidence/surface_evidence.hpp"
 
 namespace kinloop {
 

@@ -2,7 +2,7 @@
 
 #include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/loop/view_checks.hpp"
-#include "kinloop/tracking/surface_evidence.hpp"
+#include "kinloop/tracking/evidence/surface_evidence.hpp"
 
 namespace kinloop {
 namespace {

@@ -4,8 +4,8 @@
 #include "kinloop/mapping/triangulate.hpp"
 #include "kinloop/sensor/surface_mask.hpp"
 #include "kinloop/tracking/direct/refine_keypoints.hpp"
+#include "kinloop/tracking/evidence/moved_points.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
-#include "kinloop/tracking/moved_points.hpp"
 
 namespace kinloop {
 namespace {

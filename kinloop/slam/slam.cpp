@@ -7,8 +7,8 @@
 #include "kinloop/back_end/pose_covariances.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/tracking/evidence/surface_evidence.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
-#include "kinloop/tracking/surface_evidence.hpp"
 
 namespace kinloop {
 namespace {
@@ -76,6 +76,7 @@ TrackedFrame Slam::process(const Frame& frame) {
   }
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
   tracked.world_covariance = online_covariance_.add(tracked);
+  if (tracked.is_repeat() && tracked.doubtful) doubt_repeats();
   add_to_log(tracked);
   tracker_.update(tracked, map_);
   if (tracked.keyframe.valid()) {
@@ -103,6 +104,11 @@ void Slam::add_input_evidence(TrackedFrame& tracked) const {
   tracked.evidence.fixed_share = fixed_region_.share();
   tracked.evidence.depth_factor = depth_.factor();
   if (!tracked.is_lost() && depth_.age_s() > kMaxWithoutDepth_s) tracked.doubtful = true;
+}
+
+/// That the image is frozen is seen late: the repeated frames before are in doubt as well.
+void Slam::doubt_repeats() {
+  for (size_t i = log_.size(); i-- > earlier_.frame_count && log_[i].is_repeat();) log_[i].doubtful = true;
 }
 
 /// Returns the frame with all of its keypoints if it should become a keyframe.

@@ -26,7 +26,7 @@
 #include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "kinloop/slam/options.hpp"
-#include "kinloop/tracking/camera_fixed_region.hpp"
+#include "kinloop/tracking/evidence/camera_fixed_region.hpp"
 #include "kinloop/tracking/evidence/depth_continuity.hpp"
 #include "kinloop/tracking/front_end.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
@@ -115,6 +115,7 @@ class Slam {
   [[nodiscard]] Frame without_fixed_region(const Frame& frame);
   void add_input_evidence(TrackedFrame& tracked) const;
   void withdraw_fixed_region();
+  void doubt_repeats();
   void doubt_frames_since(int64_t since_ns, bool withdrawn);
   void apply_results(const AppliedResults& results);
   void apply_sensor_estimate(const SensorEstimate& estimate);

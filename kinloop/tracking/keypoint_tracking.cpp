@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "kinloop/features/keypoint_measurements.hpp"
-#include "kinloop/tracking/confirmed_first.hpp"
+#include "kinloop/tracking/evidence/confirmed_first.hpp"
 #include "kinloop/tracking/previous_frame.hpp"
 
 namespace kinloop {
@@ -66,6 +66,49 @@ TrackedFrame refine(const TrackingInput& in, const FramePose& guess, double wind
   return tracked;
 }
 
+/// Adds how the camera moved before: it decides the directions that planes leave open.
+PosePrior with_motion_prior(const FramePose& aligned, const PredictedPose& predicted) {
+  Vector6d sigmas;
+  constexpr double kMinSigma = 1e-4;  // m and rad; of a camera that has not moved, none is known
+  sigmas << Eigen::Vector3d::Constant(std::max(predicted.sigma_m, kMinSigma)),
+      Eigen::Vector3d::Constant(std::max(predicted.sigma_rad, kMinSigma));
+  const Matrix6d of_motion = sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
+  const Matrix6d information = aligned.information + of_motion;
+  const Vector6d off = (aligned.T_reference_camera.inverse() * predicted.T).log();
+  const Vector6d step = information.ldlt().solve(of_motion * off);
+  return {aligned.T_reference_camera * SE3::exp(step), information};
+}
+
+/// Refines a pose of dense alignment on the few landmarks that are found near where it expects them.
+TrackedFrame with_landmarks(const TrackingInput& in, TrackedFrame tracked) {
+  constexpr int kMinInliers = 4;
+  constexpr double kMinConsistent = 0.7;
+  const LocalMap& local_map = in.local_map;
+  const auto visible = project_local_map(in, tracked.T_reference_camera, in.options.local_map_window_px);
+  const auto matches = match_by_projection(visible.projected, *in.frame.features, in.grid, {});
+  std::vector<PoseObservation> observations;
+  for (const Match& match : matches) {
+    observations.push_back({compensated_measurement(*in.frame.features, match.b),
+                            local_map.p_reference[visible.index_in_local_map[match.a]]});
+  }
+  const PosePrior dense{tracked.T_reference_camera, tracked.covariance.inverse()};
+  if (!dense.information.allFinite()) return tracked;
+  AbsolutePoseOptions few = in.options.pose;
+  few.min_inliers = kMinInliers;
+  const auto solution = solve_absolute_pose(in.sensor, observations, dense.T_reference_camera, few, dense);
+  if (!solution || solution->inlier_count < kMinConsistent * static_cast<double>(matches.size()))
+    return tracked;
+  tracked.T_reference_camera = solution->T_reference_camera;
+  tracked.covariance = covariance_from_information(solution->information);
+  tracked.evidence.visible_landmarks = static_cast<int>(visible.projected.size());
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (solution->inliers[i])
+      tracked.matches.push_back({local_map.ids[visible.index_in_local_map[matches[i].a]], matches[i].b});
+  }
+  tracked.evidence.inliers = static_cast<int>(tracked.matches.size());
+  return tracked;
+}
+
 }  // namespace
 
 bool has_sufficient_inlier_ratio(const TrackedFrame& tracked, const Features& features,
@@ -108,14 +151,16 @@ TrackedFrame track_keypoints(const TrackingInput& in, const TrackedFrame& previo
 TrackedFrame track_densely(const TrackingInput& in, const TrackedFrame& previous,
                            const PredictedPose& predicted) {
   TrackedFrame tracked = unlocated(in.frame);
-  const auto pose = align_with_previous_frame(in, previous, predicted.T);
-  if (!pose) return tracked;
+  const auto aligned = align_with_previous_frame(in, previous, predicted.T);
+  if (!aligned) return tracked;
+  const PosePrior odometry = with_motion_prior(*aligned, predicted);
   tracked.reference = in.local_map.reference;
   tracked.outcome = TrackingOutcome::kTracked;
   tracked.method = TrackingMethod::kDense;
-  tracked.T_reference_camera = pose->T_reference_camera;
-  tracked.covariance = covariance_from_information(pose->information) + previous.covariance;
-  return tracked;
+  tracked.T_reference_camera = odometry.T_reference_camera;
+  // Odometry accumulates its errors.
+  tracked.covariance = covariance_from_information(odometry.information) + previous.covariance;
+  return with_landmarks(in, std::move(tracked));
 }
 
 }  // namespace kinloop

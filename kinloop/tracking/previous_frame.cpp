@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "kinloop/features/keypoint_measurements.hpp"
-#include "kinloop/tracking/confirmed_first.hpp"
+#include "kinloop/tracking/evidence/confirmed_first.hpp"
 
 namespace kinloop {
 namespace {

@@ -10,10 +10,10 @@
 #include "kinloop/map/frame_log.hpp"
 #include "kinloop/sensor/surface_mask.hpp"
 #include "kinloop/tracking/direct/direct_tracking.hpp"
+#include "kinloop/tracking/evidence/moved_points.hpp"
+#include "kinloop/tracking/evidence/surface_evidence.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
-#include "kinloop/tracking/moved_points.hpp"
-#include "kinloop/tracking/surface_evidence.hpp"
 
 namespace kinloop {
 namespace {

@@ -96,6 +96,36 @@ TEST(AbsolutePose, UnobservableDirectionsGiveNoPose) {
   EXPECT_FALSE(solve_absolute_pose(kinect_sensor(), view, truth, options).has_value());
 }
 
+TEST(AbsolutePose, AWallAndThreePointsDecideTogether) {
+  Random random(8);
+  const SE3 truth = random_motion(random, 1.0, 1.0);
+  const auto view = make_view(truth, 3, {.depth_fraction = 0}, random);
+  // A wall in front of the camera tells its distance and two angles.
+  PosePrior wall{truth};
+  wall.information.diagonal() << 0, 0, 1e6, 1e6, 1e6, 0;
+  AbsolutePoseOptions few;
+  few.min_inliers = 3;
+  const SE3 guess = truth * SE3::exp((Vector6d() << 0.02, -0.01, 0, 0, 0, 0.01).finished());
+  const auto solution = solve_absolute_pose(kinect_sensor(), view, guess, few, wall);
+  ASSERT_TRUE(solution.has_value());
+  EXPECT_LT(error_of(solution->T_reference_camera, truth).norm(), 1e-6);
+  EXPECT_GE(solution->information(2, 2), 1e6);
+}
+
+TEST(AbsolutePose, APriorCountsByItsInformation) {
+  Random random(9);
+  const SE3 truth = random_motion(random, 1.0, 1.0);
+  const auto view = make_view(truth, 60, {}, random);
+  const SE3 elsewhere = truth * SE3::exp((Vector6d() << 0.003, 0, 0, 0, 0, 0).finished());
+  const auto error_m = [&](double information) {
+    const PosePrior prior{elsewhere, information * Matrix6d::Identity()};
+    const auto solution = solve_absolute_pose(kinect_sensor(), view, truth, {}, prior);
+    return solution ? error_of(solution->T_reference_camera, truth).norm() : kNan;
+  };
+  EXPECT_LT(error_m(1e-3), 1e-6);
+  EXPECT_NEAR(error_m(1e12), 0.003, 1e-5);
+}
+
 TEST(AbsolutePose, NonFiniteObservationsAreIgnored) {
   Random random(7);
   const SE3 truth = random_motion(random, 1.0, 1.0);

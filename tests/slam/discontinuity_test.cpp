@@ -56,10 +56,7 @@ TEST(Discontinuity, AFrozenImageIsInDoubtAndTrackingGoesOnAfterIt) {
   Slam slam(recording.camera);
   for (const Frame& frame : recording.frames) slam.process(frame);
   const Trajectory trusted = slam.finish();
-  for (size_t i = 15; i < 30; ++i) {
-    const double frozen_s = to_seconds(slam.log()[i].stamp_ns - slam.log()[14].stamp_ns);
-    EXPECT_EQ(slam.log()[i].doubtful, frozen_s > 0.2) << i;
-  }
+  for (size_t i = 15; i < 30; ++i) EXPECT_TRUE(slam.log()[i].doubtful) << i;
   for (size_t i = 30; i < 40; ++i) {
     EXPECT_FALSE(slam.log()[i].is_lost() || slam.log()[i].doubtful) << i;
     const auto& estimate = trusted[trusted.size() - 40 + i].T_world_camera;

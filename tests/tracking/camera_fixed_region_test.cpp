@@ -1,4 +1,4 @@
-#include "kinloop/tracking/camera_fixed_region.hpp"
+#include "kinloop/tracking/evidence/camera_fixed_region.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>

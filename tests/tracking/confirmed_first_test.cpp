@@ -1,4 +1,4 @@
-#include "kinloop/tracking/confirmed_first.hpp"
+#include "kinloop/tracking/evidence/confirmed_first.hpp"
 
 #include <gtest/gtest.h>
 

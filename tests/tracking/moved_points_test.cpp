@@ -1,4 +1,4 @@
-#include "kinloop/tracking/moved_points.hpp"
+#include "kinloop/tracking/evidence/moved_points.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>

@@ -1,4 +1,4 @@
-#include "kinloop/tracking/surface_evidence.hpp"
+#include "kinloop/tracking/evidence/surface_evidence.hpp"
 
 #include <gtest/gtest.h>
 

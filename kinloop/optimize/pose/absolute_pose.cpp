@@ -30,8 +30,11 @@ CameraObservations blocks_of(std::span<const PoseObservation> observations) {
 class Solver {
  public:
   Solver(const Sensor& sensor, std::span<const PoseObservation> observations,
-         const AbsolutePoseOptions& options)
-      : sensor_(without_corrections(sensor)), observations_(blocks_of(observations)), options_(options) {}
+         const AbsolutePoseOptions& options, const PosePrior& prior)
+      : sensor_(without_corrections(sensor)),
+        observations_(blocks_of(observations)),
+        options_(options),
+        prior_(prior) {}
 
   /// Minimizes the cost over the observations in use.
   [[nodiscard]] SE3 minimize(const SE3& T) const {
@@ -54,7 +57,8 @@ class Solver {
     unweighted.noise.robust_width = std::numeric_limits<double>::infinity();
     const PoseNormal<6> normal = linearize(T, unweighted);
     s.chi2 = normal.cost;
-    s.information = huber_efficiency(sensor_.noise.robust_width) * normal.H;
+    s.information =
+        huber_efficiency(sensor_.noise.robust_width) * (normal.H - prior_.information) + prior_.information;
     return s;
   }
 
@@ -66,12 +70,17 @@ class Solver {
     normal.H = observed.gram.topLeftCorner<6, 6>().selfadjointView<Eigen::Upper>();
     normal.g = observed.gram.col(LinearColumns::kResidual).head<6>();
     normal.cost = observed.cost;
+    const Vector6d off = (prior_.T_reference_camera.inverse() * T).log();
+    normal.H += prior_.information;
+    normal.g += prior_.information * off;
+    normal.cost += off.dot(prior_.information * off);
     return normal;
   }
 
   Sensor sensor_;
   CameraObservations observations_;
   const AbsolutePoseOptions& options_;
+  const PosePrior& prior_;
 };
 
 /// Whether every direction of the pose is constrained, after scaling each coordinate to one.
@@ -89,9 +98,10 @@ bool is_constrained(const Matrix6d& information) {
 std::optional<AbsolutePoseSolution> solve_absolute_pose(const Sensor& sensor,
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
-                                                        const AbsolutePoseOptions& options) {
+                                                        const AbsolutePoseOptions& options,
+                                                        const PosePrior& prior) {
   if (!T_reference_camera_guess.is_finite()) return std::nullopt;
-  Solver solver(sensor, observations, options);
+  Solver solver(sensor, observations, options, prior);
   SE3 T = T_reference_camera_guess;
   for (int round = 0; round < options.rounds; ++round) {
     T = solver.minimize(T);

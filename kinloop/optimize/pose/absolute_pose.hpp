@@ -34,6 +34,12 @@ struct AbsolutePoseOptions {
   }
 };
 
+/// What is known of a pose from elsewhere, such as planes or the motion before it.
+struct PosePrior {
+  SE3 T_reference_camera;
+  Matrix6d information = Matrix6d::Zero();  ///< of T * exp(x), x = (translation; rotation)
+};
+
 /// A camera pose with its inliers.
 struct AbsolutePoseSolution {
   SE3 T_reference_camera;
@@ -47,11 +53,13 @@ struct AbsolutePoseSolution {
 /// there are fewer than `min_inliers` inliers or they leave a direction of the pose unconstrained.
 /// Observations with values that are not finite are outliers. Pixel and depth have separate robust losses: a
 /// keypoint at a depth edge has a good pixel but may have the depth of the wrong side. The observations are
-/// motion-compensated: the corrections of the sensor are in them already.
+/// motion-compensated: the corrections of the sensor are in them already. A prior is part of the cost, and of
+/// the information of the solution.
 std::optional<AbsolutePoseSolution> solve_absolute_pose(const Sensor& sensor,
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
-                                                        const AbsolutePoseOptions& options);
+                                                        const AbsolutePoseOptions& options,
+                                                        const PosePrior& prior = {});
 
 /// Returns 1 for each observation whose pixel is an inlier at the pose; depth is ignored.
 std::vector<uint8_t> pixel_inliers(const Sensor& sensor, std::span<const PoseObservation> observations,

@@ -6,8 +6,8 @@
 
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
-#include "kinloop/tracking/confirmed_first.hpp"
 #include "kinloop/tracking/direct/align_images.hpp"
+#include "kinloop/tracking/evidence/confirmed_first.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
 
 namespace kinloop {

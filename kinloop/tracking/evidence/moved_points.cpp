@@ -1,4 +1,4 @@
-#include "kinloop/tracking/moved_points.hpp"
+#include "kinloop/tracking/evidence/moved_points.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "kinloop/tracking/camera_fixed_region.hpp"
+#include "kinloop/tracking/evidence/camera_fixed_region.hpp"
 
 #include <algorithm>
 #include <cmath>
