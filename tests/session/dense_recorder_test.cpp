@@ -71,6 +71,39 @@ TEST(DenseRecorder, OnlineAndOfflinePatchesAreIdentical) {
   expect_same(while_running, cloud_of(restored, 0.03, 1));
 }
 
+TEST(DenseRecorder, WhatMovesIsNotInTheCloud) {
+  const auto grid = make_surface_camera(make_sensor(camera()));
+  const auto count_points = [&](int moved_columns) {
+    DenseRecorder recorder(camera(), {});
+    const auto seen = test::view_of_wall(camera().color, {}, 1.8, {0, 128, 255});
+    for (uint32_t i = 0; i < 4; ++i) {
+      Frame frame;
+      frame.id = FrameId{i};
+      frame.color = seen.color;
+      frame.depth_m = seen.depth_m;
+      frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(grid, seen.depth_m));
+      TrackedFrame tracked;
+      tracked.id = frame.id;
+      tracked.outcome = TrackingOutcome::kTracked;
+      tracked.keyframe = KeyframeId{i};
+      tracked.frame = std::make_shared<const Frame>(frame);
+      if (moved_columns > 0) {
+        tracked.moved = cv::Mat::zeros(grid->grid.height, grid->grid.width, CV_8UC1);
+        tracked.moved.colRange(0, moved_columns).setTo(255);
+      }
+      recorder.on_frame(tracked);
+    }
+    recorder.wait_for_jobs();
+    std::vector<PosedImage> views;
+    for (size_t i = 0; i < recorder.image_count(); ++i) views.push_back({i, SE3{}});
+    return static_cast<double>(recorder.fuse_views(views, {.color = camera().color}, 1, {}).size());
+  };
+  const double all = count_points(0), half = count_points(grid->grid.width / 2);
+  ASSERT_GT(all, 1000);
+  EXPECT_LT(half, 0.55 * all);
+  EXPECT_GT(half, 0.35 * all);
+}
+
 TEST(DenseRecorder, ExecutionModeDoesNotMatter) {
   DenseRecorder lagged(camera(), {});
   show_wall(lagged, 30, 3);

@@ -62,7 +62,15 @@ TEST(SurfaceEvidence, DoubtsDenseOdometryThatIsUncertain) {
   tracked.covariance(1, 1) = 1;  // along a wall
   EXPECT_TRUE(is_doubtful(tracked));
   tracked.method = TrackingMethod::kKeypoints;
+  tracked.evidence.inliers = 200;
   EXPECT_FALSE(is_doubtful(tracked));
+}
+
+TEST(SurfaceEvidence, DoubtsAPoseOfAFewLandmarks) {
+  TrackedFrame tracked = Found(20).tracked;
+  EXPECT_FALSE(is_doubtful(tracked));
+  tracked.evidence.inliers = 8;
+  EXPECT_TRUE(is_doubtful(tracked));
 }
 
 TEST(SurfaceEvidence, DoubtsAPoseIfHalfOfTheImageMoves) {

@@ -52,10 +52,14 @@ bool is_doubtful(const TrackedFrame& tracked) {
   constexpr double kMaxContradicted = 0.25;
   constexpr double kMaxMoved = 0.5;  // of the image; if it is more, the rest may be what moves
   constexpr double kMaxDenseSigma_m = 0.02;
+  // Fewer landmarks may be those of something that moves. In ten recordings and rooms without, 51 are the
+  // least.
+  constexpr int kMinLandmarks = 15;
   const TrackingEvidence& evidence = tracked.evidence;
   const double max_contradicted =
       kMaxContradicted + contradicted_by_turning(tracked.velocity.angular_rad_s.norm());
   if (is_above(evidence.surfaces, max_contradicted) || evidence.moved_share > kMaxMoved) return true;
+  if (tracked.method != TrackingMethod::kDense && evidence.inliers < kMinLandmarks) return true;
   return tracked.method == TrackingMethod::kDense && position_sigma_m(tracked.covariance) > kMaxDenseSigma_m;
 }
 

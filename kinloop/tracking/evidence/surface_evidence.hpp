@@ -22,7 +22,8 @@ bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const Tracke
                                  const Frame& frame, double turning_rad_s = 0);
 
 /// Whether a pose is in doubt although it continues the previous one: by what surfaces contradict it, by how
-/// much of the image moves, or by the uncertainty that dense odometry has accumulated. Needs the velocity.
+/// much of the image moves, by how few landmarks support it, or by the uncertainty that dense odometry has
+/// accumulated. Needs the velocity.
 bool is_doubtful(const TrackedFrame& tracked);
 
 }  // namespace kinloop
