@@ -10,6 +10,7 @@
 #include "kinloop/map/frame_log.hpp"
 #include "kinloop/sensor/surface_mask.hpp"
 #include "kinloop/tracking/direct/direct_tracking.hpp"
+#include "kinloop/tracking/evidence/confirmed_first.hpp"
 #include "kinloop/tracking/evidence/moved_points.hpp"
 #include "kinloop/tracking/evidence/surface_evidence.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
@@ -37,6 +38,11 @@ bool have_equal_pixels(const cv::Mat& a, const cv::Mat& b) {
     if (std::memcmp(a.ptr(y), b.ptr(y), row_bytes) != 0) return false;
   }
   return true;
+}
+
+/// Whether few landmarks support a pose, such that it may follow what moves.
+bool is_few(const TrackedFrame& tracked) {
+  return tracked.evidence.inliers < kMinConfirmed;
 }
 
 }  // namespace
@@ -233,7 +239,7 @@ TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Se
   if (tracked.is_located() && tracked.reference == local_map_.reference) {
     const ScopedTimer timer(timings_, "surface evidence");
     find_moved(tracked, measured);
-    tracked.doubtful = is_doubtful(tracked);
+    tracked.doubtful = is_doubtful(tracked) || (is_few(tracked) && follows_weak_pose());
   }
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
   if (is_hypothesis(tracked)) tracked.doubtful = true;
@@ -255,9 +261,15 @@ void Tracker::find_moved(TrackedFrame& tracked, const Frame& frame) const {
                                T_reference_camera);
 }
 
+/// Whether the pose of the previous frame may be far off: few landmarks supported it, and it is in doubt.
+bool Tracker::follows_weak_pose() const {
+  return previous_ && lost_frames_ == 0 && previous_->doubtful && is_few(*previous_);
+}
+
 /// Whether the motion from the previous frame is known.
 bool Tracker::follows_previous(const TrackedFrame& tracked) const {
-  return tracked.outcome == TrackingOutcome::kTracked && previous_ && lost_frames_ == 0;
+  return tracked.outcome == TrackingOutcome::kTracked && previous_ && lost_frames_ == 0 &&
+         !follows_weak_pose();
 }
 
 Velocity Tracker::velocity_of(const TrackedFrame& tracked) const {

@@ -85,6 +85,7 @@ class Tracker {
   [[nodiscard]] TrackedFrame with_motion(TrackedFrame tracked, Frame measured, const Sensor& sensor) const;
   [[nodiscard]] Velocity velocity_of(const TrackedFrame& tracked) const;
   [[nodiscard]] Frame deskewed(Frame measured, const Sensor& sensor, const Velocity& velocity) const;
+  [[nodiscard]] bool follows_weak_pose() const;
   [[nodiscard]] bool follows_previous(const TrackedFrame& tracked) const;
   void remember(const TrackedFrame& latest);
   void express_previous_in(KeyframeId reference, const Map& map);

@@ -148,6 +148,26 @@ TEST_F(TrackerOutcome, AWeakRelocalizationThatNothingConfirmsIsGivenUp) {
   EXPECT_TRUE(latest.is_lost());
 }
 
+/// The camera turns away from the map, held by keypoints of the previous frame that are no landmarks, and
+/// back.
+TEST_F(TrackerOutcome, AfterAPoseOfAFewLandmarksAFewMoreAreInDoubtToo) {
+  build_map();
+  const auto turned = [](double angle_rad) { return test::camera_at(angle_rad, {0, 0, 0}); };
+  double angle_rad = 0.05;
+  TrackedFrame latest = show(turned(angle_rad));
+  while (!latest.is_lost() && !latest.doubtful) latest = show(turned(angle_rad += 0.03));
+  ASSERT_FALSE(latest.is_lost());
+  EXPECT_LT(latest.evidence.inliers, 15);
+  bool few_in_doubt = false;
+  while (latest.doubtful) {
+    latest = show(turned(angle_rad -= 0.01));
+    ASSERT_FALSE(latest.is_lost());
+    few_in_doubt |= latest.doubtful && latest.evidence.inliers >= 15;
+  }
+  EXPECT_TRUE(few_in_doubt);
+  EXPECT_GE(latest.evidence.inliers, 30);
+}
+
 TEST_F(TrackerOutcome, ACameraIsNotRelocalizedWhereItCannotHaveGot) {
   build_map();
   show(pose(1.5));
