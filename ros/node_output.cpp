@@ -1,5 +1,6 @@
 #include "ros/node_output.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 #include <geometry_msgs/PoseStamped.h>
@@ -51,10 +52,8 @@ PoseWithCovarianceStamped with_covariance(const PoseStamped& pose, const Matrix6
   PoseWithCovarianceStamped message;
   message.header = pose.header;
   message.pose.pose = pose.pose;
-  for (int row = 0; row < 6; ++row) {
-    for (int column = 0; column < 6; ++column)
-      message.pose.covariance[static_cast<size_t>(6 * row + column)] = in_world_axes(row, column);
-  }
+  // It is symmetric, so the order of storage does not matter.
+  std::copy_n(in_world_axes.data(), in_world_axes.size(), message.pose.covariance.begin());
   return message;
 }
 

@@ -21,7 +21,7 @@ constexpr double kDefaultTurnRate_rad_s = 1.0;
 
 Velocity MotionModel::velocity_of(const SE3& T_previous_current, int64_t duration_ns) const {
   if (duration_ns < kMinVelocityInterval_ns) return velocity();
-  const Velocity measured = velocity_of_twist(T_previous_current.log(), to_seconds(duration_ns));
+  Velocity measured = velocity_of_twist(T_previous_current.log(), to_seconds(duration_ns));
   if (!velocity_ || duration_ns >= kVelocityBaseline_ns) return measured;
   const double share = static_cast<double>(duration_ns) / static_cast<double>(kVelocityBaseline_ns);
   return Velocity::from_vector(share * measured.vector() + (1 - share) * velocity_->vector());
