@@ -6,6 +6,7 @@
 
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/dense/cloud/remnants.hpp"
 #include "kinloop/dense/cloud/space_carving.hpp"
 #include "kinloop/dense/cloud/surface_points.hpp"
 
@@ -54,15 +55,10 @@ class Fusion {
       Slab slab{begin, kLastSlice};
       auto points = fill(slab);
       carve(points);
-      cloud.points.reserve(cloud.size() + points.size());
-      cloud.normals.reserve(cloud.size() + points.size());
-      for (const SurfacePoint& point : points) {
-        cloud.points.push_back(point.p_world);
-        cloud.colors.push_back(point.color);
-        cloud.normals.push_back(point.normal);
-      }
+      add(points, cloud);
       begin = slab.end;
     }
+    if (options_.carve) remove_remnants(cloud);
     return cloud;
   }
 
@@ -121,7 +117,11 @@ class Fusion {
     std::vector<MeasuredFreeSpace> views;
     const auto flush = [&] {
       count_contradictions(points, views, camera_, options_, threads_);
-      std::erase_if(points, [](const SurfacePoint& p) { return p.contradictions > p.views; });
+      std::erase_if(points, [this](const SurfacePoint& point) {
+        const bool carved = point.contradictions > point.views;
+        if (carved) cells_.add_carved(point.p_world);
+        return carved;
+      });
       views.clear();
     };
     for_each_batch("carving", [&](size_t first, std::vector<ImageSurfels>& batch) {
@@ -133,6 +133,29 @@ class Fusion {
       if (views.size() >= kViews) flush();
     });
     flush();
+  }
+
+  void add(std::span<const SurfacePoint> points, ColoredCloud& cloud) {
+    cloud.points.reserve(cloud.size() + points.size());
+    cloud.normals.reserve(cloud.size() + points.size());
+    for (const SurfacePoint& point : points) {
+      cloud.points.push_back(point.p_world);
+      cloud.colors.push_back(point.color);
+      cloud.normals.push_back(point.normal);
+      constexpr int kMost = std::numeric_limits<uint16_t>::max();
+      surplus_.push_back(static_cast<uint16_t>(std::min(point.views - point.contradictions, kMost)));
+    }
+  }
+
+  void remove_remnants(ColoredCloud& cloud) {
+    const auto is_remnant = find_remnants(cloud.points, surplus_, cells_);
+    const auto remove_from = [&](auto& values) {
+      size_t i = 0;
+      std::erase_if(values, [&](const auto&) { return is_remnant[i++] != 0; });
+    };
+    remove_from(cloud.points);
+    remove_from(cloud.colors);
+    remove_from(cloud.normals);
   }
 
   template <class Use>
@@ -159,6 +182,8 @@ class Fusion {
   int threads_;
   const Progress& progress_;
   RayTable rays_;
+  CarvedCells cells_;
+  std::vector<uint16_t> surplus_;  // of the points of the cloud, see find_remnants
   bool stopped_ = false;
 };
 

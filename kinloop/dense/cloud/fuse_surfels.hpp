@@ -16,8 +16,9 @@ namespace kinloop {
 using SurfelLoader = std::function<ImageSurfels(size_t image)>;
 
 /// Returns one point per surface voxel that at least `options.min_observations` of `views` saw and that not
-/// more views contradict by a free-space violation; motion-compensated. The result does not depend on
-/// `options.fusion_memory_mib` (with less memory, space is processed in more slabs) nor on `threads`.
+/// more views contradict by a free-space violation, without remnants (see remnants.hpp); motion-compensated.
+/// The result does not depend on `options.fusion_memory_mib` (with less memory, space is processed in more
+/// slabs) nor on `threads`.
 ColoredCloud fuse_surfels(const SurfelLoader& load_surfels, std::span<const PosedImage> views,
                           const DenseCamera& camera, const DenseOptions& options, int threads,
                           const Progress& progress = {});
