@@ -1,5 +1,7 @@
 #include "apps/run/frame_recorder.hpp"
 
+#include <algorithm>
+
 namespace kinloop {
 
 const char* frame_status(const TrackedFrame& tracked) {
@@ -9,20 +11,19 @@ const char* frame_status(const TrackedFrame& tracked) {
 }
 
 void FrameRecorder::on_frame(const TrackedFrame& tracked) {
-  rows_.push_back({tracked.stamp_ns, frame_status(tracked), static_cast<int>(tracked.features().size()),
-                   tracked.evidence.inliers, 0, 0});
+  feature_counts_.push_back(static_cast<int>(tracked.features().size()));
   if (tracked.is_lost() || tracked.doubtful) return;
   online_poses_.push_back({tracked.stamp_ns, tracked.T_world_camera, tracked.world_covariance});
 }
 
 FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings& times) const {
-  FrameTable rows = rows_;
-  for (size_t i = 0; i < rows.size() && i < times.frame_ms.size(); ++i) rows[i].ms = times.frame_ms[i];
-  for (size_t i = 0; i < rows.size() && i < log.size(); ++i) {
-    rows[i].status = frame_status(log[i]);
-    if (log[i].is_lost()) continue;
-    rows[i].tracked = log[i].evidence.inliers;
-    rows[i].sigma_m = position_sigma_m(log[i].world_covariance);
+  FrameTable rows;
+  for (size_t i = 0; i < std::min(feature_counts_.size(), log.size()); ++i) {
+    const TrackedFrame& frame = log[i];
+    const double ms = i < times.frame_ms.size() ? times.frame_ms[i] : 0;
+    const double sigma_m = frame.is_lost() ? 0 : position_sigma_m(frame.world_covariance);
+    rows.push_back(
+        {frame.stamp_ns, frame_status(frame), feature_counts_[i], frame.evidence.inliers, ms, sigma_m});
   }
   return rows;
 }

@@ -2,6 +2,7 @@
 // In: the frames of a run. Out: the rows of frames.txt.
 
 #include <span>
+#include <vector>
 
 #include "kinloop/core/timings.hpp"
 #include "kinloop/slam/listener.hpp"
@@ -13,8 +14,8 @@ namespace kinloop {
 /// Returns the status of a frame as frames.txt has it: tracked, dense, doubtful or lost.
 const char* frame_status(const TrackedFrame& tracked);
 
-/// Records a row per frame for frames.txt. Its status and sigma are those at the end of the run, so that they
-/// agree with trajectory.txt: frames that were lost may have been found since.
+/// Makes a row per frame for frames.txt. All but its features are from the log at the end of the run, so that
+/// they agree with trajectory.txt: frames that were lost may have been found since.
 class FrameRecorder : public Listener {
  public:
   void on_frame(const TrackedFrame& tracked) override;
@@ -28,7 +29,7 @@ class FrameRecorder : public Listener {
   [[nodiscard]] const std::vector<PoseWithCovariance>& online_poses() const { return online_poses_; }
 
  private:
-  FrameTable rows_;
+  std::vector<int> feature_counts_;  // the log drops the features
   std::vector<PoseWithCovariance> online_poses_;
 };
 

@@ -102,7 +102,7 @@ bool RunOutput::check() const {
   return check_result(outcome_, trajectory(), depth_) && saved_;
 }
 
-PoseCovariances RunOutput::covariances() const {
+TrajectoryCovariances RunOutput::covariances() const {
   return covariances_of(session_.slam().session_log(), session_.slam().map(), doubtful_);
 }
 

@@ -61,7 +61,7 @@ class RunOutput {
 
  private:
   [[nodiscard]] Trajectory trajectory() const { return session_.trajectory(doubtful_); }
-  [[nodiscard]] PoseCovariances covariances() const;
+  [[nodiscard]] TrajectoryCovariances covariances() const;
   [[nodiscard]] std::string trajectory_note() const;
   void write_trajectory() const;
   [[nodiscard]] MapCloud cloud(const Progress& progress);

@@ -12,7 +12,7 @@
 namespace kinloop {
 
 void write_covariances(const std::filesystem::path& path, const Trajectory& trajectory,
-                       const PoseCovariances& covariances) {
+                       const TrajectoryCovariances& covariances) {
   require(covariances.size() == trajectory.size(), "write_covariances: one covariance for each pose");
   constexpr const char* kHeader =
       "# stamp_s, then 21 values: the upper triangle, row by row, of the covariance of (x y z; rotation "

@@ -10,12 +10,12 @@
 namespace kinloop {
 
 /// One for each pose, of (translation; rotation) in camera axes; nullopt if unknown.
-using PoseCovariances = std::vector<std::optional<Matrix6d>>;
+using TrajectoryCovariances = std::vector<std::optional<Matrix6d>>;
 
 /// Writes a line per pose: its stamp as in a TUM trajectory, then the upper triangle, row by row, NaN if
 /// unknown, after a comment that says so. Atomic. Throws InputError if it cannot be written, and
 /// std::logic_error unless there are as many covariances as poses.
 void write_covariances(const std::filesystem::path& path, const Trajectory& trajectory,
-                       const PoseCovariances& covariances);
+                       const TrajectoryCovariances& covariances);
 
 }  // namespace kinloop

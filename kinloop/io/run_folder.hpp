@@ -57,12 +57,12 @@ class RunFolder {
 struct RunFiles {
   Trajectory trajectory;
   Trajectory keyframes;
-  Trajectory ground_truth;           ///< if empty, no file is written and an old one is removed
-  ColoredCloud map;                  ///< in the world frame
-  FileFrame frame;                   ///< of map.ply
-  nlohmann::json metrics;            ///< run.json; null: not written
-  PoseCovariances covariances = {};  ///< of the trajectory's poses
-  std::string note = {};             ///< comment in trajectory.txt, see note_on_doubtful_poses; empty: none
+  Trajectory ground_truth;                 ///< if empty, no file is written and an old one is removed
+  ColoredCloud map;                        ///< in the world frame
+  FileFrame frame;                         ///< of map.ply
+  nlohmann::json metrics;                  ///< run.json; null: not written
+  TrajectoryCovariances covariances = {};  ///< of the trajectory's poses
+  std::string note = {};  ///< comment in trajectory.txt, see note_on_doubtful_poses; empty: none
 };
 
 /// Writes all of these files (camera.yaml, graph.g2o, frames.txt, loops and report.html are written

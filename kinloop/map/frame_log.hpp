@@ -49,7 +49,7 @@ enum class DoubtfulPoses { kLeftOut, kKept };
 Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map,
                          DoubtfulPoses doubtful = DoubtfulPoses::kLeftOut);
 
-/// Returns the covariance of each of those poses, see TrackedFrame::covariance; nullopt if unknown.
+/// Returns the covariance of each of those poses, see TrackedFrame::world_covariance; nullopt if unknown.
 std::vector<std::optional<Matrix6d>> covariances_of(std::span<const TrackedFrame> log, const Map& map,
                                                     DoubtfulPoses doubtful = DoubtfulPoses::kLeftOut);
 

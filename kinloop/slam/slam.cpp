@@ -106,9 +106,11 @@ void Slam::add_input_evidence(TrackedFrame& tracked) const {
   if (!tracked.is_lost() && depth_.age_s() > kMaxWithoutDepth_s) tracked.doubtful = true;
 }
 
-/// That the image is frozen is seen late: the repeated frames before are in doubt as well.
+/// That the image is frozen is seen late: the repeated frames before are in doubt as well. Those before one
+/// in doubt are so already.
 void Slam::doubt_repeats() {
-  for (size_t i = log_.size(); i-- > earlier_.frame_count && log_[i].is_repeat();) log_[i].doubtful = true;
+  for (size_t i = log_.size(); i-- > earlier_.frame_count && log_[i].is_repeat() && !log_[i].doubtful;)
+    log_[i].doubtful = true;
 }
 
 /// Returns the frame with all of its keypoints if it should become a keyframe.

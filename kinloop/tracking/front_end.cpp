@@ -23,6 +23,10 @@ std::shared_ptr<const Features> FrontEnd::features(const Frame& frame) const {
   return std::make_shared<const Features>(std::move(features));
 }
 
+std::shared_ptr<const SurfaceGrid> FrontEnd::surfaces(const cv::Mat& depth_m) const {
+  return std::make_shared<const SurfaceGrid>(make_surface_grid(surface_camera_, depth_m));
+}
+
 Frame FrontEnd::prepare(Frame frame) const {
   const cv::Size size(sensor_.camera.width, sensor_.camera.height);
   require(frame.color.size() == size, "prepare: color image must be of the camera's size");
@@ -35,7 +39,7 @@ Frame FrontEnd::prepare(Frame frame) const {
   frame.id = FrameId{first_frame_ + frame.id.value};
   frame.gray = frame.color.gray();
   frame.octaves = make_octaves(frame.gray, kOctaves);
-  frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(surface_camera_, frame.depth_m));
+  frame.surfaces = surfaces(frame.depth_m);
   frame.time.preparing = watch.elapsed();
   return frame;
 }
@@ -49,14 +53,14 @@ Frame mask_images(Frame frame, const cv::Mat& mask) {
 
 Frame FrontEnd::scale_depth(Frame frame, double factor) const {
   frame.depth_m = frame.depth_m * factor;
-  frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(surface_camera_, frame.depth_m));
+  frame.surfaces = surfaces(frame.depth_m);
   frame.features = nullptr;
   return frame;
 }
 
 Frame FrontEnd::mask(Frame frame, const cv::Mat& mask) const {
   frame = mask_images(std::move(frame), mask);
-  frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(surface_camera_, frame.depth_m));
+  frame.surfaces = surfaces(frame.depth_m);
   return frame;
 }
 

@@ -36,6 +36,8 @@ class FrontEnd {
  private:
   static constexpr int kOctaves = 4;
 
+  [[nodiscard]] std::shared_ptr<const SurfaceGrid> surfaces(const cv::Mat& depth_m) const;
+
   Sensor sensor_;
   FeatureOptions options_;
   uint32_t first_frame_;

@@ -27,22 +27,54 @@ VisibleLandmarks project_local_map(const TrackingInput& in, const SE3& T_referen
   return visible;
 }
 
+/// Landmarks of the local map found in the frame.
+struct MatchedLandmarks {
+  std::vector<PoseObservation> observations;
+  std::vector<uint32_t> index_in_local_map;  // of each observation
+  std::vector<uint32_t> features;            // likewise
+  int visible = 0;                           // expected in view
+};
+
+MatchedLandmarks match_landmarks(const TrackingInput& in, const SE3& T_reference_camera, double window_px) {
+  const Features& features = *in.frame.features;
+  const auto visible = project_local_map(in, T_reference_camera, window_px);
+  MatchedLandmarks matched;
+  matched.visible = static_cast<int>(visible.projected.size());
+  for (const Match& match : match_by_projection(visible.projected, features, in.grid, {})) {
+    const uint32_t index = visible.index_in_local_map[match.a];
+    matched.observations.push_back(
+        {compensated_measurement(features, match.b), in.local_map.p_reference[index]});
+    matched.index_in_local_map.push_back(index);
+    matched.features.push_back(match.b);
+  }
+  return matched;
+}
+
+/// Takes over the pose of a solution whose first observations are those of `matched`, and its inliers among
+/// them.
+void set_solution(TrackedFrame& tracked, const AbsolutePoseSolution& solution,
+                  const MatchedLandmarks& matched, const LocalMap& local_map) {
+  tracked.T_reference_camera = solution.T_reference_camera;
+  tracked.covariance = covariance_from_information(solution.information);
+  for (size_t i = 0; i < matched.features.size(); ++i) {
+    if (solution.inliers[i])
+      tracked.matches.push_back({local_map.ids[matched.index_in_local_map[i]], matched.features[i]});
+  }
+  tracked.evidence.visible_landmarks = matched.visible;
+  tracked.evidence.inliers = static_cast<int>(tracked.matches.size());
+}
+
 /// Refines the pose on landmarks of the local map and, if these are few, also on unmapped points of the
 /// previous frame.
 TrackedFrame refine(const TrackingInput& in, const FramePose& guess, double window_px) {
-  const Features& features = *in.frame.features;
-  const LocalMap& local_map = in.local_map;
-  const auto visible = project_local_map(in, guess.T_reference_camera, window_px);
-  const auto matches = match_by_projection(visible.projected, features, in.grid, {});
-  std::vector<PoseObservation> observations;
-  std::vector<bool> taken(features.size(), false), confirmed;
-  for (const Match& match : matches) {
-    taken[match.b] = true;
-    observations.push_back({compensated_measurement(features, match.b),
-                            local_map.p_reference[visible.index_in_local_map[match.a]]});
-    confirmed.push_back(local_map.confirmed[visible.index_in_local_map[match.a]]);
+  const auto matched = match_landmarks(in, guess.T_reference_camera, window_px);
+  std::vector<PoseObservation> observations = matched.observations;
+  std::vector<bool> taken(in.frame.features->size(), false), confirmed;
+  for (size_t i = 0; i < matched.features.size(); ++i) {
+    taken[matched.features[i]] = true;
+    confirmed.push_back(in.local_map.confirmed[matched.index_in_local_map[i]]);
   }
-  if (static_cast<int>(matches.size()) < in.options.sufficient_landmarks) {
+  if (static_cast<int>(matched.features.size()) < in.options.sufficient_landmarks) {
     for (size_t i = 0; i < guess.inliers.size(); ++i) {
       if (taken[guess.features[i]]) continue;
       observations.push_back(guess.inliers[i]);
@@ -50,19 +82,13 @@ TrackedFrame refine(const TrackingInput& in, const FramePose& guess, double wind
     }
   }
   TrackedFrame tracked = unlocated(in.frame);
-  tracked.reference = local_map.reference;
-  tracked.evidence.visible_landmarks = static_cast<int>(visible.projected.size());
+  tracked.reference = in.local_map.reference;
+  tracked.evidence.visible_landmarks = matched.visible;
   const auto solution =
       solve_by_confirmed_first(in.sensor, observations, confirmed, guess.T_reference_camera, in.options.pose);
   if (!solution || solution->inlier_count < in.options.min_inliers) return tracked;
   tracked.outcome = TrackingOutcome::kTracked;
-  tracked.T_reference_camera = solution->T_reference_camera;
-  tracked.covariance = covariance_from_information(solution->information);
-  for (size_t i = 0; i < matches.size(); ++i) {
-    if (solution->inliers[i])
-      tracked.matches.push_back({local_map.ids[visible.index_in_local_map[matches[i].a]], matches[i].b});
-  }
-  tracked.evidence.inliers = static_cast<int>(tracked.matches.size());
+  set_solution(tracked, *solution, matched, in.local_map);
   return tracked;
 }
 
@@ -82,30 +108,16 @@ PosePrior with_motion_prior(const FramePose& aligned, const PredictedPose& predi
 /// Refines a pose of dense alignment on the few landmarks that are found near where it expects them.
 TrackedFrame with_landmarks(const TrackingInput& in, TrackedFrame tracked) {
   constexpr int kMinInliers = 4;
-  constexpr double kMinConsistent = 0.7;
-  const LocalMap& local_map = in.local_map;
-  const auto visible = project_local_map(in, tracked.T_reference_camera, in.options.local_map_window_px);
-  const auto matches = match_by_projection(visible.projected, *in.frame.features, in.grid, {});
-  std::vector<PoseObservation> observations;
-  for (const Match& match : matches) {
-    observations.push_back({compensated_measurement(*in.frame.features, match.b),
-                            local_map.p_reference[visible.index_in_local_map[match.a]]});
-  }
   const PosePrior dense{tracked.T_reference_camera, tracked.covariance.inverse()};
   if (!dense.information.allFinite()) return tracked;
+  const auto matched = match_landmarks(in, dense.T_reference_camera, in.options.local_map_window_px);
   AbsolutePoseOptions few = in.options.pose;
   few.min_inliers = kMinInliers;
-  const auto solution = solve_absolute_pose(in.sensor, observations, dense.T_reference_camera, few, dense);
-  if (!solution || solution->inlier_count < kMinConsistent * static_cast<double>(matches.size()))
+  const auto solution =
+      solve_absolute_pose(in.sensor, matched.observations, dense.T_reference_camera, few, dense);
+  if (!solution || solution->inlier_count < kMinConsistent * static_cast<double>(matched.observations.size()))
     return tracked;
-  tracked.T_reference_camera = solution->T_reference_camera;
-  tracked.covariance = covariance_from_information(solution->information);
-  tracked.evidence.visible_landmarks = static_cast<int>(visible.projected.size());
-  for (size_t i = 0; i < matches.size(); ++i) {
-    if (solution->inliers[i])
-      tracked.matches.push_back({local_map.ids[visible.index_in_local_map[matches[i].a]], matches[i].b});
-  }
-  tracked.evidence.inliers = static_cast<int>(tracked.matches.size());
+  set_solution(tracked, *solution, matched, in.local_map);
   return tracked;
 }
 

@@ -122,7 +122,6 @@ std::optional<FramePose> track_by_projection(const TwoFrames& t, const SE3& T_re
 /// too few are left or they do not agree.
 std::optional<FramePose> track_mapped_points(const TwoFrames& t, const SE3& T_reference_camera,
                                              const SearchRadius& window_px) {
-  constexpr double kMinConsistent = 0.7;
   PreviousPoints mapped;
   for (size_t i = 0; i < t.points.features.size(); ++i) {
     if (!t.points.mapped[i]) continue;

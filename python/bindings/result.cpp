@@ -90,7 +90,7 @@ std::pair<size_t, size_t> frame_counts(const Result& result) {
           result.trajectory.poses.size()};
 }
 
-PoseCovariances covariances_of(const Result& result) {
+TrajectoryCovariances covariances_of(const Result& result) {
   return read_slam(result, [&](const Slam& slam) {
     return kinloop::covariances_of(slam.session_log(), slam.map(), result.doubtful);
   });
@@ -98,7 +98,7 @@ PoseCovariances covariances_of(const Result& result) {
 
 /// float64 (N, 6, 6), NaN where unknown.
 py::array_t<double> covariance_array(const Result& result) {
-  const PoseCovariances covariances = covariances_of(result);
+  const TrajectoryCovariances covariances = covariances_of(result);
   py::array_t<double> array({static_cast<py::ssize_t>(covariances.size()), py::ssize_t{6}, py::ssize_t{6}});
   double* to = array.mutable_data();
   for (const auto& covariance : covariances) {
@@ -138,7 +138,7 @@ void save_result(Result& result, const std::filesystem::path& path) {
   const RgbdCamera camera = calibrated(result);
   const PyTrajectory keyframes = keyframes_of(result);
   const PyPoseGraph graph = pose_graph_of(result);
-  const PoseCovariances covariances = covariances_of(result);
+  const TrajectoryCovariances covariances = covariances_of(result);
   const std::string note = note_on_trajectory(result);
   without_gil([&] {
     write_run_files(

@@ -8,6 +8,7 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -81,37 +82,33 @@ void expect_whole_lines(LineOutput& output, const Descriptor& reader, int count)
   EXPECT_EQ(all, expected + "after\n");
 }
 
+/// Lets a reader that does not read come and go, and another one come: no line waits for them. The output
+/// holds fewer than `max_lines`.
+template <class OpenReader>
+void expect_to_wait_for_nobody(LineOutput& output, int max_lines, const OpenReader& open_reader) {
+  EXPECT_FALSE(output.write("nobody reads\n"));
+  {
+    const Descriptor reader = open_reader();
+    const int taken = fill(output);
+    EXPECT_GT(taken, 10);
+    EXPECT_LT(taken, max_lines);
+    expect_whole_lines(output, reader, taken);
+  }
+  EXPECT_FALSE(output.write("the reader is gone\n"));
+  const Descriptor next = open_reader();
+  EXPECT_TRUE(output.write("another\n"));
+  EXPECT_EQ(received(next), "another\n");
+}
+
 TEST_F(LinesToAReader, OfAPipeWaitForNobody) {
   ASSERT_EQ(::mkfifo(at("pipe").c_str(), 0600), 0);
   const auto output = open_line_output(at("pipe"));
-  EXPECT_FALSE(output->write("nobody reads\n"));
-  {
-    const Descriptor reader = open_to_read("pipe");
-    const int taken = fill(*output);
-    EXPECT_GT(taken, 10);
-    EXPECT_LT(taken, 1000);
-    expect_whole_lines(*output, reader, taken);
-  }
-  EXPECT_FALSE(output->write("the reader is gone\n"));
-  const Descriptor next = open_to_read("pipe");
-  EXPECT_TRUE(output->write("another\n"));
-  EXPECT_EQ(received(next), "another\n");
+  expect_to_wait_for_nobody(*output, 1000, [&] { return open_to_read("pipe"); });
 }
 
 TEST_F(LinesToAReader, OfASocketWaitForNobody) {
   const auto output = open_line_output("unix:" + at("socket"));
-  EXPECT_FALSE(output->write("nobody reads\n"));
-  {
-    const Descriptor reader = connect_to("socket");
-    const int taken = fill(*output);
-    EXPECT_GT(taken, 10);
-    EXPECT_LT(taken, 10000);
-    expect_whole_lines(*output, reader, taken);
-  }
-  EXPECT_FALSE(output->write("the reader is gone\n"));
-  const Descriptor next = connect_to("socket");
-  EXPECT_TRUE(output->write("another\n"));
-  EXPECT_EQ(received(next), "another\n");
+  expect_to_wait_for_nobody(*output, 10000, [&] { return connect_to("socket"); });
 }
 
 TEST_F(LinesToAReader, TheNextReaderMissesNoLineWhenTheFirstOneGoes) {

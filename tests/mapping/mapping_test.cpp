@@ -43,9 +43,7 @@ TEST(LandmarkCreation, WhatHasMovedGetsNoLandmarks) {
   Map map;
   const KeyframeId id = map.add_keyframe(FrameId{0}, 0, SE3{}, view.features);
   const PinholeCamera& camera = world().camera;
-  RgbdCamera rgbd;
-  rgbd.color = camera;
-  const auto grid = make_surface_camera(make_sensor(rgbd));
+  const auto grid = make_surface_camera(test::sensor_of(camera));
   map.set_surfaces(id, std::make_shared<const SurfaceGrid>(make_surface_grid(
                            grid, cv::Mat(camera.height, camera.width, CV_32FC1, cv::Scalar(2.0F)))));
   cv::Mat moved = cv::Mat::zeros(grid->grid.height, grid->grid.width, CV_8UC1);

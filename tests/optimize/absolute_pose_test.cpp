@@ -126,6 +126,24 @@ TEST(AbsolutePose, APriorCountsByItsInformation) {
   EXPECT_NEAR(error_m(1e12), 0.003, 1e-5);
 }
 
+TEST(AbsolutePose, Chi2IsThatOfTheObservationsAlone) {
+  Random random(12);
+  const SE3 truth = random_motion(random, 1.0, 1.0);
+  const auto view = make_view(truth, 60, {}, random);
+  Sensor sensor = kinect_sensor();
+  sensor.noise.robust_width = 1e9;  // without a loss the cost is quadratic
+  // Half as certain as the observations, so that the estimate contradicts both.
+  const auto alone = solve_absolute_pose(sensor, view, truth, {});
+  ASSERT_TRUE(alone.has_value());
+  const SE3 elsewhere = truth * SE3::exp((Vector6d() << 0.001, 0, 0, 0, 0, 0).finished());
+  const PosePrior prior{elsewhere, 0.5 * alone->information};
+  const auto solution = solve_absolute_pose(sensor, view, truth, {}, prior);
+  ASSERT_TRUE(solution.has_value());
+  const Vector6d error = error_of(solution->T_reference_camera, truth);
+  EXPECT_GT(error.norm(), 1e-4);
+  EXPECT_NEAR(solution->chi2 / error.dot(alone->information * error), 1.0, 0.01);
+}
+
 TEST(AbsolutePose, NonFiniteObservationsAreIgnored) {
   Random random(7);
   const SE3 truth = random_motion(random, 1.0, 1.0);

@@ -21,19 +21,26 @@ SE3 pose_of(uint32_t frame, double error) {
   return {exp_so3({0.01 * t, 0.02 * t + error, 0}), {0.05 * t, error, 0}};
 }
 
+TrackedFrame tracked_frame(uint32_t id, const RgbdImages& seen,
+                           std::shared_ptr<const SurfaceGrid> surfaces = nullptr) {
+  Frame frame;
+  frame.id = FrameId{id};
+  frame.color = seen.color;
+  frame.depth_m = seen.depth_m;
+  frame.surfaces = std::move(surfaces);
+  TrackedFrame tracked;
+  tracked.id = frame.id;
+  tracked.outcome = TrackingOutcome::kTracked;
+  tracked.frame = std::make_shared<const Frame>(frame);
+  return tracked;
+}
+
 /// Feeds frames of a wall to the recorder; every `step`-th frame becomes a keyframe.
 void show_wall(DenseRecorder& recorder, uint32_t frames, uint32_t step) {
   for (uint32_t i = 0; i < frames; ++i) {
     const auto seen = test::view_of_wall(camera().color, pose_of(i, 0), 1.8, {0, 128, 255});
-    Frame frame;
-    frame.id = FrameId{i};
-    frame.color = seen.color;
-    frame.depth_m = seen.depth_m;
-    TrackedFrame tracked;
-    tracked.id = frame.id;
-    tracked.outcome = TrackingOutcome::kTracked;
+    TrackedFrame tracked = tracked_frame(i, seen);
     if (i % step == 0) tracked.keyframe = KeyframeId{i / step};
-    tracked.frame = std::make_shared<const Frame>(frame);
     recorder.on_frame(tracked);
   }
 }
@@ -76,17 +83,10 @@ TEST(DenseRecorder, WhatMovesIsNotInTheCloud) {
   const auto count_points = [&](int moved_columns) {
     DenseRecorder recorder(camera(), {});
     const auto seen = test::view_of_wall(camera().color, {}, 1.8, {0, 128, 255});
+    const auto surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(grid, seen.depth_m));
     for (uint32_t i = 0; i < 4; ++i) {
-      Frame frame;
-      frame.id = FrameId{i};
-      frame.color = seen.color;
-      frame.depth_m = seen.depth_m;
-      frame.surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(grid, seen.depth_m));
-      TrackedFrame tracked;
-      tracked.id = frame.id;
-      tracked.outcome = TrackingOutcome::kTracked;
+      TrackedFrame tracked = tracked_frame(i, seen, surfaces);
       tracked.keyframe = KeyframeId{i};
-      tracked.frame = std::make_shared<const Frame>(frame);
       if (moved_columns > 0) {
         tracked.moved = cv::Mat::zeros(grid->grid.height, grid->grid.width, CV_8UC1);
         tracked.moved.colRange(0, moved_columns).setTo(255);

@@ -10,6 +10,7 @@
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/se3.hpp"
+#include "tests/support/pinhole_cameras.hpp"
 #include "tests/support/random_vectors.hpp"
 
 namespace kinloop::test {
@@ -23,11 +24,7 @@ struct SyntheticWorld {
 /// `count` points on the walls of a 4 x 3 x 4 m box around the origin, with random descriptors.
 inline SyntheticWorld make_world(uint32_t count, uint64_t seed) {
   SyntheticWorld world;
-  world.camera.width = 640;
-  world.camera.height = 480;
-  world.camera.fx = world.camera.fy = 525;
-  world.camera.cx = 319.5;
-  world.camera.cy = 239.5;
+  world.camera = vga_camera();
   world.descriptors.create(static_cast<int>(count), kOrbBytes, CV_8UC1);
   Random random(seed);
   const Eigen::Vector3d half(2.0, 1.5, 2.0);

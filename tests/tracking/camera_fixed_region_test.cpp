@@ -6,6 +6,7 @@
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/tracking/front_end.hpp"
+#include "tests/support/pinhole_cameras.hpp"
 
 namespace kinloop {
 namespace {
@@ -15,18 +16,6 @@ constexpr int kWidth = 320, kHeight = 240;
 /// A room of coloured slopes that shifts in the image, with things in front of it.
 class CameraFixed : public testing::Test {
  protected:
-  CameraFixed() : front_end_(make_sensor(camera()), {}) {}
-
-  static RgbdCamera camera() {
-    RgbdCamera camera;
-    camera.color.width = kWidth;
-    camera.color.height = kHeight;
-    camera.color.fx = camera.color.fy = 260;
-    camera.color.cx = 159.5;
-    camera.color.cy = 119.5;
-    return camera;
-  }
-
   /// The room as seen after it has shifted by `shift_px`, with new noise.
   void look(double shift_px) {
     color_.create(kHeight, kWidth, CV_8UC1);
@@ -64,7 +53,7 @@ class CameraFixed : public testing::Test {
     return region_.observe(front_end_.prepare(frame));
   }
 
-  FrontEnd front_end_;
+  FrontEnd front_end_{test::sensor_of(test::qvga_camera()), {}};
   CameraFixedRegion region_;
   Random random_{1};
   uint32_t count_ = 0;

@@ -5,6 +5,7 @@
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/tracking/front_end.hpp"
+#include "tests/support/pinhole_cameras.hpp"
 
 namespace kinloop {
 namespace {
@@ -13,18 +14,6 @@ namespace {
 class DepthOfAStream : public testing::Test {
  protected:
   static constexpr int kWidth = 320, kHeight = 240;
-
-  DepthOfAStream() : front_end_(make_sensor(camera()), {}) {}
-
-  static RgbdCamera camera() {
-    RgbdCamera camera;
-    camera.color.width = kWidth;
-    camera.color.height = kHeight;
-    camera.color.fx = camera.color.fy = 260;
-    camera.color.cx = 159.5;
-    camera.color.cy = 119.5;
-    return camera;
-  }
 
   /// The wall from `distance_m`, its depth multiplied by `scale`.
   [[nodiscard]] cv::Mat depth_from(double distance_m, double scale = 1) {
@@ -52,7 +41,7 @@ class DepthOfAStream : public testing::Test {
     return continuity_.factor();
   }
 
-  FrontEnd front_end_;
+  FrontEnd front_end_{test::sensor_of(test::qvga_camera()), {}};
   DepthContinuity continuity_;
   Random random_{1};
   uint32_t count_ = 0;

@@ -27,10 +27,17 @@ CameraObservations blocks_of(std::span<const PoseObservation> observations) {
   return blocks;
 }
 
+void add_prior(PoseNormal<6>& normal, const PosePrior& prior, const SE3& T) {
+  const Vector6d off = (prior.T_reference_camera.inverse() * T).log();
+  normal.H += prior.information;
+  normal.g += prior.information * off;
+  normal.cost += off.dot(prior.information * off);
+}
+
 class Solver {
  public:
   Solver(const Sensor& sensor, std::span<const PoseObservation> observations,
-         const AbsolutePoseOptions& options, const PosePrior& prior)
+         const AbsolutePoseOptions& options, const std::optional<PosePrior>& prior)
       : sensor_(without_corrections(sensor)),
         observations_(blocks_of(observations)),
         options_(options),
@@ -39,7 +46,7 @@ class Solver {
   /// Minimizes the cost over the observations in use.
   [[nodiscard]] SE3 minimize(const SE3& T) const {
     return minimize_pose<6>(
-        T, options_.max_iterations, [this](const SE3& at) { return linearize(at, sensor_); },
+        T, options_.max_iterations, [this](const SE3& at) { return linearize(at); },
         [](const SE3& at, const Vector6d& step) { return at * SE3::exp(step); });
   }
 
@@ -55,32 +62,40 @@ class Solver {
     // robust estimator.
     Sensor unweighted = sensor_;
     unweighted.noise.robust_width = std::numeric_limits<double>::infinity();
-    const PoseNormal<6> normal = linearize(T, unweighted);
-    s.chi2 = normal.cost;
-    s.information =
-        huber_efficiency(sensor_.noise.robust_width) * (normal.H - prior_.information) + prior_.information;
+    const PoseNormal<6> observed = linearize_observations(T, unweighted);
+    s.chi2 = observed.cost;
+    const double efficiency = huber_efficiency(sensor_.noise.robust_width);
+    s.information = efficiency * observed.H;
+    if (prior_) {
+      // (H + P) - P in place of H, so that results keep their last bit.
+      const Matrix6d both = observed.H + prior_->information;
+      s.information = efficiency * (both - prior_->information) + prior_->information;
+    }
     return s;
   }
 
  private:
-  [[nodiscard]] PoseNormal<6> linearize(const SE3& T, const Sensor& sensor) const {
+  /// The observations and the prior, if there is one.
+  [[nodiscard]] PoseNormal<6> linearize(const SE3& T) const {
+    PoseNormal<6> normal = linearize_observations(T, sensor_);
+    if (prior_) add_prior(normal, *prior_, T);
+    return normal;
+  }
+
+  [[nodiscard]] PoseNormal<6> linearize_observations(const SE3& T, const Sensor& sensor) const {
     static const LinearColumns kColumns = LinearColumns::of_pose();
     const auto observed = observations_.linearize(static_view(T), sensor, kColumns);
     PoseNormal<6> normal;
     normal.H = observed.gram.topLeftCorner<6, 6>().selfadjointView<Eigen::Upper>();
     normal.g = observed.gram.col(LinearColumns::kResidual).head<6>();
     normal.cost = observed.cost;
-    const Vector6d off = (prior_.T_reference_camera.inverse() * T).log();
-    normal.H += prior_.information;
-    normal.g += prior_.information * off;
-    normal.cost += off.dot(prior_.information * off);
     return normal;
   }
 
   Sensor sensor_;
   CameraObservations observations_;
   const AbsolutePoseOptions& options_;
-  const PosePrior& prior_;
+  const std::optional<PosePrior>& prior_;
 };
 
 /// Whether every direction of the pose is constrained, after scaling each coordinate to one.
@@ -99,7 +114,7 @@ std::optional<AbsolutePoseSolution> solve_absolute_pose(const Sensor& sensor,
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
                                                         const AbsolutePoseOptions& options,
-                                                        const PosePrior& prior) {
+                                                        const std::optional<PosePrior>& prior) {
   if (!T_reference_camera_guess.is_finite()) return std::nullopt;
   Solver solver(sensor, observations, options, prior);
   SE3 T = T_reference_camera_guess;

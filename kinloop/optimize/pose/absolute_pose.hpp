@@ -54,12 +54,12 @@ struct AbsolutePoseSolution {
 /// Observations with values that are not finite are outliers. Pixel and depth have separate robust losses: a
 /// keypoint at a depth edge has a good pixel but may have the depth of the wrong side. The observations are
 /// motion-compensated: the corrections of the sensor are in them already. A prior is part of the cost, and of
-/// the information of the solution.
+/// the information of the solution, but not of its chi2.
 std::optional<AbsolutePoseSolution> solve_absolute_pose(const Sensor& sensor,
                                                         std::span<const PoseObservation> observations,
                                                         const SE3& T_reference_camera_guess,
                                                         const AbsolutePoseOptions& options,
-                                                        const PosePrior& prior = {});
+                                                        const std::optional<PosePrior>& prior = {});
 
 /// Returns 1 for each observation whose pixel is an inlier at the pose; depth is ignored.
 std::vector<uint8_t> pixel_inliers(const Sensor& sensor, std::span<const PoseObservation> observations,

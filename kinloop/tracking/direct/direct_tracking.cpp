@@ -104,7 +104,6 @@ Features as_features(const std::vector<FoundPatch>& found, const Frame& frame,
 /// Whether a pose explains enough of the landmarks found. A part of the image that is masked leaves less to
 /// see, but not less certain.
 bool is_confident(const VotedPose& pose, size_t found, bool masked, const TrackingOptions& options) {
-  constexpr double kMinConsistent = 0.7;
   const bool few = masked || pose.voters < static_cast<int>(found);
   return pose.inlier_count >= (few ? kMinConfirmed : options.min_confident_inliers) &&
          pose.inlier_count >= kMinConsistent * pose.voters;

@@ -9,7 +9,7 @@ std::optional<VotedPose> solve_by_confirmed_first(const Sensor& sensor,
                                                   const std::vector<bool>& confirmed,
                                                   const SE3& T_reference_camera_guess,
                                                   const AbsolutePoseOptions& options) {
-  constexpr double kMinConsistent = 0.7, kMinAgreeing = 0.5;
+  constexpr double kMinAgreeing = 0.5;
   std::vector<PoseObservation> old, young;
   for (size_t i = 0; i < observations.size(); ++i) (confirmed[i] ? old : young).push_back(observations[i]);
   const auto solve_all = [&]() -> std::optional<VotedPose> {

@@ -10,6 +10,9 @@ namespace kinloop {
 /// Fewer confirmed landmarks do not decide alone.
 inline constexpr int kMinConfirmed = 30;
 
+/// Smallest share of the landmarks tried that agree with an accepted pose.
+inline constexpr double kMinConsistent = 0.7;
+
 /// A pose with the number of observations that it had to explain.
 struct VotedPose : AbsolutePoseSolution {
   int voters = 0;
