@@ -90,7 +90,9 @@ TrackedFrame Slam::process(const Frame& frame) {
 Frame Slam::with_steady_depth(const Frame& frame) {
   const ScopedTimer timer(timings_, "depth continuity");
   const TrackedFrame* previous = tracker_.previous();
-  const bool follows = previous != nullptr && !log_.empty() && previous->stamp_ns == log_.back().stamp_ns;
+  // A repeat is one of the previous frame.
+  const bool follows = previous != nullptr && !log_.empty() &&
+                       (log_.back().is_repeat() || previous->stamp_ns == log_.back().stamp_ns);
   const bool had_depth = depth_.factor() > 0;
   depth_.observe(frame, follows ? std::optional(previous->velocity) : std::nullopt);
   // That depth has stopped is seen late: the frames since then have used the depth of the one before.

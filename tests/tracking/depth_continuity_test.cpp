@@ -59,6 +59,13 @@ TEST_F(DepthOfAStream, AScaleThatReturnsIsExactlyTheFirstOne) {
   EXPECT_EQ(observe(depth_from(2)), 1);
 }
 
+TEST_F(DepthOfAStream, AChangeOfScaleAfterARepeatedFrameIsMeasured) {
+  const cv::Mat depth_m = depth_from(2);
+  observe(depth_m);
+  observe(depth_m, Velocity{}, false);
+  EXPECT_NEAR(observe(depth_from(2, 0.9)), 1 / 0.9, 0.003);
+}
+
 TEST_F(DepthOfAStream, AMotionTowardsTheWallIsNoChangeOfScale) {
   Velocity forward;
   forward.linear_m_s = {0, 0, 1.5};

@@ -21,6 +21,7 @@ double mean_change(const cv::Mat& before, const cv::Mat& now) {
 void DepthContinuity::observe(const Frame& frame, const std::optional<Velocity>& velocity) {
   if (!frame.surfaces || frame.octaves.empty()) return;
   if (surfaces_) {
+    if (is_repeat(frame)) return;
     compare(frame, velocity);
   } else {
     new_depth_ns_ = frame.stamp_ns;
@@ -28,6 +29,12 @@ void DepthContinuity::observe(const Frame& frame, const std::optional<Velocity>&
   surfaces_ = frame.surfaces;
   image_ = frame.octaves.back();
   stamp_ns_ = frame.stamp_ns;
+}
+
+/// Whether both images of the frame are those of the previous one.
+bool DepthContinuity::is_repeat(const Frame& frame) const {
+  return mean_change(image_, frame.octaves.back()) == 0 &&
+         surfaces_->inverse_depths_per_m == frame.surfaces->inverse_depths_per_m;
 }
 
 /// Compares the frame with the previous one.
@@ -42,7 +49,7 @@ void DepthContinuity::compare(const Frame& frame, const std::optional<Velocity>&
   if (is_new) {
     age_ns_ = 0;
     new_depth_ns_ = frame.stamp_ns;
-  } else if (mean_change(image_, frame.octaves.back()) > 0) {
+  } else {
     age_ns_ += frame.stamp_ns - stamp_ns_;
   }
 }

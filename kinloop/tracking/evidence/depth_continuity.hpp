@@ -19,8 +19,8 @@ namespace kinloop {
 /// Compares the depth of each frame with that of the previous one.
 class DepthContinuity {
  public:
-  /// Adds a prepared frame, as measured. `velocity` is that of the camera at the previous frame; without it,
-  /// the scale is not checked.
+  /// Adds a prepared frame, as measured. `velocity` is that of the camera at the previous frame that was no
+  /// repeat; without it, the scale is not checked.
   void observe(const Frame& frame, const std::optional<Velocity>& velocity);
 
   /// Returns the factor by which the depth of the latest frame is to be multiplied: the one that gives it the
@@ -34,10 +34,11 @@ class DepthContinuity {
   [[nodiscard]] double age_s() const { return to_seconds(age_ns_); }
 
  private:
+  [[nodiscard]] bool is_repeat(const Frame& frame) const;
   void compare(const Frame& frame, const std::optional<Velocity>& velocity);
   [[nodiscard]] std::optional<double> scale_step(const Frame& frame, const Velocity& velocity) const;
 
-  std::shared_ptr<const SurfaceGrid> surfaces_;  // of the previous frame, as measured
+  std::shared_ptr<const SurfaceGrid> surfaces_;  // of the previous frame that was no repeat, as measured
   cv::Mat image_;                                // likewise, the smallest octave
   int64_t stamp_ns_ = 0;                         // likewise
   int64_t new_depth_ns_ = 0;                     // stamp of the latest frame with new depth
