@@ -116,6 +116,7 @@ class Slam {
   void add_input_evidence(TrackedFrame& tracked) const;
   void withdraw_fixed_region();
   void doubt_repeats();
+  [[nodiscard]] bool has_doubts_since(int64_t since_ns) const;
   void doubt_frames_since(int64_t since_ns, bool withdrawn);
   void apply_results(const AppliedResults& results);
   void apply_sensor_estimate(const SensorEstimate& estimate);

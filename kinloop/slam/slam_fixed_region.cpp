@@ -44,7 +44,8 @@ Frame Slam::without_fixed_region(const Frame& frame) {
 
 /// Takes what has been found to move with the camera out of the keyframes made since it does. If most
 /// landmarks of the previous frame were there, the poses since then are those of the region and not of the
-/// camera: the keyframes are withdrawn, and tracking begins anew. If some were, the poses are in doubt.
+/// camera: the keyframes are withdrawn, and tracking begins anew. If some were, the poses are in doubt, and
+/// so they are if one was before: between doubtful poses few landmarks tell the camera from the region.
 void Slam::withdraw_fixed_region() {
   constexpr double kCapturedShare = 0.5, kInfluencedShare = 0.1;
   const cv::Mat& marked = fixed_region_.points();
@@ -62,12 +63,20 @@ void Slam::withdraw_fixed_region() {
     }
     map_changed_ = true;
   }
-  if (share > kInfluencedShare) doubt_frames_since(since_ns, captured);
+  if (share > kInfluencedShare || has_doubts_since(since_ns)) doubt_frames_since(since_ns, captured);
   if (captured) {
     tracker_.reset();
   } else {
     tracker_.update(map_, tracker_.reference());
   }
+}
+
+/// Returns whether a frame of this run since then is doubtful or lost.
+bool Slam::has_doubts_since(int64_t since_ns) const {
+  for (size_t i = log_.size(); i-- > earlier_.frame_count && log_[i].stamp_ns >= since_ns;) {
+    if (log_[i].doubtful || log_[i].is_lost()) return true;
+  }
+  return false;
 }
 
 /// Marks the frames of this run since then. Those whose keyframe was withdrawn have no pose any more.
