@@ -63,7 +63,7 @@ GivenCamera camera_found(const std::filesystem::path& path, const RecordedSequen
   if (sequence.camera) return *sequence.camera;
   const auto folder = std::filesystem::is_directory(path, absent) ? path : path.parent_path();
   if (const auto description = find_camera(folder)) return described_camera(*description);
-  reject_without_camera(path, sequence.camera_remedy);
+  reject_without_camera(path, sequence);
 }
 
 }  // namespace

@@ -183,6 +183,26 @@ TEST_F(FoundCamera, IntrinsicsMayBeGiven) {
               HasSubstr("states no image size"));
 }
 
+TEST_F(FoundCamera, WithoutOneTheErrorHasATemplateThatFitsTheImages) {
+  const auto template_of = [&] {
+    try {
+      static_cast<void>(camera());
+    } catch (const InputErrorWithHint& error) {
+      return error.hint().substr(error.hint().find("  width:"));
+    }
+    return std::string();
+  };
+  folder_.write("scene/camera.yaml", template_of());
+  EXPECT_EQ(camera().color.fx, 525);
+  EXPECT_EQ(camera().depth_scale, 1000);
+  std::filesystem::remove(scene() / "camera.yaml");
+  write_images(slanted_depth(4000, 5, {1280, 720}), {1280, 720});
+  EXPECT_THAT(template_of(), HasSubstr("# a guess: that of a RealSense D435"));
+  folder_.write("scene/camera.yaml", template_of());
+  EXPECT_EQ(camera().color.width, 1280);
+  EXPECT_EQ(camera().depth_scale, 5000);
+}
+
 TEST_F(FoundCamera, InATumFolderToo) {
   test::SequenceFolder sequence(3);
   std::filesystem::remove(sequence.path() / "camera.yaml");
