@@ -48,11 +48,12 @@ void add_frame_option(CLI::App& command, std::string& frame) {
 
 void add_camera_options(CLI::App& command, CameraOptions& camera) {
   constexpr double kFewestUnits = 1, kMostUnits = 1e5;  // as in camera.yaml
-  auto* file = command.add_option(
+  CLI::Option* file = command.add_option(
       "--camera", camera.camera,
       "camera.yaml, a camera file of OpenCV, ROS, ORB-SLAM, Kalibr, COLMAP, Open3D, ... (see\n"
       "docs/recordings.md), or one of freiburg1, freiburg2, freiburg3, icl (default: that of the\n"
       "recording, else a camera file in the folder or the one above)");
+  file->option_text("FILE");
   command
       .add_option("--intrinsics", camera.intrinsics,
                   "the camera as fx,fy,cx,cy[,k1,k2,p1,p2,k3], in pixels, for a folder of images")
