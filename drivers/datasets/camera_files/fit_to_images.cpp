@@ -32,8 +32,8 @@ void require_central(const CameraDescription& description, cv::Size size) {
       is_focal(lens.fy))
     return;
   throw InputError(fmt::format(
-      "{}: fx {}, fy {}, cx {}, cy {} are not of images of {} x {}; give those of these images, or write a "
-      "camera.yaml with --camera FILE",
+      "{}: fx {}, fy {}, cx {}, cy {} are not of images of {} x {}; give those of these images, or a "
+      "camera.yaml",
       description.source, lens.fx, lens.fy, lens.cx, lens.cy, size.width, size.height));
 }
 
