@@ -112,11 +112,11 @@ CloudQuality cloud_quality(const ColoredCloud& cloud, const SimulatedSource& roo
 }
 
 /// Only reads and decodes every frame.
-void bench_decode(const std::string& sequence, const std::optional<std::string>& camera) {
+void bench_decode(const std::string& sequence, const CameraOptions& camera) {
   const Stopwatch watch;
   SourceRequest request;
   request.sequence = sequence;
-  request.camera = camera;
+  set_camera(request, camera);
   request.threads = hardware_threads();
   const auto source = open_frame_source(request);
   size_t frames = 0;
@@ -175,12 +175,10 @@ void add_bench_command(CLI::App& app) {
   add_cloud(*bench);
   CLI::App* decode = bench->add_subcommand("decode", "Only read and decode every frame, on one thread");
   auto sequence = std::make_shared<std::string>();
-  auto camera = std::make_shared<std::string>();
+  auto camera = std::make_shared<CameraOptions>();
   decode->add_option("SEQUENCE", *sequence, "a folder in TUM layout, or sim:room")->required();
-  decode->add_option("--camera", *camera, "camera.yaml or preset, as for kinloop run");
-  decode->callback([sequence, camera] {
-    bench_decode(*sequence, camera->empty() ? std::nullopt : std::optional(*camera));
-  });
+  add_camera_options(*decode, *camera);
+  decode->callback([sequence, camera] { bench_decode(*sequence, *camera); });
 }
 
 }  // namespace kinloop

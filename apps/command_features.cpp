@@ -211,7 +211,7 @@ void add_features_command(CLI::App& app) {
   auto& request = arguments->request;
   command->add_option("input", request.input, "an image, a folder in TUM layout, or sim:room")->required();
   command->add_option("second", request.other_image, "a second image to compare with the first");
-  command->add_option("--camera", request.camera, "camera.yaml or preset, as for kinloop run");
+  add_camera_options(*command, request.camera);
   command->add_option("-o,--output", arguments->pictures,
                       "folder for pictures of the matches of one pair: all, screened, inliers");
   command->add_option("--pairs", request.pairs, "number of frame pairs per seed, spread over the sequence")

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/shared/commands.hpp"
+#include "apps/shared/common_options.hpp"
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/probe/sequence_statistics.hpp"
@@ -20,7 +21,7 @@ constexpr size_t kLookedAt = 30;  // frames that are decoded
 
 struct ProbeArguments {
   std::string sequence;
-  std::string camera;
+  CameraOptions camera;
 };
 
 /// What is known of a recording. Stamps are of all frames, or only of those decoded.
@@ -46,8 +47,9 @@ void take_frames(FrameSource& source, Probed& probed) {
 }
 
 /// Decodes frames spread over the sequence; of a video, which can only be read in order, the first.
-Probed probe_layout(const std::string& path, const std::optional<CameraArgument>& camera) {
-  OpenedSequence opened = read_sequence(path, camera);
+Probed probe_layout(const SourceRequest& request) {
+  const std::string& path = request.sequence;
+  OpenedSequence opened = read_sequence(path, request.camera, request.depth_scale);
   RecordedSequence& sequence = opened.sequence;
   Probed probed;
   probed.name = path;
@@ -160,9 +162,8 @@ void probe(const ProbeArguments& arguments) {
     throw UsageError("probe: a live camera cannot be probed; record it with kinloop record");
   SourceRequest request;
   request.sequence = arguments.sequence;
-  if (!arguments.camera.empty()) request.camera = arguments.camera;
-  print_probed(is_recording(arguments.sequence) ? probe_source(request)
-                                                : probe_layout(request.sequence, request.camera));
+  set_camera(request, arguments.camera);
+  print_probed(is_recording(arguments.sequence) ? probe_source(request) : probe_layout(request));
 }
 
 }  // namespace
@@ -172,7 +173,7 @@ void add_probe_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("probe", "Say what a recording is: layout, camera, rates, depth, alignment");
   command->add_option("PATH", arguments->sequence, "a folder or file, as for kinloop run")->required();
-  command->add_option("--camera", arguments->camera, "camera.yaml or preset, as for kinloop run");
+  add_camera_options(*command, arguments->camera);
   command->footer(
       "Decodes 30 frames spread over the sequence. Alignment is the shift that best brings the borders of\n"
       "near objects in depth onto edges in colour; it is about 0 if depth is registered.");

@@ -26,7 +26,8 @@ namespace {
 struct RecordArguments {
   std::string source;
   std::filesystem::path output;
-  std::string camera, topics;
+  CameraOptions camera;
+  std::string topics;
   size_t frames = 0;
   double seconds = 0, pace_hz = 0;
   bool raw = false;
@@ -37,7 +38,7 @@ struct RecordArguments {
 SourceRequest request_of(const RecordArguments& arguments) {
   SourceRequest request;
   request.sequence = arguments.source;
-  if (!arguments.camera.empty()) request.camera = arguments.camera;
+  set_camera(request, arguments.camera);
   if (!arguments.topics.empty()) request.topics = arguments.topics;
   request.kinect = with_assignments(KinectOptions{}, arguments.assignments);
   request.threads = arguments.threads;
@@ -112,7 +113,7 @@ void add_record_command(CLI::App& app) {
                    "kinect1, kinect2, openni2, realsense, orbbec, oak, or any other source of kinloop run")
       ->required();
   command->add_option("-o,--output", arguments->output, "folder for the sequence, or FILE.mcap")->required();
-  command->add_option("--camera", arguments->camera, "camera.yaml or preset, as for kinloop run");
+  add_camera_options(*command, arguments->camera);
   command->add_option("--topics", arguments->topics, "topics of a bag: COLOR,DEPTH[,CAMERA_INFO]");
   command->add_option("--frames", arguments->frames, "stop after this many frames");
   command->add_option("--seconds", arguments->seconds, "stop after this time")->check(positive_number());

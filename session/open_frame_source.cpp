@@ -73,8 +73,10 @@ bool is_simulation(const std::string& sequence) {
 }
 
 std::unique_ptr<FrameSource> open_simulation(const SourceRequest& request) {
-  if (request.camera)
-    throw UsageError("--camera cannot be used with a simulated sequence, which has its own camera");
+  if (request.camera || request.depth_scale)
+    throw UsageError(
+        "--camera, --intrinsics and --depth-scale cannot be used with a simulated sequence, "
+        "which has its own camera");
   return make_simulated_source(request.sequence, request.simulation, request.threads);
 }
 
@@ -93,6 +95,12 @@ std::unique_ptr<FrameSource> open_recording(const RecordingFormat& format, const
 
 }  // namespace
 
+void set_camera(SourceRequest& request, const CameraOptions& options) {
+  if (!options.camera.empty()) request.camera = options.camera;
+  if (!options.intrinsics.empty()) request.camera = parse_intrinsics(options.intrinsics);
+  if (options.depth_scale > 0) request.depth_scale = options.depth_scale;
+}
+
 bool is_camera_or_stream(const std::string& sequence) {
   return live_camera(sequence) != nullptr || is_stream(sequence);
 }
@@ -104,12 +112,17 @@ bool is_recording(const std::string& sequence) {
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   const std::string& sequence = request.sequence;
   if (is_simulation(sequence)) return open_simulation(request);
+  const bool is_folder =
+      live_camera(sequence) == nullptr && !is_stream(sequence) && recording_format(sequence) == nullptr;
+  if (is_folder) return open_sequence(sequence, request.camera, request.depth_scale);
+  if (request.depth_scale)
+    throw UsageError(
+        fmt::format("--depth-scale is for folders of images; {} states the unit of its depth", sequence));
   OptionalCamera camera;
-  if (request.camera) camera = choose_camera({}, request.camera);
+  if (request.camera) camera = given_camera(*request.camera);
   if (const auto* live = live_camera(sequence)) return live->open(live_options(request), camera);
   if (is_stream(sequence)) return open_stream(sequence, camera, request.stop);
-  if (const auto* format = recording_format(sequence)) return open_recording(*format, request, camera);
-  return open_sequence(sequence, camera);
+  return open_recording(*recording_format(sequence), request, camera);
 }
 
 }  // namespace kinloop

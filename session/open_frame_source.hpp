@@ -12,16 +12,27 @@
 
 namespace kinloop {
 
+/// What a user says of the camera of a recording; empty or 0: nothing.
+struct CameraOptions {
+  std::string camera;      ///< a preset or a camera file
+  std::string intrinsics;  ///< "fx,fy,cx,cy[,k1,k2,p1,p2,k3]", instead of `camera`
+  double depth_scale = 0;  ///< units of the depth images per metre
+};
+
 /// The source selected by the user.
 struct SourceRequest {
   std::string sequence;  ///< a folder, a recording in one file, sim:room, a camera or a stream
   std::optional<CameraArgument> camera;
+  std::optional<double> depth_scale;  ///< units of the depth images per metre, of a folder
   std::optional<std::string> topics;  ///< of a bag, "COLOR,DEPTH[,CAMERA_INFO]"
   SimulationOptions simulation;
   KinectOptions kinect;
   int threads = 1;
   StopRequest stop = {};  ///< ends a source whose sender or device is silent
 };
+
+/// Sets what `options` says. Throws UsageError for intrinsics that are none.
+void set_camera(SourceRequest& request, const CameraOptions& options);
 
 /// Returns whether the source is a camera or another program, which give each frame once.
 bool is_camera_or_stream(const std::string& sequence);

@@ -50,7 +50,7 @@ RunOptions options_of(const RunSettings& settings, const std::optional<Continued
 SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
   SourceRequest source;
   source.sequence = request.sequence;
-  if (!request.camera.empty()) source.camera = request.camera;
+  set_camera(source, request.camera);
   if (!request.topics.empty()) source.topics = request.topics;
   source.simulation = setup.options.sim;
   source.kinect = setup.options.kinect;

@@ -14,6 +14,7 @@
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/frame_source.hpp"
 #include "session/dense_recorder.hpp"
+#include "session/open_frame_source.hpp"
 #include "session/run_options.hpp"
 
 namespace kinloop {
@@ -60,8 +61,8 @@ Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& featur
 
 /// A source, and how a run works on it.
 struct RunRequest {
-  std::string sequence;  ///< see SourceRequest, also for the next two; these are empty by default
-  std::string camera;
+  std::string sequence;  ///< see SourceRequest, also for `topics`; empty by default
+  CameraOptions camera;
   std::string topics;
   std::filesystem::path mask;  ///< image of the pixels to ignore, see read_mask; empty: none
   double pace_hz = 0;          ///< replays at this rate; 0: as fast as possible

@@ -119,7 +119,7 @@ OpenPairs open_pairs(const PairsRequest& request) {
   }
   SourceRequest sequence;
   sequence.sequence = request.input;
-  if (!request.camera.empty()) sequence.camera = request.camera;
+  set_camera(sequence, request.camera);
   pairs.source = open_frame_source(sequence);
   pairs.camera = pairs.source->camera().color;
   const size_t frames = pairs.source->info().frames;

@@ -13,6 +13,7 @@
 #include "kinloop/features/options.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/sensor/frame_source.hpp"
+#include "session/open_frame_source.hpp"
 #include "tools/feature_comparison/evaluate_pair.hpp"
 
 namespace kinloop {
@@ -21,7 +22,7 @@ namespace kinloop {
 struct PairsRequest {
   std::string input;        ///< an image file, a folder in TUM layout or sim:room
   std::string other_image;  ///< a second image file; empty: none
-  std::string camera;       ///< of a sequence, as for kinloop run
+  CameraOptions camera;     ///< of a sequence, as for kinloop run
   size_t pairs = 8;         ///< of frames, for each seed
   size_t gap = 10;          ///< frames between the two images of a pair
   size_t seeds = 5;

@@ -48,10 +48,7 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
       "program (-: standard input, or unix:PATH: a socket), or sim:room, the simulated Kinect\n"
       "(sim:room:7: another room)");
   command.add_option("-o,--output", arguments.output, "folder for the results")->capture_default_str();
-  command.add_option(
-      "--camera", arguments.request.camera,
-      "camera.yaml or one of freiburg1, freiburg2, freiburg3, icl (default: camera.yaml in the folder, "
-      "else chosen by the folder's name)");
+  add_camera_options(command, arguments.request.camera);
   command.add_option("--topics", arguments.request.topics,
                      "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
   command.add_option("--mask", arguments.request.mask,

@@ -46,6 +46,27 @@ void add_frame_option(CLI::App& command, std::string& frame) {
       ->capture_default_str();
 }
 
+void add_camera_options(CLI::App& command, CameraOptions& camera) {
+  constexpr double kFewestUnits = 1, kMostUnits = 1e5;  // as in camera.yaml
+  CLI::Option* file = command.add_option(
+      "--camera", camera.camera,
+      "camera.yaml, a camera file of OpenCV, ROS, ORB-SLAM, Kalibr, COLMAP, Open3D, ... (see\n"
+      "docs/recordings.md), or one of freiburg1, freiburg2, freiburg3, icl (default: that of the\n"
+      "recording, else a camera file in the folder or the one above)");
+  file->option_text("FILE");
+  command
+      .add_option("--intrinsics", camera.intrinsics,
+                  "the camera as fx,fy,cx,cy[,k1,k2,p1,p2,k3], in pixels, for a folder of images")
+      ->option_text("fx,fy,cx,cy")
+      ->excludes(file);
+  command
+      .add_option("--depth-scale", camera.depth_scale,
+                  "units of the depth images of a folder per metre, 1000 for millimetres (default: as the\n"
+                  "camera file or the dataset has it, else guessed)")
+      ->option_text("UNITS_PER_M")
+      ->check(number(kFewestUnits, kMostUnits));
+}
+
 CLI::Validator whole_number(int low, int high) {
   return in_range(low, high, "a whole number");
 }

@@ -7,6 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "session/open_frame_source.hpp"
+
 namespace kinloop {
 
 /// MAP: a map file, or the folder of a run that left one.
@@ -21,6 +23,9 @@ void add_set_option(CLI::App& command, std::vector<std::string>& assignments,
 
 /// --frame z-up|camera of the clouds and meshes that are written.
 void add_frame_option(CLI::App& command, std::string& frame);
+
+/// --camera FILE, --intrinsics fx,fy,cx,cy and --depth-scale UNITS_PER_M of a source.
+void add_camera_options(CLI::App& command, CameraOptions& camera);
 
 /// --threads N.
 void add_threads_option(CLI::App& command, int& threads, const std::string& what = "number of threads");

@@ -1,12 +1,21 @@
 #include "drivers/datasets/camera_selection.hpp"
 
+#include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
+#include <span>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "drivers/datasets/camera_files/camera_formats.hpp"
+#include "drivers/datasets/camera_files/find_camera.hpp"
+#include "drivers/datasets/camera_files/fit_to_images.hpp"
 #include "drivers/datasets/folder_contents.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/camera/camera_presets.hpp"
 
@@ -27,11 +36,34 @@ std::optional<RgbdCamera> preset_in_name(const std::string& name) {
   return found;
 }
 
-RgbdCamera named_camera(const std::string& preset_or_file) {
+using GivenCamera = std::variant<RgbdCamera, CameraDescription>;
+
+GivenCamera described_camera(const CameraDescription& description) {
+  if (description.is_complete) return description.camera;
+  return description;
+}
+
+GivenCamera given_by(const CameraArgument& argument) {
+  if (const auto* camera = std::get_if<RgbdCamera>(&argument)) return *camera;
+  if (const auto* description = std::get_if<CameraDescription>(&argument)) return *description;
+  const auto& preset_or_file = std::get<std::string>(argument);
   if (const auto preset = camera_preset(preset_or_file)) return *preset;
-  if (std::filesystem::exists(preset_or_file)) return read_camera_file(preset_or_file);
+  std::error_code absent;
+  if (std::filesystem::exists(preset_or_file, absent))
+    return described_camera(read_camera_description(preset_or_file));
   throw InputError(
       fmt::format("--camera {}: neither a file nor a preset ({})", preset_or_file, kPresetNames));
+}
+
+/// The camera of a sequence that the user says nothing of.
+GivenCamera camera_found(const std::filesystem::path& path, const RecordedSequence& sequence) {
+  std::error_code absent;
+  if (const auto file = path / "camera.yaml"; std::filesystem::exists(file, absent))
+    return described_camera(read_camera_description(file));
+  if (sequence.camera) return *sequence.camera;
+  const auto folder = std::filesystem::is_directory(path, absent) ? path : path.parent_path();
+  if (const auto description = find_camera(folder)) return described_camera(*description);
+  reject_without_camera(path, sequence);
 }
 
 }  // namespace
@@ -40,12 +72,62 @@ std::optional<RgbdCamera> preset_of_folder(const std::filesystem::path& folder) 
   return preset_in_name(folder_name(folder));
 }
 
+CameraDescription parse_intrinsics(const std::string& text) {
+  constexpr size_t kIntrinsics = 4;
+  std::vector<double> numbers;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    double number = 0;
+    const auto [last, error] = std::from_chars(text.data() + begin, text.data() + end, number);
+    if (error != std::errc() || last != text.data() + end || !std::isfinite(number)) {
+      numbers.clear();
+      break;
+    }
+    numbers.push_back(number);
+    begin = end + 1;
+  }
+  constexpr size_t kWithFour = 8, kWithFive = 9;
+  if (numbers.size() != kIntrinsics && numbers.size() != kWithFour && numbers.size() != kWithFive) {
+    throw UsageError(
+        fmt::format("--intrinsics {}: expected fx,fy,cx,cy or fx,fy,cx,cy,k1,k2,p1,p2,k3 in pixels, "
+                    "e.g. 525,525,319.5,239.5",
+                    text));
+  }
+  CameraDescription description;
+  description.source = "--intrinsics " + text;
+  description.format = "as given";
+  try {
+    set_intrinsics(description, numbers[0], numbers[1], numbers[2], numbers[3]);
+    set_distortion(description, std::span(numbers).subspan(kIntrinsics));
+  } catch (const InputError& error) {
+    throw UsageError(error.what());
+  }
+  return description;
+}
+
+RgbdCamera camera_of_sequence(const std::filesystem::path& path, const RecordedSequence& sequence,
+                              const std::optional<CameraArgument>& camera_argument,
+                              std::optional<double> depth_scale) {
+  const GivenCamera given = camera_argument ? given_by(*camera_argument) : camera_found(path, sequence);
+  if (depth_scale && is_metric(sequence.depth_encoding))
+    log::warn("--depth-scale is not used: the depth of {} is in metres", path.string());
+  if (const auto* description = std::get_if<CameraDescription>(&given))
+    return fit_to_images(*description, sequence, depth_scale);
+  RgbdCamera camera = std::get<RgbdCamera>(given);
+  camera.depth_scale = depth_scale.value_or(camera.depth_scale);
+  return camera;
+}
+
+RgbdCamera given_camera(const CameraArgument& camera_argument) {
+  const GivenCamera given = given_by(camera_argument);
+  if (const auto* description = std::get_if<CameraDescription>(&given))
+    return camera_without_images(*description);
+  return std::get<RgbdCamera>(given);
+}
+
 RgbdCamera choose_camera(const std::filesystem::path& folder,
                          const std::optional<CameraArgument>& camera_argument) {
-  if (camera_argument) {
-    if (const auto* camera = std::get_if<RgbdCamera>(&*camera_argument)) return *camera;
-    return named_camera(std::get<std::string>(*camera_argument));
-  }
+  if (camera_argument) return given_camera(*camera_argument);
   constexpr bool kCameraKnown = false;
   const auto file = folder / "camera.yaml";
   if (std::filesystem::exists(file)) return read_camera_file(file);

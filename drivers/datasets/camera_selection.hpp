@@ -1,21 +1,38 @@
 #pragma once
-// In: a sequence folder and the --camera argument. Out: the camera; never guessed silently.
+// In: a sequence and what the user says of its camera. Out: the camera; never guessed silently.
 
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <variant>
 
+#include "drivers/datasets/camera_files/camera_description.hpp"
+#include "drivers/datasets/recorded_sequence.hpp"
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {
 
-/// What a user gives for the camera: a preset name or a camera.yaml, or the calibration itself.
-using CameraArgument = std::variant<std::string, RgbdCamera>;
+/// What a user gives for the camera: a preset or a camera file in any format, the calibration itself, or what
+/// --intrinsics states.
+using CameraArgument = std::variant<std::string, RgbdCamera, CameraDescription>;
 
-/// Returns the camera of a sequence: `camera_argument` if given, else camera.yaml
-/// in the folder, else the TUM preset contained in the folder's name ("rgbd_dataset_freiburg1_desk"). Throws
-/// InputError with the remedy if there is none.
+/// Reads --intrinsics "fx,fy,cx,cy[,k1,k2,p1,p2,k3]". Throws UsageError for anything else.
+CameraDescription parse_intrinsics(const std::string& text);
+
+/// Returns the camera of a sequence: `camera_argument` if given, else camera.yaml in the folder, else that of
+/// the layout, else that of a camera file in the folder or above it. What a file does not state is taken from
+/// the images, see fit_to_images. `depth_scale` replaces the unit of depth. Throws InputError with the remedy
+/// if there is no camera, or it cannot be that of the images.
+RgbdCamera camera_of_sequence(const std::filesystem::path& path, const RecordedSequence& sequence,
+                              const std::optional<CameraArgument>& camera_argument,
+                              std::optional<double> depth_scale = {});
+
+/// Returns the camera that the user gives for a source whose images are not known yet, such as a bag. Throws
+/// InputError if a camera file does not state the size of the images.
+RgbdCamera given_camera(const CameraArgument& camera_argument);
+
+/// Returns the camera of a folder: `camera_argument` if given, else camera.yaml in it, else the TUM preset
+/// contained in its name ("rgbd_dataset_freiburg1_desk"). Throws InputError with the remedy if there is none.
 RgbdCamera choose_camera(const std::filesystem::path& folder,
                          const std::optional<CameraArgument>& camera_argument = {});
 

@@ -1,6 +1,9 @@
 #include "drivers/datasets/folder_contents.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <initializer_list>
 
 #include <fmt/format.h>
 
@@ -74,11 +77,31 @@ std::string FolderContents::first_image() const {
   return {};
 }
 
-std::string color_folder(const FolderContents& contents) {
-  for (const char* name : {"rgb", "color", "colour", "image", "images"}) {
+namespace {
+
+std::string first_folder(const FolderContents& contents, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
     if (contents.has_folder(name)) return name;
   }
   return {};
+}
+
+}  // namespace
+
+std::string color_folder(const FolderContents& contents) {
+  return first_folder(contents, {"rgb", "color", "colour", "image", "images", "colors", "imgs", "rgbs"});
+}
+
+std::string depth_folder(const FolderContents& contents) {
+  return first_folder(contents, {"depth", "depths", "depth_png", "depth_images"});
+}
+
+bool is_image_name(const fs::path& file) {
+  constexpr std::array<std::string_view, 5> kEndings = {".png", ".jpg", ".jpeg", ".pgm", ".npy"};
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
 std::string folder_name(const fs::path& folder) {

@@ -32,9 +32,14 @@ class FolderContents {
   bool complete_ = true;  ///< all names were read
 };
 
-/// Returns the folder with colour images beside depth/: rgb, color or another of the usual names; empty if
-/// there is none.
+/// Returns the folder with colour images: rgb, color or another of the usual names; empty if there is none.
 std::string color_folder(const FolderContents& contents);
+
+/// Same for depth images.
+std::string depth_folder(const FolderContents& contents);
+
+/// Returns whether a file is an image (PNG, JPEG, PGM, NumPy) by the ending of its name.
+bool is_image_name(const std::filesystem::path& file);
 
 /// Returns the last component of a path, also of "folder/" and ".".
 std::string folder_name(const std::filesystem::path& folder);

@@ -18,14 +18,15 @@ struct OpenedSequence {
   RgbdCamera camera;
 };
 
-/// Reads the lists, poses and calibration of a recorded sequence. The camera is `camera_argument` if given,
-/// else camera.yaml in the folder, else that of the layout. Throws InputError with the remedy if the path is
-/// in no known layout or has no camera.
+/// Reads the lists, poses and calibration of a recorded sequence, see camera_of_sequence for the camera.
+/// Throws InputError with the remedy if the path is in no known layout or has no camera.
 OpenedSequence read_sequence(const std::filesystem::path& path,
-                             const std::optional<CameraArgument>& camera_argument = {});
+                             const std::optional<CameraArgument>& camera_argument = {},
+                             std::optional<double> depth_scale = {});
 
 /// Opens a sequence in any layout; `info().description` says which.
 std::unique_ptr<FrameSource> open_sequence(const std::string& path,
-                                           const std::optional<CameraArgument>& camera_argument = {});
+                                           const std::optional<CameraArgument>& camera_argument = {},
+                                           std::optional<double> depth_scale = {});
 
 }  // namespace kinloop

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "drivers/datasets/camera_files/camera_template.hpp"
 #include "drivers/datasets/folder_contents.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "kinloop/core/errors.hpp"
@@ -18,18 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kCannotYet = "which kinloop cannot read; convert it to TUM layout";
-
-constexpr const char* kCameraToCopy =
-    "A camera.yaml template; replace the values with those of your camera (see kinloop calibrate):\n"
-    "  width: 640\n"
-    "  height: 480\n"
-    "  fx: 525\n"
-    "  fy: 525\n"
-    "  cx: 319.5\n"
-    "  cy: 239.5\n"
-    "  distortion: [0, 0, 0, 0, 0]  # k1 k2 p1 p2 k3\n"
-    "  depth_scale: 5000            # units of the depth images per metre; 1000 for millimetres\n"
-    "  fps: 30\n";
 
 /// A required file of the layout.
 struct RequiredFile {
@@ -66,7 +55,7 @@ std::string hint_for(const std::vector<RequiredFile>& missing, bool camera_known
     hint += fmt::format("  {:<25} {}\n", layout.name, layout.looked_for);
   hint += "Missing for a sequence in TUM layout:\n";
   for (const RequiredFile& file : missing) hint += fmt::format("  {:<12} {}\n", file.name, file.meaning);
-  return camera_known ? hint : hint + kCameraToCopy;
+  return camera_known ? hint : hint + camera_template({});
 }
 
 /// Nonexistent path: a sequence to be downloaded, or a misspelt name.
@@ -166,7 +155,7 @@ void reject_sequence(const fs::path& path, bool camera_known) {
   if (!fs::exists(path, absent)) reject_absent(path);
   if (!fs::is_directory(path, absent)) throw InputError(fmt::format("{}: {}", name, advice_for_file(path)));
   const auto missing = missing_in(path, camera_known);
-  if (has_tum_lists(path)) reject_without_camera(path, {});
+  if (has_tum_lists(path)) reject_without_camera(path, RecordedSequence{});
   const std::string hint = hint_for(missing, camera_known);
   const FolderContents contents(path);
   if (contents.has_file("rgb.txt") || contents.has_file("depth.txt")) {
@@ -193,11 +182,12 @@ void reject_sequence(const fs::path& path, bool camera_known) {
       hint);
 }
 
-void reject_without_camera(const fs::path& path, const std::string& remedy) {
-  const std::string what = remedy.empty() ? "add a camera.yaml" : remedy;
+void reject_without_camera(const fs::path& path, const RecordedSequence& sequence) {
+  const std::string& remedy = sequence.camera_remedy;
   throw InputErrorWithHint(
-      fmt::format("{}: no camera: {}, or use --camera FILE or one of {}", path.string(), what, kPresets),
-      kCameraToCopy);
+      fmt::format("{}: no camera: {}, or use --camera FILE or one of {}, or --intrinsics fx,fy,cx,cy",
+                  path.string(), remedy.empty() ? "add a camera.yaml" : remedy, kPresets),
+      camera_template(sequence));
 }
 
 }  // namespace kinloop

@@ -1,9 +1,11 @@
 #pragma once
 // In: a path that is not a sequence. Out: what it looks like, what was looked for and what to do. Only file
-// names are examined.
+// names are examined, and images only for the template of a camera.
 
 #include <filesystem>
 #include <string>
+
+#include "drivers/datasets/recorded_sequence.hpp"
 
 namespace kinloop {
 
@@ -16,8 +18,8 @@ bool has_tum_lists(const std::filesystem::path& folder);
 /// layout.
 [[noreturn]] void reject_sequence(const std::filesystem::path& path, bool camera_known);
 
-/// Throws InputError for a sequence without a camera, with a camera.yaml template. `remedy` says which file
-/// is missing; empty if the layout has no such file.
-[[noreturn]] void reject_without_camera(const std::filesystem::path& path, const std::string& remedy);
+/// Throws InputError for a sequence without a camera, with a camera.yaml template made of its images. It says
+/// which file is missing if the layout has one.
+[[noreturn]] void reject_without_camera(const std::filesystem::path& path, const RecordedSequence& sequence);
 
 }  // namespace kinloop

@@ -345,6 +345,12 @@ void write_folders(const fs::path& folder, const Sample& s) {
       [&](size_t i) { return folder / fmt::format("depth/{}.png", i); });
 }
 
+void write_side_by_side(const fs::path& folder, const Sample& s) {
+  put_images(
+      s, [&](size_t i) { return folder / fmt::format("{}_color.png", i); },
+      [&](size_t i) { return folder / fmt::format("{}_depth.png", i); });
+}
+
 void write_redwood(const fs::path& folder, const Sample& s) {
   write_folders(folder, s);
   const auto& l = s.lens;
@@ -402,6 +408,7 @@ const std::vector<LayoutWriter>& layout_writers() {
       {"Record3D", false, write_record3d},
       {"Redwood or Open3D", false, write_redwood},
       {"colour and depth images", true, write_folders},
+      {"images side by side", true, write_side_by_side},
   };
   return kWriters;
 }

@@ -33,6 +33,9 @@ const SequenceLayout* recognise_layout(const std::filesystem::path& path);
 /// Reads the lists, and the ground truth, of a folder in TUM layout.
 RecordedSequence read_tum(const std::filesystem::path& folder);
 
+/// Returns the frame rate that camera.yaml in the folder states; 30 Hz if there is none.
+double stated_fps(const std::filesystem::path& folder);
+
 SequenceLayout tum_layout();
 SequenceLayout eth3d_layout();
 SequenceLayout bonn_layout();
@@ -50,5 +53,6 @@ SequenceLayout polycam_layout();
 SequenceLayout record3d_layout();
 SequenceLayout redwood_layout();
 SequenceLayout plain_layout();
+SequenceLayout flat_layout();
 
 }  // namespace kinloop

@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "drivers/datasets/camera_files/camera_formats.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/reading/frame_masks.hpp"
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/reading/json_file.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
-#include "drivers/datasets/reading/two_lenses.hpp"
 #include "kinloop/core/errors.hpp"
 
 namespace kinloop {
@@ -28,18 +28,19 @@ std::string intrinsics_name(const FolderContents& contents) {
 
 std::string redwood_evidence(const fs::path&, const FolderContents& contents) {
   const std::string color = color_folder(contents), camera = intrinsics_name(contents);
-  const bool fits = contents.has_folder("depth") && !color.empty() && !camera.empty();
-  return fits ? fmt::format("{}/ depth/ {}", color, camera) : "";
+  const bool fits = !depth_folder(contents).empty() && !color.empty() && !camera.empty();
+  return fits ? fmt::format("{}/ {}/ {}", color, depth_folder(contents), camera) : "";
 }
 
-RgbdCamera read_open3d_camera(const fs::path& file) {
+/// Open3D's own files state the size of the images, and its depth is in millimetres. Any other camera file is
+/// to be fitted to the images: nullopt.
+std::optional<RgbdCamera> open3d_camera(const CameraDescription& description, const fs::path& file) {
   constexpr double kMillimetres = 1000;
-  const auto json = read_json(file);
-  const cv::Size size = checked_size(number_at(json, "width", file), number_at(json, "height", file), file);
-  const auto k = numbers_at(json, "intrinsic_matrix", 9, file);
-  const PinholeCamera lens = checked_lens(make_lens(size, k[0], k[4], k[6], k[7]), file);
-  const double scale = json.contains("depth_scale") ? number_at(json, "depth_scale", file) : kMillimetres;
-  return camera_of({lens, lens, {}, {}}, scale, file);
+  if (!description.has_size() || !read_json(file).contains("intrinsic_matrix")) return std::nullopt;
+  RgbdCamera camera = description.camera;
+  checked_lens(camera.color, file);
+  if (!description.has_depth_scale) camera.depth_scale = kMillimetres;
+  return camera;
 }
 
 /// Three indices, the first of which is that of the frame, and a 4x4 matrix each.
@@ -63,10 +64,14 @@ RecordedSequence read_redwood(const fs::path& folder) {
   const FolderContents contents(folder);
   RecordedSequence sequence;
   sequence.layout = "Redwood or Open3D folder";
-  sequence.camera = read_open3d_camera(folder / intrinsics_name(contents));
-  pair_folders(folder / color_folder(contents), folder / "depth", sequence.camera->fps, sequence);
+  const fs::path file = folder / intrinsics_name(contents);
+  const CameraDescription description = read_camera_description(file);
+  sequence.camera = open3d_camera(description, file);
+  pair_folders(folder / color_folder(contents), folder / depth_folder(contents), description.camera.fps,
+               sequence);
   find_masks(folder, sequence);
-  if (sequence.stamps_measured) sequence.camera->fps = median_rate_hz(sequence.frames, sequence.camera->fps);
+  if (sequence.stamps_measured && sequence.camera)
+    sequence.camera->fps = median_rate_hz(sequence.frames, sequence.camera->fps);
   for (const char* name : {"trajectory.log", "scene/trajectory.log", "pose.log"}) {
     std::error_code absent;
     if (!fs::exists(folder / name, absent)) continue;

@@ -1,13 +1,13 @@
 #include "drivers/datasets/reading/image_pairs.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
+#include "drivers/datasets/folder_contents.hpp"
 #include "kinloop/core/association.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/quantile.hpp"
@@ -88,28 +88,44 @@ std::optional<std::vector<int64_t>> stamps_in_names(const std::vector<fs::path>&
   return stamps_ns;
 }
 
-/// The digits at the end of a name, by which "color_0012" and "depth_0012" belong together.
+/// The last digits of a name, by which "color_0012" and "12_depth" belong together.
 std::string last_number(const fs::path& file) {
+  constexpr const char* kDigits = "0123456789";
   const std::string stem = file.stem().string();
-  const size_t before = stem.find_last_not_of("0123456789");
-  std::string digits = before == std::string::npos ? stem : stem.substr(before + 1);
+  const size_t last = stem.find_last_of(kDigits);
+  if (last == std::string::npos) return "0";
+  const size_t before = stem.find_last_not_of(kDigits, last);
+  std::string digits = stem.substr(before == std::string::npos ? 0 : before + 1);
+  digits.resize(std::min(digits.find_first_not_of(kDigits), digits.size()));
   digits.erase(0, std::min(digits.find_first_not_of('0'), digits.size()));
   return digits.empty() ? "0" : digits;
 }
 
-std::vector<RecordedFrame> pair_by_name(const std::vector<fs::path>& color,
-                                        const std::vector<fs::path>& depth) {
+void skip_image(const fs::path& image, const char* other, SkippedFrames& skipped) {
+  skipped.add(
+      {image.filename().string(), fmt::format("{}: no {} image of this number", image.string(), other)});
+}
+
+/// Leaves `sequence` as it is if depth images have no different numbers.
+void pair_by_name(const std::vector<fs::path>& color, const std::vector<fs::path>& depth,
+                  RecordedSequence& sequence) {
   std::map<std::string, fs::path> depth_of;
   for (const fs::path& file : depth) depth_of.emplace(last_number(file), file);
-  if (depth_of.size() != depth.size()) return {};
-  std::vector<RecordedFrame> frames;
+  if (depth_of.size() != depth.size()) return;
+  std::vector<fs::path> alone;
   for (const fs::path& file : color) {
     const auto found = depth_of.find(last_number(file));
-    if (found == depth_of.end()) continue;
-    frames.push_back({0, 0, {file}, {found->second}, {}, 0});
+    if (found == depth_of.end()) {
+      alone.push_back(file);
+      continue;
+    }
+    sequence.frames.push_back({0, 0, {file}, {found->second}, {}, 0});
     depth_of.erase(found);
   }
-  return frames;
+  for (const fs::path& file : alone) skip_image(file, "depth", sequence.skipped);
+  for (const fs::path& file : depth) {
+    if (depth_of.contains(last_number(file))) skip_image(file, "colour", sequence.skipped);
+  }
 }
 
 }  // namespace
@@ -135,13 +151,9 @@ std::vector<NumberedFile> numbered_files(const fs::path& folder, std::string_vie
 }
 
 std::vector<fs::path> images_in(const fs::path& folder) {
-  constexpr std::array<std::string_view, 5> kEndings = {".png", ".jpg", ".jpeg", ".pgm", ".npy"};
   std::vector<fs::path> images;
   for (const fs::path& file : files_in(folder)) {
-    std::string ending = file.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end()) images.push_back(file);
+    if (is_image_name(file)) images.push_back(file);
   }
   std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
     const std::string x = a.filename().string(), y = b.filename().string();
@@ -187,23 +199,33 @@ std::vector<RecordedFrame> pair_by_time(const std::vector<int64_t>& color_ns,
 
 void pair_folders(const fs::path& color_folder, const fs::path& depth_folder, double fps,
                   RecordedSequence& sequence) {
-  const auto color = images_in(color_folder), depth = images_in(depth_folder);
+  pair_images(images_in(color_folder), images_in(depth_folder), fps, sequence);
+}
+
+void pair_images(const std::vector<fs::path>& color, const std::vector<fs::path>& depth, double fps,
+                 RecordedSequence& sequence) {
   const auto color_ns = stamps_in_names(color), depth_ns = stamps_in_names(depth);
   if (color_ns && depth_ns) sequence.frames = pair_by_time(*color_ns, color, *depth_ns, depth);
   sequence.stamps_measured = !sequence.frames.empty();
   if (sequence.stamps_measured) return;
-  sequence.frames = pair_by_name(color, depth);
+  pair_by_name(color, depth, sequence);
   const bool nearly_none = sequence.frames.size() * 2 < std::min(color.size(), depth.size());
   if (nearly_none && color.size() == depth.size()) {
     sequence.frames.clear();
+    sequence.skipped = {};
     for (size_t i = 0; i < color.size(); ++i)
       sequence.frames.push_back({0, 0, {color[i]}, {depth[i]}, {}, 0});
   }
   if (sequence.frames.empty()) {
+    const auto& some = color.empty() ? depth : color;
     throw InputError(fmt::format(
-        "{}: {} colour images and {} depth images in {}, but neither their names nor their number tell which "
-        "belong together; write associations.txt",
-        color_folder.string(), color.size(), depth.size(), depth_folder.string()));
+        "{}: {} colour images and {} depth images{}, but neither their names nor their number tell which "
+        "belong "
+        "together; write associations.txt",
+        some.empty() ? "images" : some.front().parent_path().string(), color.size(), depth.size(),
+        color.empty() || depth.empty() || color.front().parent_path() == depth.front().parent_path()
+            ? ""
+            : " in " + depth.front().parent_path().string()));
   }
   stamp_by_rate(sequence.frames, fps);
 }

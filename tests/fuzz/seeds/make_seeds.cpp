@@ -17,6 +17,7 @@
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/drivers/bag_writers.hpp"
+#include "tests/drivers/camera_file_samples.hpp"
 #include "tests/drivers/layout_writers.hpp"
 #include "tests/drivers/mkv_writer.hpp"
 #include "tests/drivers/oni_writer.hpp"
@@ -121,6 +122,8 @@ void add_cameras(const Corpus& corpus) {
   camera.depth_shift_m = -0.01;
   camera.sensor.set_by_source(DepthSensorModel::kKinect2);
   corpus.add("camera", "two_lenses", text_of());
+  for (const test::CameraFileSample& sample : test::camera_file_samples())
+    corpus.add("camera", sample.file, sample.text);
   corpus.add("azure_calibration", "factory", test::kAzureCalibration);
 }
 

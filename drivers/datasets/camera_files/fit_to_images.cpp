@@ -1,0 +1,129 @@
+#include "drivers/datasets/camera_files/fit_to_images.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "drivers/datasets/camera_files/depth_unit.hpp"
+#include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/datasets/reading/image_pairs.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Of the size in the file and that of the images, or of colour and depth.
+bool have_same_aspect(cv::Size a, cv::Size b) {
+  constexpr double kTolerance = 0.01;  // 640 x 360 of 1366 x 768
+  const double first = static_cast<double>(a.width) * b.height,
+               second = static_cast<double>(b.width) * a.height;
+  return std::abs(first - second) <= kTolerance * first;
+}
+
+/// A file without a size: the principal point is near the middle of the images, or it is of others.
+void require_central(const CameraDescription& description, cv::Size size) {
+  constexpr double kFarthest = 0.25, kWidest = 0.2, kLongest = 10;
+  const PinholeCamera& lens = description.camera.color;
+  const auto is_central = [&](double centre, int side) { return std::abs(centre / side - 0.5) <= kFarthest; };
+  const auto is_focal = [&](double f) { return f >= kWidest * size.width && f <= kLongest * size.width; };
+  if (is_central(lens.cx, size.width) && is_central(lens.cy, size.height) && is_focal(lens.fx) &&
+      is_focal(lens.fy))
+    return;
+  throw InputError(fmt::format(
+      "{}: fx {}, fy {}, cx {}, cy {} are not of images of {} x {}; give those of these images, or a "
+      "camera.yaml",
+      description.source, lens.fx, lens.fy, lens.cx, lens.cy, size.width, size.height));
+}
+
+/// Sets the size of the images, and scales the lens to it; returns what is to be said about that.
+std::string fit_size(const CameraDescription& description, cv::Size size, PinholeCamera& lens) {
+  if (!description.has_size()) {
+    require_central(description, size);
+    lens.width = size.width, lens.height = size.height;
+    return ", the size of the images";
+  }
+  const cv::Size stated(lens.width, lens.height);
+  if (stated == size) return "";
+  if (!have_same_aspect(stated, size)) {
+    throw InputError(
+        fmt::format("{}: a camera of {} x {}, but the images have {} x {}; give the camera of these "
+                    "images with --camera FILE",
+                    description.source, stated.width, stated.height, size.width, size.height));
+  }
+  lens = resized(lens, size.width);
+  lens.height = size.height;
+  return fmt::format(", scaled from {} x {}", stated.width, stated.height);
+}
+
+std::string depth_unit_text(double depth_scale) {
+  constexpr double kMillimetres = 1000;
+  return depth_scale == kMillimetres ? "mm" : fmt::format("1/{} m", depth_scale);
+}
+
+/// Sets the unit of depth; returns what is to be said about it.
+std::string fit_unit(const CameraDescription& description, const RecordedSequence& sequence,
+                     std::optional<double> given, RgbdCamera& camera) {
+  if (is_metric(sequence.depth_encoding)) return "in m";
+  if (given) camera.depth_scale = *given;
+  if (given || description.has_depth_scale) return fmt::format("in {}", depth_unit_text(camera.depth_scale));
+  if (sequence.camera) {
+    camera.depth_scale = sequence.camera->depth_scale;
+    return fmt::format("in {}, as the dataset has it", depth_unit_text(camera.depth_scale));
+  }
+  const auto unit = guess_depth_unit(sequence);
+  if (!unit) {
+    throw InputError(fmt::format(
+        "{}: states no unit of depth, and the depth images do not tell it; add --depth-scale UNITS_PER_M",
+        description.source));
+  }
+  camera.depth_scale = unit->depth_scale;
+  return fmt::format("in {}, a guess by the median of {:.1f} m (else use --depth-scale UNITS_PER_M)",
+                     depth_unit_text(unit->depth_scale), unit->median_m);
+}
+
+/// Depth of another size but the same aspect is the same view at another resolution, as phones have it.
+std::string fit_depth_size(const RecordedSequence& sequence, RgbdCamera& camera) {
+  if (camera.depth || sequence.depth_encoding != DepthEncoding::kImage) return "";
+  const cv::Size color(camera.color.width, camera.color.height);
+  cv::Size depth = color;
+  try {
+    depth = image_size(sequence.frames, &RecordedFrame::depth);
+  } catch (const InputError&) {
+    return "";  // said when the images are read
+  }
+  if (depth == color || !have_same_aspect(depth, color)) return "";
+  camera.depth = resized(camera.color, depth.width);
+  camera.depth->height = depth.height;
+  return fmt::format(" of {} x {}, taken as of the same view,", depth.width, depth.height);
+}
+
+}  // namespace
+
+RgbdCamera fit_to_images(const CameraDescription& description, const RecordedSequence& sequence,
+                         std::optional<double> depth_scale) {
+  RgbdCamera camera = description.camera;
+  std::string size_note;
+  if (sequence.video.empty()) {
+    size_note = fit_size(description, image_size(sequence.frames, &RecordedFrame::color), camera.color);
+  } else if (!description.has_size()) {
+    return camera_without_images(description);
+  }
+  const std::string unit_note = fit_unit(description, sequence, depth_scale, camera);
+  const std::string depth_note = fit_depth_size(sequence, camera);
+  if (!description.has_fps) camera.fps = median_rate_hz(sequence.frames, camera.fps);
+  const PinholeCamera& lens = camera.color;
+  log::info("camera of {} ({}): {} x {}{}, fx {:.1f}, fy {:.1f}, cx {:.1f}, cy {:.1f}{}; depth{} {}",
+            description.source, description.format, lens.width, lens.height, size_note, lens.fx, lens.fy,
+            lens.cx, lens.cy, lens.has_distortion() ? ", distortion" : "", depth_note, unit_note);
+  return camera;
+}
+
+RgbdCamera camera_without_images(const CameraDescription& description) {
+  if (description.has_size()) return description.camera;
+  throw InputError(fmt::format("{}: states no image size, which this source needs; write a camera.yaml",
+                               description.source));
+}
+
+}  // namespace kinloop

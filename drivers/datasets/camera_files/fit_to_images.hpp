@@ -1,0 +1,23 @@
+#pragma once
+// In: what a camera file states, and images. Out: their camera. What is not stated is taken from the images,
+// and said.
+
+#include <optional>
+
+#include "drivers/datasets/camera_files/camera_description.hpp"
+#include "drivers/datasets/recorded_sequence.hpp"
+
+namespace kinloop {
+
+/// Returns the camera of the images of a sequence, and says in an info line where it is from. A size that is
+/// not stated is that of the images; intrinsics of another size with the same aspect are scaled. A unit of
+/// depth that is not stated is guessed. `depth_scale` replaces any. Throws InputError naming the source if it
+/// cannot be the camera of these images, or the unit of depth cannot be told.
+RgbdCamera fit_to_images(const CameraDescription& description, const RecordedSequence& sequence,
+                         std::optional<double> depth_scale = {});
+
+/// Returns the camera of a source that states the unit of its depth, such as a bag. Throws InputError if the
+/// size of the images is not stated.
+RgbdCamera camera_without_images(const CameraDescription& description);
+
+}  // namespace kinloop

@@ -1,0 +1,82 @@
+// One folder with colour and depth images side by side, told apart by their names: 0001_color.png and
+// 0001_depth.png, or color_0001.png and depth_0001.png. The camera is to be given, or lies in the folder.
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "drivers/datasets/layouts/layouts.hpp"
+#include "drivers/datasets/reading/frame_masks.hpp"
+#include "drivers/datasets/reading/image_pairs.hpp"
+
+namespace kinloop {
+namespace {
+
+/// What the names of colour and depth images begin or end with.
+struct FlatNames {
+  const char* color;
+  const char* depth;
+  bool at_the_end;
+
+  [[nodiscard]] bool is(const std::filesystem::path& image, const char* word) const {
+    const std::string stem = image.stem().string();
+    if (stem.find_first_of("0123456789") == std::string::npos) return false;  // one picture, not a sequence
+    return at_the_end ? stem.ends_with(word) : stem.starts_with(word);
+  }
+};
+
+constexpr std::array kFlatNames = {
+    FlatNames{"_color", "_depth", true}, FlatNames{"_rgb", "_depth", true},
+    FlatNames{"-color", "-depth", true}, FlatNames{"-rgb", "-depth", true},
+    FlatNames{"color", "depth", false},  FlatNames{"rgb", "depth", false},
+};
+
+struct FlatImages {
+  std::vector<std::filesystem::path> color, depth;
+};
+
+FlatImages flat_images(const std::vector<std::filesystem::path>& images, const FlatNames& names) {
+  FlatImages found;
+  for (const auto& image : images) {
+    if (names.is(image, names.color)) found.color.push_back(image);
+    if (names.is(image, names.depth)) found.depth.push_back(image);
+  }
+  return found;
+}
+
+std::string flat_evidence(const std::filesystem::path&, const FolderContents& contents) {
+  if (contents.has_file("rgb.txt") || contents.has_file("depth.txt")) return {};  // TUM, incomplete
+  std::vector<std::filesystem::path> images;
+  for (const std::string& file : contents.files()) {
+    if (is_image_name(file)) images.emplace_back(file);
+  }
+  for (const FlatNames& names : kFlatNames) {
+    const FlatImages found = flat_images(images, names);
+    if (!found.color.empty() && !found.depth.empty())
+      return fmt::format("{}, {}", found.color.front().string(), found.depth.front().string());
+  }
+  return {};
+}
+
+RecordedSequence read_flat(const std::filesystem::path& folder) {
+  RecordedSequence sequence;
+  sequence.layout = "folder of colour and depth images";
+  const auto images = images_in(folder);
+  for (const FlatNames& names : kFlatNames) {
+    const FlatImages found = flat_images(images, names);
+    if (found.color.empty() || found.depth.empty()) continue;
+    pair_images(found.color, found.depth, stated_fps(folder), sequence);
+    break;
+  }
+  find_masks(folder, sequence);
+  return sequence;
+}
+
+}  // namespace
+
+SequenceLayout flat_layout() {
+  return {"images side by side", "0001_color.png and 0001_depth.png, or color_0001.png and depth_0001.png",
+          flat_evidence, read_flat};
+}
+
+}  // namespace kinloop
