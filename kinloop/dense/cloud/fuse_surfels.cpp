@@ -119,7 +119,8 @@ class Fusion {
       count_contradictions(points, views, camera_, options_, threads_);
       std::erase_if(points, [this](const SurfacePoint& point) {
         const bool carved = point.contradictions > point.views;
-        if (carved) cells_.add_carved(point.p_world);
+        // What too few views saw may be noise in front of a wall: that tells nothing of what moved.
+        if (carved && point.seen_through) cells_.add_carved(point.p_world);
         return carved;
       });
       views.clear();

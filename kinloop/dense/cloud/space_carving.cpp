@@ -171,6 +171,7 @@ void count_contradictions_of(const std::vector<uint16_t>& corners, const DenseCa
     const bool in_sight = unknown | (behind >= -margin);
     const bool free = !unknown & (behind > margin) & options.carve;
     SurfacePoint& point = points[i];
+    point.seen_through = point.seen_through || free;
     point.contradictions += static_cast<int>(point.views < options.min_observations ? in_sight : free);
   }
 }

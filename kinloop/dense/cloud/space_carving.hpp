@@ -16,10 +16,10 @@ struct MeasuredFreeSpace {
   std::vector<uint16_t> nearest;        ///< see ImageSurfels
 };
 
-/// Adds to each point the number of views that contradict it. For a point that `options.min_observations`
-/// images observed, these are the views that measured free space at its place (none if `options.carve` is
-/// off); for other points, all views with its place in sight: unoccluded, whether depth is known or not.
-/// The points of a block must be adjacent.
+/// Adds to each point the number of views that contradict it, and tells which were seen through. For a point
+/// that `options.min_observations` images observed, these are the views that measured free space at its place
+/// (none if `options.carve` is off); for other points, all views with its place in sight: unoccluded, whether
+/// depth is known or not. The points of a block must be adjacent.
 void count_contradictions(std::span<SurfacePoint> points, std::span<const MeasuredFreeSpace> views,
                           const DenseCamera& camera, const DenseOptions& options, int threads);
 

@@ -46,10 +46,11 @@ struct SurfacePoint {
   Eigen::Vector3f p_world = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the cameras
   Rgb color{};
-  int views = 0;           ///< images that observed it
-  int contradictions = 0;  ///< images that contradict it, see count_contradictions
-  float weight = 0;        ///< weight of its source voxel, 1/m^2
-  VoxelKey origin = 0;     ///< source voxel
+  int views = 0;              ///< images that observed it
+  int contradictions = 0;     ///< images that contradict it, see count_contradictions
+  bool seen_through = false;  ///< a view measured free space at its place
+  float weight = 0;           ///< weight of its source voxel, 1/m^2
+  VoxelKey origin = 0;        ///< source voxel
 };
 
 /// Returns the surface points in `slab`, one per voxel, in an order that depends on the voxels alone; those

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <opencv2/core.hpp>
 
@@ -20,11 +21,13 @@ double mean_change(const cv::Mat& before, const cv::Mat& now) {
 
 void DepthContinuity::observe(const Frame& frame, const std::optional<Velocity>& velocity) {
   if (!frame.surfaces || frame.octaves.empty()) return;
-  if (surfaces_) {
-    if (is_repeat(frame)) return;
-    compare(frame, velocity);
-  } else {
+  const int64_t latest_ns = std::exchange(latest_ns_, frame.stamp_ns);
+  if (!surfaces_) {
     new_depth_ns_ = frame.stamp_ns;
+  } else if (is_repeat(frame)) {
+    return;
+  } else {
+    compare(frame, velocity, frame.stamp_ns - latest_ns);
   }
   surfaces_ = frame.surfaces;
   image_ = frame.octaves.back();
@@ -37,8 +40,9 @@ bool DepthContinuity::is_repeat(const Frame& frame) const {
          surfaces_->inverse_depths_per_m == frame.surfaces->inverse_depths_per_m;
 }
 
-/// Compares the frame with the previous one.
-void DepthContinuity::compare(const Frame& frame, const std::optional<Velocity>& velocity) {
+/// Compares the frame with the previous one that was no repeat; `interval_ns` is the time since the latest.
+void DepthContinuity::compare(const Frame& frame, const std::optional<Velocity>& velocity,
+                              int64_t interval_ns) {
   const bool is_new =
       has_depth(*frame.surfaces) && surfaces_->inverse_depths_per_m != frame.surfaces->inverse_depths_per_m;
   if (is_new && velocity && age_ns_ == 0) {
@@ -50,7 +54,7 @@ void DepthContinuity::compare(const Frame& frame, const std::optional<Velocity>&
     age_ns_ = 0;
     new_depth_ns_ = frame.stamp_ns;
   } else {
-    age_ns_ += frame.stamp_ns - stamp_ns_;
+    age_ns_ += interval_ns;
   }
 }
 

@@ -35,12 +35,13 @@ class DepthContinuity {
 
  private:
   [[nodiscard]] bool is_repeat(const Frame& frame) const;
-  void compare(const Frame& frame, const std::optional<Velocity>& velocity);
+  void compare(const Frame& frame, const std::optional<Velocity>& velocity, int64_t interval_ns);
   [[nodiscard]] std::optional<double> scale_step(const Frame& frame, const Velocity& velocity) const;
 
   std::shared_ptr<const SurfaceGrid> surfaces_;  // of the previous frame that was no repeat, as measured
   cv::Mat image_;                                // likewise, the smallest octave
   int64_t stamp_ns_ = 0;                         // likewise
+  int64_t latest_ns_ = 0;                        // of the previous frame, also of a repeat
   int64_t new_depth_ns_ = 0;                     // stamp of the latest frame with new depth
   int64_t age_ns_ = 0;                           // since then, without the time of repeated images
   double factor_ = 1;
