@@ -32,7 +32,7 @@ ListenOptions listen_options(const ros::NodeHandle& node) {
   ListenOptions options;
   const std::string topics = text_parameter(node, "topics"), camera = text_parameter(node, "camera");
   if (!topics.empty()) options.topics = parse_topics(topics);
-  if (!camera.empty()) options.camera = choose_camera({}, camera);
+  if (!camera.empty()) options.camera = given_camera(camera);
   options.keep_all = node.param("keep_all", false);
   options.idle_s = node.param("idle_s", 0.0);
   return options;

@@ -112,9 +112,8 @@ bool is_recording(const std::string& sequence) {
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   const std::string& sequence = request.sequence;
   if (is_simulation(sequence)) return open_simulation(request);
-  const bool is_folder =
-      live_camera(sequence) == nullptr && !is_stream(sequence) && recording_format(sequence) == nullptr;
-  if (is_folder) return open_sequence(sequence, request.camera, request.depth_scale);
+  if (!is_camera_or_stream(sequence) && !is_recording(sequence))
+    return open_sequence(sequence, request.camera, request.depth_scale);
   if (request.depth_scale)
     throw UsageError(
         fmt::format("--depth-scale is for folders of images; {} states the unit of its depth", sequence));

@@ -1,11 +1,9 @@
 #include "viewer/saved_run.hpp"
 
-#include <algorithm>
-#include <cctype>
-
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/text/lower_case.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
@@ -122,8 +120,7 @@ SavedRun of_points(PointFile file, const fs::path& path) {
 }
 
 SavedRun read_single_file(const fs::path& path) {
-  std::string form = path.extension().string();
-  std::transform(form.begin(), form.end(), form.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string form = lower_case(path.extension().string());
   if (form == ".ply") return of_points(read_any_ply(path), path);
   if (form == ".pcd") return of_points(read_any_pcd(path), path);
   if (form == ".glb") {

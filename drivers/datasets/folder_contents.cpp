@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <initializer_list>
 
 #include <fmt/format.h>
+
+#include "kinloop/core/text/lower_case.hpp"
 
 namespace kinloop {
 namespace {
@@ -98,10 +99,7 @@ std::string depth_folder(const FolderContents& contents) {
 
 bool is_image_name(const fs::path& file) {
   constexpr std::array<std::string_view, 5> kEndings = {".png", ".jpg", ".jpeg", ".pgm", ".npy"};
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+  return std::find(kEndings.begin(), kEndings.end(), lower_case(file.extension().string())) != kEndings.end();
 }
 
 std::string folder_name(const fs::path& folder) {

@@ -1,6 +1,7 @@
 #include "kinloop/tracking/keypoint_tracking.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/tracking/evidence/confirmed_first.hpp"
@@ -67,8 +68,8 @@ void set_solution(TrackedFrame& tracked, const AbsolutePoseSolution& solution,
 /// Refines the pose on landmarks of the local map and, if these are few, also on unmapped points of the
 /// previous frame.
 TrackedFrame refine(const TrackingInput& in, const FramePose& guess, double window_px) {
-  const auto matched = match_landmarks(in, guess.T_reference_camera, window_px);
-  std::vector<PoseObservation> observations = matched.observations;
+  auto matched = match_landmarks(in, guess.T_reference_camera, window_px);
+  std::vector<PoseObservation> observations = std::move(matched.observations);
   std::vector<bool> taken(in.frame.features->size(), false), confirmed;
   for (size_t i = 0; i < matched.features.size(); ++i) {
     taken[matched.features[i]] = true;

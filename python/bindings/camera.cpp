@@ -84,7 +84,7 @@ RgbdCamera camera_argument(const py::object& argument, const char* name) {
   if (!py::isinstance<py::str>(argument) && !py::hasattr(argument, "__fspath__"))
     throw UsageError(
         fmt::format("{}: expected a Camera, the name of a preset or the path of a camera.yaml", name));
-  return choose_camera({}, argument.cast<std::filesystem::path>().string());
+  return given_camera(argument.cast<std::filesystem::path>().string());
 }
 
 void bind_camera(py::module_& module) {
@@ -97,7 +97,7 @@ T_color_depth={translation, rotation_vector}. Raises InputError, which names the
       .def_static("from_yaml", &read_camera_file, py::arg("path"),
                   "Reads camera.yaml. Raises InputError naming file, line, key and remedy.")
       .def_static(
-          "preset", [](const std::string& name) { return choose_camera({}, name); }, py::arg("name"),
+          "preset", [](const std::string& name) { return given_camera(name); }, py::arg("name"),
           "Returns a published calibration: freiburg1, freiburg2, freiburg3 (TUM RGB-D) or icl (ICL-NUIM).")
       .def(
           "save", [](const RgbdCamera& c, const std::filesystem::path& path) { write_camera_file(path, c); },

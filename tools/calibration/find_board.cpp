@@ -11,6 +11,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/quantile.hpp"
+#include "kinloop/core/text/lower_case.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 #include "tools/calibration/board_size.hpp"
@@ -106,9 +107,7 @@ DetectedCorners corners_in(const cv::Mat& gray, const cv::Mat& light, const Boar
 }
 
 bool is_image(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = lower_case(path.extension().string());
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <optional>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/text/lower_case.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/surf.hpp"
@@ -24,8 +24,7 @@ namespace fs = std::filesystem;
 
 bool is_image_name(const fs::path& path) {
   static constexpr std::array kExtensions = {".png", ".jpg", ".jpeg"};
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = lower_case(path.extension().string());
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
 

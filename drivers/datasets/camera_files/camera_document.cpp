@@ -1,7 +1,6 @@
 #include "drivers/datasets/camera_files/camera_document.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -13,17 +12,12 @@
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/text/json.hpp"
+#include "kinloop/core/text/lower_case.hpp"
 
 namespace kinloop {
 namespace {
 
 using nlohmann::json;
-
-std::string in_small_letters(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::optional<double> parse_scalar(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -104,7 +98,7 @@ CameraDocument CameraDocument::read(const std::filesystem::path& file) {
   document.file_ = file;
   document.text_ = camera_text(file);
   const std::string& text = document.text_;
-  const std::string ending = in_small_letters(file.extension().string());
+  const std::string ending = lower_case(file.extension().string());
   if (ending == ".json") {
     document.values_ = read_json(file);
   } else if (const size_t first = text.find_first_not_of(" \t\r\n"); first != std::string::npos) {
@@ -203,7 +197,7 @@ std::vector<double> CameraValues::numbers(std::initializer_list<std::string_view
 
 std::string CameraValues::word(std::initializer_list<std::string_view> keys) const {
   const json* value = find(keys);
-  return value != nullptr && value->is_string() ? in_small_letters(value->get<std::string>()) : std::string();
+  return value != nullptr && value->is_string() ? lower_case(value->get<std::string>()) : std::string();
 }
 
 }  // namespace kinloop

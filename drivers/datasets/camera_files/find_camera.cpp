@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "drivers/datasets/folder_contents.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
+#include "kinloop/core/text/lower_case.hpp"
 
 namespace kinloop {
 namespace {
@@ -31,10 +31,7 @@ bool contains_one_of(const std::string& text, std::initializer_list<const char*>
 }
 
 CameraName judge_name(const fs::path& name, bool is_above) {
-  std::string stem = name.stem().string(), ending = name.extension().string();
-  for (std::string* text : {&stem, &ending})
-    std::transform(text->begin(), text->end(), text->begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string stem = lower_case(name.stem().string()), ending = lower_case(name.extension().string());
   const bool values = ending == ".json" || ending == ".yaml" || ending == ".yml";
   if (stem.starts_with('.') || (!values && ending != ".txt")) return CameraName::kNone;
   if (contains_one_of(stem, {"extrinsic", "pose", "traj", "time", "associat", "groundtruth"}))
@@ -48,10 +45,7 @@ CameraName judge_name(const fs::path& name, bool is_above) {
 }
 
 bool is_name_of_depth(const std::string& file) {
-  std::string name = fs::path(file).filename().string();
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return contains_one_of(name, {"depth", "infra", "_ir", "ir_"});
+  return contains_one_of(lower_case(fs::path(file).filename().string()), {"depth", "infra", "_ir", "ir_"});
 }
 
 std::optional<CameraDescription> try_camera(const fs::path& file, CameraName name) {

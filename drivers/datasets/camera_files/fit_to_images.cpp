@@ -22,6 +22,13 @@ bool have_same_aspect(cv::Size a, cv::Size b) {
   return std::abs(first - second) <= kTolerance * first;
 }
 
+/// The lens for images of another size and nearly the same aspect.
+PinholeCamera lens_of_size(const PinholeCamera& lens, cv::Size size) {
+  PinholeCamera scaled = resized(lens, size.width);
+  scaled.height = size.height;
+  return scaled;
+}
+
 /// A file without a size: the principal point is near the middle of the images, or it is of others.
 void require_central(const CameraDescription& description, cv::Size size) {
   constexpr double kFarthest = 0.25, kWidest = 0.2, kLongest = 10;
@@ -52,8 +59,7 @@ std::string fit_size(const CameraDescription& description, cv::Size size, Pinhol
                     "images with --camera FILE",
                     description.source, stated.width, stated.height, size.width, size.height));
   }
-  lens = resized(lens, size.width);
-  lens.height = size.height;
+  lens = lens_of_size(lens, size);
   return fmt::format(", scaled from {} x {}", stated.width, stated.height);
 }
 
@@ -94,8 +100,7 @@ std::string fit_depth_size(const RecordedSequence& sequence, RgbdCamera& camera)
     return "";  // said when the images are read
   }
   if (depth == color || !have_same_aspect(depth, color)) return "";
-  camera.depth = resized(camera.color, depth.width);
-  camera.depth->height = depth.height;
+  camera.depth = lens_of_size(camera.color, depth);
   return fmt::format(" of {} x {}, taken as of the same view,", depth.width, depth.height);
 }
 

@@ -126,14 +126,21 @@ constexpr std::array kColmapModels = {
 
 constexpr size_t kColmapModelField = 1;
 
+/// Null for a model that kinloop does not have.
+const ColmapModel* find_colmap_model(const std::string& name) {
+  const auto* model = std::find_if(kColmapModels.begin(), kColmapModels.end(),
+                                   [&](const ColmapModel& m) { return name == m.name; });
+  return model == kColmapModels.end() ? nullptr : model;
+}
+
 bool is_colmap_line(const TextLine& line) {
-  static constexpr std::array<std::string_view, 13> kNames = {
-      "SIMPLE_PINHOLE", "PINHOLE",     "SIMPLE_RADIAL",      "RADIAL",
-      "OPENCV",         "FULL_OPENCV", "OPENCV_FISHEYE",     "SIMPLE_RADIAL_FISHEYE",
-      "RADIAL_FISHEYE", "FOV",         "THIN_PRISM_FISHEYE", "RAD_TAN_THIN_PRISM_FISHEYE",
-      "SIMPLE_FISHEYE"};
-  return line.fields.size() > kColmapModelField &&
-         std::find(kNames.begin(), kNames.end(), line.fields[kColmapModelField]) != kNames.end();
+  static constexpr std::array<std::string_view, 6> kOthers = {
+      "SIMPLE_RADIAL_FISHEYE",     "RADIAL_FISHEYE", "FOV", "THIN_PRISM_FISHEYE", "SIMPLE_FISHEYE",
+      "RAD_TAN_THIN_PRISM_FISHEYE"};  // which kinloop does not have
+  if (line.fields.size() <= kColmapModelField) return false;
+  const std::string& name = line.fields[kColmapModelField];
+  return find_colmap_model(name) != nullptr ||
+         std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end();
 }
 
 /// The centre of COLMAP's top left pixel is (0.5, 0.5).
@@ -141,9 +148,8 @@ CameraDescription read_colmap_line(const CameraDocument& document, const TextLin
   constexpr size_t kParameters = 4;
   constexpr double kPixelCentre = 0.5;
   const std::string& name = line.fields[kColmapModelField];
-  const auto* model = std::find_if(kColmapModels.begin(), kColmapModels.end(),
-                                   [&](const ColmapModel& m) { return name == m.name; });
-  if (model == kColmapModels.end())
+  const ColmapModel* model = find_colmap_model(name);
+  if (model == nullptr)
     throw_parse_error(
         document.file(), line.number,
         fmt::format("the camera model {}, which kinloop does not have; undistort the images in COLMAP",

@@ -2,7 +2,6 @@
 // Kinect and what people write by hand; and transforms.json of Nerfstudio and instant-ngp.
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <functional>
 
@@ -10,6 +9,7 @@
 
 #include "drivers/datasets/camera_files/camera_formats.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/text/lower_case.hpp"
 
 namespace kinloop {
 namespace {
@@ -76,8 +76,7 @@ void read_stated_distortion(const CameraValues& values, CameraDescription& descr
 }
 
 bool is_of_depth(const std::string& name) {
-  std::string small = name;
-  for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string small = lower_case(name);
   return small.find("depth") != std::string::npos || small.find("infra") != std::string::npos ||
          small.starts_with("ir");
 }

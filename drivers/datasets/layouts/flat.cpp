@@ -35,13 +35,17 @@ struct FlatImages {
   std::vector<std::filesystem::path> color, depth;
 };
 
-FlatImages flat_images(const std::vector<std::filesystem::path>& images, const FlatNames& names) {
-  FlatImages found;
-  for (const auto& image : images) {
-    if (names.is(image, names.color)) found.color.push_back(image);
-    if (names.is(image, names.depth)) found.depth.push_back(image);
+/// By the first of the names that both kinds of images have; none if there is no such name.
+FlatImages flat_images(const std::vector<std::filesystem::path>& images) {
+  for (const FlatNames& names : kFlatNames) {
+    FlatImages found;
+    for (const auto& image : images) {
+      if (names.is(image, names.color)) found.color.push_back(image);
+      if (names.is(image, names.depth)) found.depth.push_back(image);
+    }
+    if (!found.color.empty() && !found.depth.empty()) return found;
   }
-  return found;
+  return {};
 }
 
 std::string flat_evidence(const std::filesystem::path&, const FolderContents& contents) {
@@ -50,24 +54,16 @@ std::string flat_evidence(const std::filesystem::path&, const FolderContents& co
   for (const std::string& file : contents.files()) {
     if (is_image_name(file)) images.emplace_back(file);
   }
-  for (const FlatNames& names : kFlatNames) {
-    const FlatImages found = flat_images(images, names);
-    if (!found.color.empty() && !found.depth.empty())
-      return fmt::format("{}, {}", found.color.front().string(), found.depth.front().string());
-  }
-  return {};
+  const FlatImages found = flat_images(images);
+  if (found.color.empty()) return {};
+  return fmt::format("{}, {}", found.color.front().string(), found.depth.front().string());
 }
 
 RecordedSequence read_flat(const std::filesystem::path& folder) {
   RecordedSequence sequence;
   sequence.layout = "folder of colour and depth images";
-  const auto images = images_in(folder);
-  for (const FlatNames& names : kFlatNames) {
-    const FlatImages found = flat_images(images, names);
-    if (found.color.empty() || found.depth.empty()) continue;
-    pair_images(found.color, found.depth, stated_fps(folder), sequence);
-    break;
-  }
+  const FlatImages found = flat_images(images_in(folder));
+  if (!found.color.empty()) pair_images(found.color, found.depth, stated_fps(folder), sequence);
   find_masks(folder, sequence);
   return sequence;
 }

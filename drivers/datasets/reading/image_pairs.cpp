@@ -220,8 +220,7 @@ void pair_images(const std::vector<fs::path>& color, const std::vector<fs::path>
     const auto& some = color.empty() ? depth : color;
     throw InputError(fmt::format(
         "{}: {} colour images and {} depth images{}, but neither their names nor their number tell which "
-        "belong "
-        "together; write associations.txt",
+        "belong together; write associations.txt",
         some.empty() ? "images" : some.front().parent_path().string(), color.size(), depth.size(),
         color.empty() || depth.empty() || color.front().parent_path() == depth.front().parent_path()
             ? ""
