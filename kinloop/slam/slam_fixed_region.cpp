@@ -37,7 +37,8 @@ void remove_marked(Map& map, KeyframeId id, const cv::Mat& marked) {
 
 Frame Slam::without_fixed_region(const Frame& frame) {
   const ScopedTimer timer(timings_, "camera-fixed region");
-  if (fixed_region_.observe(frame)) withdraw_fixed_region();
+  // Depth that is missing or repeated says nothing of what moves.
+  if (depth_.age_s() == 0 && fixed_region_.observe(frame)) withdraw_fixed_region();
   if (fixed_region_.points().empty()) return frame;
   return front_end_.mask(frame, camera_mask());
 }
