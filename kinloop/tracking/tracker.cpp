@@ -50,9 +50,37 @@ bool is_few(const TrackedFrame& tracked) {
 TrackedFrame Tracker::track(const Frame& measured, const TrackingContext& context) const {
   if (repeats_previous_image(measured)) return repeat_previous(measured);
   const Frame frame = without_moved(measured);
-  const auto tracked = track_by_patches(frame, context.sensor);
-  return tracked ? with_motion(*tracked, *tracked->frame, context.sensor)
-                 : track_by_keypoints(frame, context);
+  auto tracked = track_by_patches(frame, context.sensor);
+  tracked = tracked ? with_motion(*std::move(tracked), *tracked->frame, context.sensor)
+                    : track_by_keypoints(frame, context);
+  if (!is_in_long_doubt(*tracked)) return *std::move(tracked);
+  return find_elsewhere(*tracked, measured, context).value_or(*std::move(tracked));
+}
+
+/// Whether a pose has been in doubt for so long that the place should be recognized anew: the camera may
+/// follow what moves, and take what is at rest for moving. Not at every frame, since recognition is slow.
+bool Tracker::is_in_long_doubt(const TrackedFrame& tracked) const {
+  constexpr int64_t kMinDoubt_ns = kNsPerSecond / 2;
+  constexpr uint32_t kInterval = 5;
+  return tracked.is_located() && tracked.doubtful && doubtful_since_ns_ &&
+         tracked.stamp_ns - *doubtful_since_ns_ > kMinDoubt_ns && tracked.id.value % kInterval == 0;
+}
+
+/// Returns the frame where it is recognized beyond doubt, if that is not where it was tracked.
+std::optional<TrackedFrame> Tracker::find_elsewhere(const TrackedFrame& tracked, Frame measured,
+                                                    const TrackingContext& context) const {
+  constexpr double kMaxDistance_m = 0.1, kMaxAngle_rad = 0.1;
+  const ScopedTimer timer(timings_, "relocalization");
+  if (!measured.features) measured.features = front_end_.features(measured);
+  auto found = context.relocalize(deskewed(measured, context.sensor, tracked.velocity));
+  if (!found || !is_confident(*found, *measured.features)) return std::nullopt;
+  const Map& map = context.map;
+  const SE3 T_found_tracked = world_pose(*found, map).inverse() * world_pose(tracked, map);
+  if (is_tracked_in(map.keyframe(found->reference).component, tracked, map) &&
+      T_found_tracked.translation.norm() < kMaxDistance_m &&
+      T_found_tracked.log().tail<3>().norm() < kMaxAngle_rad)
+    return std::nullopt;
+  return with_motion(*std::move(found), std::move(measured), context.sensor);
 }
 
 /// Leaves out the keypoints and the depth of what moved in the previous frame, but not its surfaces, which
@@ -163,8 +191,8 @@ bool Tracker::may_be_elsewhere(const Frame& frame) const {
   constexpr int64_t kMaxHidden_ns = 5 * kNsPerSecond;
   const int max_lost = options_.lost_frames_before_new_component;
   if (max_lost <= 0 || lost_frames_ < max_lost) return false;
-  const bool hidden = previous_ && !previous_->moved.empty();
-  return !hidden || frame.stamp_ns - previous_->stamp_ns > kMaxHidden_ns;
+  const bool hidden = doubtful_since_ns_ || (previous_ && !previous_->moved.empty());
+  return !hidden || frame.stamp_ns - lost_since_ns_ > kMaxHidden_ns;
 }
 
 /// Whether the motion since the previous frame can be predicted.
@@ -310,6 +338,7 @@ void Tracker::reset() {
   motion_.reset();
   lost_frames_ = 0;
   hypothesis_since_ns_.reset();
+  doubtful_since_ns_.reset();
 }
 
 void Tracker::express_previous_in(KeyframeId reference, const Map& map) {
@@ -334,8 +363,13 @@ void Tracker::remember(const TrackedFrame& latest) {
     hypothesis_since_ns_ = latest.stamp_ns;
   }
   if (latest.is_lost()) {
-    ++lost_frames_;
+    if (lost_frames_++ == 0) lost_since_ns_ = latest.stamp_ns;
   } else {
+    if (!latest.doubtful) {
+      doubtful_since_ns_.reset();
+    } else if (!doubtful_since_ns_) {
+      doubtful_since_ns_ = latest.stamp_ns;
+    }
     lost_frames_ = 0;
     previous_ = latest;
   }

@@ -66,6 +66,9 @@ class Tracker {
   [[nodiscard]] KeyframeId reference() const { return local_map_.reference; }
 
  private:
+  [[nodiscard]] bool is_in_long_doubt(const TrackedFrame& tracked) const;
+  [[nodiscard]] std::optional<TrackedFrame> find_elsewhere(const TrackedFrame& tracked, Frame measured,
+                                                           const TrackingContext& context) const;
   [[nodiscard]] Frame without_moved(const Frame& frame) const;
   void find_moved(TrackedFrame& tracked, const Frame& frame) const;
   [[nodiscard]] bool repeats_previous_image(const Frame& frame) const;
@@ -96,9 +99,11 @@ class Tracker {
   std::optional<TrackedFrame> previous_;  // the last frame with a pose; none before the first
   LocalMap local_map_;
   MotionModel motion_;
-  int lost_frames_ = 0;  // since `previous_`
+  int lost_frames_ = 0;        // in a row
+  int64_t lost_since_ns_ = 0;  // if there are any
   /// Since when the camera is thought to be where it was relocalized, on weak evidence.
   std::optional<int64_t> hypothesis_since_ns_;
+  std::optional<int64_t> doubtful_since_ns_;  // are the poses, but for lost frames
 };
 
 }  // namespace kinloop

@@ -99,6 +99,13 @@ TEST_F(MovingThings, ABlockThatCrossesTheViewDoesNotTakeThePoseWithIt) {
   EXPECT_GT(most_moved_, 0.2);
 }
 
+TEST_F(MovingThings, ABlockThatHidesTheViewDoesNotBecomeTheMap) {
+  for (int i = 40; i < 80; ++i)
+    paint(static_cast<size_t>(i), {std::abs(i - 60) * 14 - 20, 0, kWidth, 200}, 0.7F);  // up to 80 %
+  EXPECT_LT(max_error_m(), kMaxError_m);
+  EXPECT_GT(trusted_, room_.frames.size() - 40);
+}
+
 TEST_F(MovingThings, TheUsersMaskIsUsedFromTheFirstFrameOn) {
   cv::Mat mask(kHeight, kWidth, CV_8UC1, cv::Scalar(255));
   mask(cv::Rect(0, 170, kWidth, 70)) = 0;

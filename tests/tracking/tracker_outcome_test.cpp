@@ -204,6 +204,39 @@ TEST_F(TrackerOutcome, UnknownPlaceIsLostThenStartsANewMap) {
   EXPECT_EQ(show(elsewhere()).outcome, TrackingOutcome::kNewMap);
 }
 
+TEST_F(TrackerOutcome, AfterADoubtfulPoseACameraThatSeesNothingIsHiddenNotElsewhere) {
+  build_map();
+  TrackedFrame latest = show(pose(1.5));
+  latest.doubtful = true;
+  tracker_.update(latest, built_.map);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(show(elsewhere()).outcome, TrackingOutcome::kLost);
+  id_ += 150;  // more than 5 s later
+  EXPECT_EQ(show(elsewhere()).outcome, TrackingOutcome::kNewMap);
+}
+
+TEST_F(TrackerOutcome, AfterLongDoubtThePlaceIsRecognizedAnew) {
+  build_map();
+  const auto few = [this] {
+    return with_fewer_features(test::observe(world_, pose(1.5), {}, 100 + id_), 14);
+  };
+  show(pose(1.5));
+  relocalize_ = [](const Frame& frame) {
+    TrackedFrame found = unlocated(frame);
+    found.outcome = TrackingOutcome::kRelocalized;
+    found.reference = KeyframeId{0};
+    found.T_reference_camera.translation = {2, 0, 0};
+    found.evidence.inliers = 500;
+    return std::optional(found);
+  };
+  TrackedFrame latest = show(few());
+  ASSERT_TRUE(latest.is_located());
+  ASSERT_TRUE(latest.doubtful);
+  EXPECT_EQ(latest.outcome, TrackingOutcome::kTracked);
+  for (int i = 0; i < 25 && latest.outcome == TrackingOutcome::kTracked; ++i) latest = show(few());
+  EXPECT_EQ(latest.outcome, TrackingOutcome::kRelocalized);
+  EXPECT_FALSE(latest.doubtful);
+}
+
 TEST_F(TrackerOutcome, ReturningCameraIsRelocalized) {
   build_map();
   show(pose(1.5));
