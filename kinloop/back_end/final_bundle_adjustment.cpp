@@ -6,10 +6,10 @@
 namespace kinloop {
 namespace {
 
-// Errors of neighbouring keypoints and keyframes are correlated (blur, slope of depth, delay): this many
-// observations tell as much as one whose error is independent. Learned on simulated sequences with seeds 100
-// to 106 (docs/measurements.md#consistency-of-the-covariances).
-constexpr double kObservationsPerIndependent = 4;
+// Errors of neighbouring keyframes are correlated (slope of depth, delay, what is left of the sensor's
+// faults): the poses take up what they share, so the residuals do not show it. Learned on simulated sequences
+// with seeds 100 to 109 (docs/measurements.md#consistency-of-the-covariances).
+constexpr double kKeyframesPerIndependent = 3;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const Sen
     auto adjusted = run_self_calibration(problem, bundle);
     map.apply(adjusted.update);
     for (Matrix6d& covariance : adjusted.pose_covariance)
-      covariance *= kObservationsPerIndependent * adjusted.residual_variance;
+      covariance *= kKeyframesPerIndependent * adjusted.residual_clustering * adjusted.residual_variance;
     result = {with_fixed_from(adjusted.sensor, result.sensor), std::move(adjusted.pose_covariance)};
     // A parameter that the first pass could not constrain stays fixed.
     for (int k = 0; k < kSensorParameterCount; ++k) {

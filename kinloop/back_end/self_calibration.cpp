@@ -55,7 +55,7 @@ SelfCalibrationResult run_self_calibration(const BundleAdjustmentProblem& proble
                                            const BundleOptions& options) {
   BundleSolution solution = solve_bundle(problem.bundle, options);
   return {make_map_update(problem, solution), estimate_of(problem.bundle, solution),
-          std::move(solution.pose_covariance), solution.residual_variance};
+          std::move(solution.pose_covariance), solution.residual_variance, solution.residual_clustering};
 }
 
 }  // namespace kinloop

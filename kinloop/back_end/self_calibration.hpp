@@ -70,6 +70,7 @@ struct SelfCalibrationResult {
   SensorEstimate sensor;
   std::vector<Matrix6d> pose_covariance;  ///< per pose of the problem, if requested in the options
   double residual_variance = 0;           ///< with them, see BundleSolution
+  double residual_clustering = 1;         ///< likewise
 };
 
 /// Solves the problem with the corrections free within its prior. After the first round, corrections that the

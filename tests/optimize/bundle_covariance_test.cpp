@@ -81,9 +81,9 @@ class DenseSystem {
 };
 
 /// A small world in which everything is well observed, with the sensor free.
-BundleWorld free_world() {
+BundleWorld free_world(int points = 60) {
   BundleWorldSettings settings{
-      .poses = 7, .points = 60, .sigma_px = 0.7, .sigma_inverse_depth = 2e-3, .depth_fraction = 1};
+      .poses = 7, .points = points, .sigma_px = 0.7, .sigma_inverse_depth = 2e-3, .depth_fraction = 1};
   settings.sensor(kRollingShutter) = 0.02;
   settings.sensor(kDepthDelay) = 0.01;
   BundleWorld world = make_bundle_world(settings);
@@ -168,6 +168,15 @@ TEST(BundleCovariance, ResidualVarianceIsThatOfTheNoise) {
   // The residuals of Huber's estimate are a little larger than those of least squares.
   EXPECT_NEAR(as_made, 1, 0.15);
   EXPECT_NEAR(half_assumed / as_made, 4, 0.2);
+}
+
+TEST(BundleCovariance, ResidualsThatShareAnErrorAreClustered) {
+  BundleWorld world = free_world(1000);
+  EXPECT_NEAR(solve_bundle(world.problem, with_covariances()).residual_clustering, 1, 0.2);
+  // Bends every second image the other way, which neither poses nor points do.
+  for (BundleObservation& o : world.problem.observations)
+    o.pixel.x() += (o.pose % 2 == 0) == (o.pixel.y() > 240) ? 1 : -1;
+  EXPECT_GT(solve_bundle(world.problem, with_covariances()).residual_clustering, 1.5);
 }
 
 TEST(BundleCovariance, UnobservedPosesHaveInfiniteCovariance) {

@@ -5,6 +5,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/optimize/bundle/bundle_model.hpp"
+#include "kinloop/optimize/bundle/bundle_residuals.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
 
 namespace kinloop {
@@ -63,15 +64,6 @@ void drop_unconstrained_points(BundleTask& task, const BundleState& state) {
   }
 }
 
-/// Returns 1 for each point with an observation in use.
-std::vector<uint8_t> used_points(const BundleTask& task) {
-  std::vector<uint8_t> used(task.problem.p_world.size(), 0);
-  for (size_t i = 0; i < task.uses.size(); ++i) {
-    if (task.uses[i] != BundleUse::kNothing) used[task.problem.observations[i].point] = 1;
-  }
-  return used;
-}
-
 /// Use of an observation given its residuals.
 BundleUse inlier_use(const NoiseModel& noise, const BundleBlock& block, const BlockResiduals& r,
                      size_t lane) {
@@ -99,24 +91,6 @@ std::vector<uint8_t> classify(BundleTask& task, const BundleState& state, std::v
   }
   drop_unconstrained_points(task, state);
   return outliers;
-}
-
-/// Returns BundleSolution::residual_variance.
-double residual_variance(const BundleTask& task, const BundleState& state) {
-  constexpr double kPoseDof = 6, kPointDof = 3;
-  const auto views = views_of(task, state);
-  const Sensor sensor = sensor_at(task, state);
-  ResidualSquares squares;
-  for (size_t pose = 0; pose < views.size(); ++pose) {
-    for (const BundleBlock& block : task.blocks_of_pose[pose]) {
-      const ObservationBlock measured = block_at(task, block, state);
-      squares.add(measured, block_residuals(measured, views[pose], sensor));
-    }
-  }
-  const auto points = used_points(task);
-  return squares.variance(kPoseDof *
-                              static_cast<double>(std::count(task.fixed.begin(), task.fixed.end(), 0)) +
-                          kPointDof * static_cast<double>(std::count(points.begin(), points.end(), 1)));
 }
 
 /// Returns the usable observations of each pose in the order of the problem.
@@ -186,7 +160,11 @@ BundleSolution solve_bundle(const BundleProblem& problem, const BundleOptions& o
     BundleCovariance covariance = bundle_covariance(task, state);
     if (wants_sensor) solution.sensor_covariance = covariance.sensor;
     solution.pose_covariance = std::move(covariance.poses);
-    if (options.pose_covariances) solution.residual_variance = residual_variance(task, state);
+    if (options.pose_covariances) {
+      const ResidualStatistics residuals = residual_statistics(task, state);
+      solution.residual_variance = residuals.variance;
+      solution.residual_clustering = residuals.clustering;
+    }
   }
   solution.point_used = used_points(task);
   solution.T_world_camera = std::move(state.T_world_camera);

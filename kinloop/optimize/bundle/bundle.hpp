@@ -82,6 +82,10 @@ struct BundleSolution {
   /// residuals, without robust weights, over residuals less unknowns. 0 if unknown or `pose_covariances` is
   /// not set.
   double residual_variance = 0;
+  /// How many residuals of a part of an image (a sixteenth of a square around it) tell as much as one whose
+  /// error is independent: the squares of their sums over the sum of their squares, at least 1 (the design
+  /// effect; Liang and Zeger 1986, "Longitudinal data analysis using generalized linear models").
+  double residual_clustering = 1;
   double chi2_before = 0;  ///< robust cost at the start, over the final inliers
   double chi2_after = 0;   ///< robust cost at the end
   int iterations = 0;

@@ -37,6 +37,14 @@ ObservationBlock block_at(const BundleTask& task, const BundleBlock& block, cons
   return placed;
 }
 
+std::vector<uint8_t> used_points(const BundleTask& task) {
+  std::vector<uint8_t> used(task.problem.p_world.size(), 0);
+  for (size_t i = 0; i < task.uses.size(); ++i) {
+    if (task.uses[i] != BundleUse::kNothing) used[task.problem.observations[i].point] = 1;
+  }
+  return used;
+}
+
 LinearizedObservation linearize_observation(const Sensor& sensor, const KeypointMeasurement& measured,
                                             BundleUse use, const BundleView& view,
                                             const Eigen::Vector3d& p_world) {

@@ -57,6 +57,9 @@ std::vector<BundleView> views_of(const BundleTask& task, const BundleState& stat
 /// Returns a block with the points of a state and the current use of each observation.
 ObservationBlock block_at(const BundleTask& task, const BundleBlock& block, const BundleState& state);
 
+/// Returns 1 for each point with an observation in use.
+std::vector<uint8_t> used_points(const BundleTask& task);
+
 /// Normalised residuals (du, dv, inverse depth) of one observation and their derivatives with respect to x of
 /// the pose T * exp(x), velocity, point and sensor corrections. Zero if the point is behind the camera; the
 /// depth row is zero if depth is not used.
