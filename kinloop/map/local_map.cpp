@@ -41,6 +41,14 @@ std::vector<LandmarkId> collect_landmarks(const Map& map, KeyframeId reference,
   return ids;
 }
 
+/// Whether a keyframe has measured the landmark's depth; otherwise it was triangulated.
+bool has_depth(const Map& map, const Landmark& landmark) {
+  return std::any_of(landmark.observations.begin(), landmark.observations.end(),
+                     [&](const Observation& seen) {
+                       return map.keyframe(seen.keyframe).features->depths_m[seen.feature] > 0;
+                     });
+}
+
 }  // namespace
 
 LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOptions& options) {
@@ -63,7 +71,10 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
     const Eigen::Vector3d towards_observer =
         T_reference_world * observer.T_world_camera.translation - p_reference;
     local_map.p_reference.push_back(p_reference);
-    local_map.confirmed.push_back(landmark.observations.size() >= 2);
+    // Two views without depth determine a position but do not confirm it.
+    const bool measured = has_depth(map, landmark);
+    local_map.has_depth.push_back(measured);
+    local_map.confirmed.push_back(landmark.observations.size() >= (measured ? 2 : 3));
     local_map.viewing_directions.push_back(towards_observer.normalized());
     local_map.observed_distances_m.push_back(towards_observer.norm());
     local_map.observed_levels.push_back(observer.features->levels[seen.feature]);

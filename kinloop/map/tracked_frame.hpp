@@ -54,6 +54,7 @@ struct TrackingEvidence {
   int previous_frame_inliers = 0;  ///< inliers of the pose relative to the previous frame
   int visible_landmarks = 0;       ///< landmarks of the local map in view
   int inliers = 0;                 ///< landmarks matched consistently with the pose
+  int with_depth = 0;              ///< of these, those of which a keyframe has measured the depth
   int attempts = 0;  ///< number of methods tried against the previous frame (1 = the first succeeded)
   SurfaceAgreement surfaces;  ///< with the reference keyframe, without what has moved; zero if unknown
   double moved_share = 0;     ///< of the image, that belongs to things that have moved

@@ -43,7 +43,7 @@ bool consistent_scale(const Features& a, uint32_t i, double distance_a_m, const 
 
 int triangulate_pair(Map& map, KeyframeId id, KeyframeId neighbour_id, const PinholeCamera& camera,
                      const MappingOptions& options) {
-  constexpr double kMinParallaxRad = 0.03;  // below it depth along the rays is unconstrained
+  constexpr double kMinParallaxRad = 0.05;  // below it depth along the rays is unconstrained
   constexpr int kMaxHammingDistance = 50;   // bits of 256
   const auto a = collect_unmapped(map.keyframe(id), options.max_depth_m);
   const auto b = collect_unmapped(map.keyframe(neighbour_id), options.max_depth_m);

@@ -24,6 +24,15 @@ int count_with_depth(const Features& features) {
                                         [](float depth_m) { return depth_m > 0; }));
 }
 
+/// Number of matched landmarks of which a keyframe has measured the depth.
+int count_matches_with_depth(const TrackedFrame& tracked, const LocalMap& local_map) {
+  return static_cast<int>(
+      std::count_if(tracked.matches.begin(), tracked.matches.end(), [&](const LandmarkMatch& match) {
+        const auto index = local_map.index_of.find(match.landmark);
+        return index != local_map.index_of.end() && local_map.has_depth[index->second];
+      }));
+}
+
 /// Whether the frame matches enough of the map to be localized without previous frames.
 bool is_localized(const TrackedFrame& tracked, const Frame& frame, const TrackingOptions& options) {
   return tracked.evidence.inliers >= options.min_inliers &&
@@ -191,8 +200,7 @@ bool Tracker::may_be_elsewhere(const Frame& frame) const {
   constexpr int64_t kMaxHidden_ns = 5 * kNsPerSecond;
   const int max_lost = options_.lost_frames_before_new_component;
   if (max_lost <= 0 || lost_frames_ < max_lost) return false;
-  const bool hidden = doubtful_since_ns_ || (previous_ && !previous_->moved.empty());
-  return !hidden || frame.stamp_ns - lost_since_ns_ > kMaxHidden_ns;
+  return !lost_behind_moved_ || frame.stamp_ns - lost_since_ns_ > kMaxHidden_ns;
 }
 
 /// Whether the motion since the previous frame can be predicted.
@@ -266,6 +274,7 @@ TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Se
   tracked.velocity = velocity_of(tracked);
   if (tracked.is_located() && tracked.reference == local_map_.reference) {
     const ScopedTimer timer(timings_, "surface evidence");
+    tracked.evidence.with_depth = count_matches_with_depth(tracked, local_map_);
     find_moved(tracked, measured);
     tracked.doubtful = is_doubtful(tracked) || (is_few(tracked) && follows_weak_pose());
   }
@@ -339,6 +348,7 @@ void Tracker::reset() {
   lost_frames_ = 0;
   hypothesis_since_ns_.reset();
   doubtful_since_ns_.reset();
+  moved_ns_.reset();
 }
 
 void Tracker::express_previous_in(KeyframeId reference, const Map& map) {
@@ -356,6 +366,7 @@ void Tracker::remember(const TrackedFrame& latest) {
   } else {
     motion_.reset();
   }
+  if (!latest.moved.empty()) moved_ns_ = latest.stamp_ns;
   if (latest.is_lost() && hypothesis_since_ns_) previous_.reset();  // it may have been elsewhere
   if (!is_hypothesis(latest)) {
     hypothesis_since_ns_.reset();
@@ -363,7 +374,10 @@ void Tracker::remember(const TrackedFrame& latest) {
     hypothesis_since_ns_ = latest.stamp_ns;
   }
   if (latest.is_lost()) {
-    if (lost_frames_++ == 0) lost_since_ns_ = latest.stamp_ns;
+    if (lost_frames_++ == 0) {
+      lost_since_ns_ = latest.stamp_ns;
+      lost_behind_moved_ = moved_ns_ && latest.stamp_ns - *moved_ns_ < kNsPerSecond;
+    }
   } else {
     if (!latest.doubtful) {
       doubtful_since_ns_.reset();

@@ -62,19 +62,29 @@ TEST(SurfaceEvidence, DoubtsDenseOdometryThatIsUncertain) {
   tracked.covariance(1, 1) = 1;  // along a wall
   EXPECT_TRUE(is_doubtful(tracked));
   tracked.method = TrackingMethod::kKeypoints;
-  tracked.evidence.inliers = 200;
+  tracked.evidence.inliers = tracked.evidence.with_depth = 200;
   EXPECT_FALSE(is_doubtful(tracked));
 }
 
 TEST(SurfaceEvidence, DoubtsAPoseOfAFewLandmarks) {
   TrackedFrame tracked = Found(20).tracked;
+  tracked.evidence.with_depth = 20;
   EXPECT_FALSE(is_doubtful(tracked));
-  tracked.evidence.inliers = 8;
+  tracked.evidence.inliers = tracked.evidence.with_depth = 8;
   EXPECT_TRUE(is_doubtful(tracked));
+}
+
+TEST(SurfaceEvidence, DoubtsAPoseOfTriangulatedLandmarksWithoutSurfaces) {
+  TrackedFrame tracked = Found(200).tracked;
+  tracked.evidence.with_depth = 8;
+  EXPECT_TRUE(is_doubtful(tracked));
+  tracked.evidence.surfaces = {500, 0, 0};
+  EXPECT_FALSE(is_doubtful(tracked));
 }
 
 TEST(SurfaceEvidence, DoubtsAPoseIfHalfOfTheImageMoves) {
   TrackedFrame tracked = Found(200).tracked;
+  tracked.evidence.with_depth = 200;
   tracked.evidence.moved_share = 0.4;
   EXPECT_FALSE(is_doubtful(tracked));
   tracked.evidence.moved_share = 0.6;
