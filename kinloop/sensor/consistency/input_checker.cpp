@@ -1,0 +1,39 @@
+#include "kinloop/sensor/consistency/input_checker.hpp"
+
+#include <algorithm>
+#include <utility>
+
+
+namespace kinloop {
+namespace {
+
+void append(std::vector<InputWarning>& all, std::optional<InputWarning> warning) {
+  if (warning) all.push_back(*std::move(warning));
+}
+
+}  // namespace
+
+InputChecker::InputChecker(const RgbdCamera& camera, FrameOrder order)
+    : camera_(camera), order_(order), registration_(camera.color) {}
+
+std::vector<InputWarning> InputChecker::observe(const Frame& frame) {
+  std::vector<InputWarning> found;
+  append(found, registration_.observe(frame));
+  return tell(std::move(found));
+}
+
+std::vector<InputWarning> InputChecker::finish() {
+  std::vector<InputWarning> found;
+  append(found, registration_.verdict());
+  return tell(std::move(found));
+}
+
+std::vector<InputWarning> InputChecker::tell(std::vector<InputWarning> found) {
+  std::erase_if(found, [&](const InputWarning& warning) {
+    return std::find(told_.begin(), told_.end(), warning.fault) != told_.end();
+  });
+  for (const InputWarning& warning : found) told_.push_back(warning.fault);
+  return found;
+}
+
+}  // namespace kinloop
