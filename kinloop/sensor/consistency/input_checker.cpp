@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "kinloop/sensor/consistency/intrinsics_check.hpp"
 
 namespace kinloop {
 namespace {
@@ -18,6 +19,7 @@ InputChecker::InputChecker(const RgbdCamera& camera, FrameOrder order)
 
 std::vector<InputWarning> InputChecker::observe(const Frame& frame) {
   std::vector<InputWarning> found;
+  if (!std::exchange(started_, true)) append(found, check_intrinsics(camera_.color));
   append(found, registration_.observe(frame));
   return tell(std::move(found));
 }
