@@ -15,18 +15,21 @@ void append(std::vector<InputWarning>& all, std::optional<InputWarning> warning)
 }  // namespace
 
 InputChecker::InputChecker(const RgbdCamera& camera, FrameOrder order)
-    : camera_(camera), order_(order), registration_(camera.color) {}
+    : camera_(camera), order_(order), registration_(camera.color), depth_(camera) {}
 
 std::vector<InputWarning> InputChecker::observe(const Frame& frame) {
   std::vector<InputWarning> found;
   if (!std::exchange(started_, true)) append(found, check_intrinsics(camera_.color));
   append(found, registration_.observe(frame));
+  depth_.observe(frame);
   return tell(std::move(found));
 }
 
 std::vector<InputWarning> InputChecker::finish() {
   std::vector<InputWarning> found;
   append(found, registration_.verdict());
+  append(found, depth_.values());
+  append(found, depth_.unit());
   return tell(std::move(found));
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
+#include "kinloop/sensor/consistency/depth_values_check.hpp"
 #include "kinloop/sensor/consistency/input_warning.hpp"
 #include "kinloop/sensor/consistency/registration_check.hpp"
 #include "kinloop/sensor/frame.hpp"
@@ -37,6 +38,7 @@ class InputChecker {
   std::vector<InputFault> told_;
   bool started_ = false;
   RegistrationCheck registration_;
+  DepthValuesCheck depth_;
 };
 
 }  // namespace kinloop
