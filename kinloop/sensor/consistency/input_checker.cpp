@@ -22,6 +22,9 @@ std::vector<InputWarning> InputChecker::observe(const Frame& frame) {
   if (!std::exchange(started_, true)) append(found, check_intrinsics(camera_.color));
   append(found, registration_.observe(frame));
   depth_.observe(frame);
+  if (order_ == FrameOrder::kSuccessive) {
+    frozen_.observe(frame);
+  }
   return tell(std::move(found));
 }
 
@@ -30,6 +33,8 @@ std::vector<InputWarning> InputChecker::finish() {
   append(found, registration_.verdict());
   append(found, depth_.values());
   append(found, depth_.unit());
+  append(found, frozen_.depth());
+  append(found, frozen_.color());
   return tell(std::move(found));
 }
 

@@ -6,6 +6,7 @@
 
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/consistency/depth_values_check.hpp"
+#include "kinloop/sensor/consistency/frozen_check.hpp"
 #include "kinloop/sensor/consistency/input_warning.hpp"
 #include "kinloop/sensor/consistency/registration_check.hpp"
 #include "kinloop/sensor/frame.hpp"
@@ -39,6 +40,7 @@ class InputChecker {
   bool started_ = false;
   RegistrationCheck registration_;
   DepthValuesCheck depth_;
+  FrozenCheck frozen_;
 };
 
 }  // namespace kinloop
