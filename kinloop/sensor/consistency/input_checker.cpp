@@ -15,7 +15,7 @@ void append(std::vector<InputWarning>& all, std::optional<InputWarning> warning)
 }  // namespace
 
 InputChecker::InputChecker(const RgbdCamera& camera, FrameOrder order)
-    : camera_(camera), order_(order), registration_(camera.color), depth_(camera) {}
+    : camera_(camera), order_(order), registration_(camera.color), depth_(camera), clock_(camera.fps) {}
 
 std::vector<InputWarning> InputChecker::observe(const Frame& frame) {
   std::vector<InputWarning> found;
@@ -24,6 +24,7 @@ std::vector<InputWarning> InputChecker::observe(const Frame& frame) {
   depth_.observe(frame);
   if (order_ == FrameOrder::kSuccessive) {
     frozen_.observe(frame);
+    clock_.observe(frame);
   }
   return tell(std::move(found));
 }
@@ -35,6 +36,8 @@ std::vector<InputWarning> InputChecker::finish() {
   append(found, depth_.unit());
   append(found, frozen_.depth());
   append(found, frozen_.color());
+  append(found, clock_.stamps());
+  append(found, clock_.depth_clock());
   return tell(std::move(found));
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
+#include "kinloop/sensor/consistency/clock_check.hpp"
 #include "kinloop/sensor/consistency/depth_values_check.hpp"
 #include "kinloop/sensor/consistency/frozen_check.hpp"
 #include "kinloop/sensor/consistency/input_warning.hpp"
@@ -41,6 +42,7 @@ class InputChecker {
   RegistrationCheck registration_;
   DepthValuesCheck depth_;
   FrozenCheck frozen_;
+  ClockCheck clock_;
 };
 
 }  // namespace kinloop
