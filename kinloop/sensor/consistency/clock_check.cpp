@@ -16,44 +16,52 @@ namespace {
 
 constexpr size_t kMostFrames = 20000;  // eleven minutes decide
 
-/// Every n-th pixel in 32FC1.
+constexpr int kWidth_px = 40, kHeight_px = 30;
+
+/// The mean brightness of each part of the image, 8UC1.
 cv::Mat small_gray(const Frame& frame) {
-  const cv::Size size(80, 60);
-  const cv::Mat& source = frame.octaves.empty() ? frame.gray : frame.octaves.back();
+  const cv::Mat gray = frame.gray.empty() ? frame.color.gray() : frame.gray;
   cv::Mat small;
-  cv::resize(source.empty() ? frame.color.gray() : source, small, size, 0, 0, cv::INTER_AREA);
-  small.convertTo(small, CV_32F);
+  cv::resize(frame.octaves.empty() ? gray : frame.octaves.back(), small, {kWidth_px, kHeight_px}, 0, 0,
+             cv::INTER_AREA);
   return small;
 }
 
+/// Inverse depth at every n-th pixel, 32FC1, 0 = unknown.
 cv::Mat small_inverse_depth(const cv::Mat& depth_m) {
-  cv::Mat small;
-  cv::resize(depth_m, small, {40, 30}, 0, 0, cv::INTER_NEAREST);
-  for (int y = 0; y < small.rows; ++y) {
-    auto* row = small.ptr<float>(y);
-    for (int x = 0; x < small.cols; ++x) row[x] = row[x] > 0 ? 1 / row[x] : 0;
+  cv::Mat small(kHeight_px, kWidth_px, CV_32FC1);
+  for (int y = 0; y < kHeight_px; ++y) {
+    const auto* from = depth_m.ptr<float>((2 * y + 1) * depth_m.rows / (2 * kHeight_px));
+    auto* to = small.ptr<float>(y);
+    for (int x = 0; x < kWidth_px; ++x) {
+      const float z_m = from[(2 * x + 1) * depth_m.cols / (2 * kWidth_px)];
+      to[x] = z_m > 0 ? 1 / z_m : 0;
+    }
   }
   return small;
 }
 
 /// Mean change of brightness, without that of the exposure.
 float color_motion(const cv::Mat& before, const cv::Mat& now) {
-  const cv::Mat change = now - before;
-  return static_cast<float>(cv::norm(change - cv::mean(change)[0], cv::NORM_L1) /
-                            static_cast<double>(change.total()));
+  const size_t count = now.total();
+  int sum = 0;
+  for (size_t i = 0; i < count; ++i) sum += now.data[i] - before.data[i];
+  const float mean = static_cast<float>(sum) / static_cast<float>(count);
+  float change = 0;
+  for (size_t i = 0; i < count; ++i)
+    change += std::abs(static_cast<float>(now.data[i] - before.data[i]) - mean);
+  return change / static_cast<float>(count);
 }
 
 /// Mean change of inverse depth where both are known.
 float depth_motion(const cv::Mat& before, const cv::Mat& now) {
+  const auto *a = before.ptr<float>(), *b = now.ptr<float>();
   float sum = 0;
   int count = 0;
-  for (int y = 0; y < now.rows; ++y) {
-    const auto *a = before.ptr<float>(y), *b = now.ptr<float>(y);
-    for (int x = 0; x < now.cols; ++x) {
-      if (a[x] == 0 || b[x] == 0) continue;
-      sum += std::abs(a[x] - b[x]);
-      ++count;
-    }
+  for (size_t i = 0; i < now.total(); ++i) {
+    if (a[i] == 0 || b[i] == 0) continue;
+    sum += std::abs(a[i] - b[i]);
+    ++count;
   }
   return count == 0 ? 0 : sum / static_cast<float>(count);
 }

@@ -15,6 +15,15 @@ cv::Size small_size(const cv::Size& size) {
   return {std::max(1, cvRound(scale * size.width)), std::max(1, cvRound(scale * size.height))};
 }
 
+/// The coarsest octave that is not smaller than `size`; making an image smaller costs more than all else.
+cv::Mat gray_of(const Frame& frame, const cv::Size& size) {
+  cv::Mat gray = frame.gray.empty() ? frame.color.gray() : frame.gray;
+  for (const cv::Mat& octave : frame.octaves) {
+    if (octave.cols >= size.width && octave.rows >= size.height) gray = octave;
+  }
+  return gray;
+}
+
 /// The gradient's magnitude relative to that of its surroundings, so that neither texture nor light decides
 /// where edges are.
 cv::Mat edge_contrast(const cv::Mat& gray, const cv::Size& size) {
@@ -83,13 +92,13 @@ std::vector<Eigen::Vector2f> borders_of(const cv::Mat& depth_m) {
 
 }  // namespace
 
-EdgeSample make_edge_sample(const cv::Mat& gray, const cv::Mat& depth_m) {
+EdgeSample make_edge_sample(const Frame& frame) {
   constexpr int kMargin = EdgeSample::kMargin_px;
   EdgeSample sample;
-  sample.size = small_size(gray.size());
-  cv::copyMakeBorder(edge_contrast(gray, sample.size), sample.edges, kMargin, kMargin, kMargin, kMargin,
-                     cv::BORDER_CONSTANT, 0);
-  sample.borders = borders_of(sampled_depth(depth_m, sample.size));
+  sample.size = small_size(frame.depth_m.size());
+  cv::copyMakeBorder(edge_contrast(gray_of(frame, sample.size), sample.size), sample.edges, kMargin, kMargin,
+                     kMargin, kMargin, cv::BORDER_CONSTANT, 0);
+  sample.borders = borders_of(sampled_depth(frame.depth_m, sample.size));
   return sample;
 }
 

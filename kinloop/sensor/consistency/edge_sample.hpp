@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
+#include "kinloop/sensor/frame.hpp"
+
 namespace kinloop {
 
 /// Edges of a frame, in pixels of an image whose larger side is at most 160 px.
@@ -18,7 +20,7 @@ struct EdgeSample {
   std::vector<Eigen::Vector2f> borders;  ///< of near objects in depth, relative to the middle of the image
 };
 
-/// Returns the edges of a grey image, 8UC1, and of depth, 32FC1 in metres with 0 = unknown.
-EdgeSample make_edge_sample(const cv::Mat& gray, const cv::Mat& depth_m);
+/// Returns the edges of a frame, prepared or not.
+EdgeSample make_edge_sample(const Frame& frame);
 
 }  // namespace kinloop

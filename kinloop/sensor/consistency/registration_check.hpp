@@ -24,7 +24,7 @@ enum class Registration {
 /// Returns the verdict on an alignment.
 Registration judge_registration(const EdgeAlignment& alignment);
 
-/// Compares the edges of frames that are spread over all that was seen so far, at most 24.
+/// Compares the edges of frames that are spread over all that was seen so far, at most 20.
 class RegistrationCheck {
  public:
   /// `camera` is that of colour.
