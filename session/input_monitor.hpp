@@ -5,19 +5,20 @@
 
 #include "kinloop/core/timings.hpp"
 #include "kinloop/sensor/consistency/input_checker.hpp"
+#include "kinloop/slam/slam.hpp"
 
 namespace kinloop {
 
 /// Checks the frames of a run, logs each warning once and keeps it.
 class InputMonitor {
  public:
-  explicit InputMonitor(const RgbdCamera& camera) : checker_(camera) {}
+  explicit InputMonitor(const RgbdCamera& camera) : camera_(camera.color), checker_(camera) {}
 
   /// Adds a frame, as measured. Throws InputError if nothing useful can come of such frames.
   void observe(const Frame& frame);
 
-  /// Ends the frames; a second call does nothing.
-  void finish();
+  /// Ends the frames, after the run has ended; a second call does nothing.
+  void finish(const Slam& slam);
 
   [[nodiscard]] const std::vector<InputWarning>& warnings() const { return warnings_; }
   [[nodiscard]] const Timings& timings() const { return timings_; }
@@ -25,6 +26,7 @@ class InputMonitor {
  private:
   void keep(std::vector<InputWarning> found);
 
+  PinholeCamera camera_;
   InputChecker checker_;
   Timings timings_;
   std::vector<InputWarning> warnings_;
