@@ -75,7 +75,7 @@ std::optional<InputWarning> RegistrationCheck::observe(const Frame& frame) {
   if (frames_++ % interval_ == 0) {
     samples_.push_back(make_edge_sample(frame));
     if (samples_.size() == kMostSamples) {  // every second one stays
-      for (size_t i = 0; 2 * i < samples_.size(); ++i) samples_[i] = std::move(samples_[2 * i]);
+      for (size_t i = 1; 2 * i < samples_.size(); ++i) samples_[i] = std::move(samples_[2 * i]);
       samples_.resize(kMostSamples / 2);
       interval_ *= 2;
     }
