@@ -21,7 +21,7 @@ std::optional<InputWarning> check_focal_length(const Slam& slam, const PinholeCa
   if (!found || !found->contradicts_camera()) return std::nullopt;
   return InputWarning{
       InputFault::kFocalLength,
-      fmt::format("the map fits {:.2f} (+- {:.2f}) times the focal length of the camera, more than "
+      fmt::format("the map fits {:.3f} (+- {:.3f}) times the focal length of the camera, more than "
                   "self-calibration may correct",
                   0.5 * (found->factor_x + found->factor_y), found->sigma_x),
       fmt::format("calibrate the camera, or try fx: {:.0f}, fy: {:.0f} instead of {:.1f}, {:.1f}",
