@@ -41,13 +41,14 @@ TEST_F(Contradictions, NothingIsSaidOfACleanRecording) {
   const auto probed = run("probe '" + at("seq") + "'");
   EXPECT_EQ(probed.exit_code, kDone);
   EXPECT_THAT(probed.err, Not(HasSubstr("warning")));
-  run("run '" + at("seq") + "' -o '" + at("out") + "'");
+  const auto mapped = run("run '" + at("seq") + "' -o '" + at("out") + "'");
+  EXPECT_THAT(mapped.err, Not(HasSubstr("registered to colour")));
   EXPECT_TRUE(nlohmann::json::parse(read_file(at("out/run.json")))["warnings"].empty());
 }
 
 TEST_F(Contradictions, ProbeAndRunRefuseDepthThatIsUpsideDown) {
   flip_depth();
-  for (const std::string command :
+  for (const std::string& command :
        {"probe '" + at("seq") + "'", "run '" + at("seq") + "' -o '" + at("out") + "'"}) {
     const auto refused = run(command);
     EXPECT_EQ(refused.exit_code, kBadInput);
