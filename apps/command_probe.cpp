@@ -1,7 +1,12 @@
 // kinloop probe: says what a recording is and whether its depth makes sense, without mapping it.
 
 #include <algorithm>
+#include <cstdio>
+#include <iterator>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -12,6 +17,7 @@
 #include "drivers/probe/sequence_statistics.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
+#include "kinloop/sensor/consistency/input_checker.hpp"
 #include "session/open_frame_source.hpp"
 
 namespace kinloop {
@@ -118,6 +124,40 @@ void print_times(const Probed& probed) {
              1e3 * lag_s.median, 1e3 * lag_s.low, 1e3 * lag_s.high);
 }
 
+const char* registration_text(const std::optional<EdgeAlignment>& alignment) {
+  switch (alignment ? judge_registration(*alignment) : Registration::kUnknown) {
+    case Registration::kUnknown:
+      return "unknown: too few edges of depth and colour agree";
+    case Registration::kRegistered:
+      return "yes: edges of depth and colour agree";
+    case Registration::kShifted:
+    case Registration::kScaled:
+    case Registration::kMirrored:
+      break;
+  }
+  return "no: see the warning";
+}
+
+/// Prints whether depth is registered, and warns where the frames contradict themselves. Throws InputError if
+/// nothing useful can come of them.
+void print_contradictions(const Probed& probed) {
+  InputChecker checker(probed.camera, FrameOrder::kSpread);
+  std::vector<InputWarning> found;
+  const auto add = [&](std::vector<InputWarning> more) {
+    found.insert(found.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  };
+  for (const Frame& frame : probed.frames) add(checker.observe(frame));
+  add(checker.finish());
+  fmt::print("registered {}\n", registration_text(checker.alignment()));
+  std::fflush(stdout);
+  for (const InputWarning& warning : found) {
+    if (!warning.hopeless) log::warn("{}", text_of(warning));
+  }
+  for (const InputWarning& warning : found) {
+    if (warning.hopeless) throw InputError(text_of(warning));
+  }
+}
+
 void print_depth(const Probed& probed) {
   const auto [depth_m, share] = depth_statistics(probed.frames);
   fmt::print("depth      {:.2f} m (5 %), {:.2f} m (median), {:.2f} m (95 %); {:.0f} % of the pixels\n",
@@ -155,6 +195,7 @@ void print_probed(const Probed& probed) {
   fmt::print("decoded    {} frames, {} damaged or listed wrongly\n", probed.frames.size(),
              probed.skipped.size());
   if (!probed.skipped.empty()) log::warn("the first bad frame: {}", probed.skipped.front().reason);
+  print_contradictions(probed);
 }
 
 void probe(const ProbeArguments& arguments) {
@@ -176,7 +217,9 @@ void add_probe_command(CLI::App& app) {
   add_camera_options(*command, arguments->camera);
   command->footer(
       "Decodes 30 frames spread over the sequence. Alignment is the shift that best brings the borders of\n"
-      "near objects in depth onto edges in colour; it is about 0 if depth is registered.");
+      "near objects in depth onto edges in colour; it is about 0 if depth is registered. The exit code is 3 "
+      "if\n"
+      "depth is mirrored or upside down.");
   command->callback([arguments] { probe(*arguments); });
 }
 

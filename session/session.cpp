@@ -33,7 +33,8 @@ Session::Session(FrameSource& source, const SessionOptions& options, const RgbdC
     : source_(source),
       threads_(options.threads > 0 ? options.threads : hardware_threads()),
       slam_(camera, without_opencv_threads(options.slam), std::move(vocabulary)),
-      recorder_(camera, options.dense, options.slam.executor) {
+      recorder_(camera, options.dense, options.slam.executor),
+      input_(camera) {
   if (options.record_images) slam_.add_listener(recorder_);
 }
 
@@ -52,9 +53,15 @@ std::optional<Frame> Session::next() {
   return pipeline_->next();
 }
 
+TrackedFrame Session::process(const Frame& frame) {
+  input_.observe(frame);
+  return slam_.process(frame);
+}
+
 const Trajectory& Session::finish(const Progress& progress) {
   pipeline_.reset();
   trajectory_ = slam_.finish(progress);
+  input_.finish(slam_);
   return trajectory_;
 }
 

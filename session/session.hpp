@@ -21,6 +21,7 @@
 #include "kinloop/slam/slam.hpp"
 #include "session/dense_recorder.hpp"
 #include "session/frame_pipeline.hpp"
+#include "session/input_monitor.hpp"
 
 namespace kinloop {
 
@@ -73,8 +74,9 @@ class Session {
   /// Returns the next frame, prepared ahead on another thread, or nothing at the end of the source.
   std::optional<Frame> next();
 
-  /// Processes a frame returned by `next`. Call in order.
-  TrackedFrame process(const Frame& frame) { return slam_.process(frame); }
+  /// Processes a frame returned by `next`. Call in order. Throws InputError if it is certain that nothing
+  /// useful can come of such frames.
+  TrackedFrame process(const Frame& frame);
 
   /// Ends the run, also before the end of the source: adjusts the whole map and refines every frame.
   const Trajectory& finish(const Progress& progress = {});
@@ -94,6 +96,8 @@ class Session {
   void write_cloud(const std::filesystem::path& path);             ///< PLY, z up
   void write_map(const std::filesystem::path& path, const MapFileNotes& = {});  ///< can be continued later
 
+  /// Returns where the input contradicts itself, complete after `finish`.
+  [[nodiscard]] const InputMonitor& input() const { return input_; }
   [[nodiscard]] const Slam& slam() const { return slam_; }
   [[nodiscard]] DenseRecorder& recorder() { return recorder_; }
   [[nodiscard]] const DenseRecorder& recorder() const { return recorder_; }
@@ -105,6 +109,7 @@ class Session {
   int threads_;
   Slam slam_;
   DenseRecorder recorder_;
+  InputMonitor input_;
   std::optional<FramePipeline> pipeline_;  // from the first frame to `finish`
   Trajectory trajectory_;                  // result of `finish`
 };

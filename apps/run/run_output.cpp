@@ -80,6 +80,7 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
   if (!poses_only_) map_ = cloud(progress);
   release_freed_memory();
   if (map_) outcome_.map_points = map_->cloud.size();
+  outcome_.warnings = session_.input().warnings();
   outcome_.online_poses = frames_.online_poses();
   outcome_.evaluation = evaluate(trajectory(), plan_.source->info().ground_truth);
   outcome_.wall_s = ending.since_start.wall_s();
@@ -89,6 +90,7 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
   auto all = summary();
   write_results();
   Timings program = session_.recorder().timings();
+  for (const auto& [module, elapsed] : session_.input().timings().modules) program.add(module, elapsed);
   program.add("startup", ending.startup);
   if (saver_) program.add("saving the map", saver_->total());
   program.add("writing", writing.elapsed());

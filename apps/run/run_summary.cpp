@@ -118,6 +118,15 @@ json quality_json(const RunQuality& quality) {
           {"reasons", quality.reasons}};
 }
 
+json warnings_json(const std::vector<InputWarning>& warnings) {
+  json all = json::array();
+  for (const InputWarning& warning : warnings) {
+    all.push_back(
+        {{"kind", name_of(warning.fault)}, {"evidence", warning.evidence}, {"remedy", warning.remedy}});
+  }
+  return all;
+}
+
 json timings_json(const Timings& times) {
   json timings = json::object();
   for (const auto& [module, elapsed] : times.modules) {
@@ -153,6 +162,7 @@ json run_summary(const RunOutcome& o) {
   summary["input"] = lasting_input_name(source.info().name);
   summary["frames"] = log.size();
   summary["quality"] = quality_json(judge(judged_frames(log, o.slam.map())));
+  summary["warnings"] = warnings_json(o.warnings);
   summary["tracked"] = located - doubtful;
   summary["doubtful"] = doubtful;
   summary["tracked_densely"] = dense_only;

@@ -3,9 +3,12 @@
 
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "kinloop/sensor/consistency/input_warning.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "session/run_plan.hpp"
 #include "tools/evaluation/consistency.hpp"
@@ -17,6 +20,7 @@ namespace kinloop {
 struct RunOutcome {
   const RunPlan& plan;
   const Slam& slam;
+  std::vector<InputWarning> warnings = {};            ///< where the input contradicts itself
   std::optional<Evaluation> evaluation = {};          ///< if there is ground truth
   std::vector<PoseWithCovariance> online_poses = {};  ///< as tracking gave them
   std::optional<size_t> map_points = {};              ///< of the cloud, if one was fused

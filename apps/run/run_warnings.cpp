@@ -159,7 +159,9 @@ bool check_result(const RunOutcome& o, const Trajectory& trajectory, const Depth
   const Trajectory& truth = o.plan.source->info().ground_truth;
   if (!o.evaluation && !truth.empty() && !trajectory.empty())
     log::warn("trajectory error not computed: {}", evaluation_failure(trajectory, truth));
-  return enough && !useless;
+  const bool hopeless = std::any_of(o.warnings.begin(), o.warnings.end(),
+                                    [](const InputWarning& warning) { return warning.hopeless; });
+  return enough && !useless && !hopeless;
 }
 
 ExitCode exit_code(const Slam& slam, int signal, const std::filesystem::path& details) {

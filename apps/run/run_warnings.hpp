@@ -54,8 +54,8 @@ class DepthMonitor : public Listener {
 };
 
 /// Warns of skipped frames, a map without points, implausible depth and ground truth that does not match the
-/// frames. Returns false if over half of the frames were skipped, or if the depth is unusable, and so is the
-/// map.
+/// frames. Returns false if over half of the frames were skipped, or if the depth or its registration is
+/// unusable, and so is the map.
 bool check_result(const RunOutcome& outcome, const Trajectory& trajectory, const DepthMonitor& depth);
 
 /// Returns the exit code of a run for scripts: the signal that ended it (0: none), or whether tracking was

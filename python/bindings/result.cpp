@@ -128,6 +128,20 @@ py::dict quality_of(const Result& result) {
   return values;
 }
 
+/// As in run.json.
+py::list warnings_of(const Result& result) {
+  const auto warnings = without_gil([&] { return result.run->warnings(); });
+  py::list all;
+  for (const InputWarning& warning : warnings) {
+    py::dict values;
+    values["kind"] = name_of(warning.fault);
+    values["evidence"] = warning.evidence;
+    values["remedy"] = warning.remedy;
+    all.append(values);
+  }
+  return all;
+}
+
 /// The files of `kinloop run` but for figures and report.
 void save_result(Result& result, const std::filesystem::path& path) {
   const RunFolder folder(path);
@@ -167,6 +181,10 @@ void bind_result(py::module_& module) {
           "quality", &quality_of,
           R"(The verdict on the run, a dict: verdict ("good", "doubtful" or "bad"), seconds,
 seconds_doubtful, seconds_lost and reasons, a list of texts.)")
+      .def_property_readonly(
+          "warnings", &warnings_of,
+          R"(Where the input contradicts itself, a list of dicts: kind, evidence and remedy. Empty if nothing
+was found.)")
       .def_property_readonly("keyframes", &keyframes_of, "The Trajectory of the keyframes.")
       .def_property_readonly("cloud", &cloud_of,
                              "The coloured Cloud of all surfaces, made when first asked for.")

@@ -50,6 +50,7 @@ Run::Run(const RgbdCamera& camera, const RunSettings& settings)
   if (start) camera_ = start->adapt(camera_);
   slam_.emplace(camera_, options_.slam, open_vocabulary(settings.vocabulary, options_.slam.features));
   recorder_.emplace(camera_, options_.dense, options_.slam.executor);
+  input_monitor_.emplace(camera_);
   slam_->add_listener(*recorder_);
   if (!start) return;
   const uint32_t shift = slam_->add_map(std::move(start->saved));
@@ -95,13 +96,20 @@ TrackedFrame Run::process_next(Frame frame) {
   const uint32_t first = slam_->front_end().first_frame();
   frame.id.value = std::max(frame.id.value, first + next_id_);  // a second source begins with 0 again
   next_id_ = frame.id.value - first + 1;
+  input_monitor_->observe(frame);
   return slam_->process(frame);
 }
 
 Trajectory Run::finish(const Progress& progress) {
   const std::lock_guard lock(mutex_);
   if (!trajectory_) trajectory_ = slam_->finish(progress);
+  input_monitor_->finish(*slam_);
   return *trajectory_;
+}
+
+std::vector<InputWarning> Run::warnings() {
+  const std::lock_guard lock(mutex_);
+  return input_monitor_->warnings();
 }
 
 ColoredCloud Run::fuse_cloud(const Progress& progress) {

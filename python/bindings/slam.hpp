@@ -13,6 +13,7 @@
 #include "kinloop/slam/slam.hpp"
 #include "python/bindings/source.hpp"
 #include "session/dense_recorder.hpp"
+#include "session/input_monitor.hpp"
 #include "session/run_plan.hpp"
 
 namespace kinloop::python {
@@ -44,6 +45,9 @@ class Run {
     return read(std::as_const(*slam_));
   }
 
+  /// Returns where the input contradicts itself.
+  [[nodiscard]] std::vector<InputWarning> warnings();
+
   [[nodiscard]] ColoredCloud fuse_cloud(const Progress& progress);
   [[nodiscard]] ColoredMesh reconstruct(const MeshOptions& options, const Progress& progress);
   [[nodiscard]] FileFrame file_frame();
@@ -65,6 +69,7 @@ class Run {
   std::string input_;  // for the map file
   std::optional<Slam> slam_;
   std::optional<DenseRecorder> recorder_;
+  std::optional<InputMonitor> input_monitor_;
   DepthPreparation prepare_depth_;
   std::optional<Trajectory> trajectory_;  // set by finish
   uint32_t next_id_ = 0;                  // of a frame in arrays, without those of loaded maps

@@ -15,6 +15,11 @@ export function verdictLine({ figures: { quality } }) {
   return element('p', { class: `verdict ${quality.verdict}` }, element('b', {}, `quality: ${quality.verdict}`), reasons && ` ${reasons}`);
 }
 
+/** Where the input of a run contradicts itself, a line each; nothing if it does not. */
+export function warningLines({ figures: { warnings } }) {
+  return (warnings ?? []).map(({ evidence, remedy }) => element('p', { class: 'verdict doubtful' }, element('b', {}, 'warning:'), ` ${evidence}; ${remedy}`));
+}
+
 /** Marks that shade the stretches of runs over the whole height of a plot. */
 export function doubtMarks(runs) {
   const found = runs.flatMap(stretches);

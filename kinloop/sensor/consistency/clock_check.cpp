@@ -1,0 +1,196 @@
+#include "kinloop/sensor/consistency/clock_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "kinloop/core/quantile.hpp"
+#include "kinloop/core/time.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr size_t kMostFrames = 20000;  // eleven minutes decide
+
+constexpr int kWidth_px = 40, kHeight_px = 30;
+
+/// The mean brightness of each part of the image, 8UC1.
+cv::Mat small_gray(const Frame& frame) {
+  const cv::Mat gray = frame.gray.empty() ? frame.color.gray() : frame.gray;
+  cv::Mat small;
+  cv::resize(frame.octaves.empty() ? gray : frame.octaves.back(), small, {kWidth_px, kHeight_px}, 0, 0,
+             cv::INTER_AREA);
+  return small;
+}
+
+/// Inverse depth at every n-th pixel, 32FC1, 0 = unknown.
+cv::Mat small_inverse_depth(const cv::Mat& depth_m) {
+  cv::Mat small(kHeight_px, kWidth_px, CV_32FC1);
+  for (int y = 0; y < kHeight_px; ++y) {
+    const auto* from = depth_m.ptr<float>((2 * y + 1) * depth_m.rows / (2 * kHeight_px));
+    auto* to = small.ptr<float>(y);
+    for (int x = 0; x < kWidth_px; ++x) {
+      const float z_m = from[(2 * x + 1) * depth_m.cols / (2 * kWidth_px)];
+      to[x] = z_m > 0 ? 1 / z_m : 0;
+    }
+  }
+  return small;
+}
+
+/// Mean change of brightness, without that of the exposure.
+float color_motion(const cv::Mat& before, const cv::Mat& now) {
+  const size_t count = now.total();
+  int sum = 0;
+  for (size_t i = 0; i < count; ++i) sum += now.data[i] - before.data[i];
+  const float mean = static_cast<float>(sum) / static_cast<float>(count);
+  float change = 0;
+  for (size_t i = 0; i < count; ++i)
+    change += std::abs(static_cast<float>(now.data[i] - before.data[i]) - mean);
+  return change / static_cast<float>(count);
+}
+
+/// Mean change of inverse depth where both are known.
+float depth_motion(const cv::Mat& before, const cv::Mat& now) {
+  const auto *a = before.ptr<float>(), *b = now.ptr<float>();
+  float sum = 0;
+  int count = 0;
+  for (size_t i = 0; i < now.total(); ++i) {
+    if (a[i] == 0 || b[i] == 0) continue;
+    sum += std::abs(a[i] - b[i]);
+    ++count;
+  }
+  return count == 0 ? 0 : sum / static_cast<float>(count);
+}
+
+/// The logarithm, without slow changes: which motions are strong for their time.
+std::vector<float> relative_motion(std::vector<float> motion) {
+  constexpr float kSmallest = 0.1F;
+  constexpr int kSlow = 30;  // frames before and after
+  const float floor = std::max(kSmallest * median(motion), 1e-9F);
+  for (float& value : motion) value = std::log(std::max(value, floor));
+  std::vector<double> sums = {0};
+  for (const float value : motion) sums.push_back(sums.back() + static_cast<double>(value));
+  const auto count = static_cast<int>(motion.size());
+  for (int i = 0; i < count; ++i) {
+    const int from = std::max(0, i - kSlow), to = std::min(count, i + kSlow + 1);
+    const double mean = (sums[static_cast<size_t>(to)] - sums[static_cast<size_t>(from)]) / (to - from);
+    motion[static_cast<size_t>(i)] -= static_cast<float>(mean);
+  }
+  return motion;
+}
+
+/// Correlation of colour at frame i with depth at frame i + lag.
+double correlation(const std::vector<float>& color, const std::vector<float>& depth, int lag) {
+  const size_t shift = static_cast<size_t>(std::abs(lag)), count = color.size() - shift;
+  const float* a = color.data() + (lag < 0 ? shift : 0);
+  const float* b = depth.data() + (lag > 0 ? shift : 0);
+  double aa = 0, bb = 0, ab = 0;
+  for (size_t i = 0; i < count; ++i) {
+    aa += static_cast<double>(a[i] * a[i]);
+    bb += static_cast<double>(b[i] * b[i]);
+    ab += static_cast<double>(a[i] * b[i]);
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
+}
+
+/// A unit of time that is read as another one.
+struct UnitMistake {
+  double rate_ratio;  ///< of the rate in the stamps to the real one
+  const char* text;
+};
+
+constexpr std::array<UnitMistake, 6> kUnitMistakes = {{{1e-3, "milliseconds are read as seconds"},
+                                                       {1e-6, "microseconds are read as seconds"},
+                                                       {1e-9, "nanoseconds are read as seconds"},
+                                                       {1e3, "seconds are read as milliseconds"},
+                                                       {1e6, "seconds are read as microseconds"},
+                                                       {1e9, "seconds are read as nanoseconds"}}};
+
+}  // namespace
+
+std::optional<MotionLag> motion_lag(std::vector<float> color, std::vector<float> depth, int max_lag) {
+  constexpr int kNear = 2, kPeak = 8;
+  constexpr size_t kFewest = 150;
+  if (color.size() < kFewest + static_cast<size_t>(max_lag)) return std::nullopt;
+  color = relative_motion(std::move(color));
+  depth = relative_motion(std::move(depth));
+  std::vector<double> all;
+  for (int lag = -max_lag; lag <= max_lag; ++lag) all.push_back(correlation(color, depth, lag));
+  MotionLag found;
+  found.frames = static_cast<int>(std::max_element(all.begin(), all.end()) - all.begin()) - max_lag;
+  for (int lag = -max_lag; lag <= max_lag; ++lag) {
+    const double here = all[static_cast<size_t>(lag + max_lag)];
+    if (lag == found.frames) found.correlation = here;
+    if (std::abs(lag) <= kNear) found.without_lag = std::max(found.without_lag, here);
+    if (std::abs(lag - found.frames) > kPeak) found.elsewhere = std::max(found.elsewhere, here);
+  }
+  return found;
+}
+
+void ClockCheck::observe(const Frame& frame) {
+  if (intervals_s_.size() >= kMostFrames) return;
+  if (last_ns_) intervals_s_.push_back(to_seconds(frame.stamp_ns - *last_ns_));
+  last_ns_ = frame.stamp_ns;
+  add_motion(frame);
+}
+
+void ClockCheck::add_motion(const Frame& frame) {
+  cv::Mat gray = small_gray(frame), inverse_depth = small_inverse_depth(frame.depth_m);
+  if (!gray_.empty()) {
+    color_motion_.push_back(color_motion(gray_, gray));
+    depth_motion_.push_back(depth_motion(inverse_depth_, inverse_depth));
+  }
+  gray_ = std::move(gray);
+  inverse_depth_ = std::move(inverse_depth);
+}
+
+double ClockCheck::median_interval_s() const {
+  return median(intervals_s_);
+}
+
+std::optional<InputWarning> ClockCheck::stamps() const {
+  constexpr size_t kFewest = 8;
+  constexpr double kSameUnit = 4, kFar = 10;
+  const double interval_s = median_interval_s();
+  if (intervals_s_.size() < kFewest || !(fps_ > 0) || !(interval_s > 0)) return std::nullopt;
+  const double ratio = 1 / (interval_s * fps_);
+  const std::string evidence =
+      fmt::format("the stamps give {:.3g} frames per second where the camera has {:g}", 1 / interval_s, fps_);
+  for (const auto& [rate_ratio, text] : kUnitMistakes) {
+    const double off = ratio / rate_ratio;
+    if (std::max(off, 1 / off) < kSameUnit)
+      return InputWarning{InputFault::kStamps, fmt::format("{}, as if {}", evidence, text),
+                          fmt::format("multiply all stamps by {:g}", rate_ratio), false};
+  }
+  if (std::max(ratio, 1 / ratio) < kFar) return std::nullopt;
+  return InputWarning{InputFault::kStamps, evidence,
+                      "correct fps in camera.yaml, or the stamps if the rate is right", false};
+}
+
+std::optional<InputWarning> ClockCheck::depth_clock() const {
+  constexpr double kMaxLag_s = 4, kMinLag_s = 0.2, kMinOverlap = 2;
+  constexpr double kClear = 0.5, kOverAsItIs = 0.25, kOverOthers = 0.12;
+  const double interval_s = median_interval_s();
+  if (!(interval_s > 0)) return std::nullopt;
+  const auto frames = static_cast<double>(color_motion_.size());
+  const auto max_lag = static_cast<int>(std::min(kMaxLag_s / interval_s, frames / kMinOverlap));
+  const auto lag = motion_lag(color_motion_, depth_motion_, max_lag);
+  if (!lag) return std::nullopt;
+  const double lag_s = lag->frames * interval_s;
+  const bool clear = lag->correlation > kClear && lag->correlation > lag->without_lag + kOverAsItIs &&
+                     lag->correlation > lag->elsewhere + kOverOthers;
+  if (!clear || std::abs(lag_s) < kMinLag_s) return std::nullopt;
+  return InputWarning{
+      InputFault::kDepthClock,
+      fmt::format(
+          "depth shows the motion of colour {:.2f} s {} (correlation {:.2f} there, {:.2f} as stamped)",
+          std::abs(lag_s), lag_s > 0 ? "later" : "earlier", lag->correlation, lag->without_lag),
+      fmt::format("the two streams have different clocks: add {:+.2f} s to the stamps of depth", -lag_s),
+      false};
+}
+
+}  // namespace kinloop

@@ -1,0 +1,96 @@
+#include "kinloop/sensor/consistency/depth_values_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace kinloop {
+namespace {
+
+using Levels = std::vector<DepthLevels::Level>;
+
+constexpr size_t kFewestPixels = 3000;
+
+InputWarning values_warning(std::string evidence, std::string remedy) {
+  return {InputFault::kDepthValues, std::move(evidence), std::move(remedy), false};
+}
+
+/// A limit at which depth is clipped has far more pixels than the values beside it.
+bool is_clipped_at(const DepthLevels::Level& limit, const DepthLevels::Level& beside) {
+  constexpr double kMinShare = 0.04, kOverNeighbor = 5;
+  return limit.share > kMinShare && limit.share > kOverNeighbor * beside.share;
+}
+
+std::optional<InputWarning> clipped(const Levels& levels) {
+  constexpr size_t kFewest = 10;
+  if (levels.size() < kFewest) return std::nullopt;
+  const bool far = is_clipped_at(levels.back(), levels[levels.size() - 2]);
+  if (!far && !is_clipped_at(levels.front(), levels[1])) return std::nullopt;
+  const DepthLevels::Level& limit = far ? levels.back() : levels.front();
+  return values_warning(
+      fmt::format("depth is clipped: {:.0f} % of its pixels are at exactly {:.3f} m and hardly any is {}",
+                  100 * limit.share, limit.depth_m, far ? "farther" : "nearer"),
+      "record depth without a limit, or set such pixels to 0, which means unknown");
+}
+
+/// Depth that is usual with this depth_scale, if the stated one is wrong by the factor.
+std::string scale_text(double depth_scale, double factor) {
+  constexpr double kNear = 1.3;
+  for (const double usual : {1000.0, 5000.0, 10000.0, 4000.0, 2000.0}) {
+    const double ratio = depth_scale * factor / usual;
+    if (usual != depth_scale && std::max(ratio, 1 / ratio) < kNear) return fmt::format("{:g}", usual);
+  }
+  return fmt::format("about {:.0f}", depth_scale * factor);
+}
+
+}  // namespace
+
+std::optional<InputWarning> DepthValuesCheck::values() const {
+  constexpr double kConstant = 0.9, kCoarse_m = 0.008;
+  if (levels_.pixels() < kFewestPixels) return std::nullopt;
+  const Levels levels = levels_.levels();
+  const auto by_share = [](const auto& a, const auto& b) { return a.share < b.share; };
+  const auto most = std::max_element(levels.begin(), levels.end(), by_share);
+  if (most != levels.end() && most->share > kConstant)
+    return values_warning(fmt::format("depth is constant: {:.0f} % of its pixels are at exactly {:.3f} m",
+                                      100 * most->share, most->depth_m),
+                          "check what writes the depth images");
+  if (auto found = clipped(levels)) return found;
+  const auto step_m = uniform_step_m(levels);
+  if (!step_m || *step_m < kCoarse_m) return std::nullopt;
+  return values_warning(fmt::format("depth has only {} values, in steps of {:.3g} m", levels.size(), *step_m),
+                        "record depth with 16 bits per pixel, in mm or finer");
+}
+
+std::optional<InputWarning> DepthValuesCheck::unit() const {
+  // 1 / (8 f b) of a Kinect 1, f = 580 px, b = 75 mm, disparities in steps of 1/8 px. Four recordings of
+  // Kinects have 0.0025 to 0.0029, simulated ones 0.0032.
+  constexpr double kKinect1_per_m = 1 / (8 * 580 * 0.075);
+  constexpr double kNamed = 1.5, kAssumed = 2.5;
+  constexpr double kPerLevel = 8;
+  if (sensor_.kind != DepthSensorKind::kStructuredLight) return std::nullopt;
+  const Levels levels = levels_.levels();
+  if (static_cast<double>(levels_.pixels()) < kPerLevel * static_cast<double>(levels.size()))
+    return std::nullopt;
+  const auto step_per_m = disparity_step_per_m(levels, levels_.unit_m());
+  if (!step_per_m) return std::nullopt;
+  const double factor = *step_per_m / kKinect1_per_m;  // steps k z^2 of depth that is s times as large: k / s
+  const bool named = sensor_.origin != SensorOrigin::kAssumed;
+  const bool wrong = factor > (named ? kNamed : kAssumed) || (named && factor < 1 / kNamed);
+  if (!wrong) return std::nullopt;
+  return InputWarning{
+      InputFault::kDepthUnit,
+      fmt::format(
+          "the steps of depth are {:.1f} times those of a Kinect 1 at such distances, as if all depths "
+          "were {:.1f} times too {}",
+          factor, std::max(factor, 1 / factor), factor > 1 ? "small" : "large"),
+      fmt::format("depth_scale: {} instead of {:g} fits, unless the sensor is another one (sensor: in "
+                  "camera.yaml)",
+                  scale_text(depth_scale_, 1 / factor), depth_scale_),
+      false};
+}
+
+}  // namespace kinloop

@@ -1,0 +1,105 @@
+#include "kinloop/sensor/consistency/edge_sample.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+namespace kinloop {
+namespace {
+
+constexpr int kSide_px = 160;
+
+cv::Size small_size(const cv::Size& size) {
+  const double scale = std::min(1.0, static_cast<double>(kSide_px) / std::max(size.width, size.height));
+  return {std::max(1, cvRound(scale * size.width)), std::max(1, cvRound(scale * size.height))};
+}
+
+/// The coarsest octave that is not smaller than `size`; making an image smaller costs more than all else.
+cv::Mat gray_of(const Frame& frame, const cv::Size& size) {
+  cv::Mat gray = frame.gray.empty() ? frame.color.gray() : frame.gray;
+  for (const cv::Mat& octave : frame.octaves) {
+    if (octave.cols >= size.width && octave.rows >= size.height) gray = octave;
+  }
+  return gray;
+}
+
+/// The gradient's magnitude relative to that of its surroundings, so that neither texture nor light decides
+/// where edges are.
+cv::Mat edge_contrast(const cv::Mat& gray, const cv::Size& size) {
+  constexpr double kBlur_px = 0.7, kSobelSum = 8, kNoise = 1, kStrongest = 2;
+  constexpr int kSurroundings_px = 13;
+  cv::Mat small, dx, dy, gradient, mean;
+  cv::resize(gray, small, size, 0, 0, cv::INTER_AREA);
+  small.convertTo(small, CV_32F);
+  cv::GaussianBlur(small, small, {}, kBlur_px);
+  cv::Sobel(small, dx, CV_32F, 1, 0, 3, 1 / kSobelSum);
+  cv::Sobel(small, dy, CV_32F, 0, 1, 3, 1 / kSobelSum);
+  cv::magnitude(dx, dy, gradient);
+  cv::blur(gradient, mean, {kSurroundings_px, kSurroundings_px});
+  cv::Mat contrast = (gradient - mean) / (mean + kNoise);
+  return cv::min(contrast, kStrongest);
+}
+
+/// Depth at every n-th pixel; interpolated depth would have no borders.
+cv::Mat sampled_depth(const cv::Mat& depth_m, const cv::Size& size) {
+  cv::Mat small(size, CV_32FC1);
+  for (int y = 0; y < size.height; ++y) {
+    const auto* row = depth_m.ptr<float>((2 * y + 1) * depth_m.rows / (2 * size.height));
+    for (int x = 0; x < size.width; ++x)
+      small.at<float>(y, x) = row[(2 * x + 1) * depth_m.cols / (2 * size.width)];
+  }
+  return small;
+}
+
+/// Marks the borders of near objects in a line: where the next pixel with depth, beyond the shadow of the
+/// projector, is another object. `step` is the distance of neighbours in memory.
+void mark_borders(const float* depths_m, uchar* borders, int length, int step) {
+  constexpr float kJump = 1.08F;
+  constexpr int kMaxShadow_px = 3;
+  int previous = -1;
+  for (int i = 0; i < length; ++i) {
+    const float depth_m = depths_m[i * step];
+    if (!(depth_m > 0)) continue;
+    if (previous >= 0 && i - previous <= kMaxShadow_px) {
+      const float previous_m = depths_m[previous * step];
+      if (depth_m > kJump * previous_m) borders[previous * step] = 1;
+      if (previous_m > kJump * depth_m) borders[i * step] = 1;
+    }
+    previous = i;
+  }
+}
+
+std::vector<Eigen::Vector2f> borders_of(const cv::Mat& depth_m) {
+  constexpr size_t kMost = 256;
+  cv::Mat marked = cv::Mat::zeros(depth_m.size(), CV_8UC1);
+  for (int y = 0; y < depth_m.rows; ++y)
+    mark_borders(depth_m.ptr<float>(y), marked.ptr<uchar>(y), depth_m.cols, 1);
+  for (int x = 0; x < depth_m.cols; ++x)
+    mark_borders(depth_m.ptr<float>(0) + x, marked.ptr<uchar>(0) + x, depth_m.rows, depth_m.cols);
+  std::vector<cv::Point> all;
+  cv::findNonZero(marked, all);
+  const Eigen::Vector2f middle(0.5F * static_cast<float>(depth_m.cols - 1),
+                               0.5F * static_cast<float>(depth_m.rows - 1));
+  std::vector<Eigen::Vector2f> borders;
+  const size_t count = std::min(all.size(), kMost);
+  for (size_t i = 0; i < count; ++i) {
+    const cv::Point& at = all[i * all.size() / count];
+    borders.push_back(Eigen::Vector2f(static_cast<float>(at.x), static_cast<float>(at.y)) - middle);
+  }
+  return borders;
+}
+
+}  // namespace
+
+EdgeSample make_edge_sample(const Frame& frame) {
+  constexpr int kMargin = EdgeSample::kMargin_px;
+  EdgeSample sample;
+  sample.size = small_size(frame.depth_m.size());
+  cv::copyMakeBorder(edge_contrast(gray_of(frame, sample.size), sample.size), sample.edges, kMargin, kMargin,
+                     kMargin, kMargin, cv::BORDER_CONSTANT, 0);
+  sample.borders = borders_of(sampled_depth(frame.depth_m, sample.size));
+  return sample;
+}
+
+}  // namespace kinloop

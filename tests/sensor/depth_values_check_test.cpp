@@ -1,0 +1,120 @@
+#include "kinloop/sensor/consistency/depth_values_check.hpp"
+
+#include <cmath>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+
+#include "kinloop/sensor/images/image_file.hpp"
+#include "tests/sensor/contradictory_frames.hpp"
+#include "tests/support/shared_data.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::Recording;
+using test::with_depth;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr uint64_t kValuesSeed = 42;  // not one of docs/recordings.md
+
+const Recording& kinect_room() {
+  static const Recording recording = test::simulated(SimulatedSensor::kKinect1, kValuesSeed, 12, 25);
+  return recording;
+}
+
+/// Changes each depth that is known.
+template <class Change>
+test::DepthChange each(const Change& change) {
+  return [change](const cv::Mat& depth_m) {
+    cv::Mat changed = depth_m.clone();
+    changed.forEach<float>([&](float& z_m, const int*) { z_m = z_m > 0 ? change(z_m) : 0; });
+    return changed;
+  };
+}
+
+DepthValuesCheck checked(const Recording& recording) {
+  DepthValuesCheck check(recording.camera);
+  for (const Frame& frame : recording.frames) check.observe(frame);
+  return check;
+}
+
+std::string values_text(const Recording& recording) {
+  const auto warning = checked(recording).values();
+  return warning ? text_of(*warning) : "";
+}
+
+std::string unit_text(const Recording& recording) {
+  const auto warning = checked(recording).unit();
+  return warning ? text_of(*warning) : "";
+}
+
+/// The same files, read with a depth_scale that is wrong by the factor.
+Recording with_wrong_scale(float factor) {
+  Recording recording = with_depth(kinect_room(), each([=](float z_m) { return z_m / factor; }));
+  recording.camera.depth_scale *= static_cast<double>(factor);
+  return recording;
+}
+
+TEST(DepthValuesCheck, SaysNothingOfSensors) {
+  EXPECT_EQ(values_text(kinect_room()), "");
+  EXPECT_EQ(unit_text(kinect_room()), "");
+  const Recording time_of_flight = test::simulated(SimulatedSensor::kKinect2, kValuesSeed, 6, 50);
+  EXPECT_EQ(values_text(time_of_flight), "");
+  EXPECT_EQ(unit_text(time_of_flight), "");
+}
+
+TEST(DepthValuesCheck, NamesConstantDepth) {
+  EXPECT_THAT(values_text(with_depth(kinect_room(), each([](float) { return 2.F; }))),
+              HasSubstr("depth is constant: 100 % of its pixels are at exactly 2.000 m"));
+}
+
+TEST(DepthValuesCheck, NamesTheLimitOfClippedDepth) {
+  EXPECT_THAT(
+      values_text(with_depth(kinect_room(), each([](float z_m) { return std::min(z_m, 1.8F); }))),
+      AllOf(HasSubstr("depth is clipped"), HasSubstr("at exactly 1.800 m and hardly any is farther")));
+  EXPECT_THAT(values_text(with_depth(kinect_room(), each([](float z_m) { return std::max(z_m, 1.5F); }))),
+              HasSubstr("1.500 m and hardly any is nearer"));
+}
+
+TEST(DepthValuesCheck, NamesCoarseSteps) {
+  EXPECT_THAT(
+      values_text(with_depth(kinect_room(), each([](float z_m) { return 0.2F * std::round(z_m / 0.2F); }))),
+      HasSubstr("in steps of 0.2 m"));
+}
+
+TEST(DepthValuesCheck, NamesEightBitsInDisguise) {
+  const auto bits = each([](float z_m) { return std::round(z_m / 8 * 255) / 255 * 8; });
+  EXPECT_THAT(values_text(with_depth(kinect_room(), bits)), HasSubstr("in steps of 0.0314 m"));
+}
+
+TEST(DepthValuesCheck, NamesTheUnitByTheStepsOfAKinect) {
+  EXPECT_THAT(unit_text(with_wrong_scale(5)),
+              AllOf(HasSubstr("times too small"), HasSubstr("depth_scale: 5000 instead of 25000")));
+  EXPECT_THAT(unit_text(with_wrong_scale(0.5)),
+              AllOf(HasSubstr("times too large"), HasSubstr("depth_scale: 5000 instead of 2500")));
+}
+
+TEST(DepthValuesCheck, NamesTheUnitOfARealKinect) {
+  const auto path = test::shared_data("redkitchen_raw/depth");
+  KINLOOP_SKIP_WITHOUT(path);
+  for (const double depth_scale : {1000.0, 5000.0}) {
+    RgbdCamera camera;
+    camera.depth_scale = depth_scale;
+    DepthValuesCheck check(camera);
+    for (const auto& entry : std::filesystem::directory_iterator(path)) {
+      Frame frame;
+      frame.depth_m = read_depth_image(entry.path(), depth_scale);
+      check.observe(frame);
+    }
+    const auto warning = check.unit();
+    EXPECT_EQ(warning.has_value(), depth_scale == 5000);
+    if (warning) {
+      EXPECT_THAT(warning->remedy, HasSubstr("depth_scale: 1000 instead of 5000"));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kinloop
