@@ -178,7 +178,7 @@ TEST_F(TrajectoryFiles, KittiIsNumberedUnlessTimesLieBesideIt) {
   const auto numbered = read(content);
   EXPECT_EQ(numbered.format, TrajectoryFormat::kKitti);
   EXPECT_FALSE(numbered.has_stamps);
-  EXPECT_EQ(numbered.poses[7].stamp_ns, 7 * kNsPerSecond);
+  EXPECT_EQ(numbered.poses[7].stamp_ns, 7 * kNumberedStepNs);
   folder_.write("times.txt", "0.0\n0.1\n");  // of another sequence
   EXPECT_FALSE(read(content).has_stamps);
   folder_.write("times.txt", lines([](int i) { return format_stamp(stamp_ns(i)); }));

@@ -112,6 +112,7 @@ std::optional<Evaluation> evaluate(const Trajectory& estimate, const Trajectory&
                         .rpe_second = rpe({1, RpeDelta::Unit::kSeconds}),
                         .rpe_frame = rpe({1, RpeDelta::Unit::kFrames}),
                         .rpe = {},
+                        .offset_ns = options.offset_ns,
                         .coverage = compute_coverage(shifted(estimate, options.offset_ns), truth, kMaxGapNs,
                                                      options.max_difference_ns)};
   for (const RpeDelta& delta : options.rpe) evaluation.rpe.push_back({delta, rpe(delta)});
@@ -133,7 +134,9 @@ nlohmann::json to_json(const Evaluation& evaluation) {
       {"rpe_1s", to_json(evaluation.rpe_second)},
       {"rpe_1frame", to_json(evaluation.rpe_frame)},
       {"coverage",
-       {{"time", evaluation.coverage.time_fraction}, {"matched", evaluation.coverage.matched_fraction}}}};
+       {{"time", evaluation.coverage.time_fraction}, {"matched", evaluation.coverage.matched_fraction}}},
+      {"scale", evaluation.ate.scale},
+      {"offset_s", to_seconds(evaluation.offset_ns)}};
   for (const RpeOver& asked : evaluation.rpe) {
     all["rpe"].push_back({{"delta", to_string(asked.delta)}, {"error", to_json(asked.error)}});
   }

@@ -92,6 +92,7 @@ struct Evaluation {
   std::optional<RpeResult> rpe_second;  ///< over 1 s
   std::optional<RpeResult> rpe_frame;   ///< from each frame to the next
   std::vector<RpeOver> rpe;             ///< over EvaluationOptions::rpe
+  int64_t offset_ns = 0;                ///< added to the stamps of the estimate
   Coverage coverage;
 };
 

@@ -16,13 +16,16 @@ enum class TrajectoryFormat {
   kCsv     ///< columns that are named by a first line
 };
 
+/// Between the stamps that poses without stamps are given.
+constexpr int64_t kNumberedStepNs = 100'000'000;
+
 /// The poses of a file, and how it was understood.
 struct TrajectoryFile {
   Trajectory poses;
   TrajectoryFormat format = TrajectoryFormat::kTum;
-  bool has_stamps = true;               ///< false: poses are numbered, a second apart
+  bool has_stamps = true;               ///< false: poses are numbered by stamps, see kNumberedStepNs
   bool knows_quaternion_order = false;  ///< false: x y z w is assumed, for want of a hint
-  std::vector<std::string> notes;       ///< what differs from a plain TUM file, one line each
+  std::vector<std::string> notes = {};  ///< what differs from a plain TUM file, one line each
 };
 
 /// Reads poses in TUM, EuRoC or KITTI format, or as a table with named columns (such as `export --trajectory
