@@ -40,9 +40,9 @@ void match_numbers(NamedTrajectory& without, const NamedTrajectory& other, std::
   Trajectory& poses = without.file.poses;
   if (poses.size() != other.file.poses.size()) {
     throw InputError(
-        fmt::format("{}: has no time stamps, and its {} poses are not the {} of {}; put times.txt with a "
-                    "time for each pose beside it, or use TUM format",
-                    without.name, poses.size(), other.file.poses.size(), other.name));
+        fmt::format("{}: has no time stamps, and another number of poses ({}) than {} ({}); put times.txt "
+                    "with a time for each pose beside it, or use TUM format",
+                    without.name, poses.size(), other.name, other.file.poses.size()));
   }
   for (size_t i = 0; i < poses.size(); ++i) poses[i].stamp_ns = other.file.poses[i].stamp_ns;
   notes.push_back(fmt::format("{}: has no time stamps; compared pose by pose", without.name));

@@ -17,7 +17,7 @@ using Points = std::vector<Eigen::Vector2d>;
 
 // Colours that the colour blind can tell apart (Wong, Nature Methods 8, 2011).
 constexpr std::array kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
-constexpr double kWidth = 1080, kHeight = 460;
+constexpr double kWidth = 1080, kHeight = 440;
 
 /// Bounds of what is drawn.
 struct Bounds {
@@ -147,17 +147,20 @@ void make_isometric(Panel& panel) {
   panel.bounds.high = center + half;
 }
 
+constexpr double kLegendRow = 18;
+
+/// The names, one below the other, under the panels.
 std::string legend(std::span<const PlottedEstimate> estimates) {
   std::string svg;
-  double x = 70;
+  double y = kHeight;
   const auto entry = [&](const std::string& name, const char* color) {
-    svg += fmt::format("<rect x=\"{:.1f}\" y=\"12\" width=\"14\" height=\"4\" fill=\"{}\"/>\n", x, color);
-    svg += text_at(x + 20, 19, "start", name);
-    x += 40 + 7 * static_cast<double>(name.size());
+    svg += fmt::format("<rect x=\"70\" y=\"{:.1f}\" width=\"14\" height=\"4\" fill=\"{}\"/>\n", y - 6, color);
+    svg += text_at(90, y, "start", name);
+    y += kLegendRow;
   };
   entry("truth", "#888");
   for (size_t i = 0; i < estimates.size(); ++i)
-    entry(fmt::format("{} ({:.4f} m)", estimates[i].name, estimates[i].evaluation.ate.error_m.rmse),
+    entry(fmt::format("{} (ATE {:.4f} m)", estimates[i].name, estimates[i].evaluation.ate.error_m.rmse),
           kColors[i % kColors.size()]);
   return svg;
 }
@@ -169,13 +172,13 @@ std::string evaluation_plot(std::span<const PlottedEstimate> estimates, const Tr
   const auto shown = widest_axes(truth);
   const int64_t begin_ns = truth.empty() ? 0 : truth.front().stamp_ns;
   Panel paths{70,
-              60,
+              40,
               420,
               340,
               {},
               kAxisNames[static_cast<size_t>(shown[0])],
               kAxisNames[static_cast<size_t>(shown[1])]};
-  Panel errors{580, 60, 470, 340, {}, "time, s", "error, m"};
+  Panel errors{580, 40, 470, 340, {}, "time, s", "error, m"};
   const Points true_path = projected(truth, {}, shown);
   std::vector<Points> estimated, over_time;
   paths.bounds.add(true_path);
@@ -192,7 +195,7 @@ std::string evaluation_plot(std::span<const PlottedEstimate> estimates, const Tr
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
-      kWidth, kHeight);
+      kWidth, kHeight + kLegendRow * static_cast<double>(estimates.size() + 1));
   svg += legend(estimates) + axes(paths) + axes(errors) + polyline(paths, true_path, "#888", true);
   for (size_t i = 0; i < estimates.size(); ++i) {
     svg += polyline(paths, estimated[i], kColors[i % kColors.size()], false);

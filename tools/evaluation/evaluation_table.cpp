@@ -27,23 +27,23 @@ std::vector<Column> ate_columns() {
   const auto of = [](double ErrorStatistics::*figure) {
     return [figure](const Evaluation& e) -> Value { return e.ate.error_m.*figure; };
   };
-  return {{"ATE rmse m", "ate_rmse_m", 6, of(&ErrorStatistics::rmse)},
-          {"mean m", "ate_mean_m", 6, of(&ErrorStatistics::mean), false},
-          {"median m", "ate_median_m", 6, of(&ErrorStatistics::median)},
-          {"std m", "ate_std_m", 6, of(&ErrorStatistics::std), false},
-          {"min m", "ate_min_m", 6, of(&ErrorStatistics::min), false},
-          {"max m", "ate_max_m", 6, of(&ErrorStatistics::max)}};
+  return {{"ATE rmse, m", "ate_rmse_m", 6, of(&ErrorStatistics::rmse)},
+          {"mean, m", "ate_mean_m", 6, of(&ErrorStatistics::mean), false},
+          {"median, m", "ate_median_m", 6, of(&ErrorStatistics::median)},
+          {"std, m", "ate_std_m", 6, of(&ErrorStatistics::std), false},
+          {"min, m", "ate_min_m", 6, of(&ErrorStatistics::min), false},
+          {"max, m", "ate_max_m", 6, of(&ErrorStatistics::max)}};
 }
 
 /// RMS drift over an interval; `error` returns its statistics.
 void add_rpe_columns(std::vector<Column>& columns, const std::string& title, const std::string& key,
                      const std::function<const std::optional<RpeResult>&(const Evaluation&)>& error) {
   columns.push_back(
-      {"RPE " + title + " m", "rpe_" + key + "_rmse_m", 6, [error](const Evaluation& e) -> Value {
+      {"RPE " + title + ", m", "rpe_" + key + "_rmse_m", 6, [error](const Evaluation& e) -> Value {
          return error(e) ? Value(error(e)->translation_m.rmse) : std::nullopt;
        }});
   columns.push_back(
-      {"RPE " + title + " deg", "rpe_" + key + "_rmse_deg", 4, [error](const Evaluation& e) -> Value {
+      {"RPE " + title + ", deg", "rpe_" + key + "_rmse_deg", 4, [error](const Evaluation& e) -> Value {
          return error(e) ? Value(error(e)->rotation_deg.rmse) : std::nullopt;
        }});
 }
@@ -68,11 +68,11 @@ std::vector<Column> columns_of(std::span<const NamedEvaluation> all) {
   columns.push_back({"scale", "scale", 6, [](const Evaluation& e) -> Value { return e.ate.scale; },
                      std::any_of(all.begin(), all.end(), has_scale)});
   columns.push_back(
-      {"offset s", "offset_s", 4, [](const Evaluation& e) -> Value { return to_seconds(e.offset_ns); },
+      {"offset, s", "offset_s", 4, [](const Evaluation& e) -> Value { return to_seconds(e.offset_ns); },
        std::any_of(all.begin(), all.end(), [](const auto& n) { return n.evaluation.offset_ns != 0; })});
   columns.push_back({"pairs", "pairs", 0,
                      [](const Evaluation& e) -> Value { return static_cast<double>(e.ate.error_m.count); }});
-  columns.push_back({"coverage %", "coverage_percent", 1,
+  columns.push_back({"coverage, %", "coverage_percent", 1,
                      [](const Evaluation& e) -> Value { return 100 * e.coverage.time_fraction; }});
   return columns;
 }
@@ -100,12 +100,13 @@ std::string text_of_one(const Evaluation& evaluation) {
   text += rpe_rows("1 s", evaluation.rpe_second);
   text += rpe_rows("1 f", evaluation.rpe_frame);
   for (const RpeOver& asked : evaluation.rpe) text += rpe_rows(to_string(asked.delta), asked.error);
-  if (evaluation.ate.scale != 1) text += fmt::format("\nscale      {:.6f}\n", evaluation.ate.scale);
+  text += '\n';
+  if (evaluation.ate.scale != 1) text += fmt::format("scale      {:.6f}\n", evaluation.ate.scale);
   if (evaluation.offset_ns != 0)
-    text += fmt::format("\noffset     {:.4f} s\n", to_seconds(evaluation.offset_ns));
+    text += fmt::format("offset     {:.4f} s\n", to_seconds(evaluation.offset_ns));
   return text +
          fmt::format(
-             "\ncoverage   {:.1f} % of the ground truth's duration; {:.1f} % of the estimated poses have "
+             "coverage   {:.1f} % of the ground truth's duration; {:.1f} % of the estimated poses have "
              "ground truth\n",
              100 * evaluation.coverage.time_fraction, 100 * evaluation.coverage.matched_fraction);
 }
