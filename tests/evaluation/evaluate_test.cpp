@@ -263,6 +263,11 @@ TEST(EvaluationOptions, EvoTakesTheClosestTruthOfEachPoseAgain) {
     EXPECT_EQ(pair_poses(estimate, truth, 10'000'000, Convention::kEvo).size(), evo);
     EXPECT_EQ(pair_poses(estimate, truth, 10'000'000, Convention::kTum).size(), tum);
   }
+  EvaluationOptions options;
+  options.convention = Convention::kEvo;
+  const auto rpe = relative_pose_error(truth, truth, {10, RpeDelta::Unit::kFrames}, options);
+  ASSERT_TRUE(rpe);
+  EXPECT_EQ(rpe->translation_m.count, 90U);
   EXPECT_TRUE(pair_poses({}, truth, 1, Convention::kEvo).empty());
   EXPECT_TRUE(pair_poses(truth, {}, 1, Convention::kEvo).empty());
 }

@@ -121,9 +121,10 @@ std::vector<double> positions_along(const Trajectory& path, Unit unit) {
   return along;
 }
 
-/// The first later pose that is closest to `amount` after `from`; nullopt if it is off by more than the
-/// tolerance.
-std::optional<size_t> closest_after(const std::vector<double>& along, size_t from, double amount) {
+/// The first later pose that is closest to `amount` after `from`; nullopt if it is off by more than
+/// `tolerance`.
+std::optional<size_t> closest_after(const std::vector<double>& along, size_t from, double amount,
+                                    double tolerance) {
   const auto gone = [&](size_t i) { return along[i] - along[from]; };
   size_t low = from + 1, high = along.size();
   if (low == high) return std::nullopt;
@@ -139,7 +140,7 @@ std::optional<size_t> closest_after(const std::vector<double>& along, size_t fro
   size_t best = std::min(low, along.size() - 1);
   if (best > from + 1 && off(best - 1) <= off(best)) --best;
   while (best > from + 1 && off(best - 1) == off(best)) --best;  // a camera that stood still
-  return off(best) <= kDeltaTolerance * amount ? std::optional(best) : std::nullopt;
+  return off(best) <= tolerance ? std::optional(best) : std::nullopt;
 }
 
 /// As evo_rpe --all_pairs: intervals of the estimated poses that have a true one.
@@ -151,9 +152,10 @@ MotionErrors errors_of_evo(const Trajectory& estimate, const Trajectory& truth, 
     true_poses.push_back(truth[pair.a]);
   }
   const auto along = positions_along(matched, delta.unit);
+  const double tolerance = delta.unit == Unit::kFrames ? 0 : kDeltaTolerance * delta.amount;
   MotionErrors errors;
   for (size_t from = 0; from + 1 < matched.size(); ++from) {
-    const auto to = closest_after(along, from, delta.amount);
+    const auto to = closest_after(along, from, delta.amount, tolerance);
     if (!to) continue;
     const auto motion = [&](const Trajectory& of) {
       return of[from].T_world_camera.inverse() * of[*to].T_world_camera;
