@@ -71,8 +71,7 @@ std::string seconds_text(int64_t duration_ns) {
   const Trajectory &estimate = request.estimate.file.poses, &truth = request.truth.file.poses;
   std::string remedy = "give the ground truth of the same recording";
   if (const auto offset_ns = estimate_clock_offset(estimate, truth))
-    remedy = fmt::format("the motion is the same {} s apart: try --offset {}",
-                         seconds_text(std::abs(*offset_ns)), seconds_text(*offset_ns));
+    remedy += fmt::format(", or --offset {}: the motion is the same then", seconds_text(*offset_ns));
   throw InputError(fmt::format("{}: {}; {}", request.truth.name,
                                evaluation_failure(estimate, truth, request.options), remedy));
 }
