@@ -19,6 +19,7 @@ fail_before_tests() {
 }
 
 scripts/install_dependencies.sh --tests "$@" || fail_before_tests "The packages could not be installed."
+scripts/install_test_packages.sh || true  # what needs them is skipped
 cmake --preset release -DKINLOOP_TESTS=ON -DKINLOOP_BENCH=ON -DKINLOOP_EXAMPLES=ON \
   -DKINLOOP_PYTHON=ON -DKINLOOP_MINIMAL="$([[ $# -gt 0 ]] && echo ON || echo OFF)" || fail_before_tests "Configuring failed."
 NINJA_STATUS="[%p, %f of %t, %e s] " cmake --build --preset release --parallel "$jobs" ||

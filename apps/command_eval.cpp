@@ -1,4 +1,4 @@
-// kinloop eval: compares an estimated trajectory with ground truth.
+// kinloop eval: compares estimated trajectories with ground truth.
 
 #include <filesystem>
 #include <memory>
@@ -6,91 +6,162 @@
 #include <fmt/format.h>
 
 #include "apps/shared/commands.hpp"
+#include "apps/shared/common_options.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/core/text/json.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/core/time.hpp"
-#include "tools/evaluation/evaluate.hpp"
+#include "session/named_trajectory.hpp"
+#include "tools/evaluation/compare.hpp"
+#include "tools/evaluation/evaluation_plot.hpp"
+#include "tools/evaluation/evaluation_table.hpp"
 
 namespace kinloop {
 namespace {
 
 constexpr const char* kEvalFooter = R"(
-Both files contain lines "timestamp tx ty tz qx qy qz qw". Figures are those of the TUM RGB-D benchmark's tools: poses
-at most 0.02 s apart are associated, the estimate is rigidly aligned to the ground truth (no scale).
+Trajectories are files in TUM format (lines "timestamp tx ty tz qx qy qz qw"), EuRoC or KITTI format, or tables with
+named columns; or folders: of a run, or of a recording with ground truth. Figures are those of the TUM RGB-D
+benchmark's tools: poses at most 0.02 s apart are associated, the estimate is rigidly aligned to the ground truth (no
+scale). See docs/evaluation.md.
   ATE   distance between positions over the whole path          evaluate_ate.py
   RPE   error of the motion over 1 s and from frame to frame    evaluate_rpe.py --fixed_delta
 
 Examples:
   kinloop run rgbd_dataset_freiburg1_room -o room
-  kinloop eval room/trajectory.txt rgbd_dataset_freiburg1_room/groundtruth.txt)";
+  kinloop eval room/trajectory.txt rgbd_dataset_freiburg1_room/groundtruth.txt
+  kinloop eval room other.txt rgbd_dataset_freiburg1_room --rpe 1m --plot errors.svg)";
 
 struct EvalArguments {
-  std::filesystem::path estimate;
-  std::filesystem::path truth;
+  std::vector<std::filesystem::path> trajectories;  ///< estimates, then the ground truth
+  std::string alignment = "se3";
+  std::string convention = "tum";
+  std::string format = "text";
+  std::string offset = "0";
+  double max_difference_s = to_seconds(kMaxAssociationNs);
+  std::vector<std::string> rpe;
+  std::filesystem::path plot;
   bool json = false;
 };
 
-void print_row(const char* name, const char* unit, const ErrorStatistics& s) {
-  fmt::print("{:<20} {:<4} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} {:>10.6f} {:>7}\n", name, unit,
-             s.rmse, s.mean, s.median, s.std, s.min, s.max, s.count);
-}
-
-void print_rpe(const char* interval, const std::optional<RpeResult>& rpe) {
-  if (!rpe) return;
-  print_row(fmt::format("RPE {} translation", interval).c_str(), "m", rpe->translation_m);
-  print_row(fmt::format("RPE {} rotation", interval).c_str(), "deg", rpe->rotation_deg);
-}
-
-void print_table(const Evaluation& evaluation) {
-  fmt::print("{:<25} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>7}\n", "", "rmse", "mean", "median", "std",
-             "min", "max", "pairs");
-  print_row("ATE", "m", evaluation.ate.error_m);
-  print_rpe("1 s", evaluation.rpe_second);
-  print_rpe("1 f", evaluation.rpe_frame);
-  fmt::print(
-      "\ncoverage   {:.1f} % of the ground truth's duration; {:.1f} % of the estimated poses have ground "
-      "truth\n",
-      100 * evaluation.coverage.time_fraction, 100 * evaluation.coverage.matched_fraction);
-}
-
-/// Reads a trajectory; refuses positions so far away that the figures would be noise.
-Trajectory read_plausible(const std::filesystem::path& path) {
-  constexpr double kFarthestM = 1e6;
-  Trajectory trajectory = read_tum_trajectory(path);
-  for (const auto& [stamp_ns, T] : trajectory) {
-    if (T.translation.cwiseAbs().maxCoeff() <= kFarthestM) continue;
-    throw InputError(
-        fmt::format("{}: the position at {} s is over {} km from the origin; correct or delete the line",
-                    path.string(), format_stamp(stamp_ns), kFarthestM / 1000));
+template <class Enum>
+Enum named_value(const std::string& name) {
+  for (const auto& entry : option_names(Enum{})) {
+    if (entry.name == name) return entry.value;
   }
-  return trajectory;
+  return Enum{};
+}
+
+constexpr const char* kEstimateOffset = "estimate";
+
+EvaluationOptions options_of(const EvalArguments& arguments) {
+  EvaluationOptions options{.alignment = named_value<Alignment>(arguments.alignment),
+                            .max_difference_ns = to_ns(arguments.max_difference_s),
+                            .convention = named_value<Convention>(arguments.convention)};
+  if (arguments.offset != kEstimateOffset) options.offset_ns = *parse_stamp_ns(arguments.offset);
+  for (const std::string& delta : arguments.rpe) options.rpe.push_back(*parse_rpe_delta(delta));
+  return options;
+}
+
+/// Throws UsageError if the only path is no folder, which could hold both trajectories.
+void require_truth(const std::vector<std::filesystem::path>& trajectories) {
+  std::error_code unknown;
+  if (trajectories.size() > 1 || std::filesystem::is_directory(trajectories.front(), unknown)) return;
+  throw UsageError(fmt::format("eval {}: the ground truth is missing; give it after the estimates",
+                               trajectories.front().string()));
 }
 
 void run_eval(const EvalArguments& arguments) {
-  const Trajectory estimate = read_plausible(arguments.estimate);
-  const Trajectory truth = read_plausible(arguments.truth);
-  const auto evaluation = evaluate(estimate, truth);
-  if (!evaluation) {
-    throw InputError(fmt::format("{}: {}; give the ground truth of the same recording",
-                                 arguments.truth.string(), evaluation_failure(estimate, truth)));
+  require_truth(arguments.trajectories);
+  auto estimates = arguments.trajectories;
+  const std::filesystem::path truth_path = estimates.back();
+  if (estimates.size() > 1) estimates.pop_back();  // else a run that has its ground truth
+  if (!arguments.plot.empty()) require_writable_file(arguments.plot);
+
+  const NamedTrajectory truth{truth_path.string(), open_ground_truth(truth_path)};
+  std::vector<NamedEvaluation> evaluations;
+  std::vector<PlottedEstimate> plotted;
+  Trajectory plotted_truth;
+  for (const auto& path : estimates) {
+    Comparison found = compare({{path.string(), open_estimate(path)},
+                                truth,
+                                options_of(arguments),
+                                arguments.offset == kEstimateOffset});
+    for (const std::string& note : found.notes) log::warn("{}", note);
+    evaluations.push_back({path.string(), found.evaluation});
+    plotted.push_back({path.string(), std::move(found.estimate), std::move(found.evaluation)});
+    plotted_truth = std::move(found.truth);
   }
-  if (arguments.json) {
-    fmt::print("{}\n", json_text(to_json(*evaluation), 2));
-  } else {
-    print_table(*evaluation);
-  }
+  const auto format = arguments.json ? TableFormat::kJson : named_value<TableFormat>(arguments.format);
+  fmt::print("{}", evaluation_table(evaluations, format));
+  if (!arguments.plot.empty()) write_file(arguments.plot, evaluation_plot(plotted, plotted_truth));
+}
+
+std::string check_offset(const std::string& text) {
+  if (text == kEstimateOffset || parse_stamp_ns(text)) return {};
+  return fmt::format("'{}' is neither seconds nor 'estimate'", text);
+}
+
+std::string check_delta(const std::string& text) {
+  if (parse_rpe_delta(text)) return {};
+  return fmt::format("'{}' is not an interval such as 1s, 10f (frames) or 0.5m", text);
+}
+
+void add_comparison_options(CLI::App& command, EvalArguments& arguments) {
+  constexpr double kMostDifferenceS = 10;
+  command
+      .add_option("--align", arguments.alignment,
+                  "motion that aligns the estimate: se3; sim3: and a scale; yaw: about the vertical z axis\n"
+                  "of the ground truth, and a translation; none")
+      ->check(one_of(names_of<Alignment>()))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--offset", arguments.offset,
+          "seconds to add to the time stamps of the estimate; estimate: find them by comparing motion")
+      ->check(CLI::Validator(check_offset, "SECONDS"))
+      ->capture_default_str();
+  command
+      .add_option("--max-difference", arguments.max_difference_s,
+                  "largest difference between the time stamps of associated poses, s")
+      ->check(kinloop::number(0, kMostDifferenceS))
+      ->capture_default_str();
+  command
+      .add_option("--rpe", arguments.rpe,
+                  "a further interval of the RPE: seconds (5s), frames (10f) or metres of the path (0.5m);\n"
+                  "may be repeated")
+      ->allow_extra_args(false)
+      ->option_text("DELTA")
+      ->check(CLI::Validator(check_delta, "DELTA"));
+  command
+      .add_option("--convention", arguments.convention,
+                  "whose figures to give: tum, or evo: those of evo_ape and evo_rpe --all_pairs")
+      ->check(one_of(names_of<Convention>()))
+      ->capture_default_str();
 }
 
 }  // namespace
 
 void add_eval_command(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("eval", "Compare a trajectory with ground truth: ATE, RPE, coverage");
+  CLI::App* command = app.add_subcommand(
+      "eval", "Compare trajectories with ground truth: ATE, RPE, coverage, tables and plots");
   command->footer(kEvalFooter);
   auto arguments = std::make_shared<EvalArguments>();
-  command->add_option("estimate", arguments->estimate, "the estimated trajectory, in TUM format")->required();
-  command->add_option("groundtruth", arguments->truth, "the true trajectory, in TUM format")->required();
-  command->add_flag("--json", arguments->json, "print the figures as JSON");
+  command
+      ->add_option(
+          "TRAJECTORIES", arguments->trajectories,
+          "estimated trajectories, then the true one: files or folders; the folder of a run alone is\n"
+          "compared with the ground truth that it has")
+      ->option_text("ESTIMATE... GROUNDTRUTH")
+      ->required();
+  add_comparison_options(*command, *arguments);
+  CLI::Option* format = command->add_option("--format", arguments->format, "text, csv, json or latex")
+                            ->check(one_of(names_of<TableFormat>()))
+                            ->capture_default_str();
+  command->add_flag("--json", arguments->json, "print the figures as JSON")->excludes(format);
+  command->add_option("--plot", arguments->plot, "SVG image of the paths and their errors to write")
+      ->option_text("FILE.svg");
   command->callback([arguments] { run_eval(*arguments); });
 }
 

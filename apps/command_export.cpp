@@ -24,7 +24,7 @@
 #include "tools/export/grid_file.hpp"
 #include "tools/export/las.hpp"
 #include "tools/export/mcap/map_recording.hpp"
-#include "tools/export/path_csv.hpp"
+#include "tools/export/trajectory_writer.hpp"
 
 namespace kinloop {
 namespace {
@@ -118,12 +118,18 @@ void require_extension(const char* option, const std::filesystem::path& path,
   throw UsageError(fmt::format("{} {}: the name must end in {}", option, path.string(), list));
 }
 
-/// Writes nothing if `path` is empty; `note` is a comment, for which CSV has no place.
-void write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
-                      const std::string& note = {}) {
-  if (path.empty()) return;
-  if (path.extension() == ".csv") return write_path_csv(path, trajectory, "world");
-  write_tum_trajectory(path, trajectory, note);
+/// Writes the poses of the session and those of its keyframes, where they are asked for.
+void write_trajectories(const ExportArguments& arguments, const OpenMap& open) {
+  const auto session = open.session_log(arguments.session);
+  if (!arguments.trajectory.empty()) {
+    const Trajectory poses = trajectory_of(session, open.map);
+    require_pose_of_each_frame(arguments.trajectory, poses.size(), session.size());
+    write_trajectory_file(arguments.trajectory, poses,
+                          note_on_doubtful_poses(session, open.map, DoubtfulPoses::kLeftOut));
+  }
+  if (!arguments.keyframes.empty())
+    write_trajectory_file(arguments.keyframes,
+                          keyframe_trajectory(open.map, open.component(arguments.session)));
 }
 
 void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Progress& progress) {
@@ -181,6 +187,11 @@ void check(const ExportArguments& arguments) {
   require_extension("--octomap", arguments.octomap, {".bt", ".ot"});
   require_extension("--grid", arguments.grid, {".pgm"});
   require_extension("--mcap", arguments.mcap, {".mcap"});
+  if (is_kitti_name(arguments.keyframes))
+    throw UsageError(
+        fmt::format("--keyframes {}: KITTI format numbers frames, keyframes need time stamps; give a name "
+                    "that ends in .txt or .csv",
+                    arguments.keyframes.string()));
   require_distinct_files(arguments);
   const auto map = map_file_of(arguments.map);
   require_different_file("--trajectory", arguments.trajectory, map);
@@ -193,10 +204,7 @@ void run_export(const ExportArguments& arguments) {
   check(arguments);
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const Progress progress = make_progress_bar(arguments.quiet);
-  const auto session = open.session_log(arguments.session);
-  write_trajectory(arguments.trajectory, trajectory_of(session, open.map),
-                   note_on_doubtful_poses(session, open.map, DoubtfulPoses::kLeftOut));
-  write_trajectory(arguments.keyframes, keyframe_trajectory(open.map, open.component(arguments.session)));
+  write_trajectories(arguments, open);
   if (!arguments.graph.empty()) {
     write_g2o(arguments.graph, {make_pose_graph(open.map, open.options.slam.loop), {}, true, {}});
   }

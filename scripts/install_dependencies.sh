@@ -41,9 +41,9 @@ minimal=false
 for argument in "$@"; do
   case "$argument" in
     --minimal) minimal=true ;;
-    --tests) optional+=("tests of the pages: chromium" "tests of the scripts: python3-numpy python3-pil") ;;
+    --tests) optional+=("tests of the pages: chromium" "tests of the scripts: python3-numpy python3-pil" "comparison with evo: python3-venv") ;;
     --checks)
-      optional+=("tests of the pages: chromium" "tests of the scripts: python3-numpy python3-pil")
+      optional+=("tests of the pages: chromium" "tests of the scripts: python3-numpy python3-pil" "comparison with evo: python3-venv")
       optional+=("fuzzing: clang libclang-rt-dev")
       required+=(clang-format clang-tidy doxygen python3 mkdocs mkdocs-material python3-pymdownx)
       ;;

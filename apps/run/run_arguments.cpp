@@ -81,6 +81,12 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
                      "send a JSON line with the pose of each frame as it is tracked to a file or a pipe, to\n"
                      "standard output (-), to the program that connects to unix:PATH, or to udp:HOST:PORT;\n"
                      "see docs/protocol.md");
+  command
+      .add_option(
+          "--trajectory", arguments.trajectory,
+          "also write the trajectory to this file: .csv: a table, .kitti: KITTI format (refused if a frame\n"
+          "has no pose), others: TUM format")
+      ->option_text("FILE");
   add_frame_option(command, arguments.frame);
   add_viewer_option(command, arguments.viewer);
   add_quiet_option(command, arguments.quiet);

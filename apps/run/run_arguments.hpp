@@ -21,6 +21,7 @@ struct RunArguments {
   std::string viewer;    ///< [ADDRESS:]PORT; empty: none
   std::string poses_to;  ///< where the pose of each frame goes, see open_line_output; empty: nowhere
   std::filesystem::path save_map;
+  std::filesystem::path trajectory;  ///< a second copy, in the format of its name; empty: none
   bool report = false;
   bool keep_doubtful = false;  ///< in trajectory.txt
   double autosave_s = 30;

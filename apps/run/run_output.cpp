@@ -18,6 +18,7 @@
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 #include "session/process.hpp"
+#include "tools/export/trajectory_writer.hpp"
 #include "viewer/report/run_up_direction.hpp"
 
 namespace kinloop {
@@ -47,6 +48,7 @@ RunOutput::RunOutput(const RunArguments& arguments, const RunPlan& plan, Session
     : folder_(arguments.output),
       frame_(arguments.frame),
       poses_only_(arguments.poses_only()),
+      trajectory_copy_(arguments.trajectory),
       doubtful_(arguments.keep_doubtful ? DoubtfulPoses::kKept : DoubtfulPoses::kLeftOut),
       plan_(plan),
       session_(session),
@@ -54,6 +56,7 @@ RunOutput::RunOutput(const RunArguments& arguments, const RunPlan& plan, Session
       saver_(saver_of(arguments, folder_,
                       {session.slam(), session.recorder(), plan.options, arguments.request.sequence})),
       outcome_{plan, session.slam()} {
+  if (!trajectory_copy_.empty()) require_writable_file(trajectory_copy_);
   session.add_listener(frames_);
   session.add_listener(depth_);
 }
@@ -97,6 +100,7 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
   add_timings(all, session_.slam().timings(), program);
   write_file(folder_.run_json(), json_text(all, 2) + "\n");
   if (map_) write_report(folder_);
+  write_trajectory_copy();
   return all;
 }
 
@@ -113,6 +117,14 @@ void RunOutput::write_trajectory() const {
   const Trajectory poses = trajectory();
   write_tum_trajectory(folder_.trajectory(), poses, trajectory_note());
   write_covariances(folder_.covariances(), poses, covariances());
+}
+
+/// Writes the file of --trajectory.
+void RunOutput::write_trajectory_copy() const {
+  if (trajectory_copy_.empty()) return;
+  const Trajectory poses = trajectory();
+  require_pose_of_each_frame(trajectory_copy_, poses.size(), session_.slam().session_log().size());
+  write_trajectory_file(trajectory_copy_, poses, trajectory_note());
 }
 
 std::string RunOutput::trajectory_note() const {

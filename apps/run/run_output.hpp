@@ -64,6 +64,7 @@ class RunOutput {
   [[nodiscard]] TrajectoryCovariances covariances() const;
   [[nodiscard]] std::string trajectory_note() const;
   void write_trajectory() const;
+  void write_trajectory_copy() const;
   [[nodiscard]] MapCloud cloud(const Progress& progress);
   [[nodiscard]] nlohmann::json summary() const;
   void write_results() const;
@@ -72,6 +73,7 @@ class RunOutput {
   RunFolder folder_;
   std::string frame_;  // of the cloud
   bool poses_only_;
+  std::filesystem::path trajectory_copy_;
   DoubtfulPoses doubtful_;  // in trajectory.txt
   const RunPlan& plan_;
   Session& session_;

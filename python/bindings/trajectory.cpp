@@ -10,7 +10,8 @@
 #include "kinloop/core/time.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/stamps.hpp"
-#include "tools/export/path_csv.hpp"
+#include "session/named_trajectory.hpp"
+#include "tools/export/trajectory_writer.hpp"
 
 namespace kinloop::python {
 namespace {
@@ -65,18 +66,18 @@ py::array_t<double> quaternions(const PyTrajectory& trajectory) {
 }
 
 void save_trajectory(const PyTrajectory& trajectory, const std::filesystem::path& path) {
-  if (path.extension() == ".csv") return write_path_csv(path, trajectory.poses, "world");
-  write_tum_trajectory(path, trajectory.poses);
+  write_trajectory_file(path, trajectory.poses);
 }
 
 }  // namespace
 
-Trajectory trajectory_argument(const py::object& argument, const char* name) {
-  if (py::isinstance<PyTrajectory>(argument)) return argument.cast<const PyTrajectory&>().poses;
-  if (!py::isinstance<py::str>(argument) && !py::hasattr(argument, "__fspath__")) {
-    throw UsageError(fmt::format("{}: expected a Trajectory or the path of a file in TUM format", name));
-  }
-  return read_tum_trajectory(argument.cast<std::filesystem::path>());
+TrajectoryFile trajectory_argument(const py::object& argument, const char* name, TrajectoryRole role) {
+  if (py::isinstance<PyTrajectory>(argument))
+    return {.poses = argument.cast<const PyTrajectory&>().poses, .knows_quaternion_order = true};
+  if (!py::isinstance<py::str>(argument) && !py::hasattr(argument, "__fspath__"))
+    throw UsageError(fmt::format("{}: expected a Trajectory or the path of one", name));
+  const auto path = argument.cast<std::filesystem::path>();
+  return role == TrajectoryRole::kEstimate ? open_estimate(path) : open_ground_truth(path);
 }
 
 void bind_trajectory(py::module_& module) {
@@ -89,13 +90,13 @@ The camera looks along z, x is right, y is down. Raises UsageError unless every 
            }),
            py::arg("stamps_s"), py::arg("poses"))
       .def_static(
-          "load", [](const std::filesystem::path& path) { return PyTrajectory{read_tum_trajectory(path)}; },
+          "load", [](const std::filesystem::path& path) { return PyTrajectory{open_estimate(path).poses}; },
           py::arg("path"),
-          "Reads lines \"timestamp tx ty tz qx qy qz qw\" (TUM format). Raises InputError naming file and "
-          "line.")
+          "Reads TUM, EuRoC or KITTI format, a table with named columns, or the folder of a run. Raises "
+          "InputError naming file and line.")
       .def("save", &save_trajectory, py::arg("path"),
            "Writes the TUM format, the same bytes as kinloop run; a name that ends in .csv gives a table "
-           "with header.")
+           "with header, one that ends in .kitti the KITTI format.")
       .def("__len__", [](const PyTrajectory& t) { return t.poses.size(); })
       .def_property_readonly(
           "stamps_s",

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/io/trajectory/trajectory_file.hpp"
 #include "python/bindings/bindings.hpp"
 
 namespace kinloop::python {
@@ -10,8 +10,11 @@ struct PyTrajectory {
   Trajectory poses;
 };
 
-/// Returns the trajectory of an argument: a Trajectory, or the path of a file in TUM format. Throws
-/// UsageError, naming the argument, for anything else.
-Trajectory trajectory_argument(const py::object& argument, const char* name);
+/// Which of the trajectories of a folder is meant.
+enum class TrajectoryRole { kEstimate, kTruth };
+
+/// Returns the trajectory of an argument: a Trajectory, or the path of a file or folder. Throws UsageError,
+/// naming the argument, for anything else.
+TrajectoryFile trajectory_argument(const py::object& argument, const char* name, TrajectoryRole role);
 
 }  // namespace kinloop::python

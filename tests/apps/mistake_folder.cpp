@@ -91,6 +91,7 @@ void make_files(const TempFolder& folder) {
   folder.write("unknown.yaml", camera_with("131") + "focal: 131\n");
   folder.write("text.yaml", camera_with("wide"));
   folder.write("range.yaml", camera_with("5"));
+  folder.write("odd.txt", "1 0 0 0 0\n");
   folder.write("kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   folder.write("late.txt", "9000 0 0 0 0 0 0 1\n9001 1 0 0 0 0 0 1\n9002 0 1 0 0 0 0 1\n");
   const std::string map = read_file(folder.path() / "out/map.kinmap");

@@ -394,6 +394,17 @@ def test_evaluation(result, sequence, program, program_run, tmp_path):
     later = kinloop.Trajectory(truth.stamps_s + 1000, truth.poses)
     with pytest.raises(kinloop.InputError, match="give the ground truth of the same recording"):
         kinloop.evaluate(later, truth)
+    shifted = kinloop.evaluate(later, truth, offset=truth.stamps_s[0] - later.stamps_s[0], rpe=["1m"], align="sim3")
+    assert shifted.scale == pytest.approx(1)
+    assert shifted.offset_s == pytest.approx(truth.stamps_s[0] - later.stamps_s[0])
+    assert list(shifted.rpe) == ["1 m"]
+    assert kinloop.evaluate(program_run, sequence).to_dict() == by_file.to_dict()  # folders
+    table = kinloop.evaluation_table({"a": evaluation, "b": by_file}, "csv")
+    assert [line.split(",")[0] for line in table.splitlines()] == ["estimate", "a", "b"]
+    assert kinloop.evaluation_plot({"a": evaluation}).startswith("<svg")
+    for wrong in ({"align": "yow"}, {"rpe": ["5"]}, {"offset": "now"}, {"max_difference": -1}, {"convention": "x"}):
+        with pytest.raises(kinloop.UsageError, match=next(iter(wrong))):
+            kinloop.evaluate(result.trajectory, truth, **wrong)
 
 
 def test_a_mask_leaves_pixels_out(sequence):

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/time.hpp"
-#include "kinloop/geometry/rigid_alignment.hpp"
 
 namespace kinloop {
 
@@ -38,12 +37,6 @@ ErrorStatistics compute_statistics(std::span<const double> errors) {
 
 namespace {
 
-std::vector<int64_t> stamps_of(const Trajectory& trajectory) {
-  std::vector<int64_t> stamps_ns;
-  for (const StampedPose& pose : trajectory) stamps_ns.push_back(pose.stamp_ns);
-  return stamps_ns;
-}
-
 std::string span_text(const Trajectory& trajectory) {
   if (trajectory.empty()) return "is empty";
   return fmt::format("lasts from {} to {}", format_stamp(trajectory.front().stamp_ns),
@@ -64,29 +57,35 @@ nlohmann::json to_json(const std::optional<RpeResult>& rpe) {
 
 }  // namespace
 
-std::optional<AteResult> absolute_trajectory_error(const Trajectory& estimate, const Trajectory& truth,
-                                                   int64_t max_difference_ns) {
-  const auto pairs = associate_stamps(stamps_of(truth), stamps_of(estimate), max_difference_ns);
-  std::vector<Eigen::Vector3d> truth_points, estimate_points;
-  for (const StampPair& pair : pairs) {
-    truth_points.push_back(truth[pair.a].T_world_camera.translation);
-    estimate_points.push_back(estimate[pair.b].T_world_camera.translation);
-  }
-  const auto T_truth_estimate = align_rigid(truth_points, estimate_points);
-  if (!T_truth_estimate) return std::nullopt;
+Trajectory shifted(Trajectory trajectory, int64_t offset_ns) {
+  for (StampedPose& pose : trajectory) pose.stamp_ns += offset_ns;
+  return trajectory;
+}
 
-  AteResult result;
-  result.T_truth_estimate = *T_truth_estimate;
+std::optional<AteResult> absolute_trajectory_error(const Trajectory& estimate, const Trajectory& truth,
+                                                   const EvaluationOptions& options) {
+  const auto pairs =
+      pair_poses(shifted(estimate, options.offset_ns), truth, options.max_difference_ns, options.convention);
+  std::vector<SE3> true_poses, poses;
+  for (const StampPair& pair : pairs) {
+    true_poses.push_back(truth[pair.a].T_world_camera);
+    poses.push_back(estimate[pair.b].T_world_camera);
+  }
+  const auto S_truth_estimate = align_poses(true_poses, poses, options.alignment);
+  if (!S_truth_estimate) return std::nullopt;
+
+  AteResult result{{}, S_truth_estimate->T, S_truth_estimate->scale, {}};
   std::vector<double> errors_m;
   for (size_t i = 0; i < pairs.size(); ++i) {
-    errors_m.push_back((*T_truth_estimate * estimate_points[i] - truth_points[i]).norm());
+    errors_m.push_back((S_truth_estimate->moved(poses[i]).translation - true_poses[i].translation).norm());
     result.poses.push_back({estimate[pairs[i].b].stamp_ns, errors_m.back()});
   }
   result.error_m = compute_statistics(errors_m);
   return result;
 }
 
-Coverage compute_coverage(const Trajectory& estimate, const Trajectory& truth, int64_t max_gap_ns) {
+Coverage compute_coverage(const Trajectory& estimate, const Trajectory& truth, int64_t max_gap_ns,
+                          int64_t max_difference_ns) {
   if (estimate.empty() || truth.empty()) return {};
   const int64_t begin_ns = truth.front().stamp_ns, end_ns = truth.back().stamp_ns;
   int64_t covered_ns = 0;
@@ -95,37 +94,53 @@ Coverage compute_coverage(const Trajectory& estimate, const Trajectory& truth, i
     if (to_ns - from_ns > max_gap_ns) continue;
     covered_ns += std::max<int64_t>(0, std::min(to_ns, end_ns) - std::max(from_ns, begin_ns));
   }
-  const auto matched = associate_stamps(stamps_of(truth), stamps_of(estimate)).size();
+  const auto matched = associate_stamps(stamps_of(truth), stamps_of(estimate), max_difference_ns).size();
   const auto share = [](auto part, auto whole) {
     return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
   };
   return {share(covered_ns, end_ns - begin_ns), share(matched, estimate.size())};
 }
 
-std::optional<Evaluation> evaluate(const Trajectory& estimate, const Trajectory& truth) {
-  const auto ate = absolute_trajectory_error(estimate, truth);
+std::optional<Evaluation> evaluate(const Trajectory& estimate, const Trajectory& truth,
+                                   const EvaluationOptions& options) {
+  auto ate = absolute_trajectory_error(estimate, truth, options);
   if (!ate) return std::nullopt;
-  return Evaluation{.ate = *ate,
-                    .rpe_second = relative_pose_error(estimate, truth, {1, RpeDelta::Unit::kSeconds}),
-                    .rpe_frame = relative_pose_error(estimate, truth, {1, RpeDelta::Unit::kFrames}),
-                    .coverage = compute_coverage(estimate, truth)};
+  Trajectory scaled = estimate;
+  for (StampedPose& pose : scaled) pose.T_world_camera.translation *= ate->scale;
+  const auto rpe = [&](const RpeDelta& delta) { return relative_pose_error(scaled, truth, delta, options); };
+  Evaluation evaluation{.ate = std::move(*ate),
+                        .rpe_second = rpe({1, RpeDelta::Unit::kSeconds}),
+                        .rpe_frame = rpe({1, RpeDelta::Unit::kFrames}),
+                        .rpe = {},
+                        .offset_ns = options.offset_ns,
+                        .coverage = compute_coverage(shifted(estimate, options.offset_ns), truth, kMaxGapNs,
+                                                     options.max_difference_ns)};
+  for (const RpeDelta& delta : options.rpe) evaluation.rpe.push_back({delta, rpe(delta)});
+  return evaluation;
 }
 
-std::string evaluation_failure(const Trajectory& estimate, const Trajectory& truth) {
-  return fmt::format(
-      "fewer than three poses have ground truth within {} s, or all lie on one line: the estimate {}, the "
-      "truth {}",
-      to_seconds(kMaxAssociationNs), span_text(estimate), span_text(truth));
+std::string evaluation_failure(const Trajectory& estimate, const Trajectory& truth,
+                               const EvaluationOptions& options) {
+  return fmt::format("fewer than three poses have ground truth within {} s: the estimate {}, the truth {}",
+                     to_seconds(options.max_difference_ns), span_text(shifted(estimate, options.offset_ns)),
+                     span_text(truth));
 }
 
 nlohmann::json to_json(const Evaluation& evaluation) {
   nlohmann::json ate = to_json(evaluation.ate.error_m, "m");
   ate["pairs"] = evaluation.ate.error_m.count;
-  return {{"ate", ate},
-          {"rpe_1s", to_json(evaluation.rpe_second)},
-          {"rpe_1frame", to_json(evaluation.rpe_frame)},
-          {"coverage",
-           {{"time", evaluation.coverage.time_fraction}, {"matched", evaluation.coverage.matched_fraction}}}};
+  nlohmann::json all = {
+      {"ate", ate},
+      {"rpe_1s", to_json(evaluation.rpe_second)},
+      {"rpe_1frame", to_json(evaluation.rpe_frame)},
+      {"coverage",
+       {{"time", evaluation.coverage.time_fraction}, {"matched", evaluation.coverage.matched_fraction}}},
+      {"scale", evaluation.ate.scale},
+      {"offset_s", to_seconds(evaluation.offset_ns)}};
+  for (const RpeOver& asked : evaluation.rpe) {
+    all["rpe"].push_back({{"delta", to_string(asked.delta)}, {"error", to_json(asked.error)}});
+  }
+  return all;
 }
 
 }  // namespace kinloop

@@ -1,18 +1,20 @@
 #pragma once
 // In: an estimated trajectory and ground truth, each in its own world frame. Out: their differences, computed
-// exactly as the tools of the TUM RGB-D benchmark do (Sturm et al. 2012).
+// exactly as the tools of the TUM RGB-D benchmark do (Sturm et al. 2012), or as evo does (Grupp 2017).
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "kinloop/core/association.hpp"
 #include "kinloop/geometry/trajectory.hpp"
+#include "tools/evaluation/alignment.hpp"
+#include "tools/evaluation/pose_pairs.hpp"
 
 namespace kinloop {
 
@@ -36,19 +38,26 @@ struct PoseError {
   double error_m = 0;
 };
 
-/// Absolute trajectory error: position errors after the best rigid alignment.
+/// Absolute trajectory error: position errors after the best alignment.
 struct AteResult {
   ErrorStatistics error_m;
-  SE3 T_truth_estimate;  ///< the alignment (no scale)
+  SE3 T_truth_estimate;  ///< the alignment, applied after `scale`
+  double scale = 1;      ///< of the estimate; 1 unless it is estimated
   std::vector<PoseError> poses;
 };
 
 /// Interval of a relative pose error.
 struct RpeDelta {
-  enum class Unit { kSeconds, kFrames };
+  enum class Unit { kSeconds, kFrames, kMeters };
   double amount = 1;
   Unit unit = Unit::kSeconds;
 };
+
+/// Parses "1s", "10f" (frames) or "0.5m"; nullopt if the text is none of them, or not above 0.
+std::optional<RpeDelta> parse_rpe_delta(std::string_view text);
+
+/// Returns "1 s", "10 f" or "0.5 m".
+std::string to_string(const RpeDelta& delta);
 
 /// Relative pose error over a fixed interval, a measure of drift.
 struct RpeResult {
@@ -62,34 +71,63 @@ struct Coverage {
   double matched_fraction = 0;  ///< of the estimated poses, those with a ground truth stamp in tolerance
 };
 
+/// How trajectories are compared.
+struct EvaluationOptions {
+  Alignment alignment = Alignment::kSe3;
+  int64_t offset_ns = 0;  ///< added to the stamps of the estimate
+  int64_t max_difference_ns = kMaxAssociationNs;
+  Convention convention = Convention::kTum;
+  std::vector<RpeDelta> rpe = {};  ///< further intervals, beside 1 s and 1 frame
+};
+
+/// A relative pose error that was asked for.
+struct RpeOver {
+  RpeDelta delta;
+  std::optional<RpeResult> error;
+};
+
 /// All error measures.
 struct Evaluation {
   AteResult ate;
   std::optional<RpeResult> rpe_second;  ///< over 1 s
   std::optional<RpeResult> rpe_frame;   ///< from each frame to the next
+  std::vector<RpeOver> rpe;             ///< over EvaluationOptions::rpe
+  int64_t offset_ns = 0;                ///< added to the stamps of the estimate
   Coverage coverage;
 };
 
-/// ATE as in evaluate_ate.py: closest pairs in time first, each pose used once, Horn's alignment without
-/// scale. nullopt if fewer than three poses have ground truth or all of them are collinear.
+/// ATE as in evaluate_ate.py: closest pairs in time first, each pose used once, Umeyama's alignment, by
+/// default without scale; or as evo_ape. nullopt if fewer than three poses have ground truth.
 std::optional<AteResult> absolute_trajectory_error(const Trajectory& estimate, const Trajectory& truth,
-                                                   int64_t max_difference_ns = kMaxAssociationNs);
+                                                   const EvaluationOptions& options = {});
 
-/// RPE as in evaluate_rpe.py --fixed_delta, but over all pairs instead of 10000 random ones. nullopt if fewer
-/// than two pairs have ground truth.
+/// RPE as in evaluate_rpe.py --fixed_delta, but over all pairs instead of 10000 random ones; over metres, and
+/// by the convention of evo, as evo_rpe --all_pairs. nullopt if fewer than two pairs have ground truth, or if
+/// the poses are too sparse for the interval.
 std::optional<RpeResult> relative_pose_error(const Trajectory& estimate, const Trajectory& truth,
-                                             RpeDelta delta = {});
+                                             RpeDelta delta = {}, const EvaluationOptions& options = {});
+
+/// Explains in one line why `relative_pose_error` returned nullopt.
+std::string rpe_failure(const Trajectory& estimate, const RpeDelta& delta);
+
+/// Estimates farther apart leave a gap in the coverage.
+constexpr int64_t kMaxGapNs = 500'000'000;
 
 /// Returns the fraction of the truth's time span in which successive estimates are at most `max_gap_ns`
 /// apart.
-Coverage compute_coverage(const Trajectory& estimate, const Trajectory& truth,
-                          int64_t max_gap_ns = 500'000'000);
+Coverage compute_coverage(const Trajectory& estimate, const Trajectory& truth, int64_t max_gap_ns = kMaxGapNs,
+                          int64_t max_difference_ns = kMaxAssociationNs);
 
 /// Computes all measures; nullopt if there is no ATE.
-std::optional<Evaluation> evaluate(const Trajectory& estimate, const Trajectory& truth);
+std::optional<Evaluation> evaluate(const Trajectory& estimate, const Trajectory& truth,
+                                   const EvaluationOptions& options = {});
 
 /// Explains in one line why `evaluate` returned nullopt.
-std::string evaluation_failure(const Trajectory& estimate, const Trajectory& truth);
+std::string evaluation_failure(const Trajectory& estimate, const Trajectory& truth,
+                               const EvaluationOptions& options = {});
+
+/// Returns the trajectory with `offset_ns` added to its stamps.
+Trajectory shifted(Trajectory trajectory, int64_t offset_ns);
 
 /// Returns the figures as written by `kinloop eval --json` and to run.json.
 nlohmann::json to_json(const Evaluation& evaluation);

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Installs what some tests compare kinloop with and no distribution packages, from the Python package index, into the
+# virtual environment build/test_packages. Nothing else uses it. Without it, or without a network, these tests are
+# skipped and say so.
+# Usage: scripts/install_test_packages.sh
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+packages=(evo==1.38.1)  # kinloop eval: tests/scripts/evo_test.py
+environment="build/test_packages"
+stamp="$environment/installed"
+
+if [[ "$(cat "$stamp" 2>/dev/null)" == "${packages[*]}" ]]; then exit 0; fi
+rm -rf "$environment"
+mkdir -p build
+echo "Installing for tests: ${packages[*]}"
+if python3 -m venv "$environment" 2>/dev/null && "$environment/bin/pip" install -q "${packages[@]}" 2>"$environment/log"; then
+  echo "${packages[*]}" >"$stamp"
+else
+  echo "The packages for tests could not be installed (no network, or no python3-venv); these tests will be skipped." >&2
+  exit 1
+fi

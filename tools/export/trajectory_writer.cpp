@@ -1,0 +1,44 @@
+#include "tools/export/trajectory_writer.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ostream.h>
+
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "tools/export/path_csv.hpp"
+
+namespace kinloop {
+namespace {
+
+/// The upper three rows of each T_world_camera, row by row.
+void write_kitti(const std::filesystem::path& path, const Trajectory& trajectory) {
+  AtomicFile file(path);
+  for (const StampedPose& pose : trajectory) {
+    const Eigen::Matrix4d T = pose.T_world_camera.matrix();
+    for (int i = 0; i < 12; ++i) fmt::print(file.stream(), "{:.12g}{}", T(i / 4, i % 4), i < 11 ? ' ' : '\n');
+  }
+  file.commit();
+}
+
+}  // namespace
+
+bool is_kitti_name(const std::filesystem::path& path) {
+  return path.extension() == ".kitti";
+}
+
+void require_pose_of_each_frame(const std::filesystem::path& path, size_t poses, size_t frames) {
+  if (!is_kitti_name(path) || poses == frames) return;
+  throw InputError(
+      fmt::format("{}: KITTI format has a line for each frame, but {} of {} frames have no pose; give a name "
+                  "that ends in .txt (TUM format) or .csv",
+                  path.string(), frames - poses, frames));
+}
+
+void write_trajectory_file(const std::filesystem::path& path, const Trajectory& trajectory,
+                           const std::string& note) {
+  if (path.extension() == ".csv") return write_path_csv(path, trajectory, "world");
+  if (is_kitti_name(path)) return write_kitti(path, trajectory);
+  write_tum_trajectory(path, trajectory, note);
+}
+
+}  // namespace kinloop
