@@ -27,7 +27,9 @@ TEST(TrajectoryWriter, WhatItWritesIsReadAgainInEachFormat) {
     for (size_t i = 0; i < poses.size(); ++i) {
       EXPECT_LT((read.poses[i].T_world_camera.inverse() * poses[i].T_world_camera).log().norm(), 1e-8)
           << name;
-      if (read.has_stamps) EXPECT_EQ(read.poses[i].stamp_ns, poses[i].stamp_ns) << name;
+      if (read.has_stamps) {
+        EXPECT_EQ(read.poses[i].stamp_ns, poses[i].stamp_ns) << name;
+      }
     }
   }
 }
