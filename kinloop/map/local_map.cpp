@@ -71,10 +71,8 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
     const Eigen::Vector3d towards_observer =
         T_reference_world * observer.T_world_camera.translation - p_reference;
     local_map.p_reference.push_back(p_reference);
-    // Two views without depth determine a position but do not confirm it.
-    const bool measured = has_depth(map, landmark);
-    local_map.has_depth.push_back(measured);
-    local_map.confirmed.push_back(landmark.observations.size() >= (measured ? 2 : 3));
+    local_map.confirmed.push_back(landmark.observations.size() >= 2);
+    local_map.has_depth.push_back(has_depth(map, landmark));
     local_map.viewing_directions.push_back(towards_observer.normalized());
     local_map.observed_distances_m.push_back(towards_observer.norm());
     local_map.observed_levels.push_back(observer.features->levels[seen.feature]);

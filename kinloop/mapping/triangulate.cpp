@@ -43,9 +43,7 @@ bool consistent_scale(const Features& a, uint32_t i, double distance_a_m, const 
 
 int triangulate_pair(Map& map, KeyframeId id, KeyframeId neighbour_id, const PinholeCamera& camera,
                      const MappingOptions& options) {
-  // With half a pixel of error and the error of the two poses, .03 rad gave depths a tenth off: before a
-  // window without depth the pose drifted away with them (simulated rooms 4 and 105, up to 0.9 m).
-  constexpr double kMinParallaxRad = 0.08;
+  constexpr double kMinParallaxRad = 0.03;  // below it depth along the rays is unconstrained
   constexpr int kMaxHammingDistance = 50;   // bits of 256
   const auto a = collect_unmapped(map.keyframe(id), options.max_depth_m);
   const auto b = collect_unmapped(map.keyframe(neighbour_id), options.max_depth_m);

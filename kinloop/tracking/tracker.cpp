@@ -245,6 +245,7 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
   TrackedFrame rematched = track_local_map({frame, local_map_, sensor, options_.tracking},
                                            tracked.T_reference_camera, options_.tracking.local_map_window_px);
   rematched.evidence.attempts = 1;
+  rematched.evidence.with_depth = count_matches_with_depth(rematched, local_map_);
   rematched.velocity = tracked.velocity;
   rematched.evidence.surfaces = tracked.evidence.surfaces;
   rematched.evidence.moved_share = tracked.evidence.moved_share;
