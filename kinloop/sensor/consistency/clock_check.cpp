@@ -123,7 +123,8 @@ std::optional<MotionLag> motion_lag(std::vector<float> color, std::vector<float>
   MotionLag found;
   found.frames = static_cast<int>(std::max_element(all.begin(), all.end()) - all.begin()) - max_lag;
   for (int lag = -max_lag; lag <= max_lag; ++lag) {
-    const double here = all[static_cast<size_t>(lag + max_lag)];
+    const int index = lag + max_lag;
+    const double here = all[static_cast<size_t>(index)];
     if (lag == found.frames) found.correlation = here;
     if (std::abs(lag) <= kNear) found.without_lag = std::max(found.without_lag, here);
     if (std::abs(lag - found.frames) > kPeak) found.elsewhere = std::max(found.elsewhere, here);

@@ -92,7 +92,7 @@ std::optional<EdgeAlignment> RegistrationCheck::alignment() const {
   // Depth that is 10 % too large reaches a third of the score of registered depth.
   constexpr double kBeyondDoubt = 10;
   if (samples_.size() < kFewestSamples) return std::nullopt;
-  const auto quick = align_edges(samples_, AlignmentSearch::kMirrored);
+  auto quick = align_edges(samples_, AlignmentSearch::kMirrored);
   if (!quick || (quick->registered_score > kBeyondDoubt && quick->best_score == quick->registered_score))
     return quick;
   return align_edges(samples_, AlignmentSearch::kAll);
