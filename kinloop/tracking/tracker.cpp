@@ -59,11 +59,12 @@ bool is_few(const TrackedFrame& tracked) {
 TrackedFrame Tracker::track(const Frame& measured, const TrackingContext& context) const {
   if (repeats_previous_image(measured)) return repeat_previous(measured);
   const Frame frame = without_moved(measured);
-  auto tracked = track_by_patches(frame, context.sensor);
-  tracked = tracked ? with_motion(*std::move(tracked), *tracked->frame, context.sensor)
-                    : track_by_keypoints(frame, context);
-  if (!is_in_long_doubt(*tracked)) return *std::move(tracked);
-  return find_elsewhere(*tracked, measured, context).value_or(*std::move(tracked));
+  const auto by_patches = track_by_patches(frame, context.sensor);
+  TrackedFrame tracked = by_patches ? with_motion(*by_patches, *by_patches->frame, context.sensor)
+                                    : track_by_keypoints(frame, context);
+  if (!is_in_long_doubt(tracked)) return tracked;
+  auto elsewhere = find_elsewhere(tracked, measured, context);
+  return elsewhere ? *std::move(elsewhere) : tracked;
 }
 
 /// Whether a pose has been in doubt for so long that the place should be recognized anew: the camera may

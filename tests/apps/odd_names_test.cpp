@@ -31,7 +31,7 @@ TEST_F(OddNames, BytesThatAreNotUtf8) {
 }
 
 TEST_F(OddNames, LineBreaksInAMessageAreEscaped) {
-  const Run refused = run("eval 'no\nsuch\033[31mfile' x");
+  const Run refused = run("eval x 'no\nsuch\033[31mfile'");
   EXPECT_EQ(refused.exit_code, kBadInput);
   EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
   EXPECT_THAT(refused.err, HasSubstr("no\\nsuch\\x1b[31mfile: no such file"));
@@ -43,7 +43,7 @@ TEST_F(OddNames, ControlCharactersOfUnicodeInAMessageAreEscaped) {
     EXPECT_EQ(refused.exit_code, kBadInput);
     EXPECT_EQ(refused.err.find(control), std::string::npos);
   }
-  EXPECT_THAT(run("eval 'caf\u00e9' x").err, HasSubstr("caf\u00e9"));
+  EXPECT_THAT(run("eval x 'caf\u00e9'").err, HasSubstr("caf\u00e9"));
 }
 
 }  // namespace
