@@ -45,20 +45,13 @@ struct EvalArguments {
   bool json = false;
 };
 
-template <class Enum>
-Enum named_value(const std::string& name) {
-  for (const auto& entry : option_names(Enum{})) {
-    if (entry.name == name) return entry.value;
-  }
-  return Enum{};
-}
-
 constexpr const char* kEstimateOffset = "estimate";
 
+/// The command line has been checked.
 EvaluationOptions options_of(const EvalArguments& arguments) {
-  EvaluationOptions options{.alignment = named_value<Alignment>(arguments.alignment),
+  EvaluationOptions options{.alignment = *value_named<Alignment>(arguments.alignment),
                             .max_difference_ns = to_ns(arguments.max_difference_s),
-                            .convention = named_value<Convention>(arguments.convention)};
+                            .convention = *value_named<Convention>(arguments.convention)};
   if (arguments.offset != kEstimateOffset) options.offset_ns = *parse_stamp_ns(arguments.offset);
   for (const std::string& delta : arguments.rpe) options.rpe.push_back(*parse_rpe_delta(delta));
   return options;
@@ -93,7 +86,7 @@ void run_eval(const EvalArguments& arguments) {
     plotted.push_back({path.string(), std::move(found.estimate), std::move(found.evaluation)});
     plotted_truth = std::move(found.truth);
   }
-  const auto format = arguments.json ? TableFormat::kJson : named_value<TableFormat>(arguments.format);
+  const auto format = arguments.json ? TableFormat::kJson : *value_named<TableFormat>(arguments.format);
   fmt::print("{}", evaluation_table(evaluations, format));
   if (!arguments.plot.empty()) write_file(arguments.plot, evaluation_plot(plotted, plotted_truth));
 }
@@ -105,7 +98,7 @@ std::string check_offset(const std::string& text) {
 
 std::string check_delta(const std::string& text) {
   if (parse_rpe_delta(text)) return {};
-  return fmt::format("'{}' is not an interval such as 1s, 10f (frames) or 0.5m", text);
+  return rpe_delta_error(text);
 }
 
 void add_comparison_options(CLI::App& command, EvalArguments& arguments) {

@@ -7,32 +7,16 @@
 #include <opencv2/imgproc.hpp>
 
 #include "drivers/probe/sequence_statistics.hpp"
+#include "kinloop/sensor/consistency/depth_borders.hpp"
 
 namespace kinloop {
 namespace {
 
 constexpr int kWidth_px = 640, kMaxShift_px = 20, kSide = 2 * kMaxShift_px + 1;
 
-/// Walks along a row (or column): the depths of the line, and the pixel of each.
-template <class DepthAt, class AddBorder>
-void find_borders(int length, const DepthAt& depth_at, const AddBorder& add_border) {
-  constexpr float kJump = 1.08F;     // farther than the neighbour by this factor: another object
-  constexpr int kMaxShadow_px = 12;  // between near and far, where the projector does not shine
-  int previous = -1;
-  float previous_m = 0;
-  for (int i = 0; i < length; ++i) {
-    const float depth_m = depth_at(i);
-    if (!(depth_m > 0)) continue;
-    const bool adjacent = previous >= 0 && i - previous <= kMaxShadow_px;
-    if (adjacent && depth_m > kJump * previous_m) add_border(previous);
-    if (adjacent && previous_m > kJump * depth_m) add_border(i);
-    previous = i;
-    previous_m = depth_m;
-  }
-}
-
 /// Pixels of near objects at their borders, away from the edge of the image by the largest shift.
 std::vector<cv::Point> borders_of(const cv::Mat& depth_m) {
+  constexpr int kMaxShadow_px = 12;
   std::vector<cv::Point> borders;
   const auto add = [&](int x, int y) {
     const bool inside = x >= kMaxShift_px && y >= kMaxShift_px && x < depth_m.cols - kMaxShift_px &&
@@ -40,12 +24,14 @@ std::vector<cv::Point> borders_of(const cv::Mat& depth_m) {
     if (inside) borders.emplace_back(x, y);
   };
   for (int y = 0; y < depth_m.rows; ++y) {
-    find_borders(
-        depth_m.cols, [&](int x) { return depth_m.at<float>(y, x); }, [&](int x) { add(x, y); });
+    find_depth_borders(
+        depth_m.cols, kMaxShadow_px, [&](int x) { return depth_m.at<float>(y, x); },
+        [&](int x) { add(x, y); });
   }
   for (int x = 0; x < depth_m.cols; ++x) {
-    find_borders(
-        depth_m.rows, [&](int y) { return depth_m.at<float>(y, x); }, [&](int y) { add(x, y); });
+    find_depth_borders(
+        depth_m.rows, kMaxShadow_px, [&](int y) { return depth_m.at<float>(y, x); },
+        [&](int y) { add(x, y); });
   }
   return borders;
 }

@@ -30,6 +30,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -69,6 +70,15 @@ constexpr std::string_view name_of(Enum value) {
     if (entry.value == value) return entry.name;
   }
   return {};
+}
+
+/// Returns the value of that name; nullopt if there is none.
+template <NamedEnum Enum>
+constexpr std::optional<Enum> value_named(std::string_view name) {
+  for (const auto& entry : option_names(Enum{})) {
+    if (entry.name == name) return entry.value;
+  }
+  return std::nullopt;
 }
 
 /// Returns all names of the enum in table order.

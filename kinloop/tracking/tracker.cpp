@@ -49,6 +49,15 @@ bool have_equal_pixels(const cv::Mat& a, const cv::Mat& b) {
   return true;
 }
 
+/// Keeps since when something holds; nullopt if it does not.
+void keep_since(std::optional<int64_t>& since_ns, bool holds, int64_t now_ns) {
+  if (!holds) {
+    since_ns.reset();
+  } else if (!since_ns) {
+    since_ns = now_ns;
+  }
+}
+
 /// Whether few landmarks support a pose, such that it may follow what moves.
 bool is_few(const TrackedFrame& tracked) {
   return tracked.evidence.inliers < kMinConfirmed;
@@ -63,8 +72,8 @@ TrackedFrame Tracker::track(const Frame& measured, const TrackingContext& contex
   TrackedFrame tracked = by_patches ? with_motion(*by_patches, *by_patches->frame, context.sensor)
                                     : track_by_keypoints(frame, context);
   if (!is_in_long_doubt(tracked)) return tracked;
-  auto elsewhere = find_elsewhere(tracked, measured, context);
-  return elsewhere ? *std::move(elsewhere) : tracked;
+  if (auto elsewhere = find_elsewhere(tracked, measured, context)) return *std::move(elsewhere);
+  return tracked;
 }
 
 /// Whether a pose has been in doubt for so long that the place should be recognized anew: the camera may
@@ -87,8 +96,7 @@ std::optional<TrackedFrame> Tracker::find_elsewhere(const TrackedFrame& tracked,
   const Map& map = context.map;
   const SE3 T_found_tracked = world_pose(*found, map).inverse() * world_pose(tracked, map);
   if (is_tracked_in(map.keyframe(found->reference).component, tracked, map) &&
-      T_found_tracked.translation.norm() < kMaxDistance_m &&
-      T_found_tracked.log().tail<3>().norm() < kMaxAngle_rad)
+      T_found_tracked.translation.norm() < kMaxDistance_m && T_found_tracked.angle_rad() < kMaxAngle_rad)
     return std::nullopt;
   return with_motion(*std::move(found), std::move(measured), context.sensor);
 }
@@ -201,7 +209,8 @@ bool Tracker::may_be_elsewhere(const Frame& frame) const {
   constexpr int64_t kMaxHidden_ns = 5 * kNsPerSecond;
   const int max_lost = options_.lost_frames_before_new_component;
   if (max_lost <= 0 || lost_frames_ < max_lost) return false;
-  return !lost_behind_moved_ || frame.stamp_ns - lost_since_ns_ > kMaxHidden_ns;
+  const bool hidden = moved_ns_ && lost_since_ns_ - *moved_ns_ < kNsPerSecond;
+  return !hidden || frame.stamp_ns - lost_since_ns_ > kMaxHidden_ns;
 }
 
 /// Whether the motion since the previous frame can be predicted.
@@ -370,22 +379,11 @@ void Tracker::remember(const TrackedFrame& latest) {
   }
   if (!latest.moved.empty()) moved_ns_ = latest.stamp_ns;
   if (latest.is_lost() && hypothesis_since_ns_) previous_.reset();  // it may have been elsewhere
-  if (!is_hypothesis(latest)) {
-    hypothesis_since_ns_.reset();
-  } else if (!hypothesis_since_ns_) {
-    hypothesis_since_ns_ = latest.stamp_ns;
-  }
+  keep_since(hypothesis_since_ns_, is_hypothesis(latest), latest.stamp_ns);
   if (latest.is_lost()) {
-    if (lost_frames_++ == 0) {
-      lost_since_ns_ = latest.stamp_ns;
-      lost_behind_moved_ = moved_ns_ && latest.stamp_ns - *moved_ns_ < kNsPerSecond;
-    }
+    if (lost_frames_++ == 0) lost_since_ns_ = latest.stamp_ns;
   } else {
-    if (!latest.doubtful) {
-      doubtful_since_ns_.reset();
-    } else if (!doubtful_since_ns_) {
-      doubtful_since_ns_ = latest.stamp_ns;
-    }
+    keep_since(doubtful_since_ns_, latest.doubtful, latest.stamp_ns);
     lost_frames_ = 0;
     previous_ = latest;
   }

@@ -101,7 +101,6 @@ class Tracker {
   MotionModel motion_;
   int lost_frames_ = 0;              // in a row
   int64_t lost_since_ns_ = 0;        // if there are any
-  bool lost_behind_moved_ = false;   // within a second after something moved
   std::optional<int64_t> moved_ns_;  // when something moved last
   /// Since when the camera is thought to be where it was relocalized, on weak evidence.
   std::optional<int64_t> hypothesis_since_ns_;

@@ -33,9 +33,7 @@ std::string name_of_argument(const py::object& argument, const char* otherwise) 
 /// Throws UsageError unless `name` is one of the enum's.
 template <class Enum>
 Enum choice_of(const std::string& name, const char* argument) {
-  for (const auto& entry : option_names(Enum{})) {
-    if (entry.name == name) return entry.value;
-  }
+  if (const auto value = value_named<Enum>(name)) return *value;
   throw UsageError(
       fmt::format("{}: '{}' is not one of {}", argument, name, fmt::join(names_of<Enum>(), ", ")));
 }
@@ -44,8 +42,7 @@ std::vector<RpeDelta> deltas_of(const std::vector<std::string>& texts) {
   std::vector<RpeDelta> deltas;
   for (const std::string& text : texts) {
     const auto delta = parse_rpe_delta(text);
-    if (!delta)
-      throw UsageError(fmt::format("rpe: '{}' is not an interval such as 1s, 10f (frames) or 0.5m", text));
+    if (!delta) throw UsageError("rpe: " + rpe_delta_error(text));
     deltas.push_back(*delta);
   }
   return deltas;

@@ -1,6 +1,7 @@
 #include "kinloop/core/options.hpp"
 
 #include <functional>
+#include <optional>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -218,6 +219,11 @@ TEST(ValidateOptions, AcceptsDefaultsAndTheEndsOfRanges) {
   options.inner.ratio = 1;
   options.inner.count = 50;
   EXPECT_NO_THROW(validate(options));
+}
+
+TEST(NamedEnum, HasOneValueForEachName) {
+  EXPECT_EQ(value_named<Solver>("g2o"), Solver::kG2o);
+  EXPECT_EQ(value_named<Solver>("G2O"), std::nullopt);
 }
 
 TEST(ValidateOptions, NamesKeyValueAndExpectation) {

@@ -56,6 +56,9 @@ struct RpeDelta {
 /// Parses "1s", "10f" (frames) or "0.5m"; nullopt if the text is none of them, or not above 0.
 std::optional<RpeDelta> parse_rpe_delta(std::string_view text);
 
+/// Returns what to say of a text that `parse_rpe_delta` refuses.
+std::string rpe_delta_error(std::string_view text);
+
 /// Returns "1 s", "10 f" or "0.5 m".
 std::string to_string(const RpeDelta& delta);
 

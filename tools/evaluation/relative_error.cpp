@@ -192,6 +192,10 @@ std::optional<RpeDelta> parse_rpe_delta(std::string_view text) {
   return delta;
 }
 
+std::string rpe_delta_error(std::string_view text) {
+  return fmt::format("'{}' is not an interval such as 1s, 10f (frames) or 0.5m", text);
+}
+
 std::string to_string(const RpeDelta& delta) {
   const char* unit = delta.unit == Unit::kSeconds ? "s" : delta.unit == Unit::kFrames ? "f" : "m";
   return fmt::format("{} {}", delta.amount, unit);

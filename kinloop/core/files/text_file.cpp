@@ -39,10 +39,7 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 std::vector<TextLine> read_table(const std::filesystem::path& path) {
-  std::string bytes = read_file(path);
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // written by Windows editors
-  if (bytes.starts_with(kByteOrderMark)) bytes.erase(0, kByteOrderMark.size());
-  std::istringstream content(std::move(bytes));
+  std::istringstream content(read_text(path));
   std::vector<TextLine> lines;
   std::string text;
   for (size_t number = 1; std::getline(content, text); ++number) {
@@ -71,6 +68,13 @@ std::string read_file(const std::filesystem::path& path) {
   }
   content.resize(static_cast<size_t>(stream.gcount()));
   return content;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::string bytes = read_file(path);
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // written by Windows editors
+  if (bytes.starts_with(kByteOrderMark)) bytes.erase(0, kByteOrderMark.size());
+  return bytes;
 }
 
 double parse_double(const std::string& text, const std::filesystem::path& path, size_t line) {

@@ -46,12 +46,10 @@ bool begins_like_a_number(const std::string& field) {
 }  // namespace
 
 NumberTable read_number_table(const std::filesystem::path& path) {
-  std::string bytes = read_file(path);
+  std::string bytes = read_text(path);
   if (bytes.find('\0') != std::string::npos)
     throw InputError(
         fmt::format("{}: not a text file; expected lines 'timestamp tx ty tz qx qy qz qw'", path.string()));
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // written by Windows editors
-  if (bytes.starts_with(kByteOrderMark)) bytes.erase(0, kByteOrderMark.size());
   std::istringstream content(std::move(bytes));
   NumberTable table;
   std::string text;

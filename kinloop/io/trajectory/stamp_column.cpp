@@ -4,11 +4,13 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/quantile.hpp"
 #include "kinloop/core/time.hpp"
 
 namespace kinloop {
@@ -43,9 +45,7 @@ std::vector<double> parse_numbers(const std::vector<StampText>& texts, const std
 double median_step(const std::vector<double>& values) {
   std::vector<double> steps;
   for (size_t i = 1; i < values.size(); ++i) steps.push_back(std::abs(values[i] - values[i - 1]));
-  if (steps.empty()) return 0;
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  return steps[steps.size() / 2];
+  return median(std::move(steps));
 }
 
 /// The largest unit in which the stamps are those of a trajectory.

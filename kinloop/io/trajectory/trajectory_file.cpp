@@ -88,7 +88,8 @@ void read_matrices(TrajectoryFile& file, const NumberTable& table, const fs::pat
   const size_t fields = table.rows.front().fields.size();
   for (const TextLine& row : table.rows) {
     require_fields(row, fields, fields, path);
-    file.poses.push_back({static_cast<int64_t>(file.poses.size()) * kNumberedStepNs, parse_matrix(row, path)});
+    file.poses.push_back(
+        {static_cast<int64_t>(file.poses.size()) * kNumberedStepNs, parse_matrix(row, path)});
   }
   file.knows_quaternion_order = true;
   const auto texts = times_beside(path, file.poses.size());

@@ -16,33 +16,27 @@ class ClusterSums {
   void add(const ObservationBlock& block, const BlockResiduals& residuals) {
     for (size_t lane = 0; lane < ObservationBlock::kSize; ++lane) {
       if (!(block.uses_pixel[lane] > 0) || !(residuals.seen[lane] > 0)) continue;
-      Eigen::Vector3d& sum = sums_[cell(block.pixel_y[lane]) * kCells + cell(block.pixel_x[lane])];
       const double depth = block.uses_depth[lane] > 0 ? residuals.depth[lane] : 0;
-      sum += Eigen::Vector3d(residuals.u[lane], residuals.v[lane], depth);
+      sums_.col(cell(block.pixel_y[lane]) * kCells + cell(block.pixel_x[lane])) +=
+          Eigen::Vector3d(residuals.u[lane], residuals.v[lane], depth);
     }
   }
 
   [[nodiscard]] double squared() const {
     double sum = 0;
-    for (const Eigen::Vector3d& of_cell : sums_) sum += of_cell.squaredNorm();
+    for (const auto& of_cell : sums_.colwise()) sum += of_cell.squaredNorm();
     return sum;
   }
 
  private:
-  static constexpr size_t kCells = 4;  // in a row: far apart, errors of lens and depth are unlike
+  static constexpr int kCells = 4;  // in a row: far apart, errors of lens and depth are unlike
 
-  [[nodiscard]] size_t cell(double px) const {
-    return static_cast<size_t>(std::clamp(px / cell_px_, 0.0, static_cast<double>(kCells - 1)));
+  [[nodiscard]] int cell(double px) const {
+    return static_cast<int>(std::clamp(px / cell_px_, 0.0, static_cast<double>(kCells - 1)));
   }
 
   double cell_px_;
-  std::array<Eigen::Vector3d, kCells* kCells> sums_ = filled();
-
-  static std::array<Eigen::Vector3d, kCells * kCells> filled() {
-    std::array<Eigen::Vector3d, kCells * kCells> zero;
-    zero.fill(Eigen::Vector3d::Zero());
-    return zero;
-  }
+  Eigen::Matrix<double, 3, kCells* kCells> sums_ = Eigen::Matrix<double, 3, kCells * kCells>::Zero();
 };
 
 /// Number of unknowns of the poses and points.

@@ -10,6 +10,7 @@
 
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/sensor/consistency/small_images.hpp"
 
 namespace kinloop {
 namespace {
@@ -20,24 +21,17 @@ constexpr int kWidth_px = 40, kHeight_px = 30;
 
 /// The mean brightness of each part of the image, 8UC1.
 cv::Mat small_gray(const Frame& frame) {
-  const cv::Mat gray = frame.gray.empty() ? frame.color.gray() : frame.gray;
   cv::Mat small;
-  cv::resize(frame.octaves.empty() ? gray : frame.octaves.back(), small, {kWidth_px, kHeight_px}, 0, 0,
-             cv::INTER_AREA);
+  cv::resize(frame.octaves.empty() ? gray_of(frame) : frame.octaves.back(), small, {kWidth_px, kHeight_px}, 0,
+             0, cv::INTER_AREA);
   return small;
 }
 
 /// Inverse depth at every n-th pixel, 32FC1, 0 = unknown.
 cv::Mat small_inverse_depth(const cv::Mat& depth_m) {
-  cv::Mat small(kHeight_px, kWidth_px, CV_32FC1);
-  for (int y = 0; y < kHeight_px; ++y) {
-    const auto* from = depth_m.ptr<float>((2 * y + 1) * depth_m.rows / (2 * kHeight_px));
-    auto* to = small.ptr<float>(y);
-    for (int x = 0; x < kWidth_px; ++x) {
-      const float z_m = from[(2 * x + 1) * depth_m.cols / (2 * kWidth_px)];
-      to[x] = z_m > 0 ? 1 / z_m : 0;
-    }
-  }
+  cv::Mat small = sampled_depth(depth_m, {kWidth_px, kHeight_px});
+  for (auto* value = small.ptr<float>(); value != small.ptr<float>() + small.total(); ++value)
+    *value = *value > 0 ? 1 / *value : 0;
   return small;
 }
 

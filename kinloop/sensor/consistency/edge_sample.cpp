@@ -5,6 +5,9 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "kinloop/sensor/consistency/depth_borders.hpp"
+#include "kinloop/sensor/consistency/small_images.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -16,8 +19,8 @@ cv::Size small_size(const cv::Size& size) {
 }
 
 /// The coarsest octave that is not smaller than `size`; making an image smaller costs more than all else.
-cv::Mat gray_of(const Frame& frame, const cv::Size& size) {
-  cv::Mat gray = frame.gray.empty() ? frame.color.gray() : frame.gray;
+cv::Mat coarse_gray(const Frame& frame, const cv::Size& size) {
+  cv::Mat gray = gray_of(frame);
   for (const cv::Mat& octave : frame.octaves) {
     if (octave.cols >= size.width && octave.rows >= size.height) gray = octave;
   }
@@ -41,33 +44,12 @@ cv::Mat edge_contrast(const cv::Mat& gray, const cv::Size& size) {
   return cv::min(contrast, kStrongest);
 }
 
-/// Depth at every n-th pixel; interpolated depth would have no borders.
-cv::Mat sampled_depth(const cv::Mat& depth_m, const cv::Size& size) {
-  cv::Mat small(size, CV_32FC1);
-  for (int y = 0; y < size.height; ++y) {
-    const auto* row = depth_m.ptr<float>((2 * y + 1) * depth_m.rows / (2 * size.height));
-    for (int x = 0; x < size.width; ++x)
-      small.at<float>(y, x) = row[(2 * x + 1) * depth_m.cols / (2 * size.width)];
-  }
-  return small;
-}
-
-/// Marks the borders of near objects in a line: where the next pixel with depth, beyond the shadow of the
-/// projector, is another object. `step` is the distance of neighbours in memory.
+/// Marks the borders in a line of pixels. `step` is the distance of neighbours in memory.
 void mark_borders(const float* depths_m, uchar* borders, int length, int step) {
-  constexpr float kJump = 1.08F;
   constexpr int kMaxShadow_px = 3;
-  int previous = -1;
-  for (int i = 0; i < length; ++i) {
-    const float depth_m = depths_m[i * step];
-    if (!(depth_m > 0)) continue;
-    if (previous >= 0 && i - previous <= kMaxShadow_px) {
-      const float previous_m = depths_m[previous * step];
-      if (depth_m > kJump * previous_m) borders[previous * step] = 1;
-      if (previous_m > kJump * depth_m) borders[i * step] = 1;
-    }
-    previous = i;
-  }
+  find_depth_borders(
+      length, kMaxShadow_px, [&](int i) { return depths_m[i * step]; },
+      [&](int i) { borders[i * step] = 1; });
 }
 
 std::vector<Eigen::Vector2f> borders_of(const cv::Mat& depth_m) {
@@ -96,8 +78,8 @@ EdgeSample make_edge_sample(const Frame& frame) {
   constexpr int kMargin = EdgeSample::kMargin_px;
   EdgeSample sample;
   sample.size = small_size(frame.depth_m.size());
-  cv::copyMakeBorder(edge_contrast(gray_of(frame, sample.size), sample.size), sample.edges, kMargin, kMargin,
-                     kMargin, kMargin, cv::BORDER_CONSTANT, 0);
+  cv::copyMakeBorder(edge_contrast(coarse_gray(frame, sample.size), sample.size), sample.edges, kMargin,
+                     kMargin, kMargin, kMargin, cv::BORDER_CONSTANT, 0);
   sample.borders = borders_of(sampled_depth(frame.depth_m, sample.size));
   return sample;
 }

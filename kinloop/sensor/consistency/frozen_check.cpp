@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/sensor/consistency/small_images.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -64,7 +66,7 @@ std::vector<FrozenTimes::Stretch> FrozenTimes::stretches() const {
 }
 
 void FrozenCheck::observe(const Frame& frame) {
-  auto gray = grid_of<uint8_t>(frame.gray.empty() ? frame.color.gray() : frame.gray);
+  auto gray = grid_of<uint8_t>(gray_of(frame));
   auto depth_m = grid_of<float>(frame.depth_m);
   if (first_ns_) {
     const bool same_color = gray == gray_, same_depth = depth_m == depth_m_;

@@ -1,0 +1,19 @@
+#include "kinloop/sensor/consistency/small_images.hpp"
+
+namespace kinloop {
+
+cv::Mat gray_of(const Frame& frame) {
+  return frame.gray.empty() ? frame.color.gray() : frame.gray;
+}
+
+cv::Mat sampled_depth(const cv::Mat& depth_m, const cv::Size& size) {
+  cv::Mat small(size, CV_32FC1);
+  for (int y = 0; y < size.height; ++y) {
+    const auto* from = depth_m.ptr<float>((2 * y + 1) * depth_m.rows / (2 * size.height));
+    auto* to = small.ptr<float>(y);
+    for (int x = 0; x < size.width; ++x) to[x] = from[(2 * x + 1) * depth_m.cols / (2 * size.width)];
+  }
+  return small;
+}
+
+}  // namespace kinloop
