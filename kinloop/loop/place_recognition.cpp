@@ -28,6 +28,7 @@ std::optional<TrackedFrame> PlaceRecognition::relocalize(const Frame& frame, con
                                  hash(seed, candidate.keyframe.value));
     if (!found) continue;
     found->outcome = TrackingOutcome::kRelocalized;
+    found->evidence.with_depth = count_with_depth(found->matches, local_map);
     return found;
   }
   return std::nullopt;

@@ -91,6 +91,13 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
   return local_map;
 }
 
+int count_with_depth(std::span<const LandmarkMatch> matches, const LocalMap& local_map) {
+  return static_cast<int>(std::count_if(matches.begin(), matches.end(), [&](const LandmarkMatch& match) {
+    const auto index = local_map.index_of.find(match.landmark);
+    return index != local_map.index_of.end() && local_map.has_depth[index->second];
+  }));
+}
+
 std::optional<ProjectedPoint> project_landmark(const LocalMap& local_map, uint32_t index,
                                                const Features& features, const SE3& T_reference_camera,
                                                double window_px, const PinholeCamera& camera) {

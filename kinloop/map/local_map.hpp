@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/map/map.hpp"
+#include "kinloop/map/tracked_frame.hpp"
 
 namespace kinloop {
 
@@ -60,6 +62,9 @@ struct LocalMap {
 
 /// Copies the landmarks of `reference` and of the keyframes that share the most landmarks with it.
 LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOptions& options);
+
+/// Returns how many of the matched landmarks are of known depth.
+int count_with_depth(std::span<const LandmarkMatch> matches, const LocalMap& local_map);
 
 /// Projects landmark `index` into a camera at `T_reference_camera`, with a search window of half side
 /// `window_px` on level 0; nullopt if it is out of view or the viewing direction differs too much.

@@ -24,15 +24,6 @@ int count_with_depth(const Features& features) {
                                         [](float depth_m) { return depth_m > 0; }));
 }
 
-/// Number of matched landmarks of which a keyframe has measured the depth.
-int count_matches_with_depth(const TrackedFrame& tracked, const LocalMap& local_map) {
-  return static_cast<int>(
-      std::count_if(tracked.matches.begin(), tracked.matches.end(), [&](const LandmarkMatch& match) {
-        const auto index = local_map.index_of.find(match.landmark);
-        return index != local_map.index_of.end() && local_map.has_depth[index->second];
-      }));
-}
-
 /// Whether the frame matches enough of the map to be localized without previous frames.
 bool is_localized(const TrackedFrame& tracked, const Frame& frame, const TrackingOptions& options) {
   return tracked.evidence.inliers >= options.min_inliers &&
@@ -255,7 +246,7 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
   TrackedFrame rematched = track_local_map({frame, local_map_, sensor, options_.tracking},
                                            tracked.T_reference_camera, options_.tracking.local_map_window_px);
   rematched.evidence.attempts = 1;
-  rematched.evidence.with_depth = count_matches_with_depth(rematched, local_map_);
+  rematched.evidence.with_depth = count_with_depth(rematched.matches, local_map_);
   rematched.velocity = tracked.velocity;
   rematched.evidence.surfaces = tracked.evidence.surfaces;
   rematched.evidence.moved_share = tracked.evidence.moved_share;
@@ -285,12 +276,13 @@ TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Se
   tracked.velocity = velocity_of(tracked);
   if (tracked.is_located() && tracked.reference == local_map_.reference) {
     const ScopedTimer timer(timings_, "surface evidence");
-    tracked.evidence.with_depth = count_matches_with_depth(tracked, local_map_);
+    tracked.evidence.with_depth = count_with_depth(tracked.matches, local_map_);
     find_moved(tracked, measured);
     tracked.doubtful = is_doubtful(tracked) || (is_few(tracked) && follows_weak_pose());
   }
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
-  if (is_hypothesis(tracked)) tracked.doubtful = true;
+  if (tracked.is_located() && (is_hypothesis(tracked) || lacks_scale(tracked, lacks_scale_)))
+    tracked.doubtful = true;
   return tracked;
 }
 
@@ -359,6 +351,7 @@ void Tracker::reset() {
   lost_frames_ = 0;
   hypothesis_since_ns_.reset();
   doubtful_since_ns_.reset();
+  lacks_scale_ = false;
   moved_ns_.reset();
 }
 
@@ -384,6 +377,7 @@ void Tracker::remember(const TrackedFrame& latest) {
     if (lost_frames_++ == 0) lost_since_ns_ = latest.stamp_ns;
   } else {
     keep_since(doubtful_since_ns_, latest.doubtful, latest.stamp_ns);
+    lacks_scale_ = latest.is_located() && lacks_scale(latest, lacks_scale_);
     lost_frames_ = 0;
     previous_ = latest;
   }

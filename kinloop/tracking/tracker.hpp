@@ -105,6 +105,7 @@ class Tracker {
   /// Since when the camera is thought to be where it was relocalized, on weak evidence.
   std::optional<int64_t> hypothesis_since_ns_;
   std::optional<int64_t> doubtful_since_ns_;  // are the poses, but for lost frames
+  bool lacks_scale_ = false;                  // the previous pose, see `lacks_scale`
 };
 
 }  // namespace kinloop

@@ -260,6 +260,7 @@ TEST_F(Loop, ALostFrameIsRelocalized) {
   const SE3 truth = true_pose(static_cast<int>(found->reference.value)).inverse() * pose;
   // The surrounding map is itself distorted by a few millimetres between keyframes.
   EXPECT_LT(test::distance_m(found->T_reference_camera, truth), 0.05);
+  EXPECT_EQ(found->evidence.with_depth, static_cast<int>(found->matches.size()));
 }
 
 TEST_F(Loop, AFrameFromAnotherPlaceIsNotRelocalized) {

@@ -80,6 +80,16 @@ TEST_F(LocalMapTest, IsConsistentWithTheMap) {
   }
 }
 
+TEST_F(LocalMapTest, CountsMatchesOfKnownDepth) {
+  LocalMap local = make_local_map(map(), KeyframeId{3}, {});
+  std::vector<LandmarkMatch> matches;
+  for (uint32_t i = 0; i < 10; ++i) matches.push_back({local.ids[i], i});
+  matches.push_back({LandmarkId{1'000'000}, 10});  // of another part of the map
+  local.has_depth.assign(local.size(), true);
+  for (const uint32_t triangulated : {2, 7, 8}) local.has_depth[triangulated] = false;
+  EXPECT_EQ(count_with_depth(matches, local), 7);
+}
+
 TEST_F(LocalMapTest, LimitsKeepTheNearestKeyframes) {
   const LocalMap all = make_local_map(map(), KeyframeId{3}, {});
   const auto& own = map().keyframe(KeyframeId{3}).landmark_of;

@@ -62,29 +62,43 @@ TEST(SurfaceEvidence, DoubtsDenseOdometryThatIsUncertain) {
   tracked.covariance(1, 1) = 1;  // along a wall
   EXPECT_TRUE(is_doubtful(tracked));
   tracked.method = TrackingMethod::kKeypoints;
-  tracked.evidence.inliers = tracked.evidence.with_depth = 200;
+  tracked.evidence.inliers = 200;
   EXPECT_FALSE(is_doubtful(tracked));
 }
 
 TEST(SurfaceEvidence, DoubtsAPoseOfAFewLandmarks) {
   TrackedFrame tracked = Found(20).tracked;
-  tracked.evidence.with_depth = 20;
   EXPECT_FALSE(is_doubtful(tracked));
-  tracked.evidence.inliers = tracked.evidence.with_depth = 8;
+  tracked.evidence.inliers = 8;
   EXPECT_TRUE(is_doubtful(tracked));
 }
 
-TEST(SurfaceEvidence, DoubtsAPoseOfTriangulatedLandmarksWithoutSurfaces) {
+TEST(SurfaceEvidence, FindsThatTriangulatedLandmarksWithoutSurfacesDoNotHoldTheScale) {
   TrackedFrame tracked = Found(200).tracked;
   tracked.evidence.with_depth = 8;
-  EXPECT_TRUE(is_doubtful(tracked));
+  EXPECT_TRUE(lacks_scale(tracked, false));
   tracked.evidence.surfaces = {500, 0, 0};
-  EXPECT_FALSE(is_doubtful(tracked));
+  EXPECT_FALSE(lacks_scale(tracked, false));
+}
+
+TEST(SurfaceEvidence, RestoresTheScaleByLandmarksOfKnownDepthAlone) {
+  TrackedFrame tracked = Found(200).tracked;
+  tracked.evidence.surfaces = {500, 0, 0};
+  tracked.evidence.with_depth = 8;
+  EXPECT_TRUE(lacks_scale(tracked, true));
+  tracked.evidence.with_depth = 20;
+  EXPECT_FALSE(lacks_scale(tracked, true));
+}
+
+TEST(SurfaceEvidence, LeavesTheScaleOfDenseOdometryAsItWas) {
+  TrackedFrame tracked = Found(0).tracked;
+  tracked.method = TrackingMethod::kDense;
+  EXPECT_FALSE(lacks_scale(tracked, false));
+  EXPECT_TRUE(lacks_scale(tracked, true));
 }
 
 TEST(SurfaceEvidence, DoubtsAPoseIfHalfOfTheImageMoves) {
   TrackedFrame tracked = Found(200).tracked;
-  tracked.evidence.with_depth = 200;
   tracked.evidence.moved_share = 0.4;
   EXPECT_FALSE(is_doubtful(tracked));
   tracked.evidence.moved_share = 0.6;

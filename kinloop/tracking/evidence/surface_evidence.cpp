@@ -7,6 +7,9 @@ namespace {
 
 constexpr int kMinPoints = 200;  // in both views; fewer decide nothing
 
+/// Fewer may be those of something that moves: in ten recordings and rooms without, 51 are the least.
+constexpr int kMinLandmarks = 15;
+
 bool is_above(const SurfaceAgreement& agreement, double max_contradicted_share) {
   return agreement.consistent + agreement.contradicted >= kMinPoints &&
          agreement.contradicted_share() > max_contradicted_share;
@@ -17,15 +20,6 @@ bool is_above(const SurfaceAgreement& agreement, double max_contradicted_share) 
 double contradicted_by_turning(double turning_rad_s) {
   constexpr double kShare_s = 0.15, kMaxShare = 0.25;
   return std::min(kShare_s * turning_rad_s, kMaxShare);
-}
-
-/// Whether landmarks support a pose. Few may be those of something that moves: in ten recordings and rooms
-/// without, 51 are the least. Triangulated ones do not hold the scale: with few others, surfaces must, as
-/// they do where a RealSense sees windows (350 points or more).
-bool is_supported(const TrackingEvidence& evidence) {
-  constexpr int kMinLandmarks = 15;
-  const bool is_metric = evidence.with_depth >= kMinLandmarks || evidence.surfaces.consistent >= kMinPoints;
-  return evidence.inliers >= kMinLandmarks && is_metric;
 }
 
 }  // namespace
@@ -66,7 +60,14 @@ bool is_doubtful(const TrackedFrame& tracked) {
       kMaxContradicted + contradicted_by_turning(tracked.velocity.angular_rad_s.norm());
   if (is_above(evidence.surfaces, max_contradicted) || evidence.moved_share > kMaxMoved) return true;
   return tracked.method == TrackingMethod::kDense ? position_sigma_m(tracked.covariance) > kMaxDenseSigma_m
-                                                  : !is_supported(evidence);
+                                                  : evidence.inliers < kMinLandmarks;
+}
+
+bool lacks_scale(const TrackedFrame& tracked, bool lacked_before) {
+  if (tracked.evidence.with_depth >= kMinLandmarks) return false;
+  // Where a RealSense sees windows, 350 points or more are consistent.
+  const bool surfaces_hold_it = tracked.evidence.surfaces.consistent >= kMinPoints;
+  return lacked_before || (tracked.method != TrackingMethod::kDense && !surfaces_hold_it);
 }
 
 }  // namespace kinloop

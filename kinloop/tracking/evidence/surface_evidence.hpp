@@ -26,4 +26,9 @@ bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const Tracke
 /// accumulated. Needs the velocity.
 bool is_doubtful(const TrackedFrame& tracked);
 
+/// Whether nothing holds the scale of a pose. Triangulated landmarks do not: others must, or surfaces. Once
+/// it has been lacking, only landmarks of known depth restore it, since surfaces also agree with a reference
+/// whose own pose has drifted.
+bool lacks_scale(const TrackedFrame& tracked, bool lacked_before);
+
 }  // namespace kinloop
