@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "kinloop/map/frame_log.hpp"
+
 namespace kinloop {
 
 const char* frame_status(const TrackedFrame& tracked) {
@@ -11,9 +13,10 @@ const char* frame_status(const TrackedFrame& tracked) {
 }
 
 void FrameRecorder::on_frame(const TrackedFrame& tracked) {
+  const size_t frame = feature_counts_.size();
   feature_counts_.push_back(static_cast<int>(tracked.features().size()));
   if (tracked.is_lost() || tracked.doubtful) return;
-  online_poses_.push_back({tracked.stamp_ns, tracked.T_world_camera, tracked.world_covariance});
+  live_poses_.push_back({frame, {tracked.stamp_ns, tracked.T_world_camera, tracked.world_covariance}});
 }
 
 FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings& times) const {
@@ -26,6 +29,22 @@ FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings
         {frame.stamp_ns, frame_status(frame), feature_counts_[i], frame.evidence.inliers, ms, sigma_m});
   }
   return rows;
+}
+
+std::vector<PoseWithCovariance> FrameRecorder::live_poses(std::span<const TrackedFrame> log,
+                                                          const Map& map) const {
+  const uint32_t component = main_component(log, map);
+  std::vector<PoseWithCovariance> poses;
+  for (const LivePose& live : live_poses_) {
+    if (live.frame < log.size() && is_tracked_in(component, log[live.frame], map)) poses.push_back(live.pose);
+  }
+  return poses;
+}
+
+Trajectory trajectory_of(std::span<const PoseWithCovariance> poses) {
+  Trajectory trajectory;
+  for (const PoseWithCovariance& pose : poses) trajectory.push_back({pose.stamp_ns, pose.T_world_camera});
+  return trajectory;
 }
 
 }  // namespace kinloop

@@ -1,10 +1,11 @@
 #pragma once
-// In: the frames of a run. Out: the rows of frames.txt.
+// In: the frames of a run. Out: the rows of frames.txt, and the poses of live.txt.
 
 #include <span>
 #include <vector>
 
 #include "kinloop/core/timings.hpp"
+#include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "tools/evaluation/consistency.hpp"
 #include "viewer/report/frame_table.hpp"
@@ -24,13 +25,24 @@ class FrameRecorder : public Listener {
   /// Returns the rows, with the time of each frame. `log` has the same frames.
   [[nodiscard]] FrameTable table(std::span<const TrackedFrame> log, const Timings& times) const;
 
-  /// Returns the poses that tracking gave, with their covariances, of frames that were neither lost nor
-  /// doubtful.
-  [[nodiscard]] const std::vector<PoseWithCovariance>& online_poses() const { return online_poses_; }
+  /// Returns the poses that tracking gave, each in the map as it was then, with their covariances. Frames
+  /// that were lost or doubtful are left out, and those of other components than the main one, whose world
+  /// frames are their own. `log` has the same frames.
+  [[nodiscard]] std::vector<PoseWithCovariance> live_poses(std::span<const TrackedFrame> log,
+                                                           const Map& map) const;
 
  private:
+  /// A pose as tracking gave it.
+  struct LivePose {
+    size_t frame;  // index in the log
+    PoseWithCovariance pose;
+  };
+
   std::vector<int> feature_counts_;  // the log drops the features
-  std::vector<PoseWithCovariance> online_poses_;
+  std::vector<LivePose> live_poses_;
 };
+
+/// Returns the poses without their covariances.
+Trajectory trajectory_of(std::span<const PoseWithCovariance> poses);
 
 }  // namespace kinloop

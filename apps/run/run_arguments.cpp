@@ -17,7 +17,7 @@ void add_map_arguments(CLI::App& command, RunArguments& arguments) {
   CLI::Option* localize = command.add_flag(
       "--localize", arguments.request.settings.localize,
       "only localise in the map of --load-map; do not change the map. Writes only\n"
-      "trajectory.txt, covariances.txt, frames.txt and run.json; no cloud, report or map file");
+      "trajectory.txt, covariances.txt, live.txt, frames.txt and run.json; no cloud, report or map file");
   command
       .add_flag(
           "--report", arguments.report,

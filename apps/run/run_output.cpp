@@ -84,7 +84,7 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
   release_freed_memory();
   if (map_) outcome_.map_points = map_->cloud.size();
   outcome_.warnings = session_.input().warnings();
-  outcome_.online_poses = frames_.online_poses();
+  outcome_.live_poses = live_poses();
   outcome_.evaluation = evaluate(trajectory(), plan_.source->info().ground_truth);
   outcome_.wall_s = ending.since_start.wall_s();
   outcome_.interrupted = !ending.complete;
@@ -110,6 +110,10 @@ bool RunOutput::check() const {
 
 TrajectoryCovariances RunOutput::covariances() const {
   return covariances_of(session_.slam().session_log(), session_.slam().map(), doubtful_);
+}
+
+std::vector<PoseWithCovariance> RunOutput::live_poses() const {
+  return frames_.live_poses(session_.slam().session_log(), session_.slam().map());
 }
 
 /// Writes the trajectory with its covariances.
@@ -164,6 +168,7 @@ void RunOutput::write_results() const {
   const Slam& slam = session_.slam();
   const FrameSource& source = *plan_.source;
   write_frame_table(folder_.frames(), frames_.table(slam.session_log(), slam.timings()));
+  write_tum_trajectory(folder_.live(), trajectory_of(outcome_.live_poses));
   write_mask();
   if (!map_) return write_trajectory();
   write_run_files(

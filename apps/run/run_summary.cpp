@@ -192,9 +192,11 @@ json run_summary(const RunOutcome& o) {
     json consistency = consistency_json(poses, truth);
     if (!consistency.is_null()) {
       consistency["frames"] = consistency_json(frames_with_covariance(o.slam, component), truth);
-      consistency["online"] = consistency_json(o.online_poses, truth);
+      consistency["online"] = consistency_json(o.live_poses, truth);
     }
     summary["evaluation"]["consistency"] = consistency;
+    const auto live = evaluate(trajectory_of(o.live_poses), truth);
+    summary["evaluation"]["live"] = live ? to_json(*live) : json(nullptr);
   }
   summary["options"] = options_json(o.plan.options);
   return summary;
@@ -252,7 +254,9 @@ std::string summary_text(const json& s) {
       s["frame_ms"]["p95"].get<double>(), s["peak_memory_mib"].get<double>());
   if (!s.contains("evaluation")) return text;
   const json& e = s["evaluation"];
-  return text + fmt::format("error      ATE {:.4f} m\n", e["ate"]["rmse_m"].get<double>());
+  text += fmt::format("error      ATE {:.4f} m", e["ate"]["rmse_m"].get<double>());
+  if (e["live"].is_object()) text += fmt::format(", {:.4f} m live", e["live"]["ate"]["rmse_m"].get<double>());
+  return text + "\n";
 }
 
 }  // namespace kinloop

@@ -20,10 +20,10 @@ namespace kinloop {
 struct RunOutcome {
   const RunPlan& plan;
   const Slam& slam;
-  std::vector<InputWarning> warnings = {};            ///< where the input contradicts itself
-  std::optional<Evaluation> evaluation = {};          ///< if there is ground truth
-  std::vector<PoseWithCovariance> online_poses = {};  ///< as tracking gave them
-  std::optional<size_t> map_points = {};              ///< of the cloud, if one was fused
+  std::vector<InputWarning> warnings = {};          ///< where the input contradicts itself
+  std::optional<Evaluation> evaluation = {};        ///< if there is ground truth
+  std::vector<PoseWithCovariance> live_poses = {};  ///< as tracking gave them
+  std::optional<size_t> map_points = {};            ///< of the cloud, if one was fused
   double wall_s = 0;
   bool interrupted = false;  ///< or ended by a failing source
 };

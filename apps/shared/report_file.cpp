@@ -125,6 +125,7 @@ RunReport read_run(const RunFolder& folder) {
   run.name = run_name(run.metrics, folder.path());
   run.estimate = read_tum_trajectory(folder.trajectory());
   run.keyframes = read_if_there(folder.keyframes());
+  run.live = read_if_there(folder.live());
   run.truth = read_if_there(folder.ground_truth());
   if (fs::exists(folder.frames())) run.frames = read_frame_table(folder.frames());
   return run;

@@ -32,6 +32,7 @@ class RunFolder {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::filesystem::path trajectory() const { return path_ / "trajectory.txt"; }
+  [[nodiscard]] std::filesystem::path live() const { return path_ / "live.txt"; }
   [[nodiscard]] std::filesystem::path covariances() const { return path_ / "covariances.txt"; }
   [[nodiscard]] std::filesystem::path keyframes() const { return path_ / "keyframes.txt"; }
   [[nodiscard]] std::filesystem::path ground_truth() const { return path_ / "groundtruth.txt"; }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/synthetic_map.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -45,6 +47,32 @@ TEST(FrameRecorder, SigmaIsThatOfTheLeastCertainDirection) {
   const FrameTable table = recorder.table(std::vector{frame, lost}, {});
   EXPECT_NEAR(table[0].sigma_m, 3e-3, 1e-9);
   EXPECT_EQ(table[1].sigma_m, 0);
+}
+
+TEST(FrameRecorder, LivePosesAreThoseThatTrackingGaveInTheMainComponent) {
+  test::SyntheticMap built;
+  const auto world = test::make_world(100, 1);
+  for (int i = 0; i < 2; ++i)
+    test::add_view(built, world, test::observe(world, test::pose_on_arc(i), {}, 1), test::pose_on_arc(i));
+  FrameRecorder recorder;
+  std::vector<TrackedFrame> log;
+  for (int i = 0; i < 4; ++i) {
+    TrackedFrame frame = tracked(TrackingOutcome::kTracked);
+    frame.stamp_ns = i;
+    frame.reference = KeyframeId{0};
+    frame.T_world_camera.translation.x() = i;
+    frame.doubtful = i == 1;
+    recorder.on_frame(frame);
+    frame.doubtful = false;                      // trusted later
+    frame.T_world_camera.translation.x() += 10;  // corrected later
+    log.push_back(frame);
+  }
+  log[2].outcome = TrackingOutcome::kLost;
+  const auto live = recorder.live_poses(log, built.map);
+  ASSERT_EQ(live.size(), 2U);
+  EXPECT_EQ(live[0].stamp_ns, 0);
+  EXPECT_EQ(live[1].stamp_ns, 3);
+  EXPECT_EQ(live[1].T_world_camera.translation.x(), 3);
 }
 
 }  // namespace

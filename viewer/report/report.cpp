@@ -131,6 +131,7 @@ json run_json(const RunReport& run, const SE3& T_plot_world, const SE3& T_plot_t
                {"path", path_json(run.estimate, T_plot_estimate, start_ns)},
                {"keyframes", path_json(run.keyframes, T_plot_estimate, start_ns)},
                {"loops", loops_json(run)},
+               {"live", path_json(run.live, T_plot_estimate, start_ns)},
                {"frames", frames_json(run.frames, start_ns)},
                {"mapPictures", images_json(run.map_images)},
                {"loopPictures", images_json(run.loop_images)},
@@ -142,6 +143,8 @@ json run_json(const RunReport& run, const SE3& T_plot_world, const SE3& T_plot_t
     data["truth"] = path_json(run.truth, T_plot_truth, start_ns);
     data["errors"] = errors_json(evaluation->ate, start_ns);
     data["evaluation"] = to_json(*evaluation);
+    if (const auto live = absolute_trajectory_error(run.live, run.truth))
+      data["liveErrors"] = errors_json(*live, start_ns);
   }
   return data;
 }

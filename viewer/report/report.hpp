@@ -26,6 +26,7 @@ struct RunReport {
   std::string name;
   nlohmann::json metrics;
   Trajectory estimate, keyframes, truth;
+  Trajectory live;  ///< the poses as they were given while frames came
   FrameTable frames;
   std::vector<ReportImage> map_images;
   std::vector<ReportImage> loop_images;

@@ -16,7 +16,7 @@ export function errorSection(all) {
     'Absolute trajectory error',
     all.length > 1 ? legend(runs) : undefined,
     row(
-      figure(overTime(runs), `ATE over time; dashed: RMSE${doubtCaption(runs)}`),
+      figure(overTime(runs), `ATE over time; dashed: RMSE${liveCaption(runs)}${doubtCaption(runs)}`),
       figure(histogram(runs), `Error histogram${all.length > 1 ? '' : `: ${single}`}`),
     ),
   );
@@ -27,7 +27,20 @@ function overTime(runs) {
     line(outline(rows(run.errors), 'mm'), { x: 't', y: 'mm', stroke: run.color, strokeWidth: 1.3 }),
     ruleY([1000 * run.evaluation.ate.rmse_m], { stroke: run.color, strokeDasharray: '5 4' }),
   ]);
+  if (live(runs)) marks.unshift(line(outline(rows(live(runs)), 'mm'), { x: 't', y: 'mm', stroke: 'var(--live)', strokeWidth: 1 }));
   return draw('ATE over time', [doubtMarks(runs), ...marks], { x: { label: 's' }, y: { label: 'mm', domain: fromZero(runs) } });
+}
+
+/** The errors of the poses as they were given live; of several runs they would hide the others. */
+function live(runs) {
+  return runs.length === 1 ? runs[0].liveErrors : undefined;
+}
+
+function liveCaption(runs) {
+  if (!live(runs)) return '';
+  const { mm } = live(runs);
+  const rmse = Math.sqrt(mm.reduce((sum, error) => sum + error * error, 0) / mm.length);
+  return `; purple: as given live, RMSE ${rmse.toFixed(1)} mm`;
 }
 
 function histogram(runs) {
@@ -41,5 +54,6 @@ function histogram(runs) {
 }
 
 function fromZero(runs) {
-  return [0, extent(runs.flatMap((run) => run.errors.mm))[1] || 1];
+  const mm = runs.flatMap((run) => run.errors.mm).concat(live(runs)?.mm ?? []);
+  return [0, extent(mm)[1] || 1];
 }

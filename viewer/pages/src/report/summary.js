@@ -9,6 +9,7 @@ const FIGURES = [
   ['quality', ({ figures: f }, index, runs) => runs.length > 1 && f.quality?.verdict],
   ['tracked frames', ({ figures: f }) => f.frames && `${count(f.tracked)} of ${count(f.frames)}`],
   ['ATE RMSE', ({ evaluation: e }) => e && millimetres(e.ate.rmse_m)],
+  ['ATE RMSE as given live', ({ figures: f }) => f.evaluation?.live && millimetres(f.evaluation.live.ate.rmse_m)],
   ['max ATE', ({ evaluation: e }) => e && millimetres(e.ate.max_m)],
   ['RPE RMSE over 1 s', ({ evaluation: e }) => e?.rpe_1s && `${millimetres(e.rpe_1s.translation.rmse_m)}, ${e.rpe_1s.rotation.rmse_deg.toFixed(2)}\u00b0`],
   ['RPE RMSE frame to frame', ({ evaluation: e }) => e?.rpe_frame && `${millimetres(e.rpe_frame.translation.rmse_m)}, ${e.rpe_frame.rotation.rmse_deg.toFixed(2)}\u00b0`],
