@@ -41,10 +41,4 @@ std::vector<PoseWithCovariance> FrameRecorder::live_poses(std::span<const Tracke
   return poses;
 }
 
-Trajectory trajectory_of(std::span<const PoseWithCovariance> poses) {
-  Trajectory trajectory;
-  for (const PoseWithCovariance& pose : poses) trajectory.push_back({pose.stamp_ns, pose.T_world_camera});
-  return trajectory;
-}
-
 }  // namespace kinloop

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "kinloop/core/timings.hpp"
-#include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "tools/evaluation/consistency.hpp"
 #include "viewer/report/frame_table.hpp"
@@ -41,8 +40,5 @@ class FrameRecorder : public Listener {
   std::vector<int> feature_counts_;  // the log drops the features
   std::vector<LivePose> live_poses_;
 };
-
-/// Returns the poses without their covariances.
-Trajectory trajectory_of(std::span<const PoseWithCovariance> poses);
 
 }  // namespace kinloop

@@ -176,7 +176,7 @@ TEST_F(TrackerOutcome, ACameraIsNotRelocalizedWhereItCannotHaveGot) {
     found.outcome = TrackingOutcome::kRelocalized;
     found.reference = KeyframeId{0};
     found.T_reference_camera.translation = {2, 0, 0};
-    found.evidence.inliers = 500;
+    found.evidence.inliers = found.evidence.with_depth = 500;
     return std::optional(found);
   };
   EXPECT_TRUE(show(elsewhere()).is_lost());
@@ -222,7 +222,7 @@ TEST_F(TrackerOutcome, AfterLongDoubtThePlaceIsRecognizedAnew) {
     found.outcome = TrackingOutcome::kRelocalized;
     found.reference = KeyframeId{0};
     found.T_reference_camera.translation = {2, 0, 0};
-    found.evidence.inliers = 500;
+    found.evidence.inliers = found.evidence.with_depth = 500;
     return found;
   };
   const auto few = [this] {

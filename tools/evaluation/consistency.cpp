@@ -22,6 +22,12 @@ bool is_within_4_sigma(const Eigen::Vector3d& error, const Eigen::Matrix3d& cova
 
 }  // namespace
 
+Trajectory trajectory_of(std::span<const PoseWithCovariance> poses) {
+  Trajectory trajectory;
+  for (const PoseWithCovariance& pose : poses) trajectory.push_back({pose.stamp_ns, pose.T_world_camera});
+  return trajectory;
+}
+
 std::optional<Consistency> evaluate_consistency(const std::vector<PoseWithCovariance>& poses,
                                                 const Trajectory& truth) {
   if (poses.empty()) return std::nullopt;

@@ -2,6 +2,7 @@
 // In: poses with covariances, and ground truth. Out: whether the errors are consistent with the covariances.
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kinloop/geometry/trajectory.hpp"
@@ -15,6 +16,9 @@ struct PoseWithCovariance {
   SE3 T_world_camera;
   Matrix6d covariance = Matrix6d::Zero();
 };
+
+/// Returns the poses without their covariances.
+Trajectory trajectory_of(std::span<const PoseWithCovariance> poses);
 
 /// Normalised estimation error squared (Bar-Shalom et al. 2001, section 5.4), averaged over poses: 3 each if
 /// the covariances are right, more if they are too small.
