@@ -6,7 +6,12 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-packages=(evo==1.38.1)  # kinloop eval: tests/scripts/evo_test.py
+packages=(
+  evo==1.38.1                              # kinloop eval: tests/scripts/evo_test.py
+  "g2opy==2.3.0; python_version>='3.11'"   # kinloop optimize: tests/scripts/g2o_test.py
+  rosbags==0.11.9 mcap==1.6.0              # bags and .mcap files: tests/scripts/bags_test.py
+  pyrealsense2==2.59.1.11053               # .bag files of RealSense cameras: tests/scripts/realsense_test.py
+)
 environment="build/test_packages"
 stamp="$environment/installed"
 
