@@ -1,5 +1,6 @@
 #include "drivers/ros/sdk_text.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string>

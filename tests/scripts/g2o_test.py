@@ -92,7 +92,7 @@ class Agreement(unittest.TestCase):
             with self.subTest(f"{graph.stem} by {solver}"):
                 solved = folder / f"{solver}.g2o"
                 ours = json.loads(kinloop("optimize", graph, "-o", solved, "--solver", solver, "--json",
-                                          "--start", "tree" if graph.stem in FAR_STARTS else "auto"))
+                                          "--start", "tree" if solver == "g2o" and graph.stem in FAR_STARTS else "auto"))
                 self.assertEqual(ours["solver"], solver)
                 self.assertEqual((ours["vertices"], ours["edges"]), (len(theirs.vertices()), len(theirs.edges())))
                 self.assertAlmostEqual(ours["chi2_before"] / before, 1, delta=CHI2_TOLERANCE)
@@ -113,7 +113,7 @@ class Agreement(unittest.TestCase):
         """Of a room with a loop, before the last optimization of the run."""
         with tempfile.TemporaryDirectory() as folder:
             folder = Path(folder)
-            kinloop("simulate", "room", "--size", "320x240", "-o", folder / "room", "-q")
+            kinloop("simulate", "room", "--size", "320x240", "--fps", "15", "-o", folder / "room", "-q")
             kinloop("run", folder / "room", "-o", folder / "out", "-q")
             self.check(folder / "out" / "graph.g2o", folder)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads .bag files that the RealSense SDK's own recorder wrote, of known frames of its software device.
+"""Reads what the RealSense SDK's own recorder wrote of known frames of its software device: .bag, since 2.58 .db3.
 
 Usage: realsense_test.py KINLOOP      skipped (77) without pyrealsense2, which scripts/install_test_packages.sh installs
 """
@@ -7,8 +7,8 @@ Usage: realsense_test.py KINLOOP      skipped (77) without pyrealsense2, which s
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
+from importlib.metadata import version
 from pathlib import Path
 
 try:
@@ -20,11 +20,12 @@ except ImportError as error:
     sys.exit(77)
 
 KINLOOP = sys.argv[1]
+EXTENSION = ".db3" if tuple(map(int, version("pyrealsense2").split(".")[:2])) >= (2, 58) else ".bag"
 WIDTH, HEIGHT, FRAMES = 96, 72, 5
-FOCAL_PX, BEGIN_MS, PERIOD_MS = 60.0, 1_700_000_000_000.0, 1000 / 30
+FOCAL_PX, CENTER_PX, BEGIN_MS, PERIOD_MS = 60.0, (47.5, 35.5), 1_700_000_000_000.0, 1000 / 30
 UNIT_M = 0.0005
 NEAR_M, FAR_M = 1.5, 3.0
-DEPTH_X_M = 0.05  # of the depth camera in colour: a near surface appears 2 px further right, a far one 1 px
+DEPTH_X_M, DEPTH_ANGLE = 0.05, 0.15  # pose of the depth camera in colour: to the right, turned about z, rad
 
 
 def color(i):
@@ -32,9 +33,20 @@ def color(i):
     return np.random.default_rng(i).integers(0, 256, (HEIGHT, WIDTH, 3), np.uint8)
 
 
-def depth_m(i):
-    """A near surface left of column 40 + i, a far one right of it."""
-    return np.where(np.arange(WIDTH) < 40 + i, NEAR_M, FAR_M) * np.ones((HEIGHT, 1))
+def border(i):
+    """The column where a near surface ends and a far one begins."""
+    return 40 + i
+
+
+def depth_units(i):
+    return np.rint(np.where(np.arange(WIDTH) < border(i), NEAR_M, FAR_M) * np.ones((HEIGHT, 1)) / UNIT_M).astype(np.uint16)
+
+
+def depth_column(z_m):
+    """For each pixel of colour: the column where the depth camera sees a surface at this distance."""
+    row, column = np.mgrid[:HEIGHT, :WIDTH]
+    x, y = column - CENTER_PX[0] - FOCAL_PX * DEPTH_X_M / z_m, row - CENTER_PX[1]
+    return CENTER_PX[0] + np.cos(DEPTH_ANGLE) * x + np.sin(DEPTH_ANGLE) * y
 
 
 def video_stream(kind, uid, bytes_per_pixel, pixel_format):
@@ -42,7 +54,7 @@ def video_stream(kind, uid, bytes_per_pixel, pixel_format):
     stream.type, stream.index, stream.uid, stream.fps = kind, 0, uid, 30
     stream.width, stream.height, stream.bpp, stream.fmt = WIDTH, HEIGHT, bytes_per_pixel, pixel_format
     lens = rs.intrinsics()
-    lens.width, lens.height, lens.fx, lens.fy, lens.ppx, lens.ppy = WIDTH, HEIGHT, FOCAL_PX, FOCAL_PX, 47.5, 35.5
+    lens.width, lens.height, lens.fx, lens.fy, lens.ppx, lens.ppy = WIDTH, HEIGHT, FOCAL_PX, FOCAL_PX, *CENTER_PX
     lens.model, lens.coeffs = rs.distortion.brown_conrady, [0.0] * 5
     stream.intrinsics = lens
     return stream
@@ -68,7 +80,8 @@ def record(path):
     profiles = [sensors[0].add_video_stream(video_stream(rs.stream.depth, 1, 2, rs.format.z16)),
                 sensors[1].add_video_stream(video_stream(rs.stream.color, 2, 3, rs.format.rgb8))]
     pose = rs.extrinsics()
-    pose.rotation, pose.translation = [1, 0, 0, 0, 1, 0, 0, 0, 1], [DEPTH_X_M, 0, 0]
+    cos, sin = np.cos(DEPTH_ANGLE), np.sin(DEPTH_ANGLE)
+    pose.rotation, pose.translation = [cos, sin, 0, -sin, cos, 0, 0, 0, 1], [DEPTH_X_M, 0, 0]  # columns
     profiles[0].register_extrinsics_to(profiles[1], pose)
 
     recorder = rs.recorder(str(path), device)
@@ -79,7 +92,7 @@ def record(path):
         sensor.start(queue)
     for i in range(FRAMES):
         send(sensors[1], profiles[1], color(i), i)
-        send(sensors[0], profiles[0], np.rint(depth_m(i) / UNIT_M).astype(np.uint16), i, 0.5)
+        send(sensors[0], profiles[0], depth_units(i), i, 0.5)
     for _ in range(2 * FRAMES):
         queue.wait_for_frame(5000)
     for sensor in recorded:
@@ -93,8 +106,9 @@ class Recordings(unittest.TestCase):
     def test_every_frame(self):
         with tempfile.TemporaryDirectory() as folder:
             folder = Path(folder)
-            record(folder / "a.bag")
-            done = subprocess.run([KINLOOP, "record", folder / "a.bag", "-o", folder / "frames"], capture_output=True,
+            file = folder / f"recording{EXTENSION}"
+            record(file)
+            done = subprocess.run([KINLOOP, "record", file, "-o", folder / "frames"], capture_output=True,
                                   text=True, check=False)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
             rows = {name: [line.split() for line in (folder / "frames" / name).read_text().splitlines() if line[0] != "#"]
@@ -106,10 +120,12 @@ class Recordings(unittest.TestCase):
                 self.check_depth(np.asarray(Image.open(folder / "frames" / depth)) / 5000, i)
 
     def check_depth(self, registered_m, i):
-        """In colour, the near surface ends 2 px further right than in depth."""
-        end = 40 + i + round(DEPTH_X_M * FOCAL_PX / NEAR_M)
-        np.testing.assert_allclose(registered_m[2:-2, 4:end - 1], NEAR_M, atol=1e-3)
-        np.testing.assert_allclose(registered_m[2:-2, end + 1:-2], FAR_M, atol=1e-3)
+        """Away from the image's and the surfaces' borders, colour has the depth that the poses say."""
+        inner = np.zeros_like(registered_m, bool)
+        inner[12:-12, 12:-12] = True
+        near, far = depth_column(NEAR_M) < border(i) - 2, depth_column(FAR_M) > border(i) + 2
+        np.testing.assert_allclose(registered_m[inner & near], NEAR_M, atol=1e-3)
+        np.testing.assert_allclose(registered_m[inner & far], FAR_M, atol=1e-3)
 
 
 if __name__ == "__main__":
