@@ -1,4 +1,5 @@
-# Every library comes from the distribution's packages; none is bundled.
+# Every library comes from the distribution's packages; none is bundled. Only g2o, which no distribution packages, is
+# built from its sources: G2oSources.cmake.
 find_package(Threads REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc features2d calib3d)

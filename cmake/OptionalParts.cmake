@@ -1,5 +1,10 @@
 # Optional parts, built if their packages are installed. Each sets PART_FOUND.
+# g2o: one that is installed, otherwise the sources that scripts/install_g2o.sh fetches.
 find_package(g2o QUIET)
+set(g2o_is_installed ${g2o_FOUND})
+if(NOT g2o_FOUND)
+  include(G2oSources)
+endif()
 # dlib's own CMake file requires everything that dlib can draw and solve with; its SURF needs only the
 # library.
 find_path(DLIB_INCLUDE_DIR dlib/image_keypoint.h)

@@ -21,6 +21,7 @@ cp LICENSE "$root"
 
 # Everything but the C library and the loader, which must be those of the machine.
 mkdir -p "$root/lib" "$root/share/doc/libraries"
+if [[ -f build/g2o/LICENSE ]]; then cp build/g2o/LICENSE "$root/share/doc/libraries/g2o.copyright"; fi
 of_the_machine='^(ld-linux.*|lib(c|m|dl|rt|pthread|resolv|util|nsl|anl|BrokenLocale))\.so'
 ldd "build/portable/apps/kinloop" | sed -n 's/.* => \(\/[^ ]*\) .*/\1/p' | sort -u | while read -r library; do
   if [[ "$(basename "$library")" =~ $of_the_machine ]]; then continue; fi

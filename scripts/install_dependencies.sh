@@ -121,7 +121,7 @@ print_table() {
     printf '  %-26s %s\n' "${part%%:*}" "$(state_of ${part#*:})"
   done
   printf '  %-26s %s\n' "Kinect 2" "built where libfreenect2 is; no distribution packages it: see docs/cameras.md" \
-    "g2o solver" "built where g2o is; no distribution packages it, and nothing depends on it: see docs/optimize.md"
+    "g2o solver" "$g2o_state"
 }
 
 mapfile -t missing < <(missing_of "${required[@]}")
@@ -149,5 +149,11 @@ if may_install && [[ $((${#missing[@]} + ${#available[@]})) -gt 0 ]]; then
     if [[ ${#missing[@]} -gt 0 ]]; then install "${missing[@]}"; fi
     for package in "${available[@]}"; do install "$package" || true; done
   fi
+fi
+# No distribution packages g2o; the Python package index has its sources.
+g2o_state="left out"
+if ! $minimal; then
+  g2o_state="installed (sources in build/g2o)"
+  "$(dirname "${BASH_SOURCE[0]}")/install_g2o.sh" || g2o_state="off: its sources could not be fetched (see above); nothing depends on it: docs/optimize.md"
 fi
 print_table

@@ -6,16 +6,23 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-packages=(evo==1.38.1)  # kinloop eval: tests/scripts/evo_test.py
+packages=(
+  evo==1.38.1                             # kinloop eval: tests/scripts/evo_test.py
+  "g2opy==2.3.0; python_version>='3.11'"  # kinloop optimize: tests/scripts/g2o_test.py
+  rosbags==0.11.9 mcap==1.6.0             # bags and .mcap files: tests/scripts/bags_test.py
+  pyrealsense2==2.59.1.11053              # .db3 files of RealSense cameras: tests/scripts/realsense_test.py
+)
+realsense_bag=pyrealsense2==2.57.7.10387  # the last one that writes .bag files
 environment="build/test_packages"
 stamp="$environment/installed"
 
-if [[ "$(cat "$stamp" 2>/dev/null)" == "${packages[*]}" ]]; then exit 0; fi
+if [[ "$(cat "$stamp" 2>/dev/null)" == "${packages[*]} $realsense_bag" ]]; then exit 0; fi
 rm -rf "$environment"
 mkdir -p build
 echo "Installing for tests: ${packages[*]}"
-if python3 -m venv "$environment" 2>/dev/null && "$environment/bin/pip" install -q "${packages[@]}" 2>"$environment/log"; then
-  echo "${packages[*]}" >"$stamp"
+if python3 -m venv "$environment" 2>/dev/null && "$environment/bin/pip" install -q "${packages[@]}" 2>"$environment/log" &&
+  "$environment/bin/pip" install -q --no-deps --target "$environment/realsense_bag" "$realsense_bag" 2>>"$environment/log"; then
+  echo "${packages[*]} $realsense_bag" >"$stamp"
 else
   echo "The packages for tests could not be installed (no network, or no python3-venv); these tests will be skipped." >&2
   exit 1

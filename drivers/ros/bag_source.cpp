@@ -76,6 +76,7 @@ class BagSource : public FrameSource {
  private:
   void use_realsense(bool has_camera) {
     of_sdk_ = true;
+    stamps_of_sdk_ = read_realsense_stamps(*file_, streams_);
     const auto set_sensor = [this] { camera_.sensor.set_by_source(DepthSensorModel::kRealsenseD4xx); };
     if (has_camera) return set_sensor();
     const auto calibration = read_realsense_calibration(*file_, streams_, info_.name);
@@ -114,11 +115,17 @@ class BagSource : public FrameSource {
     const int64_t stamp_ns = stamp_of(m.header, message);
     if (const auto size = compressed_size(m.format, m.data)) require_camera_size(*size, is_color);
     if (is_color) return add_color(stamp_ns, color_from_compressed(m.data));
-    add_depth(stamp_ns, depth_from_compressed(m.format, m.data));
+    cv::Mat depth_m = depth_from_compressed(m.format, m.data);
+    if (of_sdk_) depth_m *= depth_unit_m_ / kRosDepthUnitM;
+    add_depth(stamp_ns, std::move(depth_m));
   }
 
   /// Some drivers leave the stamp empty.
-  static int64_t stamp_of(const RosHeader& header, const BagMessage& message) {
+  [[nodiscard]] int64_t stamp_of(const RosHeader& header, const BagMessage& message) const {
+    if (const auto stamps = stamps_of_sdk_.find(message.topic->name); stamps != stamps_of_sdk_.end()) {
+      const auto found = stamps->second.find(message.log_ns);
+      if (found != stamps->second.end()) return found->second;
+    }
     return header.stamp_ns != 0 ? header.stamp_ns : checked_stamp_ns(message.log_ns);
   }
 
@@ -159,6 +166,7 @@ class BagSource : public FrameSource {
   RgbdCamera camera_;
   bool of_sdk_ = false;  ///< recorded by the RealSense SDK
   double depth_unit_m_ = kRosDepthUnitM;
+  SdkStamps stamps_of_sdk_;
   std::optional<DepthPreparation> preparation_;
   FramePairer pairer_;
   bool finished_ = false;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "drivers/ros/ros_serialization.hpp"
+#include "drivers/ros/sdk_text.hpp"
 #include "kinloop/core/errors.hpp"
 
 namespace kinloop {
@@ -16,9 +17,9 @@ namespace {
 constexpr std::string_view kImageData = "/image/data";
 constexpr std::string_view kDepthUnits = "Depth Units";
 
-/// "/device_0/sensor_0/Depth_0" of "/device_0/sensor_0/Depth_0/image/data".
+/// "/device_0/sensor_0/Depth_0" of "/device_0/sensor_0/Depth_0/image/data", with or without "/compressed".
 std::string stream_of(const std::string& image_topic) {
-  return image_topic.substr(0, image_topic.size() - kImageData.size());
+  return image_topic.substr(0, image_topic.rfind(kImageData));
 }
 
 std::string sensor_of(const std::string& image_topic) {
@@ -26,11 +27,18 @@ std::string sensor_of(const std::string& image_topic) {
   return stream.substr(0, stream.rfind('/'));
 }
 
+/// Since version 2.58 images are compressed, and what is not an image is text.
+bool is_image_topic(std::string_view topic) {
+  const size_t at = topic.rfind(kImageData);
+  if (at == std::string_view::npos) return false;
+  const std::string_view after = topic.substr(at + kImageData.size());
+  return after.empty() || after == "/compressed" || after == "/compressedDepth";
+}
+
 /// The first image topic of a kind of stream; empty if there is none.
 std::string first_stream(const std::set<std::string>& topics, std::string_view kind) {
   const auto found = std::find_if(topics.begin(), topics.end(), [&](const std::string& topic) {
-    return topic.starts_with("/device_") && topic.ends_with(kImageData) &&
-           topic.find(kind) != std::string::npos;
+    return topic.starts_with("/device_") && is_image_topic(topic) && topic.find(kind) != std::string::npos;
   });
   return found == topics.end() ? "" : *found;
 }
@@ -48,9 +56,11 @@ std::set<std::string> calibration_topics(const MessageFile& file, const BagStrea
   std::set<std::string> wanted;
   for (const BagTopic* topic : file.topics()) {
     const std::string& name = topic->name;
-    const bool of_stream = name.starts_with(color + "/info/camera_info") ||
-                           name.starts_with(color + "/tf/") ||
-                           name.starts_with(depth + "/info/camera_info") || name.starts_with(depth + "/tf/");
+    const auto is_of = [&](const std::string& stream) {
+      return name == stream + "/info/camera_info" || name == stream + "/camera_info" ||
+             name.starts_with(stream + "/tf/");
+    };
+    const bool of_stream = is_of(color) || is_of(depth);
     const bool unit = name == sensor + "/property" || (name.starts_with(sensor + "/option/") &&
                                                        name.ends_with("/value") && is_depth_units(name));
     if (of_stream || unit) wanted.insert(name);
@@ -58,12 +68,18 @@ std::set<std::string> calibration_topics(const MessageFile& file, const BagStrea
   return wanted;
 }
 
-/// The unit from std_msgs/Float32, or from diagnostic_msgs/KeyValue in files of version 2.
+bool is_text(const BagMessage& message) {
+  return message.topic->type == "std_msgs/String";
+}
+
+/// The unit from std_msgs/Float32, from text, or from diagnostic_msgs/KeyValue in files of version 2.
 std::optional<double> read_unit(const BagMessage& message) {
   RosReader reader(message.data, message.topic->encoding);
   double unit_m = 0;
   if (message.topic->type == "std_msgs/Float32") {
     unit_m = double{reader.number<float>()};
+  } else if (is_text(message)) {
+    unit_m = sdk_number(reader.string());
   } else {
     if (!is_depth_units(reader.string())) return std::nullopt;
     const std::string text = reader.string();
@@ -91,14 +107,15 @@ SdkFindings read_sdk_findings(MessageFile& file, const BagStreams& streams) {
   file.select(calibration_topics(file, streams));
   while (const auto message = file.next()) {
     const std::string& topic = message->topic->name;
+    RosReader reader(message->data, message->topic->encoding);
     try {
       if (topic.ends_with("/info/camera_info")) {
-        const auto stream = topic.substr(0, topic.find("/info/camera_info"));
-        found.infos.emplace(stream,
-                            read_camera_info(RosReader(message->data, message->topic->encoding)).info);
+        found.infos.emplace(topic.substr(0, topic.rfind("/info/camera_info")), read_camera_info(reader).info);
+      } else if (topic.ends_with("/camera_info")) {
+        found.infos.emplace(topic.substr(0, topic.rfind('/')), sdk_camera_info(reader.string()));
       } else if (const size_t at = topic.find("/tf/"); at != std::string::npos) {
-        RosReader reader(message->data, message->topic->encoding);
-        found.poses.emplace(topic.substr(0, at), Pose{topic.substr(at), read_transform(reader)});
+        const SE3 pose = is_text(*message) ? sdk_pose(reader.string()) : read_transform(reader);
+        found.poses.emplace(topic.substr(0, at), Pose{topic.substr(at), pose});
       } else if (const auto unit_m = read_unit(*message)) {
         found.depth_unit_m = unit_m;
       }
@@ -157,6 +174,29 @@ RealsenseCalibration read_realsense_calibration(MessageFile& file, const BagStre
   }
   if (found.depth_unit_m) calibration.depth_unit_m = unit_m_of_sdk(*found.depth_unit_m);
   return calibration;
+}
+
+SdkStamps read_realsense_stamps(MessageFile& file, const BagStreams& streams) {
+  SdkStamps stamps;
+  const std::string metadata = "/image/metadata";
+  const std::map<std::string, std::string> image_topic_of = {
+      {stream_of(streams.color) + metadata, streams.color},
+      {stream_of(streams.depth) + metadata, streams.depth}};
+  std::set<std::string> wanted;
+  for (const BagTopic* topic : file.topics()) {
+    if (image_topic_of.contains(topic->name) && topic->type == "std_msgs/String") wanted.insert(topic->name);
+  }
+  if (wanted.empty()) return stamps;
+  file.select(wanted);
+  while (const auto message = file.next()) {
+    try {
+      RosReader reader(message->data, message->topic->encoding);
+      stamps[image_topic_of.at(message->topic->name)][message->log_ns] = sdk_stamp_ns(reader.string());
+    } catch (const InputError&) {
+      continue;  // its image keeps the stamp of the recorder
+    }
+  }
+  return stamps;
 }
 
 double unit_m_of_sdk(double unit_m) {

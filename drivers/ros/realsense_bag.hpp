@@ -1,6 +1,12 @@
 #pragma once
-// In: a bag recorded by the RealSense SDK (topics /device_0/sensor_1/Color_0/image/data, ...). Out: its
-// streams and its camera, without the SDK.
+// In: a bag recorded by the RealSense SDK (topics /device_0/sensor_1/Color_0/image/data, ...): .bag, since
+// version 2.58 .db3. Out: its streams and its camera, without the SDK.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
 
 #include "drivers/bags/message_file.hpp"
 #include "drivers/ros/ros_topics.hpp"
@@ -21,6 +27,13 @@ struct RealsenseCalibration {
 /// Throws InputError naming the bag and what is missing.
 RealsenseCalibration read_realsense_calibration(MessageFile& file, const BagStreams& streams,
                                                 const std::string& name);
+
+/// The camera's stamps of images, by image topic and the recorder's stamp.
+using SdkStamps = std::map<std::string, std::map<int64_t, int64_t>>;
+
+/// Reads them from the metadata of a .db3, whose images have the time since the recording began. Empty for a
+/// .bag, whose images have the camera's stamps.
+SdkStamps read_realsense_stamps(MessageFile& file, const BagStreams& streams);
 
 /// Returns the exact unit: the SDK stores a float, and means 0.001 where it writes 0.0010000000475.
 double unit_m_of_sdk(double unit_m);

@@ -2,6 +2,8 @@
 #ifdef KINLOOP_WITH_G2O
 
 #include <memory>
+#include <type_traits>
+#include <utility>
 
 #include <g2o/core/block_solver.h>
 #include <g2o/core/optimization_algorithm_dogleg.h>
@@ -58,6 +60,30 @@ template <class Matrix>
 using LinearSolver = g2o::LinearSolverEigen<Matrix>;
 #endif
 
+/// From version 2 on, g2o holds what it is given by shared pointers; before, by plain ones.
+constexpr bool kSharedPointers =
+    !std::is_pointer_v<decltype(std::declval<g2o::SparseOptimizer&>().vertex(0))>;
+
+/// For a setter of g2o that takes ownership.
+template <class Object>
+auto given(std::unique_ptr<Object> object) {
+  if constexpr (kSharedPointers) {
+    return std::shared_ptr<Object>(std::move(object));
+  } else {
+    return object.release();
+  }
+}
+
+/// For a setter of g2o that took no ownership before version 2.
+template <class Object>
+auto lent(const std::shared_ptr<Object>& object) {
+  if constexpr (kSharedPointers) {
+    return object;
+  } else {
+    return object.get();
+  }
+}
+
 /// The shared kernel as a g2o kernel.
 class G2oKernel : public g2o::RobustKernel {
  public:
@@ -97,7 +123,7 @@ void fill(g2o::SparseOptimizer& optimizer, const BasicPoseGraph<Pose>& graph, co
     vertex->setId(static_cast<int>(id));
     vertex->setEstimate(Types::to_g2o(id < count ? graph.T_world_vertex[id] : Pose{}));
     vertex->setFixed(id == count || held[id]);
-    optimizer.addVertex(vertex.release());
+    optimizer.addVertex(given(std::move(vertex)));
   }
   for (const auto& edge : graph.edges) {
     auto g2o_edge = std::make_unique<typename Types::Edge>();
@@ -106,9 +132,9 @@ void fill(g2o::SparseOptimizer& optimizer, const BasicPoseGraph<Pose>& graph, co
     g2o_edge->setMeasurement(Types::to_g2o(edge.T_a_b));
     g2o_edge->setInformation(edge.information);
     if (kernel.kind != RobustKernel::kNone && !edge.is_odometry) {
-      g2o_edge->setRobustKernel(std::make_unique<G2oKernel>(kernel).release());
+      g2o_edge->setRobustKernel(given(std::make_unique<G2oKernel>(kernel)));
     }
-    optimizer.addEdge(g2o_edge.release());
+    optimizer.addEdge(given(std::move(g2o_edge)));
   }
 }
 
@@ -118,11 +144,11 @@ template <class Pose>
 SolvedPoses<Pose> solve_with_g2o(const BasicPoseGraph<Pose>& graph, const std::vector<bool>& held,
                                  const PoseGraphOptions& options) {
   g2o::SparseOptimizer optimizer;  // owns the algorithm
-  optimizer.setAlgorithm(make_algorithm<Pose>(options.method).release());
+  optimizer.setAlgorithm(given(make_algorithm<Pose>(options.method)));
   fill(optimizer, graph, held, PoseGraphKernel{options.robust_kernel, options.robust_width});
-  g2o::SparseOptimizerTerminateAction stop_when_flat;
-  stop_when_flat.setGainThreshold(kCostTolerance);
-  optimizer.addPostIterationAction(&stop_when_flat);
+  const auto stop_when_flat = std::make_shared<g2o::SparseOptimizerTerminateAction>();
+  stop_when_flat->setGainThreshold(kCostTolerance);
+  optimizer.addPostIterationAction(lent(stop_when_flat));
 
   const Stopwatch stopwatch;
   optimizer.initializeOptimization();
@@ -133,9 +159,9 @@ SolvedPoses<Pose> solve_with_g2o(const BasicPoseGraph<Pose>& graph, const std::v
   solved.iterations = std::max(0, iterations);
   solved.converged = iterations > 0 && iterations < options.max_iterations;
   for (size_t id = 0; id < graph.T_world_vertex.size(); ++id) {
-    const auto* vertex =
-        static_cast<typename G2oTypes<Pose>::Vertex*>(optimizer.vertex(static_cast<int>(id)));
-    solved.T_world_vertex.push_back(G2oTypes<Pose>::from_g2o(vertex->estimate()));
+    const auto vertex = optimizer.vertex(static_cast<int>(id));
+    const auto& pose = static_cast<const typename G2oTypes<Pose>::Vertex&>(*vertex);
+    solved.T_world_vertex.push_back(G2oTypes<Pose>::from_g2o(pose.estimate()));
   }
   return solved;
 }
