@@ -5,12 +5,14 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
 #include "session/map_store.hpp"
 #include "session/masked_source.hpp"
+#include "session/near_range.hpp"
 #include "session/open_frame_source.hpp"
 
 namespace kinloop {
@@ -64,6 +66,23 @@ bool assigns(const std::vector<std::string>& assignments, const std::string& key
                      [&](const std::string& assignment) { return assignment.starts_with(key + "="); });
 }
 
+/// The minimum depth of the map that the user does not choose: that of a sensor that is known, else a smaller
+/// one than usual where most depth of `first_frames` is nearer.
+DepthLimits with_minimum_of_source(DepthLimits limits, const FrameSource& source,
+                                   const std::deque<Frame>& first_frames) {
+  const RgbdCamera& camera = source.camera();
+  if (camera.sensor.origin != SensorOrigin::kAssumed) {
+    limits.min_depth_m = std::min(limits.min_depth_m, camera.sensor.min_depth_m);
+    return limits;
+  }
+  const auto near_m = near_minimum_m(first_frames, limits, camera.depth_scale);
+  if (!near_m) return limits;
+  log::info("{}: most depth is nearer than {} m: mapped from {:.2f} m on (else --set dense.min_depth_m={})",
+            source.info().name, limits.min_depth_m, *near_m, limits.min_depth_m);
+  limits.min_depth_m = *near_m;
+  return limits;
+}
+
 /// Options for the frames of `source`: of live ones, results are applied when ready, unless the user chose
 /// otherwise.
 RunOptions options_for(const FrameSource& source, RunOptions options, const RunSettings& settings) {
@@ -100,6 +119,15 @@ RunPlan plan_run(const RunRequest& request) {
     cv::Mat mask = read_mask(request.mask, {color.width, color.height});
     source = std::make_unique<MaskedSource>(std::move(source), std::move(mask));
   }
+  // A sender may wait for the pose of each frame before it sends the next one.
+  constexpr size_t kFirstFrames = 10;
+  const size_t ahead = is_camera_or_stream(request.sequence) ? 0 : kFirstFrames;
+  auto peeked = std::make_unique<PeekedSource>(std::move(source), ahead);
+  if (!assigns(request.settings.assignments, "dense.min_depth_m")) {
+    setup.options.dense.limits =
+        with_minimum_of_source(setup.options.dense.limits, *peeked, peeked->first_frames());
+  }
+  source = std::move(peeked);
   const PacedSource* paced = nullptr;
   if (request.pace_hz > 0) {
     auto owner = std::make_unique<PacedSource>(std::move(source), request.pace_hz);
