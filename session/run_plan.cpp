@@ -61,20 +61,13 @@ SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
   return source;
 }
 
-bool assigns(const std::vector<std::string>& assignments, const std::string& key) {
-  return std::any_of(assignments.begin(), assignments.end(),
-                     [&](const std::string& assignment) { return assignment.starts_with(key + "="); });
-}
-
-/// The minimum depth of the map that the user does not choose: that of a sensor that is known, else a smaller
-/// one than usual where most depth of `first_frames` is nearer.
-DepthLimits with_minimum_of_source(DepthLimits limits, const FrameSource& source,
-                                   const std::deque<Frame>& first_frames) {
+/// A smaller minimum than usual where most depth of `first_frames` is nearer, unless the user chose one or
+/// the sensor has its own.
+DepthLimits with_near_minimum(DepthLimits limits, const FrameSource& source,
+                              const std::deque<Frame>& first_frames, const RunSettings& settings) {
   const RgbdCamera& camera = source.camera();
-  if (camera.sensor.origin != SensorOrigin::kAssumed) {
-    limits.min_depth_m = std::min(limits.min_depth_m, camera.sensor.min_depth_m);
+  if (camera.sensor.origin != SensorOrigin::kAssumed || assigns(settings.assignments, "dense.min_depth_m"))
     return limits;
-  }
   const auto near_m = near_minimum_m(first_frames, limits, camera.depth_scale);
   if (!near_m) return limits;
   log::info("{}: most depth is nearer than {} m: mapped from {:.2f} m on (else --set dense.min_depth_m={})",
@@ -88,7 +81,7 @@ DepthLimits with_minimum_of_source(DepthLimits limits, const FrameSource& source
 RunOptions options_for(const FrameSource& source, RunOptions options, const RunSettings& settings) {
   if (source.info().live && !assigns(settings.assignments, "executor.mode"))
     options.slam.executor.mode = ExecutorMode::kLive;
-  return within_range(options, source.camera().sensor);
+  return within_range(options, source.camera().sensor, settings.assignments);
 }
 
 }  // namespace
@@ -123,10 +116,8 @@ RunPlan plan_run(const RunRequest& request) {
   constexpr size_t kFirstFrames = 10;
   const size_t ahead = is_camera_or_stream(request.sequence) ? 0 : kFirstFrames;
   auto peeked = std::make_unique<PeekedSource>(std::move(source), ahead);
-  if (!assigns(request.settings.assignments, "dense.min_depth_m")) {
-    setup.options.dense.limits =
-        with_minimum_of_source(setup.options.dense.limits, *peeked, peeked->first_frames());
-  }
+  setup.options.dense.limits =
+      with_near_minimum(setup.options.dense.limits, *peeked, peeked->first_frames(), request.settings);
   source = std::move(peeked);
   const PacedSource* paced = nullptr;
   if (request.pace_hz > 0) {

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include <gmock/gmock.h>
+#include <opencv2/core.hpp>
 
 #include "drivers/datasets/reading/depth_image.hpp"
 #include "drivers/images/depth_files/depth_file.hpp"
