@@ -10,6 +10,7 @@
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
+#include "session/guess_camera.hpp"
 #include "session/map_store.hpp"
 #include "session/masked_source.hpp"
 #include "session/near_range.hpp"
@@ -52,7 +53,14 @@ RunOptions options_of(const RunSettings& settings, const std::optional<Continued
 SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
   SourceRequest source;
   source.sequence = request.sequence;
-  set_camera(source, request.camera);
+  const bool is_guess = request.camera.camera == "guess";
+  set_camera(source, is_guess ? CameraOptions{{}, {}, request.camera.depth_scale} : request.camera);
+  if (is_guess) {
+    if (is_camera_or_stream(request.sequence) || is_recording(request.sequence))
+      throw UsageError(
+          "--camera guess: for folders of images; give the camera of other sources with --camera FILE");
+    source.camera = guess_camera_aloud(request.sequence, source.depth_scale);
+  }
   if (!request.topics.empty()) source.topics = request.topics;
   source.simulation = setup.options.sim;
   source.kinect = setup.options.kinect;

@@ -77,6 +77,7 @@ class NearFolder : public testing::Test {
  protected:
   NearFolder() {
     camera_.color.width = 640, camera_.color.height = 480;
+    camera_.color.fx = camera_.color.fy = 525, camera_.color.cx = 319.5, camera_.color.cy = 239.5;
     camera_.depth_scale = kMillimetres;
     const cv::Mat depth_m = frames_with_depth(0.2F, 0.4F).front().depth_m;
     for (const char* folder : {"rgb", "depth"}) std::filesystem::create_directories(folder_.path() / folder);

@@ -96,6 +96,8 @@ std::string fit_depth_size(const RecordedSequence& sequence, RgbdCamera& camera)
   const cv::Size color(camera.color.width, camera.color.height);
   cv::Size depth = color;
   try {
+    const bool fits = !sequence.video.empty() || image_size(sequence.frames, &RecordedFrame::color) == color;
+    if (!fits) return "";  // of other images, said when they are read
     depth = image_size(sequence.frames, &RecordedFrame::depth);
   } catch (const InputError&) {
     return "";  // said when the images are read
