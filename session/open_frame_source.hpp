@@ -14,7 +14,7 @@ namespace kinloop {
 
 /// What a user says of the camera of a recording; empty or 0: nothing.
 struct CameraOptions {
-  std::string camera;      ///< a preset or a camera file
+  std::string camera;      ///< a preset or a camera file; of a run also "guess", see guess_camera
   std::string intrinsics;  ///< "fx,fy,cx,cy[,k1,k2,p1,p2,k3]", instead of `camera`
   double depth_scale = 0;  ///< units of the depth images per metre
 };

@@ -18,7 +18,17 @@ RunOptions with_memory_limit(RunOptions options, int memory_mib) {
   return options;
 }
 
-RunOptions within_range(RunOptions options, const DepthSensor& sensor) {
+bool assigns(std::span<const std::string> assignments, std::string_view key) {
+  return std::any_of(assignments.begin(), assignments.end(), [&](const std::string& assignment) {
+    return assignment.starts_with(key) && assignment.substr(key.size()).starts_with('=');
+  });
+}
+
+RunOptions within_range(RunOptions options, const DepthSensor& sensor,
+                        std::span<const std::string> assignments) {
+  double& min_depth_m = options.dense.limits.min_depth_m;
+  if (sensor.origin != SensorOrigin::kAssumed && !assigns(assignments, "dense.min_depth_m"))
+    min_depth_m = std::min(min_depth_m, sensor.min_depth_m);
   options.dense.limits = within_range(options.dense.limits, sensor);
   options.mesh.limits = options.occupancy.limits = options.viewer.limits = options.dense.limits;
   return options;

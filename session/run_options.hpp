@@ -35,8 +35,13 @@ struct RunOptions {
   static OptionHistory history() { return SlamOptions::history(); }
 };
 
-/// Narrows the limits of depth to the range of the sensor, see within_range.
-RunOptions within_range(RunOptions options, const DepthSensor& sensor);
+/// Returns whether an assignment "key=value" sets this option.
+bool assigns(std::span<const std::string> assignments, std::string_view key);
+
+/// Narrows the limits of depth to the range of the sensor, see within_range. A minimum that the user did not
+/// assign is that of the sensor if it is known, also where the usual one is larger.
+RunOptions within_range(RunOptions options, const DepthSensor& sensor,
+                        std::span<const std::string> assignments);
 
 /// Divides this memory among images, descriptors and patches of keyframes; the fusion of the dense map, which
 /// comes after them, gets no more than it.

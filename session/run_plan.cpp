@@ -5,12 +5,15 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary_file.hpp"
+#include "session/guess_camera.hpp"
 #include "session/map_store.hpp"
 #include "session/masked_source.hpp"
+#include "session/near_range.hpp"
 #include "session/open_frame_source.hpp"
 
 namespace kinloop {
@@ -50,7 +53,14 @@ RunOptions options_of(const RunSettings& settings, const std::optional<Continued
 SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
   SourceRequest source;
   source.sequence = request.sequence;
-  set_camera(source, request.camera);
+  const bool is_guess = request.camera.camera == "guess";
+  set_camera(source, is_guess ? CameraOptions{{}, {}, request.camera.depth_scale} : request.camera);
+  if (is_guess) {
+    if (is_camera_or_stream(request.sequence) || is_recording(request.sequence))
+      throw UsageError(
+          "--camera guess: for folders of images; give the camera of other sources with --camera FILE");
+    source.camera = guess_camera_aloud(request.sequence, source.depth_scale);
+  }
   if (!request.topics.empty()) source.topics = request.topics;
   source.simulation = setup.options.sim;
   source.kinect = setup.options.kinect;
@@ -59,9 +69,19 @@ SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
   return source;
 }
 
-bool assigns(const std::vector<std::string>& assignments, const std::string& key) {
-  return std::any_of(assignments.begin(), assignments.end(),
-                     [&](const std::string& assignment) { return assignment.starts_with(key + "="); });
+/// A smaller minimum than usual where most depth of `first_frames` is nearer, unless the user chose one or
+/// the sensor has its own.
+DepthLimits with_near_minimum(DepthLimits limits, const FrameSource& source,
+                              const std::deque<Frame>& first_frames, const RunSettings& settings) {
+  const RgbdCamera& camera = source.camera();
+  if (camera.sensor.origin != SensorOrigin::kAssumed || assigns(settings.assignments, "dense.min_depth_m"))
+    return limits;
+  const auto near_m = near_minimum_m(first_frames, limits, camera.depth_scale);
+  if (!near_m) return limits;
+  log::info("{}: most depth is nearer than {} m: mapped from {:.2f} m on (else --set dense.min_depth_m={})",
+            source.info().name, limits.min_depth_m, *near_m, limits.min_depth_m);
+  limits.min_depth_m = *near_m;
+  return limits;
 }
 
 /// Options for the frames of `source`: of live ones, results are applied when ready, unless the user chose
@@ -69,7 +89,7 @@ bool assigns(const std::vector<std::string>& assignments, const std::string& key
 RunOptions options_for(const FrameSource& source, RunOptions options, const RunSettings& settings) {
   if (source.info().live && !assigns(settings.assignments, "executor.mode"))
     options.slam.executor.mode = ExecutorMode::kLive;
-  return within_range(options, source.camera().sensor);
+  return within_range(options, source.camera().sensor, settings.assignments);
 }
 
 }  // namespace
@@ -100,6 +120,13 @@ RunPlan plan_run(const RunRequest& request) {
     cv::Mat mask = read_mask(request.mask, {color.width, color.height});
     source = std::make_unique<MaskedSource>(std::move(source), std::move(mask));
   }
+  // A sender may wait for the pose of each frame before it sends the next one.
+  constexpr size_t kFirstFrames = 10;
+  const size_t ahead = is_camera_or_stream(request.sequence) ? 0 : kFirstFrames;
+  auto peeked = std::make_unique<PeekedSource>(std::move(source), ahead);
+  setup.options.dense.limits =
+      with_near_minimum(setup.options.dense.limits, *peeked, peeked->first_frames(), request.settings);
+  source = std::move(peeked);
   const PacedSource* paced = nullptr;
   if (request.pace_hz > 0) {
     auto owner = std::make_unique<PacedSource>(std::move(source), request.pace_hz);

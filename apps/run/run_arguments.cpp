@@ -49,6 +49,9 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
       "(sim:room:7: another room)");
   command.add_option("-o,--output", arguments.output, "folder for the results")->capture_default_str();
   add_camera_options(command, arguments.request.camera);
+  CLI::Option* camera = command.get_option("--camera");
+  camera->description(camera->get_description() +
+                      ".\nguess: the focal length that the images of a folder fit, if nobody knows it");
   command.add_option("--topics", arguments.request.topics,
                      "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
   command.add_option("--mask", arguments.request.mask,

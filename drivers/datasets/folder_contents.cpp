@@ -1,7 +1,6 @@
 #include "drivers/datasets/folder_contents.hpp"
 
 #include <algorithm>
-#include <array>
 #include <initializer_list>
 
 #include <fmt/format.h>
@@ -97,9 +96,20 @@ std::string depth_folder(const FolderContents& contents) {
   return first_folder(contents, {"depth", "depths", "depth_png", "depth_images"});
 }
 
-bool is_image_name(const fs::path& file) {
-  constexpr std::array<std::string_view, 5> kEndings = {".png", ".jpg", ".jpeg", ".pgm", ".npy"};
-  return std::find(kEndings.begin(), kEndings.end(), lower_case(file.extension().string())) != kEndings.end();
+namespace {
+
+bool ends_like_one_of(const fs::path& file, std::initializer_list<std::string_view> endings) {
+  return std::find(endings.begin(), endings.end(), lower_case(file.extension().string())) != endings.end();
+}
+
+}  // namespace
+
+bool is_color_name(const fs::path& file) {
+  return ends_like_one_of(file, {".png", ".jpg", ".jpeg"});
+}
+
+bool is_depth_name(const fs::path& file) {
+  return ends_like_one_of(file, {".png", ".pgm", ".exr", ".tif", ".tiff", ".npy", ".npz", ".yml"});
 }
 
 std::string folder_name(const fs::path& folder) {

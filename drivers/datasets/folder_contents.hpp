@@ -38,8 +38,11 @@ std::string color_folder(const FolderContents& contents);
 /// Same for depth images.
 std::string depth_folder(const FolderContents& contents);
 
-/// Returns whether a file is an image (PNG, JPEG, PGM, NumPy) by the ending of its name.
-bool is_image_name(const std::filesystem::path& file);
+/// Returns whether a file is a colour image (PNG, JPEG) by the ending of its name.
+bool is_color_name(const std::filesystem::path& file);
+
+/// Same for depth images (PNG, PGM, EXR, TIFF, NumPy, OpenCV's YAML).
+bool is_depth_name(const std::filesystem::path& file);
 
 /// Returns the last component of a path, also of "folder/" and ".".
 std::string folder_name(const std::filesystem::path& folder);

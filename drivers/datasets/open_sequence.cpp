@@ -1,8 +1,10 @@
 #include "drivers/datasets/open_sequence.hpp"
 
+#include "drivers/datasets/camera_files/depth_unit.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
+#include "drivers/datasets/truth/pose_convention.hpp"
 #include "kinloop/sensor/camera/possible_camera.hpp"
 
 namespace kinloop {
@@ -12,9 +14,12 @@ OpenedSequence read_sequence(const std::filesystem::path& path,
   const SequenceLayout* layout = recognise_layout(path);
   if (layout == nullptr) reject_sequence(path, camera_argument.has_value());
   OpenedSequence opened{layout->read(path), {}};
+  if (!depth_scale && has_floats_in_metres(opened.sequence))
+    opened.sequence.depth_encoding = DepthEncoding::kFloatImage;
   opened.camera = camera_of_sequence(path, opened.sequence, camera_argument, depth_scale);
   if (opened.sequence.sensor) opened.camera.sensor.set_by_source(*opened.sequence.sensor);
   require_possible(opened.camera, path.string());
+  find_truth(path, opened.camera, opened.sequence);
   return opened;
 }
 

@@ -33,11 +33,11 @@ struct RecordedFrame {
 };
 
 enum class DepthEncoding {
-  kImage,       ///< a 16-bit PNG or PGM in units of the camera's depth_scale
+  kImage,       ///< PNG, PGM or one of numbers (see depth_file.hpp), in units of the camera's depth_scale
   kRawUint16,   ///< little-endian, in the same units
   kZlibUint16,  ///< the same, compressed by zlib
   kRawFloat32,  ///< little-endian, in metres
-  kNumpy,       ///< a .npy file of float32 in metres
+  kFloatImage,  ///< a file of floats in metres: .npy, EXR and others
 };
 
 struct RecordedSequence {
@@ -55,7 +55,12 @@ struct RecordedSequence {
 
 /// Returns whether depth is in metres, whatever the camera's depth_scale.
 inline bool is_metric(DepthEncoding encoding) {
-  return encoding == DepthEncoding::kRawFloat32 || encoding == DepthEncoding::kNumpy;
+  return encoding == DepthEncoding::kRawFloat32 || encoding == DepthEncoding::kFloatImage;
+}
+
+/// Returns whether depth images state their size.
+inline bool has_header(DepthEncoding encoding) {
+  return encoding == DepthEncoding::kImage || encoding == DepthEncoding::kFloatImage;
 }
 
 /// Describes the sequence to the user: "7-Scenes: 1000 frames, 640 x 480, registered depth in mm".

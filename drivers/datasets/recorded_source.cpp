@@ -27,7 +27,7 @@ void require_size(const cv::Size& size, const std::filesystem::path& path, const
 /// Same before decoding: a small file may hold a huge image.
 void require_encoded_size(const std::string& bytes, const std::filesystem::path& path,
                           const PinholeCamera& camera, const char* remedy) {
-  if (const auto size = encoded_size(bytes)) require_size(*size, path, camera, remedy);
+  if (const auto size = size_in_header(bytes)) require_size(*size, path, camera, remedy);
 }
 
 /// Throws InputError if all files named in a list are missing.
@@ -123,8 +123,7 @@ Frame RecordedSource::read_images(const RecordedFrame& files) const {
   }
   const PinholeCamera& lens = camera_.depth ? *camera_.depth : camera_.color;
   const std::string bytes = read_bytes(files.depth);
-  if (sequence_.depth_encoding == DepthEncoding::kImage)
-    require_encoded_size(bytes, files.depth.file, lens, kDepthRemedy);
+  if (has_header(sequence_.depth_encoding)) require_encoded_size(bytes, files.depth.file, lens, kDepthRemedy);
   frame.depth_m = decode_depth(bytes, files.depth.file, sequence_.depth_encoding, {lens.width, lens.height},
                                camera_.depth_scale);
   require_size(frame.depth_m.size(), files.depth.file, lens, kDepthRemedy);

@@ -104,14 +104,23 @@ std::string advice_for_file(const fs::path& file) {
          "Kinect";
 }
 
-/// Names of a few sequences below this folder.
+/// Names of a few sequences up to four folders below this one, of the nearest level that has any.
 std::vector<std::string> sequences_below(const fs::path& folder) {
-  constexpr size_t kMaxCount = 3;
+  constexpr size_t kMaxCount = 3, kMaxDepth = 4, kMaxFolders = 1000;
   std::vector<std::string> found;
-  const FolderContents contents(folder);
-  for (const std::string& name : contents.folders()) {
-    if (found.size() >= kMaxCount) break;
-    if (recognise_layout(folder / name) != nullptr) found.push_back((folder / name).string());
+  std::vector<fs::path> level = {folder};
+  size_t looked_at = 0;
+  for (size_t depth = 0; depth < kMaxDepth && found.empty(); ++depth) {
+    std::vector<fs::path> next;
+    for (const fs::path& above : level) {
+      const FolderContents contents(above);
+      for (const std::string& name : contents.folders()) {
+        if (name.starts_with('.') || found.size() == kMaxCount || ++looked_at > kMaxFolders) continue;
+        next.push_back(above / name);
+        if (recognise_layout(next.back()) != nullptr) found.push_back(next.back().string());
+      }
+    }
+    level = std::move(next);
   }
   return found;
 }

@@ -9,6 +9,7 @@
 
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/time.hpp"
+#include "tests/drivers/depth_file_samples.hpp"
 #include "tests/drivers/test_video.hpp"
 
 namespace kinloop::test {
@@ -136,18 +137,6 @@ void write_seven_scenes(const fs::path& folder, const Sample& s) {
   put(folder / "camera-intrinsics.txt", matrix3_text(s.lens, " "));
 }
 
-/// Depth as PGM, which is big-endian.
-std::string pgm(const cv::Mat& image) {
-  std::string bytes = fmt::format("P5\n# depth\n{} {}\n65535\n", image.cols, image.rows);
-  for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.cols; ++x) {
-      bytes += static_cast<char>(image.at<uint16_t>(y, x) >> 8);
-      bytes += static_cast<char>(image.at<uint16_t>(y, x) & 0xff);
-    }
-  }
-  return bytes;
-}
-
 void write_bundle_fusion(const fs::path& folder, const Sample& s) {
   write_frame_files(folder, s);
   for (size_t i = 0; i < s.size(); ++i) {
@@ -249,15 +238,6 @@ std::string raw(const cv::Mat& image) {
   return {reinterpret_cast<const char*>(image.data), image.total() * image.elemSize()};
 }
 
-std::string numpy(const cv::Mat& depth_m) {
-  std::string header = fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}",
-                                   depth_m.rows, depth_m.cols);
-  header.resize(118, ' ');
-  std::string bytes("\x93NUMPY\x01\x00", 8);
-  append(bytes, static_cast<uint16_t>(header.size()));
-  return bytes + header + raw(depth_m);
-}
-
 void write_tartan_air(const fs::path& folder, const Sample& s) {
   Eigen::Matrix3d R_camera_ned;  // x forward, y right, z down
   R_camera_ned << 0, 1, 0, 0, 0, 1, 1, 0, 0;
@@ -339,6 +319,49 @@ void write_record3d(const fs::path& folder, const Sample& s) {
           l.width, l.height, l.fx, l.fy, l.cx, l.cy, fmt::join(poses, ", "), fmt::join(times, ", ")));
 }
 
+void write_record3d_export(const fs::path& folder, const Sample& s) {
+  std::vector<std::string> poses;
+  for (size_t i = 0; i < s.size(); ++i) {
+    put(folder / fmt::format("rgb/{}.jpg", i), png(s.colors[i]));
+    put(folder / fmt::format("depth/{}.exr", i), exr(metres(s.depths_mm[i])));
+    put(folder / fmt::format("confidence/{}.png", i),
+        png(cv::Mat(s.depths_mm[i].size(), CV_8UC1, cv::Scalar(2))));
+    const SE3 T = in_arkit(s.truth[i].T_world_camera);
+    const auto& q = T.rotation;
+    const auto& t = T.translation;
+    poses.push_back(
+        fmt::format("[{}, {}, {}, {}, {}, {}, {}]", q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()));
+  }
+  const auto& l = s.lens;
+  put(folder / "metadata.json",
+      fmt::format(R"({{"w": {}, "h": {}, "fps": 30, "K": [{}, 0, 0, 0, {}, 0, {}, {}, 1], "poses": [{}]}})",
+                  l.width, l.height, l.fx, l.fy, l.cx, l.cy, fmt::join(poses, ", ")));
+}
+
+/// As SplaTAM writes captures of NeRFCapture.
+void write_transforms(const fs::path& folder, const Sample& s) {
+  put_images(
+      s, [&](size_t i) { return folder / fmt::format("rgb/{}.png", i); },
+      [&](size_t i) { return folder / fmt::format("depth/{}.png", i); });
+  std::vector<std::string> frames;
+  for (size_t i = 0; i < s.size(); ++i) {
+    std::vector<std::string> rows;
+    const Eigen::Matrix4d T = in_arkit(s.truth[i].T_world_camera).matrix();
+    for (int row = 0; row < 4; ++row)
+      rows.push_back(
+          fmt::format("[{:.17g}, {:.17g}, {:.17g}, {:.17g}]", T(row, 0), T(row, 1), T(row, 2), T(row, 3)));
+    frames.push_back(fmt::format(
+        R"({{"file_path": "rgb/{0}.png", "depth_path": "depth/{0}.png", "transform_matrix": [{1}]}})", i,
+        fmt::join(rows, ", ")));
+  }
+  const auto& l = s.lens;
+  put(folder / "transforms.json",
+      fmt::format(
+          R"({{"w": {}, "h": {}, "fl_x": {}, "fl_y": {}, "cx": {}, "cy": {}, "integer_depth_scale": 0.001,)"
+          R"( "frames": [{}]}})",
+          l.width, l.height, l.fx, l.fy, l.cx + 0.5, l.cy + 0.5, fmt::join(frames, ", ")));
+}
+
 void write_folders(const fs::path& folder, const Sample& s) {
   put_images(
       s, [&](size_t i) { return folder / fmt::format("color/{}.png", i); },
@@ -406,6 +429,8 @@ const std::vector<LayoutWriter>& layout_writers() {
       {"3D Scanner App", false, write_scanner_3d_app},
       {"Polycam", false, write_polycam},
       {"Record3D", false, write_record3d},
+      {"Record3D export", false, write_record3d_export},
+      {"Nerfstudio, NeRFCapture", false, write_transforms},
       {"Redwood or Open3D", false, write_redwood},
       {"colour and depth images", true, write_folders},
       {"images side by side", true, write_side_by_side},

@@ -13,6 +13,7 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/slam/slam.hpp"
+#include "tests/drivers/depth_file_samples.hpp"
 #include "tests/drivers/layout_writers.hpp"
 #include "tests/drivers/test_video.hpp"
 #include "tests/slam/recording.hpp"
@@ -180,7 +181,8 @@ TEST(Layouts, SetTheSensorThatTheyKnow) {
   const std::map<std::string, DepthSensorModel> known = {
       {"OpenLORIS", kRealsenseD4xx}, {"7-Scenes", kKinect1},     {"BundleFusion", kStructuredLight},
       {"ScanNet", kStructuredLight}, {"Stray Scanner", kIphone}, {"ScanNet recording", kStructuredLight},
-      {"3D Scanner App", kIphone},   {"Polycam", kIphone},       {"Record3D", kIphone}};
+      {"3D Scanner App", kIphone},   {"Polycam", kIphone},       {"Record3D", kIphone},
+      {"Record3D export", kIphone}};
   size_t found = 0;
   for (const LayoutWriter& writer : test::layout_writers()) {
     SCOPED_TRACE(writer.name);
@@ -195,6 +197,61 @@ TEST(Layouts, SetTheSensorThatTheyKnow) {
     ++found;
   }
   EXPECT_GE(found, known.size() - 1);  // Stray Scanner needs a video encoder
+}
+
+TEST(Record3dExport, SmallerDepthHasTheSameViewAndConfidence) {
+  Sample sample = make_sample(2, {64, 48});
+  const Written written(writer_of("Record3D export"), sample);
+  cv::Mat confidence(24, 32, CV_8UC1, cv::Scalar(2));
+  confidence.rowRange(0, 12).setTo(0);
+  for (int i = 0; i < 2; ++i) {
+    write_file(written.path() / fmt::format("depth/{}.exr", i),
+               test::exr(cv::Mat(24, 32, CV_32FC1, cv::Scalar(1.5))));
+    cv::imwrite((written.path() / fmt::format("confidence/{}.png", i)).string(), confidence);
+  }
+  const auto source = written.open();
+  ASSERT_TRUE(source->camera().depth);
+  EXPECT_EQ(source->camera().depth->width, 32);
+  EXPECT_EQ(source->camera().depth->fx, sample.lens.fx / 2);
+  const auto frame = source->next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->depth_m.size(), cv::Size(64, 48));
+  EXPECT_EQ(frame->depth_m.at<float>(6, 32), 0);
+  EXPECT_NEAR(frame->depth_m.at<float>(40, 32), 1.5, 1e-5);
+}
+
+TEST(Record3dExport, IntrinsicsOfLargerImagesAreScaled) {
+  const Sample sample = make_sample(2);
+  const Written written(writer_of("Record3D export"), sample);
+  write_file(written.path() / "metadata.json",
+             R"({"w": 64, "h": 48, "fps": 30, "K": [48, 0, 0, 0, 48, 0, 31.5, 23.5, 1]})");
+  const RgbdCamera camera = written.read().camera;
+  EXPECT_EQ(camera.color.width, 32);
+  EXPECT_EQ(camera.color.fx, 24);
+}
+
+TEST(Transforms, UnitOfDepthMayBeThatOfNerfCapture) {
+  const Written written(writer_of("Nerfstudio, NeRFCapture"), make_sample(2));
+  std::string json = read_file(written.path() / "transforms.json");
+  json.replace(json.find("0.001"), 5, "0.00015259021896696422");  // 10 m in 16 bits
+  write_file(written.path() / "transforms.json", json);
+  EXPECT_NEAR(written.read().camera.depth_scale, 6553.5, 1e-6);
+}
+
+TEST(Transforms, FramesWithoutDepthFilesArePairedAsInTwoFolders) {
+  const Sample sample = make_sample(3);
+  const Written written(writer_of("Nerfstudio, NeRFCapture"), sample);
+  std::string json = read_file(written.path() / "transforms.json");
+  for (size_t at; (at = json.find("depth_path")) != std::string::npos;) json.replace(at, 10, "mask_path");
+  for (size_t at; (at = json.find(".png\", \"mask")) != std::string::npos;)
+    json.erase(at, 4);  // as instant-ngp
+  write_file(written.path() / "transforms.json", json);
+  const RecordedSequence sequence = written.read().sequence;
+  EXPECT_EQ(sequence.frames.size(), 3U);
+  ASSERT_EQ(sequence.ground_truth.size(), 3U);
+  EXPECT_LT(
+      (sequence.ground_truth[2].T_world_camera.inverse() * sample.truth[2].T_world_camera).translation.norm(),
+      1e-6);
 }
 
 TEST(Layouts, ACameraFileWithoutSensorLeavesThatOfTheLayout) {

@@ -50,6 +50,17 @@ TEST(RejectSequence, LooksIntoTheFoldersBelow) {
               HasSubstr("looks like KITTI (image_2/), in 05/, which kinloop cannot read"));
 }
 
+TEST(RejectSequence, FindsASequenceFourFoldersDownInOneLine) {
+  const TempFolder folder;
+  folder.write("a/b/c/seq-01/frame-000000.color.png", "");
+  folder.write("a/notes.txt", "");
+  folder.write("a/.cache/seq-02/frame-000000.color.png", "");
+  EXPECT_THAT(input_error([&] { reject_sequence(folder.path(), false); }),
+              AllOf(HasSubstr("not a sequence, but it contains: "), HasSubstr("a/b/c/seq-01; specify"),
+                    Not(HasSubstr("seq-02"))));
+  EXPECT_THAT(hint_of(folder.path(), false), IsEmpty());
+}
+
 TEST(RejectSequence, AllThatIsMissingIsInOneAnswer) {
   const TempFolder folder;
   folder.write("rgb.txt", "1 a.png\n");

@@ -78,6 +78,22 @@ TEST(DepthValuesCheck, NamesTheLimitOfClippedDepth) {
               HasSubstr("1.500 m and hardly any is nearer"));
 }
 
+/// As a Kinect 1 without its driver gives it: 1000 units of disparity per "metre".
+float raw_kinect1(float z_m) {
+  return 1e-3F * std::round(2842.5F * (std::atan(z_m / 0.1236F) - 1.1863F));
+}
+
+TEST(DepthValuesCheck, NamesRawDisparityOfAKinect1) {
+  Recording raw = with_depth(kinect_room(), [](const cv::Mat& depth_m) {
+    cv::Mat changed = depth_m.clone();
+    changed.forEach<float>([](float& z_m, const int*) { z_m = z_m > 0 ? raw_kinect1(z_m) : 2.047F; });
+    return changed;
+  });
+  raw.camera.depth_scale = 1000;
+  EXPECT_THAT(values_text(raw), AllOf(HasSubstr("depth is the raw disparity of a Kinect 1"),
+                                      HasSubstr("0.1236 tan(d / 2842.5 + 1.1863)")));
+}
+
 TEST(DepthValuesCheck, NamesCoarseSteps) {
   EXPECT_THAT(
       values_text(with_depth(kinect_room(), each([](float z_m) { return 0.2F * std::round(z_m / 0.2F); }))),

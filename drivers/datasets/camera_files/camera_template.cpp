@@ -55,4 +55,15 @@ std::string camera_template(const RecordedSequence& sequence) {
   return text + "  fps: 30\n";
 }
 
+CameraDescription common_camera(const RecordedSequence& sequence) {
+  const cv::Size size = image_size(sequence.frames, &RecordedFrame::color);
+  const double focal_px = common_sensor(size).focal_share * size.width;
+  CameraDescription description;
+  description.source = "--camera guess";
+  description.format = "not known";
+  set_size(description, size.width, size.height);
+  set_intrinsics(description, focal_px, focal_px, 0.5 * (size.width - 1), 0.5 * (size.height - 1));
+  return description;
+}
+
 }  // namespace kinloop

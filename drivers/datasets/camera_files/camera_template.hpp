@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "drivers/datasets/camera_files/camera_description.hpp"
 #include "drivers/datasets/recorded_sequence.hpp"
 
 namespace kinloop {
@@ -11,5 +12,8 @@ namespace kinloop {
 /// values, and the focal length of a common sensor of that aspect; what is a guess is marked as one. A
 /// sequence without readable images gives the template of a Kinect.
 std::string camera_template(const RecordedSequence& sequence);
+
+/// Returns the camera of that template, for images of any known size. Throws InputError if none is readable.
+CameraDescription common_camera(const RecordedSequence& sequence);
 
 }  // namespace kinloop

@@ -1,6 +1,7 @@
 #include "drivers/datasets/camera_files/depth_unit.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <vector>
 
@@ -43,13 +44,30 @@ bool are_multiples_of_five(const std::vector<double>& units) {
   constexpr int kFactor = 5;
   std::set<int> different;
   for (const double value : units) {
-    if (static_cast<int>(value) % kFactor != 0) return false;
+    if (std::fmod(value, kFactor) != 0) return false;
     if (different.size() < kLeastDifferent) different.insert(static_cast<int>(value));
   }
   return different.size() >= kLeastDifferent;
 }
 
 }  // namespace
+
+bool has_floats_in_metres(const RecordedSequence& sequence) {
+  constexpr double kFarthest_m = 100;
+  constexpr size_t kTried = 3;  // the first may be damaged
+  if (sequence.depth_encoding != DepthEncoding::kImage) return false;
+  for (size_t i = 0; i < std::min(kTried, sequence.frames.size()); ++i) {
+    const ImageLocation& location = sequence.frames[i].depth;
+    try {
+      if (!has_float_depth(read_bytes(location), location.file)) return false;
+      const std::vector<double> values = sampled_depth_units(sequence);
+      return !values.empty() && spread_of(values).median <= kFarthest_m;
+    } catch (const InputError&) {
+      continue;
+    }
+  }
+  return false;
+}
 
 std::optional<DepthUnit> guess_depth_unit(const RecordedSequence& sequence) {
   constexpr double kMillimetres = 1000, kTumUnits = 5000, kNearest_m = 0.3, kFarthest_m = 5;

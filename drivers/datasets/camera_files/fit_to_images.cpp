@@ -89,12 +89,15 @@ std::string fit_unit(const CameraDescription& description, const RecordedSequenc
                      depth_unit_text(unit->depth_scale), unit->median_m);
 }
 
-/// Depth of another size but the same aspect is the same view at another resolution, as phones have it.
+}  // namespace
+
 std::string fit_depth_size(const RecordedSequence& sequence, RgbdCamera& camera) {
-  if (camera.depth || sequence.depth_encoding != DepthEncoding::kImage) return "";
+  if (camera.depth || !has_header(sequence.depth_encoding)) return "";
   const cv::Size color(camera.color.width, camera.color.height);
   cv::Size depth = color;
   try {
+    const bool fits = !sequence.video.empty() || image_size(sequence.frames, &RecordedFrame::color) == color;
+    if (!fits) return "";  // of other images, said when they are read
     depth = image_size(sequence.frames, &RecordedFrame::depth);
   } catch (const InputError&) {
     return "";  // said when the images are read
@@ -103,8 +106,6 @@ std::string fit_depth_size(const RecordedSequence& sequence, RgbdCamera& camera)
   camera.depth = lens_of_size(camera.color, depth);
   return fmt::format(" of {} x {}, taken as of the same view,", depth.width, depth.height);
 }
-
-}  // namespace
 
 RgbdCamera fit_to_images(const CameraDescription& description, const RecordedSequence& sequence,
                          std::optional<double> depth_scale) {

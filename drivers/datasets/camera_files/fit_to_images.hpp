@@ -3,6 +3,7 @@
 // and said.
 
 #include <optional>
+#include <string>
 
 #include "drivers/datasets/camera_files/camera_description.hpp"
 #include "drivers/datasets/recorded_sequence.hpp"
@@ -15,6 +16,10 @@ namespace kinloop {
 /// cannot be the camera of these images, or the unit of depth cannot be told.
 RgbdCamera fit_to_images(const CameraDescription& description, const RecordedSequence& sequence,
                          std::optional<double> depth_scale = {});
+
+/// Gives depth of another size but the aspect of colour its own lens, that of colour scaled: the same view at
+/// another resolution, as phones have it. Returns what is to be said about it; empty if there is nothing.
+std::string fit_depth_size(const RecordedSequence& sequence, RgbdCamera& camera);
 
 /// Returns the camera of a source that states the unit of its depth, such as a bag. Throws InputError if the
 /// size of the images is not stated.

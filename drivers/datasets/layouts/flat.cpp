@@ -36,25 +36,25 @@ struct FlatImages {
 };
 
 /// By the first of the names that both kinds of images have; none if there is no such name.
-FlatImages flat_images(const std::vector<std::filesystem::path>& images) {
+FlatImages flat_images(const std::vector<std::filesystem::path>& files) {
   for (const FlatNames& names : kFlatNames) {
     FlatImages found;
-    for (const auto& image : images) {
-      if (names.is(image, names.color)) found.color.push_back(image);
-      if (names.is(image, names.depth)) found.depth.push_back(image);
+    for (const auto& file : files) {
+      if (is_color_name(file) && names.is(file, names.color)) found.color.push_back(file);
+      if (is_depth_name(file) && names.is(file, names.depth)) found.depth.push_back(file);
     }
     if (!found.color.empty() && !found.depth.empty()) return found;
   }
   return {};
 }
 
+bool is_depth_or_color_name(const std::filesystem::path& file) {
+  return is_color_name(file) || is_depth_name(file);
+}
+
 std::string flat_evidence(const std::filesystem::path&, const FolderContents& contents) {
   if (contents.has_file("rgb.txt") || contents.has_file("depth.txt")) return {};  // TUM, incomplete
-  std::vector<std::filesystem::path> images;
-  for (const std::string& file : contents.files()) {
-    if (is_image_name(file)) images.emplace_back(file);
-  }
-  const FlatImages found = flat_images(images);
+  const FlatImages found = flat_images({contents.files().begin(), contents.files().end()});
   if (found.color.empty()) return {};
   return fmt::format("{}, {}", found.color.front().string(), found.depth.front().string());
 }
@@ -62,7 +62,7 @@ std::string flat_evidence(const std::filesystem::path&, const FolderContents& co
 RecordedSequence read_flat(const std::filesystem::path& folder) {
   RecordedSequence sequence;
   sequence.layout = "folder of colour and depth images";
-  const FlatImages found = flat_images(images_in(folder));
+  const FlatImages found = flat_images(images_in(folder, is_depth_or_color_name));
   if (!found.color.empty()) pair_images(found.color, found.depth, stated_fps(folder), sequence);
   find_masks(folder, sequence);
   return sequence;

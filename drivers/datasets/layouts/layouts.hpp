@@ -51,6 +51,8 @@ SequenceLayout stray_scanner_layout();
 SequenceLayout scanner_3d_app_layout();
 SequenceLayout polycam_layout();
 SequenceLayout record3d_layout();
+SequenceLayout record3d_export_layout();
+SequenceLayout transforms_layout();
 SequenceLayout redwood_layout();
 SequenceLayout plain_layout();
 SequenceLayout flat_layout();

@@ -9,8 +9,8 @@ std::span<const SequenceLayout> sequence_layouts() {
       icl_nuim_layout(),       eth3d_layout(),         bonn_layout(),         tum_layout(),
       open_loris_layout(),     bundle_fusion_layout(), seven_scenes_layout(), scannet_layout(),
       sens_layout(),           replica_layout(),       tartan_air_layout(),   stray_scanner_layout(),
-      scanner_3d_app_layout(), polycam_layout(),       record3d_layout(),     redwood_layout(),
-      plain_layout(),          flat_layout(),
+      scanner_3d_app_layout(), polycam_layout(),       record3d_layout(),     record3d_export_layout(),
+      transforms_layout(),     redwood_layout(),       plain_layout(),        flat_layout(),
   };
   return kLayouts;
 }

@@ -32,7 +32,7 @@ RecordedSequence read_tartan_air(const fs::path& folder) {
   RecordedSequence sequence;
   sequence.layout = "TartanAir folder";
   sequence.stamps_measured = false;
-  sequence.depth_encoding = DepthEncoding::kNumpy;
+  sequence.depth_encoding = DepthEncoding::kFloatImage;
   RgbdCamera camera;
   camera.color = make_lens({640, 480}, 320, 320, 320, 240);
   camera.depth_scale = 1;

@@ -1,6 +1,8 @@
-// Record3D, an unpacked .r3d: metadata (JSON with "w", "h", "dw", "dh", "K" in column order, "fps", "poses"
-// as qx qy qz qw tx ty tz of ARKit, "frameTimestamps"), rgbd/0.jpg, rgbd/0.depth (float32 in metres,
-// compressed by LZFSE, for which Debian has no library; decompressed files are read).
+// Record3D exports colour and depth as images: rgb/0.jpg, depth/0.exr in metres, confidence/0.png, and
+// metadata.json or metadata, which an unpacked .r3d has, too: metadata (JSON with "w", "h", "dw", "dh", "K"
+// in column order, "fps", "poses" as qx qy qz qw tx ty tz of ARKit, "frameTimestamps"), rgbd/0.jpg,
+// rgbd/0.depth (float32 in metres, compressed by LZFSE, for which Debian has no library; decompressed files
+// are read).
 
 #include <algorithm>
 
@@ -8,11 +10,13 @@
 
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/phones/phone_camera.hpp"
+#include "drivers/datasets/reading/image_bytes.hpp"
 #include "drivers/datasets/reading/image_pairs.hpp"
 #include "drivers/datasets/reading/json_file.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
+#include "kinloop/sensor/camera/registration.hpp"
 
 namespace kinloop {
 namespace {
@@ -32,6 +36,28 @@ void require_decompressed(const fs::path& file, cv::Size size) {
       fmt::format("{}: compressed by LZFSE, which kinloop cannot read; decompress the .depth files with "
                   "the program lzfse (github.com/lzfse/lzfse): lzfse -decode -i IN -o OUT",
                   file.string()));
+}
+
+/// The folder itself or its EXR_RGBD/.
+fs::path exported_folder(const fs::path& folder) {
+  std::error_code absent;
+  return fs::is_directory(folder / "EXR_RGBD", absent) ? folder / "EXR_RGBD" : folder;
+}
+
+std::string metadata_name(const FolderContents& contents) {
+  for (const char* name : {"metadata.json", "metadata"}) {
+    if (contents.has_file(name)) return name;
+  }
+  return {};
+}
+
+std::string record3d_export_evidence(const fs::path& path, const FolderContents&) {
+  const fs::path folder = exported_folder(path);
+  const FolderContents contents(folder);
+  const bool folders = contents.has_folder("rgb") && contents.has_folder("depth");
+  if (!folders || metadata_name(contents).empty()) return {};
+  const std::string depth = FolderContents(folder / "depth").find_file("", ".exr");
+  return depth.empty() ? depth : fmt::format("{}, depth/{}", metadata_name(contents), depth);
 }
 
 /// The lens of each frame if they are there, else the one of all.
@@ -66,6 +92,27 @@ std::optional<SE3> record3d_pose(const nlohmann::json& pose) {
   return T ? std::optional(from_arkit(*T)) : std::nullopt;
 }
 
+/// Sets times and poses, which are lists by the numbers of the images.
+void add_times_and_poses(const nlohmann::json& metadata, const fs::path& file, RecordedSequence& sequence) {
+  sequence.stamps_measured = metadata.contains("frameTimestamps");
+  const auto times =
+      sequence.stamps_measured ? numbers_at(metadata, "frameTimestamps", 0, file) : std::vector<double>();
+  const auto poses = metadata.find("poses");
+  for (RecordedFrame& frame : sequence.frames) {
+    const auto i = numbered_name(frame.color.file, "", frame.color.file.extension().string()).value_or(0);
+    if (i < times.size()) frame.stamp_ns = frame.depth_stamp_ns = checked_stamp(times[i], file);
+    const bool has_pose = poses != metadata.end() && poses->is_array() && i < poses->size();
+    const auto T = has_pose ? record3d_pose((*poses)[i]) : std::nullopt;
+    if (T) sequence.ground_truth.push_back({frame.stamp_ns, *T});
+  }
+  keep_increasing(sequence);
+}
+
+double record3d_rate_hz(const nlohmann::json& metadata, const fs::path& file) {
+  constexpr double kSlowest_hz = 1, kFastest_hz = 240;
+  return std::clamp(number_at(metadata, "fps", file), kSlowest_hz, kFastest_hz);
+}
+
 RecordedSequence read_record3d(const fs::path& folder) {
   const fs::path file = folder / "metadata";
   const auto metadata = read_json(file);
@@ -78,26 +125,56 @@ RecordedSequence read_record3d(const fs::path& folder) {
   sequence.camera = phone_camera(record3d_lenses(metadata, size, file), depth_size, file);
   sequence.camera->depth_scale = 1;
   sequence.sensor = DepthSensorModel::kIphone;
-  sequence.camera->fps = std::clamp(number("fps"), 1.0, 240.0);
+  sequence.camera->fps = record3d_rate_hz(metadata, file);
   sequence.frames = pair_by_number(numbered_files(folder / "rgbd", "", ".jpg"),
                                    numbered_files(folder / "rgbd", "", ".depth"), sequence.camera->fps);
   require_decompressed(sequence.frames.front().depth.file, depth_size);
-  sequence.stamps_measured = metadata.contains("frameTimestamps");
-  const auto times =
-      sequence.stamps_measured ? numbers_at(metadata, "frameTimestamps", 0, file) : std::vector<double>();
-  const auto poses = metadata.find("poses");
+  add_times_and_poses(metadata, file, sequence);
+  return sequence;
+}
+
+/// The lens of images of the size that metadata states, for those that were exported.
+PinholeCamera of_size(const PinholeCamera& lens, cv::Size size) {
+  if (size.width == lens.width) return lens;
+  PinholeCamera scaled = resized(lens, size.width);
+  scaled.height = size.height;
+  return scaled;
+}
+
+RecordedSequence read_record3d_export(const fs::path& path) {
+  const fs::path folder = exported_folder(path);
+  const fs::path file = folder / metadata_name(FolderContents(folder));
+  const auto metadata = read_json(file);
+  RecordedSequence sequence;
+  sequence.layout = "Record3D export";
+  sequence.depth_encoding = DepthEncoding::kFloatImage;
+  sequence.sensor = DepthSensorModel::kIphone;
+  const double rate_hz = record3d_rate_hz(metadata, file);
+  auto color = numbered_files(folder / "rgb", "", ".jpg");
+  if (color.empty()) color = numbered_files(folder / "rgb", "", ".png");
+  sequence.frames = pair_by_number(color, numbered_files(folder / "depth", "", ".exr"), rate_hz);
+  const cv::Size exported = image_size(sequence.frames, &RecordedFrame::color);
+  const cv::Size stated = checked_size(number_at(metadata, "w", file), number_at(metadata, "h", file), file);
+  std::vector<PinholeCamera> lenses = record3d_lenses(metadata, stated, file);
+  for (PinholeCamera& lens : lenses) lens = of_size(lens, exported);
+  sequence.camera = phone_camera(lenses, image_size(sequence.frames, &RecordedFrame::depth), file);
+  sequence.camera->depth_scale = 1;
+  sequence.camera->fps = rate_hz;
   for (RecordedFrame& frame : sequence.frames) {
-    const auto i = numbered_name(frame.color.file, "", ".jpg").value_or(0);
-    if (i < times.size()) frame.stamp_ns = frame.depth_stamp_ns = checked_stamp(times[i], file);
-    const bool has_pose = poses != metadata.end() && poses->is_array() && i < poses->size();
-    const auto T = has_pose ? record3d_pose((*poses)[i]) : std::nullopt;
-    if (T) sequence.ground_truth.push_back({frame.stamp_ns, *T});
+    const fs::path confidence = folder / "confidence" / (frame.depth.file.stem().string() + ".png");
+    std::error_code absent;
+    if (fs::exists(confidence, absent)) frame.confidence = confidence;
   }
-  keep_increasing(sequence);
+  add_times_and_poses(metadata, file, sequence);
   return sequence;
 }
 
 }  // namespace
+
+SequenceLayout record3d_export_layout() {
+  return {"Record3D export", "rgb/, depth/ with .exr, and metadata.json", record3d_export_evidence,
+          read_record3d_export};
+}
 
 SequenceLayout record3d_layout() {
   return {"Record3D", "metadata and rgbd/ (an unpacked .r3d)", record3d_evidence, read_record3d};

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string>
-#include <string_view>
 
 #include <opencv2/core/mat.hpp>
 
@@ -11,10 +10,8 @@
 
 namespace kinloop {
 
-/// Decodes a .npy file (NumPy enhancement proposal 1) that holds a two-dimensional array of little-endian
-/// float32 in C order to 32FC1. Throws InputError naming the
-/// file for anything else.
-cv::Mat decode_numpy_image(std::string_view bytes, const std::filesystem::path& file);
+/// Returns whether an image holds floats, as EXR does. Throws InputError naming the file if it is damaged.
+bool has_float_depth(const std::string& bytes, const std::filesystem::path& file);
 
 /// Decodes depth to 32FC1 metres, 0 = unknown; in 16 bits 0 and 65535, in floats all that is not finite and
 /// positive, mean unknown. `file` names the image in messages; `size` is that of the depth camera, needed for

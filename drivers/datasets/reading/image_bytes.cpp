@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/reading/pgm.hpp"
+#include "drivers/images/depth_files/depth_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"
@@ -33,13 +34,26 @@ std::string read_bytes(const ImageLocation& image) {
   return bytes;
 }
 
+namespace {
+
+/// Damage is said when the image is decoded.
+std::optional<cv::Size> size_of_depth_file(std::string_view bytes) {
+  try {
+    return depth_file_size(bytes);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
 std::optional<cv::Size> size_in_header(std::string_view bytes) {
   constexpr int kMax_px = 30'000;
   std::optional<cv::Size> size;
   if (const auto header = parse_pgm_header(bytes)) {
     size = cv::Size(header->width, header->height);
-  } else {
-    size = encoded_size(bytes);
+  } else if (size = encoded_size(bytes); !size) {
+    size = size_of_depth_file(bytes);
   }
   const bool plausible =
       size && size->width > 0 && size->height > 0 && size->width <= kMax_px && size->height <= kMax_px;

@@ -14,7 +14,8 @@ namespace kinloop {
 /// Throws InputError if the file or the part of it cannot be read.
 std::string read_bytes(const ImageLocation& image);
 
-/// Returns the size in the header of a PNG, JPEG or PGM; nullopt for any other content.
+/// Returns the size in the header of a PNG, JPEG, PGM or depth file of numbers; nullopt for any other
+/// content.
 std::optional<cv::Size> size_in_header(std::string_view bytes);
 
 /// Returns the size of the first colour or depth image that has one. Throws InputError if none of the first

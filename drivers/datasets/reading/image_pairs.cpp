@@ -40,28 +40,6 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
-/// Compares runs of digits by value, all else by character.
-bool natural_less(std::string_view a, std::string_view b) {
-  size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (!is_digit(a[i]) || !is_digit(b[j])) {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i, ++j;
-      continue;
-    }
-    const auto number_at = [](std::string_view text, size_t& at) {
-      while (at < text.size() && text[at] == '0') ++at;
-      const size_t begin = at;
-      while (at < text.size() && is_digit(text[at])) ++at;
-      return text.substr(begin, at - begin);
-    };
-    const std::string_view x = number_at(a, i), y = number_at(b, j);
-    if (x.size() != y.size()) return x.size() < y.size();
-    if (x != y) return x < y;
-  }
-  return a.size() - i < b.size() - j;
-}
-
 /// The time in a name: "1305031452.791720" in seconds, "0000012-000000366736" in microseconds.
 std::optional<int64_t> stamp_in_name(const fs::path& file) {
   constexpr size_t kRedwoodDigits = 12;
@@ -130,6 +108,27 @@ void pair_by_name(const std::vector<fs::path>& color, const std::vector<fs::path
 
 }  // namespace
 
+bool natural_less(std::string_view a, std::string_view b) {
+  size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!is_digit(a[i]) || !is_digit(b[j])) {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i, ++j;
+      continue;
+    }
+    const auto number_at = [](std::string_view text, size_t& at) {
+      while (at < text.size() && text[at] == '0') ++at;
+      const size_t begin = at;
+      while (at < text.size() && is_digit(text[at])) ++at;
+      return text.substr(begin, at - begin);
+    };
+    const std::string_view x = number_at(a, i), y = number_at(b, j);
+    if (x.size() != y.size()) return x.size() < y.size();
+    if (x != y) return x < y;
+  }
+  return a.size() - i < b.size() - j;
+}
+
 std::optional<uint64_t> numbered_name(const fs::path& file, std::string_view beginning,
                                       std::string_view end) {
   const std::string name = file.filename().string();
@@ -150,10 +149,10 @@ std::vector<NumberedFile> numbered_files(const fs::path& folder, std::string_vie
   return found;
 }
 
-std::vector<fs::path> images_in(const fs::path& folder) {
+std::vector<fs::path> images_in(const fs::path& folder, bool (*is_image)(const fs::path& file)) {
   std::vector<fs::path> images;
   for (const fs::path& file : files_in(folder)) {
-    if (is_image_name(file)) images.push_back(file);
+    if (is_image(file)) images.push_back(file);
   }
   std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
     const std::string x = a.filename().string(), y = b.filename().string();
@@ -199,7 +198,7 @@ std::vector<RecordedFrame> pair_by_time(const std::vector<int64_t>& color_ns,
 
 void pair_folders(const fs::path& color_folder, const fs::path& depth_folder, double fps,
                   RecordedSequence& sequence) {
-  pair_images(images_in(color_folder), images_in(depth_folder), fps, sequence);
+  pair_images(images_in(color_folder, is_color_name), images_in(depth_folder, is_depth_name), fps, sequence);
 }
 
 void pair_images(const std::vector<fs::path>& color, const std::vector<fs::path>& depth, double fps,

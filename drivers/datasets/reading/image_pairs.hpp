@@ -25,8 +25,13 @@ std::vector<NumberedFile> numbered_files(const std::filesystem::path& folder, st
 std::optional<uint64_t> numbered_name(const std::filesystem::path& file, std::string_view beginning,
                                       std::string_view end);
 
-/// Lists the images (PNG, JPEG, PGM) of a folder in natural order: 2.png comes before 10.png.
-std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder);
+/// Compares runs of digits by value, all else by character: "2" comes before "10".
+bool natural_less(std::string_view a, std::string_view b);
+
+/// Lists the files of a folder with such names, `is_color_name` or `is_depth_name`, in natural order: 2.png
+/// comes before 10.png.
+std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder,
+                                             bool (*is_image)(const std::filesystem::path& file));
 
 /// Pairs files of equal number; the rest is skipped. Stamps are number / `fps`. Throws InputError if no
 /// number occurs in both.

@@ -36,6 +36,23 @@ std::optional<InputWarning> clipped(const Levels& levels) {
       "record depth without a limit, or set such pixels to 0, which means unknown");
 }
 
+/// The raw values of a Kinect 1: disparities of 11 bits, of which those beyond 1100 do not occur, and 2047
+/// for unknown. The conversion is that of S. Magnenat in the OpenKinect project.
+std::optional<InputWarning> raw_disparity(const Levels& levels, double unit_m) {
+  constexpr double kUnknown = 2047, kLargest = 1100, kSmallest = 250, kMinShare = 0.005;
+  constexpr size_t kFewest = 10;
+  const auto value_of = [&](const DepthLevels::Level& level) { return std::round(level.depth_m / unit_m); };
+  if (levels.size() < kFewest || value_of(levels.back()) != kUnknown || levels.back().share < kMinShare)
+    return std::nullopt;
+  if (value_of(levels[levels.size() - 2]) > kLargest || value_of(levels.front()) < kSmallest)
+    return std::nullopt;
+  return values_warning(
+      fmt::format("depth is the raw disparity of a Kinect 1: values of 11 bits up to {:.0f}, and {:.0f} % of "
+                  "2047, which means unknown",
+                  value_of(levels[levels.size() - 2]), 100 * levels.back().share),
+      "convert each value d to 0.1236 tan(d / 2842.5 + 1.1863) m, and 2047 to 0");
+}
+
 /// Depth that is usual with this depth_scale, if the stated one is wrong by the factor.
 std::string scale_text(double depth_scale, double factor) {
   constexpr double kNear = 1.3;
@@ -58,6 +75,7 @@ std::optional<InputWarning> DepthValuesCheck::values() const {
     return values_warning(fmt::format("depth is constant: {:.0f} % of its pixels are at exactly {:.3f} m",
                                       100 * most->share, most->depth_m),
                           "check what writes the depth images");
+  if (auto found = raw_disparity(levels, levels_.unit_m())) return found;
   if (auto found = clipped(levels)) return found;
   const auto step_m = uniform_step_m(levels);
   if (!step_m || *step_m < kCoarse_m) return std::nullopt;

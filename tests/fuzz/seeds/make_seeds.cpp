@@ -18,6 +18,7 @@
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/drivers/bag_writers.hpp"
 #include "tests/drivers/camera_file_samples.hpp"
+#include "tests/drivers/depth_file_samples.hpp"
 #include "tests/drivers/layout_writers.hpp"
 #include "tests/drivers/mkv_writer.hpp"
 #include "tests/drivers/oni_writer.hpp"
@@ -160,6 +161,15 @@ void add_depth(const Corpus& corpus) {
   corpus.add("depth_encodings", "16z_table", '\2' + size + std::string("\2\0\0\0\xE8\3\0\1\x66\x66", 10));
   corpus.add("depth_encodings", "png", '\3' + size + depth_png());
   corpus.add("depth_encodings", "pgm", '\3' + size + "P5\n8 6\n65535\n" + raw);
+  for (const test::DepthFormat& format : test::depth_formats()) {
+    if (!format.writes_numbers) continue;
+    std::string name = format.name;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    corpus.add("depth_encodings", name, '\3' + size + format.write(depth));
+  }
+  for (const test::ExrSample& sample : test::exr_samples())
+    corpus.add("depth_encodings", std::string("exr_") + sample.compression,
+               '\3' + size + test::from_hex(sample.hex));
   corpus.add("depth_encodings", "raw", '\4' + size + raw);
   corpus.add("depth_encodings", "float", '\6' + size + raw + raw);
   corpus.add("depth_encodings", "numpy",

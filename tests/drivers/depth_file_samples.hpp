@@ -1,0 +1,50 @@
+#pragma once
+// Depth images in the formats of numbers, written by the tests, and some by the libraries of the formats.
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+namespace kinloop::test {
+
+/// A 32FC1 image as OpenEXR with one channel Z of floats, compressed by ZIP.
+std::string exr(const cv::Mat& depth);
+
+/// An array of NumPy of the type of the image: 16UC1, 16SC1, 32SC1, 32FC1 or 64FC1.
+std::string numpy(const cv::Mat& image);
+
+/// A zip file of these arrays, deflated or stored, as numpy.savez_compressed and numpy.savez write it.
+std::string numpy_archive(const std::vector<std::pair<std::string, std::string>>& arrays, bool deflated);
+
+/// The image as cv::FileStorage writes it.
+std::string opencv_yaml(const cv::Mat& image);
+
+/// The image as cv::imencode writes it, with a compression by its number in TIFF.
+std::string tiff(const cv::Mat& image, int compression);
+
+/// 16-bit PGM, which is big-endian.
+std::string pgm(const cv::Mat& image);
+
+/// 8 x 6 pixels of half floats, 0.5 + 0.25 x + y with 0 at (0, 0), as OpenEXR 3.1 wrote them.
+struct ExrSample {
+  const char* compression;
+  std::string_view hex;
+};
+const std::vector<ExrSample>& exr_samples();
+
+std::string from_hex(std::string_view hex);
+
+/// A depth format of the tables in docs/recordings.md: the ending of its files, and how depth is written to
+/// it.
+struct DepthFormat {
+  const char* name;
+  const char* ending;
+  std::string (*write)(const cv::Mat& depth_mm);  ///< 16UC1 in millimetres
+  bool writes_numbers = true;                     ///< see drivers/images/depth_files
+};
+const std::vector<DepthFormat>& depth_formats();
+
+}  // namespace kinloop::test

@@ -1,0 +1,178 @@
+// Depth images in the formats of numbers: EXR, TIFF, NumPy, OpenCV's YAML.
+
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <opencv2/core.hpp>
+
+#include "drivers/datasets/reading/depth_image.hpp"
+#include "drivers/images/depth_files/depth_file.hpp"
+#include "kinloop/core/errors.hpp"
+#include "tests/drivers/depth_file_samples.hpp"
+#include "tests/drivers/mutation.hpp"
+#include "tests/support/expect_error.hpp"
+
+namespace kinloop {
+namespace {
+
+using test::input_error;
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// Depth with noise, so that nothing in it repeats, in millimetres.
+cv::Mat noisy_mm(cv::Size size = {67, 41}) {
+  cv::Mat depth(size, CV_16UC1);
+  cv::RNG random(5);
+  random.fill(depth, cv::RNG::UNIFORM, 0, 5000);
+  depth.rowRange(0, size.height / 2).setTo(1500);
+  return depth;
+}
+
+cv::Mat converted(const cv::Mat& image, int type, double scale = 1) {
+  cv::Mat result;
+  image.convertTo(result, type, scale);
+  return result;
+}
+
+void expect_same(const cv::Mat& image, const cv::Mat& expected) {
+  ASSERT_EQ(image.type(), expected.type());
+  ASSERT_EQ(image.size(), expected.size());
+  EXPECT_EQ(cv::norm(image, expected, cv::NORM_INF), 0);
+}
+
+void expect_decoded(const std::string& bytes, const cv::Mat& expected) {
+  EXPECT_EQ(depth_file_size(bytes), expected.size());
+  expect_same(decode_depth_file(bytes), expected);
+}
+
+TEST(DepthFiles, ExrIsReadAsOpenExrWritesIt) {
+  cv::Mat expected(6, 8, CV_32FC1);
+  for (int y = 0; y < expected.rows; ++y) {
+    for (int x = 0; x < expected.cols; ++x)
+      expected.at<float>(y, x) = 0.5F + 0.25F * static_cast<float>(x) + static_cast<float>(y);
+  }
+  expected.at<float>(0, 0) = 0;
+  for (const test::ExrSample& sample : test::exr_samples()) {
+    SCOPED_TRACE(sample.compression);
+    const std::string bytes = test::from_hex(sample.hex);
+    if (std::string_view(sample.compression) != "PIZ") {
+      expect_decoded(bytes, expected);
+      continue;
+    }
+    EXPECT_THAT(input_error([&] { static_cast<void>(decode_depth_file(bytes)); }),
+                HasSubstr("EXR compressed by PIZ, which kinloop cannot read; write it with ZIP"));
+  }
+}
+
+TEST(DepthFiles, ExrOfSeveralBlocksKeepsEachFloat) {
+  const cv::Mat depth_m = converted(noisy_mm({256, 192}), CV_32FC1, 0.001);
+  expect_decoded(test::exr(depth_m), depth_m);
+}
+
+TEST(DepthFiles, TiffIsReadInEachCompression) {
+  constexpr int kNone = 1, kLzw = 5, kDeflate = 8, kPackBits = 32773;
+  const cv::Mat units = noisy_mm({256, 192}), metres = converted(units, CV_32FC1, 0.001);
+  for (const int compression : {kNone, kLzw, kDeflate, kPackBits}) {
+    SCOPED_TRACE(compression);
+    expect_decoded(test::tiff(units, compression), units);
+    expect_decoded(test::tiff(metres, compression), metres);
+  }
+  expect_decoded(test::tiff(converted(units, CV_64FC1), kNone), converted(units, CV_32FC1));
+  EXPECT_THAT(input_error([&] { decode_depth_file(test::tiff(converted(units, CV_8UC1), kNone)); }),
+              HasSubstr("a TIFF of 8 bits and 1 channels"));
+}
+
+TEST(DepthFiles, TiffIsReadInEitherByteOrder) {
+  const std::string bytes(
+      "MM\0\x2a\0\0\0\x0c\x03\xe8\x07\xd0"  // the pixels 1000 and 2000 at byte 8
+      "\0\x07\x01\0\0\x03\0\0\0\1\0\2\0\0\x01\x01\0\x03\0\0\0\1\0\1\0\0\x01\x02\0\x03\0\0\0\1\0\x10\0\0"
+      "\x01\x03\0\x03\0\0\0\1\0\1\0\0\x01\x11\0\x04\0\0\0\1\0\0\0\x08\x01\x16\0\x03\0\0\0\1\0\1\0\0"
+      "\x01\x17\0\x04\0\0\0\1\0\0\0\x04\0\0\0\0",
+      12 + 2 + 7 * 12 + 4);
+  expect_decoded(bytes, (cv::Mat_<uint16_t>(1, 2) << 1000, 2000));
+}
+
+TEST(DepthFiles, NumpyArraysMayHaveAnyUsualType) {
+  const cv::Mat units = noisy_mm();
+  expect_decoded(test::numpy(units), units);
+  for (const int type : {CV_16SC1, CV_32SC1, CV_32FC1, CV_64FC1}) {
+    SCOPED_TRACE(type);
+    expect_decoded(test::numpy(converted(units, type)), converted(units, CV_32FC1));
+  }
+  std::string flat = test::numpy(units), columns = flat, bytes = flat;
+  flat.replace(flat.find("(41, 67)"), 8, "(2747,) ");
+  columns.replace(columns.find("False"), 5, "True ");
+  bytes.replace(bytes.find("<u2"), 3, ">u2");
+  EXPECT_THAT(input_error([&] { decode_depth_file(flat); }), HasSubstr("two dimensions"));
+  EXPECT_THAT(input_error([&] { decode_depth_file(columns); }), HasSubstr("not in C order"));
+  EXPECT_THAT(input_error([&] { decode_depth_file(bytes); }), HasSubstr("an array of '>u2'"));
+}
+
+TEST(DepthFiles, ArchiveOfNumpyHoldsOneArrayOrOneCalledDepth) {
+  const cv::Mat units = noisy_mm();
+  const std::string depth = test::numpy(units), other = test::numpy(converted(units, CV_32FC1));
+  for (const bool deflated : {false, true}) {
+    expect_decoded(test::numpy_archive({{"arr_0.npy", depth}}, deflated), units);
+    expect_decoded(test::numpy_archive({{"mask.npy", other}, {"depth.npy", depth}}, deflated), units);
+  }
+  const std::string two = test::numpy_archive({{"a.npy", other}, {"b.npy", depth}}, true);
+  EXPECT_THAT(input_error([&] { decode_depth_file(two); }),
+              HasSubstr("2 arrays, none of which is called depth"));
+}
+
+TEST(DepthFiles, YamlIsReadAsOpenCvWritesIt) {
+  const cv::Mat units = noisy_mm();
+  expect_decoded(test::opencv_yaml(units), units);
+  cv::Mat metres = converted(units, CV_32FC1, 0.001);
+  metres.at<float>(3, 4) = std::numeric_limits<float>::quiet_NaN();
+  metres.at<float>(3, 5) = std::numeric_limits<float>::infinity();
+  const std::string bytes = test::opencv_yaml(metres);
+  metres.at<float>(3, 4) = metres.at<float>(3, 5) = 0;
+  expect_decoded(bytes, metres);
+}
+
+TEST(DepthFiles, WithoutAPositiveFiniteNumberDepthIsUnknown) {
+  cv::Mat metres = converted(noisy_mm(), CV_32FC1, 0.001);
+  metres.at<float>(0, 1) = -1;
+  metres.at<float>(0, 2) = std::numeric_limits<float>::quiet_NaN();
+  const cv::Mat depth_m = decode_depth(test::numpy(metres), "a.npy", DepthEncoding::kFloatImage, {}, 5000);
+  EXPECT_EQ(depth_m.at<float>(0, 0), metres.at<float>(0, 0));
+  EXPECT_EQ(depth_m.at<float>(0, 1), 0);
+  EXPECT_EQ(depth_m.at<float>(0, 2), 0);
+  EXPECT_THAT(input_error([&] { decode_depth("x", "a.npy", DepthEncoding::kFloatImage, {}, 1); }),
+              HasSubstr("a.npy: "));
+}
+
+TEST(DepthFiles, SizesThatNoImageHasAreRefusedBeforeMemoryIsAllocated) {
+  std::string array = test::numpy(noisy_mm()), yaml = test::opencv_yaml(noisy_mm());
+  array.replace(array.find("(41, 67)"), 8, "(29999,29999)");
+  yaml.replace(yaml.find("cols: 67"), 8, "cols: 67000000");
+  for (const std::string& bytes : {array, yaml})
+    EXPECT_THAT(input_error([&] { decode_depth_file(bytes); }), HasSubstr("an image of "));
+}
+
+TEST(DepthFiles, DamagedOnesAreRefusedOrRead) {
+  const cv::Mat mm = noisy_mm({13, 9});
+  for (const test::DepthFormat& format : test::depth_formats()) {
+    SCOPED_TRACE(format.name);
+    const std::string whole = format.write(mm);
+    if (!format.writes_numbers) continue;
+    ASSERT_TRUE(is_depth_file(whole));
+    const auto try_bytes = [](const std::string& bytes) {
+      try {
+        static_cast<void>(depth_file_size(bytes));
+        const cv::Mat image = decode_depth_file(bytes);
+        EXPECT_TRUE(image.type() == CV_16UC1 || image.type() == CV_32FC1);
+      } catch (const InputError& error) {
+        EXPECT_THAT(std::string(error.what()), testing::Not(HasSubstr("\n")));
+      }
+    };
+    for (size_t size = 0; size < whole.size(); size += 1 + whole.size() / 300)
+      try_bytes(whole.substr(0, size));
+    Random random(3);
+    for (int i = 0; i < test::mutations(500); ++i) try_bytes(test::mutated(whole, random));
+  }
+}
+
+}  // namespace
+}  // namespace kinloop
