@@ -52,6 +52,7 @@ SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
   source.sequence = request.sequence;
   set_camera(source, request.camera);
   if (!request.topics.empty()) source.topics = request.topics;
+  source.depth_offset_s = request.depth_offset_s;
   source.simulation = setup.options.sim;
   source.kinect = setup.options.kinect;
   source.threads = setup.threads;
