@@ -10,6 +10,7 @@
 #include "apps/calibrate/calibration_views.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
@@ -44,8 +45,8 @@ void write_results(const CalibrateArguments& arguments, const RgbdCamera& camera
   const std::string subtitle = fmt::format("{}, board {}, squares of {} mm", arguments.folder.string(),
                                            arguments.board, 1000 * arguments.square_m);
   write_file(arguments.sibling_file(page), calibration_page("Calibration", subtitle, sections));
-  fmt::print("written: {}, {}, {}\n", arguments.output.string(), arguments.sibling_file(".json").string(),
-             arguments.sibling_file(page).string());
+  print_text(fmt::format("written: {}, {}, {}\n", arguments.output.string(),
+                         arguments.sibling_file(".json").string(), arguments.sibling_file(page).string()));
 }
 
 void warn_of(const LensCalibration& calibration) {

@@ -8,6 +8,7 @@
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/progress_bar.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
@@ -142,7 +143,7 @@ void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Prog
   if (up.source == UpSource::kCamera) {
     log::warn(
         "the surfaces do not determine the up direction; using the mean of the cameras' up axes: check that "
-        "floors are level");
+        "floors are level, or use --up X,Y,Z");
   }
   const Floor floor = find_floor(images, views, camera, up.direction, options);
   const OccupancyMap occupancy(images, views, camera, floor, options, progress);
@@ -223,8 +224,8 @@ void run_export(const ExportArguments& arguments) {
   // One of the files may be standard output.
   const auto files = arguments.files();
   std::FILE* to = std::any_of(files.begin(), files.end(), is_standard_output) ? stderr : stdout;
-  for (const auto& path : files) fmt::print(to, "written: {}\n", path.string());
-  for (const auto& path : arguments.folders()) fmt::print(to, "written: {}\n", path.string());
+  for (const auto& path : files) print_text(fmt::format("written: {}\n", path.string()), to);
+  for (const auto& path : arguments.folders()) print_text(fmt::format("written: {}\n", path.string()), to);
 }
 
 }  // namespace
@@ -253,6 +254,7 @@ void add_export_command(CLI::App& app) {
       "--session", arguments->session,
       "session number, counted from 1; 0 = the last; of a disconnected map, only its component is written");
   add_frame_option(*command, arguments->frame);
+  add_up_option(*command, arguments->assignments);
   add_set_option(*command, arguments->assignments);
   add_threads_option(*command, arguments->threads);
   add_quiet_option(*command, arguments->quiet);

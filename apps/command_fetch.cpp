@@ -9,6 +9,7 @@
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/download.hpp"
 #include "apps/shared/progress_bar.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
@@ -55,7 +56,7 @@ void fetch(const FetchArguments& arguments) {
   const TumSequence sequence = parse_name(arguments.name);
   const auto folder = arguments.output / sequence.folder;
   if (std::filesystem::exists(folder / "rgb.txt")) {
-    fmt::print("{} already exists\n", folder.string());
+    print_text(fmt::format("{} already exists\n", folder.string()));
     return;
   }
   require_writable_folder(arguments.output);
@@ -76,7 +77,7 @@ void fetch(const FetchArguments& arguments) {
   std::error_code ignored;
   std::filesystem::remove_all(beside, ignored);
   std::filesystem::remove(archive, ignored);
-  fmt::print("{}\nlicence: {}\n", folder.string(), kLicence);
+  print_text(fmt::format("{}\nlicence: {}\n", folder.string(), kLicence));
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ void add_mesh_command(CLI::App& app) {
   add_poses_option(*command, arguments->poses);
   command->add_option("--voxel", arguments->voxel_m, "edge of a voxel, metres (mesh.voxel_m)");
   add_frame_option(*command, arguments->frame);
+  add_up_option(*command, arguments->assignments);
   add_set_option(*command, arguments->assignments);
   add_threads_option(*command, arguments->threads);
   add_quiet_option(*command, arguments->quiet);

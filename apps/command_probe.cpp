@@ -12,6 +12,7 @@
 
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/probe/sequence_statistics.hpp"
@@ -182,7 +183,7 @@ void print_depth(const Probed& probed) {
 
 void print_probed(const Probed& probed) {
   const RgbdCamera& camera = probed.camera;
-  fmt::print("{}: {}\n", probed.name, probed.description);
+  print_text(fmt::format("{}: {}\n", probed.name, probed.description));
   fmt::print("colour     {}\n", lens_text(camera.color));
   if (camera.depth) {
     fmt::print("           depth camera {}, {:.1f} mm from colour\n", lens_text(*camera.depth),

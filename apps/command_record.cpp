@@ -11,6 +11,7 @@
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/interrupt.hpp"
 #include "apps/shared/recorder.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "drivers/kinect2/kinect2_raw.hpp"
 #include "drivers/live/paced_source.hpp"
 #include "kinloop/core/errors.hpp"
@@ -63,8 +64,8 @@ void record_raw(const RecordArguments& arguments) {
                          [&](const RawPacketCounts& so_far) {
                            return interrupted() || limit_reached(arguments, so_far.depth, watch);
                          });
-  fmt::print("{} depth and {} colour packets in {}, {} lost\n", recording.depth, recording.color,
-             arguments.output.string(), recording.lost);
+  print_text(fmt::format("{} depth and {} colour packets in {}, {} lost\n", recording.depth, recording.color,
+                         arguments.output.string(), recording.lost));
 }
 
 void record(const RecordArguments& arguments) {
@@ -97,8 +98,9 @@ void record(const RecordArguments& arguments) {
   if (paced != nullptr) fmt::print("{} frames were dropped\n", paced->dropped());
   const size_t lost = source->skipped().size();
   if (lost > 0) log::warn("images lost: {}; the first: {}", lost, source->skipped().front().reason);
-  fmt::print("{} frames in {} ({:.1f} per second, at most {} queued for writing)\n", frames,
-             arguments.output.string(), static_cast<double>(frames) / watch.wall_s(), recorder.max_queued());
+  print_text(fmt::format("{} frames in {} ({:.1f} per second, at most {} queued for writing)\n", frames,
+                         arguments.output.string(), static_cast<double>(frames) / watch.wall_s(),
+                         recorder.max_queued()));
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -28,13 +28,13 @@ void report(const ReportArguments& arguments) {
     const auto folder = RunFolder::open_existing(runs.front());
     require_writable_file(folder.report());
     write_report(folder);
-    fmt::print("{}\n", folder.report().string());
+    print_text(fmt::format("{}\n", folder.report().string()));
     return;
   }
   const std::filesystem::path page = arguments.page.empty() ? "comparison.html" : arguments.page;
   require_writable_file(page);
   write_comparison(runs, page);
-  fmt::print(message_stream(page), "{}\n", page.string());
+  print_text(fmt::format("{}\n", page.string()), message_stream(page));
 }
 
 }  // namespace

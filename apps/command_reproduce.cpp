@@ -9,6 +9,7 @@
 #include "apps/reproduce/chapters.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/text/json.hpp"
@@ -57,7 +58,7 @@ void reproduce(const ReproduceArguments& arguments) {
   add(mapping_chapter(folder));
   add(vocabulary_chapter(folder));
   add(calibration_chapter(folder));
-  fmt::print("{}\n", folder.at("reproduced.md"));
+  print_text(fmt::format("{}\n", folder.at("reproduced.md")));
 }
 
 }  // namespace

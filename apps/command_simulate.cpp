@@ -12,6 +12,7 @@
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/progress_bar.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "drivers/datasets/tum_writer.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/writable_check.hpp"
@@ -76,7 +77,7 @@ void simulate(const SimulateArguments& arguments, const SimulationOptions& optio
     report(progress, "rendering", i + 1, frames);
   }
   writer.finish(source->info().ground_truth);
-  fmt::print("{} frames in {}\n", frames, arguments.output.string());
+  if (!arguments.quiet) print_text(fmt::format("{} frames in {}\n", frames, arguments.output.string()));
 }
 
 }  // namespace

@@ -183,7 +183,14 @@ ColoredCloud DenseRecorder::fuse_views(std::span<const PosedImage> views, const 
   return cloud;
 }
 
+std::optional<UpEstimate> DenseRecorder::given_up() const {
+  const Eigen::Vector3d up(options_.up_x, options_.up_y, options_.up_z);
+  if (!(up.norm() > 0)) return std::nullopt;
+  return UpEstimate{up.normalized(), UpSource::kGiven, 1};
+}
+
 UpEstimate DenseRecorder::up(std::span<const PosedImage> views, const DenseCamera& camera) {
+  if (const auto given = given_up()) return *given;
   wait_for_jobs();
   const auto load_surfels = [this](size_t image) {
     return recorded_[image].surfels ? surfels(image)

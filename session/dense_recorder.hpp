@@ -71,7 +71,10 @@ class DenseRecorder : public Listener {
     return fuse_views(views(slam), dense_camera(camera_, slam.sensor_estimate()), threads, progress);
   }
 
-  /// Estimates the up direction from the surfaces in `views`.
+  /// Returns the up direction of the options; nullopt if it is to be estimated.
+  [[nodiscard]] std::optional<UpEstimate> given_up() const;
+
+  /// Returns the up direction of the options, else estimates it from the surfaces in `views`.
   UpEstimate up(std::span<const PosedImage> views, const DenseCamera& camera);
 
   /// Estimates the up direction of the component in which the run of `slam` was tracked.

@@ -20,6 +20,7 @@
 #include "drivers/ros/bag_source.hpp"
 #include "drivers/stream/stream_source.hpp"
 #include "kinloop/core/errors.hpp"
+#include "session/shifted_depth_source.hpp"
 
 namespace kinloop {
 
@@ -59,7 +60,8 @@ constexpr RecordingFormat kRecordingFormats[] = {
        return open_oni_recording(r.sequence, camera);
      }},
     {is_bag, [](const SourceRequest& r, const OptionalCamera& camera) {
-       return open_bag(r.sequence, camera, r.topics);
+       const bool has_unit = !r.camera || states_depth_scale(*r.camera);
+       return open_bag({r.sequence, camera, has_unit, r.depth_scale, r.topics});
      }}};
 
 const RecordingFormat* recording_format(const std::string& sequence) {
@@ -109,19 +111,30 @@ bool is_recording(const std::string& sequence) {
   return is_simulation(sequence) || recording_format(sequence) != nullptr;
 }
 
-std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
+namespace {
+
+/// The source as it is.
+std::unique_ptr<FrameSource> open_as_recorded(const SourceRequest& request) {
   const std::string& sequence = request.sequence;
   if (is_simulation(sequence)) return open_simulation(request);
   if (!is_camera_or_stream(sequence) && !is_recording(sequence))
     return open_sequence(sequence, request.camera, request.depth_scale);
-  if (request.depth_scale)
-    throw UsageError(
-        fmt::format("--depth-scale is for folders of images; {} states the unit of its depth", sequence));
+  if (request.depth_scale && !is_bag(sequence))
+    throw UsageError(fmt::format(
+        "--depth-scale is for folders of images and bags; {} states the unit of its depth", sequence));
   OptionalCamera camera;
   if (request.camera) camera = given_camera(*request.camera);
   if (const auto* live = live_camera(sequence)) return live->open(live_options(request), camera);
   if (is_stream(sequence)) return open_stream(sequence, camera, request.stop);
   return open_recording(*recording_format(sequence), request, camera);
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
+  auto source = open_as_recorded(request);
+  if (request.depth_offset_s == 0) return source;
+  return std::make_unique<ShiftedDepthSource>(std::move(source), request.depth_offset_s);
 }
 
 }  // namespace kinloop

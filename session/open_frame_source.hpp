@@ -23,8 +23,9 @@ struct CameraOptions {
 struct SourceRequest {
   std::string sequence;  ///< a folder, a recording in one file, sim:room, a camera or a stream
   std::optional<CameraArgument> camera;
-  std::optional<double> depth_scale;  ///< units of the depth images per metre, of a folder
+  std::optional<double> depth_scale;  ///< units of the depth images per metre, of a folder or bag
   std::optional<std::string> topics;  ///< of a bag, "COLOR,DEPTH[,CAMERA_INFO]"
+  double depth_offset_s = 0;          ///< added to the stamps of depth, by which images are then paired anew
   SimulationOptions simulation;
   KinectOptions kinect;
   int threads = 1;

@@ -62,6 +62,7 @@ SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
     source.camera = guess_camera_aloud(request.sequence, source.depth_scale);
   }
   if (!request.topics.empty()) source.topics = request.topics;
+  source.depth_offset_s = request.depth_offset_s;
   source.simulation = setup.options.sim;
   source.kinect = setup.options.kinect;
   source.threads = setup.threads;

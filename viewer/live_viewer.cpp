@@ -15,6 +15,11 @@ void LiveViewer::set_stage(const std::string& stage, const std::string& message)
   state_.message = message;
 }
 
+void LiveViewer::set_warnings(std::vector<std::string> warnings) {
+  const std::lock_guard lock(mutex_);
+  state_.warnings = std::move(warnings);
+}
+
 void LiveViewer::update(Scene& scene, size_t browsers) {
   if (!run_scene_) run_scene_.emplace(scene, info_);
   RunState state;

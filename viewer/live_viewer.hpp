@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "viewer/run_control.hpp"
 #include "viewer/scene/run_scene.hpp"
@@ -28,6 +29,9 @@ class LiveViewer {
 
   /// Sets the stage of the run, with an optional message for viewers.
   void set_stage(const std::string& stage, const std::string& message = "");
+
+  /// Sets what is shown as contradictions in the input: all so far.
+  void set_warnings(std::vector<std::string> warnings);
 
   /// Shows the final path.
   void finish(std::span<const TrackedFrame> log, const Map& map) { feed_.on_finish(log, map); }

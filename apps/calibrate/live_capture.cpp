@@ -9,6 +9,7 @@
 
 #include "apps/run/run_viewer.hpp"
 #include "apps/shared/interrupt.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "session/open_frame_source.hpp"
@@ -125,7 +126,7 @@ void capture_live_stills(const LiveCaptureOptions& live, const std::filesystem::
     }
     printed_hint = feedback.hint;
   }
-  fmt::print("{} stills in {}\n", capture.kept(), folder.string());
+  print_text(fmt::format("{} stills in {}\n", capture.kept(), folder.string()));
 }
 
 }  // namespace kinloop

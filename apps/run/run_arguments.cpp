@@ -3,6 +3,7 @@
 #include "apps/run/run_viewer.hpp"
 #include "apps/shared/common_options.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
+#include "session/shifted_depth_source.hpp"
 
 namespace kinloop {
 
@@ -54,6 +55,12 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
                       ".\nguess: the focal length that the images of a folder fit, if nobody knows it");
   command.add_option("--topics", arguments.request.topics,
                      "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
+  command
+      .add_option("--depth-offset", arguments.request.depth_offset_s,
+                  "seconds to add to the stamps of depth before images are paired, if the two cameras have\n"
+                  "different clocks; a run warns of that and names the offset")
+      ->option_text("SECONDS")
+      ->check(number(-ShiftedDepthSource::kMaxOffset_s, ShiftedDepthSource::kMaxOffset_s));
   command.add_option("--mask", arguments.request.mask,
                      "image of the size of the colour images, black where they are to be ignored, such as\n"
                      "the robot that carries the camera; a run writes what it finds itself as mask.png.\n"
@@ -91,6 +98,7 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
           "has no pose), others: TUM format")
       ->option_text("FILE");
   add_frame_option(command, arguments.frame);
+  add_up_option(command, arguments.request.settings.assignments);
   add_viewer_option(command, arguments.viewer);
   add_quiet_option(command, arguments.quiet);
   command.add_flag("--profile", arguments.profile, "print the CPU time of each module at the end");

@@ -11,6 +11,7 @@
 #include "apps/run/run_arguments.hpp"
 #include "apps/run/run_summary.hpp"
 #include "apps/run/run_warnings.hpp"
+#include "kinloop/core/files/file_lock.hpp"
 #include "kinloop/io/run_folder.hpp"
 #include "session/map_store.hpp"
 #include "session/session.hpp"
@@ -80,7 +81,8 @@ class RunOutput {
   Session& session_;
   FrameRecorder frames_;
   DepthMonitor depth_;
-  std::unique_ptr<MapSaver> saver_;  // null: the map is not saved
+  std::optional<FileLock> map_lock_;  // of the file that saver_ writes
+  std::unique_ptr<MapSaver> saver_;   // null: the map is not saved
   bool saved_ = true;
   std::optional<MapCloud> map_;
   RunOutcome outcome_;

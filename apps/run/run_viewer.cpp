@@ -38,6 +38,12 @@ void handle_pause_and_save(LiveViewer& viewer, const std::function<void()>& save
 
 }  // namespace
 
+void show_warnings(LiveViewer& viewer, const InputMonitor& input) {
+  std::vector<std::string> texts;
+  for (const InputWarning& warning : input.warnings()) texts.push_back(text_of(warning));
+  viewer.set_warnings(std::move(texts));
+}
+
 CLI::Option* add_viewer_option(CLI::App& command, std::string& listen) {
   return command
       .add_flag("--viewer{8080}", listen,
@@ -60,11 +66,14 @@ std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const Vie
   if (listen.empty()) return nullptr;
   const FrameSource& source = session.source();
   const SourceInfo& info = source.info();
-  auto shown = std::make_unique<RunViewer>(
-      parse_listen_address(listen),
-      RunInfo{input_name(info.name), info.frames, source.camera(), info.ground_truth, options});
+  RunInfo shown_info{input_name(info.name), info.frames, source.camera(), info.ground_truth, options};
+  if (const auto up = session.recorder().given_up()) shown_info.up = up->direction;
+  auto shown = std::make_unique<RunViewer>(parse_listen_address(listen), std::move(shown_info));
   session.add_listener(shown->viewer.listener());
-  shown->wait_until_resumed = [&viewer = shown->viewer, save_now] {
+  shown->wait_until_resumed = [&viewer = shown->viewer, &input = session.input(), save_now,
+                               told = size_t{0}]() mutable {
+    if (input.warnings().size() != told) show_warnings(viewer, input);
+    told = input.warnings().size();
     handle_pause_and_save(viewer, save_now);
   };
   log::info("viewer at {}", shown->viewer.url());

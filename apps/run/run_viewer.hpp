@@ -33,6 +33,9 @@ std::vector<std::string> join_viewer_address(std::vector<std::string> words);
 std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const ViewerOptions& options,
                                             Session& session, const std::function<void()>& save_now);
 
+/// Shows where the input contradicts itself, as far as that is known.
+void show_warnings(LiveViewer& viewer, const InputMonitor& input);
+
 /// After the run: on a terminal, serves until Ctrl-C; otherwise only until connected browsers have the final
 /// state.
 void serve_until_interrupted(LiveViewer& viewer);

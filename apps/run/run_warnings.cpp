@@ -27,6 +27,14 @@ size_t bin_of(double depth_m, size_t bins) {
 
 }  // namespace
 
+void warn_of_unknown_up(const UpEstimate& up) {
+  if (up.source != UpSource::kCamera) return;
+  log::warn(
+      "the surfaces do not tell which way is up: the images are taken as upright (confidence {:.2f}); if the "
+      "camera was turned, use --up X,Y,Z, e.g. --up 1,0,0 if right in the images is up",
+      up.confidence);
+}
+
 void DepthMonitor::on_frame(const TrackedFrame& tracked) {
   const Frame& frame = *tracked.frame;
   constexpr int kStep_px = 16;  // a sample is enough

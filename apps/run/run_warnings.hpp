@@ -9,9 +9,13 @@
 #include "apps/run/run_summary.hpp"
 #include "apps/shared/commands.hpp"
 #include "kinloop/dense/options.hpp"
+#include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/slam/listener.hpp"
 
 namespace kinloop {
+
+/// Says that the up direction is a guess if surfaces do not tell it, and how to give it.
+void warn_of_unknown_up(const UpEstimate& up);
 
 /// Monitors the depth of a run: a wrong depth_scale gives a map without points, or one that is five times too
 /// small.

@@ -46,6 +46,24 @@ void add_frame_option(CLI::App& command, std::string& frame) {
       ->capture_default_str();
 }
 
+void add_up_option(CLI::App& command, std::vector<std::string>& assignments) {
+  const auto assign = [&assignments](const std::vector<double>& up) {
+    if (std::all_of(up.begin(), up.end(), [](double value) { return value == 0; }))
+      throw CLI::ValidationError("--up", "0,0,0 is no direction; e.g. 0,-1,0 for a level camera");
+    constexpr const char* kAxes[] = {"x", "y", "z"};
+    for (size_t i = 0; i < up.size(); ++i)
+      assignments.push_back(fmt::format("dense.up_{}={}", kAxes[i], up[i]));
+  };
+  command
+      .add_option_function<std::vector<double>>(
+          "--up", assign,
+          "up direction in the axes of the first camera: x right, y down, z forward. 0,-1,0: held level;\n"
+          "-1,0,0 and 1,0,0: turned by 90 degrees; 0,1,0: upside down (default: estimated from surfaces)")
+      ->delimiter(',')
+      ->expected(3)
+      ->option_text("X,Y,Z");
+}
+
 void add_camera_options(CLI::App& command, CameraOptions& camera) {
   constexpr double kFewestUnits = 1, kMostUnits = 1e5;  // as in camera.yaml
   CLI::Option* file = command.add_option(
@@ -60,9 +78,10 @@ void add_camera_options(CLI::App& command, CameraOptions& camera) {
       ->option_text("fx,fy,cx,cy")
       ->excludes(file);
   command
-      .add_option("--depth-scale", camera.depth_scale,
-                  "units of the depth images of a folder per metre, 1000 for millimetres (default: as the\n"
-                  "camera file or the dataset has it, else guessed)")
+      .add_option(
+          "--depth-scale", camera.depth_scale,
+          "units of the depth images of a folder or bag per metre, 1000 for millimetres (default: as the\n"
+          "camera file or the dataset has it, else guessed)")
       ->option_text("UNITS_PER_M")
       ->check(number(kFewestUnits, kMostUnits));
 }

@@ -24,6 +24,9 @@ void add_set_option(CLI::App& command, std::vector<std::string>& assignments,
 /// --frame z-up|camera of the clouds and meshes that are written.
 void add_frame_option(CLI::App& command, std::string& frame);
 
+/// --up x,y,z: adds the up direction to the assignments of options.
+void add_up_option(CLI::App& command, std::vector<std::string>& assignments);
+
 /// --camera FILE, --intrinsics fx,fy,cx,cy and --depth-scale UNITS_PER_M of a source.
 void add_camera_options(CLI::App& command, CameraOptions& camera);
 

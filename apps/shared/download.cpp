@@ -119,7 +119,13 @@ void check_archive_result(int code, archive* a, const std::filesystem::path& fil
                                what != nullptr ? what : "damaged"));
 }
 
-void copy_data(archive* from, archive* to, const std::filesystem::path& file) {
+void require_room(const std::filesystem::path& file, la_int64_t bytes, uint64_t left) {
+  if (bytes <= 0 || static_cast<uint64_t>(bytes) <= left) return;
+  throw InputError(fmt::format("{}: unpacks to more than any sequence has; not unpacked", file.string()));
+}
+
+/// Copies the content of a file; counts its bytes against those that are `left`.
+void copy_data(archive* from, archive* to, const std::filesystem::path& file, uint64_t& left) {
   const void* block = nullptr;
   size_t size = 0;
   la_int64_t offset = 0;
@@ -127,6 +133,8 @@ void copy_data(archive* from, archive* to, const std::filesystem::path& file) {
     const int code = archive_read_data_block(from, &block, &size, &offset);
     if (code == ARCHIVE_EOF) return;
     check_archive_result(code, from, file);
+    require_room(file, static_cast<la_int64_t>(size), left);
+    left -= size;
     check_archive_result(static_cast<int>(archive_write_data_block(to, block, size, offset)), to, file);
   }
 }
@@ -164,7 +172,7 @@ void download(const std::string& url, const std::filesystem::path& file, const P
   std::filesystem::rename(part_path, file);
 }
 
-void unpack(const std::filesystem::path& file, const std::filesystem::path& folder) {
+void unpack(const std::filesystem::path& file, const std::filesystem::path& folder, uint64_t max_bytes) {
   constexpr size_t kBlockBytes = 1U << 16;
   constexpr int kFlags =
       ARCHIVE_EXTRACT_TIME | ARCHIVE_EXTRACT_SECURE_NODOTDOT | ARCHIVE_EXTRACT_SECURE_SYMLINKS;
@@ -184,12 +192,15 @@ void unpack(const std::filesystem::path& file, const std::filesystem::path& fold
     check_archive_result(code, reader.get(), file);
     const std::filesystem::path name = std::filesystem::path(archive_entry_pathname(entry)).relative_path();
     archive_entry_set_pathname(entry, (place / name).c_str());
-    if (archive_entry_hardlink(entry) != nullptr) {
-      throw InputError(fmt::format("{}: contains a link, {}, which a sequence never has; not unpacked",
-                                   file.string(), name.string()));
+    const auto type = archive_entry_filetype(entry);
+    if (archive_entry_hardlink(entry) != nullptr || (type != AE_IFREG && type != AE_IFDIR)) {
+      throw InputError(fmt::format(
+          "{}: contains {}, neither a file nor a folder, which a sequence never has; not unpacked",
+          file.string(), name.string()));
     }
+    require_room(file, archive_entry_size(entry), max_bytes);
     check_archive_result(archive_write_header(writer.get(), entry), writer.get(), file);
-    copy_data(reader.get(), writer.get(), file);
+    copy_data(reader.get(), writer.get(), file, max_bytes);
     check_archive_result(archive_write_finish_entry(writer.get()), writer.get(), file);
   }
 }
@@ -209,7 +220,7 @@ void download(const std::string& url, const std::filesystem::path&, const Progre
       "{}: this build cannot download; install libcurl4-openssl-dev and libarchive-dev and rebuild", url));
 }
 
-void unpack(const std::filesystem::path&, const std::filesystem::path&) {
+void unpack(const std::filesystem::path&, const std::filesystem::path&, uint64_t) {
   require(false, "unpack: not in this build");
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // In: a URL. Out: the complete file, or its unpacked content.
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -15,8 +16,13 @@ bool download_available();
 /// once it has the size reported by the server. Throws InputError naming the URL and the error.
 void download(const std::string& url, const std::filesystem::path& file, const Progress& progress);
 
-/// Unpacks a .tgz, .tar or .zip into `folder`; refuses entries that would land elsewhere. Throws InputError
-/// naming the file if it is damaged or truncated.
-void unpack(const std::filesystem::path& file, const std::filesystem::path& folder);
+/// The largest known sequence has 5 GB.
+constexpr uint64_t kMaxUnpackedBytes = uint64_t{32} << 30;
+
+/// Unpacks a .tgz, .tar or .zip of files and folders into `folder`; refuses links, devices and entries that
+/// would land elsewhere. Throws InputError naming the file if it is damaged or truncated, or unpacks to more
+/// than `max_bytes`.
+void unpack(const std::filesystem::path& file, const std::filesystem::path& folder,
+            uint64_t max_bytes = kMaxUnpackedBytes);
 
 }  // namespace kinloop

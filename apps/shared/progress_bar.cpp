@@ -19,6 +19,7 @@ constexpr double kRedrawS = 0.1;        ///< faster than anyone can read
 constexpr double kFirstLineS = 1;       ///< without a terminal: shorter stages print nothing
 constexpr double kLineS = 5;            ///< interval of further lines
 constexpr size_t kDefaultColumns = 80;  ///< if the terminal does not report it
+constexpr size_t kNoLimit = 1000;       ///< a file has no width
 constexpr const char* kClearRest = "\033[K";
 
 size_t terminal_columns() {
@@ -89,7 +90,7 @@ class Bar {
     if (time.elapsed_s - last_drawn_s_ < kLineS && !(finished_ && lines_ > 0)) return;
     last_drawn_s_ = time.elapsed_s;
     ++lines_;
-    put(progress_line(now, time, kDefaultColumns) + "\n");
+    put(progress_line(now, time, kNoLimit) + "\n");
     std::fflush(stderr);
   }
 

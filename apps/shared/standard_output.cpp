@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "kinloop/core/files/output_file.hpp"
+#include "kinloop/core/text/escaped.hpp"
 
 namespace kinloop {
 
@@ -22,7 +23,7 @@ std::FILE* message_stream(const std::filesystem::path& output) {
 }
 
 void print_text(const std::string& text, std::FILE* stream) {
-  std::fputs(text.c_str(), stream);
+  std::fputs(escaped(text, "\n\t").c_str(), stream);
 }
 
 int flush_standard_output() {

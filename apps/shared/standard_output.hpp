@@ -16,7 +16,7 @@ void reserve_standard_descriptors();
 std::FILE* message_stream(const std::filesystem::path& output);
 
 /// Prints without an exception if that fails, see flush_standard_output: for what is said when the results
-/// are written.
+/// are written. Control characters, which a path may hold, are escaped but for line breaks and tabs.
 void print_text(const std::string& text, std::FILE* stream = stdout);
 
 /// Flushes standard output. Returns the error (errno) if something that was printed could not be written,

@@ -11,6 +11,7 @@
 
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/progress_bar.hpp"
+#include "apps/shared/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/anonymous_temp_file.hpp"
 #include "kinloop/core/files/output_file.hpp"
@@ -109,12 +110,13 @@ void train(const TrainArguments& arguments) {
   if (!first) return;
   write_vocabulary(arguments.input.output, vocabulary);
 
+  if (arguments.input.quiet) return;
   print_stats(vocabulary);
   fmt::print("skipped        {} unreadable images\n", skipped);
   if (!arguments.held_out.empty()) print_held_out_error(vocabulary, arguments, description, progress);
   fmt::print("time           {:.2f} s for descriptors, {:.2f} s for the tree\n", describing_s, training_s);
-  fmt::print("written        {}, {} bytes\n", arguments.input.output.string(),
-             fs::file_size(arguments.input.output));
+  print_text(fmt::format("written        {}, {} bytes\n", arguments.input.output.string(),
+                         fs::file_size(arguments.input.output)));
 }
 
 void describe(const InputArguments& arguments) {
@@ -137,9 +139,11 @@ void describe(const InputArguments& arguments) {
                   });
   writer.commit();
   warn_of_unreadable(unreadable);
+  if (arguments.quiet) return;
   const DescriptorFile file(arguments.output);
-  fmt::print("{} descriptors of {} images ({}), {} unreadable, in {}\n", file.rows(), file.images(),
-             descriptor_traits(file.kind()).name, unreadable.size(), arguments.output.string());
+  print_text(fmt::format("{} descriptors of {} images ({}), {} unreadable, in {}\n", file.rows(),
+                         file.images(), descriptor_traits(file.kind()).name, unreadable.size(),
+                         arguments.output.string()));
 }
 
 /// Adds the fields of `options` as command line options, with flags given by their keys.

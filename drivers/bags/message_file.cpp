@@ -17,11 +17,20 @@ std::string ros1_type(std::string type) {
   return type;
 }
 
+bool is_compressed_bag(const std::filesystem::path& path) {
+  const auto inner = path.stem().extension();
+  const bool compressed = path.extension() == ".zstd" || path.extension() == ".zst";
+  return compressed && (inner == ".db3" || inner == ".mcap");
+}
+
 std::unique_ptr<MessageFile> open_message_file(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))
     throw InputError(fmt::format("{}: no such file; check the path", path.string()));
   if (std::filesystem::is_directory(path, ignored)) return open_ros2_folder(path);
+  if (is_compressed_bag(path))
+    throw InputError(
+        fmt::format("{}: compressed as a whole; decompress it with `zstd -d` first", path.string()));
   if (path.extension() == ".mcap") return open_mcap(path);
   if (path.extension() == ".db3") return open_sqlite_bag(path);
   return open_ros1_bag(path);

@@ -50,6 +50,10 @@ class MessageFile {
 /// Returns a type in the form of ROS 1: "sensor_msgs/Image" for "sensor_msgs/msg/Image".
 std::string ros1_type(std::string type);
 
+/// Returns whether the file is a bag that was compressed as a whole, by its name: .db3.zstd, .mcap.zstd. It
+/// must be decompressed first.
+bool is_compressed_bag(const std::filesystem::path& path);
+
 /// Opens a .bag (ROS 1), .mcap or .db3 file, or the folder of a ROS 2 bag. Throws InputError naming the file
 /// and the remedy if it cannot be read at all.
 std::unique_ptr<MessageFile> open_message_file(const std::filesystem::path& path);

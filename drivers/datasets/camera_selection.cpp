@@ -127,6 +127,12 @@ RgbdCamera given_camera(const CameraArgument& camera_argument) {
   return std::get<RgbdCamera>(given);
 }
 
+bool states_depth_scale(const CameraArgument& camera_argument) {
+  const GivenCamera given = given_by(camera_argument);
+  const auto* description = std::get_if<CameraDescription>(&given);
+  return description == nullptr || description->has_depth_scale;
+}
+
 RgbdCamera choose_camera(const std::filesystem::path& folder,
                          const std::optional<CameraArgument>& camera_argument) {
   if (camera_argument) return given_camera(*camera_argument);

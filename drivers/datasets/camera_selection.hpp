@@ -31,6 +31,9 @@ RgbdCamera camera_of_sequence(const std::filesystem::path& path, const RecordedS
 /// InputError if a camera file does not state the size of the images.
 RgbdCamera given_camera(const CameraArgument& camera_argument);
 
+/// Returns whether what the user gives states the unit of depth: a camera file of another program may not.
+bool states_depth_scale(const CameraArgument& camera_argument);
+
 /// Returns the camera of a folder: `camera_argument` if given, else camera.yaml in it, else the TUM preset
 /// contained in its name ("rgbd_dataset_freiburg1_desk"). Throws InputError with the remedy if there is none.
 RgbdCamera choose_camera(const std::filesystem::path& folder,

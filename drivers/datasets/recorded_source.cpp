@@ -119,6 +119,8 @@ Frame RecordedSource::read_images(const RecordedFrame& files) const {
   } else {
     std::string bytes = read_bytes(files.color);
     require_encoded_size(bytes, files.color.file, camera_.color, kColorRemedy);
+    if (const auto turned = turned_by_exif(bytes); !turned.empty())
+      throw ImageFormatError(fmt::format("{}: {}", files.color.file.string(), turned));
     frame.color = decode_color_image(std::move(bytes), files.color.file);
   }
   const PinholeCamera& lens = camera_.depth ? *camera_.depth : camera_.color;

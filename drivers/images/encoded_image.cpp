@@ -87,6 +87,8 @@ cv::Mat decode_embedded_image(std::span<const uint8_t> data) {
 ColorImage decode_embedded_color(std::span<const uint8_t> data) {
   const std::string_view bytes = text_of(data);
   require_decodable(bytes);
+  if (const auto turned = turned_by_exif(bytes); !turned.empty())
+    throw InputError(fmt::format("a colour image is not upright: {}", turned));
   if (!is_png(bytes)) {
     if (auto jpeg = ColorImage::from_jpeg(std::string(bytes))) return *std::move(jpeg);
   }

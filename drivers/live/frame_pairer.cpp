@@ -4,8 +4,8 @@
 
 namespace kinloop {
 
-void FramePairer::add_color(int64_t stamp_ns, ColorImage image) {
-  add(colors_, newest_color_ns_, {stamp_ns, stamp_ns, std::move(image)});
+void FramePairer::add_color(int64_t stamp_ns, ColorImage image, cv::Mat mask) {
+  add(colors_, newest_color_ns_, {stamp_ns, stamp_ns, std::move(image), {}, {}, std::move(mask)});
 }
 
 void FramePairer::add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared) {
@@ -19,14 +19,13 @@ void FramePairer::add_pair(int64_t stamp_ns, ColorImage image, int64_t depth_sta
 }
 
 void FramePairer::add(Queue& queue, std::optional<int64_t>& newest_ns, Stamped image) {
-  constexpr size_t kMaxQueued = 30;  // one second: the other stream has ended or never began
   if (newest_ns && image.stamp_ns <= *newest_ns) {
     ++out_of_order_;
     return;
   }
   newest_ns = image.stamp_ns;
   queue.push_back(std::move(image));
-  if (queue.size() > kMaxQueued) drop_front(queue);
+  if (queue.size() > max_queued_) drop_front(queue);
 }
 
 void FramePairer::drop_front(Queue& queue) {

@@ -17,10 +17,14 @@ namespace kinloop {
 /// one of their kind) or find no partner are counted and dropped.
 class FramePairer {
  public:
-  explicit FramePairer(int64_t max_difference_ns = kMaxAssociationNs)
-      : max_difference_ns_(max_difference_ns) {}
+  static constexpr size_t kMaxQueued = 30;  ///< one second: then the other stream has ended or never began
 
-  void add_color(int64_t stamp_ns, ColorImage image);
+  /// At most `max_queued` images of one kind wait for the other.
+  explicit FramePairer(int64_t max_difference_ns = kMaxAssociationNs, size_t max_queued = kMaxQueued)
+      : max_difference_ns_(max_difference_ns), max_queued_(max_queued) {}
+
+  /// `mask` is Frame::mask.
+  void add_color(int64_t stamp_ns, ColorImage image, cv::Mat mask = {});
   void add_depth(int64_t stamp_ns, cv::Mat depth_m, cv::Mat infrared = {});
 
   /// Adds images that are known to belong together, whatever the stamp of depth. `mask` is Frame::mask.
@@ -52,6 +56,7 @@ class FramePairer {
   void drop_front(Queue& queue);
 
   int64_t max_difference_ns_;
+  size_t max_queued_;
   Queue colors_, depths_;
   std::optional<int64_t> newest_color_ns_, newest_depth_ns_;
   bool finished_ = false;

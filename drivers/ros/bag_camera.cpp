@@ -1,5 +1,6 @@
 #include "drivers/ros/bag_camera.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 
@@ -7,6 +8,7 @@
 
 #include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 
@@ -44,6 +46,13 @@ std::optional<SE3> FrameTree::between(const std::string& a, const std::string& b
 
 namespace {
 
+bool same_intrinsics(const RosCameraInfo& a, const RosCameraInfo& b) {
+  constexpr double kTolerance_px = 1e-3;
+  return a.width == b.width && a.height == b.height &&
+         std::equal(a.K.begin(), a.K.end(), b.K.begin(),
+                    [](double x, double y) { return std::abs(x - y) < kTolerance_px; });
+}
+
 /// What has been read of the calibration so far.
 struct Findings {
   std::optional<std::string> color_frame, depth_frame;
@@ -55,7 +64,12 @@ struct Findings {
     if (!color_frame || !depth_frame) return std::nullopt;
     return frames.between(*color_frame, *depth_frame);
   }
-  [[nodiscard]] bool complete() const { return color && (same_frame() || (depth && T_color_depth())); }
+  /// Whether depth has the intrinsics of colour: no two cameras have, so depth was registered.
+  [[nodiscard]] bool same_camera() const { return color && depth && same_intrinsics(*color, *depth); }
+  [[nodiscard]] bool complete() const {
+    return color && color_frame && depth_frame &&
+           (same_frame() || same_camera() || (depth && T_color_depth()));
+  }
 };
 
 /// The frame of an image; both kinds of message begin with the header.
@@ -78,7 +92,9 @@ Findings read_findings(MessageFile& file, const BagStreams& streams) {
   Findings found;
   file.select(
       {streams.color, streams.depth, streams.topics.info, streams.topics.depth_info(), "/tf_static", "/tf"});
-  while (!found.complete()) {
+  const bool registered = streams.topics.states_registered_depth();
+  const auto settled = [&] { return registered && found.color && found.color_frame && found.depth_frame; };
+  while (!found.complete() && !settled()) {
     const auto message = file.next();
     if (!message) break;
     try {
@@ -90,16 +106,21 @@ Findings read_findings(MessageFile& file, const BagStreams& streams) {
   return found;
 }
 
-bool same_lens(const PinholeCamera& a, const PinholeCamera& b) {
-  constexpr double kTolerancePx = 1e-3;
-  return a.width == b.width && a.height == b.height && std::abs(a.fx - b.fx) < kTolerancePx &&
-         std::abs(a.cx - b.cx) < kTolerancePx;
-}
-
-/// Whether depth needs no registration for this transform.
-bool is_identity(const SE3& T) {
-  constexpr double kToleranceM = 1e-6, kToleranceRad = 1e-6;
-  return T.translation.norm() < kToleranceM && T.angle_rad() < kToleranceRad;
+/// Throws InputError for depth of a camera of its own of which the bag does not tell all.
+void require_depth_calibration(const Findings& found, const BagStreams& streams, const std::string& name) {
+  const std::string frames = fmt::format("depth is in the frame '{}', colour in '{}'",
+                                         found.depth_frame.value_or("?"), found.color_frame.value_or("?"));
+  if (!found.depth) {
+    throw InputError(fmt::format(
+        "{}: {}, and no message on topic {} tells the camera of depth; use --camera FILE, with depth and "
+        "T_color_depth unless depth is registered to colour",
+        name, frames, streams.topics.depth_info()));
+  }
+  if (!found.T_color_depth()) {
+    throw InputError(fmt::format(
+        "{}: {}, and /tf_static does not connect them; use --camera FILE with depth and T_color_depth", name,
+        frames));
+  }
 }
 
 }  // namespace
@@ -111,19 +132,19 @@ RgbdCamera read_bag_camera(MessageFile& file, const BagStreams& streams, const s
         fmt::format("{}: no camera: no message on topic {}; use --camera FILE", name, streams.topics.info));
   RgbdCamera camera;
   camera.color = camera_from(*found.color, streams.topics.rectified());
-  if (found.same_frame() || !found.depth) return camera;
-  const bool depth_rectified = streams.topics.depth.find("rect") != std::string::npos;
-  const PinholeCamera depth = camera_from(*found.depth, depth_rectified);
-  const auto T_color_depth = found.T_color_depth();
-  if (same_lens(camera.color, depth) && (!T_color_depth || is_identity(*T_color_depth))) return camera;
-  if (!T_color_depth) {
-    throw InputError(fmt::format(
-        "{}: depth is in the frame '{}', colour in '{}', and /tf_static does not connect them; use --camera "
-        "FILE with depth and T_color_depth",
-        name, found.depth_frame.value_or("?"), found.color_frame.value_or("?")));
+  if (found.same_frame() || !found.color_frame || !found.depth_frame) return camera;
+  const bool stated = streams.topics.states_registered_depth();
+  if (stated || found.same_camera()) {
+    log::info("{}: depth is taken as registered to colour, {}; its coordinate frame '{}' is not used", name,
+              stated ? fmt::format("as its topic {} states", streams.topics.depth)
+                     : std::string("since both have the same intrinsics"),
+              *found.depth_frame);
+    return camera;
   }
-  camera.depth = depth;
-  camera.T_color_depth = *T_color_depth;
+  require_depth_calibration(found, streams, name);
+  const bool depth_rectified = streams.topics.depth.find("rect") != std::string::npos;
+  camera.depth = camera_from(*found.depth, depth_rectified);
+  camera.T_color_depth = *found.T_color_depth();
   return camera;
 }
 

@@ -26,8 +26,9 @@ class FrameTree {
 };
 
 /// Reads the bag up to its calibration: camera_info of colour, and if depth is in another coordinate frame,
-/// that of depth and the transform between them (tf_static, else tf). Throws InputError naming the bag and
-/// what is missing.
+/// that of depth and the transform between them (tf_static, else tf). Depth in another coordinate frame is
+/// registered all the same if its topic says so, or if it has the intrinsics of colour. Throws InputError
+/// naming the bag and what is missing.
 RgbdCamera read_bag_camera(MessageFile& file, const BagStreams& streams, const std::string& name);
 
 }  // namespace kinloop

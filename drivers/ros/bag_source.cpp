@@ -1,5 +1,8 @@
 #include "drivers/ros/bag_source.hpp"
 
+#include <cmath>
+#include <utility>
+
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
@@ -11,6 +14,7 @@
 #include "drivers/ros/recording_source.hpp"
 #include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/sensor/camera/possible_camera.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
@@ -24,12 +28,19 @@ std::set<std::string> names_of(const std::vector<const BagTopic*>& topics) {
   return names;
 }
 
+std::optional<double> stated_depth_scale(const BagRequest& request) {
+  if (request.depth_scale) return request.depth_scale;
+  if (request.camera && request.camera_has_depth_scale) return request.camera->depth_scale;
+  return std::nullopt;
+}
+
 class BagSource : public FrameSource {
  public:
-  BagSource(std::unique_ptr<MessageFile> file, const std::filesystem::path& path,
-            const std::optional<RgbdCamera>& camera, const std::optional<std::string>& topics)
-      : file_(std::move(file)) {
-    info_.name = path.string();
+  BagSource(std::unique_ptr<MessageFile> file, const BagRequest& request)
+      : file_(std::move(file)), stated_scale_(stated_depth_scale(request)) {
+    const std::optional<RgbdCamera>& camera = request.camera;
+    const std::optional<std::string>& topics = request.topics;
+    info_.name = request.path.string();
     const auto names = names_of(file_->topics());
     if (names.empty()) throw InputError(fmt::format("{}: no topic{}", info_.name, first_reason(skipped())));
     const auto of_sdk = topics ? std::nullopt : realsense_streams(names, info_.name);
@@ -40,6 +51,7 @@ class BagSource : public FrameSource {
     } else if (!camera) {
       camera_ = read_bag_camera(*file_, streams_, info_.name);
     }
+    set_depth_scale();
     require_possible(camera_, info_.name);
     preparation_.emplace(camera_);
     for (const BagTopic* topic : file_->topics()) {
@@ -85,6 +97,42 @@ class BagSource : public FrameSource {
     depth_unit_m_ = calibration.depth_unit_m;
   }
 
+  /// The camera states the unit of 16-bit depth; depth in metres is kept in the unit of the camera.
+  void set_depth_scale() {
+    if (stated_scale_) {
+      camera_.depth_scale = *stated_scale_;
+    } else if (has_16_bit_depth()) {
+      camera_.depth_scale = 1 / depth_unit_m_;
+    }
+  }
+
+  /// Whether the first depth image has 16 bits per pixel.
+  [[nodiscard]] bool has_16_bit_depth() {
+    file_->select({streams_.depth});
+    try {
+      const auto message = file_->next();
+      if (!message) return false;
+      const RosReader reader(message->data, message->topic->encoding);
+      if (message->topic->type == "sensor_msgs/CompressedImage")
+        return !read_compressed_image(reader).format.starts_with("32FC1");
+      return read_image(reader).image.encoding != "32FC1";
+    } catch (const InputError&) {
+      return false;  // said when it is read as a frame
+    }
+  }
+
+  /// Returns the unit of 16-bit depth that the bag states as `unit_m`, or that the user gives instead.
+  [[nodiscard]] double chosen_unit_m(double unit_m) {
+    if (!stated_scale_) return unit_m;
+    constexpr double kTolerance = 1e-3;
+    const double by_bag = 1 / unit_m;
+    if (std::abs(*stated_scale_ / by_bag - 1) > kTolerance && !std::exchange(told_unit_, true)) {
+      log::warn("{}: depth is read with {:g} units per metre, as given; the bag itself would have {:g}",
+                info_.name, *stated_scale_, by_bag);
+    }
+    return 1 / *stated_scale_;
+  }
+
   /// Passes the next message to the pairer, or detects the end.
   void read_message() {
     const auto message = file_->next();
@@ -115,9 +163,7 @@ class BagSource : public FrameSource {
     const int64_t stamp_ns = stamp_of(m.header, message);
     if (const auto size = compressed_size(m.format, m.data)) require_camera_size(*size, is_color);
     if (is_color) return add_color(stamp_ns, color_from_compressed(m.data));
-    cv::Mat depth_m = depth_from_compressed(m.format, m.data);
-    if (of_sdk_) depth_m *= depth_unit_m_ / kRosDepthUnitM;
-    add_depth(stamp_ns, std::move(depth_m));
+    add_depth(stamp_ns, depth_from_compressed(m.format, m.data, depth_unit_m(m)));
   }
 
   /// Some drivers leave the stamp empty.
@@ -129,8 +175,15 @@ class BagSource : public FrameSource {
     return header.stamp_ns != 0 ? header.stamp_ns : checked_stamp_ns(message.log_ns);
   }
 
+  [[nodiscard]] double depth_unit_m(const StampedImage& m) {
+    return m.image.encoding == "32FC1" ? 1 : chosen_unit_m(bag_unit_m(m));
+  }
+  [[nodiscard]] double depth_unit_m(const StampedCompressedImage& m) {
+    return m.format.starts_with("32FC1") ? 1 : chosen_unit_m(depth_unit_m_);
+  }
+
   /// Newer files of the SDK write the version "1" in place of the frame, and the unit after depth images.
-  [[nodiscard]] double depth_unit_m(const StampedImage& m) const {
+  [[nodiscard]] double bag_unit_m(const StampedImage& m) const {
     if (!of_sdk_ || m.header.frame_id != "1" || m.after.size() < sizeof(float)) return depth_unit_m_;
     const double unit_m = double{ByteReader(m.after).number<float>()};
     return unit_m > 0 ? unit_m_of_sdk(unit_m) : depth_unit_m_;
@@ -164,8 +217,10 @@ class BagSource : public FrameSource {
   SourceInfo info_;
   BagStreams streams_;
   RgbdCamera camera_;
-  bool of_sdk_ = false;  ///< recorded by the RealSense SDK
-  double depth_unit_m_ = kRosDepthUnitM;
+  bool of_sdk_ = false;                   ///< recorded by the RealSense SDK
+  std::optional<double> stated_scale_;    ///< units per metre of 16-bit depth, by the user
+  double depth_unit_m_ = kRosDepthUnitM;  ///< of 16-bit depth, by the bag
+  bool told_unit_ = false;
   SdkStamps stamps_of_sdk_;
   std::optional<DepthPreparation> preparation_;
   FramePairer pairer_;
@@ -177,16 +232,30 @@ class BagSource : public FrameSource {
 }  // namespace
 
 bool is_bag(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  if (name.ends_with(".bag.active") || is_compressed_bag(path)) return true;
   const auto extension = path.extension();
   return extension == ".bag" || extension == ".mcap" || extension == ".db3" || is_ros2_bag_folder(path);
+}
+
+std::unique_ptr<FrameSource> open_bag(const BagRequest& request) {
+  auto file = open_message_file(request.path);
+  if (request.topics || !is_own_recording(*file))
+    return std::make_unique<BagSource>(std::move(file), request);
+  if (request.depth_scale)
+    throw UsageError(fmt::format("--depth-scale: {} was recorded by kinloop and states the unit of its depth",
+                                 request.path.string()));
+  return open_own_recording(std::move(file), request.path, request.camera);
 }
 
 std::unique_ptr<FrameSource> open_bag(const std::filesystem::path& path,
                                       const std::optional<RgbdCamera>& camera,
                                       const std::optional<std::string>& topics) {
-  auto file = open_message_file(path);
-  if (!topics && is_own_recording(*file)) return open_own_recording(std::move(file), path, camera);
-  return std::make_unique<BagSource>(std::move(file), path, camera, topics);
+  BagRequest request;
+  request.path = path;
+  request.camera = camera;
+  request.topics = topics;
+  return open_bag(request);
 }
 
 }  // namespace kinloop

@@ -26,6 +26,10 @@ class RecordingSource : public FrameSource {
     camera_ = camera.value_or(recorded);
     camera_.depth_scale = recorded.depth_scale;
     camera_.depth.reset();  // registered when it was recorded
+    if (camera && camera->depth_scale != recorded.depth_scale)
+      log::info(
+          "{}: depth is in units of {:g} per metre, as recorded; the depth_scale of --camera is not used",
+          info_.name, recorded.depth_scale);
     if (camera && camera->depth_shift_m != 0)
       log::warn("{}: the depth_shift_m of --camera is not used: depth was corrected when it was recorded",
                 info_.name);

@@ -197,7 +197,7 @@ ColorImage color_from_compressed(std::span<const uint8_t> data) {
   return decode_embedded_color(data);
 }
 
-cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data) {
+cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data, double unit_m) {
   ByteReader reader(data);
   DepthQuantisation quantisation;
   const bool has_header = has_depth_header(format);
@@ -206,7 +206,7 @@ cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t
   if (values.type() != CV_16UC1)
     throw InputError(fmt::format("compressed depth '{}' that is not a 16-bit grey PNG", format));
   if (has_header && format.starts_with("32FC1")) return metres_from_inverse_depth(values, quantisation);
-  return metres_from(values, kRosDepthUnitM);
+  return metres_from(values, unit_m);
 }
 
 std::optional<cv::Size> compressed_size(const std::string& format, std::span<const uint8_t> data) {

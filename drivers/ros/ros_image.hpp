@@ -40,7 +40,8 @@ cv::Mat depth_from(const RosImage& image, double unit_m = kRosDepthUnitM);
 /// inverse depth, and RVL, each behind its header.
 /// Compare `compressed_size` with the camera first: a small message may hold a huge image.
 ColorImage color_from_compressed(std::span<const uint8_t> data);
-cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data);
+cv::Mat depth_from_compressed(const std::string& format, std::span<const uint8_t> data,
+                              double unit_m = kRosDepthUnitM);
 
 /// Returns the size of the image in a sensor_msgs/CompressedImage, without decoding it; nullopt if it cannot
 /// be decoded.

@@ -1,5 +1,8 @@
 #include "drivers/ros/ros_topics.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -15,6 +18,12 @@ std::string present(const std::set<std::string>& in_bag, const std::string& topi
 }
 
 }  // namespace
+
+bool RosTopics::states_registered_depth() const {
+  constexpr const char* kParts[] = {"aligned_depth_to_color", "depth_registered", "depth_to_rgb"};
+  return std::any_of(std::begin(kParts), std::end(kParts),
+                     [this](const char* part) { return depth.find(part) != std::string::npos; });
+}
 
 const std::vector<RosTopics>& known_topics() {
   static const std::vector<RosTopics> topics = {

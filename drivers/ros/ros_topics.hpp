@@ -16,6 +16,9 @@ struct RosTopics {
   /// Returns whether the images are rectified (undistorted), judged by topic name as is usual in ROS.
   [[nodiscard]] bool rectified() const { return color.find("rect") != std::string::npos; }
 
+  /// Returns whether depth is registered to colour, as drivers state by the name of the topic.
+  [[nodiscard]] bool states_registered_depth() const;
+
   /// Returns the topic of the depth camera's calibration.
   [[nodiscard]] std::string depth_info() const { return depth.substr(0, depth.rfind('/')) + "/camera_info"; }
 };

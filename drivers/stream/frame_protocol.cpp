@@ -1,5 +1,6 @@
 #include "drivers/stream/frame_protocol.hpp"
 
+#include <map>
 #include <type_traits>
 #include <utility>
 
@@ -87,10 +88,28 @@ StreamStart start_of(const Json& header, const std::string& name) {
   return start;
 }
 
+/// Returns the bytes of a pixel of a raw image; 0 for an unknown encoding.
+size_t pixel_bytes(const std::string& encoding) {
+  static const std::map<std::string, size_t> bytes = {
+      {"mono8", 1}, {"8UC1", 1}, {"bgr8", 3},  {"rgb8", 3},   {"8UC3", 3},   {"bgra8", 4},
+      {"rgba8", 4}, {"8UC4", 4}, {"uyvy", 2},  {"UYVY", 2},   {"yuv422", 2}, {"yuv422_yuy2", 2},
+      {"yuyv", 2},  {"YUYV", 2}, {"16UC1", 2}, {"mono16", 2}, {"32FC1", 4}};
+  const auto found = bytes.find(encoding);
+  return found != bytes.end() ? found->second : 0;
+}
+
+/// Rows without padding. Throws InputError for any other number of bytes: the image is of another size, and
+/// its rows would be sheared.
 RosImage raw_image(const SentImage& image, const PinholeCamera& camera) {
-  RosImage raw{camera.width, camera.height, 0, image.encoding, false, image.data};
-  raw.step = image.data.size() / static_cast<size_t>(std::max(camera.height, 1));
-  return raw;
+  const size_t pixel = pixel_bytes(image.encoding), row = static_cast<size_t>(camera.width) * pixel;
+  const size_t expected = row * static_cast<size_t>(camera.height);
+  if (pixel != 0 && image.data.size() != expected) {
+    throw InputError(fmt::format(
+        "{} bytes of {}, where {} x {} pixels of {} bytes are {}; send rows without padding, of the size of "
+        "the camera",
+        image.data.size(), image.encoding, camera.width, camera.height, pixel, expected));
+  }
+  return {camera.width, camera.height, row, image.encoding, false, image.data};
 }
 
 void require_camera_size(const cv::Size& size, const PinholeCamera& camera) {

@@ -20,6 +20,7 @@ namespace kinloop {
 namespace {
 
 [[noreturn]] void throw_no_room() {
+  require_temporary_folder();
   throw InputError(
       fmt::format("{}: no space for the images of the map; free some space, set TMPDIR to another folder, or "
                   "raise --set dense.image_memory_mib and dense.surfel_memory_mib",

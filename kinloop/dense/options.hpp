@@ -50,6 +50,7 @@ struct DenseOptions {
   int image_memory_mib = 64;
   int surfel_memory_mib = 0;
   int fusion_memory_mib = 256;
+  double up_x = 0, up_y = 0, up_z = 0;  ///< all 0: estimated
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -71,6 +72,13 @@ struct DenseOptions {
           "memory for surfels before spilling to a temporary file, MiB", Range{0, 1e6});
     visit("fusion_memory_mib", self.fusion_memory_mib,
           "memory for voxels during fusion; larger maps are fused in slabs, MiB", Range{1, 1e6});
+    constexpr Range kAxis{-1e6, 1e6};
+    visit("up_x", self.up_x,
+          "up direction in the axes of the first camera, to the right (--up); all three 0: estimated from "
+          "surfaces",
+          kAxis, Expert{});
+    visit("up_y", self.up_y, "same, down", kAxis, Expert{});
+    visit("up_z", self.up_z, "same, forward", kAxis, Expert{});
   }
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
@@ -189,9 +190,23 @@ double surface_evidence(const Shares& shares) {
   return kNetWeight * net + kExplainedWeight * shares.explained();
 }
 
+/// Returns the probability, among all candidates, of those near `direction`.
+double probability_near(const Eigen::Vector3d& direction, const std::vector<Candidate>& candidates) {
+  constexpr double kNear_rad = 20 * kDegree;
+  double most = -std::numeric_limits<double>::infinity(), near = 0, all = 0;
+  for (const Candidate& one : candidates) most = std::max(most, one.log_likelihood);
+  for (const Candidate& one : candidates) {
+    const double likelihood = std::exp(one.log_likelihood - most);
+    all += likelihood;
+    if (one.up.dot(direction) > std::cos(kNear_rad)) near += likelihood;
+  }
+  return all > 0 ? near / all : 0;
+}
+
 }  // namespace
 
 const char* to_string(UpSource source) {
+  if (source == UpSource::kGiven) return "given";
   return source == UpSource::kPlanes ? "planes" : "camera";
 }
 
@@ -231,7 +246,10 @@ UpEstimate estimate_up_direction(std::span<const Eigen::Vector3f> normals,
   for (const Candidate& one : candidates) sum += std::exp(one.log_likelihood - best->log_likelihood);
   const Shares shares = shares_of(best->up, some);
   const bool planes = best->determined && shares.explained() > kMinExplained && shares.upright > kMinUpright;
-  if (!planes || 1 / sum < kMinConfidence) return fallback;
+  if (!planes || 1 / sum < kMinConfidence) {
+    fallback.confidence = std::min(fallback.confidence, probability_near(fallback.direction, candidates));
+    return fallback;
+  }
   return {best->up, UpSource::kPlanes, 1 / sum};
 }
 

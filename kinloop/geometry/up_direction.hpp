@@ -12,9 +12,10 @@ namespace kinloop {
 enum class UpSource {
   kPlanes,  ///< floors, tables and walls agree on it
   kCamera,  ///< mean of the cameras' up (-y) axes, if the surfaces do not agree
+  kGiven,   ///< by the user
 };
 
-/// Returns "planes" or "camera".
+/// Returns "planes", "camera" or "given".
 const char* to_string(UpSource source);
 
 /// The up direction in the world frame; by default that of the first camera.
@@ -22,7 +23,7 @@ struct UpEstimate {
   Eigen::Vector3d direction = {0, -1, 0};
   UpSource source = UpSource::kCamera;
   /// From planes: the probability of this direction among all candidates. From cameras: the length of the
-  /// mean of their unit axes, 1 if all agree.
+  /// mean of their unit axes, 1 if all agree, and no more than what surfaces say for a direction near it.
   double confidence = 0;
 };
 

@@ -128,20 +128,6 @@ py::dict quality_of(const Result& result) {
   return values;
 }
 
-/// As in run.json.
-py::list warnings_of(const Result& result) {
-  const auto warnings = without_gil([&] { return result.run->warnings(); });
-  py::list all;
-  for (const InputWarning& warning : warnings) {
-    py::dict values;
-    values["kind"] = name_of(warning.fault);
-    values["evidence"] = warning.evidence;
-    values["remedy"] = warning.remedy;
-    all.append(values);
-  }
-  return all;
-}
-
 /// The files of `kinloop run` but for figures and report.
 void save_result(Result& result, const std::filesystem::path& path) {
   const RunFolder folder(path);
@@ -166,6 +152,19 @@ void save_result(Result& result, const std::filesystem::path& path) {
 
 }  // namespace
 
+py::list warnings_of(Run& run) {
+  const auto warnings = without_gil([&] { return run.warnings(); });
+  py::list all;
+  for (const InputWarning& warning : warnings) {
+    py::dict values;
+    values["kind"] = name_of(warning.fault);
+    values["evidence"] = warning.evidence;
+    values["remedy"] = warning.remedy;
+    all.append(values);
+  }
+  return all;
+}
+
 void bind_result(py::module_& module) {
   py::class_<Result>(
       module, "Result",
@@ -182,7 +181,7 @@ void bind_result(py::module_& module) {
           R"(The verdict on the run, a dict: verdict ("good", "doubtful" or "bad"), seconds,
 seconds_doubtful, seconds_lost and reasons, a list of texts.)")
       .def_property_readonly(
-          "warnings", &warnings_of,
+          "warnings", [](const Result& result) { return warnings_of(*result.run); },
           R"(Where the input contradicts itself, a list of dicts: kind, evidence and remedy. Empty if nothing
 was found.)")
       .def_property_readonly("keyframes", &keyframes_of, "The Trajectory of the keyframes.")

@@ -13,4 +13,7 @@ struct Result {
   py::object cloud;                                  ///< a PyCloud once it has been asked for, else None
 };
 
+/// Returns where the input of a run contradicts itself, as in run.json.
+py::list warnings_of(Run& run);
+
 }  // namespace kinloop::python

@@ -45,7 +45,7 @@ class Run {
     return read(std::as_const(*slam_));
   }
 
-  /// Returns where the input contradicts itself.
+  /// Returns where the input contradicts itself, as far as that is known.
   [[nodiscard]] std::vector<InputWarning> warnings();
 
   [[nodiscard]] ColoredCloud fuse_cloud(const Progress& progress);

@@ -160,6 +160,10 @@ poses already returned: finish() returns the final ones. The GIL is released.)")
 progress: called as progress(stage, done, total); return False to stop early with the result so far.
 keep_doubtful: whether the trajectory of the Result includes the poses of doubtful frames.
 Returns a Result.)")
+      .def_property_readonly(
+          "warnings", &warnings_of,
+          "Where the frames so far contradict themselves or the camera, as Result.warnings; "
+          "finish() may add to them.")
       .def_property_readonly("lost", reading(&is_lost),
                              "Whether the last frame could not be located, or there was none.")
       .def_property_readonly("doubtful", reading(&is_doubtful),

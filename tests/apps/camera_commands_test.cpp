@@ -102,6 +102,20 @@ TEST_F(Fetch, SaysWhatIsWrong) {
   EXPECT_EQ(run("fetch tum/fr1_../x").exit_code, kWrongUse);
 }
 
+TEST_F(Fetch, RefusesLinksDevicesAndMoreThanAnySequenceHas) {
+  const std::string made = at("made/rgbd_dataset_freiburg1_room");
+  for (const std::string& spoil : {"ln -s /etc/passwd '" + made + "/link'", "mkfifo '" + made + "/pipe'",
+                                   "truncate -s 40G '" + made + "/zeros'"}) {
+    const auto packed = shell("rm -rf '" + at("data") + "' && " + spoil + " && tar -S -C '" + at("made") +
+                              "' -czf '" + at("bad.tgz") + "' rgbd_dataset_freiburg1_room; rm -f '" + made +
+                              "'/link '" + made + "'/pipe '" + made + "'/zeros");
+    ASSERT_EQ(packed.exit_code, kDone) << packed.err;
+    const Run refused = fetch(test::HttpServer(kPath, read_file(at("bad.tgz"))));
+    EXPECT_EQ(refused.exit_code, kBadInput) << spoil;
+    EXPECT_THAT(refused.err, HasSubstr("not unpacked")) << spoil;
+  }
+}
+
 TEST_F(CameraCommands, RecordGivesTheSameSequenceBack) {
   ASSERT_EQ(run("simulate room --frames 6 --size 160x120 --quiet -o '" + at("a") + "'").exit_code, kDone);
   const Run recorded = run("record '" + at("a") + "' -o '" + at("b") + "'");

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "kinloop/core/files/file_lock.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 #include "tests/apps/program_test.hpp"
 
@@ -65,6 +66,45 @@ TEST_F(Contradictions, RunListsWarningsInItsSummary) {
   ASSERT_FALSE(warnings.empty());
   EXPECT_EQ(warnings[0]["kind"], "intrinsics");
   EXPECT_THAT(warnings[0]["remedy"].get<std::string>(), HasSubstr("half of all values"));
+}
+
+TEST_F(Contradictions, UpIsWhatTheUserSays) {
+  const auto mapped = run("run '" + at("seq") + "' --up -1,0,0 -q -o '" + at("out") + "'");
+  ASSERT_EQ(mapped.exit_code, kDone) << mapped.err;
+  const auto up = nlohmann::json::parse(read_file(at("out/run.json")))["up"];
+  EXPECT_EQ(up["source"], "given");
+  EXPECT_EQ(up["direction"], nlohmann::json({-1.0, 0.0, 0.0}));
+  const auto exported = run("mesh '" + at("out") + "' -o '" + at("mesh.ply") + "' --up 0,0,0");
+  EXPECT_EQ(exported.exit_code, test::kWrongUse);
+  EXPECT_THAT(exported.err, HasSubstr("no direction"));
+}
+
+TEST_F(Contradictions, DepthOfAnotherClockIsShifted) {
+  ASSERT_EQ(
+      shell("cd '" + at("seq") +
+            "' && rm -f associations.txt && awk '!/#/ {$1 += 1} {print}' depth.txt > d && mv d depth.txt")
+          .exit_code,
+      kDone);
+  const auto as_it_is = run("run '" + at("seq") + "' -q -o '" + at("a") + "'");
+  const auto shifted = run("run '" + at("seq") + "' --depth-offset -1 -q -o '" + at("b") + "'");
+  EXPECT_EQ(shifted.exit_code, kDone) << shifted.err;
+  EXPECT_NE(nlohmann::json::parse(read_file(at("b/run.json")))["frames"], 0);
+  EXPECT_NE(as_it_is.exit_code, test::kWrongUse);
+  EXPECT_EQ(run("run '" + at("seq") + "' --depth-offset 60").exit_code, test::kWrongUse);
+}
+
+TEST_F(Contradictions, TwoRunsDoNotSaveTheirMapsIntoOneFile) {
+  const FileLock other(at("map.kinmap"));
+  const auto refused =
+      run("run '" + at("seq") + "' -q -o '" + at("out") + "' --save-map '" + at("map.kinmap") + "'");
+  EXPECT_EQ(refused.exit_code, kBadInput);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr(at("map.kinmap")), HasSubstr("another run")));
+}
+
+TEST_F(Contradictions, ControlCharactersOfAPathAreEscapedOnStandardOutput) {
+  const auto simulated = run("simulate room --frames 2 --size 160x120 -o '" + at("a\033[2J") + "'");
+  EXPECT_THAT(simulated.out, AllOf(HasSubstr("\\x1b[2J"), Not(HasSubstr("\033"))));
+  EXPECT_EQ(run("simulate room --frames 2 --size 160x120 -q -o '" + at("b") + "'").out, "");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "tests/support/environment.hpp"
+#include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace kinloop {
@@ -30,6 +31,15 @@ TEST(AnonymousTempFile, HoldsBytesAndLeavesNoTrace) {
 TEST(AnonymousTempFile, WithoutAFolderThereIsNone) {
   const test::TempFolder folder;
   EXPECT_LT(open_anonymous_temp_file(folder.path() / "nowhere"), 0);
+}
+
+TEST(AnonymousTempFile, AMissingFolderIsNamed) {
+  const test::TempFolder folder;
+  const auto nowhere = folder.path() / "nowhere";
+  const test::EnvironmentVariable variable("TMPDIR", nowhere.string());
+  EXPECT_THAT(test::input_error([] { MappedTempFile().add(std::array<uint8_t, 3>{}); }),
+              testing::AllOf(testing::HasSubstr(nowhere.string()), testing::HasSubstr("TMPDIR"),
+                             testing::Not(testing::HasSubstr("space"))));
 }
 
 /// `count` bytes that differ from those of another seed.

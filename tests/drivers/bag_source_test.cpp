@@ -136,6 +136,29 @@ TEST_F(BagTest, RejectsBagsWithoutACamera) {
               AllOf(HasSubstr("no usable frame"), HasSubstr("16UC1")));
 }
 
+TEST_F(BagTest, ABagThatIsStillNamedActiveIsRead) {
+  write([](rosbag::Bag& bag) {
+    add(bag, kColor, 100, test::make_color(1), "bgr8");
+    add(bag, kDepth, 100, test::make_depth(1000), "16UC1");
+  });
+  const auto active = folder.path() / "test.bag.active";
+  std::filesystem::rename(path(), active);
+  EXPECT_TRUE(is_bag(active));
+  EXPECT_TRUE(open_bag(active, {})->next());
+}
+
+TEST_F(BagTest, DepthOfAnUnknownCameraAsksForIt) {
+  write([](rosbag::Bag& bag) {
+    add(bag, "/camera/rgb/image_raw", 100, test::make_color(1), "bgr8");
+    ros1::Image depth = message_of(100, test::make_depth(1000), "16UC1");
+    depth.header.frame_id = "depth";
+    bag.write("/camera/depth/image_raw", time_of(100), depth);
+    bag.write("/camera/rgb/camera_info", time_of(100), camera_message());
+  });
+  EXPECT_THAT(input_error([&] { open_bag(path(), {}); }),
+              AllOf(HasSubstr("/camera/depth/camera_info"), HasSubstr("--camera")));
+}
+
 TEST_F(BagTest, EveryCompressionGivesTheSameImages) {
   for (const auto compression :
        {rosbag::compression::Uncompressed, rosbag::compression::LZ4, rosbag::compression::BZ2}) {

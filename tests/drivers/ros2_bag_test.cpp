@@ -168,6 +168,98 @@ TEST_F(Ros2BagTest, DepthOfAnotherPoseIsRegisteredByTheStaticTransforms) {
   EXPECT_TRUE(open_bag(folder.path() / "b.mcap", camera)->next());
 }
 
+/// A frame whose images have a coordinate frame each, which a transform connects.
+test::WrittenBag bag_of_two_frames(const std::string& depth_topic, const PinholeCamera& depth_camera) {
+  constexpr auto kKind = Serialization::kCdrLittle;
+  const std::string depth_info = depth_topic.substr(0, depth_topic.rfind('/')) + "/camera_info";
+  return {
+      {"/tf_static", "tf2_msgs/msg/TFMessage", 1,
+       test::transform_message(kKind, "color", "depth", {{}, {0.05, 0, 0.002}})},
+      {kColorInfoTopic, "sensor_msgs/msg/CameraInfo", 1, test::info_message(kKind, small_camera())},
+      {depth_info, "sensor_msgs/msg/CameraInfo", 1, test::info_message(kKind, depth_camera)},
+      {kColorTopic, kImageType, 2, test::image_message(kKind, 2, test::make_color(1), "bgr8", "color")},
+      {depth_topic, kImageType, 2, test::image_message(kKind, 2, test::make_depth(1500), "16UC1", "depth")}};
+}
+
+TEST_F(Ros2BagTest, DepthThatIsAlignedByItsTopicIsNotRegisteredAgain) {
+  PinholeCamera other = small_camera();
+  other.fx = other.fy = 22;
+  const auto bag = bag_of_two_frames(kAlignedTopic, other);
+  testing::internal::CaptureStdout();
+  const auto source = open_bag(folder.write("a.mcap", mcap_bytes(bag, {})), {});
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              AllOf(HasSubstr("taken as registered"), HasSubstr(kAlignedTopic), HasSubstr("'depth'")));
+  EXPECT_FALSE(source->camera().depth);
+  EXPECT_FLOAT_EQ(source->next()->depth_m.at<float>(0, 0), 1.5F);
+}
+
+TEST_F(Ros2BagTest, DepthWithTheIntrinsicsOfColourIsNotRegisteredAgain) {
+  const auto bag = bag_of_two_frames(kDepthTopic, small_camera());
+  testing::internal::CaptureStdout();
+  const auto source = open_bag(folder.write("a.mcap", mcap_bytes(bag, {})), {});
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("both have the same intrinsics"));
+  EXPECT_FALSE(source->camera().depth);
+  EXPECT_FLOAT_EQ(source->next()->depth_m.at<float>(0, 0), 1.5F);
+}
+
+TEST_F(Ros2BagTest, DepthOfAnUnknownCameraAsksForIt) {
+  PinholeCamera other = small_camera();
+  other.fx = other.fy = 22;
+  auto bag = bag_of_two_frames(kDepthTopic, other);
+  bag.erase(bag.begin() + 2);
+  write_db3(folder.path() / "a.db3", bag);
+  const auto mcap = folder.write("a.mcap", mcap_bytes(bag, {}));
+  for (const auto& path : {folder.path() / "a.db3", mcap}) {
+    EXPECT_THAT(input_error([&] { open_bag(path, {}); }),
+                AllOf(HasSubstr(path.string()), HasSubstr(kDepthInfoTopic), HasSubstr("--camera")));
+    RgbdCamera camera;
+    camera.color = small_camera();
+    EXPECT_TRUE(open_bag(path, camera)->next());
+  }
+}
+
+TEST_F(Ros2BagTest, TheUnitOfDepthIsThatOfTheGivenCamera) {
+  const auto path = folder.write("a.mcap", mcap_bytes(bag_of(sequence.path()), {}));
+  const float depth_m = open_bag(path, {})->next()->depth_m.at<float>(0, 0);
+  ASSERT_GT(depth_m, 0);
+  EXPECT_EQ(open_bag(path, {})->camera().depth_scale, 1000);
+  RgbdCamera camera;
+  camera.color = small_camera();
+  camera.depth_scale = 2000;
+  testing::internal::CaptureStdout();
+  EXPECT_FLOAT_EQ(open_bag(path, camera)->next()->depth_m.at<float>(0, 0), depth_m / 2);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), AllOf(HasSubstr("2000 units"), HasSubstr("1000")));
+  BagRequest request;
+  request.path = path;
+  request.depth_scale = 500;  // without a camera
+  EXPECT_FLOAT_EQ(open_bag(request)->next()->depth_m.at<float>(0, 0), depth_m * 2);
+  request.camera = camera;
+  EXPECT_FLOAT_EQ(open_bag(request)->next()->depth_m.at<float>(0, 0), depth_m * 2);
+  request.depth_scale.reset();
+  request.camera_has_depth_scale = false;  // a camera file of another program
+  EXPECT_FLOAT_EQ(open_bag(request)->next()->depth_m.at<float>(0, 0), depth_m);
+}
+
+TEST_F(Ros2BagTest, ABagCompressedAsAWholeIsToldToBeDecompressed) {
+  for (const char* name : {"a.db3.zstd", "a.mcap.zst"}) {
+    const auto path = folder.write(name, "zstd");
+    EXPECT_TRUE(is_bag(path));
+    EXPECT_THAT(input_error([&] { open_bag(path, {}); }), AllOf(HasSubstr(name), HasSubstr("zstd -d")));
+  }
+  EXPECT_FALSE(is_bag(folder.write("a.txt.zst", "zstd")));
+}
+
+TEST_F(Ros2BagTest, DepthInMetresHasNoOtherUnit) {
+  auto bag = bag_of_two_frames(kAlignedTopic, small_camera());
+  bag.back().data = test::image_message(
+      Serialization::kCdrLittle, 2, cv::Mat(test::make_depth(1).size(), CV_32FC1, cv::Scalar(1.5)), "32FC1");
+  const auto path = folder.write("a.mcap", mcap_bytes(bag, {}));
+  RgbdCamera camera;
+  camera.color = small_camera();
+  camera.depth_scale = 2000;
+  EXPECT_FLOAT_EQ(open_bag(path, camera)->next()->depth_m.at<float>(0, 0), 1.5F);
+}
+
 TEST_F(Ros2BagTest, ARationalLensIsThatOfTheCamera) {
   constexpr auto kKind = Serialization::kCdrLittle;
   PinholeCamera camera = small_camera();

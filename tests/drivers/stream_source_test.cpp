@@ -69,6 +69,34 @@ size_t count_stream_frames(FrameSource& source) {
   return frames;
 }
 
+TEST(StreamSource, ARawImageOfAnotherSizeIsRefusedWithTheNumbers) {
+  const test::TempFolder folder;
+  const cv::Mat color = test::make_color(1), depth = test::make_depth(1000);
+  const std::string bgr = test::pixels_of(color), units = test::pixels_of(depth);
+  const struct {
+    std::string color, depth, bytes, expected;
+  } cases[] = {
+      {bgr + std::string(24 * 6, 'x'), units, "2448 bytes of bgr8", "are 2304"},  // rows with padding
+      {bgr.substr(3), units, "2301 bytes of bgr8", "are 2304"},
+      {bgr, units + units, "3072 bytes of 16UC1", "are 1536"}};
+  for (const auto& [sent_color, sent_depth, bytes, expected] : cases) {
+    const auto stream =
+        stream_of(folder, start_record() + frame_record(100, "bgr8", sent_color, "16UC1", sent_depth));
+    EXPECT_THAT(input_error([&] { stream->next(); }),
+                AllOf(HasSubstr(bytes), HasSubstr("32 x 24 pixels"), HasSubstr(expected)));
+  }
+}
+
+TEST(StreamSource, TheUnitOfDepthIsThatOfTheGivenCamera) {
+  const test::TempFolder folder;
+  RgbdCamera camera;
+  camera.color.width = test::kWidth, camera.color.height = test::kHeight;
+  camera.color.fx = camera.color.fy = 25;
+  camera.depth_scale = 2000;
+  const auto stream = stream_of(folder, start_record() + png_frame(100), camera);
+  EXPECT_FLOAT_EQ(stream->next()->depth_m.at<float>(0, 0), 0.5F);
+}
+
 TEST(StreamSource, GivesTheFramesOfAFolderRawOrCompressed) {
   const test::SequenceFolder sequence(4);
   const test::TempFolder folder;

@@ -39,6 +39,44 @@ std::string open_error(const std::filesystem::path& folder) {
   return input_error([&] { TumSource source(folder); });
 }
 
+TEST(TumSource, ListsWithBackslashesAreRead) {
+  const SequenceFolder sequence(2);
+  sequence.folder.write("associations.txt",
+                        "100 rgb\\0.png 100 depth\\0.png\r\n101 rgb\\1.png 101 depth\\1.png\r\n");
+  TumSource source(sequence.path());
+  EXPECT_THAT(indices(read_all(source)), ElementsAre(0, 1));
+}
+
+TEST(TumSource, SaysWhatIsWrongWithAList) {
+  const SequenceFolder sequence(2);
+  sequence.folder.write("rgb.txt", "100 rgb/my image.png\n");
+  EXPECT_THAT(open_error(sequence.path()), AllOf(HasSubstr("rgb.txt:1"), HasSubstr("must not have blanks")));
+  sequence.folder.write("rgb.txt", std::string("\xFF\xFE"
+                                               "1\0",
+                                               4));
+  EXPECT_THAT(open_error(sequence.path()), AllOf(HasSubstr("rgb.txt"), HasSubstr("UTF-16")));
+}
+
+TEST(TumSource, SaysWhatIsWrongWithAnImage) {
+  const SequenceFolder sequence(1);
+  sequence.folder.write(SequenceFolder::color_name(0), std::string("II*\0 a TIFF", 11));
+  TumSource tiff(sequence.path());
+  EXPECT_THAT(input_error([&] { tiff.next(); }), HasSubstr("a TIFF image; convert it to PNG"));
+}
+
+TEST(TumSource, AnImageThatViewersTurnIsRefused) {
+  const SequenceFolder sequence(4);
+  for (int i = 0; i < 4; ++i) {
+    std::string jpeg = encoded(make_color(i), ".jpg");
+    const std::string exif(
+        "\xff\xe1\0\x22"
+        "Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0",
+        36);
+    sequence.folder.write(SequenceFolder::color_name(i), jpeg.insert(2, exif));
+  }
+  EXPECT_THAT(open_error(sequence.path()), AllOf(HasSubstr("0.png"), HasSubstr("EXIF orientation is 6")));
+}
+
 TEST(TumSource, GivesTheFramesInOrder) {
   const SequenceFolder sequence(4);
   TumSource source(sequence.path());

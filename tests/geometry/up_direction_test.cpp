@@ -142,6 +142,17 @@ TEST(UpDirection, WithoutPlanesIsTheMeanOfTheCameras) {
   }
 }
 
+TEST(UpDirection, CamerasThatSurfacesContradictAreNotTrusted) {
+  Random random(7);
+  Normals normals;  // a corner of three sides alike: each may be the floor
+  for (const Vector3d& side : {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(0, -1, 0)})
+    add(normals, side, 1000, random);
+  const std::vector<SE3> turned(10, held(0, 0, 45 * kDegree));
+  const auto up = estimate_up_direction(normals, turned);
+  EXPECT_EQ(up.source, UpSource::kCamera);
+  EXPECT_LT(up.confidence, 0.6);
+}
+
 TEST(UpDirection, OfACameraThatDoesNotMoveIsItsOwn) {
   const std::vector<SE3> cameras(10, held(0, 0.3, 0));
   const auto up = estimate_up_direction({}, cameras);

@@ -44,6 +44,13 @@ class CameraFile : public testing::Test {
   TempFolder folder_;
 };
 
+TEST_F(CameraFile, ADepthScaleInMetresAUnitIsTold) {
+  EXPECT_THAT(
+      error(replaced(kGood, "depth_scale: 5000", "depth_scale: 0.001")),
+      AllOf(HasSubstr("camera.yaml:8"), HasSubstr("units per metre"), HasSubstr("depth_scale: 1000")));
+  EXPECT_THAT(error(replaced(kGood, "depth_scale: 5000", "depth_scale: 0")), HasSubstr("from 1 to"));
+}
+
 TEST_F(CameraFile, ReadsWhatIsThere) {
   const RgbdCamera camera = read(kGood);
   EXPECT_EQ(camera.color.width, 640);

@@ -51,6 +51,7 @@ const char* status_name(const FrameEvent& frame) {
 
 RunScene::RunScene(Scene& scene, RunInfo info)
     : scene_(scene), info_(std::move(info)), cloud_(info_.camera, info_.options) {
+  if (info_.up) up_ = *info_.up;
   const PinholeCamera& camera = info_.camera.color;
   scene_.put(PartKind::kHello, 0,
              encode_json({{"run", scene_.run()},
@@ -127,7 +128,7 @@ void RunScene::add_keyframe(const ImageEvent& image) {
   const CloudPiece piece = cloud_.add_keyframe(image.keyframe, image.color.bgr(), image.depth_m,
                                                map_.T_world_keyframe[image.keyframe.value]);
   if (piece.cloud.size() > 0) scene_.put(PartKind::kCloud, image.keyframe.value, encode_cloud(piece));
-  if (Clock::now() < next_up_) return;
+  if (info_.up || Clock::now() < next_up_) return;
   up_ = estimate_up_direction(cloud_.normals(), map_.T_world_keyframe).direction;
   next_up_ = Clock::now() + std::chrono::seconds(3);
 }
@@ -188,6 +189,7 @@ void RunScene::show_status(const RunState& state) {
   constexpr double kTenths = 10;
   nlohmann::json status = {{"stage", state.stage},
                            {"message", state.message},
+                           {"warnings", state.warnings},
                            {"paused", state.paused},
                            {"frame", frames_.size()},
                            {"frames", info_.frames},

@@ -2,6 +2,7 @@
 // In: events of a run. Out: its scene, part by part.
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
@@ -18,12 +19,14 @@ struct RunInfo {
   RgbdCamera camera;
   Trajectory truth;  ///< empty if there is none
   ViewerOptions options;
+  std::optional<Eigen::Vector3d> up = {};  ///< in the world; nullopt: estimated
 };
 
 /// State of the run, in addition to Slam's events.
 struct RunState {
   std::string stage = "mapping";
-  std::string message;  ///< latest message
+  std::string message;                     ///< latest message
+  std::vector<std::string> warnings = {};  ///< where the input contradicts itself
   bool paused = false;
 };
 

@@ -36,11 +36,20 @@ int64_t stamp_of(const std::filesystem::path& file, const TextLine& line, size_t
 int64_t row_stamp(const std::filesystem::path& file, const TextLine& line, const std::string& columns) {
   const size_t expected = static_cast<size_t>(std::count(columns.begin(), columns.end(), ' ')) + 1;
   if (line.fields.size() != expected) {
-    throw_parse_error(
-        file, line.number,
-        fmt::format("expected '{}' separated by blanks, found {} fields", columns, line.fields.size()));
+    const char* blanks = line.fields.size() > expected ? "; names of files must not have blanks" : "";
+    throw_parse_error(file, line.number,
+                      fmt::format("expected '{}' separated by blanks, found {} fields{}", columns,
+                                  line.fields.size(), blanks));
   }
   return stamp_of(file, line, 0);
+}
+
+/// The file of a row. Lists that were written on Windows may have backslashes.
+std::filesystem::path file_of_row(const std::filesystem::path& folder, std::string name) {
+  std::error_code ignored;
+  if (name.find('\\') != std::string::npos && !std::filesystem::exists(folder / name, ignored))
+    std::replace(name.begin(), name.end(), '\\', '/');
+  return folder / name;
 }
 
 /// Reads rows with increasing time stamps. `columns` names the columns, separated by blanks.
@@ -96,8 +105,12 @@ TumListing read_associated(const std::filesystem::path& folder) {
   for (size_t i = 0; i < rows.lines.size(); ++i) {
     const auto& fields = rows.lines[i].fields;
     const int64_t depth_ns = stamp_of(file, rows.lines[i], 2);
-    listing.frames.push_back(
-        {rows.stamps_ns[i], depth_ns, {folder / fields[1]}, {folder / fields[3]}, {}, 0});
+    listing.frames.push_back({rows.stamps_ns[i],
+                              depth_ns,
+                              {file_of_row(folder, fields[1])},
+                              {file_of_row(folder, fields[3])},
+                              {},
+                              0});
   }
   return listing;
 }
@@ -113,7 +126,7 @@ TumListing associate_lists(const std::filesystem::path& folder, const std::strin
   listing.skipped.add(depth.skipped);
   const auto files = [&](const StampedRows& rows) {
     std::vector<std::filesystem::path> paths;
-    for (const TextLine& line : rows.lines) paths.push_back(folder / line.fields[1]);
+    for (const TextLine& line : rows.lines) paths.push_back(file_of_row(folder, line.fields[1]));
     return paths;
   };
   listing.frames = pair_by_time(color.stamps_ns, files(color), depth.stamps_ns, files(depth));

@@ -20,8 +20,10 @@ constexpr size_t kSegmentBytes = size_t{16} << 20;
 constexpr size_t kAlignment = 64;  // a cache line, and enough for every type
 
 [[noreturn]] void fail() {
+  const int reason = errno;
+  require_temporary_folder();
   throw InputError(fmt::format("{}: temporary file: {}; free some space, or set TMPDIR to another folder",
-                               temporary_folder().string(), std::generic_category().message(errno)));
+                               temporary_folder().string(), std::generic_category().message(reason)));
 }
 
 bool write_at(int file, std::span<const uint8_t> bytes, size_t offset) {
@@ -41,6 +43,15 @@ std::filesystem::path temporary_folder() {
   std::error_code error;
   const auto folder = std::filesystem::temp_directory_path(error);
   return error ? std::filesystem::path("TMPDIR") : folder;
+}
+
+void require_temporary_folder() {
+  const char* set = std::getenv("TMPDIR");
+  const std::filesystem::path folder = set != nullptr && *set != 0 ? set : temporary_folder();
+  std::error_code error;
+  if (std::filesystem::is_directory(folder, error)) return;
+  throw InputError(fmt::format(
+      "{}: no folder for temporary files; create it, or set TMPDIR to another folder", folder.string()));
 }
 
 int open_anonymous_temp_file(const std::filesystem::path& folder) {

@@ -13,6 +13,9 @@ namespace kinloop {
 /// folder.
 std::filesystem::path temporary_folder();
 
+/// Throws InputError naming it unless TMPDIR, or /tmp, is a folder: why no file can be created there.
+void require_temporary_folder();
+
 /// Returns the descriptor of a new, already unlinked file in `folder`, or -1 with errno set on failure.
 int open_anonymous_temp_file(const std::filesystem::path& folder);
 

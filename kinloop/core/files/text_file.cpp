@@ -73,6 +73,8 @@ std::string read_file(const std::filesystem::path& path) {
 std::string read_text(const std::filesystem::path& path) {
   std::string bytes = read_file(path);
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // written by Windows editors
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))
+    throw InputError(fmt::format("{}: text in UTF-16; save it as UTF-8", path.string()));
   if (bytes.starts_with(kByteOrderMark)) bytes.erase(0, kByteOrderMark.size());
   return bytes;
 }

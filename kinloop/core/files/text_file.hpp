@@ -35,7 +35,7 @@ std::vector<TextLine> read_table(const std::filesystem::path& path);
 /// Returns the whole file as bytes. Throws InputError if it cannot be read.
 std::string read_file(const std::filesystem::path& path);
 
-/// Returns the same of a text file, without the byte-order mark.
+/// Returns the same of a text file, without the byte-order mark. Throws InputError for UTF-16.
 std::string read_text(const std::filesystem::path& path);
 
 /// Parses all of `text` as a finite number; throws InputError naming file, line and text otherwise.

@@ -98,6 +98,19 @@ class Block {
     return text;
   }
 
+  /// Like `number`, for a value per metre: one below `range` that fits as metres each is told apart.
+  [[nodiscard]] double number_per_metre(const std::string& key, const std::string& example,
+                                        Range range) const {
+    const YAML::Node value = at(key, example);
+    double number = 0;
+    const bool is_number = value.IsScalar() && YAML::convert<double>::decode(value, number);
+    if (is_number && number > 0 && number < range.low && 1 / number <= range.high) {
+      reject(value, key,
+             fmt::format("in units per metre: {:g} metres a unit are {}: {:g}", number, key, 1 / number));
+    }
+    return to_number(value, key, number_in(range), range);
+  }
+
   /// Rejects a key that contradicts others.
   void refuse(const std::string& key, const std::string& why) const {
     if (has(key)) throw_parse_error(path_, lines_.at(key), fmt::format("key '{}{}': {}", prefix_, key, why));
@@ -228,7 +241,7 @@ RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path
        "rolling_shutter_s", "depth_offset_s", "depth_shift_m", "sensor", "depth", "T_color_depth"});
   RgbdCamera camera;
   camera.color = read_lens(block, block.size_px("width", "640"), block.size_px("height", "480"));
-  camera.depth_scale = block.number("depth_scale", "5000", {1, 1e5});
+  camera.depth_scale = block.number_per_metre("depth_scale", "5000", {1, 1e5});
   camera.fps = block.number("fps", "30", {0.001, 1e4});
   camera.rolling_shutter_s = block.number_or_zero("rolling_shutter_s", "seconds", {0, 1});
   camera.depth_delay_s = block.number_or_zero("depth_offset_s", "seconds", {-1, 1});

@@ -184,7 +184,9 @@ std::optional<InputWarning> ClockCheck::depth_clock() const {
       fmt::format(
           "depth shows the motion of colour {:.2f} s {} (correlation {:.2f} there, {:.2f} as stamped)",
           std::abs(lag_s), lag_s > 0 ? "later" : "earlier", lag->correlation, lag->without_lag),
-      fmt::format("the two streams have different clocks: add {:+.2f} s to the stamps of depth", -lag_s),
+      fmt::format("the two streams have different clocks: add {:+.2f} s to the stamps of depth "
+                  "(--depth-offset {:.2f})",
+                  -lag_s, -lag_s),
       false};
 }
 

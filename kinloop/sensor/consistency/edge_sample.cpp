@@ -74,14 +74,23 @@ std::vector<Eigen::Vector2f> borders_of(const cv::Mat& depth_m) {
 
 }  // namespace
 
-EdgeSample make_edge_sample(const Frame& frame) {
+EdgeImages edge_images_of(const Frame& frame) {
+  const cv::Size size = small_size(frame.depth_m.size());
+  return {coarse_gray(frame, size), sampled_depth(frame.depth_m, size)};
+}
+
+EdgeSample make_edge_sample(const EdgeImages& images) {
   constexpr int kMargin = EdgeSample::kMargin_px;
   EdgeSample sample;
-  sample.size = small_size(frame.depth_m.size());
-  cv::copyMakeBorder(edge_contrast(coarse_gray(frame, sample.size), sample.size), sample.edges, kMargin,
-                     kMargin, kMargin, kMargin, cv::BORDER_CONSTANT, 0);
-  sample.borders = borders_of(sampled_depth(frame.depth_m, sample.size));
+  sample.size = images.depth_m.size();
+  cv::copyMakeBorder(edge_contrast(images.gray, sample.size), sample.edges, kMargin, kMargin, kMargin,
+                     kMargin, cv::BORDER_CONSTANT, 0);
+  sample.borders = borders_of(images.depth_m);
   return sample;
+}
+
+EdgeSample make_edge_sample(const Frame& frame) {
+  return make_edge_sample(edge_images_of(frame));
 }
 
 }  // namespace kinloop

@@ -53,6 +53,12 @@ std::string shift_text(const Eigen::Vector2d& shift_px) {
                      shift_px.y() < 0 ? "up" : "down");
 }
 
+template <class Sample>
+void keep_every_second(std::vector<Sample>& samples) {
+  for (size_t i = 1; 2 * i < samples.size(); ++i) samples[i] = std::move(samples[2 * i]);
+  samples.resize((samples.size() + 1) / 2);
+}
+
 }  // namespace
 
 Registration judge_registration(const EdgeAlignment& a) {
@@ -73,16 +79,16 @@ Registration judge_registration(const EdgeAlignment& a) {
 std::optional<InputWarning> RegistrationCheck::observe(const Frame& frame) {
   constexpr size_t kFirstLook = 24, kSecondLook = 240;
   if (frames_++ % interval_ == 0) {
-    samples_.push_back(make_edge_sample(frame));
-    if (samples_.size() == kMostSamples) {  // every second one stays
-      for (size_t i = 1; 2 * i < samples_.size(); ++i) samples_[i] = std::move(samples_[2 * i]);
-      samples_.resize(kMostSamples / 2);
+    images_.push_back(edge_images_of(frame));
+    if (images_.size() == kMostSamples) {
+      keep_every_second(images_);
+      keep_every_second(samples_);
       interval_ *= 2;
     }
   }
   if (frames_ != kFirstLook && frames_ != kSecondLook) return std::nullopt;
   constexpr double kCertain = 8, kOverAsItIs = 3;
-  const auto found = align_edges(samples_, AlignmentSearch::kMirrored);
+  const auto found = align_edges(samples(), AlignmentSearch::kMirrored);
   if (!found || judge_registration(*found) != Registration::kMirrored) return std::nullopt;
   if (found->best_score < std::max(kCertain, kOverAsItIs * found->registered_score)) return std::nullopt;
   return warning_of(*found);
@@ -91,11 +97,16 @@ std::optional<InputWarning> RegistrationCheck::observe(const Frame& frame) {
 std::optional<EdgeAlignment> RegistrationCheck::alignment() const {
   // Depth that is 10 % too large reaches a third of the score of registered depth.
   constexpr double kBeyondDoubt = 10;
-  if (samples_.size() < kFewestSamples) return std::nullopt;
-  auto quick = align_edges(samples_, AlignmentSearch::kMirrored);
+  if (images_.size() < kFewestSamples) return std::nullopt;
+  auto quick = align_edges(samples(), AlignmentSearch::kMirrored);
   if (!quick || (quick->registered_score > kBeyondDoubt && quick->best_score == quick->registered_score))
     return quick;
-  return align_edges(samples_, AlignmentSearch::kAll);
+  return align_edges(samples(), AlignmentSearch::kAll);
+}
+
+const std::vector<EdgeSample>& RegistrationCheck::samples() const {
+  while (samples_.size() < images_.size()) samples_.push_back(make_edge_sample(images_[samples_.size()]));
+  return samples_;
 }
 
 std::optional<InputWarning> RegistrationCheck::verdict() const {

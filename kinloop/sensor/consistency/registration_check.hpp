@@ -41,9 +41,12 @@ class RegistrationCheck {
 
  private:
   [[nodiscard]] std::optional<InputWarning> warning_of(const EdgeAlignment& alignment) const;
+  [[nodiscard]] const std::vector<EdgeSample>& samples() const;
 
   PinholeCamera camera_;
-  std::vector<EdgeSample> samples_;
+  std::vector<EdgeImages> images_;
+  // Of the first images_: made when they are needed, since most images are dropped before.
+  mutable std::vector<EdgeSample> samples_;
   size_t frames_ = 0, interval_ = 1;  // every interval-th frame is taken
 };
 

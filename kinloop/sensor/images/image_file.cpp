@@ -14,6 +14,7 @@
 #include "kinloop/sensor/images/fast_encoder.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
+#include "kinloop/sensor/images/jpeg_header.hpp"
 #include "kinloop/sensor/images/png_decoder.hpp"
 
 namespace kinloop {
@@ -105,8 +106,22 @@ std::optional<cv::Size> encoded_size(std::string_view bytes) {
 std::string_view image_damage(std::string_view bytes) {
   if (bytes.empty()) return "the file is empty; copy it again";
   if (bytes.starts_with(kPngSignature)) return png_damage(bytes);
-  if (bytes.starts_with(kJpegSignature)) return jpeg_damage(bytes);
+  if (bytes.starts_with(kJpegSignature)) {
+    constexpr int kCmyk = 4;
+    return jpeg_components(bytes) == kCmyk ? "a CMYK image; convert it to RGB" : jpeg_damage(bytes);
+  }
+  if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return "a TIFF image; convert it to PNG";
   return "neither a PNG nor a JPEG image";
+}
+
+std::string turned_by_exif(std::string_view bytes) {
+  if (!bytes.starts_with(kJpegSignature)) return {};
+  const int orientation = exif_orientation(bytes);
+  if (orientation == 1) return {};
+  return fmt::format(
+      "its EXIF orientation is {}, so that viewers turn it, but not depth or the camera; turn the pixels, "
+      "depth and the camera alike, or remove the tag if they fit the pixels as stored",
+      orientation);
 }
 
 ColorImage read_color_image(const std::filesystem::path& path) {

@@ -29,6 +29,10 @@ cv::Mat decode_image(std::string_view bytes);
 /// is no such file. A small file may hold a huge image: compare its size with that of the camera first.
 std::optional<cv::Size> encoded_size(std::string_view bytes);
 
+/// Returns what is wrong with a colour image beside depth if viewers would turn it: a JPEG whose EXIF
+/// orientation is not upright. Empty for others.
+std::string turned_by_exif(std::string_view bytes);
+
 /// Reads an 8-bit colour or grey PNG or JPEG. A JPEG is kept as it is, with only its grey image decoded.
 /// Throws InputError naming the file and the problem.
 ColorImage read_color_image(const std::filesystem::path& path);

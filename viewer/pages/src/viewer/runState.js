@@ -52,6 +52,7 @@ export class RunState {
     at('tracking').textContent = name;
     at('tracking').className = `badge ${kind}`;
     at('message').textContent = message;
+    this.showWarnings(status?.warnings ?? []);
     document.body.classList.toggle('disconnected', !this.connected);
     at('run').hidden = !this.live || status?.stage === 'calibrating';
     CONTROLS.forEach((id) => {
@@ -61,6 +62,14 @@ export class RunState {
     at('pause').textContent = this.running && this.paused ? 'Resume' : 'Pause';
     if (status) at('facts').replaceChildren(...facts(status).map(([what, figure]) => fact(what, figure)));
     at('facts').hidden = at('facts').childElementCount === 0;
+  }
+
+  /** Shows where the input contradicts itself; the list is made anew only if it has grown. */
+  showWarnings(texts) {
+    const list = at('warnings');
+    list.hidden = texts.length === 0;
+    if (list.childElementCount === texts.length) return;
+    list.replaceChildren(...texts.map((text) => Object.assign(document.createElement('li'), { textContent: text })));
   }
 
   /** [badge, its kind, the line beside it] */

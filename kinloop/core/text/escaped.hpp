@@ -1,0 +1,14 @@
+#pragma once
+// Text that is safe to print on a terminal: a path or a name in a file may hold any bytes.
+
+#include <string>
+#include <string_view>
+
+namespace kinloop {
+
+/// Returns the text with its control characters escaped as in C, "\x1b": those of ASCII, the ones of Unicode
+/// that terminals obey (U+0080 to U+009F) or that reverse the direction of writing (U+202E). Characters of
+/// `kept` stay as they are.
+std::string escaped(std::string_view text, std::string_view kept = {});
+
+}  // namespace kinloop
