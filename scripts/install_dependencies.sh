@@ -26,6 +26,7 @@ optional=(
   "OpenNI2: libopenni2-dev"
   "downloads: libcurl4-openssl-dev libarchive-dev"
   "distributed training: libopenmpi-dev openmpi-bin"
+  "sources of g2o: python3-venv"
   "Python: python3-dev pybind11-dev python3-numpy python3-pytest"
   "video: libavformat-dev libavcodec-dev libswscale-dev"
   "ROS node: librosbag-storage-dev libsensor-msgs-dev libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev python3-roslaunch python3-rosbag"
@@ -41,9 +42,9 @@ minimal=false
 for argument in "$@"; do
   case "$argument" in
     --minimal) minimal=true ;;
-    --tests) optional+=("tests of the pages: chromium" "tests of the scripts: python3-numpy python3-pil" "comparison with evo: python3-venv") ;;
+    --tests) optional+=("tests of the pages: chromium" "tests of the scripts: python3-numpy python3-pil") ;;
     --checks)
-      optional+=("tests of the pages: chromium" "tests of the scripts: python3-numpy python3-pil" "comparison with evo: python3-venv")
+      optional+=("tests of the pages: chromium" "tests of the scripts: python3-numpy python3-pil")
       optional+=("fuzzing: clang libclang-rt-dev")
       required+=(clang-format clang-tidy doxygen python3 mkdocs mkdocs-material python3-pymdownx)
       ;;

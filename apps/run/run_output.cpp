@@ -56,7 +56,7 @@ RunOutput::RunOutput(const RunArguments& arguments, const RunPlan& plan, Session
       saver_(saver_of(arguments, folder_,
                       {session.slam(), session.recorder(), plan.options, arguments.request.sequence})),
       outcome_{plan, session.slam()} {
-  if (saver_) map_lock_.emplace(saver_->path());
+  if (saver_ && !arguments.save_map.empty()) map_lock_.emplace(saver_->path());  // the folder is locked
   if (!trajectory_copy_.empty()) require_writable_file(trajectory_copy_);
   session.add_listener(frames_);
   session.add_listener(depth_);
@@ -84,7 +84,7 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
   if (!poses_only_) map_ = cloud(progress);
   release_freed_memory();
   if (map_) outcome_.map_points = map_->cloud.size();
-  if (map_) warn_of_unknown_up(map_->up);
+  if (map_) warn_of_unlikely_up(map_->up);
   outcome_.warnings = session_.input().warnings();
   outcome_.live_poses = live_poses();
   outcome_.evaluation = evaluate(trajectory(), plan_.source->info().ground_truth);

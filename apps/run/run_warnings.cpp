@@ -27,11 +27,13 @@ size_t bin_of(double depth_m, size_t bins) {
 
 }  // namespace
 
-void warn_of_unknown_up(const UpEstimate& up) {
-  if (up.source != UpSource::kCamera) return;
+void warn_of_unlikely_up(const UpEstimate& up) {
+  constexpr double kUnlikely = 0.2;  // of clean rooms at least 0.48, of a clip turned by 90 degrees 0
+  if (up.source != UpSource::kCamera || up.confidence > kUnlikely) return;
   log::warn(
-      "the surfaces do not tell which way is up: the images are taken as upright (confidence {:.2f}); if the "
-      "camera was turned, use --up X,Y,Z, e.g. --up 1,0,0 if right in the images is up",
+      "the images are taken as upright, but the surfaces do not look so (confidence {:.2f}); if the camera "
+      "was "
+      "turned, use --up X,Y,Z, e.g. --up 1,0,0 if right in the images is up",
       up.confidence);
 }
 

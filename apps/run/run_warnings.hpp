@@ -14,8 +14,8 @@
 
 namespace kinloop {
 
-/// Says that the up direction is a guess if surfaces do not tell it, and how to give it.
-void warn_of_unknown_up(const UpEstimate& up);
+/// Warns of an up direction that is a guess and unlikely, and says how to give it.
+void warn_of_unlikely_up(const UpEstimate& up);
 
 /// Monitors the depth of a run: a wrong depth_scale gives a map without points, or one that is five times too
 /// small.

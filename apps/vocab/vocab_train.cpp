@@ -110,7 +110,6 @@ void train(const TrainArguments& arguments) {
   if (!first) return;
   write_vocabulary(arguments.input.output, vocabulary);
 
-  if (arguments.input.quiet) return;
   print_stats(vocabulary);
   fmt::print("skipped        {} unreadable images\n", skipped);
   if (!arguments.held_out.empty()) print_held_out_error(vocabulary, arguments, description, progress);
@@ -139,7 +138,6 @@ void describe(const InputArguments& arguments) {
                   });
   writer.commit();
   warn_of_unreadable(unreadable);
-  if (arguments.quiet) return;
   const DescriptorFile file(arguments.output);
   print_text(fmt::format("{} descriptors of {} images ({}), {} unreadable, in {}\n", file.rows(),
                          file.images(), descriptor_traits(file.kind()).name, unreadable.size(),

@@ -102,7 +102,7 @@ std::vector<MisuseCase> sequence_mistakes() {
       {"run one_column", kBadInput, {"one_column/rgb.txt:1", "timestamp colour_file", "found 1 fields"}},
       {"run apart", kBadInput, {"within 0.02 s", "same clock", "associations.txt"}},
       {"run depth8", kBadInput, {"depth8/depth/", "not a 16-bit grey PNG", "export depth as 16-bit PNG"}},
-      {"run depth_size", kBadInput, {"80 x 60 pixels", "160 x 120", "depth must have the size of colour"}},
+      {"run depth_size", kBadInput, {"80 x 50 pixels", "160 x 120", "depth must have the size of colour"}},
       {"run nan_truth", kBadInput, {"nan_truth/groundtruth.txt:1", "'nan'", "correct or delete the line"}},
       {"run nowhere.bag", kBadInput, {"nowhere.bag: no such file", "check the path"}},
   };
