@@ -108,7 +108,7 @@ TEST(CameraFiles, WhatIsWrongIsNamedWithTheRemedy) {
        std::string("\xFF\xFE"
                    "5\0",
                    4),
-       {"K.txt:1: UTF-16", "save it as UTF-8"}},
+       {"K.txt: text in UTF-16", "save it as UTF-8"}},
       {"K.txt", std::string("525\0", 4), {"K.txt: not a text file"}},
       {"a.json", "{\"fx\": 525", {"a.json: not JSON", "byte 11"}},
       {"a.json", "{\n\"fx\": \"wide\",\n\"cx\": 3}", {"a.json:2: key 'fx': not a finite number"}},

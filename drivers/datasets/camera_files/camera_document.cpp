@@ -70,8 +70,6 @@ std::string camera_text(const std::filesystem::path& file) {
     throw InputError(
         fmt::format("{}: {} bytes are too many for a camera; give its camera file", file.string(), bytes));
   std::string text = read_text(file);
-  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
-    throw_parse_error(file, 1, "UTF-16 text; save it as UTF-8");
   if (text.find('\0') != std::string::npos)
     throw InputError(fmt::format("{}: not a text file; give a camera file", file.string()));
   return text;
