@@ -37,6 +37,26 @@ void add_map_arguments(CLI::App& command, RunArguments& arguments) {
       ->check(whole_number(1, 1000000));
 }
 
+/// What the images are taken with, and which of them are used.
+void add_input_arguments(CLI::App& command, RunRequest& request) {
+  add_camera_options(command, request.camera);
+  CLI::Option* camera = command.get_option("--camera");
+  camera->description(camera->get_description() +
+                      ".\nguess: the focal length that the images of a folder fit, if nobody knows it");
+  command.add_option("--topics", request.topics,
+                     "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
+  command
+      .add_option("--depth-offset", request.depth_offset_s,
+                  "seconds to add to the stamps of depth before images are paired, if the two cameras have\n"
+                  "different clocks; a run warns of that and names the offset")
+      ->option_text("SECONDS")
+      ->check(number(-ShiftedDepthSource::kMaxOffset_s, ShiftedDepthSource::kMaxOffset_s));
+  command.add_option("--mask", request.mask,
+                     "image of the size of the colour images, black where they are to be ignored, such as\n"
+                     "the robot that carries the camera; a run writes what it finds itself as mask.png.\n"
+                     "For masks of single frames see docs/recordings.md");
+}
+
 }  // namespace
 
 void add_run_arguments(CLI::App& command, RunArguments& arguments) {
@@ -49,22 +69,7 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
       "program (-: standard input, or unix:PATH: a socket), or sim:room, the simulated Kinect\n"
       "(sim:room:7: another room)");
   command.add_option("-o,--output", arguments.output, "folder for the results")->capture_default_str();
-  add_camera_options(command, arguments.request.camera);
-  CLI::Option* camera = command.get_option("--camera");
-  camera->description(camera->get_description() +
-                      ".\nguess: the focal length that the images of a folder fit, if nobody knows it");
-  command.add_option("--topics", arguments.request.topics,
-                     "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
-  command
-      .add_option("--depth-offset", arguments.request.depth_offset_s,
-                  "seconds to add to the stamps of depth before images are paired, if the two cameras have\n"
-                  "different clocks; a run warns of that and names the offset")
-      ->option_text("SECONDS")
-      ->check(number(-ShiftedDepthSource::kMaxOffset_s, ShiftedDepthSource::kMaxOffset_s));
-  command.add_option("--mask", arguments.request.mask,
-                     "image of the size of the colour images, black where they are to be ignored, such as\n"
-                     "the robot that carries the camera; a run writes what it finds itself as mask.png.\n"
-                     "For masks of single frames see docs/recordings.md");
+  add_input_arguments(command, arguments.request);
   command.add_option("--vocabulary", arguments.request.settings.vocabulary,
                      "visual vocabulary from kinloop vocab train (default: built-in)");
   add_map_arguments(command, arguments);

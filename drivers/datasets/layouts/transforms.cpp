@@ -62,10 +62,10 @@ std::optional<SE3> transform_of(const nlohmann::json& frame) {
 /// instant-ngp leaves out the ending of images.
 fs::path image_path(const fs::path& folder, const std::string& name) {
   if (name.empty()) return {};
-  const fs::path file = (folder / name).lexically_normal();
+  fs::path file = (folder / name).lexically_normal();
   std::error_code absent;
   for (const char* ending : {"", ".png", ".jpg"}) {
-    const fs::path image = file.string() + ending;
+    fs::path image = file.string() + ending;
     if (fs::is_regular_file(image, absent)) return image;
   }
   return file;

@@ -80,7 +80,10 @@ std::map<int64_t, Frame> frames_of(const std::vector<FramePair>& pairs, const Re
   std::map<int64_t, Frame> frames;
   try {
     RecordedSource source("", std::move(some), camera);
-    while (auto frame = source.next()) frames.emplace(frame->stamp_ns, *std::move(frame));
+    while (auto frame = source.next()) {
+      const int64_t stamp_ns = frame->stamp_ns;
+      frames.emplace(stamp_ns, *std::move(frame));
+    }
   } catch (const InputError&) {
     frames.clear();  // said when the sequence is read
   }

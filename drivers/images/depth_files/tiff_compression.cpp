@@ -78,15 +78,16 @@ std::string expand_tiff_lzw(std::string_view packed, size_t size) {
 }
 
 std::string expand_packbits(std::string_view packed, size_t size) {
-  constexpr int kNothing = -128;
+  constexpr size_t kNothing = 128;
   std::string out;
   for (size_t at = 0; at < packed.size() && out.size() < size;) {
-    const int n = static_cast<int8_t>(packed[at++]);
+    const size_t n = static_cast<unsigned char>(packed[at++]);
     if (n == kNothing) continue;
-    const size_t count = n < 0 ? static_cast<size_t>(1 - n) : static_cast<size_t>(n) + 1;
-    const size_t used = n < 0 ? 1 : count;
+    const bool repeats = n > kNothing;
+    const size_t count = repeats ? 2 * kNothing + 1 - n : n + 1;
+    const size_t used = repeats ? 1 : count;
     if (used > packed.size() - at) throw InputError("a compressed block is truncated; copy the file again");
-    n < 0 ? out.append(count, packed[at]) : out.append(packed.substr(at, count));
+    repeats ? out.append(count, packed[at]) : out.append(packed.substr(at, count));
     at += used;
   }
   out.resize(std::min(out.size(), size));
