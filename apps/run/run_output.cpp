@@ -86,7 +86,7 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
   if (map_) outcome_.map_points = map_->cloud.size();
   if (map_) warn_of_unlikely_up(map_->up);
   outcome_.warnings = session_.input().warnings();
-  outcome_.live_poses = live_poses();
+  outcome_.live_poses = frames_.live_poses(session_.slam().session_log(), session_.slam().map());
   outcome_.evaluation = evaluate(trajectory(), plan_.source->info().ground_truth);
   outcome_.wall_s = ending.since_start.wall_s();
   outcome_.interrupted = !ending.complete;
@@ -112,10 +112,6 @@ bool RunOutput::check() const {
 
 TrajectoryCovariances RunOutput::covariances() const {
   return covariances_of(session_.slam().session_log(), session_.slam().map(), doubtful_);
-}
-
-std::vector<PoseWithCovariance> RunOutput::live_poses() const {
-  return frames_.live_poses(session_.slam().session_log(), session_.slam().map());
 }
 
 /// Writes the trajectory with its covariances.

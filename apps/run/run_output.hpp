@@ -63,7 +63,6 @@ class RunOutput {
  private:
   [[nodiscard]] Trajectory trajectory() const { return session_.trajectory(doubtful_); }
   [[nodiscard]] TrajectoryCovariances covariances() const;
-  [[nodiscard]] std::vector<PoseWithCovariance> live_poses() const;
   [[nodiscard]] std::string trajectory_note() const;
   void write_trajectory() const;
   void write_trajectory_copy() const;

@@ -115,8 +115,9 @@ RgbdCamera camera_of_sequence(const std::filesystem::path& path, const RecordedS
     return fit_to_images(*description, sequence, depth_scale);
   RgbdCamera camera = std::get<RgbdCamera>(given);
   camera.depth_scale = depth_scale.value_or(camera.depth_scale);
-  if (const std::string note = fit_depth_size(sequence, camera); !note.empty())
-    log::info("depth of {}{} as colour has", path.string(), note.substr(0, note.rfind(',')));
+  if (const auto size = fit_depth_size(sequence, camera))
+    log::info("depth of {} of {} x {}, taken as of the same view as colour has", path.string(), size->width,
+              size->height);
   return camera;
 }
 

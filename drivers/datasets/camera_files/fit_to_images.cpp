@@ -91,20 +91,20 @@ std::string fit_unit(const CameraDescription& description, const RecordedSequenc
 
 }  // namespace
 
-std::string fit_depth_size(const RecordedSequence& sequence, RgbdCamera& camera) {
-  if (camera.depth || !has_header(sequence.depth_encoding)) return "";
+std::optional<cv::Size> fit_depth_size(const RecordedSequence& sequence, RgbdCamera& camera) {
+  if (camera.depth || !has_header(sequence.depth_encoding)) return std::nullopt;
   const cv::Size color(camera.color.width, camera.color.height);
   cv::Size depth = color;
   try {
     const bool fits = !sequence.video.empty() || image_size(sequence.frames, &RecordedFrame::color) == color;
-    if (!fits) return "";  // of other images, said when they are read
+    if (!fits) return std::nullopt;  // of other images, said when they are read
     depth = image_size(sequence.frames, &RecordedFrame::depth);
   } catch (const InputError&) {
-    return "";  // said when the images are read
+    return std::nullopt;  // said when the images are read
   }
-  if (depth == color || !have_same_aspect(depth, color)) return "";
+  if (depth == color || !have_same_aspect(depth, color)) return std::nullopt;
   camera.depth = lens_of_size(camera.color, depth);
-  return fmt::format(" of {} x {}, taken as of the same view,", depth.width, depth.height);
+  return depth;
 }
 
 RgbdCamera fit_to_images(const CameraDescription& description, const RecordedSequence& sequence,
@@ -117,7 +117,10 @@ RgbdCamera fit_to_images(const CameraDescription& description, const RecordedSeq
     return camera_without_images(description);
   }
   const std::string unit_note = fit_unit(description, sequence, depth_scale, camera);
-  const std::string depth_note = fit_depth_size(sequence, camera);
+  const auto depth_size = fit_depth_size(sequence, camera);
+  const std::string depth_note = depth_size ? fmt::format(" of {} x {}, taken as of the same view,",
+                                                          depth_size->width, depth_size->height)
+                                            : "";
   if (!description.has_fps) camera.fps = median_rate_hz(sequence.frames, camera.fps);
   const PinholeCamera& lens = camera.color;
   log::info("camera of {} ({}): {} x {}{}, fx {:.1f}, fy {:.1f}, cx {:.1f}, cy {:.1f}{}; depth{} {}",

@@ -3,7 +3,8 @@
 // and said.
 
 #include <optional>
-#include <string>
+
+#include <opencv2/core/types.hpp>
 
 #include "drivers/datasets/camera_files/camera_description.hpp"
 #include "drivers/datasets/recorded_sequence.hpp"
@@ -18,8 +19,8 @@ RgbdCamera fit_to_images(const CameraDescription& description, const RecordedSeq
                          std::optional<double> depth_scale = {});
 
 /// Gives depth of another size but the aspect of colour its own lens, that of colour scaled: the same view at
-/// another resolution, as phones have it. Returns what is to be said about it; empty if there is nothing.
-std::string fit_depth_size(const RecordedSequence& sequence, RgbdCamera& camera);
+/// another resolution, as phones have it. Returns the size of depth; nullopt if the camera stays as it is.
+std::optional<cv::Size> fit_depth_size(const RecordedSequence& sequence, RgbdCamera& camera);
 
 /// Returns the camera of a source that states the unit of its depth, such as a bag. Throws InputError if the
 /// size of the images is not stated.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@
 #include "drivers/images/depth_files/tiff.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"
+#include "kinloop/sensor/images/tiff_bytes.hpp"
 
 namespace kinloop {
 namespace {
@@ -50,6 +52,13 @@ cv::Mat decode_depth_file(std::string_view bytes) {
   const auto* format = depth_file_format(bytes);
   if (format == nullptr) throw InputError("not a depth image in a known format");
   return format->decode(bytes);
+}
+
+cv::Mat floats_of_halves(std::string_view data, cv::Size size) {
+  cv::Mat halves(size, CV_16FC1), floats;
+  std::memcpy(halves.data, data.data(), halves.total() * halves.elemSize());
+  halves.convertTo(floats, CV_32F);
+  return floats;
 }
 
 cv::Size checked_depth_size(uint64_t width, uint64_t height) {

@@ -19,6 +19,9 @@ std::optional<cv::Size> depth_file_size(std::string_view bytes);
 /// InputError, without the name of the file, if it is damaged or of a kind that kinloop does not read.
 cv::Mat decode_depth_file(std::string_view bytes);
 
+/// Returns IEEE 754 binary16 numbers as 32FC1; `data` holds as many as `size` has pixels.
+cv::Mat floats_of_halves(std::string_view data, cv::Size size);
+
 /// Throws InputError unless an image can have this size.
 cv::Size checked_depth_size(uint64_t width, uint64_t height);
 

@@ -152,27 +152,12 @@ int exr_rank(const std::string& name) {
   return small == "r" || small == "y" || small == "v" ? 2 : 3;
 }
 
-/// IEEE 754 binary16.
-float from_half(uint16_t half) {
-  constexpr uint32_t kExponents = 0x1f;
-  constexpr int kFloatBias = 127, kHalfBias = 15, kHalfBits = 10, kFloatBits = 23;
-  const uint32_t sign = (half & 0x8000U) << 16U, exponent = (half >> kHalfBits) & kExponents,
-                 mantissa = half & 0x3ffU;
-  if (exponent == 0) {
-    constexpr float kSmallest = 1.0F / (1 << 24);
-    const float value = kSmallest * static_cast<float>(mantissa);
-    return sign == 0 ? value : -value;
-  }
-  const uint32_t wide = exponent == kExponents ? 0xffU : exponent + kFloatBias - kHalfBias;
-  return std::bit_cast<float>(sign | wide << kFloatBits | mantissa << (kFloatBits - kHalfBits));
-}
-
-void convert_exr_row(Bytes row, ExrPixel pixel, float* out, int width) {
-  ByteReader reader(row);
-  for (int x = 0; x < width; ++x) {
-    if (pixel == ExrPixel::kHalf) out[x] = from_half(reader.number<uint16_t>());
-    if (pixel == ExrPixel::kFloat) out[x] = reader.number<float>();
-    if (pixel == ExrPixel::kUint) out[x] = static_cast<float>(reader.number<uint32_t>());
+void convert_exr_row(std::string_view row, ExrPixel pixel, cv::Mat out) {
+  if (pixel == ExrPixel::kHalf) return floats_of_halves(row, out.size()).copyTo(out);
+  ByteReader reader(as_bytes(row));
+  for (int x = 0; x < out.cols; ++x) {
+    out.at<float>(x) =
+        pixel == ExrPixel::kFloat ? reader.number<float>() : static_cast<float>(reader.number<uint32_t>());
   }
 }
 
@@ -229,8 +214,8 @@ cv::Mat decode_exr(std::string_view bytes) {
     if (block.size() != size) throw InputError("a block of the EXR file is of another size than its image");
     for (int y = 0; y < rows; ++y) {
       const size_t begin = (static_cast<size_t>(y) * line.bytes + line.channel_begin) * width;
-      convert_exr_row(as_bytes(block).subspan(begin, width * line.channel.bytes()), line.channel.pixel,
-                      depth.ptr<float>(first + y), header.size.width);
+      convert_exr_row(std::string_view(block).substr(begin, width * line.channel.bytes()), line.channel.pixel,
+                      depth.row(first + y));
     }
   }
   return depth;

@@ -1,5 +1,6 @@
 #include "drivers/images/depth_files/numpy.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
@@ -58,25 +59,28 @@ cv::Size shape_in(std::string_view header) {
   return checked_depth_size(sides[1], sides[0]);
 }
 
+void require_bytes(std::string_view data, cv::Size size, size_t pixel_bytes) {
+  const auto pixels = static_cast<size_t>(size.width) * static_cast<size_t>(size.height);
+  if (data.size() != pixels * pixel_bytes) throw InputError("the array is truncated; copy it again");
+}
+
 template <class Number>
 cv::Mat numbers_of(std::string_view data, cv::Size size) {
-  const auto pixels = static_cast<size_t>(size.width) * static_cast<size_t>(size.height);
-  if (data.size() != pixels * sizeof(Number)) throw InputError("the array is truncated; copy it again");
+  require_bytes(data, size, sizeof(Number));
   cv::Mat image(size, std::is_same_v<Number, uint16_t> ? CV_16UC1 : CV_32FC1);
   if constexpr (std::is_same_v<Number, uint16_t> || std::is_same_v<Number, float>) {
     std::memcpy(image.data, data.data(), data.size());
   } else {
     ByteReader reader(as_bytes(data));
     auto* out = image.ptr<float>();
-    for (size_t i = 0; i < pixels; ++i) out[i] = static_cast<float>(reader.number<Number>());
+    for (size_t i = 0; i < image.total(); ++i) out[i] = static_cast<float>(reader.number<Number>());
   }
   return image;
 }
 
 cv::Mat halves_of(std::string_view data, cv::Size size) {
-  cv::Mat halves = numbers_of<uint16_t>(data, size), image;
-  cv::Mat(size, CV_16FC1, halves.data).convertTo(image, CV_32F);
-  return image;
+  require_bytes(data, size, sizeof(uint16_t));
+  return floats_of_halves(data, size);
 }
 
 /// Reads the directory at the end of a zip file, without ZIP64.
@@ -133,16 +137,20 @@ std::string unzipped(std::string_view zip, const ZipMember& member) {
   return inflate_raw(packed, member.bytes);
 }
 
+/// The array called depth, else the only one, as a .npy file.
 std::string depth_in(std::string_view zip) {
   const auto members = zip_members(zip);
-  for (const ZipMember& member : members) {
-    if (member.name.find("depth") != std::string_view::npos) return unzipped(zip, member);
-  }
-  if (members.size() != 1) {
+  auto depth = std::find_if(members.begin(), members.end(), [](const ZipMember& member) {
+    return member.name.find("depth") != std::string_view::npos;
+  });
+  if (depth == members.end() && members.size() == 1) depth = members.begin();
+  if (depth == members.end()) {
     throw InputError(
         fmt::format("{} arrays, none of which is called depth; save one of them", members.size()));
   }
-  return unzipped(zip, members.front());
+  std::string array = unzipped(zip, *depth);
+  if (!is_numpy(array)) throw InputError("a zip file without an array of NumPy");
+  return array;
 }
 
 }  // namespace
@@ -177,15 +185,11 @@ bool is_numpy_archive(std::string_view bytes) {
 }
 
 cv::Size numpy_archive_size(std::string_view bytes) {
-  const std::string array = depth_in(bytes);
-  if (!is_numpy(array)) throw InputError("a zip file without an array of NumPy");
-  return numpy_size(array);
+  return numpy_size(depth_in(bytes));
 }
 
 cv::Mat decode_numpy_archive(std::string_view bytes) {
-  const std::string array = depth_in(bytes);
-  if (!is_numpy(array)) throw InputError("a zip file without an array of NumPy");
-  return decode_numpy(array);
+  return decode_numpy(depth_in(bytes));
 }
 
 }  // namespace kinloop

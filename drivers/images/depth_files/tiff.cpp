@@ -13,13 +13,10 @@
 #include "drivers/images/depth_files/inflate.hpp"
 #include "drivers/images/depth_files/tiff_compression.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
+#include "kinloop/sensor/images/tiff_bytes.hpp"
 
 namespace kinloop {
 namespace {
-
-using namespace std::string_view_literals;
-
-constexpr auto kLittleTiff = "II*\0"sv, kBigTiff = "MM\0*"sv;
 
 enum TiffTag : uint16_t {
   kTiffWidth = 256,
@@ -36,31 +33,6 @@ enum TiffTag : uint16_t {
   kTiffTileOffsets = 324,
   kTiffTileBytes = 325,
   kTiffSampleFormat = 339,
-};
-
-/// Reads the numbers of a TIFF file in its byte order. Throws InputError beyond its end.
-class TiffBytes {
- public:
-  explicit TiffBytes(std::string_view bytes) : bytes_(bytes), swapped_(bytes.starts_with(kBigTiff)) {}
-
-  [[nodiscard]] std::string_view block(uint64_t at, uint64_t size) const {
-    if (at > bytes_.size() || size > bytes_.size() - at)
-      throw InputError("the TIFF file is truncated; copy it again");
-    return bytes_.substr(static_cast<size_t>(at), static_cast<size_t>(size));
-  }
-
-  template <class Number>
-  [[nodiscard]] Number number(uint64_t at) const {
-    Number value;
-    std::memcpy(&value, block(at, sizeof(Number)).data(), sizeof(Number));
-    return swapped_ ? byte_swapped(value) : value;
-  }
-
-  [[nodiscard]] bool is_swapped() const { return swapped_; }
-
- private:
-  std::string_view bytes_;
-  bool swapped_;
 };
 
 using TiffTags = std::map<uint16_t, std::vector<uint64_t>>;
@@ -247,10 +219,6 @@ void place_tile(std::string& tile, const TiffImage& layout, bool swapped, cv::Po
 }
 
 }  // namespace
-
-bool is_tiff(std::string_view bytes) {
-  return bytes.starts_with(kLittleTiff) || bytes.starts_with(kBigTiff);
-}
 
 cv::Size tiff_size(std::string_view bytes) {
   return tiff_image_size(first_directory(TiffBytes(bytes)));

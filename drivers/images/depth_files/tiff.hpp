@@ -7,8 +7,6 @@
 
 namespace kinloop {
 
-bool is_tiff(std::string_view bytes);
-
 /// Returns the size of the first image. Throws InputError if the header is damaged.
 cv::Size tiff_size(std::string_view bytes);
 

@@ -16,6 +16,7 @@
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "kinloop/sensor/images/jpeg_header.hpp"
 #include "kinloop/sensor/images/png_decoder.hpp"
+#include "kinloop/sensor/images/tiff_bytes.hpp"
 
 namespace kinloop {
 namespace {
@@ -110,7 +111,7 @@ std::string_view image_damage(std::string_view bytes) {
     constexpr int kCmyk = 4;
     return jpeg_components(bytes) == kCmyk ? "a CMYK image; convert it to RGB" : jpeg_damage(bytes);
   }
-  if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return "a TIFF image; convert it to PNG";
+  if (is_tiff(bytes)) return "a TIFF image; convert it to PNG";
   return "neither a PNG nor a JPEG image";
 }
 

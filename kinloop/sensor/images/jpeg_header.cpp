@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "kinloop/core/files/byte_reader.hpp"
+#include "kinloop/sensor/images/tiff_bytes.hpp"
 
 namespace kinloop {
 namespace {
@@ -40,39 +41,23 @@ bool is_frame_header(uint8_t marker) {
   return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }
 
-/// Numbers of a TIFF file, in its own byte order.
-class TiffNumbers {
- public:
-  /// `tiff` begins with its byte order.
-  explicit TiffNumbers(std::string_view tiff) : tiff_(tiff), little_(tiff.starts_with("II")) {}
-
-  /// Returns a number; nullopt beyond the end.
-  template <class Number>
-  [[nodiscard]] std::optional<Number> at(size_t position) const {
-    if (position > tiff_.size() || tiff_.size() - position < sizeof(Number)) return std::nullopt;
-    const auto big = big_endian_at<Number>(tiff_, position);
-    return little_ ? byte_swapped(big) : big;
-  }
-
- private:
-  std::string_view tiff_;
-  bool little_;
-};
-
-/// The orientation in the first directory of a TIFF file (TIFF 6.0, section 2).
-std::optional<int> tiff_orientation(std::string_view tiff) {
-  constexpr size_t kDirectoryOffset = 4, kCountBytes = 2, kEntryBytes = 12, kTypeAt = 2, kValueAt = 8;
+/// The orientation in the first directory of a TIFF file (TIFF 6.0, section 2); nullopt if it has none.
+std::optional<int> tiff_orientation(std::string_view bytes) {
+  constexpr uint64_t kDirectoryOffset = 4, kCountBytes = 2, kEntryBytes = 12, kTypeAt = 2, kValueAt = 8;
   constexpr uint16_t kOrientation = 274, kShort = 3;
-  if (!tiff.starts_with("II*\0"sv) && !tiff.starts_with("MM\0*"sv)) return std::nullopt;
-  const TiffNumbers numbers(tiff);
-  const size_t directory = numbers.at<uint32_t>(kDirectoryOffset).value_or(0);
-  const size_t entries = numbers.at<uint16_t>(directory).value_or(0);
-  for (size_t i = 0; i < entries; ++i) {
-    const size_t entry = directory + kCountBytes + i * kEntryBytes;
-    const auto tag = numbers.at<uint16_t>(entry);
-    if (!tag) return std::nullopt;
-    if (tag != kOrientation || numbers.at<uint16_t>(entry + kTypeAt) != kShort) continue;
-    return numbers.at<uint16_t>(entry + kValueAt);
+  if (!is_tiff(bytes)) return std::nullopt;
+  try {
+    const TiffBytes tiff(bytes);
+    const uint64_t directory = tiff.number<uint32_t>(kDirectoryOffset);
+    const auto entries = tiff.number<uint16_t>(directory);
+    for (uint64_t i = 0; i < entries; ++i) {
+      const uint64_t entry = directory + kCountBytes + i * kEntryBytes;
+      const bool found =
+          tiff.number<uint16_t>(entry) == kOrientation && tiff.number<uint16_t>(entry + kTypeAt) == kShort;
+      if (found) return tiff.number<uint16_t>(entry + kValueAt);
+    }
+  } catch (const InputError&) {
+    return std::nullopt;  // damaged
   }
   return std::nullopt;
 }

@@ -1,0 +1,46 @@
+#pragma once
+// In: the bytes of a TIFF file, or of an EXIF block, which is one. Out: its numbers, in its own byte order.
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/byte_reader.hpp"
+
+namespace kinloop {
+
+/// Returns whether the bytes begin like a TIFF file of either byte order.
+inline bool is_tiff(std::string_view bytes) {
+  return bytes.starts_with(std::string_view("II*\0", 4)) || bytes.starts_with(std::string_view("MM\0*", 4));
+}
+
+/// Throws InputError beyond the end.
+class TiffBytes {
+ public:
+  explicit TiffBytes(std::string_view bytes)
+      : bytes_(bytes), is_swapped_(bytes.starts_with("MM") == (std::endian::native == std::endian::little)) {}
+
+  [[nodiscard]] std::string_view block(uint64_t at, uint64_t size) const {
+    if (at > bytes_.size() || size > bytes_.size() - at)
+      throw InputError("the TIFF file is truncated; copy it again");
+    return bytes_.substr(static_cast<size_t>(at), static_cast<size_t>(size));
+  }
+
+  template <class Number>
+  [[nodiscard]] Number number(uint64_t at) const {
+    Number value;
+    std::memcpy(&value, block(at, sizeof(Number)).data(), sizeof(Number));
+    return is_swapped_ ? byte_swapped(value) : value;
+  }
+
+  /// Whether the file has the other byte order than this machine.
+  [[nodiscard]] bool is_swapped() const { return is_swapped_; }
+
+ private:
+  std::string_view bytes_;
+  bool is_swapped_;
+};
+
+}  // namespace kinloop
