@@ -13,7 +13,7 @@ namespace kinloop {
 
 struct SelfCalibrationOptions {
   bool enabled = true;
-  int min_keyframes = 10;
+  int min_keyframes = 6;
   int passes = 3;
   double focal_sigma = 0.003;
   double center_sigma_px = 5;

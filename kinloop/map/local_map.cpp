@@ -49,6 +49,13 @@ bool has_depth(const Map& map, const Landmark& landmark) {
                      });
 }
 
+/// Whether enough keyframes agree on where a landmark is. Two make a triangulated one agree with any error of
+/// their poses.
+bool is_confirmed(const Landmark& landmark, bool has_depth) {
+  constexpr size_t kMinMeasured = 2, kMinTriangulated = 4;
+  return landmark.observations.size() >= (has_depth ? kMinMeasured : kMinTriangulated);
+}
+
 }  // namespace
 
 LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOptions& options) {
@@ -71,8 +78,8 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
     const Eigen::Vector3d towards_observer =
         T_reference_world * observer.T_world_camera.translation - p_reference;
     local_map.p_reference.push_back(p_reference);
-    local_map.confirmed.push_back(landmark.observations.size() >= 2);
     local_map.has_depth.push_back(has_depth(map, landmark));
+    local_map.confirmed.push_back(is_confirmed(landmark, local_map.has_depth.back()));
     local_map.viewing_directions.push_back(towards_observer.normalized());
     local_map.observed_distances_m.push_back(towards_observer.norm());
     local_map.observed_levels.push_back(observer.features->levels[seen.feature]);

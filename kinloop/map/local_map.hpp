@@ -46,7 +46,7 @@ struct LocalMap {
   std::vector<LandmarkId> ids;
   std::unordered_map<LandmarkId, uint32_t> index_of;  ///< inverse of `ids`
   std::vector<Eigen::Vector3d> p_reference;           ///< m
-  std::vector<bool> confirmed;                        ///< whether at least two keyframes observe it
+  std::vector<bool> confirmed;                        ///< whether several keyframes agree on its position
   std::vector<bool> has_depth;                        ///< whether one of them has measured its depth
   std::vector<Eigen::Vector3d>
       viewing_directions;                    ///< unit vectors from the landmark towards an observing camera

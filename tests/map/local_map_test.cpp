@@ -90,6 +90,25 @@ TEST_F(LocalMapTest, CountsMatchesOfKnownDepth) {
   EXPECT_EQ(count_with_depth(matches, local), 7);
 }
 
+TEST_F(LocalMapTest, TriangulatedLandmarksNeedMoreKeyframesToBeConfirmed) {
+  const LocalMap measured = make_local_map(map(), KeyframeId{3}, {});
+  for (const Keyframe& keyframe : map().keyframes()) {
+    Features without_depth = *keyframe.features;
+    std::fill(without_depth.depths_m.begin(), without_depth.depths_m.end(), 0.0F);
+    map().set_features(keyframe.id, std::make_shared<const Features>(std::move(without_depth)));
+  }
+  const LocalMap triangulated = make_local_map(map(), KeyframeId{3}, {});
+  ASSERT_EQ(triangulated.ids, measured.ids);
+  std::set<size_t> counts;
+  for (uint32_t i = 0; i < measured.size(); ++i) {
+    const size_t observations = map().landmark(measured.ids[i]).observations.size();
+    EXPECT_EQ(measured.confirmed[i], observations >= 2);
+    EXPECT_EQ(triangulated.confirmed[i], observations >= 4);
+    counts.insert(observations);
+  }
+  EXPECT_TRUE(counts.contains(1) && counts.contains(3) && counts.contains(4));
+}
+
 TEST_F(LocalMapTest, LimitsKeepTheNearestKeyframes) {
   const LocalMap all = make_local_map(map(), KeyframeId{3}, {});
   const auto& own = map().keyframe(KeyframeId{3}).landmark_of;

@@ -1,6 +1,6 @@
 #pragma once
-// Landmarks vote on a pose in order of age: those that two keyframes have seen at one place decide, and the
-// new ones follow if they agree. A thing that moves through the view yields many new landmarks that agree
+// Landmarks vote on a pose in order of age: those that several keyframes have seen at one place decide, and
+// the new ones follow if they agree. A thing that moves through the view yields many new landmarks that agree
 // with each other, but not with the map.
 
 #include "kinloop/optimize/pose/absolute_pose.hpp"
