@@ -70,6 +70,8 @@ struct ExportArguments {
   std::filesystem::path map, poses;
   std::filesystem::path cloud, octomap, grid, trajectory, keyframes, graph, mcap;
   std::filesystem::path colmap, nerfstudio;  ///< folders
+  size_t images = 0, points = 0;             ///< of these; see SparseModelRequest
+  std::string recording;
   std::string frame = "z-up";
   size_t session = 0;
   std::vector<std::string> assignments;
@@ -193,6 +195,10 @@ void check(const ExportArguments& arguments) {
         fmt::format("--keyframes {}: KITTI format numbers frames, keyframes need time stamps; give a name "
                     "that ends in .txt or .csv",
                     arguments.keyframes.string()));
+  if (arguments.folders().empty() &&
+      (arguments.images > 0 || arguments.points > 0 || !arguments.recording.empty()))
+    throw UsageError(
+        "--images, --points and --recording are for --colmap and --nerfstudio; give one of them");
   require_distinct_files(arguments);
   const auto map = map_file_of(arguments.map);
   require_different_file("--trajectory", arguments.trajectory, map);
@@ -211,14 +217,15 @@ void run_export(const ExportArguments& arguments) {
   }
   if (!arguments.cloud.empty()) write_cloud(arguments, open, progress);
   if (!arguments.octomap.empty() || !arguments.grid.empty()) write_occupancy(arguments, open, progress);
-  if (!arguments.folders().empty()) {
-    export_sparse_model({arguments.map, arguments.colmap, arguments.nerfstudio, arguments.frame,
-                         arguments.session, arguments.threads},
-                        open, progress);
-  }
   if (!arguments.mcap.empty()) {
     export_map_recording({arguments.mcap, arguments.frame, arguments.session, arguments.threads}, open,
                          progress);
+  }
+  if (!arguments.folders().empty()) {  // last: it adds images to the map
+    export_sparse_model(
+        {arguments.map, arguments.colmap, arguments.nerfstudio, arguments.frame, arguments.session,
+         arguments.threads, arguments.images, arguments.points, arguments.recording},
+        open, progress);
   }
   if (arguments.quiet) return;
   // One of the files may be standard output.
@@ -247,6 +254,18 @@ void add_export_command(CLI::App& app) {
                       "folder for a COLMAP text model: undistorted images, cameras, points and tracks");
   command->add_option("--nerfstudio", arguments->nerfstudio,
                       "folder for transforms.json (Nerfstudio): undistorted images, depth, poses");
+  constexpr int kMostImages = 1'000'000, kMostPoints = 100'000'000;
+  command
+      ->add_option("--images", arguments->images,
+                   "with --colmap or --nerfstudio: at least so many images; those that the map does not hold "
+                   "are read from its recording (default: those of the map)")
+      ->check(whole_number(1, kMostImages));
+  command
+      ->add_option("--points", arguments->points,
+                   "with --colmap or --nerfstudio: so many points of the cloud, in addition to the landmarks")
+      ->check(whole_number(1, kMostPoints));
+  command->add_option("--recording", arguments->recording,
+                      "with --images: the recording, if it is not where the map says");
   command->add_option("--mcap", arguments->mcap,
                       "recording for Foxglove: poses and images of a session, cloud; FILE.mcap");
   add_poses_option(*command, arguments->poses);

@@ -99,6 +99,7 @@ ExitCode report(const std::exception& exception) {
 
 ExitCode run_and_report(int argc, char** argv) {
   try {
+    kinloop::require_stack();
     auto words = kinloop::join_viewer_address({argv, argv + argc});
     std::vector<char*> joined;
     for (std::string& word : words) joined.push_back(word.data());

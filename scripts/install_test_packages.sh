@@ -10,6 +10,7 @@ packages=(
   evo==1.38.1                             # kinloop eval: tests/scripts/evo_test.py
   "g2opy==2.3.0; python_version>='3.11'"  # kinloop optimize: tests/scripts/g2o_test.py
   rosbags==0.11.9 mcap==1.6.0             # bags and .mcap files: tests/scripts/bags_test.py
+  pycolmap==4.2.1                         # kinloop export --colmap: tests/scripts/colmap_test.py
   pyrealsense2==2.59.1.11053              # .db3 files of RealSense cameras: tests/scripts/realsense_test.py
 )
 realsense_bag=pyrealsense2==2.57.7.10387  # the last one that writes .bag files

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "session/recorded_images.hpp"
 #include "tools/export/sparse_model/colmap.hpp"
 #include "tools/export/sparse_model/model_images.hpp"
 #include "tools/export/sparse_model/nerfstudio.hpp"
@@ -28,11 +29,16 @@ ImageUndistorter make_undistorter(const OpenMap& open, const std::filesystem::pa
 }  // namespace
 
 void export_sparse_model(const SparseModelRequest& request, OpenMap& open, const Progress& progress) {
-  const auto views = open.views(request.session);
   const ImageUndistorter undistorter = make_undistorter(open, request.map);
-  const FileFrame frame = file_frame(request.frame, open.up(request.session), views);
+  const FileFrame frame = file_frame(request.frame, open.up(request.session), open.views(request.session));
+  // The cloud before there are more images: it is that of --cloud.
+  const ColoredCloud cloud =
+      request.points > 0 ? open.cloud(request.session, request.threads, progress) : ColoredCloud();
+  add_recorded_images(open, {request.map, request.recording, request.session, request.images}, progress);
+  const auto views = open.views(request.session);
   SparseModel model = make_sparse_model(open.map, model_views(open, views), undistorter, frame);
   require_images(model.images.size(), request.map);
+  add_cloud_points(model, cloud, request.points);
   const bool same_folder = request.colmap == request.nerfstudio;
   const auto write_images = [&](const std::filesystem::path& folder, bool depth) {
     write_model_images(folder, model, open.recorder.images(), undistorter, {depth, request.threads},

@@ -15,9 +15,13 @@ struct SparseModelRequest {
   std::string frame;
   size_t session = 0;
   int threads = 1;
+  size_t images = 0;      ///< at least so many, from the recording if the map has fewer; 0: those of the map
+  size_t points = 0;      ///< of the cloud, in addition to the landmarks
+  std::string recording;  ///< empty: as the map names it
 };
 
-/// Writes images and model into the folders. Throws InputError if the map has no images with known poses.
+/// Writes images and model into the folders. Throws InputError if the map has no images with known poses, or
+/// as `add_recorded_images` does.
 void export_sparse_model(const SparseModelRequest& request, OpenMap& open, const Progress& progress);
 
 }  // namespace kinloop

@@ -1,5 +1,5 @@
 #pragma once
-// What concerns the whole process: its name and its memory.
+// What concerns the whole process: its name, its stack and its memory.
 
 #include <string>
 
@@ -7,6 +7,9 @@ namespace kinloop {
 
 /// Returns "kinloop" and its version.
 std::string program_name();
+
+/// Throws UsageError if the system limits the stack so far that the program would crash.
+void require_stack();
 
 /// Makes the allocator keep freed memory for reuse; call it once, at the start.
 void retain_freed_memory();

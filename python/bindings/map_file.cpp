@@ -64,14 +64,22 @@ PyMesh map_mesh(PyMap& map, const py::kwargs& keywords) {
   return mesh;
 }
 
-void export_model(PyMap& map, const std::filesystem::path& colmap, const std::filesystem::path& nerfstudio) {
+/// What both exports take beside the folder.
+struct ExportOptions {
+  size_t images = 0, points = 0;
+  std::string recording;
+};
+
+void export_model(PyMap& map, const std::filesystem::path& colmap, const std::filesystem::path& nerfstudio,
+                  const ExportOptions& options) {
   for (const auto& folder : {colmap, nerfstudio}) {
     if (!folder.empty()) require_writable_folder(folder);
   }
   PythonProgress progress{py::none()};
   use(map, [&](OpenMap& open) {
-    export_sparse_model({map.path, colmap, nerfstudio, "z-up", 0, hardware_threads()}, open,
-                        progress.function());
+    export_sparse_model({map.path, colmap, nerfstudio, "z-up", 0, hardware_threads(), options.images,
+                         options.points, options.recording},
+                        open, progress.function());
   });
   progress.rethrow();
 }
@@ -136,14 +144,24 @@ To continue it or to localise in it, pass its path to Slam(camera, load_map=path
           "Returns the PoseGraph of the keyframes.")
       .def(
           "export_colmap",
-          [](PyMap& map, const std::filesystem::path& folder) { export_model(map, folder, {}); },
-          py::arg("folder"),
+          [](PyMap& map, const std::filesystem::path& folder, size_t images, size_t points,
+             const std::string& recording) {
+            export_model(map, folder, {}, {images, points, recording});
+          },
+          py::arg("folder"), py::kw_only(), py::arg("images") = 0, py::arg("points") = 0,
+          py::arg("recording") = "",
           "Writes undistorted images, cameras and points as a COLMAP model, from which Gaussian splatting "
-          "starts.")
+          "starts: at least so many images, of which those that the map lacks are read from its recording, "
+          "and so many points of the cloud in addition to the landmarks.")
       .def(
           "export_nerfstudio",
-          [](PyMap& map, const std::filesystem::path& folder) { export_model(map, {}, folder); },
-          py::arg("folder"), "Writes undistorted images with depth, and transforms.json, for Nerfstudio.")
+          [](PyMap& map, const std::filesystem::path& folder, size_t images, size_t points,
+             const std::string& recording) {
+            export_model(map, {}, folder, {images, points, recording});
+          },
+          py::arg("folder"), py::kw_only(), py::arg("images") = 0, py::arg("points") = 0,
+          py::arg("recording") = "",
+          "Writes undistorted images with depth, and transforms.json, for Nerfstudio.")
       .def("__repr__", [](PyMap& map) {
         return fmt::format("<kinloop.Map: {}, {} keyframes>", map.path.string(),
                            map.open.map.keyframes().size());

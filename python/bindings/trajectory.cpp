@@ -1,5 +1,6 @@
 #include "python/bindings/trajectory.hpp"
 
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -65,6 +66,45 @@ py::array_t<double> quaternions(const PyTrajectory& trajectory) {
   });
 }
 
+PyTrajectory slice_of(const PyTrajectory& trajectory, const py::slice& slice) {
+  py::ssize_t begin = 0, end = 0, step = 0, count = 0;
+  if (!slice.compute(static_cast<py::ssize_t>(trajectory.poses.size()), &begin, &end, &step, &count))
+    throw py::error_already_set();
+  if (step < 0) throw UsageError("Trajectory: poses are sorted by time; use a slice with a positive step");
+  PyTrajectory part;
+  for (py::ssize_t i = 0; i < count; ++i)
+    part.poses.push_back(trajectory.poses[static_cast<size_t>(begin + i * step)]);
+  return part;
+}
+
+py::object pose_of(const PyTrajectory& trajectory, py::ssize_t index) {
+  const auto size = static_cast<py::ssize_t>(trajectory.poses.size());
+  if (index < -size || index >= size)
+    throw py::index_error(fmt::format("Trajectory: index {} of {} poses", index, size));
+  const StampedPose& pose = trajectory.poses[static_cast<size_t>(index < 0 ? index + size : index)];
+  return matrices(PyTrajectory{Trajectory{pose}}).attr("reshape")(4, 4);
+}
+
+/// Of a pickled trajectory, exactly as it was: stamp, translation, quaternion x, y, z, w.
+using PickledPose = std::pair<int64_t, std::array<double, 7>>;
+
+std::vector<PickledPose> pickled(const PyTrajectory& trajectory) {
+  std::vector<PickledPose> poses;
+  for (const auto& [stamp_ns, T] : trajectory.poses) {
+    const auto& [t, q] = std::pair(T.translation, T.rotation);
+    poses.push_back({stamp_ns, {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}});
+  }
+  return poses;
+}
+
+PyTrajectory unpickled(const std::vector<PickledPose>& poses) {
+  PyTrajectory trajectory;
+  for (const auto& [stamp_ns, p] : poses)
+    trajectory.poses.push_back(
+        {stamp_ns, SE3{Eigen::Quaterniond(p[6], p[3], p[4], p[5]), {p[0], p[1], p[2]}}});
+  return trajectory;
+}
+
 void save_trajectory(const PyTrajectory& trajectory, const std::filesystem::path& path) {
   write_trajectory_file(path, trajectory.poses);
 }
@@ -98,6 +138,9 @@ The camera looks along z, x is right, y is down. Raises UsageError unless every 
            "Writes the TUM format, the same bytes as kinloop run; a name that ends in .csv gives a table "
            "with header, one that ends in .kitti the KITTI format.")
       .def("__len__", [](const PyTrajectory& t) { return t.poses.size(); })
+      .def("__getitem__", &pose_of, py::arg("index"), "T_world_camera, float64 (4, 4), metres.")
+      .def("__getitem__", &slice_of, py::arg("slice"), "The Trajectory of these poses.")
+      .def(py::pickle(&pickled, &unpickled))
       .def_property_readonly(
           "stamps_s",
           [](const PyTrajectory& trajectory) {

@@ -13,7 +13,7 @@ Units are metres and seconds. `T_a_b` maps points of frame b to frame a. Camera 
 world is the first camera. Bad files raise InputError and bad arguments UsageError, both with the texts of the program.
 """
 
-from . import _convert
+from . import _calls, _convert
 from ._kinloop import (
     BoardView,
     Calibration,
@@ -83,6 +83,7 @@ __all__ = [
     "view",
 ]
 
+_calls.make_pythonic(globals(), __all__)
 for _name in __all__:
     globals()[_name].__module__ = "kinloop"  # where users know them from
 del _name

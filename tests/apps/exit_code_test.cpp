@@ -55,6 +55,13 @@ TEST_F(ExitCodes, AnInterruptedRunSavesAndTellsTheSignal) {
   }
 }
 
+TEST_F(ExitCodes, AStackThatIsTooSmallIsNamed) {
+  const Run small = run("run sim:room -o '" + at("out") + "'", "ulimit -s 128;");
+  EXPECT_EQ(small.exit_code, kWrongUse);
+  EXPECT_THAT(small.err, AllOf(HasSubstr("the stack is limited to 128 KiB"), HasSubstr("ulimit -s 8192")));
+  EXPECT_EQ(run("run '" + sequence(8) + "' -q -o '" + at("out") + "'", "ulimit -s 512;").exit_code, kDone);
+}
+
 TEST_F(ExitCodes, AnInterruptedRunDoesNotWaitForASilentSender) {
   const auto send = test::source_folder() / "examples/python/stream_frames.py";
   folder_.write("interrupt.sh", R"(cd "${0%/*}"

@@ -140,6 +140,48 @@ TEST_F(MapCommand, ExportsForOtherProgramsCoverTheWholeMap) {
   EXPECT_EQ(read_file(at("c.las")).substr(0, 4), "LASF");
 }
 
+/// Number of images in a model that `export` wrote.
+size_t images_of(const std::string& model) {
+  const std::filesystem::directory_iterator files(model + "/images");
+  return static_cast<size_t>(std::distance(begin(files), end(files)));
+}
+
+TEST_F(MapCommand, MoreImagesThanTheMapHoldsAreReadFromItsRecording) {
+  constexpr size_t kAsked = 15, kFrames = 20;
+  const std::string folder = ran();
+  const auto asks = [&](const std::string& what, const std::string& model) {
+    return run("export -q " + folder + " --colmap " + at(model) + " " + what);
+  };
+  ASSERT_EQ(asks("", "stored"), 0) << err_;
+  ASSERT_LT(images_of(at("stored")), kAsked);
+  ASSERT_EQ(asks("--images 15 --points 300", "more"), 0) << err_;
+  EXPECT_EQ(images_of(at("more")), kAsked);
+  EXPECT_EQ(read_table(at("more/sparse/0/points3D.txt")).size(),
+            read_table(at("stored/sparse/0/points3D.txt")).size() + 300);
+  EXPECT_EQ(asks("--images 1", "few"), 0) << err_;
+  EXPECT_EQ(images_of(at("few")), images_of(at("stored"))) << "those of the map are there in any case";
+  EXPECT_EQ(asks("--images 500", "all"), 0);
+  EXPECT_EQ(images_of(at("all")), kFrames);
+  EXPECT_THAT(err_, HasSubstr("only 20 images have a trusted pose, not 500"));
+}
+
+TEST_F(MapCommand, ARecordingThatCannotGiveTheImagesIsNamed) {
+  SavedMap saved = MapReader(ran() + "/map.kinmap").read().first;
+  const auto made_of = [&](const std::string& input) {
+    saved.sessions.front().input = input;
+    write_map(at("moved.kinmap"), saved, 0, {});
+    return "export -q " + at("moved.kinmap") + " --images 15 --colmap " + at("moved");
+  };
+  EXPECT_EQ(run(made_of(at("gone"))), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("--recording names the recording of"));
+  EXPECT_EQ(run(made_of("realsense")), kWrongUse);
+  EXPECT_THAT(err_, HasSubstr("dense.frame_step"));
+  EXPECT_EQ(run(made_of(at("gone")) + " --recording sim:room"), 0) << err_;
+  EXPECT_EQ(images_of(at("moved")), 15U);
+  EXPECT_EQ(run("export -q " + ran() + " --images 15 --cloud " + at("x.ply")), kWrongUse);
+  EXPECT_THAT(err_, HasSubstr("--colmap"));
+}
+
 TEST_F(MapCommand, ExportOfImagesNeedsImages) {
   SavedMap saved = MapReader(ran() + "/map.kinmap").read().first;
   write_map(at("no_images.kinmap"), saved, 0, {});

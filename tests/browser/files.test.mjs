@@ -52,6 +52,35 @@ DATA ascii
 ${Array.from({ length: 1000 }, (_, i) => `${i % 10} ${Math.floor(i / 10) % 10} ${Math.floor(i / 100)}`).join('\n')}
 `;
 
+/** A GLB file of one triangle that is followed by so many unused bytes. */
+function largeGlb(bytes) {
+  const file = glb();
+  const padding = Buffer.alloc(bytes);
+  const binaryAt = file.indexOf('BIN\0') - 4;
+  file.writeUInt32LE(file.length + bytes, 8);
+  file.writeUInt32LE(file.readUInt32LE(binaryAt) + bytes, binaryAt);
+  return Buffer.concat([file, padding]);
+}
+
+/** A script that closes the first connection after so many messages, and counts connections. */
+const breakAfter = (messages) => `{
+  let left = ${messages};
+  window.opened = 0;
+  window.WebSocket = class extends WebSocket {
+    constructor(...args) {
+      super(...args);
+      window.opened += 1;
+    }
+    set onmessage(take) {
+      super.onmessage = (event) => {
+        if (this.readyState !== WebSocket.OPEN) return; // what is on its way when a connection breaks is lost
+        take(event);
+        if (--left === 0) this.close();
+      };
+    }
+  };
+}`;
+
 /** One triangle without colours. */
 function glb() {
   const positions = Buffer.from(new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]).buffer);
@@ -151,6 +180,18 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     await shoot(page, `view-${name}`);
     await page.close();
   }
+
+  // A part of which the connection breaks in the middle is continued, not sent again.
+  const largeBytes = 4_000_000;
+  const large = kinloop('view', write('large.glb', largeGlb(largeBytes)), '--port', '0');
+  const broken = await open('about:blank');
+  await broken.addInitScript(breakAfter(20));
+  await broken.goto(await large.url());
+  await until(() => broken.evaluate(() => !window.kinloop.view.box.isEmpty()), 'the rest arrives');
+  const { bytes } = await seen(broken);
+  assert.ok(bytes > largeBytes && bytes < 1.02 * largeBytes, `${bytes} bytes`);
+  assert.equal(await broken.evaluate(() => window.opened), 2, 'the connection has broken once');
+  await broken.close();
 
   // Damage is reported on the terminal, and nothing is served.
   const bad = kinloop('view', write('bad.glb', glb().subarray(0, 100)), '--port', '0');

@@ -167,6 +167,39 @@ TEST(ColmapModel, AMapWithoutImagesGivesAnEmptyModel) {
   EXPECT_TRUE(scene.model().points.empty());
 }
 
+TEST(ColmapModel, TakesPointsOfTheCloudAtRandomAndEachOnce) {
+  constexpr size_t kPoints = 1000, kAsked = 100;
+  const Scene scene;
+  ColoredCloud cloud;
+  for (uint16_t i = 0; i < kPoints; ++i) {
+    cloud.points.emplace_back(0.01F * i, 1, 2);
+    cloud.colors.push_back({static_cast<uint8_t>(i % 256), 7, 9});
+  }
+  SparseModel model = scene.model();
+  const size_t landmarks = model.points.size();
+  add_cloud_points(model, cloud, kAsked);
+  ASSERT_EQ(model.points.size(), landmarks + kAsked);
+  const SE3 T_world_file = model.frame.T_file_world().inverse();
+  std::set<long> taken;
+  for (size_t i = landmarks; i < model.points.size(); ++i) {
+    const Eigen::Vector3d p_world = T_world_file * model.points[i].p_file;
+    const long index = std::lround(p_world.x() / 0.01);
+    EXPECT_NEAR(p_world.y(), 1, 1e-6);
+    EXPECT_EQ(model.points[i].color[0], index % 256);
+    taken.insert(index);
+  }
+  EXPECT_EQ(taken.size(), kAsked);
+  EXPECT_LT(*taken.begin(), 100);
+  EXPECT_GT(*taken.rbegin(), 900);
+
+  const test::TempFolder folder;
+  write_model_images(folder.path(), model, scene.store, scene.undistorter(), {});
+  EXPECT_EQ(model.points.back().color[1], 7) << "a point of the cloud keeps its colour";
+  model = scene.model();
+  add_cloud_points(model, cloud, 2 * kPoints);
+  EXPECT_EQ(model.points.size(), landmarks + kPoints) << "all that there are";
+}
+
 TEST(NerfstudioModel, HasTheSamePosesWithAxesOfOpenGL) {
   const test::TempFolder folder;
   const Scene scene;

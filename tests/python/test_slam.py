@@ -2,6 +2,7 @@
 
 import gc
 import json
+import pickle
 import threading
 
 import numpy as np
@@ -376,6 +377,26 @@ def test_trajectory(result, tmp_path):
     # Stamps of Unix time survive the way through a float.
     unix = kinloop.Trajectory([1305031102.175304], [np.eye(4)])
     assert unix.stamps_ns[0] == 1305031102175304000
+
+
+def test_a_trajectory_is_indexed_sliced_and_pickled(result, tmp_path):
+    trajectory = result.trajectory
+    np.testing.assert_array_equal(trajectory[3], trajectory.poses[3])
+    np.testing.assert_array_equal(trajectory[-1], trajectory.poses[-1])
+    assert len(list(trajectory)) == len(trajectory)
+    part = trajectory[10:40:3]
+    assert isinstance(part, kinloop.Trajectory)
+    np.testing.assert_array_equal(part.stamps_ns, trajectory.stamps_ns[10:40:3])
+    np.testing.assert_array_equal(part.quaternions, trajectory.quaternions[10:40:3])
+    assert len(trajectory[5:2]) == 0
+    for index in (len(trajectory), -len(trajectory) - 1):
+        with pytest.raises(IndexError, match=f"index {index} of {len(trajectory)} poses"):
+            trajectory[index]
+    with pytest.raises(kinloop.UsageError, match="positive step"):
+        trajectory[::-1]
+    trajectory.save(tmp_path / "before.txt")
+    pickle.loads(pickle.dumps(trajectory)).save(tmp_path / "after.txt")
+    assert (tmp_path / "after.txt").read_bytes() == (tmp_path / "before.txt").read_bytes()
 
 
 def test_evaluation(result, sequence, program, program_run, tmp_path):

@@ -1,6 +1,7 @@
 """Map files, pose graphs, places, calibration, viewer, conversions, and the stubs."""
 
 import ast
+import inspect
 import re
 import sys
 import threading
@@ -322,11 +323,40 @@ def test_stubs_have_the_arguments_and_defaults_of_the_module():
     stubs = {}
     for name, definition in stub_functions():
         special = name.split(".")[-1].startswith("__") and not name.endswith("__init__")
-        if not special and not isinstance(module_member(name), (property, types.FunctionType)):
+        member = module_member(name)
+        of_python = isinstance(member, types.FunctionType) and not hasattr(member, "__wrapped__")
+        if not special and not isinstance(member, property) and not of_python:
             stubs.setdefault(name, []).append(arguments_of(definition))
     del stubs["Camera.__init__"]  # takes any keywords; the stub lists the keys of camera.yaml
     for name, expected in stubs.items():
         assert [arguments_of(signature) for signature in module_signatures(name)] == expected, name
+
+
+def test_functions_and_methods_have_the_signatures_of_the_stubs():
+    definitions = list(stub_functions())
+    names = [name for name, _ in definitions]
+    for name, definition in definitions:
+        special = name.split(".")[-1].startswith("__") and not name.endswith("__init__")
+        member = module_member(name)
+        if special or isinstance(member, property) or not hasattr(getattr(member, "__func__", member), "__wrapped__"):
+            continue  # not a function of the C++ module
+        function = kinloop
+        for part in name.split("."):
+            function = getattr(function, part)
+        found = list(inspect.signature(function).parameters)
+        expected = [arg.arg for arg in definition.args.args + definition.args.kwonlyargs]
+        expected += [arg.arg for arg in (definition.args.vararg, definition.args.kwarg) if arg]
+        assert found == (["arguments", "keywords"] if names.count(name) > 1 else expected), name
+    assert str(inspect.signature(kinloop.find_board)) == "(image, board, square_m, marker_m=0, name='')"
+    assert list(inspect.signature(kinloop.Trajectory).parameters) == ["stamps_s", "poses"]
+
+
+def test_errors_tell_types_and_shapes_not_values():
+    with pytest.raises(TypeError) as error:
+        kinloop.Trajectory(np.zeros(3), np.zeros((3, 4, 4)), True, depth=np.zeros((480, 640), np.uint16))
+    assert "Invoked with: Trajectory, ndarray of float64, shape (3,), ndarray of float64, shape (3, 4, 4), bool, " \
+           "depth: ndarray of uint16, shape (480, 640)" in str(error.value)
+    assert "array(" not in str(error.value)
 
 
 def test_everything_has_a_docstring():

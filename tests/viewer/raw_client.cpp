@@ -36,6 +36,13 @@ bool RawClient::send(const std::string& bytes) {
   return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
 }
 
+size_t RawClient::flood(const std::string& bytes) {
+  const timeval timeout{1, 0};
+  ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &timeout, sizeof timeout);
+  const ssize_t sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  return sent < 0 ? 0 : static_cast<size_t>(sent);
+}
+
 std::string RawClient::read_all() {
   std::string all;
   char buffer[65536];
@@ -80,6 +87,17 @@ bool RawClient::read_exactly(size_t bytes, std::string& into) {
 }
 
 std::optional<ReceivedPart> RawClient::next_part() {
+  auto part = next_piece();
+  while (part && part->offset_bytes + static_cast<double>(part->body.size()) < part->body_bytes) {
+    const auto piece = next_piece();
+    if (!piece) return std::nullopt;
+    part->body += piece->body;
+  }
+  return part;
+}
+
+std::optional<ReceivedPart> RawClient::next_piece() {
+  constexpr size_t kHeaderBytes = 32;
   constexpr int kBinary = 2, kPing = 9;
   while (true) {
     std::string head;
@@ -96,18 +114,20 @@ std::optional<ReceivedPart> RawClient::next_part() {
     if (!read_exactly(length, message)) return std::nullopt;
     const int opcode = head[0] & 15;
     if (opcode == kPing) continue;
-    if (opcode != kBinary || message.size() < 16) return std::nullopt;
+    if (opcode != kBinary || message.size() < kHeaderBytes) return std::nullopt;
     ReceivedPart part;
     std::memcpy(&part.kind, message.data(), 4);
     std::memcpy(&part.index, message.data() + 4, 4);
     std::memcpy(&part.version, message.data() + 8, 8);
-    part.body = message.substr(16);
+    std::memcpy(&part.body_bytes, message.data() + 16, 8);
+    std::memcpy(&part.offset_bytes, message.data() + 24, 8);
+    part.body = message.substr(kHeaderBytes);
     return part;
   }
 }
 
 bool RawClient::is_closed() {
-  while (next_part()) {
+  while (next_piece()) {
   }
   char byte = 0;
   return ::recv(socket_, &byte, 1, 0) <= 0;

@@ -8,11 +8,13 @@
 
 namespace kinloop::test {
 
-/// A message of the viewer: see viewer/scene/wire_format.hpp.
+/// A part of the viewer's scene, or a piece of one: see viewer/scene/wire_format.hpp.
 struct ReceivedPart {
   uint32_t kind = 0;
   uint32_t index = 0;
   double version = 0;
+  double body_bytes = 0;    ///< of the whole part
+  double offset_bytes = 0;  ///< of a piece
   std::string body;
 };
 
@@ -34,6 +36,9 @@ class RawClient {
   /// Reads until `text` has come; false if the other side closes, or nothing comes for some seconds.
   bool receives(const std::string& text);
 
+  /// Sends what the other side takes within a second; returns how much that was.
+  size_t flood(const std::string& bytes);
+
   /// Sends a request for `target` and returns the whole response. `headers` are additional lines, each
   /// terminated by CRLF.
   std::string get(const std::string& target, const std::string& headers = "",
@@ -43,6 +48,10 @@ class RawClient {
   bool open_feed(const std::string& target = "/feed", const std::string& headers = "");
 
   /// Returns the next message; nullopt if the other side closed.
+  std::optional<ReceivedPart> next_piece();
+
+  /// Returns the next part, or the rest of one, of which all pieces have come; nullopt if the other side
+  /// closed.
   std::optional<ReceivedPart> next_part();
 
   /// Returns whether the other side closes within some seconds; messages are skipped.

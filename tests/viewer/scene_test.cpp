@@ -75,12 +75,14 @@ TEST(Scene, ASlowBrowserEndsUpWithTheLastStateOfEverything) {
   EXPECT_EQ(slow, truth);
 }
 
-TEST(Wire, HeaderHoldsKindIndexAndVersion) {
-  const auto head = encode_header(PartKind::kCloud, 7, 123456789012345);
+TEST(Wire, HeaderHoldsThePartsIdentityAndSizeAndThePlaceOfThePiece) {
+  const auto head = encode_header({PartKind::kCloud, 7, 123456789012345, 5'000'000'000, 131072});
   const WireBytes bytes(head.begin(), head.end());
   EXPECT_EQ(value_at<uint32_t>(bytes, 0), 7U);
   EXPECT_EQ(value_at<uint32_t>(bytes, 4), 7U);
   EXPECT_EQ(value_at<double>(bytes, 8), 123456789012345.0);
+  EXPECT_EQ(value_at<double>(bytes, 16), 5e9);
+  EXPECT_EQ(value_at<double>(bytes, 24), 131072.0);
 }
 
 TEST(Wire, APoseIsItsPlaceAndItsQuaternion) {

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include <gmock/gmock.h>
+#include <libdeflate.h>
 #include <sys/resource.h>
 
 #include "kinloop/core/errors.hpp"
@@ -156,6 +157,97 @@ TEST(ViewerServer, SendsEveryPartAndAfterABreakOnlyTheRest) {
   EXPECT_EQ(stranger.next_part()->index, 0U);
 }
 
+/// Of `bytes` bytes that repeat nowhere near a piece's length.
+WireBytes large_body(size_t bytes, uint8_t seed) {
+  constexpr size_t kPeriod = 251;
+  WireBytes body(bytes);
+  for (size_t i = 0; i < bytes; ++i) body[i] = static_cast<uint8_t>((i + seed) % kPeriod);
+  return body;
+}
+
+std::string text_of(const WireBytes& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(ViewerServer, ALargePartComesInPiecesOfAtMostOneMib) {
+  constexpr size_t kMib = size_t{1} << 20;
+  Served served;
+  const WireBytes mesh = large_body(3 * kMib + 7, 0);
+  served.put(PartKind::kMesh, 5, mesh);
+  served.put(PartKind::kLoops, 0, {});
+  RawClient client(served.port());
+  ASSERT_TRUE(client.open_feed());
+  std::string body;
+  while (body.size() < mesh.size()) {
+    const auto piece = client.next_piece();
+    ASSERT_TRUE(piece);
+    EXPECT_EQ(piece->kind, static_cast<uint32_t>(PartKind::kMesh));
+    EXPECT_EQ(piece->index, 5U);
+    EXPECT_EQ(piece->body_bytes, static_cast<double>(mesh.size()));
+    EXPECT_EQ(piece->offset_bytes, static_cast<double>(body.size()));
+    EXPECT_LE(piece->body.size(), kMib);
+    body += piece->body;
+  }
+  EXPECT_EQ(body, text_of(mesh));
+  EXPECT_EQ(client.next_part()->kind, static_cast<uint32_t>(PartKind::kLoops)) << "a part without a body";
+}
+
+TEST(ViewerServer, ContinuesAPartWhereTheConnectionHasBroken) {
+  constexpr size_t kBytes = 1'000'000;
+  Served served;
+  const WireBytes mesh = large_body(kBytes, 0), newer = large_body(kBytes, 1);
+  served.put(PartKind::kMesh, 0, mesh);
+  std::string received;
+  double version = 0;
+  {
+    RawClient client(served.port());
+    ASSERT_TRUE(client.open_feed());
+    for (int i = 0; i < 2; ++i) {
+      const auto piece = client.next_piece();
+      ASSERT_TRUE(piece);
+      received += piece->body;
+      version = piece->version;
+    }
+  }
+  const auto rest_after = [&](const std::string& bytes) {
+    RawClient client(served.port());
+    EXPECT_TRUE(client.open_feed("/feed?run=" + served.run() + "&since=0&bytes=" + bytes +
+                                 "&part=" + std::to_string(static_cast<uint64_t>(version))));
+    return client.next_part().value_or(ReceivedPart{});
+  };
+  const ReceivedPart rest = rest_after(std::to_string(received.size()));
+  EXPECT_EQ(rest.offset_bytes, static_cast<double>(received.size()));
+  EXPECT_EQ(received + rest.body, text_of(mesh));
+  for (const char* nonsense : {"1000000", "18446744073709551615", "99999999999999999999999", "-1", ""})
+    EXPECT_EQ(rest_after(nonsense).body, text_of(mesh)) << nonsense;
+
+  served.put(PartKind::kMesh, 0, newer);  // what has come of the old one is of no use
+  EXPECT_TRUE(becomes([&] { return rest_after(std::to_string(received.size())).version > version; }));
+  EXPECT_EQ(rest_after(std::to_string(received.size())).body, text_of(newer));
+}
+
+TEST(ViewerServer, ThePageIsCompressedForBrowsersThatAcceptIt) {
+  const Served served;
+  const std::string plain = RawClient(served.port()).get("/");
+  const std::string gzip = RawClient(served.port()).get("/", "Accept-Encoding: gzip, deflate, br\r\n");
+  EXPECT_THAT(plain, Not(HasSubstr("Content-Encoding")));
+  EXPECT_THAT(gzip, AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("Content-Encoding: gzip")));
+  const auto body_of = [](const std::string& answer) { return answer.substr(answer.find("\r\n\r\n") + 4); };
+  const std::string page = body_of(plain), packed = body_of(gzip);
+  std::string unpacked(page.size(), '\0');
+  const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)> decompressor(
+      libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
+  EXPECT_EQ(libdeflate_gzip_decompress(decompressor.get(), packed.data(), packed.size(), unpacked.data(),
+                                       unpacked.size(), nullptr),
+            LIBDEFLATE_SUCCESS);
+  EXPECT_EQ(unpacked, page);
+  for (const char* refusal : {"gzip;q=0", "identity", "br", ",;,"}) {
+    const std::string answer =
+        RawClient(served.port()).get("/", "Accept-Encoding: " + std::string(refusal) + "\r\n");
+    EXPECT_EQ(body_of(answer), page) << refusal;
+  }
+}
+
 std::string command_frame(const std::string& name) {
   return text_frame("{\"command\":\"" + name + "\"}");
 }
@@ -232,6 +324,23 @@ TEST(ViewerServer, DropsBrowsersThatSendAnythingElse) {
   EXPECT_TRUE(served.commands().empty());
   EXPECT_TRUE(becomes([&] { return served.browsers() == 0; }));
   EXPECT_TRUE(RawClient(served.port()).open_feed());
+}
+
+TEST(ViewerServer, EmptyFragmentsAndPingsAreReadSlowly) {
+  constexpr size_t kFlood = 64'000'000;
+  const std::string first("\x01\x80\0\0\0\0", 6), next("\x00\x80\0\0\0\0", 6), ping("\x89\x80\0\0\0\0", 6);
+  Served served;
+  served.put(PartKind::kStatus, 0, {7});
+  for (const std::string& frame : {next, ping}) {
+    std::string frames = first;
+    while (frames.size() < kFlood) frames += frame;
+    RawClient client(served.port());
+    ASSERT_TRUE(client.open_feed());
+    EXPECT_LT(client.flood(frames), kFlood / 2) << "the buffers of both ends hold a few MB";
+    RawClient other(served.port());
+    ASSERT_TRUE(other.open_feed());
+    EXPECT_TRUE(other.next_part());
+  }
 }
 
 double resident_mib() {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "kinloop/core/text/json.hpp"
@@ -140,14 +139,16 @@ WireBytes encode_mesh(const ColoredMesh& mesh) {
   return body.take();
 }
 
-std::array<uint8_t, kHeaderBytes> encode_header(PartKind kind, uint32_t index, uint64_t version) {
-  std::array<uint8_t, kHeaderBytes> header{};
-  const auto number = static_cast<uint32_t>(kind);
-  const auto version_f64 = static_cast<double>(version);
-  std::memcpy(header.data(), &number, sizeof number);
-  std::memcpy(header.data() + sizeof number, &index, sizeof index);
-  std::memcpy(header.data() + 2 * sizeof number, &version_f64, sizeof version_f64);
-  return header;
+std::array<uint8_t, kHeaderBytes> encode_header(const MessageHeader& header) {
+  Writer bytes(kHeaderBytes);
+  bytes.put(static_cast<uint32_t>(header.kind));
+  bytes.put(header.index);
+  bytes.put(static_cast<double>(header.version));
+  bytes.put(static_cast<double>(header.body_bytes));
+  bytes.put(static_cast<double>(header.offset_bytes));
+  std::array<uint8_t, kHeaderBytes> array{};
+  std::ranges::copy(bytes.take(), array.begin());
+  return array;
 }
 
 }  // namespace kinloop

@@ -1,9 +1,10 @@
 #pragma once
-// The protocol between server and browser. Every message is one binary WebSocket frame: a header of 16 bytes,
-// then a body; all numbers little-endian, every array aligned to its elements, so that a page can read them
-// in place.
+// The protocol between server and browser. A part of the scene is a header of 32 bytes and a body; all
+// numbers little-endian, every array aligned to its elements, so that a page can read them in place. Every
+// message is one binary WebSocket frame: the header, then the next piece of the body, most often all of it.
 //
-//   header   u32 kind, u32 index (which part of that kind), f64 version (see scene.hpp)
+//   header   u32 kind, u32 index (which part of that kind), f64 version (see scene.hpp),
+//            f64 bytes of the body, f64 offset of the piece in the body
 //
 // viewer/pages/src/viewer/messages.js is the counterpart of this file.
 
@@ -46,7 +47,7 @@ enum class PartKind : uint32_t {
 /// Number of keyframes, or frames, per part, the unit of updates.
 constexpr uint32_t kPartLength = 64;
 
-constexpr size_t kHeaderBytes = 16;
+constexpr size_t kHeaderBytes = 32;
 
 /// A point of the path, relative to a keyframe, so that it follows corrections of the map.
 struct PathPoint {
@@ -107,7 +108,15 @@ WireBytes encode_cloud(const CloudPiece& piece);
 /// times 3 u32 (vertex indices), n times 4 u8 (red, green, blue, 0) if there are colours.
 WireBytes encode_mesh(const ColoredMesh& mesh);
 
-/// Returns the header that precedes a message's body.
-std::array<uint8_t, kHeaderBytes> encode_header(PartKind kind, uint32_t index, uint64_t version);
+/// Identity and size of a part, and where a message's piece of it begins.
+struct MessageHeader {
+  PartKind kind = PartKind::kHello;
+  uint32_t index = 0;
+  uint64_t version = 0;
+  size_t body_bytes = 0;
+  size_t offset_bytes = 0;
+};
+
+std::array<uint8_t, kHeaderBytes> encode_header(const MessageHeader& header);
 
 }  // namespace kinloop

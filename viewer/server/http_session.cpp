@@ -10,7 +10,8 @@ namespace {
 namespace beast = boost::beast;
 namespace http = beast::http;
 
-constexpr std::chrono::seconds kTimeout{10};  // for the whole request, and for its response
+constexpr std::chrono::seconds kRequestTimeout{10};
+constexpr std::chrono::seconds kResponseTimeout{60};  // the page, not compressed, at 100 kbit/s
 constexpr uint32_t kMaxHeaderBytes = 8192;
 
 // The page is one file: it may load nothing, and no other page may frame it, unless the rules say so. The
@@ -34,17 +35,28 @@ RequestIdentity identity_of(const Request& request, const RequestTarget& target)
   return identity;
 }
 
+/// Browsers send "gzip, deflate, br". Whoever gives gzip a weight, which may be zero, gets the page as it is.
+bool accepts_gzip(std::string_view encodings) {
+  http::ext_list list(beast::string_view(encodings.data(), encodings.size()));
+  const auto gzip = list.find("gzip");
+  return gzip != list.end() && gzip->second.begin() == gzip->second.end();
+}
+
 }  // namespace
 
 HttpSession::HttpSession(boost::asio::ip::tcp::socket socket, const AccessPolicy& rules,
-                         UpgradeHandler on_upgrade)
-    : stream_(std::move(socket)), rules_(rules), on_upgrade_(std::move(on_upgrade)) {
+                         std::shared_ptr<const std::string> page_gzip, UpgradeHandler on_upgrade)
+    : stream_(std::move(socket)),
+      rules_(rules),
+      page_gzip_(std::move(page_gzip)),
+      on_upgrade_(std::move(on_upgrade)) {
+  stream_.rate_policy().read_limit(kMaxReadBytesPerS);
   parser_.header_limit(kMaxHeaderBytes);
   parser_.body_limit(0);
 }
 
 void HttpSession::start() {
-  stream_.expires_after(kTimeout);
+  stream_.expires_after(kRequestTimeout);
   http::async_read(stream_, buffer_, parser_, [self = shared_from_this()](beast::error_code error, size_t) {
     if (!error) return self->handle();
     if (error == http::error::header_limit || error == http::error::body_limit) {
@@ -66,7 +78,7 @@ void HttpSession::handle() {
     return respond(http::status::forbidden, "text/plain", "open the URL that kinloop printed\n");
   }
   if (request.method() != http::verb::get) return respond(http::status::method_not_allowed, "text/plain", "");
-  if (target.path == "/") return respond(http::status::ok, "text/html; charset=utf-8", viewer_page());
+  if (target.path == "/") return respond_page();
   if (target.path == "/feed" && beast::websocket::is_upgrade(request)) {
     if (on_upgrade_(stream_, {request, target, may_control(identity, rules_)})) return;
     return respond(http::status::service_unavailable, "text/plain", "too many browsers; close one\n");
@@ -74,11 +86,17 @@ void HttpSession::handle() {
   respond(http::status::not_found, "text/plain", "not found; the only page is /\n");
 }
 
-void HttpSession::respond(http::status status, std::string_view type, std::string_view body) {
+void HttpSession::respond_page() {
+  const bool gzip = accepts_gzip(view_of(parser_.get()[http::field::accept_encoding]));
+  respond(http::status::ok, "text/html; charset=utf-8", gzip ? *page_gzip_ : viewer_page(), gzip);
+}
+
+void HttpSession::respond(http::status status, std::string_view type, std::string_view body, bool gzipped) {
   using Response = http::response<http::span_body<const char>>;
   auto response = std::make_shared<Response>();
   response->result(status);
   response->set(http::field::content_type, beast::string_view(type.data(), type.size()));
+  if (gzipped) response->set(http::field::content_encoding, "gzip");
   response->set(http::field::cache_control, "no-store");
   response->set("Content-Security-Policy",
                 std::string(kContentPolicy) + (rules_.framed_by_loopback ? kFramedByLoopback : kUnframed));
@@ -87,7 +105,7 @@ void HttpSession::respond(http::status status, std::string_view type, std::strin
   response->body() = beast::span<const char>(body.data(), body.size());
   response->keep_alive(false);
   response->prepare_payload();
-  stream_.expires_after(kTimeout);
+  stream_.expires_after(kResponseTimeout);
   http::async_write(stream_, *response, [self = shared_from_this(), response](beast::error_code, size_t) {
     beast::error_code ignored;
     self->stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);

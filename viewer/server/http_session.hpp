@@ -3,8 +3,10 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "viewer/server/access.hpp"
+#include "viewer/server/client_stream.hpp"
 #include "viewer/server/websocket_session.hpp"
 
 namespace kinloop {
@@ -14,23 +16,28 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   /// An authorised browser asks for a WebSocket.
   struct Upgrade {
     const Request& request;
-    const RequestTarget& target;  ///< with the last version that the browser has seen
+    const RequestTarget& target;  ///< with what the browser has received
     bool may_control;
   };
   /// Takes over the connection; returns false, and leaves it, if there are too many browsers.
-  using UpgradeHandler = std::function<bool(boost::beast::tcp_stream&, const Upgrade&)>;
+  using UpgradeHandler = std::function<bool(ClientStream&, const Upgrade&)>;
 
-  HttpSession(boost::asio::ip::tcp::socket socket, const AccessPolicy& rules, UpgradeHandler on_upgrade);
+  /// `page_gzip` is the page as `gzipped_viewer_page` returns it.
+  HttpSession(boost::asio::ip::tcp::socket socket, const AccessPolicy& rules,
+              std::shared_ptr<const std::string> page_gzip, UpgradeHandler on_upgrade);
 
   void start();
   void close();
 
  private:
   void handle();
-  void respond(boost::beast::http::status status, std::string_view type, std::string_view body);
+  void respond_page();
+  void respond(boost::beast::http::status status, std::string_view type, std::string_view body,
+               bool gzipped = false);
 
-  boost::beast::tcp_stream stream_;
+  ClientStream stream_;
   AccessPolicy rules_;
+  std::shared_ptr<const std::string> page_gzip_;
   UpgradeHandler on_upgrade_;
   boost::beast::flat_buffer buffer_;
   boost::beast::http::request_parser<boost::beast::http::empty_body> parser_;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "viewer/server/viewer_page.hpp"
 
 namespace kinloop {
 
@@ -52,12 +53,17 @@ tcp::acceptor listen_at(asio::io_context& context, const ListenAddress& listen) 
   return acceptor;
 }
 
-/// The last version that the browser has seen, if of this run.
-uint64_t version_seen(const RequestTarget& target, const Scene& scene) {
-  uint64_t version = 0;
-  const std::string_view since = target.value("since");
-  if (target.value("run") == scene.run()) std::from_chars(since.data(), since.data() + since.size(), version);
-  return version;
+uint64_t number_in(std::string_view text) {
+  uint64_t number = 0;
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
+
+/// What the browser says that it has received; nothing if of another run.
+FeedPosition received_by(const RequestTarget& target, const Scene& scene) {
+  if (target.value("run") != scene.run()) return {};
+  return {number_in(target.value("since")), number_in(target.value("part")),
+          number_in(target.value("bytes"))};
 }
 
 }  // namespace
@@ -67,7 +73,8 @@ ViewerServer::ViewerServer(asio::io_context& context, const ListenAddress& liste
     : scene_(scene),
       on_command_(std::move(on_command)),
       acceptor_(listen_at(context, listen)),
-      pause_(context) {
+      pause_(context),
+      page_gzip_(std::make_shared<const std::string>(gzipped_viewer_page())) {
   rules_ = {is_loopback_address(listen), random_token()};
   rules_.framed_by_loopback = rules_.loopback_only && listen.framed_by_loopback;
   accept_next();
@@ -95,11 +102,11 @@ void ViewerServer::answer(tcp::socket socket) {
   boost::system::error_code error;
   const auto client = socket.remote_endpoint(error).address();
   if (error) return;  // disconnected again
-  const auto session = std::make_shared<HttpSession>(
-      std::move(socket), rules_,
-      [this](boost::beast::tcp_stream& stream, const HttpSession::Upgrade& upgrade) {
-        return accept_websocket(stream, upgrade);
-      });
+  const auto session =
+      std::make_shared<HttpSession>(std::move(socket), rules_, page_gzip_,
+                                    [this](ClientStream& stream, const HttpSession::Upgrade& upgrade) {
+                                      return accept_websocket(stream, upgrade);
+                                    });
   requests_.add(session, client);
   session->start();
 }
@@ -113,7 +120,7 @@ void ViewerServer::retry_accept() {
   });
 }
 
-bool ViewerServer::accept_websocket(boost::beast::tcp_stream& stream, const HttpSession::Upgrade& upgrade) {
+bool ViewerServer::accept_websocket(ClientStream& stream, const HttpSession::Upgrade& upgrade) {
   std::erase_if(browsers_, [](const auto& browser) { return browser.expired(); });
   const auto spectators = std::count_if(browsers_.begin(), browsers_.end(), [](const auto& browser) {
     const auto watching = browser.lock();
@@ -122,7 +129,7 @@ bool ViewerServer::accept_websocket(boost::beast::tcp_stream& stream, const Http
   if (browsers_.size() >= kMaxBrowsers) return false;
   if (!upgrade.may_control && static_cast<size_t>(spectators) >= kMaxSpectators) return false;
   const auto browser =
-      std::make_shared<WebSocketSession>(std::move(stream), scene_, version_seen(upgrade.target, scene_),
+      std::make_shared<WebSocketSession>(std::move(stream), scene_, received_by(upgrade.target, scene_),
                                          upgrade.may_control ? on_command_ : std::function<void(Command)>());
   browsers_.push_back(browser);
   browser->start(upgrade.request);

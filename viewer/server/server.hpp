@@ -61,13 +61,14 @@ class ViewerServer {
   void accept_next();
   void retry_accept();
   void answer(boost::asio::ip::tcp::socket socket);
-  bool accept_websocket(boost::beast::tcp_stream& stream, const HttpSession::Upgrade& upgrade);
+  bool accept_websocket(ClientStream& stream, const HttpSession::Upgrade& upgrade);
 
   const Scene& scene_;
   std::function<void(Command)> on_command_;
   boost::asio::ip::tcp::acceptor acceptor_;
   boost::asio::steady_timer pause_;
   AccessPolicy rules_;
+  std::shared_ptr<const std::string> page_gzip_;
   PendingRequests requests_;
   std::vector<std::weak_ptr<WebSocketSession>> browsers_;
 };

@@ -1,5 +1,6 @@
 #include "viewer/server/websocket_session.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 namespace kinloop {
@@ -10,15 +11,18 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
 constexpr size_t kLongestCommandBytes = 1024;
-constexpr int kSendBufferBytes = 1 << 18;  // kernel buffer for a browser that does not read
+// A ping waits for the piece that is being sent and for the kernel's buffer. Together they take 16 s at
+// 200 kbit/s, so that the answer comes within the idle timeout.
+constexpr size_t kPieceBytes = 1 << 17;
+constexpr int kSendBufferBytes = 1 << 17;
 constexpr std::chrono::seconds kHandshakeTimeout{10};
-constexpr std::chrono::seconds kIdleTimeout{30};  // a ping is sent after half of it
+constexpr std::chrono::seconds kIdleTimeout{60};  // a ping is sent after half of it
 
 }  // namespace
 
-WebSocketSession::WebSocketSession(beast::tcp_stream stream, const Scene& scene, uint64_t seen,
+WebSocketSession::WebSocketSession(ClientStream stream, const Scene& scene, const FeedPosition& position,
                                    std::function<void(Command)> on_command)
-    : socket_(std::move(stream)), scene_(scene), seen_(seen), on_command_(std::move(on_command)) {}
+    : socket_(std::move(stream)), scene_(scene), position_(position), on_command_(std::move(on_command)) {}
 
 void WebSocketSession::start(const Request& request) {
   auto& stream = beast::get_lowest_layer(socket_);
@@ -39,17 +43,34 @@ void WebSocketSession::start(const Request& request) {
 }
 
 void WebSocketSession::send_next() {
-  if (!idle_) return;
-  auto part = scene_.next_after(seen_);
-  if (!part) return;
-  idle_ = false;
+  if (idle_ && (sending_.body || begin_part())) send_piece();
+}
+
+/// Chooses the next unseen part, and continues where the connection has broken; false if there is none.
+bool WebSocketSession::begin_part() {
+  auto part = scene_.next_after(position_.seen);
+  if (!part) return false;
   sending_ = std::move(*part);
-  header_ = encode_header(sending_.kind, sending_.index, sending_.version);
-  const std::array<asio::const_buffer, 2> message = {asio::buffer(header_), asio::buffer(*sending_.body)};
-  socket_.async_write(message, [self = shared_from_this()](beast::error_code error, size_t) {
+  const bool resumes = sending_.version == position_.part && position_.received_bytes < sending_.body->size();
+  sent_bytes_ = resumes ? position_.received_bytes : 0;
+  return true;
+}
+
+void WebSocketSession::send_piece() {
+  idle_ = false;
+  const WireBytes& body = *sending_.body;
+  const size_t bytes = std::min(kPieceBytes, body.size() - sent_bytes_);
+  header_ = encode_header({sending_.kind, sending_.index, sending_.version, body.size(), sent_bytes_});
+  const std::array<asio::const_buffer, 2> message = {asio::buffer(header_),
+                                                     asio::buffer(body.data() + sent_bytes_, bytes)};
+  socket_.async_write(message, [self = shared_from_this(), bytes](beast::error_code error, size_t) {
     if (error) return;
-    self->seen_ = self->sending_.version;
     self->idle_ = true;
+    self->sent_bytes_ += bytes;
+    if (self->sent_bytes_ == self->sending_.body->size()) {
+      self->position_.seen = self->sending_.version;
+      self->sending_ = {};
+    }
     self->send_next();
   });
 }

@@ -1,6 +1,6 @@
 #pragma once
-// One connected browser: receives the parts of the scene that it has not seen, one at a time, and sends
-// commands.
+// One connected browser: receives the parts of the scene that it has not seen, one at a time in small pieces,
+// and sends commands.
 
 #include <functional>
 #include <memory>
@@ -11,41 +11,52 @@
 #include <boost/beast/websocket.hpp>
 
 #include "viewer/scene/scene.hpp"
+#include "viewer/server/client_stream.hpp"
 #include "viewer/server/command.hpp"
 
 namespace kinloop {
 
 using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
+/// What a browser has received of a scene.
+struct FeedPosition {
+  uint64_t seen = 0;          ///< all parts up to this version
+  uint64_t part = 0;          ///< version of a part of which the connection has broken in the middle
+  size_t received_bytes = 0;  ///< of that part's body
+};
+
 class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
  public:
-  /// The browser has seen everything up to version `seen`. `on_command` is empty if it may not control the
-  /// run. The scene must outlive the connection's handlers.
-  WebSocketSession(boost::beast::tcp_stream stream, const Scene& scene, uint64_t seen,
+  /// `on_command` is empty if the browser may not control the run. The scene must outlive the connection's
+  /// handlers.
+  WebSocketSession(ClientStream stream, const Scene& scene, const FeedPosition& position,
                    std::function<void(Command)> on_command);
 
   /// Accepts the upgrade request and starts sending.
   void start(const Request& request);
 
-  /// Sends the next unseen part, unless one is still being sent.
+  /// Sends what the browser has not seen, unless that is in progress.
   void send_next();
 
   [[nodiscard]] bool may_control() const { return on_command_ != nullptr; }
 
  private:
+  bool begin_part();
+  void send_piece();
   void read_next();
   void take_command(Command command);
   void refuse(const char* reason);
 
-  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  boost::beast::websocket::stream<ClientStream> socket_;
   const Scene& scene_;
-  uint64_t seen_;
+  FeedPosition position_;
   std::function<void(Command)> on_command_;
   CommandRate rate_;
   boost::beast::flat_buffer received_;
   std::array<uint8_t, kHeaderBytes> header_{};
-  ScenePart sending_;
-  bool idle_ = false;  // open, with no send in progress
+  ScenePart sending_;      // no body: none
+  size_t sent_bytes_ = 0;  // of its body
+  bool idle_ = false;      // open, with no send in progress
 };
 
 }  // namespace kinloop

@@ -19,13 +19,15 @@ class Browser {
     int ends[2] = {};
     require(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends) == 0, "socketpair");
     own_end_ = ends[0];
-    auto upgrade = [this](boost::beast::tcp_stream& stream, const HttpSession::Upgrade& request) {
-      std::make_shared<WebSocketSession>(std::move(stream), scene_, 0, [](Command) {
+    auto upgrade = [this](ClientStream& stream, const HttpSession::Upgrade& request) {
+      std::make_shared<WebSocketSession>(std::move(stream), scene_, FeedPosition{}, [](Command) {
       })->start(request.request);
       return true;
     };
     const AccessPolicy loopback;
-    std::make_shared<HttpSession>(tcp::socket(context_, tcp::v4(), ends[1]), loopback, upgrade)->start();
+    std::make_shared<HttpSession>(tcp::socket(context_, tcp::v4(), ends[1]), loopback,
+                                  std::make_shared<const std::string>(), upgrade)
+        ->start();
   }
   ~Browser() {
     ::close(own_end_);

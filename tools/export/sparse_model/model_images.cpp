@@ -44,9 +44,10 @@ Colors write_image(const std::filesystem::path& folder, const ModelImage& image,
   return colors_at(color, image);
 }
 
-/// Sets the colour of each point to the mean of its observations.
+/// Sets the colour of each landmark to the mean of its observations.
 void set_colors(SparseModel& model, const std::vector<Colors>& colors) {
   for (ModelPoint& point : model.points) {
+    if (point.track.empty()) continue;
     for (size_t channel = 0; channel < point.color.size(); ++channel) {
       size_t sum = point.track.size() / 2;  // rounds
       for (const auto& [image, observation] : point.track) sum += colors[image][observation][channel];

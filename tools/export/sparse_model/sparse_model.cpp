@@ -1,8 +1,11 @@
 #include "tools/export/sparse_model/sparse_model.hpp"
 
+#include <algorithm>
 #include <unordered_map>
 
 #include <fmt/format.h>
+
+#include "kinloop/core/random.hpp"
 
 namespace kinloop {
 namespace {
@@ -82,6 +85,20 @@ SparseModel make_sparse_model(const Map& map, std::span<const FrameImage> views,
     if (pixels.size() >= kMinObservations) add_point(model, std::move(point), pixels);
   }
   return model;
+}
+
+void add_cloud_points(SparseModel& model, const ColoredCloud& cloud, size_t count) {
+  const SE3 T_file_world = model.frame.T_file_world();
+  Random random(cloud.size());
+  // Selection sampling (Knuth, The Art of Computer Programming 2, algorithm S): each point once, in their
+  // order.
+  size_t needed = std::min(count, cloud.size());
+  for (size_t i = 0; needed > 0; ++i) {
+    const auto left = static_cast<double>(cloud.size() - i);
+    if (left * random.uniform() >= static_cast<double>(needed)) continue;
+    model.points.push_back({T_file_world * cloud.points[i].cast<double>(), cloud.colors[i]});
+    --needed;
+  }
 }
 
 }  // namespace kinloop

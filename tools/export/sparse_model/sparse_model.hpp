@@ -45,9 +45,9 @@ struct TrackElement {
 
 struct ModelPoint {
   Eigen::Vector3d p_file;
-  Rgb color = {};       ///< set by write_model_images
-  double error_px = 0;  ///< mean reprojection error
-  std::vector<TrackElement> track;
+  Rgb color = {};                        ///< of landmarks: set by write_model_images
+  double error_px = 0;                   ///< mean reprojection error
+  std::vector<TrackElement> track = {};  ///< empty for points of the cloud
 };
 
 /// Everything is in the frame of the file.
@@ -65,5 +65,9 @@ constexpr double kMaxReprojectionErrorPx = 4;
 /// follows the pose of its anchor's image; without that image it is left out.
 SparseModel make_sparse_model(const Map& map, std::span<const FrameImage> views,
                               const ImageUndistorter& undistorter, const FileFrame& frame);
+
+/// Adds `count` points of a cloud in the world frame, or all that it has, evenly over its surface and always
+/// the same. They have no track.
+void add_cloud_points(SparseModel& model, const ColoredCloud& cloud, size_t count);
 
 }  // namespace kinloop

@@ -1,7 +1,7 @@
-// The connection to kinloop. It remembers the last version received, so that after an interruption only the
-// rest is sent.
+// The connection to kinloop. It remembers what it has received, so that after an interruption only the rest is
+// sent, also of a part in the middle.
 
-import { decode } from './messages.js';
+import { addPiece, bodyBytesOf, decode } from './messages.js';
 
 const POLICY_ERROR = 1008; // the close code of a command that is refused
 const SHORTEST_WAIT_MS = 500;
@@ -9,13 +9,14 @@ const LONGEST_WAIT_MS = 8000;
 
 export class Connection {
   /**
-   * Calls onMessage({ kind, index, body }) for every message, onChange(connected) on connection and disconnection,
+   * Calls onMessage({ kind, index, body }) for every part, onChange(connected) on connection and disconnection,
    * onRefused(reason) if a command is refused.
    */
   constructor({ onMessage, onChange, onRefused }) {
     Object.assign(this, { onMessage, onChange, onRefused });
     this.run = '';
     this.version = 0;
+    this.part = undefined; // the one that is coming
     this.bytes = 0;
     this.waitMs = SHORTEST_WAIT_MS;
     this.open();
@@ -25,6 +26,8 @@ export class Connection {
     const query = new URLSearchParams(location.search);
     query.set('run', this.run);
     query.set('since', this.version);
+    query.set('part', this.part?.version ?? 0);
+    query.set('bytes', bodyBytesOf(this.part));
     this.socket = new WebSocket(`ws://${location.host}/feed?${query}`);
     this.socket.binaryType = 'arraybuffer';
     this.socket.onopen = () => {
@@ -40,7 +43,10 @@ export class Connection {
 
   take(data) {
     this.bytes += data.byteLength;
-    const message = decode(data);
+    this.part = addPiece(this.part, data);
+    if (!this.part.complete) return;
+    const message = decode(this.part.buffer);
+    this.part = undefined;
     if (!message) return;
     if (message.kind === 'hello') this.run = message.body.run;
     this.version = message.version;

@@ -1,8 +1,9 @@
-// The messages of viewer/scene/wire_format.hpp, read in place without needless copies.
+// The messages of viewer/scene/wire_format.hpp: pieces are joined to parts, which are read in place without
+// needless copies.
 
 import { readCloud } from '../shared/readCloud.js';
 
-const HEAD_BYTES = 16;
+const HEAD_BYTES = 32;
 export const NO_KEYFRAME = 0xffffffff;
 export const PART_LENGTH = 64;
 
@@ -25,7 +26,25 @@ const readers = [
   ['doubt', words],
 ];
 
-/** A message as { kind, index, version, body }; undefined if the kind is unknown. */
+/** Adds a message to the part that has come so far: { version, buffer, received, complete }, sizes with the header. */
+export function addPiece(part, message) {
+  const head = new DataView(message, 0, HEAD_BYTES);
+  const [version, bodyBytes, offset] = [8, 16, 24].map((at) => head.getFloat64(at, true));
+  const received = offset + message.byteLength;
+  const complete = received === HEAD_BYTES + bodyBytes;
+  if (offset === 0 && complete) return { version, buffer: message, received, complete };
+  const buffer = offset === 0 ? new ArrayBuffer(HEAD_BYTES + bodyBytes) : part.buffer;
+  const from = offset === 0 ? 0 : HEAD_BYTES; // the first message's header becomes that of the part
+  new Uint8Array(buffer).set(new Uint8Array(message, from), offset + from);
+  return { version, buffer, received, complete };
+}
+
+/** The bytes of the body that have come. */
+export function bodyBytesOf(part) {
+  return part ? part.received - HEAD_BYTES : 0;
+}
+
+/** A part as { kind, index, version, body }; undefined if the kind is unknown. */
 export function decode(buffer) {
   const head = new DataView(buffer, 0, HEAD_BYTES);
   const reader = readers[head.getUint32(0, true)];
