@@ -9,8 +9,8 @@ import { withBrowser, paintedPixels, seen, until } from './harness.mjs';
 
 const ROOM_M = [4, 3, 2.5];
 
-/** A box of points with z up and some outliers, as ascii PLY with doubles. */
-function cloudWithOutliers() {
+/** A box of points with z up and some outliers, as ascii PLY with doubles; `comment`: a line of its header. */
+function cloudWithOutliers(comment = 'comment of another program') {
   const points = [];
   for (let i = 0; i < 20_000; ++i) {
     const place = ROOM_M.map((size, k) => size * ((i * [0.7548776662, 0.5698402909, 0.3819660113][k]) % 1));
@@ -19,7 +19,7 @@ function cloudWithOutliers() {
   }
   const properties = ['x', 'y', 'z'].map((name) => `property double ${name}\n`).join('');
   const lines = points.map((point) => point.join(' ')).join('\n');
-  return `ply\nformat ascii 1.0\nelement vertex ${points.length}\n${properties}end_header\n${lines}\n`;
+  return `ply\nformat ascii 1.0\n${comment}\nelement vertex ${points.length}\n${properties}end_header\n${lines}\n`;
 }
 
 const MESH = `ply
@@ -138,6 +138,27 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     else await checkPhone(page, name);
     await page.close();
   }
+
+  // A room whose up direction is known: seen from inside at first, and without its ceiling from above.
+  const room = await view('known.ply', cloudWithOutliers('comment frame z-up'));
+  const heights = () =>
+    room.evaluate(() => {
+      const { view, world } = window.kinloop;
+      const floorM = view.box.min.y;
+      return { eyeM: view.cameraControls.camera.position.y - floorM, ceilingM: view.ceilingM - floorM, cutM: world.uniforms.cutAtM.value - floorM };
+    });
+  const inside = await heights();
+  assert.ok(Math.abs(inside.eyeM - 1.6) < 0.05, `the eye is ${inside.eyeM} m above the floor`);
+  assert.ok(inside.ceilingM > 0.9 * ROOM_M[2] && inside.ceilingM < ROOM_M[2], `a ceiling at ${inside.ceilingM} m`);
+  assert.equal(inside.cutM, Infinity, 'the ceiling is seen from inside');
+  await shoot(room, 'view-inside');
+  await room.keyboard.press('1');
+  await until(async () => (await heights()).cutM === inside.ceilingM, 'it is hidden from above');
+  await settled(room);
+  await shoot(room, 'view-without-ceiling');
+  await room.uncheck('#ceiling');
+  await until(async () => (await heights()).cutM === Infinity, 'unless the user wants it');
+  await room.close();
 
   // Meshes and other formats.
   for (const [name, content, facts, pixels] of [['mesh.ply', MESH, 'triangles', 20_000], ['cloud.pcd', PCD, 'points', 950], ['mesh.glb', glb(), '', 20_000]]) {

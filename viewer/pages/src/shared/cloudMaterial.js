@@ -23,6 +23,11 @@ const vertexShader = `
       dot(v4, vec4(0.10667330, 12.64194608, -60.58204836, 110.36276771)) + dot(v2, vec2(-89.90310912, 27.34824973)));
   }
 
+  // Colours as they are stored, in the light that three.js computes with.
+  vec3 linear(vec3 srgb) {
+    return mix(pow((srgb + 0.055) / 1.055, vec3(2.4)), srgb / 12.92, step(srgb, vec3(0.04045)));
+  }
+
   void main() {
     const float farthestM = 4.5;  // that a Kinect sees
     const float smallest = sqrt(2.0);  // px: a smaller disc may cover no pixel's centre, and the point vanishes
@@ -33,7 +38,7 @@ const vertexShader = `
     float height = (world.y - heightsM.x) / max(heightsM.y - heightsM.x, 0.01);
     float nearness = 1.0 - (origin.z + position.z * unitM) / farthestM;
     float share = mode == 1 ? height : mode == 2 ? nearness : timeShare;
-    vColor = mode == 0 ? tint.rgb : turbo(clamp(share, 0.0, 1.0));
+    vColor = linear(mode == 0 ? tint.rgb : clamp(turbo(clamp(share, 0.0, 1.0)), 0.0, 1.0));
   }`;
 
 const fragmentShader = `
@@ -42,6 +47,7 @@ const fragmentShader = `
     vec2 fromCentre = gl_PointCoord - 0.5;
     if (dot(fromCentre, fromCentre) > 0.25) discard;
     gl_FragColor = vec4(vColor, 1.0);
+    #include <colorspace_fragment>
   }`;
 
 /** The uniforms shared by all pieces of a cloud. */

@@ -33,6 +33,19 @@ export class Images {
     this.section.hidden = false;
   }
 
+  /** Shows the image of a keyframe, with a caption. */
+  async showKeyframe(jpeg, caption) {
+    this.section.querySelector('#colorImage + figcaption').textContent = caption;
+    this.depth.closest('figure').hidden = true;
+    if (this.keyframe === jpeg) return;
+    this.keyframe = jpeg;
+    const bitmap = await decoded(jpeg);
+    if (!bitmap || this.keyframe !== jpeg) return bitmap?.close();
+    draw(this.color, bitmap);
+    bitmap.close();
+    this.section.hidden = false;
+  }
+
   /** An image and its features arrive separately, and unchanged features not at all, so both trigger a redraw. */
   drawColor() {
     const paint = draw(this.color, this.bitmap);

@@ -4,10 +4,11 @@ import { Group, Matrix4, Plane, Quaternion, Vector3 } from 'three';
 
 import { sharedUniforms } from '../shared/cloudMaterial.js';
 import { cloudPiece, placePiece, thinPiece } from '../shared/cloudPiece.js';
+import { KeyframePictures, pictureMesh, placePicture, showIn } from './keyframePictures.js';
 import { Lines } from './lines.js';
-import { NO_KEYFRAME, PART_LENGTH } from './messages.js';
+import { NO_KEYFRAME } from './messages.js';
 import { meshOf, readModel } from './models.js';
-import { matrixOf, poseFrom, Poses } from './poses.js';
+import { matrixOf, PART_LENGTH, poseFrom, Poses } from './poses.js';
 
 const COLORS = { path: 0x4aa8ff, doubt: 0xe05252, keyframes: 0x7fd0a0, camera: 0xff3d8b, covisibility: 0x6f7f9f, loops: 0xff8a3d, truth: 0xb9bcc4 };
 const KEYFRAME_SIZE_M = 0.06;
@@ -20,11 +21,13 @@ export class World {
     this.cutPlane = new Plane(new Vector3(0, -1, 0)); // clips meshes above it; points use a uniform
     this.group = new Group(); // rotated so that up points up
     this.layers = {};
-    for (const name of ['cloud', 'path', 'keyframes', 'covisibility', 'loops', 'truth']) {
+    for (const name of ['cloud', 'mesh', 'path', 'keyframes', 'images', 'covisibility', 'loops', 'truth']) {
       this.layers[name] = new Group();
       this.group.add(this.layers[name]);
     }
     this.layers.covisibility.visible = false;
+    this.layers.images.visible = false;
+    this.pictures = new KeyframePictures(this.layers.images);
     this.lines = {
       path: new Lines({ color: COLORS.path }),
       doubt: new Lines({ color: COLORS.doubt, segments: true }),
@@ -36,6 +39,8 @@ export class World {
     };
     const layerOf = { camera: 'path', doubt: 'path' };
     for (const [name, lines] of Object.entries(this.lines)) this.layers[layerOf[name] ?? name].add(lines.object);
+    this.cameraPicture = pictureMesh();
+    this.layers.path.add(this.cameraPicture);
     this.lines.doubt.object.renderOrder = 1; // over the path, at the same places
     this.onProblem = () => {}; // (text)
     this.clear();
@@ -52,9 +57,13 @@ export class World {
     this.truth = new Float32Array(0);
     this.truthPose = OWN_WORLD;
     this.cameraPose = undefined;
+    this.hideCameraPicture();
     this.frustum = [0.6, 0.45];
-    this.layers.cloud.traverse(dispose);
-    this.layers.cloud.clear();
+    for (const layer of [this.layers.cloud, this.layers.mesh]) {
+      layer.traverse(dispose);
+      layer.clear();
+    }
+    this.pictures.clear();
     this.moved = true;
   }
 
@@ -73,6 +82,7 @@ export class World {
       mesh: () => this.addModel(meshOf(body, this.cutPlane)),
       model: () => this.takeModel(body),
       truth: () => (this.truth = body),
+      keyframeImage: () => this.pictures.take(index, body),
       truthPose: () => (this.truthPose = matrixOf(poseFrom(body))),
     }[kind];
     if (!take) return;
@@ -101,8 +111,22 @@ export class World {
 
   addModel(model) {
     this.models.push(model);
-    this.layers.cloud.add(model);
+    this.layers.mesh.add(model);
     this.moved = true;
+  }
+
+  /** Whether there is anything in a layer. */
+  has(layer) {
+    return {
+      cloud: this.pieces.size > 0,
+      mesh: this.models.length > 0,
+      path: this.parts.path.length > 0,
+      keyframes: this.poses.count > 0,
+      images: this.pictures.count > 0,
+      covisibility: this.parts.covisibility.length > 0,
+      loops: this.loops.length > 0,
+      truth: this.truth.length > 0,
+    }[layer];
   }
 
   /** Pairs of a model's object and its vertices. */
@@ -131,6 +155,7 @@ export class World {
     this.drawPath();
     this.drawEdges();
     this.drawTruth();
+    this.pictures.place(this.poses, this.frustum);
     this.group.updateMatrixWorld(true);
     return true;
   }
@@ -148,9 +173,33 @@ export class World {
     this.lines.keyframes.fill((add) => {
       for (const pose of this.poses.matrices) addFrustum(add, pose, this.frustum, KEYFRAME_SIZE_M);
     });
+    this.drawCamera();
+  }
+
+  drawCamera() {
     this.lines.camera.fill((add) => {
       if (this.cameraPose) addFrustum(add, this.cameraPose, this.frustum, CAMERA_SIZE_M);
     });
+    placePicture(this.cameraPicture, this.cameraPose, this.frustum, CAMERA_SIZE_M);
+  }
+
+  /** Moves the camera alone; undefined: there is none. */
+  moveCamera(pose) {
+    this.cameraPose = pose;
+    if (!pose) this.hideCameraPicture();
+    this.drawCamera();
+  }
+
+  hideCameraPicture() {
+    this.cameraPicture.visible = false;
+    this.cameraPictureOf = undefined;
+  }
+
+  /** Shows the image of a keyframe in the camera's frustum. */
+  async showCameraPicture(keyframe) {
+    if (this.cameraPictureOf === keyframe) return;
+    this.cameraPictureOf = keyframe;
+    await showIn(this.cameraPicture, this.pictures.of(keyframe), () => this.cameraPictureOf === keyframe);
   }
 
   drawPath() {
