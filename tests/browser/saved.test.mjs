@@ -78,6 +78,29 @@ async function checkLook(page, shoot) {
   await page.uncheck('[data-layer=images]');
 }
 
+/** A click on a keyframe shows it, with its loops, and moves the timeline there. */
+async function checkPicks(page, shoot) {
+  await page.keyboard.press('2');
+  await until(() => page.evaluate(() => !window.kinloop.view.cameraControls.goal), 'the view from above');
+  const [keyframe, x, y] = await page.evaluate(() => {
+    const { world, view } = window.kinloop;
+    const keyframe = world.loops[0];
+    const { clientWidth, clientHeight } = view.renderer.domElement;
+    const place = view.keyframePlaces()[keyframe].project(view.cameraControls.camera);
+    return [keyframe, ((place.x + 1) / 2) * clientWidth, ((1 - place.y) / 2) * clientHeight];
+  });
+  await page.mouse.click(x, y);
+  const picked = await page.textContent('#picked');
+  const number = Number(picked.match(/keyframe (\d+)/)[1]);
+  assert.ok(Math.abs(number - keyframe) <= 2, `${picked}: the keyframe at the pointer, or one beside it`);
+  assert.match(picked, /stamp[\d.]+ s/);
+  await until(async () => (await paintedPixels(page, '#picked canvas')) > 5000, 'its image');
+  assert.ok((await page.textContent('#momentText')).endsWith(`keyframe ${number}`), 'the timeline follows');
+  await page.evaluate((loop) => window.kinloop.panel.picked.showKeyframe(loop), keyframe);
+  assert.match(await page.textContent('#picked'), /loops with\d+/);
+  await shoot(page, 'view-picked');
+}
+
 /** Replay by keys and pointer, and the link to a moment. */
 async function checkTimeline(page, open, shoot) {
   const moment = () => page.textContent('#momentText');
@@ -213,6 +236,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     assert.equal(await page.isVisible('#timeline'), what !== cloud, 'what has frames has a timeline');
     if (what === out) await checkLook(page, shoot);
     if (what === out) await checkTimeline(page, open, shoot);
+    if (what === out) await checkPicks(page, shoot);
     await shoot(page, { [out]: 'view-folder', [map]: 'view-map', [cloud]: 'view-cloud' }[what]);
 
     // Another run takes the place of this one: the renderer keeps nothing of it.

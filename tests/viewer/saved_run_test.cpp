@@ -119,7 +119,8 @@ TEST_F(SavedRunTest, ShowsTheMeshInTheFolderInTheWorldFrame) {
 TEST_F(SavedRunTest, StatesTheFieldOfViewOfItsCamera) {
   folder_.write("trajectory.txt", "1 0 0 0 0 0 0 1\n");
   folder_.write("camera.yaml",
-                "width: 640\nheight: 480\nfx: 400\nfy: 300\ncx: 320\ncy: 240\ndepth_scale: 5000\n");
+                "width: 640\nheight: 480\nfx: 400\nfy: 300\ncx: 320\ncy: 240\ndistortion: [0, 0, 0, 0, "
+                "0]\ndepth_scale: 5000\nfps: 30\n");
   EXPECT_EQ(hello(read_saved_run(folder_.path()))["frustum"], (json{0.8, 0.8}));
 }
 

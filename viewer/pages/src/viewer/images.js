@@ -39,10 +39,7 @@ export class Images {
     this.depth.closest('figure').hidden = true;
     if (this.keyframe === jpeg) return;
     this.keyframe = jpeg;
-    const bitmap = await decoded(jpeg);
-    if (!bitmap || this.keyframe !== jpeg) return bitmap?.close();
-    draw(this.color, bitmap);
-    bitmap.close();
+    await drawJpeg(this.color, jpeg, () => this.keyframe === jpeg);
     this.section.hidden = false;
   }
 
@@ -56,6 +53,13 @@ export class Images {
       paint.fillRect((x / FULL_SCALE) * width - 1, (y / FULL_SCALE) * height - 1, tracked ? 3 : 2, tracked ? 3 : 2);
     }
   }
+}
+
+/** Draws a JPEG if it is still wanted once decoded. */
+export async function drawJpeg(canvas, jpeg, isWanted = () => true) {
+  const bitmap = await decoded(jpeg);
+  if (bitmap && isWanted()) draw(canvas, bitmap);
+  bitmap?.close();
 }
 
 /** The image; undefined if it is damaged: the next one comes soon. */

@@ -15,6 +15,9 @@ const KEYS = [
   ['3', '3', 'side view', 'side'],
   ['4', '4', 'follow the camera', 'follow'],
   ['5', '5', 'view from inside a room', 'inside'],
+  ['Enter', 'Enter', 'pick or measure at the centre of the view', 'pickCentre'],
+  ['m', 'M', 'next tool: select, distance, angle, height', 'nextTool'],
+  ['Delete', 'Del', 'remove all measures', 'clear'],
   ['c', 'C', 'next colouring', 'nextColor'],
   ['u', 'U', 'next up axis, for files that do not specify it', 'nextUp'],
   ['g', 'G', 'floor grid on or off', 'grid'],
@@ -43,9 +46,9 @@ export function listenToKeys(actions, table) {
   });
 }
 
-/** Letters select in a list, the space bar toggles a checkbox, and arrows move a slider. */
+/** Letters select in a list, the space bar toggles a checkbox, arrows move a slider, and Enter presses a button. */
 function isHandledByElement({ target, key }) {
-  return target.matches('select, dialog *') || ((key === ' ' || MOVES.includes(key)) && target.matches('input'));
+  return target.matches('select, dialog *') || (key === 'Enter' && target.matches('button, summary')) || ((key === ' ' || MOVES.includes(key)) && target.matches('input'));
 }
 
 function row(written, what) {

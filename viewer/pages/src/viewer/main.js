@@ -7,7 +7,8 @@
 //   cameraControls.js  viewpoint         floor.js    the grid                       drawer.js    the panel of a phone
 //   framing.js     extent of the map     interior.js  the view from inside a room   scaleBar.js  a length
 //   eyeDome.js     shading               timeline.js  replay of a saved run         theme.js     light or dark
-//   keyframePictures.js  images in 3D    timelineBar.js  its drawing
+//   keyframePictures.js  images in 3D    timelineBar.js  its drawing                clipBox.js   clipping to a box
+//   picking.js     what a click hits     measures.js  distances, angles, heights    picked.js    what a click shows
 
 import './viewer.css';
 import { Connection } from './connection.js';
@@ -47,6 +48,7 @@ function onHello(hello) {
     timeline.clear();
     view.cameraControls.touched = false;
     panel.cut.set(Infinity);
+    panel.clear();
     loops = 0;
   }
   run = hello.run;
@@ -59,4 +61,4 @@ function showLoopBanner(count) {
 }
 
 // For tests and measurements.
-window.kinloop = { world, view, connection, timeline };
+window.kinloop = { world, view, connection, timeline, panel };

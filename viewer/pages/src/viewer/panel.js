@@ -4,9 +4,13 @@ import { Vector3 } from 'three';
 
 import { COLOR_MODES } from '../shared/cloudMaterial.js';
 import { lengthText } from '../shared/format.js';
+import { ClipBox } from './clipBox.js';
 import { HeightCut } from './cut.js';
 import { makeCollapsible } from './drawer.js';
 import { listenToKeys } from './keys.js';
+import { Measures } from './measures.js';
+import { Picked } from './picked.js';
+import { listenToClicks, pickKeyframe, pickPlace } from './picking.js';
 import { RunState } from './runState.js';
 import { showScale } from './scaleBar.js';
 import { listenToTheme } from './theme.js';
@@ -19,8 +23,12 @@ export class Panel {
     Object.assign(this, { world, view, connection, timeline });
     this.state = new RunState();
     this.cut = new HeightCut(at('cut'), at('cutAt'), view);
+    this.clip = new ClipBox(document.querySelectorAll('[data-clip]'), view);
+    this.measures = new Measures(view, at('measures'));
+    this.picked = new Picked(this, at('picked'));
     this.listenToRun();
     this.listenToView();
+    this.listenToPicks();
     listenToTheme(at('theme'));
     makeCollapsible(at('row'));
     listenToKeys(this.actions(), at('keys'));
@@ -29,7 +37,10 @@ export class Panel {
       this.offer();
       at('gridStep').textContent = `(${lengthText(view.floor.stepM)})`;
     };
-    view.onDrawn = () => showScale(at('scale'), view.metresPerPixel);
+    view.onDrawn = () => {
+      showScale(at('scale'), view.metresPerPixel);
+      this.measures.drawLabels();
+    };
   }
 
   listenToRun() {
@@ -68,6 +79,29 @@ export class Panel {
     at('help').onclick = () => at('helpTable').showModal();
   }
 
+  listenToPicks() {
+    const canvas = this.view.renderer.domElement;
+    listenToClicks(canvas, (x, y) => this.pick(x, y));
+    document.querySelectorAll('[name=tool]').forEach((input) => (input.onchange = () => this.measures.choose(input.value)));
+    at('clearMeasures').onclick = () => this.measures.clear();
+    at('unclip').onclick = () => this.clip.reset();
+  }
+
+  /** What a click at (x, y) does: measures, or shows a keyframe or point. */
+  pick(x, y) {
+    const { view, picked, measures } = this;
+    const keyframe = measures.kind ? undefined : pickKeyframe(view, x, y);
+    if (keyframe !== undefined) return picked.showKeyframe(keyframe);
+    const place = pickPlace(view, x, y);
+    if (!place) return measures.kind ? undefined : picked.clear();
+    return measures.kind ? measures.add(place) : picked.showPlace(place);
+  }
+
+  pickCentre() {
+    const { clientWidth, clientHeight } = this.view.renderer.domElement;
+    this.pick(clientWidth / 2, clientHeight / 2);
+  }
+
   /** Hides the controls that do not apply to what there is. */
   offer() {
     const { world, view } = this;
@@ -93,6 +127,9 @@ export class Panel {
       later: ({ shiftKey }) => timeline.step(1, shiftKey),
       first: () => (timeline.shown ? timeline.jump(0) : this.fit()),
       last: () => timeline.jumpToEnd(),
+      pickCentre: () => this.pickCentre(),
+      nextTool: () => checkNext('tool'),
+      clear: () => this.clear(),
       follow: () => this.setCamera('follow'),
       loops: () => document.querySelector('[data-layer=loops]').click(),
       nextColor: () => selectNext(at('color')),
@@ -121,8 +158,15 @@ export class Panel {
     cameraControls.fit(this.view.contents());
   }
 
+  /** Removes all measures and what is shown of a click. */
+  clear() {
+    this.measures.clear();
+    this.picked.clear();
+  }
+
   /** Restores the initial view. */
   reset() {
+    this.clip.reset();
     this.cut.set(Infinity);
     this.show(this.home);
   }
@@ -165,6 +209,12 @@ export class Panel {
 function select(list, value) {
   list.value = value;
   list.onchange({ target: list });
+}
+
+/** Checks the next of the radio buttons with that name. */
+function checkNext(name) {
+  const inputs = [...document.querySelectorAll(`[name=${name}]`)];
+  inputs[(inputs.findIndex(({ checked }) => checked) + 1) % inputs.length].click();
 }
 
 /** Among the enabled options. */

@@ -19,6 +19,7 @@ export class Timeline {
 
   clear() {
     this.frames = undefined;
+    this.keyframes = undefined;
     this.frame = undefined; // none is shown yet
     this.playing = false;
     at('timeline').hidden = true;
@@ -45,6 +46,11 @@ export class Timeline {
     if (!this.frames) return;
     const frameOf = new Map(this.keyframes.map((frame) => [this.frames.keyframe[frame], frame]));
     this.bar.markLoops([...this.world.loops].map((keyframe) => frameOf.get(keyframe)).filter((frame) => frame !== undefined));
+  }
+
+  /** The frame that became a keyframe; undefined if it is not known. */
+  frameOf(keyframe) {
+    return this.keyframes?.find((frame) => this.frames.keyframe[frame] === keyframe);
   }
 
   get shown() {

@@ -32,6 +32,7 @@ export class View {
     this.box = new Box3(); // their bounding box
     this.pointSizeCm = 1.6;
     this.cutAtM = Infinity; // points above this height are not drawn
+    this.clip = new Box3(new Vector3().setScalar(-Infinity), new Vector3().setScalar(Infinity)); // nor those outside
     this.ceilingM = undefined; // height of the ceiling's lower side, if there is one
     this.hidesCeiling = true; // from a viewpoint above it
     this.isOriented = false; // whether up is known, so that there may be a room
@@ -99,19 +100,30 @@ export class View {
   }
 
   draw() {
-    const { uniforms, cutPlane } = this.world;
+    const { uniforms } = this.world;
     const { camera } = this.cameraControls;
-    const cutAtM = Math.min(this.cutAtM, this.hidesCeiling && camera.position.y > this.ceilingM ? this.ceilingM : Infinity);
     uniforms.pixelsPerRadian.value = this.cameraControls.pixelsPerRadian(this.renderer.domElement.height);
     uniforms.pointSizeCm.value = this.pointSizeCm * Math.min(1, this.radiusM / ROOM_M) * Math.min(LARGEST, 1 / Math.sqrt(this.share));
-    uniforms.cutAtM.value = cutAtM;
-    cutPlane.constant = Math.min(cutAtM, Number.MAX_SAFE_INTEGER);
+    this.world.clipTo(this.drawnBox());
     this.world.thin(this.share);
     this.shaded = this.shades && this.shadesMoving;
     if (this.shaded) this.eyeDome.render(this.renderer, this.scene, camera);
     else this.renderer.render(this.scene, camera);
     this.dirty = false;
     this.onDrawn();
+  }
+
+  /** What is drawn: inside the box, below the cut, and without the ceiling while that is seen from above. */
+  drawnBox() {
+    const seesCeiling = this.hidesCeiling && this.cameraControls.camera.position.y > this.ceilingM;
+    const box = this.clip.clone();
+    box.max.y = Math.min(box.max.y, this.cutAtM, seesCeiling ? this.ceilingM : Infinity);
+    return box;
+  }
+
+  /** Whether a point of the map is drawn. */
+  isShown(place) {
+    return this.drawnBox().containsPoint(place);
   }
 
   /** Measures the map's extent, for its colours, the floor, the cut, and to fit it into the view. */
@@ -135,9 +147,9 @@ export class View {
     return this.box.isEmpty() ? ROOM_M : Math.max(1e-6, this.box.getSize(new Vector3()).length() / 2);
   }
 
-  /** The visible content: points of the map up to the cut, and the keyframes. */
+  /** The visible content: points of the map inside the box and up to the cut, and the keyframes. */
   contents() {
-    return this.places.filter((place) => place.y <= this.cutAtM).concat(this.keyframePlaces());
+    return this.places.filter((place) => place.y <= this.cutAtM && this.clip.containsPoint(place)).concat(this.keyframePlaces());
   }
 
   keyframePlaces() {
@@ -154,7 +166,12 @@ export class View {
 
   /** Size of a pixel at the centre of the view. */
   get metresPerPixel() {
-    return this.cameraControls.distanceM / this.cameraControls.pixelsPerRadian(this.renderer.domElement.clientHeight);
+    return this.cameraControls.distanceM / this.pixelsPerRadian;
+  }
+
+  /** Pixels of the page that an object of 1 m at a distance of 1 m covers. */
+  get pixelsPerRadian() {
+    return this.cameraControls.pixelsPerRadian(this.renderer.domElement.clientHeight);
   }
 
   /** The view as a PNG blob, with every point. */

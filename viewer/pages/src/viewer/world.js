@@ -2,7 +2,7 @@
 
 import { Group, Matrix4, Plane, Quaternion, Vector3 } from 'three';
 
-import { sharedUniforms } from '../shared/cloudMaterial.js';
+import { FAR_M, sharedUniforms } from '../shared/cloudMaterial.js';
 import { cloudPiece, placePiece, thinPiece } from '../shared/cloudPiece.js';
 import { KeyframePictures, pictureMesh, placePicture, showIn } from './keyframePictures.js';
 import { Lines } from './lines.js';
@@ -18,7 +18,8 @@ const OWN_WORLD = new Matrix4();
 export class World {
   constructor() {
     this.uniforms = sharedUniforms();
-    this.cutPlane = new Plane(new Vector3(0, -1, 0)); // clips meshes above it; points use a uniform
+    // Of meshes: those of the lower bounds, then of the upper ones. Points use uniforms.
+    this.clipPlanes = [1, -1].flatMap((sign) => [0, 1, 2].map((axis) => new Plane(new Vector3().setComponent(axis, sign))));
     this.group = new Group(); // rotated so that up points up
     this.layers = {};
     for (const name of ['cloud', 'mesh', 'path', 'keyframes', 'images', 'covisibility', 'loops', 'truth']) {
@@ -79,7 +80,7 @@ export class World {
       loops: () => (this.loops = body),
       doubt: () => (this.doubt = body),
       cloud: () => this.takePiece(index, body),
-      mesh: () => this.addModel(meshOf(body, this.cutPlane)),
+      mesh: () => this.addModel(meshOf(body, this.clipPlanes)),
       model: () => this.takeModel(body),
       truth: () => (this.truth = body),
       keyframeImage: () => this.pictures.take(index, body),
@@ -103,7 +104,7 @@ export class World {
 
   async takeModel(buffer) {
     try {
-      this.addModel(await readModel(buffer, this.cutPlane));
+      this.addModel(await readModel(buffer, this.clipPlanes));
     } catch (error) {
       this.onProblem(`The mesh cannot be shown: ${error.message}`);
     }
@@ -127,6 +128,14 @@ export class World {
       loops: this.loops.length > 0,
       truth: this.truth.length > 0,
     }[layer];
+  }
+
+  /** Draws only what is inside the box, which may be unbounded. */
+  clipTo({ min, max }) {
+    this.uniforms.clipLowM.value.copy(min).clampScalar(-FAR_M, FAR_M);
+    this.uniforms.clipHighM.value.copy(max).clampScalar(-FAR_M, FAR_M);
+    const [low, high] = [this.uniforms.clipLowM.value.toArray(), this.uniforms.clipHighM.value.toArray()];
+    this.clipPlanes.forEach((plane, i) => (plane.constant = i < 3 ? -low[i] : high[i - 3]));
   }
 
   /** Pairs of a model's object and its vertices. */
