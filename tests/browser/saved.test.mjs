@@ -71,7 +71,7 @@ async function checkLook(page, shoot) {
   await page.uncheck('[data-layer=cloud]');
   assert.ok(!(await shown('cloud')) && (await shown('mesh')), 'or separately');
   await page.check('[data-layer=cloud]');
-  await until(() => page.isVisible('[data-layer=images]'), 'the images of keyframes arrive');
+  await until(() => page.isVisible('[data-layer=images]'), 'they arrive again');
   await page.check('[data-layer=images]');
   await until(() => page.evaluate(() => window.kinloop.world.layers.images.children.filter(({ visible }) => visible).length > 10), 'they stand in the scene');
   await shoot(page, 'view-images');
@@ -139,6 +139,13 @@ async function checkTimeline(page, open, shoot) {
   await shoot(page, 'view-timeline');
   const linked = await open(page.url());
   await until(async () => (await linked.textContent('#momentText')) === middle, 'a link opens at its moment');
+
+  // On a phone a panel opens above it.
+  await linked.setViewportSize({ width: 390, height: 844 });
+  await linked.click('#row [data-opens=options]');
+  const [panel, bar] = [await linked.locator('#panel').boundingBox(), await linked.locator('#timeline').boundingBox()];
+  assert.ok(panel.y >= 0 && panel.y + panel.height <= bar.y + 1, 'the panel and the timeline do not overlap');
+  await shoot(linked, 'view-phone');
   await linked.close();
 }
 
@@ -230,6 +237,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     const [download] = await Promise.all([page.waitForEvent('download'), page.click('#screenshot')]);
     assert.equal(download.suggestedFilename(), 'kinloop.png');
     await page.waitForTimeout(500);
+    if (what !== cloud) await until(() => page.isVisible('[data-layer=images]'), 'the images of keyframes arrive');
     const layers = await page.locator('[data-layer]:visible').evaluateAll((all) => all.map(({ dataset }) => dataset.layer));
     const ofRun = ['path', 'keyframes', 'images', 'truth', 'loops'];
     assert.deepEqual(layers, { [out]: ['cloud', 'mesh', ...ofRun], [map]: ['cloud', ...ofRun.filter((layer) => layer !== 'truth')], [cloud]: ['cloud'] }[what], 'only what applies');
