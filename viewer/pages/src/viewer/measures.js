@@ -107,6 +107,7 @@ export class Measures {
 
   /** Draws the labels over the view. */
   drawLabels() {
+    if (this.done.length === 0) return;
     const { clientWidth, clientHeight } = this.view.renderer.domElement;
     this.labels.setSize(clientWidth, clientHeight);
     this.labels.render(this.view.scene, this.view.cameraControls.camera);

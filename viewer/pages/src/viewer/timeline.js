@@ -22,6 +22,7 @@ export class Timeline {
     this.keyframes = undefined;
     this.frame = undefined; // none is shown yet
     this.playing = false;
+    at('play').textContent = 'Play';
     at('timeline').hidden = true;
     document.body.classList.remove('timed');
     this.world.moveCamera(undefined);
