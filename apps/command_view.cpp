@@ -1,6 +1,8 @@
 // kinloop view: shows the results of a run in a browser.
 
+#include <chrono>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <utility>
 
@@ -10,10 +12,12 @@
 #include "apps/shared/commands.hpp"
 #include "apps/shared/interrupt.hpp"
 #include "apps/shared/progress_bar.hpp"
+#include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/io/run_folder.hpp"
 #include "session/map_store.hpp"
+#include "viewer/keyframe_images.hpp"
 #include "viewer/report/report.hpp"
 #include "viewer/saved_run.hpp"
 #include "viewer/server/service.hpp"
@@ -25,6 +29,10 @@ struct ViewArguments {
   std::filesystem::path path;
   std::string listen;
 };
+
+bool is_map_file(const std::filesystem::path& path) {
+  return path.extension() == std::filesystem::path(kMapFileName).extension();
+}
 
 /// Converts a map file for display: the last run's path, the keyframes of all runs, and a newly fused cloud.
 SavedRun shown_map(const std::filesystem::path& file) {
@@ -43,18 +51,43 @@ SavedRun shown_map(const std::filesystem::path& file) {
   return run;
 }
 
+/// The images of the keyframes; none if there is no map file, or a damaged one: all else can be shown.
+std::vector<KeyframeImage> keyframe_images(const std::filesystem::path& path, const SavedRun& run) {
+  const auto map = is_map_file(path) ? path : path / kMapFileName;
+  if (!std::filesystem::exists(map)) return {};
+  try {
+    return read_keyframe_images(map, run.keyframes);
+  } catch (const InputError& error) {
+    log::warn("the images of keyframes are not shown: {}", error.what());
+    return {};
+  }
+}
+
+/// Fills the scene: first the run, then the images, which take longer to read.
+class SavedRunFeed {
+ public:
+  explicit SavedRunFeed(const std::filesystem::path& path)
+      : run_(is_map_file(path) ? shown_map(path) : read_saved_run(path)),
+        images_(std::async(std::launch::async, [this, path] { return keyframe_images(path, run_); })) {}
+
+  void update(Scene& scene) {
+    if (!std::exchange(shown_, true)) return show_saved_run(scene, run_);
+    if (!images_.valid() || images_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    for (KeyframeImage& image : images_.get())
+      scene.put(PartKind::kKeyframeImage, image.keyframe, std::move(image.jpeg));
+  }
+
+ private:
+  SavedRun run_;
+  bool shown_ = false;
+  std::future<std::vector<KeyframeImage>> images_;  // last member: it uses the run
+};
+
 void view(const ViewArguments& arguments) {
   const ListenAddress listen = parse_listen_address(arguments.listen);
-  const SavedRun run = arguments.path.extension() == std::filesystem::path(kMapFileName).extension()
-                           ? shown_map(arguments.path)
-                           : read_saved_run(arguments.path);
-  bool shown = false;
+  SavedRunFeed feed(arguments.path);
   const ViewerService service(
-      listen,
-      [&](Scene& scene, size_t) {
-        if (!std::exchange(shown, true)) show_saved_run(scene, run);
-      },
-      [](Command) {});
+      listen, [&](Scene& scene, size_t) { feed.update(scene); }, [](Command) {});
   install_interrupt_handler();
   log::info("viewer at {}; press Ctrl-C to stop", service.url());
   wait_for_interrupt();

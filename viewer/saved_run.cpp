@@ -1,13 +1,18 @@
 #include "viewer/saved_run.hpp"
 
+#include <algorithm>
+#include <unordered_map>
+
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/text/lower_case.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/geometry/up_direction.hpp"
+#include "kinloop/io/file_frame.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/io/run_folder.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "tools/evaluation/evaluate.hpp"
 #include "viewer/point_files/glb_file.hpp"
 #include "viewer/point_files/point_file.hpp"
@@ -24,6 +29,28 @@ using nlohmann::json;
 
 Trajectory read_if_there(const fs::path& path) {
   return fs::exists(path) ? read_tum_trajectory(path) : Trajectory();
+}
+
+/// The index of each pose by its stamp.
+std::unordered_map<int64_t, uint32_t> index_by_stamp(const Trajectory& poses) {
+  std::unordered_map<int64_t, uint32_t> index_of;
+  for (uint32_t i = 0; i < poses.size(); ++i) index_of.emplace(poses[i].stamp_ns, i);
+  return index_of;
+}
+
+FrameStatus frame_status(const std::string& status) {
+  if (status == "lost") return FrameStatus::kLost;
+  return status == "doubtful" ? FrameStatus::kDoubtful : FrameStatus::kTracked;
+}
+
+/// The frames of the path, for a run without a frame table.
+FrameTable frames_of_path(const SavedRun& run) {
+  FrameTable frames;
+  for (const StampedPose& pose : run.path) {
+    const bool doubtful = std::binary_search(run.doubt_ns.begin(), run.doubt_ns.end(), pose.stamp_ns);
+    frames.push_back({.stamp_ns = pose.stamp_ns, .status = doubtful ? "doubtful" : "tracked"});
+  }
+  return frames;
 }
 
 KeyframeId keyframe_at(const Trajectory& keyframes, const json& loop, const char* key) {
@@ -133,15 +160,36 @@ SavedRun read_single_file(const fs::path& path) {
       "{}: cannot be shown; give the folder of a run, or a .kinmap, .ply, .pcd or .glb file", path.string()));
 }
 
+/// A mesh that `kinloop mesh` wrote into the folder.
+void read_mesh(const fs::path& folder, SavedRun& run) {
+  if (const fs::path glb = folder / "mesh.glb"; fs::exists(glb)) {
+    run.model = read_glb(glb);
+    return;
+  }
+  const fs::path ply = folder / "mesh.ply";
+  if (!fs::exists(ply)) return;
+  PointFile file = read_any_ply(ply);
+  const FileFrame frame = parse_frame_comments(file.comments);
+  const auto R_world_file = frame.T_file_world().inverse().rotation.cast<float>();
+  for (Eigen::Vector3f& point : file.mesh.points) point = R_world_file * point;
+  run.mesh = std::move(file.mesh);
+}
+
 SavedRun read_folder(const fs::path& path) {
   SavedRun run;
   const auto folder = RunFolder::open_existing(path);
   run.path = read_tum_trajectory(folder.trajectory());
   run.keyframes = read_if_there(folder.keyframes());
   run.truth = read_if_there(folder.ground_truth());
-  if (fs::exists(folder.frames())) run.doubt_ns = doubt_of(read_frame_table(folder.frames()));
+  if (fs::exists(folder.frames())) run.frames = read_frame_table(folder.frames());
+  run.doubt_ns = doubt_of(run.frames);
   if (fs::exists(folder.map())) run.cloud = read_ply(folder.map());
   if (fs::exists(folder.run_json())) run.metrics = read_run_json(folder.run_json());
+  read_mesh(path, run);
+  if (fs::exists(folder.camera())) {
+    const PinholeCamera camera = read_camera_file(folder.camera()).color;
+    run.half_size_at_1m = {camera.width / camera.fx / 2, camera.height / camera.fy / 2};
+  }
   run.loops = loops_of(run.metrics, run.keyframes);
   run.up = read_up_direction(run.metrics, run.path);
   return run;
@@ -182,6 +230,28 @@ std::vector<int64_t> doubt_of(std::span<const TrackedFrame> log) {
   return doubt_ns;
 }
 
+std::vector<TimelineFrame> timeline_of(const SavedRun& run) {
+  const auto place = index_by_stamp(run.path), keyframe = index_by_stamp(run.keyframes);
+  std::vector<TimelineFrame> timeline;
+  for (const FrameRow& row : run.frames.empty() ? frames_of_path(run) : run.frames) {
+    TimelineFrame frame{.stamp_s = to_seconds(row.stamp_ns),
+                        .status = frame_status(row.status),
+                        .keyframe = {},
+                        .tracked = static_cast<float>(row.tracked),
+                        .sigma_m = static_cast<float>(row.sigma_m),
+                        .ms = static_cast<float>(row.ms),
+                        .T_world_camera = {}};
+    if (const auto at = keyframe.find(row.stamp_ns); at != keyframe.end())
+      frame.keyframe = KeyframeId{at->second};
+    if (const auto at = place.find(row.stamp_ns); at != place.end())
+      frame.T_world_camera = run.path[at->second].T_world_camera;
+    timeline.push_back(frame);
+  }
+  std::sort(timeline.begin(), timeline.end(),
+            [](const auto& a, const auto& b) { return a.stamp_s < b.stamp_s; });
+  return timeline;
+}
+
 SavedRun read_saved_run(const fs::path& path) {
   SavedRun run = fs::is_directory(path) ? read_folder(path) : read_single_file(path);
   run.name = run_name(run.metrics, path);
@@ -195,12 +265,14 @@ void show_saved_run(Scene& scene, const SavedRun& run) {
                          {"live", false},
                          {"colors", colorings_of(run)},
                          {"upKnown", run.up_known},
-                         {"frustum", {0.6, 0.45}}}));
+                         {"frustum", {run.half_size_at_1m.x(), run.half_size_at_1m.y()}}}));
   show_paths(scene, run);
   const auto ate = show_truth(scene, run);
   json status = status_of(run);
   if (ate) status["ateM"] = ate->error_m.rmse;
   scene.put(PartKind::kStatus, 0, encode_json(status));
+  if (const auto timeline = timeline_of(run); !timeline.empty())
+    scene.put(PartKind::kTimeline, 0, encode_timeline(timeline));
   uint32_t index = 0;
   for (const CloudPiece& piece : split_into_pieces(run.cloud)) {
     scene.put(PartKind::kCloud, index++, encode_cloud(piece));

@@ -9,6 +9,7 @@
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/map/tracked_frame.hpp"
 #include "session/viewer_options.hpp"
+#include "viewer/report/frame_table.hpp"
 #include "viewer/scene/scene.hpp"
 
 namespace kinloop {
@@ -17,12 +18,15 @@ struct SavedRun {
   std::string name;
   ColoredCloud cloud;
   Trajectory path, keyframes, truth;                     ///< each may be empty
+  FrameTable frames;                                     ///< empty if unknown
   std::vector<int64_t> doubt_ns;                         ///< stamps of doubtful and lost frames, in order
   std::vector<std::pair<KeyframeId, KeyframeId>> loops;  ///< indices into `keyframes`
   nlohmann::json metrics;                                ///< run.json
   Eigen::Vector3d up = {0, -1, 0};                       ///< in the world frame
 
-  // Alternative content of a single file.
+  Eigen::Vector2d half_size_at_1m = {0.6, 0.45};  ///< of the image
+
+  // Content of a single file, or of mesh.ply or mesh.glb in the folder.
   ColoredMesh mesh;
   std::string model;     ///< bytes of a GLB file
   bool colored = true;   ///< whether the points have colours
@@ -35,6 +39,9 @@ std::vector<int64_t> doubt_of(std::span<const TrackedFrame> log);
 /// Reads the folder of a run, in which only trajectory.txt is required, or a PLY, PCD or GLB file. Throws
 /// InputError naming what is missing or damaged.
 SavedRun read_saved_run(const std::filesystem::path& path);
+
+/// Returns the frames of a run for its timeline; without a frame table, those of the path.
+std::vector<TimelineFrame> timeline_of(const SavedRun& run);
 
 /// Fills the scene with it.
 void show_saved_run(Scene& scene, const SavedRun& run);

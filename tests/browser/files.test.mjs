@@ -9,8 +9,8 @@ import { withBrowser, paintedPixels, seen, until } from './harness.mjs';
 
 const ROOM_M = [4, 3, 2.5];
 
-/** A box of points with z up and some outliers, as ascii PLY with doubles. */
-function cloudWithOutliers() {
+/** A box of points with z up and some outliers, as ascii PLY with doubles; `comment`: a line of its header. */
+function cloudWithOutliers(comment = 'comment of another program') {
   const points = [];
   for (let i = 0; i < 20_000; ++i) {
     const place = ROOM_M.map((size, k) => size * ((i * [0.7548776662, 0.5698402909, 0.3819660113][k]) % 1));
@@ -19,7 +19,7 @@ function cloudWithOutliers() {
   }
   const properties = ['x', 'y', 'z'].map((name) => `property double ${name}\n`).join('');
   const lines = points.map((point) => point.join(' ')).join('\n');
-  return `ply\nformat ascii 1.0\nelement vertex ${points.length}\n${properties}end_header\n${lines}\n`;
+  return `ply\nformat ascii 1.0\n${comment}\nelement vertex ${points.length}\n${properties}end_header\n${lines}\n`;
 }
 
 const MESH = `ply
@@ -101,23 +101,24 @@ function glb() {
   return Buffer.concat([words(0x46546c67, 2, size), ...chunks]);
 }
 
-/** Screen positions of the eight corners of the room, and the size of the screen, px. */
-function cornersOnScreen(page) {
-  return page.evaluate((size) => {
+/** The eight corners of the room. */
+const CORNERS = [0, 1, 2, 3, 4, 5, 6, 7].map((bits) => ROOM_M.map((s, k) => (bits & (1 << k) ? s : 0)));
+
+/** Screen positions of places in the room, and the size of the screen, px. */
+function onScreen(page, places) {
+  return page.evaluate((all) => {
     const { world, view } = window.kinloop;
     const { camera } = view.cameraControls;
     const canvas = view.renderer.domElement;
-    const places = [0, 1, 2, 3, 4, 5, 6, 7].map((bits) =>
-      camera.position.clone().fromArray(size.map((s, k) => (bits & (1 << k) ? s : 0))).applyMatrix4(world.group.matrixWorld).project(camera),
-    );
+    const projected = all.map((place) => camera.position.clone().fromArray(place).applyMatrix4(world.group.matrixWorld).project(camera));
     const box = canvas.getBoundingClientRect();
-    return places.map(({ x, y }) => [((x + 1) / 2) * box.width, ((1 - y) / 2) * box.height, box.width, box.height]);
-  }, ROOM_M);
+    return projected.map(({ x, y }) => [((x + 1) / 2) * box.width, ((1 - y) / 2) * box.height, box.width, box.height]);
+  }, places);
 }
 
 /** Everything is in view, and large: the corners span most of the width or of the height. */
 async function assertFramed(page, name) {
-  const corners = await cornersOnScreen(page);
+  const corners = await onScreen(page, CORNERS);
   const [, , width, height] = corners[0];
   for (const [x, y] of corners) assert.ok(x > -1 && y > -1 && x < width + 1 && y < height + 1, `${name}: ${x} ${y} of ${width} x ${height}`);
   const span = (axis) => Math.max(...corners.map((c) => c[axis])) - Math.min(...corners.map((c) => c[axis]));
@@ -135,8 +136,9 @@ function brightness(page) {
     const { data } = paint.getImageData(0, 0, copy.width, copy.height);
     let [sum, painted] = [0, 0];
     for (let i = 0; i < data.length; i += 4) {
+      if (data[i + 3] < 255) continue; // an outline before the background
       sum += data[i] + data[i + 1] + data[i + 2];
-      painted += data[i + 3] > 0;
+      ++painted;
     }
     return sum / (3 * Math.max(1, painted));
   });
@@ -167,6 +169,29 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     else await checkPhone(page, name);
     await page.close();
   }
+
+  // A room whose up direction is known: seen from inside at first, and without its ceiling from above.
+  const room = await view('known.ply', cloudWithOutliers('comment frame z-up'));
+  const heights = () =>
+    room.evaluate(() => {
+      const { view, world } = window.kinloop;
+      const floorM = view.box.min.y;
+      return { eyeM: view.cameraControls.camera.position.y - floorM, ceilingM: view.ceilingM - floorM, cutM: world.uniforms.clipHighM.value.y - floorM };
+    });
+  const inside = await heights();
+  assert.ok(Math.abs(inside.eyeM - 1.6) < 0.05, `the eye is ${inside.eyeM} m above the floor`);
+  assert.ok(inside.ceilingM > 0.9 * ROOM_M[2] && inside.ceilingM < ROOM_M[2], `a ceiling at ${inside.ceilingM} m`);
+  assert.ok(inside.cutM > 1e6, 'the ceiling is seen from inside');
+  await shoot(room, 'view-inside');
+  await room.keyboard.press('1');
+  await until(async () => Math.abs((await heights()).cutM - inside.ceilingM) < 1e-6, 'it is hidden from above');
+  await settled(room);
+  await shoot(room, 'view-without-ceiling');
+  await room.uncheck('#ceiling');
+  await until(async () => (await heights()).cutM > 1e6, 'unless the user wants it');
+  await room.check('#ceiling');
+  await checkMeasures(room, shoot);
+  await room.close();
 
   // Meshes and other formats.
   for (const [name, content, facts, pixels] of [['mesh.ply', MESH, 'triangles', 20_000], ['cloud.pcd', PCD, 'points', 950], ['mesh.glb', glb(), '', 20_000]]) {
@@ -259,6 +284,63 @@ async function checkDesktop(page) {
   assert.ok((await page.innerText('#helpTable')).includes('floor grid on or off'));
   await page.keyboard.press('Escape');
   assert.ok(!(await page.isVisible('#helpTable')));
+}
+
+/** Points of the room are picked, and its walls measured, by pointer and by keyboard; it is clipped to a box. */
+async function checkMeasures(page, shoot) {
+  await page.keyboard.press('2');
+  await settled(page);
+  // A right angle on the floor, seen from above.
+  const places = await onScreen(page, [[0.5, 0.5, 0], [3.5, 0.5, 0], [0.5, 2.5, 0]]);
+  const click = (i) => page.mouse.click(...places[i].slice(0, 2));
+  const measures = () => page.locator('#measures li').allTextContents();
+  const lengthM = (text) => parseFloat(text.match(/[\d.]+/)[0]);
+  await page.check('[name=tool][value=distance]');
+  await click(0);
+  await click(1);
+  const [width] = await measures();
+  assert.match(width, /^distance [\d.]+ m/);
+  assert.ok(Math.abs(lengthM(width) - 3) < 0.15, `${width} of 3 m`);
+  await page.check('[name=tool][value=angle]');
+  for (const corner of [1, 0, 2]) await click(corner);
+  const angle = (await measures())[1];
+  assert.ok(Math.abs(lengthM(angle) - 90) < 5, angle);
+  await until(async () => (await page.locator('.measure').count()) === 2, 'labels stand in the scene');
+  await shoot(page, 'view-measures');
+  await page.click('#measures button >> nth=0');
+  assert.deepEqual(await measures(), [angle], 'one is removed');
+  await page.keyboard.press('Delete');
+  assert.deepEqual(await measures(), []);
+
+  // By keyboard alone: the point at the centre of the view, from above and from inside.
+  await page.locator('#scene').focus();
+  await page.keyboard.press('m'); // height
+  assert.ok(await page.isChecked('[name=tool][value=height]'));
+  await page.keyboard.press('Enter');
+  await page.keyboard.press('5');
+  await settled(page);
+  await page.keyboard.press('Enter');
+  const [height] = await measures();
+  assert.match(height, /^height [\d.]+ c?m/);
+  await page.keyboard.press('Delete');
+  await page.keyboard.press('m'); // select
+  await page.keyboard.press('Enter');
+  assert.match(await page.textContent('#picked'), /point.*x, y, z.*above the floor.*from the viewpoint/s);
+
+  // The box: half of the map is hidden, and cannot be picked.
+  await page.click('#measuring summary');
+  await page.locator('[data-clip="max x"]').fill('50');
+  const isClipped = () =>
+    page.evaluate(() => {
+      const { view, world } = window.kinloop;
+      const middle = (view.box.min.x + view.box.max.x) / 2;
+      return Math.abs(world.uniforms.clipHighM.value.x - middle) < 1e-3 && Math.abs(world.clipPlanes[3].constant - middle) < 1e-3;
+    });
+  await until(isClipped, 'points and meshes are clipped');
+  assert.ok(await page.evaluate(() => !window.kinloop.view.isShown(window.kinloop.view.box.max)), 'outside nothing is shown');
+  await shoot(page, 'view-clipped');
+  await page.click('#unclip');
+  assert.ok(await page.evaluate(() => window.kinloop.view.isShown(window.kinloop.view.box.min)), 'the whole map');
 }
 
 async function checkPhone(page, name) {

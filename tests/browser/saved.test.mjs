@@ -25,6 +25,130 @@ function writeLongRun(folder) {
   writeFileSync(join(folder, 'run.json'), JSON.stringify({ frames: LONG_RUN, tracked: LONG_RUN, quality }));
 }
 
+const TRIANGLE = `ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+element face 1
+property list uchar int vertex_indices
+end_header
+0 0 1
+1 0 1
+1 1 1
+3 0 1 2
+`;
+
+/** Background, first view, shading, and layers that are shown together. */
+async function checkLook(page, shoot) {
+  const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
+  await page.emulateMedia({ colorScheme: 'dark' });
+  await until(async () => (await theme()) === 'dark', 'as the system prefers');
+  await shoot(page, 'view-dark');
+  await page.emulateMedia({ colorScheme: 'light' });
+  await until(async () => (await theme()) === 'light', 'it follows the system');
+  await page.selectOption('#theme', 'dark');
+  await page.reload();
+  assert.equal(await theme(), 'dark', 'the browser remembers it');
+  await page.selectOption('#theme', 'light');
+  await until(async () => (await seen(page)).points > 10_000, 'the cloud is there again');
+
+  const isInside = () => page.evaluate(() => window.kinloop.view.box.containsPoint(window.kinloop.view.cameraControls.camera.position));
+  await until(isInside, 'the first view is inside the room');
+  await page.keyboard.press('1');
+  await until(async () => !(await isInside()), 'the oblique view is outside');
+  await page.keyboard.press('r');
+  await until(isInside, 'a reset restores the first view');
+
+  const shaded = () => page.evaluate(() => window.kinloop.view.shaded);
+  await until(shaded, 'what rests is shaded');
+  await page.keyboard.press('e');
+  await until(async () => !(await shaded()), 'shading can be switched off');
+  await page.keyboard.press('e');
+  const shown = (layer) => page.evaluate((name) => window.kinloop.world.layers[name].visible, layer);
+  assert.ok((await shown('cloud')) && (await shown('mesh')), 'mesh and cloud together');
+  await page.uncheck('[data-layer=cloud]');
+  assert.ok(!(await shown('cloud')) && (await shown('mesh')), 'or separately');
+  await page.check('[data-layer=cloud]');
+  await until(() => page.isVisible('[data-layer=images]'), 'they arrive again');
+  await page.check('[data-layer=images]');
+  await until(() => page.evaluate(() => window.kinloop.world.layers.images.children.filter(({ visible }) => visible).length > 10), 'they stand in the scene');
+  await shoot(page, 'view-images');
+  await page.uncheck('[data-layer=images]');
+}
+
+/** A click on a keyframe shows it, with its loops, and moves the timeline there. */
+async function checkPicks(page, shoot) {
+  await page.keyboard.press('2');
+  await until(() => page.evaluate(() => !window.kinloop.view.cameraControls.goal), 'the view from above');
+  const [keyframe, x, y] = await page.evaluate(() => {
+    const { world, view } = window.kinloop;
+    const keyframe = world.loops[0];
+    const { clientWidth, clientHeight } = view.renderer.domElement;
+    const place = view.keyframePlaces()[keyframe].project(view.cameraControls.camera);
+    return [keyframe, ((place.x + 1) / 2) * clientWidth, ((1 - place.y) / 2) * clientHeight];
+  });
+  await page.mouse.click(x, y);
+  const picked = await page.textContent('#picked');
+  const number = Number(picked.match(/keyframe (\d+)/)[1]);
+  assert.ok(Math.abs(number - keyframe) <= 2, `${picked}: the keyframe at the pointer, or one beside it`);
+  assert.match(picked, /stamp[\d.]+ s/);
+  await until(async () => (await paintedPixels(page, '#picked canvas')) > 5000, 'its image');
+  assert.ok((await page.textContent('#momentText')).endsWith(`keyframe ${number}`), 'the timeline follows');
+  await page.evaluate((loop) => window.kinloop.panel.picked.showKeyframe(loop), keyframe);
+  assert.match(await page.textContent('#picked'), /loops with\d+/);
+  await shoot(page, 'view-picked');
+}
+
+/** Replay by keys and pointer, and the link to a moment. */
+async function checkTimeline(page, open, shoot) {
+  const moment = () => page.textContent('#momentText');
+  const camera = async () => (await seen(page)).camera;
+  const count = await page.evaluate(() => window.kinloop.timeline.frames.count);
+  await page.locator('#bar').focus();
+  await page.keyboard.press('End');
+  assert.match(await moment(), new RegExp(`frame ${count} of ${count}`));
+  assert.match(await page.getAttribute('#bar', 'aria-valuetext'), new RegExp(`frame ${count} of ${count}`));
+  const last = await camera();
+  await page.keyboard.press('ArrowLeft');
+  assert.match(await moment(), new RegExp(`frame ${count - 1} of ${count}`));
+  await page.keyboard.press('Shift+ArrowLeft');
+  assert.match(await moment(), /keyframe \d+/);
+  assert.notDeepEqual(await camera(), last, 'the camera moves');
+  await until(async () => (await paintedPixels(page, '#colorImage')) > 5000, 'the image of the nearest keyframe');
+  await until(() => page.evaluate(() => window.kinloop.world.cameraPicture.visible), 'it is in the frustum, too');
+  await page.keyboard.press('Home');
+  assert.match(await moment(), /frame 1 of/);
+  await page.selectOption('#speed', '0.5'); // so that it is not over before it can be paused
+  await page.locator('#bar').focus();
+  await page.keyboard.press('Space');
+  await until(async () => !(await moment()).includes('frame 1 of'), 'it plays');
+  await page.keyboard.press('Space');
+  assert.equal(await page.textContent('#play'), 'Play', 'it is paused');
+  await page.selectOption('#plotted', 'sigmaM');
+  assert.ok((await page.evaluate(() => window.kinloop.timeline.bar.loops.length)) >= 2, 'loops are marked');
+  assert.ok((await paintedPixels(page, '#bar')) > 5000, 'it is drawn');
+
+  const { x, y, width, height } = await page.locator('#bar').boundingBox();
+  await page.mouse.click(x + width / 2, y + height / 2);
+  const middle = await moment();
+  const [frame] = middle.match(/\d+ of/);
+  assert.ok(Math.abs(parseInt(frame) - count / 2) < 0.05 * count, `${middle}: the pointer seeks`);
+  await until(() => page.url().includes('#t='), 'the address is a link to the moment');
+  await shoot(page, 'view-timeline');
+  const linked = await open(page.url());
+  await until(async () => (await linked.textContent('#momentText')) === middle, 'a link opens at its moment');
+
+  // On a phone a panel opens above it.
+  await linked.setViewportSize({ width: 390, height: 844 });
+  await linked.click('#row [data-opens=options]');
+  const [panel, bar] = [await linked.locator('#panel').boundingBox(), await linked.locator('#timeline').boundingBox()];
+  assert.ok(panel.y >= 0 && panel.y + panel.height <= bar.y + 1, 'the panel and the timeline do not overlap');
+  await shoot(linked, 'view-phone');
+  await linked.close();
+}
+
 await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const [out, plain] = [join(folder, 'out'), join(folder, 'no_loop')];
   assert.equal(await kinloop('run', 'sim:room', '-q', '-o', out, ...FAST).ended, 0);
@@ -93,7 +217,8 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   assert.equal(await partial.getByText('A section cannot be shown').count(), 1);
   await partial.close();
 
-  // kinloop view DIR, a map file, and a single cloud.
+  // kinloop view DIR with a mesh in it, a map file, and a single cloud.
+  writeFileSync(join(out, 'mesh.ply'), TRIANGLE);
   const [map, cloud] = [join(out, 'map.kinmap'), join(out, 'map.ply')];
   for (const what of [out, map, cloud]) {
     const page = await open(await kinloop('view', what, '--port', '0').url());
@@ -112,6 +237,14 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     const [download] = await Promise.all([page.waitForEvent('download'), page.click('#screenshot')]);
     assert.equal(download.suggestedFilename(), 'kinloop.png');
     await page.waitForTimeout(500);
+    if (what !== cloud) await until(() => page.isVisible('[data-layer=images]'), 'the images of keyframes arrive');
+    const layers = await page.locator('[data-layer]:visible').evaluateAll((all) => all.map(({ dataset }) => dataset.layer));
+    const ofRun = ['path', 'keyframes', 'images', 'truth', 'loops'];
+    assert.deepEqual(layers, { [out]: ['cloud', 'mesh', ...ofRun], [map]: ['cloud', ...ofRun.filter((layer) => layer !== 'truth')], [cloud]: ['cloud'] }[what], 'only what applies');
+    assert.equal(await page.isVisible('#timeline'), what !== cloud, 'what has frames has a timeline');
+    if (what === out) await checkLook(page, shoot);
+    if (what === out) await checkTimeline(page, open, shoot);
+    if (what === out) await checkPicks(page, shoot);
     await shoot(page, { [out]: 'view-folder', [map]: 'view-map', [cloud]: 'view-cloud' }[what]);
 
     // Another run takes the place of this one: the renderer keeps nothing of it.

@@ -2,16 +2,22 @@
 
 #include "viewer/saved_run.hpp"
 
+#include <cmath>
 #include <cstring>
 #include <limits>
 
 #include <gmock/gmock.h>
 
+#include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/io/mesh_file.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
+#include "tests/io/sample_map.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "viewer/keyframe_images.hpp"
 #include "viewer/scene/saved_cloud.hpp"
 
 namespace kinloop {
@@ -62,6 +68,81 @@ TEST_F(SavedRunTest, MarksThePathWhereFramesAreInDoubt) {
   EXPECT_EQ(*marked->body, encode_ranges(std::vector<FrameRange>{{2, 3}})) << "the way over the gap";
   folder_.write("frames.txt", "1 tracked 9 9 1\n2 tracked 9 9 1\n");
   EXPECT_FALSE(part(read_saved_run(folder_.path()), PartKind::kDoubt));
+}
+
+TEST_F(SavedRunTest, HasATimelineOfAllItsFrames) {
+  folder_.write("trajectory.txt", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n");
+  folder_.write("keyframes.txt", "2 1 0 0 0 0 0 1\n");
+  folder_.write("frames.txt", "1 tracked 9 7 5 0.25\n2 doubtful 9 6 5 0.5\n3 lost 9 0 5 0\n");
+  const auto frames = timeline_of(read_saved_run(folder_.path()));
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(frames[0].stamp_s, 1);
+  EXPECT_EQ(frames[0].tracked, 7);
+  EXPECT_EQ(frames[0].sigma_m, 0.25F);
+  EXPECT_EQ(frames[0].ms, 5);
+  EXPECT_FALSE(frames[0].keyframe.valid());
+  EXPECT_EQ(frames[1].status, FrameStatus::kDoubtful);
+  EXPECT_EQ(frames[1].keyframe, KeyframeId{0});
+  EXPECT_EQ(frames[1].T_world_camera->translation.x(), 1);
+  EXPECT_EQ(frames[2].status, FrameStatus::kLost);
+  EXPECT_FALSE(frames[2].T_world_camera);
+
+  const WireBytes bytes = encode_timeline(frames);
+  ASSERT_EQ(bytes.size(), 3U * 56);
+  float last = 0;
+  std::memcpy(&last, bytes.data() + bytes.size() - sizeof last, sizeof last);
+  EXPECT_TRUE(std::isnan(last)) << "a lost frame has no pose";
+}
+
+TEST_F(SavedRunTest, HasATimelineOfItsPathWithoutAFrameTable) {
+  SavedRun run;
+  EXPECT_TRUE(timeline_of(run).empty());
+  EXPECT_FALSE(part(run, PartKind::kTimeline));
+  run.path = {{kNsPerSecond, {}}, {2 * kNsPerSecond, {}}};
+  run.doubt_ns = {2 * kNsPerSecond};
+  const auto frames = timeline_of(run);
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0].status, FrameStatus::kTracked);
+  EXPECT_EQ(frames[1].status, FrameStatus::kDoubtful);
+  EXPECT_TRUE(part(run, PartKind::kTimeline));
+}
+
+TEST_F(SavedRunTest, ShowsTheMeshInTheFolderInTheWorldFrame) {
+  folder_.write("trajectory.txt", "1 0 0 0 0 0 0 1\n");
+  write_mesh(folder_.path() / "mesh.ply", triangle(), z_up_frame({0, -1, 0}, SE3()));
+  const SavedRun run = read_saved_run(folder_.path());
+  ASSERT_EQ(run.mesh.points.size(), 3U);
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR((run.mesh.points[i] - triangle().points[i]).norm(), 0, 1e-6) << i;
+}
+
+TEST_F(SavedRunTest, StatesTheFieldOfViewOfItsCamera) {
+  folder_.write("trajectory.txt", "1 0 0 0 0 0 0 1\n");
+  folder_.write("camera.yaml",
+                "width: 640\nheight: 480\nfx: 400\nfy: 300\ncx: 320\ncy: 240\ndistortion: [0, 0, 0, 0, "
+                "0]\ndepth_scale: 5000\nfps: 30\n");
+  EXPECT_EQ(hello(read_saved_run(folder_.path()))["frustum"], (json{0.8, 0.8}));
+}
+
+TEST(KeyframeImages, AreThoseOfTheShownKeyframes) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "map.kinmap";
+  const auto damaged = [](size_t index) {
+    SavedImages images = test::some_images(index);
+    if (index == 1) images.images.color.resize(10);
+    return images;
+  };
+  write_map(path, test::some_saved_map(), test::kImages, damaged);
+  // Keyframe k of the map has the stamp 100 k, and the images are those of the first five.
+  const Trajectory shown = {{0, {}}, {100, {}}, {300, {}}, {1100, {}}};
+  const auto images = read_keyframe_images(path, shown);
+  ASSERT_EQ(images.size(), 2U) << "one is damaged, and one has none";
+  EXPECT_EQ(images[0].keyframe, 0U);
+  EXPECT_EQ(images[1].keyframe, 2U);
+  const auto& jpeg = images[1].jpeg;
+  EXPECT_EQ(jpeg_size({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}), cv::Size(160, 120));
+  folder.write("noise.kinmap", "noise");
+  EXPECT_THROW(read_keyframe_images(folder.path() / "noise.kinmap", shown), InputError);
 }
 
 TEST_F(SavedRunTest, OfACloudAloneIsItsPointsWithoutTimes) {

@@ -25,6 +25,10 @@ class Writer {
   void put(const Eigen::Vector3f& v) {
     for (const float x : v) put(x);
   }
+  void put(const SE3& pose) {
+    put(Eigen::Vector3f(pose.translation.cast<float>()));
+    for (const double x : pose.rotation.coeffs()) put(static_cast<float>(x));
+  }
   [[nodiscard]] WireBytes take() { return std::move(bytes_); }
 
  private:
@@ -40,10 +44,7 @@ WireBytes encode_json(const nlohmann::json& json) {
 
 WireBytes encode_poses(std::span<const SE3> poses) {
   Writer body(poses.size() * 7 * sizeof(float));
-  for (const SE3& pose : poses) {
-    body.put(Eigen::Vector3f(pose.translation.cast<float>()));
-    for (const double x : pose.rotation.coeffs()) body.put(static_cast<float>(x));
-  }
+  for (const SE3& pose : poses) body.put(pose);
   return body.take();
 }
 
@@ -122,6 +123,21 @@ WireBytes encode_cloud(const CloudPiece& piece) {
   for (const Rgb& color : piece.cloud.colors) {
     for (const uint8_t x : color) body.put(x);
     body.put(uint8_t{0});
+  }
+  return body.take();
+}
+
+WireBytes encode_timeline(std::span<const TimelineFrame> frames) {
+  constexpr size_t kBytesPerFrame = 56;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const SE3 nowhere{Eigen::Quaterniond(kNan, kNan, kNan, kNan), Eigen::Vector3d::Constant(kNan)};
+  Writer body(frames.size() * kBytesPerFrame);
+  for (const TimelineFrame& frame : frames) {
+    body.put(frame.stamp_s);
+    body.put(frame.status);
+    body.put(frame.keyframe.value);
+    for (const float figure : {frame.tracked, frame.sigma_m, frame.ms}) body.put(figure);
+    body.put(frame.T_world_camera.value_or(nowhere));
   }
   return body.take();
 }

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,22 +27,24 @@ using WireBytes = std::vector<uint8_t>;
 
 /// The kind of a message, with the content of its body.
 enum class PartKind : uint32_t {
-  kHello = 0,         ///< JSON: properties of the scene; sent first to every browser
-  kStatus = 1,        ///< JSON: state of the run
-  kCamera = 2,        ///< one pose: the camera's current one
-  kKeyframes = 3,     ///< poses of kPartLength keyframes, part i from keyframe i * kPartLength on
-  kPath = 4,          ///< kPartLength frames: u32 reference keyframe, 3 f32 position in its camera frame
-  kCovisibility = 5,  ///< kPartLength pairs of u32: keyframes that share landmarks
-  kLoops = 6,         ///< pairs of u32: keyframes connected by a loop edge
-  kCloud = 7,         ///< a piece of the cloud, see `encode_cloud`
-  kColorImage = 8,    ///< a JPEG file
-  kDepthImage = 9,    ///< a JPEG file, depth as colours
-  kFeatures = 10,     ///< per keypoint of the colour image: u16 x, u16 y, u16 tracked (0 or 1), u16 0
-  kTruth = 11,        ///< 3 f32 each: the ground truth path, in its own world
-  kTruthPose = 12,    ///< one pose: of that world in the map's
-  kMesh = 13,         ///< see `encode_mesh`
-  kModel = 14,        ///< a GLB file
-  kDoubt = 15,        ///< ranges of the path's frames, u32 first and u32 end, that are doubtful or lost
+  kHello = 0,           ///< JSON: properties of the scene; sent first to every browser
+  kStatus = 1,          ///< JSON: state of the run
+  kCamera = 2,          ///< one pose: the camera's current one
+  kKeyframes = 3,       ///< poses of kPartLength keyframes, part i from keyframe i * kPartLength on
+  kPath = 4,            ///< kPartLength frames: u32 reference keyframe, 3 f32 position in its camera frame
+  kCovisibility = 5,    ///< kPartLength pairs of u32: keyframes that share landmarks
+  kLoops = 6,           ///< pairs of u32: keyframes connected by a loop edge
+  kCloud = 7,           ///< a piece of the cloud, see `encode_cloud`
+  kColorImage = 8,      ///< a JPEG file
+  kDepthImage = 9,      ///< a JPEG file, depth as colours
+  kFeatures = 10,       ///< per keypoint of the colour image: u16 x, u16 y, u16 tracked (0 or 1), u16 0
+  kTruth = 11,          ///< 3 f32 each: the ground truth path, in its own world
+  kTruthPose = 12,      ///< one pose: of that world in the map's
+  kMesh = 13,           ///< see `encode_mesh`
+  kModel = 14,          ///< a GLB file
+  kDoubt = 15,          ///< ranges of the path's frames, u32 first and u32 end, that are doubtful or lost
+  kKeyframeImage = 16,  ///< a small JPEG file: the colour image of the keyframe `index`
+  kTimeline = 17,       ///< all frames of a saved run, see `encode_timeline`
 };
 
 /// Number of keyframes, or frames, per part, the unit of updates.
@@ -103,6 +106,24 @@ WireBytes encode_features(std::span<const ShownFeature> features);
 /// units from the origin, 0), n times 4 u8 (red, green, blue, 0). The unit is chosen so that the piece fits:
 /// a tenth of a millimetre for the view of a single camera.
 WireBytes encode_cloud(const CloudPiece& piece);
+
+enum class FrameStatus : uint32_t { kTracked = 0, kDoubtful = 1, kLost = 2 };
+
+/// A frame of a saved run; figures are 0 if unknown.
+struct TimelineFrame {
+  double stamp_s = 0;
+  FrameStatus status = FrameStatus::kTracked;
+  KeyframeId keyframe;  ///< that was made of this frame; invalid: none
+  float tracked = 0;    ///< keypoints matched to landmarks
+  float sigma_m = 0;    ///< of the position
+  float ms = 0;         ///< wall time
+  std::optional<SE3> T_world_camera;
+};
+
+/// For each frame, in the order of stamps: f64 stamp, s; u32 status (0 tracked, 1 doubtful, 2 lost); u32
+/// keyframe (all bits set: none); f32 tracked, sigma_m, ms; 7 f32 pose as in `encode_poses`, NaN if it has
+/// none.
+WireBytes encode_timeline(std::span<const TimelineFrame> frames);
 
 /// u32 n vertices, u32 m triangles, u32 whether there are colours; n times 3 f32 (x, y, z in the world), m
 /// times 3 u32 (vertex indices), n times 4 u8 (red, green, blue, 0) if there are colours.

@@ -5,10 +5,13 @@ import { ShaderMaterial, Vector2, Vector3 } from 'three';
 /** Colour modes; the index in this list is the shader's `mode`. */
 export const COLOR_MODES = ['camera', 'height', 'depth', 'time'];
 
+/** Stands for no clipping: a shader need not know infinity. */
+export const FAR_M = 1e9;
+
 const vertexShader = `
   attribute vec4 tint;
-  uniform float pointSizeCm, pixelsPerRadian, unitM, timeShare, cutAtM;
-  uniform vec3 origin;
+  uniform float pointSizeCm, pixelsPerRadian, unitM, timeShare;
+  uniform vec3 origin, clipLowM, clipHighM;
   uniform vec2 heightsM;
   uniform int mode;
   varying vec3 vColor;
@@ -23,17 +26,23 @@ const vertexShader = `
       dot(v4, vec4(0.10667330, 12.64194608, -60.58204836, 110.36276771)) + dot(v2, vec2(-89.90310912, 27.34824973)));
   }
 
+  // Colours as they are stored, in the light that three.js computes with.
+  vec3 linear(vec3 srgb) {
+    return mix(pow((srgb + 0.055) / 1.055, vec3(2.4)), srgb / 12.92, step(srgb, vec3(0.04045)));
+  }
+
   void main() {
     const float farthestM = 4.5;  // that a Kinect sees
     const float smallest = sqrt(2.0);  // px: a smaller disc may cover no pixel's centre, and the point vanishes
     vec4 world = modelMatrix * vec4(position, 1.0);
     vec4 eye = viewMatrix * world;
-    gl_Position = world.y > cutAtM ? vec4(2.0, 2.0, 2.0, 1.0) : projectionMatrix * eye;  // 2: out of sight
+    bool clipped = any(lessThan(world.xyz, clipLowM)) || any(greaterThan(world.xyz, clipHighM));
+    gl_Position = clipped ? vec4(2.0, 2.0, 2.0, 1.0) : projectionMatrix * eye;  // 2: out of sight
     gl_PointSize = clamp(0.01 * pointSizeCm * pixelsPerRadian / -eye.z, smallest, 32.0);
     float height = (world.y - heightsM.x) / max(heightsM.y - heightsM.x, 0.01);
     float nearness = 1.0 - (origin.z + position.z * unitM) / farthestM;
     float share = mode == 1 ? height : mode == 2 ? nearness : timeShare;
-    vColor = mode == 0 ? tint.rgb : turbo(clamp(share, 0.0, 1.0));
+    vColor = linear(mode == 0 ? tint.rgb : clamp(turbo(clamp(share, 0.0, 1.0)), 0.0, 1.0));
   }`;
 
 const fragmentShader = `
@@ -42,6 +51,7 @@ const fragmentShader = `
     vec2 fromCentre = gl_PointCoord - 0.5;
     if (dot(fromCentre, fromCentre) > 0.25) discard;
     gl_FragColor = vec4(vColor, 1.0);
+    #include <colorspace_fragment>
   }`;
 
 /** The uniforms shared by all pieces of a cloud. */
@@ -51,7 +61,8 @@ export function sharedUniforms() {
     pixelsPerRadian: { value: 500 },
     mode: { value: 0 },
     heightsM: { value: new Vector2(0, 3) },
-    cutAtM: { value: Infinity },
+    clipLowM: { value: new Vector3().setScalar(-FAR_M) },
+    clipHighM: { value: new Vector3().setScalar(FAR_M) },
   };
 }
 

@@ -39,6 +39,7 @@ export class CameraControls {
     this.touched = false; // false: the user has not moved the view, so it may adapt as the map grows
     this.goal = undefined; // target of the animation
     this.places = []; // points that must stay in view
+    this.interior = undefined; // { position, target } of the view from inside, if the map is a room
   }
 
   setMode(mode) {
@@ -53,7 +54,7 @@ export class CameraControls {
     this.goal = undefined;
   }
 
-  /** Shows the whole map from 'oblique', 'top' or 'side', also while it grows. */
+  /** Shows the whole map from 'oblique', 'top' or 'side', also while it grows, or a room from 'inside'. */
   show(direction) {
     this.direction = direction;
     this.touched = false;
@@ -65,15 +66,21 @@ export class CameraControls {
     this.places = places;
     if (places.length === 0 || this.mode !== 'orbit') return;
     const { camera, controls } = this;
+    if (!this.touched && this.direction === 'inside' && this.interior) return this.goTo(this.interior);
     const own = [camera.position.clone().sub(controls.target)];
-    const directions = this.touched ? own : DIRECTIONS[this.direction].map((direction) => new Vector3(...direction));
+    const directions = this.touched ? own : (DIRECTIONS[this.direction] ?? DIRECTIONS.oblique).map((direction) => new Vector3(...direction));
     directions.forEach((direction) => direction.normalize());
     const tall = Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360) / MARGIN;
     const [first, second] = directions.map((direction) => frame(places, direction, [tall * camera.aspect, tall]));
     const turned = second && second.distance < MUCH_CLOSER * first.distance;
     const { position, distance } = turned ? second : first;
     const target = position.clone().addScaledVector(directions[turned ? 1 : 0], -Math.max(distance, MIN_DISTANCE_M));
-    this.goal = { target, position };
+    this.goTo({ position, target });
+  }
+
+  /** Moves to a viewpoint; the first one is there at once. */
+  goTo(goal) {
+    this.goal = goal;
     if (!this.placed) this.glide(1);
     this.placed = true;
     this.onChange();
@@ -116,6 +123,10 @@ export class CameraControls {
   /** Pixels that an object of 1 m at a distance of 1 m covers in an image of that height. */
   pixelsPerRadian(heightPx) {
     return heightPx / (2 * Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360));
+  }
+
+  get horizontalFieldRad() {
+    return 2 * Math.atan(Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360) * this.camera.aspect);
   }
 
   /** Distance to the centre of the view. */

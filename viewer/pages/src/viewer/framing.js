@@ -5,6 +5,13 @@ import { Box3, Vector3 } from 'three';
 const SAMPLES = 6000;
 const FENCE = 0.05; // quantiles that determine the fences; up to this share of stray points on either side is
                     // tolerated
+const LOWEST_CEILING_M = 1.9; // height of a room
+const HIGHEST_CEILING_M = 8;
+const CEILING_LAYER_M = 0.05;
+const CEILING_FROM = 0.7; // of the map's height
+const CEILING_SHARE = 0.04; // of the points, at least
+const CEILING_TIMES = 2; // as many points as the walls have in a layer
+const CEILING_SPAN = 0.5; // of the map's width and depth
 const EDGE = 0.003; // share of the points inside the fences that may still be cut off on either side
 
 /** { places, box }: a sample of the map without stray points, and its bounding box. */
@@ -16,6 +23,27 @@ export function sampleMap(world) {
   const inside = all.filter((place) => fences.containsPoint(place));
   const box = spread(inside, EDGE);
   return { places: inside.filter((place) => box.containsPoint(place)), box };
+}
+
+/**
+ * The height of the lower side of the ceiling; undefined if the places have none: a layer high up that holds many more
+ * of them than the walls below, and spans most of the box.
+ */
+export function ceilingOf(places, box) {
+  const size = box.getSize(new Vector3());
+  if (size.y < LOWEST_CEILING_M || size.y > HIGHEST_CEILING_M) return undefined;
+  const layers = Array.from({ length: Math.ceil(size.y / CEILING_LAYER_M) + 1 }, () => []);
+  for (const place of places) layers[Math.floor((place.y - box.min.y) / CEILING_LAYER_M)].push(place);
+  const [low, high] = [0.5, CEILING_FROM].map((share) => Math.floor(share * layers.length));
+  const ofWalls = layers.slice(low, high).reduce((sum, { length }) => sum + length, 0) / (high - low);
+  const isCeiling = (layer, i) => {
+    const inside = [...layer, ...(layers[i + 1] ?? [])];
+    if (i < high || inside.length < Math.max(CEILING_SHARE * places.length, CEILING_TIMES * 2 * ofWalls)) return false;
+    const span = spread(inside, FENCE).getSize(new Vector3());
+    return span.x > CEILING_SPAN * size.x && span.z > CEILING_SPAN * size.z;
+  };
+  const found = layers.findIndex(isCeiling);
+  return found < 0 ? undefined : box.min.y + (found - 1) * CEILING_LAYER_M;
 }
 
 /** The range between this quantile of each coordinate and its mirror image. */

@@ -33,6 +33,16 @@ export class Images {
     this.section.hidden = false;
   }
 
+  /** Shows the image of a keyframe, with a caption. */
+  async showKeyframe(jpeg, caption) {
+    this.section.querySelector('#colorImage + figcaption').textContent = caption;
+    this.depth.closest('figure').hidden = true;
+    if (this.keyframe === jpeg) return;
+    this.keyframe = jpeg;
+    await drawJpeg(this.color, jpeg, () => this.keyframe === jpeg);
+    this.section.hidden = false;
+  }
+
   /** An image and its features arrive separately, and unchanged features not at all, so both trigger a redraw. */
   drawColor() {
     const paint = draw(this.color, this.bitmap);
@@ -43,6 +53,13 @@ export class Images {
       paint.fillRect((x / FULL_SCALE) * width - 1, (y / FULL_SCALE) * height - 1, tracked ? 3 : 2, tracked ? 3 : 2);
     }
   }
+}
+
+/** Draws a JPEG if it is still wanted once decoded. */
+export async function drawJpeg(canvas, jpeg, isWanted = () => true) {
+  const bitmap = await decoded(jpeg);
+  if (bitmap && isWanted()) draw(canvas, bitmap);
+  bitmap?.close();
 }
 
 /** The image; undefined if it is damaged: the next one comes soon. */

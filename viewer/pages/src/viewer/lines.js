@@ -3,6 +3,8 @@
 
 import { BufferAttribute, BufferGeometry, Line, LineBasicMaterial, LineSegments } from 'three';
 
+import { LINES } from './eyeDome.js';
+
 /** Lines through changing points; `segments`: each two points form a separate line. */
 export class Lines {
   constructor({ color, segments = false, opacity = 1 }) {
@@ -10,6 +12,7 @@ export class Lines {
     const Kind = segments ? LineSegments : Line;
     this.object = new Kind(new BufferGeometry(), material);
     this.object.frustumCulled = false;
+    this.object.layers.set(LINES);
     this.reserve(64);
     this.fill(() => {});
   }

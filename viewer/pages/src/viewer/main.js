@@ -5,24 +5,29 @@
 //   images.js      the camera's images   lines.js    frusta, paths, edges           keys.js      keys and their table
 //   view.js        renderer, detail      models.js   meshes                         cut.js       cutting height
 //   cameraControls.js  viewpoint         floor.js    the grid                       drawer.js    the panel of a phone
-//   framing.js     extent of the map                                                scaleBar.js  a length
+//   framing.js     extent of the map     interior.js  the view from inside a room   scaleBar.js  a length
+//   eyeDome.js     shading               timeline.js  replay of a saved run         theme.js     light or dark
+//   keyframePictures.js  images in 3D    timelineBar.js  its drawing                clipBox.js   clipping to a box
+//   picking.js     what a click hits     measures.js  distances, angles, heights    picked.js    what a click shows
 
 import './viewer.css';
 import { Connection } from './connection.js';
 import { Images } from './images.js';
 import { Panel } from './panel.js';
+import { Timeline } from './timeline.js';
 import { View } from './view.js';
 import { World } from './world.js';
 
 const world = new World();
 const view = new View(document.getElementById('scene'), world);
 const images = new Images(document.getElementById('images'));
+const timeline = new Timeline({ world, view, images });
 const connection = new Connection({
   onMessage,
   onChange: (connected) => panel.state.setConnected(connected),
   onRefused: (reason) => panel.state.refuseControl(reason),
 });
-const panel = new Panel({ world, view, connection });
+const panel = new Panel({ world, view, connection, timeline });
 world.onProblem = (text) => panel.state.showProblem(text);
 let run;
 let loops = 0;
@@ -32,14 +37,18 @@ function onMessage(message) {
   if (message.kind === 'status') panel.state.show(message.body);
   if (message.kind === 'loops') showLoopBanner(message.body.length / 2);
   world.take(message);
+  if (message.kind === 'timeline') timeline.take(message.body);
+  if (message.kind === 'timeline' || message.kind === 'loops') timeline.markLoops();
   images.take(message);
 }
 
 function onHello(hello) {
   if (run !== hello.run) {
     world.clear(); // a different run than before the interruption
+    timeline.clear();
     view.cameraControls.touched = false;
     panel.cut.set(Infinity);
+    panel.clear();
     loops = 0;
   }
   run = hello.run;
@@ -52,4 +61,4 @@ function showLoopBanner(count) {
 }
 
 // For tests and measurements.
-window.kinloop = { world, view, connection };
+window.kinloop = { world, view, connection, timeline, panel };

@@ -2,10 +2,10 @@
 // needless copies.
 
 import { readCloud } from '../shared/readCloud.js';
+import { matrixOf, poseFrom } from './poses.js';
 
 const HEAD_BYTES = 32;
 export const NO_KEYFRAME = 0xffffffff;
-export const PART_LENGTH = 64;
 
 const readers = [
   ['hello', json],
@@ -24,6 +24,8 @@ const readers = [
   ['mesh', mesh],
   ['model', (buffer) => buffer.slice(HEAD_BYTES)],
   ['doubt', words],
+  ['keyframeImage', jpeg],
+  ['timeline', timeline],
 ];
 
 /** Adds a message to the part that has come so far: { version, buffer, received, complete }, sizes with the header. */
@@ -77,6 +79,24 @@ function mesh(buffer) {
     points: new Float32Array(buffer, at, 3 * vertices),
     triangles: new Uint32Array(buffer, at + 12 * vertices, 3 * triangles),
     colors: colored ? new Uint8Array(buffer, at + 12 * (vertices + triangles), 4 * vertices) : undefined,
+  };
+}
+
+/** The frames of a saved run as arrays, and pose(i): a matrix, undefined if frame i has none. */
+function timeline(buffer) {
+  const WORDS = 14; // per frame
+  const [doubles, singles, integers] = [new Float64Array(buffer, HEAD_BYTES), floats(buffer), words(buffer)];
+  const count = singles.length / WORDS;
+  const every = (Kind, numbers, stride, first) => Kind.from({ length: count }, (_, i) => numbers[stride * i + first]);
+  return {
+    count,
+    stampS: every(Float64Array, doubles, WORDS / 2, 0),
+    status: every(Uint8Array, integers, WORDS, 2),
+    keyframe: every(Uint32Array, integers, WORDS, 3),
+    tracked: every(Float32Array, singles, WORDS, 4),
+    sigmaM: every(Float32Array, singles, WORDS, 5),
+    ms: every(Float32Array, singles, WORDS, 6),
+    pose: (i) => (Number.isNaN(singles[WORDS * i + 7]) ? undefined : matrixOf(poseFrom(singles, WORDS * i + 7))),
   };
 }
 

@@ -3,12 +3,12 @@
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Mesh, MeshBasicMaterial, MeshStandardMaterial, SRGBColorSpace } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
-/** Mesh of { points, triangles, colors }, clipped by `plane`. */
-export function meshOf({ points, triangles, colors }, plane) {
+/** Mesh of { points, triangles, colors }, clipped by `planes`. */
+export function meshOf({ points, triangles, colors }, planes) {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(points, 3));
   geometry.setIndex(new BufferAttribute(triangles, 1));
-  const cut = { side: DoubleSide, clippingPlanes: [plane] };
+  const cut = { side: DoubleSide, clippingPlanes: planes };
   if (!colors) return new Mesh(geometry, new MeshStandardMaterial({ ...cut, flatShading: true }));
   geometry.setAttribute('color', new BufferAttribute(toLinearColors(colors), 3));
   return new Mesh(geometry, new MeshBasicMaterial({ ...cut, vertexColors: true }));
@@ -24,14 +24,14 @@ function toLinearColors(colors) {
   return light;
 }
 
-/** The scene of a GLB file in kinloop's axes (y down), clipped by `plane`. */
-export async function readModel(buffer, plane) {
+/** The scene of a GLB file in kinloop's axes (y down), clipped by `planes`. */
+export async function readModel(buffer, planes) {
   const { scene } = await new GLTFLoader().parseAsync(buffer, '');
   scene.rotation.x = Math.PI; // y is up in glTF
   scene.traverse((object) => {
     if (!object.material) return;
     object.material = toUnlitMaterial(object, object.material);
-    Object.assign(object.material, { side: DoubleSide, clippingPlanes: [plane], metalness: 0 }); // metallic
+    Object.assign(object.material, { side: DoubleSide, clippingPlanes: planes, metalness: 0 }); // metallic
                                                                                                  // materials
                                                                                                  // would
                                                                                                  // reflect a

@@ -4,29 +4,43 @@ import { Vector3 } from 'three';
 
 import { COLOR_MODES } from '../shared/cloudMaterial.js';
 import { lengthText } from '../shared/format.js';
+import { ClipBox } from './clipBox.js';
 import { HeightCut } from './cut.js';
 import { makeCollapsible } from './drawer.js';
 import { listenToKeys } from './keys.js';
+import { Measures } from './measures.js';
+import { Picked } from './picked.js';
+import { listenToClicks, pickKeyframe, pickPlace } from './picking.js';
 import { RunState } from './runState.js';
 import { showScale } from './scaleBar.js';
+import { listenToTheme } from './theme.js';
 
 const at = (id) => document.getElementById(id);
 const POINT_SIZE_STEP = 0.3;
 
 export class Panel {
-  constructor({ world, view, connection }) {
-    Object.assign(this, { world, view, connection });
+  constructor({ world, view, connection, timeline }) {
+    Object.assign(this, { world, view, connection, timeline });
     this.state = new RunState();
     this.cut = new HeightCut(at('cut'), at('cutAt'), view);
+    this.clip = new ClipBox(document.querySelectorAll('[data-clip]'), view);
+    this.measures = new Measures(view, at('measures'));
+    this.picked = new Picked(this, at('picked'));
     this.listenToRun();
     this.listenToView();
+    this.listenToPicks();
+    listenToTheme(at('theme'));
     makeCollapsible(at('row'));
     listenToKeys(this.actions(), at('keys'));
     view.onMeasured = () => {
       this.cut.show();
+      this.offer();
       at('gridStep').textContent = `(${lengthText(view.floor.stepM)})`;
     };
-    view.onDrawn = () => showScale(at('scale'), view.metresPerPixel);
+    view.onDrawn = () => {
+      showScale(at('scale'), view.metresPerPixel);
+      this.measures.drawLabels();
+    };
   }
 
   listenToRun() {
@@ -50,8 +64,14 @@ export class Panel {
     };
     at('pointSize').oninput = redraw(({ value }) => (view.pointSizeCm = Number(value)));
     document.querySelectorAll('[data-layer]').forEach((input) => {
-      input.onchange = redraw(() => (world.layers[input.dataset.layer].visible = input.checked));
+      input.onchange = redraw(() => {
+        world.layers[input.dataset.layer].visible = input.checked;
+        world.moved = true; // pictures are made when they are first shown
+      });
     });
+    world.pictures.onDecoded = () => (view.dirty = true);
+    at('shading').onchange = redraw(({ checked }) => (view.shades = checked));
+    at('ceiling').onchange = redraw(({ checked }) => (view.hidesCeiling = checked));
     at('grid').onchange = redraw(({ checked }) => (view.floor.object.visible = checked));
     at('screenshot').onclick = () => this.saveScreenshot();
     at('fit').onclick = () => this.fit();
@@ -59,14 +79,57 @@ export class Panel {
     at('help').onclick = () => at('helpTable').showModal();
   }
 
+  listenToPicks() {
+    const canvas = this.view.renderer.domElement;
+    listenToClicks(canvas, (x, y) => this.pick(x, y));
+    document.querySelectorAll('[name=tool]').forEach((input) => (input.onchange = () => this.measures.choose(input.value)));
+    at('clearMeasures').onclick = () => this.measures.clear();
+    at('unclip').onclick = () => this.clip.reset();
+  }
+
+  /** What a click at (x, y) does: measures, or shows a keyframe or point. */
+  pick(x, y) {
+    const { view, picked, measures } = this;
+    const keyframe = measures.kind ? undefined : pickKeyframe(view, x, y);
+    if (keyframe !== undefined) return picked.showKeyframe(keyframe);
+    const place = pickPlace(view, x, y);
+    if (!place) return measures.kind ? undefined : picked.clear();
+    return measures.kind ? measures.add(place) : picked.showPlace(place);
+  }
+
+  pickCentre() {
+    const { clientWidth, clientHeight } = this.view.renderer.domElement;
+    this.pick(clientWidth / 2, clientHeight / 2);
+  }
+
+  /** Hides the controls that do not apply to what there is. */
+  offer() {
+    const { world, view } = this;
+    document.querySelectorAll('[data-layer]').forEach((input) => (input.closest('label').hidden = !world.has(input.dataset.layer)));
+    at('pointSizeChoice').hidden = !world.has('cloud');
+    at('cameraChoice').hidden = !this.state.live && !this.timeline.shown;
+    at('ceilingChoice').hidden = view.ceilingM === undefined;
+    const colorings = [...at('color').options].filter((option) => !option.hidden);
+    at('colorChoice').hidden = !world.has('cloud') || colorings.length < 2;
+  }
+
   /** The actions of keyboard shortcuts, by the names in keys.js. */
   actions() {
     const click = (id) => () => at(id).click();
-    const buttons = ['pause', 'step', 'fit', 'reset', 'grid', 'screenshot', 'help'];
-    const directions = ['oblique', 'top', 'side'];
+    const { timeline } = this;
+    const buttons = ['step', 'fit', 'reset', 'grid', 'screenshot', 'help', 'shading'];
+    const directions = ['oblique', 'top', 'side', 'inside'];
     return {
       ...Object.fromEntries(buttons.map((id) => [id, click(id)])),
       ...Object.fromEntries(directions.map((direction) => [direction, () => this.show(direction)])),
+      pause: () => (timeline.shown ? timeline.toggle() : at('pause').click()),
+      earlier: ({ shiftKey }) => timeline.step(-1, shiftKey),
+      later: ({ shiftKey }) => timeline.step(1, shiftKey),
+      first: () => (timeline.shown ? timeline.jump(0) : this.fit()),
+      last: () => timeline.jumpToEnd(),
+      pickCentre: () => this.pickCentre(),
+      nextTool: () => checkNext('tool'),
+      clear: () => this.clear(),
       follow: () => this.setCamera('follow'),
       loops: () => document.querySelector('[data-layer=loops]').click(),
       nextColor: () => selectNext(at('color')),
@@ -90,13 +153,22 @@ export class Panel {
 
   fit() {
     this.setCamera('orbit');
-    this.view.cameraControls.fit(this.view.contents());
+    const { cameraControls } = this.view;
+    if (cameraControls.direction === 'inside') cameraControls.setManualControl(); // steps back until all is in view
+    cameraControls.fit(this.view.contents());
+  }
+
+  /** Removes all measures and what is shown of a click. */
+  clear() {
+    this.measures.clear();
+    this.picked.clear();
   }
 
   /** Restores the initial view. */
   reset() {
+    this.clip.reset();
     this.cut.set(Infinity);
-    this.show('oblique');
+    this.show(this.home);
   }
 
   resizePoints(step) {
@@ -117,8 +189,10 @@ export class Panel {
     at('input').textContent = input;
     this.state.greet({ live });
     at('upChoice').hidden = upKnown;
-    document.querySelector('[name=camera][value=follow]').disabled = !live;
-    for (const option of at('color').options) option.disabled = !colors.includes(option.value);
+    this.view.isOriented = upKnown;
+    this.home = live || !upKnown ? 'oblique' : 'inside'; // a growing map is best seen as a whole
+    this.view.cameraControls.direction = this.home;
+    for (const option of at('color').options) option.hidden = option.disabled = !colors.includes(option.value);
     if (!colors.includes(at('color').value)) select(at('color'), colors[0]);
   }
 
@@ -135,6 +209,12 @@ export class Panel {
 function select(list, value) {
   list.value = value;
   list.onchange({ target: list });
+}
+
+/** Checks the next of the radio buttons with that name. */
+function checkNext(name) {
+  const inputs = [...document.querySelectorAll(`[name=${name}]`)];
+  inputs[(inputs.findIndex(({ checked }) => checked) + 1) % inputs.length].click();
 }
 
 /** Among the enabled options. */

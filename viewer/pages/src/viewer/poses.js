@@ -3,7 +3,7 @@
 
 import { Matrix4, Quaternion, Vector3 } from 'three';
 
-import { PART_LENGTH } from './messages.js';
+export const PART_LENGTH = 64; // keyframes, or frames, in a message
 
 const FLOATS = 7; // translation, quaternion
 const GLIDE_S = 0.25; // time constant

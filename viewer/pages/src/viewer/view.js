@@ -3,8 +3,10 @@
 import { AmbientLight, Box3, DirectionalLight, Scene, Vector3, WebGLRenderer } from 'three';
 
 import { CameraControls } from './cameraControls.js';
+import { EyeDome } from './eyeDome.js';
 import { Floor } from './floor.js';
-import { sampleMap } from './framing.js';
+import { ceilingOf, sampleMap } from './framing.js';
+import { interiorView } from './interior.js';
 
 const SMOOTH_MS = 33; // after a slower frame, fewer points are drawn
 const REST_MS = 250; // idle time after which all points are drawn
@@ -30,6 +32,14 @@ export class View {
     this.box = new Box3(); // their bounding box
     this.pointSizeCm = 1.6;
     this.cutAtM = Infinity; // points above this height are not drawn
+    this.clip = new Box3(new Vector3().setScalar(-Infinity), new Vector3().setScalar(Infinity)); // nor those outside
+    this.ceilingM = undefined; // height of the ceiling's lower side, if there is one
+    this.hidesCeiling = true; // from a viewpoint above it
+    this.isOriented = false; // whether up is known, so that there may be a room
+    this.eyeDome = new EyeDome();
+    this.shades = true;
+    this.shadesMoving = true; // false after slow frames, until the view rests
+    this.shaded = false; // the last frame
     this.onMeasured = () => {};
     this.onDrawn = () => {};
     this.share = 1;
@@ -62,13 +72,13 @@ export class View {
     this.cameraControls.advance(Math.min(1, passedMs / 1000));
 
     const resting = !this.dirty && nowMs - this.changedMs > REST_MS;
+    const unfinished = this.share < 1 || (this.shades && !this.shaded);
     if (this.dirty) {
       this.changedMs = nowMs;
       this.adapt(passedMs);
       this.draw();
-    } else if (resting && this.share < 1) {
-      this.share = 1;
-      this.draw();
+    } else if (resting && unfinished) {
+      this.drawAll();
     }
     requestAnimationFrame((now) => this.frame(now));
   }
@@ -79,18 +89,41 @@ export class View {
     this.framesPerSecond = smoothing * this.framesPerSecond + (1 - smoothing) * (1000 / Math.max(1, passedMs));
     const wanted = this.share * Math.min(1.15, Math.max(0.25, SMOOTH_MS / Math.max(1, passedMs)));
     this.share = Math.min(1, Math.max(FEWEST, wanted));
+    this.shadesMoving &&= this.share === 1;
+  }
+
+  /** Draws every point, shaded. */
+  drawAll() {
+    this.share = 1;
+    this.shadesMoving = true;
+    this.draw();
   }
 
   draw() {
-    const { uniforms, cutPlane } = this.world;
+    const { uniforms } = this.world;
+    const { camera } = this.cameraControls;
     uniforms.pixelsPerRadian.value = this.cameraControls.pixelsPerRadian(this.renderer.domElement.height);
     uniforms.pointSizeCm.value = this.pointSizeCm * Math.min(1, this.radiusM / ROOM_M) * Math.min(LARGEST, 1 / Math.sqrt(this.share));
-    uniforms.cutAtM.value = this.cutAtM;
-    cutPlane.constant = Math.min(this.cutAtM, Number.MAX_SAFE_INTEGER);
+    this.world.clipTo(this.drawnBox());
     this.world.thin(this.share);
-    this.renderer.render(this.scene, this.cameraControls.camera);
+    this.shaded = this.shades && this.shadesMoving;
+    if (this.shaded) this.eyeDome.render(this.renderer, this.scene, camera);
+    else this.renderer.render(this.scene, camera);
     this.dirty = false;
     this.onDrawn();
+  }
+
+  /** What is drawn: inside the box, below the cut, and without the ceiling while that is seen from above. */
+  drawnBox() {
+    const seesCeiling = this.hidesCeiling && this.cameraControls.camera.position.y > this.ceilingM;
+    const box = this.clip.clone();
+    box.max.y = Math.min(box.max.y, this.cutAtM, seesCeiling ? this.ceilingM : Infinity);
+    return box;
+  }
+
+  /** Whether a point of the map is drawn. */
+  isShown(place) {
+    return this.drawnBox().containsPoint(place);
   }
 
   /** Measures the map's extent, for its colours, the floor, the cut, and to fit it into the view. */
@@ -102,7 +135,9 @@ export class View {
       this.floor.lay(this.box);
       this.cameraControls.setScale(this.radiusM);
     }
+    this.ceilingM = this.isOriented ? ceilingOf(this.places, this.box) : undefined;
     this.cameraControls.places = this.contents();
+    this.cameraControls.interior = this.isOriented ? this.interior() : undefined;
     if (!this.cameraControls.touched) this.cameraControls.fit();
     this.dirty = true;
     this.onMeasured();
@@ -112,22 +147,36 @@ export class View {
     return this.box.isEmpty() ? ROOM_M : Math.max(1e-6, this.box.getSize(new Vector3()).length() / 2);
   }
 
-  /** The visible content: points of the map up to the cut, and the keyframes. */
+  /** The visible content: points of the map inside the box and up to the cut, and the keyframes. */
   contents() {
-    const keyframes = this.world.poses.matrices.map((pose) => new Vector3().setFromMatrixPosition(pose));
-    keyframes.forEach((place) => place.applyMatrix4(this.world.group.matrixWorld));
-    return this.places.filter((place) => place.y <= this.cutAtM).concat(keyframes);
+    return this.places.filter((place) => place.y <= this.cutAtM && this.clip.containsPoint(place)).concat(this.keyframePlaces());
+  }
+
+  keyframePlaces() {
+    const { poses, group } = this.world;
+    return poses.matrices.map((pose) => new Vector3().setFromMatrixPosition(pose).applyMatrix4(group.matrixWorld));
+  }
+
+  /** The view from inside, computed only while it may be the one to show. */
+  interior() {
+    const { touched, interior, horizontalFieldRad } = this.cameraControls;
+    if (touched) return interior;
+    return interiorView(this.places, this.box, this.keyframePlaces(), horizontalFieldRad);
   }
 
   /** Size of a pixel at the centre of the view. */
   get metresPerPixel() {
-    return this.cameraControls.distanceM / this.cameraControls.pixelsPerRadian(this.renderer.domElement.clientHeight);
+    return this.cameraControls.distanceM / this.pixelsPerRadian;
+  }
+
+  /** Pixels of the page that an object of 1 m at a distance of 1 m covers. */
+  get pixelsPerRadian() {
+    return this.cameraControls.pixelsPerRadian(this.renderer.domElement.clientHeight);
   }
 
   /** The view as a PNG blob, with every point. */
   screenshot() {
-    this.share = 1;
-    this.draw();
+    this.drawAll();
     return new Promise((resolve) => this.renderer.domElement.toBlob(resolve, 'image/png'));
   }
 }

@@ -2,12 +2,13 @@
 
 import { Group, Matrix4, Plane, Quaternion, Vector3 } from 'three';
 
-import { sharedUniforms } from '../shared/cloudMaterial.js';
+import { FAR_M, sharedUniforms } from '../shared/cloudMaterial.js';
 import { cloudPiece, placePiece, thinPiece } from '../shared/cloudPiece.js';
+import { KeyframePictures, pictureMesh, placePicture, showIn } from './keyframePictures.js';
 import { Lines } from './lines.js';
-import { NO_KEYFRAME, PART_LENGTH } from './messages.js';
+import { NO_KEYFRAME } from './messages.js';
 import { meshOf, readModel } from './models.js';
-import { matrixOf, poseFrom, Poses } from './poses.js';
+import { matrixOf, PART_LENGTH, poseFrom, Poses } from './poses.js';
 
 const COLORS = { path: 0x4aa8ff, doubt: 0xe05252, keyframes: 0x7fd0a0, camera: 0xff3d8b, covisibility: 0x6f7f9f, loops: 0xff8a3d, truth: 0xb9bcc4 };
 const KEYFRAME_SIZE_M = 0.06;
@@ -17,14 +18,17 @@ const OWN_WORLD = new Matrix4();
 export class World {
   constructor() {
     this.uniforms = sharedUniforms();
-    this.cutPlane = new Plane(new Vector3(0, -1, 0)); // clips meshes above it; points use a uniform
+    // Of meshes: those of the lower bounds, then of the upper ones. Points use uniforms.
+    this.clipPlanes = [1, -1].flatMap((sign) => [0, 1, 2].map((axis) => new Plane(new Vector3().setComponent(axis, sign))));
     this.group = new Group(); // rotated so that up points up
     this.layers = {};
-    for (const name of ['cloud', 'path', 'keyframes', 'covisibility', 'loops', 'truth']) {
+    for (const name of ['cloud', 'mesh', 'path', 'keyframes', 'images', 'covisibility', 'loops', 'truth']) {
       this.layers[name] = new Group();
       this.group.add(this.layers[name]);
     }
     this.layers.covisibility.visible = false;
+    this.layers.images.visible = false;
+    this.pictures = new KeyframePictures(this.layers.images);
     this.lines = {
       path: new Lines({ color: COLORS.path }),
       doubt: new Lines({ color: COLORS.doubt, segments: true }),
@@ -36,6 +40,8 @@ export class World {
     };
     const layerOf = { camera: 'path', doubt: 'path' };
     for (const [name, lines] of Object.entries(this.lines)) this.layers[layerOf[name] ?? name].add(lines.object);
+    this.cameraPicture = pictureMesh();
+    this.layers.path.add(this.cameraPicture);
     this.lines.doubt.object.renderOrder = 1; // over the path, at the same places
     this.onProblem = () => {}; // (text)
     this.clear();
@@ -52,9 +58,13 @@ export class World {
     this.truth = new Float32Array(0);
     this.truthPose = OWN_WORLD;
     this.cameraPose = undefined;
+    this.hideCameraPicture();
     this.frustum = [0.6, 0.45];
-    this.layers.cloud.traverse(dispose);
-    this.layers.cloud.clear();
+    for (const layer of [this.layers.cloud, this.layers.mesh]) {
+      layer.traverse(dispose);
+      layer.clear();
+    }
+    this.pictures.clear();
     this.moved = true;
   }
 
@@ -70,9 +80,10 @@ export class World {
       loops: () => (this.loops = body),
       doubt: () => (this.doubt = body),
       cloud: () => this.takePiece(index, body),
-      mesh: () => this.addModel(meshOf(body, this.cutPlane)),
+      mesh: () => this.addModel(meshOf(body, this.clipPlanes)),
       model: () => this.takeModel(body),
       truth: () => (this.truth = body),
+      keyframeImage: () => this.pictures.take(index, body),
       truthPose: () => (this.truthPose = matrixOf(poseFrom(body))),
     }[kind];
     if (!take) return;
@@ -93,7 +104,7 @@ export class World {
 
   async takeModel(buffer) {
     try {
-      this.addModel(await readModel(buffer, this.cutPlane));
+      this.addModel(await readModel(buffer, this.clipPlanes));
     } catch (error) {
       this.onProblem(`The mesh cannot be shown: ${error.message}`);
     }
@@ -101,8 +112,30 @@ export class World {
 
   addModel(model) {
     this.models.push(model);
-    this.layers.cloud.add(model);
+    this.layers.mesh.add(model);
     this.moved = true;
+  }
+
+  /** Whether there is anything in a layer. */
+  has(layer) {
+    return {
+      cloud: this.pieces.size > 0,
+      mesh: this.models.length > 0,
+      path: this.parts.path.length > 0,
+      keyframes: this.poses.count > 0,
+      images: this.pictures.count > 0,
+      covisibility: this.parts.covisibility.length > 0,
+      loops: this.loops.length > 0,
+      truth: this.truth.length > 0,
+    }[layer];
+  }
+
+  /** Draws only what is inside the box, which may be unbounded. */
+  clipTo({ min, max }) {
+    this.uniforms.clipLowM.value.copy(min).clampScalar(-FAR_M, FAR_M);
+    this.uniforms.clipHighM.value.copy(max).clampScalar(-FAR_M, FAR_M);
+    const [low, high] = [this.uniforms.clipLowM.value.toArray(), this.uniforms.clipHighM.value.toArray()];
+    this.clipPlanes.forEach((plane, i) => (plane.constant = i < 3 ? -low[i] : high[i - 3]));
   }
 
   /** Pairs of a model's object and its vertices. */
@@ -131,6 +164,7 @@ export class World {
     this.drawPath();
     this.drawEdges();
     this.drawTruth();
+    this.pictures.place(this.poses, this.frustum);
     this.group.updateMatrixWorld(true);
     return true;
   }
@@ -148,9 +182,33 @@ export class World {
     this.lines.keyframes.fill((add) => {
       for (const pose of this.poses.matrices) addFrustum(add, pose, this.frustum, KEYFRAME_SIZE_M);
     });
+    this.drawCamera();
+  }
+
+  drawCamera() {
     this.lines.camera.fill((add) => {
       if (this.cameraPose) addFrustum(add, this.cameraPose, this.frustum, CAMERA_SIZE_M);
     });
+    placePicture(this.cameraPicture, this.cameraPose, this.frustum, CAMERA_SIZE_M);
+  }
+
+  /** Moves the camera alone; undefined: there is none. */
+  moveCamera(pose) {
+    this.cameraPose = pose;
+    if (!pose) this.hideCameraPicture();
+    this.drawCamera();
+  }
+
+  hideCameraPicture() {
+    this.cameraPicture.visible = false;
+    this.cameraPictureOf = undefined;
+  }
+
+  /** Shows the image of a keyframe in the camera's frustum. */
+  async showCameraPicture(keyframe) {
+    if (this.cameraPictureOf === keyframe) return;
+    this.cameraPictureOf = keyframe;
+    await showIn(this.cameraPicture, this.pictures.of(keyframe), () => this.cameraPictureOf === keyframe);
   }
 
   drawPath() {

@@ -1,0 +1,23 @@
+#pragma once
+// In: a map file. Out: small images of its keyframes, which the page shows at their poses.
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "kinloop/geometry/trajectory.hpp"
+
+namespace kinloop {
+
+/// A small colour image of a keyframe.
+struct KeyframeImage {
+  uint32_t keyframe = 0;  ///< index into the shown keyframes
+  std::vector<uint8_t> jpeg;
+};
+
+/// Reads the images of those `keyframes`, in the order of their stamps, that the map file has; of a long run
+/// evenly chosen ones. Leaves out damaged images. Throws InputError if the file is not a map.
+std::vector<KeyframeImage> read_keyframe_images(const std::filesystem::path& map_file,
+                                                const Trajectory& keyframes);
+
+}  // namespace kinloop
