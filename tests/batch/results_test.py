@@ -128,6 +128,7 @@ class Rows(BatchTest):
 
     def test_a_full_disk_stops_the_batch_and_is_no_row(self):
         self.assertIn("make room and run the same command again", self.run_suite(variant(do="disk_full"), expect=3))
+        self.batch("table", self.results)
         self.assertEqual(self.rows()[0]["status"], "not run")
 
     def test_only_what_the_suite_says_is_kept(self):

@@ -2,7 +2,7 @@
 
 import unittest
 
-from support import BatchTest
+from support import SOURCE, BatchTest
 
 from kinloop.batch.errors import BatchError
 from kinloop.batch.suite import read_suite
@@ -82,8 +82,26 @@ class Suites(BatchTest):
         self.run_suite("sequences: ['b/*', {path: c/one, name: other, dataset: d}]")
         self.assertEqual([(r["dataset"], r["sequence"]) for r in self.rows()][2], ("d", "other"))
 
+    def test_sequences_of_datasets_are_fetched_by_name_once(self):
+        for _ in range(2):
+            self.run_suite("sequences: [tum/fr1_room]")
+            self.assertEqual([(r["dataset"], r["sequence"]) for r in self.rows()], [("tum", "rgbd_dataset_freiburg1_room")])
+        self.assertIn("tum/fr1_unknown: kinloop fetch failed: fetch: the server says 404",
+                      self.run_suite("sequences: [tum/fr1_unknown]", expect=3))  # fmt: skip
+
+    def test_the_suites_of_the_project_can_be_read(self):
+        suites = {path.stem: read_suite(path) for path in (SOURCE / "suites").glob("*.yaml")}
+        self.assertEqual(len({s.pattern for s in suites["tum"].sequences}), 47)
+        self.assertIn("docs", suites)
+
     def test_a_missing_recording_is_named_with_the_line_of_the_suite(self):
         self.assertIn("suite.yaml:2: nowhere: no such recording", self.run_suite("sequences:\n- nowhere", expect=3))
+
+    def test_another_program_is_refused(self):
+        self.assertIn("is it kinloop", self.run_suite("sequences: [sim:room]", "--program", "false", expect=3))
+        text = self.write("text", "no program")
+        text.chmod(0o755)
+        self.assertIn("is it kinloop?", self.run_suite("sequences: [sim:room]", "--program", text, expect=3))
 
     def test_a_missing_program_is_named(self):
         self.assertIn("--program", self.run_suite("sequences: [sim:room]", "--program", "no-such-program", expect=3))

@@ -6,6 +6,6 @@
     store.py                  the folder of results, shared by processes and machines
     process.py, execute.py    one run under its limits, and its row
     workers.py, cluster.py    local workers, Dask, Slurm, Kubernetes
-    tables.py, statistics.py, compare.py, latex.py, page.py   what comes out
+    tables.py, statistics.py, latex.py, page.py, report.py, compare.py   what comes out
 
 The package is plain Python and does not need the compiled module of kinloop. Its core needs PyYAML only."""

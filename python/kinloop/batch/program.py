@@ -11,6 +11,7 @@ from .files import hash_of_file
 
 NT_GNU_BUILD_ID = 3
 MAX_HEADER_BYTES = 1 << 20
+PATIENCE_S = 60
 
 
 def find_program(name):
@@ -59,11 +60,15 @@ def identity_of(path):
 
 
 def default_options(program):
-    """The defaults of --set by name; empty if the program cannot list them."""
+    """The defaults of --set by name. Throws BatchError if the program does not list them: without them, the keys of runs
+    would be others."""
+    call = [program, "run", "--options=all"]
     try:
-        done = subprocess.run([program, "run", "--options=all"], capture_output=True, text=True, timeout=60, check=False)
-    except (OSError, subprocess.TimeoutExpired, UnicodeDecodeError):
-        return {}
+        done = subprocess.run(call, capture_output=True, text=True, errors="replace", timeout=PATIENCE_S, check=False)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise BatchError(f"{program}: cannot be run ({getattr(error, 'strerror', None) or 'no answer'}); is it kinloop?") from None
+    if done.returncode:
+        raise BatchError(f"{' '.join(call)} ended with {done.returncode}; is it kinloop 0.2 or newer?")
     return dict(re.findall(r"^  ([a-z][\w.]*)=(.*)$", done.stdout, re.MULTILINE))
 
 

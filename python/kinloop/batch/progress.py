@@ -19,8 +19,8 @@ def duration(seconds):
 class Progress:
     """Counts finished runs. A terminal has one line that changes; a file gets a line every half a minute."""
 
-    def __init__(self, total, done, quiet, stream=None):
-        self.total, self.before, self.done, self.quiet = total, done, done, quiet
+    def __init__(self, total, quiet, stream=None):
+        self.total, self.done, self.quiet = total, 0, quiet
         self.stream = stream or sys.stderr
         self.terminal = self.stream.isatty()
         self.begin = self.last = time.monotonic()
@@ -29,14 +29,13 @@ class Progress:
         self.done += 1
         self.show()
 
-    def show(self, now=False):
+    def show(self):
         time_ = time.monotonic()
         interval = TERMINAL_INTERVAL_S if self.terminal else PLAIN_INTERVAL_S
-        if self.quiet or not (now or self.done == self.total or time_ - self.last >= interval):
+        if self.quiet or not (self.done == self.total or time_ - self.last >= interval):
             return
         self.last = time_
-        new = self.done - self.before
-        left = f", {duration((time_ - self.begin) / new * (self.total - self.done))} left" if new else ""
+        left = f", {duration((time_ - self.begin) / self.done * (self.total - self.done))} left"
         text = f"{self.done}/{self.total} runs{left if self.done < self.total else ''}"
         end = "\n" if not self.terminal or self.done == self.total else ""
         print(f"\r\x1b[K{text}" if self.terminal else text, end=end, file=self.stream, flush=True)

@@ -6,6 +6,7 @@ RESULTS/inputs by size, modification time and inode of each file."""
 import glob
 import os
 import re
+import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +18,7 @@ CAMERA_FOLDERS = ("", "intrinsic", "intrinsics", "calibration", "calib", "camera
 CAMERA_SUFFIXES = (".yaml", ".yml", ".json", ".txt")
 CAMERA_NAME = re.compile(r"cam|calib|intrinsic|transforms|(^|_)k$", re.IGNORECASE)
 MAX_CAMERA_BYTES = 1_000_000
+DATASET_NAME = re.compile(r"tum/fr([123])_([a-z0-9_]+)")  # what `kinloop fetch` knows
 
 
 @dataclass
@@ -114,13 +116,28 @@ def download(url, folder):
     return target
 
 
-def _paths(sequence, suite_folder, inputs):
+def fetch_by_name(name, program, folder):
+    """Has `kinloop fetch` download a sequence such as tum/fr1_room, once; returns its path."""
+    camera, rest = DATASET_NAME.fullmatch(name).groups()
+    target = Path(folder) / f"rgbd_dataset_freiburg{camera}_{rest}"
+    if not target.exists():
+        done = subprocess.run([program, "fetch", name, "-o", str(make_folder(folder))], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                              text=True, errors="replace", check=False)  # fmt: skip
+        if done.returncode or not target.exists():
+            last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+            raise BatchError(f"{name}: kinloop fetch failed: {last.removeprefix('error: ')}")
+    return target
+
+
+def _paths(sequence, suite_folder, inputs, program):
     """The paths that a line of the suite stands for."""
     if is_url(sequence.pattern):
         return [download(sequence.pattern, inputs / "downloads")]
     pattern = os.path.join(suite_folder, os.path.expanduser(sequence.pattern))
     if os.path.exists(pattern):
         return [Path(os.path.normpath(pattern))]
+    if DATASET_NAME.fullmatch(sequence.pattern):
+        return [fetch_by_name(sequence.pattern, program, inputs / "downloads" / "tum")]
     found = sorted(glob.glob(pattern, recursive=True))
     if not found:
         raise BatchError(f"{sequence.where}: {sequence.pattern}: no such recording (looked for {os.path.normpath(pattern)})")
@@ -135,13 +152,13 @@ def _camera(sequence, suite_folder):
     return sequence.camera, sequence.camera  # a name such as freiburg1; `kinloop run` knows which there are
 
 
-def find_recordings(suite, inputs):
-    """Returns the recordings of a suite, in its order. Throws BatchError if one is missing or two share a name."""
+def find_recordings(suite, inputs, program):
+    """Returns the recordings of a suite, in its order; `program` fetches those of datasets. Throws BatchError if one is missing or two share a name."""
     hashes, recordings = Hashes(Path(inputs) / "hashes"), []
     for sequence in suite.sequences:
         camera, camera_identity = _camera(sequence, suite.folder)
         truth = os.path.normpath(os.path.join(suite.folder, sequence.truth)) if sequence.truth else ""
-        for path in [sequence.pattern] if is_simulated(sequence.pattern) else _paths(sequence, suite.folder, Path(inputs)):
+        for path in [sequence.pattern] if is_simulated(sequence.pattern) else _paths(sequence, suite.folder, Path(inputs), program):
             if is_simulated(sequence.pattern):
                 name, dataset, identity, size = path, "simulated", {"simulated": path}, 0
             else:

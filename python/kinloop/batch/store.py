@@ -3,7 +3,7 @@
 RESULTS/runs/KEY/       a finished run, never changed; runs/ may be a link to a folder that several RESULTS share
 RESULTS/runs/.work/     runs under way; a finished one is renamed
 RESULTS/runs/.claims/   who is at work on which run
-RESULTS/plan.jsonl      the runs of the last suite, one a line
+RESULTS/plan.jsonl      the title of the last suite, then its runs, one a line
 RESULTS/inputs/         hashes of recordings, and recordings fetched from URLs"""
 
 import json
@@ -76,22 +76,22 @@ class Store:
 
     # Plan
 
-    def write_plan(self, jobs):
-        write_whole(self.plan_file, "".join(json.dumps(job.to_json(), sort_keys=True) + "\n" for job in jobs))
+    def write_plan(self, title, jobs):
+        lines = [json.dumps({"title": title}), *(json.dumps(job.to_json(), sort_keys=True) for job in jobs)]
+        write_whole(self.plan_file, "".join(line + "\n" for line in lines))
 
     def read_plan(self):
-        """The jobs of the last suite. Throws BatchError if there is none."""
-        jobs = []
+        """The title of the last suite and its jobs. Throws BatchError if there is none."""
         try:
-            with open(self.plan_file, "rb") as file:
-                for number, line in enumerate(file, 1):
-                    try:
-                        jobs.append(Job(**json.loads(line)))
-                    except (ValueError, TypeError, RecursionError):
-                        raise BatchError(f"{self.plan_file}:{number}: damaged; run the suite or plan again") from None
+            lines = self.plan_file.read_bytes().splitlines()
         except OSError:
             raise BatchError(f"{self.plan_file}: cannot be read; is {self.folder} a folder of kinloop batch?") from None
-        return jobs
+        for number, line in enumerate(lines, 1):
+            try:
+                lines[number - 1] = Job(**json.loads(line)) if number > 1 else str(json.loads(line)["title"])
+            except (ValueError, TypeError, KeyError, RecursionError):
+                raise BatchError(f"{self.plan_file}:{number}: damaged; run the suite or plan again") from None
+        return (lines[0], lines[1:]) if lines else ("", [])
 
     # Results
 

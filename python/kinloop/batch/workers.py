@@ -21,6 +21,7 @@ from .store import Heartbeat
 PACKAGE = str(Path(__file__).resolve().parent)
 POLL_S = 0.5
 TASK_RETRIES = 5
+CONNECT_PATIENCE = "10s"
 
 
 @contextmanager
@@ -98,13 +99,13 @@ def run_by_dask(jobs, store, address, progress, say):
     except ImportError:
         raise BatchError("--scheduler: Dask is missing: pip install 'kinloop[batch]', or use --workers") from None
     try:
-        client = distributed.Client(address, timeout="20s", set_as_default=False)
+        client = distributed.Client(address, timeout=CONNECT_PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         raise UsageError(f"--scheduler {address}: no scheduler answers ({error}); start one with 'dask scheduler'") from None
     with stopping_by_signals() as stop, client:
         say(f"dashboard {client.dashboard_link}")
         tasks = [client.submit(subprocess.call, command_of_task(job, store), key=f"kinloop-{job.key}", pure=False,
-                               retries=TASK_RETRIES, allow_other_workers=True) for job in longest_first(jobs)]  # fmt: skip
+                               retries=TASK_RETRIES) for job in longest_first(jobs)]  # fmt: skip
         _wait_for_tasks(distributed, tasks, store, progress, stop)
 
 
