@@ -22,7 +22,7 @@ constexpr int kMostWorkers = 10'000;
 
 /// Beside the program: PREFIX/bin/kinloop and PREFIX/share/kinloop/batch; the build tree has the same places.
 std::filesystem::path batch_package(const std::filesystem::path& program) {
-  const auto package = program.parent_path().parent_path() / "share/kinloop/batch";
+  auto package = program.parent_path().parent_path() / "share/kinloop/batch";
   if (!std::filesystem::exists(package / "__main__.py")) {
     throw InputError(
         fmt::format("{}: kinloop batch is not installed there; install kinloop again, with its folder share",
