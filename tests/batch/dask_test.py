@@ -1,4 +1,4 @@
-"""Workers of a Dask scheduler, and Parquet; skipped (77) without distributed and pyarrow, which
+"""Workers of a Dask scheduler, URLs of fsspec, and Parquet; skipped (77) without distributed and pyarrow, which
 scripts/install_test_packages.sh installs."""
 
 import json
@@ -58,6 +58,19 @@ class Dask(BatchTest):
         with unittest.mock.patch("kinloop.batch.workers.CONNECT_PATIENCE", "0.5s"):
             output = self.batch(suite, "-o", self.results, "--program", self.program, "--scheduler", "tcp://127.0.0.1:9", expect=2)
         self.assertIn("no scheduler answers", output)
+
+
+class Urls(BatchTest):
+    def test_a_recording_at_a_url_is_copied_once_and_has_the_key_of_the_same_bytes(self):
+        room = self.recording("store/room")
+        self.run_suite(f"sequences: ['file://{room}']")
+        (row,) = self.rows()
+        self.assertEqual((row["sequence"], row["status"]), ("room", "done"))
+        (room / "rgb/1.png").write_text("another image")
+        self.run_suite(f"sequences: ['file://{room}']")
+        self.assertEqual(self.rows(), [row])
+        self.assertEqual(len(self.calls()), 1)
+        self.assertIn("cannot be fetched", self.run_suite(f"sequences: ['file://{self.folder}/nothing']", expect=3))
 
 
 class Parquet(BatchTest):
