@@ -26,10 +26,17 @@ std::vector<Matrix6d> keyframe_scatter(const FrameLog& log, const std::vector<Ma
   return of_keyframe;
 }
 
+/// What an error of the scale does to a pose, in the axes of the pose.
+Matrix6d of_scale(const SE3& T_first_pose, double scale_sigma) {
+  Vector6d off = Vector6d::Zero();
+  off.head<3>() = scale_sigma * (T_first_pose.rotation.conjugate() * T_first_pose.translation);
+  return off * off.transpose();
+}
+
 }  // namespace
 
 PoseCovariances pose_covariances(const FrameLog& log, const Map& map,
-                                 const std::vector<Matrix6d>& keyframe_covariance) {
+                                 const std::vector<Matrix6d>& keyframe_covariance, double scale_sigma) {
   const auto scatter = pose_scatter(log, map);
   const auto first = first_keyframes(map);
   const auto of_keyframe = keyframe_scatter(log, scatter, map.keyframes().size());
@@ -37,9 +44,10 @@ PoseCovariances pose_covariances(const FrameLog& log, const Map& map,
     return id.value < keyframe_covariance.size() ? keyframe_covariance[id.value] : Matrix6d(Matrix6d::Zero());
   };
   // The first keyframe is off as well, and everything is measured from there.
-  const auto of_first = [&](KeyframeId id, const SE3& T_world_camera) {
+  const auto since_first = [&](KeyframeId id, const SE3& T_world_camera) -> Matrix6d {
     const KeyframeId from = first[map.keyframe(id).component];
-    return transported(of_keyframe[from.value], map.keyframe(from).T_world_camera.inverse() * T_world_camera);
+    const SE3 T_first_camera = map.keyframe(from).T_world_camera.inverse() * T_world_camera;
+    return transported(of_keyframe[from.value], T_first_camera) + of_scale(T_first_camera, scale_sigma);
   };
 
   PoseCovariances all;
@@ -47,7 +55,7 @@ PoseCovariances pose_covariances(const FrameLog& log, const Map& map,
     const bool is_first = first[keyframe.component] == keyframe.id;
     all.keyframes.push_back(is_first ? Matrix6d(Matrix6d::Zero())
                                      : Matrix6d(of_map(keyframe.id) + of_keyframe[keyframe.id.value] +
-                                                of_first(keyframe.id, keyframe.T_world_camera)));
+                                                since_first(keyframe.id, keyframe.T_world_camera)));
   }
   for (size_t i = 0; i < log.size(); ++i) {
     const TrackedFrame& entry = log[i];
@@ -56,7 +64,7 @@ PoseCovariances pose_covariances(const FrameLog& log, const Map& map,
       covariance = all.keyframes[entry.keyframe.value];
     } else if (!entry.is_lost() && !(entry.covariance.isZero(0) && scatter[i].isZero(0))) {
       covariance = transported(of_map(entry.reference), entry.T_reference_camera) + entry.covariance +
-                   scatter[i] + of_first(entry.reference, world_pose(entry, map));
+                   scatter[i] + since_first(entry.reference, world_pose(entry, map));
     }
     all.frames.push_back(covariance.allFinite() ? covariance : Matrix6d(Matrix6d::Zero()));
   }

@@ -16,8 +16,9 @@ struct PoseCovariances {
 
 /// Adds to the covariances of the keyframes (by id, relative to the first of the component; those beyond the
 /// end are zero) and of the frames given the landmarks (TrackedFrame::covariance) what the keypoints of a
-/// frame share: the scatter of the poses around it and around the first keyframe (pose_scatter).
+/// frame share: the scatter of the poses around it and around the first keyframe (pose_scatter). Also adds
+/// what an error of the scale of all depths does (1 sigma, relative), which grows with the distance.
 PoseCovariances pose_covariances(const FrameLog& log, const Map& map,
-                                 const std::vector<Matrix6d>& keyframe_covariance);
+                                 const std::vector<Matrix6d>& keyframe_covariance, double scale_sigma = 0);
 
 }  // namespace kinloop

@@ -7,6 +7,7 @@
 #include "kinloop/back_end/pose_covariances.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/sensor/depth_scale.hpp"
 #include "kinloop/tracking/evidence/surface_evidence.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
 
@@ -180,7 +181,8 @@ void Slam::find_loops(KeyframeId keyframe) {
 /// States how uncertain the final poses are: by the final adjustment or, without one, by tracking.
 void Slam::state_covariances() {
   const bool adjusted = !keyframe_covariance_.empty();
-  auto found = pose_covariances(log_, map_, adjusted ? keyframe_covariance_ : online_covariance_.keyframes());
+  auto found = pose_covariances(log_, map_, adjusted ? keyframe_covariance_ : online_covariance_.keyframes(),
+                                depth_scale_sigma(camera_.sensor.kind));
   for (size_t i = 0; i < log_.size(); ++i) log_[i].world_covariance = found.frames[i];
   if (adjusted) keyframe_covariance_ = std::move(found.keyframes);
 }

@@ -77,6 +77,21 @@ TEST(PoseCovariances, AreThoseOfErrorsThatTheKeypointsOfAFrameShare) {
   }
 }
 
+TEST(PoseCovariances, AreThoseOfAWrongScale) {
+  const Chain chain;
+  constexpr double kScaleSigma = 0.01;
+  const auto without = pose_covariances(chain.log, chain.map, chain.of_residuals),
+             with = pose_covariances(chain.log, chain.map, chain.of_residuals, kScaleSigma);
+  const SE3 T_first_world = world_pose(chain.log[0], chain.map).inverse();
+  for (const size_t i : {size_t{0}, size_t{6}, size_t{100}, size_t{kFrames - 1}}) {
+    const SE3 T_first_camera = T_first_world * world_pose(chain.log[i], chain.map);
+    const SE3 larger{T_first_camera.rotation, (1 + kScaleSigma) * T_first_camera.translation};
+    const Vector6d off = (T_first_camera.inverse() * larger).log();
+    const Matrix6d added = with.frames[i] - without.frames[i];
+    EXPECT_LT((added - off * off.transpose()).norm(), 1e-9) << i;
+  }
+}
+
 TEST(PoseCovariances, OfFramesIncludeThatOfTheirKeyframe) {
   Chain chain;
   const auto before = pose_covariances(chain.log, chain.map, chain.of_residuals);
