@@ -31,8 +31,8 @@ using kinloop::ExitCode;
 
 constexpr const char* kExitCodes =
     R"(Exit codes: 0 done; 1 internal error; 2 wrong use; 3 bad input, or results that could not be written;
-4 tracking lost and not regained; 129, 130, 143 a run ended by SIGHUP, Ctrl-C, SIGTERM (its results are written);
-141 the reader of standard output is gone. See docs/reliability.md.)";
+4 tracking lost and not regained; 5 kinloop batch found a difference; 129, 130, 143 a run ended by SIGHUP, Ctrl-C,
+SIGTERM (its results are written); 141 the reader of standard output is gone. See docs/reliability.md.)";
 
 ExitCode run(int argc, char** argv) {
   if (argc <= 1) {
@@ -63,10 +63,11 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_export_command(app);
   kinloop::add_mesh_command(app);
   kinloop::add_reproduce_command(app);
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  kinloop::add_batch_command(app, words);
   kinloop::add_help_command(app);
   kinloop::add_version_command(app);
   app.footer(kExitCodes);  // not before: commands would inherit it
-  const std::vector<std::string> words(argv + 1, argv + argc);
   kinloop::find_command(app,
                         words);  // for an unknown command CLI11 only says that a command is missing
   try {

@@ -45,7 +45,7 @@ def find_command(program, words):
     while words and command.children and not words[0].startswith("-"):
         named = [child for child in command.children if child.name.split()[-1] == words[0]]
         if not named:
-            return None, words
+            return (command if command.positionals else None), words
         command, words = named[0], words[1:]
     return command, words
 

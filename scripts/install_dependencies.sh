@@ -27,6 +27,7 @@ optional=(
   "downloads: libcurl4-openssl-dev libarchive-dev"
   "distributed training: libopenmpi-dev openmpi-bin"
   "sources of g2o: python3-venv"
+  "kinloop batch: python3-yaml"
   "Python: python3-dev pybind11-dev python3-numpy python3-pytest"
   "video: libavformat-dev libavcodec-dev libswscale-dev"
   "ROS node: librosbag-storage-dev libsensor-msgs-dev libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev python3-roslaunch python3-rosbag"

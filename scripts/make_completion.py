@@ -60,12 +60,17 @@ def quote(text):
     return "'" + text.replace("'", "'\\''") + "'"
 
 
+def first_words(command):
+    """What may follow a command: its commands, and its options unless it only has commands."""
+    return [row.left for row in command.subcommands] + (command.flags if command.positionals or not command.subcommands else [])
+
+
 def bash_completion(program, keys):
     commands = list(program.walk())
     nested = [f'    "{c.name}") command="{c.name}" ;;' for c in commands if " " in c.name]
     choices = [f'    "{c.name} {flag}") words="{" ".join(option.choices)}" ;;'
                for c in commands for option in c.options if option.choices for flag in option.flags]
-    words = [f'      "{c.name}") words="{" ".join([row.left for row in c.subcommands] or c.flags)}" ;;' for c in commands]
+    words = [f'      "{c.name}") words="{" ".join(first_words(c))}" ;;' for c in commands]
     return BASH.format(nested="\n".join(nested), keys=" ".join(keys), choices="\n".join(choices), words="\n".join(words))
 
 
@@ -83,7 +88,7 @@ def zsh_case(command, depth):
     pattern = f"'{command.name}'" if depth == 2 else f"'{command.name} '*"
     if command.children:
         rows = " ".join(quote(f"{row.left}:{row.text}") for row in command.subcommands)
-        return f"    {pattern}) commands=({rows}); _describe command commands ;;"
+        return f"    {pattern}) commands=({rows}); _describe command commands{'; _files' if command.positionals else ''} ;;"
     options = " \\\n".join(zsh_option(option) for option in command.options)
     shift = "shift words; (( CURRENT-- )); " * depth
     return f"    {pattern}) {shift}_arguments \\\n{options} \\\n      '*:file:_files' ;;"

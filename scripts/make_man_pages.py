@@ -91,6 +91,7 @@ def program_page(program, version):
     for code, meaning in (("0", "done"), ("1", "internal error"), ("2", "wrong use"),
                           ("3", "bad input, or results that could not be written"),
                           ("4", "tracking lost and not regained"),
+                          ("5", "kinloop batch found a difference"),
                           ("129, 130, 143", "a run ended by SIGHUP, SIGINT (Ctrl-C), SIGTERM; its results are written"),
                           ("141", "the reader of standard output is gone")):
         page += [".TP", code, escape(meaning)]

@@ -2,6 +2,9 @@
 // Each command of the program registers itself as a subcommand; its callback does the work, prints its result
 // on standard output and throws InputError or UsageError, which main turns into exit codes.
 
+#include <string>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 
 namespace kinloop {
@@ -41,5 +44,8 @@ void add_map_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_mesh_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);
+
+/// `words`: the command line, which kinloop batch passes on.
+void add_batch_command(CLI::App& app, const std::vector<std::string>& words);
 
 }  // namespace kinloop

@@ -1,0 +1,150 @@
+"""Does one job: claims it, runs it under its limits, keeps what the suite says, and writes its row.
+
+In: a Job and the Store. Out: RESULTS/runs/KEY/ with result.json, log.txt and the kept files. A run that fails is a
+result, too; only what did not come from the run itself is repeated: a kill from outside, a full disk."""
+
+import fnmatch
+import os
+import signal
+import socket
+from pathlib import Path
+
+from .errors import BatchError, DiskFull
+from .figures import of_run, score
+from .files import FULL, cannot_write, hash_of_file
+from .process import run_limited
+
+ATTEMPTS = 3  # of a run that is killed from outside, e.g. because the machine has no memory left
+RESULT_FILES = ("result.json", "log.txt")
+NOT_REPEATABLE = {"run.json", "frames.txt", "report.html", *RESULT_FILES}  # with times of this run
+FROM_OUTSIDE = (-signal.SIGKILL, -signal.SIGTERM, -signal.SIGINT, -signal.SIGHUP, 129, 130, 143)
+STATUS_OF_CODE = {1: "internal error", 2: "wrong use", 3: "bad input", 4: "lost", 127: "not started"}
+MAX_LOG_LOOK = 200_000
+
+
+def execute(job, store, stop, heartbeat):
+    """Does the job unless it is done. Returns whether it is; False: another process is at work on it."""
+    if store.has(job.key):
+        return True
+    claim = store.claim(job.key)
+    if claim is None:
+        return False
+    heartbeat.add(claim)
+    try:
+        if not store.has(job.key):  # finished just before the claim
+            folder = store.begin(job.key)
+            try:
+                store.finish(job.key, folder, perform(job, folder, stop))
+            finally:
+                store.abandon(folder)  # what an exception left
+    finally:
+        heartbeat.remove(claim)
+        claim.release()
+    return True
+
+
+def perform(job, folder, stop):
+    """Runs the job in `folder`, removes what is not kept, and returns its result."""
+    folder = folder.resolve()
+    log = folder / "log.txt"
+    try:
+        log.touch()
+        result = _score_external(job, log) if job.kind == "external" else _run(job, folder, log, stop)
+        _stop_if_disk_is_full(result, log)
+        result |= {"key": job.key, "identity": job.identity, "files": hashes_of_files(folder), "host": socket.gethostname()}
+        _remove_what_is_not_kept(folder, job.keep)
+        return result
+    except OSError as error:
+        raise cannot_write(folder, error) from None
+
+
+def _score_external(job, log):
+    if not Path(job.external).is_file():
+        log.write_text(f"{job.external}: there is no such trajectory\n")
+        return {"status": "no trajectory", "exit": "", "figures": {}, "measured": {}, "attempts": 0}
+    figures = score(job.program, job.external, job.truth, log)
+    return {"status": "done" if "ate_m" in figures else "no truth", "exit": 0, "figures": figures, "measured": {}, "attempts": 1}
+
+
+def _run(job, folder, log, stop):
+    words = [word.replace("{output}", str(folder)) for word in job.words]
+    for attempt in range(1, ATTEMPTS + 1):
+        ended = run_limited(words, folder, log, job.time_s, job.memory_mib, stop)
+        if ended.timed_out or ended.code not in FROM_OUTSIDE:
+            break
+        if attempt < ATTEMPTS:
+            _remove_what_is_not_kept(folder, [])
+    figures, measured = _figures(job, folder, log)
+    measured = {"wall_s": ended.wall_s, "cpu_s": ended.cpu_s, "peak_mib": ended.peak_mib} | measured
+    code = signal.Signals(-ended.code).name if ended.code < 0 and not ended.timed_out else max(ended.code, 0)
+    return {"status": _status(ended, figures, job, log), "exit": "" if ended.timed_out else code, "figures": figures,
+            "measured": measured, "attempts": attempt}  # fmt: skip
+
+
+def _figures(job, folder, log):
+    """What is known of the run: also of one that failed."""
+    figures, measured = (of_run(folder) or ({}, {})) if job.kind == "run" else ({}, {})
+    trajectory, live = folder / "trajectory.txt", folder / "live.txt"
+    if (job.kind == "command" or job.truth) and trajectory.is_file():
+        figures |= score(job.program, trajectory, job.truth, log)
+        if live.is_file() and "ate_m" in figures:
+            live_figures = score(job.program, live, job.truth, log)
+            figures |= {"live_ate_m": live_figures["ate_m"]} if "ate_m" in live_figures else {}
+    return figures, measured
+
+
+def _end_of(log):
+    with open(log, "rb") as file:
+        file.seek(max(0, os.path.getsize(log) - MAX_LOG_LOOK))
+        return file.read().decode(errors="replace")
+
+
+def _status(ended, figures, job, log):
+    if ended.timed_out:
+        return "time limit"
+    if ended.code < 0 or ended.code in FROM_OUTSIDE:
+        out_of_memory = job.memory_mib and "bad_alloc" in _end_of(log)
+        return "out of memory" if out_of_memory else "killed" if ended.code in FROM_OUTSIDE else "crashed"
+    if ended.code:
+        if "out of memory" in _end_of(log) or "MemoryError" in _end_of(log):
+            return "out of memory"
+        return STATUS_OF_CODE.get(ended.code, "failed")
+    if figures.get("frames") == 0:
+        return "no frames"
+    return "done" if "ate_m" in figures else "no truth"
+
+
+def _stop_if_disk_is_full(result, log):
+    if result["exit"] not in (0, 4, "") and any(os.strerror(code) in _end_of(log) for code in FULL):
+        raise DiskFull(f"{log.parent}: the disk is full; make room and run the same command again, finished runs are kept")
+
+
+def hashes_of_files(folder):
+    """The hashes of the files that are the same each time, by name."""
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file() and not path.is_symlink())
+    return {str(path.relative_to(folder)): hash_of_file(path) for path in files if path.name not in NOT_REPEATABLE}
+
+
+def _remove_what_is_not_kept(folder, keep):
+    for path in sorted(folder.rglob("*"), reverse=True):
+        name = str(path.relative_to(folder))
+        if path.is_dir() and not path.is_symlink():
+            if not any(path.iterdir()):
+                path.rmdir()
+        elif name not in RESULT_FILES and not any(fnmatch.fnmatch(name, pattern) for pattern in keep):
+            path.unlink()
+
+
+def verify(job, store, stop):
+    """Runs a finished job again; returns the names of the files that differ. The result stays as it is."""
+    before = store.result(job.key)
+    if not before:
+        raise BatchError(f"{store.run_folder(job.key)}: there is no such run")
+    folder = store.begin(f"verify-{job.key}")
+    try:
+        after = perform(job, folder, stop)
+    finally:
+        store.abandon(folder)
+    differ = {name for name in before["files"].keys() | after["files"].keys()
+              if before["files"].get(name) != after["files"].get(name)}  # fmt: skip
+    return sorted(differ | ({"figures"} if (before["status"], before["figures"]) != (after["status"], after["figures"]) else set()))

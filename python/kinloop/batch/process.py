@@ -1,0 +1,79 @@
+"""A program as a process of its own, with limits of time and memory.
+
+In: a command line, limits, a file for its output. Out: how it ended, and what it used."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from .errors import Interrupted
+
+START = str(Path(__file__).with_name("start.py"))
+MAX_LOG_BYTES = 200_000
+LONGEST_SLEEP_S = 0.1
+
+
+@dataclass
+class Ended:
+    """`code`: the exit code, or minus the number of the signal that ended it."""
+
+    code: int
+    timed_out: bool
+    wall_s: float
+    cpu_s: float
+    peak_mib: float
+
+
+def _kill_group(pid):
+    try:
+        os.killpg(pid, signal.SIGKILL)
+    except ProcessLookupError:
+        pass
+
+
+def _shorten(log):
+    """Keeps the first and the last part of a long log."""
+    size = log.stat().st_size
+    if size <= MAX_LOG_BYTES:
+        return
+    half = MAX_LOG_BYTES // 2
+    with open(log, "rb+") as file:
+        begin = file.read(half)
+        file.seek(size - half)
+        end = file.read(half)
+        file.seek(0)
+        file.write(begin + b"\n[... left out ...]\n" + end)
+        file.truncate()
+
+
+def run_limited(words, folder, log, time_s, memory_mib, stop):
+    """Runs a program to its end, and kills it with all that it started after `time_s` seconds. Throws Interrupted once
+    the event `stop` is set."""
+    log = Path(log)
+    begin, pause = time.monotonic(), 0.002
+    with open(log, "ab") as output:
+        call = [sys.executable, "-I", "-S", START, str(memory_mib), str(os.getpid()), *words]
+        process = subprocess.Popen(call, cwd=folder, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True)
+    timed_out = False
+    while True:
+        pid, status, usage = os.wait4(process.pid, os.WNOHANG)
+        if pid:
+            break
+        elapsed = time.monotonic() - begin
+        if stop.is_set() or elapsed > time_s:
+            timed_out = not stop.is_set()
+            _kill_group(process.pid)
+            pid, status, usage = os.wait4(process.pid, 0)
+            break
+        stop.wait(min(pause, max(0.0, time_s - elapsed)))
+        pause = min(1.5 * pause, LONGEST_SLEEP_S)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    _kill_group(process.pid)  # what it left behind
+    if stop.is_set():
+        raise Interrupted("interrupted")
+    _shorten(log)
+    return Ended(process.returncode, timed_out, time.monotonic() - begin, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)

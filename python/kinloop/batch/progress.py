@@ -1,0 +1,45 @@
+"""The line that says how far a batch is and how long it will take."""
+
+import sys
+import time
+
+PLAIN_INTERVAL_S = 30.0
+TERMINAL_INTERVAL_S = 0.5
+
+
+def duration(seconds):
+    seconds = round(seconds)
+    if seconds < 60:
+        return f"{seconds} s"
+    if seconds < 3600:
+        return f"{seconds // 60} min {seconds % 60:02} s"
+    return f"{seconds // 3600} h {seconds % 3600 // 60:02} min"
+
+
+class Progress:
+    """Counts finished runs. A terminal has one line that changes; a file gets a line every half a minute."""
+
+    def __init__(self, total, quiet, stream=None):
+        self.total, self.done, self.quiet = total, 0, quiet
+        self.stream = stream or sys.stderr
+        self.terminal = self.stream.isatty()
+        self.begin = self.last = time.monotonic()
+
+    def finish_one(self):
+        self.done += 1
+        self.show()
+
+    def show(self):
+        time_ = time.monotonic()
+        interval = TERMINAL_INTERVAL_S if self.terminal else PLAIN_INTERVAL_S
+        if self.quiet or not (self.done == self.total or time_ - self.last >= interval):
+            return
+        self.last = time_
+        left = f", {duration((time_ - self.begin) / self.done * (self.total - self.done))} left"
+        text = f"{self.done}/{self.total} runs{left if self.done < self.total else ''}"
+        end = "\n" if not self.terminal or self.done == self.total else ""
+        print(f"\r\x1b[K{text}" if self.terminal else text, end=end, file=self.stream, flush=True)
+
+    def end_line(self):
+        if self.terminal and not self.quiet and self.done < self.total:
+            print(file=self.stream)

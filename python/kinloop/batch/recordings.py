@@ -1,0 +1,183 @@
+"""Recordings: found by path, glob, URL or name, and hashed.
+
+In: the sequences of a suite. Out: Recordings, each with the hash of its bytes, which is computed once and kept in
+RESULTS/inputs by size, modification time and inode of each file."""
+
+import glob
+import os
+import re
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from .errors import BatchError
+from .files import hash_of_file, hash_of_value, make_folder, read_json, write_json
+
+# Where `kinloop run` looks for a camera if the recording has none: drivers/datasets/camera_files/find_camera.cpp.
+CAMERA_FOLDERS = ("", "intrinsic", "intrinsics", "calibration", "calib", "camera", "sparse/0", "colmap/sparse/0")
+CAMERA_SUFFIXES = (".yaml", ".yml", ".json", ".txt")
+CAMERA_NAME = re.compile(r"cam|calib|intrinsic|transforms|(^|_)k$", re.IGNORECASE)
+MAX_CAMERA_BYTES = 1_000_000
+DATASET_NAME = re.compile(r"tum/fr([123])_([a-z0-9_]+)")  # what `kinloop fetch` knows
+
+
+@dataclass
+class Recording:
+    """`path` is what `kinloop run` opens; `identity` goes into the key of a run."""
+
+    name: str
+    dataset: str
+    path: str
+    camera: str
+    truth: str
+    identity: dict
+    bytes: int
+
+
+def is_url(pattern):
+    return re.match(r"[a-z0-9+]{2,}://", pattern) is not None
+
+
+def is_simulated(pattern):
+    return pattern.startswith("sim:")
+
+
+class Hashes:
+    """Hashes of files and folders, kept in a folder."""
+
+    def __init__(self, folder):
+        self.folder = make_folder(folder)
+
+    def of(self, path):
+        """Returns the hash of the names and bytes below `path`, and their size."""
+        path = Path(path)
+        cache = self.folder / (hash_of_value(str(path))[:32] + ".json")
+        known = read_json(cache) or {}
+        now, parts, size = {}, [], 0
+        for file, name in self._files(path):
+            state = os.stat(file)
+            stamp = [state.st_size, state.st_mtime_ns, state.st_ino]
+            old = known.get(name)
+            now[name] = old if old and old[:3] == stamp else [*stamp, hash_of_file(file)]
+            parts.append([name, now[name][3]])
+            size += state.st_size
+        if now != known:
+            write_json(cache, now)
+        return hash_of_value(parts), size
+
+    @staticmethod
+    def _files(path):
+        """(file, name below `path`), sorted by name."""
+        if path.is_file():
+            return [(path, "")]
+        found = []
+        for folder, below, names in os.walk(path, followlinks=True):
+            if len(found) > 10_000_000:
+                raise BatchError(f"{path}: does not end; does a link lead to a folder above it?")
+            below.sort()
+            found += [(os.path.join(folder, name), os.path.relpath(os.path.join(folder, name), path)) for name in names]
+        return sorted(found, key=lambda entry: entry[1])
+
+
+def cameras_beside(path, suite_file):
+    """Files outside of the recording that `kinloop run` may take the camera from, with their hashes."""
+    path, found = Path(path), {}
+    for is_above, folder in [(True, path.parent)] if path.is_dir() else [(False, path.parent), (True, path.parent.parent)]:
+        for below in CAMERA_FOLDERS:
+            try:
+                files = sorted((folder / below).iterdir())
+            except OSError:
+                continue  # no such folder, or one that kinloop cannot read either
+            for file in files:
+                named = CAMERA_NAME.search(file.stem) or not is_above
+                if named and file != suite_file and file.suffix.lower() in CAMERA_SUFFIXES and file.is_file():
+                    if file.stat().st_size <= MAX_CAMERA_BYTES:
+                        found[f"{is_above} {below}/{file.name}"] = hash_of_file(file)
+    return found
+
+
+def download(url, folder):
+    """Copies what is at a URL of fsspec below `folder`, once; returns its path."""
+    try:
+        import fsspec
+    except ImportError:
+        raise BatchError(f"{url}: fsspec is missing: pip install 'kinloop[batch]', or copy the recording yourself") from None
+    target = Path(folder) / hash_of_value(url)[:16] / url.rstrip("/").rsplit("/", 1)[-1]
+    if target.exists():
+        return target
+    beside = target.with_name(f".{target.name}.{os.getpid()}.tmp")
+    make_folder(target.parent)
+    try:
+        files, path = fsspec.core.url_to_fs(url)
+        files.get(path.rstrip("/"), str(beside), recursive=files.isdir(path))
+        os.replace(beside, target)
+    except Exception as error:  # each store has its own
+        raise BatchError(f"{url}: cannot be fetched ({type(error).__name__}: {error})".split("\n")[0]) from None
+    return target
+
+
+def fetch_by_name(name, program, folder):
+    """Has `kinloop fetch` download a sequence such as tum/fr1_room, once; returns its path."""
+    camera, rest = DATASET_NAME.fullmatch(name).groups()
+    target = Path(folder) / f"rgbd_dataset_freiburg{camera}_{rest}"
+    if not target.exists():
+        done = subprocess.run([program, "fetch", name, "-o", str(make_folder(folder))], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                              text=True, errors="replace", check=False)  # fmt: skip
+        if done.returncode or not target.exists():
+            last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+            raise BatchError(f"{name}: kinloop fetch failed: {last.removeprefix('error: ')}")
+    return target
+
+
+def _paths(sequence, suite_folder, inputs, program):
+    """The paths that a line of the suite stands for."""
+    if is_url(sequence.pattern):
+        return [download(sequence.pattern, inputs / "downloads")]
+    pattern = os.path.join(suite_folder, os.path.expanduser(sequence.pattern))
+    if os.path.exists(pattern):
+        return [Path(os.path.normpath(pattern))]
+    if DATASET_NAME.fullmatch(sequence.pattern):
+        return [fetch_by_name(sequence.pattern, program, inputs / "downloads" / "tum")]
+    found = sorted(glob.glob(pattern, recursive=True))
+    if not found:
+        raise BatchError(f"{sequence.where}: {sequence.pattern}: no such recording (looked for {os.path.normpath(pattern)})")
+    return [Path(os.path.normpath(path)) for path in found]
+
+
+def _camera(sequence, suite_folder):
+    """The argument of --camera and what of it goes into the key."""
+    path = os.path.join(suite_folder, sequence.camera)
+    if sequence.camera and os.path.isfile(path):
+        return os.path.normpath(path), hash_of_file(path)
+    return sequence.camera, sequence.camera  # a name such as freiburg1; `kinloop run` knows which there are
+
+
+def find_recordings(suite, inputs, program):
+    """Returns the recordings of a suite, in its order; `program` fetches those of datasets. Throws BatchError if one is missing or two share a name."""
+    hashes, recordings = Hashes(Path(inputs) / "hashes"), []
+    for sequence in suite.sequences:
+        camera, camera_identity = _camera(sequence, suite.folder)
+        truth = os.path.normpath(os.path.join(suite.folder, sequence.truth)) if sequence.truth else ""
+        for path in [sequence.pattern] if is_simulated(sequence.pattern) else _paths(sequence, suite.folder, Path(inputs), program):
+            if is_simulated(sequence.pattern):
+                name, dataset, identity, size = path, "simulated", {"simulated": path}, 0
+            else:
+                digest, size = hashes.of(path)
+                # The name of a folder may tell the camera (rgbd_dataset_freiburg1_room).
+                name, dataset = path.name, path.parent.name
+                identity = {"name": path.name, "sha256": digest, "beside": {} if camera else cameras_beside(path, suite.file)}
+            identity["camera"] = camera_identity
+            if truth:
+                identity["truth"] = hashes.of(truth)[0] if os.path.exists(truth) else ""
+            recordings.append(Recording(sequence.name or name, sequence.dataset or dataset, str(path), camera, truth, identity, size))
+    _check_names(recordings)
+    return recordings
+
+
+def _check_names(recordings):
+    seen = {}
+    for recording in recordings:
+        if recording.name in seen:
+            raise BatchError(f"two sequences are named {recording.name}: {seen[recording.name]} and {recording.path}; "
+                             "give one a 'name:'")  # fmt: skip
+        seen[recording.name] = recording.path

@@ -1,0 +1,141 @@
+"""Who does the jobs: threads of this process, or the workers of a Dask scheduler.
+
+A run is a process of its own, so local workers are threads that wait for it; they need no package. On Dask, a task
+starts this package on the worker as a process, too, so that a worker needs only Dask, and sees RESULTS and the program
+under the same paths."""
+
+import concurrent.futures
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+
+from .errors import BatchError, Interrupted, UsageError
+from .execute import execute
+from .store import Heartbeat
+
+PACKAGE = str(Path(__file__).resolve().parent)
+POLL_S = 0.5
+TASK_RETRIES = 5
+CONNECT_PATIENCE = "10s"
+
+
+@contextmanager
+def stopping_by_signals():
+    """Yields an event that Ctrl-C, SIGTERM and SIGHUP set. Restores what they did before."""
+    stop, before = threading.Event(), {}
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        before[number] = signal.signal(number, lambda *_: stop.set())
+    try:
+        yield stop
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def longest_first(jobs):
+    """The order in which to start jobs: large recordings first, so that none is left for the end."""
+    return sorted(jobs, key=lambda job: -job.bytes)
+
+
+def without_repetition(jobs):
+    """One job for each key: variants may differ in name only."""
+    return list({job.key: job for job in jobs}.values())
+
+
+def unfinished(jobs, store):
+    done = store.finished()
+    return [job for job in without_repetition(jobs) if job.key not in done]
+
+
+def run_locally(jobs, store, workers, progress):
+    """Does the jobs with `workers` threads. Jobs that another process is at work on are waited for at the end."""
+    with stopping_by_signals() as stop, Heartbeat() as heartbeat:
+        waiting = longest_first(jobs)
+        while waiting:
+            waiting = _one_pass(waiting, store, workers, progress, stop, heartbeat)
+            if waiting and stop.wait(POLL_S):
+                raise Interrupted("interrupted")
+
+
+def _one_pass(jobs, store, workers, progress, stop, heartbeat):
+    """Returns the jobs that another process is at work on. Once a job throws, no further one is started."""
+    busy = []
+    with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+        futures = {pool.submit(_unless_stopped, job, store, stop, heartbeat): job for job in jobs}
+        try:
+            for future in concurrent.futures.as_completed(futures):
+                if future.result():
+                    progress.finish_one()
+                else:
+                    busy.append(futures[future])
+        except BaseException:
+            stop.set()
+            for future in futures:
+                future.cancel()
+            raise
+    return busy
+
+
+def _unless_stopped(job, store, stop, heartbeat):
+    if stop.is_set():
+        raise Interrupted("interrupted")
+    return execute(job, store, stop, heartbeat)
+
+
+def command_of_task(job, store):
+    """The command line by which a worker of Dask does a job."""
+    return [sys.executable, PACKAGE, "task", str(store.folder.resolve()), json.dumps(job.to_json())]
+
+
+def run_by_dask(jobs, store, address, progress, say):
+    """Does the jobs by the workers of the scheduler at `address`. Dask repeats tasks whose worker is lost."""
+    try:
+        import distributed
+    except ImportError:
+        raise BatchError("--scheduler: Dask is missing: pip install 'kinloop[batch]', or use --workers") from None
+    try:
+        client = distributed.Client(address, timeout=CONNECT_PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"--scheduler {address}: no scheduler answers ({error}); start one with 'dask scheduler'") from None
+    with stopping_by_signals() as stop, client:
+        say(f"dashboard {client.dashboard_link}")
+        tasks = [client.submit(subprocess.call, command_of_task(job, store), key=f"kinloop-{job.key}", pure=False,
+                               retries=TASK_RETRIES) for job in longest_first(jobs)]  # fmt: skip
+        _wait_for_tasks(distributed, tasks, store, progress, stop)
+
+
+def _wait_for_tasks(distributed, tasks, store, progress, stop):
+    by_key = {task.key.removeprefix("kinloop-"): task for task in tasks}
+    left = set(by_key)
+    while left:
+        if stop.wait(POLL_S):
+            for task in tasks:
+                task.cancel()
+            raise Interrupted("interrupted")
+        finished = {key for key in left if by_key[key].status != "pending"}
+        for key in finished:
+            if not store.has(key):
+                raise BatchError(f"run {key}: no result from Dask (task {by_key[key].status}); see the log of its worker, and run "
+                                 "the same command again")  # fmt: skip
+            progress.finish_one()
+        left -= finished
+
+
+def shard_of(jobs, number, count):
+    """The jobs of shard `number` (from 1) of `count`: dealt like cards, the large ones first."""
+    return longest_first(without_repetition(jobs))[number - 1 :: count]
+
+
+def end_with_parent():
+    """Makes this process end when the one that started it does."""
+    import ctypes
+
+    parent = os.getppid()
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)
+    if os.getppid() != parent:
+        sys.exit(1)

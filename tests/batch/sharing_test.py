@@ -1,0 +1,153 @@
+"""Several processes at one folder of results, and processes that are killed."""
+
+import json
+import os
+import random
+import signal
+import threading
+import time
+import unittest
+
+from support import BatchTest
+
+ROOMS = "sequences: ['sim:room:1..{}']\nvariants: {{a: {{set: {{fake.sleep: {}}}}}}}\n"
+
+
+class Claims(BatchTest):
+    def store(self):
+        from kinloop.batch.store import Store
+
+        return Store(self.results).create()
+
+    def test_only_one_of_many_threads_gets_a_claim(self):
+        store, got, begin = self.store(), [], threading.Barrier(16)
+
+        def claim():
+            begin.wait()
+            got.append(store.claim("key"))
+
+        threads = [threading.Thread(target=claim) for _ in range(16)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        (claim,) = [claim for claim in got if claim]
+        self.assertIsNone(store.claim("key"))
+        claim.release()
+        self.assertIsNotNone(store.claim("key"))
+
+    def test_the_claim_of_a_dead_process_of_this_machine_is_taken_over_once(self):
+        store = self.store()
+        claim = store.claim("key")
+        owner = json.loads(claim.path.read_text())
+        claim.path.write_text(json.dumps(owner | {"started": "1"}))  # another process, with the number of this one
+        second = store.claim("key")
+        self.assertIsNotNone(second)
+        self.assertIsNone(store.claim("key"))
+        second.release()
+        self.assertEqual(list(store.claims.iterdir()), [])
+
+    def test_the_claim_of_another_machine_is_taken_over_without_a_heartbeat(self):
+        from kinloop.batch.store import STALE_S
+
+        store = self.store()
+        claim = store.claim("key")
+        for text in ('{"machine": "other", "pid": 1, "started": "1"}', "", "[]", '{"machine": 1}'):
+            claim.path.write_text(text)
+            self.assertIsNone(store.claim("key"), text)
+            os.utime(claim.path, (1, time.time() - STALE_S - 10))
+            later = store.claim("key")
+            self.assertIsNotNone(later, text)
+            later.release()
+            claim = store.claim("key")
+
+    def test_the_slower_of_two_processes_leaves_the_result_of_the_faster(self):
+        store = self.store()
+        first, second = store.begin("key"), store.work / "key.slow"
+        second.mkdir()
+        store.finish("key", first, {"who": "first"})
+        store.finish("key", second, {"who": "second"})
+        self.assertEqual(store.result("key"), {"who": "first"})
+        self.assertEqual(list(store.work.iterdir()), [])
+
+
+class Processes(BatchTest):
+    def command(self, suite, results=None):
+        return [suite, "-o", results or self.results, "--program", self.program, "--workers", 2, "-q"]
+
+    def test_two_processes_share_the_work(self):
+        suite = self.write("suite.yaml", ROOMS.format(12, 0.1))
+        both = [self.start(*self.command(suite)) for _ in range(2)]
+        for process in both:
+            self.assertEqual(process.wait(60), 0, process.stderr.read())
+            process.stderr.close()
+        self.assertEqual(len(self.calls()), 12)
+        self.assertEqual([row["status"] for row in self.rows()], ["done"] * 12)
+
+    def test_results_may_share_a_folder_of_runs(self):
+        self.run_suite(ROOMS.format(3, 0))
+        other = self.folder / "other"
+        other.mkdir()
+        (other / "runs").symlink_to(self.results / "runs")
+        self.run_suite(ROOMS.format(4, 0), results=other)
+        self.assertEqual(len(self.calls()), 4)
+
+    def test_an_interrupted_batch_ends_at_once_and_resumes_with_the_same_table(self):
+        self.run_suite(ROOMS.format(6, 0.2), results=self.folder / "whole")
+        suite = self.write("suite.yaml", ROOMS.format(6, 0.2))
+        for number in (signal.SIGINT, signal.SIGTERM):
+            process = self.start(*self.command(suite))
+            calls = len(self.calls())
+            while len(self.calls()) < calls + 2:
+                time.sleep(0.01)
+            process.send_signal(number)
+            self.assertEqual(process.wait(20), 130)
+            self.assertIn("interrupted", process.stderr.read())
+            process.stderr.close()
+            self.assertIn("not run", [row["status"] for row in self.rows()])
+        self.run_suite(ROOMS.format(6, 0.2))
+        self.assertEqual(self.table(), self.table(self.folder / "whole"))
+
+    def test_killed_at_random_resume_gives_the_same_table(self):
+        text = ROOMS.format(8, 0.05)
+        self.run_suite(text, results=self.folder / "whole")
+        suite, rng, kills = self.write("suite.yaml", text), random.Random(5), 0
+        while kills < 6:
+            process = self.start(*self.command(suite))
+            time.sleep(rng.uniform(0.1, 0.5))
+            process.kill()
+            kills += process.wait() == -signal.SIGKILL
+            process.stderr.close()
+            if kills == 0 or process.returncode == 0:
+                break  # it was faster than this test
+        self.run_suite(text)
+        self.assertEqual(self.table(), self.table(self.folder / "whole"))
+        self.assertEqual([path.name for path in (self.results / "runs/.claims").iterdir()], [])
+
+    def test_a_run_ends_with_the_process_that_started_it(self):
+        suite = self.write("suite.yaml", "sequences: [sim:room]\nvariants: {a: {set: {fake.do: hang}}}\n")
+        process = self.start(*self.command(suite))
+        while not self.calls():
+            time.sleep(0.01)
+        process.kill()
+        process.wait()
+        process.stderr.close()
+        end = time.time() + 20
+        while running := [line for line in self.processes() if self.calls()[0] in line]:
+            self.assertLess(time.time(), end, running)
+            time.sleep(0.05)
+
+    @staticmethod
+    def processes():
+        found = []
+        for pid in filter(str.isdigit, os.listdir("/proc")):
+            try:
+                with open(f"/proc/{pid}/cmdline", "rb") as file:
+                    found.append(file.read().replace(b"\0", b" ").decode(errors="replace"))
+            except OSError:
+                continue
+        return found
+
+
+if __name__ == "__main__":
+    unittest.main()
