@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/fetch/public_datasets.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/download.hpp"
@@ -17,77 +18,112 @@
 namespace kinloop {
 namespace {
 
-constexpr const char* kServer = "https://cvg.cit.tum.de/rgbd/dataset";
-constexpr const char* kLicence =
-    "TUM RGB-D benchmark, Creative Commons Attribution 4.0 (CC BY 4.0); cite Sturm et al., A Benchmark for "
-    "the "
-    "Evaluation of RGB-D SLAM Systems, IROS 2012";
+namespace fs = std::filesystem;
 
 struct FetchArguments {
   std::string name;
-  std::filesystem::path output = ".";
-  std::string server = kServer;
+  fs::path output = ".";
+  std::string server;  ///< "" for that of the dataset
+  bool list = false;
   bool quiet = false;
 };
 
-/// A sequence of the TUM benchmark: "tum/fr1_room" is freiburg1/rgbd_dataset_freiburg1_room.
-struct TumSequence {
-  std::string camera;  ///< freiburg1, 2 or 3
-  std::string folder;
-};
+void list_datasets() {
+  std::string text;
+  for (const PublicDataset& dataset : public_datasets())
+    text += fmt::format("{}\n  {}\n  licence: {}\n", dataset.title, dataset.examples, dataset.licence);
+  for (const RequestedDataset& dataset : requested_datasets())
+    text += fmt::format("{}: not by fetch; {}\n", dataset.title, dataset.remedy);
+  print_text(text);
+}
 
-TumSequence parse_name(const std::string& name) {
-  constexpr std::string_view kPrefix = "tum/fr";
-  const bool right =
-      name.starts_with(kPrefix) && name.size() > kPrefix.size() + 2 && name[kPrefix.size()] >= '1' &&
-      name[kPrefix.size()] <= '3' && name[kPrefix.size() + 1] == '_' &&
-      name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", kPrefix.size()) == std::string::npos;
-  if (!right) {
-    throw UsageError(
-        fmt::format("fetch: '{}' is not a known sequence; expected e.g. tum/fr1_room, tum/fr2_desk, "
-                    "tum/fr3_long_office_household (their names: {})",
-                    name, kServer));
+/// Whether the sequence is in the folder, unpacked or as an archive of its own.
+bool holds_sequence(const fs::path& folder, const FetchPlan& plan) {
+  return fs::exists(folder / plan.sequence / plan.evidence) ||
+         (!plan.sequence.empty() && fs::exists(folder / (plan.sequence + ".zip")));
+}
+
+/// Downloads those archives that are not there yet.
+std::vector<fs::path> download_archives(const FetchPlan& plan, const FetchArguments& arguments) {
+  std::vector<fs::path> archives;
+  for (const std::string& address : plan.archives) {
+    const std::string server = arguments.server.empty() ? plan.server : arguments.server;
+    archives.push_back(arguments.output / fs::path(address).filename());
+    if (fs::exists(archives.back())) continue;
+    download(fmt::format("{}/{}", server, address), archives.back(), make_progress_bar(arguments.quiet));
   }
-  const std::string camera = fmt::format("freiburg{}", name[kPrefix.size()]);
-  return {camera, fmt::format("rgbd_dataset_{}{}", camera, name.substr(kPrefix.size() + 1))};
+  return archives;
+}
+
+fs::path unpack_beside(const std::vector<fs::path>& archives, const fs::path& target) {
+  const fs::path beside = target.string() + ".part";
+  for (const fs::path& archive : archives) unpack(archive, beside);
+  return beside;
+}
+
+/// Moves what was unpacked to `target`, and removes the archives once it is whole on the disk.
+void put_in_place(const fs::path& beside, const std::string& inside, const fs::path& target,
+                  const std::vector<fs::path>& archives) {
+  flush_files(beside);
+  fs::rename(inside.empty() ? beside : beside / inside, target);
+  flush_files(target.parent_path());
+  std::error_code ignored;
+  fs::remove_all(beside, ignored);
+  for (const fs::path& archive : archives) fs::remove(archive, ignored);
+}
+
+void fetch_folder(const FetchPlan& plan, const FetchArguments& arguments, const fs::path& folder) {
+  if (fs::exists(folder)) {
+    throw InputError(fmt::format("{}: exists, but contains no {}; move it away, or choose another folder",
+                                 folder.string(), (plan.sequence / fs::path(plan.evidence)).string()));
+  }
+  const auto archives = download_archives(plan, arguments);
+  const fs::path beside = unpack_beside(archives, folder);
+  if (!holds_sequence(beside / plan.inside, plan)) {
+    throw InputError(
+        fmt::format("{}: not a sequence: contains no {}", archives.back().string(),
+                    (fs::path(plan.inside) / plan.sequence / plan.evidence).lexically_normal().string()));
+  }
+  put_in_place(beside, plan.inside, folder, archives);
+}
+
+/// Unpacks FOLDER/SEQUENCE.zip.
+void unpack_sequence(const FetchPlan& plan, const fs::path& folder) {
+  const fs::path archive = folder / (plan.sequence + ".zip");
+  const fs::path target = folder / plan.sequence;
+  const fs::path beside = unpack_beside({archive}, target);
+  if (!fs::exists(beside / plan.sequence / plan.evidence)) {
+    throw InputError(
+        fmt::format("{}: not a sequence: contains no {}/{}", archive.string(), plan.sequence, plan.evidence));
+  }
+  put_in_place(beside, plan.sequence, target, {archive});
 }
 
 void fetch(const FetchArguments& arguments) {
-  const TumSequence sequence = parse_name(arguments.name);
-  const auto folder = arguments.output / sequence.folder;
-  if (std::filesystem::exists(folder / "rgb.txt")) {
-    print_text(fmt::format("{} already exists\n", folder.string()));
+  if (arguments.list) return list_datasets();
+  if (arguments.name.empty()) throw UsageError("fetch: NAME is missing; kinloop fetch --list shows which");
+  const FetchPlan plan = plan_fetch(arguments.name);
+  const fs::path folder = arguments.output / plan.folder;
+  const fs::path sequence = plan.sequence.empty() ? folder : folder / plan.sequence;
+  if (fs::exists(sequence / plan.evidence)) {
+    print_text(fmt::format("{}\nalready exists\n", sequence.string()));
     return;
   }
   require_writable_folder(arguments.output);
-  const auto archive = arguments.output / (sequence.folder + ".tgz");
-  if (!std::filesystem::exists(archive)) {
-    download(fmt::format("{}/{}/{}.tgz", arguments.server, sequence.camera, sequence.folder), archive,
-             make_progress_bar(arguments.quiet));
-  }
-  const auto beside = arguments.output / (sequence.folder + ".part");
-  unpack(archive, beside);
-  if (!std::filesystem::exists(beside / sequence.folder / "rgb.txt")) {
-    throw InputError(
-        fmt::format("{}: not a sequence: contains no {}/rgb.txt", archive.string(), sequence.folder));
-  }
-  flush_files(beside);
-  std::filesystem::rename(beside / sequence.folder, folder);
-  flush_files(arguments.output);  // before the archive is removed
-  std::error_code ignored;
-  std::filesystem::remove_all(beside, ignored);
-  std::filesystem::remove(archive, ignored);
-  print_text(fmt::format("{}\nlicence: {}\n", folder.string(), kLicence));
+  if (!holds_sequence(folder, plan)) fetch_folder(plan, arguments, folder);
+  if (!fs::exists(sequence / plan.evidence)) unpack_sequence(plan, folder);
+  print_text(fmt::format("{}\nlicence: {}\n", sequence.string(), plan.licence));
 }
 
 }  // namespace
 
 void add_fetch_command(CLI::App& app) {
   auto arguments = std::make_shared<FetchArguments>();
-  CLI::App* command = app.add_subcommand("fetch", "Download a sequence of the TUM RGB-D benchmark");
-  command->add_option("NAME", arguments->name, "e.g. tum/fr1_room")->required();
+  CLI::App* command = app.add_subcommand("fetch", "Download a sequence of a public dataset");
+  command->add_option("NAME", arguments->name, "e.g. tum/fr1_room, eth3d/cables_1, replica/room0");
+  command->add_flag("--list", arguments->list, "list the datasets, their names and licences");
   command->add_option("-o,--output", arguments->output, "folder to download to")->capture_default_str();
-  command->add_option("--server", arguments->server, "mirror to download from")->capture_default_str();
+  command->add_option("--server", arguments->server, "mirror to download from (default: the dataset's own)");
   add_quiet_option(*command, arguments->quiet);
   command->footer("An interrupted download resumes where it stopped.");
   command->callback([arguments] { fetch(*arguments); });

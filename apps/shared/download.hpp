@@ -16,7 +16,7 @@ bool download_available();
 /// once it has the size reported by the server. Throws InputError naming the URL and the error.
 void download(const std::string& url, const std::filesystem::path& file, const Progress& progress);
 
-/// The largest known sequence has 5 GB.
+/// The largest known archive, all of Replica, has 12 GB.
 constexpr uint64_t kMaxUnpackedBytes = uint64_t{32} << 30;
 
 /// Unpacks a .tgz, .tar or .zip of files and folders into `folder`; refuses links, devices and entries that

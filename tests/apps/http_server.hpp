@@ -1,8 +1,9 @@
 #pragma once
-// A local HTTP server of one file, for tests of downloads: supports HEAD, GET and ranges, and can hang up
+// A local HTTP server of a few files, for tests of downloads: supports HEAD, GET and ranges, and can hang up
 // early.
 
 #include <atomic>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -18,7 +19,10 @@ namespace kinloop::test {
 class HttpServer {
  public:
   /// Serves `content` at `path`; everything else is not found.
-  HttpServer(std::string path, std::string content) : path_(std::move(path)), content_(std::move(content)) {
+  HttpServer(const std::string& path, const std::string& content)
+      : HttpServer(std::map<std::string, std::string>{{path, content}}) {}
+  /// Serves files: contents by path.
+  explicit HttpServer(std::map<std::string, std::string> files) : files_(std::move(files)) {
     socket_ = socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -43,6 +47,7 @@ class HttpServer {
 
   std::atomic<size_t> hang_up_after = std::string::npos;  ///< bytes of content per response
   std::atomic<size_t> last_range_begin = 0;               ///< of the last GET
+  std::atomic<size_t> downloads = 0;                      ///< GETs of files that there are
 
  private:
   void serve() {
@@ -59,9 +64,13 @@ class HttpServer {
     request.resize(
         static_cast<size_t>(std::max<ssize_t>(0, recv(client, request.data(), request.size(), 0))));
     const bool head = request.starts_with("HEAD");
-    if (request.find(" " + path_ + " ") == std::string::npos) {
+    const size_t path_begin = request.find(' ') + 1;
+    const auto file = files_.find(request.substr(path_begin, request.find(' ', path_begin) - path_begin));
+    if (file == files_.end()) {
       return send_all(client, "HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
     }
+    const std::string& content = file->second;
+    if (!head) ++downloads;
     size_t begin = 0;
     if (const size_t range = request.find("Range: bytes="); range != std::string::npos) {
       begin = std::stoul(request.substr(range + 13));
@@ -69,9 +78,9 @@ class HttpServer {
     if (!head) last_range_begin = begin;
     send_all(client, fmt::format("HTTP/1.1 {}\r\nContent-Length: {}\r\nContent-Range: bytes {}-{}/{}\r\n"
                                  "Connection: close\r\n\r\n",
-                                 begin > 0 ? "206 Partial Content" : "200 OK", content_.size() - begin, begin,
-                                 content_.size() - 1, content_.size()));
-    if (!head) send_all(client, content_.substr(begin, hang_up_after));
+                                 begin > 0 ? "206 Partial Content" : "200 OK", content.size() - begin, begin,
+                                 content.size() - 1, content.size()));
+    if (!head) send_all(client, content.substr(begin, hang_up_after));
   }
 
   static void send_all(int client, const std::string& bytes) {
@@ -82,7 +91,7 @@ class HttpServer {
     }
   }
 
-  std::string path_, content_;
+  std::map<std::string, std::string> files_;
   int socket_ = -1;
   uint16_t port_ = 0;
   std::jthread thread_;

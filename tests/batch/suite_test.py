@@ -5,6 +5,7 @@ import unittest
 from support import SOURCE, BatchTest
 
 from kinloop.batch.errors import BatchError
+from kinloop.batch.recordings import DATASET_NAME
 from kinloop.batch.suite import read_suite
 
 # The suite, and what its message must contain: line and remedy.
@@ -85,13 +86,19 @@ class Suites(BatchTest):
     def test_sequences_of_datasets_are_fetched_by_name_once(self):
         for _ in range(2):
             self.run_suite("sequences: [tum/fr1_room]")
-            self.assertEqual([(r["dataset"], r["sequence"]) for r in self.rows()], [("tum", "rgbd_dataset_freiburg1_room")])
+            self.assertEqual([(r["dataset"], r["sequence"]) for r in self.rows()], [("tum", "fr1_room")])
+        self.run_suite("sequences: [{path: 7scenes/chess/seq-01, name: chess_seq-01, dataset: 7-Scenes}]")
+        self.assertIn(("7-Scenes", "chess_seq-01"), [(r["dataset"], r["sequence"]) for r in self.rows()])
         self.assertIn("tum/fr1_unknown: kinloop fetch failed: fetch: the server says 404",
                       self.run_suite("sequences: [tum/fr1_unknown]", expect=3))  # fmt: skip
 
     def test_the_suites_of_the_project_can_be_read(self):
         suites = {path.stem: read_suite(path) for path in (SOURCE / "suites").glob("*.yaml")}
-        self.assertEqual(len({s.pattern for s in suites["tum"].sequences}), 47)
+        names = {stem: {s.pattern for s in suite.sequences} for stem, suite in suites.items() if stem != "docs"}
+        self.assertEqual({stem: len(found) for stem, found in names.items()},
+                         {"tum": 47, "eth3d": 61, "icl_nuim": 8, "7scenes": 46, "bonn": 26, "replica": 8})  # fmt: skip
+        for found in names.values():
+            self.assertEqual([name for name in found if not DATASET_NAME.fullmatch(name)], [])
         self.assertIn("docs", suites)
 
     def test_a_missing_recording_is_named_with_the_line_of_the_suite(self):

@@ -18,7 +18,8 @@ CAMERA_FOLDERS = ("", "intrinsic", "intrinsics", "calibration", "calib", "camera
 CAMERA_SUFFIXES = (".yaml", ".yml", ".json", ".txt")
 CAMERA_NAME = re.compile(r"cam|calib|intrinsic|transforms|(^|_)k$", re.IGNORECASE)
 MAX_CAMERA_BYTES = 1_000_000
-DATASET_NAME = re.compile(r"tum/fr([123])_([a-z0-9_]+)")  # what `kinloop fetch` knows
+# What `kinloop fetch` knows, or knows how to ask for.
+DATASET_NAME = re.compile(r"(tum|eth3d|icl|7scenes|bonn|replica|scannet|openloris)/[a-z0-9_-]+(/[a-z0-9_-]+)?")
 
 
 @dataclass
@@ -117,16 +118,14 @@ def download(url, folder):
 
 
 def fetch_by_name(name, program, folder):
-    """Has `kinloop fetch` download a sequence such as tum/fr1_room, once; returns its path."""
-    camera, rest = DATASET_NAME.fullmatch(name).groups()
-    target = Path(folder) / f"rgbd_dataset_freiburg{camera}_{rest}"
-    if not target.exists():
-        done = subprocess.run([program, "fetch", name, "-o", str(make_folder(folder))], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL,
-                              text=True, errors="replace", check=False)  # fmt: skip
-        if done.returncode or not target.exists():
-            last = (done.stderr.strip().splitlines() or ["no message"])[-1]
-            raise BatchError(f"{name}: kinloop fetch failed: {last.removeprefix('error: ')}")
-    return target
+    """Has `kinloop fetch` download a sequence such as tum/fr1_room, unless it is there; returns its path."""
+    done = subprocess.run([program, "fetch", name, "-o", str(make_folder(folder))], stderr=subprocess.PIPE, stdout=subprocess.PIPE,
+                          text=True, errors="replace", check=False)  # fmt: skip
+    path = Path((done.stdout.splitlines() or ["nowhere"])[0])
+    if done.returncode or not path.is_dir():
+        last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        raise BatchError(f"{name}: kinloop fetch failed: {last.removeprefix('error: ')}")
+    return path
 
 
 def _paths(sequence, suite_folder, inputs, program):
@@ -136,8 +135,8 @@ def _paths(sequence, suite_folder, inputs, program):
     pattern = os.path.join(suite_folder, os.path.expanduser(sequence.pattern))
     if os.path.exists(pattern):
         return [Path(os.path.normpath(pattern))]
-    if DATASET_NAME.fullmatch(sequence.pattern):
-        return [fetch_by_name(sequence.pattern, program, inputs / "downloads" / "tum")]
+    if dataset := DATASET_NAME.fullmatch(sequence.pattern):
+        return [fetch_by_name(sequence.pattern, program, inputs / "downloads" / dataset[1])]
     found = sorted(glob.glob(pattern, recursive=True))
     if not found:
         raise BatchError(f"{sequence.where}: {sequence.pattern}: no such recording (looked for {os.path.normpath(pattern)})")
