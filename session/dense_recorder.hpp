@@ -53,8 +53,10 @@ class DenseRecorder : public Listener {
   /// Returns the images of one map component whose frames have a pose, at the poses of `log` and `map`.
   [[nodiscard]] std::vector<PosedImage> views(const FrameLog& log, const Map& map, uint32_t component) const;
 
-  /// Returns the images of the component in which the run of `slam` was tracked.
-  [[nodiscard]] std::vector<PosedImage> views(const Slam& slam) const {
+  /// Returns the images of the component in which the run of `slam` was tracked. Waits for the jobs in
+  /// flight.
+  [[nodiscard]] std::vector<PosedImage> views(const Slam& slam) {
+    wait_for_jobs();
     return views(slam.log(), slam.map(), slam.component());
   }
   /// Returns `views` with gains that equalise their colours, if enabled by the options. Waits for the jobs in
