@@ -56,7 +56,7 @@ std::vector<fs::path> download_archives(const FetchPlan& plan, const FetchArgume
 }
 
 fs::path unpack_beside(const std::vector<fs::path>& archives, const fs::path& target) {
-  const fs::path beside = target.string() + ".part";
+  fs::path beside = target.string() + ".part";
   for (const fs::path& archive : archives) unpack(archive, beside);
   return beside;
 }

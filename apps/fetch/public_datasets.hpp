@@ -1,6 +1,8 @@
 #pragma once
 // In: the name of a sequence of a public dataset. Out: what to download, and where the sequence lies in it.
 
+#include <array>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,16 +15,16 @@ struct PublicDataset {
   std::string_view examples;
   std::string_view pattern;  ///< regular expression of all names
   std::string_view server;
-  std::vector<std::string_view> archives;  ///< below the server; unpacked into one folder
-  std::string_view inside;                 ///< the folder in the archives; "" if they have none of their own
-  std::string_view folder;                 ///< what `inside` becomes, below the output
+  std::array<std::string_view, 2> archives;  ///< below the server; unpacked into one folder; "": none
+  std::string_view inside;    ///< the folder in the archives; "" if they have none of their own
+  std::string_view folder;    ///< what `inside` becomes, below the output
   std::string_view sequence;  ///< in `folder`, perhaps as SEQUENCE.zip; "" if it is `folder` itself
   std::string_view evidence;  ///< a file of every sequence
   std::string_view licence;
 };
 
 /// The datasets that can be downloaded without an account.
-const std::vector<PublicDataset>& public_datasets();
+std::span<const PublicDataset> public_datasets();
 
 /// A dataset that is given to those who ask for it.
 struct RequestedDataset {
@@ -31,7 +33,7 @@ struct RequestedDataset {
   std::string_view remedy;
 };
 
-const std::vector<RequestedDataset>& requested_datasets();
+std::span<const RequestedDataset> requested_datasets();
 
 /// The row of a dataset with a name filled in; fields as in PublicDataset.
 struct FetchPlan {
