@@ -135,7 +135,11 @@ async function checkTimeline(page, open, shoot) {
   const middle = await moment();
   const [frame] = middle.match(/\d+ of/);
   assert.ok(Math.abs(parseInt(frame) - count / 2) < 0.05 * count, `${middle}: the pointer seeks`);
-  await until(() => page.url().includes('#t='), 'the address is a link to the moment');
+  const link = await page.evaluate(() => {
+    const { frames, frame } = window.kinloop.timeline;
+    return `#t=${(frames.stampS[frame] - frames.stampS[0]).toFixed(3)}`;
+  });
+  await until(() => page.url().endsWith(link), 'the address is a link to the moment');
   await shoot(page, 'view-timeline');
   const linked = await open(page.url());
   await until(async () => (await linked.textContent('#momentText')) === middle, 'a link opens at its moment');
