@@ -61,6 +61,11 @@ void describe_argument(CLI::App& command, const std::string& name, const std::st
       ->required();
 }
 
+void describe_quiet(CLI::App& command) {
+  command.add_flag_function(
+      "-q,--quiet", [](int64_t) {}, "print only results, warnings and errors");
+}
+
 void describe_suite_options(CLI::App& command) {
   describe_option(command, "-o,--output", "DIR", "folder of the results (default: results)");
   describe_option(command, "--program", "FILE", "another kinloop to run (default: this one)");
@@ -105,9 +110,7 @@ void add_batch_commands(CLI::App& batch) {
   describe_option(*compare, "--max-cpu-ratio", "RATIO", "allowed ratio of CPU time, 0 = any (default: 0)",
                   kinloop::number(0, 1000));
 
-  for (CLI::App* command : {plan, shard, table, verify, compare})
-    command->add_flag_function(
-        "-q,--quiet", [](int64_t) {}, "print only results, warnings and errors");
+  for (CLI::App* command : {plan, shard, table, verify, compare}) describe_quiet(*command);
 }
 
 }  // namespace
@@ -121,8 +124,7 @@ void add_batch_command(CLI::App& app, const std::vector<std::string>& words) {
   describe_option(*command, "--workers", "N", "runs at a time on this machine (default: number of cores)",
                   whole_number(1, kMostWorkers));
   describe_option(*command, "--scheduler", "tcp://HOST:PORT", "Dask scheduler whose workers do the runs");
-  command->add_flag_function(
-      "-q,--quiet", [](int64_t) {}, "print only results, warnings and errors");
+  describe_quiet(*command);
   add_batch_commands(*command);
   command->footer(
       R"(Finished runs are never repeated: after Ctrl-C, a crash or with more sequences, run the same command again.

@@ -1,8 +1,6 @@
 // kinloop view: shows the results of a run in a browser.
 
-#include <chrono>
 #include <filesystem>
-#include <future>
 #include <memory>
 #include <utility>
 
@@ -12,6 +10,7 @@
 #include "apps/shared/commands.hpp"
 #include "apps/shared/interrupt.hpp"
 #include "apps/shared/progress_bar.hpp"
+#include "kinloop/back_end/executor.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
@@ -68,19 +67,24 @@ class SavedRunFeed {
  public:
   explicit SavedRunFeed(const std::filesystem::path& path)
       : run_(is_map_file(path) ? shown_map(path) : read_saved_run(path)),
-        images_(std::async(std::launch::async, [this, path] { return keyframe_images(path, run_); })) {}
+        executor_(make_executor({.mode = ExecutorMode::kLive})) {
+    executor_->submit({}, {.kind = "keyframe images", .work = [this, path]() -> Completion {
+                             return [this, images = keyframe_images(path, run_)] { images_ = images; };
+                           }});
+  }
 
   void update(Scene& scene) {
     if (!std::exchange(shown_, true)) return show_saved_run(scene, run_);
-    if (!images_.valid() || images_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-    for (KeyframeImage& image : images_.get())
+    for (const FinishedJob& job : executor_->collect({})) job.complete();
+    for (KeyframeImage& image : std::exchange(images_, {}))
       scene.put(PartKind::kKeyframeImage, image.keyframe, std::move(image.jpeg));
   }
 
  private:
   SavedRun run_;
   bool shown_ = false;
-  std::future<std::vector<KeyframeImage>> images_;  // last member: it uses the run
+  std::vector<KeyframeImage> images_;   // read, not shown yet
+  std::unique_ptr<Executor> executor_;  // last member: its job uses the run
 };
 
 void view(const ViewArguments& arguments) {

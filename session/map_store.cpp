@@ -209,13 +209,18 @@ ColoredCloud OpenMap::cloud(size_t number, int threads, const Progress& progress
   return recorder.fuse_views(views(number), dense_camera(), threads, progress);
 }
 
+size_t OpenMap::session_index(size_t number) const {
+  const size_t count = saved.sessions.size();
+  if (number > count) {
+    throw UsageError(fmt::format("--session {}: the map has {} sessions", number, count));
+  }
+  return (number == 0 ? count : number) - 1;
+}
+
 std::span<const TrackedFrame> OpenMap::session_log(size_t number) const {
   const auto& sessions = saved.sessions;
   if (sessions.empty() && number == 0) return log;
-  if (number > sessions.size()) {
-    throw UsageError(fmt::format("--session {}: the map has {} sessions", number, sessions.size()));
-  }
-  const size_t index = number == 0 ? sessions.size() - 1 : number - 1;
+  const size_t index = session_index(number);
   const auto at = [&](FrameId first) {
     return std::find_if(log.begin(), log.end(), [=](const TrackedFrame& entry) { return entry.id >= first; });
   };

@@ -106,6 +106,10 @@ struct OpenMap {
 
   /// Returns the frames of session `number`, counted from 1; 0: of the last.
   [[nodiscard]] std::span<const TrackedFrame> session_log(size_t number) const;
+
+  /// Returns the index into `saved.sessions`, which must not be empty, of session `number` as above. Throws
+  /// UsageError if there is none.
+  [[nodiscard]] size_t session_index(size_t number) const;
 };
 
 /// Returns the file frame selected by `--frame`: z-up, or camera. `views` are those of the map.

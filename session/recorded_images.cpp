@@ -34,12 +34,10 @@ FrameAtStamp frames_to_read(const OpenMap& open, size_t session, size_t count) {
 
 std::string recording_of(const OpenMap& open, const RecordedImagesRequest& request) {
   if (!request.recording.empty()) return request.recording;
-  const auto& sessions = open.saved.sessions;
-  if (sessions.empty())
+  if (open.saved.sessions.empty())
     throw UsageError(
         fmt::format("{}: does not name its recording; give it with --recording", request.map.string()));
-  const std::string& input =
-      (request.session == 0 ? sessions.back() : sessions.at(request.session - 1)).input;
+  const std::string& input = open.saved.sessions[open.session_index(request.session)].input;
   if (is_camera_or_stream(input))
     throw UsageError(
         fmt::format("{}: was made of {}, whose frames are gone; give a recording of them with "
@@ -67,6 +65,7 @@ std::unique_ptr<FrameSource> open_recording(const OpenMap& open, const RecordedI
 }  // namespace
 
 void add_recorded_images(OpenMap& open, const RecordedImagesRequest& request, const Progress& progress) {
+  if (request.count == 0) return;
   const FrameAtStamp wanted = frames_to_read(open, request.session, request.count);
   if (!wanted.empty()) {
     const auto recording = open_recording(open, request);

@@ -7,6 +7,7 @@
 
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
+#include "viewer/index_by_stamp.hpp"
 
 namespace kinloop {
 namespace {
@@ -28,8 +29,7 @@ std::vector<uint8_t> small_jpeg(const std::vector<uint8_t>& jpeg) {
 
 /// The shown keyframes by the frame that each was made of.
 std::unordered_map<FrameId, uint32_t> shown_keyframes(const MapData& map, const Trajectory& keyframes) {
-  std::unordered_map<int64_t, uint32_t> index_of;
-  for (uint32_t i = 0; i < keyframes.size(); ++i) index_of.emplace(keyframes[i].stamp_ns, i);
+  const auto index_of = index_by_stamp(keyframes);
   const size_t every = (keyframes.size() + kMostImages - 1) / kMostImages;
   std::unordered_map<FrameId, uint32_t> shown;
   for (const Keyframe& keyframe : map.keyframes) {

@@ -1,7 +1,6 @@
 #include "viewer/saved_run.hpp"
 
 #include <algorithm>
-#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -14,6 +13,7 @@
 #include "kinloop/io/run_folder.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "tools/evaluation/evaluate.hpp"
+#include "viewer/index_by_stamp.hpp"
 #include "viewer/point_files/glb_file.hpp"
 #include "viewer/point_files/point_file.hpp"
 #include "viewer/report/frame_table.hpp"
@@ -29,13 +29,6 @@ using nlohmann::json;
 
 Trajectory read_if_there(const fs::path& path) {
   return fs::exists(path) ? read_tum_trajectory(path) : Trajectory();
-}
-
-/// The index of each pose by its stamp.
-std::unordered_map<int64_t, uint32_t> index_by_stamp(const Trajectory& poses) {
-  std::unordered_map<int64_t, uint32_t> index_of;
-  for (uint32_t i = 0; i < poses.size(); ++i) index_of.emplace(poses[i].stamp_ns, i);
-  return index_of;
 }
 
 FrameStatus frame_status(const std::string& status) {

@@ -18,7 +18,7 @@ from .recordings import find_recordings
 from .report import write_report
 from .store import Heartbeat, Store
 from .suite import read_suite
-from .workers import end_with_parent, run_by_dask, run_locally, shard_of, stopping_by_signals, unfinished
+from .workers import end_with_parent, run_by_dask, run_locally, shard_of, stopping_by_signals, unfinished, without_repetition
 
 MAX_WORKERS = 10_000
 VERIFY_EXIT_CODE = REGRESSION_EXIT_CODE
@@ -192,7 +192,7 @@ def verify_sample(arguments):
     """Runs a sample again. The exit code tells whether all bytes were the same."""
     store = Store(arguments.results)
     _, jobs = store.read_plan()
-    finished = [job for job in {job.key: job for job in jobs}.values() if store.has(job.key)]
+    finished = [job for job in without_repetition(jobs) if store.has(job.key)]
     if not finished:
         raise BatchError(f"{store.folder}: no run is finished; run the suite first")
     sample = random.Random(arguments.seed).sample(finished, min(arguments.sample, len(finished)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .errors import BatchError
-from .statistics import bootstrap_ratio, has_failed, pairs_of, summarise_sequences
+from .statistics import SMALLEST_M, bootstrap_ratio, has_failed, pairs_of, summarise_sequences
 from .tables import COLUMNS, read_rows
 
 REGRESSION_EXIT_CODE = 5
@@ -71,9 +71,8 @@ def _of_ratios(old, before, common, thresholds, lines):
         if ratio > thresholds.ate_ratio and low > 1:
             faults.append(f"the ATE is {ratio:.3f} times that of the first, {thresholds.ate_ratio:g} allowed")
     both = [s for s in common if not has_failed(s) and not has_failed(old[s["sequence"]])]
-    worse = sorted(both, key=lambda s: -s["ate_m"] / max(old[s["sequence"]]["ate_m"], 1e-6))
-    for s in worse[:WORST_SHOWN]:
-        a, b = max(old[s["sequence"]]["ate_m"], 1e-6), s["ate_m"]
+    pairs = [(max(old[s["sequence"]]["ate_m"], SMALLEST_M), s["ate_m"], s) for s in both]
+    for a, b, s in sorted(pairs, key=lambda pair: -pair[1] / pair[0])[:WORST_SHOWN]:
         name = ", ".join(s["sequence"])
         lines.append(f"  {b / a:6.3f}  {a:.4f} -> {b:.4f} m  {name}")
         if b / a > thresholds.sequence_ratio:

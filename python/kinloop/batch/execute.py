@@ -9,9 +9,9 @@ import signal
 import socket
 from pathlib import Path
 
-from .errors import BatchError, DiskFull
+from .errors import BatchError
 from .figures import of_run, score
-from .files import FULL, cannot_write, hash_of_file
+from .files import FULL, cannot_write, disk_full, hash_of_file
 from .process import run_limited
 
 ATTEMPTS = 3  # of a run that is killed from outside, e.g. because the machine has no memory left
@@ -116,7 +116,7 @@ def _status(ended, figures, job, log):
 
 def _stop_if_disk_is_full(result, log):
     if result["exit"] not in (0, 4, "") and any(os.strerror(code) in _end_of(log) for code in FULL):
-        raise DiskFull(f"{log.parent}: the disk is full; make room and run the same command again, finished runs are kept")
+        raise disk_full(log.parent)
 
 
 def hashes_of_files(folder):

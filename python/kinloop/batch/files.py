@@ -12,10 +12,14 @@ from .errors import BatchError, DiskFull
 FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
+def disk_full(path):
+    return DiskFull(f"{path}: the disk is full; make room and run the same command again, finished runs are kept")
+
+
 def cannot_write(path, error):
     """The exception for an OSError while `path` is written."""
     if error.errno in FULL:
-        return DiskFull(f"{path}: the disk is full; make room and run the same command again, finished runs are kept")
+        return disk_full(path)
     return BatchError(f"{path}: cannot be written ({error.strerror}); choose another folder or change its permissions")
 
 

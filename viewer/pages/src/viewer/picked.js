@@ -1,6 +1,6 @@
 // What a click shows: a keyframe with its image and loops, or a point with its coordinates.
 
-import { lengthText } from '../shared/format.js';
+import { lengthText, millimetres } from '../shared/format.js';
 import { drawJpeg } from './images.js';
 
 export class Picked {
@@ -37,7 +37,7 @@ export class Picked {
     if (jpeg) drawJpeg(this.canvas, jpeg);
     this.list(`keyframe ${keyframe}`, [
       ['stamp', frame === undefined ? undefined : `${frames.stampS[frame].toFixed(3)} s`],
-      ['\u03c3 of the position', sigmaM > 0 ? `${(1000 * sigmaM).toFixed(1)} mm` : undefined],
+      ['\u03c3 of the position', sigmaM > 0 ? millimetres(sigmaM) : undefined],
       ['features tracked', frames?.tracked[frame] || undefined],
       ['loops with', loops.length > 0 ? loops.join(', ') : undefined],
     ]);

@@ -1,5 +1,6 @@
 // Replays a saved run: a moment, the camera and the image at that moment, and a link to it (#t=SECONDS).
 
+import { millimetres } from '../shared/format.js';
 import { NO_KEYFRAME } from './messages.js';
 import { TimelineBar } from './timelineBar.js';
 
@@ -130,7 +131,7 @@ export class Timeline {
     const keyframe = frames.keyframe[frame];
     const parts = [`${sinceS.toFixed(2)} s`, `frame ${frame + 1} of ${frames.count}`, STATUS[frames.status[frame]]];
     if (frames.tracked[frame] > 0) parts.push(`${frames.tracked[frame]} tracked`);
-    if (frames.sigmaM[frame] > 0) parts.push(`\u03c3 ${(1000 * frames.sigmaM[frame]).toFixed(1)} mm`);
+    if (frames.sigmaM[frame] > 0) parts.push(`\u03c3 ${millimetres(frames.sigmaM[frame])}`);
     if (keyframe !== NO_KEYFRAME) parts.push(`keyframe ${keyframe}`);
     at('momentText').textContent = parts.join(' \u00b7 ');
     this.bar.describe(parts.join(', '));

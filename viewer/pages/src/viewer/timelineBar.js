@@ -1,9 +1,11 @@
 // The bar of the timeline: the state of every frame, keyframes, loops, a plot, and the cursor over all of them.
 
+import { millimetres } from '../shared/format.js';
+
 const BAR_PX = 10; // height of the coloured bar
 const MARKS_PX = 10; // height of the keyframes' ticks and the loops' marks below it
 const STATUS_COLORS = ['--good', '--loop', '--bad'];
-const LABELS = { tracked: (figure) => `${figure} tracked`, sigmaM: (figure) => `\u03c3 ${(1000 * figure).toFixed(1)} mm`, ms: (figure) => `${figure.toFixed(0)} ms` };
+const LABELS = { tracked: (figure) => `${figure} tracked`, sigmaM: (figure) => `\u03c3 ${millimetres(figure)}`, ms: (figure) => `${figure.toFixed(0)} ms` };
 
 export class TimelineBar {
   /** Draws into `canvas`, a slider; calls onSeek(stampS) when the user points at a moment. */
