@@ -5,6 +5,7 @@
 #include "kinloop/back_end/bridge_lost_frames.hpp"
 #include "kinloop/back_end/final_bundle_adjustment.hpp"
 #include "kinloop/back_end/pose_covariances.hpp"
+#include "kinloop/back_end/revise_doubt.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/sensor/depth_scale.hpp"
@@ -213,6 +214,7 @@ Trajectory Slam::finish(const Progress& progress) {
     timings_.add("final bundle adjustment", adjusting.elapsed());
   }
   log_ = bridge_lost_frames(std::move(log_), earlier_.frame_count, map_);
+  log_ = revise_doubt(std::move(log_), earlier_.frame_count, map_);
   state_covariances();
   for (Listener* listener : listeners_) listener->on_map(map_);
   return trajectory();

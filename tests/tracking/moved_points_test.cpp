@@ -72,6 +72,16 @@ TEST_F(MovedPoints, ItsSurfaceGoesOnWhereNoViewKnowsAnything) {
   EXPECT_LT(cv::countNonZero(points), kBox.area() / 100 * 1.3);  // and not over the wall beside it
 }
 
+TEST_F(MovedPoints, ABoxThatMovesAlongItsFrontHasMovedWhereItOverlapsItself) {
+  const SurfaceGrid before = wall({150, 100, 200, 250}), now = wall(kBox);
+  EXPECT_EQ(share_of(moved(now, {&before, &before}), kBox), 1);
+}
+
+TEST_F(MovedPoints, AViewWithoutTheBoxDoesNotSpeakForItsSurface) {
+  const SurfaceGrid before = wall({150, 100, 200, 250}), now = wall(kBox);
+  EXPECT_TRUE(moved(now, {&before, &now}).empty());  // the other finds it at rest
+}
+
 TEST_F(MovedPoints, SmallRegionsAreNoise) {
   const SurfaceGrid empty = wall(), with_box = wall({200, 100, 60, 50});
   EXPECT_TRUE(moved(with_box, {&empty, &empty}).empty());

@@ -12,26 +12,8 @@
 namespace kinloop {
 namespace {
 
-/// How many views contradict each point, and how many find it where it is.
-struct Votes {
-  cv::Mat against, supporting;  // 8UC1
-};
-
-Votes count_votes(const SurfaceGrid& surfaces, std::span<const SurfaceView> views) {
-  const cv::Size size(surfaces.camera->grid.width, surfaces.camera->grid.height);
-  Votes votes{cv::Mat::zeros(size, CV_8UC1), cv::Mat::zeros(size, CV_8UC1)};
-  for (const SurfaceView& view : views) {
-    const auto states = states_in_view(surfaces, *view.surfaces, view.T_view_frame);
-    for (size_t i = 0; i < states.size(); ++i) {
-      if (states[i] == PointState::kContradicted) ++votes.against.data[i];
-      if (states[i] == PointState::kConsistent) ++votes.supporting.data[i];
-    }
-  }
-  return votes;
-}
-
-/// Extends the regions over the points of which no view knows anything, as far as their surface goes on.
-void extend(cv::Mat& moved, const Votes& votes, const SurfaceGrid& surfaces) {
+/// Extends the regions over the points that are not `at_rest`, as far as their surface goes on.
+void extend(cv::Mat& moved, const cv::Mat& at_rest, const SurfaceGrid& surfaces) {
   constexpr float kMaxStep_per_m = 0.03F;
   std::deque<cv::Point> open;
   for (int y = 0; y < moved.rows; ++y) {
@@ -49,7 +31,7 @@ void extend(cv::Mat& moved, const Votes& votes, const SurfaceGrid& surfaces) {
     for (const cv::Point& step : {cv::Point(1, 0), cv::Point(-1, 0), cv::Point(0, 1), cv::Point(0, -1)}) {
       const cv::Point q = p + step;
       if (!grid.contains(q) || moved.at<uint8_t>(q) != 0) continue;
-      if (votes.supporting.at<uint8_t>(q) > votes.against.at<uint8_t>(q)) continue;
+      if (at_rest.at<uint8_t>(q) != 0) continue;
       if (!(inverse(q) > 0) || std::abs(inverse(q) - inverse(p)) > kMaxStep_per_m) continue;
       moved.at<uint8_t>(q) = 255;
       open.push_back(q);
@@ -57,15 +39,53 @@ void extend(cv::Mat& moved, const Votes& votes, const SurfaceGrid& surfaces) {
   }
 }
 
+constexpr int kMinRegion = 40;  // points, 1.3 % of the image
+
+cv::Mat no_points(const SurfaceGrid& surfaces) {
+  return cv::Mat::zeros(surfaces.camera->grid.height, surfaces.camera->grid.width, CV_8UC1);
+}
+
+/// The points of a view on surfaces that have left: the frame sees through a part of them. Something that
+/// moves along its own surface, as a block or a back does, is mostly found where it was.
+cv::Mat left_points(const SurfaceView& view, const SurfaceGrid& frame) {
+  const auto states = states_in_view(*view.surfaces, frame, view.T_view_frame.inverse());
+  cv::Mat left = no_points(*view.surfaces);
+  for (size_t i = 0; i < states.size(); ++i) {
+    if (states[i] == PointState::kContradicted) left.data[i] = 255;
+  }
+  left = large_regions(left, kMinRegion);
+  if (cv::countNonZero(left) == 0) return {};
+  extend(left, no_points(*view.surfaces), *view.surfaces);
+  return left;
+}
+
+/// How many views contradict each point, and how many find it where it is.
+struct Votes {
+  cv::Mat against, supporting;  // 8UC1
+};
+
+void add_votes(const SurfaceGrid& surfaces, const SurfaceView& view, Votes& votes) {
+  const auto states = states_in_view(surfaces, *view.surfaces, view.T_view_frame);
+  auto states_at_rest = states;  // in what has not left
+  if (const cv::Mat left = left_points(view, surfaces); !left.empty())
+    states_at_rest = states_in_view(surfaces, without_points(*view.surfaces, left), view.T_view_frame);
+  for (size_t i = 0; i < states.size(); ++i) {
+    const bool consistent = states[i] == PointState::kConsistent;
+    const bool at_rest = states_at_rest[i] == PointState::kConsistent;
+    if (states[i] == PointState::kContradicted || (consistent && !at_rest)) ++votes.against.data[i];
+    if (consistent && at_rest) ++votes.supporting.data[i];
+  }
+}
+
 }  // namespace
 
 cv::Mat moved_points(const SurfaceGrid& surfaces, std::span<const SurfaceView> views) {
   const int min_against = views.size() > 1 ? 2 : 1;  // one of many may be wrong
-  constexpr int kMinPoints = 40;                     // 1.3 % of the image
-  const Votes votes = count_votes(surfaces, views);
-  cv::Mat moved = large_regions((votes.against >= min_against) & (votes.supporting == 0), kMinPoints);
+  Votes votes{no_points(surfaces), no_points(surfaces)};
+  for (const SurfaceView& view : views) add_votes(surfaces, view, votes);
+  cv::Mat moved = large_regions((votes.against >= min_against) & (votes.supporting == 0), kMinRegion);
   if (cv::countNonZero(moved) == 0) return {};
-  extend(moved, votes, surfaces);
+  extend(moved, votes.supporting > votes.against, surfaces);
   cv::dilate(moved, moved, cv::Mat::ones(3, 3, CV_8UC1));
   return moved;
 }

@@ -1,0 +1,16 @@
+#pragma once
+// Decides at the end which poses are doubtful: more is known then than when they were tracked.
+
+#include "kinloop/map/frame_log.hpp"
+
+namespace kinloop {
+
+/// Returns the log with more doubtful frames; those before `first` are left as they are.
+///
+/// - A pose is doubtful if it jumps: no hand moves a camera like that.
+/// - Doubt extends from doubtful and lost frames to their neighbours, up to 2 s away, for as long as much of
+///   the view moves or contradicts the pose. A camera that begins to follow something that moves finds enough
+///   that agrees; that it was not the room becomes clear later.
+FrameLog revise_doubt(FrameLog log, size_t first, const Map& map);
+
+}  // namespace kinloop

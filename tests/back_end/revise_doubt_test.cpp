@@ -1,0 +1,120 @@
+#include "kinloop/back_end/revise_doubt.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "kinloop/core/time.hpp"
+#include "kinloop/features/features.hpp"
+
+namespace kinloop {
+namespace {
+
+/// A camera at 30 Hz that moves by 0.6 m/s along x.
+class Doubt : public testing::Test {
+ protected:
+  Doubt() {
+    const auto features = std::make_shared<const Features>();
+    map_.add_keyframe(FrameId{0}, 0, SE3(), features, 0);
+    map_.add_keyframe(FrameId{1}, 1, SE3(), features, 1);  // of another component
+    for (uint32_t i = 0; i < 180; ++i) {
+      TrackedFrame& entry = log_.emplace_back();
+      entry.id = FrameId{i};
+      entry.stamp_ns = int64_t{i} * kNsPerSecond / 30;
+      entry.outcome = TrackingOutcome::kTracked;
+      entry.reference = KeyframeId{0};
+      entry.T_reference_camera.translation.x() = 0.02 * i;
+      entry.evidence.surfaces = {2000, 20, 0};
+    }
+  }
+
+  void contradict(size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) log_[i].evidence.surfaces = {1600, 400, 0};
+  }
+
+  /// The indices of the doubtful frames.
+  [[nodiscard]] std::vector<size_t> doubtful(size_t first = 0) const {
+    std::vector<size_t> found;
+    const FrameLog revised = revise_doubt(log_, first, map_);
+    for (size_t i = 0; i < revised.size(); ++i) {
+      if (revised[i].doubtful) found.push_back(i);
+    }
+    return found;
+  }
+
+  Map map_;
+  FrameLog log_;
+};
+
+TEST_F(Doubt, IsNotRaisedByASteadyMotion) {
+  EXPECT_TRUE(doubtful().empty());
+}
+
+TEST_F(Doubt, IsNotRaisedByAHandThatReversesWithOneG) {
+  for (size_t i = 90; i < 180; ++i) {
+    const double s = static_cast<double>(i - 90) / 30;
+    log_[i].T_reference_camera.translation.x() = 1.8 + 0.6 * s - 0.5 * 9.81 * s * s;
+  }
+  EXPECT_TRUE(doubtful().empty());
+}
+
+TEST_F(Doubt, IsRaisedByAPoseThatJumps) {
+  log_[90].T_reference_camera.translation.y() = 0.2;
+  const auto found = doubtful();
+  EXPECT_EQ(found, (std::vector<size_t>{89, 90, 91, 92}));
+}
+
+TEST_F(Doubt, IsNotRaisedByTwoComponents) {
+  for (size_t i = 90; i < 180; ++i) log_[i].reference = KeyframeId{1};
+  for (size_t i = 90; i < 180; ++i) log_[i].T_reference_camera.translation.x() += 5;
+  EXPECT_TRUE(doubtful().empty());
+}
+
+TEST_F(Doubt, ReachesBackToWhereTheSurfacesBeganToContradict) {
+  contradict(60, 100);
+  for (size_t i = 95; i < 100; ++i) log_[i].doubtful = true;
+  const auto found = doubtful();
+  ASSERT_FALSE(found.empty());
+  EXPECT_NEAR(static_cast<double>(found.front()), 60, 10);  // the share is a mean of 2/3 s
+  EXPECT_NEAR(static_cast<double>(found.back()), 99, 10);
+}
+
+TEST_F(Doubt, ReachesTwoSeconds) {
+  contradict(0, 180);
+  log_[90].doubtful = log_[91].doubtful = true;
+  const auto found = doubtful();
+  EXPECT_EQ(found.front(), 30);
+  EXPECT_EQ(found.back(), 151);
+}
+
+TEST_F(Doubt, ReachesOverWhatMoves) {
+  for (size_t i = 70; i < 90; ++i) log_[i].evidence.moved_share = 0.3;
+  for (size_t i = 90; i < 95; ++i) log_[i].outcome = TrackingOutcome::kLost;
+  EXPECT_FALSE(doubtful().empty());
+  EXPECT_LT(doubtful().front(), 75);
+}
+
+TEST_F(Doubt, OfOneFrameStaysThere) {
+  contradict(60, 120);
+  log_[90].doubtful = true;
+  EXPECT_EQ(doubtful(), std::vector<size_t>{90});
+}
+
+TEST_F(Doubt, DoesNotSpreadWhereTheViewAgrees) {
+  for (size_t i = 90; i < 95; ++i) log_[i].doubtful = true;
+  EXPECT_EQ(doubtful().size(), 5);
+}
+
+TEST_F(Doubt, DoesNotReachFramesOfEarlierSessions) {
+  contradict(0, 180);
+  log_[90].doubtful = log_[91].doubtful = true;
+  EXPECT_EQ(doubtful(90).front(), 90);
+}
+
+TEST_F(Doubt, OfNoFramesIsNone) {
+  log_.clear();
+  EXPECT_TRUE(doubtful().empty());
+}
+
+}  // namespace
+}  // namespace kinloop
