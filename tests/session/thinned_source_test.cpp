@@ -5,48 +5,63 @@
 
 #include <gtest/gtest.h>
 
-#include "session/open_frame_source.hpp"
-
 namespace kinloop {
 namespace {
 
-SourceRequest small_room(int every) {
-  SourceRequest request;
-  request.sequence = "sim:room";
-  request.simulation.frames = 8;
-  request.simulation.width = 64;
-  request.simulation.height = 48;
-  request.every = every;
-  return request;
+/// Frames with the stamps 0, 1, 2, ... ns.
+class Numbered : public FrameSource {
+ public:
+  explicit Numbered(uint32_t frames) { info_.frames = frames; }
+
+  std::optional<Frame> next() override {
+    if (i_ == info_.frames) return std::nullopt;
+    Frame frame;
+    frame.id = FrameId{i_};
+    frame.stamp_ns = i_++;
+    return frame;
+  }
+  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] SkippedFrames skipped() const override { return {}; }
+
+ private:
+  uint32_t i_ = 0;
+  RgbdCamera camera_;
+  SourceInfo info_;
+};
+
+ThinnedSource thinned(uint32_t frames, int step) {
+  return {std::make_unique<Numbered>(frames), step};
 }
 
-std::vector<int64_t> stamps_ns(FrameSource& source) {
+std::vector<int64_t> stamps_ns(ThinnedSource source) {
   std::vector<int64_t> stamps_ns;
   while (const auto frame = source.next()) {
     EXPECT_EQ(frame->id, FrameId{static_cast<uint32_t>(stamps_ns.size())});
     stamps_ns.push_back(frame->stamp_ns);
   }
+  EXPECT_EQ(stamps_ns.size(), source.info().frames);
   return stamps_ns;
 }
 
+using Stamps = std::vector<int64_t>;
+
 TEST(ThinnedSource, GivesTheFirstAndEveryNthFrameWithConsecutiveIds) {
-  const auto all = stamps_ns(*open_frame_source(small_room(1)));
-  ASSERT_EQ(all.size(), 8u);
-  EXPECT_EQ(stamps_ns(*open_frame_source(small_room(3))), (std::vector{all[0], all[3], all[6]}));
-  EXPECT_EQ(stamps_ns(*open_frame_source(small_room(7))), (std::vector{all[0], all[7]}));
-  EXPECT_EQ(stamps_ns(*open_frame_source(small_room(100))), std::vector{all[0]});
+  EXPECT_EQ(stamps_ns(thinned(8, 1)), (Stamps{0, 1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(stamps_ns(thinned(8, 3)), (Stamps{0, 3, 6}));
+  EXPECT_EQ(stamps_ns(thinned(9, 3)), (Stamps{0, 3, 6}));
+  EXPECT_EQ(stamps_ns(thinned(8, 7)), (Stamps{0, 7}));
+  EXPECT_EQ(stamps_ns(thinned(8, 100)), Stamps{0});
+  EXPECT_EQ(stamps_ns(thinned(0, 3)), Stamps{});
 }
 
-TEST(ThinnedSource, TellsItsOwnRateAndNumberOfFrames) {
-  const auto all = open_frame_source(small_room(1)), thinned = open_frame_source(small_room(3));
-  EXPECT_DOUBLE_EQ(thinned->camera().fps, all->camera().fps / 3);
-  EXPECT_EQ(thinned->info().frames, 3u);
-  EXPECT_EQ(thinned->info().ground_truth.size(), all->info().ground_truth.size());
+TEST(ThinnedSource, HasTheRateThatIsLeft) {
+  EXPECT_DOUBLE_EQ(thinned(8, 3).camera().fps, Numbered(8).camera().fps / 3);
 }
 
 TEST(ThinnedSource, RefusesAStepOutOfRange) {
   for (const int step : {0, -3, ThinnedSource::kMaxStep + 1})
-    EXPECT_THROW(ThinnedSource(open_frame_source(small_room(1)), step), std::logic_error);
+    EXPECT_THROW(thinned(8, step), std::logic_error);
 }
 
 }  // namespace
