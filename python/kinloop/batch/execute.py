@@ -70,12 +70,12 @@ def _score_external(job, log):
 def _run(job, folder, log, stop):
     for attempt in range(1, ATTEMPTS + 1):
         ended, prepared = _attempt(job, folder, log, stop)
-        if ended.timed_out or ended.code not in FROM_OUTSIDE:
+        if ended.timed_out or ended.out_of_memory or ended.code not in FROM_OUTSIDE:
             break
         if attempt < ATTEMPTS:
             _remove_what_is_not_kept(folder, [])
     figures, measured = _figures(job, folder, log)
-    measured = {"wall_s": ended.wall_s, "cpu_s": ended.cpu_s, "peak_mib": ended.peak_mib} | measured
+    measured = {"wall_s": ended.wall_s, "cpu_s": ended.cpu_s, "peak_mib": ended.peak_mib, "memory_limit": ended.memory_limit} | measured
     code = signal.Signals(-ended.code).name if ended.code < 0 and not ended.timed_out else max(ended.code, 0)
     status = "not prepared" if not prepared and ended.code > 0 else _status(ended, figures, job, log)
     return {"status": status, "exit": "" if ended.timed_out else code, "figures": figures, "measured": measured,
@@ -124,6 +124,8 @@ def _end_of(log):
 def _status(ended, figures, job, log):
     if ended.timed_out:
         return "time limit"
+    if ended.out_of_memory:
+        return "out of memory"
     if ended.code < 0 or ended.code in FROM_OUTSIDE:
         out_of_memory = job.memory_mib and "bad_alloc" in _end_of(log)
         return "out of memory" if out_of_memory else "killed" if ended.code in FROM_OUTSIDE else "crashed"

@@ -22,7 +22,8 @@ MAX_STEP = 100_000  # of --every
 # Options of `kinloop run` that batch gives itself, or that would let a run wait or write elsewhere.
 OWN_OPTIONS = {
     "-o": "a run writes to its own folder", "--output": "a run writes to its own folder",
-    "--camera": "write 'camera:' for a sequence", "--set": "write 'set:'", "--every": "write 'every:'", "--threads": "write 'threads:' for the suite",
+    "--camera": "write 'camera:' for a sequence", "--set": "write 'set:'", "--every": "write 'every:'",
+    "--threads": "write 'threads:' for the suite",
     "--pace": "its results depend on the machine", "--viewer": "runs are not watched",
     "--save-map": "write 'keep: [map.kinmap]'", "--load-map": "runs are independent of each other",
     "--trajectory": "write 'keep: [trajectory.txt]'", "--poses-to": "runs write files only",

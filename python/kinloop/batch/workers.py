@@ -14,7 +14,7 @@ import threading
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import BatchError, Interrupted, UsageError
+from .errors import BatchError, Interrupted, Unfinished, UsageError
 from .execute import execute
 from .store import Heartbeat
 
@@ -120,7 +120,7 @@ def _wait_for_tasks(distributed, tasks, store, progress, stop):
         finished = {key for key in left if by_key[key].status != "pending"}
         for key in finished:
             if not store.has(key):
-                raise BatchError(f"run {key}: no result from Dask (task {by_key[key].status}); see the log of its worker, and run "
+                raise Unfinished(f"run {key}: no result from Dask (task {by_key[key].status}); see the log of its worker, and run "
                                  "the same command again")  # fmt: skip
             progress.finish_one()
         left -= finished
