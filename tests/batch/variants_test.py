@@ -1,7 +1,6 @@
 """Variants that use a part of a recording, or a changed copy of it."""
 
 import json
-import os
 import unittest
 
 from support import BatchTest
@@ -56,7 +55,13 @@ class Prepare(Variants):
         self.assertEqual(row["status"], "done")
         (job,) = self.jobs()
         self.assertIn("{prepared}", job["words"])
-        self.assertEqual(job["prepare"], [os.path.realpath(self.folder / "scripts/disturb.sh"), str(self.folder / "room"), "{output}", "x"])
+        self.assertEqual(job["prepare"], [str(self.folder / "scripts/disturb.sh"), str(self.folder / "room"), "{output}", "x"])
+
+    def test_a_program_is_started_by_the_name_of_its_link(self):
+        self.script("real.sh", '#!/bin/sh\necho "$0"; mkdir "$2"\n')
+        (self.folder / "link.sh").symlink_to("real.sh")
+        (row,) = self.run_variants("  a: {prepare: './link.sh {recording} {output}'}\n")
+        self.assertIn(f"{self.folder}/link.sh\n", (self.results / "runs" / row["key"] / "log.txt").read_text())
 
     def test_what_changes_the_copy_changes_the_key(self):
         def key(arguments, more=""):

@@ -119,12 +119,13 @@ class Planner:
         return words, files
 
     def _file_of(self, word, is_program):
-        """The absolute path of a word of a template that names a file; None if it does not."""
+        """The absolute path of a word of a template that names a file; None if it does not. Links are not followed: the
+        Python of a virtual environment is one, and knows the environment by its place."""
         if is_program and "/" not in word:
             found = shutil.which(word)
         else:
             found = os.path.join(self.suite.folder, word)
-        return os.path.realpath(found) if found and os.path.isfile(found) else None
+        return os.path.abspath(found) if found and os.path.isfile(found) else None
 
     def _external(self, path, recording, variant, seed):
         file = Path(self.suite.folder, _filled(variant.external, path, recording, variant, seed, self.suite))
