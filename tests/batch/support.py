@@ -65,6 +65,8 @@ if do == "kill":
 if do == "kill_once" and not os.path.exists(os.environ["FAKE_ONCE"]):
     open(os.environ["FAKE_ONCE"], "w").close()
     os.kill(os.getpid(), signal.SIGKILL)
+if do == "kill_while" and os.path.exists(os.path.join(os.path.dirname(os.environ["FAKE_CALLS"]), "killing")):
+    os.kill(os.getpid(), signal.SIGKILL)
 if do == "hang":
     time.sleep(1000)
 if do == "memory":

@@ -19,6 +19,7 @@ ATTEMPTS = 3  # of a run that is killed from outside, e.g. because the machine h
 RESULT_FILES = ("result.json", "log.txt")
 NOT_REPEATABLE = {"run.json", "frames.txt", "report.html", *RESULT_FILES}  # with times of this run
 FROM_OUTSIDE = (-signal.SIGKILL, -signal.SIGTERM, -signal.SIGINT, -signal.SIGHUP, 129, 130, 143)
+KILLED = "killed"  # the status of a run that did not survive its attempts; the next batch repeats it
 STATUS_OF_CODE = {1: "internal error", 2: "wrong use", 3: "bad input", 4: "lost", 127: "not started"}
 MAX_LOG_LOOK = 200_000
 
@@ -128,7 +129,7 @@ def _status(ended, figures, job, log):
         return "out of memory"
     if ended.code < 0 or ended.code in FROM_OUTSIDE:
         out_of_memory = job.memory_mib and "bad_alloc" in _end_of(log)
-        return "out of memory" if out_of_memory else "killed" if ended.code in FROM_OUTSIDE else "crashed"
+        return "out of memory" if out_of_memory else KILLED if ended.code in FROM_OUTSIDE else "crashed"
     if ended.code:
         if "out of memory" in _end_of(log) or "MemoryError" in _end_of(log):
             return "out of memory"
