@@ -24,12 +24,8 @@ class BadInput(Exception):
     """The message names the file and the remedy."""
 
 
-def metres(text):
-    return f"{float(text):.4f}" if text else ""
-
-
-def whole(text):
-    return f"{float(text):.0f}" if text else ""
+def rounded(text, decimals):
+    return f"{float(text):.{decimals}f}" if text else ""
 
 
 def name_of(row, before):
@@ -44,10 +40,10 @@ FIGURES = {
     "tracked": lambda row: f"{row['tracked']} / {row['frames']}",
     "keyframes": lambda row: row["keyframes"],
     "loops": lambda row: row["loops"],
-    "ATE m": lambda row: metres(row["ate_m"]) or row["status"],
-    "live ATE m": lambda row: metres(row["live_ate_m"]),
-    "CPU s": lambda row: whole(row["cpu_s"]),
-    "peak MiB": lambda row: whole(row["peak_mib"]),
+    "ATE m": lambda row: rounded(row["ate_m"], 4) or row["status"],
+    "live ATE m": lambda row: rounded(row["live_ate_m"], 4),
+    "CPU s": lambda row: rounded(row["cpu_s"], 1),
+    "peak MiB": lambda row: rounded(row["peak_mib"], 0),
 }
 MEASURED = {"CPU s", "peak MiB"}
 TABLES = {
