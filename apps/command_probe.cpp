@@ -18,6 +18,7 @@
 #include "drivers/probe/sequence_statistics.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
+#include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/consistency/input_checker.hpp"
 #include "session/open_frame_source.hpp"
 
@@ -29,6 +30,7 @@ constexpr size_t kLookedAt = 30;  // frames that are decoded
 struct ProbeArguments {
   std::string sequence;
   CameraOptions camera;
+  bool print_camera = false;
 };
 
 /// What is known of a recording. Stamps are of all frames, or only of those decoded.
@@ -199,12 +201,19 @@ void print_probed(const Probed& probed) {
   print_contradictions(probed);
 }
 
+/// The camera with which a run would map the recording; no image is decoded of a folder.
+RgbdCamera camera_of(const SourceRequest& request) {
+  if (is_recording(request.sequence)) return open_frame_source(request)->camera();
+  return read_sequence(request.sequence, request.camera, request.depth_scale).camera;
+}
+
 void probe(const ProbeArguments& arguments) {
   if (is_camera_or_stream(arguments.sequence))
     throw UsageError("probe: a live camera cannot be probed; record it with kinloop record");
   SourceRequest request;
   request.sequence = arguments.sequence;
   set_camera(request, arguments.camera);
+  if (arguments.print_camera) return print_text(camera_file_text(camera_of(request)));
   print_probed(is_recording(arguments.sequence) ? probe_source(request) : probe_layout(request));
 }
 
@@ -216,6 +225,8 @@ void add_probe_command(CLI::App& app) {
       app.add_subcommand("probe", "Say what a recording is: layout, camera, rates, depth, alignment");
   command->add_option("PATH", arguments->sequence, "a folder or file, as for kinloop run")->required();
   add_camera_options(*command, arguments->camera);
+  command->add_flag("--print-camera", arguments->print_camera,
+                    "only print the camera of the recording, in the format of camera.yaml");
   command->footer(
       "Decodes 30 frames spread over the sequence. Alignment is the shift that best brings the borders of\n"
       "near objects in depth onto edges in colour; it is about 0 if depth is registered. The exit code is 3 "

@@ -31,6 +31,7 @@ def code_lines(text):
 def command_lines(code):
     """Yields the words that follow `kinloop` in a line of shell."""
     code = re.sub(r"(^|\s{2,})#.*| {6,}[a-z(].*", "", code)
+    code = re.sub(r'"-[^"]*"', "VALUE", code)  # options for another program
     for part in re.split(r"&&|\|\||;|\$\(|(?<= )\| ", code):
         words = part.replace("[", " ").replace("]", " ").split()
         places = [i for i, word in enumerate(words) if re.fullmatch(r"(\S*/)?kinloop", word)]

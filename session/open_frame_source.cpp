@@ -21,6 +21,7 @@
 #include "drivers/stream/stream_source.hpp"
 #include "kinloop/core/errors.hpp"
 #include "session/shifted_depth_source.hpp"
+#include "session/thinned_source.hpp"
 
 namespace kinloop {
 
@@ -133,8 +134,10 @@ std::unique_ptr<FrameSource> open_as_recorded(const SourceRequest& request) {
 
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   auto source = open_as_recorded(request);
-  if (request.depth_offset_s == 0) return source;
-  return std::make_unique<ShiftedDepthSource>(std::move(source), request.depth_offset_s);
+  if (request.depth_offset_s != 0)
+    source = std::make_unique<ShiftedDepthSource>(std::move(source), request.depth_offset_s);
+  if (request.every != 1) source = std::make_unique<ThinnedSource>(std::move(source), request.every);
+  return source;
 }
 
 }  // namespace kinloop

@@ -26,6 +26,7 @@ struct SourceRequest {
   std::optional<double> depth_scale;  ///< units of the depth images per metre, of a folder or bag
   std::optional<std::string> topics;  ///< of a bag, "COLOR,DEPTH[,CAMERA_INFO]"
   double depth_offset_s = 0;          ///< added to the stamps of depth, by which images are then paired anew
+  int every = 1;                      ///< use only every n-th frame
   SimulationOptions simulation;
   KinectOptions kinect;
   int threads = 1;

@@ -63,6 +63,7 @@ SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
   }
   if (!request.topics.empty()) source.topics = request.topics;
   source.depth_offset_s = request.depth_offset_s;
+  source.every = request.every;
   source.simulation = setup.options.sim;
   source.kinect = setup.options.kinect;
   source.threads = setup.threads;

@@ -65,6 +65,7 @@ struct RunRequest {
   CameraOptions camera;
   std::string topics;
   double depth_offset_s = 0;   ///< see SourceRequest
+  int every = 1;               ///< see SourceRequest
   std::filesystem::path mask;  ///< image of the pixels to ignore, see read_mask; empty: none
   double pace_hz = 0;          ///< replays at this rate; 0: as fast as possible
   StopRequest stop = {};       ///< ends a source whose sender or device is silent

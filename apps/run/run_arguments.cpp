@@ -4,6 +4,7 @@
 #include "apps/shared/common_options.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "session/shifted_depth_source.hpp"
+#include "session/thinned_source.hpp"
 
 namespace kinloop {
 
@@ -51,6 +52,9 @@ void add_input_arguments(CLI::App& command, RunRequest& request) {
                   "different clocks; a run warns of that and names the offset")
       ->option_text("SECONDS")
       ->check(number(-ShiftedDepthSource::kMaxOffset_s, ShiftedDepthSource::kMaxOffset_s));
+  command.add_option("--every", request.every, "use only every n-th frame, beginning with the first")
+      ->option_text("N")
+      ->check(whole_number(1, ThinnedSource::kMaxStep));
   command.add_option("--mask", request.mask,
                      "image of the size of the colour images, black where they are to be ignored, such as\n"
                      "the robot that carries the camera; a run writes what it finds itself as mask.png.\n"

@@ -39,6 +39,10 @@ void add_help_command(CLI::App& app) {
   command->add_option("COMMAND", *words, "e.g. run, or map merge (default: list all commands)");
   command->callback([&app, words] {
     const CLI::App& asked = find_command(app, *words);
+    if (asked.get_name() == "batch") {
+      words->push_back("--help");
+      start_batch({words->begin() + 1, words->end()});
+    }
     // CLI11 would print the help of the command that was called, which is this one.
     fmt::print("{}", asked.get_formatter()->make_help(&asked, full_name(asked), CLI::AppFormatMode::Normal));
   });

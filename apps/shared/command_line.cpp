@@ -33,11 +33,6 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-/// Whether a word after the command may be an argument of its own, as in `kinloop batch SUITE`.
-bool takes_arguments(const CLI::App& app) {
-  return !app.get_options([](const CLI::Option* option) { return option->get_positional(); }).empty();
-}
-
 [[noreturn]] void reject_command(const CLI::App& app, const std::string& word,
                                  const std::vector<std::string>& names) {
   std::error_code ignored;
@@ -92,7 +87,7 @@ std::string what_is_wrong(const CLI::ParseError& error, const CLI::App& program,
   if (option != left.end()) return unknown_option(*option, command, words);
   if (!left.empty()) return fmt::format("unexpected argument '{}'", fmt::join(left, " "));
   const auto commands = commands_of(command);
-  if (!commands.empty() && !takes_arguments(command))
+  if (!commands.empty())
     return fmt::format("expected one of the commands {}", fmt::join(names_of(commands), ", "));
   return rewrite_cli11_message(error.what());
 }
@@ -110,7 +105,6 @@ const CLI::App& find_command(const CLI::App& program, std::span<const std::strin
     if (commands.empty() || word.starts_with('-')) break;
     const auto names = names_of(commands);
     const auto named = std::find(names.begin(), names.end(), word);
-    if (named == names.end() && takes_arguments(*app)) break;
     if (named == names.end()) reject_command(*app, word, names);
     app = commands[static_cast<size_t>(named - names.begin())];
   }

@@ -45,6 +45,10 @@ void add_export_command(CLI::App& app);
 void add_mesh_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);
 
+/// Replaces this process by `python3 PACKAGE WORDS...`, which finds the program in KINLOOP_PROGRAM. Throws
+/// InputError if the package or Python is missing.
+[[noreturn]] void start_batch(std::vector<std::string> words);
+
 /// `words`: the command line, which kinloop batch passes on.
 void add_batch_command(CLI::App& app, const std::vector<std::string>& words);
 

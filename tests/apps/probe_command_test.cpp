@@ -52,6 +52,17 @@ TEST_F(ProbeCommand, OtherSourcesAreProbedOrRefused) {
   EXPECT_THAT(absent.err, HasSubstr("no such folder"));
 }
 
+TEST_F(ProbeCommand, PrintsTheCameraThatARunWouldUse) {
+  const std::string file = at("seq/camera.yaml"), camera = read_file(file);
+  EXPECT_EQ(run("probe --print-camera '" + at("seq") + "'").out, camera);
+  ASSERT_EQ(shell("mv '" + file + "' '" + at("camera.yaml") + "'").exit_code, kDone);  // above the folder
+  EXPECT_EQ(run("probe --print-camera '" + at("seq") + "'").out, camera);
+  EXPECT_THAT(run("probe --print-camera sim:room").out, HasSubstr("depth_scale: "));
+  const auto none = run("probe --print-camera '" + at("nowhere") + "'");
+  EXPECT_EQ(none.exit_code, kBadInput);
+  EXPECT_EQ(none.out, "");
+}
+
 TEST_F(ProbeCommand, RunNamesWhatItTookTheFolderFor) {
   const auto mapped = run("run '" + at("seq") + "' -o '" + at("out") + "'");
   EXPECT_THAT(mapped.err, HasSubstr("seq: TUM folder: 6 frames, 160 x 120"));

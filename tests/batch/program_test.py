@@ -4,9 +4,10 @@ import json
 import os
 import re
 import subprocess
+import sys
 import unittest
 
-from support import BatchTest
+from support import SOURCE, BatchTest
 
 from kinloop.batch import command
 
@@ -42,16 +43,27 @@ class Program(BatchTest):
         self.assertRegex(identity["program"], "^build-id:[0-9a-f]{16,}$")
         self.assertNotIn("seed", identity["options"])  # 1, its default
 
-    def test_the_help_lists_the_options_that_python_reads(self):
-        for name, (make_parser, _) in [("", (command.run_parser, None)), *command.COMMANDS.items()]:
-            if name == "task":
-                continue  # for the workers of Dask only
-            text = self.kinloop(*name.split(), "--help")
-            options = {flag for action in make_parser()._actions for flag in action.option_strings}
-            self.assertEqual(set(re.findall(r"^  (?:(-\w),)?(--[\w-]+)", text, re.MULTILINE)),
-                             {(next((f for f in a.option_strings if len(f) == 2), ""), a.option_strings[-1])
-                              for a in make_parser()._actions if a.option_strings} | {("-h", "--help")}, name)  # fmt: skip
-            self.assertTrue(options)
+    def test_every_second_frame_is_mapped(self):
+        self.write("suite.yaml", SUITE.replace("default: {", "default: {every: 2, "))
+        self.kinloop("suite.yaml", "-o", "results", "--workers", 1)
+        self.assertEqual(self.rows()[0]["frames"], 4)
+
+    def test_help_is_that_of_the_package_in_the_layout_of_the_program(self):
+        sys.path.insert(0, str(SOURCE / "scripts"))
+        from command_help import read_commands
+
+        batch = read_commands(PROGRAM, "batch")
+        self.assertEqual([child.name for child in batch.children],
+                         [f"batch {name}" for name in command.COMMANDS if name != "task"])  # fmt: skip
+        for parsed in batch.walk():
+            name = parsed.name.removeprefix("batch").strip()
+            make_parser = command.COMMANDS[name][0] if name else command.run_parser
+            actions = make_parser()._actions
+            self.assertEqual(parsed.flags, [flag for action in actions for flag in action.option_strings])
+            self.assertEqual([p.left.split()[0] for p in parsed.positionals], [a.metavar for a in actions if not a.option_strings])
+            self.assertTrue(all(item.text for item in parsed.options + parsed.positionals + parsed.subcommands), parsed)
+            run = lambda *words: subprocess.run([PROGRAM, *words], capture_output=True, text=True).stdout  # noqa: E731
+            self.assertEqual(run("help", *parsed.name.split()), run(*parsed.name.split(), "--help"))
 
     def test_wrong_use_is_refused_by_the_program(self):
         self.assertIn("SUITE is missing", self.kinloop(expect=2))

@@ -34,6 +34,11 @@ words = sys.argv[1:]
 if words[:2] == ["run", "--options=all"]:
     print("Options:\\n  seed=1\\n      random seed\\n  features.count=1000\\n      keypoints")
     sys.exit()
+if words[0] == "batch":
+    os.execv(sys.executable, [sys.executable, {str(PACKAGE)!r}, *words[1:]])
+if words[0] == "probe":
+    beside = os.path.join(os.path.dirname(words[2]), "calibration.txt")
+    sys.exit(sys.stdout.write(open(beside).read()) and 0 if os.path.exists(beside) else "error: no camera")
 if words[0] == "eval":
     if not os.path.exists(os.path.join(words[2], "groundtruth.txt")):
         sys.exit("error: no ground truth" if sys.stderr.write("") == 0 else 3)
@@ -59,6 +64,8 @@ if do == "kill":
     os.kill(os.getpid(), signal.SIGKILL)
 if do == "kill_once" and not os.path.exists(os.environ["FAKE_ONCE"]):
     open(os.environ["FAKE_ONCE"], "w").close()
+    os.kill(os.getpid(), signal.SIGKILL)
+if do == "kill_while" and os.path.exists(os.path.join(os.path.dirname(os.environ["FAKE_CALLS"]), "killing")):
     os.kill(os.getpid(), signal.SIGKILL)
 if do == "hang":
     time.sleep(1000)

@@ -126,7 +126,7 @@ class Compare(BatchTest):
         self.assertIn("kinloop batch table", self.batch("compare", first, self.folder / "nothing", expect=3))
         self.write("other.csv", "a,b\n1,2\n")
         self.assertIn("is no table of runs", self.batch("compare", first, self.folder / "other.csv", expect=3))
-        self.assertIn("expected a number from 0 to 1000", self.batch("compare", first, first, "--max-ate-ratio", "nan", expect=2))
+        self.assertIn("is not a number from 0 to 1000", self.batch("compare", first, first, "--max-ate-ratio", "nan", expect=2))
 
 
 class Verify(BatchTest):

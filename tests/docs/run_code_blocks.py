@@ -36,7 +36,7 @@ RUN_ELSEWHERE = [
     (r"scripts/build_packages|(sudo )?apt install|pip |podman |tar -xf|\S*/bin/kinloop", "hosted CI, the job packages"),
     (r"kinloop run kinect[12]", "tests of the drivers: it needs the camera"),
     (r"kinloop fetch", "Fetch.*: it needs the network"),
-    (r"kinloop batch|sbatch |kubectl |dask ", "tests/batch, with a stand-in for the program"),
+    (r"kinloop batch|scripts/update_figures|sbatch |kubectl |dask ", "tests/batch, with a stand-in for the program"),
     (r"kinloop reproduce -o", "Reproduce.*, with a short sequence: it takes three CPU minutes"),
     (r"mpirun", "VocabCommand.SeveralProcessesGiveIdenticalBytes"),
     (r"bench_place|scripts/train_default_vocabulary", "by hand: it takes minutes"),

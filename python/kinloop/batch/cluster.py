@@ -1,10 +1,15 @@
 """Clusters that start a command by themselves: an array of Slurm, an indexed Job of Kubernetes.
 
-In: a plan. Out: slurm.sh and kubernetes.yaml in the folder of results, each of which runs `kinloop batch shard i/n`."""
+In: a plan. Out: slurm.sh and kubernetes.yaml in the folder of results, each of which runs `kinloop batch shard i/n`; the
+first can be submitted and waited for."""
 
 import shlex
+import subprocess
+import time
 
+from .errors import BatchError, Interrupted, Unfinished, UsageError
 from .files import write_whole
+from .workers import stopping_by_signals
 
 SPARE_TIME = 1.2  # for hashing of files and evaluation
 
@@ -48,6 +53,8 @@ spec:
           persistentVolumeClaim: {{claimName: kinloop}}
 """
 DEFAULT_MEMORY_MIB = 2048
+POLL_S = 5.0  # of results and of Slurm's queue
+SETTLING_S = 60.0  # NFS may show new folders that late
 
 
 def _label(name):
@@ -56,7 +63,8 @@ def _label(name):
 
 
 def write_scripts(suite, jobs, shards, program, store):
-    """Writes both scripts; returns their paths."""
+    """Writes both scripts, for at most `shards` shards and none that is empty; returns their paths."""
+    shards = max(1, min(shards, len(jobs)))
     folder = str(store.folder.resolve())
     per_shard = -(-len(jobs) // shards)
     values = {"name": _label(suite.name), "runs": len(jobs), "shards": shards, "threads": suite.threads, "retries": 6 * shards}
@@ -72,3 +80,52 @@ def write_scripts(suite, jobs, shards, program, store):
     for path, text in zip(paths, (slurm, kubernetes)):
         write_whole(path, text)
     return paths
+
+
+def _output_of(call):
+    """What a command of Slurm prints. Throws BatchError with its message."""
+    try:
+        done = subprocess.run(call, capture_output=True, text=True, errors="replace", check=False)
+    except OSError as error:
+        raise BatchError(f"--slurm: {call[0]} cannot be run ({error.strerror}); run kinloop batch where jobs are submitted") from None
+    if done.returncode:
+        last = (done.stderr.strip().splitlines() or [f"ended with {done.returncode}"])[-1]
+        raise BatchError(f"--slurm: {call[0]}: {last.removeprefix(f'{call[0]}: error: ')}")
+    return done.stdout
+
+
+def _has_ended(job):
+    """Whether no task of a job is pending or running. While the controller does not answer, the job is taken to go on."""
+    try:
+        return not _output_of(["squeue", "-h", "-j", job]).strip()
+    except BatchError as error:
+        return "Invalid job id" in str(error)  # ended, and forgotten
+
+
+def run_by_slurm(script, options, jobs, store, progress, say):
+    """Submits `script` with further `options` of sbatch and waits until each job has a result. Ctrl-C cancels what is left."""
+    try:
+        words = shlex.split(options)
+    except ValueError as error:
+        raise UsageError(f"--slurm '{options}': {error}") from None
+    with stopping_by_signals() as stop:
+        number = _output_of(["sbatch", "--parsable", *words, str(script)]).strip().split(";")[0]
+        say(f"slurm job  {number}")
+        _wait_for_results(number, {job.key for job in jobs}, store, progress, stop)
+
+
+def _wait_for_results(number, left, store, progress, stop):
+    ended_s = None
+    while left:
+        if ended_s is None and _has_ended(number):
+            ended_s = time.monotonic()
+        done = left & store.finished()
+        left -= done
+        for _ in done:
+            progress.finish_one()
+        if left and ended_s is not None and time.monotonic() - ended_s > SETTLING_S:
+            raise Unfinished(f"slurm job {number} has ended, and {len(left)} runs have no result; see {store.folder}/slurm-{number}_*.log, "
+                             "and run the same command again")  # fmt: skip
+        if left and stop.wait(POLL_S):
+            _output_of(["scancel", number])
+            raise Interrupted("interrupted")

@@ -1,15 +1,17 @@
-"""The command line of kinloop batch. The program declares the same options for its help (apps/command_batch.cpp)."""
+"""The commands of kinloop batch and their options. The program passes its command line on, and so this is its help, too."""
 
-import argparse
 import json
 import os
 import random
+import re
 import sys
 import threading
 
-from .cluster import write_scripts
+from .cgroup import enter_leaf
+from .cluster import run_by_slurm, write_scripts
+from .command_line import Parser, number_from
 from .compare import REGRESSION_EXIT_CODE, Thresholds, compare, read_summaries
-from .errors import BatchError, Interrupted, UsageError
+from .errors import BatchError, Unfinished, UsageError
 from .execute import execute, verify
 from .jobs import Job, Planner
 from .program import find_program
@@ -24,30 +26,6 @@ MAX_WORKERS = 10_000
 VERIFY_EXIT_CODE = REGRESSION_EXIT_CODE
 
 
-class Parser(argparse.ArgumentParser):
-    def __init__(self, name):
-        super().__init__(f"kinloop batch {name}".strip(), add_help=False, allow_abbrev=False)
-        self.add_argument("-q", "--quiet", action="store_true")
-
-    def error(self, message):
-        raise UsageError(f"{message}; see {self.prog} --help")
-
-
-def number_from(lowest, highest, kind=int):
-    """The type of an argument that is a number in a range."""
-
-    def parse(text):
-        try:
-            value = kind(text)
-        except ValueError:
-            value = None
-        if value is None or not lowest <= value <= highest:
-            raise argparse.ArgumentTypeError(f"'{text}': expected a {'whole ' * (kind is int)}number from {lowest:g} to {highest:g}")
-        return value
-
-    return parse
-
-
 def say(arguments, text):
     if not arguments.quiet:
         print(text, file=sys.stderr)
@@ -56,7 +34,7 @@ def say(arguments, text):
 def plan_of(arguments):
     """The suite, its jobs, which are written to the plan of the store, and the store."""
     suite = read_suite(arguments.suite)
-    program = find_program(arguments.program)
+    program = find_program(arguments.program or os.environ.get("KINLOOP_PROGRAM", "kinloop"))
     store = Store(arguments.output).create()
     jobs = Planner(suite, program).jobs(find_recordings(suite, store.inputs, program))
     store.write_plan(suite.name, jobs)
@@ -71,33 +49,52 @@ def report(arguments, title, jobs, store):
 # kinloop batch SUITE
 
 
+FOOTER = """Finished runs are never repeated: after Ctrl-C, a crash or with more sequences, run the same command again.
+
+Examples:
+  kinloop batch suite.yaml -o results --workers 4
+  kinloop batch suite.yaml -o results --slurm "--partition=short --time=1:00:00"
+  kinloop batch compare results_before results_now"""
+
+
 def add_suite_arguments(parser):
-    parser.add_argument("suite")
-    parser.add_argument("-o", "--output", default="results")
-    parser.add_argument("--program", default=os.environ.get("KINLOOP_PROGRAM", "kinloop"))
+    parser.add_text("SUITE", "YAML file of sequences and variants; see docs/batch.md")
+    parser.add_option("-o", "--output", metavar="DIR", default="results", text="folder of the results")
+    parser.add_option("--program", metavar="FILE", text="another kinloop to run (default: this one)")
+
+
+def add_shards(parser):
+    parser.add_option("--shards", metavar="N", kind=number_from(1, MAX_WORKERS), default=100, text="parts to divide the runs into")
 
 
 def run_parser():
-    parser = Parser("")
+    described = [(name, make_parser().description) for name, (make_parser, _) in COMMANDS.items() if name != "task"]
+    parser = Parser("", "Run whole datasets with variants on many cores or machines", described, FOOTER)
     add_suite_arguments(parser)
-    parser.add_argument("--workers", type=number_from(1, MAX_WORKERS))
-    parser.add_argument("--scheduler")
+    parser.add_option("--workers", metavar="N", kind=number_from(1, MAX_WORKERS),
+                      text="runs at a time on this machine (default: number of cores)")  # fmt: skip
+    parser.add_option("--scheduler", metavar="tcp://HOST:PORT", text="Dask scheduler whose workers do the runs")
+    parser.add_option("--slurm", metavar="OPTIONS", text="submit the runs to Slurm with these options of sbatch, and wait for them")
+    add_shards(parser)
     return parser
 
 
 def run_suite(arguments):
-    if arguments.workers and arguments.scheduler:
-        raise UsageError("--workers and --scheduler exclude each other: a scheduler has its own workers")
-    suite, jobs, store, _ = plan_of(arguments)
+    if sum(way is not None for way in (arguments.workers, arguments.scheduler, arguments.slurm)) > 1:
+        raise UsageError("--workers, --scheduler and --slurm exclude each other: the last two have workers of their own")
+    suite, jobs, store, program = plan_of(arguments)
     todo = unfinished(jobs, store)
     say(arguments, f"{len(jobs)} runs, {len(todo)} to do")
     progress = Progress(len(todo), arguments.quiet)
     try:
         if todo and arguments.scheduler:
             run_by_dask(todo, store, arguments.scheduler, progress, lambda text: say(arguments, text))
+        elif todo and arguments.slurm is not None:
+            script, _ = write_scripts(suite, todo, arguments.shards, program, store)
+            run_by_slurm(script, arguments.slurm, todo, store, progress, lambda text: say(arguments, text))
         elif todo:
             run_locally(todo, store, arguments.workers or os.cpu_count() or 1, progress)
-    except Interrupted:
+    except Unfinished:
         progress.end_line()
         report(arguments, suite.name, jobs, store)
         raise
@@ -108,9 +105,9 @@ def run_suite(arguments):
 
 
 def task_parser():
-    parser = Parser("task")
-    parser.add_argument("results")
-    parser.add_argument("job")
+    parser = Parser("task", "Do one run")
+    parser.add_text("RESULTS", "folder of results")
+    parser.add_text("JOB", "a line of its plan")
     return parser
 
 
@@ -126,38 +123,34 @@ def do_task(arguments):
 
 
 def plan_parser():
-    parser = Parser("plan")
+    parser = Parser("plan", "Write the list of runs, and scripts for Slurm and Kubernetes")
     add_suite_arguments(parser)
-    parser.add_argument("--shards", type=number_from(1, MAX_WORKERS), default=100)
+    add_shards(parser)
     return parser
 
 
 def plan(arguments):
     suite, jobs, store, program = plan_of(arguments)
     todo = unfinished(jobs, store)
-    shards = max(1, min(arguments.shards, len(todo)))
-    paths = write_scripts(suite, todo, shards, program, store)
-    say(arguments, f"{len(jobs)} runs, {len(todo)} to do, in {shards} shards")
+    paths = write_scripts(suite, todo, arguments.shards, program, store)
+    say(arguments, f"{len(jobs)} runs, {len(todo)} to do, in {max(1, min(arguments.shards, len(todo)))} shards")
     for path in (store.plan_file, *paths):
         print(path)
 
 
 def shard_parser():
-    parser = Parser("shard")
-    parser.add_argument("shard")
-    parser.add_argument("results")
-    parser.add_argument("--workers", type=number_from(1, MAX_WORKERS), default=1)
+    parser = Parser("shard", "Do one part of a plan")
+    parser.add_text("SHARD", "which part of how many, e.g. 3/100")
+    parser.add_text("RESULTS", "folder of the results of kinloop batch plan")
+    parser.add_option("--workers", metavar="N", kind=number_from(1, MAX_WORKERS), default=1, text="runs at a time")
     return parser
 
 
 def do_shard(arguments):
-    number, _, count = arguments.shard.partition("/")
-    try:
-        number, count = number_from(1, MAX_WORKERS)(number), number_from(1, MAX_WORKERS)(count)
-        if number > count:
-            raise argparse.ArgumentTypeError(f"there is no shard {number} of {count}")
-    except argparse.ArgumentTypeError as error:
-        raise UsageError(f"{arguments.shard}: {error}; expected a shard and their number, e.g. 3/100") from None
+    match = re.fullmatch(r"(\d{1,5})/(\d{1,5})", arguments.shard)
+    number, count = map(int, match.groups()) if match else (0, 0)
+    if not 1 <= number <= count <= MAX_WORKERS:
+        raise UsageError(f"kinloop batch shard: '{arguments.shard}': expected a shard and their number, e.g. 3/100")
     store = Store(arguments.results)
     _, jobs = store.read_plan()
     todo = unfinished(shard_of(jobs, number, count), store.create())
@@ -169,8 +162,8 @@ def do_shard(arguments):
 
 
 def table_parser():
-    parser = Parser("table")
-    parser.add_argument("results")
+    parser = Parser("table", "Write the tables and the page of a folder of results again")
+    parser.add_text("RESULTS", "folder of results")
     return parser
 
 
@@ -181,10 +174,10 @@ def table(arguments):
 
 
 def verify_parser():
-    parser = Parser("verify")
-    parser.add_argument("results")
-    parser.add_argument("--sample", type=number_from(1, 1_000_000), default=10)
-    parser.add_argument("--seed", type=number_from(0, 1_000_000_000), default=1)
+    parser = Parser("verify", "Repeat a sample of finished runs and compare the bytes")
+    parser.add_text("RESULTS", "folder of results")
+    parser.add_option("--sample", metavar="N", kind=number_from(1, 1_000_000), default=10, text="number of runs to repeat")
+    parser.add_option("--seed", metavar="N", kind=number_from(0, 1_000_000_000), default=1, text="of the choice of runs")
     return parser
 
 
@@ -207,13 +200,17 @@ def verify_sample(arguments):
 
 
 def compare_parser():
-    parser = Parser("compare")
-    parser.add_argument("first")
-    parser.add_argument("second")
-    parser.add_argument("--max-ate-ratio", type=number_from(0, 1000, float), default=Thresholds.ate_ratio)
-    parser.add_argument("--max-sequence-ratio", type=number_from(0, 1_000_000, float), default=Thresholds.sequence_ratio)
-    parser.add_argument("--max-failures", type=number_from(0, 1_000_000), default=Thresholds.failures)
-    parser.add_argument("--max-cpu-ratio", type=number_from(0, 1000, float), default=Thresholds.cpu_ratio)
+    parser = Parser("compare", "Compare two batches; exit code 5 if the second is worse")
+    parser.add_text("FIRST", "folder of results, or its runs.csv")
+    parser.add_text("SECOND", "the same of the other version, with the same sequences and variants")
+    parser.add_option("--max-ate-ratio", metavar="RATIO", kind=number_from(0, 1000, float), default=Thresholds.ate_ratio,
+                      text="allowed geometric mean of the ratios of ATE, if they are significant")  # fmt: skip
+    parser.add_option("--max-sequence-ratio", metavar="RATIO", kind=number_from(0, 1_000_000, float), default=Thresholds.sequence_ratio,
+                      text="allowed ratio of any one sequence")  # fmt: skip
+    parser.add_option("--max-failures", metavar="N", kind=number_from(0, 1_000_000), default=Thresholds.failures,
+                      text="allowed sequences that fail in the second only")  # fmt: skip
+    parser.add_option("--max-cpu-ratio", metavar="RATIO", kind=number_from(0, 1000, float), default=Thresholds.cpu_ratio,
+                      text="allowed ratio of CPU time, 0 = any")  # fmt: skip
     return parser
 
 
@@ -234,13 +231,22 @@ COMMANDS = {
 }
 
 
+def with_value_of(option, words):
+    """The words with `option VALUE` as one word, since argparse takes a value that begins with a hyphen for an option."""
+    if option not in words[:-1]:
+        return words
+    place = words.index(option)
+    return [*words[:place], f"{option}={words[place + 1]}", *words[place + 2 :]]
+
+
 def main(words=None):
     """Runs the command; returns its exit code."""
     words = sys.argv[1:] if words is None else words
     name = words[0] if words and words[0] in COMMANDS else ""
     make_parser, function = COMMANDS[name] if name else (run_parser, run_suite)
     try:
-        return function(make_parser().parse_args(words[1:] if name else words)) or 0
+        enter_leaf()
+        return function(make_parser().parse(with_value_of("--slurm", words[1:] if name else words))) or 0
     except BatchError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.exit_code

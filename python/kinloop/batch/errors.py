@@ -13,7 +13,11 @@ class UsageError(BatchError):
     exit_code = 2
 
 
-class Interrupted(BatchError):
+class Unfinished(BatchError):
+    """Some runs have no result. The tables have the others."""
+
+
+class Interrupted(Unfinished):
     """Ctrl-C or SIGTERM. Finished runs are kept."""
 
     exit_code = 130

@@ -5,6 +5,7 @@ result, too; only what did not come from the run itself is repeated: a kill from
 
 import fnmatch
 import os
+import shutil
 import signal
 import socket
 from pathlib import Path
@@ -18,6 +19,7 @@ ATTEMPTS = 3  # of a run that is killed from outside, e.g. because the machine h
 RESULT_FILES = ("result.json", "log.txt")
 NOT_REPEATABLE = {"run.json", "frames.txt", "report.html", *RESULT_FILES}  # with times of this run
 FROM_OUTSIDE = (-signal.SIGKILL, -signal.SIGTERM, -signal.SIGINT, -signal.SIGHUP, 129, 130, 143)
+KILLED = "killed"  # the status of a run that did not survive its attempts; the next batch repeats it
 STATUS_OF_CODE = {1: "internal error", 2: "wrong use", 3: "bad input", 4: "lost", 127: "not started"}
 MAX_LOG_LOOK = 200_000
 
@@ -67,18 +69,39 @@ def _score_external(job, log):
 
 
 def _run(job, folder, log, stop):
-    words = [word.replace("{output}", str(folder)) for word in job.words]
     for attempt in range(1, ATTEMPTS + 1):
-        ended = run_limited(words, folder, log, job.time_s, job.memory_mib, stop)
-        if ended.timed_out or ended.code not in FROM_OUTSIDE:
+        ended, prepared = _attempt(job, folder, log, stop)
+        if ended.timed_out or ended.out_of_memory or ended.code not in FROM_OUTSIDE:
             break
         if attempt < ATTEMPTS:
             _remove_what_is_not_kept(folder, [])
     figures, measured = _figures(job, folder, log)
-    measured = {"wall_s": ended.wall_s, "cpu_s": ended.cpu_s, "peak_mib": ended.peak_mib} | measured
+    measured = {"wall_s": ended.wall_s, "cpu_s": ended.cpu_s, "peak_mib": ended.peak_mib, "memory_limit": ended.memory_limit} | measured
     code = signal.Signals(-ended.code).name if ended.code < 0 and not ended.timed_out else max(ended.code, 0)
-    return {"status": _status(ended, figures, job, log), "exit": "" if ended.timed_out else code, "figures": figures,
-            "measured": measured, "attempts": attempt}  # fmt: skip
+    status = "not prepared" if not prepared and ended.code > 0 else _status(ended, figures, job, log)
+    return {"status": status, "exit": "" if ended.timed_out else code, "figures": figures, "measured": measured,
+            "attempts": attempt}  # fmt: skip
+
+
+def _attempt(job, folder, log, stop):
+    """Prepares the recording, if the job says so, and runs. Returns how the last of both ended, and whether it was the run.
+    The prepared recording is beside `folder`, so that it is not part of the result; each attempt makes it anew."""
+    beside = folder.with_name(f"{folder.name}.prepared")
+    prepared = beside / Path(job.recording).name  # the name may tell the camera
+
+    def run(words, output):
+        words = [word.replace("{output}", str(output)).replace("{prepared}", str(prepared)) for word in words]
+        return run_limited(words, folder, log, job.time_s, job.memory_mib, stop)
+
+    try:
+        if job.prepare:
+            beside.mkdir()
+            ended = run(job.prepare, prepared)
+            if ended.timed_out or ended.code:
+                return ended, False
+        return run(job.words, folder), True
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
 
 
 def _figures(job, folder, log):
@@ -102,9 +125,11 @@ def _end_of(log):
 def _status(ended, figures, job, log):
     if ended.timed_out:
         return "time limit"
+    if ended.out_of_memory:
+        return "out of memory"
     if ended.code < 0 or ended.code in FROM_OUTSIDE:
         out_of_memory = job.memory_mib and "bad_alloc" in _end_of(log)
-        return "out of memory" if out_of_memory else "killed" if ended.code in FROM_OUTSIDE else "crashed"
+        return "out of memory" if out_of_memory else KILLED if ended.code in FROM_OUTSIDE else "crashed"
     if ended.code:
         if "out of memory" in _end_of(log) or "MemoryError" in _end_of(log):
             return "out of memory"

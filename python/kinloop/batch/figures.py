@@ -12,7 +12,7 @@ from .files import read_json
 # Columns of the tables. `status` comes from execute.py.
 FIGURES = ("verdict", "ate_m", "live_ate_m", "rpe_1s_m", "rpe_1s_deg", "rpe_1frame_m", "coverage", "frames", "tracked",
            "doubtful_s", "lost_s", "seconds", "keyframes", "loops", "sensor")  # fmt: skip
-MEASURED = ("cpu_s", "wall_s", "frame_ms", "peak_mib")
+MEASURED = ("cpu_s", "wall_s", "frame_ms", "peak_mib", "memory_limit")
 EVAL_PATIENCE_S = 600
 
 

@@ -20,7 +20,8 @@ MAX_JOBS = 1_000_000
 @dataclass
 class Job:
     """A run. `key` is the hash of `identity`; the rest does not change the result. `words`: the command line, with
-    {output} for the folder of the run; empty if a trajectory is only scored."""
+    {output} for the folder of the run and {prepared} for the recording that `prepare` writes; empty if a trajectory is
+    only scored. `prepare`: the command line that writes its changed recording to {output}; usually empty."""
 
     key: str
     sequence: str
@@ -38,14 +39,15 @@ class Job:
     keep: list
     bytes: int
     identity: dict = field(default_factory=dict)
+    prepare: list = field(default_factory=list)
 
     def to_json(self):
         return asdict(self)
 
 
-def _filled(template, recording, variant, seed, suite):
-    """A template with its placeholders filled, but {output}, which is known when the run starts."""
-    values = {"recording": recording.path, "camera": recording.camera, "name": recording.name, "seed": seed,
+def _filled(template, path, recording, variant, seed, suite):
+    """A template with its placeholders filled, {recording} by `path`, but {output}, which is known when the run starts."""
+    values = {"recording": path, "camera": recording.camera, "name": recording.name, "seed": seed,
               "threads": suite.threads, "output": "{output}"}  # fmt: skip
     if "{camera}" in template and not recording.camera:
         raise BatchError(f"variant {variant.name}: {recording.name} has no 'camera:' in the suite, which the template uses")
@@ -71,36 +73,64 @@ class Planner:
     def _job(self, recording, variant, seed):
         kind = "command" if variant.command else "external" if variant.external else "run"
         make = {"command": self._command, "external": self._external, "run": self._run}[kind]
-        words, external, identity = make(recording, variant, seed)
+        path = "{prepared}" if variant.prepare else recording.path
+        words, external, identity = make(path, recording, variant, seed)
         identity |= {"format": FORMAT, "kind": kind, "recording": recording.identity, "program": self.program_identity}
+        prepare = self._prepare(recording, variant, seed, identity) if variant.prepare else []
         truth = recording.truth or recording.path
-        if kind != "run" and is_simulated(truth):
+        if is_simulated(truth) and kind != "run":
             raise BatchError(f"variant {variant.name}: {recording.name} is no file; write the room with kinloop simulate first")
         return Job(hash_of_value(identity)[:32], recording.name, recording.dataset, variant.name, seed, kind, self.program,
                    words, recording.path, truth, external, self.suite.time_s, self.suite.memory_mib, self.suite.keep,
-                   recording.bytes, identity)  # fmt: skip
+                   recording.bytes, identity, prepare)  # fmt: skip
 
-    def _run(self, recording, variant, seed):
+    def _run(self, path, recording, variant, seed):
         options = variant.options | {"seed": str(seed)}
-        words = [self.program, "run", recording.path, "-o", "{output}", "-q", "--threads", str(self.suite.threads)]
+        words = [self.program, "run", path, "-o", "{output}", "-q", "--threads", str(self.suite.threads)]
         words += ["--camera", recording.camera] if recording.camera else []
+        words += ["--every", str(variant.every)] if variant.every > 1 else []
         words += variant.arguments + [word for key, value in options.items() for word in ("--set", f"{key}={value}")]
         effective = {key: number_or_text(value) for key, value in options_in_effect(options, self.defaults).items()}
-        return words, "", {"options": effective, "arguments": variant.arguments}
+        identity = {"options": effective, "arguments": variant.arguments}
+        return words, "", identity | ({"every": variant.every} if variant.every > 1 else {})
 
-    def _command(self, recording, variant, seed):
-        words = [_filled(word, recording, variant, seed, self.suite) for word in shlex.split(variant.command)]
+    def _command(self, path, recording, variant, seed):
+        words, files = self._command_line(variant.command, path, recording, variant, seed)
+        return words, "", {"command": variant.command, "seed": seed, "version": variant.version, "files": files}
+
+    def _prepare(self, recording, variant, seed, identity):
+        """The command line that writes the changed recording; adds to `identity` what it depends on."""
+        words, files = self._command_line(variant.prepare, recording.path, recording, variant, seed)
+        identity |= {"prepare": {"command": variant.prepare, "version": variant.version, "files": files}}
+        if "{seed}" in variant.prepare:
+            identity["prepare"]["seed"] = seed
+        return words
+
+    def _command_line(self, template, path, recording, variant, seed):
+        """The words of a template, and the hashes of those that are files: the program, and scripts of the suite's folder."""
+        words, files = [], {}
+        for word in shlex.split(template):
+            file = self._file_of(word, is_program=not words)
+            if file:
+                files[word] = hash_of_file(file)
+            words.append(file or _filled(word, path, recording, variant, seed, self.suite))
         if not words:
             raise BatchError(f"variant {variant.name}: the command is empty")
-        found = shutil.which(os.path.join(self.suite.folder, words[0]) if "/" in words[0] else words[0])
-        words[0] = os.path.realpath(found) if found else words[0]
-        command_identity = hash_of_file(words[0]) if found else ""
-        return words, "", {"command": variant.command, "seed": seed, "version": variant.version, "peer": command_identity}
+        return words, files
 
-    def _external(self, recording, variant, seed):
-        path = Path(self.suite.folder, _filled(variant.external, recording, variant, seed, self.suite))
+    def _file_of(self, word, is_program):
+        """The absolute path of a word of a template that names a file; None if it does not. Links are not followed: the
+        Python of a virtual environment is one, and knows the environment by its place."""
+        if is_program and "/" not in word:
+            found = shutil.which(word)
+        else:
+            found = os.path.join(self.suite.folder, word)
+        return os.path.abspath(found) if found and os.path.isfile(found) else None
+
+    def _external(self, path, recording, variant, seed):
+        file = Path(self.suite.folder, _filled(variant.external, path, recording, variant, seed, self.suite))
         try:
-            digest = hash_of_file(path)
+            digest = hash_of_file(file)
         except OSError:
             digest = ""  # a row that says so
-        return [], os.path.normpath(path), {"trajectory": digest, "version": variant.version}
+        return [], os.path.normpath(file), {"trajectory": digest, "version": variant.version}

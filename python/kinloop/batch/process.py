@@ -10,6 +10,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from .cgroup import make_group
 from .errors import Interrupted
 
 START = str(Path(__file__).with_name("start.py"))
@@ -19,13 +20,16 @@ LONGEST_SLEEP_S = 0.1
 
 @dataclass
 class Ended:
-    """`code`: the exit code, or minus the number of the signal that ended it."""
+    """`code`: the exit code, or minus the number of the signal that ended it. `memory_limit`: cgroup, rlimit or none;
+    `out_of_memory`: ended by its cgroup."""
 
     code: int
     timed_out: bool
     wall_s: float
     cpu_s: float
     peak_mib: float
+    memory_limit: str = None
+    out_of_memory: bool = False
 
 
 def _kill_group(pid):
@@ -50,13 +54,10 @@ def _shorten(log):
         file.truncate()
 
 
-def run_limited(words, folder, log, time_s, memory_mib, stop):
-    """Runs a program to its end, and kills it with all that it started after `time_s` seconds. Throws Interrupted once
-    the event `stop` is set."""
-    log = Path(log)
+def _run_to_its_end(call, folder, log, time_s, stop):
+    """Returns (status and usage as of wait4, whether the time was over)."""
     begin, pause = time.monotonic(), 0.002
     with open(log, "ab") as output:
-        call = [sys.executable, "-I", "-S", START, str(memory_mib), str(os.getpid()), *words]
         process = subprocess.Popen(call, cwd=folder, stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True)
     timed_out = False
     while True:
@@ -73,7 +74,24 @@ def run_limited(words, folder, log, time_s, memory_mib, stop):
         pause = min(1.5 * pause, LONGEST_SLEEP_S)
     process.returncode = os.waitstatus_to_exitcode(status)
     _kill_group(process.pid)  # what it left behind
+    return process.returncode, usage, timed_out
+
+
+def run_limited(words, folder, log, time_s, memory_mib, stop):
+    """Runs a program to its end, and kills it with all that it started after `time_s` seconds. Throws Interrupted once
+    the event `stop` is set."""
+    log, begin = Path(log), time.monotonic()
+    group = make_group(memory_mib) if memory_mib else None
+    try:
+        limit = f"cgroup:{group.folder}" if group else f"rlimit:{memory_mib}"
+        call = [sys.executable, "-I", "-S", START, limit, str(os.getpid()), *words]
+        code, usage, timed_out = _run_to_its_end(call, folder, log, time_s, stop)
+        out_of_memory = group is not None and group.killed_for_memory()
+    finally:
+        if group:
+            group.remove()
     if stop.is_set():
         raise Interrupted("interrupted")
     _shorten(log)
-    return Ended(process.returncode, timed_out, time.monotonic() - begin, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
+    return Ended(code, timed_out, time.monotonic() - begin, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024,
+                 limit.partition(":")[0] if memory_mib else None, out_of_memory)  # fmt: skip

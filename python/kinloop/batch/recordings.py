@@ -13,11 +13,7 @@ from pathlib import Path
 from .errors import BatchError
 from .files import hash_of_file, hash_of_value, make_folder, read_json, write_json
 
-# Where `kinloop run` looks for a camera if the recording has none: drivers/datasets/camera_files/find_camera.cpp.
-CAMERA_FOLDERS = ("", "intrinsic", "intrinsics", "calibration", "calib", "camera", "sparse/0", "colmap/sparse/0")
-CAMERA_SUFFIXES = (".yaml", ".yml", ".json", ".txt")
-CAMERA_NAME = re.compile(r"cam|calib|intrinsic|transforms|(^|_)k$", re.IGNORECASE)
-MAX_CAMERA_BYTES = 1_000_000
+PROBE_PATIENCE_S = 600  # a bag without an index is read whole
 # What `kinloop fetch` knows, or knows how to ask for.
 DATASET_NAME = re.compile(r"(tum|eth3d|icl|7scenes|bonn|replica|scannet|openloris)/[a-z0-9_-]+(/[a-z0-9_-]+)?")
 
@@ -80,21 +76,15 @@ class Hashes:
         return sorted(found, key=lambda entry: entry[1])
 
 
-def cameras_beside(path, suite_file):
-    """Files outside of the recording that `kinloop run` may take the camera from, with their hashes."""
-    path, found = Path(path), {}
-    for is_above, folder in [(True, path.parent)] if path.is_dir() else [(False, path.parent), (True, path.parent.parent)]:
-        for below in CAMERA_FOLDERS:
-            try:
-                files = sorted((folder / below).iterdir())
-            except OSError:
-                continue  # no such folder, or one that kinloop cannot read either
-            for file in files:
-                named = CAMERA_NAME.search(file.stem) or not is_above
-                if named and file != suite_file and file.suffix.lower() in CAMERA_SUFFIXES and file.is_file():
-                    if file.stat().st_size <= MAX_CAMERA_BYTES:
-                        found[f"{is_above} {below}/{file.name}"] = hash_of_file(file)
-    return found
+def camera_of(path, program):
+    """The camera with which `kinloop run` would map a recording, as the text of camera.yaml; it may be in a file beside the
+    recording. Empty if there is none: such a run fails, and is another one once there is a camera."""
+    try:
+        done = subprocess.run([program, "probe", "--print-camera", str(path)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                              timeout=PROBE_PATIENCE_S, check=False)  # fmt: skip
+        return done.stdout.decode(errors="replace") if done.returncode == 0 else ""
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise BatchError(f"{path}: {program} probe --print-camera gives no answer ({error})") from None
 
 
 def download(url, folder):
@@ -152,20 +142,22 @@ def _camera(sequence, suite_folder):
 
 
 def find_recordings(suite, inputs, program):
-    """Returns the recordings of a suite, in its order; `program` fetches those of datasets. Throws BatchError if one is missing or two share a name."""
+    """Returns the recordings of a suite, in its order; `program` fetches those of datasets and knows their cameras. Throws
+    BatchError if one is missing or two share a name."""
     hashes, recordings = Hashes(Path(inputs) / "hashes"), []
     for sequence in suite.sequences:
         camera, camera_identity = _camera(sequence, suite.folder)
         truth = os.path.normpath(os.path.join(suite.folder, sequence.truth)) if sequence.truth else ""
         for path in [sequence.pattern] if is_simulated(sequence.pattern) else _paths(sequence, suite.folder, Path(inputs), program):
             if is_simulated(sequence.pattern):
-                name, dataset, identity, size = path, "simulated", {"simulated": path}, 0
+                name, dataset, identity, size = path, "simulated", {"simulated": path, "camera": ""}, 0
             else:
                 digest, size = hashes.of(path)
                 # The name of a folder may tell the camera (rgbd_dataset_freiburg1_room).
                 name, dataset = path.name, path.parent.name
-                identity = {"name": path.name, "sha256": digest, "beside": {} if camera else cameras_beside(path, suite.file)}
-            identity["camera"] = camera_identity
+                identity = {"name": path.name, "sha256": digest, "camera": "" if camera else camera_of(path, program)}
+            if camera:
+                identity["camera"] = camera_identity
             if truth:
                 identity["truth"] = hashes.of(truth)[0] if os.path.exists(truth) else ""
             recordings.append(Recording(sequence.name or name, sequence.dataset or dataset, str(path), camera, truth, identity, size))

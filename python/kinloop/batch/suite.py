@@ -12,15 +12,18 @@ from .suite_file import read_yaml
 
 SUITE_KEYS = ("name", "sequences", "variants", "seeds", "limits", "keep", "threads")
 SEQUENCE_KEYS = ("path", "name", "dataset", "camera", "truth")
-VARIANT_KEYS = ("set", "arguments", "seeds", "command", "external", "version")
+VARIANT_KEYS = ("set", "arguments", "every", "seeds", "prepare", "command", "external", "version")
+RUN_KEYS = ("set", "arguments", "every")  # of kinloop run
 LIMIT_KEYS = ("time", "memory")
 DEFAULT_KEEP = ("run.json", "trajectory.txt", "live.txt", "groundtruth.txt", "frames.txt")
 PLACEHOLDERS = ("recording", "camera", "output", "name", "seed", "threads")
 MAX_ROOMS = 100_000
+MAX_STEP = 100_000  # of --every
 # Options of `kinloop run` that batch gives itself, or that would let a run wait or write elsewhere.
 OWN_OPTIONS = {
     "-o": "a run writes to its own folder", "--output": "a run writes to its own folder",
-    "--camera": "write 'camera:' for a sequence", "--set": "write 'set:'", "--threads": "write 'threads:' for the suite",
+    "--camera": "write 'camera:' for a sequence", "--set": "write 'set:'", "--every": "write 'every:'",
+    "--threads": "write 'threads:' for the suite",
     "--pace": "its results depend on the machine", "--viewer": "runs are not watched",
     "--save-map": "write 'keep: [map.kinmap]'", "--load-map": "runs are independent of each other",
     "--trajectory": "write 'keep: [trajectory.txt]'", "--poses-to": "runs write files only",
@@ -41,12 +44,15 @@ class Sequence:
 
 @dataclass
 class Variant:
-    """How a sequence is run: kinloop with options, a `command`, or an `external` trajectory that only is scored."""
+    """How a sequence is run: kinloop with options, a `command`, or an `external` trajectory that only is scored.
+    `every`: use each n-th frame; `prepare`: a command that writes a changed copy of the recording first."""
 
     name: str
     options: dict = field(default_factory=dict)
     arguments: list = field(default_factory=list)
+    every: int = 1
     seeds: list = field(default_factory=list)
+    prepare: str = ""
     command: str = ""
     external: str = ""
     version: str = ""
@@ -143,8 +149,11 @@ def _variant(name, value, seeds):
     kinds = [kind for kind in ("command", "external") if kind in fields]
     if len(kinds) > 1:
         value.fail("'command' and 'external' exclude each other")
-    if kinds and ("set" in fields or "arguments" in fields):
-        value.fail(f"'set' and 'arguments' are options of kinloop run; remove them or '{kinds[0]}'")
+    for key in RUN_KEYS if kinds else ():
+        if key in fields:
+            value.fail(f"'{key}' is for kinloop run; remove it or '{kinds[0]}'")
+    if "prepare" in fields and "external" in fields:
+        value.fail("'prepare' changes a recording, but 'external' reads none; remove one")
     variant = Variant(name, seeds=_seeds(fields["seeds"]) if "seeds" in fields else seeds)
     if "set" in fields:
         variant.options = {key: given.text() for key, given in fields["set"].fields().items()}
@@ -152,11 +161,18 @@ def _variant(name, value, seeds):
             fields["set"].fail("write 'seeds: [...]' in place of 'seed'")
     if "arguments" in fields:
         variant.arguments = _arguments(fields["arguments"])
+    if "every" in fields:
+        variant.every = fields["every"].whole_number(1, MAX_STEP)
+    if "prepare" in fields:
+        variant.prepare = _template(fields["prepare"])
+        for needed in ("{recording}", "{output}"):
+            if needed not in variant.prepare:
+                fields["prepare"].fail(f"{needed} is missing, e.g. 'prepare: COMMAND {{recording}} {{output}}'")
     if kinds:
         setattr(variant, kinds[0], _template(fields[kinds[0]]))
     if "version" in fields:
         variant.version = fields["version"].text()
-    if variant.external or (variant.command and "{seed}" not in variant.command):
+    if variant.external or (variant.command and "{seed}" not in variant.command + variant.prepare):
         variant.seeds = [0]  # nothing depends on the seed
     return variant
 

@@ -9,7 +9,7 @@ from .files import cannot_write, write_whole
 NAMES = ("dataset", "sequence", "variant", "seed", "status", "exit")
 # Those after `key` differ from run to run.
 COLUMNS = (*NAMES, *FIGURES, "key", *MEASURED)
-TEXTS = {"dataset", "sequence", "variant", "status", "exit", "verdict", "sensor", "key"}
+TEXTS = {"dataset", "sequence", "variant", "status", "exit", "verdict", "sensor", "key", "memory_limit"}
 MISSING = {"status": "not run", "exit": ""}
 
 

@@ -14,8 +14,8 @@ import threading
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import BatchError, Interrupted, UsageError
-from .execute import execute
+from .errors import BatchError, Interrupted, Unfinished, UsageError
+from .execute import KILLED, execute
 from .store import Heartbeat
 
 PACKAGE = str(Path(__file__).resolve().parent)
@@ -48,8 +48,15 @@ def without_repetition(jobs):
 
 
 def unfinished(jobs, store):
-    done = store.finished()
-    return [job for job in without_repetition(jobs) if job.key not in done]
+    """The jobs without a result. One that was killed from outside tells nothing of the run: it is removed."""
+    done, left = store.finished(), []
+    for job in without_repetition(jobs):
+        if job.key in done and (store.result(job.key) or {}).get("status") == KILLED:
+            store.discard(job.key)
+            left.append(job)
+        elif job.key not in done:
+            left.append(job)
+    return left
 
 
 def run_locally(jobs, store, workers, progress):
@@ -120,7 +127,7 @@ def _wait_for_tasks(distributed, tasks, store, progress, stop):
         finished = {key for key in left if by_key[key].status != "pending"}
         for key in finished:
             if not store.has(key):
-                raise BatchError(f"run {key}: no result from Dask (task {by_key[key].status}); see the log of its worker, and run "
+                raise Unfinished(f"run {key}: no result from Dask (task {by_key[key].status}); see the log of its worker, and run "
                                  "the same command again")  # fmt: skip
             progress.finish_one()
         left -= finished

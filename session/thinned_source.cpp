@@ -1,0 +1,26 @@
+#include "session/thinned_source.hpp"
+
+#include <utility>
+
+#include "kinloop/core/errors.hpp"
+
+namespace kinloop {
+
+ThinnedSource::ThinnedSource(std::unique_ptr<FrameSource> source, int step)
+    : source_(std::move(source)), step_(step), camera_(source_->camera()), info_(source_->info()) {
+  require(step >= 1 && step <= kMaxStep, "ThinnedSource: the step is out of range");
+  camera_.fps /= step;
+  const auto n = static_cast<size_t>(step);
+  info_.frames = (info_.frames + n - 1) / n;
+}
+
+std::optional<Frame> ThinnedSource::next() {
+  for (int passed_over = next_id_ == 0 ? 0 : step_ - 1; passed_over > 0; --passed_over) {
+    if (!source_->next()) return std::nullopt;
+  }
+  auto frame = source_->next();
+  if (frame) frame->id = FrameId{next_id_++};
+  return frame;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,32 @@
+#pragma once
+// In: a source, and how many of its frames to use. Out: every n-th frame, as from a slower camera.
+
+#include <memory>
+
+#include "kinloop/sensor/frame_source.hpp"
+
+namespace kinloop {
+
+/// Delivers the first frame of a source and each n-th after it, with consecutive ids and 1/n of the rate.
+/// Damaged frames do not count.
+class ThinnedSource : public FrameSource {
+ public:
+  static constexpr int kMaxStep = 100'000;
+
+  /// Throws std::logic_error for a step below 1 or above the limit.
+  ThinnedSource(std::unique_ptr<FrameSource> source, int step);
+
+  std::optional<Frame> next() override;
+  [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] SkippedFrames skipped() const override { return source_->skipped(); }
+
+ private:
+  std::unique_ptr<FrameSource> source_;
+  int step_;
+  RgbdCamera camera_;
+  SourceInfo info_;
+  uint32_t next_id_ = 0;
+};
+
+}  // namespace kinloop
