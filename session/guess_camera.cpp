@@ -50,10 +50,11 @@ double angle_deg(int side_px, double focal_px) {
 
 }  // namespace
 
-GuessedCamera guess_camera(const std::string& folder, std::optional<double> depth_scale) {
+GuessedCamera guess_camera(const std::string& given_folder, std::optional<double> depth_scale) {
   constexpr int kMostRounds = 6;
   constexpr double kConverged = 0.01, kMaxSigma = 0.02, kLargestStep = 0.25;
   constexpr double kShortest = 0.4, kLongest = 2.5;  // as a share of the width
+  const std::string folder = sequence_folder(given_folder).string();
   const SequenceLayout* layout = recognise_layout(folder);
   if (layout == nullptr) reject_sequence(folder, true);
   GuessedCamera guess;

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <span>
 #include <vector>
 
@@ -55,6 +56,27 @@ GivenCamera given_by(const CameraArgument& argument) {
       fmt::format("--camera {}: neither a file nor a preset ({})", preset_or_file, kPresetNames));
 }
 
+/// The lists of the benchmark name their recording in a comment, "# file: 'rgbd_dataset_freiburg1_rpy.bag'",
+/// also in a folder of another name.
+std::optional<RgbdCamera> preset_of_lists(const std::filesystem::path& folder) {
+  constexpr int kMostLines = 3;
+  constexpr std::string_view kBenchmark = "rgbd_dataset_";
+  for (const char* list : {"rgb.txt", "depth.txt", "groundtruth.txt"}) {
+    std::ifstream file(folder / list);
+    std::string line;
+    for (int i = 0; i < kMostLines && std::getline(file, line) && line.starts_with('#'); ++i) {
+      const size_t begin = line.find(kBenchmark);
+      if (begin == std::string::npos) continue;
+      const std::string name = line.substr(begin, line.find_first_of("'\" \r", begin) - begin);
+      const auto preset = preset_in_name(name);
+      if (!preset) continue;
+      log::info("camera of {}, the recording that {} names", name, (folder / list).string());
+      return preset;
+    }
+  }
+  return std::nullopt;
+}
+
 /// The camera of a sequence that the user says nothing of.
 GivenCamera camera_found(const std::filesystem::path& path, const RecordedSequence& sequence) {
   std::error_code absent;
@@ -63,6 +85,7 @@ GivenCamera camera_found(const std::filesystem::path& path, const RecordedSequen
   if (sequence.camera) return *sequence.camera;
   const auto folder = std::filesystem::is_directory(path, absent) ? path : path.parent_path();
   if (const auto description = find_camera(folder)) return described_camera(*description);
+  if (const auto preset = preset_of_lists(folder)) return *preset;
   reject_without_camera(path, sequence);
 }
 

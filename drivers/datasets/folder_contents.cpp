@@ -89,7 +89,8 @@ std::string first_folder(const FolderContents& contents, std::initializer_list<c
 }  // namespace
 
 std::string color_folder(const FolderContents& contents) {
-  return first_folder(contents, {"rgb", "color", "colour", "image", "images", "colors", "imgs", "rgbs"});
+  return first_folder(contents, {"rgb", "color", "colour", "image", "images", "colors", "imgs", "rgbs",
+                                 "mono", "gray", "grey"});
 }
 
 std::string depth_folder(const FolderContents& contents) {

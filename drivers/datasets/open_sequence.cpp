@@ -8,9 +8,10 @@
 #include "kinloop/sensor/camera/possible_camera.hpp"
 
 namespace kinloop {
-OpenedSequence read_sequence(const std::filesystem::path& path,
+OpenedSequence read_sequence(const std::filesystem::path& given_path,
                              const std::optional<CameraArgument>& camera_argument,
                              std::optional<double> depth_scale) {
+  const std::filesystem::path path = sequence_folder(given_path);
   const SequenceLayout* layout = recognise_layout(path);
   if (layout == nullptr) reject_sequence(path, camera_argument.has_value());
   OpenedSequence opened{layout->read(path), {}};

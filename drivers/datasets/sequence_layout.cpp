@@ -11,6 +11,7 @@
 #include "drivers/datasets/folder_contents.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/core/text/did_you_mean.hpp"
 
 namespace kinloop {
@@ -125,6 +126,14 @@ std::vector<std::string> sequences_below(const fs::path& folder) {
   return found;
 }
 
+bool is_incomplete_tum(const FolderContents& contents) {
+  return contents.has_file("rgb.txt") || contents.has_file("depth.txt");
+}
+
+bool is_run_folder(const FolderContents& contents) {
+  return contents.has_file("run.json") && contents.has_file("trajectory.txt");
+}
+
 /// The layout of another dataset, in the folder or one level below; empty if none is recognised.
 std::string foreign_layout_around(const fs::path& folder) {
   if (std::string layout = detect_dataset_layout(folder); !layout.empty()) return layout;
@@ -158,6 +167,17 @@ bool has_tum_lists(const fs::path& folder) {
          (fs::exists(folder / "rgb.txt", absent) && fs::exists(folder / "depth.txt", absent));
 }
 
+fs::path sequence_folder(const fs::path& path) {
+  std::error_code absent;
+  if (!fs::is_directory(path, absent) || recognise_layout(path) != nullptr) return path;
+  const FolderContents contents(path);
+  if (is_incomplete_tum(contents) || is_run_folder(contents)) return path;
+  const auto below = sequences_below(path);
+  if (below.size() != 1) return path;
+  log::info("{}: contains one sequence, {}, which is taken", path.string(), below.front());
+  return below.front();
+}
+
 void reject_sequence(const fs::path& path, bool camera_known) {
   std::error_code absent;
   const std::string name = path.string();
@@ -167,11 +187,11 @@ void reject_sequence(const fs::path& path, bool camera_known) {
   if (has_tum_lists(path)) reject_without_camera(path, RecordedSequence{});
   const std::string hint = hint_for(missing, camera_known);
   const FolderContents contents(path);
-  if (contents.has_file("rgb.txt") || contents.has_file("depth.txt")) {
+  if (is_incomplete_tum(contents)) {
     throw InputErrorWithHint(
         fmt::format("{}: not a complete sequence in TUM layout: no {}", name, names_of(missing)), hint);
   }
-  if (contents.has_file("run.json") && contents.has_file("trajectory.txt")) {
+  if (is_run_folder(contents)) {
     throw InputError(
         fmt::format("{}: the results of a run, not a sequence; open them with kinloop view {}", name, name));
   }

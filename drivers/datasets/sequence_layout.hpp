@@ -12,6 +12,10 @@ namespace kinloop {
 /// Returns whether the list of frames exists: associations.txt, or rgb.txt and depth.txt.
 bool has_tum_lists(const std::filesystem::path& folder);
 
+/// Returns the path, or the only sequence up to four folders below a folder that is none itself, which is
+/// said.
+std::filesystem::path sequence_folder(const std::filesystem::path& path);
+
 /// Throws InputError for a path in no known layout. The message says what it looks like (the layout
 /// of another dataset, a video, the results of a run, the parent folder of a sequence); the hint lists the
 /// files by which layouts are recognised and, with a camera.yaml template unless `camera_known`, those of TUM

@@ -107,7 +107,8 @@ void make_mistake_folder(const TempFolder& folder) {
     if (run.exit_code != kDone) throw std::runtime_error(run.err);
   }
   fs::create_directories(folder.path() / "parent");
-  fs::create_directory_symlink(folder.path() / "seq", folder.path() / "parent/inner");
+  for (const char* inner : {"parent/first", "parent/second"})
+    fs::create_directory_symlink(folder.path() / "seq", folder.path() / inner);
   make_broken_sequences(folder);
   make_foreign_folders(folder);
   make_files(folder);

@@ -63,7 +63,7 @@ std::vector<MisuseCase> sequence_mistakes() {
        kBadInput,
        {"empty: not a sequence", "an empty folder", "Looked for:", "7-Scenes", "rgb.txt", "camera.yaml",
         "fx: 525"}},
-      {"run parent", kBadInput, {"parent: not a sequence", "it contains: parent/inner"}},
+      {"run parent", kBadInput, {"parent: not a sequence", "it contains: parent/first, parent/second"}},
       {"run out", kBadInput, {"the results of a run", "kinloop view out"}},
       {"run images", kBadInput, {"a folder of images (0.png", "needs a depth image"}},
       {"run 7scenes", kBadInput, {"7scenes/frame-000000.color.png: neither a PNG nor a JPEG"}},

@@ -5,7 +5,9 @@
 
 #include "drivers/datasets/camera_files/find_camera.hpp"
 #include "drivers/datasets/open_sequence.hpp"
+#include "kinloop/sensor/camera/camera_presets.hpp"
 #include "tests/drivers/camera_file_samples.hpp"
+#include "tests/drivers/depth_file_samples.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -139,6 +141,35 @@ TEST_F(FoundCamera, OfAnotherSizeIsScaledIfTheAspectIsTheSame) {
               AllOf(HasSubstr("wide.json: a camera of 1280 x 720"), HasSubstr("640 x 480")));
 }
 
+TEST_F(FoundCamera, SizeInTheOrderOfNumPyIsThatOfTheImages) {
+  folder_.write("scene/camera_intrinsic.json",
+                R"({"K": [[525.5, 0, 318.25], [0, 526.5, 240.75], [0, 0, 1]], "resolution": [480, 640]})");
+  EXPECT_EQ(camera().color.width, 640);
+  EXPECT_EQ(camera().color.cx, 318.25);
+  folder_.write("scene/camera_intrinsic.json",  // of a camera held upright
+                R"({"K": [[525.5, 0, 240.75], [0, 526.5, 318.25], [0, 0, 1]], "resolution": [480, 640]})");
+  EXPECT_THAT(error(), HasSubstr("a camera of 480 x 640, but the images have 640 x 480"));
+}
+
+TEST_F(FoundCamera, MayBeAnArrayOfNumPy) {
+  const cv::Mat matrix = (cv::Mat_<double>(3, 3) << 525.5, 0, 318.25, 0, 526.5, 240.75, 0, 0, 1);
+  folder_.write("scene/camera-intrinsics.npy", test::numpy(matrix));
+  EXPECT_EQ(camera().color.fx, 525.5);
+  EXPECT_EQ(camera().color.cy, 240.75);
+  folder_.write("scene/camera-intrinsics.npy", test::numpy(matrix).substr(0, 150));
+  EXPECT_THAT(error(), HasSubstr("no camera: "));
+  EXPECT_THAT(error((scene() / "camera-intrinsics.npy").string()),
+              AllOf(HasSubstr("camera-intrinsics.npy: "), HasSubstr("truncated")));
+  folder_.write("scene/large.npy", test::numpy(cv::Mat::zeros(100, 9, CV_64FC1)));
+  EXPECT_THAT(error((scene() / "large.npy").string()), HasSubstr("an array of 100 x 9"));
+}
+
+TEST_F(FoundCamera, PicturesOfDepthAreNamedBeforeTheirUnitIsGuessed) {
+  write_images(cv::Mat(kVga, CV_8UC3, cv::Scalar(90, 80, 70)));
+  folder_.write("scene/K.txt", kMatrix);
+  EXPECT_THAT(error(), HasSubstr("0.png: not a 16-bit grey PNG"));
+}
+
 TEST_F(FoundCamera, WithoutASizeMustBePlausibleForTheImages) {
   for (const char* text : {"1051 1053 637 482", "52 52 320 240", "525 525 20 240", "99000 99000 320 240"}) {
     SCOPED_TRACE(text);
@@ -201,6 +232,28 @@ TEST_F(FoundCamera, WithoutOneTheErrorHasATemplateThatFitsTheImages) {
   folder_.write("scene/camera.yaml", template_of());
   EXPECT_EQ(camera().color.width, 1280);
   EXPECT_EQ(camera().depth_scale, 5000);
+}
+
+/// Frame i of scene/, as a line of a list.
+std::string list_of(const char* folder, const char* comment) {
+  std::string list = fmt::format("# colour\n# file: '{}'\n# timestamp filename\n", comment);
+  for (int i = 0; i < 3; ++i) list += fmt::format("{}.5 {}/{}.png\n", i, folder, i);
+  return list;
+}
+
+TEST_F(FoundCamera, IsThatOfTheRecordingThatTheListsOfTheBenchmarkName) {
+  folder_.write("scene/rgb.txt", list_of("rgb", "rgbd_dataset_freiburg2_desk.bag"));
+  folder_.write("scene/depth.txt", list_of("depth", "rgbd_dataset_freiburg2_desk.bag"));
+  EXPECT_EQ(camera().color, camera_preset("freiburg2")->color);
+  EXPECT_EQ(camera().depth_scale, camera_preset("freiburg2")->depth_scale);
+  folder_.write("scene/K.txt", kMatrix);  // beside the images: it wins
+  EXPECT_EQ(camera().color.fx, 525.5);
+}
+
+TEST_F(FoundCamera, IsUnknownIfTheListsNameNoRecordingOfTheBenchmark) {
+  folder_.write("scene/rgb.txt", list_of("rgb", "my desk in freiburg2"));
+  folder_.write("scene/depth.txt", list_of("depth", "my desk"));
+  EXPECT_THAT(error(), HasSubstr("no camera: "));
 }
 
 TEST_F(FoundCamera, InATumFolderToo) {

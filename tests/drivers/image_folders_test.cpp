@@ -6,6 +6,7 @@
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/open_sequence.hpp"
 #include "tests/drivers/sequence_folder.hpp"
+#include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace kinloop {
@@ -28,12 +29,36 @@ std::string pairs_of(const std::vector<std::string>& files, size_t* skipped = nu
 }
 
 TEST(FolderNames, OfColourAndDepthMayBeAnyOfTheUsualOnes) {
-  for (const char* color : {"rgb", "color", "colors", "image", "images", "imgs"}) {
+  for (const char* color : {"rgb", "color", "colors", "image", "images", "imgs", "mono", "gray"}) {
     for (const char* depth : {"depth", "depths", "depth_png"}) {
       EXPECT_EQ(pairs_of({fmt::format("{}/1.png", color), fmt::format("{}/1.png", depth)}),
                 fmt::format("{}/1.png {}/1.png, ", color, depth));
     }
   }
+}
+
+TEST(FolderNames, ArraysOfDepthCountNotThePicturesBesideThem) {
+  EXPECT_EQ(
+      pairs_of({"images/0.png", "images/1.png", "depth/0.png", "depth/0.npy", "depth/1.png", "depth/1.npy"}),
+      "images/0.png depth/0.npy, images/1.png depth/1.npy, ");
+}
+
+TEST(FolderWithoutImages, IsThatOfTheOnlySequenceBelow) {
+  EXPECT_EQ(pairs_of({"scan/rgb/1.png", "scan/depth/1.png", "docs/figure.png"}),
+            "scan/rgb/1.png scan/depth/1.png, ");
+}
+
+TEST(SevenScenes, NamesOfItsFilesWithImagesOfAnotherSizeAreThoseOfAnotherCamera) {
+  const TempFolder folder;
+  for (int i = 0; i < 2; ++i) {
+    folder.write(fmt::format("frame-00000{}.color.png", i), test::encoded(test::make_color(i), ".png"));
+    folder.write(fmt::format("frame-00000{}.depth.png", i), test::encoded(test::make_depth(1500), ".png"));
+  }
+  EXPECT_THAT(test::input_error([&] { read_sequence(folder.path()); }), testing::HasSubstr("no camera: "));
+  folder.write("K.txt", "25 0 15.5\n0 25 11.5\n0 0 1\n");
+  const OpenedSequence opened = read_sequence(folder.path(), {}, 1000);
+  EXPECT_EQ(opened.camera.color.width, test::kWidth);
+  EXPECT_FALSE(opened.camera.depth);
 }
 
 TEST(FlatFolder, IsPairedByTheNamesOfItsImages) {

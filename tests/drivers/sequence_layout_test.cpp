@@ -61,6 +61,20 @@ TEST(RejectSequence, FindsASequenceFourFoldersDownInOneLine) {
   EXPECT_THAT(hint_of(folder.path(), false), IsEmpty());
 }
 
+TEST(SequenceFolder, IsTheOnlyOneBelowUnlessThereIsAnother) {
+  const TempFolder folder;
+  folder.write("a/b/seq-01/frame-000000.color.png", "");
+  EXPECT_EQ(sequence_folder(folder.path()), folder.path() / "a/b/seq-01");
+  EXPECT_EQ(sequence_folder(folder.path() / "a/b/seq-01"), folder.path() / "a/b/seq-01");
+  folder.write("a/b/seq-02/frame-000000.color.png", "");
+  EXPECT_EQ(sequence_folder(folder.path()), folder.path());
+  EXPECT_EQ(sequence_folder(folder.path() / "absent"), folder.path() / "absent");
+  folder.write("run/run.json", "{}");
+  folder.write("run/trajectory.txt", "");
+  folder.write("run/images/seq/frame-000000.color.png", "");
+  EXPECT_EQ(sequence_folder(folder.path() / "run"), folder.path() / "run");
+}
+
 TEST(RejectSequence, AllThatIsMissingIsInOneAnswer) {
   const TempFolder folder;
   folder.write("rgb.txt", "1 a.png\n");

@@ -5,9 +5,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
 #include "drivers/datasets/reading/json_file.hpp"
+#include "drivers/images/depth_files/numpy.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/core/files/text_file.hpp"
@@ -62,6 +64,25 @@ json parse_camera_yaml(std::string text, const std::filesystem::path& file) {
   }
 }
 
+/// The matrix of a .npy file as lines of numbers.
+std::string text_of_array(std::string_view bytes, const std::filesystem::path& file) {
+  constexpr int kLargest = 4;
+  try {
+    const cv::Size size = numpy_size(bytes);
+    if (size.width > kLargest || size.height > kLargest)
+      throw InputError(fmt::format("an array of {} x {}, not a matrix of intrinsics; give a camera file",
+                                   size.height, size.width));
+    cv::Mat matrix;
+    decode_numpy(bytes).convertTo(matrix, CV_64F);
+    std::string text;
+    for (int y = 0; y < matrix.rows; ++y)
+      text += fmt::format("{}\n", fmt::join(matrix.ptr<double>(y), matrix.ptr<double>(y) + matrix.cols, " "));
+    return text;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", file.string(), error.what()));
+  }
+}
+
 std::string camera_text(const std::filesystem::path& file) {
   constexpr uintmax_t kMaxBytes = 16 << 20;  // transforms.json lists all frames
   std::error_code absent;
@@ -69,6 +90,7 @@ std::string camera_text(const std::filesystem::path& file) {
   if (!absent && bytes > kMaxBytes)
     throw InputError(
         fmt::format("{}: {} bytes are too many for a camera; give its camera file", file.string(), bytes));
+  if (lower_case(file.extension().string()) == ".npy") return text_of_array(read_file(file), file);
   std::string text = read_text(file);
   if (text.find('\0') != std::string::npos)
     throw InputError(fmt::format("{}: not a text file; give a camera file", file.string()));

@@ -9,6 +9,7 @@
 #include "drivers/datasets/reading/image_bytes.hpp"
 #include "drivers/probe/sequence_statistics.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -31,6 +32,8 @@ std::vector<double> sampled_depth_units(const RecordedSequence& sequence) {
           if (const float value = depth.at<float>(y, x); value > 0) units.push_back(value);
         }
       }
+    } catch (const ImageFormatError&) {
+      throw;  // of a kind that no image of the sequence may have
     } catch (const InputError&) {
       continue;  // damaged; the run counts it
     }

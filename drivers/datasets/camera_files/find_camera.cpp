@@ -33,11 +33,13 @@ bool contains_one_of(const std::string& text, std::initializer_list<const char*>
 CameraName judge_name(const fs::path& name, bool is_above) {
   const std::string stem = lower_case(name.stem().string()), ending = lower_case(name.extension().string());
   const bool values = ending == ".json" || ending == ".yaml" || ending == ".yml";
-  if (stem.starts_with('.') || (!values && ending != ".txt")) return CameraName::kNone;
+  const bool array = ending == ".npy";  // often of something else, such as intrinsics of each frame
+  if (stem.starts_with('.') || (!values && !array && ending != ".txt")) return CameraName::kNone;
   if (contains_one_of(stem, {"extrinsic", "pose", "traj", "time", "associat", "groundtruth"}))
     return CameraName::kNone;
   const bool certain = stem == "k" || stem == "cam_k" || stem == "camera_info" || stem == "transforms" ||
                        stem.find("intrinsic") != std::string::npos || (values && stem == "camera");
+  if (array) return certain ? CameraName::kPossible : CameraName::kNone;
   if (certain) return CameraName::kCertain;
   const bool possible =
       contains_one_of(stem, {"cam", "calib"}) || stem.ends_with("_k") || (values && !is_above);

@@ -44,6 +44,15 @@ void require_central(const CameraDescription& description, cv::Size size) {
       description.source, lens.fx, lens.fy, lens.cx, lens.cy, size.width, size.height));
 }
 
+/// Height and width in the order of NumPy's shapes. The principal point tells it from a camera of upright
+/// images.
+bool is_size_transposed(const PinholeCamera& lens, cv::Size stated, cv::Size size) {
+  constexpr double kFarthest = 0.1;
+  const auto is_central = [](double centre, int side) { return std::abs(centre / side - 0.5) <= kFarthest; };
+  return stated.width == size.height && stated.height == size.width && is_central(lens.cx, size.width) &&
+         is_central(lens.cy, size.height);
+}
+
 /// Sets the size of the images, and scales the lens to it; returns what is to be said about that.
 std::string fit_size(const CameraDescription& description, cv::Size size, PinholeCamera& lens) {
   if (!description.has_size()) {
@@ -53,6 +62,10 @@ std::string fit_size(const CameraDescription& description, cv::Size size, Pinhol
   }
   const cv::Size stated(lens.width, lens.height);
   if (stated == size) return "";
+  if (is_size_transposed(lens, stated, size)) {
+    lens.width = size.width, lens.height = size.height;
+    return fmt::format(", stated as {} x {}", stated.width, stated.height);
+  }
   if (!have_same_aspect(stated, size)) {
     throw InputError(
         fmt::format("{}: a camera of {} x {}, but the images have {} x {}; give the camera of these "

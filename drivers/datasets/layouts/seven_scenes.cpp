@@ -13,6 +13,7 @@ namespace kinloop {
 namespace {
 
 constexpr const char* kIntrinsicsName = "camera-intrinsics.txt";
+const cv::Size kImageSize(640, 480);
 
 std::string seven_scenes_evidence(const std::filesystem::path&, const FolderContents& contents) {
   return frame_files_evidence(contents);
@@ -22,8 +23,8 @@ std::string seven_scenes_evidence(const std::filesystem::path&, const FolderCont
 RgbdCamera seven_scenes_camera() {
   RgbdCamera camera;
   camera.depth_scale = 1000;
-  camera.color = make_lens({640, 480}, 522.07, 522.07, 319.07, 237.69);
-  camera.depth = make_lens({640, 480}, 585, 585, 320, 240);
+  camera.color = make_lens(kImageSize, 522.07, 522.07, 319.07, 237.69);
+  camera.depth = make_lens(kImageSize, 585, 585, 320, 240);
   camera.T_color_depth = {exp_so3({-0.0007, 0.0002, 0.0012}), {-0.0239, 0.0027, -0.0049}};
   return camera;
 }
@@ -46,12 +47,18 @@ std::optional<RgbdCamera> registered_camera(const std::filesystem::path& folder,
 RecordedSequence read_seven_scenes(const std::filesystem::path& folder) {
   RecordedSequence sequence = read_frame_files(folder);
   sequence.layout = "7-Scenes folder";
-  sequence.camera = seven_scenes_camera();
-  sequence.sensor = DepthSensorModel::kKinect1;
-  if (const auto camera = registered_camera(folder, image_size(sequence.frames, &RecordedFrame::color))) {
+  const cv::Size size = image_size(sequence.frames, &RecordedFrame::color);
+  if (const auto camera = registered_camera(folder, size)) {
     sequence.camera = camera;
     sequence.layout = "3DMatch folder";
+  } else if (size != kImageSize) {
+    sequence.layout =
+        "folder of frame-000000.color images";  // of another camera, whose file may lie beside them
+    return sequence;
+  } else {
+    sequence.camera = seven_scenes_camera();
   }
+  sequence.sensor = DepthSensorModel::kKinect1;
   if (!sequence.camera->depth) return sequence;
   const SE3 T_depth_color = sequence.camera->T_color_depth.inverse();
   for (StampedPose& pose : sequence.ground_truth) pose.T_world_camera = pose.T_world_camera * T_depth_color;

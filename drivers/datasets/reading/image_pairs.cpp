@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -106,6 +107,18 @@ void pair_by_name(const std::vector<fs::path>& color, const std::vector<fs::path
   }
 }
 
+/// Some folders have a picture of depth beside each array: "0.png" and "0.npy". The arrays are kept.
+std::vector<fs::path> without_pictures_of_arrays(std::vector<fs::path> depth) {
+  std::set<fs::path> arrays;
+  for (const fs::path& file : depth) {
+    if (file.extension() == ".npy" || file.extension() == ".npz") arrays.insert(file.stem());
+  }
+  std::erase_if(depth, [&](const fs::path& file) {
+    return file.extension() == ".png" && arrays.contains(file.stem());
+  });
+  return depth;
+}
+
 }  // namespace
 
 bool natural_less(std::string_view a, std::string_view b) {
@@ -198,7 +211,8 @@ std::vector<RecordedFrame> pair_by_time(const std::vector<int64_t>& color_ns,
 
 void pair_folders(const fs::path& color_folder, const fs::path& depth_folder, double fps,
                   RecordedSequence& sequence) {
-  pair_images(images_in(color_folder, is_color_name), images_in(depth_folder, is_depth_name), fps, sequence);
+  const auto depth = without_pictures_of_arrays(images_in(depth_folder, is_depth_name));
+  pair_images(images_in(color_folder, is_color_name), depth, fps, sequence);
 }
 
 void pair_images(const std::vector<fs::path>& color, const std::vector<fs::path>& depth, double fps,

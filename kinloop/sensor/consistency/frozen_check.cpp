@@ -11,14 +11,15 @@
 namespace kinloop {
 namespace {
 
-/// The pixels of a grid.
+/// The pixels of a grid. In two images of different moments noise alone makes some of a few hundred differ.
 template <class Pixel>
 std::vector<Pixel> grid_of(const cv::Mat& image) {
-  constexpr int kStep_px = 16;
+  constexpr int kColumns = 20;
+  const int step = std::max(1, image.cols / kColumns);
   std::vector<Pixel> pixels;
-  for (int y = kStep_px / 2; y < image.rows; y += kStep_px) {
+  for (int y = step / 2; y < image.rows; y += step) {
     const auto* row = image.ptr<Pixel>(y);
-    for (int x = kStep_px / 2; x < image.cols; x += kStep_px) pixels.push_back(row[x]);
+    for (int x = step / 2; x < image.cols; x += step) pixels.push_back(row[x]);
   }
   return pixels;
 }
