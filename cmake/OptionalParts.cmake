@@ -157,6 +157,12 @@ if(OPENVDB_INCLUDE_DIR AND OPENVDB_LIBRARY AND TBB_LIBRARY)
 endif()
 find_package(octomap QUIET)
 
+# Simplified meshes: CGAL's templates, without the exact numbers for which its own file requires GMP.
+kinloop_optional(cgal CGAL/Polygon_mesh_processing/repair_polygon_soup.h)
+if(cgal_FOUND)
+  target_compile_definitions(kinloop_cgal INTERFACE CGAL_DISABLE_GMP)
+endif()
+
 # The Python package. The distribution's packages belong to its own Python, which need not be the first in PATH.
 set(python_FOUND 0)
 if(KINLOOP_PYTHON)
