@@ -19,7 +19,8 @@ namespace {
 struct MeshArguments {
   std::filesystem::path map, poses;
   std::filesystem::path output = "mesh.ply";
-  std::string voxel_m;
+  std::string voxel_m, triangles;
+  bool manifold = false;
   std::string frame = "z-up";
   std::vector<std::string> assignments;
   int threads = hardware_threads();
@@ -29,9 +30,11 @@ struct MeshArguments {
 void make_mesh(MeshArguments arguments) {
   if (!is_mesh_file(arguments.output)) {
     throw UsageError(
-        fmt::format("-o {}: the name must end in .ply, .obj or .glb", arguments.output.string()));
+        fmt::format("-o {}: the name must end in .ply, .obj, .glb or .stl", arguments.output.string()));
   }
   if (!arguments.voxel_m.empty()) arguments.assignments.push_back("mesh.voxel_m=" + arguments.voxel_m);
+  if (!arguments.triangles.empty()) arguments.assignments.push_back("mesh.triangles=" + arguments.triangles);
+  if (arguments.manifold) arguments.assignments.emplace_back("mesh.manifold=true");
   require_writable_file(arguments.output);
   const Stopwatch watch;
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
@@ -53,10 +56,13 @@ void add_mesh_command(CLI::App& app) {
   auto arguments = std::make_shared<MeshArguments>();
   CLI::App* command = app.add_subcommand("mesh", "Create a coloured mesh of a map");
   add_map_argument(*command, arguments->map);
-  command->add_option("-o,--output", arguments->output, "FILE.ply, FILE.obj or FILE.glb (glTF)")
+  command->add_option("-o,--output", arguments->output, "FILE.ply, FILE.obj, FILE.glb (glTF) or FILE.stl")
       ->capture_default_str();
   add_poses_option(*command, arguments->poses);
   command->add_option("--voxel", arguments->voxel_m, "edge of a voxel, metres (mesh.voxel_m)");
+  command->add_option("--triangles", arguments->triangles,
+                      "simplify to at most so many triangles (mesh.triangles)");
+  command->add_flag("--manifold", arguments->manifold, "separate surfaces that touch (mesh.manifold)");
   add_frame_option(*command, arguments->frame);
   add_up_option(*command, arguments->assignments);
   add_set_option(*command, arguments->assignments);

@@ -146,12 +146,22 @@ if(OPENVDB_INCLUDE_DIR AND OPENVDB_LIBRARY AND TBB_LIBRARY)
   set(openvdb_FOUND 1)
   add_library(kinloop_openvdb INTERFACE)
   target_include_directories(kinloop_openvdb SYSTEM INTERFACE $<BUILD_INTERFACE:${OPENVDB_INCLUDE_DIR}>)
-  target_link_libraries(kinloop_openvdb INTERFACE ${OPENVDB_LIBRARY} ${TBB_LIBRARY})
+  # kinloop uses templates alone; only those of old versions need the library. Loading it costs 28 MiB and starts the
+  # threads of a log library.
+  set(libraries ${OPENVDB_LIBRARY} ${TBB_LIBRARY})
   if(HALF_LIBRARY)
-    target_link_libraries(kinloop_openvdb INTERFACE ${HALF_LIBRARY})
+    list(APPEND libraries ${HALF_LIBRARY})
   endif()
+  list(JOIN libraries "," libraries)
+  target_link_libraries(kinloop_openvdb INTERFACE "-Wl,--push-state,--as-needed,${libraries},--pop-state")
 endif()
 find_package(octomap QUIET)
+
+# Simplified meshes: CGAL's templates, without the exact numbers for which its own file requires GMP.
+kinloop_optional(cgal CGAL/Polygon_mesh_processing/repair_polygon_soup.h)
+if(cgal_FOUND)
+  target_compile_definitions(kinloop_cgal INTERFACE CGAL_DISABLE_GMP)
+endif()
 
 # The Python package. The distribution's packages belong to its own Python, which need not be the first in PATH.
 set(python_FOUND 0)

@@ -20,18 +20,8 @@ mv "$root/share/zsh/vendor-completions" "$root/share/zsh/site-functions"
 cp LICENSE "$root"
 
 # Everything but the C library and the loader, which must be those of the machine.
-mkdir -p "$root/lib" "$root/share/doc/libraries"
-if [[ -f build/g2o/LICENSE ]]; then cp build/g2o/LICENSE "$root/share/doc/libraries/g2o.copyright"; fi
-of_the_machine='^(ld-linux.*|lib(c|m|dl|rt|pthread|resolv|util|nsl|anl|BrokenLocale))\.so'
-ldd "build/portable/apps/kinloop" | sed -n 's/.* => \(\/[^ ]*\) .*/\1/p' | sort -u | while read -r library; do
-  if [[ "$(basename "$library")" =~ $of_the_machine ]]; then continue; fi
-  cp -L "$library" "$root/lib/"
-  # The licence of each library, from its package.
-  package="$(dpkg-query -S "$(realpath "$library")" "$library" 2>/dev/null | head -n 1 | cut -d : -f 1)" || true
-  if [[ -f "/usr/share/doc/$package/copyright" ]]; then
-    cp -L "/usr/share/doc/$package/copyright" "$root/share/doc/libraries/$package.copyright"
-  fi
-done
+mkdir -p "$root/lib"
+scripts/copy_licenses.sh build/portable/apps/kinloop "$root/share/doc/libraries" | xargs -d '\n' cp -L -t "$root/lib"
 strip --strip-unneeded "$root"/lib/*.so* 2>/dev/null || true
 
 needed="$(objdump -T "$root/bin/kinloop" "$root"/lib/* | grep -o 'GLIBC_[0-9.]*' | sort -uV | tail -n 1)"

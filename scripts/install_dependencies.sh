@@ -21,6 +21,7 @@ optional=(
   "SURF: libdlib-dev"
   "meshes: libopenvdb-dev"
   "occupancy maps: liboctomap-dev"
+  "simplified meshes: libcgal-dev"
   "ChArUco boards: libopencv-contrib-dev"
   "Kinect 1: libfreenect-dev"
   "OpenNI2: libopenni2-dev"

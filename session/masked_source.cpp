@@ -25,14 +25,14 @@ cv::Mat read_mask(const std::filesystem::path& path, const cv::Size& size) {
 }
 
 MaskedSource::MaskedSource(std::unique_ptr<FrameSource> source, cv::Mat mask)
-    : source_(std::move(source)), mask_(std::move(mask)) {
-  const PinholeCamera& color = source_->camera().color;
+    : ForwardingSource(std::move(source)), mask_(std::move(mask)) {
+  const PinholeCamera& color = this->source().camera().color;
   require(mask_.type() == CV_8UC1 && mask_.size() == cv::Size(color.width, color.height),
           "MaskedSource: the mask must be 8UC1, of the camera's size");
 }
 
 std::optional<Frame> MaskedSource::next() {
-  auto frame = source_->next();
+  auto frame = source().next();
   if (frame) frame->mask = intersection_of_masks(frame->mask, mask_);
   return frame;
 }

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/forwarding_source.hpp"
 
 namespace kinloop {
 
@@ -13,18 +13,14 @@ namespace kinloop {
 /// Throws InputError naming the file and the remedy.
 cv::Mat read_mask(const std::filesystem::path& path, const cv::Size& size);
 
-class MaskedSource : public FrameSource {
+class MaskedSource : public ForwardingSource {
  public:
   /// `mask` is 8UC1 of the size of the source's camera.
   MaskedSource(std::unique_ptr<FrameSource> source, cv::Mat mask);
 
   std::optional<Frame> next() override;
-  [[nodiscard]] const RgbdCamera& camera() const override { return source_->camera(); }
-  [[nodiscard]] const SourceInfo& info() const override { return source_->info(); }
-  [[nodiscard]] SkippedFrames skipped() const override { return source_->skipped(); }
 
  private:
-  std::unique_ptr<FrameSource> source_;
   cv::Mat mask_;
 };
 

@@ -22,10 +22,11 @@ bool suggests_another_scale(double median_m, double depth_scale) {
 
 }  // namespace
 
-PeekedSource::PeekedSource(std::unique_ptr<FrameSource> source, size_t frames) : source_(std::move(source)) {
+PeekedSource::PeekedSource(std::unique_ptr<FrameSource> source, size_t frames)
+    : ForwardingSource(std::move(source)) {
   try {
     while (frames_.size() < frames) {
-      auto frame = source_->next();
+      auto frame = this->source().next();
       if (!frame) break;
       frames_.push_back(*std::move(frame));
     }
@@ -41,7 +42,7 @@ std::optional<Frame> PeekedSource::next() {
     return frame;
   }
   if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
-  return source_->next();
+  return source().next();
 }
 
 std::optional<double> near_minimum_m(const std::deque<Frame>& frames, const DepthLimits& limits,

@@ -8,24 +8,20 @@
 #include <optional>
 
 #include "kinloop/dense/options.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/forwarding_source.hpp"
 
 namespace kinloop {
 
 /// Reads the first frames ahead, which stay the first ones of the source. An error is thrown in its turn.
-class PeekedSource : public FrameSource {
+class PeekedSource : public ForwardingSource {
  public:
   PeekedSource(std::unique_ptr<FrameSource> source, size_t frames);
 
   std::optional<Frame> next() override;
-  [[nodiscard]] const RgbdCamera& camera() const override { return source_->camera(); }
-  [[nodiscard]] const SourceInfo& info() const override { return source_->info(); }
-  [[nodiscard]] SkippedFrames skipped() const override { return source_->skipped(); }
 
   [[nodiscard]] const std::deque<Frame>& first_frames() const { return frames_; }
 
  private:
-  std::unique_ptr<FrameSource> source_;
   std::deque<Frame> frames_;
   std::exception_ptr error_;  ///< after `frames_`
 };

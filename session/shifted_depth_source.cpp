@@ -20,7 +20,7 @@ size_t waiting_images(double offset_s) {
 }  // namespace
 
 ShiftedDepthSource::ShiftedDepthSource(std::unique_ptr<FrameSource> source, double offset_s)
-    : source_(std::move(source)),
+    : ForwardingSource(std::move(source)),
       offset_ns_(to_ns(offset_s)),
       pairer_(kMaxAssociationNs, waiting_images(offset_s)) {
   require(std::abs(offset_s) <= kMaxOffset_s, "ShiftedDepthSource: the offset is beyond the limit");
@@ -30,7 +30,7 @@ std::optional<Frame> ShiftedDepthSource::next() {
   while (true) {
     if (auto frame = pairer_.next()) return frame;
     if (finished_) return std::nullopt;
-    if (auto frame = source_->next()) {
+    if (auto frame = source().next()) {
       add(*std::move(frame));
     } else {
       finished_ = true;
@@ -46,7 +46,7 @@ void ShiftedDepthSource::add(Frame frame) {
 }
 
 SkippedFrames ShiftedDepthSource::skipped() const {
-  auto all = source_->skipped();
+  auto all = ForwardingSource::skipped();
   all.add({"image", "no image of the other camera within 0.02 s after --depth-offset"}, pairer_.unpaired());
   all.add({"image", "its timestamp does not increase"}, pairer_.out_of_order());
   return all;

@@ -4,14 +4,14 @@
 #include <memory>
 
 #include "drivers/live/frame_pairer.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/forwarding_source.hpp"
 
 namespace kinloop {
 
 /// Adds `offset_s` to the stamps of depth and pairs each colour image with the depth image that is then
 /// nearest. As many images as come in that time wait in memory; those without a partner are skipped and
 /// counted.
-class ShiftedDepthSource : public FrameSource {
+class ShiftedDepthSource : public ForwardingSource {
  public:
   static constexpr double kMaxOffset_s = 5;  ///< of either sign
 
@@ -19,14 +19,11 @@ class ShiftedDepthSource : public FrameSource {
   ShiftedDepthSource(std::unique_ptr<FrameSource> source, double offset_s);
 
   std::optional<Frame> next() override;
-  [[nodiscard]] const RgbdCamera& camera() const override { return source_->camera(); }
-  [[nodiscard]] const SourceInfo& info() const override { return source_->info(); }
   [[nodiscard]] SkippedFrames skipped() const override;
 
  private:
   void add(Frame frame);
 
-  std::unique_ptr<FrameSource> source_;
   int64_t offset_ns_;
   FramePairer pairer_;
   bool finished_ = false;

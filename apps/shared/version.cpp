@@ -13,6 +13,7 @@
 #include "drivers/openni2/openni2_source.hpp"
 #include "drivers/orbbec/orbbec_source.hpp"
 #include "drivers/realsense/realsense_source.hpp"
+#include "kinloop/dense/mesh/simplify_mesh.hpp"
 #include "kinloop/dense/mesh/tsdf_volume.hpp"
 #include "kinloop/dense/occupancy.hpp"
 #include "kinloop/features/surf.hpp"
@@ -45,6 +46,7 @@ std::string version_text() {
       {"downloads", part(download_available(), "curl or libarchive")},
       {"distributed training", part(mpi_available(), "MPI")},
       {"meshes", part(tsdf_available(), "OpenVDB")},
+      {"simplified meshes", part(mesh_simplification_available(), "CGAL")},
       {"occupancy maps", part(occupancy_available(), "OctoMap")},
       {"viewer and report pages", part(KINLOOP_PAGES_FOUND, "npm or network access")}};
   std::string text = program_name();

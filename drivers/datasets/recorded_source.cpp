@@ -6,6 +6,7 @@
 #include "drivers/datasets/reading/depth_image.hpp"
 #include "drivers/datasets/reading/frame_masks.hpp"
 #include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/images/depth_files/numpy.hpp"
 #include "drivers/images/mask_image.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
@@ -125,7 +126,9 @@ Frame RecordedSource::read_images(const RecordedFrame& files) const {
   }
   const PinholeCamera& lens = camera_.depth ? *camera_.depth : camera_.color;
   const std::string bytes = read_bytes(files.depth);
-  if (has_header(sequence_.depth_encoding)) require_encoded_size(bytes, files.depth.file, lens, kDepthRemedy);
+  // The size in an archive is known when it is decompressed, which takes as long as decoding it.
+  if (has_header(sequence_.depth_encoding) && !is_numpy_archive(bytes))
+    require_encoded_size(bytes, files.depth.file, lens, kDepthRemedy);
   frame.depth_m = decode_depth(bytes, files.depth.file, sequence_.depth_encoding, {lens.width, lens.height},
                                camera_.depth_scale);
   require_size(frame.depth_m.size(), files.depth.file, lens, kDepthRemedy);

@@ -18,9 +18,9 @@ PaceClock PaceClock::steady() {
 }
 
 PacedSource::PacedSource(std::unique_ptr<FrameSource> source, double rate_hz, PaceClock clock)
-    : source_(std::move(source)), rate_hz_(rate_hz), clock_(std::move(clock)) {
-  require(source_ != nullptr && rate_hz > 0, "PacedSource: needs a source and a rate");
-  info_ = source_->info();
+    : ForwardingSource(std::move(source)), rate_hz_(rate_hz), clock_(std::move(clock)) {
+  require(rate_hz > 0, "PacedSource: needs a rate");
+  info_ = ForwardingSource::info();
   info_.live = true;
 }
 
@@ -29,11 +29,11 @@ std::optional<Frame> PacedSource::next() {
   if (!start_s_) start_s_ = now_s;
   const auto come = static_cast<size_t>((now_s - *start_s_) * rate_hz_) + 1;
   for (; next_index_ + kBuffered < come; ++next_index_, ++dropped_) {
-    if (!source_->next()) return std::nullopt;
+    if (!source().next()) return std::nullopt;
   }
   if (next_index_ >= come) clock_.sleep_until_s(*start_s_ + static_cast<double>(next_index_) / rate_hz_);
   ++next_index_;
-  return source_->next();
+  return source().next();
 }
 
 }  // namespace kinloop

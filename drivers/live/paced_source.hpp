@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/forwarding_source.hpp"
 
 namespace kinloop {
 
@@ -20,22 +20,19 @@ struct PaceClock {
 
 /// Frame n arrives n / rate_hz after the first request. Like a driver it buffers the latest kBuffered frames
 /// and drops older ones. (Dropped frames are decoded all the same, slightly more load than a real camera.)
-class PacedSource : public FrameSource {
+class PacedSource : public ForwardingSource {
  public:
   static constexpr size_t kBuffered = 4;
 
   PacedSource(std::unique_ptr<FrameSource> source, double rate_hz, PaceClock clock = PaceClock::steady());
 
   std::optional<Frame> next() override;
-  [[nodiscard]] const RgbdCamera& camera() const override { return source_->camera(); }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] SkippedFrames skipped() const override { return source_->skipped(); }
 
   /// Number of frames that arrived but were not taken.
   [[nodiscard]] size_t dropped() const { return dropped_; }
 
  private:
-  std::unique_ptr<FrameSource> source_;
   SourceInfo info_;
   double rate_hz_;
   PaceClock clock_;

@@ -89,6 +89,8 @@ struct MeshOptions {
   DepthLimits limits = {};  ///< not separate options: the program uses those of the dense map
   double min_weight = 0.02;
   int min_component_triangles = 200;
+  int triangles = 0;
+  bool manifold = false;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -100,6 +102,9 @@ struct MeshOptions {
           Range{0, 1e6}, Expert{});
     visit("min_component_triangles", self.min_component_triangles,
           "minimum triangles of a connected component", Range{0, 1e9});
+    visit("triangles", self.triangles, "simplify to at most so many triangles (0: as measured)",
+          Range{0, 1e9});
+    visit("manifold", self.manifold, "separate surfaces that touch, as tools that edit meshes need it");
   }
 };
 

@@ -181,19 +181,42 @@ std::string glb_bytes(const FileMesh& file, const std::filesystem::path& path) {
   return bytes;
 }
 
+/// STL has triangles without a common list of vertices, each with the normal of its plane, in metres here.
+std::string stl_bytes(const FileMesh& file, const std::filesystem::path& path) {
+  constexpr size_t kHeaderBytes = 80;
+  constexpr uint16_t kNoAttributes = 0;
+  const size_t count = file.mesh.triangles.size();
+  if (!std::in_range<uint32_t>(count))
+    throw InputError(
+        fmt::format("{}: {} triangles, more than .stl can hold; write .ply", path.string(), count));
+  std::string bytes = "kinloop, metres";  // not "solid", which begins the text format
+  bytes.resize(kHeaderBytes, ' ');
+  const auto stored_count = static_cast<uint32_t>(count);
+  put_values(bytes, &stored_count, 1);
+  for (const auto& [a, b, c] : file.mesh.triangles) {
+    const Eigen::Vector3f corners[] = {file.point(a), file.point(b), file.point(c)};
+    const Eigen::Vector3f normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+    put_values(bytes, normal.data(), 3);
+    for (const Eigen::Vector3f& corner : corners) put_values(bytes, corner.data(), 3);
+    put_values(bytes, &kNoAttributes, 1);
+  }
+  return bytes;
+}
+
 }  // namespace
 
 bool is_mesh_file(const std::filesystem::path& path) {
   const auto form = path.extension();
-  return form == ".ply" || form == ".obj" || form == ".glb";
+  return form == ".ply" || form == ".obj" || form == ".glb" || form == ".stl";
 }
 
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const FileFrame& frame) {
   require(mesh.points.size() == mesh.colors.size(), "write_mesh: expected one colour per vertex");
-  require(is_mesh_file(path), "write_mesh: expected .ply, .obj or .glb");
+  require(is_mesh_file(path), "write_mesh: expected .ply, .obj, .glb or .stl");
   const FileMesh file{mesh, frame, vertex_normals(mesh)};
   if (path.extension() == ".ply") return write_file(path, ply_bytes(file));
   if (path.extension() == ".obj") return write_file(path, obj_text(file));
+  if (path.extension() == ".stl") return write_file(path, stl_bytes(file, path));
   write_file(path, glb_bytes(file, path));
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Coloured mesh files: PLY (binary), OBJ (with the common vertex colour extension) and glTF 2.0 (binary
-// .glb).
+// Coloured mesh files: PLY (binary), OBJ (with the common vertex colour extension), glTF 2.0 (binary
+// .glb) and STL (binary, without colours).
 
 #include <filesystem>
 
@@ -12,9 +12,9 @@ namespace kinloop {
 /// Returns whether `write_mesh` supports the extension of this name.
 bool is_mesh_file(const std::filesystem::path& path);
 
-/// Writes the file atomically, with normals, in the format given by its extension (.ply, .obj or .glb) and in
-/// `frame`, which is noted in a comment; in glTF, where y is up, a node rotates the vertices. Throws
-/// InputError on failure.
+/// Writes the file atomically, with normals, in the format given by its extension (.ply, .obj, .glb or .stl)
+/// and in `frame`, which is noted in a comment (not in STL); in glTF, where y is up, a node rotates the
+/// vertices. Throws InputError on failure.
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const FileFrame& frame = {});
 
 }  // namespace kinloop

@@ -31,7 +31,7 @@ void save_cloud(const PyCloud& cloud, const std::filesystem::path& path) {
 
 void save_mesh(const PyMesh& mesh, const std::filesystem::path& path) {
   if (!is_mesh_file(path))
-    throw UsageError(fmt::format("{}: the name must end in .ply, .obj or .glb", path.string()));
+    throw UsageError(fmt::format("{}: the name must end in .ply, .obj, .glb or .stl", path.string()));
   write_mesh(path, mesh.mesh, mesh.frame);
 }
 
@@ -106,7 +106,8 @@ The arrays are read-only views of its memory; they keep it alive.)")
       .def_property_readonly(
           "T_file_world", [](const PyMesh& mesh) { return T_file_world(mesh.frame); }, kFileFrameDoc)
       .def("save", &save_mesh, py::arg("path"),
-           "Writes a .ply, .obj or .glb file, z up as kinloop mesh does. Raises InputError, or UsageError "
+           "Writes a .ply, .obj, .glb or .stl file, z up as kinloop mesh does. Raises InputError, or "
+           "UsageError "
            "for another name.")
       .def("__repr__", [](const PyMesh& mesh) {
         return fmt::format("<kinloop.Mesh: {} vertices, {} triangles>", mesh.mesh.points.size(),

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "tests/apps/program_test.hpp"
 #include "tests/support/private_device.hpp"
@@ -60,6 +61,18 @@ TEST_F(ExitCodes, AStackThatIsTooSmallIsNamed) {
   EXPECT_EQ(small.exit_code, kWrongUse);
   EXPECT_THAT(small.err, AllOf(HasSubstr("the stack is limited to 128 KiB"), HasSubstr("ulimit -s 8192")));
   EXPECT_EQ(run("run '" + sequence(8) + "' -q -o '" + at("out") + "'", "ulimit -s 512;").exit_code, kDone);
+}
+
+TEST_F(ExitCodes, TheProgramStartsWhereNoThreadCan) {
+  if (shell("ldd " + std::string(kProgram) + " | grep -q libopenvdb").exit_code == 0)
+    GTEST_SKIP() << "the templates of this old OpenVDB need its library, which starts threads";
+  const std::string as_user =  // root has no such limit
+      geteuid() == 0 ? "setpriv --reuid=65534 --regid=65534 --clear-groups " : "";
+  if (shell(as_user + "test -x " + kProgram).exit_code != 0)
+    GTEST_SKIP() << "no other user can run the program in this folder";
+  const Run version = run("--version", as_user + "prlimit --nproc=1");
+  EXPECT_EQ(version.exit_code, kDone) << version.err;
+  EXPECT_THAT(version.out, HasSubstr("meshes: "));
 }
 
 TEST_F(ExitCodes, AnInterruptedRunDoesNotWaitForASilentSender) {

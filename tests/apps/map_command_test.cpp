@@ -191,6 +191,20 @@ TEST_F(MapCommand, ExportOfImagesNeedsImages) {
   EXPECT_EQ(run("export " + ran() + " --mcap " + at("m.bag")), kWrongUse);
 }
 
+TEST_F(MapCommand, AMeshHasAtMostTheTrianglesThatAreAskedFor) {
+  const int code = run("mesh " + ran() + " -q --voxel 0.03 --triangles 500 -o " + at("m.stl"));
+  if (code == kWrongUse) {  // without one of them
+    EXPECT_THAT(err_, testing::AnyOf(HasSubstr("install libcgal-dev"), HasSubstr("install libopenvdb-dev")));
+    return;
+  }
+  ASSERT_EQ(code, 0) << err_;
+  constexpr uintmax_t kHeader = 84, kTriangle = 50;
+  const auto bytes = std::filesystem::file_size(at("m.stl"));
+  EXPECT_LE(bytes, kHeader + 500 * kTriangle);
+  EXPECT_GT(bytes, kHeader + 400 * kTriangle);
+  EXPECT_EQ((bytes - kHeader) % kTriangle, 0U);
+}
+
 TEST_F(MapCommand, AMapWithoutImagesReplacesNoEarlierResult) {
   SavedMap saved = MapReader(ran() + "/map.kinmap").read().first;
   write_map(at("no_images.kinmap"), saved, 0, {});

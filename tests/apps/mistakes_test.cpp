@@ -74,7 +74,7 @@ class Mistakes : public testing::Test {
 
   /// The output does not exist, or is an empty folder from the check that it is writable.
   static void expect_no_output() {
-    for (const char* name : {"x", "x.ply", "x.txt", "x.g2o", "x.kinvoc", "mesh.stl"}) {
+    for (const char* name : {"x", "x.ply", "x.txt", "x.g2o", "x.kinvoc", "mesh.off"}) {
       const fs::path path = folder_->path() / name;
       EXPECT_TRUE(!fs::exists(path) || (fs::is_directory(path) && fs::is_empty(path))) << name;
     }

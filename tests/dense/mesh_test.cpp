@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include "kinloop/core/errors.hpp"
 #include "kinloop/core/random.hpp"
 #include "kinloop/dense/cloud/point_colors.hpp"
 #include "kinloop/dense/mesh/reconstruct_mesh.hpp"
+#include "kinloop/dense/mesh/simplify_mesh.hpp"
 #include "kinloop/dense/occupancy.hpp"
 #include "kinloop/dense/usable_depth.hpp"
 #include "kinloop/sensor/depth_noise.hpp"
@@ -134,6 +136,33 @@ TEST(Mesh, TakesItsColoursFromTheImages) {
     right += on_ball(mesh.points[i]) == (mesh.colors[i][0] > mesh.colors[i][2]) ? 1 : 0;
   }
   EXPECT_GT(right, judged * 98 / 100);
+}
+
+TEST(Mesh, IsSimplifiedOnRequest) {
+  SKIP_WITHOUT_OPENVDB();
+  const BallScene scene = scene_of(std::vector<bool>(5, true));
+  MeshOptions options = some_options();
+  options.triangles = 1000;
+  const auto make = [&] {
+    return reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, options, 2);
+  };
+  if (!mesh_simplification_available()) {
+    EXPECT_THROW(make(), UsageError);
+    return;
+  }
+  const auto mesh = make();
+  EXPECT_LE(mesh.triangles.size(), 1000U);
+  EXPECT_GT(mesh.triangles.size(), 900U);
+  size_t near = 0, red = 0, ball = 0;
+  for (size_t i = 0; i < mesh.points.size(); ++i) {
+    near += off_surface_m(mesh.points[i]) < 0.01 ? 1 : 0;
+    if (!on_ball(mesh.points[i])) continue;
+    ++ball;
+    red += mesh.colors[i][0] > mesh.colors[i][2] ? 1 : 0;
+  }
+  EXPECT_GT(near, mesh.points.size() * 95 / 100);
+  EXPECT_GT(red, ball * 90 / 100);
+  EXPECT_GT(ball, 50U);
 }
 
 TEST(Mesh, RemovesTransientObjects) {

@@ -76,6 +76,15 @@ TEST_P(DepthFolder, MayBeDamagedInAFrame) {
   EXPECT_THAT(source->skipped().front().reason, HasSubstr(fmt::format("depth/1{}: ", GetParam().ending)));
 }
 
+TEST_P(DepthFolder, OfAnotherSizeInAFrameNamesBothSizes) {
+  write(GetParam());
+  folder_.write(fmt::format("depth/1{}", GetParam().ending), GetParam().write(room_mm({16, 12})));
+  const auto source = open_sequence(folder_.path().string());
+  while (source->next()) continue;
+  ASSERT_EQ(source->skipped().size(), 1U);
+  EXPECT_THAT(source->skipped().front().reason, HasSubstr("16 x 12 pixels where the camera has 32 x 24"));
+}
+
 INSTANTIATE_TEST_SUITE_P(Formats, DepthFolder, testing::ValuesIn(test::depth_formats()),
                          [](const auto& format) {
                            std::string name = format.param.name;

@@ -44,6 +44,19 @@ TEST(MeshFile, ObjCountsFromOne) {
   EXPECT_THAT(text, HasSubstr("\nvn 0.000 0.000 1.000\nf 1//1 2//2 3//3\nf 1//1 3//3 4//4\n"));
 }
 
+TEST(MeshFile, StlHoldsEachTriangleWithItsNormal) {
+  const test::TempFolder folder;
+  write_mesh(folder.path() / "m.stl", square());
+  const std::string bytes = read_file(folder.path() / "m.stl");
+  constexpr size_t kHeader = 80, kTriangle = 50;
+  ASSERT_EQ(bytes.size(), kHeader + 4 + 2 * kTriangle);
+  EXPECT_THAT(bytes, testing::Not(StartsWith("solid")));  // which would be text
+  EXPECT_EQ(value_at<uint32_t>(bytes, kHeader), 2U);
+  const auto number = [&](size_t i) { return value_at<float>(bytes, kHeader + 4 + kTriangle + 4 * i); };
+  const std::vector<float> second = {0, 0, 1, /* normal */ 0, 0, 1, 1, 1, 1, 0, 1, 1};
+  for (size_t i = 0; i < second.size(); ++i) EXPECT_EQ(number(i), second[i]) << i;
+}
+
 TEST(MeshFile, GltfAddsUp) {
   const test::TempFolder folder;
   write_mesh(folder.path() / "m.glb", square());

@@ -5,8 +5,10 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "kinloop/core/errors.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/cloud/point_colors.hpp"
+#include "kinloop/dense/mesh/simplify_mesh.hpp"
 #include "kinloop/dense/usable_depth.hpp"
 
 namespace kinloop {
@@ -71,6 +73,17 @@ void for_each_view(const ImageStore& images, std::span<const PosedImage> views, 
   }
 }
 
+void require_simplification(const MeshOptions& options) {
+  if ((options.triangles > 0 || options.manifold) && !mesh_simplification_available())
+    throw UsageError(
+        "mesh.triangles, mesh.manifold: this build has no CGAL; install libcgal-dev and rebuild kinloop");
+}
+
+ColoredMesh simplified_as_asked(ColoredMesh mesh, const MeshOptions& options) {
+  if (options.triangles > 0) return simplified_mesh(mesh, static_cast<size_t>(options.triangles));
+  return options.manifold ? manifold_mesh(mesh) : mesh;
+}
+
 }  // namespace
 
 ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImage> views,
@@ -78,6 +91,7 @@ ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImag
                              const Progress& progress) {
   validate(options, "mesh.");
   validate(options.limits, "mesh.");
+  require_simplification(options);
   TsdfVolume volume(camera, options);
   // Two passes over the images, so that earlier views can also carve away what later ones saw only briefly.
   for_each_view(images, views, camera, options, threads, [&](size_t, const UndistortedDepth& view) {
@@ -88,8 +102,9 @@ ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImag
     volume.integrate(view, threads);
     return report(progress, "meshing", index + 1, views.size());
   });
-  ColoredMesh mesh =
+  const ColoredMesh measured =
       remove_small_components(volume.surface(), static_cast<size_t>(options.min_component_triangles));
+  ColoredMesh mesh = simplified_as_asked(measured, options);
   mesh.colors =
       color_points(mesh.points, vertex_normals(mesh), images, views, camera.color, threads, progress);
   return mesh;

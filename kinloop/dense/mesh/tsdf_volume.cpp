@@ -1,4 +1,6 @@
-// The only file that includes OpenVDB, which is slow to compile.
+// The only file that includes OpenVDB, which is slow to compile. It uses the nodes of OpenVDB's trees, which
+// are templates, and not its Tree, which has virtual functions that read and write files: these alone would
+// need the library, which loads a log library that starts threads before main().
 
 #include "kinloop/dense/mesh/tsdf_volume.hpp"
 
@@ -13,9 +15,11 @@
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wshadow"
-#include <openvdb/Grid.h>
-#include <openvdb/openvdb.h>
-#include <tbb/task_arena.h>
+#include <openvdb/version.h>
+#undef OPENVDB_USE_DELAYED_LOADING  // of voxels, from files
+#include <openvdb/tree/InternalNode.h>
+#include <openvdb/tree/LeafNode.h>
+#include <openvdb/tree/RootNode.h>
 #pragma GCC diagnostic pop
 
 #include "kinloop/core/threads/parallel_for.hpp"
@@ -24,8 +28,13 @@ namespace kinloop {
 namespace {
 
 using openvdb::Coord;
-using openvdb::FloatTree;
-using Leaf = FloatTree::LeafNodeType;
+
+/// The nodes of openvdb::FloatTree and of openvdb::Int32Tree.
+template <class Value>
+using Grid = openvdb::tree::RootNode<
+    openvdb::tree::InternalNode<openvdb::tree::InternalNode<openvdb::tree::LeafNode<Value, 3>, 4>, 5>>;
+using FloatGrid = Grid<float>;
+using Leaf = FloatGrid::LeafNodeType;
 
 constexpr int kLeafVoxels = Leaf::DIM;  // along an edge of a leaf
 
@@ -40,12 +49,24 @@ double crossing(float a, float b) {
   return static_cast<double>(a) / (static_cast<double>(a) - static_cast<double>(b));
 }
 
-/// Runs what OpenVDB gives to the threads of TBB on this one: TBB ends the process when the system refuses it
-/// a thread.
-template <class Function>
-auto on_this_thread(const Function& run) {
-  return tbb::task_arena(1).execute(run);
-}
+/// Reads the voxels of a grid. A voxel is mostly in the leaf of the one before.
+template <class Value>
+class VoxelReader {
+ public:
+  using GridLeaf = typename Grid<Value>::LeafNodeType;
+
+  explicit VoxelReader(const Grid<Value>& grid) : grid_(&grid) {}
+
+  Value operator()(const Coord& voxel) {
+    const Coord origin = voxel & ~(kLeafVoxels - 1);
+    if (leaf_ == nullptr || leaf_->origin() != origin) leaf_ = grid_->probeConstLeaf(voxel);
+    return leaf_ == nullptr ? grid_->background() : leaf_->getValue(voxel);
+  }
+
+ private:
+  const Grid<Value>* grid_;
+  const GridLeaf* leaf_ = nullptr;
+};
 
 }  // namespace
 
@@ -57,14 +78,6 @@ struct TsdfVolume::Volume {
   };
 
   explicit Volume(float truncation_m) : distance(truncation_m), weight(0) {}
-  ~Volume() {
-    on_this_thread([&] {
-      distance.clear();
-      weight.clear();
-    });
-  }
-  Volume(const Volume&) = delete;
-  Volume& operator=(const Volume&) = delete;
 
   void touch(const Coord& voxel) {
     Leaf* existing = distance.probeLeaf(voxel);
@@ -72,8 +85,8 @@ struct TsdfVolume::Volume {
     blocks.push_back({distance.touchLeaf(voxel), weight.touchLeaf(voxel)});
   }
 
-  FloatTree distance;
-  FloatTree weight;
+  FloatGrid distance;
+  FloatGrid weight;
   std::vector<Block> blocks;  // in order of first allocation
 };
 
@@ -151,19 +164,16 @@ class BlockUpdate {
 /// voxels.
 class SurfaceNets {
  public:
-  SurfaceNets(const FloatTree& distance, const FloatTree& weight, const MeshOptions& options)
-      : distance_(distance), weight_(weight), options_(options), vertex_of_(-1), vertices_(vertex_of_) {}
-  ~SurfaceNets() {
-    on_this_thread([&] { vertex_of_.clear(); });
+  SurfaceNets(const FloatGrid& distance, const FloatGrid& weight, const MeshOptions& options)
+      : distance_(distance), weight_(weight), options_(options), vertex_of_(-1), vertex_(vertex_of_) {
+    distance.getNodes(leaves_);
   }
-  SurfaceNets(const SurfaceNets&) = delete;
-  SurfaceNets& operator=(const SurfaceNets&) = delete;
 
   ColoredMesh run() {
-    for (auto leaf = distance_tree().cbeginLeaf(); leaf; ++leaf) {
+    for (const Leaf* leaf : leaves_) {
       for (unsigned i = 0; i < Leaf::SIZE; ++i) add_vertex(leaf->offsetToGlobalCoord(i));
     }
-    for (auto leaf = distance_tree().cbeginLeaf(); leaf; ++leaf) {
+    for (const Leaf* leaf : leaves_) {
       for (unsigned i = 0; i < Leaf::SIZE; ++i) add_faces(leaf->offsetToGlobalCoord(i));
     }
     mesh_.colors.resize(mesh_.points.size());
@@ -171,20 +181,14 @@ class SurfaceNets {
   }
 
  private:
-  using ConstAccessor = openvdb::tree::ValueAccessor<const FloatTree>;
-
-  [[nodiscard]] const FloatTree& distance_tree() const { return distance_.tree(); }
-
-  [[nodiscard]] bool known(const Coord& voxel) const {
-    return weight_.getValue(voxel) >= static_cast<float>(options_.min_weight);
-  }
+  bool known(const Coord& voxel) { return weight_(voxel) >= static_cast<float>(options_.min_weight); }
 
   void add_vertex(const Coord& cell) {
     std::array<float, 8> corners{};
     for (int k = 0; k < 8; ++k) {
       const Coord voxel = cell.offsetBy(k & 1, k >> 1 & 1, k >> 2);
       if (!known(voxel)) return;
-      corners[static_cast<size_t>(k)] = distance_.getValue(voxel);
+      corners[static_cast<size_t>(k)] = distance_(voxel);
     }
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     int cuts = 0;
@@ -201,18 +205,18 @@ class SurfaceNets {
       }
     }
     if (cuts == 0) return;
-    vertices_.setValue(cell, static_cast<int>(mesh_.points.size()));
+    vertex_of_.setValueOn(cell, static_cast<int>(mesh_.points.size()));
     const Eigen::Vector3d p = (Eigen::Vector3d(cell.x(), cell.y(), cell.z()) + sum / cuts) * options_.voxel_m;
     mesh_.points.push_back(p.cast<float>());
   }
 
   void add_faces(const Coord& voxel) {
     if (!known(voxel)) return;
-    const float here = distance_.getValue(voxel);
+    const float here = distance_(voxel);
     for (int axis = 0; axis < 3; ++axis) {
       const Coord next = voxel + along(axis);
       if (!known(next)) continue;
-      const float there = distance_.getValue(next);
+      const float there = distance_(next);
       if ((here < 0) != (there < 0)) add_quad(voxel, axis, here < 0);
     }
   }
@@ -223,7 +227,7 @@ class SurfaceNets {
     std::array<uint32_t, 4> corners{};
     const std::array<Coord, 4> cells = {voxel + u + v, voxel + v, voxel, voxel + u};
     for (size_t k = 0; k < 4; ++k) {
-      const int vertex = vertices_.getValue(cells[k]);
+      const int vertex = vertex_(cells[k]);
       if (vertex < 0) return;
       corners[k] = static_cast<uint32_t>(vertex);
     }
@@ -232,11 +236,12 @@ class SurfaceNets {
     mesh_.triangles.push_back({corners[0], corners[2], corners[3]});
   }
 
-  ConstAccessor distance_;
-  ConstAccessor weight_;
+  VoxelReader<float> distance_;
+  VoxelReader<float> weight_;
   const MeshOptions& options_;
-  openvdb::Int32Tree vertex_of_;
-  openvdb::tree::ValueAccessor<openvdb::Int32Tree> vertices_;
+  Grid<int32_t> vertex_of_;
+  VoxelReader<int32_t> vertex_;
+  std::vector<const Leaf*> leaves_;
   ColoredMesh mesh_;
 };
 
@@ -290,7 +295,7 @@ ColoredMesh TsdfVolume::surface() const {
 }
 
 size_t TsdfVolume::bytes() const {
-  return on_this_thread([&] { return volume_->distance.memUsage() + volume_->weight.memUsage(); });
+  return volume_->distance.memUsage() + volume_->weight.memUsage();
 }
 
 }  // namespace kinloop

@@ -1,0 +1,126 @@
+// The only file that includes CGAL, which is slow to compile.
+
+#include "kinloop/dense/mesh/simplify_mesh.hpp"
+
+#include "kinloop/core/errors.hpp"
+
+#ifdef KINLOOP_WITH_CGAL
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
+#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
+#include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/Surface_mesh_simplification/edge_collapse.h>
+#pragma GCC diagnostic pop
+
+namespace kinloop {
+namespace {
+
+namespace processing = CGAL::Polygon_mesh_processing;
+namespace simplification = CGAL::Surface_mesh_simplification;
+
+using CgalPoint = CGAL::Simple_cartesian<double>::Point_3;
+using CgalMesh = CGAL::Surface_mesh<CgalPoint>;
+using Soup = std::vector<std::vector<size_t>>;  // corners of each triangle
+
+/// Ends the simplification. CGAL has the same from version 5.6 on.
+struct FewTriangles {
+  size_t max_triangles;
+
+  template <class Cost, class Profile>
+  bool operator()(const Cost&, const Profile& profile, size_t, size_t) const {
+    return profile.surface_mesh().number_of_faces() <= max_triangles;
+  }
+};
+
+struct ManifoldSoup {
+  std::vector<CgalPoint> points;
+  Soup triangles;
+};
+
+ManifoldSoup manifold_soup(const ColoredMesh& mesh) {
+  ManifoldSoup soup;
+  for (const Eigen::Vector3f& p : mesh.points) soup.points.emplace_back(p.x(), p.y(), p.z());
+  for (const auto& [a, b, c] : mesh.triangles) soup.triangles.push_back({a, b, c});
+  processing::repair_polygon_soup(soup.points, soup.triangles);
+  processing::orient_polygon_soup(soup.points, soup.triangles);
+  return soup;
+}
+
+void add_vertex(ColoredMesh& mesh, const CgalPoint& p) {
+  mesh.points.push_back(Eigen::Vector3d(p.x(), p.y(), p.z()).cast<float>());
+  mesh.colors.push_back({});
+}
+
+}  // namespace
+
+bool mesh_simplification_available() {
+  return true;
+}
+
+ColoredMesh manifold_mesh(const ColoredMesh& mesh) {
+  const auto [points, triangles] = manifold_soup(mesh);
+  ColoredMesh manifold;
+  for (const CgalPoint& point : points) add_vertex(manifold, point);
+  for (const auto& corners : triangles) {
+    Triangle& triangle = manifold.triangles.emplace_back();
+    std::transform(corners.begin(), corners.end(), triangle.begin(),
+                   [](size_t vertex) { return static_cast<uint32_t>(vertex); });
+  }
+  return manifold;
+}
+
+ColoredMesh simplified_mesh(const ColoredMesh& mesh, size_t max_triangles) {
+  const auto [points, triangles] = manifold_soup(mesh);
+  CgalMesh surface;
+  processing::polygon_soup_to_polygon_mesh(points, triangles, surface);
+  simplification::edge_collapse(surface, FewTriangles{max_triangles});
+  surface.collect_garbage();  // numbers the vertices that are left from 0
+
+  ColoredMesh simplified;
+  for (const auto vertex : surface.vertices()) add_vertex(simplified, surface.point(vertex));
+  for (const auto face : surface.faces()) {
+    const auto corners = surface.vertices_around_face(surface.halfedge(face));
+    Triangle& triangle = simplified.triangles.emplace_back();
+    std::transform(corners.begin(), corners.end(), triangle.begin(),
+                   [](auto vertex) { return static_cast<uint32_t>(vertex.idx()); });
+  }
+  return simplified;
+}
+
+}  // namespace kinloop
+
+#else
+
+namespace kinloop {
+namespace {
+
+[[noreturn]] void throw_without_cgal() {
+  throw UsageError("simplified meshes: this build has no CGAL; install libcgal-dev and rebuild kinloop");
+}
+
+}  // namespace
+
+bool mesh_simplification_available() {
+  return false;
+}
+
+ColoredMesh manifold_mesh(const ColoredMesh&) {
+  throw_without_cgal();
+}
+
+ColoredMesh simplified_mesh(const ColoredMesh&, size_t) {
+  throw_without_cgal();
+}
+
+}  // namespace kinloop
+
+#endif
