@@ -7,7 +7,10 @@
 namespace kinloop {
 
 ThinnedSource::ThinnedSource(std::unique_ptr<FrameSource> source, int step)
-    : source_(std::move(source)), step_(step), camera_(source_->camera()), info_(source_->info()) {
+    : ForwardingSource(std::move(source)),
+      step_(step),
+      camera_(ForwardingSource::camera()),
+      info_(ForwardingSource::info()) {
   require(step >= 1 && step <= kMaxStep, "ThinnedSource: the step is out of range");
   camera_.fps /= step;
   const auto n = static_cast<size_t>(step);
@@ -16,9 +19,9 @@ ThinnedSource::ThinnedSource(std::unique_ptr<FrameSource> source, int step)
 
 std::optional<Frame> ThinnedSource::next() {
   for (int passed_over = next_id_ == 0 ? 0 : step_ - 1; passed_over > 0; --passed_over) {
-    if (!source_->next()) return std::nullopt;
+    if (!source().next()) return std::nullopt;
   }
-  auto frame = source_->next();
+  auto frame = source().next();
   if (frame) frame->id = FrameId{next_id_++};
   return frame;
 }

@@ -3,26 +3,24 @@
 
 #include <memory>
 
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/forwarding_source.hpp"
 
 namespace kinloop {
 
 /// Delivers the first frame of a source and each n-th after it, with consecutive ids and 1/n of the rate.
 /// Damaged frames do not count.
-class ThinnedSource : public FrameSource {
+class ThinnedSource : public ForwardingSource {
  public:
   static constexpr int kMaxStep = 100'000;
 
-  /// Throws std::logic_error for a step below 1 or above the limit.
+  /// Throws std::logic_error for a null pointer, or a step below 1 or above the limit.
   ThinnedSource(std::unique_ptr<FrameSource> source, int step);
 
   std::optional<Frame> next() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  [[nodiscard]] SkippedFrames skipped() const override { return source_->skipped(); }
 
  private:
-  std::unique_ptr<FrameSource> source_;
   int step_;
   RgbdCamera camera_;
   SourceInfo info_;
