@@ -21,7 +21,7 @@ namespace kinloop {
 enum class TrackingOutcome {
   kLost,         ///< no pose
   kTracked,      ///< located relative to the previous frame and the local map
-  kRelocalized,  ///< located by place recognition
+  kRelocalized,  ///< located by place recognition, or where the motion before did not lead
   kNewMap,       ///< starts a map, or a new component of it
 };
 

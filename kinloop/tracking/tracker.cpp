@@ -165,7 +165,11 @@ TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context)
   }
   const bool as_predicted = tracked.evidence.attempts == 1 &&
                             (!options_.localize_only || is_localized(tracked, frame, options_.tracking));
-  if (tracked.is_located() && tracked.method != TrackingMethod::kDense && as_predicted) return tracked;
+  if (tracked.is_located() && tracked.method != TrackingMethod::kDense && as_predicted) {
+    // Later frames have to confirm a jump, as they have to confirm a place.
+    if (continuous && jumps(tracked, frame)) tracked.outcome = TrackingOutcome::kRelocalized;
+    return tracked;
+  }
 
   // A camera far from its predicted pose may have been moved while it was lost: relocalization is more
   // reliable than a few chance matches.
@@ -208,6 +212,16 @@ bool Tracker::may_be_elsewhere(const Frame& frame) const {
 bool Tracker::continues_previous(const Frame& frame) const {
   constexpr int64_t kMaxInterval_ns = kNsPerSecond / 4;  // hand motion reverses within a longer gap
   return previous_ && lost_frames_ == 0 && frame.stamp_ns - previous_->stamp_ns <= kMaxInterval_ns;
+}
+
+/// Whether a pose is farther from the predicted one than a hand moves a camera, and not beyond doubt.
+bool Tracker::jumps(const TrackedFrame& tracked, const Frame& frame) const {
+  constexpr double kMaxAcceleration_m_s2 = 10, kTolerance_m = 0.1;
+  const double interval_s = to_seconds(tracked.stamp_ns - previous_->stamp_ns);
+  const double off_m =
+      (tracked.T_reference_camera.translation - predict(tracked.stamp_ns).T.translation).norm();
+  return off_m > kTolerance_m + kMaxAcceleration_m_s2 * interval_s * interval_s &&
+         !is_confident(tracked, *frame.features);
 }
 
 /// Whether surfaces contradict a pose found relative to the local map.

@@ -80,6 +80,7 @@ class Tracker {
   [[nodiscard]] bool may_be_elsewhere(const Frame& frame) const;
   [[nodiscard]] bool continues_previous(const Frame& frame) const;
   [[nodiscard]] bool is_reachable(const TrackedFrame& found, const Map& map) const;
+  [[nodiscard]] bool jumps(const TrackedFrame& tracked, const Frame& frame) const;
   [[nodiscard]] bool is_hypothesis(const TrackedFrame& tracked) const;
   [[nodiscard]] bool is_contradicted(const TrackedFrame& tracked, const Frame& frame) const;
   [[nodiscard]] std::optional<TrackedFrame> track_from_previous(const Frame& frame,
