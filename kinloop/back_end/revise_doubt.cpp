@@ -28,7 +28,8 @@ bool jumps(const TrackedFrame& before, const TrackedFrame& previous, const Track
 void doubt_jumps(FrameLog& log, size_t first, const Map& map) {
   for (size_t i = first + 2; i < log.size(); ++i) {
     const TrackedFrame &before = log[i - 2], &previous = log[i - 1], &entry = log[i];
-    if (before.is_lost() || previous.is_lost() || entry.is_lost()) continue;
+    const auto unmeasured = [](const TrackedFrame& frame) { return frame.is_lost() || frame.is_repeat(); };
+    if (unmeasured(before) || unmeasured(previous) || unmeasured(entry)) continue;
     const uint32_t component = map.keyframe(entry.reference).component;
     if (!is_tracked_in(component, before, map) || !is_tracked_in(component, previous, map)) continue;
     if (jumps(before, previous, entry, map)) log[i - 1].doubtful = log[i].doubtful = true;
@@ -44,20 +45,23 @@ double conflicting_share(const TrackedFrame& entry) {
   return moved + (1 - moved) * (known ? surfaces.contradicted_share() : 0);
 }
 
-/// The mean of that share over the frames around each one.
-std::vector<double> mean_conflicting_shares(const FrameLog& log, size_t first) {
-  constexpr int64_t kHalfWindow_ns = kNsPerSecond / 3;
-  std::vector<double> means(log.size(), 0);
+/// The mean of that share over the 1/3 s before or after each frame, whichever is less: what begins or ends
+/// at a frame does not reach beyond it.
+std::vector<double> lasting_conflict(const FrameLog& log, size_t first) {
+  constexpr int64_t kWindow_ns = kNsPerSecond / 3;
+  std::vector<double> sums(log.size() + 1, 0);  // of the frames before each one
+  for (size_t i = first; i < log.size(); ++i) sums[i + 1] = sums[i] + conflicting_share(log[i]);
+  const auto mean = [&](size_t begin, size_t end) {
+    return (sums[end] - sums[begin]) / static_cast<double>(end - begin);
+  };
+  std::vector<double> lasting(log.size(), 0);
   size_t begin = first, end = first;
-  double sum = 0;
   for (size_t i = first; i < log.size(); ++i) {
-    for (; end < log.size() && log[end].stamp_ns <= log[i].stamp_ns + kHalfWindow_ns; ++end)
-      sum += conflicting_share(log[end]);
-    for (; log[begin].stamp_ns < log[i].stamp_ns - kHalfWindow_ns; ++begin)
-      sum -= conflicting_share(log[begin]);
-    means[i] = sum / static_cast<double>(end - begin);
+    while (end < log.size() && log[end].stamp_ns <= log[i].stamp_ns + kWindow_ns) ++end;
+    while (log[begin].stamp_ns < log[i].stamp_ns - kWindow_ns) ++begin;
+    lasting[i] = std::min(mean(begin, i + 1), mean(i, end));
   }
-  return means;
+  return lasting;
 }
 
 /// The doubtful and lost frames that do not stand alone.
@@ -84,7 +88,7 @@ void extend_doubt(FrameLog& log, size_t first) {
   constexpr int64_t kMaxDistance_ns = 2 * kNsPerSecond;
   // Without movers, 99 % of the frames are below .042; where the camera follows one, it is .1 to .4.
   constexpr double kMinConflict = 0.06;
-  const std::vector<double> conflict = mean_conflicting_shares(log, first);
+  const std::vector<double> conflict = lasting_conflict(log, first);
   const auto reaches = [&](size_t seed, size_t i) {
     return conflict[i] > kMinConflict && std::abs(log[i].stamp_ns - log[seed].stamp_ns) <= kMaxDistance_ns;
   };

@@ -214,9 +214,12 @@ bool Tracker::continues_previous(const Frame& frame) const {
   return previous_ && lost_frames_ == 0 && frame.stamp_ns - previous_->stamp_ns <= kMaxInterval_ns;
 }
 
-/// Whether a pose is farther from the predicted one than a hand moves a camera, and not beyond doubt.
+/// Whether a pose is farther from the predicted one than a hand moves a camera, on few landmarks. Where depth
+/// comes back, a jump may be right.
 bool Tracker::jumps(const TrackedFrame& tracked, const Frame& frame) const {
   constexpr double kMaxAcceleration_m_s2 = 10, kTolerance_m = 0.1;
+  const auto sees_depth = [](const Frame& seen) { return seen.surfaces && has_depth(*seen.surfaces); };
+  if (!sees_depth(frame) || !sees_depth(*previous_->frame)) return false;
   const double interval_s = to_seconds(tracked.stamp_ns - previous_->stamp_ns);
   const double off_m =
       (tracked.T_reference_camera.translation - predict(tracked.stamp_ns).T.translation).norm();

@@ -82,6 +82,14 @@ TEST_F(MovedPoints, AViewWithoutTheBoxDoesNotSpeakForItsSurface) {
   EXPECT_TRUE(moved(now, {&before, &now}).empty());  // the other finds it at rest
 }
 
+TEST_F(MovedPoints, AWallDoesNotLeaveBecauseAPartOfItIsFarther) {
+  cv::Mat depth_m(480, 640, CV_32FC1, cv::Scalar(1.0F));
+  const SurfaceGrid before = make_surface_grid(camera_, depth_m);
+  depth_m(cv::Rect(0, 0, 100, 200)) = 2.0F;
+  const SurfaceGrid now = make_surface_grid(camera_, depth_m);
+  EXPECT_TRUE(moved(now, {&before, &before}).empty());
+}
+
 TEST_F(MovedPoints, SmallRegionsAreNoise) {
   const SurfaceGrid empty = wall(), with_box = wall({200, 100, 60, 50});
   EXPECT_TRUE(moved(with_box, {&empty, &empty}).empty());

@@ -79,7 +79,7 @@ void require_simplification(const MeshOptions& options) {
         "mesh.triangles, mesh.manifold: this build has no CGAL; install libcgal-dev and rebuild kinloop");
 }
 
-ColoredMesh simplified_as_asked(ColoredMesh mesh, const MeshOptions& options) {
+ColoredMesh simplified_as_asked(const ColoredMesh& mesh, const MeshOptions& options) {
   if (options.triangles > 0) return simplified_mesh(mesh, static_cast<size_t>(options.triangles));
   return options.manifold ? manifold_mesh(mesh) : mesh;
 }

@@ -46,17 +46,24 @@ cv::Mat no_points(const SurfaceGrid& surfaces) {
 }
 
 /// The points of a view on surfaces that have left: the frame sees through a part of them. Something that
-/// moves along its own surface, as a block or a back does, is mostly found where it was.
+/// moves along its own surface, as a block or a back does, is mostly found where it was. Empty if there are
+/// none.
 cv::Mat left_points(const SurfaceView& view, const SurfaceGrid& frame) {
+  // More is a wall before which the pose or the depth is wrong.
+  constexpr int kMaxGrowth = 8;
+  constexpr double kMaxShare = 0.5;
   const auto states = states_in_view(*view.surfaces, frame, view.T_view_frame.inverse());
-  cv::Mat left = no_points(*view.surfaces);
+  cv::Mat gone = no_points(*view.surfaces);
   for (size_t i = 0; i < states.size(); ++i) {
-    if (states[i] == PointState::kContradicted) left.data[i] = 255;
+    if (states[i] == PointState::kContradicted) gone.data[i] = 255;
   }
-  left = large_regions(left, kMinRegion);
-  if (cv::countNonZero(left) == 0) return {};
+  gone = large_regions(gone, kMinRegion);
+  const int count = cv::countNonZero(gone);
+  if (count == 0) return {};
+  cv::Mat left = gone.clone();
   extend(left, no_points(*view.surfaces), *view.surfaces);
-  return left;
+  const bool is_wall = cv::countNonZero(left) > kMaxGrowth * count || marked_share(left) > kMaxShare;
+  return is_wall ? cv::Mat() : left;
 }
 
 /// How many views contradict each point, and how many find it where it is.
