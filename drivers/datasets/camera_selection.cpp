@@ -68,7 +68,7 @@ std::optional<RgbdCamera> preset_of_lists(const std::filesystem::path& folder) {
       const size_t begin = line.find(kBenchmark);
       if (begin == std::string::npos) continue;
       const std::string name = line.substr(begin, line.find_first_of("'\" \r", begin) - begin);
-      const auto preset = preset_in_name(name);
+      auto preset = preset_in_name(name);
       if (!preset) continue;
       log::info("camera of {}, the recording that {} names", name, (folder / list).string());
       return preset;
