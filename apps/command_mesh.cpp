@@ -30,7 +30,7 @@ struct MeshArguments {
 void make_mesh(MeshArguments arguments) {
   if (!is_mesh_file(arguments.output)) {
     throw UsageError(
-        fmt::format("-o {}: the name must end in .ply, .obj, .glb or .stl", arguments.output.string()));
+        fmt::format("-o {}: the name must end in {}", arguments.output.string(), kMeshExtensions));
   }
   if (!arguments.voxel_m.empty()) arguments.assignments.push_back("mesh.voxel_m=" + arguments.voxel_m);
   if (!arguments.triangles.empty()) arguments.assignments.push_back("mesh.triangles=" + arguments.triangles);

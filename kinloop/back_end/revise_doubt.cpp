@@ -5,23 +5,21 @@
 #include <vector>
 
 #include "kinloop/core/time.hpp"
+#include "kinloop/tracking/motion_model.hpp"
 
 namespace kinloop {
 namespace {
 
-/// Whether the camera's position is off the one that its previous velocity predicts by more than a hand
-/// causes.
+/// Whether the position is off the one that the velocity before predicts by more than a hand causes.
 bool jumps(const TrackedFrame& before, const TrackedFrame& previous, const TrackedFrame& entry,
            const Map& map) {
-  // One pose that is 5 cm off is 10 cm off the line of its neighbours.
-  constexpr double kMaxAcceleration_m_s2 = 10, kTolerance_m = 0.1;
-  const double last_s = to_seconds(previous.stamp_ns - before.stamp_ns);
+  const double baseline_s = to_seconds(previous.stamp_ns - before.stamp_ns);
   const double interval_s = to_seconds(entry.stamp_ns - previous.stamp_ns);
-  if (!(last_s > 0)) return false;
+  if (!(baseline_s > 0)) return false;
   const Eigen::Vector3d p0 = world_pose(before, map).translation, p1 = world_pose(previous, map).translation,
                         p2 = world_pose(entry, map).translation;
-  const double off_m = (p2 - p1 - (p1 - p0) * interval_s / last_s).norm();
-  return off_m > kTolerance_m + kMaxAcceleration_m_s2 * interval_s * std::max(interval_s, last_s);
+  const double off_m = (p2 - p1 - (p1 - p0) * interval_s / baseline_s).norm();
+  return exceeds_hand_motion(off_m, interval_s, baseline_s);
 }
 
 /// One of two poses that jump is wrong, and perhaps both are.
@@ -38,11 +36,9 @@ void doubt_jumps(FrameLog& log, size_t first, const Map& map) {
 
 /// The share of the view that has moved or contradicts the pose.
 double conflicting_share(const TrackedFrame& entry) {
-  constexpr int kMinPoints = 200;  // fewer decide nothing
   const SurfaceAgreement& surfaces = entry.evidence.surfaces;
-  const bool known = surfaces.consistent + surfaces.contradicted >= kMinPoints;
   const double moved = entry.evidence.moved_share;
-  return moved + (1 - moved) * (known ? surfaces.contradicted_share() : 0);
+  return moved + (1 - moved) * (surfaces.decides() ? surfaces.contradicted_share() : 0);
 }
 
 /// The mean of that share over the 1/3 s before or after each frame, whichever is less: what begins or ends
@@ -66,20 +62,16 @@ std::vector<double> lasting_conflict(const FrameLog& log, size_t first) {
 
 /// The doubtful and lost frames that do not stand alone.
 std::vector<size_t> lasting_doubt(const FrameLog& log, size_t first) {
-  constexpr size_t kMinFrames = 2;
-  constexpr int64_t kMaxDuration_ns = kNsPerSecond / 2;
-  std::vector<size_t> all;
+  constexpr int64_t kMaxInterval_ns = kNsPerSecond / 2;
+  std::vector<size_t> all, lasting;
   for (size_t i = first; i < log.size(); ++i) {
     if (log[i].doubtful || log[i].is_lost()) all.push_back(i);
   }
-  std::vector<bool> lasts(all.size(), false);
-  for (size_t i = 0; i + kMinFrames <= all.size(); ++i) {
-    if (log[all[i + kMinFrames - 1]].stamp_ns - log[all[i]].stamp_ns > kMaxDuration_ns) continue;
-    std::fill_n(lasts.begin() + static_cast<std::ptrdiff_t>(i), kMinFrames, true);
-  }
-  std::vector<size_t> lasting;
-  for (size_t i = 0; i < all.size(); ++i) {
-    if (lasts[i]) lasting.push_back(all[i]);
+  const auto is_near_next = [&](size_t k) {
+    return k + 1 < all.size() && log[all[k + 1]].stamp_ns - log[all[k]].stamp_ns <= kMaxInterval_ns;
+  };
+  for (size_t k = 0; k < all.size(); ++k) {
+    if (is_near_next(k) || (k > 0 && is_near_next(k - 1))) lasting.push_back(all[k]);
   }
   return lasting;
 }

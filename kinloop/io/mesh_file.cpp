@@ -212,7 +212,7 @@ bool is_mesh_file(const std::filesystem::path& path) {
 
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const FileFrame& frame) {
   require(mesh.points.size() == mesh.colors.size(), "write_mesh: expected one colour per vertex");
-  require(is_mesh_file(path), "write_mesh: expected .ply, .obj, .glb or .stl");
+  require(is_mesh_file(path), "write_mesh: the extension is not supported");
   const FileMesh file{mesh, frame, vertex_normals(mesh)};
   if (path.extension() == ".ply") return write_file(path, ply_bytes(file));
   if (path.extension() == ".obj") return write_file(path, obj_text(file));

@@ -3,11 +3,15 @@
 // .glb) and STL (binary, without colours).
 
 #include <filesystem>
+#include <string_view>
 
 #include "kinloop/dense/mesh/colored_mesh.hpp"
 #include "kinloop/io/file_frame.hpp"
 
 namespace kinloop {
+
+/// The extensions that `write_mesh` supports, for messages.
+inline constexpr std::string_view kMeshExtensions = ".ply, .obj, .glb or .stl";
 
 /// Returns whether `write_mesh` supports the extension of this name.
 bool is_mesh_file(const std::filesystem::path& path);

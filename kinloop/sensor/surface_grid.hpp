@@ -67,7 +67,12 @@ struct SurfaceAgreement {
   int contradicted = 0;
   int occluded = 0;
 
+  static constexpr int kMinPoints = 200;  ///< in both views; fewer decide nothing
+
   SurfaceAgreement& operator+=(const SurfaceAgreement& other);
+
+  /// Whether enough points are visible to decide on the pose.
+  [[nodiscard]] bool decides() const { return consistent + contradicted >= kMinPoints; }
 
   /// Share of the visible points that contradict the pose; 0 if there are none.
   [[nodiscard]] double contradicted_share() const;

@@ -19,6 +19,12 @@ constexpr double kDefaultTurnRate_rad_s = 1.0;
 
 }  // namespace
 
+bool exceeds_hand_motion(double off_m, double interval_s, double baseline_s) {
+  // One pose that is 5 cm off is 10 cm off the line of its neighbours.
+  constexpr double kTolerance_m = 0.1, kMaxAcceleration_m_s2 = 10;
+  return off_m > kTolerance_m + kMaxAcceleration_m_s2 * interval_s * std::max(interval_s, baseline_s);
+}
+
 Velocity MotionModel::velocity_of(const SE3& T_previous_current, int64_t duration_ns) const {
   if (duration_ns < kMinVelocityInterval_ns) return velocity();
   Velocity measured = velocity_of_twist(T_previous_current.log(), to_seconds(duration_ns));

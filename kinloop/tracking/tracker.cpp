@@ -217,14 +217,12 @@ bool Tracker::continues_previous(const Frame& frame) const {
 /// Whether a pose is farther from the predicted one than a hand moves a camera, on few landmarks. Where depth
 /// comes back, a jump may be right.
 bool Tracker::jumps(const TrackedFrame& tracked, const Frame& frame) const {
-  constexpr double kMaxAcceleration_m_s2 = 10, kTolerance_m = 0.1;
   const auto sees_depth = [](const Frame& seen) { return seen.surfaces && has_depth(*seen.surfaces); };
   if (!sees_depth(frame) || !sees_depth(*previous_->frame)) return false;
   const double interval_s = to_seconds(tracked.stamp_ns - previous_->stamp_ns);
   const double off_m =
       (tracked.T_reference_camera.translation - predict(tracked.stamp_ns).T.translation).norm();
-  return off_m > kTolerance_m + kMaxAcceleration_m_s2 * interval_s * interval_s &&
-         !is_confident(tracked, *frame.features);
+  return exceeds_hand_motion(off_m, interval_s, interval_s) && !is_confident(tracked, *frame.features);
 }
 
 /// Whether surfaces contradict a pose found relative to the local map.

@@ -31,7 +31,7 @@ void save_cloud(const PyCloud& cloud, const std::filesystem::path& path) {
 
 void save_mesh(const PyMesh& mesh, const std::filesystem::path& path) {
   if (!is_mesh_file(path))
-    throw UsageError(fmt::format("{}: the name must end in .ply, .obj, .glb or .stl", path.string()));
+    throw UsageError(fmt::format("{}: the name must end in {}", path.string(), kMeshExtensions));
   write_mesh(path, mesh.mesh, mesh.frame);
 }
 

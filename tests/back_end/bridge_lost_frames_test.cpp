@@ -4,30 +4,14 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/core/time.hpp"
-#include "kinloop/features/features.hpp"
+#include "tests/back_end/steady_log.hpp"
 
 namespace kinloop {
 namespace {
 
-/// A camera at 30 Hz that moves by 0.6 m/s along x.
-class LostFrames : public testing::Test {
+class LostFrames : public test::SteadyLog {
  protected:
-  LostFrames() {
-    const auto features = std::make_shared<const Features>();
-    map_.add_keyframe(FrameId{0}, 0, SE3(), features, 0);
-    map_.add_keyframe(FrameId{1}, 1, SE3(), features, 1);  // of another component
-    for (uint32_t i = 0; i < 120; ++i) {
-      TrackedFrame& entry = log_.emplace_back();
-      entry.id = FrameId{i};
-      entry.stamp_ns = int64_t{i} * kNsPerSecond / 30;
-      entry.outcome = TrackingOutcome::kTracked;
-      entry.reference = KeyframeId{0};
-      entry.T_reference_camera.translation.x() = x_m(i);
-    }
-  }
-
-  static double x_m(size_t frame) { return 0.02 * static_cast<double>(frame); }
+  LostFrames() : SteadyLog(120) {}
 
   void lose(size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -40,9 +24,6 @@ class LostFrames : public testing::Test {
     return static_cast<size_t>(
         std::count_if(log_.begin(), log_.end(), [](const TrackedFrame& entry) { return entry.is_lost(); }));
   }
-
-  Map map_;
-  FrameLog log_;
 };
 
 TEST_F(LostFrames, BetweenGoodOnesAreBridgedInDoubt) {

@@ -4,28 +4,15 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/core/time.hpp"
-#include "kinloop/features/features.hpp"
+#include "tests/back_end/steady_log.hpp"
 
 namespace kinloop {
 namespace {
 
-/// A camera at 30 Hz that moves by 0.6 m/s along x.
-class Doubt : public testing::Test {
+class Doubt : public test::SteadyLog {
  protected:
-  Doubt() {
-    const auto features = std::make_shared<const Features>();
-    map_.add_keyframe(FrameId{0}, 0, SE3(), features, 0);
-    map_.add_keyframe(FrameId{1}, 1, SE3(), features, 1);  // of another component
-    for (uint32_t i = 0; i < 180; ++i) {
-      TrackedFrame& entry = log_.emplace_back();
-      entry.id = FrameId{i};
-      entry.stamp_ns = int64_t{i} * kNsPerSecond / 30;
-      entry.outcome = TrackingOutcome::kTracked;
-      entry.reference = KeyframeId{0};
-      entry.T_reference_camera.translation.x() = 0.02 * i;
-      entry.evidence.surfaces = {2000, 20, 0};
-    }
+  Doubt() : SteadyLog(180) {
+    for (TrackedFrame& entry : log_) entry.evidence.surfaces = {2000, 20, 0};
   }
 
   void contradict(size_t begin, size_t end) {
@@ -41,9 +28,6 @@ class Doubt : public testing::Test {
     }
     return found;
   }
-
-  Map map_;
-  FrameLog log_;
 };
 
 TEST_F(Doubt, IsNotRaisedByASteadyMotion) {

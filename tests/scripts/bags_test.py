@@ -7,11 +7,12 @@ Usage: bags_test.py KINLOOP      skipped (77) without them; scripts/install_test
 import io
 import json
 import struct
-import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+
+from program import kinloop
 
 try:
     import mcap.reader
@@ -25,19 +26,11 @@ except ImportError as error:
     print(f"skipped: {error}; see scripts/install_test_packages.sh")
     sys.exit(77)
 
-KINLOOP = sys.argv[1]
 WIDTH, HEIGHT, FRAMES = 64, 48, 6
 BEGIN_NS, PERIOD_NS = 1_700_000_000_000_000_000, 33_333_333
 COLOR, DEPTH, INFO = "/camera/color/image_raw", "/camera/aligned_depth_to_color/image_raw", "/camera/color/camera_info"
 IMAGE_TYPE, INFO_TYPE = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
 FOCAL_PX, CENTER_PX = 60.0, (31.5, 23.5)
-
-
-def kinloop(*arguments):
-    done = subprocess.run([KINLOOP, *map(str, arguments)], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"kinloop {' '.join(map(str, arguments))}\n{done.stdout}{done.stderr}")
-    return done.stdout
 
 
 def stamp_ns(i):

@@ -5,11 +5,12 @@ Usage: colmap_test.py KINLOOP SHARED_DATA      skipped (77) without pycolmap, wh
 installs. SHARED_DATA is not used.
 """
 
-import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+
+from program import kinloop
 
 try:
     import numpy as np
@@ -18,17 +19,10 @@ except ImportError as error:
     print(f"skipped: {error}; see scripts/install_test_packages.sh")
     sys.exit(77)
 
-KINLOOP = sys.argv[1]
 FRAMES, WIDTH, HEIGHT = 40, 320, 240
 SMALL = ("--set", f"sim.frames={FRAMES}", "--set", f"sim.width={WIDTH}", "--set", f"sim.height={HEIGHT}")
 IMAGES, CLOUD_POINTS = 30, 2000
 MAX_ERROR_PX = 4  # of kinloop's observations
-
-
-def kinloop(*arguments):
-    done = subprocess.run([KINLOOP, *map(str, arguments)], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"kinloop {' '.join(map(str, arguments))}\n{done.stderr}")
 
 
 def poses_of(file):

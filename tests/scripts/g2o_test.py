@@ -6,11 +6,12 @@ Usage: g2o_test.py KINLOOP SHARED_DATA      skipped (77) without g2opy, which sc
 """
 
 import json
-import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+
+from program import kinloop
 
 try:
     import g2opy as g2o
@@ -19,19 +20,12 @@ except ImportError as error:
     print(f"skipped: {error}; see scripts/install_test_packages.sh")
     sys.exit(77)
 
-KINLOOP, GRAPHS = sys.argv[1], Path(sys.argv[2]) / "pose_graphs"
+GRAPHS = Path(sys.argv[2]) / "pose_graphs"
 # Those that g2o's solver for Eigen takes at most seconds for.
 STANDARD = ("intel", "MIT", "smallGrid3D")
 FAR_STARTS = ("MIT",)  # from the poses in the file, g2o ends at a chi2 of 526.3; from its spanning tree at the best, 41.2
 CHI2_TOLERANCE = 1e-6  # relative; files have six digits, and g2o takes the quaternions of vertices as printed
 POSE_TOLERANCE = 2e-3  # m and rad, after steps that gain less than 1e-9 of chi2
-
-
-def kinloop(*arguments):
-    done = subprocess.run([KINLOOP, *map(str, arguments)], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"kinloop {' '.join(map(str, arguments))}\n{done.stderr}")
-    return done.stdout
 
 
 def solvers():

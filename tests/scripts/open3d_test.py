@@ -6,11 +6,12 @@ installs. SHARED_DATA is not used.
 """
 
 import json
-import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+
+from program import kinloop
 
 try:
     import numpy as np
@@ -19,16 +20,9 @@ except ImportError as error:
     print(f"skipped: {error}; see scripts/install_test_packages.sh")
     sys.exit(77)
 
-KINLOOP = sys.argv[1]
 SMALL = ("--set", "sim.frames=40", "--set", "sim.width=320", "--set", "sim.height=240")
 ROUNDED_M = 1e-4  # of text files
 MAX_MEDIAN_M, MAX_95_M = 0.015, 0.06  # voxels of 10 mm, single depth images against their fusion
-
-
-def kinloop(*arguments):
-    done = subprocess.run([KINLOOP, *map(str, arguments)], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(f"kinloop {' '.join(map(str, arguments))}\n{done.stderr}")
 
 
 def cloud_of_images(folder):

@@ -5,7 +5,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/core/errors.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/cloud/point_colors.hpp"
 #include "kinloop/dense/mesh/simplify_mesh.hpp"
@@ -73,12 +72,6 @@ void for_each_view(const ImageStore& images, std::span<const PosedImage> views, 
   }
 }
 
-void require_simplification(const MeshOptions& options) {
-  if ((options.triangles > 0 || options.manifold) && !mesh_simplification_available())
-    throw UsageError(
-        "mesh.triangles, mesh.manifold: this build has no CGAL; install libcgal-dev and rebuild kinloop");
-}
-
 ColoredMesh simplified_as_asked(const ColoredMesh& mesh, const MeshOptions& options) {
   if (options.triangles > 0) return simplified_mesh(mesh, static_cast<size_t>(options.triangles));
   return options.manifold ? manifold_mesh(mesh) : mesh;
@@ -91,7 +84,7 @@ ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImag
                              const Progress& progress) {
   validate(options, "mesh.");
   validate(options.limits, "mesh.");
-  require_simplification(options);
+  if (options.triangles > 0 || options.manifold) require_mesh_simplification();
   TsdfVolume volume(camera, options);
   // Two passes over the images, so that earlier views can also carve away what later ones saw only briefly.
   for_each_view(images, views, camera, options, threads, [&](size_t, const UndistortedDepth& view) {

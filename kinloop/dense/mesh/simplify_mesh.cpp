@@ -101,26 +101,31 @@ ColoredMesh simplified_mesh(const ColoredMesh& mesh, size_t max_triangles) {
 #else
 
 namespace kinloop {
-namespace {
-
-[[noreturn]] void throw_without_cgal() {
-  throw UsageError("simplified meshes: this build has no CGAL; install libcgal-dev and rebuild kinloop");
-}
-
-}  // namespace
 
 bool mesh_simplification_available() {
   return false;
 }
 
 ColoredMesh manifold_mesh(const ColoredMesh&) {
-  throw_without_cgal();
+  require_mesh_simplification();
+  return {};
 }
 
 ColoredMesh simplified_mesh(const ColoredMesh&, size_t) {
-  throw_without_cgal();
+  require_mesh_simplification();
+  return {};
 }
 
 }  // namespace kinloop
 
 #endif
+
+namespace kinloop {
+
+void require_mesh_simplification() {
+  if (!mesh_simplification_available())
+    throw UsageError(
+        "mesh.triangles, mesh.manifold: this build has no CGAL; install libcgal-dev and rebuild kinloop");
+}
+
+}  // namespace kinloop

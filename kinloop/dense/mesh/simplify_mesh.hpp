@@ -11,6 +11,9 @@ namespace kinloop {
 /// Returns whether this build has CGAL.
 bool mesh_simplification_available();
 
+/// Throws UsageError, which names the options and the remedy, if it has not.
+void require_mesh_simplification();
+
 /// Returns the mesh as a manifold with borders, without colours: an edge has at most two triangles, which
 /// agree on the free side, and the triangles around a vertex form one fan. Vertices where surfaces only touch
 /// are duplicated; triangles that are degenerate or appear twice are left out. Throws UsageError if the build

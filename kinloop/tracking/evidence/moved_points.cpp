@@ -48,7 +48,7 @@ cv::Mat no_points(const SurfaceGrid& surfaces) {
 /// The points of a view on surfaces that have left: the frame sees through a part of them. Something that
 /// moves along its own surface, as a block or a back does, is mostly found where it was. Empty if there are
 /// none.
-cv::Mat left_points(const SurfaceView& view, const SurfaceGrid& frame) {
+cv::Mat departed_points(const SurfaceView& view, const SurfaceGrid& frame) {
   // More is a wall before which the pose or the depth is wrong.
   constexpr int kMaxGrowth = 8;
   constexpr double kMaxShare = 0.5;
@@ -60,10 +60,10 @@ cv::Mat left_points(const SurfaceView& view, const SurfaceGrid& frame) {
   gone = large_regions(gone, kMinRegion);
   const int count = cv::countNonZero(gone);
   if (count == 0) return {};
-  cv::Mat left = gone.clone();
-  extend(left, no_points(*view.surfaces), *view.surfaces);
-  const bool is_wall = cv::countNonZero(left) > kMaxGrowth * count || marked_share(left) > kMaxShare;
-  return is_wall ? cv::Mat() : left;
+  cv::Mat departed = gone.clone();
+  extend(departed, no_points(*view.surfaces), *view.surfaces);
+  const bool is_wall = cv::countNonZero(departed) > kMaxGrowth * count || marked_share(departed) > kMaxShare;
+  return is_wall ? cv::Mat() : departed;
 }
 
 /// How many views contradict each point, and how many find it where it is.
@@ -74,8 +74,8 @@ struct Votes {
 void add_votes(const SurfaceGrid& surfaces, const SurfaceView& view, Votes& votes) {
   const auto states = states_in_view(surfaces, *view.surfaces, view.T_view_frame);
   auto states_at_rest = states;  // in what has not left
-  if (const cv::Mat left = left_points(view, surfaces); !left.empty())
-    states_at_rest = states_in_view(surfaces, without_points(*view.surfaces, left), view.T_view_frame);
+  if (const cv::Mat departed = departed_points(view, surfaces); !departed.empty())
+    states_at_rest = states_in_view(surfaces, without_points(*view.surfaces, departed), view.T_view_frame);
   for (size_t i = 0; i < states.size(); ++i) {
     const bool consistent = states[i] == PointState::kConsistent;
     const bool at_rest = states_at_rest[i] == PointState::kConsistent;

@@ -5,14 +5,11 @@
 namespace kinloop {
 namespace {
 
-constexpr int kMinPoints = 200;  // in both views; fewer decide nothing
-
 /// Fewer may be those of something that moves: in ten recordings and rooms without, 51 are the least.
 constexpr int kMinLandmarks = 15;
 
 bool is_above(const SurfaceAgreement& agreement, double max_contradicted_share) {
-  return agreement.consistent + agreement.contradicted >= kMinPoints &&
-         agreement.contradicted_share() > max_contradicted_share;
+  return agreement.decides() && agreement.contradicted_share() > max_contradicted_share;
 }
 
 /// Share of the points that may be contradicted where a camera with a rolling shutter and delayed depth
@@ -66,7 +63,7 @@ bool is_doubtful(const TrackedFrame& tracked) {
 bool lacks_scale(const TrackedFrame& tracked, bool lacked_before) {
   if (tracked.evidence.with_depth >= kMinLandmarks) return false;
   // Where a RealSense sees windows, 350 points or more are consistent.
-  const bool surfaces_hold_it = tracked.evidence.surfaces.consistent >= kMinPoints;
+  const bool surfaces_hold_it = tracked.evidence.surfaces.consistent >= SurfaceAgreement::kMinPoints;
   return lacked_before || (tracked.method != TrackingMethod::kDense && !surfaces_hold_it);
 }
 
