@@ -16,7 +16,19 @@ void FrameRecorder::on_frame(const TrackedFrame& tracked) {
   const size_t frame = feature_counts_.size();
   feature_counts_.push_back(static_cast<int>(tracked.features().size()));
   if (tracked.is_lost() || tracked.doubtful) return;
-  live_poses_.push_back({frame, {tracked.stamp_ns, tracked.T_world_camera, tracked.world_covariance}});
+  std::optional<uint32_t> component;
+  if (tracked.reference.value < component_of_.size()) component = component_of_[tracked.reference.value];
+  live_poses_.push_back({frame,
+                         tracked.reference,
+                         component,
+                         {tracked.stamp_ns, tracked.T_world_camera, tracked.world_covariance}});
+}
+
+void FrameRecorder::on_map(const Map& map) {
+  component_of_.clear();
+  for (const Keyframe& keyframe : map.keyframes()) component_of_.push_back(keyframe.component);
+  if (!live_poses_.empty() && !live_poses_.back().component)
+    live_poses_.back().component = component_of_[live_poses_.back().reference.value];
 }
 
 FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings& times) const {
@@ -36,7 +48,9 @@ std::vector<PoseWithCovariance> FrameRecorder::live_poses(std::span<const Tracke
   const uint32_t component = main_component(log, map);
   std::vector<PoseWithCovariance> poses;
   for (const LivePose& live : live_poses_) {
-    if (live.frame < log.size() && is_tracked_in(component, log[live.frame], map)) poses.push_back(live.pose);
+    if (live.frame < log.size() && live.component == component &&
+        is_tracked_in(component, log[live.frame], map))
+      poses.push_back(live.pose);
   }
   return poses;
 }

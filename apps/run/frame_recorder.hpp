@@ -1,6 +1,7 @@
 #pragma once
 // In: the frames of a run. Out: the rows of frames.txt, and the poses of live.txt.
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,14 +20,14 @@ const char* frame_status(const TrackedFrame& tracked);
 class FrameRecorder : public Listener {
  public:
   void on_frame(const TrackedFrame& tracked) override;
-  void on_map(const Map&) override {}
+  void on_map(const Map& map) override;
 
   /// Returns the rows, with the time of each frame. `log` has the same frames.
   [[nodiscard]] FrameTable table(std::span<const TrackedFrame> log, const Timings& times) const;
 
   /// Returns the poses that tracking gave, each in the map as it was then, with their covariances. Frames
-  /// that were lost or doubtful are left out, and those of other components than the main one, whose world
-  /// frames are their own. `log` has the same frames.
+  /// that were lost or doubtful are left out, and those that were in other components than the main one then,
+  /// whose world frames are their own. `log` has the same frames.
   [[nodiscard]] std::vector<PoseWithCovariance> live_poses(std::span<const TrackedFrame> log,
                                                            const Map& map) const;
 
@@ -34,11 +35,14 @@ class FrameRecorder : public Listener {
   /// A pose as tracking gave it.
   struct LivePose {
     size_t frame;  // index in the log
+    KeyframeId reference;
+    std::optional<uint32_t> component;  // of the reference then; a new one is not known before `on_map`
     PoseWithCovariance pose;
   };
 
   std::vector<int> feature_counts_;  // the log drops the features
   std::vector<LivePose> live_poses_;
+  std::vector<uint32_t> component_of_;  // by keyframe
 };
 
 }  // namespace kinloop

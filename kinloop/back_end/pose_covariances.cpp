@@ -26,13 +26,6 @@ std::vector<Matrix6d> keyframe_scatter(const FrameLog& log, const std::vector<Ma
   return of_keyframe;
 }
 
-/// What an error of the scale does to a pose, in the axes of the pose.
-Matrix6d of_scale(const SE3& T_first_pose, double scale_sigma) {
-  Vector6d off = Vector6d::Zero();
-  off.head<3>() = scale_sigma * (T_first_pose.rotation.conjugate() * T_first_pose.translation);
-  return off * off.transpose();
-}
-
 }  // namespace
 
 PoseCovariances pose_covariances(const FrameLog& log, const Map& map,
@@ -47,7 +40,8 @@ PoseCovariances pose_covariances(const FrameLog& log, const Map& map,
   const auto since_first = [&](KeyframeId id, const SE3& T_world_camera) -> Matrix6d {
     const KeyframeId from = first[map.keyframe(id).component];
     const SE3 T_first_camera = map.keyframe(from).T_world_camera.inverse() * T_world_camera;
-    return transported(of_keyframe[from.value], T_first_camera) + of_scale(T_first_camera, scale_sigma);
+    return transported(of_keyframe[from.value], T_first_camera) +
+           covariance_of_scale(T_first_camera, scale_sigma);
   };
 
   PoseCovariances all;

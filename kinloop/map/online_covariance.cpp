@@ -21,18 +21,38 @@ Matrix6d transported(const Matrix6d& covariance_of_T_a_b, const SE3& T_b_c) {
   return adjoint * covariance_of_T_a_b * adjoint.transpose();
 }
 
+Matrix6d covariance_of_scale(const SE3& T_first_pose, double scale_sigma) {
+  Vector6d off = Vector6d::Zero();
+  off.head<3>() = scale_sigma * (T_first_pose.rotation.conjugate() * T_first_pose.translation);
+  return off * off.transpose();
+}
+
 Matrix6d OnlineCovariance::add(const TrackedFrame& tracked) {
   add_to_scatter(tracked);
   if (tracked.is_lost()) return Matrix6d::Zero();
-  const auto slot = [this](KeyframeId id) -> Matrix6d& {
-    if (keyframes_.size() <= id.value) keyframes_.resize(id.value + 1, Matrix6d::Zero());
-    return keyframes_[id.value];
+  const auto make_room_for = [this](KeyframeId id) {
+    if (id.value < keyframes_.size()) return;
+    keyframes_.resize(id.value + 1, Matrix6d::Zero());
+    T_world_first_.resize(id.value + 1);
   };
-  if (tracked.outcome == TrackingOutcome::kNewMap) return Matrix6d::Zero();
-  const Matrix6d of_reference = transported(slot(tracked.reference), tracked.T_reference_camera);
-  if (tracked.keyframe.valid()) slot(tracked.keyframe) = of_reference + kDriftFactor * tracked.covariance;
+  const KeyframeId reference = tracked.reference, keyframe = tracked.keyframe;
+  make_room_for(reference);
+  if (keyframe.valid()) make_room_for(keyframe);
+  if (tracked.outcome == TrackingOutcome::kNewMap) {
+    T_world_first_[keyframe.value] = tracked.T_world_camera;
+    return Matrix6d::Zero();
+  }
+  const std::optional<SE3> T_world_first = T_world_first_[reference.value];
+  const Matrix6d of_reference = transported(keyframes_[reference.value], tracked.T_reference_camera);
+  if (keyframe.valid()) {
+    keyframes_[keyframe.value] = of_reference + kDriftFactor * tracked.covariance;
+    T_world_first_[keyframe.value] = T_world_first;
+  }
   if (tracked.covariance.isZero(0)) return Matrix6d::Zero();
-  return of_reference + tracked.covariance + scatter_;
+  Matrix6d covariance = of_reference + tracked.covariance + scatter_;
+  if (T_world_first)
+    covariance += covariance_of_scale(T_world_first->inverse() * tracked.T_world_camera, scale_sigma_);
+  return covariance;
 }
 
 void OnlineCovariance::add_to_scatter(const TrackedFrame& tracked) {

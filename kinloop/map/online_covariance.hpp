@@ -2,6 +2,7 @@
 // In: frames as they are tracked. Out: the covariance of each pose in the map of that moment.
 
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "kinloop/geometry/trajectory.hpp"
@@ -13,6 +14,10 @@ namespace kinloop {
 /// c.
 Matrix6d transported(const Matrix6d& covariance_of_T_a_b, const SE3& T_b_c);
 
+/// Returns the covariance that an error of the scale of all depths (1 sigma, relative) causes, of x in the
+/// axes of the pose: it grows with the distance.
+Matrix6d covariance_of_scale(const SE3& T_first_pose, double scale_sigma);
+
 /// The covariances of the poses of a run, as they are known at each frame.
 ///
 /// A keyframe inherits the covariance of the keyframe that it was tracked against, and adds its own. So it
@@ -20,6 +25,9 @@ Matrix6d transported(const Matrix6d& covariance_of_T_a_b, const SE3& T_b_c);
 /// an old one. Corrections of the map are not followed: after a loop it is an upper bound.
 class OnlineCovariance {
  public:
+  /// `scale_sigma` is the relative error of the scale of all depths, 1 sigma.
+  explicit OnlineCovariance(double scale_sigma = 0) : scale_sigma_(scale_sigma) {}
+
   /// Returns the covariance of x = (translation [m]; rotation [rad]), where the true pose is T_world_camera *
   /// exp(x), relative to the keyframe that started the component. Zero if unknown. Call once a frame.
   Matrix6d add(const TrackedFrame& tracked);
@@ -31,10 +39,12 @@ class OnlineCovariance {
  private:
   void add_to_scatter(const TrackedFrame& tracked);
 
+  double scale_sigma_;
   std::vector<Matrix6d> keyframes_;
-  std::deque<StampedPose> latest_;       // at most three
-  Matrix6d scatter_ = Matrix6d::Zero();  // see pose_scatter, of the frames until now
-  double frames_ = 0;                    // that it is averaged over
+  std::vector<std::optional<SE3>> T_world_first_;  // of the component, by keyframe; none for loaded maps
+  std::deque<StampedPose> latest_;                 // at most three
+  Matrix6d scatter_ = Matrix6d::Zero();            // see pose_scatter, of the frames until now
+  double frames_ = 0;                              // that it is averaged over
 };
 
 }  // namespace kinloop

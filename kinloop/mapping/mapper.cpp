@@ -66,4 +66,21 @@ KeyframeId Mapper::insert(Map& map, const TrackedFrame& tracked, const Sensor& s
   return id;
 }
 
+void Mapper::compensate_first(Map& map, KeyframeId id, const Velocity& velocity, const Sensor& sensor) const {
+  const auto features =
+      std::make_shared<const Features>(deskew_features(*map.keyframe(id).features, sensor, velocity));
+  MapUpdate update;
+  update.newest_keyframe = id;
+  update.epoch = map.epoch();
+  for (uint32_t i = 0; i < features->size(); ++i) {
+    const LandmarkId landmark = map.keyframe(id).landmark_of[i];
+    const auto depth_m = static_cast<double>(features->depths_m[i]);
+    if (!landmark.valid() || !(depth_m > 0)) continue;
+    const Eigen::Vector3d p_camera = sensor.camera.unproject(features->pixels[i].cast<double>(), depth_m);
+    update.p_world.emplace_back(landmark, map.keyframe(id).T_world_camera * p_camera);
+  }
+  map.set_features(id, features);
+  map.apply(update);
+}
+
 }  // namespace kinloop

@@ -23,6 +23,10 @@ class Mapper {
   /// landmarks. The keypoints of the frame must be matched.
   KeyframeId insert(Map& map, const TrackedFrame& tracked, const Sensor& sensor) const;
 
+  /// Compensates the first keyframe of a map for its motion, once that is known, and moves its landmarks
+  /// along. No other keyframe may observe them yet.
+  void compensate_first(Map& map, KeyframeId id, const Velocity& velocity, const Sensor& sensor) const;
+
  private:
   void refine_observations(Map& map, KeyframeId id, const LocalMap& before, const TrackedFrame& tracked,
                            const Sensor& sensor) const;

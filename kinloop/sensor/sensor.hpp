@@ -22,8 +22,8 @@ struct Sensor {
   SensorVector corrections = SensorVector::Zero();  ///< deviation from `camera`; zero is an ideal sensor
 };
 
-/// Returns the sensor of camera.yaml: its corrections are the nominal times. The depth image is assumed to
-/// have the readout time of the colour image.
+/// Returns the sensor of camera.yaml: its corrections are the nominal times. Depth by structured light is
+/// assumed to have the readout time of the colour image; that by time of flight or stereo is of one moment.
 Sensor make_sensor(const RgbdCamera& camera, const NoiseOptions& noise = {});
 
 /// Returns the sensor of motion-compensated measurements: the same camera and noise, without corrections.

@@ -59,7 +59,8 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
       relocalizer_([this](const Frame& frame) { return places_.relocalize(frame, map_); }),
       mapper_(mapper_options(options_)),
       places_(sensor(), place_options(options_), std::move(vocabulary)),
-      back_end_(map_, sensor(), back_end_options(options_)) {}
+      back_end_(map_, sensor(), back_end_options(options_)),
+      online_covariance_(depth_scale_sigma(camera.sensor.kind)) {}
 
 TrackedFrame Slam::process(const Frame& frame) {
   if (!is_prepared(frame)) return process(front_end_.prepare(frame));
@@ -70,7 +71,9 @@ TrackedFrame Slam::process(const Frame& frame) {
   submit_jobs(frame.id);
 
   const Frame usable = without_fixed_region(with_steady_depth(frame));
-  TrackedFrame tracked = tracker_.track(usable, {map_, sensor(), relocalizer_});
+  const TrackingContext context{map_, sensor(), relocalizer_};
+  TrackedFrame tracked = tracker_.track(usable, context);
+  if (compensates_first(tracked)) tracked = tracker_.track(usable, context);
   add_input_evidence(tracked);
   if (auto selected = select_keyframe(tracked)) {
     tracked = *std::move(selected);
@@ -115,6 +118,18 @@ void Slam::add_input_evidence(TrackedFrame& tracked) const {
 void Slam::doubt_repeats() {
   for (size_t i = log_.size(); i-- > earlier_.frame_count && log_[i].is_repeat() && !log_[i].doubtful;)
     log_[i].doubtful = true;
+}
+
+/// The frame that starts a map is compensated for its motion when the next one tells it; true if that changes
+/// the map.
+bool Slam::compensates_first(const TrackedFrame& second) {
+  const TrackedFrame* first = tracker_.previous();
+  const bool known = second.is_located() && !second.is_repeat() && !second.doubtful && first != nullptr &&
+                     first->outcome == TrackingOutcome::kNewMap && !second.velocity.vector().isZero(0);
+  if (!known || !needs_deskewing(*map_.keyframe(first->keyframe).features, sensor())) return false;
+  mapper_.compensate_first(map_, first->keyframe, second.velocity, sensor());
+  tracker_.set_first_velocity(second.velocity, second.stamp_ns - first->stamp_ns, map_);
+  return true;
 }
 
 /// Returns the frame with all of its keypoints if it should become a keyframe.

@@ -359,6 +359,15 @@ void Tracker::update(const Map& map, KeyframeId reference) {
   local_map_ = make_local_map(map, reference, options_.local_map);
 }
 
+void Tracker::set_first_velocity(const Velocity& velocity, int64_t interval_ns, const Map& map) {
+  Frame frame = *previous_->frame;
+  frame.features = map.keyframe(previous_->keyframe).features;
+  previous_->frame = std::make_shared<const Frame>(std::move(frame));
+  previous_->velocity = velocity;
+  motion_.update(velocity, interval_ns);
+  update(map, previous_->keyframe);
+}
+
 void Tracker::reset() {
   previous_.reset();
   local_map_ = {};

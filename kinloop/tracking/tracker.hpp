@@ -50,6 +50,10 @@ class Tracker {
   /// around the keyframe that shares most landmarks with it.
   void update(const TrackedFrame& latest, const Map& map);
 
+  /// Tells the velocity of the previous frame, which has started a map, once it is known; `map` is
+  /// compensated for it.
+  void set_first_velocity(const Velocity& velocity, int64_t interval_ns, const Map& map);
+
   /// Rebuilds the local map around `reference`. Call after each change of the map.
   void update(const Map& map, KeyframeId reference);
 

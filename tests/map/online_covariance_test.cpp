@@ -49,6 +49,19 @@ TEST(OnlineCovariance, AnAngleMovesWhatIsFarAway) {
   EXPECT_EQ(position_sigma_m(turned), 0);
 }
 
+TEST(OnlineCovariance, AnErrorOfTheScaleGrowsWithTheDistanceFromTheFirstKeyframe) {
+  OnlineCovariance exact, scaled(0.01);
+  for (OnlineCovariance* covariance : {&exact, &scaled}) covariance->add(first_frame());
+  TrackedFrame far = tracked(KeyframeId{0}, KeyframeId{1});
+  far.T_world_camera.translation.z() = 4;
+  exact.add(far), scaled.add(far);
+  TrackedFrame farther = tracked(KeyframeId{1});
+  farther.T_world_camera.translation.z() = 5;
+  const Matrix6d difference = scaled.add(farther) - exact.add(farther);
+  EXPECT_NEAR(std::sqrt(difference(2, 2)), 0.05, 1e-9);
+  EXPECT_NEAR(difference.norm(), difference(2, 2), 1e-12);
+}
+
 TEST(OnlineCovariance, IsZeroIfUnknownOrLost) {
   OnlineCovariance covariance;
   covariance.add(first_frame());

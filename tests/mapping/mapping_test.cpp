@@ -2,6 +2,7 @@
 
 #include "kinloop/mapping/bundle_adjustment.hpp"
 #include "kinloop/mapping/landmark_creation.hpp"
+#include "kinloop/mapping/mapper.hpp"
 #include "tests/support/synthetic_map.hpp"
 
 namespace kinloop {
@@ -35,6 +36,32 @@ TEST(LandmarkCreation, CreatesLandmarksFromDepth) {
   EXPECT_EQ(grown, expected);
   // Each keypoint gets only one landmark.
   EXPECT_EQ(create_landmarks_from_depth(map, id, world().camera, options, {}), 0);
+  map.check_invariants();
+}
+
+/// A camera that moves to the right reads its lower rows later, when everything has moved to the left.
+TEST(Mapper, CompensatingTheFirstKeyframeMovesItsLandmarks) {
+  const auto view = test::observe(world(), SE3{}, {}, 2);
+  Map map;
+  const KeyframeId id = map.add_keyframe(FrameId{0}, 0, SE3{}, view.features);
+  create_landmarks_from_depth(map, id, world().camera, {}, {});
+  const auto before = map.data();
+  Sensor sensor = test::sensor_of(world().camera);
+  sensor.corrections(kRollingShutter) = sensor.corrections(kDepthShutter) = 0.03;
+  const Velocity to_the_right{Eigen::Vector3d::UnitX(), Eigen::Vector3d::Zero()};
+  Mapper({}).compensate_first(map, id, to_the_right, sensor);
+  int lower = 0;
+  for (uint32_t i = 0; i < view.features->size(); ++i) {
+    const LandmarkId landmark = map.keyframe(id).landmark_of[i];
+    if (!landmark.valid()) continue;
+    const double row =
+        static_cast<double>(view.features->measured_pixels[i].y()) / world().camera.height - 0.5;
+    const double moved_m = map.p_world(landmark).x() - before.landmarks[landmark.value]->p_anchor.x();
+    EXPECT_NEAR(moved_m, 0.03 * row, 1e-3);
+    lower += row > 0.25 ? 1 : 0;
+  }
+  EXPECT_GT(lower, 10);
+  EXPECT_EQ(map.landmark_count(), before.landmarks.size());
   map.check_invariants();
 }
 

@@ -63,6 +63,7 @@ TEST(FrameRecorder, LivePosesAreThoseThatTrackingGaveInTheMainComponent) {
     frame.T_world_camera.translation.x() = i;
     frame.doubtful = i == 1;
     recorder.on_frame(frame);
+    recorder.on_map(built.map);
     frame.doubtful = false;                      // trusted later
     frame.T_world_camera.translation.x() += 10;  // corrected later
     log.push_back(frame);
@@ -73,6 +74,35 @@ TEST(FrameRecorder, LivePosesAreThoseThatTrackingGaveInTheMainComponent) {
   EXPECT_EQ(live[0].stamp_ns, 0);
   EXPECT_EQ(live[1].stamp_ns, 3);
   EXPECT_EQ(live[1].T_world_camera.translation.x(), 3);
+}
+
+/// Its world frame was another one then.
+TEST(FrameRecorder, LivePosesBeforeTheirComponentWasJoinedAreLeftOut) {
+  Map map;
+  const auto features = std::make_shared<const Features>();
+  map.add_keyframe(FrameId{0}, 0, SE3{}, features, 0);
+  FrameRecorder recorder;
+  std::vector<TrackedFrame> log;
+  const auto add = [&](KeyframeId reference, TrackingOutcome outcome) {
+    TrackedFrame frame = tracked(outcome);
+    frame.stamp_ns = static_cast<int64_t>(log.size());
+    frame.reference = reference;
+    recorder.on_frame(frame);
+    recorder.on_map(map);
+    log.push_back(frame);
+  };
+  add(KeyframeId{0}, TrackingOutcome::kNewMap);
+  add(KeyframeId{0}, TrackingOutcome::kTracked);
+  map.add_keyframe(FrameId{2}, 2, SE3{}, features, 1);
+  add(KeyframeId{1}, TrackingOutcome::kNewMap);
+  add(KeyframeId{1}, TrackingOutcome::kTracked);
+  map.add_loop_closure(
+      {.a = KeyframeId{0}, .b = KeyframeId{1}, .T_a_b = SE3{}, .stage = LoopStage::kVerified});
+  recorder.on_map(map);
+  add(KeyframeId{1}, TrackingOutcome::kTracked);
+  std::vector<int64_t> stamps;
+  for (const PoseWithCovariance& pose : recorder.live_poses(log, map)) stamps.push_back(pose.stamp_ns);
+  EXPECT_EQ(stamps, (std::vector<int64_t>{0, 1, 4}));
 }
 
 }  // namespace
