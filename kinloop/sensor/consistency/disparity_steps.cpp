@@ -20,10 +20,11 @@ double bin_per_m(int bin) {
 }  // namespace
 
 void DisparitySteps::add(const cv::Mat& depth_m) {
-  constexpr int kColumns = 40;
-  constexpr size_t kPlenty = 60'000;  // of two seconds at 30 Hz
+  constexpr int kColumns = 40, kFewerRows = 4;
+  constexpr size_t kPlenty = 60'000;  // of two seconds at 30 Hz, perhaps at a single distance
   const int step = std::max(2, depth_m.cols / kColumns);
-  for (int y = step / 2; y < depth_m.rows && pairs_ < kPlenty; y += step) {
+  const int row_step = pairs_ < kPlenty ? step : kFewerRows * step;
+  for (int y = step / 2; y < depth_m.rows; y += row_step) {
     const auto* row = depth_m.ptr<float>(y);
     for (int x = step / 2; x < depth_m.cols; x += step) {
       if (row[x - 1] > 0 && row[x] > 0) add_pair(row[x - 1], row[x]);

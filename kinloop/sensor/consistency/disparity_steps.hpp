@@ -18,7 +18,7 @@ class DisparitySteps {
   /// `unit_m` is the resolution of the depth values.
   explicit DisparitySteps(double unit_m) : unit_m_(unit_m) {}
 
-  /// Adds a depth image, 32FC1 in metres with 0 = unknown, unless enough is known.
+  /// Adds a depth image, 32FC1 in metres with 0 = unknown.
   void add(const cv::Mat& depth_m);
 
   /// Returns k if neighbours differ by k z^2 at several distances z, 1/m; nullopt if they do not, as those of
