@@ -8,6 +8,7 @@
 #include "kinloop/back_end/focal_length.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
+#include "session/path_scale.hpp"
 
 namespace kinloop {
 namespace {
@@ -40,12 +41,15 @@ void InputMonitor::observe(const Frame& frame) {
   keep(std::move(found));
 }
 
-void InputMonitor::finish(const Slam& slam) {
+void InputMonitor::finish(const Slam& slam, const Trajectory& truth) {
   const ScopedTimer timer(timings_, kModule);
   if (std::exchange(finished_, true)) return;
   keep(checker_.finish());
-  if (!warnings_.empty()) return;  // most other faults also contradict the focal length
-  if (auto warning = check_focal_length(slam, camera_)) keep({*std::move(warning)});
+  // Most other faults also contradict the focal length, and a wrong one makes the path larger or smaller.
+  if (!warnings_.empty()) return;
+  if (auto warning = check_focal_length(slam, camera_.color)) return keep({*std::move(warning)});
+  if (auto warning = check_path_scale(slam.trajectory(), truth, camera_.depth_scale))
+    keep({*std::move(warning)});
 }
 
 void InputMonitor::keep(std::vector<InputWarning> found) {

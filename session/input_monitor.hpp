@@ -12,13 +12,14 @@ namespace kinloop {
 /// Checks the frames of a run, logs each warning once and keeps it.
 class InputMonitor {
  public:
-  explicit InputMonitor(const RgbdCamera& camera) : camera_(camera.color), checker_(camera) {}
+  explicit InputMonitor(const RgbdCamera& camera) : camera_(camera), checker_(camera) {}
 
   /// Adds a frame, as measured. Throws InputError if nothing useful can come of such frames.
   void observe(const Frame& frame);
 
-  /// Ends the frames, after the run has ended; a second call does nothing.
-  void finish(const Slam& slam);
+  /// Ends the frames, after the run has ended; a second call does nothing. `truth` are the poses that came
+  /// with the recording, if any did.
+  void finish(const Slam& slam, const Trajectory& truth);
 
   [[nodiscard]] const std::vector<InputWarning>& warnings() const { return warnings_; }
   [[nodiscard]] const Timings& timings() const { return timings_; }
@@ -26,7 +27,7 @@ class InputMonitor {
  private:
   void keep(std::vector<InputWarning> found);
 
-  PinholeCamera camera_;
+  RgbdCamera camera_;
   InputChecker checker_;
   Timings timings_;
   std::vector<InputWarning> warnings_;

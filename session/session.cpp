@@ -61,7 +61,7 @@ TrackedFrame Session::process(const Frame& frame) {
 const Trajectory& Session::finish(const Progress& progress) {
   pipeline_.reset();
   trajectory_ = slam_.finish(progress);
-  input_.finish(slam_);
+  input_.finish(slam_, source_.info().ground_truth);
   return trajectory_;
 }
 

@@ -78,13 +78,15 @@ std::optional<RgbdCamera> preset_of_lists(const std::filesystem::path& folder) {
 }
 
 /// The camera of a sequence that the user says nothing of.
-GivenCamera camera_found(const std::filesystem::path& path, const RecordedSequence& sequence) {
+GivenCamera camera_found(const std::filesystem::path& path, const std::filesystem::path& given_path,
+                         const RecordedSequence& sequence) {
   std::error_code absent;
   if (const auto file = path / "camera.yaml"; std::filesystem::exists(file, absent))
     return described_camera(read_camera_description(file));
   if (sequence.camera) return *sequence.camera;
   const auto folder = std::filesystem::is_directory(path, absent) ? path : path.parent_path();
-  if (const auto description = find_camera(folder)) return described_camera(*description);
+  if (const auto description = find_camera(folder, given_path.empty() ? folder : given_path))
+    return described_camera(*description);
   if (const auto preset = preset_of_lists(folder)) return *preset;
   reject_without_camera(path, sequence);
 }
@@ -130,8 +132,9 @@ CameraDescription parse_intrinsics(const std::string& text) {
 
 RgbdCamera camera_of_sequence(const std::filesystem::path& path, const RecordedSequence& sequence,
                               const std::optional<CameraArgument>& camera_argument,
-                              std::optional<double> depth_scale) {
-  const GivenCamera given = camera_argument ? given_by(*camera_argument) : camera_found(path, sequence);
+                              std::optional<double> depth_scale, const std::filesystem::path& given_path) {
+  const GivenCamera given =
+      camera_argument ? given_by(*camera_argument) : camera_found(path, given_path, sequence);
   if (depth_scale && is_metric(sequence.depth_encoding))
     log::warn("--depth-scale is not used: the depth of {} is in metres", path.string());
   if (const auto* description = std::get_if<CameraDescription>(&given))

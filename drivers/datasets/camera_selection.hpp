@@ -20,12 +20,14 @@ using CameraArgument = std::variant<std::string, RgbdCamera, CameraDescription>;
 CameraDescription parse_intrinsics(const std::string& text);
 
 /// Returns the camera of a sequence: `camera_argument` if given, else camera.yaml in the folder, else that of
-/// the layout, else that of a camera file in the folder or above it. What a file does not state is taken from
-/// the images, see fit_to_images. `depth_scale` replaces the unit of depth. Throws InputError with the remedy
-/// if there is no camera, or it cannot be that of the images.
+/// the layout, else that of a camera file in the folder or above it, up to `given_path`, the folder in which
+/// the user asked for a sequence (empty: the same one). What a file does not state is taken from the images,
+/// see fit_to_images. `depth_scale` replaces the unit of depth. Throws InputError with the remedy if there is
+/// no camera, or it cannot be that of the images.
 RgbdCamera camera_of_sequence(const std::filesystem::path& path, const RecordedSequence& sequence,
                               const std::optional<CameraArgument>& camera_argument,
-                              std::optional<double> depth_scale = {});
+                              std::optional<double> depth_scale = {},
+                              const std::filesystem::path& given_path = {});
 
 /// Returns the camera that the user gives for a source whose images are not known yet, such as a bag. Throws
 /// InputError if a camera file does not state the size of the images.

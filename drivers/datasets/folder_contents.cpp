@@ -79,9 +79,13 @@ std::string FolderContents::first_image() const {
 
 namespace {
 
-std::string first_folder(const FolderContents& contents, std::initializer_list<const char*> names) {
-  for (const char* name : names) {
-    if (contents.has_folder(name)) return name;
+/// The first of the names that a folder has, in lower case or any other.
+std::string first_folder(const FolderContents& contents, std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names) {
+    if (contents.has_folder(name)) return std::string(name);
+    for (const std::string& folder : contents.folders()) {
+      if (lower_case(folder) == name) return folder;
+    }
   }
   return {};
 }
@@ -90,11 +94,13 @@ std::string first_folder(const FolderContents& contents, std::initializer_list<c
 
 std::string color_folder(const FolderContents& contents) {
   return first_folder(contents, {"rgb", "color", "colour", "image", "images", "colors", "imgs", "rgbs",
-                                 "mono", "gray", "grey"});
+                                 "rgb_images", "color_images", "mono", "gray", "grey"});
 }
 
 std::string depth_folder(const FolderContents& contents) {
-  return first_folder(contents, {"depth", "depths", "depth_png", "depth_images"});
+  // Where both are, "depth" may be as the depth camera saw it.
+  return first_folder(contents, {"aligned_depth", "aligned_depth_to_color", "depth_aligned", "depth",
+                                 "depths", "depth_png", "depth_images"});
 }
 
 namespace {

@@ -32,7 +32,8 @@ class FolderContents {
   bool complete_ = true;  ///< all names were read
 };
 
-/// Returns the folder with colour images: rgb, color or another of the usual names; empty if there is none.
+/// Returns the folder with colour images: rgb, color or another of the usual names, in lower or upper case;
+/// empty if there is none.
 std::string color_folder(const FolderContents& contents);
 
 /// Same for depth images.

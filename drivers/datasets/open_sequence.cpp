@@ -17,7 +17,7 @@ OpenedSequence read_sequence(const std::filesystem::path& given_path,
   OpenedSequence opened{layout->read(path), {}};
   if (!depth_scale && has_floats_in_metres(opened.sequence))
     opened.sequence.depth_encoding = DepthEncoding::kFloatImage;
-  opened.camera = camera_of_sequence(path, opened.sequence, camera_argument, depth_scale);
+  opened.camera = camera_of_sequence(path, opened.sequence, camera_argument, depth_scale, given_path);
   if (opened.sequence.sensor) opened.camera.sensor.set_by_source(*opened.sequence.sensor);
   require_possible(opened.camera, path.string());
   find_truth(path, opened.camera, opened.sequence);

@@ -9,6 +9,7 @@
 #include "drivers/images/depth_files/numpy.hpp"
 #include "drivers/images/mask_image.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
@@ -73,7 +74,7 @@ void RecordedSource::require_expected_format() const {
   for (const RecordedFrame& files : sequence_.frames) {
     try {
       static_cast<void>(read_images(files));
-      return;
+      return tell_kept_bits(files);
     } catch (const ImageFormatError& error) {
       if (wrong == 0) first = error.what();
       if (++wrong == kFormatCheckFrames) throw InputError(first);
@@ -81,6 +82,11 @@ void RecordedSource::require_expected_format() const {
       continue;  // next() counts it
     }
   }
+}
+
+void RecordedSource::tell_kept_bits(const RecordedFrame& files) const {
+  if (!video_ && is_color_of_16_bits(read_bytes(files.color)))
+    log::info("{}: colour of 16 bits per channel, of which the upper 8 are used", info_.name);
 }
 
 std::optional<Frame> RecordedSource::next() {

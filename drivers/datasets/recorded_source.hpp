@@ -31,6 +31,8 @@ class RecordedSource : public FrameSource {
  private:
   /// Throws InputError if the first images are all of the wrong size or format.
   void require_expected_format() const;
+  /// Says if colour has more bits than are used.
+  void tell_kept_bits(const RecordedFrame& files) const;
   [[nodiscard]] Frame read_images(const RecordedFrame& files) const;
 
   RgbdCamera camera_;

@@ -93,6 +93,7 @@ ColorImage decode_embedded_color(std::span<const uint8_t> data) {
     if (auto jpeg = ColorImage::from_jpeg(std::string(bytes))) return *std::move(jpeg);
   }
   cv::Mat image = decode_embedded_image(data);
+  if (image.type() == CV_16UC3) image = with_8_bits(image);
   if (image.type() == CV_8UC1) cv::cvtColor(image, image, cv::COLOR_GRAY2BGR);
   if (image.type() != CV_8UC3) throw InputError("a compressed colour image does not have 8 bits per channel");
   return image;

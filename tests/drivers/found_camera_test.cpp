@@ -85,6 +85,15 @@ TEST_F(FoundCamera, MayLieAboveOrInAFolderForCalibration) {
   EXPECT_THAT(error(), HasSubstr("no camera"));  // any name above is not tried
 }
 
+TEST_F(FoundCamera, MayLieInTheFolderThatTheUserGives) {
+  folder_.write("K.txt", "5 0 3\n0 5 3\n0 0 1\n");
+  folder_.write("given/K.txt", kMatrix);
+  std::filesystem::create_directories(folder_.path() / "given/a/b");
+  std::filesystem::rename(scene(), folder_.path() / "given/a/b/c");
+  EXPECT_EQ(read_sequence(folder_.path() / "given").camera.color, test::sample_camera());
+  EXPECT_THAT(input_error([&] { read_sequence(folder_.path() / "given/a/b/c"); }), HasSubstr("no camera"));
+}
+
 TEST_F(FoundCamera, TheOneInTheFolderWinsOverThatAbove) {
   folder_.write("K.txt", "5 0 3\n0 5 3\n0 0 1\n");
   folder_.write("scene/K.txt", kMatrix);

@@ -37,6 +37,27 @@ TEST(FolderNames, OfColourAndDepthMayBeAnyOfTheUsualOnes) {
   }
 }
 
+TEST(FolderNames, MayBeginWithACapital) {
+  EXPECT_EQ(pairs_of({"RGB/1.png", "Depth/1.png"}), "RGB/1.png Depth/1.png, ");
+}
+
+TEST(FolderNames, AlignedDepthIsTakenWhereBothAre) {
+  EXPECT_EQ(pairs_of({"color/1.png", "depth/1.png", "aligned_depth/1.png"}),
+            "color/1.png aligned_depth/1.png, ");
+}
+
+TEST(FoldersWithoutLists, ColourMayHaveSixteenBitsPerChannel) {
+  const TempFolder folder;
+  cv::Mat deep;
+  test::make_color(1).convertTo(deep, CV_16U, 257);
+  folder.write("rgb/1.png", test::encoded(deep, ".png"));
+  folder.write("depth/1.png", test::encoded(test::make_depth(1500), ".png"));
+  folder.write("camera.yaml", test::kSmallCamera);
+  const auto frame = open_sequence(folder.path().string())->next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(cv::norm(frame->color.bgr(), test::make_color(1), cv::NORM_INF), 0);
+}
+
 TEST(FolderNames, ArraysOfDepthCountNotThePicturesBesideThem) {
   EXPECT_EQ(
       pairs_of({"images/0.png", "images/1.png", "depth/0.png", "depth/0.npy", "depth/1.png", "depth/1.npy"}),

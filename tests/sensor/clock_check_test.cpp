@@ -46,33 +46,42 @@ TEST(ClockCheck, NamesARateFarFromThatOfTheCamera) {
               AllOf(HasSubstr("1 frames per second where the camera has 30"), HasSubstr("correct fps")));
 }
 
-TEST(MotionLag, IsTheShiftBetweenTwoSignals) {
-  constexpr int kLag = 25;
-  std::mt19937 random(1);
-  std::lognormal_distribution<float> speed(0, 1);
-  std::vector<float> color(400), depth(400);
-  for (float& value : color) value = speed(random);
-  for (size_t i = kLag; i < depth.size(); ++i) depth[i] = 0.1F * color[i - kLag] + 0.02F * speed(random);
-  const auto lag = motion_lag(color, depth, 100);
-  ASSERT_TRUE(lag);
-  EXPECT_EQ(lag->frames, kLag);
-  EXPECT_GT(lag->correlation, 0.7);
-  EXPECT_LT(lag->without_lag, 0.3);
+TEST(MotionLag, IsTheShiftBetweenTwoSignalsEvenIfTheyAreShort) {
+  for (const size_t frames : {400U, 120U}) {
+    constexpr int kLag = 25;
+    std::mt19937 random(1);
+    std::lognormal_distribution<float> speed(0, 1);
+    std::vector<float> color(frames), depth(frames);
+    for (float& value : color) value = speed(random);
+    for (size_t i = kLag; i < depth.size(); ++i) depth[i] = 0.1F * color[i - kLag] + 0.02F * speed(random);
+    const auto lag = motion_lag(color, depth, 100);
+    ASSERT_TRUE(lag);
+    EXPECT_EQ(lag->frames, kLag);
+    EXPECT_GT(lag->correlation, 0.7);
+    EXPECT_LT(lag->without_lag, 0.3);
+    EXPECT_GT(lag->score, 2 * lag->elsewhere);
+  }
+}
+
+TEST(MotionLag, NeedsTwoSecondsOfBothSignals) {
+  EXPECT_FALSE(motion_lag(std::vector<float>(62, 1), std::vector<float>(62, 1), 100));
+  EXPECT_FALSE(motion_lag({}, {}, 100));
 }
 
 /// What is said of a real recording whose depth comes `late` frames later.
-std::string depth_clock_text(const std::filesystem::path& sequence, size_t late) {
+std::string depth_clock_text(const std::filesystem::path& sequence, size_t late, int frames) {
   SourceRequest request;
   request.sequence = sequence.string();
   const auto source = open_frame_source(request);
   ClockCheck check(30);
   std::deque<cv::Mat> depths;
-  for (int i = 0; i < 420; ++i) {
+  for (int i = 0; i < frames; ++i) {
     auto frame = source->next();
     if (!frame) break;
     depths.push_back(frame->depth_m);
-    if (depths.size() > late + 1) depths.pop_front();
+    if (depths.size() <= late) continue;  // the first images have no partner
     frame->depth_m = depths.front();
+    depths.pop_front();
     check.observe(*frame);
   }
   const auto warning = check.depth_clock();
@@ -82,9 +91,10 @@ std::string depth_clock_text(const std::filesystem::path& sequence, size_t late)
 TEST(ClockCheck, MeasuresHowLateDepthIs) {
   const auto sequence = test::shared_data("redkitchen");
   KINLOOP_SKIP_WITHOUT(sequence);
-  EXPECT_EQ(depth_clock_text(sequence, 0), "");
-  EXPECT_THAT(depth_clock_text(sequence, 30),
+  EXPECT_EQ(depth_clock_text(sequence, 0, 420), "");
+  EXPECT_THAT(depth_clock_text(sequence, 30, 240),
               AllOf(HasSubstr("1.00 s later"), HasSubstr("add -1.00 s to the stamps of depth")));
+  EXPECT_THAT(depth_clock_text(sequence, 96, 420), HasSubstr("--depth-offset -3."));
 }
 
 }  // namespace

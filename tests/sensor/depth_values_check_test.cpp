@@ -112,24 +112,64 @@ TEST(DepthValuesCheck, NamesTheUnitByTheStepsOfAKinect) {
               AllOf(HasSubstr("times too large"), HasSubstr("depth_scale: 5000 instead of 2500")));
 }
 
+/// What is said of the unit of depth images of a real Kinect.
+std::string unit_text(const std::filesystem::path& folder, const RgbdCamera& camera) {
+  constexpr int kEvery = 20;
+  DepthValuesCheck check(camera);
+  int i = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (i++ % (folder.parent_path().filename() == "redkitchen_raw" ? 1 : kEvery) != 0) continue;
+    Frame frame;
+    frame.depth_m = read_depth_image(entry.path(), camera.depth_scale);
+    check.observe(frame);
+  }
+  const auto warning = check.unit();
+  return warning ? text_of(*warning) : "";
+}
+
 TEST(DepthValuesCheck, NamesTheUnitOfARealKinect) {
   const auto path = test::shared_data("redkitchen_raw/depth");
   KINLOOP_SKIP_WITHOUT(path);
-  for (const double depth_scale : {1000.0, 5000.0}) {
-    RgbdCamera camera;
-    camera.depth_scale = depth_scale;
-    DepthValuesCheck check(camera);
-    for (const auto& entry : std::filesystem::directory_iterator(path)) {
-      Frame frame;
-      frame.depth_m = read_depth_image(entry.path(), depth_scale);
-      check.observe(frame);
-    }
-    const auto warning = check.unit();
-    EXPECT_EQ(warning.has_value(), depth_scale == 5000);
-    if (warning) {
-      EXPECT_THAT(warning->remedy, HasSubstr("depth_scale: 1000 instead of 5000"));
-    }
+  RgbdCamera camera;
+  camera.depth_scale = 1000;
+  EXPECT_EQ(unit_text(path, camera), "");
+  camera.depth_scale = 5000;
+  EXPECT_THAT(unit_text(path, camera), HasSubstr("depth_scale: 1000 instead of 5000"));
+}
+
+TEST(DepthValuesCheck, NamesTheUnitOfARealKinectThatAnotherProgramRegistered) {
+  const auto path = test::shared_data("redkitchen/depth");
+  KINLOOP_SKIP_WITHOUT(path);
+  RgbdCamera camera;
+  camera.color = PinholeCamera{640, 480, 522, 522, 319, 238, {}};
+  EXPECT_EQ(unit_text(path, camera), "");
+  camera.depth_scale = 2500;
+  EXPECT_THAT(unit_text(path, camera),
+              AllOf(HasSubstr("2.0 times too large"), HasSubstr("depth_scale: 5000 instead of 2500")));
+  camera.depth_scale = 25000;
+  EXPECT_THAT(unit_text(path, camera), HasSubstr("depth_scale: 5000 instead of 25000"));
+  camera.color.fx = camera.color.fy = 615;  // of a RealSense, whose steps are half as large
+  camera.depth_scale = 2500;
+  EXPECT_EQ(unit_text(path, camera), "");
+}
+
+TEST(DepthValuesCheck, SaysNothingOfTheUnitOfSensorsThatAreTakenForAKinect) {
+  for (const SimulatedSensor sensor : {SimulatedSensor::kKinect2, SimulatedSensor::kRealsense}) {
+    Recording recording = test::simulated(sensor, kValuesSeed, 6, 50);
+    recording.camera.sensor = {};
+    EXPECT_EQ(unit_text(recording), "");
   }
+}
+
+TEST(DisparitySteps, AreNotThoseOfMillimetres) {
+  const auto millimetres = [](const cv::Mat& depth_m) {
+    cv::Mat changed = depth_m.clone();
+    changed.forEach<float>([](float& z_m, const int*) { z_m = 0.01F * std::round(100 * z_m); });
+    return changed;
+  };
+  DisparitySteps steps(0.001);
+  for (const Frame& frame : with_depth(kinect_room(), millimetres).frames) steps.add(frame.depth_m);
+  EXPECT_FALSE(steps.per_m());
 }
 
 }  // namespace

@@ -61,7 +61,24 @@ TEST(ReadColorImage, TransparencyIsLeftOut) {
   EXPECT_EQ(read.bgr().type(), CV_8UC3);
 }
 
-TEST(ReadColorImage, SixteenBitColourSuggestsSwappedColumns) {
+TEST(ReadColorImage, ColourOfSixteenBitsIsScaledToEight) {
+  const TempFolder folder;
+  const cv::Mat image = make_color(1);
+  for (const int type : {CV_16UC3, CV_16UC4}) {
+    cv::Mat deep;
+    make_color(1, CV_MAKETYPE(CV_8U, CV_MAT_CN(type))).convertTo(deep, type, 257);
+    const std::string bytes = encoded(deep, ".png");
+    EXPECT_TRUE(is_color_of_16_bits(bytes));
+    EXPECT_EQ(read_color_image(folder.write("a.png", bytes)).bgr().type(), CV_8UC3);
+    if (type == CV_16UC3) {
+      EXPECT_EQ(difference(read_color_image(folder.path() / "a.png").bgr(), image), 0);
+    }
+  }
+  EXPECT_FALSE(is_color_of_16_bits(encoded(image, ".png")));
+  EXPECT_FALSE(is_color_of_16_bits(encoded(make_depth(7), ".png")));
+}
+
+TEST(ReadColorImage, SixteenBitGreySuggestsSwappedColumns) {
   const TempFolder folder;
   const auto path = folder.write("a.png", encoded(make_depth(7), ".png"));
   EXPECT_THAT(input_error([&] { read_color_image(path); }), HasSubstr("colour comes first"));

@@ -17,8 +17,10 @@ using testing::HasSubstr;
 /// Frames in memory.
 class FramesSource : public FrameSource {
  public:
-  FramesSource(std::vector<Frame> frames, const RgbdCamera& camera)
-      : frames_(std::move(frames)), camera_(camera) {}
+  FramesSource(std::vector<Frame> frames, const RgbdCamera& camera, Trajectory truth = {})
+      : frames_(std::move(frames)), camera_(camera) {
+    info_.ground_truth = std::move(truth);
+  }
 
   std::optional<Frame> next() override {
     return next_ < frames_.size() ? std::optional(frames_[next_++]) : std::nullopt;
@@ -45,7 +47,7 @@ const FramesSource& room() {
     SimulatedSource simulated("sim:room", 43, options, 2);
     std::vector<Frame> frames;
     while (auto frame = simulated.next()) frames.push_back(*std::move(frame));
-    return FramesSource(std::move(frames), simulated.camera());
+    return FramesSource(std::move(frames), simulated.camera(), simulated.info().ground_truth);
   }();
   return source;
 }
@@ -73,6 +75,26 @@ TEST(InputMonitor, EstimatesAFocalLengthThatIsTenPerCentOff) {
   EXPECT_EQ(warnings.front().fault, InputFault::kFocalLength);
   EXPECT_THAT(warnings.front().evidence, HasSubstr("the map fits 0.9"));
   EXPECT_THAT(warnings.front().remedy, HasSubstr("fx: 2"));
+}
+
+TEST(InputMonitor, NamesADepthScaleThatContradictsThePosesOfTheRecording) {
+  constexpr double kFactor = 1.6;
+  FramesSource source = room();
+  std::vector<Frame> frames;
+  while (auto frame = source.next()) {
+    frame->depth_m = kFactor * frame->depth_m;
+    frames.push_back(*std::move(frame));
+  }
+  RgbdCamera camera = source.camera();
+  camera.sensor = depth_sensor(DepthSensorModel::kTimeOfFlight, SensorOrigin::kCameraFile);  // has no steps
+  camera.depth_scale /= kFactor;
+  FramesSource larger(std::move(frames), camera, source.info().ground_truth);
+  Session session(larger);
+  session.run();
+  ASSERT_EQ(session.input().warnings().size(), 1);
+  EXPECT_EQ(session.input().warnings().front().fault, InputFault::kDepthUnit);
+  EXPECT_THAT(session.input().warnings().front().evidence, HasSubstr("as large as in the poses"));
+  EXPECT_THAT(session.input().warnings().front().remedy, HasSubstr("--depth-scale 5000 instead of 3125"));
 }
 
 TEST(InputMonitor, EndsARunOfMirroredDepthEarly) {

@@ -117,11 +117,15 @@ CameraDescription only_camera(const std::vector<CameraDescription>& found) {
 
 }  // namespace
 
-std::optional<CameraDescription> find_camera(const fs::path& folder) {
-  const fs::path above = fs::absolute(folder / "").lexically_normal().parent_path().parent_path();
-  for (const bool is_above : {false, true}) {
-    const auto found = cameras_around(is_above ? above : folder, is_above);
+std::optional<CameraDescription> find_camera(const fs::path& folder, const fs::path& given) {
+  const auto absolute = [](const fs::path& path) { return fs::absolute(path / "").lexically_normal(); };
+  const auto depth_of = [&](const fs::path& path) { return std::distance(path.begin(), path.end()); };
+  fs::path here = absolute(folder);
+  const auto levels = std::max<std::ptrdiff_t>(1, depth_of(here) - depth_of(absolute(given)));
+  for (std::ptrdiff_t above = 0; above <= levels; ++above) {
+    const auto found = cameras_around(above == 0 ? folder : here.parent_path(), above > 0);
     if (!found.empty()) return only_camera(found);
+    here = here.parent_path().parent_path() / "";
   }
   return std::nullopt;
 }

@@ -91,6 +91,12 @@ double correlation(const std::vector<float>& color, const std::vector<float>& de
   return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
 }
 
+/// Fisher's transformation of a correlation over its standard deviation, which few frames make large.
+double score(double correlation, int frames) {
+  constexpr double kMost = 0.99;
+  return std::atanh(std::clamp(correlation, -kMost, kMost)) * std::sqrt(static_cast<double>(frames));
+}
+
 /// A unit of time that is read as another one.
 struct UnitMistake {
   double rate_ratio;  ///< of the rate in the stamps to the real one
@@ -108,20 +114,24 @@ constexpr std::array<UnitMistake, 6> kUnitMistakes = {{{1e-3, "milliseconds are 
 
 std::optional<MotionLag> motion_lag(std::vector<float> color, std::vector<float> depth, int max_lag) {
   constexpr int kNear = 2, kPeak = 8;
-  constexpr size_t kFewest = 150;
-  if (color.size() < kFewest + static_cast<size_t>(max_lag)) return std::nullopt;
+  constexpr int kFewest = 60;
+  const int count = static_cast<int>(std::min(color.size(), depth.size()));
+  max_lag = std::min(max_lag, count - kFewest);
+  if (max_lag <= kNear) return std::nullopt;
   color = relative_motion(std::move(color));
   depth = relative_motion(std::move(depth));
-  std::vector<double> all;
-  for (int lag = -max_lag; lag <= max_lag; ++lag) all.push_back(correlation(color, depth, lag));
   MotionLag found;
-  found.frames = static_cast<int>(std::max_element(all.begin(), all.end()) - all.begin()) - max_lag;
+  std::vector<double> scores;
   for (int lag = -max_lag; lag <= max_lag; ++lag) {
-    const int index = lag + max_lag;
-    const double here = all[static_cast<size_t>(index)];
-    if (lag == found.frames) found.correlation = here;
+    const double here = correlation(color, depth, lag);
+    scores.push_back(score(here, count - std::abs(lag)));
     if (std::abs(lag) <= kNear) found.without_lag = std::max(found.without_lag, here);
-    if (std::abs(lag - found.frames) > kPeak) found.elsewhere = std::max(found.elsewhere, here);
+    if (scores.back() <= found.score) continue;
+    found.frames = lag, found.correlation = here, found.score = scores.back();
+  }
+  for (int lag = -max_lag; lag <= max_lag; ++lag) {
+    if (std::abs(lag - found.frames) > kPeak)
+      found.elsewhere = std::max(found.elsewhere, scores[static_cast<size_t>(lag + max_lag)]);
   }
   return found;
 }
@@ -167,17 +177,18 @@ std::optional<InputWarning> ClockCheck::stamps() const {
 }
 
 std::optional<InputWarning> ClockCheck::depth_clock() const {
-  constexpr double kMaxLag_s = 4, kMinLag_s = 0.2, kMinOverlap = 2;
-  constexpr double kClear = 0.5, kOverAsItIs = 0.25, kOverOthers = 0.12;
+  constexpr double kMaxLag_s = 5;  // the limit of --depth-offset
+  constexpr double kMinLag_s = 0.2;
+  constexpr double kClear = 0.5, kOverAsItIs = 0.25, kMinScore = 9, kOverOthers = 1.2;
   const double interval_s = median_interval_s();
   if (!(interval_s > 0)) return std::nullopt;
-  const auto frames = static_cast<double>(color_motion_.size());
-  const auto max_lag = static_cast<int>(std::min(kMaxLag_s / interval_s, frames / kMinOverlap));
+  const auto max_lag =
+      static_cast<int>(std::min(kMaxLag_s / interval_s, static_cast<double>(color_motion_.size())));
   const auto lag = motion_lag(color_motion_, depth_motion_, max_lag);
   if (!lag) return std::nullopt;
   const double lag_s = lag->frames * interval_s;
   const bool clear = lag->correlation > kClear && lag->correlation > lag->without_lag + kOverAsItIs &&
-                     lag->correlation > lag->elsewhere + kOverOthers;
+                     lag->score > kMinScore && lag->score > kOverOthers * lag->elsewhere;
   if (!clear || std::abs(lag_s) < kMinLag_s) return std::nullopt;
   return InputWarning{
       InputFault::kDepthClock,

@@ -18,11 +18,12 @@ struct MotionLag {
   int frames = 0;          ///< depth is late by so many frames
   double correlation = 0;  ///< there
   double without_lag = 0;  ///< correlation as it is, at most two frames off
-  double elsewhere = 0;    ///< the highest correlation away from both
+  double score = 0;        ///< how sure the correlation is, in standard deviations of noise
+  double elsewhere = 0;    ///< the highest score at other lags
 };
 
-/// Returns the lag up to `max_lag` frames at which the motion of depth best follows that of colour; nullopt
-/// for too few frames.
+/// Returns the lag up to `max_lag` frames at which the motion of depth most surely follows that of colour, as
+/// far as two seconds of both remain at 30 Hz; nullopt for too few frames.
 std::optional<MotionLag> motion_lag(std::vector<float> color, std::vector<float> depth, int max_lag);
 
 /// Collects the stamps and the motion of both images.

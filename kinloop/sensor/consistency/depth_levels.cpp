@@ -20,16 +20,6 @@ std::vector<double> gaps_m(std::span<const DepthLevels::Level> levels) {
   return gaps;
 }
 
-/// The median of step / z^2.
-double median_per_m(std::span<const DepthLevels::Level> levels) {
-  std::vector<double> steps_per_m;
-  for (size_t i = 1; i < levels.size(); ++i) {
-    const double middle_m = 0.5 * (levels[i].depth_m + levels[i - 1].depth_m);
-    steps_per_m.push_back((levels[i].depth_m - levels[i - 1].depth_m) / (middle_m * middle_m));
-  }
-  return median(std::move(steps_per_m));
-}
-
 }  // namespace
 
 DepthLevels::DepthLevels(double depth_scale)
@@ -76,21 +66,6 @@ std::optional<double> uniform_step_m(const Levels& levels) {
   });
   return static_cast<double>(fits) > kMostLevels * static_cast<double>(gaps.size()) ? std::optional(step_m)
                                                                                     : std::nullopt;
-}
-
-std::optional<double> disparity_step_per_m(const Levels& levels, double unit_m) {
-  constexpr size_t kFewest = 40;
-  constexpr double kMinUnits = 3, kMinRange = 1.3, kMaxDifference = 1.3;
-  if (levels.size() < kFewest) return std::nullopt;
-  const size_t half = levels.size() / 2;
-  const std::span<const DepthLevels::Level> near(levels.data(), half),
-      far(&levels[half], levels.size() - half);
-  if (median(gaps_m(far)) < kMinUnits * unit_m) return std::nullopt;
-  if (far.back().depth_m < kMinRange * near.front().depth_m) return std::nullopt;
-  const double near_per_m = median_per_m(near), far_per_m = median_per_m(far);
-  const double ratio = near_per_m / far_per_m;
-  if (std::max(ratio, 1 / ratio) > kMaxDifference) return std::nullopt;
-  return far_per_m;
 }
 
 }  // namespace kinloop

@@ -40,8 +40,4 @@ class DepthLevels {
 /// Returns the step in metres if most levels are multiples of one step.
 std::optional<double> uniform_step_m(const std::vector<DepthLevels::Level>& levels);
 
-/// Returns k if the step at depth z is k z^2, as of a sensor that measures disparities in steps. `unit_m` is
-/// the resolution of the values.
-std::optional<double> disparity_step_per_m(const std::vector<DepthLevels::Level>& levels, double unit_m);
-
 }  // namespace kinloop

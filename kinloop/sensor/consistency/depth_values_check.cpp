@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/sensor/consistency/usual_depth_scale.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -53,14 +55,14 @@ std::optional<InputWarning> raw_disparity(const Levels& levels, double unit_m) {
       "convert each value d to 0.1236 tan(d / 2842.5 + 1.1863) m, and 2047 to 0");
 }
 
-/// Depth that is usual with this depth_scale, if the stated one is wrong by the factor.
-std::string scale_text(double depth_scale, double factor) {
-  constexpr double kNear = 1.3;
-  for (const double usual : {1000.0, 5000.0, 10000.0, 4000.0, 2000.0}) {
-    const double ratio = depth_scale * factor / usual;
-    if (usual != depth_scale && std::max(ratio, 1 / ratio) < kNear) return fmt::format("{:g}", usual);
-  }
-  return fmt::format("about {:.0f}", depth_scale * factor);
+/// Whether the sensor is a Kinect 1 or one of its relatives (Xtion, Carmine) as far as is known: named so, or
+/// nobody named it and colour has their aspect and view. Published calibrations have 0.81 to 0.85; depth of a
+/// RealSense, whose steps are about half as large, comes with 0.5 to 0.75 or 0.95.
+bool is_known_as_kinect1(const RgbdCamera& camera) {
+  constexpr double kNarrowest = 0.86, kWidest = 0.79;
+  if (camera.sensor.origin != SensorOrigin::kAssumed) return true;
+  const double share = camera.color.fx / camera.color.width;
+  return 3 * camera.color.width == 4 * camera.color.height && share > kWidest && share < kNarrowest;
 }
 
 }  // namespace
@@ -84,20 +86,16 @@ std::optional<InputWarning> DepthValuesCheck::values() const {
 }
 
 std::optional<InputWarning> DepthValuesCheck::unit() const {
-  // 1 / (8 f b) of a Kinect 1, f = 580 px, b = 75 mm, disparities in steps of 1/8 px. Four recordings of
-  // Kinects have 0.0025 to 0.0029, simulated ones 0.0032.
+  // 1 / (8 f b) of a Kinect 1, f = 580 px, b = 75 mm, disparities in steps of 1/8 px. Three recordings of
+  // Kinects have 0.0028 to 0.0029, simulated ones 0.0031.
   constexpr double kKinect1_per_m = 1 / (8 * 580 * 0.075);
-  constexpr double kNamed = 1.5, kAssumed = 2.5;
-  constexpr double kPerLevel = 8;
-  if (sensor_.kind != DepthSensorKind::kStructuredLight) return std::nullopt;
-  const Levels levels = levels_.levels();
-  if (static_cast<double>(levels_.pixels()) < kPerLevel * static_cast<double>(levels.size()))
-    return std::nullopt;
-  const auto step_per_m = disparity_step_per_m(levels, levels_.unit_m());
+  constexpr double kKnown = 1.5, kAssumed = 2.5, kUsual = 1.3;
+  if (camera_.sensor.kind != DepthSensorKind::kStructuredLight) return std::nullopt;
+  const auto step_per_m = steps_.per_m();
   if (!step_per_m) return std::nullopt;
   const double factor = *step_per_m / kKinect1_per_m;  // steps k z^2 of depth that is s times as large: k / s
-  const bool named = sensor_.origin != SensorOrigin::kAssumed;
-  const bool wrong = factor > (named ? kNamed : kAssumed) || (named && factor < 1 / kNamed);
+  const bool known = is_known_as_kinect1(camera_);
+  const bool wrong = factor > (known ? kKnown : kAssumed) || (known && factor < 1 / kKnown);
   if (!wrong) return std::nullopt;
   return InputWarning{
       InputFault::kDepthUnit,
@@ -107,7 +105,8 @@ std::optional<InputWarning> DepthValuesCheck::unit() const {
           factor, std::max(factor, 1 / factor), factor > 1 ? "small" : "large"),
       fmt::format("depth_scale: {} instead of {:g} fits, unless the sensor is another one (sensor: in "
                   "camera.yaml)",
-                  scale_text(depth_scale_, 1 / factor), depth_scale_),
+                  depth_scale_text(camera_.depth_scale / factor, camera_.depth_scale, kUsual),
+                  camera_.depth_scale),
       false};
 }
 

@@ -5,6 +5,7 @@
 
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/consistency/depth_levels.hpp"
+#include "kinloop/sensor/consistency/disparity_steps.hpp"
 #include "kinloop/sensor/consistency/input_warning.hpp"
 #include "kinloop/sensor/frame.hpp"
 
@@ -14,9 +15,12 @@ namespace kinloop {
 class DepthValuesCheck {
  public:
   explicit DepthValuesCheck(const RgbdCamera& camera)
-      : sensor_(camera.sensor), depth_scale_(camera.depth_scale), levels_(camera.depth_scale) {}
+      : camera_(camera), levels_(camera.depth_scale), steps_(levels_.unit_m()) {}
 
-  void observe(const Frame& frame) { levels_.add(frame.depth_m); }
+  void observe(const Frame& frame) {
+    levels_.add(frame.depth_m);
+    steps_.add(frame.depth_m);
+  }
 
   /// Returns whether depth is constant, clipped or in coarse steps.
   [[nodiscard]] std::optional<InputWarning> values() const;
@@ -26,9 +30,9 @@ class DepthValuesCheck {
   [[nodiscard]] std::optional<InputWarning> unit() const;
 
  private:
-  DepthSensor sensor_;
-  double depth_scale_;
+  RgbdCamera camera_;
   DepthLevels levels_;
+  DisparitySteps steps_;
 };
 
 }  // namespace kinloop

@@ -125,6 +125,21 @@ std::string turned_by_exif(std::string_view bytes) {
       orientation);
 }
 
+bool is_color_of_16_bits(std::string_view bytes) {
+  constexpr size_t kBitDepth = 24, kColorType = 25;  // after the size, which encoded_size finds
+  constexpr char kSixteen = 16, kRgb = 2, kRgba = 6;
+  if (!bytes.starts_with(kPngSignature) || bytes.size() <= kColorType || !encoded_size(bytes)) return false;
+  return bytes[kBitDepth] == kSixteen && (bytes[kColorType] == kRgb || bytes[kColorType] == kRgba);
+}
+
+cv::Mat with_8_bits(const cv::Mat& image) {
+  constexpr double kPerValue = 255.0 / 65535;
+  if (image.depth() != CV_16U) return image;
+  cv::Mat scaled;
+  image.convertTo(scaled, CV_8U, kPerValue);
+  return scaled;
+}
+
 ColorImage read_color_image(const std::filesystem::path& path) {
   return decode_color_image(read_image_bytes(path), path);
 }
@@ -149,13 +164,13 @@ ColorImage decode_color_image(std::string bytes, const std::filesystem::path& pa
     return *std::move(jpeg);
   }
   const cv::Mat image = decode(path, bytes);
-  if (image.depth() != CV_8U) {
+  if (image.type() == CV_16UC1) {
     throw ImageFormatError(
-        fmt::format("{}: not 8 bits per channel, as colour images are; is this a depth image (colour comes "
-                    "first in associations.txt)?",
+        fmt::format("{}: grey of 16 bits, not colour; is this a depth image (colour comes first in "
+                    "associations.txt)?",
                     path.string()));
   }
-  return bgr_from(image);
+  return bgr_from(with_8_bits(image));
 }
 
 cv::Mat decode_depth_image(const std::string& bytes, const std::filesystem::path& path, double depth_scale) {

@@ -33,8 +33,14 @@ std::optional<cv::Size> encoded_size(std::string_view bytes);
 /// orientation is not upright. Empty for others.
 std::string turned_by_exif(std::string_view bytes);
 
-/// Reads an 8-bit colour or grey PNG or JPEG. A JPEG is kept as it is, with only its grey image decoded.
-/// Throws InputError naming the file and the problem.
+/// Returns whether these are the bytes of a PNG with colour of 16 bits per channel.
+bool is_color_of_16_bits(std::string_view bytes);
+
+/// Returns 8 bits per channel: of 16 bits, the upper ones, rounded.
+cv::Mat with_8_bits(const cv::Mat& image);
+
+/// Reads a colour PNG, of which 8 bits per channel are kept, an 8-bit grey PNG or a JPEG. A JPEG is kept as
+/// it is, with only its grey image decoded. Throws InputError naming the file and the problem.
 ColorImage read_color_image(const std::filesystem::path& path);
 
 /// Reads depth as 32FC1 metres, 0 = unknown, from a 16-bit grey PNG with `depth_scale` units per metre, in
