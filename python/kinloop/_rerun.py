@@ -36,7 +36,10 @@ def read_ply(path):
 
 
 def write_rrd(parts, file):
-    """Writes `file` from the folder `parts`; replaces it only when all is written. Raises ImportError, OSError and ValueError."""
+    """Writes `file` from the folder `parts`; replaces it only when all is written.
+
+    Raises ImportError without rerun-sdk, OSError, and ValueError for a damaged frames.txt.
+    """
     rerun, blueprint = import_rerun()
     parts, file = Path(parts), Path(file)
     run = json.loads((parts / "run.json").read_text(encoding="utf-8"))
@@ -152,7 +155,8 @@ def _log_images(rerun, recording, parts, located):
             continue
         recording.set_time("stamp", timestamp=np.datetime64(frame["stamp_ns"], "ns"))
         color = rerun.EncodedImage(path=parts / frame["file_path"])
-        depth = rerun.EncodedDepthImage((parts / frame["depth_file_path"]).read_bytes(), media_type="image/png", meter=1000)
+        depth_mm = (parts / frame["depth_file_path"]).read_bytes()
+        depth = rerun.EncodedDepthImage(depth_mm, media_type="image/png", meter=1000)
         recording.log("world/run/camera/image/color", color)
         recording.log("world/run/camera/image/depth", depth)
 
