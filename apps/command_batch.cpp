@@ -6,31 +6,17 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include "apps/shared/commands.hpp"
+#include "apps/shared/python_files.hpp"
 #include "kinloop/core/errors.hpp"
 
 namespace kinloop {
-namespace {
-
-/// Beside the program: PREFIX/bin/kinloop and PREFIX/share/kinloop/batch; the build tree has the same places.
-std::filesystem::path batch_package(const std::filesystem::path& program) {
-  auto package = program.parent_path().parent_path() / "share/kinloop/batch";
-  if (!std::filesystem::exists(package / "__main__.py")) {
-    throw InputError(
-        fmt::format("{}: kinloop batch is not installed there; install kinloop again, with its folder share",
-                    package.string()));
-  }
-  return package;
-}
-
-}  // namespace
 
 void start_batch(std::vector<std::string> words) {
   const auto program = std::filesystem::read_symlink("/proc/self/exe");
-  words.insert(words.begin(), {"python3", batch_package(program).string()});
+  words.insert(words.begin(), {"python3", python_file("batch").string()});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);

@@ -8,6 +8,7 @@
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/progress_bar.hpp"
+#include "apps/shared/rerun_export.hpp"
 #include "apps/shared/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"
@@ -70,7 +71,8 @@ struct ExportArguments {
   std::filesystem::path map, poses;
   std::filesystem::path cloud, octomap, grid, trajectory, keyframes, graph, mcap;
   std::filesystem::path colmap, nerfstudio;  ///< folders
-  size_t images = 0, points = 0;             ///< of these; see SparseModelRequest
+  std::filesystem::path rrd;
+  size_t images = 0, points = 0;  ///< see SparseModelRequest
   std::string recording;
   std::string frame = "z-up";
   size_t session = 0;
@@ -80,7 +82,7 @@ struct ExportArguments {
 
   /// The files to write.
   [[nodiscard]] std::vector<std::filesystem::path> files() const {
-    return given({cloud, octomap, grid, trajectory, keyframes, graph, mcap});
+    return given({cloud, octomap, grid, trajectory, keyframes, graph, mcap, rrd});
   }
 
   /// The folders to write into.
@@ -159,10 +161,15 @@ void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Prog
 /// Throws UsageError if two options name one file.
 void require_distinct_files(const ExportArguments& a) {
   const std::vector<std::pair<const char*, const std::filesystem::path*>> all = {
-      {"--poses", &a.poses},           {"--cloud", &a.cloud},
-      {"--octomap", &a.octomap},       {"--grid", &a.grid},
-      {"--trajectory", &a.trajectory}, {"--keyframes", &a.keyframes},
-      {"--graph", &a.graph},           {"--mcap", &a.mcap}};
+      {"--poses", &a.poses},
+      {"--cloud", &a.cloud},
+      {"--octomap", &a.octomap},
+      {"--grid", &a.grid},
+      {"--trajectory", &a.trajectory},
+      {"--keyframes", &a.keyframes},
+      {"--graph", &a.graph},
+      {"--mcap", &a.mcap},
+      {"--rrd", &a.rrd}};
   const auto canonical = [](const std::filesystem::path& path) {
     std::error_code unknown;
     const auto found = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
@@ -185,26 +192,29 @@ void check(const ExportArguments& arguments) {
   if (arguments.wants_nothing())
     throw UsageError(
         "export: nothing to write; specify one or more of --cloud, --octomap, --grid, --trajectory, "
-        "--keyframes, --graph, --colmap, --nerfstudio, --mcap");
+        "--keyframes, --graph, --colmap, --nerfstudio, --mcap, --rrd");
   require_extension("--cloud", arguments.cloud, {".ply", ".pcd", ".las"});
   require_extension("--octomap", arguments.octomap, {".bt", ".ot"});
   require_extension("--grid", arguments.grid, {".pgm"});
   require_extension("--mcap", arguments.mcap, {".mcap"});
+  require_extension("--rrd", arguments.rrd, {".rrd"});
   if (is_kitti_name(arguments.keyframes))
     throw UsageError(
         fmt::format("--keyframes {}: KITTI format numbers frames, keyframes need time stamps; give a name "
                     "that ends in .txt or .csv",
                     arguments.keyframes.string()));
-  if (arguments.folders().empty() &&
-      (arguments.images > 0 || arguments.points > 0 || !arguments.recording.empty()))
-    throw UsageError(
-        "--images, --points and --recording are for --colmap and --nerfstudio; give one of them");
+  if (arguments.folders().empty() && arguments.points > 0)
+    throw UsageError("--points is for --colmap and --nerfstudio; give one of them");
+  if (arguments.folders().empty() && arguments.rrd.empty() &&
+      (arguments.images > 0 || !arguments.recording.empty()))
+    throw UsageError("--images and --recording are for --colmap, --nerfstudio and --rrd; give one of them");
   require_distinct_files(arguments);
   const auto map = map_file_of(arguments.map);
   require_different_file("--trajectory", arguments.trajectory, map);
   require_different_file("--keyframes", arguments.keyframes, map);
   require_different_file("--graph", arguments.graph, map);
   arguments.require_writable();
+  if (!arguments.rrd.empty()) require_rerun();
 }
 
 void run_export(const ExportArguments& arguments) {
@@ -221,7 +231,13 @@ void run_export(const ExportArguments& arguments) {
     export_map_recording({arguments.mcap, arguments.frame, arguments.session, arguments.threads}, open,
                          progress);
   }
-  if (!arguments.folders().empty()) {  // last: it adds images to the map
+  if (!arguments.rrd.empty()) {  // it adds images to the map, as does the next
+    export_rerun(arguments.rrd,
+                 {arguments.map, arguments.frame, arguments.session, arguments.threads, arguments.images,
+                  arguments.recording},
+                 open, progress);
+  }
+  if (!arguments.folders().empty()) {
     export_sparse_model(
         {arguments.map, arguments.colmap, arguments.nerfstudio, arguments.frame, arguments.session,
          arguments.threads, arguments.images, arguments.points, arguments.recording},
@@ -256,9 +272,10 @@ void add_export_command(CLI::App& app) {
                       "folder for transforms.json (Nerfstudio): undistorted images, depth, poses");
   constexpr int kMostImages = 1'000'000, kMostPoints = 100'000'000;
   command
-      ->add_option("--images", arguments->images,
-                   "with --colmap or --nerfstudio: at least so many images; those that the map does not hold "
-                   "are read from its recording (default: those of the map)")
+      ->add_option(
+          "--images", arguments->images,
+          "with --colmap, --nerfstudio or --rrd: at least so many images; those that the map does not hold "
+          "are read from its recording (default: those of the map)")
       ->check(whole_number(1, kMostImages));
   command
       ->add_option("--points", arguments->points,
@@ -268,6 +285,9 @@ void add_export_command(CLI::App& app) {
                       "with --images: the recording, if it is not where the map says");
   command->add_option("--mcap", arguments->mcap,
                       "recording for Foxglove: poses and images of a session, cloud; FILE.mcap");
+  command->add_option("--rrd", arguments->rrd,
+                      "recording for Rerun: poses, images, status of a session, cloud; FILE.rrd; needs the "
+                      "Python package rerun-sdk");
   add_poses_option(*command, arguments->poses);
   command->add_option(
       "--session", arguments->session,

@@ -18,6 +18,7 @@ if(KINLOOP_PROGRAM)
   install(TARGETS kinloop_program COMPONENT program)
   install(DIRECTORY python/kinloop/batch DESTINATION ${CMAKE_INSTALL_DATADIR}/kinloop COMPONENT program
           FILES_MATCHING PATTERN "*.py" PATTERN "*.html")
+  install(FILES python/kinloop/_rerun.py DESTINATION ${CMAKE_INSTALL_DATADIR}/kinloop COMPONENT program)
 endif()
 install(DIRECTORY kinloop drivers simulator tools session DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kinloop
         FILES_MATCHING PATTERN "*.hpp")

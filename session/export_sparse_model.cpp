@@ -1,5 +1,7 @@
 #include "session/export_sparse_model.hpp"
 
+#include <unordered_map>
+
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
@@ -12,9 +14,13 @@ namespace kinloop {
 namespace {
 
 std::vector<FrameImage> model_views(const OpenMap& open, const std::vector<PosedImage>& views) {
+  std::unordered_map<FrameId, int64_t> stamp_of;
+  for (const TrackedFrame& entry : open.log) stamp_of.emplace(entry.id, entry.stamp_ns);
   std::vector<FrameImage> with_frames;
-  for (const PosedImage& view : views)
-    with_frames.push_back({open.recorder.frame_of_image(view.image), view});
+  for (const PosedImage& view : views) {
+    const FrameId frame = open.recorder.frame_of_image(view.image);
+    with_frames.push_back({frame, view, stamp_of[frame]});
+  }
   return with_frames;
 }
 

@@ -72,7 +72,8 @@ std::string obj_text(const FileMesh& file) {
 }
 
 // Constants of the glTF 2.0 specification.
-constexpr int kUnsignedByte = 5121, kUnsignedInt = 5125, kFloat = 5126;
+constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+constexpr uint16_t kOpaque = 65535;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 
 /// The buffer view from `begin` to the current end.
@@ -88,12 +89,12 @@ std::pair<json, json> bounds(const std::vector<Eigen::Vector3f>& points) {
   return {list(box.min()), list(box.max())};
 }
 
-/// glTF colours are linear, not sRGB-encoded (IEC 61966-2-1).
-uint8_t linear(uint8_t pixel) {
+/// glTF colours are linear, not sRGB-encoded (IEC 61966-2-1). Of 8 bits, dark ones would be the same.
+uint16_t linear(uint8_t pixel) {
   constexpr double kFull = 255;
   const double s = pixel / kFull;
   const double light = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-  return static_cast<uint8_t>(std::lround(kFull * light));
+  return static_cast<uint16_t>(std::lround(kOpaque * light));
 }
 
 /// Quaternion (x, y, z, w) from the file's frame to glTF's y up: a quarter turn about x from z up, or half a
@@ -130,12 +131,12 @@ GlbBuffer glb_buffer(const FileMesh& file) {
       0, kArrayBuffer,
       {{"componentType", kFloat}, {"type", "VEC3"}, {"count", points.size()}, {"min", low}, {"max", high}});
   for (const auto& [red, green, blue] : mesh.colors) {
-    const uint8_t rgba[] = {linear(red), linear(green), linear(blue), 255};
+    const uint16_t rgba[] = {linear(red), linear(green), linear(blue), kOpaque};
     put_values(buffer.bytes, rgba, 4);
   }
   begin = end_part(
       begin, kArrayBuffer,
-      {{"componentType", kUnsignedByte}, {"type", "VEC4"}, {"normalized", true}, {"count", points.size()}});
+      {{"componentType", kUnsignedShort}, {"type", "VEC4"}, {"normalized", true}, {"count", points.size()}});
   for (const Triangle& triangle : mesh.triangles) put_values(buffer.bytes, triangle.data(), 3);
   begin =
       end_part(begin, kElementArrayBuffer,

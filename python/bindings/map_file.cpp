@@ -15,6 +15,7 @@
 #include "python/bindings/pose_graph.hpp"
 #include "python/bindings/trajectory.hpp"
 #include "session/export_sparse_model.hpp"
+#include "session/rerun_parts.hpp"
 
 namespace kinloop::python {
 namespace {
@@ -80,6 +81,16 @@ void export_model(PyMap& map, const std::filesystem::path& colmap, const std::fi
     export_sparse_model({map.path, colmap, nerfstudio, "z-up", 0, hardware_threads(), options.images,
                          options.points, options.recording},
                         open, progress.function());
+  });
+  progress.rethrow();
+}
+
+void write_parts(PyMap& map, const std::filesystem::path& folder, size_t images,
+                 const std::string& recording) {
+  PythonProgress progress{py::none()};
+  use(map, [&](OpenMap& open) {
+    write_rerun_parts(folder, {map.path, "z-up", 0, hardware_threads(), images, recording}, open,
+                      progress.function());
   });
   progress.rethrow();
 }
@@ -162,6 +173,7 @@ To continue it or to localise in it, pass its path to Slam(camera, load_map=path
           py::arg("folder"), py::kw_only(), py::arg("images") = 0, py::arg("points") = 0,
           py::arg("recording") = "",
           "Writes undistorted images with depth, and transforms.json, for Nerfstudio.")
+      .def("_write_rerun_parts", &write_parts, py::arg("folder"), py::arg("images"), py::arg("recording"))
       .def("__repr__", [](PyMap& map) {
         return fmt::format("<kinloop.Map: {}, {} keyframes>", map.path.string(),
                            map.open.map.keyframes().size());

@@ -6,6 +6,7 @@
 #include "python/bindings/dense.hpp"
 #include "python/bindings/gil.hpp"
 #include "python/bindings/map_file.hpp"
+#include "python/bindings/options.hpp"
 #include "python/bindings/result.hpp"
 #include "viewer/saved_run.hpp"
 #include "viewer/server/service.hpp"
@@ -44,24 +45,40 @@ class PyViewer {
   std::unique_ptr<ViewerService> service_;  // declared last: its thread uses the others
 };
 
+/// Without the GIL.
+SavedRun shown_run(Run& run, ColoredCloud cloud, Trajectory path) {
+  SavedRun shown;
+  shown.name = "Python";
+  shown.cloud = std::move(cloud);
+  shown.path = std::move(path);
+  shown.up = run.up().direction;
+  run.with_slam([&](const Slam& slam) {
+    shown.doubt_ns = doubt_of(slam.session_log());
+    for (const Keyframe& k : slam.map().keyframes())
+      shown.keyframes.push_back({k.stamp_ns, k.T_world_camera});
+    for (const LoopClosure& loop : slam.map().loop_closures()) shown.loops.emplace_back(loop.a, loop.b);
+    shown.metrics["landmarks"] = slam.map().landmark_count();
+  });
+  return shown;
+}
+
 SavedRun shown_result(const py::object& object) {
   const auto& result = object.cast<const Result&>();
   const py::object cloud = object.attr("cloud");
-  SavedRun run;
-  run.name = "Python";
-  run.cloud = cloud.cast<const PyCloud&>().cloud;
-  run.path = result.trajectory.poses;
-  without_gil([&] {
-    run.up = result.run->up().direction;
-    result.run->with_slam([&](const Slam& slam) {
-      run.doubt_ns = doubt_of(slam.session_log());
-      for (const Keyframe& k : slam.map().keyframes())
-        run.keyframes.push_back({k.stamp_ns, k.T_world_camera});
-      for (const LoopClosure& loop : slam.map().loop_closures()) run.loops.emplace_back(loop.a, loop.b);
-      run.metrics["landmarks"] = slam.map().landmark_count();
-    });
+  return without_gil([&, &points = cloud.cast<const PyCloud&>().cloud] {
+    return shown_run(*result.run, points, result.trajectory.poses);
   });
-  return run;
+}
+
+/// The map as it is now.
+SavedRun shown_slam(Run& run) {
+  PythonProgress progress{py::none()};
+  SavedRun shown = without_gil([&] {
+    return shown_run(run, run.fuse_cloud(progress.function()),
+                     run.with_slam([](const Slam& slam) { return slam.trajectory(DoubtfulPoses::kKept); }));
+  });
+  progress.rethrow();
+  return shown;
 }
 
 SavedRun shown_map(const py::object& object) {
@@ -86,9 +103,11 @@ SavedRun shown_map(const py::object& object) {
 SavedRun shown(const py::object& what) {
   if (py::isinstance<Result>(what)) return shown_result(what);
   if (py::isinstance<PyMap>(what)) return shown_map(what);
+  if (py::isinstance<Run>(what)) return shown_slam(what.cast<Run&>());
   if (!py::isinstance<py::str>(what) && !py::hasattr(what, "__fspath__"))
     throw UsageError(
-        "view: expected a Result, a Map, or the path of a run's folder, a map file, a cloud or a mesh");
+        "view: expected a Result, a Slam, a Map, or the path of a run's folder, a map file, a cloud or a "
+        "mesh");
   const auto path = what.cast<std::filesystem::path>();
   if (path.extension() != ".kinmap") return without_gil([&] { return read_saved_run(path); });
   return shown_map(
@@ -122,7 +141,8 @@ void bind_viewer(py::module_& module) {
            [](const PyViewer& viewer) { return fmt::format("<kinloop.Viewer: {}>", viewer.url()); });
   module.def("view", &view, py::arg("what"), py::arg("port") = 0, R"(Shows a map in a browser or a notebook.
 
-what: a Result, a Map, or the path of a run's folder, a map file, a cloud or a mesh. port: 0 = any free one.
+what: a Result, a Slam (its map as it is now), a Map, or the path of a run's folder, a map file, a cloud or a mesh.
+port: 0 = any free one.
 Returns a Viewer, which serves until close() or until nothing refers to it. Other machines cannot see it.)");
 }
 

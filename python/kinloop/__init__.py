@@ -13,7 +13,7 @@ Units are metres and seconds. `T_a_b` maps points of frame b to frame a. Camera 
 world is the first camera. Bad files raise InputError and bad arguments UsageError, both with the texts of the program.
 """
 
-from . import _calls, _convert
+from . import _calls, _convert, _rerun
 from ._kinloop import (
     BoardView,
     Calibration,
@@ -48,6 +48,7 @@ from ._kinloop import (
 )
 
 Cloud.to_open3d = _convert.cloud_to_open3d
+Map.export_rerun = _rerun.map_export_rerun
 Mesh.to_open3d = _convert.mesh_to_open3d
 Trajectory.to_pandas = _convert.trajectory_to_pandas
 

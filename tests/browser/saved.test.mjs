@@ -153,6 +153,20 @@ async function checkTimeline(page, open, shoot) {
   await linked.close();
 }
 
+/** Texts of plots that stick out of their figure, and labels of axes that lie on a number. */
+function hiddenTexts(page) {
+  return page.evaluate(() =>
+    [...document.querySelectorAll('figure svg')].flatMap((plot) => {
+      const figure = plot.closest('figure').getBoundingClientRect();
+      const texts = [...plot.querySelectorAll('text')].map((text) => ({ text: text.textContent, box: text.getBoundingClientRect() }));
+      const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+      const isHidden = ({ text, box }) =>
+        box.left < figure.left || box.right > figure.right || (text.endsWith('→') && texts.some((other) => other.text !== text && meet(other.box, box)));
+      return texts.filter(isHidden).map(({ text }) => text);
+    }),
+  );
+}
+
 await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const [out, plain] = [join(folder, 'out'), join(folder, 'no_loop')];
   assert.equal(await kinloop('run', 'sim:room', '-q', '-o', out, ...FAST).ended, 0);
@@ -172,6 +186,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     assert.deepEqual(headings, ['Map', '3D map', 'Trajectory', 'Absolute trajectory error', 'Loop closures', 'Tracking', 'CPU time per module', 'Configuration']);
     const width = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok(width <= 0, `${name}: nothing sticks out at the side, ${width} px`);
+    assert.deepEqual(await hiddenTexts(page), [], `${name}: all texts of plots can be read`);
     assert.equal(await page.locator('svg path[d*="NaN"]').count(), 0);
     assert.match(await page.locator('header .verdict').textContent(), /^quality: (good|doubtful|bad)/);
     assert.ok((await page.locator('figure img').count()) >= 3, 'map from two sides, and loops');

@@ -10,11 +10,11 @@ TEST(Escaped, ControlCharactersOfAsciiAndUnicodeAreShown) {
   EXPECT_EQ(escaped("a\nb\x7f"), "a\\nb\\x7f");
   EXPECT_EQ(escaped("\xC2\x9B"
                     "31m"),
-            "\\xc2\x9b"
+            "\\xc2\\x9b"
             "31m");  // U+009B, CSI
   EXPECT_EQ(escaped("\xE2\x80\xAE"
                     "gpj"),
-            "\\xe2\x80\xAE"
+            "\\xe2\\x80\\xae"
             "gpj");  // U+202E
   EXPECT_EQ(escaped("Zimmer \xC3\xA4, \xE2\x82\xAC"), "Zimmer \xC3\xA4, \xE2\x82\xAC");
 }

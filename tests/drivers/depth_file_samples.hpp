@@ -30,7 +30,7 @@ std::string pgm(const cv::Mat& image);
 
 /// 8 x 6 pixels of half floats, 0.5 + 0.25 x + y with 0 at (0, 0), as OpenEXR 3.1 wrote them.
 struct ExrSample {
-  const char* compression;
+  const char* compression;  ///< and what else is special
   std::string_view hex;
 };
 const std::vector<ExrSample>& exr_samples();

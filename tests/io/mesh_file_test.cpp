@@ -75,11 +75,29 @@ TEST(MeshFile, GltfAddsUp) {
   EXPECT_EQ(accessor("POSITION")["count"], 4);
   EXPECT_EQ(accessor("POSITION")["max"], (nlohmann::json{1, 1, 1}));
   EXPECT_EQ(accessor("COLOR_0")["normalized"], true);
+  EXPECT_EQ(accessor("COLOR_0")["componentType"], 5123);  // unsigned short
   EXPECT_EQ(accessor("NORMAL")["count"], 4);
   const size_t normals = scene["bufferViews"][3]["byteOffset"].get<size_t>();
   EXPECT_EQ(value_at<float>(bytes, body + normals + 8), 1);
   const size_t indices = scene["bufferViews"][2]["byteOffset"].get<size_t>();
   EXPECT_EQ(value_at<uint32_t>(bytes, body + indices + 5 * 4), 3U);
+}
+
+TEST(MeshFile, DarkColorsOfGltfStayDifferent) {
+  const test::TempFolder folder;
+  ColoredMesh mesh = square();
+  mesh.colors = {{1, 2, 3}, {4, 5, 6}, {255, 0, 0}, {0, 0, 0}};
+  write_mesh(folder.path() / "m.glb", mesh);
+  const std::string bytes = read_file(folder.path() / "m.glb");
+  const auto json_bytes = value_at<uint32_t>(bytes, 12);
+  const auto scene = nlohmann::json::parse(bytes.substr(20, json_bytes));
+  const size_t colors = 20 + json_bytes + 8 + scene["bufferViews"][1]["byteOffset"].get<size_t>();
+  // 65535 / (255 * 12.92) = 19.89 for each step.
+  EXPECT_EQ(value_at<uint16_t>(bytes, colors), 20U);
+  EXPECT_EQ(value_at<uint16_t>(bytes, colors + 2), 40U);
+  EXPECT_EQ(value_at<uint16_t>(bytes, colors + 4), 60U);
+  EXPECT_EQ(value_at<uint16_t>(bytes, colors + 6), 65535U);
+  EXPECT_EQ(value_at<uint16_t>(bytes, colors + 2 * 8), 65535U);
 }
 
 /// The rotation of the node in a .glb.

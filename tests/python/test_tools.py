@@ -203,6 +203,23 @@ def test_viewer_serves_on_loopback_and_may_be_framed_by_a_notebook(result, progr
         kinloop.view(3)
 
 
+def test_viewer_shows_the_map_of_a_run_that_goes_on(sequence):
+    source = kinloop.open(sequence)
+    slam = kinloop.Slam(source.camera)
+    for _ in range(60):
+        slam.process(next(source))
+    with kinloop.view(slam) as viewer, urllib.request.urlopen(viewer.url) as page:
+        assert page.status == 200
+    assert slam.process(next(source)) is not None
+
+
+def test_export_rerun_names_the_missing_package(program_run, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "rerun", None)
+    with pytest.raises(ImportError, match="pip install rerun-sdk"):
+        kinloop.Map.load(program_run).export_rerun(tmp_path / "run.rrd")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_viewer_may_be_closed_by_several_threads(program_run):
     for _ in range(5):
         viewer = kinloop.view(program_run / "map.ply")

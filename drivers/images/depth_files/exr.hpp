@@ -1,6 +1,5 @@
 #pragma once
-// In: OpenEXR files as depth is written to: one part of scan lines. Out: its pixels. Own code, since Debian's
-// library would be needed for this alone, and must not be trusted with crafted files.
+// In: OpenEXR files, of any compression, in scan lines or tiles, of one or several parts. Out: depth.
 
 #include <string_view>
 
@@ -10,11 +9,11 @@ namespace kinloop {
 
 bool is_exr(std::string_view bytes);
 
-/// Returns the size of the data window. Throws InputError if the header is damaged.
+/// Returns the size of the data window of the image that decode_exr decodes. Throws as decode_exr does.
 cv::Size exr_size(std::string_view bytes);
 
-/// Decodes the channel of depth (Z, else one named after depth, else R, Y or the first) of half, float or
-/// uint32 to 32FC1; not compressed, or by RLE, ZIPS or ZIP. Throws InputError for anything else.
+/// Decodes the channel of depth (Z, else one named after depth, else R, Y or V, else the first) of half,
+/// float or uint32 to 32FC1. Throws InputError for other content, deep pixels and damaged files.
 cv::Mat decode_exr(std::string_view bytes);
 
 }  // namespace kinloop

@@ -5,6 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "kinloop/core/log.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/cloud/point_colors.hpp"
 #include "kinloop/dense/mesh/simplify_mesh.hpp"
@@ -73,8 +74,16 @@ void for_each_view(const ImageStore& images, std::span<const PosedImage> views, 
 }
 
 ColoredMesh simplified_as_asked(const ColoredMesh& mesh, const MeshOptions& options) {
-  if (options.triangles > 0) return simplified_mesh(mesh, static_cast<size_t>(options.triangles));
-  return options.manifold ? manifold_mesh(mesh) : mesh;
+  if (options.triangles == 0) return options.manifold ? manifold_mesh(mesh) : mesh;
+  ColoredMesh simplified = simplified_mesh(mesh, static_cast<size_t>(options.triangles));
+  if (simplified.triangles.size() > static_cast<size_t>(options.triangles)) {
+    log::warn(
+        "the mesh has {} triangles, more than the {} of mesh.triangles: its separate pieces have no fewer; "
+        "larger "
+        "voxels (mesh.voxel_m) give fewer pieces",
+        simplified.triangles.size(), options.triangles);
+  }
+  return simplified;
 }
 
 }  // namespace

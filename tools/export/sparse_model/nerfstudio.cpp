@@ -50,6 +50,7 @@ void write_nerfstudio(const std::filesystem::path& folder, const SparseModel& mo
   for (const ModelImage& image : model.images) {
     scene["frames"].push_back({{"file_path", "images/" + image.name + ".jpg"},
                                {"depth_file_path", "depth/" + image.name + ".png"},
+                               {"stamp_ns", image.stamp_ns},
                                {"transform_matrix", transform_matrix(image.T_file_camera)}});
   }
   make_folder(folder);

@@ -59,11 +59,12 @@ SparseModel make_sparse_model(const Map& map, std::span<const FrameImage> views,
   SparseModel model{undistorter.pinhole(), frame, {}, {}};
   const SE3 T_file_world = frame.T_file_world();
   std::unordered_map<FrameId, uint32_t> image_of_frame;
-  for (const auto& [id, view] : views) {
+  for (const auto& [id, view, stamp_ns] : views) {
     if (!view.T_world_camera.is_finite()) continue;
     image_of_frame.emplace(id, static_cast<uint32_t>(model.images.size()));
     model.images.push_back({fmt::format("frame_{:06}", id.value),
                             view.image,
+                            stamp_ns,
                             view.velocity,
                             T_file_world * view.T_world_camera,
                             {}});

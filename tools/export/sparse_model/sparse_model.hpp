@@ -21,6 +21,7 @@ inline constexpr double kPixelCenter = 0.5;
 struct FrameImage {
   FrameId frame;
   PosedImage view;
+  int64_t stamp_ns = 0;
 };
 
 /// Point `point` of the model as seen in an image.
@@ -32,6 +33,7 @@ struct ModelObservation {
 struct ModelImage {
   std::string name;   ///< without folder and extension
   size_t stored = 0;  ///< index into the ImageStore
+  int64_t stamp_ns = 0;
   Velocity velocity;
   SE3 T_file_camera;
   std::vector<ModelObservation> observations;  ///< none unless the frame is a keyframe

@@ -3,7 +3,7 @@
 import { barX, ruleX } from '@observablehq/plot';
 
 import { figure, legend, row, section, table } from './page.js';
-import { draw } from './plot.js';
+import { draw, FULL_WIDTH } from './plot.js';
 
 const TITLE = 'CPU time per module';
 
@@ -11,6 +11,7 @@ export function moduleSection(all) {
   const runs = all.filter((run) => Object.keys(run.figures.timings ?? {}).length > 0);
   if (runs.length === 0) return undefined;
   const bars = figure(modulePlot(runs), 'Total CPU time');
+  bars.classList.add('full-width');
   if (runs.length > 1) return section(TITLE, legend(runs), row(bars));
   bars.classList.add('screen-only'); // duplicates the table
   const { timings, frames } = runs[0].figures;
@@ -30,11 +31,13 @@ function modulePlot(runs) {
   const spent = runs.flatMap((run, index) =>
     Object.entries(run.figures.timings).map(([module, { cpu_s: seconds }]) => ({ module, seconds, color: run.color, index })),
   );
-  const modules = new Set(spent.map(({ module }) => module)).size;
+  const modules = [...new Set(spent.map(({ module }) => module))];
+  const letter = 7.2; // pixels, of the widest usual letters
   const options = { x: 'seconds', y: 'index', fy: 'module', fill: 'color', sort: { fy: '-x', reduce: 'sum' } };
   return draw(TITLE, [barX(spent, options), ruleX([0])], {
-    height: 50 + modules * (12 + 12 * runs.length),
-    marginLeft: 110,
+    width: FULL_WIDTH,
+    height: 62 + modules.length * (12 + 12 * runs.length),
+    marginLeft: 12 + letter * Math.max(...modules.map((name) => name.length)),
     marginRight: 10,
     color: { type: 'identity' },
     y: { axis: null },

@@ -13,14 +13,17 @@ NEGLIGENCE OR OTHER TORTIOUS ACTION, ARISING OUT OF OR IN CONNECTION WITH THE US
 import { plot } from '@observablehq/plot';
 
 const MARGINS = 62; // margins of the page and a figure, left and right
-const WIDTH = Math.max(320, Math.min(560, innerWidth - MARGINS)); // no wider than a phone, so that letters
-                                                                  // keep their size
+// No wider than a phone, so that letters keep their size.
+const widthUpTo = (most) => Math.max(320, Math.min(most, innerWidth - MARGINS));
+const WIDTH = widthUpTo(560);
+export const FULL_WIDTH = widthUpTo(1140); // of a figure alone in its row
 const MOST_BUCKETS = 20000; // far more than a plot has pixels, and than a run of ten minutes has frames
 const STYLE = { fontSize: '13px', background: 'transparent', color: 'var(--soft)', overflow: 'visible' };
 
 /** A plot with `marks`; `title` is the accessible description. */
 export function draw(title, marks, options = {}) {
-  return plot({ width: WIDTH, height: 260, marginLeft: 48, grid: true, style: STYLE, ariaLabel: title, marks, ...options });
+  const marginBottom = 42; // the label of the axis is below its numbers
+  return plot({ width: WIDTH, height: 272, marginLeft: 48, marginBottom, grid: true, style: STYLE, ariaLabel: title, marks, ...options });
 }
 
 /** Ranges of x and y for a plot with equal scales on both axes that is neither too high nor too flat. */

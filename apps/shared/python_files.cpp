@@ -1,0 +1,81 @@
+#include "apps/shared/python_files.hpp"
+
+#include <array>
+#include <cerrno>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "kinloop/core/errors.hpp"
+
+namespace kinloop {
+namespace {
+
+struct ProcessEnd {
+  int status = 0;  ///< as waitpid has it
+  std::string printed;
+};
+
+std::string read_all(int descriptor) {
+  std::string text;
+  std::array<char, 4096> block{};
+  for (;;) {
+    const ssize_t bytes = read(descriptor, block.data(), block.size());
+    if (bytes < 0 && errno == EINTR) continue;
+    if (bytes <= 0) return text;
+    text.append(block.data(), static_cast<size_t>(bytes));
+  }
+}
+
+/// Runs the program that `arguments`, which end with a null pointer, begin with, and collects its output.
+ProcessEnd run_process(const std::vector<char*>& arguments) {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw InputError("cannot make a pipe");
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+  pid_t process = 0;
+  const int failed = posix_spawnp(&process, arguments.front(), &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  close(ends[1]);
+  ProcessEnd end;
+  if (failed == 0) end.printed = read_all(ends[0]);
+  close(ends[0]);
+  if (failed != 0)
+    throw InputError(fmt::format("{}: cannot be started; apt install python3", arguments.front()));
+  while (waitpid(process, &end.status, 0) < 0 && errno == EINTR) {
+  }
+  return end;
+}
+
+}  // namespace
+
+std::filesystem::path python_file(const std::string& name) {
+  const auto program = std::filesystem::read_symlink("/proc/self/exe");
+  auto file = program.parent_path().parent_path() / "share/kinloop" / name;
+  if (!std::filesystem::exists(file)) {
+    throw InputError(fmt::format("{}: is not installed there; install kinloop again, with its folder share",
+                                 file.string()));
+  }
+  return file;
+}
+
+void run_python(const std::filesystem::path& script, std::vector<std::string> words) {
+  words.insert(words.begin(), {"python3", script.string()});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  const auto [status, printed] = run_process(arguments);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
+  // The last line of a traceback says what went wrong.
+  const size_t end = printed.find_last_not_of('\n');
+  if (end == std::string::npos) throw InputError(fmt::format("{}: failed", script.string()));
+  const size_t line = printed.find_last_of('\n', end) + 1;
+  throw InputError(printed.substr(line, end + 1 - line));
+}
+
+}  // namespace kinloop
