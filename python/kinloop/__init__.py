@@ -80,6 +80,7 @@ __all__ = [
     "find_board",
     "open",
     "set_log_level",
+    "share",
     "view",
 ]
 
