@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/apps/program_test.hpp"
 
 namespace kinloop::test {
@@ -35,7 +36,7 @@ TEST_F(ShareCommandTest, WritesOnePageAndSaysWhatIsInIt) {
 
 TEST_F(ShareCommandTest, SharesTheFolderOfARunWithItsMeshOnRequest) {
   folder_.write("out/trajectory.txt", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n");
-  folder_.write("out/map.ply", kCloud);
+  write_ply(at("out/map.ply"), {{{1, 2, 3}, {2, 2, 3}}, {{255, 0, 0}, {0, 0, 255}}});
   EXPECT_THAT(share("out").out, HasSubstr("2 of 2 points"));
   const Run without = share("out", "--mesh");
   EXPECT_EQ(without.exit_code, kBadInput);
