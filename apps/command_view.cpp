@@ -11,14 +11,9 @@
 #include "apps/shared/interrupt.hpp"
 #include "apps/shared/progress_bar.hpp"
 #include "kinloop/back_end/executor.hpp"
-#include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
-#include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/io/run_folder.hpp"
-#include "session/map_store.hpp"
 #include "viewer/keyframe_images.hpp"
-#include "viewer/report/report.hpp"
-#include "viewer/saved_run.hpp"
+#include "viewer/saved_map.hpp"
 #include "viewer/server/service.hpp"
 
 namespace kinloop {
@@ -29,47 +24,16 @@ struct ViewArguments {
   std::string listen;
 };
 
-bool is_map_file(const std::filesystem::path& path) {
-  return path.extension() == std::filesystem::path(kMapFileName).extension();
-}
-
-/// Converts a map file for display: the last run's path, the keyframes of all runs, and a newly fused cloud.
-SavedRun shown_map(const std::filesystem::path& file) {
-  OpenMap open = open_map(file, {});
-  SavedRun run;
-  run.name = input_name(file.string());
-  run.path = trajectory_of(open.session_log(0), open.map, DoubtfulPoses::kKept);
-  run.doubt_ns = doubt_of(open.session_log(0));
-  for (const Keyframe& keyframe : open.map.keyframes()) {
-    run.keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
-  }
-  for (const LoopClosure& loop : open.map.loop_closures()) run.loops.emplace_back(loop.a, loop.b);
-  run.metrics["landmarks"] = open.map.landmark_count();
-  run.up = open.up(0).direction;
-  run.cloud = open.cloud(0, hardware_threads(), make_progress_bar(false));
-  return run;
-}
-
-/// The images of the keyframes; none if there is no map file, or a damaged one: all else can be shown.
-std::vector<KeyframeImage> keyframe_images(const std::filesystem::path& path, const SavedRun& run) {
-  const auto map = is_map_file(path) ? path : path / kMapFileName;
-  if (!std::filesystem::exists(map)) return {};
-  try {
-    return read_keyframe_images(map, run.keyframes);
-  } catch (const InputError& error) {
-    log::warn("the images of keyframes are not shown: {}", error.what());
-    return {};
-  }
-}
-
 /// Fills the scene: first the run, then the images, which take longer to read.
 class SavedRunFeed {
  public:
   explicit SavedRunFeed(const std::filesystem::path& path)
-      : run_(is_map_file(path) ? shown_map(path) : read_saved_run(path)),
+      : run_(is_map_file(path) ? read_saved_map(path, make_progress_bar(false)) : read_saved_run(path)),
         executor_(make_executor({.mode = ExecutorMode::kLive})) {
     executor_->submit({}, {.kind = "keyframe images", .work = [this, path]() -> Completion {
-                             return [this, images = keyframe_images(path, run_)] { images_ = images; };
+                             return [this, images = keyframe_images_of(path, run_.keyframes)] {
+                               images_ = images;
+                             };
                            }});
   }
 

@@ -50,6 +50,7 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_probe_command(app);
   kinloop::add_eval_command(app);
   kinloop::add_view_command(app);
+  kinloop::add_share_command(app);
   kinloop::add_report_command(app);
   kinloop::add_vocab_command(app);
   kinloop::add_optimize_command(app);

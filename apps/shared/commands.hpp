@@ -40,6 +40,7 @@ void add_calibrate_command(CLI::App& app);
 void add_record_command(CLI::App& app);
 void add_fetch_command(CLI::App& app);
 void add_view_command(CLI::App& app);
+void add_share_command(CLI::App& app);
 void add_map_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_mesh_command(CLI::App& app);

@@ -3,6 +3,8 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
 #include "python/bindings/dense.hpp"
 #include "python/bindings/gil.hpp"
 #include "python/bindings/map_file.hpp"
@@ -10,6 +12,7 @@
 #include "python/bindings/result.hpp"
 #include "viewer/saved_run.hpp"
 #include "viewer/server/service.hpp"
+#include "viewer/shared_page.hpp"
 
 namespace kinloop::python {
 namespace {
@@ -100,14 +103,15 @@ SavedRun shown_map(const py::object& object) {
   return run;
 }
 
-SavedRun shown(const py::object& what) {
+/// What `function` shows.
+SavedRun shown(const py::object& what, const char* function) {
   if (py::isinstance<Result>(what)) return shown_result(what);
   if (py::isinstance<PyMap>(what)) return shown_map(what);
   if (py::isinstance<Run>(what)) return shown_slam(what.cast<Run&>());
   if (!py::isinstance<py::str>(what) && !py::hasattr(what, "__fspath__"))
-    throw UsageError(
-        "view: expected a Result, a Slam, a Map, or the path of a run's folder, a map file, a cloud or a "
-        "mesh");
+    throw UsageError(fmt::format(
+        "{}: expected a Result, a Slam, a Map, or the path of a run's folder, a map file, a cloud or a mesh",
+        function));
   const auto path = what.cast<std::filesystem::path>();
   if (path.extension() != ".kinmap") return without_gil([&] { return read_saved_run(path); });
   return shown_map(
@@ -115,8 +119,33 @@ SavedRun shown(const py::object& what) {
 }
 
 std::unique_ptr<PyViewer> view(const py::object& what, uint16_t port) {
-  SavedRun run = shown(what);
+  SavedRun run = shown(what, "view");
   return without_gil([&] { return std::make_unique<PyViewer>(std::move(run), port); });
+}
+
+/// Where `what` was read; empty for a run in memory.
+std::filesystem::path path_of(const py::object& what) {
+  if (py::isinstance<Result>(what)) return {};
+  if (py::isinstance<PyMap>(what)) return what.cast<const PyMap&>().path;
+  return what.cast<std::filesystem::path>();
+}
+
+void share(const py::object& what, const std::filesystem::path& file, std::optional<size_t> points,
+           double max_size_mb, bool mesh, bool images) {
+  constexpr double kBytesPerMb = 1e6, kLargestMb = 500;
+  if (!(max_size_mb > 0 && max_size_mb <= kLargestMb))
+    throw UsageError(fmt::format("share: max_size_mb is {}; expected at most {}", max_size_mb, kLargestMb));
+  SavedRun run = shown(what, "share");
+  const auto path = path_of(what);
+  without_gil([&] {
+    require_writable_file(file);
+    select_contents(run, mesh, points.has_value(), path);
+    SharedPageLimits limits{.bytes = static_cast<size_t>(kBytesPerMb * max_size_mb)};
+    if (points) limits.points = *points;
+    std::vector<KeyframeImage> pictures;
+    if (images && !path.empty()) pictures = keyframe_images_of(path, run.keyframes, kSharedImages);
+    write_file(file, make_shared_page(std::move(run), std::move(pictures), limits).html);
+  });
 }
 
 }  // namespace
@@ -144,6 +173,13 @@ void bind_viewer(py::module_& module) {
 what: a Result, a Slam (its map as it is now), a Map, or the path of a run's folder, a map file, a cloud or a mesh.
 port: 0 = any free one.
 Returns a Viewer, which serves until close() or until nothing refers to it. Other machines cannot see it.)");
+  module.def("share", &share, py::arg("what"), py::arg("file"), py::kw_only(), py::arg("points") = py::none(),
+             py::arg("max_size_mb") = 20.0, py::arg("mesh") = false, py::arg("images") = true,
+             R"(Writes a map as one HTML file that opens without kinloop.
+
+what: as for view. points: at most so many (default: as many as fit). max_size_mb: largest size of the file.
+mesh: the mesh in the run's folder in place of the cloud, or with it if points is given. images: with the images
+of keyframes, which a folder or a map file has. Raises InputError if all but the cloud does not fit.)");
 }
 
 }  // namespace kinloop::python

@@ -81,6 +81,7 @@ __all__ = [
     "find_board",
     "open",
     "set_log_level",
+    "share",
     "view",
 ]
 

@@ -358,4 +358,13 @@ class Viewer:
     def __exit__(self, *error: Any) -> None: ...
 
 def view(what: Union[Result, Slam, Map, Path], port: int = 0) -> Viewer: ...
+def share(
+    what: Union[Result, Slam, Map, Path],
+    file: Path,
+    *,
+    points: Optional[int] = None,
+    max_size_mb: float = 20.0,
+    mesh: bool = False,
+    images: bool = True,
+) -> None: ...
 def set_log_level(level: str) -> None: ...

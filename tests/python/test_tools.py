@@ -220,6 +220,22 @@ def test_export_rerun_names_the_missing_package(program_run, tmp_path, monkeypat
     assert not list(tmp_path.iterdir())
 
 
+def test_share_writes_a_page_below_the_limit(result, program_run, tmp_path):
+    page = tmp_path / "room.html"
+    for what in (result, kinloop.Map.load(program_run), program_run, program_run / "map.ply"):
+        kinloop.share(what, page, max_size_mb=2)
+        assert 100_000 < page.stat().st_size <= 2e6
+        page.unlink()
+    kinloop.share(program_run, page, points=10, images=False)
+    assert 'id="recording">' in page.read_text()
+    with pytest.raises(kinloop.InputError, match="has no mesh"):
+        kinloop.share(program_run / "map.ply", page, mesh=True)
+    with pytest.raises(kinloop.UsageError, match="max_size_mb"):
+        kinloop.share(program_run, page, max_size_mb=float("nan"))
+    with pytest.raises(kinloop.UsageError, match="share: expected"):
+        kinloop.share(3, page)
+
+
 def test_a_viewer_may_be_closed_by_several_threads(program_run):
     for _ in range(5):
         viewer = kinloop.view(program_run / "map.ply")

@@ -22,7 +22,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   /// Takes over the connection; returns false, and leaves it, if there are too many browsers.
   using UpgradeHandler = std::function<bool(ClientStream&, const Upgrade&)>;
 
-  /// `page_gzip` is the page as `gzipped_viewer_page` returns it.
+  /// `page_gzip` is the page in gzip format.
   HttpSession(boost::asio::ip::tcp::socket socket, const AccessPolicy& rules,
               std::shared_ptr<const std::string> page_gzip, UpgradeHandler on_upgrade);
 

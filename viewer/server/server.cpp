@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "viewer/gzip.hpp"
 #include "viewer/server/viewer_page.hpp"
 
 namespace kinloop {
@@ -74,7 +75,7 @@ ViewerServer::ViewerServer(asio::io_context& context, const ListenAddress& liste
       on_command_(std::move(on_command)),
       acceptor_(listen_at(context, listen)),
       pause_(context),
-      page_gzip_(std::make_shared<const std::string>(gzipped_viewer_page())) {
+      page_gzip_(std::make_shared<const std::string>(gzipped(viewer_page()))) {
   rules_ = {is_loopback_address(listen), random_token()};
   rules_.framed_by_loopback = rules_.loopback_only && listen.framed_by_loopback;
   accept_next();

@@ -1,4 +1,5 @@
-// The live viewer: one connection feeds one world, which one view draws; the panel holds the controls.
+// The live viewer: one connection, or the recording in a shared page, feeds one world, which one view draws; the panel
+// holds the controls.
 //
 //   messages.js    the protocol          world.js    the map as three.js objects    panel.js     figures, buttons
 //   connection.js  the connection        poses.js    keyframe poses, animated       runState.js  state of the run
@@ -9,11 +10,13 @@
 //   eyeDome.js     shading               timeline.js  replay of a saved run         theme.js     light or dark
 //   keyframePictures.js  images in 3D    timelineBar.js  its drawing                clipBox.js   clipping to a box
 //   picking.js     what a click hits     measures.js  distances, angles, heights    picked.js    what a click shows
+//   recording.js   the map in the page
 
 import './viewer.css';
 import { Connection } from './connection.js';
 import { Images } from './images.js';
 import { Panel } from './panel.js';
+import { Recording } from './recording.js';
 import { Timeline } from './timeline.js';
 import { View } from './view.js';
 import { World } from './world.js';
@@ -22,11 +25,14 @@ const world = new World();
 const view = new View(document.getElementById('scene'), world);
 const images = new Images(document.getElementById('images'));
 const timeline = new Timeline({ world, view, images });
-const connection = new Connection({
+const recording = document.getElementById('recording').textContent;
+const listener = {
   onMessage,
   onChange: (connected) => panel.state.setConnected(connected),
   onRefused: (reason) => panel.state.refuseControl(reason),
-});
+  onProblem: (text) => panel.state.showProblem(text),
+};
+const connection = recording ? new Recording(recording, listener) : new Connection(listener);
 const panel = new Panel({ world, view, connection, timeline });
 world.onProblem = (text) => panel.state.showProblem(text);
 let run;

@@ -46,6 +46,15 @@ export function bodyBytesOf(part) {
   return part ? part.received - HEAD_BYTES : 0;
 }
 
+/** The parts, each with its header, that follow one another in a buffer. */
+export function* partsOf(buffer) {
+  for (let at = 0; at < buffer.byteLength; ) {
+    const end = at + HEAD_BYTES + new DataView(buffer, at, HEAD_BYTES).getFloat64(16, true);
+    yield buffer.slice(at, end); // arrays inside it are aligned
+    at = end;
+  }
+}
+
 /** A part as { kind, index, version, body }; undefined if the kind is unknown. */
 export function decode(buffer) {
   const head = new DataView(buffer, 0, HEAD_BYTES);

@@ -140,7 +140,11 @@ export class TimelineBar {
     paint.stroke();
     paint.fillStyle = this.color('--soft');
     paint.font = `${10 * devicePixelRatio}px system-ui, sans-serif`;
-    paint.fillText(`up to ${LABELS[this.figure](most)}`, 3 * devicePixelRatio, top + 9 * devicePixelRatio);
+    paint.strokeStyle = this.color('--card'); // keeps the label legible on the line
+    paint.lineWidth = 4 * devicePixelRatio;
+    const label = [`up to ${LABELS[this.figure](most)}`, 3 * devicePixelRatio, top + 9 * devicePixelRatio];
+    paint.strokeText(...label);
+    paint.fillText(...label);
   }
 
   draw() {

@@ -1,0 +1,87 @@
+// kinloop share: the results of a run as one page to pass on.
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "apps/shared/commands.hpp"
+#include "apps/shared/common_options.hpp"
+#include "apps/shared/progress_bar.hpp"
+#include "apps/shared/standard_output.hpp"
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/files/writable_check.hpp"
+#include "session/map_store.hpp"
+#include "viewer/saved_map.hpp"
+#include "viewer/shared_page.hpp"
+
+namespace kinloop {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kBytesPerMb = 1e6;
+
+struct ShareArguments {
+  fs::path path;
+  fs::path output = "share.html";
+  bool mesh = false, no_images = false, quiet = false;
+  std::optional<int> points;
+  double max_size_mb = 20;
+};
+
+SavedRun read_shown(const ShareArguments& arguments) {
+  if (!is_map_file(arguments.path)) return read_saved_run(arguments.path);
+  return read_saved_map(arguments.path, make_progress_bar(arguments.quiet));
+}
+
+void share(const ShareArguments& arguments) {
+  require_different_file("-o", arguments.output, arguments.path);
+  require_writable_file(arguments.output);
+  SavedRun run = read_shown(arguments);
+  select_contents(run, arguments.mesh, arguments.points.has_value(), arguments.path);
+  const size_t all_points = run.cloud.size();
+  std::vector<KeyframeImage> images;
+  if (!arguments.no_images) images = keyframe_images_of(arguments.path, run.keyframes, kSharedImages);
+  SharedPageLimits limits{.bytes = static_cast<size_t>(std::lround(arguments.max_size_mb * kBytesPerMb))};
+  if (arguments.points) limits.points = static_cast<size_t>(*arguments.points);
+  const SharedPage page = make_shared_page(std::move(run), std::move(images), limits);
+  write_file(arguments.output, page.html);
+  if (arguments.quiet) return;
+  print_text(
+      fmt::format("{}: {:.1f} MB, {} of {} points, {} images\n", arguments.output.string(),
+                  static_cast<double>(page.html.size()) / kBytesPerMb, page.points, all_points, page.images),
+      message_stream(arguments.output));
+}
+
+}  // namespace
+
+void add_share_command(CLI::App& app) {
+  constexpr int kMostPoints = 100'000'000;
+  constexpr double kSmallestMb = 1, kLargestMb = 500;
+  auto arguments = std::make_shared<ShareArguments>();
+  CLI::App* command =
+      app.add_subcommand("share", "Write a run's map as one HTML file that opens without kinloop");
+  command
+      ->add_option("DIR|FILE", arguments->path,
+                   "the output folder of kinloop run -o DIR, a map file (.kinmap), a cloud (.ply, .pcd) "
+                   "or\na mesh (.ply, .glb)")
+      ->required();
+  command->add_option("-o,--output", arguments->output, "page to write")->capture_default_str();
+  command->add_flag("--mesh", arguments->mesh,
+                    "the mesh in the folder (mesh.ply, mesh.glb) in place of the cloud; both with --points");
+  command->add_option("--points", arguments->points, "at most so many points (default: as many as fit)")
+      ->check(whole_number(0, kMostPoints));
+  command->add_option("--max-size", arguments->max_size_mb, "largest size of the page, MB")
+      ->check(number(kSmallestMb, kLargestMb))
+      ->capture_default_str();
+  command->add_flag("--no-images", arguments->no_images, "leave out the images of keyframes");
+  add_quiet_option(*command, arguments->quiet);
+  command->footer("Example: kinloop share out -o room.html");
+  command->callback([arguments] { share(*arguments); });
+}
+
+}  // namespace kinloop

@@ -1,0 +1,92 @@
+// The page of kinloop share, opened from disk without a network.
+
+import assert from 'node:assert/strict';
+import { readFileSync, statSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+
+import { withBrowser, paintedPixels, seen, until } from './harness.mjs';
+
+const FAST = ['--set', 'sim.fps=5', '--set', 'sim.width=320', '--set', 'sim.height=240'];
+const MOST_BYTES = 20e6;
+
+/** Opens a page of disk and lists what it asks for. */
+async function openFile(open, file, options = {}) {
+  const requests = [];
+  const page = await open('about:blank', options);
+  page.on('request', (request) => requests.push(request.url()));
+  await page.context().setOffline(true);
+  await page.goto(pathToFileURL(file).href);
+  return { page, requests };
+}
+
+/** Clicks measure a distance. */
+async function checkMeasure(page) {
+  await page.check('[name=tool][value=distance]', { force: true });
+  const { width, height } = await page.locator('#scene').boundingBox();
+  const isMeasured = async () => {
+    for (const x of [0.4, 0.6]) await page.mouse.click(x * width, 0.5 * height); // nothing while the view still moves
+    return (await page.locator('#measures li').count()) > 0;
+  };
+  await until(isMeasured, 'the distance is listed');
+  assert.match(await page.textContent('#measures'), /\d+(\.\d+)? (m|cm|mm)/);
+}
+
+/** The timeline moves the camera and shows images. */
+async function checkTimeline(page) {
+  assert.ok(await page.isVisible('#timeline'));
+  await page.locator('#bar').focus();
+  await page.keyboard.press('Home');
+  const { camera } = await seen(page);
+  await page.keyboard.press('End');
+  assert.notDeepEqual((await seen(page)).camera, camera, 'the camera moves');
+  await until(async () => (await paintedPixels(page, '#colorImage')) > 5000, 'the image of the nearest keyframe');
+  await until(() => page.url().includes('#t='), 'the address is a link to the moment');
+}
+
+await withBrowser(async ({ open, kinloop, folder, shoot }) => {
+  const [out, file] = [join(folder, 'out'), join(folder, 'room.html')];
+  assert.equal(await kinloop('run', 'sim:room', '-q', '-o', out, ...FAST).ended, 0);
+  const share = kinloop('share', out, '-o', file);
+  assert.equal(await share.ended, 0, share.text);
+  assert.ok(statSync(file).size < MOST_BYTES);
+  const points = Number(share.text.match(/(\d+) of \d+ points/)[1]);
+
+  for (const [name, options] of Object.entries({
+    light: { colorScheme: 'light' },
+    dark: { colorScheme: 'dark' },
+    phone: { colorScheme: 'dark', viewport: { width: 390, height: 844 } },
+  })) {
+    const { page, requests } = await openFile(open, file, options);
+    await until(async () => (await seen(page)).points === points, 'all points are there');
+    await until(() => paintedPixels(page, '#scene').then((painted) => painted > 20_000), 'and drawn');
+    assert.equal((await seen(page)).badge, 'saved');
+    assert.equal(await page.title(), 'sim:room - kinloop');
+    assert.equal(await page.isVisible('#run'), false, 'there is no run to pause');
+    if (name === 'light') await checkMeasure(page);
+    if (name === 'light') await checkTimeline(page);
+    await page.waitForTimeout(500); // shading follows at rest
+    await shoot(page, `share-${name}`);
+    const elsewhere = requests.filter((url) => url !== pathToFileURL(file).href && !/^(blob|data):/.test(url));
+    assert.deepEqual(elsewhere, [], 'nothing is loaded');
+    await page.close();
+  }
+
+  // The mesh in place of the cloud.
+  assert.equal(await kinloop('mesh', out, '-q', '--voxel', '0.04', '-o', join(out, 'mesh.glb')).ended, 0);
+  assert.equal(await kinloop('share', out, '-q', '--mesh', '-o', file).ended, 0);
+  const { page: solid } = await openFile(open, file);
+  await until(() => solid.evaluate(() => window.kinloop.world.models.length === 1), 'the mesh is there');
+  assert.equal((await seen(solid)).points, 0);
+  await until(() => paintedPixels(solid, '#scene').then((painted) => painted > 20_000), 'and drawn');
+  await checkMeasure(solid);
+  await shoot(solid, 'share-mesh');
+  await solid.close();
+
+  // A page that was cut off says so.
+  const html = readFileSync(file, 'utf8');
+  const begin = html.indexOf('id="recording">') + 'id="recording">'.length;
+  writeFileSync(file, html.slice(0, begin + 4000) + html.slice(html.indexOf('<', begin)));
+  const { page: damaged } = await openFile(open, file);
+  await until(async () => (await seen(damaged)).message.includes('cannot be read'), 'the page tells');
+});
