@@ -27,8 +27,9 @@ void FrameRecorder::on_frame(const TrackedFrame& tracked) {
 void FrameRecorder::on_map(const Map& map) {
   component_of_.clear();
   for (const Keyframe& keyframe : map.keyframes()) component_of_.push_back(keyframe.component);
-  if (!live_poses_.empty() && !live_poses_.back().component)
-    live_poses_.back().component = component_of_[live_poses_.back().reference.value];
+  const bool is_of_this_frame =
+      !live_poses_.empty() && live_poses_.back().frame + 1 == feature_counts_.size();
+  if (is_of_this_frame) live_poses_.back().component = component_of_[live_poses_.back().reference.value];
 }
 
 FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings& times) const {

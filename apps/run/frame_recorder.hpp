@@ -36,7 +36,7 @@ class FrameRecorder : public Listener {
   struct LivePose {
     size_t frame;  // index in the log
     KeyframeId reference;
-    std::optional<uint32_t> component;  // of the reference then; a new one is not known before `on_map`
+    std::optional<uint32_t> component;  // of the reference then; `on_map` tells of a new or joined one
     PoseWithCovariance pose;
   };
 

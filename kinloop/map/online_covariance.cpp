@@ -33,25 +33,25 @@ Matrix6d OnlineCovariance::add(const TrackedFrame& tracked) {
   const auto make_room_for = [this](KeyframeId id) {
     if (id.value < keyframes_.size()) return;
     keyframes_.resize(id.value + 1, Matrix6d::Zero());
-    T_world_first_.resize(id.value + 1);
+    T_first_keyframe_.resize(id.value + 1);
   };
   const KeyframeId reference = tracked.reference, keyframe = tracked.keyframe;
   make_room_for(reference);
   if (keyframe.valid()) make_room_for(keyframe);
   if (tracked.outcome == TrackingOutcome::kNewMap) {
-    T_world_first_[keyframe.value] = tracked.T_world_camera;
+    T_first_keyframe_[keyframe.value] = SE3{};
     return Matrix6d::Zero();
   }
-  const std::optional<SE3> T_world_first = T_world_first_[reference.value];
+  std::optional<SE3> T_first_camera = T_first_keyframe_[reference.value];
+  if (T_first_camera) *T_first_camera = *T_first_camera * tracked.T_reference_camera;
   const Matrix6d of_reference = transported(keyframes_[reference.value], tracked.T_reference_camera);
   if (keyframe.valid()) {
     keyframes_[keyframe.value] = of_reference + kDriftFactor * tracked.covariance;
-    T_world_first_[keyframe.value] = T_world_first;
+    T_first_keyframe_[keyframe.value] = T_first_camera;
   }
   if (tracked.covariance.isZero(0)) return Matrix6d::Zero();
   Matrix6d covariance = of_reference + tracked.covariance + scatter_;
-  if (T_world_first)
-    covariance += covariance_of_scale(T_world_first->inverse() * tracked.T_world_camera, scale_sigma_);
+  if (T_first_camera) covariance += covariance_of_scale(*T_first_camera, scale_sigma_);
   return covariance;
 }
 

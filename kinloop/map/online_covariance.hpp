@@ -41,10 +41,10 @@ class OnlineCovariance {
 
   double scale_sigma_;
   std::vector<Matrix6d> keyframes_;
-  std::vector<std::optional<SE3>> T_world_first_;  // of the component, by keyframe; none for loaded maps
-  std::deque<StampedPose> latest_;                 // at most three
-  Matrix6d scatter_ = Matrix6d::Zero();            // see pose_scatter, of the frames until now
-  double frames_ = 0;                              // that it is averaged over
+  std::vector<std::optional<SE3>> T_first_keyframe_;  // in the component, by id; none for loaded maps
+  std::deque<StampedPose> latest_;                    // at most three
+  Matrix6d scatter_ = Matrix6d::Zero();               // see pose_scatter, of the frames until now
+  double frames_ = 0;                                 // that it is averaged over
 };
 
 }  // namespace kinloop

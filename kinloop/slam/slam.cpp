@@ -129,6 +129,8 @@ bool Slam::compensates_first(const TrackedFrame& second) {
   if (!known || !needs_deskewing(*map_.keyframe(first->keyframe).features, sensor())) return false;
   mapper_.compensate_first(map_, first->keyframe, second.velocity, sensor());
   tracker_.set_first_velocity(second.velocity, second.stamp_ns - first->stamp_ns, map_);
+  map_.advance_epoch();  // work in flight has the landmarks from before
+  map_changed_ = true;
   return true;
 }
 

@@ -52,11 +52,11 @@ TEST(OnlineCovariance, AnAngleMovesWhatIsFarAway) {
 TEST(OnlineCovariance, AnErrorOfTheScaleGrowsWithTheDistanceFromTheFirstKeyframe) {
   OnlineCovariance exact, scaled(0.01);
   for (OnlineCovariance* covariance : {&exact, &scaled}) covariance->add(first_frame());
-  TrackedFrame far = tracked(KeyframeId{0}, KeyframeId{1});
-  far.T_world_camera.translation.z() = 4;
+  TrackedFrame far = tracked(KeyframeId{0}, KeyframeId{1}), farther = tracked(KeyframeId{1});
+  far.T_reference_camera.translation = {0, 0, 4};
+  farther.T_reference_camera.translation = {0, 0, 1};
+  farther.T_world_camera.translation = {7, 7, 7};  // the world may have been moved since
   exact.add(far), scaled.add(far);
-  TrackedFrame farther = tracked(KeyframeId{1});
-  farther.T_world_camera.translation.z() = 5;
   const Matrix6d difference = scaled.add(farther) - exact.add(farther);
   EXPECT_NEAR(std::sqrt(difference(2, 2)), 0.05, 1e-9);
   EXPECT_NEAR(difference.norm(), difference(2, 2), 1e-12);
