@@ -11,7 +11,7 @@ from PIL import Image
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(SOURCE / "scripts"))
-from tum_folder import depth_scale, read_depth_m, rows_of  # noqa: E402
+from tum_folder import depth_scale, pose_matrix, read_depth_m, rows_of  # noqa: E402
 
 
 class Sample:
@@ -32,17 +32,6 @@ class Sample:
 
     def intrinsics(self):
         return self.K[0, 0], self.K[1, 1], self.K[0, 2], self.K[1, 2]
-
-
-def pose_matrix(row):
-    """Of a line of a trajectory in TUM's format."""
-    x, y, z, w = row[4:8] / np.linalg.norm(row[4:8])
-    pose = np.eye(4)
-    pose[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                    [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                    [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
-    pose[:3, 3] = row[1:4]
-    return pose
 
 
 def png(array):

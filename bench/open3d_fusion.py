@@ -4,6 +4,7 @@
 Usage: open3d_fusion.py SEQUENCE POSES.txt OUT.ply [VOXEL_M]
 Takes the frames whose stamps are in POSES (TUM format, camera to world), e.g. keyframes.txt of a run; writes
 the vertices of the mesh in the format of kinloop's map.ply. The camera must have no distortion."""
+import pathlib
 import sys
 import time
 
@@ -11,18 +12,13 @@ import numpy as np
 import open3d as o3d
 import yaml
 
-
-def pose_matrix(fields):
-    x, y, z, w = fields[3:]
-    matrix = np.eye(4)
-    matrix[:3, :3] = o3d.geometry.get_rotation_matrix_from_quaternion([w, x, y, z])
-    matrix[:3, 3] = fields[:3]
-    return matrix
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "scripts"))
+from tum_folder import pose_matrix  # noqa: E402
 
 
 def read_poses(path):
     lines = [line.split() for line in open(path) if not line.startswith("#")]
-    return {round(float(f[0]), 4): pose_matrix([float(v) for v in f[1:]]) for f in lines}
+    return {round(float(f[0]), 4): pose_matrix(f) for f in lines}
 
 
 def write_cloud(path, points, colors):

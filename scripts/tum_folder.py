@@ -9,6 +9,18 @@ def rows_of(path):
     return [line.split() for line in path.read_text().splitlines() if line.strip() and line[0] != "#"]
 
 
+def pose_matrix(row):
+    """The pose (4, 4) of a row of a trajectory: stamp, tx, ty, tz, qx, qy, qz, qw."""
+    row = np.asarray(row, float)
+    x, y, z, w = row[4:8] / np.linalg.norm(row[4:8])
+    pose = np.eye(4)
+    pose[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                    [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                    [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
+    pose[:3, 3] = row[1:4]
+    return pose
+
+
 def depth_scale(folder):
     """Units of the depth images per metre."""
     for line in (folder / "camera.yaml").read_text().splitlines():

@@ -30,6 +30,11 @@ std::optional<InputWarning> check_focal_length(const Slam& slam, const PinholeCa
       false};
 }
 
+/// nullopt if no depth_scale applies.
+std::optional<double> stored_depth_scale(const RgbdCamera& camera) {
+  return camera.has_metric_depth ? std::nullopt : std::optional(camera.depth_scale);
+}
+
 }  // namespace
 
 void InputMonitor::observe(const Frame& frame) {
@@ -48,7 +53,7 @@ void InputMonitor::finish(const Slam& slam, const Trajectory& truth) {
   // Most other faults also contradict the focal length, and a wrong one makes the path larger or smaller.
   if (!warnings_.empty()) return;
   if (auto warning = check_focal_length(slam, camera_.color)) return keep({*std::move(warning)});
-  if (auto warning = check_path_scale(slam.trajectory(), truth, camera_.depth_scale))
+  if (auto warning = check_path_scale(slam.trajectory(), truth, stored_depth_scale(camera_)))
     keep({*std::move(warning)});
 }
 

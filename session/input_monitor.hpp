@@ -17,8 +17,8 @@ class InputMonitor {
   /// Adds a frame, as measured. Throws InputError if nothing useful can come of such frames.
   void observe(const Frame& frame);
 
-  /// Ends the frames, after the run has ended; a second call does nothing. `truth` are the poses that came
-  /// with the recording, if any did.
+  /// Ends the frames, after the run has ended; a second call does nothing. `truth` are the poses in metres
+  /// that came with the recording, if any did.
   void finish(const Slam& slam, const Trajectory& truth);
 
   [[nodiscard]] const std::vector<InputWarning>& warnings() const { return warnings_; }

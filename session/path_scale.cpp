@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,12 +15,6 @@ namespace kinloop {
 namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
-
-std::vector<int64_t> stamps_of(const Trajectory& trajectory) {
-  std::vector<int64_t> stamps_ns;
-  for (const StampedPose& pose : trajectory) stamps_ns.push_back(pose.stamp_ns);
-  return stamps_ns;
-}
 
 /// The standard deviation about the mean.
 double spread_of_points(const Points& points) {
@@ -39,10 +34,20 @@ std::optional<double> distance_m(const Points& a, const Points& b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
+/// `scale` is that of the path, over that of the poses.
+std::string remedy(double scale, std::optional<double> depth_scale, double tolerance) {
+  if (!depth_scale)
+    return fmt::format(
+        "depth seems to be in another unit: divide it by {:.3g}, unless those poses have another unit",
+        scale);
+  return fmt::format("use --depth-scale {} instead of {:g}, unless those poses have another unit",
+                     depth_scale_text(scale * *depth_scale, *depth_scale, tolerance), *depth_scale);
+}
+
 }  // namespace
 
 std::optional<InputWarning> check_path_scale(const Trajectory& estimate, const Trajectory& truth,
-                                             double depth_scale) {
+                                             std::optional<double> depth_scale) {
   constexpr size_t kFewest = 20;
   constexpr double kMinSpread_m = 0.05, kSame = 1.1, kAgrees = 0.1;
   Points found, true_points;
@@ -64,9 +69,7 @@ std::optional<InputWarning> check_path_scale(const Trajectory& estimate, const T
           "the path of the camera is {:.3g} times as large as in the poses of the recording, from which "
           "it differs by {:.3f} m otherwise, as if all depths were {:.3g} times too {}",
           scale, *distance, std::max(scale, 1 / scale), scale > 1 ? "large" : "small"),
-      fmt::format("use --depth-scale {} instead of {:g}, unless those poses have another unit",
-                  depth_scale_text(scale * depth_scale, depth_scale, kSame), depth_scale),
-      false};
+      remedy(scale, depth_scale, kSame), false};
 }
 
 }  // namespace kinloop

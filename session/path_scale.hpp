@@ -11,8 +11,8 @@
 namespace kinloop {
 
 /// Returns a warning if `estimate` agrees with `truth`, but only at another scale. `depth_scale` is in units
-/// per metre, as stated by the camera.
+/// per metre, as stated by the camera; nullopt if depth is stored in metres, which no depth_scale changes.
 std::optional<InputWarning> check_path_scale(const Trajectory& estimate, const Trajectory& truth,
-                                             double depth_scale);
+                                             std::optional<double> depth_scale);
 
 }  // namespace kinloop

@@ -61,7 +61,8 @@ TrackedFrame Session::process(const Frame& frame) {
 const Trajectory& Session::finish(const Progress& progress) {
   pipeline_.reset();
   trajectory_ = slam_.finish(progress);
-  input_.finish(slam_, source_.info().ground_truth);
+  const SourceInfo& info = source_.info();
+  input_.finish(slam_, info.truth_in_metres ? info.ground_truth : Trajectory{});
   return trajectory_;
 }
 

@@ -19,6 +19,7 @@ OpenedSequence read_sequence(const std::filesystem::path& given_path,
     opened.sequence.depth_encoding = DepthEncoding::kFloatImage;
   opened.camera = camera_of_sequence(path, opened.sequence, camera_argument, depth_scale, given_path);
   if (opened.sequence.sensor) opened.camera.sensor.set_by_source(*opened.sequence.sensor);
+  opened.camera.has_metric_depth = is_metric(opened.sequence.depth_encoding);
   require_possible(opened.camera, path.string());
   find_truth(path, opened.camera, opened.sequence);
   return opened;

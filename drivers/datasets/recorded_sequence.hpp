@@ -51,6 +51,7 @@ struct RecordedSequence {
   std::vector<RecordedFrame> frames;  ///< in order of time
   SkippedFrames skipped;              ///< listed, but not usable
   Trajectory ground_truth;            ///< of the colour camera; empty if there is none
+  bool truth_in_metres = true;        ///< false: in an arbitrary unit, as COLMAP has
 };
 
 /// Returns whether depth is in metres, whatever the camera's depth_scale.

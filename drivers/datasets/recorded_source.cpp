@@ -58,6 +58,7 @@ RecordedSource::RecordedSource(std::string name, RecordedSequence sequence, cons
   info_.description = describe(sequence_, camera_);
   info_.frames = frames.size() + sequence_.skipped.size();
   info_.ground_truth = sequence_.ground_truth;
+  info_.truth_in_metres = sequence_.truth_in_metres;
   if (!sequence_.video.empty()) video_ = std::make_unique<VideoReader>(sequence_.video);
   if (frames.empty()) return;
   if (!video_) require_some_there(frames, &RecordedFrame::color, info_.name);
@@ -85,8 +86,18 @@ void RecordedSource::require_expected_format() const {
 }
 
 void RecordedSource::tell_kept_bits(const RecordedFrame& files) const {
-  if (!video_ && is_color_of_16_bits(read_bytes(files.color)))
-    log::info("{}: colour of 16 bits per channel, of which the upper 8 are used", info_.name);
+  if (video_) return;
+  const std::string bytes = read_bytes(files.color);
+  if (!is_color_of_16_bits(bytes)) return;
+  log::info("{}: colour of 16 bits per channel is reduced to 8", info_.name);
+  constexpr double kTwelveBits = 4096;
+  double largest = 0;
+  cv::minMaxLoc(decode_image(bytes).reshape(1), nullptr, &largest);
+  if (largest < kTwelveBits)
+    log::warn(
+        "{}: no value of {} is above {:.0f}, so that it becomes nearly black; multiply colour of 10 or 12 "
+        "bits until it fills 16",
+        info_.name, files.color.file.filename().string(), largest);
 }
 
 std::optional<Frame> RecordedSource::next() {

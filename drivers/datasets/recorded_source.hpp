@@ -31,7 +31,7 @@ class RecordedSource : public FrameSource {
  private:
   /// Throws InputError if the first images are all of the wrong size or format.
   void require_expected_format() const;
-  /// Says if colour has more bits than are used.
+  /// Says if colour has more bits than are used, and warns if it would become nearly black.
   void tell_kept_bits(const RecordedFrame& files) const;
   [[nodiscard]] Frame read_images(const RecordedFrame& files) const;
 

@@ -99,9 +99,10 @@ class BagSource : public FrameSource {
 
   /// The camera states the unit of 16-bit depth; depth in metres is kept in the unit of the camera.
   void set_depth_scale() {
+    camera_.has_metric_depth = !has_16_bit_depth();
     if (stated_scale_) {
       camera_.depth_scale = *stated_scale_;
-    } else if (has_16_bit_depth()) {
+    } else if (!camera_.has_metric_depth) {
       camera_.depth_scale = 1 / depth_unit_m_;
     }
   }

@@ -36,6 +36,12 @@ StampedPose parse_pose(const TextLine& line, const std::filesystem::path& path) 
 
 }  // namespace
 
+std::vector<int64_t> stamps_of(const Trajectory& trajectory) {
+  std::vector<int64_t> stamps_ns;
+  for (const StampedPose& pose : trajectory) stamps_ns.push_back(pose.stamp_ns);
+  return stamps_ns;
+}
+
 Trajectory read_tum_trajectory(const std::filesystem::path& path) {
   Trajectory trajectory;
   for (const TextLine& line : read_table(path)) trajectory.push_back(parse_pose(line, path));

@@ -19,6 +19,9 @@ struct StampedPose {
 /// Poses sorted by time.
 using Trajectory = std::vector<StampedPose>;
 
+/// Stamps of the poses, ns.
+std::vector<int64_t> stamps_of(const Trajectory& trajectory);
+
 /// Reads lines "timestamp tx ty tz qx qy qz qw" (seconds, metres) and sorts them by time. Throws InputError
 /// naming file and line if a line is not eight finite numbers or its quaternion is zero.
 Trajectory read_tum_trajectory(const std::filesystem::path& path);

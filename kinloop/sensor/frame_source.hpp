@@ -53,11 +53,12 @@ class SkippedFrames {
 
 /// Properties of a source. `frames` is 0 for a live camera.
 struct SourceInfo {
-  std::string name;         ///< as given by the user
-  size_t frames = 0;        ///< number of frames that `next` will return or skip
-  std::string description;  ///< what a recording was recognised as; may be empty
-  bool live = false;        ///< frames arrive in real time and are lost if not taken
-  Trajectory ground_truth;  ///< empty if there is none
+  std::string name;             ///< as given by the user
+  size_t frames = 0;            ///< number of frames that `next` will return or skip
+  std::string description;      ///< what a recording was recognised as; may be empty
+  bool live = false;            ///< frames arrive in real time and are lost if not taken
+  Trajectory ground_truth;      ///< empty if there is none
+  bool truth_in_metres = true;  ///< false: in an arbitrary unit, as COLMAP has
 };
 
 /// Returns whether a source should end, as after Ctrl-C. A source that waits for its sender or device asks

@@ -103,7 +103,7 @@ TrackedFrame Run::process_next(Frame frame) {
 Trajectory Run::finish(const Progress& progress) {
   const std::lock_guard lock(mutex_);
   if (!trajectory_) trajectory_ = slam_->finish(progress);
-  input_monitor_->finish(*slam_);
+  input_monitor_->finish(*slam_, {});
   return *trajectory_;
 }
 

@@ -118,6 +118,16 @@ TEST_F(DepthFolder, OfFloatsIsInTheUnitThatIsGiven) {
   EXPECT_FLOAT_EQ(frame->depth_m.at<float>(kRow, kColumn), 1e-3F * kDepth_mm);
 }
 
+TEST_F(DepthFolder, OfFloatsInMetresIsMetricUnlessAnotherUnitIsGiven) {
+  write(test::DepthFormat{"", ".npy", [](const cv::Mat& mm) {
+                            cv::Mat metres;
+                            mm.convertTo(metres, CV_32FC1, 0.001);
+                            return test::numpy(metres);
+                          }});
+  EXPECT_TRUE(open_sequence(folder_.path().string())->camera().has_metric_depth);
+  EXPECT_FALSE(open_sequence(folder_.path().string(), {}, 1)->camera().has_metric_depth);
+}
+
 TEST_F(DepthFolder, SideBySideMayBeExr) {
   const test::DepthFormat& exr = test::depth_formats()[2];
   for (int i = 8; i < 12; ++i) {  // without padding

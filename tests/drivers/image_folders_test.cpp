@@ -1,10 +1,15 @@
 // Folders of images without a list of frames: their names, and which images belong together.
 
+#include <memory>
+#include <sstream>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <spdlog/sinks/ostream_sink.h>
 
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/open_sequence.hpp"
+#include "kinloop/core/log.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
@@ -13,6 +18,9 @@ namespace kinloop {
 namespace {
 
 using test::TempFolder;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
 
 /// "rgb/0 depth/0, ...": the pairs of a folder with these files.
 std::string pairs_of(const std::vector<std::string>& files, size_t* skipped = nullptr) {
@@ -56,6 +64,27 @@ TEST(FoldersWithoutLists, ColourMayHaveSixteenBitsPerChannel) {
   const auto frame = open_sequence(folder.path().string())->next();
   ASSERT_TRUE(frame);
   EXPECT_EQ(cv::norm(frame->color.bgr(), test::make_color(1), cv::NORM_INF), 0);
+}
+
+/// What is logged when a folder is opened whose colour is 8 bits times `factor`, in 16 bits.
+std::string said_of_deep_color(double factor) {
+  const TempFolder folder;
+  cv::Mat deep;
+  test::make_color(1).convertTo(deep, CV_16U, factor);
+  folder.write("rgb/1.png", test::encoded(deep, ".png"));
+  folder.write("depth/1.png", test::encoded(test::make_depth(1500), ".png"));
+  folder.write("camera.yaml", test::kSmallCamera);
+  std::ostringstream said;
+  auto& sinks = log::default_logger()->sinks();
+  sinks.push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(said));
+  static_cast<void>(open_sequence(folder.path().string()));
+  sinks.pop_back();
+  return said.str();
+}
+
+TEST(FoldersWithoutLists, WarnIfColourInSixteenBitsHasOnlyTenOrTwelve) {
+  for (const double factor : {4, 16}) EXPECT_THAT(said_of_deep_color(factor), HasSubstr("nearly black"));
+  EXPECT_THAT(said_of_deep_color(257), AllOf(HasSubstr("is reduced to 8"), Not(HasSubstr("nearly black"))));
 }
 
 TEST(FolderNames, ArraysOfDepthCountNotThePicturesBesideThem) {

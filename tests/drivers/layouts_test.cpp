@@ -248,6 +248,7 @@ TEST(Transforms, FramesWithoutDepthFilesArePairedAsInTwoFolders) {
   write_file(written.path() / "transforms.json", json);
   const RecordedSequence sequence = written.read().sequence;
   EXPECT_EQ(sequence.frames.size(), 3U);
+  EXPECT_FALSE(sequence.truth_in_metres);
   ASSERT_EQ(sequence.ground_truth.size(), 3U);
   EXPECT_LT(
       (sequence.ground_truth[2].T_world_camera.inverse() * sample.truth[2].T_world_camera).translation.norm(),

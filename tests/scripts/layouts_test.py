@@ -30,7 +30,7 @@ class Layouts(unittest.TestCase):
             rows = json.loads(file.read_text())
             self.assertGreaterEqual(len(rows), 60)
             said = {row["row"]: " ".join(row["said"]) for row in rows}
-            self.assertIn("upper 8", said["colour of 16 bits per channel"])
+            self.assertIn("reduced to 8", said["colour of 16 bits per channel"])
             self.assertIn("OpenGL", said["truth: `traj.txt`, 12 columns, axes of OpenGL"])
             self.assertIn("raw disparity", said["depth as `png`, raw disparity of a Kinect 1"])
             self.assertIn("camera.yaml", said["no camera"])

@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <random>
+#include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
@@ -66,6 +67,7 @@ TEST(MotionLag, IsTheShiftBetweenTwoSignalsEvenIfTheyAreShort) {
 TEST(MotionLag, NeedsTwoSecondsOfBothSignals) {
   EXPECT_FALSE(motion_lag(std::vector<float>(62, 1), std::vector<float>(62, 1), 100));
   EXPECT_FALSE(motion_lag({}, {}, 100));
+  EXPECT_THROW(motion_lag(std::vector<float>(200, 1), std::vector<float>(100, 1), 50), std::logic_error);
 }
 
 /// What is said of a real recording whose depth comes `late` frames later.

@@ -1,7 +1,9 @@
 #include "kinloop/sensor/consistency/depth_values_check.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -16,6 +18,7 @@ using test::Recording;
 using test::with_depth;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr uint64_t kValuesSeed = 42;  // not one of docs/recordings.md
 
@@ -112,15 +115,21 @@ TEST(DepthValuesCheck, NamesTheUnitByTheStepsOfAKinect) {
               AllOf(HasSubstr("times too large"), HasSubstr("depth_scale: 5000 instead of 2500")));
 }
 
-/// What is said of the unit of depth images of a real Kinect.
-std::string unit_text(const std::filesystem::path& folder, const RgbdCamera& camera) {
-  constexpr int kEvery = 20;
+TEST(DepthValuesCheck, NamesNoDepthScaleOfDepthInMetres) {
+  Recording recording = with_wrong_scale(5);
+  recording.camera.has_metric_depth = true;
+  EXPECT_THAT(unit_text(recording), AllOf(HasSubstr("multiply it by"), Not(HasSubstr("depth_scale"))));
+}
+
+/// What is said of the unit of depth images of a real Kinect, from every n-th of them.
+std::string unit_text(const std::filesystem::path& folder, const RgbdCamera& camera, size_t every) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
   DepthValuesCheck check(camera);
-  int i = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (i++ % (folder.parent_path().filename() == "redkitchen_raw" ? 1 : kEvery) != 0) continue;
+  for (size_t i = 0; i < files.size(); i += every) {
     Frame frame;
-    frame.depth_m = read_depth_image(entry.path(), camera.depth_scale);
+    frame.depth_m = read_depth_image(files[i], camera.depth_scale);
     check.observe(frame);
   }
   const auto warning = check.unit();
@@ -132,25 +141,26 @@ TEST(DepthValuesCheck, NamesTheUnitOfARealKinect) {
   KINLOOP_SKIP_WITHOUT(path);
   RgbdCamera camera;
   camera.depth_scale = 1000;
-  EXPECT_EQ(unit_text(path, camera), "");
+  EXPECT_EQ(unit_text(path, camera, 1), "");
   camera.depth_scale = 5000;
-  EXPECT_THAT(unit_text(path, camera), HasSubstr("depth_scale: 1000 instead of 5000"));
+  EXPECT_THAT(unit_text(path, camera, 1), HasSubstr("depth_scale: 1000 instead of 5000"));
 }
 
 TEST(DepthValuesCheck, NamesTheUnitOfARealKinectThatAnotherProgramRegistered) {
   const auto path = test::shared_data("redkitchen/depth");
   KINLOOP_SKIP_WITHOUT(path);
+  constexpr size_t kEvery = 20;
   RgbdCamera camera;
   camera.color = PinholeCamera{640, 480, 522, 522, 319, 238, {}};
-  EXPECT_EQ(unit_text(path, camera), "");
+  EXPECT_EQ(unit_text(path, camera, kEvery), "");
   camera.depth_scale = 2500;
-  EXPECT_THAT(unit_text(path, camera),
+  EXPECT_THAT(unit_text(path, camera, kEvery),
               AllOf(HasSubstr("2.0 times too large"), HasSubstr("depth_scale: 5000 instead of 2500")));
   camera.depth_scale = 25000;
-  EXPECT_THAT(unit_text(path, camera), HasSubstr("depth_scale: 5000 instead of 25000"));
+  EXPECT_THAT(unit_text(path, camera, kEvery), HasSubstr("depth_scale: 5000 instead of 25000"));
   camera.color.fx = camera.color.fy = 615;  // of a RealSense, whose steps are half as large
   camera.depth_scale = 2500;
-  EXPECT_EQ(unit_text(path, camera), "");
+  EXPECT_EQ(unit_text(path, camera, kEvery), "");
 }
 
 TEST(DepthValuesCheck, SaysNothingOfTheUnitOfSensorsThatAreTakenForAKinect) {
@@ -161,14 +171,14 @@ TEST(DepthValuesCheck, SaysNothingOfTheUnitOfSensorsThatAreTakenForAKinect) {
   }
 }
 
-TEST(DisparitySteps, AreNotThoseOfMillimetres) {
-  const auto millimetres = [](const cv::Mat& depth_m) {
+TEST(DisparitySteps, AreNotThoseOfCentimetres) {
+  const auto centimetres = [](const cv::Mat& depth_m) {
     cv::Mat changed = depth_m.clone();
     changed.forEach<float>([](float& z_m, const int*) { z_m = 0.01F * std::round(100 * z_m); });
     return changed;
   };
   DisparitySteps steps(0.001);
-  for (const Frame& frame : with_depth(kinect_room(), millimetres).frames) steps.add(frame.depth_m);
+  for (const Frame& frame : with_depth(kinect_room(), centimetres).frames) steps.add(frame.depth_m);
   EXPECT_FALSE(steps.per_m());
 }
 

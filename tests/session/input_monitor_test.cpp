@@ -17,9 +17,11 @@ using testing::HasSubstr;
 /// Frames in memory.
 class FramesSource : public FrameSource {
  public:
-  FramesSource(std::vector<Frame> frames, const RgbdCamera& camera, Trajectory truth = {})
+  FramesSource(std::vector<Frame> frames, const RgbdCamera& camera, Trajectory truth = {},
+               bool truth_in_metres = true)
       : frames_(std::move(frames)), camera_(camera) {
     info_.ground_truth = std::move(truth);
+    info_.truth_in_metres = truth_in_metres;
   }
 
   std::optional<Frame> next() override {
@@ -77,7 +79,8 @@ TEST(InputMonitor, EstimatesAFocalLengthThatIsTenPerCentOff) {
   EXPECT_THAT(warnings.front().remedy, HasSubstr("fx: 2"));
 }
 
-TEST(InputMonitor, NamesADepthScaleThatContradictsThePosesOfTheRecording) {
+/// What is said of a run whose depth is 1.6 times too large, beside the poses of the recording.
+std::vector<InputWarning> warnings_with_larger_depth(bool metric_depth, bool truth_in_metres) {
   constexpr double kFactor = 1.6;
   FramesSource source = room();
   std::vector<Frame> frames;
@@ -88,13 +91,29 @@ TEST(InputMonitor, NamesADepthScaleThatContradictsThePosesOfTheRecording) {
   RgbdCamera camera = source.camera();
   camera.sensor = depth_sensor(DepthSensorModel::kTimeOfFlight, SensorOrigin::kCameraFile);  // has no steps
   camera.depth_scale /= kFactor;
-  FramesSource larger(std::move(frames), camera, source.info().ground_truth);
+  camera.has_metric_depth = metric_depth;
+  FramesSource larger(std::move(frames), camera, source.info().ground_truth, truth_in_metres);
   Session session(larger);
   session.run();
-  ASSERT_EQ(session.input().warnings().size(), 1);
-  EXPECT_EQ(session.input().warnings().front().fault, InputFault::kDepthUnit);
-  EXPECT_THAT(session.input().warnings().front().evidence, HasSubstr("as large as in the poses"));
-  EXPECT_THAT(session.input().warnings().front().remedy, HasSubstr("--depth-scale 5000 instead of 3125"));
+  return session.input().warnings();
+}
+
+TEST(InputMonitor, NamesADepthScaleThatContradictsThePosesOfTheRecording) {
+  const auto warnings = warnings_with_larger_depth(false, true);
+  ASSERT_EQ(warnings.size(), 1);
+  EXPECT_EQ(warnings.front().fault, InputFault::kDepthUnit);
+  EXPECT_THAT(warnings.front().evidence, HasSubstr("as large as in the poses"));
+  EXPECT_THAT(warnings.front().remedy, HasSubstr("--depth-scale 5000 instead of 3125"));
+}
+
+TEST(InputMonitor, NamesNoDepthScaleOfDepthInMetres) {
+  const auto warnings = warnings_with_larger_depth(true, true);
+  ASSERT_EQ(warnings.size(), 1);
+  EXPECT_THAT(warnings.front().remedy, HasSubstr("depth seems to be in another unit: divide it by 1."));
+}
+
+TEST(InputMonitor, DoesNotCompareWithPosesInAnArbitraryUnit) {
+  EXPECT_TRUE(warnings_with_larger_depth(false, false).empty());
 }
 
 TEST(InputMonitor, EndsARunOfMirroredDepthEarly) {

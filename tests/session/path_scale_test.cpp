@@ -9,6 +9,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr double kDepthScale = 2500;
 
@@ -35,6 +36,13 @@ TEST(PathScale, NamesTheRatioAndTheDepthScaleThatFits) {
   ASSERT_TRUE(small);
   EXPECT_THAT(small->evidence, HasSubstr("5 times too small"));
   EXPECT_THAT(small->remedy, HasSubstr("--depth-scale about 500 instead"));
+}
+
+TEST(PathScale, NamesNoDepthScaleOfDepthInMetres) {
+  const auto warning = check_path_scale(path(2), path(1), std::nullopt);
+  ASSERT_TRUE(warning);
+  EXPECT_THAT(warning->remedy, HasSubstr("divide it by 2,"));
+  EXPECT_THAT(warning->remedy, Not(HasSubstr("depth-scale")));
 }
 
 TEST(PathScale, SaysNothingOfAScaleThatSensorsHave) {

@@ -39,12 +39,6 @@ double rounded_seconds(int64_t stamp_ns) {
   return static_cast<double>(whole_s) + fraction;
 }
 
-std::vector<int64_t> stamps_of(const Trajectory& trajectory) {
-  std::vector<int64_t> stamps_ns;
-  for (const StampedPose& pose : trajectory) stamps_ns.push_back(pose.stamp_ns);
-  return stamps_ns;
-}
-
 std::vector<StampPair> pair_poses(const Trajectory& estimate, const Trajectory& truth,
                                   int64_t max_difference_ns, Convention convention) {
   if (convention == Convention::kTum)

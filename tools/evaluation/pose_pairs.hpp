@@ -24,9 +24,6 @@ constexpr auto option_names(Convention) {
 /// often lie exactly midway between two others, where the choice depends on this rounding.
 double rounded_seconds(int64_t stamp_ns);
 
-/// Stamps of the poses, ns.
-std::vector<int64_t> stamps_of(const Trajectory& trajectory);
-
 /// Returns the pairs (a: truth, b: estimate) that are at most `max_difference_ns` apart, sorted by time.
 std::vector<StampPair> pair_poses(const Trajectory& estimate, const Trajectory& truth,
                                   int64_t max_difference_ns, Convention convention);

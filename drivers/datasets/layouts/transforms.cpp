@@ -100,6 +100,7 @@ RecordedSequence read_transforms_folder(const fs::path& folder) {
   const auto listed = listed_frames(read_json(folder / kTransforms), folder);
   RecordedSequence sequence;
   sequence.layout = "folder with transforms.json";
+  sequence.truth_in_metres = false;  // Nerfstudio's poses often come from COLMAP
   if (is_listed_with_depth(listed)) {
     sequence.stamps_measured = false;
     for (const ListedFrame& frame : listed) {

@@ -22,6 +22,8 @@ struct RgbdCamera {
   std::optional<PinholeCamera> depth;
   SE3 T_color_depth;  ///< used only with `depth`
   DepthSensor sensor = {};
+  /// The source stores depth in metres, whatever `depth_scale` is. Sources set this; camera.yaml does not.
+  bool has_metric_depth = false;
 };
 
 /// Returns the readout time of the colour image to begin with, s.

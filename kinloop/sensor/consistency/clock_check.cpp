@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "kinloop/core/errors.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/sensor/consistency/small_images.hpp"
@@ -115,7 +116,8 @@ constexpr std::array<UnitMistake, 6> kUnitMistakes = {{{1e-3, "milliseconds are 
 std::optional<MotionLag> motion_lag(std::vector<float> color, std::vector<float> depth, int max_lag) {
   constexpr int kNear = 2, kPeak = 8;
   constexpr int kFewest = 60;
-  const int count = static_cast<int>(std::min(color.size(), depth.size()));
+  require(color.size() == depth.size(), "motion_lag: colour and depth differ in length");
+  const int count = static_cast<int>(color.size());
   max_lag = std::min(max_lag, count - kFewest);
   if (max_lag <= kNear) return std::nullopt;
   color = relative_motion(std::move(color));

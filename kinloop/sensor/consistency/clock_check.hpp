@@ -22,8 +22,9 @@ struct MotionLag {
   double elsewhere = 0;    ///< the highest score at other lags
 };
 
-/// Returns the lag up to `max_lag` frames at which the motion of depth most surely follows that of colour, as
-/// far as two seconds of both remain at 30 Hz; nullopt for too few frames.
+/// Returns the lag up to `max_lag` frames at which the motion of depth most surely follows that of colour.
+/// Both signals must overlap by at least 60 frames; nullopt for too few frames. Throws std::logic_error if
+/// they differ in length.
 std::optional<MotionLag> motion_lag(std::vector<float> color, std::vector<float> depth, int max_lag);
 
 /// Collects the stamps and the motion of both images.

@@ -65,6 +65,16 @@ bool is_known_as_kinect1(const RgbdCamera& camera) {
   return 3 * camera.color.width == 4 * camera.color.height && share > kWidest && share < kNarrowest;
 }
 
+/// `factor` is what depth must be multiplied by.
+std::string unit_remedy(const RgbdCamera& camera, double factor, double tolerance) {
+  constexpr const char* kUnless = "unless the sensor is another one (sensor: in camera.yaml)";
+  if (camera.has_metric_depth)
+    return fmt::format("depth seems to be in another unit: multiply it by {:.3g}, {}", factor, kUnless);
+  return fmt::format("depth_scale: {} instead of {:g} fits, {}",
+                     depth_scale_text(camera.depth_scale / factor, camera.depth_scale, tolerance),
+                     camera.depth_scale, kUnless);
+}
+
 }  // namespace
 
 std::optional<InputWarning> DepthValuesCheck::values() const {
@@ -103,11 +113,7 @@ std::optional<InputWarning> DepthValuesCheck::unit() const {
           "the steps of depth are {:.1f} times those of a Kinect 1 at such distances, as if all depths "
           "were {:.1f} times too {}",
           factor, std::max(factor, 1 / factor), factor > 1 ? "small" : "large"),
-      fmt::format("depth_scale: {} instead of {:g} fits, unless the sensor is another one (sensor: in "
-                  "camera.yaml)",
-                  depth_scale_text(camera_.depth_scale / factor, camera_.depth_scale, kUsual),
-                  camera_.depth_scale),
-      false};
+      unit_remedy(camera_, factor, kUsual), false};
 }
 
 }  // namespace kinloop

@@ -36,7 +36,7 @@ std::string turned_by_exif(std::string_view bytes);
 /// Returns whether these are the bytes of a PNG with colour of 16 bits per channel.
 bool is_color_of_16_bits(std::string_view bytes);
 
-/// Returns 8 bits per channel: of 16 bits, the upper ones, rounded.
+/// Returns 8 bits per channel; 16 bits are scaled by 255 / 65535 and rounded.
 cv::Mat with_8_bits(const cv::Mat& image);
 
 /// Reads a colour PNG, of which 8 bits per channel are kept, an 8-bit grey PNG or a JPEG. A JPEG is kept as
