@@ -70,7 +70,7 @@ TEST(DepthFiles, TilesOfExrThatNoImageHasAreRefusedBeforeMemoryIsAllocated) {
     if (std::string_view(sample.compression) == "ZIP_tiled") tiled = test::from_hex(sample.hex);
   const size_t tiles = tiled.find(std::string_view("tiledesc\0", 9));
   ASSERT_NE(tiles, std::string::npos);
-  const size_t columns = tiles + 9 + 4, rows = columns + 4;
+  const size_t columns = tiles + 9 + 4;
   const std::string wide = std::string(tiled).replace(columns, 4, std::string_view("\x00\x00\x00\x10", 4));
   EXPECT_THAT(input_error([&] { decode_depth_file(wide); }), HasSubstr("an image of 268435456 x 4 pixels"));
   // OpenEXR allocates a row of tiles as wide as the image, not as the tile.

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <cstring>
-#include <iterator>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -74,7 +73,8 @@ struct ExrDepth {
 /// Throws before OpenEXR allocates: all channels of a tile, and a row of tiles of the image.
 void check_memory(const Imf::Header& header, cv::Size size) {
   const Imf::ChannelList& channels = header.channels();
-  const auto count = std::distance(channels.begin(), channels.end());
+  int count = 0;
+  for (auto channel = channels.begin(); channel != channels.end(); ++channel) ++count;
   if (count > kMostChannels)
     throw InputError(fmt::format("the EXR file has {} channels, more than {}", count, kMostChannels));
   if (!header.hasTileDescription()) return;
