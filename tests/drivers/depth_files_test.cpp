@@ -64,6 +64,23 @@ TEST(DepthFiles, ExrIsReadAsOpenExrWritesIt) {
   }
 }
 
+TEST(DepthFiles, ExrIsReadWhereItsBlocksAreSmallerThanTheirPixels) {
+  constexpr double kLossOfDwaa = 0.02;  // of values up to 2.3
+  cv::Mat expected(64, 64, CV_32FC1);
+  for (int y = 0; y < expected.rows; ++y) {
+    for (int x = 0; x < expected.cols; ++x)
+      expected.at<float>(y, x) =
+          1.0F + static_cast<float>(x) / 64 + static_cast<float>(y) / 128;  // as halves
+  }
+  for (const auto compression : {Imf::PIZ_COMPRESSION, Imf::DWAA_COMPRESSION}) {
+    SCOPED_TRACE(compression);
+    const std::string bytes = test::exr_of_halves(expected, compression);
+    EXPECT_LT(bytes.size(), expected.total() * sizeof(uint16_t));  // else stored as they are, header and all
+    EXPECT_LE(cv::norm(decode_depth_file(bytes), expected, cv::NORM_INF),
+              compression == Imf::DWAA_COMPRESSION ? kLossOfDwaa : 0);
+  }
+}
+
 TEST(DepthFiles, TilesOfExrThatNoImageHasAreRefusedBeforeMemoryIsAllocated) {
   std::string tiled;
   for (const test::ExrSample& sample : test::exr_samples())
